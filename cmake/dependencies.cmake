@@ -1,0 +1,23 @@
+# Debian packages only; tools/install-dependencies lists them.
+set(Boost_NO_WARN_NEW_VERSIONS ON)
+find_package(Boost 1.74 REQUIRED)
+find_package(tomlplusplus 3.3 REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_package(Threads REQUIRED)
+
+if(RUBICON_ACTORS)
+  find_package(spdlog 1.10 REQUIRED)
+  find_package(CLI11 2.1 REQUIRED)
+  # CAF 0.17 has no CMake package.
+  find_path(CAF_INCLUDE_DIR caf/all.hpp REQUIRED)
+  find_library(CAF_CORE_LIBRARY caf_core REQUIRED)
+  add_library(caf::core UNKNOWN IMPORTED)
+  set_target_properties(caf::core PROPERTIES
+    IMPORTED_LOCATION ${CAF_CORE_LIBRARY}
+    INTERFACE_INCLUDE_DIRECTORIES ${CAF_INCLUDE_DIR}
+    INTERFACE_COMPILE_DEFINITIONS CAF_ENABLE_TYPE_ID_CHECKS
+    INTERFACE_LINK_LIBRARIES Threads::Threads)
+endif()
+if(RUBICON_TESTS)
+  find_package(Catch2 REQUIRED)
+endif()

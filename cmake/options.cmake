@@ -1,0 +1,32 @@
+# What all our code is compiled with, carried by one interface target.
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  # The sloppiness is what lets ccache work with precompiled headers.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
+      CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${CCACHE})
+endif()
+
+add_library(rubicon_options INTERFACE)
+target_compile_options(rubicon_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror
+  -ffp-contract=off) # same bits on every machine (design.md section 5)
+target_include_directories(rubicon_options INTERFACE
+  ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(rubicon_options INTERFACE -fpch-preprocess)
+endif()
+
+# Release keeps asserts: they guard our own logic.
+set(CMAKE_CXX_FLAGS_RELEASE "-O2 -g")
+set(CMAKE_CXX_FLAGS_DEBUG "-O0 -g")
+
+if(RUBICON_SANITIZE)
+  # CAF binds a reference to a null pointer when a function actor has no arguments: no null check.
+  add_compile_options(-fsanitize=${RUBICON_SANITIZE} -fno-sanitize=null
+                      -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${RUBICON_SANITIZE})
+endif()

@@ -1,0 +1,166 @@
+// The one typed description of an ecology. load() in config/load.hpp makes it from TOML; whoever
+// holds one may rely on it being valid: ids in range and unique, every reference resolved.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/time.hpp"
+#include "mote/transducer_config.hpp"
+#include "proxy/proxy_class.hpp"
+#include "radio/parameters.hpp"
+#include "serial/line_config.hpp"
+
+namespace rubicon::config {
+
+enum class run_mode : std::uint8_t { virtual_time, wall };
+
+/// Reads transducers and sends their counts, big-endian signed 16 bit, in the order listed.
+struct sampler_app {
+  std::vector<mote::quantity> transducers; ///< at least one, each present on the mote
+  duration every = 31s;
+  duration jitter = 0s;         ///< each period starts up to this much late, uniform
+  std::uint16_t channel = 1;    ///< output channel of section 5.4; equals the AM type, 0..255
+  bool reliable = false;        ///< ask for an end-to-end acknowledgement
+};
+
+/// Sets an actuator from the first octet received on a channel and answers with its new state.
+struct actuator_app {
+  std::string actuator;
+  std::uint16_t channel = 2; ///< input channel; the state goes out on the same channel
+};
+
+/// Sends text to another mote, of any island.
+struct messenger_app {
+  mote_address to;
+  std::string text;
+  duration every = 30s;
+  std::uint8_t am_type = 10;
+  bool reliable = true;
+};
+
+/// Counts what it receives on one AM type and remembers the last; the other end of a messenger.
+struct listener_app {
+  std::uint8_t am_type = 10;
+};
+
+using mote_app = std::variant<sampler_app, actuator_app, messenger_app, listener_app>;
+
+struct mote_description {
+  mote_id id;
+  std::string name;             ///< unique in its island
+  std::uint32_t type = 0;       ///< signature reported at join (PXY-13)
+  std::string type_name;        ///< the [mote_type.NAME] it came from; empty if none
+  const radio::platform* platform = nullptr; ///< never nullptr in a valid description
+  position place;
+  std::optional<double> battery_mah; ///< unset: the platform's
+  std::vector<mote::transducer_config> transducers;
+  std::vector<mote::actuator_config> actuators;
+  std::vector<mote_app> apps;
+};
+
+struct sink_description {
+  mote_id id = default_sink;
+  const radio::platform* platform = nullptr;
+  position place;
+};
+
+struct island_description {
+  island_id id;            ///< also the PEIS id of its gateway (ADR-02)
+  std::string name;
+  std::string host;        ///< empty: wherever the run is started
+  sink_description sink;
+  serial::line_config serial;
+  std::string gateway_name;               ///< PEIS name of the gateway; default NAME-gateway
+  std::vector<std::string> gateway_links; ///< names of peers or gateways it connects to
+  duration keep_alive = 10s;              ///< a silent mote is gone after this (DIS-06); motes that
+                                          ///< report more rarely get three of their periods
+  std::vector<mote_description> motes;
+};
+
+/// Islands that share a place and a radio channel.
+struct air_description {
+  std::string name;
+  std::vector<island_id> islands;
+};
+
+/// Starts a proxy for every mote whose signature a proxy class claims (PXY-09).
+struct proxy_manager_app {
+  std::vector<island_id> islands; ///< whose gateways it listens to
+};
+
+/// When a tuple passes a threshold, writes another; `below` and `above` give the hysteresis.
+struct rule {
+  std::string when;               ///< key watched, any owner
+  std::optional<double> above;    ///< at or above this: write `then`
+  std::optional<double> below;    ///< below this: write `otherwise`
+  std::string write;              ///< key to write at its owner
+  std::string then;
+  std::string otherwise;          ///< empty: nothing is written
+};
+
+struct rules_app {
+  std::vector<rule> rules; ///< at least one
+};
+
+/// Subscribes to keys of any owner and keeps the newest value of each.
+struct collector_app {
+  std::vector<std::string> keys; ///< may hold `*` parts
+};
+
+using peer_app = std::variant<proxy_manager_app, rules_app, collector_app>;
+
+struct peer_description {
+  peer_id id;
+  std::string name;
+  std::string host;
+  std::vector<std::string> links; ///< names of peers or gateways
+  std::vector<peer_app> apps;
+};
+
+struct host_description {
+  std::string name;
+  std::string address;
+};
+
+/// The mote's battery is flat at that moment.
+struct battery_end_fault {
+  mote_address mote;
+};
+/// The mote's next handler throws; its supervisor restarts it.
+struct crash_fault {
+  mote_address mote;
+};
+/// The cable of an island is out for a while.
+struct unplug_fault {
+  island_id island;
+  duration length = 30s;
+};
+
+struct fault_description {
+  duration at{};
+  std::variant<battery_end_fault, crash_fault, unplug_fault> what;
+};
+
+struct ecology_description {
+  std::string name;
+  std::uint64_t seed = 1;
+  run_mode mode = run_mode::virtual_time;
+  duration length = 10min;
+  std::string network = "rubicon"; ///< PEIS network string: ecologies that differ never meet (LNK-06)
+  radio::channel_config radio;
+  std::vector<air_description> airs;           ///< every island is in exactly one
+  std::vector<island_description> islands; ///< ascending by id
+  std::vector<peer_description> peers;         ///< ascending by id; gateways are not among them
+  std::vector<proxy::proxy_class> proxies;
+  std::vector<fault_description> faults;       ///< ascending by time
+  std::vector<host_description> hosts;
+};
+
+} // namespace rubicon::config

@@ -1,0 +1,77 @@
+// Replays a corpus, and seeded mutations of it, through LLVMFuzzerTestOneInput: the fuzz targets run
+// in every build, and libFuzzer explores further under the fuzz preset.
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "core/random.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+namespace {
+
+using rubicon::bytes;
+
+constexpr int mutations_per_input = 2000;
+
+bytes read_file(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+void mutate(bytes& input, rubicon::random_stream& dice) {
+  for (auto edits = 1 + dice.below(4); edits > 0; --edits) {
+    const auto at = input.empty() ? 0 : dice.below(input.size());
+    switch (dice.below(4)) {
+    case 0:
+      if (!input.empty())
+        input[at] = static_cast<std::uint8_t>(dice.next());
+      break;
+    case 1:
+      if (!input.empty())
+        input[at] ^= static_cast<std::uint8_t>(1U << dice.below(8));
+      break;
+    case 2:
+      input.insert(input.begin() + static_cast<std::ptrdiff_t>(at),
+                   static_cast<std::uint8_t>(dice.next()));
+      break;
+    case 3:
+      input.resize(at);
+      break;
+    }
+  }
+}
+
+} // namespace
+
+int main(int argc, char* argv[]) {
+  if (argc != 2 || !std::filesystem::is_directory(argv[1])) {
+    std::fprintf(stderr, "usage: %s CORPUS_FOLDER\n", argv[0]);
+    return 2;
+  }
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(argv[1]))
+    files.push_back(entry.path());
+  std::sort(files.begin(), files.end()); // folder order differs between file systems
+  if (files.empty()) {
+    std::fprintf(stderr, "empty corpus: %s\n", argv[1]);
+    return 2;
+  }
+  rubicon::random_stream dice(1);
+  for (const auto& file : files) {
+    const auto original = read_file(file);
+    LLVMFuzzerTestOneInput(original.data(), original.size());
+    auto input = original;
+    for (int i = 0; i < mutations_per_input; ++i) {
+      if (i % 8 == 0)
+        input = original;
+      mutate(input, dice);
+      LLVMFuzzerTestOneInput(input.data(), input.size());
+    }
+  }
+  std::printf("%zu inputs, %d mutations each\n", files.size(), mutations_per_input);
+}
