@@ -1,0 +1,33 @@
+// From a description of an ecology to the report of a run: all that a command needs to know.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "config/ecology.hpp"
+#include "runtime/report.hpp"
+
+namespace rubicon {
+
+/// What a command line may override or ask for beside the file.
+struct run_options {
+  std::optional<duration> length;
+  std::optional<std::uint64_t> seed;
+  std::optional<config::run_mode> mode;
+  double speed = 0;             ///< ecology seconds per real second; 0: virtual as fast as possible,
+                                ///< wall 1
+  std::string debug_folder;     ///< NFR-01; empty: no debug logs
+  bool handle_signals = false;  ///< end the run cleanly on SIGINT and SIGTERM (ACT-11)
+
+  /// Called now and then with the ecology time reached and the end of the run.
+  std::function<void(instant reached, instant end)> progress;
+};
+
+/// Runs an ecology to its end and collects the report.
+/// @throws std::runtime_error if the debug folder cannot be written
+[[nodiscard]] runtime::report run_ecology(const config::ecology_description& description,
+                                          const run_options& options);
+
+} // namespace rubicon

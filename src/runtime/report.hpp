@@ -1,0 +1,165 @@
+// What a run tells at its end. Actors fill the parts they know; nothing here knows an actor.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/time.hpp"
+
+namespace rubicon::runtime {
+
+/// Counts by cause; ordered by name, so that equal runs print equal reports.
+using cause_counts = std::map<std::string, std::uint64_t>;
+
+/// The radio's two books (both balance, checked as invariants).
+struct radio_report {
+  /// Copies, one per radio in range of a transmission: sent = delivered + sum of lost.
+  std::uint64_t sent = 0;
+  std::uint64_t delivered = 0;
+  cause_counts lost; ///< loss, collision, half_duplex, off, filtered, overflow
+  /// MAC requests: requests = mac_sent + sum of mac_failed + those still open at the end.
+  std::uint64_t requests = 0;
+  std::uint64_t mac_sent = 0;
+  cause_counts mac_failed; ///< no_ack, channel_access_failure, queue_full, aborted
+  std::uint64_t mac_open = 0;
+  std::uint64_t transmissions = 0; ///< frames put on the air, retries and acks included
+
+  radio_report& operator+=(const radio_report& x);
+};
+
+struct serial_report {
+  std::uint64_t octets = 0;          ///< carried, both ways
+  std::uint64_t frames_sent = 0;     ///< by either end, acks and repeats included
+  std::uint64_t frames_received = 0; ///< good ones, acks included
+  cause_counts lost;                 ///< crc, unplugged, overflow, attempts, ...
+
+  serial_report& operator+=(const serial_report& x);
+};
+
+struct peis_report {
+  std::uint64_t peers = 0;
+  std::uint64_t packages = 0; ///< sent over a link, forwarded ones included
+  std::uint64_t tuples = 0;   ///< own tuples of all peers at the end
+  cause_counts lost;          ///< queue_full, early_drop, no_route, hops, ...
+
+  peis_report& operator+=(const peis_report& x);
+};
+
+struct message_report {
+  std::uint64_t reliable_sent = 0;
+  std::uint64_t reliable_acked = 0;
+  std::uint64_t reliable_failed = 0;
+  std::uint64_t reliable_open = 0; ///< still waiting when the run ended
+  std::uint64_t unreliable_sent = 0;
+  std::uint64_t received = 0;      ///< handed to an application or a gateway
+  std::uint64_t duplicates = 0;    ///< suppressed
+
+  message_report& operator+=(const message_report& x);
+};
+
+struct mote_report {
+  mote_address address;
+  std::string name;
+  std::string type;             ///< name of its [mote_type], else the number
+  bool joined = false;          ///< ever
+  bool alive = false;           ///< at the end
+  std::uint32_t incarnations = 0;
+  std::string left_cause;       ///< empty while it is listed: battery, silence, leave, ...
+  double used_mah = 0;
+  double battery_mah = 0;
+  duration mcu_active{};
+  duration mcu_sleep{};
+  duration radio_off{};
+  duration radio_listen{};
+  duration radio_receive{};
+  duration radio_transmit{};
+};
+
+struct island_report {
+  island_id id;
+  std::string name;
+  radio_report radio;           ///< of radios of this island
+  serial_report serial;
+  message_report messages;      ///< of its motes and gateway
+  std::vector<mote_report> motes; ///< ascending by id, the sink excluded
+};
+
+/// One actuation as its proxy saw it: exactly one outcome each.
+struct actuation_report {
+  std::uint64_t requested = 0;
+  std::uint64_t acknowledged = 0;
+  cause_counts failed;
+};
+
+struct proxy_report {
+  std::string name;             ///< its key prefix, `kitchen.climate-7`
+  std::string proxy_class;
+  std::string status;           ///< active or lost
+  std::vector<std::pair<std::string, std::string>> values; ///< name and `22.3 C`, by name
+  actuation_report actuations;
+};
+
+struct peer_report {
+  peer_id id;
+  std::string name;
+  std::uint64_t links = 0;
+  std::uint64_t hosts_known = 0;
+  std::uint64_t tuples = 0;
+  peis_report peis;
+};
+
+/// Something a person following the run would want to hear.
+struct story_line {
+  instant at;
+  std::string who;  ///< actor path, `kitchen/climate-7`
+  std::string what; ///< `joined`, `left: battery`, `relay on`
+};
+
+struct violation {
+  instant at;
+  std::string invariant;
+  std::string detail;
+};
+
+struct actor_report {
+  std::uint64_t spawned = 0;
+  std::uint64_t restarted = 0;
+  std::vector<std::string> failures; ///< `kitchen/climate-7: what()`, in order, at most 100
+};
+
+struct report {
+  std::string ecology;
+  std::uint64_t seed = 0;
+  std::string mode;          ///< virtual or wall
+  duration simulated{};
+  double wall_s = 0;         ///< the only figure that differs between equal virtual runs
+  std::uint64_t events = 0;  ///< messages delivered to actors
+  std::string trace_hash;    ///< 16 hexadecimal digits
+  bool interrupted = false;  ///< ended by a signal before its time
+  actor_report actors;
+  std::vector<island_report> islands; ///< ascending by id
+  std::vector<peer_report> peers;     ///< ascending by id, gateways included
+  std::vector<proxy_report> proxies;  ///< ascending by name
+  std::vector<story_line> story;      ///< in order of time, at most story_lines_max
+  std::uint64_t story_left_out = 0;
+  std::vector<violation> violations;
+
+  [[nodiscard]] std::uint64_t motes_configured() const;
+  [[nodiscard]] std::uint64_t motes_joined() const; ///< ever
+  [[nodiscard]] std::uint64_t motes_left() const;   ///< joined once and not listed at the end
+  [[nodiscard]] std::uint64_t motes_alive() const;
+};
+
+inline constexpr std::size_t story_lines_max = 400;
+
+/// One JSON object as docs/report.md describes it, with a newline at its end.
+[[nodiscard]] std::string to_json(const report& x);
+
+/// The report a person reads. `width` is the terminal's, in characters.
+[[nodiscard]] std::string to_text(const report& x, std::size_t width = 100);
+
+} // namespace rubicon::runtime
