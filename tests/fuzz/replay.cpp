@@ -8,6 +8,7 @@
 #include <iterator>
 #include <vector>
 
+#include "core/bytes.hpp"
 #include "core/random.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

@@ -1,0 +1,249 @@
+#include "gateway/gateway.hpp"
+
+#include "core/device_keys.hpp"
+#include "network/am.hpp"
+#include "network/island_packet.hpp"
+#include "transport/segment.hpp"
+
+namespace rubicon::gateway {
+
+namespace {
+
+publish text_tuple(std::string key, std::string_view text) {
+  return {std::move(key), to_bytes(text), true};
+}
+
+publish status_tuple(mote_id mote, std::uint16_t channel, std::uint64_t sequence,
+                     input_outcome result) {
+  return text_tuple(device_input_status_key(mote, channel),
+                    to_string(input_status{sequence, result}));
+}
+
+/// Whether a message between islands asks for reliable transfer: its segment says so. An
+/// acknowledgement goes unreliably, since a lost one is asked for again end to end.
+bool wants_reliable(byte_view segment) {
+  const auto decoded = transport::decode_segment(segment);
+  return decoded && decoded->reliable;
+}
+
+} // namespace
+
+gateway::gateway(gateway_config config, random_stream dice) : config_(config) {
+  transport::endpoint_config messages;
+  messages.self = no_mote;
+  messages.outstanding_max = config.inputs_outstanding_max;
+  messages.sources_max = 1024;
+  endpoint_ = transport::endpoint(messages, dice);
+}
+
+outputs gateway::start() {
+  return {device_list()};
+}
+
+outputs gateway::on_packet(std::uint8_t am_type, byte_view payload, instant now) {
+  if (am_type == network::am::to_gateway)
+    return on_island_packet(payload, now);
+  if (am_type != network::am::sink_event) {
+    ++counters_.unknown_type;
+    return {};
+  }
+  const auto event = network::decode_sink_event(payload);
+  if (!event) {
+    ++counters_.malformed;
+    return {};
+  }
+  return std::visit([this](const auto& x) { return on_event(x); }, *event);
+}
+
+outputs gateway::on_island_packet(byte_view payload, instant now) {
+  auto packet = network::decode_island_packet(payload);
+  if (!packet) {
+    ++counters_.malformed;
+    return {};
+  }
+  const bool here = packet->island == config_.island || packet->island == own_island;
+  if (here && packet->mote == no_mote)
+    return on_segment_for_us(packet->body, now);
+  if (here)
+    return {down(config_.island, packet->mote, packet->channel, std::move(packet->body))};
+  ++counters_.forwarded_out;
+  const bool reliable = wants_reliable(packet->body);
+  return {to_gateway{
+      gateway_of(packet->island),
+      encode(network::gateway_packet{packet->mote, packet->channel, std::move(packet->body)}),
+      reliable}};
+}
+
+outputs gateway::on_segment_for_us(byte_view segment, instant now) {
+  const auto decoded = transport::decode_segment(segment);
+  if (decoded && !devices_.contains(decoded->source)) {
+    // Its join was lost on the serial line. Unacknowledged, a reliable message will come again.
+    ++counters_.undeliverable;
+    return {ask_about(decoded->source)};
+  }
+  return take(endpoint_.on_segment(config_.island, segment, now));
+}
+
+outputs gateway::on_message(peer_id source, byte_view octets, instant now) {
+  auto packet = network::decode_gateway_packet(octets);
+  if (!packet || source.value <= 0) {
+    ++counters_.malformed;
+    return {};
+  }
+  const island_id island{static_cast<std::uint32_t>(source.value)};
+  if (packet->mote == no_mote)
+    return take(endpoint_.on_segment(island, packet->body, now));
+  if (packet->mote != broadcast_mote && !devices_.contains(packet->mote)) {
+    ++counters_.undeliverable;
+    return {};
+  }
+  ++counters_.forwarded_in;
+  return {down(island, packet->mote, packet->channel, std::move(packet->body))};
+}
+
+outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets, instant now) {
+  ++counters_.inputs;
+  const auto sequence = ++input_sequences_[{mote, channel}];
+  const auto listed = devices_.find(mote);
+  if (listed == devices_.end()) {
+    ++counters_.undeliverable;
+    return {status_tuple(mote, channel, sequence, input_outcome::unreachable)};
+  }
+  listed->second.input_channels.insert(channel);
+  const auto ticket = next_ticket_++;
+  auto accepted = channel > 0xff
+                      ? std::nullopt // not an AM type: reserved for streams (WIR-01)
+                      : endpoint_.send(ticket, {config_.island, mote},
+                                       static_cast<std::uint8_t>(channel), to_bytes(octets),
+                                       true, now);
+  if (!accepted)
+    return {status_tuple(mote, channel, sequence, input_outcome::failed)};
+  pending_[ticket] = {mote, channel, sequence};
+  outputs out{status_tuple(mote, channel, sequence, input_outcome::pending)};
+  for (auto& x : take(*std::move(accepted)))
+    out.push_back(std::move(x));
+  return out;
+}
+
+outputs gateway::on_time(instant now) {
+  return take(endpoint_.on_time(now));
+}
+
+outputs gateway::on_event(const network::mote_joined& x) {
+  auto& entry = devices_[x.mote];
+  entry.incarnation = x.incarnation;
+  return {publish{device_type_key(x.mote), device_type_octets(x.type), false},
+          publish{device_descriptor_key(x.mote), x.descriptor, false}, device_list(),
+          member_changed{x.mote, true, x.incarnation, {}}};
+}
+
+outputs gateway::on_event(const network::mote_left& x) {
+  return remove(x.mote, x.cause);
+}
+
+outputs gateway::on_event(const network::roster& x) {
+  if (roster_number_ != x.number) {
+    roster_number_ = x.number;
+    roster_seen_.clear();
+    roster_pages_seen_ = 0;
+  }
+  ++roster_pages_seen_;
+  outputs out;
+  for (const auto& entry : x.entries) {
+    roster_seen_.insert(entry.mote);
+    const auto known = devices_.find(entry.mote);
+    if (known == devices_.end() || known->second.incarnation != entry.incarnation)
+      out.emplace_back(ask_about(entry.mote));
+  }
+  if (roster_pages_seen_ < x.pages)
+    return out;
+  for (const auto mote : devices()) {
+    if (!roster_seen_.contains(mote))
+      out.emplace_back(ask_about(mote));
+  }
+  roster_number_.reset();
+  return out;
+}
+
+outputs gateway::on_event(const network::describe&) {
+  ++counters_.unknown_type; // a question only gateways ask
+  return {};
+}
+
+outputs gateway::take(transport::outputs from_transport) {
+  outputs out;
+  for (auto& x : from_transport) {
+    if (auto* packet = std::get_if<transport::to_network>(&x)) {
+      const auto [island, mote] = packet->destination;
+      if (island == config_.island)
+        out.emplace_back(down(island, mote, packet->channel, std::move(packet->segment)));
+      else
+        out.emplace_back(to_gateway{
+            gateway_of(island),
+            encode(network::gateway_packet{mote, packet->channel, std::move(packet->segment)}),
+            false});
+    } else if (const auto* message = std::get_if<transport::received>(&x)) {
+      for (auto& y : publish_output(*message))
+        out.push_back(std::move(y));
+    } else {
+      const auto& done = std::get<transport::outcome>(x);
+      const auto found = pending_.find(done.id);
+      if (found == pending_.end())
+        continue;
+      const auto [mote, channel, sequence] = found->second;
+      pending_.erase(found);
+      out.emplace_back(status_tuple(mote, channel, sequence,
+                                    done.acked ? input_outcome::acknowledged
+                                               : input_outcome::failed));
+    }
+  }
+  return out;
+}
+
+outputs gateway::publish_output(const transport::received& x) {
+  const auto listed = devices_.find(x.source.mote);
+  if (x.source.island != config_.island || listed == devices_.end()) {
+    ++counters_.undeliverable;
+    return {};
+  }
+  ++counters_.outputs;
+  listed->second.output_channels.insert(x.am_type);
+  return {publish{device_output_key(x.source.mote, x.am_type), x.payload, false}};
+}
+
+outputs gateway::remove(mote_id mote, network::leave_cause cause) {
+  const auto found = devices_.find(mote);
+  if (found == devices_.end())
+    return {};
+  const auto entry = std::move(found->second);
+  devices_.erase(found);
+  outputs out{device_list(), erase{device_type_key(mote)}, erase{device_descriptor_key(mote)}};
+  for (const auto channel : entry.output_channels)
+    out.emplace_back(erase{device_output_key(mote, channel)});
+  for (const auto channel : entry.input_channels)
+    out.emplace_back(erase{device_input_status_key(mote, channel)});
+  out.emplace_back(member_changed{mote, false, entry.incarnation, cause});
+  return out;
+}
+
+publish gateway::device_list() const {
+  return text_tuple(std::string(devices_key), device_list_text(devices()));
+}
+
+to_sink gateway::ask_about(mote_id mote) {
+  return {mote, network::am::sink_event, network::encode(network::describe{mote})};
+}
+
+to_sink gateway::down(island_id source, mote_id mote, std::uint16_t channel, bytes segment) const {
+  return {mote, network::am::from_gateway,
+          encode(network::island_packet{source, mote, channel, std::move(segment)})};
+}
+
+std::vector<mote_id> gateway::devices() const {
+  std::vector<mote_id> ids;
+  for (const auto& [mote, entry] : devices_)
+    ids.push_back(mote);
+  return ids;
+}
+
+} // namespace rubicon::gateway

@@ -1,0 +1,143 @@
+// The basestation's half of the bridge between an island and the PEIS network (D1.1 4.1.1, 5.4).
+// It relays octets and knows nothing of what any mote can do (GW-02).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/random.hpp"
+#include "core/time.hpp"
+#include "network/sink_event.hpp"
+#include "transport/endpoint.hpp"
+
+namespace rubicon::gateway {
+
+/// Set this own tuple. Text goes without a trailing NUL here; the tuple layer adds it.
+struct publish {
+  std::string key;
+  bytes value;
+  bool text = false;
+};
+
+/// Delete this own tuple.
+struct erase {
+  std::string key;
+};
+
+/// Send this packet down the serial line.
+struct to_sink {
+  mote_id mote; ///< whom it is for in the end
+  std::uint8_t am_type = 0;
+  bytes payload;
+};
+
+/// Send this message (WIR-02) to another gateway, PEIS port 21.
+struct to_gateway {
+  peer_id peer;
+  bytes octets;
+  bool reliable = false; ///< as the sending mote asked (ACK-09)
+};
+
+/// A mote is listed, listed again after a restart, or no longer listed.
+struct member_changed {
+  mote_id mote;
+  bool listed = false;
+  std::uint32_t incarnation = 0;
+  network::leave_cause cause = network::leave_cause::notice; ///< when no longer listed
+};
+
+using output = std::variant<publish, erase, to_sink, to_gateway, member_changed>;
+using outputs = std::vector<output>;
+
+struct gateway_config {
+  island_id island;
+  std::size_t inputs_outstanding_max = 64; ///< further inputs fail at once
+};
+
+struct gateway_counters {
+  std::uint64_t malformed = 0;      ///< packets or messages that could not be decoded
+  std::uint64_t unknown_type = 0;   ///< serial packets of a type that has no business here
+  std::uint64_t outputs = 0;        ///< messages of motes published
+  std::uint64_t inputs = 0;         ///< tuple writes taken for motes
+  std::uint64_t forwarded_out = 0;  ///< messages of the island sent to other gateways
+  std::uint64_t forwarded_in = 0;   ///< messages of other islands sent down
+  std::uint64_t undeliverable = 0;  ///< for motes that are not listed, or for nobody here
+};
+
+/// The gateway of one island. Motes reach it as the PC of their island (no_mote); its tuples:
+///   devices, devices.$ID.{type,descriptor,output.$CH,input.$CH.status}   written here
+///   devices.$ID.input.$CH                                                written by others
+class gateway {
+public:
+  gateway() = default;
+  gateway(gateway_config config, random_stream dice);
+
+  /// Publishes the empty device list.
+  [[nodiscard]] outputs start();
+
+  /// The serial line has delivered a packet from the sink.
+  [[nodiscard]] outputs on_packet(std::uint8_t am_type, byte_view payload, instant now);
+
+  /// Somebody has written a message for a mote (`devices.$ID.input.$CH`).
+  [[nodiscard]] outputs on_input(mote_id mote, std::uint16_t channel, byte_view octets,
+                                 instant now);
+
+  /// Another gateway has sent a message for this island (WIR-02); its id is the source island.
+  [[nodiscard]] outputs on_message(peer_id source, byte_view octets, instant now);
+
+  [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
+  [[nodiscard]] std::optional<instant> deadline() const { return endpoint_.deadline(); }
+
+  [[nodiscard]] std::vector<mote_id> devices() const; ///< ascending
+  [[nodiscard]] const gateway_counters& counters() const { return counters_; }
+  [[nodiscard]] const transport::endpoint_counters& messages() const {
+    return endpoint_.counters();
+  }
+
+private:
+  struct device {
+    std::uint32_t incarnation = 0;
+    std::set<std::uint16_t> output_channels; ///< those with a tuple, erased when the mote leaves
+    std::set<std::uint16_t> input_channels;
+  };
+
+  struct pending_input {
+    mote_id mote;
+    std::uint16_t channel = 0;
+    std::uint64_t sequence = 0;
+  };
+
+  [[nodiscard]] outputs on_island_packet(byte_view payload, instant now);
+  [[nodiscard]] outputs on_segment_for_us(byte_view segment, instant now);
+  [[nodiscard]] outputs on_event(const network::mote_joined& x);
+  [[nodiscard]] outputs on_event(const network::mote_left& x);
+  [[nodiscard]] outputs on_event(const network::roster& x);
+  [[nodiscard]] outputs on_event(const network::describe& x);
+  [[nodiscard]] outputs take(transport::outputs from_transport);
+  [[nodiscard]] outputs publish_output(const transport::received& x);
+  [[nodiscard]] outputs remove(mote_id mote, network::leave_cause cause);
+  [[nodiscard]] publish device_list() const;
+  [[nodiscard]] static to_sink ask_about(mote_id mote);
+  [[nodiscard]] to_sink down(island_id source, mote_id mote, std::uint16_t channel,
+                             bytes segment) const;
+
+  gateway_config config_;
+  transport::endpoint endpoint_;
+  std::map<mote_id, device> devices_;
+  std::map<std::pair<mote_id, std::uint16_t>, std::uint64_t> input_sequences_;
+  std::map<transport::ticket, pending_input> pending_;
+  transport::ticket next_ticket_ = 1;
+  std::optional<std::uint16_t> roster_number_; ///< of the roster being received
+  std::set<mote_id> roster_seen_;
+  std::uint8_t roster_pages_seen_ = 0;
+  gateway_counters counters_;
+};
+
+} // namespace rubicon::gateway

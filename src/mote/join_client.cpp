@@ -1,0 +1,79 @@
+#include "mote/join_client.hpp"
+
+#include <algorithm>
+
+namespace rubicon::mote {
+
+join_client::join_client(join_config config, bytes descriptor, std::uint32_t incarnation,
+                         random_stream dice)
+    : config_(config), descriptor_(std::move(descriptor)), incarnation_(incarnation), dice_(dice),
+      pause_(config.pause) {}
+
+join_outputs join_client::start(instant now) {
+  state_ = state::requesting;
+  attempts_ = 0;
+  pause_ = config_.pause;
+  deadline_ = now + dice_.between(0s, config_.start_jitter);
+  return {};
+}
+
+join_outputs join_client::leave() {
+  const bool told = state_ == state::joined;
+  state_ = state::off;
+  deadline_.reset();
+  if (!told)
+    return {};
+  return {to_radio{sink_, leave_notice{}}};
+}
+
+join_outputs join_client::on_message(mote_id source, const management& message, instant now) {
+  if (const auto* reply = std::get_if<join_reply>(&message)) {
+    if (state_ == state::off || reply->sequence != sequence_)
+      return {};
+    join_outputs out{to_radio{source, join_confirm{sequence_, incarnation_, descriptor_}}};
+    if (state_ == state::requesting) {
+      state_ = state::joined;
+      sink_ = source;
+      out.emplace_back(island_joined{reply->island, source});
+    }
+    deadline_ = now + config_.keep_alive;
+    return out;
+  }
+  if (std::holds_alternative<rejoin_prompt>(message) && state_ == state::joined &&
+      source == sink_) {
+    join_outputs out{island_lost{}};
+    std::ranges::move(start(now), std::back_inserter(out));
+    return out;
+  }
+  return {};
+}
+
+void join_client::on_sent(instant now) {
+  if (state_ == state::joined)
+    deadline_ = now + config_.keep_alive;
+}
+
+join_outputs join_client::on_time(instant now) {
+  if (!deadline_ || *deadline_ > now)
+    return {};
+  if (state_ == state::joined) {
+    deadline_ = now + config_.keep_alive;
+    return {to_radio{sink_, keep_alive{incarnation_}}};
+  }
+  return request(now);
+}
+
+join_outputs join_client::request(instant now) {
+  if (attempts_ < config_.attempts_max) {
+    ++attempts_;
+    ++sequence_;
+    deadline_ = now + config_.reply_wait;
+    return {to_radio{broadcast_mote, join_request{sequence_, incarnation_, descriptor_}}};
+  }
+  attempts_ = 0;
+  deadline_ = now + pause_ + dice_.between(0s, pause_ / 2);
+  pause_ = std::min(2 * pause_, config_.pause_max);
+  return {};
+}
+
+} // namespace rubicon::mote

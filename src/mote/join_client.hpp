@@ -1,0 +1,82 @@
+// The mote's side of joining an island and staying in it (DIS-08, A-12).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/random.hpp"
+#include "core/time.hpp"
+#include "mote/management.hpp"
+
+namespace rubicon::mote {
+
+/// Send this component management message.
+struct to_radio {
+  mote_id destination; ///< broadcast_mote while the sink is unknown
+  management message;
+};
+
+/// The mote is in (D1.1 5.3.4, event `joined`).
+struct island_joined {
+  island_id island;
+  mote_id sink;
+};
+
+/// The sink has forgotten us; joining starts again.
+struct island_lost {};
+
+using join_output = std::variant<to_radio, island_joined, island_lost>;
+using join_outputs = std::vector<join_output>;
+
+struct join_config {
+  duration start_jitter = 1s;   ///< the first request leaves uniformly within this
+  duration reply_wait = 500ms;
+  unsigned attempts_max = 5;    ///< then a pause, and again without end
+  duration pause = 2s;          ///< doubles each time, jittered by half
+  duration pause_max = 30s;
+  duration keep_alive = 3s;     ///< send a keep-alive when nothing else was sent for this long
+};
+
+/// off --start--> requesting --reply--> joined --rejoin_prompt--> requesting
+///                 |   ^
+///                 +---+ no reply: again, after attempts_max with a growing pause
+class join_client {
+public:
+  enum class state : std::uint8_t { off, requesting, joined };
+
+  join_client() = default;
+  join_client(join_config config, bytes descriptor, std::uint32_t incarnation, random_stream dice);
+
+  [[nodiscard]] join_outputs start(instant now);
+  [[nodiscard]] join_outputs leave(); ///< tells the sink, then off
+
+  /// A component management message from `source`.
+  [[nodiscard]] join_outputs on_message(mote_id source, const management& message, instant now);
+
+  void on_sent(instant now); ///< the mote has sent its sink something: no keep-alive needed yet
+
+  [[nodiscard]] join_outputs on_time(instant now); ///< harmless before deadline()
+  [[nodiscard]] std::optional<instant> deadline() const { return deadline_; }
+
+  [[nodiscard]] state current() const { return state_; }
+
+private:
+  [[nodiscard]] join_outputs request(instant now);
+
+  join_config config_;
+  bytes descriptor_;
+  std::uint32_t incarnation_ = 0;
+  random_stream dice_;
+  state state_ = state::off;
+  mote_id sink_ = broadcast_mote;
+  std::uint16_t sequence_ = 0;
+  unsigned attempts_ = 0;
+  duration pause_{};
+  std::optional<instant> deadline_;
+};
+
+} // namespace rubicon::mote

@@ -1,0 +1,86 @@
+#include "mote/management.hpp"
+
+#include "core/codec.hpp"
+
+namespace rubicon::mote {
+
+namespace {
+
+struct encoder {
+  byte_writer& out;
+
+  void operator()(const join_request& x) const {
+    out.octet(1).big(x.sequence).big(x.incarnation).append(x.descriptor);
+  }
+  void operator()(const join_reply& x) const {
+    out.octet(2).big(x.sequence).big(x.island.value).big(x.mote.value).big(x.time_ms);
+  }
+  void operator()(const join_confirm& x) const {
+    out.octet(3).big(x.sequence).big(x.incarnation).append(x.descriptor);
+  }
+  void operator()(const leave_notice&) const { out.octet(4); }
+  void operator()(const keep_alive& x) const { out.octet(5).big(x.incarnation); }
+  void operator()(const rejoin_prompt&) const { out.octet(6); }
+};
+
+/// A join_request or a join_confirm, which have the same layout.
+template <class Message>
+Message read_with_descriptor(byte_reader& in) {
+  Message x;
+  x.sequence = in.big<std::uint16_t>();
+  x.incarnation = in.big<std::uint32_t>();
+  if (in.ok())
+    x.descriptor = to_bytes(in.rest());
+  return x;
+}
+
+join_reply read_reply(byte_reader& in) {
+  join_reply x;
+  x.sequence = in.big<std::uint16_t>();
+  x.island = island_id{in.big<std::uint32_t>()};
+  x.mote = mote_id{in.big<std::uint16_t>()};
+  x.time_ms = in.big<std::uint32_t>();
+  return x;
+}
+
+} // namespace
+
+bytes encode(const management& x) {
+  byte_writer out;
+  std::visit(encoder{out}, x);
+  return out.finish();
+}
+
+result<management> decode_management(byte_view octets) {
+  byte_reader in(octets);
+  management x;
+  switch (in.octet()) {
+  case 1:
+    x = read_with_descriptor<join_request>(in);
+    break;
+  case 2:
+    x = read_reply(in);
+    break;
+  case 3:
+    x = read_with_descriptor<join_confirm>(in);
+    break;
+  case 4:
+    x = leave_notice{};
+    break;
+  case 5:
+    x = keep_alive{in.big<std::uint32_t>()};
+    break;
+  case 6:
+    x = rejoin_prompt{};
+    break;
+  default:
+    return in.ok() ? errc::unsupported : errc::truncated;
+  }
+  if (!in.ok())
+    return errc::truncated;
+  if (in.remaining() > 0)
+    return errc::too_long;
+  return x;
+}
+
+} // namespace rubicon::mote

@@ -1,0 +1,67 @@
+// Component management on the radio: the payload of frames of type am::component_management
+// (DIS-08, A-12). One octet of kind, then fields in network byte order.
+#pragma once
+
+#include <cstdint>
+#include <variant>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/error.hpp"
+
+namespace rubicon::mote {
+
+/// Mote to everybody: who takes me in?
+struct join_request {
+  std::uint16_t sequence = 0;
+  std::uint32_t incarnation = 0; ///< counts the mote's starts (DIS-07)
+  bytes descriptor;
+
+  friend bool operator==(const join_request&, const join_request&) = default;
+};
+
+/// Sink to mote: you are in, once you confirm.
+struct join_reply {
+  std::uint16_t sequence = 0; ///< of the request
+  island_id island;
+  mote_id mote;               ///< the address the mote is to use
+  std::uint32_t time_ms = 0;  ///< the sink's clock
+
+  friend bool operator==(const join_reply&, const join_reply&) = default;
+};
+
+/// Mote to sink.
+struct join_confirm {
+  std::uint16_t sequence = 0;
+  std::uint32_t incarnation = 0;
+  bytes descriptor;
+
+  friend bool operator==(const join_confirm&, const join_confirm&) = default;
+};
+
+/// Mote to sink: goodbye.
+struct leave_notice {
+  friend bool operator==(const leave_notice&, const leave_notice&) = default;
+};
+
+/// Mote to sink: still here, with nothing else to say.
+struct keep_alive {
+  std::uint32_t incarnation = 0;
+
+  friend bool operator==(const keep_alive&, const keep_alive&) = default;
+};
+
+/// Sink to mote: I do not know you, join again.
+struct rejoin_prompt {
+  friend bool operator==(const rejoin_prompt&, const rejoin_prompt&) = default;
+};
+
+using management =
+    std::variant<join_request, join_reply, join_confirm, leave_notice, keep_alive, rejoin_prompt>;
+
+[[nodiscard]] bytes encode(const management& x);
+
+/// Errors: truncated, too_long, unsupported (unknown kind).
+[[nodiscard]] result<management> decode_management(byte_view octets);
+
+} // namespace rubicon::mote

@@ -1,0 +1,195 @@
+#include "mote/registrar.hpp"
+
+#include <algorithm>
+
+#include "mote/descriptor.hpp"
+
+namespace rubicon::mote {
+
+network::mote_joined registrar::event_of(mote_id mote, const member& x) {
+  return {mote, x.incarnation, x.type, x.descriptor};
+}
+
+registrar_outputs registrar::start(instant now) {
+  roster_due_ = now + config_.roster_period;
+  return {};
+}
+
+registrar_outputs registrar::on_frame(mote_id source, byte_view payload, instant now) {
+  const auto message = decode_management(payload);
+  if (!message) {
+    ++counters_.malformed;
+    return {};
+  }
+  if (const auto* request = std::get_if<join_request>(&*message))
+    return on_request(source, *request, now);
+  if (const auto* confirm = std::get_if<join_confirm>(&*message))
+    return on_confirm(source, *confirm, now);
+  if (std::holds_alternative<leave_notice>(*message)) {
+    const auto found = members_.find(source);
+    if (found == members_.end())
+      return {};
+    const bool announced = found->second.announced;
+    members_.erase(found);
+    if (!announced)
+      return {};
+    return {network::mote_left{source, network::leave_cause::notice}};
+  }
+  if (std::holds_alternative<keep_alive>(*message))
+    return on_heard(source, now);
+  return {}; // a reply or a prompt of another sink within earshot
+}
+
+registrar_outputs registrar::on_request(mote_id source, const join_request& x, instant now) {
+  const auto description = decode_descriptor(x.descriptor);
+  if (!description) {
+    ++counters_.malformed;
+    return {};
+  }
+  const auto found = members_.find(source);
+  if (found == members_.end() && members_.size() >= config_.members_max) {
+    ++counters_.refused;
+    return {};
+  }
+  auto& entry = members_[source];
+  const bool same_life = entry.confirmed && entry.incarnation == x.incarnation;
+  entry.confirmed = same_life; // a reboot is announced again once it is confirmed
+  entry.sequence = x.sequence;
+  entry.incarnation = x.incarnation;
+  entry.type = description->type;
+  entry.descriptor = x.descriptor;
+  entry.window = std::max<duration>(config_.keep_alive_window,
+                                    3 * std::chrono::milliseconds(description->keep_alive_ms));
+  entry.heard = now;
+  entry.replies = 1;
+  entry.reply_due = now + config_.confirm_wait;
+  wake_at(same_life ? now + entry.window : entry.reply_due);
+  prompted_.erase(source);
+  return {reply_to(source, entry, now)};
+}
+
+registrar_outputs registrar::on_confirm(mote_id source, const join_confirm& x, instant now) {
+  const auto found = members_.find(source);
+  if (found == members_.end() || found->second.incarnation != x.incarnation)
+    return on_heard(source, now);
+  auto& entry = found->second;
+  entry.heard = now;
+  wake_at(now + entry.window);
+  return announce(source, entry);
+}
+
+registrar_outputs registrar::announce(mote_id mote, member& entry) {
+  if (entry.confirmed)
+    return {};
+  entry.confirmed = true;
+  entry.announced = true;
+  return {event_of(mote, entry)};
+}
+
+registrar_outputs registrar::on_heard(mote_id source, instant now) {
+  const auto found = members_.find(source);
+  if (found == members_.end()) {
+    const auto last = prompted_.find(source);
+    if (last != prompted_.end() && now - last->second < config_.prompt_pause)
+      return {};
+    if (last == prompted_.end() && prompted_.size() >= config_.members_max)
+      prompted_.clear(); // bounded: forgetting costs at most one early prompt per mote
+    prompted_[source] = now;
+    return {to_mote{source, rejoin_prompt{}}};
+  }
+  auto& entry = found->second;
+  entry.heard = now;
+  return announce(source, entry); // its confirm may be lost, but only a mote with our reply sends this
+}
+
+registrar_outputs registrar::on_describe(mote_id mote, instant) {
+  const auto found = members_.find(mote);
+  if (found == members_.end())
+    return {network::mote_left{mote, network::leave_cause::silence}};
+  const auto& entry = found->second;
+  if (!entry.confirmed)
+    return {};
+  return {event_of(mote, entry)};
+}
+
+registrar_outputs registrar::on_time(instant now) {
+  registrar_outputs out;
+  if (next_expiry_ && *next_expiry_ <= now)
+    out = expire(now);
+  if (roster_due_ && *roster_due_ <= now) {
+    roster_due_ = now + config_.roster_period;
+    append_roster(out);
+  }
+  return out;
+}
+
+registrar_outputs registrar::expire(instant now) {
+  registrar_outputs out;
+  next_expiry_.reset();
+  for (auto x = members_.begin(); x != members_.end();) {
+    auto& [mote, entry] = *x;
+    if (entry.confirmed && entry.heard + entry.window <= now) {
+      out.emplace_back(network::mote_left{mote, network::leave_cause::silence});
+      x = members_.erase(x);
+      continue;
+    }
+    if (!entry.confirmed && entry.reply_due <= now) {
+      if (entry.replies >= config_.replies_max) {
+        if (entry.announced)
+          out.emplace_back(network::mote_left{mote, network::leave_cause::silence});
+        x = members_.erase(x);
+        continue;
+      }
+      ++entry.replies;
+      entry.reply_due = now + config_.confirm_wait;
+      out.emplace_back(reply_to(mote, entry, now));
+    }
+    wake_at(entry.confirmed ? entry.heard + entry.window : entry.reply_due);
+    ++x;
+  }
+  return out;
+}
+
+void registrar::append_roster(registrar_outputs& out) {
+  std::vector<network::roster_entry> entries;
+  for (const auto& [mote, entry] : members_) {
+    if (entry.announced)
+      entries.push_back({mote, entry.incarnation});
+  }
+  ++roster_number_;
+  const auto per_page = network::roster_entries_max;
+  const auto pages = std::max<std::size_t>(1, (entries.size() + per_page - 1) / per_page);
+  for (std::size_t page = 0; page < pages; ++page) {
+    const auto first = page * per_page;
+    const auto last = std::min(first + per_page, entries.size());
+    network::roster x;
+    x.number = roster_number_;
+    x.page = static_cast<std::uint8_t>(page);
+    x.pages = static_cast<std::uint8_t>(pages);
+    x.entries.assign(entries.begin() + static_cast<std::ptrdiff_t>(first),
+                     entries.begin() + static_cast<std::ptrdiff_t>(last));
+    out.emplace_back(std::move(x));
+  }
+}
+
+to_mote registrar::reply_to(mote_id mote, const member& x, instant now) const {
+  const auto since_start =
+      std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch());
+  return {mote, join_reply{x.sequence, config_.island, mote,
+                           static_cast<std::uint32_t>(since_start.count())}};
+}
+
+void registrar::wake_at(instant t) {
+  next_expiry_ = earliest(next_expiry_, t);
+}
+
+std::optional<instant> registrar::deadline() const {
+  return earliest(next_expiry_, roster_due_);
+}
+
+std::size_t registrar::members() const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      members_, [](const auto& x) { return x.second.confirmed; }));
+}
+
+} // namespace rubicon::mote

@@ -1,0 +1,98 @@
+// The sink's side of joining: who is in the island (DIS-03, DIS-06, DIS-08).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/time.hpp"
+#include "mote/management.hpp"
+#include "network/sink_event.hpp"
+
+namespace rubicon::mote {
+
+/// Send this component management message to a mote.
+struct to_mote {
+  mote_id mote;
+  management message;
+};
+
+using registrar_output = std::variant<to_mote, network::sink_event>;
+using registrar_outputs = std::vector<registrar_output>;
+
+struct registrar_config {
+  island_id island;
+  duration keep_alive_window = 10s; ///< a mote silent for longer has left (part C)
+  duration confirm_wait = 500ms;    ///< the reply is repeated until confirmed,
+  unsigned replies_max = 5;         ///< this often
+  std::size_t members_max = 1000;   ///< further requests get no answer and are counted
+  duration prompt_pause = 1s;       ///< between two rejoin prompts to one mote
+  duration roster_period = 10s;
+};
+
+struct registrar_counters {
+  std::uint64_t malformed = 0;
+  std::uint64_t refused = 0; ///< no room
+};
+
+/// Keeps the list of members, tells the gateway of each change, and repeats the whole list now and
+/// then, because the serial line may lose an event.
+class registrar {
+public:
+  registrar() = default;
+  explicit registrar(registrar_config config) : config_(config) {}
+
+  [[nodiscard]] registrar_outputs start(instant now);
+
+  /// A component management frame from `source`.
+  [[nodiscard]] registrar_outputs on_frame(mote_id source, byte_view payload, instant now);
+
+  /// Any other frame from `source`: it lives; an unknown mote is asked to join.
+  [[nodiscard]] registrar_outputs on_heard(mote_id source, instant now);
+
+  /// The gateway wants to be told about this mote again.
+  [[nodiscard]] registrar_outputs on_describe(mote_id mote, instant now);
+
+  [[nodiscard]] registrar_outputs on_time(instant now); ///< harmless before deadline()
+  [[nodiscard]] std::optional<instant> deadline() const;
+
+  [[nodiscard]] std::size_t members() const; ///< confirmed ones
+  [[nodiscard]] const registrar_counters& counters() const { return counters_; }
+
+private:
+  struct member {
+    bool confirmed = false;  ///< of its latest incarnation
+    bool announced = false;  ///< the gateway holds it for a member, perhaps of an earlier incarnation
+    std::uint16_t sequence = 0;
+    std::uint32_t incarnation = 0;
+    std::uint32_t type = 0;
+    bytes descriptor;
+    duration window{};
+    instant heard;
+    unsigned replies = 0;
+    instant reply_due;
+  };
+
+  [[nodiscard]] registrar_outputs on_request(mote_id source, const join_request& x, instant now);
+  [[nodiscard]] registrar_outputs on_confirm(mote_id source, const join_confirm& x, instant now);
+  [[nodiscard]] registrar_outputs expire(instant now);
+  [[nodiscard]] static network::mote_joined event_of(mote_id mote, const member& x);
+  [[nodiscard]] registrar_outputs announce(mote_id mote, member& entry);
+  void append_roster(registrar_outputs& out);
+  [[nodiscard]] to_mote reply_to(mote_id mote, const member& x, instant now) const;
+  void wake_at(instant t);
+
+  registrar_config config_;
+  std::map<mote_id, member> members_;
+  std::map<mote_id, instant> prompted_; ///< when an unknown mote was last asked to join
+  std::uint16_t roster_number_ = 0;
+  std::optional<instant> roster_due_;
+  std::optional<instant> next_expiry_; ///< no member needs attention before this
+  registrar_counters counters_;
+};
+
+} // namespace rubicon::mote

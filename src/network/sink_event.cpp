@@ -1,0 +1,118 @@
+#include "network/sink_event.hpp"
+
+#include <cassert>
+
+#include "core/codec.hpp"
+
+namespace rubicon::network {
+
+namespace {
+
+enum class kind : std::uint8_t { joined = 1, left = 2, roster = 3, describe = 4 };
+
+struct encoder {
+  byte_writer& out;
+
+  byte_writer& start(kind x) const { return out.octet(static_cast<std::uint8_t>(x)); }
+
+  void operator()(const mote_joined& x) const {
+    start(kind::joined).big(x.mote.value).big(x.incarnation).big(x.type).append(x.descriptor);
+  }
+  void operator()(const mote_left& x) const {
+    start(kind::left).big(x.mote.value).octet(static_cast<std::uint8_t>(x.cause));
+  }
+  void operator()(const roster& x) const {
+    assert(x.entries.size() <= roster_entries_max);
+    start(kind::roster).big(x.number).octet(x.page).octet(x.pages);
+    for (const auto& entry : x.entries)
+      out.big(entry.mote.value).big(entry.incarnation);
+  }
+  void operator()(const describe& x) const { start(kind::describe).big(x.mote.value); }
+};
+
+result<sink_event> finish(const byte_reader& in, sink_event x) {
+  if (!in.ok())
+    return errc::truncated;
+  if (in.remaining() > 0)
+    return errc::too_long;
+  return x;
+}
+
+result<sink_event> decode_joined(byte_reader& in) {
+  mote_joined x;
+  x.mote = mote_id{in.big<std::uint16_t>()};
+  x.incarnation = in.big<std::uint32_t>();
+  x.type = in.big<std::uint32_t>();
+  if (in.ok())
+    x.descriptor = to_bytes(in.rest());
+  return finish(in, std::move(x));
+}
+
+result<sink_event> decode_left(byte_reader& in) {
+  mote_left x;
+  x.mote = mote_id{in.big<std::uint16_t>()};
+  const auto cause = in.octet();
+  if (in.ok() && cause != static_cast<std::uint8_t>(leave_cause::notice) &&
+      cause != static_cast<std::uint8_t>(leave_cause::silence))
+    return errc::bad_value;
+  x.cause = static_cast<leave_cause>(cause);
+  return finish(in, x);
+}
+
+result<sink_event> decode_roster(byte_reader& in) {
+  roster x;
+  x.number = in.big<std::uint16_t>();
+  x.page = in.octet();
+  x.pages = in.octet();
+  if (in.ok() && x.page >= x.pages)
+    return errc::bad_value;
+  while (in.ok() && in.remaining() > 0) {
+    if (x.entries.size() == roster_entries_max)
+      return errc::too_long;
+    roster_entry entry;
+    entry.mote = mote_id{in.big<std::uint16_t>()};
+    entry.incarnation = in.big<std::uint32_t>();
+    x.entries.push_back(entry);
+  }
+  return finish(in, std::move(x));
+}
+
+} // namespace
+
+std::string_view to_string(leave_cause x) {
+  switch (x) {
+  case leave_cause::notice:
+    return "notice";
+  case leave_cause::silence:
+    return "silence";
+  }
+  return "unknown";
+}
+
+bytes encode(const sink_event& x) {
+  byte_writer out;
+  std::visit(encoder{out}, x);
+  return out.finish();
+}
+
+result<sink_event> decode_sink_event(byte_view octets) {
+  byte_reader in(octets);
+  const auto first = in.octet();
+  if (!in.ok())
+    return errc::truncated;
+  switch (static_cast<kind>(first)) {
+  case kind::joined:
+    return decode_joined(in);
+  case kind::left:
+    return decode_left(in);
+  case kind::roster:
+    return decode_roster(in);
+  case kind::describe: {
+    const describe x{mote_id{in.big<std::uint16_t>()}};
+    return finish(in, x);
+  }
+  }
+  return errc::unsupported;
+}
+
+} // namespace rubicon::network

@@ -1,0 +1,73 @@
+// What a sink and its gateway tell each other about the island (DIS-03, GW-15): the payload of serial
+// packets of type am::sink_event, in network byte order, one octet of kind first.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/error.hpp"
+
+namespace rubicon::network {
+
+/// Why a mote is no longer in its island.
+enum class leave_cause : std::uint8_t { notice = 1, silence = 2 };
+
+[[nodiscard]] std::string_view to_string(leave_cause x);
+
+/// Up: a mote has completed its join, or was asked for by `describe`.
+struct mote_joined {
+  mote_id mote;
+  std::uint32_t incarnation = 0; ///< counts the mote's starts
+  std::uint32_t type = 0;        ///< its signature (PXY-13)
+  bytes descriptor;              ///< as the mote sent it, for proxies to read (A-48)
+
+  friend bool operator==(const mote_joined&, const mote_joined&) = default;
+};
+
+/// Up: a mote has left.
+struct mote_left {
+  mote_id mote;
+  leave_cause cause = leave_cause::notice;
+
+  friend bool operator==(const mote_left&, const mote_left&) = default;
+};
+
+struct roster_entry {
+  mote_id mote;
+  std::uint32_t incarnation = 0;
+
+  friend bool operator==(const roster_entry&, const roster_entry&) = default;
+};
+
+/// Up, now and then: one page of all members, so that a lost event is noticed.
+struct roster {
+  std::uint16_t number = 0; ///< the same on all pages of one roster
+  std::uint8_t page = 0;
+  std::uint8_t pages = 1;
+  std::vector<roster_entry> entries; ///< ascending by mote over all pages
+
+  friend bool operator==(const roster&, const roster&) = default;
+};
+
+/// Down: say `mote_joined` again for this mote.
+struct describe {
+  mote_id mote;
+
+  friend bool operator==(const describe&, const describe&) = default;
+};
+
+using sink_event = std::variant<mote_joined, mote_left, roster, describe>;
+
+inline constexpr std::size_t roster_entries_max = 18; ///< a page fits 114 octets
+
+/// @pre a roster has at most roster_entries_max entries
+[[nodiscard]] bytes encode(const sink_event& x);
+
+/// Errors: truncated, too_long (octets after the event), bad_value, unsupported (unknown kind).
+[[nodiscard]] result<sink_event> decode_sink_event(byte_view octets);
+
+} // namespace rubicon::network

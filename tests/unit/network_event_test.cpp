@@ -1,0 +1,42 @@
+#include "network/sink_event.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::network;
+
+TEST_CASE("every event between sink and gateway survives the line", "[network][DIS-03]") {
+  const std::pair<sink_event, std::string> rows[] = {
+      {mote_joined{mote_id{7}, 2, 101, bytes{0xaa}}, "0100070000000200000065aa"},
+      {mote_left{mote_id{7}, leave_cause::silence}, "02000702"},
+      {roster{4, 1, 2, {{mote_id{7}, 2}, {mote_id{8}, 0}}}, "0300040102000700000002000800000000"},
+      {roster{5, 0, 1, {}}, "0300050001"},
+      {describe{mote_id{7}}, "040007"},
+  };
+  for (const auto& [event, octets] : rows) {
+    CHECK(to_hex(encode(event)) == octets);
+    const auto back = decode_sink_event(*from_hex(octets));
+    REQUIRE(back);
+    CHECK(*back == event);
+  }
+}
+
+TEST_CASE("a full roster page fits a serial packet", "[network]") {
+  roster page{1, 0, 1, {}};
+  for (std::uint16_t i = 0; i < roster_entries_max; ++i)
+    page.entries.push_back({mote_id{i}, 0});
+  CHECK(encode(page).size() <= 114);
+  auto octets = encode(page);
+  octets.insert(octets.end(), 6, 0);
+  CHECK(decode_sink_event(octets).error() == errc::too_long);
+}
+
+TEST_CASE("events that make no sense are refused", "[network]") {
+  CHECK(decode_sink_event({}).error() == errc::truncated);
+  CHECK(decode_sink_event(*from_hex("09")).error() == errc::unsupported);
+  CHECK(decode_sink_event(*from_hex("01000700")).error() == errc::truncated);
+  CHECK(decode_sink_event(*from_hex("02000709")).error() == errc::bad_value);
+  CHECK(decode_sink_event(*from_hex("0200070200")).error() == errc::too_long);
+  CHECK(decode_sink_event(*from_hex("0300040202")).error() == errc::bad_value);
+  CHECK(decode_sink_event(*from_hex("03000400010007")).error() == errc::truncated);
+  CHECK(decode_sink_event(*from_hex("0400")).error() == errc::truncated);
+}
