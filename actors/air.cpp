@@ -1,0 +1,113 @@
+#include "actors/air.hpp"
+
+#include <set>
+
+#include "actors/log.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using air_pointer = scheduler::traced_pointer<air_state, air_actor>;
+
+std::size_t slot(radio::radio_index x) {
+  return x.value;
+}
+
+struct performer {
+  air_pointer self;
+
+  void operator()(radio::delivered& x) const {
+    if (const auto& user = self->state.users[slot(x.to)])
+      self->send(user, frame_received{std::move(x.psdu), x.rssi_dbm});
+  }
+
+  void operator()(const radio::done& x) const {
+    if (x.status != radio::send_status::sent)
+      log(self, spdlog::level::debug, "event=unsent radio={} cause={}",
+          to_string(self->state.addresses[slot(x.radio)]), radio::to_string(x.status));
+    if (const auto& user = self->state.users[slot(x.radio)])
+      self->send(user, radio_done{x.token, x.status});
+  }
+
+  void operator()(const radio::exhausted& x) const {
+    if (const auto& user = self->state.users[slot(x.radio)])
+      self->send(user, battery_flat{});
+  }
+};
+
+void perform(air_pointer self, radio::outputs todo) {
+  for (auto& output : todo)
+    std::visit(performer{self}, output);
+  self->state.wake.follow(self, self->state.channel.deadline());
+}
+
+runtime::radio_report report_of(const radio::books& x) {
+  runtime::radio_report r;
+  r.sent = x.copies.sent;
+  r.delivered = x.copies.delivered;
+  r.lost = {{"loss", x.copies.loss},           {"collision", x.copies.collision},
+            {"half_duplex", x.copies.half_duplex}, {"off", x.copies.off},
+            {"filtered", x.copies.filtered},   {"overflow", x.copies.overflow},
+            {"duplicate", x.copies.duplicate}};
+  r.requests = x.requests.requests;
+  r.mac_sent = x.requests.sent;
+  r.mac_failed = {{"no_ack", x.requests.no_ack},
+                  {"channel_access_failure", x.requests.channel_access_failure},
+                  {"queue_full", x.requests.queue_full},
+                  {"aborted", x.requests.aborted}};
+  r.mac_open = x.requests.open;
+  r.transmissions = x.transmissions;
+  return r;
+}
+
+void report(air_pointer self) {
+  auto& state = self->state;
+  std::set<island_id> islands;
+  for (std::size_t i = 0; i < state.addresses.size(); ++i) {
+    const auto address = state.addresses[i];
+    islands.insert(address.island);
+    const auto use = state.channel.energy(radio::radio_index(static_cast<std::uint32_t>(i)),
+                                          now(self));
+    self->send(state.ecology,
+               energy_status{address, use.used_mah, use.battery_mah, use.times.mcu_active,
+                             use.times.mcu_sleep, use.times.radio_off, use.times.radio_listen,
+                             use.times.radio_receive, use.times.radio_transmit});
+  }
+  for (const auto island : islands)
+    self->send(state.ecology,
+               radio_status{island, report_of(state.channel.counted_in_pan(
+                                        static_cast<std::uint16_t>(island.value)))});
+}
+
+} // namespace
+
+air_actor::behavior_type air(air_pointer self, radio::channel channel,
+                             std::vector<mote_address> addresses, ecology_actor ecology) {
+  self->state.channel = std::move(channel);
+  self->state.users.resize(addresses.size());
+  self->state.addresses = std::move(addresses);
+  self->state.ecology = std::move(ecology);
+  return {
+      [self](const attach_radio& x) {
+        self->state.users[slot(x.radio)] = x.user.actor;
+        perform(self, self->state.channel.set_power(x.radio, radio::power::on, now(self)));
+      },
+      [self](const radio_send& x) {
+        perform(self, self->state.channel.send(
+                          x.radio,
+                          {x.token, x.destination, x.am_type, to_bytes(x.octets.view()), x.ack},
+                          now(self)));
+      },
+      [self](const radio_power& x) {
+        perform(self, self->state.channel.set_power(x.radio, x.state, now(self)));
+      },
+      [self](const timer_expired& x) {
+        if (self->state.wake.accepts(x))
+          perform(self, self->state.channel.on_time(now(self)));
+      },
+      [self](status_request) { report(self); },
+  };
+}
+
+} // namespace rubicon

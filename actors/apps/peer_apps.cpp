@@ -1,0 +1,106 @@
+#include "actors/apps/peer_apps.hpp"
+
+#include <algorithm>
+
+#include "actors/log.hpp"
+#include "peis/key.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using rules_pointer = scheduler::traced_pointer<rules_state, peer_app_actor>;
+using collector_pointer = scheduler::traced_pointer<collector_state, peer_app_actor>;
+
+/// Name of the watch on what is read. Watch n + 1 is on the n-th tuple that rules write.
+constexpr std::uint64_t watch_read = 0;
+
+template <class Self>
+carried<peis_client_actor> handle_of(Self* self) {
+  return {caf::actor_cast<peis_client_actor>(self)};
+}
+
+void write_all(rules_pointer self, const std::vector<proxy::write_tuple>& writes) {
+  auto& state = self->state;
+  for (const auto& x : writes) {
+    const auto owner = state.owners.find(x.key);
+    if (owner == state.owners.end())
+      continue; // said again when the owner is found: rules::on_owner
+    self->send(state.ecology, story{self->path(), "writes " + x.key + " = " + x.word});
+    self->send(state.peer, set_remote_tuple{handle_of(self), 0, owner->second, x.key,
+                                            payload(to_bytes(std::string_view(x.word))), true});
+  }
+}
+
+void on_tuple(rules_pointer self, const tuple_event& x) {
+  auto& state = self->state;
+  if (x.deleted)
+    return;
+  if (x.watch == watch_read) {
+    write_all(self, state.rules.on_value(x.key, to_string(x.value.view()), now(self)));
+    return;
+  }
+  const auto& key = state.rules.written().at(x.watch - 1);
+  const auto [owner, is_new] = state.owners.try_emplace(key, x.owner);
+  if (!is_new && owner->second == x.owner)
+    return;
+  owner->second = x.owner;
+  write_all(self, state.rules.on_owner(key, now(self)));
+}
+
+void on_tuple(collector_pointer self, const tuple_event& x) {
+  auto& state = self->state;
+  ++state.updates;
+  const auto name = to_string(x.owner) + ':' + x.key;
+  if (x.deleted)
+    state.newest.erase(name);
+  else if (state.newest.contains(name) || state.newest.size() < collected_max)
+    state.newest[name] = to_string(x.value.view());
+}
+
+} // namespace
+
+peer_app_actor::behavior_type rules_program(rules_pointer self, std::vector<proxy::rule> rules,
+                                            peis_peer_actor peer, ecology_actor ecology) {
+  auto& state = self->state;
+  state.rules = proxy::rules(std::move(rules));
+  state.peer = std::move(peer);
+  state.ecology = std::move(ecology);
+  for (const auto& key : state.rules.watched())
+    self->send(state.peer, watch_tuples{handle_of(self), watch_read, any_peer, key});
+  std::uint64_t watch = watch_read;
+  for (const auto& key : state.rules.written())
+    self->send(state.peer, watch_tuples{handle_of(self), ++watch, any_peer, key});
+  return {
+      [self](const tuple_event& x) { on_tuple(self, x); },
+      [](const peis_message&) {},
+      [self](const peis_outcome& x) {
+        if (x.success)
+          return;
+        ++self->state.failed_writes;
+        log(self, spdlog::level::warn, "event=write_failed cause={}", x.cause);
+      },
+      [](status_request) {},
+  };
+}
+
+peer_app_actor::behavior_type collector(collector_pointer self, std::vector<std::string> keys,
+                                        peis_peer_actor peer) {
+  for (auto& key : keys)
+    self->send(peer, watch_tuples{handle_of(self), watch_read, any_peer, std::move(key)});
+  return {
+      [self](const tuple_event& x) { on_tuple(self, x); },
+      [](const peis_message&) {},
+      [](const peis_outcome&) {},
+      [self](status_request) {
+        log(self, spdlog::level::info, "event=collected updates={} tuples={}",
+            self->state.updates, self->state.newest.size());
+      },
+  };
+}
+
+proxy::rule rule_of(const config::rule& x) {
+  return {x.when, x.above, x.below, x.write, x.then, x.otherwise};
+}
+
+} // namespace rubicon

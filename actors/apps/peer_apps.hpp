@@ -1,0 +1,42 @@
+// Control programs that run on robots and PCs. They know tuples and nothing else.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "actors/messages.hpp"
+#include "config/ecology.hpp"
+#include "proxy/rules.hpp"
+
+namespace rubicon {
+
+struct rules_state {
+  proxy::rules rules;
+  std::map<std::string, peer_id> owners; ///< of the tuples to write, as far as they are known
+  peis_peer_actor peer;
+  ecology_actor ecology;
+  std::uint64_t failed_writes = 0;
+};
+
+/// Watches tuples and writes others when thresholds are passed.
+peer_app_actor::behavior_type rules_program(scheduler::traced_pointer<rules_state, peer_app_actor> self,
+                                            std::vector<proxy::rule> rules, peis_peer_actor peer,
+                                            ecology_actor ecology);
+
+struct collector_state {
+  std::map<std::string, std::string> newest; ///< `owner:key` -> value as text
+  std::uint64_t updates = 0;
+};
+
+/// Subscribes to keys of any owner and keeps the newest value of each, at most collected_max.
+peer_app_actor::behavior_type
+collector(scheduler::traced_pointer<collector_state, peer_app_actor> self,
+          std::vector<std::string> keys, peis_peer_actor peer);
+
+inline constexpr std::size_t collected_max = 10'000;
+
+/// The same rule, as the config room and the proxy room know it.
+[[nodiscard]] proxy::rule rule_of(const config::rule& x);
+
+} // namespace rubicon

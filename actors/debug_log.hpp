@@ -1,0 +1,36 @@
+// Debug mode (D1.1 2.2 R1.DEBUGMODE, NFR-01, NFR-03): every module's messages, one line each.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <spdlog/logger.h>
+
+#include "scheduler/trace.hpp"
+
+namespace rubicon {
+
+/// Writes FOLDER/MODULE.log, a module being the first part of an actor's path (`mote`, `gateway`,
+/// ...): a line for each message sent and one for each received, with ecology time, actor, peer, type,
+/// length and ids. A file that reaches its size limit is rotated.
+class debug_log {
+public:
+  /// Limits of one module's files (NFR-03).
+  static constexpr std::size_t file_size_max = 16 << 20;
+  static constexpr std::size_t files_max = 3;
+
+  /// Creates the folder. @throws std::runtime_error if that fails
+  explicit debug_log(std::string folder);
+
+  void write(const scheduler::delivery& x);
+
+private:
+  [[nodiscard]] spdlog::logger& of(std::string_view path);
+
+  std::string folder_;
+  std::map<std::string, std::shared_ptr<spdlog::logger>, std::less<>> loggers_;
+};
+
+} // namespace rubicon

@@ -1,0 +1,234 @@
+#include "actors/ecology.hpp"
+
+#include <algorithm>
+
+#include "actors/assembly.hpp"
+#include "actors/log.hpp"
+#include "scheduler/supervision.hpp"
+
+namespace rubicon {
+
+namespace {
+
+/// A mote that failed is out of order for this long before it starts again.
+constexpr duration reboot_time = 500ms;
+
+/// How long a change may take to reach the gateway's list: the longest keep-alive window of a mote
+/// that reports, rarely, every half minute. Within it, at the end of a run, list and truth may differ.
+constexpr duration settling_time = 150s;
+
+void tell_story(ecology_pointer self, const std::string& who, std::string what) {
+  auto& report = self->state.report;
+  log(self, spdlog::level::info, "event=story who={} what=\"{}\"", who, what);
+  if (report.story.size() >= runtime::story_lines_max) {
+    ++report.story_left_out;
+    return;
+  }
+  report.story.push_back({now(self), who.substr(who.find('/') + 1), std::move(what)});
+}
+
+void record_failure(ecology_pointer self, const std::string& path, const caf::error& reason) {
+  const auto text = self->system().render(reason);
+  log(self, spdlog::level::err, "event=failed actor={} reason=\"{}\"", path, text);
+  auto& failures = self->state.report.actors.failures;
+  constexpr std::size_t failures_max = 100;
+  if (failures.size() < failures_max)
+    failures.push_back(path + ": " + text);
+}
+
+void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error& reason) {
+  const auto path = "mote/" + mote.arguments.name;
+  record_failure(self, path, reason);
+  tell_story(self, path, "crashed: " + self->system().render(reason));
+  mote.handle = nullptr;
+  mote.changed = now(self);
+  self->send(mote.arguments.air, radio_power{mote.arguments.radio, radio::power::off});
+  ++mote.arguments.incarnation;
+  self->delayed_send(self, reboot_time, restart_mote{mote.arguments.address});
+}
+
+void on_down(ecology_pointer self, const caf::down_msg& x) {
+  auto& motes = self->state.motes;
+  const auto mote = std::ranges::find_if(motes, [&](const auto& entry) {
+    return entry.second.handle && entry.second.handle.address() == x.source;
+  });
+  if (mote != motes.end()) {
+    on_mote_down(self, mote->second, x.reason);
+    return;
+  }
+  const auto named = self->state.names.find(x.source);
+  if (named == self->state.names.end())
+    return;
+  if (x.reason && x.reason != caf::exit_reason::user_shutdown)
+    record_failure(self, named->second, x.reason);
+  tell_story(self, named->second, "ended");
+}
+
+void on_listing(ecology_pointer self, const listing_changed& x) {
+  const auto found = self->state.motes.find(x.mote);
+  if (found == self->state.motes.end()) {
+    tell_story(self, "mote/" + to_string(x.mote), "an unknown mote has joined");
+    return;
+  }
+  auto& mote = found->second;
+  mote.changed = now(self);
+  if (!x.listed) {
+    mote.listed = false;
+    mote.left_cause = mote.flat ? "battery" : std::string(network::to_string(x.cause));
+    tell_story(self, "mote/" + mote.arguments.name, "left: " + mote.left_cause);
+    return;
+  }
+  const bool again = mote.joined;
+  mote.joined = true;
+  mote.listed = true;
+  mote.left_cause.clear();
+  tell_story(self, "mote/" + mote.arguments.name,
+             again ? "joined again, life " + std::to_string(x.incarnation + 1) : "joined");
+}
+
+struct fault_applier {
+  ecology_pointer self;
+
+  void operator()(const config::battery_end_fault& x) const {
+    if (const auto& handle = self->state.motes.at(x.mote).handle)
+      self->send(handle, end_battery{});
+  }
+
+  void operator()(const config::crash_fault& x) const {
+    const auto& mote = self->state.motes.at(x.mote);
+    self->state.crashes_requested.push_back("mote/" + mote.arguments.name);
+    if (mote.handle)
+      self->send(mote.handle, crash_now{});
+  }
+
+  void operator()(const config::unplug_fault& x) const {
+    const auto& line = self->state.lines.at(x.island);
+    self->send(line, plug_serial{false});
+    self->delayed_send(line, x.length, plug_serial{true});
+  }
+};
+
+void schedule_faults(ecology_pointer self) {
+  std::uint32_t index = 0;
+  for (const auto& fault : self->state.description.faults)
+    self->scheduled_send(self, caf::actor_clock::time_point(fault.at), apply_fault{index++});
+}
+
+runtime::island_report& island_of(ecology_pointer self, island_id id) {
+  return *std::ranges::find(self->state.report.islands, id, &runtime::island_report::id);
+}
+
+void prepare_report(ecology_pointer self) {
+  auto& state = self->state;
+  state.report.ecology = state.description.name;
+  state.report.seed = state.description.seed;
+  for (const auto& island : state.description.islands) {
+    runtime::island_report x;
+    x.id = island.id;
+    x.name = island.name;
+    state.report.islands.push_back(std::move(x));
+  }
+}
+
+/// The part of the report that the supervisor itself knows about its motes.
+void begin_collecting(ecology_pointer self) {
+  auto& state = self->state;
+  for (const auto& [address, mote] : state.motes) {
+    runtime::mote_report x;
+    x.address = address;
+    x.name = mote.arguments.name;
+    x.type = mote.type;
+    x.joined = mote.joined;
+    x.alive = !mote.flat && mote.handle != nullptr;
+    x.incarnations = mote.arguments.incarnation + 1;
+    x.left_cause = mote.left_cause;
+    island_of(self, address.island).motes.push_back(std::move(x));
+    if (mote.handle)
+      self->send(mote.handle, status_request{});
+  }
+  for (const auto& ask : state.reporters)
+    ask(status_request{});
+}
+
+void on_energy(ecology_pointer self, const energy_status& x) {
+  auto& motes = island_of(self, x.mote.island).motes;
+  const auto found = std::ranges::find(motes, x.mote, &runtime::mote_report::address);
+  if (found == motes.end())
+    return; // a sink: it lives on its cable
+  found->used_mah = x.used_mah;
+  found->battery_mah = x.battery_mah;
+  found->mcu_active = x.mcu_active;
+  found->mcu_sleep = x.mcu_sleep;
+  found->radio_off = x.radio_off;
+  found->radio_listen = x.radio_listen;
+  found->radio_receive = x.radio_receive;
+  found->radio_transmit = x.radio_transmit;
+}
+
+/// What the invariants compare the report with.
+runtime::run_truth truth_of(ecology_pointer self) {
+  const auto& state = self->state;
+  runtime::run_truth truth;
+  truth.crashes_requested = state.crashes_requested;
+  std::map<island_id, runtime::device_list> lists;
+  for (const auto& [address, mote] : state.motes) {
+    auto& list = lists[address.island];
+    list.island = address.island;
+    const bool settled = now(self) - mote.changed >= settling_time;
+    const auto reported = state.listed.find(address.island);
+    const bool listed = reported != state.listed.end() &&
+                        std::ranges::find(reported->second, address.mote) !=
+                            reported->second.end();
+    if (listed)
+      list.actual.push_back(address.mote);
+    if (settled ? !mote.flat : listed)
+      list.expected.push_back(address.mote);
+    if (mote.flat || !settled)
+      truth.ended_by_fault.push_back(address);
+  }
+  for (auto& [island, list] : lists)
+    truth.device_lists.push_back(std::move(list));
+  return truth;
+}
+
+void deliver(ecology_pointer self) {
+  auto& report = self->state.report;
+  report.simulated = now(self).time_since_epoch();
+  std::ranges::sort(report.peers, {}, &runtime::peer_report::id);
+  std::ranges::sort(report.proxies, {}, &runtime::proxy_report::name);
+  for (auto& x : runtime::check_all(report, truth_of(self)))
+    report.violations.push_back(std::move(x));
+  self->state.on_report(std::move(report));
+}
+
+} // namespace
+
+root_actor::behavior_type ecology(ecology_pointer self, config::ecology_description description,
+                                  report_receiver on_report) {
+  self->state.description = std::move(description);
+  self->state.on_report = std::move(on_report);
+  self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
+  prepare_report(self);
+  assemble(self);
+  schedule_faults(self);
+  return {
+      [self](const story& x) { tell_story(self, x.who, x.what); },
+      [self](const mote_flat& x) { self->state.motes.at(x.mote).flat = true; },
+      [self](const listing_changed& x) { on_listing(self, x); },
+      [self](const radio_status& x) { island_of(self, x.island).radio += x.radio; },
+      [self](const energy_status& x) { on_energy(self, x); },
+      [self](const message_status& x) { island_of(self, x.island).messages += x.messages; },
+      [self](const serial_status& x) { island_of(self, x.island).serial += x.serial; },
+      [self](const devices_status& x) { self->state.listed[x.island] = x.listed; },
+      [self](const peer_status& x) { self->state.report.peers.push_back(x.peer); },
+      [self](const proxy_status& x) { self->state.report.proxies.push_back(x.proxy); },
+      [self](const apply_fault& x) {
+        std::visit(fault_applier{self}, self->state.description.faults.at(x.index).what);
+      },
+      [self](const restart_mote& x) { spawn_mote(self, self->state.motes.at(x.mote)); },
+      [self](collect_report) { begin_collecting(self); },
+      [self](deliver_report) { deliver(self); },
+  };
+}
+
+} // namespace rubicon

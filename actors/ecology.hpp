@@ -1,0 +1,69 @@
+// The root supervisor: spawns what a description says, keeps it running, applies its fault plan, and
+// collects the report.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "actors/messages.hpp"
+#include "actors/mote.hpp"
+#include "config/ecology.hpp"
+#include "runtime/invariants.hpp"
+#include "runtime/report.hpp"
+
+namespace rubicon {
+
+/// What only the ecology tells itself, or is told by whoever runs it.
+struct apply_fault {
+  std::uint32_t index = 0; ///< in the description's fault plan
+};
+struct restart_mote {
+  mote_address mote;
+};
+/// Ask everybody for their part of the report.
+struct collect_report {};
+/// Hand out the report with the parts that have come.
+struct deliver_report {};
+
+using root_actor =
+    ecology_actor::extend<caf::reacts_to<apply_fault>, caf::reacts_to<restart_mote>,
+                          caf::reacts_to<collect_report>, caf::reacts_to<deliver_report>>;
+
+using report_receiver = std::function<void(runtime::report)>;
+
+/// A mote as its supervisor knows it.
+struct supervised_mote {
+  mote_arguments arguments;
+  mote_actor handle;
+  std::string type;
+  bool joined = false; ///< ever
+  bool listed = false;
+  bool flat = false;
+  std::string left_cause;
+  instant changed; ///< when it was last started, listed or unlisted
+};
+
+struct ecology_state {
+  config::ecology_description description;
+  report_receiver on_report;
+  std::map<mote_address, supervised_mote> motes;
+  std::map<island_id, serial_line_actor> lines;
+  std::map<std::string, std::pair<peer_id, peis_peer_actor>> peers; ///< by name
+  /// Everything spawned here that answers a status_request with messages to the ecology.
+  std::vector<std::function<void(status_request)>> reporters;
+  std::map<caf::actor_addr, std::string> names; ///< of monitored actors other than motes
+  runtime::report report;
+  std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
+  std::vector<std::string> crashes_requested;
+  std::uint64_t next_link = 1;
+};
+
+/// @param on_report called once, from the actor, when deliver_report comes
+root_actor::behavior_type ecology(scheduler::traced_pointer<ecology_state, root_actor> self,
+                                  config::ecology_description description,
+                                  report_receiver on_report);
+
+} // namespace rubicon

@@ -1,0 +1,165 @@
+#include "actors/gateway.hpp"
+
+#include "actors/log.hpp"
+#include "actors/statuses.hpp"
+#include "core/device_keys.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using gateway_pointer = scheduler::traced_pointer<gateway_state, gateway_actor>;
+
+/// The only watch of a gateway: its own tuples `devices.$ID.input.$CH`.
+constexpr std::uint64_t watch_inputs = 1;
+
+void perform(gateway_pointer self, gateway::outputs todo);
+void perform(gateway_pointer self, serial::outputs todo);
+
+struct performer {
+  gateway_pointer self;
+
+  // what the gateway's core wants
+
+  void operator()(gateway::publish& x) const {
+    self->send(self->state.arguments.peer,
+               set_tuple{std::move(x.key), payload(std::move(x.value)), x.text});
+  }
+
+  void operator()(gateway::erase& x) const {
+    self->send(self->state.arguments.peer, delete_tuple{std::move(x.key)});
+  }
+
+  void operator()(gateway::to_sink& x) const {
+    serial::am_packet packet{x.mote.value, 0,
+                             static_cast<std::uint8_t>(island().value), x.am_type,
+                             std::move(x.payload)};
+    perform(self, self->state.port.send(serial::packet_id{self->state.next_packet++},
+                                        serial::encode(packet), now(self)));
+  }
+
+  void operator()(gateway::to_gateway& x) const {
+    self->send(self->state.arguments.peer,
+               send_peis_message{{caf::actor_cast<peis_client_actor>(self)}, 0, x.peer,
+                                 island_message_port, payload(std::move(x.octets)), x.reliable});
+  }
+
+  void operator()(const gateway::member_changed& x) const {
+    const mote_address mote{island(), x.mote};
+    log(self, spdlog::level::info, "event={} mote={} incarnation={}",
+        x.listed ? "listed" : "unlisted", to_string(mote), x.incarnation);
+    self->send(self->state.arguments.ecology,
+               listing_changed{mote, x.listed, x.incarnation, x.cause});
+  }
+
+  // what the serial port wants
+
+  void operator()(serial::to_line& x) const {
+    self->send(self->state.arguments.line,
+               serial_write{serial::direction::to_mote, payload(std::move(x.octets))});
+  }
+
+  void operator()(const serial::received& x) const {
+    const auto packet = serial::decode_am_packet(x.packet);
+    if (packet)
+      perform(self, self->state.gateway.on_packet(packet->am_type, packet->payload, now(self)));
+    else
+      ++self->state.bad_packets;
+  }
+
+  void operator()(const serial::sent&) const {}
+
+  void operator()(const serial::lost& x) const {
+    ++self->state.packets_lost;
+    log(self, spdlog::level::warn, "event=lost packet={}", x.id.value);
+  }
+
+  [[nodiscard]] island_id island() const { return self->state.arguments.config.island; }
+};
+
+void follow(gateway_pointer self) {
+  self->state.wake.follow(self,
+                          earliest(self->state.gateway.deadline(), self->state.port.deadline()));
+}
+
+void perform(gateway_pointer self, gateway::outputs todo) {
+  for (auto& output : todo)
+    std::visit(performer{self}, output);
+  follow(self);
+}
+
+void perform(gateway_pointer self, serial::outputs todo) {
+  for (auto& output : todo)
+    std::visit(performer{self}, output);
+  follow(self);
+}
+
+void on_tuple(gateway_pointer self, const tuple_event& x) {
+  if (x.deleted)
+    return;
+  const auto key = parse_device_key(x.key);
+  if (key && key->what == device_tuple::input)
+    perform(self, self->state.gateway.on_input(key->mote, key->channel, x.value.view(),
+                                               now(self)));
+}
+
+void report(gateway_pointer self) {
+  const auto& state = self->state;
+  const auto island = state.arguments.config.island;
+  const auto& port = state.port.counters();
+  const auto& frames = state.port.frames();
+  serial_status status{island, {}};
+  status.serial.frames_sent = port.attempts + port.acks_written;
+  status.serial.frames_received = frames.frames;
+  status.serial.lost = {{"gateway_crc", frames.bad_crc},
+                        {"gateway_no_ack", port.no_ack},
+                        {"gateway_queue_full", port.queue_full},
+                        {"gateway_refused", port.refused},
+                        {"gateway_malformed", state.bad_packets}};
+  const auto& ecology = state.arguments.ecology;
+  self->send(ecology, std::move(status));
+  self->send(ecology, message_status{island, report_of(state.gateway.messages(),
+                                                       state.gateway.outstanding())});
+  self->send(ecology, devices_status{island, state.gateway.devices()});
+}
+
+} // namespace
+
+gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_arguments arguments) {
+  auto& state = self->state;
+  state.arguments = std::move(arguments);
+  state.gateway = gateway::gateway(state.arguments.config,
+                                   random_stream(state.arguments.seed, self->path()));
+  state.port = serial::endpoint(state.arguments.port);
+  const auto client = caf::actor_cast<peis_client_actor>(self);
+  self->send(state.arguments.line,
+             attach_serial{serial::direction::to_pc, {caf::actor_cast<serial_end_actor>(self)}});
+  self->send(state.arguments.peer, hook_port{{client}, island_message_port});
+  self->send(state.arguments.peer,
+             watch_tuples{{client}, watch_inputs,
+                          peer_id{static_cast<std::int32_t>(state.arguments.config.island.value)},
+                          "devices.*.input.*"});
+  perform(self, state.gateway.start());
+  return {
+      [self](const tuple_event& x) { on_tuple(self, x); },
+      [self](const peis_message& x) {
+        perform(self, self->state.gateway.on_message(x.source, x.octets.view(), now(self)));
+      },
+      [self](const peis_outcome& x) {
+        if (!x.success)
+          ++self->state.messages_lost;
+      },
+      [self](const serial_octets& x) {
+        perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));
+      },
+      [self](const timer_expired& x) {
+        if (!self->state.wake.accepts(x))
+          return;
+        perform(self, self->state.gateway.on_time(now(self)));
+        perform(self, self->state.port.on_time(now(self)));
+      },
+      [self](status_request) { report(self); },
+  };
+}
+
+} // namespace rubicon

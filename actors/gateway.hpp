@@ -1,0 +1,39 @@
+// The gateway of one island: a component of a PEIS kernel on one side, the serial line on the other.
+#pragma once
+
+#include "actors/messages.hpp"
+#include "actors/timer.hpp"
+#include "gateway/gateway.hpp"
+#include "serial/endpoint.hpp"
+
+namespace rubicon {
+
+/// What a gateway actor is made of.
+struct gateway_arguments {
+  gateway::gateway_config config;
+  serial::endpoint_config port;
+  std::uint64_t seed = 0; ///< of the ecology
+  peis_peer_actor peer;   ///< the kernel whose id is the island's
+  serial_line_actor line;
+  ecology_actor ecology;
+};
+
+struct gateway_state {
+  gateway_arguments arguments;
+  gateway::gateway gateway;
+  serial::endpoint port;
+  std::uint64_t next_packet = 1;
+  std::uint64_t packets_lost = 0;    ///< given up by the serial port
+  std::uint64_t bad_packets = 0;     ///< from the line, not serial active messages
+  std::uint64_t messages_lost = 0;   ///< that another gateway did not acknowledge
+  timer wake;
+};
+
+/// PEIS ports of gateways (API-09).
+inline constexpr std::uint16_t island_message_port = 21;
+
+gateway_actor::behavior_type
+gateway_behavior(scheduler::traced_pointer<gateway_state, gateway_actor> self,
+                 gateway_arguments arguments);
+
+} // namespace rubicon

@@ -1,0 +1,51 @@
+// CAF's inspect for the core types: what makes them printable, traceable and sendable.
+#pragma once
+
+#include <type_traits>
+
+#include <caf/deserializer.hpp>
+#include <caf/meta/hex_formatted.hpp>
+#include <caf/meta/type_name.hpp>
+#include <caf/serializer.hpp>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/time.hpp"
+
+namespace rubicon {
+
+template <class Inspector, class Tag, class Rep>
+typename Inspector::result_type inspect(Inspector& f, strong_id<Tag, Rep>& x) {
+  return f(x.value);
+}
+
+template <class Inspector>
+typename Inspector::result_type inspect(Inspector& f, mote_address& x) {
+  return f(caf::meta::type_name("mote_address"), x.island, x.mote);
+}
+
+/// Saving hands the octets over in one piece: the trace folds every payload of a run.
+template <class Inspector>
+typename Inspector::result_type inspect(Inspector& f, payload& x) {
+  if constexpr (std::is_base_of_v<caf::serializer, Inspector>) {
+    const auto octets = x.view();
+    auto size = octets.size();
+    if (auto error = f.begin_sequence(size))
+      return error;
+    if (size > 0) {
+      if (auto error = f.apply_raw(size, const_cast<std::uint8_t*>(octets.data())))
+        return error;
+    }
+    return f.end_sequence();
+  } else if constexpr (std::is_base_of_v<caf::deserializer, Inspector>) {
+    bytes octets;
+    auto result = f(octets);
+    x = payload(std::move(octets));
+    return result;
+  } else {
+    auto octets = to_bytes(x.view());
+    return f(caf::meta::type_name("payload"), caf::meta::hex_formatted(), octets);
+  }
+}
+
+} // namespace rubicon

@@ -1,0 +1,26 @@
+// Log lines of actors: ecology time, level, who, then key=value pairs, so that equal runs write equal
+// logs (style: one line an event).
+#pragma once
+
+#include <string_view>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "actors/timer.hpp"
+
+namespace rubicon {
+
+/// Logs `12.004160 W mote/kitchen/climate-7 event=refused ...` if the level is on.
+template <class Self, class... Args>
+void log(Self* self, spdlog::level::level_enum level, spdlog::format_string_t<Args...> format,
+         Args&&... args) {
+  auto* const logger = spdlog::default_logger_raw();
+  if (!logger->should_log(level))
+    return;
+  static constexpr std::string_view letters = "TDIWECO";
+  logger->log(level, "{} {} {} {}", to_text(now(self)), letters[static_cast<std::size_t>(level)],
+              self->path(), fmt::format(format, std::forward<Args>(args)...));
+}
+
+} // namespace rubicon

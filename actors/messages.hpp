@@ -1,0 +1,399 @@
+// Every message between actors and the typed handle of every kind of actor. Read this first: it
+// says who talks to whom about what. Nothing else connects actors (design.md section 2).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <caf/typed_actor.hpp>
+
+#include "actors/inspect.hpp"
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/time.hpp"
+#include "mote/transducer_config.hpp"
+#include "network/sink_event.hpp"
+#include "radio/channel.hpp"
+#include "runtime/report.hpp"
+#include "scheduler/trace.hpp"
+#include "serial/line.hpp"
+
+namespace rubicon {
+
+using scheduler::carried;
+
+/// A timer of one actor has run down. `epoch` tells an outdated expiry from the awaited one, since
+/// CAF cannot cancel a delayed message; `which` tells the timers of one actor apart.
+struct timer_expired {
+  std::uint8_t which = 0;
+  std::uint64_t epoch = 0;
+};
+
+// ---------------------------------------------------------------------------- supervision, report
+
+/// To everybody at the end of a run: report what you know to the ecology.
+struct status_request {};
+
+/// Something a person following the run would want to hear.
+struct story {
+  std::string who; ///< actor path
+  std::string what;
+};
+
+/// A mote's battery is at its end, by its use or by the fault plan; it is gone for good.
+struct mote_flat {
+  mote_address mote;
+};
+
+/// A gateway lists a mote, or no longer does.
+struct listing_changed {
+  mote_address mote;
+  bool listed = false;
+  std::uint32_t incarnation = 0;
+  network::leave_cause cause = network::leave_cause::notice;
+};
+
+/// Of one island's radios: the two books.
+struct radio_status {
+  island_id island;
+  runtime::radio_report radio;
+};
+
+/// Energy of one mote, as its radio and MCU have used it.
+struct energy_status {
+  mote_address mote;
+  double used_mah = 0;
+  double battery_mah = 0;
+  duration mcu_active{};
+  duration mcu_sleep{};
+  duration radio_off{};
+  duration radio_listen{};
+  duration radio_receive{};
+  duration radio_transmit{};
+};
+
+/// What a mote's or a gateway's Transport has counted.
+struct message_status {
+  island_id island;
+  runtime::message_report messages;
+};
+
+/// What a sink, a serial line or a gateway's serial port has counted.
+struct serial_status {
+  island_id island;
+  runtime::serial_report serial;
+};
+
+struct devices_status {
+  island_id island;
+  std::vector<mote_id> listed;
+};
+
+struct peer_status {
+  runtime::peer_report peer;
+};
+
+struct proxy_status {
+  runtime::proxy_report proxy;
+};
+
+/// The root supervisor, as those below it see it.
+using ecology_actor =
+    caf::typed_actor<caf::reacts_to<story>, caf::reacts_to<mote_flat>,
+                     caf::reacts_to<listing_changed>, caf::reacts_to<radio_status>,
+                     caf::reacts_to<energy_status>, caf::reacts_to<message_status>,
+                     caf::reacts_to<serial_status>, caf::reacts_to<devices_status>,
+                     caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>>;
+
+// ------------------------------------------------------------------------------------------ radio
+
+/// A frame that this radio has received.
+struct frame_received {
+  payload psdu; ///< IEEE 802.15.4, FCS included; one object for all receivers
+  std::int8_t rssi_dbm = 0;
+};
+
+/// A request to send has come to its end.
+struct radio_done {
+  std::uint64_t token = 0;
+  radio::send_status status = radio::send_status::sent;
+};
+
+/// The battery that feeds this radio is flat; the radio is off.
+struct battery_flat {};
+
+/// Whoever owns a radio: a mote or a sink.
+using radio_user_actor = caf::typed_actor<caf::reacts_to<frame_received>,
+                                          caf::reacts_to<radio_done>, caf::reacts_to<battery_flat>>;
+
+/// From now on this radio's frames are for `user`; switches the radio on.
+struct attach_radio {
+  radio::radio_index radio;
+  carried<radio_user_actor> user;
+};
+
+struct radio_send {
+  radio::radio_index radio;
+  std::uint64_t token = 0;
+  mote_id destination;
+  std::uint8_t am_type = 0;
+  payload octets;
+  bool ack = true;
+};
+
+struct radio_power {
+  radio::radio_index radio;
+  radio::power state = radio::power::off;
+};
+
+/// The radio medium of one place.
+using air_actor = caf::typed_actor<caf::reacts_to<attach_radio>, caf::reacts_to<radio_send>,
+                                   caf::reacts_to<radio_power>, caf::reacts_to<timer_expired>,
+                                   caf::reacts_to<status_request>>;
+
+// ----------------------------------------------------------------------------------------- serial
+
+/// Octets that have arrived at one end of a serial line.
+struct serial_octets {
+  payload octets;
+};
+
+/// Whoever sits at an end of a serial line: a sink or a gateway.
+using serial_end_actor = caf::typed_actor<caf::reacts_to<serial_octets>>;
+
+/// From now on octets going `towards` that end are for `user`.
+struct attach_serial {
+  serial::direction towards = serial::direction::to_pc;
+  carried<serial_end_actor> user;
+};
+
+struct serial_write {
+  serial::direction towards = serial::direction::to_pc;
+  payload octets;
+};
+
+struct plug_serial {
+  bool plugged = true;
+};
+
+/// The cable between a sink and its gateway.
+using serial_line_actor =
+    caf::typed_actor<caf::reacts_to<attach_serial>, caf::reacts_to<serial_write>,
+                     caf::reacts_to<plug_serial>, caf::reacts_to<timer_expired>,
+                     caf::reacts_to<status_request>>;
+
+// ------------------------------------------------------------------------------- motes, their apps
+
+/// The mote has joined its island, or has lost it.
+struct membership_changed {
+  bool joined = false;
+  island_id island;
+};
+
+/// A message of an AM type that this app has claimed (D1.1 5.3.3 receive).
+struct message_received {
+  mote_address source;
+  std::uint8_t am_type = 0;
+  payload octets;
+};
+
+/// How a send ended: refused at once (FAIL), or for a reliable one acknowledged or not (D1.1 5.3.3
+/// ack). An accepted unreliable send ends as acked = false, refused = false at once.
+struct send_ended {
+  std::uint64_t token = 0;
+  bool refused = false;
+  bool acked = false;
+};
+
+/// Counts of the transducers asked for, in that order.
+struct transducers_read {
+  std::vector<std::int16_t> counts;
+};
+
+/// An actuator has been asked to change; `state` is what it is now.
+struct actuator_changed {
+  std::string name;
+  std::uint8_t state = 0;
+  bool obeyed = false;
+};
+
+/// A program on a mote.
+using mote_app_actor =
+    caf::typed_actor<caf::reacts_to<membership_changed>, caf::reacts_to<message_received>,
+                     caf::reacts_to<send_ended>, caf::reacts_to<transducers_read>,
+                     caf::reacts_to<actuator_changed>, caf::reacts_to<timer_expired>>;
+
+/// The app wants the messages of this AM type, which nobody else on the mote has (AM-05).
+struct claim_am_type {
+  carried<mote_app_actor> app;
+  std::uint8_t am_type = 0;
+};
+
+/// D1.1 5.3.3 send.
+struct send_message {
+  carried<mote_app_actor> app;
+  std::uint64_t token = 0; ///< comes back in send_ended
+  mote_address destination;
+  std::uint8_t am_type = 0;
+  payload octets;
+  bool reliable = false;
+};
+
+struct read_transducers {
+  carried<mote_app_actor> app;
+  std::vector<mote::quantity> kinds;
+};
+
+struct set_actuator {
+  carried<mote_app_actor> app;
+  std::string name;
+  std::uint8_t state = 0;
+};
+
+/// From the fault plan: the next handler throws.
+struct crash_now {};
+
+/// From the fault plan: the battery is flat.
+struct end_battery {};
+
+using mote_actor =
+    radio_user_actor::extend<caf::reacts_to<claim_am_type>, caf::reacts_to<send_message>,
+                             caf::reacts_to<read_transducers>, caf::reacts_to<set_actuator>,
+                             caf::reacts_to<crash_now>, caf::reacts_to<end_battery>,
+                             caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+
+using sink_actor =
+    radio_user_actor::extend<caf::reacts_to<serial_octets>, caf::reacts_to<timer_expired>,
+                             caf::reacts_to<status_request>>;
+
+// ------------------------------------------------------------------------------------- PEIS, links
+
+/// Octets that have come over a PEIS link, in order.
+struct link_octets {
+  std::uint64_t link = 0;
+  payload octets;
+};
+
+struct link_closed {
+  std::uint64_t link = 0;
+};
+
+/// The far end of an in-process link.
+using link_end_actor = caf::typed_actor<caf::reacts_to<link_octets>, caf::reacts_to<link_closed>>;
+
+/// A link to `other` is up. Both ends know it by the same number.
+struct link_opened {
+  std::uint64_t link = 0;
+  carried<link_end_actor> other;
+  bool initiator = false;
+};
+
+// ------------------------------------------------------------------- PEIS, components of a kernel
+
+/// A tuple that the component watches was set (also to an equal value), or deleted.
+struct tuple_event {
+  std::uint64_t watch = 0; ///< as given in watch_tuples
+  peer_id owner;
+  std::string key;
+  payload value; ///< text without its trailing NUL
+  bool deleted = false;
+};
+
+/// A message for a port that the component has hooked.
+struct peis_message {
+  peer_id source;
+  std::uint16_t port = 0;
+  payload octets;
+};
+
+/// How a request of the component ended; `cause` is empty on success.
+struct peis_outcome {
+  std::uint64_t token = 0;
+  bool success = false;
+  std::string cause;
+};
+
+/// A component of a PEIS kernel: gateway, proxy, proxy manager, control program.
+using peis_client_actor =
+    caf::typed_actor<caf::reacts_to<tuple_event>, caf::reacts_to<peis_message>,
+                     caf::reacts_to<peis_outcome>>;
+
+/// Sets an own tuple of the kernel (D1.1 3.1.3 setTuple).
+struct set_tuple {
+  std::string key;
+  payload value;
+  bool text = true;
+};
+
+struct delete_tuple {
+  std::string key;
+};
+
+/// Sets a tuple of another owner (D1.1 3.1.3 setRemoteTuple); a peis_outcome follows.
+struct set_remote_tuple {
+  carried<peis_client_actor> client;
+  std::uint64_t token = 0;
+  peer_id owner;
+  std::string key;
+  payload value;
+  bool text = true;
+};
+
+/// Subscribes to a key, of one owner or any_peer, and calls back (D1.1 3.1.3 subscribe and
+/// registerTupleCallback). What matches already is told at once.
+struct watch_tuples {
+  carried<peis_client_actor> client;
+  std::uint64_t watch = 0; ///< the client's own name for it
+  peer_id owner;
+  std::string key; ///< may hold `*` parts
+};
+
+/// Every package on this port is for the client (D1.1 3.1.3 registerHook).
+struct hook_port {
+  carried<peis_client_actor> client;
+  std::uint16_t port = 0;
+};
+
+/// D1.1 3.1.3 sendMessage; a peis_outcome follows.
+struct send_peis_message {
+  carried<peis_client_actor> client;
+  std::uint64_t token = 0;
+  peer_id destination;
+  std::uint16_t port = 0;
+  payload octets;
+  bool reliable = false;
+};
+
+/// One PEIS kernel.
+using peis_peer_actor =
+    link_end_actor::extend<caf::reacts_to<link_opened>, caf::reacts_to<set_tuple>,
+                           caf::reacts_to<delete_tuple>, caf::reacts_to<set_remote_tuple>,
+                           caf::reacts_to<watch_tuples>, caf::reacts_to<hook_port>,
+                           caf::reacts_to<send_peis_message>, caf::reacts_to<timer_expired>,
+                           caf::reacts_to<status_request>>;
+
+/// The gateway between an island and the PEIS network.
+using gateway_actor =
+    peis_client_actor::extend<caf::reacts_to<serial_octets>, caf::reacts_to<timer_expired>,
+                              caf::reacts_to<status_request>>;
+
+/// The proxied mote has appeared at its gateway, or has gone.
+struct mote_presence {
+  bool present = false;
+  bool gateway_gone = false; ///< it has gone because its gateway has
+};
+
+/// What speaks for one mote.
+using proxy_actor =
+    peis_client_actor::extend<caf::reacts_to<mote_presence>, caf::reacts_to<timer_expired>,
+                              caf::reacts_to<status_request>>;
+
+using proxy_manager_actor = peis_client_actor::extend<caf::reacts_to<status_request>>;
+
+/// Control programs on peers: rules, collector.
+using peer_app_actor = peis_client_actor::extend<caf::reacts_to<status_request>>;
+
+} // namespace rubicon
+
+#include "actors/messages_inspect.hpp" // IWYU pragma: export

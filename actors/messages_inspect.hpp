@@ -1,0 +1,284 @@
+// CAF's inspect for every message: one line each, in the order of messages.hpp.
+#pragma once
+
+namespace rubicon {
+
+namespace runtime {
+
+template <class F>
+auto inspect(F& f, radio_report& x) {
+  return f(caf::meta::type_name("radio_report"), x.sent, x.delivered, x.lost, x.requests,
+           x.mac_sent, x.mac_failed, x.mac_open, x.transmissions);
+}
+
+template <class F>
+auto inspect(F& f, serial_report& x) {
+  return f(caf::meta::type_name("serial_report"), x.octets, x.frames_sent, x.frames_received,
+           x.lost);
+}
+
+template <class F>
+auto inspect(F& f, peis_report& x) {
+  return f(caf::meta::type_name("peis_report"), x.peers, x.packages, x.tuples, x.lost);
+}
+
+template <class F>
+auto inspect(F& f, message_report& x) {
+  return f(caf::meta::type_name("message_report"), x.reliable_sent, x.reliable_acked,
+           x.reliable_failed, x.reliable_open, x.unreliable_sent, x.received, x.duplicates);
+}
+
+template <class F>
+auto inspect(F& f, actuation_report& x) {
+  return f(caf::meta::type_name("actuation_report"), x.requested, x.acknowledged, x.failed);
+}
+
+template <class F>
+auto inspect(F& f, proxy_report& x) {
+  return f(caf::meta::type_name("proxy_report"), x.name, x.proxy_class, x.status, x.values,
+           x.actuations);
+}
+
+template <class F>
+auto inspect(F& f, peer_report& x) {
+  return f(caf::meta::type_name("peer_report"), x.id, x.name, x.links, x.hosts_known, x.tuples,
+           x.peis);
+}
+
+} // namespace runtime
+
+template <class F>
+auto inspect(F& f, timer_expired& x) {
+  return f(caf::meta::type_name("timer_expired"), x.which, x.epoch);
+}
+
+template <class F>
+auto inspect(F& f, status_request&) {
+  return f(caf::meta::type_name("status_request"));
+}
+
+template <class F>
+auto inspect(F& f, story& x) {
+  return f(caf::meta::type_name("story"), x.who, x.what);
+}
+
+template <class F>
+auto inspect(F& f, mote_flat& x) {
+  return f(caf::meta::type_name("mote_flat"), x.mote);
+}
+
+template <class F>
+auto inspect(F& f, listing_changed& x) {
+  return f(caf::meta::type_name("listing_changed"), x.mote, x.listed, x.incarnation, x.cause);
+}
+
+template <class F>
+auto inspect(F& f, radio_status& x) {
+  return f(caf::meta::type_name("radio_status"), x.island, x.radio);
+}
+
+template <class F>
+auto inspect(F& f, energy_status& x) {
+  return f(caf::meta::type_name("energy_status"), x.mote, x.used_mah, x.battery_mah);
+}
+
+template <class F>
+auto inspect(F& f, message_status& x) {
+  return f(caf::meta::type_name("message_status"), x.island, x.messages);
+}
+
+template <class F>
+auto inspect(F& f, serial_status& x) {
+  return f(caf::meta::type_name("serial_status"), x.island, x.serial);
+}
+
+template <class F>
+auto inspect(F& f, devices_status& x) {
+  return f(caf::meta::type_name("devices_status"), x.island, x.listed);
+}
+
+template <class F>
+auto inspect(F& f, peer_status& x) {
+  return f(caf::meta::type_name("peer_status"), x.peer);
+}
+
+template <class F>
+auto inspect(F& f, proxy_status& x) {
+  return f(caf::meta::type_name("proxy_status"), x.proxy);
+}
+
+template <class F>
+auto inspect(F& f, frame_received& x) {
+  return f(caf::meta::type_name("frame_received"), x.psdu, x.rssi_dbm);
+}
+
+template <class F>
+auto inspect(F& f, radio_done& x) {
+  return f(caf::meta::type_name("radio_done"), x.token, x.status);
+}
+
+template <class F>
+auto inspect(F& f, battery_flat&) {
+  return f(caf::meta::type_name("battery_flat"));
+}
+
+template <class F>
+auto inspect(F& f, attach_radio& x) {
+  return f(caf::meta::type_name("attach_radio"), x.radio, x.user);
+}
+
+template <class F>
+auto inspect(F& f, radio_send& x) {
+  return f(caf::meta::type_name("radio_send"), x.radio, x.token, x.destination, x.am_type, x.octets,
+           x.ack);
+}
+
+template <class F>
+auto inspect(F& f, radio_power& x) {
+  return f(caf::meta::type_name("radio_power"), x.radio, x.state);
+}
+
+template <class F>
+auto inspect(F& f, serial_octets& x) {
+  return f(caf::meta::type_name("serial_octets"), x.octets);
+}
+
+template <class F>
+auto inspect(F& f, attach_serial& x) {
+  return f(caf::meta::type_name("attach_serial"), x.towards, x.user);
+}
+
+template <class F>
+auto inspect(F& f, serial_write& x) {
+  return f(caf::meta::type_name("serial_write"), x.towards, x.octets);
+}
+
+template <class F>
+auto inspect(F& f, plug_serial& x) {
+  return f(caf::meta::type_name("plug_serial"), x.plugged);
+}
+
+template <class F>
+auto inspect(F& f, membership_changed& x) {
+  return f(caf::meta::type_name("membership_changed"), x.joined, x.island);
+}
+
+template <class F>
+auto inspect(F& f, message_received& x) {
+  return f(caf::meta::type_name("message_received"), x.source, x.am_type, x.octets);
+}
+
+template <class F>
+auto inspect(F& f, send_ended& x) {
+  return f(caf::meta::type_name("send_ended"), x.token, x.refused, x.acked);
+}
+
+template <class F>
+auto inspect(F& f, transducers_read& x) {
+  return f(caf::meta::type_name("transducers_read"), x.counts);
+}
+
+template <class F>
+auto inspect(F& f, actuator_changed& x) {
+  return f(caf::meta::type_name("actuator_changed"), x.name, x.state, x.obeyed);
+}
+
+template <class F>
+auto inspect(F& f, claim_am_type& x) {
+  return f(caf::meta::type_name("claim_am_type"), x.app, x.am_type);
+}
+
+template <class F>
+auto inspect(F& f, send_message& x) {
+  return f(caf::meta::type_name("send_message"), x.app, x.token, x.destination, x.am_type, x.octets,
+           x.reliable);
+}
+
+template <class F>
+auto inspect(F& f, read_transducers& x) {
+  return f(caf::meta::type_name("read_transducers"), x.app, x.kinds);
+}
+
+template <class F>
+auto inspect(F& f, set_actuator& x) {
+  return f(caf::meta::type_name("set_actuator"), x.app, x.name, x.state);
+}
+
+template <class F>
+auto inspect(F& f, crash_now&) {
+  return f(caf::meta::type_name("crash_now"));
+}
+
+template <class F>
+auto inspect(F& f, end_battery&) {
+  return f(caf::meta::type_name("end_battery"));
+}
+
+template <class F>
+auto inspect(F& f, link_octets& x) {
+  return f(caf::meta::type_name("link_octets"), x.link, x.octets);
+}
+
+template <class F>
+auto inspect(F& f, link_closed& x) {
+  return f(caf::meta::type_name("link_closed"), x.link);
+}
+
+template <class F>
+auto inspect(F& f, link_opened& x) {
+  return f(caf::meta::type_name("link_opened"), x.link, x.other, x.initiator);
+}
+
+template <class F>
+auto inspect(F& f, tuple_event& x) {
+  return f(caf::meta::type_name("tuple_event"), x.watch, x.owner, x.key, x.value, x.deleted);
+}
+
+template <class F>
+auto inspect(F& f, peis_message& x) {
+  return f(caf::meta::type_name("peis_message"), x.source, x.port, x.octets);
+}
+
+template <class F>
+auto inspect(F& f, peis_outcome& x) {
+  return f(caf::meta::type_name("peis_outcome"), x.token, x.success, x.cause);
+}
+
+template <class F>
+auto inspect(F& f, set_tuple& x) {
+  return f(caf::meta::type_name("set_tuple"), x.key, x.value, x.text);
+}
+
+template <class F>
+auto inspect(F& f, delete_tuple& x) {
+  return f(caf::meta::type_name("delete_tuple"), x.key);
+}
+
+template <class F>
+auto inspect(F& f, set_remote_tuple& x) {
+  return f(caf::meta::type_name("set_remote_tuple"), x.client, x.token, x.owner, x.key, x.value,
+           x.text);
+}
+
+template <class F>
+auto inspect(F& f, watch_tuples& x) {
+  return f(caf::meta::type_name("watch_tuples"), x.client, x.watch, x.owner, x.key);
+}
+
+template <class F>
+auto inspect(F& f, hook_port& x) {
+  return f(caf::meta::type_name("hook_port"), x.client, x.port);
+}
+
+template <class F>
+auto inspect(F& f, send_peis_message& x) {
+  return f(caf::meta::type_name("send_peis_message"), x.client, x.token, x.destination, x.port,
+           x.octets, x.reliable);
+}
+
+template <class F>
+auto inspect(F& f, mote_presence& x) {
+  return f(caf::meta::type_name("mote_presence"), x.present, x.gateway_gone);
+}
+
+} // namespace rubicon

@@ -1,0 +1,106 @@
+#include "actors/proxy.hpp"
+
+#include "actors/log.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using proxy_pointer = scheduler::traced_pointer<proxy_actor_state, proxy_actor>;
+
+struct performer {
+  proxy_pointer self;
+
+  void operator()(const proxy::publish& x) const {
+    self->send(self->state.arguments.peer,
+               set_tuple{x.key, payload(to_bytes(x.text)), true});
+  }
+
+  void operator()(proxy::write_device& x) const {
+    self->send(self->state.arguments.peer,
+               set_remote_tuple{{caf::actor_cast<peis_client_actor>(self)}, 0,
+                                gateway_of(x.mote.island),
+                                device_input_key(x.mote.mote, x.channel),
+                                payload(std::move(x.octets)), false});
+  }
+
+  void operator()(const proxy::retire&) const { self->quit(); }
+};
+
+void perform(proxy_pointer self, proxy::proxy::outputs todo) {
+  for (auto& output : todo)
+    std::visit(performer{self}, output);
+  self->state.wake.follow(self, self->state.arguments.core.deadline());
+}
+
+void watch_all(proxy_pointer self) {
+  auto& state = self->state;
+  state.watches = state.arguments.core.watches();
+  const auto& mote = state.arguments.core.who().mote;
+  for (std::size_t i = 0; i < state.watches.size(); ++i) {
+    const bool own = state.watches[i].where == proxy::watch::source::own;
+    self->send(state.arguments.peer,
+               watch_tuples{{caf::actor_cast<peis_client_actor>(self)}, i + 1,
+                            own ? state.arguments.peer_number : gateway_of(mote.island),
+                            state.watches[i].key});
+  }
+}
+
+void on_tuple(proxy_pointer self, const tuple_event& x) {
+  if (x.deleted)
+    return;
+  auto& core = self->state.arguments.core;
+  const auto& watched = self->state.watches.at(x.watch - 1);
+  if (watched.where == proxy::watch::source::own)
+    perform(self, core.on_input(watched.input, to_string(x.value.view()), now(self)));
+  else
+    perform(self, core.on_gateway_tuple(x.key, x.value.view(), now(self)));
+}
+
+void report(proxy_pointer self) {
+  const auto& core = self->state.arguments.core;
+  const auto& counted = core.counters();
+  runtime::proxy_report r;
+  r.name = core.prefix();
+  r.proxy_class = core.what().name;
+  r.status = proxy::to_string(core.status());
+  r.values = core.values();
+  r.actuations.requested = counted.requested;
+  r.actuations.acknowledged = counted.acknowledged;
+  r.actuations.failed = counted.failed;
+  self->send(self->state.arguments.ecology, proxy_status{std::move(r)});
+}
+
+} // namespace
+
+proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments arguments) {
+  self->state.arguments = std::move(arguments);
+  perform(self, self->state.arguments.core.start(now(self)));
+  watch_all(self);
+  return {
+      [self](const tuple_event& x) { on_tuple(self, x); },
+      [](const peis_message&) {}, // hooks no port
+      [self](const peis_outcome& x) {
+        if (!x.success) {
+          ++self->state.failed_writes;
+          log(self, spdlog::level::warn, "event=write_failed cause={}", x.cause);
+        }
+      },
+      [self](mote_presence x) {
+        auto& core = self->state.arguments.core;
+        log(self, spdlog::level::info, "event={}", x.present ? "appeared" : "disappeared");
+        perform(self, x.present ? core.on_appeared(now(self))
+                                : core.on_disappeared(x.gateway_gone
+                                                          ? proxy::disappearance::gateway_gone
+                                                          : proxy::disappearance::not_listed,
+                                                      now(self)));
+      },
+      [self](const timer_expired& x) {
+        if (self->state.wake.accepts(x))
+          perform(self, self->state.arguments.core.on_time(now(self)));
+      },
+      [self](status_request) { report(self); },
+  };
+}
+
+} // namespace rubicon

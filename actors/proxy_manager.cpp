@@ -1,0 +1,134 @@
+#include "actors/proxy_manager.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "actors/log.hpp"
+#include "actors/proxy.hpp"
+#include "scheduler/spawn.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using manager_pointer = scheduler::traced_pointer<proxy_manager_state, proxy_manager_actor>;
+
+proxy::proxy_identity identity_of(const proxy_manager_arguments& arguments,
+                                  const mote_address& mote) {
+  proxy::proxy_identity who;
+  who.mote = mote;
+  who.mote_name = to_string(mote.mote);
+  const auto island = std::ranges::find(arguments.islands, mote.island, &managed_island::id);
+  if (island == arguments.islands.end())
+    return who;
+  who.island_name = island->name;
+  if (const auto name = island->mote_names.find(mote.mote); name != island->mote_names.end())
+    who.mote_name = name->second;
+  return who;
+}
+
+struct performer {
+  manager_pointer self;
+
+  void operator()(const proxy::start_proxy& x) const {
+    auto& state = self->state;
+    const auto& classes = state.arguments.classes;
+    const auto found = std::ranges::find(classes, x.class_name, &proxy::proxy_class::name);
+    if (found == classes.end())
+      return;
+    proxy::proxy core(*found, identity_of(state.arguments, x.mote));
+    const auto name = core.prefix();
+    log(self, spdlog::level::info, "event=started proxy={} class={}", name, x.class_name);
+    self->send(state.arguments.ecology, story{self->path(), "proxy " + name + " started"});
+    state.proxies[x.mote] = scheduler::spawn_at<caf::monitored>(
+        self, "proxy/" + name, proxy_behavior,
+        proxy_arguments{std::move(core), state.arguments.peer_number, state.arguments.peer,
+                        state.arguments.ecology});
+  }
+
+  void operator()(const proxy::stop_proxy& x) const {
+    const auto found = self->state.proxies.find(x.mote);
+    if (found == self->state.proxies.end())
+      return;
+    self->demonitor(found->second);
+    self->send_exit(found->second, caf::exit_reason::user_shutdown);
+    self->state.proxies.erase(found);
+  }
+
+  void operator()(const proxy::tell_appeared& x) const { tell(x.mote, {true, false}); }
+
+  void operator()(const proxy::tell_disappeared& x) const {
+    tell(x.mote, {false, x.cause == proxy::disappearance::gateway_gone});
+  }
+
+  void operator()(const proxy::unknown_type& x) const {
+    log(self, spdlog::level::warn, "event=unknown_type mote={} type={}", to_string(x.mote),
+        x.type);
+    self->send(self->state.arguments.ecology,
+               story{self->path(), "mote " + to_string(x.mote) + " is of type " + std::to_string(x.type) +
+                     ", which no proxy class claims"});
+  }
+
+  void tell(const mote_address& mote, mote_presence x) const {
+    const auto found = self->state.proxies.find(mote);
+    if (found != self->state.proxies.end())
+      self->send(found->second, x);
+  }
+};
+
+void perform(manager_pointer self, proxy::manager::outputs todo) {
+  for (auto& output : todo)
+    std::visit(performer{self}, output);
+}
+
+/// Watches are named by island, so that a tuple's island is known without parsing anything.
+void watch_gateway(manager_pointer self, island_id island) {
+  for (const auto key : {devices_key, all_device_types_key})
+    self->send(self->state.arguments.peer,
+               watch_tuples{{caf::actor_cast<peis_client_actor>(self)}, island.value,
+                            gateway_of(island), std::string(key)});
+}
+
+void on_tuple(manager_pointer self, const tuple_event& x) {
+  const island_id island{static_cast<std::uint32_t>(x.watch)};
+  auto& manager = self->state.manager;
+  if (!x.deleted)
+    perform(self, manager.on_gateway_tuple(island, x.key, x.value.view(), now(self)));
+  else if (x.key == devices_key)
+    perform(self, manager.on_gateway_gone(island, now(self)));
+}
+
+void on_down(manager_pointer self, const caf::down_msg& x) {
+  auto& proxies = self->state.proxies;
+  const auto found = std::ranges::find_if(
+      proxies, [&](const auto& entry) { return entry.second.address() == x.source; });
+  if (found == proxies.end())
+    return;
+  const auto mote = found->first;
+  proxies.erase(found);
+  log(self, spdlog::level::warn, "event=proxy_ended mote={}", to_string(mote));
+  perform(self, self->state.manager.on_proxy_gone(mote, now(self)));
+}
+
+} // namespace
+
+proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
+                                                 proxy_manager_arguments arguments) {
+  auto& state = self->state;
+  state.arguments = std::move(arguments);
+  state.manager = proxy::manager(proxy::class_table(state.arguments.classes));
+  self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
+  for (const auto& island : state.arguments.islands)
+    watch_gateway(self, island.id);
+  return {
+      [self](const tuple_event& x) { on_tuple(self, x); },
+      [](const peis_message&) {}, // hooks no port
+      [](const peis_outcome&) {}, // asks for nothing
+      [self](status_request x) {
+        for (const auto& [mote, handle] : self->state.proxies)
+          self->send(handle, x);
+      },
+  };
+}
+
+} // namespace rubicon

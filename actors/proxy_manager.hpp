@@ -1,0 +1,40 @@
+// The proxy manager of a basestation: starts a proxy for every mote that needs one.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "actors/messages.hpp"
+#include "config/ecology.hpp"
+#include "proxy/manager.hpp"
+
+namespace rubicon {
+
+/// An island whose gateway the manager listens to, and the names that its tuples shall show.
+struct managed_island {
+  island_id id;
+  std::string name;
+  std::map<mote_id, std::string> mote_names;
+};
+
+/// What a proxy manager actor is made of.
+struct proxy_manager_arguments {
+  std::vector<proxy::proxy_class> classes;
+  std::vector<managed_island> islands;
+  peer_id peer_number;
+  peis_peer_actor peer;
+  ecology_actor ecology;
+};
+
+struct proxy_manager_state {
+  proxy_manager_arguments arguments;
+  proxy::manager manager;
+  std::map<mote_address, proxy_actor> proxies;
+};
+
+proxy_manager_actor::behavior_type
+proxy_manager(scheduler::traced_pointer<proxy_manager_state, proxy_manager_actor> self,
+              proxy_manager_arguments arguments);
+
+} // namespace rubicon

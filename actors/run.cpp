@@ -1,0 +1,84 @@
+#include "actors/run.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include <caf/send.hpp>
+
+#include "actors/debug_log.hpp"
+#include "actors/ecology.hpp"
+#include "io/signal_watch.hpp"
+#include "scheduler/world.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using steady = std::chrono::steady_clock;
+
+scheduler::world_options world_options_of(config::run_mode mode, double speed) {
+  scheduler::world_options x;
+  x.mode = mode == config::run_mode::wall ? scheduler::time_mode::wall
+                                          : scheduler::time_mode::virtual_time;
+  x.speed = speed;
+  return x;
+}
+
+/// Runs to `end` in steps short enough for a progress bar; steps change the order of nothing.
+scheduler::stop_cause run_with_progress(scheduler::world& world, instant end,
+                                        const run_options& options, double speed) {
+  if (!options.progress)
+    return world.run_until(end);
+  constexpr int steps = 500;
+  auto step = std::max<duration>(end.time_since_epoch() / steps, 1ms);
+  if (speed > 0) // paced: at least ten steps a real second
+    step = std::min(step, std::max<duration>(duration(static_cast<std::int64_t>(speed * 1e8)),
+                                             1ms));
+  for (;;) {
+    const auto cause = world.run_until(std::min(end, world.now() + step));
+    options.progress(world.now(), end);
+    if (cause != scheduler::stop_cause::reached_end || world.now() >= end)
+      return cause;
+  }
+}
+
+} // namespace
+
+runtime::report run_ecology(const config::ecology_description& file, const run_options& options) {
+  auto description = file;
+  description.seed = options.seed.value_or(file.seed);
+  description.mode = options.mode.value_or(file.mode);
+  description.length = options.length.value_or(file.length);
+  const bool wall = description.mode == config::run_mode::wall;
+  const auto speed = wall && options.speed == 0 ? 1 : options.speed;
+
+  scheduler::world world(world_options_of(description.mode, speed));
+  std::optional<debug_log> debug;
+  if (!options.debug_folder.empty()) {
+    debug.emplace(options.debug_folder);
+    world.trace().observe([&debug](const scheduler::delivery& x) { debug->write(x); });
+  }
+  std::optional<io::signal_watch> signals;
+  if (options.handle_signals)
+    signals.emplace(world.loop(), [&world] { world.request_stop(); });
+
+  runtime::report report;
+  const auto started = steady::now();
+  const auto root = world.spawn("ecology/" + description.name, ecology, description,
+                                [&report](runtime::report x) { report = std::move(x); });
+  const auto end = instant(description.length);
+  const auto cause = run_with_progress(world, end, options, speed);
+
+  caf::anon_send(root, collect_report{});
+  world.drain();
+  caf::anon_send(root, deliver_report{});
+  world.drain();
+  report.mode = wall ? "wall" : "virtual";
+  report.interrupted = cause == scheduler::stop_cause::requested;
+  report.wall_s = std::chrono::duration<double>(steady::now() - started).count();
+  report.events = world.trace().events();
+  report.trace_hash = to_hex(world.trace().hash());
+  return report;
+}
+
+} // namespace rubicon

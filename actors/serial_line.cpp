@@ -1,0 +1,65 @@
+#include "actors/serial_line.hpp"
+
+#include "actors/log.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using line_pointer = scheduler::traced_pointer<serial_line_state, serial_line_actor>;
+
+void perform(line_pointer self, serial::line_outputs todo) {
+  for (auto& x : todo) {
+    if (const auto& end = self->state.ends[static_cast<std::size_t>(x.towards)])
+      self->send(end, serial_octets{std::move(x.octets)});
+  }
+  self->state.wake.follow(self, self->state.line.deadline());
+}
+
+void plug(line_pointer self, bool plugged) {
+  log(self, spdlog::level::info, "event={}", plugged ? "plugged" : "unplugged");
+  self->send(self->state.ecology,
+             story{self->path(), plugged ? "serial cable plugged in again" : "serial cable unplugged"});
+  if (plugged)
+    self->state.line.plug();
+  else
+    perform(self, self->state.line.unplug(now(self)));
+}
+
+void report(line_pointer self) {
+  serial_status status{self->state.island, {}};
+  for (const auto towards : {serial::direction::to_pc, serial::direction::to_mote}) {
+    const auto& counted = self->state.line.counters(towards);
+    status.serial.octets += counted.arrived;
+    status.serial.lost["line_overflow_octets"] += counted.overflow;
+    status.serial.lost["unplugged_octets"] += counted.unplugged;
+    status.serial.lost["corrupted_octets"] += counted.corrupted;
+  }
+  self->send(self->state.ecology, std::move(status));
+}
+
+} // namespace
+
+serial_line_actor::behavior_type serial_line(line_pointer self, serial::line line,
+                                             island_id island, ecology_actor ecology) {
+  self->state.line = std::move(line);
+  self->state.island = island;
+  self->state.ecology = std::move(ecology);
+  return {
+      [self](const attach_serial& x) {
+        self->state.ends[static_cast<std::size_t>(x.towards)] = x.user.actor;
+      },
+      [self](const serial_write& x) {
+        self->state.line.send(x.towards, x.octets, now(self));
+        self->state.wake.follow(self, self->state.line.deadline());
+      },
+      [self](plug_serial x) { plug(self, x.plugged); },
+      [self](const timer_expired& x) {
+        if (self->state.wake.accepts(x))
+          perform(self, self->state.line.on_time(now(self)));
+      },
+      [self](status_request) { report(self); },
+  };
+}
+
+} // namespace rubicon

@@ -1,0 +1,24 @@
+// The cable between a sink and its gateway.
+#pragma once
+
+#include <array>
+
+#include "actors/messages.hpp"
+#include "actors/timer.hpp"
+#include "serial/line.hpp"
+
+namespace rubicon {
+
+struct serial_line_state {
+  serial::line line;
+  std::array<serial_end_actor, 2> ends; ///< by serial::direction, empty until attached
+  island_id island;
+  ecology_actor ecology;
+  timer wake;
+};
+
+serial_line_actor::behavior_type
+serial_line(scheduler::traced_pointer<serial_line_state, serial_line_actor> self,
+            serial::line line, island_id island, ecology_actor ecology);
+
+} // namespace rubicon

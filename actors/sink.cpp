@@ -1,0 +1,108 @@
+#include "actors/sink.hpp"
+
+#include "actors/log.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using sink_pointer = scheduler::traced_pointer<sink_state, sink_actor>;
+
+void perform(sink_pointer self, mote::sink_outputs todo);
+void perform(sink_pointer self, serial::mote_port_outputs todo);
+
+struct performer {
+  sink_pointer self;
+
+  void operator()(network::transmit& x) const {
+    const bool unicast = x.next_hop != broadcast_mote;
+    self->send(self->state.arguments.air,
+               radio_send{self->state.arguments.radio, 0, x.next_hop, x.am_type,
+                          payload(std::move(x.payload)), unicast});
+  }
+
+  void operator()(mote::to_gateway& x) const {
+    // As a TinyOS base station writes it: destination, source and type as on the radio, the group
+    // is the island (tinyos.md 3).
+    const auto& address = self->state.arguments.address;
+    serial::am_packet packet{address.mote.value, x.source.value,
+                             static_cast<std::uint8_t>(address.island.value), x.am_type,
+                             std::move(x.payload)};
+    perform(self, self->state.port.send(serial::encode(packet), now(self)));
+  }
+
+  void operator()(serial::to_line& x) const {
+    self->send(self->state.arguments.line,
+               serial_write{serial::direction::to_pc, payload(std::move(x.octets))});
+  }
+
+  void operator()(const serial::received& x) const {
+    if (const auto packet = serial::decode_am_packet(x.packet))
+      perform(self, self->state.sink.on_packet(packet->am_type, packet->payload, now(self)));
+  }
+};
+
+void follow(sink_pointer self) {
+  self->state.wake.follow(self,
+                          earliest(self->state.sink.deadline(), self->state.port.deadline()));
+}
+
+void perform(sink_pointer self, mote::sink_outputs todo) {
+  for (auto& output : todo)
+    std::visit(performer{self}, output);
+  follow(self);
+}
+
+void perform(sink_pointer self, serial::mote_port_outputs todo) {
+  for (auto& output : todo)
+    std::visit(performer{self}, output);
+  follow(self);
+}
+
+void report(sink_pointer self) {
+  const auto& counted = self->state.port.counters();
+  serial_status status{self->state.arguments.address.island, {}};
+  status.serial.frames_sent = counted.packets_sent + counted.acks_sent;
+  status.serial.frames_received = counted.frames_received;
+  status.serial.lost = {{"sink_crc", counted.bad_crc + counted.too_short + counted.too_long},
+                        {"sink_queue_full", counted.queue_full},
+                        {"sink_acks_lost", counted.acks_lost},
+                        {"sink_no_buffer", counted.no_buffer}};
+  self->send(self->state.arguments.ecology, std::move(status));
+}
+
+} // namespace
+
+sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
+  auto& state = self->state;
+  state.arguments = std::move(arguments);
+  state.sink = mote::sink(state.arguments.address.mote, state.arguments.registrar);
+  state.port = serial::mote_port(state.arguments.port);
+  const auto handle = caf::actor_cast<sink_actor>(self);
+  self->send(state.arguments.air, attach_radio{state.arguments.radio, {handle}});
+  self->send(state.arguments.line, attach_serial{serial::direction::to_mote, {handle}});
+  perform(self, state.sink.start(now(self)));
+  return {
+      [self](const frame_received& x) {
+        if (const auto frame = radio::decode(x.psdu.view()))
+          perform(self, self->state.sink.on_frame(frame->source, frame->am_type, frame->payload,
+                                                  now(self)));
+      },
+      [](const radio_done&) {}, // counted by the air; Transport repeats what matters
+      [self](battery_flat) {
+        self->send(self->state.arguments.ecology, story{self->path(), "sink's battery flat"});
+      },
+      [self](const serial_octets& x) {
+        perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));
+      },
+      [self](const timer_expired& x) {
+        if (!self->state.wake.accepts(x))
+          return;
+        perform(self, self->state.sink.on_time(now(self)));
+        perform(self, self->state.port.on_time(now(self)));
+      },
+      [self](status_request) { report(self); },
+  };
+}
+
+} // namespace rubicon
