@@ -97,6 +97,7 @@ public:
 
   [[nodiscard]] std::vector<mote_id> devices() const; ///< ascending
   [[nodiscard]] const gateway_counters& counters() const { return counters_; }
+  [[nodiscard]] std::size_t outstanding() const { return endpoint_.outstanding(); }
   [[nodiscard]] const transport::endpoint_counters& messages() const {
     return endpoint_.counters();
   }

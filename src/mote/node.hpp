@@ -83,6 +83,7 @@ public:
   [[nodiscard]] const transport::endpoint_counters& messages() const {
     return endpoint_.counters();
   }
+  [[nodiscard]] std::size_t outstanding() const { return endpoint_.outstanding(); }
   [[nodiscard]] const node_counters& counters() const { return counters_; }
 
 private:

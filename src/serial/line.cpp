@@ -1,0 +1,103 @@
+#include "serial/line.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace rubicon::serial {
+
+line::line(line_config config, random_stream dice) : config_(config), dice_(dice) {
+  assert(config_.baud > 0);
+}
+
+void line::send(direction towards, payload octets, instant now) {
+  auto& lane = of(towards);
+  const auto size = octets.size();
+  lane.counters.written += size;
+  if (!plugged_) {
+    lane.counters.unplugged += size;
+    return;
+  }
+  const auto kept = std::min(size, room(lane, now));
+  lane.counters.overflow += size - kept;
+  if (kept == 0)
+    return;
+  lane.free_at = std::max(lane.free_at, now) + transmission_time(kept, config_.baud);
+  lane.chunks.push_back(
+      {carry(std::move(octets), kept, lane.counters), lane.free_at + config_.latency});
+}
+
+line_outputs line::on_time(instant now) {
+  line_outputs out;
+  while (const auto next = deadline()) {
+    if (*next > now)
+      break;
+    // At equal times the PC's end comes first, so that the order never depends on the caller.
+    const auto towards = !lanes_[0].chunks.empty() && lanes_[0].chunks.front().due == *next
+                             ? direction::to_pc
+                             : direction::to_mote;
+    auto& lane = of(towards);
+    lane.counters.arrived += lane.chunks.front().octets.size();
+    out.push_back({towards, std::move(lane.chunks.front().octets)});
+    lane.chunks.pop_front();
+  }
+  return out;
+}
+
+std::optional<instant> line::deadline() const {
+  std::optional<instant> first;
+  for (const auto& lane : lanes_)
+    if (!lane.chunks.empty())
+      first = earliest(first, lane.chunks.front().due);
+  return first;
+}
+
+line_outputs line::unplug(instant now) {
+  auto out = on_time(now);
+  plugged_ = false;
+  for (auto& lane : lanes_) {
+    for (const auto& chunk : lane.chunks)
+      lane.counters.unplugged += chunk.octets.size();
+    lane.chunks.clear();
+    lane.free_at = now;
+  }
+  return out;
+}
+
+std::size_t line::in_flight(direction towards) const {
+  std::size_t octets = 0;
+  for (const auto& chunk : lanes_[static_cast<std::size_t>(towards)].chunks)
+    octets += chunk.octets.size();
+  return octets;
+}
+
+const line_counters& line::counters(direction towards) const {
+  return lanes_[static_cast<std::size_t>(towards)].counters;
+}
+
+line::one_way& line::of(direction towards) {
+  return lanes_[static_cast<std::size_t>(towards)];
+}
+
+std::size_t line::room(const one_way& x, instant now) const {
+  constexpr std::int64_t per_octet = 10 * std::nano::den; // backlog in ns times baud
+  const auto backlog = std::max(x.free_at - now, duration{});
+  const auto waiting =
+      static_cast<std::size_t>((backlog.count() * config_.baud + per_octet - 1) / per_octet);
+  return config_.buffer - std::min(waiting, config_.buffer);
+}
+
+payload line::carry(payload octets, std::size_t kept, line_counters& counters) {
+  if (config_.octet_error <= 0 && kept == octets.size())
+    return octets;
+  auto copy = to_bytes(octets.view().first(kept));
+  for (auto& octet : copy) {
+    if (!dice_.chance(config_.octet_error))
+      continue;
+    octet = static_cast<std::uint8_t>(octet ^ (1 + dice_.below(255)));
+    ++counters.corrupted;
+  }
+  return copy;
+}
+
+} // namespace rubicon::serial

@@ -1,0 +1,18 @@
+// What either end of a serial line asks of its owner.
+#pragma once
+
+#include "core/bytes.hpp"
+
+namespace rubicon::serial {
+
+/// Write these octets, one or more whole frames, in one go.
+struct to_line {
+  bytes octets;
+};
+
+/// A packet has come over the line with a good CRC.
+struct received {
+  bytes packet; ///< dispatch octet first, never empty
+};
+
+} // namespace rubicon::serial

@@ -1,0 +1,233 @@
+#include "core/device_keys.hpp"
+#include "gateway/gateway.hpp"
+#include "network/am.hpp"
+#include "network/island_packet.hpp"
+#include "support/catch.hpp"
+#include "support/pick.hpp"
+#include "transport/segment.hpp"
+
+using namespace rubicon;
+using gateway::erase;
+using gateway::gateway_config;
+using gateway::member_changed;
+using gateway::publish;
+using gateway::to_gateway;
+using gateway::to_sink;
+using test::pick;
+
+namespace {
+
+constexpr island_id kitchen{1};
+constexpr mote_id fan{7};
+
+gateway::gateway make() {
+  gateway_config config;
+  config.island = kitchen;
+  return {config, random_stream(1)};
+}
+
+gateway::outputs tell(gateway::gateway& x, const network::sink_event& event) {
+  return x.on_packet(network::am::sink_event, encode(event), {});
+}
+
+void join(gateway::gateway& x, mote_id mote, std::uint32_t incarnation = 0) {
+  static_cast<void>(tell(x, network::mote_joined{mote, incarnation, 301, bytes{0xaa}}));
+}
+
+/// The value last published under a key among the outputs.
+std::string published(const gateway::outputs& out, std::string_view key) {
+  std::string value = "nothing";
+  for (const auto& x : pick<publish>(out)) {
+    if (x.key == key)
+      value = x.text ? to_string(x.value) : to_hex(x.value);
+  }
+  return value;
+}
+
+bytes up(mote_address to, const transport::segment& segment) {
+  return encode(network::island_packet{to.island, to.mote, segment.am_type, encode(segment)});
+}
+
+transport::segment segment_down(const gateway::outputs& out) {
+  const auto packets = pick<to_sink>(out);
+  REQUIRE(packets.size() == 1);
+  REQUIRE(packets[0].am_type == network::am::from_gateway);
+  const auto packet = network::decode_island_packet(packets[0].payload);
+  REQUIRE(packet);
+  return *transport::decode_segment(packet->body);
+}
+
+} // namespace
+
+TEST_CASE("a gateway publishes its devices as D1.1 5.4 says", "[gateway][GW-03][GW-04][GW-09]") {
+  auto x = make();
+  CHECK(published(x.start(), "devices") == "{}");
+  join(x, mote_id{11});
+  const auto out = tell(x, network::mote_joined{fan, 0, 42, bytes{0xaa, 0xbb}});
+  CHECK(published(out, "devices") == "{7,11}");
+  CHECK(published(out, "devices.7.type") == "0000002a");
+  CHECK(published(out, "devices.7.descriptor") == "aabb");
+  REQUIRE(pick<member_changed>(out).size() == 1);
+  CHECK(pick<member_changed>(out)[0].listed);
+}
+
+TEST_CASE("a leaving mote takes its tuples with it", "[gateway][DIS-06]") {
+  auto x = make();
+  join(x, fan);
+  static_cast<void>(x.on_packet(network::am::to_gateway,
+                                up({kitchen, no_mote}, {fan, 1, 2, false, false, bytes{1}}), {}));
+  static_cast<void>(x.on_input(fan, 2, bytes{1}, {}));
+  const auto out = tell(x, network::mote_left{fan, network::leave_cause::silence});
+  CHECK(published(out, "devices") == "{}");
+  std::vector<std::string> erased;
+  for (const auto& y : pick<erase>(out))
+    erased.push_back(y.key);
+  CHECK(erased == std::vector<std::string>{"devices.7.type", "devices.7.descriptor",
+                                           "devices.7.output.2", "devices.7.input.2.status"});
+  CHECK(pick<member_changed>(out)[0].cause == network::leave_cause::silence);
+  CHECK(tell(x, network::mote_left{fan, network::leave_cause::silence}).empty());
+}
+
+TEST_CASE("what a mote sends to its gateway becomes an output tuple, each message once",
+          "[gateway][GW-06][GW-08][RTG-03]") {
+  auto x = make();
+  join(x, fan);
+  const auto message = up({kitchen, no_mote}, {fan, 1, 2, true, false, bytes{0x01, 0x56}});
+  const auto out = x.on_packet(network::am::to_gateway, message, {});
+  CHECK(published(out, "devices.7.output.2") == "0156");
+  CHECK(segment_down(out).acknowledgement);
+  const auto again = x.on_packet(network::am::to_gateway, message, {});
+  CHECK(pick<publish>(again).empty());
+  CHECK(segment_down(again).acknowledgement);
+  CHECK(x.counters().outputs == 1);
+}
+
+TEST_CASE("a message of a mote whose join was lost is not acknowledged; the sink is asked",
+          "[gateway][GW-15]") {
+  auto x = make();
+  const auto message = up({kitchen, no_mote}, {fan, 1, 2, true, false, bytes{1}});
+  const auto out = x.on_packet(network::am::to_gateway, message, {});
+  CHECK(pick<publish>(out).empty());
+  REQUIRE(pick<to_sink>(out).size() == 1);
+  CHECK(pick<to_sink>(out)[0].am_type == network::am::sink_event);
+  CHECK(to_hex(pick<to_sink>(out)[0].payload) == "040007");
+  join(x, fan);
+  CHECK(published(x.on_packet(network::am::to_gateway, message, {}), "devices.7.output.2") ==
+        "01");
+}
+
+TEST_CASE("an input is sent reliably and its status told", "[gateway][GW-05][GW-12][IF-07]") {
+  auto x = make();
+  join(x, fan);
+  const auto out = x.on_input(fan, 2, bytes{1}, {});
+  CHECK(published(out, "devices.7.input.2.status") == "1 pending");
+  const auto command = segment_down(out);
+  CHECK(command.source == no_mote);
+  CHECK(command.am_type == 2);
+  CHECK(command.reliable);
+  CHECK(command.payload == bytes{1});
+
+  SECTION("acknowledged") {
+    const transport::segment ack{fan, command.sequence, 2, false, true, {}};
+    const auto done =
+        x.on_packet(network::am::to_gateway, up({kitchen, no_mote}, ack), instant{50ms});
+    CHECK(published(done, "devices.7.input.2.status") == "1 acknowledged");
+    CHECK_FALSE(x.deadline().has_value());
+  }
+  SECTION("never acknowledged") {
+    std::string last;
+    while (x.deadline()) {
+      const auto later = x.on_time(*x.deadline());
+      if (!pick<publish>(later).empty())
+        last = published(later, "devices.7.input.2.status");
+    }
+    CHECK(last == "1 failed");
+  }
+  SECTION("equal writes are sent each") {
+    const auto second = x.on_input(fan, 2, bytes{1}, {});
+    CHECK(published(second, "devices.7.input.2.status") == "2 pending");
+    CHECK(segment_down(second).sequence != command.sequence);
+  }
+}
+
+TEST_CASE("an input for a mote that is not there, or for no AM type, fails visibly",
+          "[gateway][GW-12]") {
+  auto x = make();
+  CHECK(published(x.on_input(fan, 2, bytes{1}, {}), "devices.7.input.2.status") ==
+        "1 unreachable");
+  join(x, fan);
+  const auto out = x.on_input(fan, 300, bytes{1}, {});
+  CHECK(published(out, "devices.7.input.300.status") == "1 failed");
+  CHECK(pick<to_sink>(out).empty());
+}
+
+TEST_CASE("messages between islands change only their header", "[gateway][RTG-02][WIR-02]") {
+  auto x = make();
+  join(x, fan);
+  const transport::segment segment{fan, 9, 10, true, false, bytes{'h', 'i'}};
+  const auto out =
+      x.on_packet(network::am::to_gateway, up({island_id{2}, mote_id{5}}, segment), {});
+  REQUIRE(pick<to_gateway>(out).size() == 1);
+  const auto across = pick<to_gateway>(out)[0];
+  CHECK(across.peer == peer_id{2});
+  CHECK(across.reliable);
+  CHECK(to_hex(across.octets) == "0005000a" + to_hex(encode(segment)));
+
+  auto other = make();
+  join(other, mote_id{5});
+  const auto down = other.on_message(peer_id{2}, across.octets, {});
+  REQUIRE(pick<to_sink>(down).size() == 1);
+  CHECK(to_hex(pick<to_sink>(down)[0].payload) == "000000020005000a" + to_hex(encode(segment)));
+  CHECK(pick<to_sink>(down)[0].mote == mote_id{5});
+}
+
+TEST_CASE("messages of other islands for absent motes or nobody are dropped and counted",
+          "[gateway][RTG-05]") {
+  auto x = make();
+  CHECK(x.on_message(peer_id{2}, *from_hex("0005000a"), {}).empty());
+  CHECK(x.counters().undeliverable == 1);
+  CHECK(x.on_message(peer_id{2}, bytes{0}, {}).empty());
+  CHECK(x.on_message(peer_id{-1}, *from_hex("0005000a"), {}).empty());
+  CHECK(x.counters().malformed == 2);
+  CHECK(pick<to_sink>(x.on_message(peer_id{2}, *from_hex("ffff000a"), {})).size() == 1);
+}
+
+TEST_CASE("a roster brings a gateway's list back to the truth", "[gateway][GW-15]") {
+  auto x = make();
+  join(x, fan);
+  join(x, mote_id{8});
+  join(x, mote_id{9}, 1);
+  const auto asked = [](const gateway::outputs& out) {
+    std::vector<mote_id> motes;
+    for (const auto& y : pick<to_sink>(out))
+      motes.push_back(y.mote);
+    return motes;
+  };
+  CHECK(asked(tell(x, network::roster{1, 0, 2, {{fan, 0}, {mote_id{9}, 2}}})) ==
+        std::vector{mote_id{9}}); // rebooted unseen
+  CHECK(asked(tell(x, network::roster{1, 1, 2, {{mote_id{10}, 0}}})) ==
+        std::vector{mote_id{10}, mote_id{8}}); // missing here, missing there
+  CHECK(asked(tell(x, network::roster{2, 0, 1, {{fan, 0}, {mote_id{8}, 0}, {mote_id{9}, 1}}}))
+            .empty());
+}
+
+TEST_CASE("what a gateway cannot read it drops and counts", "[gateway]") {
+  auto x = make();
+  CHECK(x.on_packet(network::am::to_gateway, bytes{0}, {}).empty());
+  CHECK(x.on_packet(network::am::sink_event, bytes{9}, {}).empty());
+  CHECK(x.counters().malformed == 2);
+  CHECK(x.on_packet(0x77, {}, {}).empty());
+  CHECK(tell(x, network::describe{fan}).empty());
+  CHECK(x.counters().unknown_type == 2);
+}
+
+TEST_CASE("no more inputs wait than there is room for", "[gateway]") {
+  gateway_config config;
+  config.island = kitchen;
+  config.inputs_outstanding_max = 2;
+  gateway::gateway x(config, random_stream(1));
+  join(x, fan);
+  static_cast<void>(x.on_input(fan, 2, bytes{1}, {}));
+  static_cast<void>(x.on_input(fan, 2, bytes{0}, {}));
+  CHECK(published(x.on_input(fan, 2, bytes{1}, {}), "devices.7.input.2.status") == "3 failed");
+}

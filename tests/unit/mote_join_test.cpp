@@ -1,0 +1,118 @@
+#include "mote/join_client.hpp"
+#include "support/catch.hpp"
+#include "support/pick.hpp"
+
+using namespace rubicon;
+using namespace rubicon::mote;
+using test::pick;
+
+namespace {
+
+constexpr mote_id the_sink{1};
+
+join_client make() {
+  join_config config;
+  config.start_jitter = 0s;
+  return {config, bytes{0xaa}, 3, random_stream(1)};
+}
+
+/// Lets the client reach its deadline.
+join_outputs wait(join_client& client, instant& now) {
+  now = *client.deadline();
+  return client.on_time(now);
+}
+
+join_request request_in(const join_outputs& out) {
+  REQUIRE(pick<to_radio>(out).size() == 1);
+  return std::get<join_request>(pick<to_radio>(out)[0].message);
+}
+
+} // namespace
+
+TEST_CASE("a mote asks, is answered, confirms and is in", "[mote][DIS-08]") {
+  auto client = make();
+  instant now{};
+  CHECK(client.start(now).empty());
+  const auto out = wait(client, now);
+  const auto request = request_in(out);
+  CHECK(pick<to_radio>(out)[0].destination == broadcast_mote);
+  CHECK(request.incarnation == 3);
+  CHECK(request.descriptor == bytes{0xaa});
+
+  const join_reply reply{request.sequence, island_id{1}, mote_id{7}, 0};
+  const auto in = client.on_message(the_sink, reply, now);
+  REQUIRE(pick<island_joined>(in).size() == 1);
+  CHECK(pick<island_joined>(in)[0].island == island_id{1});
+  CHECK(pick<island_joined>(in)[0].sink == the_sink);
+  CHECK(std::get<join_confirm>(pick<to_radio>(in)[0].message) ==
+        join_confirm{request.sequence, 3, bytes{0xaa}});
+  CHECK(client.current() == join_client::state::joined);
+
+  SECTION("a repeated reply is confirmed again, without joining twice") {
+    const auto again = client.on_message(the_sink, reply, now);
+    CHECK(pick<island_joined>(again).empty());
+    CHECK(pick<to_radio>(again).size() == 1);
+  }
+  SECTION("a silent mote says that it is still there") {
+    const auto before = now;
+    const auto alive = wait(client, now);
+    CHECK(now - before == 3s);
+    CHECK(std::get<keep_alive>(pick<to_radio>(alive)[0].message).incarnation == 3);
+    CHECK(pick<to_radio>(alive)[0].destination == the_sink);
+    client.on_sent(now + 1s);
+    CHECK(*client.deadline() == now + 4s);
+  }
+  SECTION("a mote that its sink has forgotten joins again") {
+    CHECK(client.on_message(mote_id{9}, rejoin_prompt{}, now).empty());
+    CHECK(pick<island_lost>(client.on_message(the_sink, rejoin_prompt{}, now)).size() == 1);
+    CHECK(request_in(wait(client, now)).sequence != request.sequence);
+  }
+  SECTION("a leaving mote tells its sink and falls silent") {
+    const auto bye = client.leave();
+    CHECK(std::holds_alternative<leave_notice>(pick<to_radio>(bye).at(0).message));
+    CHECK_FALSE(client.deadline().has_value());
+    CHECK(client.on_message(the_sink, reply, now).empty());
+    CHECK(client.leave().empty());
+  }
+}
+
+TEST_CASE("an unanswered mote asks five times, pauses longer and longer, and never gives up",
+          "[mote][DIS-08]") {
+  auto client = make();
+  instant now{};
+  static_cast<void>(client.start(now));
+  std::vector<duration> pauses;
+  for (int round = 0; round < 7; ++round) {
+    for (int attempt = 0; attempt < 5; ++attempt) {
+      static_cast<void>(request_in(wait(client, now)));
+      CHECK(*client.deadline() - now == 500ms);
+    }
+    CHECK(wait(client, now).empty());
+    pauses.push_back(*client.deadline() - now);
+  }
+  for (std::size_t i = 0; i < pauses.size(); ++i) {
+    const auto base = std::min<duration>(2s * (1 << i), 30s);
+    CHECK(pauses[i] >= base);
+    CHECK(pauses[i] <= base * 3 / 2);
+  }
+}
+
+TEST_CASE("a reply to an older request is ignored", "[mote][DIS-08]") {
+  auto client = make();
+  instant now{};
+  static_cast<void>(client.start(now));
+  const auto first = request_in(wait(client, now));
+  static_cast<void>(wait(client, now));
+  CHECK(client.on_message(the_sink, join_reply{first.sequence, island_id{1}, mote_id{7}, 0}, now)
+            .empty());
+}
+
+TEST_CASE("motes that start together do not all ask at once", "[mote][DIS-05]") {
+  join_config config;
+  join_client a(config, {}, 0, random_stream(1));
+  join_client b(config, {}, 0, random_stream(2));
+  static_cast<void>(a.start({}));
+  static_cast<void>(b.start({}));
+  CHECK(*a.deadline() != *b.deadline());
+  CHECK(*a.deadline() < instant{1s});
+}

@@ -1,0 +1,186 @@
+#include "mote/descriptor.hpp"
+#include "mote/registrar.hpp"
+#include "support/catch.hpp"
+#include "support/pick.hpp"
+
+using namespace rubicon;
+using namespace rubicon::mote;
+using network::mote_joined;
+using network::mote_left;
+
+namespace {
+
+constexpr mote_id lamp{7};
+
+bytes description(std::uint32_t type = 301, std::uint32_t keep_alive_ms = 3000) {
+  return encode(descriptor{type, 0, 1, keep_alive_ms});
+}
+
+registrar make() {
+  registrar_config config;
+  config.island = island_id{1};
+  return registrar(config);
+}
+
+/// Events of kind T among the outputs.
+template <class T>
+std::vector<T> events(const registrar_outputs& out) {
+  return test::pick<T>(test::pick<network::sink_event>(out));
+}
+
+registrar_outputs request(registrar& x, instant now, std::uint32_t incarnation = 0,
+                          mote_id mote = lamp, std::uint16_t sequence = 1) {
+  return x.on_frame(mote, encode(join_request{sequence, incarnation, description()}), now);
+}
+
+registrar_outputs confirm(registrar& x, instant now, std::uint32_t incarnation = 0,
+                          mote_id mote = lamp) {
+  return x.on_frame(mote, encode(join_confirm{1, incarnation, description()}), now);
+}
+
+} // namespace
+
+TEST_CASE("a sink answers a request and announces the mote once it confirms",
+          "[mote][DIS-03][DIS-08]") {
+  auto x = make();
+  const auto out = request(x, instant{2s});
+  REQUIRE(test::pick<to_mote>(out).size() == 1);
+  CHECK(std::get<join_reply>(test::pick<to_mote>(out)[0].message) ==
+        join_reply{1, island_id{1}, lamp, 2000});
+  CHECK(events<mote_joined>(out).empty());
+  CHECK(x.members() == 0);
+  const auto in = events<mote_joined>(confirm(x, instant{2s}));
+  REQUIRE(in.size() == 1);
+  CHECK(in[0] == mote_joined{lamp, 0, 301, description()});
+  CHECK(x.members() == 1);
+  CHECK(events<mote_joined>(confirm(x, instant{3s})).empty());
+}
+
+TEST_CASE("a reply is repeated until confirmed, five times at most", "[mote][DIS-08]") {
+  auto x = make();
+  static_cast<void>(request(x, instant{}));
+  int replies = 1;
+  while (x.deadline())
+    replies += static_cast<int>(test::pick<to_mote>(x.on_time(*x.deadline())).size());
+  CHECK(replies == 5);
+  CHECK(x.members() == 0);
+}
+
+TEST_CASE("any frame of a mote with our reply confirms it", "[mote][DIS-08]") {
+  auto x = make();
+  static_cast<void>(request(x, instant{}));
+  CHECK(events<mote_joined>(x.on_heard(lamp, instant{1s})).size() == 1);
+}
+
+TEST_CASE("a silent mote leaves after its window, a heard one stays", "[mote][DIS-06]") {
+  auto x = make();
+  static_cast<void>(request(x, instant{}));
+  static_cast<void>(confirm(x, instant{}));
+  CHECK(x.on_time(instant{9999ms}).empty());
+  CHECK(x.on_heard(lamp, instant{9999ms}).empty());
+  CHECK(x.on_time(instant{19998ms}).empty());
+  const auto left = events<mote_left>(x.on_time(instant{19999ms}));
+  REQUIRE(left.size() == 1);
+  CHECK(left[0] == mote_left{lamp, network::leave_cause::silence});
+  CHECK(x.members() == 0);
+}
+
+TEST_CASE("a mote that reports rarely has three of its periods", "[mote][DIS-06]") {
+  auto x = make();
+  static_cast<void>(
+      x.on_frame(lamp, encode(join_request{1, 0, description(101, 31'000)}), instant{}));
+  static_cast<void>(confirm(x, instant{}));
+  CHECK(events<mote_left>(x.on_time(instant{92'999ms})).empty());
+  CHECK(events<mote_left>(x.on_time(instant{93s})).size() == 1);
+}
+
+TEST_CASE("a mote that says goodbye leaves at once", "[mote][DIS-06]") {
+  auto x = make();
+  static_cast<void>(request(x, instant{}));
+  static_cast<void>(confirm(x, instant{}));
+  const auto left = events<mote_left>(x.on_frame(lamp, encode(leave_notice{}), instant{1s}));
+  REQUIRE(left.size() == 1);
+  CHECK(left[0].cause == network::leave_cause::notice);
+  CHECK(x.on_frame(lamp, encode(leave_notice{}), instant{1s}).empty());
+}
+
+TEST_CASE("a rebooted mote is announced again without ever leaving", "[mote][DIS-07]") {
+  auto x = make();
+  static_cast<void>(x.start(instant{}));
+  static_cast<void>(request(x, instant{}));
+  static_cast<void>(confirm(x, instant{}));
+  static_cast<void>(request(x, instant{9900ms}, 1));
+  const auto rosters = events<network::roster>(x.on_time(instant{10s}));
+  REQUIRE(rosters.size() == 1);
+  CHECK(rosters[0].entries.size() == 1); // still a member while it joins again
+  const auto in = events<mote_joined>(confirm(x, instant{10s}, 1));
+  REQUIRE(in.size() == 1);
+  CHECK(in[0].incarnation == 1);
+}
+
+TEST_CASE("a member that reboots and then dies is told to have left", "[mote][DIS-06]") {
+  auto x = make();
+  static_cast<void>(request(x, instant{}));
+  static_cast<void>(confirm(x, instant{}));
+  static_cast<void>(request(x, instant{1s}, 1));
+  std::vector<mote_left> left;
+  while (x.deadline()) {
+    for (const auto& event : events<mote_left>(x.on_time(*x.deadline())))
+      left.push_back(event);
+  }
+  REQUIRE(left.size() == 1);
+  CHECK(left[0].mote == lamp);
+}
+
+TEST_CASE("an unknown mote is asked to join, not more than once a second", "[mote][GW-15]") {
+  auto x = make();
+  const auto prompts = [&](duration t) {
+    return test::pick<to_mote>(x.on_heard(lamp, instant{t})).size();
+  };
+  CHECK(prompts(0s) == 1);
+  CHECK(prompts(999ms) == 0);
+  CHECK(prompts(1s) == 1);
+  CHECK(test::pick<to_mote>(x.on_frame(lamp, encode(keep_alive{0}), instant{2s})).size() == 1);
+}
+
+TEST_CASE("the roster names every member, in pages that fit", "[mote][GW-15]") {
+  auto x = make();
+  static_cast<void>(x.start(instant{}));
+  for (std::uint16_t i = 2; i < 42; ++i) {
+    static_cast<void>(request(x, instant{}, 0, mote_id{i}));
+    static_cast<void>(confirm(x, instant{9s}, 0, mote_id{i}));
+  }
+  const auto pages = events<network::roster>(x.on_time(instant{10s}));
+  REQUIRE(pages.size() == 3);
+  std::vector<mote_id> named;
+  for (const auto& page : pages) {
+    CHECK(page.pages == 3);
+    CHECK(page.number == pages[0].number);
+    for (const auto& entry : page.entries)
+      named.push_back(entry.mote);
+  }
+  CHECK(named.size() == 40);
+  CHECK(std::is_sorted(named.begin(), named.end()));
+}
+
+TEST_CASE("the gateway's question about a mote is answered either way", "[mote][GW-15]") {
+  auto x = make();
+  CHECK(events<mote_left>(x.on_describe(lamp, instant{})).size() == 1);
+  static_cast<void>(request(x, instant{}));
+  CHECK(x.on_describe(lamp, instant{}).empty());
+  static_cast<void>(confirm(x, instant{}));
+  CHECK(events<mote_joined>(x.on_describe(lamp, instant{})).size() == 1);
+}
+
+TEST_CASE("a sink takes no more members than it has room for", "[mote]") {
+  registrar_config config;
+  config.members_max = 2;
+  registrar x(config);
+  CHECK(test::pick<to_mote>(request(x, instant{}, 0, mote_id{2})).size() == 1);
+  CHECK(test::pick<to_mote>(request(x, instant{}, 0, mote_id{3})).size() == 1);
+  CHECK(request(x, instant{}, 0, mote_id{4}).empty());
+  CHECK(x.counters().refused == 1);
+  CHECK(x.on_frame(lamp, bytes{0xff}, instant{}).empty());
+  CHECK(x.on_frame(lamp, encode(join_request{1, 0, bytes{9}}), instant{}).empty());
+  CHECK(x.counters().malformed == 2);
+}
