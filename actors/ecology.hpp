@@ -16,22 +16,6 @@
 
 namespace rubicon {
 
-/// What only the ecology tells itself, or is told by whoever runs it.
-struct apply_fault {
-  std::uint32_t index = 0; ///< in the description's fault plan
-};
-struct restart_mote {
-  mote_address mote;
-};
-/// Ask everybody for their part of the report.
-struct collect_report {};
-/// Hand out the report with the parts that have come.
-struct deliver_report {};
-
-using root_actor =
-    ecology_actor::extend<caf::reacts_to<apply_fault>, caf::reacts_to<restart_mote>,
-                          caf::reacts_to<collect_report>, caf::reacts_to<deliver_report>>;
-
 using report_receiver = std::function<void(runtime::report)>;
 
 /// A mote as its supervisor knows it.

@@ -110,8 +110,8 @@ void report(gateway_pointer self) {
   const auto& frames = state.port.frames();
   serial_status status{island, {}};
   status.serial.frames_sent = port.attempts + port.acks_written;
-  status.serial.frames_received = frames.frames;
-  status.serial.lost = {{"gateway_crc", frames.bad_crc},
+  status.serial.frames_received = frames.good;
+  status.serial.lost = {{"gateway_crc", frames.bad_crc + frames.too_short + frames.too_long + frames.aborted},
                         {"gateway_no_ack", port.no_ack},
                         {"gateway_queue_full", port.queue_full},
                         {"gateway_refused", port.refused},

@@ -106,6 +106,27 @@ using ecology_actor =
                      caf::reacts_to<serial_status>, caf::reacts_to<devices_status>,
                      caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>>;
 
+/// To itself: this fault of the description's plan is due.
+struct apply_fault {
+  std::uint32_t index = 0;
+};
+
+/// To itself: a mote that failed starts again.
+struct restart_mote {
+  mote_address mote;
+};
+
+/// From whoever runs the ecology: ask everybody for their part of the report.
+struct collect_report {};
+
+/// From whoever runs the ecology: hand out the report with the parts that have come.
+struct deliver_report {};
+
+/// The root supervisor itself.
+using root_actor =
+    ecology_actor::extend<caf::reacts_to<apply_fault>, caf::reacts_to<restart_mote>,
+                          caf::reacts_to<collect_report>, caf::reacts_to<deliver_report>>;
+
 // ------------------------------------------------------------------------------------------ radio
 
 /// A frame that this radio has received.

@@ -1,4 +1,4 @@
-// CAF's inspect for every message: one line each, in the order of messages.hpp.
+// CAF's inspect for every message, and the numbers CAF knows them by. Included by messages.hpp alone.
 #pragma once
 
 namespace rubicon {
@@ -281,4 +281,77 @@ auto inspect(F& f, mote_presence& x) {
   return f(caf::meta::type_name("mote_presence"), x.present, x.gateway_gone);
 }
 
+template <class F>
+auto inspect(F& f, apply_fault& x) {
+  return f(caf::meta::type_name("apply_fault"), x.index);
+}
+
+template <class F>
+auto inspect(F& f, restart_mote& x) {
+  return f(caf::meta::type_name("restart_mote"), x.mote);
+}
+
+template <class F>
+auto inspect(F& f, collect_report&) {
+  return f(caf::meta::type_name("collect_report"));
+}
+
+template <class F>
+auto inspect(F& f, deliver_report&) {
+  return f(caf::meta::type_name("deliver_report"));
+}
+
 } // namespace rubicon
+
+CAF_BEGIN_TYPE_ID_BLOCK(rubicon, caf::first_custom_type_id)
+CAF_ADD_TYPE_ID(rubicon, (rubicon::timer_expired))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::status_request))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::story))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::mote_flat))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::listing_changed))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::energy_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::message_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::serial_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::devices_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::peer_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::proxy_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::apply_fault))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::restart_mote))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::collect_report))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::deliver_report))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::frame_received))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_done))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::battery_flat))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::attach_radio))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_send))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_power))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::serial_octets))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::attach_serial))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::serial_write))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::plug_serial))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::membership_changed))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::message_received))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::send_ended))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::transducers_read))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::actuator_changed))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::claim_am_type))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::send_message))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::read_transducers))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::set_actuator))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::crash_now))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::end_battery))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::link_octets))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::link_closed))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::link_opened))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::tuple_event))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::peis_message))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::peis_outcome))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::set_tuple))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::delete_tuple))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::set_remote_tuple))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::watch_tuples))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::hook_port))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::send_peis_message))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::mote_presence))
+CAF_END_TYPE_ID_BLOCK(rubicon)

@@ -50,7 +50,7 @@ struct performer {
     const auto found = self->state.proxies.find(x.mote);
     if (found == self->state.proxies.end())
       return;
-    self->demonitor(found->second);
+    self->demonitor(found->second.address());
     self->send_exit(found->second, caf::exit_reason::user_shutdown);
     self->state.proxies.erase(found);
   }

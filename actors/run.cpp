@@ -60,7 +60,7 @@ runtime::report run_ecology(const config::ecology_description& file, const run_o
   }
   std::optional<io::signal_watch> signals;
   if (options.handle_signals)
-    signals.emplace(world.loop(), [&world] { world.request_stop(); });
+    signals.emplace(world.loop(), [&world](int) { world.request_stop(); });
 
   runtime::report report;
   const auto started = steady::now();

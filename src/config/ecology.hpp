@@ -25,9 +25,9 @@ enum class run_mode : std::uint8_t { virtual_time, wall };
 struct sampler_app {
   std::vector<mote::quantity> transducers; ///< at least one, each present on the mote
   duration every = 31s;
-  duration jitter = 0s;         ///< each period starts up to this much late, uniform
-  std::uint16_t channel = 1;    ///< output channel of section 5.4; equals the AM type, 0..255
-  bool reliable = false;        ///< ask for an end-to-end acknowledgement
+  duration jitter = 0s;      ///< each period starts up to this much late, uniform
+  std::uint16_t channel = 1; ///< output channel of section 5.4; equals the AM type, 0..255
+  bool reliable = false;     ///< ask for an end-to-end acknowledgement
 };
 
 /// Sets an actuator from the first octet received on a channel and answers with its new state.
@@ -54,9 +54,9 @@ using mote_app = std::variant<sampler_app, actuator_app, messenger_app, listener
 
 struct mote_description {
   mote_id id;
-  std::string name;             ///< unique in its island
-  std::uint32_t type = 0;       ///< signature reported at join (PXY-13)
-  std::string type_name;        ///< the [mote_type.NAME] it came from; empty if none
+  std::string name;                          ///< unique in its island
+  std::uint32_t type = 0;                    ///< signature reported at join (PXY-13)
+  std::string type_name;                     ///< the [mote_type.NAME] it came from; empty if none
   const radio::platform* platform = nullptr; ///< never nullptr in a valid description
   position place;
   std::optional<double> battery_mah; ///< unset: the platform's
@@ -72,9 +72,9 @@ struct sink_description {
 };
 
 struct island_description {
-  island_id id;            ///< also the PEIS id of its gateway (ADR-02)
+  island_id id; ///< also the PEIS id of its gateway (ADR-02)
   std::string name;
-  std::string host;        ///< empty: wherever the run is started
+  std::string host; ///< empty: wherever the run is started
   sink_description sink;
   serial::line_config serial;
   std::string gateway_name;               ///< PEIS name of the gateway; default NAME-gateway
@@ -97,12 +97,12 @@ struct proxy_manager_app {
 
 /// When a tuple passes a threshold, writes another; `below` and `above` give the hysteresis.
 struct rule {
-  std::string when;               ///< key watched, any owner
-  std::optional<double> above;    ///< at or above this: write `then`
-  std::optional<double> below;    ///< below this: write `otherwise`
-  std::string write;              ///< key to write at its owner
+  std::string when;            ///< key watched, any owner
+  std::optional<double> above; ///< at or above this: write `then`
+  std::optional<double> below; ///< below this: write `otherwise`
+  std::string write;           ///< key to write at its owner
   std::string then;
-  std::string otherwise;          ///< empty: nothing is written
+  std::string otherwise; ///< empty: nothing is written
 };
 
 struct rules_app {
@@ -153,13 +153,14 @@ struct ecology_description {
   std::uint64_t seed = 1;
   run_mode mode = run_mode::virtual_time;
   duration length = 10min;
-  std::string network = "rubicon"; ///< PEIS network string: ecologies that differ never meet (LNK-06)
+  std::string network =
+      "rubicon"; ///< PEIS network string: ecologies that differ never meet (LNK-06)
   radio::channel_config radio;
-  std::vector<air_description> airs;           ///< every island is in exactly one
+  std::vector<air_description> airs;       ///< every island is in exactly one
   std::vector<island_description> islands; ///< ascending by id
-  std::vector<peer_description> peers;         ///< ascending by id; gateways are not among them
+  std::vector<peer_description> peers;     ///< ascending by id; gateways are not among them
   std::vector<proxy::proxy_class> proxies;
-  std::vector<fault_description> faults;       ///< ascending by time
+  std::vector<fault_description> faults; ///< ascending by time
   std::vector<host_description> hosts;
 };
 

@@ -107,7 +107,8 @@ outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets,
   const auto listed = devices_.find(mote);
   if (listed == devices_.end()) {
     ++counters_.undeliverable;
-    return {status_tuple(mote, channel, sequence, input_outcome::unreachable)};
+    return {status_tuple(mote, channel, sequence, input_outcome::pending),
+            status_tuple(mote, channel, sequence, input_outcome::unreachable)};
   }
   listed->second.input_channels.insert(channel);
   const auto ticket = next_ticket_++;
@@ -116,10 +117,12 @@ outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets,
                       : endpoint_.send(ticket, {config_.island, mote},
                                        static_cast<std::uint8_t>(channel), to_bytes(octets),
                                        true, now);
-  if (!accepted)
-    return {status_tuple(mote, channel, sequence, input_outcome::failed)};
-  pending_[ticket] = {mote, channel, sequence};
   outputs out{status_tuple(mote, channel, sequence, input_outcome::pending)};
+  if (!accepted) {
+    out.emplace_back(status_tuple(mote, channel, sequence, input_outcome::failed));
+    return out;
+  }
+  pending_[ticket] = {mote, channel, sequence};
   for (auto& x : take(*std::move(accepted)))
     out.push_back(std::move(x));
   return out;

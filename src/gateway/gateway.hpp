@@ -85,7 +85,8 @@ public:
   /// The serial line has delivered a packet from the sink.
   [[nodiscard]] outputs on_packet(std::uint8_t am_type, byte_view payload, instant now);
 
-  /// Somebody has written a message for a mote (`devices.$ID.input.$CH`).
+  /// Somebody has written a message for a mote (`devices.$ID.input.$CH`). Its status tuple says
+  /// `N pending` and then, at once or later, how write N ended.
   [[nodiscard]] outputs on_input(mote_id mote, std::uint16_t channel, byte_view octets,
                                  instant now);
 

@@ -1,4 +1,5 @@
-// A proxy class: what turns a mote's octets into meaning, and words into octets (PXY-04, 05, 11..13).
+// A proxy class: what turns a mote's octets into meaning, and words into octets (PXY-04,
+// 05, 11..13).
 #pragma once
 
 #include <cstddef>
@@ -23,16 +24,16 @@ struct field {
   encoding layout = encoding::i16;
   double scale = 1;
   double add = 0;
-  int decimals = 1;          ///< digits after the point, 0..6
-  std::string unit;          ///< empty: no unit tuple is published
+  int decimals = 1;                                        ///< digits after the point, 0..6
+  std::string unit;                                        ///< empty: no unit tuple is published
   std::vector<std::pair<std::int64_t, std::string>> words; ///< count -> word, instead of a number
 };
 
 /// One actuator input: a word written to the proxy's tuple becomes octets for the mote.
 struct input {
-  std::string name;                                  ///< last part of the tuple's key, `switch`
-  std::uint16_t channel = 0;                         ///< of `devices.$ID.input.$CH`
-  std::vector<std::pair<std::string, bytes>> words;  ///< `on` -> 01
+  std::string name;                                 ///< last part of the tuple's key, `switch`
+  std::uint16_t channel = 0;                        ///< of `devices.$ID.input.$CH`
+  std::vector<std::pair<std::string, bytes>> words; ///< `on` -> 01
 };
 
 /// Inclusive range of mote type ids.
@@ -43,7 +44,7 @@ struct type_range {
 
 struct proxy_class {
   std::string name;
-  std::vector<type_range> types;  ///< the signatures it claims; the narrowest matching range wins
+  std::vector<type_range> types; ///< the signatures it claims; the narrowest matching range wins
   /// Key prefix of its tuples; {island}, {id} and {name} are replaced by the island's name, the
   /// mote's decimal id and the mote's configured name.
   std::string prefix = "{island}.{name}";

@@ -15,6 +15,9 @@ namespace rubicon::runtime {
 /// Counts by cause; ordered by name, so that equal runs print equal reports.
 using cause_counts = std::map<std::string, std::uint64_t>;
 
+/// The sum over all causes.
+[[nodiscard]] std::uint64_t total(const cause_counts& x);
+
 /// The radio's two books (both balance, checked as invariants).
 struct radio_report {
   /// Copies, one per radio in range of a transmission: sent = delivered + sum of lost.
@@ -55,8 +58,8 @@ struct message_report {
   std::uint64_t reliable_failed = 0;
   std::uint64_t reliable_open = 0; ///< still waiting when the run ended
   std::uint64_t unreliable_sent = 0;
-  std::uint64_t received = 0;      ///< handed to an application or a gateway
-  std::uint64_t duplicates = 0;    ///< suppressed
+  std::uint64_t received = 0;   ///< handed to an application or a gateway
+  std::uint64_t duplicates = 0; ///< suppressed
 
   message_report& operator+=(const message_report& x);
 };
@@ -64,11 +67,11 @@ struct message_report {
 struct mote_report {
   mote_address address;
   std::string name;
-  std::string type;             ///< name of its [mote_type], else the number
-  bool joined = false;          ///< ever
-  bool alive = false;           ///< at the end
+  std::string type;    ///< name of its [mote_type], else the number
+  bool joined = false; ///< ever
+  bool alive = false;  ///< at the end
   std::uint32_t incarnations = 0;
-  std::string left_cause;       ///< empty while it is listed: battery, silence, leave, ...
+  std::string left_cause; ///< empty while it is listed: battery, silence, leave, ...
   double used_mah = 0;
   double battery_mah = 0;
   duration mcu_active{};
@@ -82,9 +85,9 @@ struct mote_report {
 struct island_report {
   island_id id;
   std::string name;
-  radio_report radio;           ///< of radios of this island
+  radio_report radio; ///< of radios of this island
   serial_report serial;
-  message_report messages;      ///< of its motes and gateway
+  message_report messages;        ///< of its motes and gateway
   std::vector<mote_report> motes; ///< ascending by id, the sink excluded
 };
 
@@ -93,12 +96,14 @@ struct actuation_report {
   std::uint64_t requested = 0;
   std::uint64_t acknowledged = 0;
   cause_counts failed;
+
+  actuation_report& operator+=(const actuation_report& x);
 };
 
 struct proxy_report {
-  std::string name;             ///< its key prefix, `kitchen.climate-7`
+  std::string name; ///< its key prefix, `kitchen.climate-7`
   std::string proxy_class;
-  std::string status;           ///< active or lost
+  std::string status;                                      ///< active or lost
   std::vector<std::pair<std::string, std::string>> values; ///< name and `22.3 C`, by name
   actuation_report actuations;
 };
@@ -108,8 +113,8 @@ struct peer_report {
   std::string name;
   std::uint64_t links = 0;
   std::uint64_t hosts_known = 0;
-  std::uint64_t tuples = 0;
-  peis_report peis;
+  std::uint64_t tuples = 0; ///< its own, at the end
+  peis_report peis;         ///< `packages` and `lost` of this peer
 };
 
 /// Something a person following the run would want to hear.
@@ -134,12 +139,12 @@ struct actor_report {
 struct report {
   std::string ecology;
   std::uint64_t seed = 0;
-  std::string mode;          ///< virtual or wall
+  std::string mode; ///< virtual or wall
   duration simulated{};
-  double wall_s = 0;         ///< the only figure that differs between equal virtual runs
-  std::uint64_t events = 0;  ///< messages delivered to actors
-  std::string trace_hash;    ///< 16 hexadecimal digits
-  bool interrupted = false;  ///< ended by a signal before its time
+  double wall_s = 0;        ///< the only figure that differs between equal virtual runs
+  std::uint64_t events = 0; ///< messages delivered to actors
+  std::string trace_hash;   ///< 16 hexadecimal digits
+  bool interrupted = false; ///< ended by a signal before its time
   actor_report actors;
   std::vector<island_report> islands; ///< ascending by id
   std::vector<peer_report> peers;     ///< ascending by id, gateways included
@@ -152,6 +157,13 @@ struct report {
   [[nodiscard]] std::uint64_t motes_joined() const; ///< ever
   [[nodiscard]] std::uint64_t motes_left() const;   ///< joined once and not listed at the end
   [[nodiscard]] std::uint64_t motes_alive() const;
+
+  // Sums over all islands; over all peers, of which the tuples count that are their own.
+  [[nodiscard]] radio_report radio() const;
+  [[nodiscard]] serial_report serial() const;
+  [[nodiscard]] message_report messages() const;
+  [[nodiscard]] peis_report peis() const;
+  [[nodiscard]] double used_mah() const;
 };
 
 inline constexpr std::size_t story_lines_max = 400;
@@ -159,7 +171,9 @@ inline constexpr std::size_t story_lines_max = 400;
 /// One JSON object as docs/report.md describes it, with a newline at its end.
 [[nodiscard]] std::string to_json(const report& x);
 
-/// The report a person reads. `width` is the terminal's, in characters.
-[[nodiscard]] std::string to_text(const report& x, std::size_t width = 100);
+/// The report a person reads. `width` is the terminal's, in characters (no line is longer, below 60
+/// it counts as 60); `colour` adds ANSI escapes. Control characters in names and values show as
+/// `?`.
+[[nodiscard]] std::string to_text(const report& x, std::size_t width = 100, bool colour = false);
 
 } // namespace rubicon::runtime

@@ -153,8 +153,9 @@ TEST_CASE("an input is sent reliably and its status told", "[gateway][GW-05][GW-
 TEST_CASE("an input for a mote that is not there, or for no AM type, fails visibly",
           "[gateway][GW-12]") {
   auto x = make();
-  CHECK(published(x.on_input(fan, 2, bytes{1}, {}), "devices.7.input.2.status") ==
-        "1 unreachable");
+  const auto refused = x.on_input(fan, 2, bytes{1}, {});
+  CHECK(to_string(pick<publish>(refused).at(0).value) == "1 pending");
+  CHECK(published(refused, "devices.7.input.2.status") == "1 unreachable");
   join(x, fan);
   const auto out = x.on_input(fan, 300, bytes{1}, {});
   CHECK(published(out, "devices.7.input.300.status") == "1 failed");

@@ -1,0 +1,12 @@
+// `rubicon check FILE`
+#pragma once
+
+#include "cli/command_line.hpp"
+#include "cli/exit_status.hpp"
+
+namespace rubicon::cli {
+
+/// Prints a summary of a good file.
+[[nodiscard]] exit_status perform(const check_command& x);
+
+} // namespace rubicon::cli

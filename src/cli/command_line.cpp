@@ -1,0 +1,133 @@
+#include "cli/command_line.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include "config/units.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+constexpr const char* about =
+    "Runs a robotic ecology: islands of wireless motes, their sinks, the gateways on basestation\n"
+    "PCs, proxies, and PEIS peers, as one TOML file describes them.";
+
+constexpr const char* roles =
+    "Roles this binary plays, as the file says:\n"
+    "  mote           a constrained node with a radio, transducers, actuators and programs\n"
+    "  sink           the mote at the end of a basestation's serial cable\n"
+    "  gateway        joins an island to the PEIS network, one per island\n"
+    "  PEIS peer      a PC or robot with a PEIS kernel and its programs\n"
+    "  proxy          speaks for one mote through tuples with meaning and units\n"
+    "  proxy manager  starts and ends proxies as motes join and leave\n"
+    "\n"
+    "Exit status: 0 good; 1 the run ended with violations, or equal runs differed; 2 the command\n"
+    "line or the file was refused.";
+
+duration parse_length(const std::string& text) {
+  const auto length = config::parse_duration(text);
+  if (!length || *length <= 0s)
+    throw CLI::ValidationError("--for", "not a length of time: '" + text + "' (say 90s or 10min)");
+  return *length;
+}
+
+double parse_speed(const std::string& text) {
+  double speed = 0;
+  if (!CLI::detail::lexical_cast(text, speed) || !std::isfinite(speed) || speed <= 0)
+    throw CLI::ValidationError("--speed", "not a positive number: '" + text + "'");
+  return speed;
+}
+
+std::uint64_t parse_seed(const std::string& text) {
+  std::uint64_t seed = 0;
+  const auto end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, seed);
+  if (error != std::errc{} || stop != end)
+    throw CLI::ValidationError("--seed", "not a number from 0 to 2^64 - 1: '" + text + "'");
+  return seed;
+}
+
+void add_file(CLI::App& app, std::string& file) {
+  app.add_option("FILE", file, "The TOML file that describes the ecology")
+      ->required()
+      ->type_name("");
+}
+
+/// An option whose text `take` turns into a value or refuses with a ValidationError.
+CLI::Option* add_parsed(CLI::App& app, const char* name, const char* type, const char* text,
+                        std::function<void(const std::string&)> take) {
+  return app.add_option_function<std::string>(name, std::move(take), text)->type_name(type);
+}
+
+void add_run(CLI::App& app, run_command& x) {
+  auto& run = *app.add_subcommand("run", "Run an ecology to its end and report");
+  auto& options = x.options;
+  add_file(run, x.file);
+  add_parsed(run, "--for", "TIME", "Ecology time to run, such as 90s, 10min or 24h",
+             [&](const auto& text) { options.length = parse_length(text); });
+  add_parsed(run, "--seed", "N", "Seed of all dice",
+             [&](const auto& text) { options.seed = parse_seed(text); });
+  add_parsed(run, "--mode", "MODE", "virtual (fast and repeatable) or wall (real time)",
+             [&](const auto& text) {
+               options.mode =
+                   text == "wall" ? config::run_mode::wall : config::run_mode::virtual_time;
+             })
+      ->check(CLI::IsMember({"virtual", "wall"}));
+  add_parsed(run, "--speed", "X", "Ecology seconds per real second",
+             [&](const auto& text) { options.speed = parse_speed(text); });
+  run.add_flag("--json", x.json, "Print the report as one JSON object and nothing else");
+  run.add_option("--log", x.log_level, "Least level logged on standard error")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
+      ->type_name("LEVEL");
+  run.add_option("--debug-dir", options.debug_folder, "Write logs of all messages into this folder")
+      ->type_name("DIR");
+  run.add_flag("--check-determinism", x.check_determinism,
+               "Run twice and compare the trace hashes");
+  run.footer("What is not given here is as the file says; LEVEL is warn.");
+}
+
+void check_combination(const run_command& x) {
+  if (x.check_determinism && x.options.mode == config::run_mode::wall)
+    throw CLI::ValidationError("--check-determinism", "only virtual runs repeat, not --mode wall");
+}
+
+} // namespace
+
+command parse_command_line(std::span<const char* const> arguments) {
+  CLI::App app(about, "rubicon");
+  app.set_version_flag("--version", "rubicon " RUBICON_VERSION);
+  app.require_subcommand(1);
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return "rubicon: " + std::string(error.what()) + "\nrubicon --help explains.\n";
+  });
+  run_command run;
+  run.options.handle_signals = true;
+  add_run(app, run);
+  check_command check;
+  auto& check_app = *app.add_subcommand("check", "Check a file without running it, and sum it up");
+  add_file(check_app, check.file);
+  app.footer(roles); // last: subcommands would inherit it
+  try {
+    app.parse(static_cast<int>(arguments.size()), arguments.data());
+    check_combination(run);
+  } catch (const CLI::ParseError& error) {
+    std::ostringstream out;
+    std::ostringstream err;
+    if (app.exit(error, out, err) == 0)
+      return show_command{out.str()};
+    return refused_command{err.str()};
+  }
+  if (check_app.parsed())
+    return check;
+  return run;
+}
+
+} // namespace rubicon::cli

@@ -1,0 +1,77 @@
+#include <algorithm>
+#include <utility>
+
+#include "config/file_readers.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+/// The islands of a file, and which of them have an air.
+class island_airs {
+public:
+  explicit island_airs(const std::vector<island_description>& islands) : islands_(islands) {}
+
+  /// One medium cannot be in two places: islands that share an air share a host (design.md 4).
+  void place(const std::vector<located<island_id>>& members, complaints& problems) {
+    const island_description* first = nullptr;
+    for (const auto& each : members) {
+      const auto* island = find(each.value);
+      if (island == nullptr)
+        continue; // its own table has no good id
+      placed_.claim(each.value, "island `" + island->name + '`', each.at, problems,
+                    "is already in an air");
+      if (first == nullptr)
+        first = island;
+      if (island->host != first->host)
+        problems.add(each.at, "islands `" + first->name + "` and `" + island->name +
+                                  "` share an air, so they must be on one host");
+    }
+  }
+
+private:
+  [[nodiscard]] const island_description* find(island_id id) const {
+    const auto found =
+        std::find_if(islands_.begin(), islands_.end(), [id](const auto& x) { return x.id == id; });
+    return found == islands_.end() ? nullptr : &*found;
+  }
+
+  const std::vector<island_description>& islands_;
+  claims<island_id> placed_;
+};
+
+bool holds(const air_description& air, island_id island) {
+  return std::find(air.islands.begin(), air.islands.end(), island) != air.islands.end();
+}
+
+} // namespace
+
+std::vector<air_description> read_airs(table_reader& root, const directory& names,
+                                       const std::vector<island_description>& islands) {
+  std::vector<air_description> out;
+  name_claims air_names;
+  island_airs placed(islands);
+  root.tables("air", "[[air]]", [&](table_reader& in) {
+    air_description air;
+    std::vector<located<island_id>> members;
+    if (in.required("name", name_text{}, air.name))
+      air_names.claim(air.name, "air name", in.at("name"), in.problems());
+    in.required("islands", list_of<island_name>{{names}, 1}, members);
+    placed.place(members, in.problems());
+    air.islands = values_of(std::move(members));
+    for (const auto& island : islands) {
+      if (island.name == air.name && !holds(air, island.id))
+        in.problems().add(in.at("name"),
+                          "air `" + air.name + "` has the name of an island that is not in it");
+    }
+    out.push_back(std::move(air));
+  });
+  for (const auto& island : islands) {
+    const auto has_it = [&island](const auto& air) { return holds(air, island.id); };
+    if (std::none_of(out.begin(), out.end(), has_it))
+      out.push_back({island.name, {island.id}});
+  }
+  return out;
+}
+
+} // namespace rubicon::config

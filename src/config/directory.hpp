@@ -1,0 +1,68 @@
+// Who is named anywhere in a file, known before its tables are read: so a reference may stand
+// before what it refers to, and is resolved where it is read.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "config/document.hpp"
+#include "config/values.hpp"
+#include "core/address.hpp"
+
+namespace rubicon::config {
+
+/// Name of a mote that the file gives none: `climate-7`, or `mote-7` without a mote type.
+[[nodiscard]] std::string default_mote_name(std::string_view type_name, mote_id id);
+
+/// Name of an island's gateway that the file gives none: `kitchen-gateway`.
+[[nodiscard]] std::string default_gateway_name(std::string_view island);
+
+/// Names as the file has them. What has no usable name is left out, an unusable id is 0: the reader
+/// of its table complains, and nobody else needs to.
+struct directory {
+  struct island {
+    island_id id;
+    std::map<std::string, mote_id, std::less<>> motes;
+  };
+
+  directory() = default;
+  explicit directory(const node& root);
+
+  std::map<std::string, island, std::less<>> islands;
+  std::set<std::string, std::less<>> ends; ///< of links: peers and gateways
+  std::set<std::string, std::less<>> hosts;
+  std::set<std::string, std::less<>> mote_types;
+};
+
+/// An island by its name.
+struct island_name {
+  using type = island_id;
+  const directory& names;
+  [[nodiscard]] std::optional<island_id> read(const node& x, const asker& who) const;
+};
+
+/// A mote as "island/mote".
+struct mote_name {
+  using type = mote_address;
+  const directory& names;
+  [[nodiscard]] std::optional<mote_address> read(const node& x, const asker& who) const;
+};
+
+/// A host by its name.
+struct host_name {
+  using type = std::string;
+  const directory& names;
+  [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
+};
+
+/// The other end of a link, "inproc://NAME"; the value is NAME.
+struct link_end {
+  using type = std::string;
+  const directory& names;
+  [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
+};
+
+} // namespace rubicon::config

@@ -1,0 +1,61 @@
+// A TOML file as a tree with places. Only document.cpp knows which library parses it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "config/problem.hpp"
+
+namespace rubicon::config {
+
+struct member;
+struct node;
+using node_table = std::vector<member>; ///< in the order of the file, keys unique
+using node_array = std::vector<node>;
+
+/// A date or a time: well-formed TOML that no key of ours takes.
+struct date_or_time {};
+
+/// A value and where it begins; of a table under a header, where the header begins.
+struct node {
+  mark at;
+  std::variant<node_table, node_array, std::string, std::int64_t, double, bool, date_or_time>
+      content;
+
+  template <class T>
+  [[nodiscard]] const T* as() const {
+    return std::get_if<T>(&content);
+  }
+
+  /// The value of a key of this table; nullptr if there is none or this is no table.
+  [[nodiscard]] const node* find(std::string_view key) const;
+};
+
+struct member {
+  std::string key;
+  mark at; ///< of the key
+  node value;
+};
+
+/// What a reader calls the content in a complaint: `300`, `"micaz"`, `a table`.
+[[nodiscard]] std::string describe(const node& x);
+
+/// `x` between quotation marks, cut when it is long.
+[[nodiscard]] std::string quoted(std::string_view x);
+
+/// The shortest decimal that means `x`: `2.5`, `100000`, `1e+20`.
+[[nodiscard]] std::string shown(double x);
+
+/// Limits on a file; one beyond them is refused with a clear problem.
+inline constexpr std::size_t file_octets_max = 16 * 1024 * 1024;
+inline constexpr std::size_t line_dots_max = 1000; ///< each may open a table: bounds the recursion
+
+/// The root table, or the first problem: with its place for a syntax error, with line 0 for octets
+/// that are no text at all, and for a file without any content.
+[[nodiscard]] std::variant<node, problem> parse(std::string_view text, const std::string& file);
+
+} // namespace rubicon::config

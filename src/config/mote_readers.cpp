@@ -1,0 +1,120 @@
+#include "config/mote_readers.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace rubicon::config {
+
+namespace {
+
+/// Whether `a` takes the place of `b`: same kind, same channel or AM type. Messengers never do.
+struct takes_place_of {
+  bool operator()(const sampler_app& a, const sampler_app& b) const {
+    return a.channel == b.channel;
+  }
+  bool operator()(const actuator_app& a, const actuator_app& b) const {
+    return a.channel == b.channel;
+  }
+  bool operator()(const listener_app& a, const listener_app& b) const {
+    return a.am_type == b.am_type;
+  }
+  template <class A, class B>
+  bool operator()(const A&, const B&) const {
+    return false;
+  }
+};
+
+void merge(std::vector<placed_app>& into, std::vector<placed_app> added) {
+  std::erase_if(into, [&added](const placed_app& old) {
+    return std::any_of(added.begin(), added.end(), [&old](const placed_app& x) {
+      return std::visit(takes_place_of{}, x.app, old.app);
+    });
+  });
+  std::move(added.begin(), added.end(), std::back_inserter(into));
+}
+
+std::string listing(const std::vector<std::string>& names) {
+  std::string text = names.empty() ? "none" : "";
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : ", ") + names[i];
+  return text;
+}
+
+/// Checks one app against what else is on its mote.
+struct app_check {
+  const mote_profile& on;
+  const placed_app& app;
+  claims<std::uint16_t>& inputs;  ///< channels and AM types received
+  claims<std::uint16_t>& outputs; ///< channels sent
+  complaints& problems;
+
+  void operator()(const sampler_app& x) const {
+    std::vector<std::string> present;
+    for (const auto& each : on.transducers)
+      present.emplace_back(word_of(each.kind));
+    for (std::size_t i = 0; i < x.transducers.size(); ++i) {
+      const std::string wanted(word_of(x.transducers[i]));
+      if (std::find(present.begin(), present.end(), wanted) == present.end())
+        problems.add(app.needs_at[i],
+                     "the mote has no transducer `" + wanted + "`; it has: " + listing(present));
+    }
+    claim(outputs, "output", x.channel);
+  }
+
+  void operator()(const actuator_app& x) const {
+    std::vector<std::string> present;
+    for (const auto& each : on.actuators)
+      present.push_back(each.name);
+    if (!x.actuator.empty() &&
+        std::find(present.begin(), present.end(), x.actuator) == present.end())
+      problems.add(app.needs_at[0],
+                   "the mote has no actuator `" + x.actuator + "`; it has: " + listing(present));
+    claim(outputs, "output", x.channel);
+    claim(inputs, "input", x.channel);
+  }
+
+  void operator()(const messenger_app&) const {}
+
+  void operator()(const listener_app& x) const { claim(inputs, "input", x.am_type); }
+
+private:
+  void claim(claims<std::uint16_t>& among, std::string_view kind, std::uint16_t channel) const {
+    among.claim(channel, std::string(kind) + " channel " + std::to_string(channel) + " of the mote",
+                app.channel_at, problems);
+  }
+};
+
+} // namespace
+
+void read_profile(table_reader& in, const directory& names, mote_profile& out) {
+  in.optional("platform", platform_name{}, out.platform);
+  in.optional("battery", charge{}, out.battery_mah);
+  read_transducers(in, out.transducers);
+  read_actuators(in, out.actuators);
+  merge(out.apps, read_mote_apps(in, names));
+}
+
+void check_profile(const mote_profile& x, reading& shared) {
+  claims<std::uint16_t> inputs;
+  claims<std::uint16_t> outputs;
+  for (const auto& app : x.apps)
+    std::visit(app_check{x, app, inputs, outputs, shared.problems}, app.app);
+}
+
+mote_types read_mote_types(table_reader& root, const directory& names) {
+  mote_types out;
+  root.named_tables(
+      "mote_type", "[mote_type.NAME]", [&](const located<std::string>& name, table_reader& in) {
+        if (!is_name(name.value))
+          in.problems().add(name.at, "mote type " + quoted(name.value) +
+                                         " must have a name of 1 to 32 letters, digits, - and _");
+        mote_profile profile;
+        profile.platform = radio::find_platform("micaz");
+        in.required("type", whole<std::uint32_t>{1}, profile.type);
+        read_profile(in, names, profile);
+        out.emplace(name.value, std::move(profile));
+      });
+  return out;
+}
+
+} // namespace rubicon::config

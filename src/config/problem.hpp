@@ -1,0 +1,50 @@
+// What is wrong with a file, and where.
+#pragma once
+
+#include <compare>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace rubicon::config {
+
+/// One mistake. Lines and columns count from 1, columns in characters; line 0: the file as a whole.
+struct problem {
+  std::string file;
+  unsigned line = 0;
+  unsigned column = 0;
+  std::string message;
+
+  friend bool operator==(const problem&, const problem&) = default;
+};
+
+/// `file:line:column: message`, or `file: message` for the file as a whole.
+[[nodiscard]] std::string to_string(const problem& x);
+
+/// A place in the file that is read.
+struct mark {
+  unsigned line = 0;
+  unsigned column = 0;
+
+  friend auto operator<=>(const mark&, const mark&) = default;
+};
+
+/// `(line 3, column 7)`
+[[nodiscard]] std::string place_text(mark x);
+
+/// Gathers the problems of one file.
+class complaints {
+public:
+  /// Control characters of `message` become `?`: it may quote the file and goes to a terminal.
+  void add(mark at, std::string message);
+
+  [[nodiscard]] bool empty() const { return found_.empty(); }
+
+  /// In order of place, each once: a mistake in a mote type is found again with each of its motes.
+  [[nodiscard]] std::vector<problem> of_file(const std::string& name) const;
+
+private:
+  std::vector<std::pair<mark, std::string>> found_;
+};
+
+} // namespace rubicon::config

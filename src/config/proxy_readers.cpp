@@ -1,0 +1,217 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <system_error>
+#include <utility>
+
+#include "config/file_readers.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+using proxy::encoding;
+
+constexpr std::size_t payload_octets_max = 100; ///< of a message (transport payload, A-51)
+constexpr whole<std::uint16_t> message_channel{0, 255};
+
+/// How a proxy's tuples begin: 1 to 5 parts, so that two more fit behind (TUP-03).
+struct key_prefix {
+  using type = std::string;
+
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
+    const auto* found = x.as<std::string>();
+    if (found != nullptr && found->size() <= 48 &&
+        std::count(found->begin(), found->end(), '.') < 5 && is_good(*found))
+      return *found;
+    return who.refuse(x, "1 to 5 parts between dots, at most 48 characters, each of letters, "
+                         "digits, -, _, {island}, {id} and {name}");
+  }
+
+private:
+  static bool is_good(std::string_view x) {
+    bool part_is_empty = true;
+    while (!x.empty()) {
+      if (x.front() == '.') {
+        if (part_is_empty)
+          return false;
+        part_is_empty = true;
+        x.remove_prefix(1);
+        continue;
+      }
+      const auto size = placeholder_at(x);
+      if (size == 0 && !is_name(x.substr(0, 1)))
+        return false;
+      part_is_empty = false;
+      x.remove_prefix(std::max<std::size_t>(size, 1));
+    }
+    return !part_is_empty;
+  }
+
+  static std::size_t placeholder_at(std::string_view x) {
+    for (const std::string_view each : {"{island}", "{id}", "{name}"}) {
+      if (x.starts_with(each))
+        return each.size();
+    }
+    return 0;
+  }
+};
+
+struct encoding_size {
+  std::string_view name;
+  encoding value;
+  std::size_t octets;
+  std::int64_t min;
+  std::int64_t max;
+};
+
+constexpr std::array<encoding_size, 6> encodings{
+    {{"u8", encoding::u8, 1, 0, 255},
+     {"i8", encoding::i8, 1, -128, 127},
+     {"u16", encoding::u16, 2, 0, 65535},
+     {"i16", encoding::i16, 2, -32768, 32767},
+     {"u32", encoding::u32, 4, 0, 4294967295},
+     {"i32", encoding::i32, 4, -2147483648, 2147483647}}};
+
+word<encoding> encoding_words() {
+  word<encoding> out;
+  for (const auto& each : encodings)
+    out.choices.emplace_back(each.name, each.value);
+  return out;
+}
+
+const encoding_size& size_of(encoding x) {
+  return encodings[static_cast<std::size_t>(x)];
+}
+
+/// words = { "0" = "off" } of a field: every key is a count that its encoding can hold.
+void read_field_words(table_reader& in, proxy::field& out) {
+  pairs_of<text>::type found;
+  in.optional("words", pairs_of<text>{{32}}, found);
+  const auto& size = size_of(out.layout);
+  for (auto& [key, value] : found) {
+    const auto& digits = key.value;
+    std::int64_t count = 0;
+    const auto end = digits.data() + digits.size();
+    const auto [stop, error] = std::from_chars(digits.data(), end, count);
+    if (error != std::errc{} || stop != end || std::to_string(count) != digits ||
+        count < size.min || count > size.max)
+      in.problems().add(key.at, "a count of `words` must be a whole number from " +
+                                    std::to_string(size.min) + " to " + std::to_string(size.max) +
+                                    ", not " + quoted(digits));
+    out.words.emplace_back(count, std::move(value));
+  }
+}
+
+/// The names below one proxy's prefix.
+class tuple_names {
+public:
+  void claim(const std::string& name, mark at, complaints& problems) {
+    constexpr std::array<std::string_view, 4> set_by_all{"status", "class", "id", "island"};
+    if (std::find(set_by_all.begin(), set_by_all.end(), name) != set_by_all.end())
+      problems.add(at, "`" + name + "` is a tuple that every proxy sets by itself");
+    names_.claim(name, "name", at, problems);
+  }
+
+private:
+  name_claims names_;
+};
+
+void read_field(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
+  proxy::field field;
+  if (in.required("name", name_text{}, field.name))
+    names.claim(field.name, in.at("name"), in.problems());
+  in.required("channel", message_channel, field.channel);
+  in.optional("offset", whole<std::size_t>{0, payload_octets_max - 1}, field.offset);
+  in.optional("encoding", encoding_words(), field.layout);
+  in.optional("scale", real{}, field.scale);
+  in.optional("add", real{}, field.add);
+  in.optional("decimals", whole<int>{0, 6}, field.decimals);
+  in.optional("unit", text{16}, field.unit);
+  read_field_words(in, field);
+  if (field.offset + size_of(field.layout).octets > payload_octets_max)
+    in.problems().add(in.at("offset"), "the field ends beyond the " +
+                                           std::to_string(payload_octets_max) +
+                                           " octets that a message can carry");
+  out.fields.push_back(std::move(field));
+}
+
+void read_input(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
+  proxy::input input;
+  pairs_of<hex_octets>::type words;
+  if (in.required("name", name_text{}, input.name))
+    names.claim(input.name, in.at("name"), in.problems());
+  in.required("channel", message_channel, input.channel);
+  if (in.required("words", pairs_of<hex_octets>{}, words) && words.empty())
+    in.problems().add(in.at("words"), "`words` must have at least one word");
+  for (auto& [key, octets] : words) {
+    if (!is_name(key.value))
+      in.problems().add(key.at, "a word must have 1 to 32 letters, digits, - and _, unlike " +
+                                    quoted(key.value));
+    input.words.emplace_back(key.value, std::move(octets));
+  }
+  out.inputs.push_back(std::move(input));
+}
+
+void read_properties(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
+  pairs_of<text>::type found;
+  in.optional("properties", pairs_of<text>{{200}}, found);
+  for (auto& [key, value] : found) {
+    if (!is_name(key.value))
+      in.problems().add(key.at, "a property's name must have 1 to 32 letters, digits, - and _, "
+                                "unlike " +
+                                    quoted(key.value));
+    names.claim(key.value, key.at, in.problems());
+    out.properties.emplace_back(key.value, std::move(value));
+  }
+}
+
+/// A range of types, where it stands, and whose it is.
+struct placed_range {
+  proxy::type_range types;
+  mark at;
+  std::string owner;
+};
+
+/// Of two overlapping ranges the narrower wins (PXY-11), so equally wide ones leave it open.
+void check_overlaps(const std::vector<placed_range>& all, complaints& problems) {
+  for (auto b = all.begin(); b != all.end(); ++b) {
+    for (auto a = all.begin(); a != b; ++a) {
+      const bool overlap = a->types.first <= b->types.last && b->types.first <= a->types.last;
+      const auto width = [](const auto& x) { return x.types.last - x.types.first; };
+      if (a->owner == b->owner || !overlap || width(*a) != width(*b))
+        continue;
+      problems.add(b->at, "proxies `" + a->owner + "` and `" + b->owner + "` both claim type " +
+                              std::to_string(std::max(a->types.first, b->types.first)) +
+                              ", with equally wide ranges " + place_text(a->at));
+    }
+  }
+}
+
+} // namespace
+
+std::vector<proxy::proxy_class> read_proxies(table_reader& root) {
+  std::vector<proxy::proxy_class> out;
+  std::vector<placed_range> ranges;
+  name_claims classes;
+  root.tables("proxy", "[[proxy]]", [&](table_reader& in) {
+    proxy::proxy_class found;
+    std::vector<located<proxy::type_range>> types;
+    tuple_names names;
+    if (in.required("name", name_text{}, found.name))
+      classes.claim(found.name, "proxy name", in.at("name"), in.problems());
+    in.required("types", list_of<type_span>{{}, 1}, types);
+    in.optional("prefix", key_prefix{}, found.prefix);
+    read_properties(in, names, found);
+    in.tables("field", "[[proxy.field]]", [&](table_reader& x) { read_field(x, names, found); });
+    in.tables("input", "[[proxy.input]]", [&](table_reader& x) { read_input(x, names, found); });
+    for (const auto& each : types)
+      ranges.push_back({each.value, each.at, found.name});
+    found.types = values_of(std::move(types));
+    out.push_back(std::move(found));
+  });
+  check_overlaps(ranges, root.problems());
+  return out;
+}
+
+} // namespace rubicon::config

@@ -1,0 +1,231 @@
+#include "config/summary.hpp"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "config/document.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+constexpr std::size_t rows_max = 20; ///< of one section: the whole stays on a screen
+
+using row = std::vector<std::string>;
+
+std::string joined(const std::vector<std::string>& words, std::string_view between = ", ") {
+  std::string text;
+  for (const auto& each : words)
+    text += (text.empty() ? std::string() : std::string(between)) + each;
+  return text;
+}
+
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
+}
+
+/// A heading and its rows in columns; nothing without rows.
+std::string section(const std::string& heading, std::vector<row> rows) {
+  if (rows.empty())
+    return {};
+  const auto left_out = rows.size() - std::min(rows.size(), rows_max);
+  rows.resize(rows.size() - left_out);
+  std::vector<std::size_t> widths;
+  for (const auto& cells : rows) {
+    widths.resize(std::max(widths.size(), cells.size()));
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      widths[i] = std::max(widths[i], cells[i].size());
+  }
+  auto text = '\n' + heading + '\n';
+  for (const auto& cells : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      line += "  " + cells[i] + std::string(widths[i] - cells[i].size(), ' ');
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
+  }
+  return left_out == 0 ? text : text + "  ... and " + std::to_string(left_out) + " more\n";
+}
+
+std::string kind_of(const mote_description& x) {
+  return x.type_name.empty() ? "type " + std::to_string(x.type) : x.type_name;
+}
+
+/// `4 climate, 1 fan`, in order of the first mote of each.
+std::string motes_by_type(const std::vector<mote_description>& motes) {
+  std::vector<std::pair<std::string, std::size_t>> counts;
+  for (const auto& mote : motes) {
+    const auto kind = kind_of(mote);
+    const auto found = std::find_if(counts.begin(), counts.end(),
+                                    [&kind](const auto& x) { return x.first == kind; });
+    if (found == counts.end())
+      counts.emplace_back(kind, 1);
+    else
+      ++found->second;
+  }
+  std::vector<std::string> words;
+  for (const auto& [kind, count] : counts)
+    words.push_back(std::to_string(count) + ' ' + kind);
+  return joined(words);
+}
+
+std::string arrow(const std::vector<std::string>& links) {
+  return links.empty() ? "" : "-> " + joined(links);
+}
+
+std::string placed(const std::string& host) {
+  return host.empty() ? "" : "on " + host;
+}
+
+std::vector<row> island_rows(const ecology_description& x) {
+  std::vector<row> rows;
+  for (const auto& each : x.islands) {
+    const auto kinds = motes_by_type(each.motes);
+    rows.push_back({to_string(each.id), each.name,
+                    counted(each.motes.size(), "mote") + (kinds.empty() ? "" : ": " + kinds),
+                    "sink " + to_string(each.sink.id) + ", " +
+                        std::string(each.sink.platform->name) + ", " +
+                        std::to_string(each.serial.baud) + " baud",
+                    placed(each.host)});
+  }
+  return rows;
+}
+
+std::vector<row> air_rows(const ecology_description& x) {
+  std::vector<row> rows;
+  for (const auto& air : x.airs) {
+    std::vector<std::string> names;
+    for (const auto& island : x.islands) {
+      if (std::find(air.islands.begin(), air.islands.end(), island.id) != air.islands.end())
+        names.push_back(island.name);
+    }
+    if (names.size() > 1)
+      rows.push_back({air.name, joined(names)});
+  }
+  return rows;
+}
+
+std::string island_names(const ecology_description& x, const std::vector<island_id>& ids) {
+  std::vector<std::string> names;
+  for (const auto& island : x.islands) {
+    if (std::find(ids.begin(), ids.end(), island.id) != ids.end())
+      names.push_back(island.name);
+  }
+  return joined(names);
+}
+
+struct app_text {
+  const ecology_description& all;
+
+  std::string operator()(const proxy_manager_app& x) const {
+    return "proxy manager (" + island_names(all, x.islands) + ')';
+  }
+  std::string operator()(const rules_app& x) const { return counted(x.rules.size(), "rule"); }
+  std::string operator()(const collector_app& x) const {
+    constexpr std::size_t keys_shown_max = 3;
+    return "collector (" +
+           (x.keys.size() > keys_shown_max ? counted(x.keys.size(), "key") : joined(x.keys)) + ')';
+  }
+};
+
+/// Peers and gateways: every PEIS kernel, ascending by id.
+std::vector<row> peer_rows(const ecology_description& x) {
+  std::vector<std::pair<std::int64_t, row>> found;
+  for (const auto& each : x.islands)
+    found.push_back({each.id.value,
+                     {to_string(each.id), each.gateway_name, arrow(each.gateway_links),
+                      placed(each.host), "gateway of " + each.name}});
+  for (const auto& each : x.peers) {
+    std::vector<std::string> apps;
+    for (const auto& app : each.apps)
+      apps.push_back(std::visit(app_text{x}, app));
+    found.push_back(
+        {each.id.value,
+         {to_string(each.id), each.name, arrow(each.links), placed(each.host), joined(apps)}});
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<row> rows;
+  for (auto& [id, cells] : found)
+    rows.push_back(std::move(cells));
+  return rows;
+}
+
+std::vector<row> proxy_rows(const ecology_description& x) {
+  std::vector<row> rows;
+  for (const auto& each : x.proxies) {
+    std::vector<std::string> types;
+    for (const auto& [first, last] : each.types)
+      types.push_back(std::to_string(first) + (first == last ? "" : ".." + std::to_string(last)));
+    std::vector<std::string> names;
+    for (const auto& field : each.fields)
+      names.push_back(field.name);
+    for (const auto& input : each.inputs)
+      names.push_back(input.name + " (input)");
+    rows.push_back({each.name, "types " + joined(types), each.prefix, joined(names)});
+  }
+  return rows;
+}
+
+std::string mote_text(const ecology_description& x, const mote_address& address) {
+  for (const auto& island : x.islands) {
+    for (const auto& mote : island.motes) {
+      if (mote_address{island.id, mote.id} == address)
+        return island.name + '/' + mote.name;
+    }
+  }
+  return to_string(address);
+}
+
+struct fault_cells {
+  const ecology_description& all;
+
+  row operator()(const battery_end_fault& x) const {
+    return {"battery_end", mote_text(all, x.mote)};
+  }
+  row operator()(const crash_fault& x) const { return {"crash", mote_text(all, x.mote)}; }
+  row operator()(const unplug_fault& x) const {
+    return {"unplug", island_names(all, {x.island}) + " for " + to_text(x.length)};
+  }
+};
+
+std::vector<row> fault_rows(const ecology_description& x) {
+  std::vector<row> rows;
+  for (const auto& each : x.faults) {
+    auto cells = std::visit(fault_cells{x}, each.what);
+    cells.insert(cells.begin(), to_text(each.at));
+    rows.push_back(std::move(cells));
+  }
+  return rows;
+}
+
+std::vector<row> host_rows(const ecology_description& x) {
+  std::vector<row> rows;
+  for (const auto& each : x.hosts)
+    rows.push_back({each.name, each.address});
+  return rows;
+}
+
+std::string first_lines(const ecology_description& x) {
+  std::size_t motes = 0;
+  for (const auto& island : x.islands)
+    motes += island.motes.size();
+  return x.name + ": " + to_text(x.length) + " of " +
+         (x.mode == run_mode::wall ? "wall time" : "virtual time") + ", seed " +
+         std::to_string(x.seed) + ", network " + x.network + '\n' +
+         counted(x.islands.size(), "island") + ", " + counted(motes, "mote") + ", " +
+         counted(x.peers.size(), "peer") + "; radio: range " + shown(x.radio.range_m) +
+         " m, loss " + shown(x.radio.loss * 100) + " %, " + std::to_string(x.radio.retries_max) +
+         " retries, queue of " + std::to_string(x.radio.queue) + '\n';
+}
+
+} // namespace
+
+std::string summary(const ecology_description& x) {
+  return first_lines(x) + section("islands", island_rows(x)) + section("shared airs", air_rows(x)) +
+         section("peers and gateways", peer_rows(x)) + section("hosts", host_rows(x)) +
+         section("proxies", proxy_rows(x)) + section("faults", fault_rows(x));
+}
+
+} // namespace rubicon::config

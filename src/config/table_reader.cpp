@@ -1,0 +1,137 @@
+#include "config/table_reader.hpp"
+
+#include <algorithm>
+
+#include "config/near.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+const node nothing{{}, node_table{}};
+
+} // namespace
+
+const node* table_reader::ask(std::string_view key) {
+  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end())
+    asked_.emplace_back(key);
+  if (shared_.accepted != nullptr)
+    shared_.accepted->emplace(title_, key);
+  return table_.find(key);
+}
+
+void table_reader::lacks(std::string_view key) const {
+  if (!silent_)
+    complain(table_.at, '`' + std::string(key) + "` is missing in " + title_);
+}
+
+mark table_reader::at(std::string_view key) const {
+  const auto* x = table_.find(key);
+  return x == nullptr ? table_.at : x->at;
+}
+
+void table_reader::read_part(const node& x, const std::string& title,
+                             const part_reader& read) const {
+  table_reader part(x, title, shared_);
+  read(part);
+  part.finish();
+}
+
+bool table_reader::table(std::string_view key, const std::string& title, const part_reader& read) {
+  const auto* x = ask(key);
+  if (shared_.accepted != nullptr)
+    x = &nothing;
+  if (x == nullptr)
+    return false;
+  if (x->as<node_table>() == nullptr) {
+    asker{key, shared_.problems}.refuse(*x, "a table");
+    return false;
+  }
+  read_part(*x, title, read);
+  return true;
+}
+
+void table_reader::tables(std::string_view key, const std::string& title, const part_reader& read,
+                          std::size_t at_least) {
+  const auto* x = ask(key);
+  if (shared_.accepted != nullptr)
+    read_part(nothing, title, read);
+  if (x == nullptr) {
+    if (at_least > 0)
+      lacks(key);
+    return;
+  }
+  const asker who{key, shared_.problems};
+  const auto wanted = title.starts_with("[[") ? "tables under headers " + title
+                                              : "an array of tables, as in [{ ... }]";
+  const auto* elements = x->as<node_array>();
+  if (elements == nullptr) {
+    who.refuse(*x, wanted);
+    return;
+  }
+  if (elements->size() < at_least)
+    who.refuse(*x, "an array of at least " + std::to_string(at_least));
+  for (const auto& element : *elements) {
+    if (element.as<node_table>() == nullptr)
+      who.refuse(element, wanted);
+    else
+      read_part(element, title, read);
+  }
+}
+
+void table_reader::named_tables(
+    std::string_view key, const std::string& title,
+    const std::function<void(const located<std::string>&, table_reader&)>& read) {
+  const auto* x = ask(key);
+  if (shared_.accepted != nullptr)
+    read_part(nothing, title, [&](table_reader& part) { read({"NAME", {}}, part); });
+  if (x == nullptr)
+    return;
+  const auto wanted = "tables under headers " + title;
+  const auto* members = x->as<node_table>();
+  if (members == nullptr) {
+    asker{key, shared_.problems}.refuse(*x, wanted);
+    return;
+  }
+  for (const auto& each : *members) {
+    if (each.value.as<node_table>() == nullptr)
+      asker{each.key, shared_.problems}.refuse(each.value, wanted);
+    else
+      read_part(each.value, title, [&](table_reader& part) { read({each.key, each.at}, part); });
+  }
+}
+
+void table_reader::one_of(std::string_view key,
+                          const std::vector<std::pair<std::string_view, part_reader>>& choices) {
+  const auto become = [&](std::string_view choice, const part_reader& read) {
+    title_ = std::string(key) + " = \"" + std::string(choice) + '"';
+    static_cast<void>(ask(key));
+    read(*this);
+  };
+  if (shared_.accepted != nullptr) {
+    for (const auto& [choice, read] : choices)
+      become(choice, read);
+    return;
+  }
+  word<std::size_t> words;
+  for (std::size_t i = 0; i < choices.size(); ++i)
+    words.choices.emplace_back(choices[i].first, i);
+  std::size_t chosen = 0;
+  if (required(key, words, chosen))
+    become(choices[chosen].first, choices[chosen].second);
+  else
+    silent_ = true;
+}
+
+void table_reader::finish() const {
+  const auto* members = table_.as<node_table>();
+  if (silent_ || members == nullptr)
+    return;
+  for (const auto& each : *members) {
+    if (std::find(asked_.begin(), asked_.end(), each.key) == asked_.end())
+      complain(each.at,
+               "unknown key `" + each.key + "` in " + title_ + suggestion(each.key, asked_));
+  }
+}
+
+} // namespace rubicon::config

@@ -1,0 +1,30 @@
+// Quantities as people write them: a number and its unit, `31s`, `1min30s`, `2%`, `25m`, `2000mAh`.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "core/time.hpp"
+
+namespace rubicon::config {
+
+/// One or more numbers with the units ns, us, ms, s, min, h, d, the larger first; decimals as far
+/// as they are whole nanoseconds; blanks allowed between number and unit and between parts. Nothing
+/// for any other text, a missing unit, a sign, or more than 292 years.
+[[nodiscard]] std::optional<duration> parse_duration(std::string_view text);
+
+/// `2%` is 0.02. The range is the caller's concern, here and below; a sign or an exponent is
+/// refused.
+[[nodiscard]] std::optional<double> parse_ratio(std::string_view text);
+
+/// Metres, of cm, m or km.
+[[nodiscard]] std::optional<double> parse_length_m(std::string_view text);
+
+/// Milliampere hours, of mAh or Ah.
+[[nodiscard]] std::optional<double> parse_charge_mah(std::string_view text);
+
+/// Bits a second, of a whole number of baud.
+[[nodiscard]] std::optional<std::int64_t> parse_baud(std::string_view text);
+
+} // namespace rubicon::config

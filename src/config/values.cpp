@@ -1,0 +1,259 @@
+#include "config/values.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+#include "config/units.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+constexpr std::size_t key_characters_max = 127;
+constexpr std::ptrdiff_t key_parts_max = 7;
+constexpr std::size_t payload_octets_max = 100; ///< of a message (transport payload, A-51)
+
+bool is_name_character(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+         c == '_';
+}
+
+bool is_tuple_key(std::string_view x, bool wildcards) {
+  if (x.empty() || x.size() > key_characters_max ||
+      std::count(x.begin(), x.end(), '.') >= key_parts_max)
+    return false;
+  for (std::size_t from = 0; from <= x.size();) {
+    const auto end = std::min(x.find('.', from), x.size());
+    const auto part = x.substr(from, end - from);
+    const bool wild = wildcards && part == "*";
+    if (part.empty() || (!wild && !std::all_of(part.begin(), part.end(), is_name_character)))
+      return false;
+    from = end + 1;
+  }
+  return true;
+}
+
+/// The number in a node that has one.
+std::optional<double> number_in(const node& x) {
+  if (const auto* integer = x.as<std::int64_t>())
+    return static_cast<double>(*integer);
+  if (const auto* decimal = x.as<double>(); decimal != nullptr && std::isfinite(*decimal))
+    return *decimal;
+  return std::nullopt;
+}
+
+/// What `parse` makes of the text in a node that has one.
+template <class T>
+std::optional<T> parsed(const node& x, std::optional<T> (*parse)(std::string_view)) {
+  const auto* found = x.as<std::string>();
+  return found == nullptr ? std::nullopt : parse(*found);
+}
+
+/// The unsigned number that is the whole of `x`.
+std::optional<std::uint32_t> unsigned_in(std::string_view x) {
+  std::uint32_t out = 0;
+  const auto [stop, error] = std::from_chars(x.data(), x.data() + x.size(), out);
+  if (error != std::errc{} || stop != x.data() + x.size())
+    return std::nullopt;
+  return out;
+}
+
+} // namespace
+
+std::nullopt_t asker::refuse(const node& x, const std::string& wanted) const {
+  return refuse(x, wanted, {});
+}
+
+std::nullopt_t asker::refuse(const node& x, const std::string& wanted,
+                             const std::string& end) const {
+  problems.add(x.at, '`' + std::string(key) + "` must be " + wanted + ", not " + describe(x) + end);
+  return std::nullopt;
+}
+
+std::optional<double> real::read(const node& x, const asker& who) const {
+  const auto found = number_in(x);
+  if (found && *found >= min && *found <= max)
+    return found;
+  if (min <= -std::numeric_limits<double>::max())
+    return who.refuse(x, "a number");
+  if (max >= std::numeric_limits<double>::max())
+    return who.refuse(x, "a number from " + shown(min));
+  return who.refuse(x, "a number from " + shown(min) + " to " + shown(max));
+}
+
+std::optional<bool> flag::read(const node& x, const asker& who) {
+  if (const auto* found = x.as<bool>())
+    return *found;
+  return who.refuse(x, "true or false");
+}
+
+std::optional<std::string> text::read(const node& x, const asker& who) const {
+  const auto* found = x.as<std::string>();
+  const auto control = [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; };
+  if (found == nullptr || found->empty() || found->size() > octets_max ||
+      std::any_of(found->begin(), found->end(), control))
+    return who.refuse(x, "a text of 1 to " + std::to_string(octets_max) +
+                             " octets without control characters");
+  return *found;
+}
+
+bool is_name(std::string_view x) {
+  return !x.empty() && x.size() <= name_length_max &&
+         std::all_of(x.begin(), x.end(), is_name_character);
+}
+
+std::optional<std::string> name_text::read(const node& x, const asker& who) {
+  const auto* found = x.as<std::string>();
+  if (found == nullptr || !is_name(*found))
+    return who.refuse(x, "a name of 1 to 32 letters, digits, - and _");
+  return *found;
+}
+
+std::optional<std::string> tuple_key::read(const node& x, const asker& who) const {
+  const auto* found = x.as<std::string>();
+  if (found == nullptr || !is_tuple_key(*found, wildcards))
+    return who.refuse(x, std::string("a tuple key of 1 to 7 parts between dots, each of letters, "
+                                     "digits, - and _") +
+                             (wildcards ? " or a single *" : ""));
+  return *found;
+}
+
+std::optional<duration> time_span::read(const node& x, const asker& who) const {
+  const auto found = parsed(x, parse_duration);
+  if (found && *found >= min && *found <= max)
+    return found;
+  if (found)
+    return who.refuse(x, "a time from " + to_text(min) + " to " + to_text(max));
+  return who.refuse(x, "a time with its unit (ns, us, ms, s, min, h or d), as in \"31s\" or "
+                       "\"1min30s\"");
+}
+
+std::optional<double> ratio::read(const node& x, const asker& who) {
+  auto found = parsed(x, parse_ratio);
+  if (!found)
+    found = number_in(x);
+  if (!found || *found < 0 || *found > 1)
+    return who.refuse(x, "a ratio from 0 to 1, or from \"0%\" to \"100%\"");
+  return found;
+}
+
+std::optional<double> metres::read(const node& x, const asker& who) const {
+  const auto found = parsed(x, parse_length_m);
+  if (found && *found >= min && *found <= max)
+    return found;
+  return who.refuse(x, "a length from " + shown(min) + " m to " + shown(max) +
+                           " m with its unit (cm, m or km), as in \"25m\"");
+}
+
+std::optional<double> charge::read(const node& x, const asker& who) {
+  constexpr double min_mah = 0.001;
+  constexpr double max_mah = 1e6;
+  const auto found = parsed(x, parse_charge_mah);
+  if (found && *found >= min_mah && *found <= max_mah)
+    return found;
+  return who.refuse(x, "a charge from 0.001 mAh to 1000 Ah with its unit (mAh or Ah), as in "
+                       "\"2000mAh\"");
+}
+
+std::optional<std::uint32_t> baud::read(const node& x, const asker& who) {
+  constexpr std::int64_t min = 300;
+  constexpr std::int64_t max = 4'000'000;
+  auto found = parsed(x, parse_baud);
+  if (const auto* plain = x.as<std::int64_t>())
+    found = *plain;
+  if (!found || *found < min || *found > max)
+    return who.refuse(x, "a rate from 300 to 4000000 baud, as in 57600 or \"57600baud\"");
+  return static_cast<std::uint32_t>(*found);
+}
+
+std::optional<position> place::read(const node& x, const asker& who) {
+  constexpr double farthest_m = 1e6;
+  const auto* elements = x.as<node_array>();
+  const auto refuse = [&](const node& what) {
+    return who.refuse(what, "[x, y] or [x, y, z] in metres, each at most 1000000");
+  };
+  if (elements == nullptr || elements->size() < 2 || elements->size() > 3)
+    return refuse(x);
+  std::vector<double> numbers;
+  for (const auto& each : *elements) {
+    const auto number = number_in(each);
+    if (!number || std::abs(*number) > farthest_m)
+      return refuse(each);
+    numbers.push_back(*number);
+  }
+  return position{numbers[0], numbers[1], numbers.size() == 3 ? numbers[2] : 0};
+}
+
+std::optional<time_points::type> time_points::read(const node& x, const asker& who) {
+  const auto* elements = x.as<node_array>();
+  const auto refuse = [&](const node& what) {
+    return who.refuse(what,
+                      "points of a time and a number, as in [[\"0s\", 21.0], [\"5min\", 27]]");
+  };
+  if (elements == nullptr || elements->empty())
+    return refuse(x);
+  type out;
+  for (const auto& each : *elements) {
+    const auto* pair = each.as<node_array>();
+    if (pair == nullptr || pair->size() != 2)
+      return refuse(each);
+    const auto at = time_span{}.read(pair->front(), who);
+    const auto value = real{}.read(pair->back(), who);
+    if (!at || !value)
+      return std::nullopt;
+    if (!out.empty() && *at <= out.back().first) {
+      who.complain(pair->front(), "the times of `" + std::string(who.key) +
+                                      "` must increase from one to the next");
+      return std::nullopt;
+    }
+    out.emplace_back(*at, *value);
+  }
+  return out;
+}
+
+std::optional<proxy::type_range> type_span::read(const node& x, const asker& who) {
+  proxy::type_range out;
+  if (const auto* single = x.as<std::int64_t>();
+      single != nullptr && std::in_range<std::uint32_t>(*single)) {
+    out.first = out.last = static_cast<std::uint32_t>(*single);
+  } else if (const auto* span = x.as<std::string>()) {
+    const auto middle = std::min(span->find(".."), span->size());
+    const std::string_view all(*span);
+    const auto first = unsigned_in(all.substr(0, middle));
+    const auto last = unsigned_in(all.substr(std::min(middle + 2, all.size())));
+    if (first && last && *first <= *last)
+      out = {*first, *last};
+  }
+  if (out.first == 0)
+    return who.refuse(x, "types from 1 to 4294967295, as in 101 or \"100..119\"");
+  return out;
+}
+
+std::optional<const radio::platform*> platform_name::read(const node& x, const asker& who) {
+  std::vector<std::pair<std::string_view, const radio::platform*>> choices;
+  for (const auto& each : radio::platforms())
+    choices.emplace_back(each.name, &each);
+  return word<const radio::platform*>{std::move(choices)}.read(x, who);
+}
+
+std::optional<bytes> hex_octets::read(const node& x, const asker& who) {
+  const auto* found = x.as<std::string>();
+  auto octets = found == nullptr ? std::nullopt : from_hex(*found);
+  if (!octets || octets->empty() || octets->size() > payload_octets_max)
+    return who.refuse(x, "1 to 100 octets in hexadecimal, as in \"01\" or \"00ff\"");
+  return octets;
+}
+
+std::string alternatives(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0)
+      text += i + 1 == words.size() ? " or " : ", ";
+    text += '"' + words[i] + '"';
+  }
+  return text;
+}
+
+} // namespace rubicon::config

@@ -1,0 +1,98 @@
+// The tuples between a gateway and its users: keys and values of D1.1 5.4, and nothing about motes.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/error.hpp"
+
+namespace rubicon {
+
+/// Key of the list of motes (GW-03).
+inline constexpr std::string_view devices_key = "devices";
+/// Prototype key of the type tuples of all motes of a gateway (GW-04, TUP-03).
+inline constexpr std::string_view all_device_types_key = "devices.*.type";
+
+/// What a tuple under `devices` says.
+enum class device_tuple : std::uint8_t {
+  list,         ///< `devices`
+  type,         ///< `devices.$ID.type`
+  descriptor,   ///< `devices.$ID.descriptor`
+  output,       ///< `devices.$ID.output.$CH`
+  input,        ///< `devices.$ID.input.$CH`
+  input_status, ///< `devices.$ID.input.$CH.status`
+};
+
+/// A key under `devices`, taken apart.
+struct device_key {
+  device_tuple what = device_tuple::list;
+  mote_id mote;              ///< 1..mote_id_max; 0 for the list
+  std::uint16_t channel = 0; ///< 0 where the key has none
+
+  friend bool operator==(const device_key&, const device_key&) = default;
+};
+
+/// The key as D1.1 5.4 writes it, numbers in decimal (GW-07). @pre mote in 1..mote_id_max except
+/// for the list
+[[nodiscard]] std::string to_string(const device_key& x);
+
+[[nodiscard]] std::string device_type_key(mote_id mote);
+[[nodiscard]] std::string device_descriptor_key(mote_id mote);
+[[nodiscard]] std::string device_output_key(mote_id mote, std::uint16_t channel);
+[[nodiscard]] std::string device_input_key(mote_id mote, std::uint16_t channel);
+[[nodiscard]] std::string device_input_status_key(mote_id mote, std::uint16_t channel);
+
+/// Inverse of to_string(). Numbers are decimal without leading zeros or signs, a
+/// mote 1..mote_id_max, a channel 0..65535; words may have any letter case, because keys are
+/// compared without it (TUP-03). Anything else, wildcards included, is errc::bad_value.
+[[nodiscard]] result<device_key> parse_device_key(std::string_view key);
+
+/// Value of `devices`: `{1,7,11}`, ascending and each once whatever the order of `motes`; `{}` for
+/// none (GW-03).
+[[nodiscard]] std::string device_list_text(std::vector<mote_id> motes);
+
+/// Inverse of device_list_text(): no blanks, no leading zeros, ids 1..mote_id_max, strictly
+/// ascending. @returns errc::bad_value otherwise
+[[nodiscard]] result<std::vector<mote_id>> parse_device_list(std::string_view text);
+
+/// Value of `devices.$ID.type`: 4 octets in network byte order (GW-04, A-45).
+[[nodiscard]] bytes device_type_octets(std::uint32_t type);
+
+/// @returns errc::truncated or errc::too_long unless there are exactly 4 octets
+[[nodiscard]] result<std::uint32_t> parse_device_type(byte_view octets);
+
+/// What became of a message written to `devices.$ID.input.$CH` (GW-12, IF-07).
+enum class input_outcome : std::uint8_t {
+  pending,      ///< on its way to the mote
+  acknowledged, ///< the mote has it
+  failed,       ///< sent and never acknowledged
+  unreachable,  ///< the gateway does not list the mote
+};
+
+/// The word in the status tuple.
+[[nodiscard]] std::string_view to_string(input_outcome x);
+
+/// Value of `devices.$ID.input.$CH.status`: `3 acknowledged`.
+struct input_status {
+  std::uint64_t sequence =
+      0; ///< counts the writes the gateway saw on this mote and channel, from 1
+  input_outcome outcome = input_outcome::pending;
+
+  friend bool operator==(const input_status&, const input_status&) = default;
+};
+
+[[nodiscard]] std::string to_string(const input_status& x);
+
+/// Inverse of to_string(): a decimal number from 1 without leading zeros, one blank, one of the
+/// four words. @returns errc::bad_value otherwise
+[[nodiscard]] result<input_status> parse_input_status(std::string_view text);
+
+/// The text in a tuple's value: text travels with a trailing NUL (TUP-02), so what stands before
+/// the first NUL; everything if there is none. The view points into `value`.
+[[nodiscard]] std::string_view tuple_text(byte_view value);
+
+} // namespace rubicon

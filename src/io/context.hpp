@@ -1,0 +1,13 @@
+// For files of this room only: the Asio context behind a loop.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+
+#include "io/loop.hpp"
+
+namespace rubicon::io {
+
+/// Handlers posted or completed here run inside loop::poll() and loop::wait_until().
+[[nodiscard]] boost::asio::io_context& context_of(loop& x);
+
+} // namespace rubicon::io

@@ -1,0 +1,227 @@
+#include "peis/delivery.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace rubicon::peis {
+
+namespace {
+
+constexpr std::uint64_t seqid_max = 32767;
+/// Places of the window that bulk leaves free, so that a long message delays no short one.
+constexpr std::size_t reserve_divisor = 8;
+
+} // namespace
+
+std::int32_t draw_id(random_stream& dice) {
+  return static_cast<std::int32_t>(1 + dice.below(0x7fffffff));
+}
+
+std::uint16_t delivery::packages_of(const transfer& x) {
+  return std::max<std::uint16_t>(1, x.fragments);
+}
+
+bool delivery::add(reliable_message message, random_stream& dice) {
+  auto& to = flows_[message.destination];
+  if (to.waiting >= config_.waiting_max)
+    return false;
+  transfer x;
+  const auto size = message.content->size();
+  if (size > data_max) {
+    x.fragments = static_cast<std::uint16_t>((size + data_max - 1) / data_max);
+    x.seqid = static_cast<std::uint16_t>(1 + dice.below(seqid_max));
+  }
+  const auto id = next_transfer_++;
+  to.queues[static_cast<std::size_t>(message.class_of_service)].push_back(id);
+  ++to.waiting;
+  x.message = std::move(message);
+  transfers_.emplace_hint(transfers_.end(), id, std::move(x));
+  return true;
+}
+
+/// The queue of the highest priority that has a message and may use the window.
+const std::deque<std::uint64_t>* delivery::open_queue(const flow& x) const {
+  if (x.in_flight >= config_.window)
+    return nullptr;
+  const auto bulk_window = config_.window - config_.window / reserve_divisor;
+  for (std::size_t i = 0; i < x.queues.size(); ++i) {
+    const bool bulk = i == static_cast<std::size_t>(priority::bulk);
+    if (!x.queues[i].empty() && (!bulk || x.in_flight < bulk_window))
+      return &x.queues[i];
+  }
+  return nullptr;
+}
+
+std::optional<lane> delivery::next_lane(peer_id destination) const {
+  const auto at = flows_.find(destination);
+  const auto* queue = at == flows_.end() ? nullptr : open_queue(at->second);
+  if (queue == nullptr)
+    return std::nullopt;
+  const auto& message = transfers_.at(queue->front()).message;
+  return static_cast<lane>(static_cast<std::size_t>(lane::high) +
+                           static_cast<std::size_t>(message.class_of_service));
+}
+
+std::optional<std::pair<lane, outgoing_package>> delivery::next(peer_id destination,
+                                                                random_stream& dice) {
+  const auto where = next_lane(destination);
+  if (!where)
+    return std::nullopt;
+  auto& to = flows_.at(destination);
+  auto& queue = to.queues[static_cast<std::size_t>(*where) - static_cast<std::size_t>(lane::high)];
+  const auto id = queue.front();
+  auto& x = transfers_.at(id);
+  auto ack_id = draw_id(dice);
+  while (in_flight_.contains(ack_id))
+    ack_id = draw_id(dice);
+  auto package = package_of(x, x.begun, ack_id, dice);
+  in_flight_.emplace(ack_id, pending{id, x.begun, 1, std::nullopt});
+  ++x.begun;
+  ++x.unacknowledged;
+  ++to.in_flight;
+  if (x.begun == packages_of(x)) {
+    queue.pop_front();
+    --to.waiting;
+  }
+  return std::pair{*where, std::move(package)};
+}
+
+outgoing_package delivery::package_of(const transfer& x, std::uint16_t fragment,
+                                      std::int32_t ack_id, random_stream& dice) const {
+  outgoing_package package;
+  auto& header = package.header;
+  header.id = draw_id(dice);
+  header.ack_id = ack_id;
+  header.flags = package_flag::reliable;
+  if (x.fragments > 0)
+    header.flags |= package_flag::bulk;
+  if (x.message.class_of_service == priority::high)
+    header.flags |= package_flag::high;
+  header.source = x.message.source;
+  header.destination = x.message.destination;
+  header.port = x.message.port;
+  package.offset = fragment * data_max;
+  header.length =
+      static_cast<std::uint16_t>(std::min(data_max, x.message.content->size() - package.offset));
+  header.seqlen = x.fragments;
+  header.seqid = x.seqid;
+  header.seqnum = fragment;
+  package.content = x.message.content;
+  return package;
+}
+
+void delivery::on_transmitted(std::int32_t ack_id, instant now) {
+  const auto at = in_flight_.find(ack_id);
+  if (at == in_flight_.end())
+    return;
+  at->second.due = now + at->second.attempts * config_.retry_time;
+  due_.emplace(*at->second.due, ack_id);
+}
+
+void delivery::on_dropped(std::int32_t ack_id, instant now) {
+  const auto at = in_flight_.find(ack_id);
+  if (at == in_flight_.end() || at->second.due)
+    return;
+  at->second.due = now;
+  due_.emplace(now, ack_id);
+}
+
+std::unordered_map<std::int32_t, delivery::pending>::iterator
+delivery::forget(std::unordered_map<std::int32_t, pending>::iterator at) {
+  if (at->second.due)
+    due_.erase({*at->second.due, at->first});
+  return in_flight_.erase(at);
+}
+
+std::optional<delivery::acknowledged> delivery::acknowledge(std::int32_t ack_id) {
+  const auto at = in_flight_.find(ack_id);
+  if (at == in_flight_.end())
+    return std::nullopt;
+  const auto owner = transfers_.find(at->second.transfer);
+  assert(owner != transfers_.end());
+  forget(at);
+  auto& x = owner->second;
+  acknowledged done{x.message.destination, std::nullopt};
+  const auto to = flows_.find(x.message.destination);
+  --to->second.in_flight;
+  if (--x.unacknowledged == 0 && x.begun == packages_of(x)) {
+    done.finished = std::move(x.message);
+    transfers_.erase(owner);
+  }
+  if (to->second.idle())
+    flows_.erase(to);
+  return done;
+}
+
+std::optional<delivery::due> delivery::take_due(instant now, random_stream& dice) {
+  if (due_.empty() || due_.begin()->first > now)
+    return std::nullopt;
+  const auto ack_id = due_.begin()->second;
+  due_.erase(due_.begin());
+  auto& x = in_flight_.at(ack_id);
+  x.due.reset();
+  const auto& owner = transfers_.at(x.transfer);
+  due result;
+  result.destination = owner.message.destination;
+  result.ack_id = ack_id;
+  if (x.attempts >= attempts_max) {
+    result.failed = fail(x.transfer);
+  } else {
+    ++x.attempts;
+    result.again = package_of(owner, x.fragment, ack_id, dice);
+  }
+  return result;
+}
+
+/// Ends a transfer and forgets all that is under way of it (ACK-07).
+reliable_message delivery::fail(std::uint64_t id) {
+  const auto owner = transfers_.find(id);
+  auto& x = owner->second;
+  const auto to = flows_.find(x.message.destination);
+  for (auto at = in_flight_.begin(); x.unacknowledged > 0 && at != in_flight_.end();) {
+    if (at->second.transfer == id) {
+      at = forget(at);
+      --x.unacknowledged;
+      --to->second.in_flight;
+    } else {
+      ++at;
+    }
+  }
+  if (x.begun < packages_of(x)) {
+    auto& queue = to->second.queues[static_cast<std::size_t>(x.message.class_of_service)];
+    queue.erase(std::find(queue.begin(), queue.end(), id));
+    --to->second.waiting;
+  }
+  if (to->second.idle())
+    flows_.erase(to);
+  auto message = std::move(x.message);
+  transfers_.erase(owner);
+  return message;
+}
+
+std::vector<reliable_message> delivery::fail_all(peer_id destination) {
+  std::vector<std::uint64_t> ids;
+  if (flows_.contains(destination)) {
+    for (const auto& [id, x] : transfers_) {
+      if (x.message.destination == destination)
+        ids.push_back(id);
+    }
+  }
+  std::vector<reliable_message> failed;
+  for (const auto id : ids)
+    failed.push_back(fail(id));
+  return failed;
+}
+
+bool delivery::only_waiting(peer_id destination) const {
+  const auto at = flows_.find(destination);
+  return at != flows_.end() && at->second.in_flight == 0 && at->second.waiting > 0;
+}
+
+std::optional<instant> delivery::deadline() const {
+  if (due_.empty())
+    return std::nullopt;
+  return due_.begin()->first;
+}
+
+} // namespace rubicon::peis

@@ -1,0 +1,150 @@
+// Reliable messages from the first transmission to the outcome (peis-wire.md 8.2, 8.3, A10).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "core/random.hpp"
+#include "core/time.hpp"
+#include "peis/outgoing_queue.hpp"
+#include "peis/package.hpp"
+#include "peis/types.hpp"
+
+namespace rubicon::peis {
+
+struct delivery_config {
+  duration retry_time = 400ms;    ///< T: attempt k is followed by a wait of k T (ACK-02)
+  std::size_t window = 256;       ///< unacknowledged packages per destination (P2P-05)
+  std::size_t waiting_max = 1024; ///< messages per destination that have not begun to leave
+};
+
+/// A message on its way, also as the owner gets it back when it has ended.
+struct reliable_message {
+  peer_id source;
+  peer_id destination;
+  std::uint16_t port = 0;
+  priority class_of_service = priority::normal;
+  request_id request;
+  std::shared_ptr<const message_octets> content;
+};
+
+/// Keeps messages until every package of them has been acknowledged. Per destination a window
+/// limits what is under way and three queues hold what has not begun to leave. Knows neither links
+/// nor routes: the owner asks for the next package of a destination, queues it, and says when it
+/// left.
+///
+///   waiting --next()--> queued --on_transmitted()--> in flight --acknowledge()--> done
+///                         ^                              |
+///                         +------ take_due(), 6 times ---+--- the seventh time: failed
+class delivery {
+public:
+  static constexpr unsigned attempts_max = 7; ///< a transmission and six repeats (ACK-03)
+
+  delivery() = default;
+  explicit delivery(delivery_config config) : config_(config) {}
+
+  /// @returns false if too many messages wait for that destination
+  [[nodiscard]] bool add(reliable_message message, random_stream& dice);
+
+  /// The next package for a destination whose window is open, and the lane it belongs to.
+  [[nodiscard]] std::optional<std::pair<lane, outgoing_package>> next(peer_id destination,
+                                                                      random_stream& dice);
+
+  /// Where next() would put its package; nothing if there is none to send.
+  [[nodiscard]] std::optional<lane> next_lane(peer_id destination) const;
+
+  /// Is a queued package still wanted? Not after its message has failed.
+  [[nodiscard]] bool wanted(std::int32_t ack_id) const { return in_flight_.contains(ack_id); }
+
+  /// The package has left: the wait for its acknowledgement begins.
+  void on_transmitted(std::int32_t ack_id, instant now);
+
+  /// The package was lost before it left: it is due at once.
+  void on_dropped(std::int32_t ack_id, instant now);
+
+  /// What an acknowledgement has brought about.
+  struct acknowledged {
+    peer_id destination; ///< its window has opened
+    std::optional<reliable_message> finished;
+  };
+  /// @returns nothing for an id that is not in flight
+  [[nodiscard]] std::optional<acknowledged> acknowledge(std::int32_t ack_id);
+
+  /// A package whose wait is over.
+  struct due {
+    std::optional<outgoing_package> again;  ///< to be sent once more, with a new id
+    std::optional<reliable_message> failed; ///< or its message has failed
+    peer_id destination;
+    std::int32_t ack_id = 0;
+  };
+  /// The next one due; to be called until it returns nothing.
+  [[nodiscard]] std::optional<due> take_due(instant now, random_stream& dice);
+
+  /// A repeat could not be sent for want of a route: wait as if it had been.
+  void on_unsendable(std::int32_t ack_id, instant now) { on_transmitted(ack_id, now); }
+
+  /// Gives up everything for a destination. @returns the messages, oldest first
+  [[nodiscard]] std::vector<reliable_message> fail_all(peer_id destination);
+
+  /// Nothing is under way to it, yet messages wait.
+  [[nodiscard]] bool only_waiting(peer_id destination) const;
+
+  [[nodiscard]] std::optional<instant> deadline() const;
+
+  /// Packages kept until acknowledged (ACK-01).
+  [[nodiscard]] std::size_t in_flight() const { return in_flight_.size(); }
+
+private:
+  struct transfer {
+    reliable_message message;
+    std::uint16_t fragments = 0; ///< 0: a single package
+    std::uint16_t seqid = 0;
+    std::uint16_t begun = 0; ///< packages that next() has given out
+    std::uint16_t unacknowledged = 0;
+  };
+
+  struct flow {
+    std::size_t in_flight = 0;
+    std::size_t waiting = 0;
+    std::array<std::deque<std::uint64_t>, 3> queues; ///< transfers by priority
+
+    [[nodiscard]] bool idle() const { return in_flight == 0 && waiting == 0; }
+  };
+
+  struct pending {
+    std::uint64_t transfer = 0;
+    std::uint16_t fragment = 0;
+    unsigned attempts = 1;
+    std::optional<instant> due; ///< unset while queued
+  };
+
+  [[nodiscard]] static std::uint16_t packages_of(const transfer& x);
+  [[nodiscard]] outgoing_package package_of(const transfer& x, std::uint16_t fragment,
+                                            std::int32_t ack_id, random_stream& dice) const;
+  [[nodiscard]] const std::deque<std::uint64_t>* open_queue(const flow& x) const;
+  std::unordered_map<std::int32_t, pending>::iterator
+  forget(std::unordered_map<std::int32_t, pending>::iterator at);
+  reliable_message fail(std::uint64_t id);
+
+  delivery_config config_;
+  std::uint64_t next_transfer_ = 0;
+  std::map<std::uint64_t, transfer> transfers_;
+  std::map<peer_id, flow> flows_;
+  std::unordered_map<std::int32_t, pending>
+      in_flight_; ///< by ack id; looked up, never walked in order
+  std::set<std::pair<instant, std::int32_t>> due_;
+};
+
+/// A fresh id: random, positive.
+[[nodiscard]] std::int32_t draw_id(random_stream& dice);
+
+} // namespace rubicon::peis

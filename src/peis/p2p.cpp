@@ -1,0 +1,354 @@
+// Packages: receiving, forwarding, sending (peis-wire.md 6 to 8).
+#include "peis/p2p.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "peis/acknowledgement.hpp"
+
+namespace rubicon::peis {
+
+namespace {
+
+/// The class in which a package of somebody else goes on.
+lane lane_of(const package_header& header) {
+  if (header.port == port::acknowledgements)
+    return lane::acknowledgements;
+  if ((header.flags & package_flag::high) != 0)
+    return lane::high;
+  return (header.flags & package_flag::bulk) != 0 ? lane::bulk : lane::normal;
+}
+
+} // namespace
+
+p2p::p2p(p2p_config config, random_stream dice, instant now)
+    : config_(std::move(config)), dice_(dice), assembly_(config_.assembly),
+      acknowledger_(config_.ack_delay), delivery_(config_.reliable),
+      next_period_(now + dice_.between(config_.routing_period / 2, config_.routing_period)),
+      last_trigger_(now - config_.trigger_gap) {
+  self_.id = config_.id;
+  self_.magic = draw_id(dice_);
+  self_.host_name = config_.host_name;
+  self_.full_name = config_.name + '@' + config_.host_name + '!' + std::to_string(config_.process);
+  self_.addresses = config_.addresses;
+  self_.addresses.resize(std::min(self_.addresses.size(), low_level_addresses_max));
+  self_.cluster = self_.id.value;
+  self_.marked = true;
+  routing_ = routing_table(self_.id, self_.magic, config_.metric_limit);
+}
+
+void p2p::on_time(instant now) {
+  if (!left_ && now >= next_period_)
+    on_period(now);
+  for (const auto& [to, ids] : acknowledger_.take(now))
+    send_acknowledgements(to, ids);
+  counters_.messages_incomplete += assembly_.on_time(now);
+  check_silence(now);
+}
+
+std::optional<instant> p2p::deadline() const {
+  auto next = earliest(acknowledger_.deadline(), delivery_.deadline());
+  next = earliest(next, assembly_.deadline());
+  next = earliest(next, next_silence_check_);
+  if (left_)
+    return next;
+  return earliest(earliest(next, next_trigger_), next_period_);
+}
+
+/// The steps of peis-wire.md 7, in its order.
+void p2p::on_package(link_id from, const package_header& header, byte_view data, instant now) {
+  ++counters_.packages_received;
+  if (!is_legal(header)) {
+    ++counters_.illegal;
+    return;
+  }
+  if (header.source == self_.id) {
+    ++counters_.own;
+    return;
+  }
+  if (!seen_.insert(header.id)) {
+    ++counters_.seen;
+    return;
+  }
+  const bool mine = header.type == package_type::direct && header.destination == self_.id;
+  if (mine && header.seqlen > 0 && !assembly_.accepts(header)) {
+    ++counters_.fragments_refused; // not acknowledged: it comes again
+    return;
+  }
+  if (mine && header.reliable() && header.port != port::acknowledgements)
+    acknowledge(header, now);
+  if (mine && header.ack_id != header.id && header.ack_id != 0 && !seen_.insert(header.ack_id)) {
+    ++counters_.repeated;
+    return;
+  }
+  if (mine && header.seqlen > 0) {
+    on_fragment(header, data, now);
+    return;
+  }
+  if (header.type == package_type::direct && !mine) {
+    if (header.seqlen == 0 && header.port == port::host_query && answer_query(header, data))
+      return;
+  } else {
+    serve(from, header, data, now);
+  }
+  if (header.type != package_type::link && !mine)
+    forward(from, header, data);
+}
+
+void p2p::on_fragment(const package_header& header, byte_view data, instant now) {
+  auto whole = assembly_.add(header, data, now);
+  if (whole)
+    events_.push_back(arrived{header.port, header.source, false, std::move(*whole)});
+}
+
+void p2p::acknowledge(const package_header& header, instant now) {
+  const auto full = acknowledger_.add(header.source, header.ack_id, now);
+  if (!full.empty())
+    send_acknowledgements(header.source, full);
+}
+
+void p2p::send_acknowledgements(peer_id to, const std::vector<std::int32_t>& ids) {
+  const auto way = way_to(to);
+  if (!way) {
+    ++counters_.no_route;
+    return;
+  }
+  counters_.acks_sent += ids.size();
+  ++counters_.ack_packages_sent;
+  auto content =
+      std::make_shared<const message_octets>(message_octets{encode_acknowledgement(ids), {}});
+  auto header = fresh_header(package_type::direct, port::acknowledgements, content->size());
+  header.destination = to;
+  count_drop(
+      enqueue(connections_.at(*way), lane::acknowledgements, {header, std::move(content), 0}));
+}
+
+void p2p::on_acknowledgement(byte_view data) {
+  const auto ids = decode_acknowledgement(data);
+  if (!ids) {
+    ++counters_.malformed;
+    return;
+  }
+  std::optional<peer_id> opened;
+  for (const auto id : *ids) {
+    auto done = delivery_.acknowledge(id);
+    if (!done)
+      continue;
+    ++counters_.acks_received;
+    if (opened && *opened != done->destination)
+      pump(*opened);
+    opened = done->destination;
+    if (done->finished) {
+      ++counters_.messages_delivered;
+      if (done->finished->request != no_request)
+        events_.push_back(delivered{done->finished->request});
+    }
+  }
+  if (opened)
+    pump(*opened);
+}
+
+/// A package for us, for the neighbours of its sender, or for everybody.
+void p2p::serve(link_id from, const package_header& header, byte_view data, instant now) {
+  switch (header.port) {
+  case port::routing:
+    if (header.type == package_type::link)
+      on_routing(from, data, now);
+    else
+      ++counters_.malformed;
+    return;
+  case port::acknowledgements:
+    on_acknowledgement(data);
+    return;
+  case port::host_query:
+    static_cast<void>(answer_query(header, data));
+    return;
+  case port::host_record:
+    on_host_record(from, header, data, now);
+    return;
+  case port::dead_host:
+    on_dead_host(header, data, now);
+    return;
+  }
+  if (header.type != package_type::link)
+    events_.push_back(arrived{header.port, header.source, header.type == package_type::broadcast,
+                              to_bytes(data)});
+}
+
+void p2p::forward(link_id from, package_header header, byte_view data) {
+  if (header.hops >= hops_max) {
+    ++counters_.hops;
+    return;
+  }
+  ++header.hops;
+  auto content = std::make_shared<const message_octets>(message_octets{to_bytes(data), {}});
+  if (header.type == package_type::broadcast) {
+    ++counters_.packages_forwarded;
+    flood(header, content, from);
+    return;
+  }
+  const auto way = way_to(header.destination);
+  if (!way) {
+    ++counters_.no_route;
+    return;
+  }
+  ++counters_.packages_forwarded;
+  count_drop(enqueue(connections_.at(*way), lane_of(header), {header, std::move(content), 0}));
+}
+
+package_header p2p::fresh_header(package_type type, std::uint16_t port, std::size_t length) {
+  package_header header;
+  header.id = header.ack_id = draw_id(dice_);
+  header.type = type;
+  header.source = self_.id;
+  header.port = port;
+  header.length = static_cast<std::uint16_t>(length);
+  return header;
+}
+
+cause p2p::enqueue(connection& to, lane where, outgoing_package x) {
+  const auto verdict = to.queue.admission(where, 1, dice_);
+  if (verdict == cause::none)
+    to.queue.push(where, std::move(x));
+  return verdict;
+}
+
+void p2p::count_drop(cause why) {
+  if (why == cause::queue_full)
+    ++counters_.queue_full;
+  else if (why == cause::early_drop)
+    ++counters_.early_drop;
+}
+
+/// To every open link but one. Services of the kernel go before those of users.
+cause p2p::flood(const package_header& header, const std::shared_ptr<const message_octets>& content,
+                 std::optional<link_id> except) {
+  const auto where = header.port < port::user_first ? lane::high : lane::normal;
+  cause worst = cause::none;
+  for (auto& [link, x] : connections_) {
+    if (!x.open || link == except)
+      continue;
+    const auto verdict = enqueue(x, where, {header, content, 0});
+    count_drop(verdict);
+    worst = verdict == cause::none ? worst : verdict;
+  }
+  return worst;
+}
+
+cause p2p::broadcast(std::uint16_t port, payload octets) {
+  if (octets.size() > data_max)
+    return cause::too_long;
+  if (left_)
+    return cause::left;
+  auto content = std::make_shared<const message_octets>(message_octets{std::move(octets), {}});
+  return flood(fresh_header(package_type::broadcast, port, content->size()), content, {});
+}
+
+std::optional<link_id> p2p::way_to(peer_id destination) const {
+  const auto direct = neighbours_.find(destination);
+  return direct != neighbours_.end() ? direct->second : routing_.way_to(destination);
+}
+
+void p2p::send(posting x) {
+  const auto way = way_to(x.destination);
+  auto why = cause::none;
+  if (left_)
+    why = cause::left;
+  else if (x.content.size() > fragments_max * data_max)
+    why = cause::too_long;
+  else if (!way)
+    why = cause::no_route;
+  else if (!x.reliable)
+    why = send_unreliable(x, *way);
+  if (why == cause::none && !x.reliable && x.id != no_request)
+    events_.push_back(delivered{x.id});
+  if (why == cause::none && x.reliable) {
+    const auto destination = x.destination;
+    const auto service = x.content.size() > data_max ? priority::bulk : x.class_of_service;
+    const auto head = x.content.head;
+    if (delivery_.add({self_.id, destination, x.port, service, x.id,
+                       std::make_shared<const message_octets>(std::move(x.content))},
+                      dice_)) {
+      pump(destination);
+      return;
+    }
+    x.content.head = head;
+    why = cause::queue_full;
+  }
+  if (why != cause::none) {
+    count_drop(why);
+    events_.push_back(undelivered{x.id, x.destination, x.port, x.content.head, why});
+  }
+}
+
+/// All of its packages are queued, or none.
+cause p2p::send_unreliable(const posting& x, link_id way) {
+  auto& queue = connections_.at(way).queue;
+  const auto size = x.content.size();
+  const auto count = std::max<std::size_t>(1, (size + data_max - 1) / data_max);
+  const auto where = count > 1 ? lane::bulk
+                               : static_cast<lane>(static_cast<std::size_t>(lane::high) +
+                                                   static_cast<std::size_t>(x.class_of_service));
+  if (const auto verdict = queue.admission(where, count, dice_); verdict != cause::none)
+    return verdict;
+  const auto content = std::make_shared<const message_octets>(x.content);
+  const auto seqid = static_cast<std::uint16_t>(1 + dice_.below(0x7fff));
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto offset = i * data_max;
+    auto header = fresh_header(package_type::direct, x.port, std::min(data_max, size - offset));
+    header.destination = x.destination;
+    if (where == lane::high)
+      header.flags = package_flag::high;
+    if (count > 1) {
+      header.flags = package_flag::bulk;
+      header.seqlen = static_cast<std::uint16_t>(count);
+      header.seqid = seqid;
+      header.seqnum = static_cast<std::uint16_t>(i);
+    }
+    queue.push(where, {header, content, offset});
+  }
+  return cause::none;
+}
+
+/// Queues what the window to a destination and the queue on its way have room for.
+void p2p::pump(peer_id destination) {
+  const auto way = way_to(destination);
+  if (!way) {
+    if (delivery_.only_waiting(destination)) {
+      for (const auto& x : delivery_.fail_all(destination))
+        fail(x, cause::no_route);
+    }
+    return;
+  }
+  auto& queue = connections_.at(*way).queue;
+  while (const auto where = delivery_.next_lane(destination)) {
+    if (!queue.has_room(*where)) {
+      stalled_.insert(destination);
+      return;
+    }
+    auto x = delivery_.next(destination, dice_);
+    queue.push(x->first, std::move(x->second));
+  }
+}
+
+void p2p::repeat_due(instant now) {
+  while (auto due = delivery_.take_due(now, dice_)) {
+    const auto way = way_to(due->destination);
+    if (due->failed) {
+      fail(*due->failed, way ? cause::too_many_retries : cause::connection_dead);
+      pump(due->destination);
+    } else if (!way || enqueue(connections_.at(*way), lane::acknowledgements,
+                               std::move(*due->again)) != cause::none) {
+      delivery_.on_unsendable(due->ack_id, now);
+    } else {
+      ++counters_.retransmissions;
+    }
+  }
+}
+
+void p2p::fail(const reliable_message& x, cause why) {
+  ++counters_.messages_failed;
+  events_.push_back(undelivered{x.request, x.destination, x.port, x.content->head, why});
+}
+
+} // namespace rubicon::peis

@@ -1,0 +1,66 @@
+// What the peer-to-peer layer tells the kernel above it, and asks of the links below.
+#pragma once
+
+#include <cstdint>
+#include <variant>
+#include <vector>
+
+#include "core/bytes.hpp"
+#include "peis/types.hpp"
+
+namespace rubicon::peis {
+
+/// Octets for the other end of a link, in order; several packages may be in one.
+struct to_link {
+  link_id link;
+  payload octets;
+};
+
+/// The link is of no use any more: close it. The kernel has forgotten it already, and
+/// on_link_closed() for it is harmless.
+struct close_link {
+  link_id link;
+  close_cause why;
+};
+
+/// A peer can be reached and described, or cannot any more. After a restart vanished, then
+/// appeared.
+struct host_appeared {
+  peer_id host;
+};
+struct host_vanished {
+  peer_id host;
+};
+
+/// A whole message for us on a port above the network's own.
+struct arrived {
+  std::uint16_t port = 0;
+  peer_id source;
+  bool broadcast = false;
+  bytes octets;
+};
+
+/// A message that asked for an outcome has been acknowledged in full (or sent, if unreliable).
+struct delivered {
+  request_id request;
+};
+
+/// A message could not be delivered. `head` and `port` tell which, for messages without request.
+struct undelivered {
+  request_id request;
+  peer_id destination;
+  std::uint16_t port = 0;
+  payload head;
+  cause why = cause::none;
+};
+
+/// That host says it has forgotten us, subscriptions included (peis-wire.md 11, reason 2).
+struct forgotten_by {
+  peer_id host;
+};
+
+using event = std::variant<to_link, close_link, host_appeared, host_vanished, arrived, delivered,
+                           undelivered, forgotten_by>;
+using events = std::vector<event>;
+
+} // namespace rubicon::peis

@@ -1,0 +1,276 @@
+// Routing and hosts (peis-wire.md 9 to 11).
+#include <algorithm>
+#include <utility>
+
+#include "peis/p2p.hpp"
+
+namespace rubicon::peis {
+
+namespace {
+
+constexpr int burial_periods = 3; ///< how long stale news of a host that left are ignored
+
+} // namespace
+
+void p2p::on_routing(link_id from, byte_view data, instant now) {
+  auto page = decode_routing_page(data);
+  if (!page) {
+    ++counters_.malformed;
+    return;
+  }
+  auto& x = connections_.at(from);
+  auto& collection = x.pages;
+  if (collection.seqno != page->seqno || collection.pages.size() != page->pages) {
+    collection.seqno = page->seqno;
+    collection.pages.assign(page->pages, std::nullopt);
+  }
+  collection.pages[page->page] = std::move(*page);
+  std::vector<routing_entry> entries;
+  for (const auto& part : collection.pages) {
+    if (!part)
+      return;
+    entries.insert(entries.end(), part->entries.begin(), part->entries.end());
+  }
+  collection.pages.clear();
+  apply(routing_.on_table(from, x.cost, entries, now), now);
+  if (routing_.take_overtaken())
+    trigger_routing(now);
+}
+
+/// Only reachability spreads at once: a mere change of preference would echo round every cycle.
+void p2p::apply(const routing_changes& changes, instant now) {
+  for (const auto& [host, what] : changes) {
+    if (what == routing_change::kind::lost) {
+      strangers_.erase(host);
+      continue;
+    }
+    const auto known = hosts_.find(host);
+    if (known != hosts_.end() && known->second.record.magic == routing_.find(host)->magic)
+      welcome(host);
+    else
+      note_stranger(host);
+  }
+  if (!changes.empty())
+    trigger_routing(now);
+}
+
+void p2p::note_stranger(peer_id id) {
+  if (strangers_.insert(id).second)
+    newcomers_.push_back(id);
+}
+
+void p2p::trigger_routing(instant now) {
+  if (!next_trigger_)
+    next_trigger_ = std::max(now, last_trigger_ + config_.trigger_gap);
+}
+
+void p2p::send_routing(instant now) {
+  next_trigger_.reset();
+  if (left_)
+    return;
+  last_trigger_ = now;
+  routing_.next_seqno();
+  for (auto& [link, x] : connections_) {
+    if (x.open)
+      send_routing_to(x);
+  }
+}
+
+void p2p::send_routing_to(connection& to) {
+  ++counters_.routing_sendings;
+  const auto open = static_cast<std::uint8_t>(std::min<std::size_t>(connections_.size(), 254));
+  const auto entries = routing_.table_for(to.id, open);
+  for (const auto& page : paginate(entries, entries.front().seqno)) {
+    auto content = std::make_shared<const message_octets>(message_octets{encode(page), {}});
+    const auto header = fresh_header(package_type::link, port::routing, content->size());
+    count_drop(enqueue(to, lane::control, {header, std::move(content), 0}));
+  }
+}
+
+void p2p::on_period(instant now) {
+  next_period_ += config_.routing_period;
+  if (next_period_ <= now)
+    next_period_ = now + config_.routing_period; // late: once, without catching up
+  for (const auto id : routing_.age(now))
+    delete_host(id, dead_host_message::reason::route, now);
+  send_routing(now);
+  for (const auto id : strangers_)
+    ask_about(id);
+}
+
+/// Real kernels answer only questions that name no magic number, caches among them; where a cached
+/// record is the wrong one, every other question is for the incarnation itself (KH-02).
+void p2p::ask_about(peer_id stranger) {
+  const auto way = way_to(stranger);
+  if (!strangers_.contains(stranger) || !way)
+    return;
+  const auto* known = routing_.find(stranger);
+  const bool by_magic = known != nullptr && hosts_.contains(stranger) && questions_++ % 2 == 0;
+  auto content = std::make_shared<const message_octets>(
+      message_octets{encode(host_query{self_.id, by_magic ? known->magic : any_magic}), {}});
+  auto header = fresh_header(package_type::direct, port::host_query, content->size());
+  header.destination = stranger;
+  count_drop(enqueue(connections_.at(*way), lane::high, {header, std::move(content), 0}));
+}
+
+/// Answers for ourselves or, from what we know, for the destination of a passing question.
+/// @returns false if we have no answer
+bool p2p::answer_query(const package_header& header, byte_view data) {
+  const auto query = decode_host_query(data);
+  if (!query) {
+    ++counters_.malformed;
+    return false;
+  }
+  const bool about_me = header.destination == self_.id;
+  const auto* record = find_host(header.destination);
+  if (record == nullptr ||
+      (!about_me && query->magic != any_magic && query->magic != record->magic))
+    return false;
+  send({header.source,
+        port::host_record,
+        {encode(host_record_message{*record, !about_me}), {}},
+        true,
+        priority::high,
+        no_request});
+  return true;
+}
+
+void p2p::on_host_record(link_id from, const package_header& header, byte_view data, instant now) {
+  const auto message = decode_host_record_message(data);
+  if (!message || (!message->cached && message->record.id != header.source)) {
+    ++counters_.malformed;
+    return;
+  }
+  const auto& record = message->record;
+  if (record.id == self_.id) {
+    if (record.magic != self_.magic)
+      ++counters_.duplicate_id;
+    return;
+  }
+  // The first to describe itself over a link is the neighbour there, for good.
+  auto& x = connections_.at(from);
+  if (header.hops == 1 && !message->cached && x.neighbour.value_or(record.id) == record.id) {
+    x.cost = record.host_name == self_.host_name ? config_.cost_same_host : config_.cost_other_host;
+    bind_neighbour(x, record.id);
+  }
+  store_record(from, *message, now);
+}
+
+void p2p::store_record(link_id from, const host_record_message& message, instant now) {
+  const auto& record = message.record;
+  const auto* way = routing_.find(record.id);
+  const bool fits_route = way == nullptr || way->lost() || way->magic == record.magic;
+  const auto known = hosts_.find(record.id);
+  if (known != hosts_.end() && known->second.record.magic != record.magic) {
+    if (message.cached)
+      return; // somebody's memory of the incarnation we know to be gone, or not yet (KH-02)
+    close_links_to(record.id, close_cause::reborn, from, now);
+    delete_host(record.id, dead_host_message::reason::reborn, now);
+  } else if (message.cached && !fits_route) {
+    return;
+  }
+  hosts_[record.id].record = record;
+  strangers_.erase(record.id);
+  welcome(record.id);
+}
+
+/// Tells the kernel above once both a way to a host and its record are there.
+void p2p::welcome(peer_id id) {
+  const auto known = hosts_.find(id);
+  if (known == hosts_.end() || known->second.announced || !reachable(id))
+    return;
+  known->second.announced = true;
+  events_.push_back(host_appeared{id});
+}
+
+void p2p::on_dead_host(const package_header& header, byte_view data, instant now) {
+  const auto message = decode_dead_host(data);
+  if (!message || message->host != header.source) {
+    ++counters_.malformed;
+    return;
+  }
+  switch (message->why) {
+  case dead_host_message::reason::message:
+    break;
+  case dead_host_message::reason::route:
+    delete_host(message->host, dead_host_message::reason::message, now);
+    break;
+  case dead_host_message::reason::reborn:
+    events_.push_back(forgotten_by{message->host});
+    break;
+  }
+}
+
+/// Forgets a host: it has told that it exits (message), it was lost for too long (route), or it has
+/// restarted (reborn).
+void p2p::delete_host(peer_id id, dead_host_message::reason why, instant now) {
+  using reason = dead_host_message::reason;
+  const auto known = hosts_.find(id);
+  const auto* way = routing_.find(id);
+  if (known == hosts_.end() && way == nullptr && !neighbours_.contains(id))
+    return;
+  const auto magic = known != hosts_.end() ? known->second.record.magic
+                     : way != nullptr      ? way->magic
+                                           : any_magic;
+  if (known != hosts_.end() && known->second.announced)
+    events_.push_back(host_vanished{id});
+  for (const auto& x : delivery_.fail_all(id))
+    fail(x, cause::host_gone);
+  acknowledger_.drop(id);
+  assembly_.drop(id);
+  strangers_.erase(id);
+  stalled_.erase(id);
+  hosts_.erase(id);
+  if (why != reason::route)
+    routing_.bury(id, magic, now + burial_periods * config_.routing_period);
+  if (why != reason::reborn || way == nullptr || way->magic == magic)
+    routing_.erase(id);
+  if (why != reason::reborn) {
+    close_links_to(id, close_cause::host_left, std::nullopt, now);
+  } else if (reachable(id)) {
+    send({id,
+          port::dead_host,
+          {encode(dead_host_message{self_.id, reason::reborn}), {}},
+          true,
+          priority::high,
+          no_request});
+  }
+  trigger_routing(now);
+}
+
+void p2p::close_links_to(peer_id id, close_cause why, std::optional<link_id> except, instant now) {
+  std::vector<link_id> links;
+  for (const auto& [link, x] : connections_) {
+    if (x.neighbour == id && link != except)
+      links.push_back(link);
+  }
+  counters_.links_broken += links.size();
+  for (const auto link : links)
+    close(link, why, now);
+}
+
+void p2p::leave() {
+  if (left_)
+    return;
+  static_cast<void>(broadcast(
+      port::dead_host, encode(dead_host_message{self_.id, dead_host_message::reason::route})));
+  left_ = true;
+  next_trigger_.reset();
+}
+
+const host_record* p2p::find_host(peer_id host) const {
+  if (host == self_.id)
+    return &self_;
+  const auto at = hosts_.find(host);
+  return at == hosts_.end() ? nullptr : &at->second.record;
+}
+
+std::vector<const host_record*> p2p::hosts() const {
+  std::vector<const host_record*> all{&self_};
+  for (const auto& [id, x] : hosts_)
+    all.push_back(&x.record);
+  std::sort(all.begin(), all.end(), [](const auto* a, const auto* b) { return a->id < b->id; });
+  return all;
+}
+
+} // namespace rubicon::peis

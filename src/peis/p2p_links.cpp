@@ -1,0 +1,217 @@
+// Links: request, greeting, writing, closing (peis-wire.md 3).
+#include <utility>
+
+#include "peis/p2p.hpp"
+
+namespace rubicon::peis {
+
+void p2p::on_link_open(link_id link, link_role role, instant now) {
+  if (connections_.contains(link))
+    return;
+  if (connections_.size() >= config_.links_max || left_) {
+    ++counters_.links_refused;
+    events_.push_back(
+        close_link{link, left_ ? close_cause::host_left : close_cause::too_many_links});
+    return;
+  }
+  ++counters_.links_opened;
+  auto& x = connections_[link];
+  x.id = link;
+  x.cost = config_.cost_other_host;
+  x.queue = outgoing_queue(config_.queue_capacity);
+  x.last_heard = now;
+  if (role == link_role::initiator) {
+    x.open = true;
+    x.preamble =
+        encode(connect_request{protocol_version, self_.id, config_.connect_flags, config_.network});
+    greet(x, now);
+  }
+  watch_silence(x);
+}
+
+void p2p::on_link_octets(link_id link, byte_view octets, instant now) {
+  auto at = connections_.find(link);
+  if (at == connections_.end())
+    return;
+  counters_.octets_received += octets.size();
+  // What is decoded must outlive the connection, which a package may close.
+  auto decoder = std::move(at->second.decoder);
+  decoder.feed(octets);
+  if (!at->second.open) {
+    const auto request = decoder.take_connect_request();
+    if (request)
+      accept(at->second, *request, now);
+  }
+  for (;;) {
+    at = connections_.find(link);
+    if (at == connections_.end())
+      return;
+    auto package = at->second.open ? decoder.next() : std::nullopt;
+    if (!package)
+      break;
+    at->second.last_heard = now;
+    on_package(link, package->header, package->data, now);
+  }
+  const bool broken = decoder.broken();
+  at->second.decoder = std::move(decoder);
+  if (broken) {
+    ++counters_.links_broken;
+    close(link, close_cause::bad_stream, now);
+  }
+}
+
+/// Decides on a connect request (peis-wire.md 3.2).
+void p2p::accept(connection& from, byte_view request, instant now) {
+  const auto decoded = decode_connect_request(request);
+  std::optional<close_cause> why;
+  if (!decoded)
+    why = close_cause::bad_stream;
+  else if (decoded->version != protocol_version)
+    why = close_cause::wrong_version;
+  else if (decoded->network != config_.network)
+    why = close_cause::wrong_network;
+  else if (decoded->id == self_.id)
+    why = close_cause::own_id;
+  else if (decoded->id.value <= 0)
+    why = close_cause::bad_id;
+  if (why) {
+    ++counters_.links_refused;
+    close(from.id, *why, now);
+    return;
+  }
+  from.open = true;
+  from.last_heard = now;
+  bind_neighbour(from, decoded->id);
+  greet(from, now);
+}
+
+/// Our record, our record again for all if this is our first contact, our routes
+/// (peis-wire.md 3.3).
+void p2p::greet(connection& to, instant now) {
+  const auto content = std::make_shared<const message_octets>(
+      message_octets{encode(host_record_message{self_, false}), {}});
+  enqueue(to, lane::control,
+          {fresh_header(package_type::link, port::host_record, content->size()), content, 0});
+  if (routing_.routes().empty())
+    flood(fresh_header(package_type::broadcast, port::host_record, content->size()), content, {});
+  routing_.next_seqno();
+  send_routing_to(to);
+  last_trigger_ = now;
+}
+
+void p2p::bind_neighbour(connection& x, peer_id neighbour) {
+  x.neighbour = neighbour;
+  const auto [at, is_first] = neighbours_.try_emplace(neighbour, x.id);
+  if (!is_first && !connections_.contains(at->second))
+    at->second = x.id;
+  welcome(neighbour);
+}
+
+void p2p::on_link_sent(link_id link, std::size_t octets) {
+  const auto at = connections_.find(link);
+  if (at != connections_.end())
+    at->second.unreported -= std::min(octets, at->second.unreported);
+}
+
+void p2p::on_link_closed(link_id link, instant now) {
+  forget_link(link, now);
+}
+
+void p2p::close(link_id link, close_cause why, instant now) {
+  events_.push_back(close_link{link, why});
+  forget_link(link, now);
+}
+
+void p2p::forget_link(link_id link, instant now) {
+  const auto at = connections_.find(link);
+  if (at == connections_.end())
+    return;
+  auto gone = std::move(at->second);
+  connections_.erase(at);
+  while (const auto x = gone.queue.pop()) {
+    if (x->header.reliable() && x->header.source == self_.id)
+      delivery_.on_dropped(x->header.ack_id, now);
+    else
+      ++counters_.queued_lost;
+  }
+  if (gone.neighbour && neighbours_.at(*gone.neighbour) == link) {
+    neighbours_.erase(*gone.neighbour);
+    for (const auto& [other, x] : connections_) {
+      if (x.neighbour == gone.neighbour)
+        neighbours_.try_emplace(*gone.neighbour, other);
+    }
+  }
+  apply(routing_.on_link_closed(link), now);
+}
+
+duration p2p::patience(const connection& x) const {
+  return x.open ? config_.link_timeout : config_.handshake_timeout;
+}
+
+void p2p::watch_silence(const connection& x) {
+  next_silence_check_ = earliest(next_silence_check_, x.last_heard + patience(x));
+}
+
+void p2p::check_silence(instant now) {
+  if (!next_silence_check_ || now < *next_silence_check_)
+    return;
+  std::vector<std::pair<link_id, close_cause>> silent;
+  next_silence_check_.reset();
+  for (const auto& [link, x] : connections_) {
+    if (x.last_heard + patience(x) <= now)
+      silent.emplace_back(link, x.open ? close_cause::silent : close_cause::handshake_silent);
+    else
+      watch_silence(x);
+  }
+  for (const auto& [link, why] : silent) {
+    ++(why == close_cause::silent ? counters_.links_broken : counters_.links_refused);
+    close(link, why, now);
+  }
+}
+
+void p2p::flush(instant now) {
+  repeat_due(now);
+  for (const auto id : std::exchange(newcomers_, {}))
+    ask_about(id);
+  if (next_trigger_ && *next_trigger_ <= now)
+    send_routing(now);
+  for (bool progress = true; progress;) {
+    progress = false;
+    for (auto& [link, x] : connections_)
+      progress = write(x, now) || progress;
+    for (const auto destination : std::exchange(stalled_, {}))
+      pump(destination);
+  }
+}
+
+/// Hands out what is queued, as far as the link's window allows.
+bool p2p::write(connection& to, instant now) {
+  if (to.queue.empty() || !to.open)
+    return false;
+  bytes out = std::exchange(to.preamble, {});
+  const auto room = [&] {
+    return config_.link_window == 0 || to.unreported + out.size() < config_.link_window;
+  };
+  while (room()) {
+    auto x = to.queue.pop();
+    if (!x)
+      break;
+    if (x->header.reliable() && x->header.source == self_.id) {
+      if (!delivery_.wanted(x->header.ack_id))
+        continue;
+      delivery_.on_transmitted(x->header.ack_id, now);
+    }
+    x->header.counter = to.counter++;
+    encode(x->header, out);
+    x->content->append(x->offset, x->header.length, out);
+    ++counters_.packages_sent;
+  }
+  if (out.empty())
+    return false;
+  counters_.octets_sent += out.size();
+  to.unreported += config_.link_window == 0 ? 0 : out.size();
+  events_.push_back(to_link{to.id, std::move(out)});
+  return true;
+}
+
+} // namespace rubicon::peis

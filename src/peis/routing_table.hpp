@@ -1,0 +1,106 @@
+// Who can be reached over which link (peis-wire.md 9, A8).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/time.hpp"
+#include "peis/routing_page.hpp"
+#include "peis/types.hpp"
+
+namespace rubicon::peis {
+
+/// The way to one host. A lost one keeps its place until it has aged out.
+struct route {
+  std::int32_t seqno = 0;
+  std::int32_t magic = 0;
+  std::uint8_t hops = 0; ///< metric below the limit; 250..253 while lost
+  std::uint8_t connections = connections_unknown;
+  std::optional<link_id> via; ///< unset while lost
+
+  [[nodiscard]] bool lost() const { return !via; }
+  /// What is maximised when ways are compared (RTE-06): newer information, fewer hops.
+  [[nodiscard]] std::int64_t merit() const { return std::int64_t{seqno} - hops; }
+};
+
+/// What a neighbour's table or the end of a link has changed.
+struct routing_change {
+  enum class kind : std::uint8_t {
+    appeared, ///< reachable, was not
+    lost,     ///< not reachable, was
+    moved,    ///< the way was lost and another one taken
+    reborn,   ///< reachable under another magic number than before
+  };
+  peer_id host;
+  kind what;
+};
+using routing_changes = std::vector<routing_change>;
+
+/// The main table and one table per link: the neighbour's, with the cost of the link added. Our own
+/// entry is not in the tables; it is added when they are sent.
+class routing_table {
+public:
+  routing_table() = default;
+
+  /// @param metric_limit ways of this many hops or more count as none
+  routing_table(peer_id self, std::int32_t magic, std::uint8_t metric_limit)
+      : self_(self), magic_(magic), metric_limit_(metric_limit) {}
+
+  /// A neighbour's whole table has arrived over a link of this cost (peis-wire.md 9.4).
+  [[nodiscard]] routing_changes on_table(link_id link, std::uint8_t cost,
+                                         std::span<const routing_entry> entries, instant now);
+
+  [[nodiscard]] routing_changes on_link_closed(link_id link);
+
+  /// One period has passed. @returns hosts lost for too long, which the owner then erases
+  [[nodiscard]] std::vector<peer_id> age(instant now);
+
+  /// Removes every trace of a host.
+  void erase(peer_id host);
+
+  /// Ignores what neighbours still tell of this incarnation for a while: they may not have heard
+  /// yet that it is gone (RTE-09).
+  void bury(peer_id host, std::int32_t magic, instant until);
+
+  [[nodiscard]] const route* find(peer_id host) const;
+  [[nodiscard]] std::optional<link_id> way_to(peer_id host) const;
+  [[nodiscard]] const std::map<peer_id, route>& routes() const { return routes_; }
+
+  /// Our own sequence number, one larger than at the last call (RTE-03).
+  std::int32_t next_seqno() { return ++seqno_; }
+
+  /// True, once, after neighbours have shown a higher number of an earlier incarnation of ours:
+  /// ours has been raised and should be sent (peis-wire.md 9.6).
+  [[nodiscard]] bool take_overtaken();
+
+  /// What to send over `link`: ways that lead over it are left out (split horizon; a real kernel
+  /// handles an absent entry as it handles hops 255).
+  [[nodiscard]] std::vector<routing_entry> table_for(link_id link, std::uint8_t connections) const;
+
+private:
+  using link_table = std::map<peer_id, route>;
+
+  void note_own(const routing_entry& entry);
+  [[nodiscard]] bool buried(const routing_entry& entry, instant now);
+  void merge(link_id link, peer_id host, const route& offered, routing_changes& changes);
+  void lose(peer_id host, route& lost, routing_changes& changes);
+
+  peer_id self_;
+  std::int32_t magic_ = 0;
+  std::uint8_t metric_limit_ = 0;
+  std::int32_t seqno_ = 0;
+  bool overtaken_ = false;
+  std::map<peer_id, route> routes_;
+  std::map<link_id, link_table> by_link_;
+  struct burial {
+    std::int32_t magic;
+    instant until;
+  };
+  std::map<peer_id, burial> graves_;
+};
+
+} // namespace rubicon::peis

@@ -1,0 +1,67 @@
+// A tuple: a named value that lives with its owner (peis-wire.md 15, TUP-01, TUP-02).
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/time.hpp"
+#include "peis/key.hpp"
+
+namespace rubicon::peis {
+
+/// Network time as tuples carry it.
+struct timestamp {
+  std::int32_t seconds = 0;
+  std::int32_t microseconds = 0;
+
+  friend auto operator<=>(const timestamp&, const timestamp&) = default;
+};
+
+inline constexpr timestamp never{0, 0};      ///< as expiry: lives until deleted
+inline constexpr timestamp deleted{1, 0};    ///< as expiry: delete it now (peis-wire.md 15.4)
+inline constexpr timestamp any_time{-1, -1}; ///< in patterns
+
+enum class encoding : std::int32_t { any = -1, text = 0, binary = 1 };
+
+inline constexpr std::string_view text_mimetype = "text/plain";
+inline constexpr std::string_view binary_mimetype = "application/octet-stream";
+/// How an empty value travels: real kernels know none (TUP-02).
+inline constexpr std::string_view empty_mimetype = "x-rubicon/empty";
+inline constexpr std::size_t mimetype_length_max = 254;
+
+/// What a user puts into a tuple.
+struct tuple_content {
+  payload value; ///< text includes its trailing NUL
+  std::string mimetype{text_mimetype};
+  encoding form = encoding::text;
+  std::optional<instant> expiry; ///< when it vanishes everywhere; unset: never
+};
+
+[[nodiscard]] tuple_content text_content(std::string_view text,
+                                         std::optional<instant> expiry = std::nullopt);
+[[nodiscard]] tuple_content binary_content(payload octets,
+                                           std::optional<instant> expiry = std::nullopt);
+
+struct tuple {
+  peer_id owner;
+  peer_id creator; ///< last writer
+  key name;
+  payload value; ///< as on the wire: text has its trailing NUL; may be empty
+  std::string mimetype;
+  encoding form = encoding::text;
+  timestamp written;   ///< set by the owner
+  timestamp user_time; ///< free for applications
+  timestamp expiry = never;
+  std::int32_t seqno = 0; ///< grows with each set by the owner
+  bool is_new = true;
+
+  /// The value as characters up to the first NUL.
+  [[nodiscard]] std::string_view text() const;
+};
+
+} // namespace rubicon::peis

@@ -1,0 +1,69 @@
+// The words that every part of a PEIS kernel shares: ids, priorities, why something failed.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "core/address.hpp"
+#include "core/time.hpp"
+
+namespace rubicon::peis {
+
+struct link_tag;
+struct request_tag;
+struct subscription_tag;
+
+/// One link to a neighbour, named by the owner of the kernel; never used twice by the same owner.
+using link_id = strong_id<link_tag, std::uint64_t>;
+
+/// Named by the caller of a command, returned with its outcome. Zero asks for no outcome.
+using request_id = strong_id<request_tag, std::uint64_t>;
+
+/// Named by the caller of kernel::subscribe(), returned with each of its tuples.
+using subscription_id = strong_id<subscription_tag, std::uint64_t>;
+
+inline constexpr request_id no_request{0};
+
+/// Who opened the link: the initiator speaks first (peis-wire.md 3.2).
+enum class link_role : std::uint8_t { initiator, acceptor };
+
+/// What a user may ask for; link control and acknowledgements go before all of these.
+/// Messages of more than one package always travel as bulk.
+enum class priority : std::uint8_t { high, normal, bulk };
+
+/// How a request ended (ACK-05).
+enum class cause : std::uint8_t {
+  none,             ///< it succeeded
+  no_route,         ///< nobody knows a way to the destination
+  too_many_retries, ///< transmitted seven times, never acknowledged (ACK-03)
+  queue_full,
+  early_drop,      ///< given up at random because the queue was more than half full (P2P-03)
+  connection_dead, ///< the last route was lost and did not return before the retries ended
+  host_gone,       ///< the destination has left, was restarted or has been lost for too long
+  too_long,        ///< above 16 MiB, or a broadcast above 1024 octets (API-08)
+  bad_port,        ///< not one of the ports 20..49 (API-09)
+  bad_key,         ///< TUP-03
+  bad_value,       ///< MIME type longer than 254 octets, or a time that the wire cannot carry
+  refused,         ///< reserved key, or the tuple space is full
+  left,            ///< this kernel has left the network
+};
+
+[[nodiscard]] std::string_view to_string(cause x);
+
+/// Why a link must be closed.
+enum class close_cause : std::uint8_t {
+  bad_stream,     ///< wrong sync word, length or id: the rest of the stream means nothing (TCP-06)
+  wrong_version,  ///< protocol version is not 500
+  wrong_network,  ///< network strings differ (LNK-06)
+  own_id,         ///< the other side claims our own id
+  bad_id,         ///< the other side claims an id that no peer may have
+  too_many_links, ///< all 64 slots are taken
+  handshake_silent, ///< no connect request in time
+  silent,           ///< nothing arrived for 30 s (peis-wire.md 3.5)
+  host_left,        ///< the neighbour has left the network or was given up
+  reborn,           ///< leads to an earlier incarnation of a restarted peer (peis-wire.md 10)
+};
+
+[[nodiscard]] std::string_view to_string(close_cause x);
+
+} // namespace rubicon::peis

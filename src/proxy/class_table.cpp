@@ -1,0 +1,31 @@
+#include "proxy/class_table.hpp"
+
+#include <algorithm>
+
+namespace rubicon::proxy {
+
+const proxy_class* class_table::find(const signature& percept) const {
+  if (percept.channel != wsn_channel)
+    return nullptr;
+  const proxy_class* narrowest = nullptr;
+  std::uint32_t least = 0;
+  for (const auto& candidate : classes_)
+    for (const auto& range : candidate.types) {
+      if (percept.type < range.first || percept.type > range.last)
+        continue;
+      const auto width = range.last - range.first;
+      if (narrowest == nullptr || width < least) {
+        narrowest = &candidate;
+        least = width;
+      }
+    }
+  return narrowest;
+}
+
+const proxy_class* class_table::find(std::string_view name) const {
+  const auto found =
+      std::find_if(classes_.begin(), classes_.end(), [&](const auto& x) { return x.name == name; });
+  return found == classes_.end() ? nullptr : &*found;
+}
+
+} // namespace rubicon::proxy

@@ -1,0 +1,32 @@
+// The latent proxy classes, and which of them a signature belongs to (PXY-09, PXY-11, PXY-13).
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "proxy/proxy_class.hpp"
+#include "proxy/signature.hpp"
+
+namespace rubicon::proxy {
+
+class class_table {
+public:
+  class_table() = default;
+  explicit class_table(std::vector<proxy_class> classes) : classes_(std::move(classes)) {}
+
+  /// The class with the narrowest type range around the signature's type; of equally narrow ones
+  /// the first in the table. A range whose `first` is above its `last` holds nothing.
+  /// @returns nullptr if no class claims it or its channel is not `wsn`; else valid as long as the
+  /// table
+  [[nodiscard]] const proxy_class* find(const signature& percept) const;
+
+  /// By name; nullptr if there is none.
+  [[nodiscard]] const proxy_class* find(std::string_view name) const;
+
+  [[nodiscard]] std::size_t size() const { return classes_.size(); }
+
+private:
+  std::vector<proxy_class> classes_;
+};
+
+} // namespace rubicon::proxy

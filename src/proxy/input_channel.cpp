@@ -1,0 +1,121 @@
+#include "proxy/input_channel.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace rubicon::proxy {
+
+namespace {
+
+request_outcome to_outcome(input_outcome x) {
+  switch (x) {
+  case input_outcome::acknowledged:
+    return request_outcome::acknowledged;
+  case input_outcome::failed:
+    return request_outcome::failed;
+  case input_outcome::unreachable:
+    return request_outcome::unreachable;
+  case input_outcome::pending:
+    break;
+  }
+  assert(false);
+  return request_outcome::failed;
+}
+
+} // namespace
+
+std::string_view to_string(request_outcome x) {
+  switch (x) {
+  case request_outcome::acknowledged:
+    return "acknowledged";
+  case request_outcome::failed:
+    return "failed";
+  case request_outcome::unreachable:
+    return "unreachable";
+  case request_outcome::refused:
+    return "refused";
+  case request_outcome::superseded:
+    return "superseded";
+  case request_outcome::timeout:
+    return "timeout";
+  }
+  return "unknown";
+}
+
+input_channel::outputs input_channel::add(request x, instant now) {
+  outputs out;
+  const auto older = std::find_if(waiting_.begin(), waiting_.end(),
+                                  [&](const auto& w) { return w.input == x.input; });
+  if (older != waiting_.end()) {
+    out.emplace_back(settled{older->input, std::move(older->word), request_outcome::superseded});
+    waiting_.erase(older);
+  }
+  waiting_.push_back(std::move(x));
+  if (!current_)
+    send_next(now, out);
+  return out;
+}
+
+input_channel::outputs input_channel::on_status(const input_status& x, instant now) {
+  outputs out;
+  const bool fresh = note(x);
+  if (!current_)
+    return out;
+  if (!current_->sequence && fresh)
+    current_->sequence = x.sequence;
+  if (current_->sequence == x.sequence && x.outcome != input_outcome::pending)
+    settle(to_outcome(x.outcome), now, out);
+  return out;
+}
+
+input_channel::outputs input_channel::on_time(instant now) {
+  outputs out;
+  if (current_ && now >= current_->expires)
+    settle(request_outcome::timeout, now, out);
+  return out;
+}
+
+input_channel::outputs input_channel::drop_waiting() {
+  outputs out;
+  for (auto& x : waiting_)
+    out.emplace_back(settled{x.input, std::move(x.word), request_outcome::unreachable});
+  waiting_.clear();
+  return out;
+}
+
+std::optional<instant> input_channel::deadline() const {
+  return current_ ? std::optional(current_->expires) : std::nullopt;
+}
+
+/// Remembers the newest status. @returns whether its number may be that of an unnumbered request
+bool input_channel::note(const input_status& x) {
+  const bool pending = x.outcome == input_outcome::pending;
+  if (!newest_) {
+    newest_ = x;
+    return pending;
+  }
+  const bool counts_anew =
+      pending && (x.sequence < newest_->sequence ||
+                  (x.sequence == newest_->sequence && newest_->outcome != input_outcome::pending));
+  const bool fresh = x.sequence > newest_->sequence || counts_anew;
+  if (fresh || x.sequence == newest_->sequence)
+    newest_ = x;
+  return fresh;
+}
+
+void input_channel::settle(request_outcome outcome, instant now, outputs& out) {
+  out.emplace_back(settled{current_->what.input, std::move(current_->what.word), outcome});
+  current_.reset();
+  if (!waiting_.empty())
+    send_next(now, out);
+}
+
+/// @pre !waiting_.empty()
+void input_channel::send_next(instant now, outputs& out) {
+  current_ = current_request{std::move(waiting_.front()), now + answer_timeout_, std::nullopt};
+  waiting_.erase(waiting_.begin());
+  out.emplace_back(submit{current_->what.octets});
+}
+
+} // namespace rubicon::proxy

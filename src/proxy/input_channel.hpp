@@ -1,0 +1,108 @@
+// Actuation through one input channel of a gateway: each request ends in exactly one way (PXY-12).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/bytes.hpp"
+#include "core/device_keys.hpp"
+#include "core/time.hpp"
+
+namespace rubicon::proxy {
+
+/// How a request to an actuator ended.
+enum class request_outcome : std::uint8_t {
+  acknowledged, ///< the mote has it
+  failed,       ///< the mote never acknowledged it
+  unreachable,  ///< the mote is not there
+  refused,      ///< the input does not know the word
+  superseded,   ///< a newer request took its place before it was sent
+  timeout,      ///< the gateway told no outcome in time
+};
+
+inline constexpr std::array<request_outcome, 6> all_request_outcomes{
+    request_outcome::acknowledged, request_outcome::failed,     request_outcome::unreachable,
+    request_outcome::refused,      request_outcome::superseded, request_outcome::timeout};
+
+/// The word in the outcome tuple.
+[[nodiscard]] std::string_view to_string(request_outcome x);
+
+/// A word somebody wants an actuator to obey.
+struct request {
+  std::size_t input = 0; ///< index in the class's inputs
+  std::string word;
+  bytes octets; ///< what the word is for the mote
+};
+
+/// Write these to the channel at the gateway.
+struct submit {
+  bytes octets;
+};
+
+/// A request has ended.
+struct settled {
+  std::size_t input = 0;
+  std::string word;
+  request_outcome outcome = request_outcome::failed;
+};
+
+/// The requests on one channel of one mote. One is with the gateway at a time; behind it waits the
+/// newest of each input, in order of arrival, so the queue is as long as the inputs are many.
+///
+///   idle --add--> unnumbered --status N--> numbered --N final--> settled, next request
+///                     |                       |
+///                     +--------timeout--------+-------------> settled, next request
+///
+/// The gateway answers `N pending`, then `N` and the outcome, N counting the writes it saw from
+/// anybody. The first number that cannot be an older write's is taken for the request's:
+/// - a number above all seen before, or
+/// - a `pending` with a number not above them: the gateway has started to count anew.
+/// Before any status was seen, only a `pending` counts: an outcome may be a predecessor's. Somebody
+/// else's write on the same channel at the same moment cannot be told from ours, nor can the first
+/// answer to a request that timed out unnumbered once its successor has been written.
+class input_channel {
+public:
+  using output = std::variant<submit, settled>;
+  using outputs = std::vector<output>;
+
+  /// @param answer_timeout from the write to the latest outcome
+  explicit input_channel(duration answer_timeout = 20s) : answer_timeout_(answer_timeout) {}
+
+  [[nodiscard]] outputs add(request x, instant now);
+  [[nodiscard]] outputs on_status(const input_status& x, instant now);
+  [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
+
+  /// Requests that have not gone to the gateway yet end as unreachable; the one that has still
+  /// waits for its outcome.
+  [[nodiscard]] outputs drop_waiting();
+
+  /// When on_time() is due; nothing while idle.
+  [[nodiscard]] std::optional<instant> deadline() const;
+
+  /// Requests without outcome.
+  [[nodiscard]] std::size_t open() const { return waiting_.size() + (current_ ? 1 : 0); }
+
+private:
+  struct current_request {
+    request what;
+    instant expires;
+    std::optional<std::uint64_t> sequence; ///< the gateway's number for it, once known
+  };
+
+  [[nodiscard]] bool note(const input_status& x);
+  void settle(request_outcome outcome, instant now, outputs& out);
+  void send_next(instant now, outputs& out);
+
+  duration answer_timeout_;
+  std::optional<current_request> current_;
+  std::vector<request> waiting_;       ///< at most one per input
+  std::optional<input_status> newest_; ///< highest number seen in this life of the gateway
+};
+
+} // namespace rubicon::proxy

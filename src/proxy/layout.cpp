@@ -1,0 +1,104 @@
+#include "proxy/layout.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <charconv>
+#include <optional>
+
+#include "core/codec.hpp"
+
+namespace rubicon::proxy {
+
+namespace {
+
+std::int64_t read_count(byte_reader& in, encoding layout) {
+  switch (layout) {
+  case encoding::u8:
+    return in.big<std::uint8_t>();
+  case encoding::i8:
+    return in.big<std::int8_t>();
+  case encoding::u16:
+    return in.big<std::uint16_t>();
+  case encoding::i16:
+    return in.big<std::int16_t>();
+  case encoding::u32:
+    return in.big<std::uint32_t>();
+  case encoding::i32:
+    return in.big<std::int32_t>();
+  }
+  return 0;
+}
+
+std::optional<std::int64_t> count_in(const field& what, byte_view payload) {
+  byte_reader in(payload);
+  in.skip(what.offset);
+  const auto count = read_count(in, what.layout);
+  return in.ok() ? std::optional(count) : std::nullopt;
+}
+
+std::string text_of(const field& what, std::int64_t count) {
+  if (what.words.empty())
+    return decimal_text(static_cast<double>(count) * what.scale + what.add, what.decimals);
+  const auto word = std::find_if(what.words.begin(), what.words.end(),
+                                 [&](const auto& x) { return x.first == count; });
+  return word == what.words.end() ? std::to_string(count) : word->second;
+}
+
+} // namespace
+
+std::size_t octets_of(encoding x) {
+  switch (x) {
+  case encoding::u8:
+  case encoding::i8:
+    return 1;
+  case encoding::u16:
+  case encoding::i16:
+    return 2;
+  case encoding::u32:
+  case encoding::i32:
+    return 4;
+  }
+  return 0;
+}
+
+std::string decimal_text(double value, int decimals) {
+  assert(decimals >= 0 && decimals <= 6);
+  std::array<char, 352> digits{}; // the largest double has 309 digits before the point
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value,
+                                          std::chars_format::fixed, decimals);
+  assert(error == std::errc{});
+  std::string text(digits.data(), end);
+  if (text.starts_with('-') && text.find_first_not_of("-0.") == std::string::npos)
+    text.erase(0, 1);
+  return text;
+}
+
+bool reads_channel(const proxy_class& what, std::uint16_t channel) {
+  return std::any_of(what.fields.begin(), what.fields.end(),
+                     [&](const auto& x) { return x.channel == channel; });
+}
+
+result<std::vector<reading>> decode(const proxy_class& what, std::uint16_t channel,
+                                    byte_view payload) {
+  std::vector<reading> readings;
+  for (const auto& field : what.fields) {
+    if (field.channel != channel)
+      continue;
+    const auto count = count_in(field, payload);
+    if (!count)
+      return errc::truncated;
+    readings.push_back({field.name, text_of(field, *count), field.unit});
+  }
+  return readings;
+}
+
+result<bytes> encode(const input& what, std::string_view word) {
+  const auto found = std::find_if(what.words.begin(), what.words.end(),
+                                  [&](const auto& x) { return x.first == word; });
+  if (found == what.words.end())
+    return errc::bad_value;
+  return found->second;
+}
+
+} // namespace rubicon::proxy

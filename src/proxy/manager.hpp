@@ -1,0 +1,121 @@
+// Who decides that a mote needs a proxy (D1.1 3.2.2, 4.2.5).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/time.hpp"
+#include "proxy/class_table.hpp"
+#include "proxy/proxy.hpp"
+#include "proxy/signature.hpp"
+
+namespace rubicon::proxy {
+
+/// Start a proxy of that class; the mote is present. manager::classes() has the class.
+struct start_proxy {
+  mote_address mote;
+  std::string class_name;
+};
+
+/// End the mote's proxy: its mote has become one of another kind.
+struct stop_proxy {
+  mote_address mote;
+};
+
+/// Tell the running proxy that its mote is back (PXY-16).
+struct tell_appeared {
+  mote_address mote;
+};
+
+/// Tell the running proxy that its mote is gone (PXY-16).
+struct tell_disappeared {
+  mote_address mote;
+  disappearance cause = disappearance::not_listed;
+};
+
+/// No class claims that type of mote (PXY-10); told once per mote and type.
+struct unknown_type {
+  mote_address mote;
+  std::uint32_t type = 0;
+};
+
+struct manager_counters {
+  std::uint64_t started = 0;
+  std::uint64_t stopped = 0;
+  std::uint64_t bad_lists = 0; ///< `devices` that is no list of motes: dropped
+  std::uint64_t bad_types = 0; ///< types that are not 4 octets, or of no possible mote: dropped
+  std::uint64_t foreign_tuples = 0; ///< tuples that are neither: dropped
+  std::uint64_t motes_refused = 0;  ///< percepts of motes beyond motes_max: dropped
+};
+
+/// Starts one proxy for every listed mote whose type a class claims, and tells proxies whether
+/// their motes are there (PXY-09, 10, 15, 16). A percept consumed by a running proxy starts none:
+/// proxies map one-to-one to motes, so the mote's address decides.
+///
+/// List and type come in any order. A proxy outlives the absence of its mote and of its gateway,
+/// and keeps its class when the class table changes; it is stopped only when its mote reports a
+/// type of another class.
+class manager {
+public:
+  using output =
+      std::variant<start_proxy, stop_proxy, tell_appeared, tell_disappeared, unknown_type>;
+  using outputs = std::vector<output>;
+
+  explicit manager(class_table classes = {}, std::size_t motes_max = 65536)
+      : classes_(std::move(classes)), motes_max_(motes_max) {}
+
+  /// A tuple of an island's gateway has a new value: on_devices() or on_type(), by its key.
+  [[nodiscard]] outputs on_gateway_tuple(island_id island, std::string_view key, byte_view value,
+                                         instant now);
+
+  /// The gateway's list of motes, `{1,7,11}`; a malformed one is dropped and changes nothing.
+  [[nodiscard]] outputs on_devices(island_id island, std::string_view text, instant now);
+
+  /// A mote's type, 4 octets.
+  [[nodiscard]] outputs on_type(island_id island, mote_id mote, byte_view octets, instant now);
+
+  /// The gateway has left the ecology, or its list was deleted: its motes are out of reach.
+  [[nodiscard]] outputs on_gateway_gone(island_id island, instant now);
+
+  /// Other latent classes; motes without a proxy are looked up again (PXY-10).
+  [[nodiscard]] outputs on_classes(class_table classes, instant now);
+
+  /// A proxy has ended by itself: retired or failed. If its mote is there a new one is started.
+  [[nodiscard]] outputs on_proxy_gone(const mote_address& mote, instant now);
+
+  [[nodiscard]] const class_table& classes() const { return classes_; }
+  [[nodiscard]] const manager_counters& counters() const { return counters_; }
+  [[nodiscard]] std::size_t running() const;
+  /// Class of the mote's proxy; nothing if none runs.
+  [[nodiscard]] std::optional<std::string> running_class(const mote_address& mote) const;
+
+private:
+  struct known_mote {
+    bool listed = false;
+    std::optional<std::uint32_t> type;
+    std::optional<std::uint32_t> reported; ///< newest type told as unknown
+    std::optional<std::string> class_name; ///< of its proxy, while it runs
+    std::uint32_t class_type = 0;          ///< type for which the class was chosen
+    bool told_present = false;             ///< what its proxy believes
+  };
+
+  [[nodiscard]] known_mote* know(const mote_address& mote);
+  void unlist(const mote_address& mote, known_mote& x, disappearance cause, outputs& out);
+  void update(const mote_address& mote, known_mote& x, outputs& out);
+  void follow_type(const mote_address& mote, known_mote& x, outputs& out);
+
+  class_table classes_;
+  std::size_t motes_max_;
+  std::map<mote_address, known_mote> motes_;
+  manager_counters counters_;
+};
+
+} // namespace rubicon::proxy

@@ -1,0 +1,177 @@
+// The face of one mote in the tuple space (D1.1 3.2.2, 4.1.1, 4.2.5).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/device_keys.hpp"
+#include "core/time.hpp"
+#include "proxy/input_channel.hpp"
+#include "proxy/layout.hpp"
+#include "proxy/proxy_class.hpp"
+#include "proxy/signature.hpp"
+#include "proxy/tuple_key.hpp"
+
+namespace rubicon::proxy {
+
+/// Set this tuple in the proxy's own space.
+struct publish {
+  std::string key;
+  std::string text;
+};
+
+/// Set `devices.$ID.input.$CH` at the gateway, whose peer id is gateway_of(mote.island).
+struct write_device {
+  mote_address mote;
+  std::uint16_t channel = 0;
+  bytes octets;
+};
+
+/// The mote has been gone for so long that the proxy should end (PXY-20).
+struct retire {};
+
+/// Why a manager says that a mote is gone.
+enum class disappearance : std::uint8_t {
+  not_listed,   ///< its gateway no longer lists it
+  gateway_gone, ///< its gateway is not in the ecology any more
+};
+
+[[nodiscard]] std::string_view to_string(disappearance x);
+
+/// A tuple the proxy wants to hear of.
+struct watch {
+  enum class source : std::uint8_t {
+    own,     ///< own tuple that others write: hand its tuple_text() to on_input()
+    gateway, ///< tuple of gateway_of(island): hand it to on_gateway_tuple()
+  };
+
+  source where = source::own;
+  std::string key;
+  std::string input; ///< first argument of on_input(); empty for a gateway's tuple
+
+  friend bool operator==(const watch&, const watch&) = default;
+};
+
+struct proxy_settings {
+  duration answer_timeout = 20s;          ///< for the outcome of a request
+  std::optional<duration> inactive_after; ///< since the mote was last sensed; unset: never
+  std::optional<duration> retire_after;   ///< since the mote was lost; unset: never
+};
+
+/// What a proxy did, for the report. Every request has one outcome:
+/// requested = acknowledged + sum of failed + open_requests().
+struct proxy_counters {
+  std::uint64_t requested = 0;
+  std::uint64_t acknowledged = 0;
+  std::map<std::string, std::uint64_t>
+      failed;                        ///< failed, unreachable, refused, superseded, timeout
+  std::uint64_t messages = 0;        ///< from the mote, decoded
+  std::uint64_t short_messages = 0;  ///< too short for the class: dropped
+  std::uint64_t unread_messages = 0; ///< on a channel without fields: dropped
+  std::uint64_t bad_statuses = 0;    ///< input status tuples that are none: dropped
+  std::uint64_t foreign_tuples = 0;  ///< keys or inputs that are not this proxy's: dropped
+  std::uint64_t bad_keys = 0;        ///< own keys over the limits: not published
+};
+
+/// One mote's face. It speaks tuples alone: raw ones with the mote's gateway, readable ones with
+/// the ecology (PXY-04, 05, 06, 12, 14).
+///
+/// Own tuples, below the class's prefix:
+///   status                   `active`, `inactive` or `lost` (PXY-16, PXY-20), set last at the
+///   start status.cause             why it is lost; `none` otherwise class, id, island        prior
+///   and indirect information: the class's name, `island/mote`, and
+///                            the name of the island whose gateway perceives the mote
+///   PROPERTY                 of the class
+///   FIELD, FIELD.unit        newest reading, set at each reading even if equal (CB-01)
+///   INPUT                    others write a word here; `none` at the start, so that it exists and
+///                            tells everybody who owns it; not set by the proxy afterwards
+///   INPUT.words              the words the input knows, between blanks
+///   INPUT.outcome            `on acknowledged`: the word, the last blank, the outcome; once per
+///                            request; `?` for a refused word that is long or not plain
+///
+///   active <--sensed-- inactive      active, inactive --on_disappeared--> lost
+///   active --not sensed for inactive_after--> inactive
+///   lost --on_appeared--> active     lost --retire_after--> lost, with retire
+class proxy {
+public:
+  using output = std::variant<publish, write_device, retire>;
+  using outputs = std::vector<output>;
+  enum class state : std::uint8_t { active, inactive, lost };
+
+  proxy() = default;
+  proxy(proxy_class what, proxy_identity who, proxy_settings settings = {});
+
+  /// Prior information; call it once, when the manager has started the proxy.
+  [[nodiscard]] outputs start(instant now);
+
+  /// The tuples of interest; they never change.
+  [[nodiscard]] std::vector<watch> watches() const;
+
+  /// Whether the percept is this proxy's object (PXY-08).
+  [[nodiscard]] bool consumes(const signature& percept) const;
+
+  /// A tuple of the gateway has a new value: on_output() or on_input_status(), by its key.
+  [[nodiscard]] outputs on_gateway_tuple(std::string_view key, byte_view value, instant now);
+
+  /// The mote has sent a message on an output channel.
+  [[nodiscard]] outputs on_output(std::uint16_t channel, byte_view payload, instant now);
+
+  /// The gateway tells what became of a write on an input channel.
+  [[nodiscard]] outputs on_input_status(std::uint16_t channel, std::string_view text, instant now);
+
+  /// Somebody wants `text` of the input called `name`. An empty text and the marker `none` ask for
+  /// nothing, unless the class has them as words: own writes may come back here. A lost mote is
+  /// unreachable at once, with nothing written.
+  [[nodiscard]] outputs on_input(std::string_view name, std::string_view text, instant now);
+
+  [[nodiscard]] outputs on_appeared(instant now);
+  [[nodiscard]] outputs on_disappeared(disappearance cause, instant now);
+  [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
+
+  [[nodiscard]] std::optional<instant> deadline() const;
+
+  [[nodiscard]] state status() const { return state_; }
+  [[nodiscard]] const std::string& prefix() const { return prefix_; }
+  [[nodiscard]] const proxy_class& what() const { return class_; }
+  [[nodiscard]] const proxy_identity& who() const { return who_; }
+  [[nodiscard]] const proxy_counters& counters() const { return counters_; }
+  [[nodiscard]] std::size_t open_requests() const;
+
+  /// Newest reading of each field, by name: `22.3 C`.
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> values() const;
+
+private:
+  [[nodiscard]] std::string key_of(std::string_view suffix) const;
+  void say(std::string key, std::string text, outputs& out);
+  void say_prior_information(outputs& out);
+  void enter(state next, outputs& out);
+  void sensed(instant now, outputs& out);
+  void apply(std::uint16_t channel, input_channel::outputs todo, outputs& out);
+  void tell(std::size_t input, std::string_view word, request_outcome outcome, outputs& out);
+  [[nodiscard]] std::optional<instant> presence_deadline() const;
+
+  proxy_class class_;
+  proxy_identity who_;
+  proxy_settings settings_;
+  std::string prefix_;
+  state state_ = state::active;
+  std::optional<instant> last_sensed_; ///< nothing before start()
+  instant lost_since_{};
+  bool retired_ = false;
+  std::map<std::uint16_t, input_channel> channels_;
+  std::map<std::string, reading> newest_;
+  proxy_counters counters_;
+};
+
+[[nodiscard]] std::string_view to_string(proxy::state x);
+
+} // namespace rubicon::proxy

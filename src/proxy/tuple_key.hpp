@@ -1,0 +1,41 @@
+// The keys of a proxy's own tuples.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "core/address.hpp"
+
+namespace rubicon::proxy {
+
+/// Limits of a tuple key (peis-wire.md 15.7, TUP-03).
+inline constexpr std::size_t key_characters_max = 127;
+inline constexpr std::size_t key_parts_max = 7;
+
+/// Whose proxy it is.
+struct proxy_identity {
+  mote_address mote;
+  std::string island_name; ///< empty: the island's decimal id stands for it
+  std::string mote_name;   ///< empty: `mote-7`, for a mote that no file describes
+};
+
+/// One part of a key: letters, digits, `-` and `_` stay, every other octet becomes `_`; so a name
+/// with a dot or a `*` neither splits the key nor makes it a wildcard. Empty text becomes `_`.
+[[nodiscard]] std::string key_part(std::string_view text);
+
+/// Several parts between dots, each as in key_part().
+[[nodiscard]] std::string key_parts(std::string_view text);
+
+/// Replaces {island}, {id} and {name} in a class's prefix; what they stand for is always within one
+/// part. Anything else in braces becomes part of the key as key_part() has it.
+[[nodiscard]] std::string key_prefix(std::string_view prefix, const proxy_identity& who);
+
+
+/// Whether a key is short enough and has few enough parts to be set.
+[[nodiscard]] bool fits_tuple_key(std::string_view key);
+
+/// Keys are compared without letter case (TUP-03).
+[[nodiscard]] bool same_key(std::string_view a, std::string_view b);
+
+} // namespace rubicon::proxy

@@ -1,0 +1,200 @@
+// The radio medium of one place: everything between "send" and a frame in another mote's hands.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/random.hpp"
+#include "core/time.hpp"
+#include "radio/books.hpp"
+#include "radio/energy.hpp"
+#include "radio/event_queue.hpp"
+#include "radio/frame.hpp"
+#include "radio/mac.hpp"
+#include "radio/medium.hpp"
+#include "radio/parameters.hpp"
+#include "radio/receiver.hpp"
+#include "radio/topology.hpp"
+
+namespace rubicon::radio {
+
+/// A radio that joins the channel. It is on from the start.
+struct radio_config {
+  mote_id address;                 ///< unique in its PAN
+  std::uint16_t pan = default_pan; ///< one per island; frames of other PANs only disturb
+  position place;
+  const platform* kind = nullptr;    ///< never nullptr; one of platforms(), or outlives the channel
+  std::optional<double> battery_mah; ///< > 0; unset: the platform's; infinity: fed by a cable
+  bool promiscuous = false;          ///< delivers all data frames heard, of any PAN and for anybody
+};
+
+/// A wish to send one frame.
+struct request {
+  std::uint64_t token = 0; ///< comes back in `done`; the channel attaches no meaning
+  mote_id destination = broadcast_mote;
+  std::uint8_t am_type = 0;
+  bytes payload;   ///< at most payload_max octets
+  bool ack = true; ///< unicast only: wait for an ack and repeat without one
+};
+
+/// What became of a mote's power.
+enum class power : std::uint8_t {
+  on,
+  off,  ///< crashed or being restarted: the radio is off, the MCU draws its sleep current
+  flat, ///< the battery is at its end: nothing is drawn any more. Final: there is no way back to on
+};
+
+/// A frame for the mote of radio `to`.
+struct delivered {
+  radio_index to;
+  payload psdu;             ///< one object for all receivers
+  frame content;            ///< views `psdu`, valid as long as any copy of it
+  std::int8_t rssi_dbm = 0; ///< whole dBm, as the chips report it
+  std::uint8_t lqi = 0;     ///< 50..110 (tinyos.md 4.1)
+};
+
+/// A request has come to its end; each gets exactly one.
+struct done {
+  radio_index radio;
+  std::uint64_t token = 0;
+  send_status status = send_status::sent;
+  unsigned transmissions = 0; ///< times the frame was put on the air
+};
+
+/// The battery of a mote is flat. The radio has already been switched to power::flat.
+struct exhausted {
+  radio_index radio;
+};
+
+using output = std::variant<delivered, done, exhausted>;
+using outputs = std::vector<output>;
+
+/// What a mote has used so far.
+struct energy_use {
+  energy_times times;
+  double used_mah = 0; ///< never above battery_mah by more than 10 ms of current
+  double battery_mah = 0;
+  instant empty_at; ///< if it goes on doing what it does at this moment
+};
+
+/// Radios of one or several islands that share a place and a frequency: PHY and MAC of all of them
+/// as one sans-I/O core with an event queue of its own (design.md section 4, NET-15, GEN-03).
+///
+/// Sending, per radio: a bounded queue, unslotted CSMA-CA, for acked unicast ack wait and repeats,
+/// interframe spacing, all with the standard's numbers (tinyos.md 5.3, radio/mac.hpp). An
+/// assessment finds the channel busy if anything was audible at any moment of it. A channel access
+/// failure ends the request at once, as the standard has it.
+///
+/// Receiving: a radio hears every frame from within range_m, whichever PAN it is of. It locks on
+/// one that starts while it is on, not sending and hears nothing else; any second frame in range
+/// destroys both. What survives is lost with the configured chance, dropped by the address filter,
+/// or takes a receive slot until the MCU has served it; without a free slot it is dropped and not
+/// acked. Acks are sent by the transceiver 192 us after the frame and occupy the air like any
+/// frame. They carry no address: a radio takes the ack with the DSN it waits for from anybody.
+///
+/// Time: `now` of any call must not be before that of an earlier call. Every call that takes inputs
+/// first does what was due until then, so its outputs may concern any radio. In virtual time call
+/// on_time() at deadline() exactly; when it comes late (wall clock), events still happen at their
+/// own times in order.
+class channel {
+public:
+  channel() = default;
+
+  /// @param dice decides back-offs, losses and first sequence numbers
+  channel(const channel_config& config, random_stream dice);
+
+  /// Costs O(radios). Frames already on the air do not reach the new radio.
+  /// @pre nothing was due before `now`: call on_time(now) first when radios are at work
+  radio_index add(const radio_config& config, instant now);
+
+  /// Costs O(radios). Frames already on the air end where they started.
+  void move(radio_index radio, position place);
+
+  /// The chance that a copy is lost on the way from one radio to another, instead of
+  /// channel_config::loss. Directed; 0..1 (GEN-03, NET-15). Survives move().
+  void set_loss(radio_index from, radio_index to, double loss);
+
+  /// Queues a frame. A full queue (queue_full) or a radio that is off (aborted) refuses at once.
+  /// @pre what.payload.size() <= payload_max
+  [[nodiscard]] outputs send(radio_index radio, request what, instant now);
+
+  /// Switches a mote. Off and flat abort all its open requests, cut off the frame it is sending and
+  /// empty its receive slots; switching to the present state does nothing.
+  [[nodiscard]] outputs set_power(radio_index radio, power state, instant now);
+
+  [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
+
+  /// When on_time() is due; nothing while nobody sends and no battery can end.
+  [[nodiscard]] std::optional<instant> deadline() const;
+
+  [[nodiscard]] books counted_by(radio_index radio) const;
+  [[nodiscard]] books counted_in_pan(std::uint16_t pan) const;
+  [[nodiscard]] books counted() const; ///< by all radios
+
+  /// Whether both books of every radio balance and no copy is missing from the sum of them. Always
+  /// true; costs O(radios).
+  [[nodiscard]] bool balanced() const;
+
+  /// @pre now is not before any earlier call's
+  [[nodiscard]] energy_use energy(radio_index radio, instant now) const;
+
+  [[nodiscard]] power power_of(radio_index radio) const;
+  [[nodiscard]] std::size_t radios() const;
+  /// Radios within range, in ascending order.
+  [[nodiscard]] std::vector<radio_index> neighbours(radio_index radio) const;
+  [[nodiscard]] std::uint64_t events() const { return events_; } ///< handled so far
+
+private:
+  /// One mote's radio above the medium.
+  struct station {
+    mote_id address;
+    std::uint16_t pan = default_pan;
+    const platform* kind = nullptr;
+    power supply = power::on;
+    std::uint8_t next_dsn = 0;
+    mac sender;
+    receiver inbox;
+    books counted;                    ///< requests.open is filled in when asked for
+    std::optional<instant> scheduled; ///< the deadline of `sender` that stands in the event queue
+    std::uint64_t mac_stamp = 0;
+    std::optional<std::uint8_t> ack_dsn; ///< of the ack it is about to send
+    std::uint64_t ack_stamp = 0;
+  };
+
+  void run_until(instant now, outputs& out);
+  [[nodiscard]] bool is_current(const event& x) const;
+  void handle(const event& x, outputs& out);
+  void on_mac_timer(radio_index radio, instant now, outputs& out);
+  void on_ack_due(radio_index radio, instant now);
+  void on_frame_end(slot_index slot, instant now, outputs& out);
+  void on_battery_low(radio_index radio, instant now, outputs& out);
+  void on_copy(const transmission& sent, const hearer& x, fate end, instant now, outputs& out);
+  void on_intact(const transmission& sent, const hearer& x, instant now, outputs& out);
+  void on_ack(radio_index radio, std::uint8_t dsn, instant now, outputs& out);
+  void on_data(const transmission& sent, const hearer& x, instant now, outputs& out);
+  void put_on_air(transmission x, duration length, instant now);
+  void send_current(radio_index radio, instant now);
+  void follow(radio_index radio, const mac_action& todo, instant now, outputs& out);
+  void end_frame(slot_index slot, instant now, outputs& out);
+  void conclude(radio_index radio, const finished& x, outputs& out);
+  void silence(radio_index radio, instant now, outputs& out);
+  void watch_battery(radio_index radio, instant now);
+
+  [[nodiscard]] station& at(radio_index radio) { return stations_[radio.value]; }
+  [[nodiscard]] const station& at(radio_index radio) const { return stations_[radio.value]; }
+
+  channel_config config_;
+  random_stream dice_;
+  topology topology_;
+  medium medium_;
+  std::vector<station> stations_;
+  event_queue queue_;
+  std::uint64_t events_ = 0;
+};
+
+} // namespace rubicon::radio

@@ -1,0 +1,133 @@
+#include "radio/energy.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace rubicon::radio {
+
+namespace {
+
+constexpr double seconds_an_hour = 3600;
+constexpr double longest_s = 1e9; ///< about 32 years; what is later is "never"
+
+double charge_mah(duration time, double current_ma) {
+  return seconds(time) * current_ma / seconds_an_hour;
+}
+
+/// When `charge` is used up at a steady current.
+instant after(instant from, double charge, double current_ma) {
+  const auto needed_s = charge * seconds_an_hour / current_ma; // infinite without a current
+  if (!(needed_s < longest_s))
+    return instant::max();
+  return from + std::chrono::duration_cast<duration>(std::chrono::duration<double>(needed_s));
+}
+
+double current_ma(radio_state state, const platform& kind) {
+  switch (state) {
+  case radio_state::off:
+    return kind.radio_off_ma;
+  case radio_state::listen:
+  case radio_state::receive:
+    return kind.radio_listen_ma;
+  case radio_state::transmit:
+    return kind.radio_transmit_ma;
+  }
+  return 0;
+}
+
+duration& of(radio_state state, energy_times& times) {
+  switch (state) {
+  case radio_state::listen:
+    return times.radio_listen;
+  case radio_state::receive:
+    return times.radio_receive;
+  case radio_state::transmit:
+    return times.radio_transmit;
+  case radio_state::off:
+    break;
+  }
+  return times.radio_off;
+}
+
+} // namespace
+
+double used_mah(const energy_times& times, const platform& kind) {
+  return charge_mah(times.radio_off, kind.radio_off_ma) +
+         charge_mah(times.radio_listen + times.radio_receive, kind.radio_listen_ma) +
+         charge_mah(times.radio_transmit, kind.radio_transmit_ma) +
+         charge_mah(times.mcu_active, kind.mcu_active_ma) +
+         charge_mah(times.mcu_sleep, kind.mcu_sleep_ma);
+}
+
+energy_meter::energy_meter(const platform* kind, double battery_mah, instant start)
+    : kind_(kind), battery_mah_(battery_mah), start_(start), since_(start), busy_until_(start) {
+  assert(kind != nullptr && battery_mah > 0);
+}
+
+void energy_meter::enter(radio_state next, instant now) {
+  if (stopped_)
+    return;
+  assert(now >= since_);
+  of(state_, times_) += now - since_;
+  since_ = now;
+  state_ = next;
+}
+
+instant energy_meter::work(duration length, instant now) {
+  if (stopped_)
+    return now;
+  busy_until_ = std::max(busy_until_, now) + length;
+  times_.mcu_active += length;
+  return busy_until_;
+}
+
+void energy_meter::drop_work(instant now) {
+  if (busy_until_ <= now)
+    return;
+  times_.mcu_active -= busy_until_ - now;
+  busy_until_ = now;
+}
+
+void energy_meter::stop(instant now) {
+  enter(radio_state::off, now);
+  drop_work(now);
+  if (!stopped_)
+    stopped_ = now;
+}
+
+energy_times energy_meter::times(instant now) const {
+  const auto end = stopped_.value_or(now);
+  auto x = times_;
+  of(state_, x) += end - since_;
+  x.mcu_active -= std::max(busy_until_ - end, duration::zero());
+  x.mcu_sleep = end - start_ - x.mcu_active;
+  return x;
+}
+
+double energy_meter::used_mah(instant now) const {
+  return radio::used_mah(times(now), *kind_);
+}
+
+instant energy_meter::empty_at(instant now) const {
+  const auto left = battery_mah_ - used_mah(now);
+  if (stopped_ || left <= 0)
+    return stopped_.value_or(now);
+  const auto radio_ma = current_ma(state_, *kind_);
+  const auto busy = std::max(busy_until_ - now, duration::zero());
+  const auto for_work = charge_mah(busy, radio_ma + kind_->mcu_active_ma);
+  if (left <= for_work)
+    return after(now, left, radio_ma + kind_->mcu_active_ma);
+  return after(now + busy, left - for_work, radio_ma + kind_->mcu_sleep_ma);
+}
+
+instant energy_meter::lasts_until(instant now) const {
+  const auto left = battery_mah_ - used_mah(now);
+  if (stopped_ || left <= 0)
+    return now;
+  const auto most_ma =
+      std::max({kind_->radio_off_ma, kind_->radio_listen_ma, kind_->radio_transmit_ma}) +
+      std::max(kind_->mcu_active_ma, kind_->mcu_sleep_ma);
+  return after(now, left, most_ma);
+}
+
+} // namespace rubicon::radio

@@ -1,0 +1,76 @@
+// What a mote's radio and MCU have used (NRG-05, tinyos.md 8).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/time.hpp"
+#include "radio/parameters.hpp"
+
+namespace rubicon::radio {
+
+enum class radio_state : std::uint8_t { off, listen, receive, transmit };
+
+/// How long a mote was in each state. While the battery lasts, the radio's four times and the MCU's
+/// two each add up to the time since the meter was started, to the nanosecond.
+struct energy_times {
+  duration radio_off{};
+  duration radio_listen{};   ///< on and neither of the next two: back-offs and ack waits as well
+  duration radio_receive{};  ///< locked on a frame, for whomever it is
+  duration radio_transmit{}; ///< from the first to the last octet on the air
+  duration mcu_active{};     ///< platform::service_time for each frame received or sent
+  duration mcu_sleep{};
+
+  friend bool operator==(const energy_times&, const energy_times&) = default;
+};
+
+/// The charge these times cost: sum over states of time x current.
+[[nodiscard]] double used_mah(const energy_times& times, const platform& kind);
+
+/// The book of one mote's times. `now` never goes back from one call to the next.
+class energy_meter {
+public:
+  energy_meter() = default;
+  /// @param battery_mah infinity for a mote that is fed by a cable
+  /// @pre kind is not nullptr and outlives the meter; battery_mah > 0
+  energy_meter(const platform* kind, double battery_mah, instant start);
+
+  /// The radio enters a state.
+  void enter(radio_state next, instant now);
+
+  /// The MCU works for `length`, after what it already has to do.
+  /// @returns when that work will be done
+  instant work(duration length, instant now);
+
+  /// The MCU drops the work it has not done yet.
+  void drop_work(instant now);
+
+  /// The battery is flat: nothing is booked from here on.
+  void stop(instant now);
+
+  [[nodiscard]] energy_times times(instant now) const;
+  [[nodiscard]] double used_mah(instant now) const;
+
+  /// When the battery will be flat if the radio stays in its state and the MCU gets no new work:
+  /// instant::max() if not within 30 years, `now` or when it was stopped if it already is.
+  [[nodiscard]] instant empty_at(instant now) const;
+
+  /// The battery lasts at least until here, whatever radio and MCU do; instant::max() as above.
+  [[nodiscard]] instant lasts_until(instant now) const;
+
+  [[nodiscard]] bool stopped() const { return stopped_.has_value(); }
+  [[nodiscard]] radio_state state() const { return state_; }
+  [[nodiscard]] double battery_mah() const { return battery_mah_; }
+
+private:
+  const platform* kind_ = nullptr;
+  double battery_mah_ = 0;
+  instant start_;
+  instant since_; ///< when state_ was entered
+  instant busy_until_;
+  energy_times times_; ///< booked so far; mcu_active includes work still ahead, mcu_sleep is unused
+  radio_state state_ = radio_state::off;
+  std::optional<instant> stopped_;
+};
+
+} // namespace rubicon::radio

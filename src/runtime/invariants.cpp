@@ -1,0 +1,148 @@
+#include "runtime/invariants.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace rubicon::runtime {
+
+namespace {
+
+violation at_end(const report& x, std::string invariant, std::string detail) {
+  return {instant{} + x.simulated, std::move(invariant), std::move(detail)};
+}
+
+/// `name: left_text 10, right_text 9` when the two differ.
+void check_equal(violations& found, const report& x, const char* invariant, const std::string& name,
+                 std::pair<const char*, std::uint64_t> left,
+                 std::pair<const char*, std::uint64_t> right) {
+  if (left.second == right.second)
+    return;
+  found.push_back(at_end(x, invariant,
+                         name + ": " + left.first + ' ' + std::to_string(left.second) + ", " +
+                             right.first + ' ' + std::to_string(right.second)));
+}
+
+bool contains(std::span<const mote_address> list, const mote_address& x) {
+  return std::find(list.begin(), list.end(), x) != list.end();
+}
+
+std::string text_of(const std::vector<mote_id>& ids) {
+  std::string text;
+  for (const auto id : ids)
+    text += (text.empty() ? "" : " ") + to_string(id);
+  return text;
+}
+
+/// The elements of `a` that `b` lacks, repetitions counted; both sorted.
+std::vector<mote_id> missing_from(const std::vector<mote_id>& b, const std::vector<mote_id>& a) {
+  std::vector<mote_id> rest;
+  std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(rest));
+  return rest;
+}
+
+void append(violations& all, violations part) {
+  std::move(part.begin(), part.end(), std::back_inserter(all));
+}
+
+} // namespace
+
+violations check_radio(const report& x) {
+  violations found;
+  for (const auto& island : x.islands) {
+    const auto& radio = island.radio;
+    check_equal(found, x, "radio copies balance", island.name, {"sent", radio.sent},
+                {"delivered + lost", radio.delivered + total(radio.lost)});
+    check_equal(
+        found, x, "radio requests balance", island.name, {"requests", radio.requests},
+        {"sent + failed + open", radio.mac_sent + total(radio.mac_failed) + radio.mac_open});
+  }
+  return found;
+}
+
+violations check_messages(const report& x) {
+  violations found;
+  for (const auto& island : x.islands) {
+    const auto& messages = island.messages;
+    check_equal(found, x, "reliable messages balance", island.name,
+                {"sent", messages.reliable_sent},
+                {"acked + failed + open",
+                 messages.reliable_acked + messages.reliable_failed + messages.reliable_open});
+  }
+  return found;
+}
+
+violations check_actuations(const report& x) {
+  violations found;
+  for (const auto& proxy : x.proxies) {
+    const auto outcomes = proxy.actuations.acknowledged + total(proxy.actuations.failed);
+    if (outcomes > proxy.actuations.requested)
+      found.push_back(at_end(x, "one outcome per actuation",
+                             proxy.name + ": requested " +
+                                 std::to_string(proxy.actuations.requested) + ", outcomes " +
+                                 std::to_string(outcomes)));
+  }
+  return found;
+}
+
+violations check_joined(const report& x, std::span<const mote_address> ended_by_fault) {
+  violations found;
+  for (const auto& island : x.islands)
+    for (const auto& mote : island.motes) {
+      const bool is_listed = mote.joined && mote.left_cause.empty();
+      if (is_listed || contains(ended_by_fault, mote.address))
+        continue;
+      const auto why = mote.joined ? "left: " + mote.left_cause : std::string("never joined");
+      found.push_back(
+          at_end(x, "every mote is joined", island.name + '/' + mote.name + ": " + why));
+    }
+  return found;
+}
+
+violations check_actors(const report& x, std::span<const std::string> crashes_requested) {
+  violations found;
+  std::vector<std::string> expected(crashes_requested.begin(), crashes_requested.end());
+  for (const auto& failure : x.actors.failures) {
+    const auto match = std::find_if(expected.begin(), expected.end(), [&](const auto& path) {
+      return failure.starts_with(path + ':');
+    });
+    if (match == expected.end())
+      found.push_back(at_end(x, "no actor fails", failure));
+    else
+      expected.erase(match);
+  }
+  return found;
+}
+
+violations check_device_lists(const report& x, std::span<const device_list> lists) {
+  violations found;
+  for (const auto& list : lists) {
+    auto expected = list.expected;
+    auto actual = list.actual;
+    std::sort(expected.begin(), expected.end());
+    std::sort(actual.begin(), actual.end());
+    if (expected == actual)
+      continue;
+    const auto absent = missing_from(actual, expected);
+    const auto surplus = missing_from(expected, actual);
+    auto detail = "island " + to_string(list.island) + ':';
+    if (!absent.empty())
+      detail += " not listed: " + text_of(absent);
+    if (!surplus.empty())
+      detail += (absent.empty() ? "" : ";") + std::string(" listed in error: ") + text_of(surplus);
+    found.push_back(at_end(x, "the device list is true", std::move(detail)));
+  }
+  return found;
+}
+
+violations check_all(const report& x, const run_truth& truth) {
+  auto all = check_radio(x);
+  append(all, check_messages(x));
+  append(all, check_actuations(x));
+  append(all, check_joined(x, truth.ended_by_fault));
+  append(all, check_actors(x, truth.crashes_requested));
+  append(all, check_device_lists(x, truth.device_lists));
+  return all;
+}
+
+} // namespace rubicon::runtime

@@ -1,0 +1,53 @@
+// What must hold at the end of every run, whatever its seed and its faults. Each check is a pure
+// function from a finished report to the violations it finds.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "runtime/report.hpp"
+
+namespace rubicon::runtime {
+
+using violations = std::vector<violation>;
+
+/// Both books of every island's radios balance: no copy and no request vanishes uncounted.
+[[nodiscard]] violations check_radio(const report& x);
+
+/// Every reliable message has exactly one outcome, or is still waiting.
+[[nodiscard]] violations check_messages(const report& x);
+
+/// No proxy tells more outcomes than it had requests.
+[[nodiscard]] violations check_actuations(const report& x);
+
+/// Every mote that no fault ended is listed at the end: it joined and did not leave.
+[[nodiscard]] violations check_joined(const report& x,
+                                      std::span<const mote_address> ended_by_fault);
+
+/// Every actor failure was asked for. `crashes_requested` holds one actor path per crash of the
+/// fault plan; a path may stand there several times.
+[[nodiscard]] violations check_actors(const report& x,
+                                      std::span<const std::string> crashes_requested);
+
+/// Whom a gateway should list and whom it lists, each in any order.
+struct device_list {
+  island_id island;
+  std::vector<mote_id> expected;
+  std::vector<mote_id> actual;
+};
+
+/// Every gateway lists exactly the motes it should, each once.
+[[nodiscard]] violations check_device_lists(const report& x, std::span<const device_list> lists);
+
+/// What the checks above need to know beside the report.
+struct run_truth {
+  std::vector<mote_address> ended_by_fault;
+  std::vector<std::string> crashes_requested;
+  std::vector<device_list> device_lists;
+};
+
+/// All checks, in the order above.
+[[nodiscard]] violations check_all(const report& x, const run_truth& truth);
+
+} // namespace rubicon::runtime

@@ -1,0 +1,133 @@
+#include "runtime/report.hpp"
+
+#include <algorithm>
+
+namespace rubicon::runtime {
+
+namespace {
+
+void add(cause_counts& sum, const cause_counts& x) {
+  for (const auto& [cause, count] : x)
+    sum[cause] += count;
+}
+
+template <class Predicate>
+std::uint64_t count_motes(const report& x, Predicate predicate) {
+  std::uint64_t count = 0;
+  for (const auto& island : x.islands)
+    count += static_cast<std::uint64_t>(
+        std::count_if(island.motes.begin(), island.motes.end(), predicate));
+  return count;
+}
+
+template <class Part>
+Part sum_over_islands(const report& x, Part island_report::*part) {
+  Part sum;
+  for (const auto& island : x.islands)
+    sum += island.*part;
+  return sum;
+}
+
+} // namespace
+
+std::uint64_t total(const cause_counts& x) {
+  std::uint64_t sum = 0;
+  for (const auto& [cause, count] : x)
+    sum += count;
+  return sum;
+}
+
+radio_report& radio_report::operator+=(const radio_report& x) {
+  sent += x.sent;
+  delivered += x.delivered;
+  add(lost, x.lost);
+  requests += x.requests;
+  mac_sent += x.mac_sent;
+  add(mac_failed, x.mac_failed);
+  mac_open += x.mac_open;
+  transmissions += x.transmissions;
+  return *this;
+}
+
+serial_report& serial_report::operator+=(const serial_report& x) {
+  octets += x.octets;
+  frames_sent += x.frames_sent;
+  frames_received += x.frames_received;
+  add(lost, x.lost);
+  return *this;
+}
+
+peis_report& peis_report::operator+=(const peis_report& x) {
+  peers += x.peers;
+  packages += x.packages;
+  tuples += x.tuples;
+  add(lost, x.lost);
+  return *this;
+}
+
+message_report& message_report::operator+=(const message_report& x) {
+  reliable_sent += x.reliable_sent;
+  reliable_acked += x.reliable_acked;
+  reliable_failed += x.reliable_failed;
+  reliable_open += x.reliable_open;
+  unreliable_sent += x.unreliable_sent;
+  received += x.received;
+  duplicates += x.duplicates;
+  return *this;
+}
+
+actuation_report& actuation_report::operator+=(const actuation_report& x) {
+  requested += x.requested;
+  acknowledged += x.acknowledged;
+  add(failed, x.failed);
+  return *this;
+}
+
+std::uint64_t report::motes_configured() const {
+  return count_motes(*this, [](const mote_report&) { return true; });
+}
+
+std::uint64_t report::motes_joined() const {
+  return count_motes(*this, [](const mote_report& x) { return x.joined; });
+}
+
+std::uint64_t report::motes_left() const {
+  return count_motes(*this, [](const mote_report& x) { return x.joined && !x.left_cause.empty(); });
+}
+
+std::uint64_t report::motes_alive() const {
+  return count_motes(*this, [](const mote_report& x) { return x.alive; });
+}
+
+radio_report report::radio() const {
+  return sum_over_islands(*this, &island_report::radio);
+}
+
+serial_report report::serial() const {
+  return sum_over_islands(*this, &island_report::serial);
+}
+
+message_report report::messages() const {
+  return sum_over_islands(*this, &island_report::messages);
+}
+
+peis_report report::peis() const {
+  peis_report sum;
+  for (const auto& peer : peers)
+    sum += peer.peis;
+  sum.peers = peers.size();
+  sum.tuples = 0;
+  for (const auto& peer : peers)
+    sum.tuples += peer.tuples;
+  return sum;
+}
+
+double report::used_mah() const {
+  double sum = 0;
+  for (const auto& island : islands)
+    for (const auto& mote : island.motes)
+      sum += mote.used_mah;
+  return sum;
+}
+
+} // namespace rubicon::runtime

@@ -1,0 +1,168 @@
+#include <chrono>
+
+#include <nlohmann/json.hpp>
+
+#include "runtime/report.hpp"
+
+namespace rubicon::runtime {
+
+namespace {
+
+/// Keeps keys in the order written here, so that equal reports give equal text.
+using json = nlohmann::ordered_json;
+
+double at_s(instant x) {
+  return seconds(x.time_since_epoch());
+}
+
+/// An object even when nothing was counted.
+json counts(const cause_counts& x) {
+  json object = json::object();
+  for (const auto& [cause, count] : x)
+    object[cause] = count;
+  return object;
+}
+
+json to_json(const radio_report& x) {
+  return {{"sent", x.sent},         {"delivered", x.delivered},
+          {"lost", counts(x.lost)}, {"requests", x.requests},
+          {"mac_sent", x.mac_sent}, {"mac_failed", counts(x.mac_failed)},
+          {"mac_open", x.mac_open}, {"transmissions", x.transmissions}};
+}
+
+json to_json(const serial_report& x) {
+  return {{"octets", x.octets},
+          {"frames_sent", x.frames_sent},
+          {"frames_received", x.frames_received},
+          {"lost", counts(x.lost)}};
+}
+
+json to_json(const peis_report& x) {
+  return {
+      {"peers", x.peers}, {"packages", x.packages}, {"tuples", x.tuples}, {"lost", counts(x.lost)}};
+}
+
+json to_json(const message_report& x) {
+  return {{"reliable_sent", x.reliable_sent},
+          {"reliable_acked", x.reliable_acked},
+          {"reliable_failed", x.reliable_failed},
+          {"reliable_open", x.reliable_open},
+          {"unreliable_sent", x.unreliable_sent},
+          {"received", x.received},
+          {"duplicates", x.duplicates}};
+}
+
+json membership(const mote_report& x) {
+  return {{"mote", to_string(x.address)}, {"name", x.name},   {"type", x.type},
+          {"joined", x.joined},           {"alive", x.alive}, {"incarnations", x.incarnations},
+          {"left_cause", x.left_cause}};
+}
+
+json energy(const mote_report& x) {
+  return {{"mote", to_string(x.address)},
+          {"used_mah", x.used_mah},
+          {"battery_mah", x.battery_mah},
+          {"mcu_active_s", seconds(x.mcu_active)},
+          {"mcu_sleep_s", seconds(x.mcu_sleep)},
+          {"radio_off_s", seconds(x.radio_off)},
+          {"radio_listen_s", seconds(x.radio_listen)},
+          {"radio_receive_s", seconds(x.radio_receive)},
+          {"radio_transmit_s", seconds(x.radio_transmit)}};
+}
+
+json energy(const report& x) {
+  json motes = json::array();
+  for (const auto& island : x.islands)
+    for (const auto& mote : island.motes)
+      motes.push_back(energy(mote));
+  return {{"used_mah", x.used_mah()}, {"motes", std::move(motes)}};
+}
+
+json to_json(const island_report& x) {
+  json motes = json::array();
+  for (const auto& mote : x.motes)
+    motes.push_back(membership(mote));
+  return {{"island", x.id.value},
+          {"name", x.name},
+          {"radio", to_json(x.radio)},
+          {"serial", to_json(x.serial)},
+          {"messages", to_json(x.messages)},
+          {"motes", std::move(motes)}};
+}
+
+json to_json(const peer_report& x) {
+  return {{"peer", x.id.value},           {"name", x.name},     {"links", x.links},
+          {"hosts_known", x.hosts_known}, {"tuples", x.tuples}, {"packages", x.peis.packages},
+          {"lost", counts(x.peis.lost)}};
+}
+
+json to_json(const actuation_report& x) {
+  return {
+      {"requested", x.requested}, {"acknowledged", x.acknowledged}, {"failed", counts(x.failed)}};
+}
+
+json to_json(const proxy_report& x) {
+  json values = json::object();
+  for (const auto& [name, value] : x.values)
+    values[name] = value;
+  return {{"proxy", x.name},
+          {"class", x.proxy_class},
+          {"status", x.status},
+          {"values", std::move(values)},
+          {"actuations", to_json(x.actuations)}};
+}
+
+json to_json(const story_line& x) {
+  return {{"at_s", at_s(x.at)}, {"who", x.who}, {"what", x.what}};
+}
+
+json to_json(const violation& x) {
+  return {{"at_s", at_s(x.at)}, {"invariant", x.invariant}, {"detail", x.detail}};
+}
+
+template <class T>
+json array_of(const std::vector<T>& elements) {
+  json array = json::array();
+  for (const auto& x : elements)
+    array.push_back(to_json(x));
+  return array;
+}
+
+} // namespace
+
+std::string to_json(const report& x) {
+  const json object{
+      {"ecology", x.ecology},
+      {"seed", x.seed},
+      {"mode", x.mode},
+      {"simulated_s", seconds(x.simulated)},
+      {"wall_s", x.wall_s},
+      {"events", x.events},
+      {"trace_hash", x.trace_hash},
+      {"interrupted", x.interrupted},
+      {"motes",
+       {{"configured", x.motes_configured()},
+        {"joined", x.motes_joined()},
+        {"left", x.motes_left()},
+        {"alive", x.motes_alive()}}},
+      {"radio", to_json(x.radio())},
+      {"serial", to_json(x.serial())},
+      {"peis", to_json(x.peis())},
+      {"messages", to_json(x.messages())},
+      {"energy", energy(x)},
+      {"actors",
+       {{"spawned", x.actors.spawned},
+        {"restarted", x.actors.restarted},
+        {"failures", x.actors.failures}}},
+      {"islands", array_of(x.islands)},
+      {"peers", array_of(x.peers)},
+      {"proxies", array_of(x.proxies)},
+      {"story", array_of(x.story)},
+      {"story_left_out", x.story_left_out},
+      {"violations", array_of(x.violations)},
+  };
+  // Names and values may come from outside the process: octets that are not UTF-8 are replaced.
+  return object.dump(2, ' ', false, json::error_handler_t::replace) + '\n';
+}
+
+} // namespace rubicon::runtime

@@ -1,0 +1,340 @@
+#include <algorithm>
+#include <vector>
+
+#include "runtime/figures.hpp"
+#include "runtime/report.hpp"
+#include "runtime/report_page.hpp"
+
+namespace rubicon::runtime {
+
+namespace {
+
+constexpr std::size_t story_head = 25; ///< lines shown from the start of the story
+constexpr std::size_t story_tail = 15; ///< lines shown from its end
+constexpr std::size_t rows_max = 20;   ///< of islands, peers, proxies and actuations
+constexpr std::size_t motes_listed_max = 12;
+constexpr std::size_t hungriest_shown = 5;
+constexpr std::size_t failures_shown = 10;
+constexpr std::size_t violations_shown = 40;
+
+std::string at_s(instant x) {
+  return fixed(seconds(x.time_since_epoch()), 3);
+}
+
+/// `loss 12, collision 3`, the most frequent first; causes that never happened are left out.
+std::string causes(const cause_counts& x) {
+  std::vector<std::pair<std::string, std::uint64_t>> sorted(x.begin(), x.end());
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::string text;
+  for (const auto& [cause, count] : sorted)
+    if (count > 0)
+      text += (text.empty() ? "" : ", ") + cause + ' ' + with_thousands(count);
+  return text;
+}
+
+void add_rest(table& rows, std::size_t all, std::size_t shown_max) {
+  if (all > shown_max)
+    rows.add_note("… and " + with_thousands(all - shown_max) + " more");
+}
+
+std::string share_of(std::uint64_t part, std::uint64_t whole) {
+  return percent(static_cast<double>(part), static_cast<double>(whole));
+}
+
+void add_title(report_page& page, const report& x) {
+  page.line(x.ecology, look::strong);
+  page.flow({rubicon::to_text(x.simulated) + " of " + x.mode + " time in " + real_time(x.wall_s) +
+                 " (" + speed_factor(x.simulated, x.wall_s) + " real time)",
+             "seed " + std::to_string(x.seed), counted(x.events, "event"),
+             x.trace_hash.empty() ? "" : "trace " + x.trace_hash,
+             x.interrupted ? "interrupted before its time" : ""});
+}
+
+void add_story(report_page& page, const report& x) {
+  if (x.story.empty())
+    return;
+  page.heading("Story");
+  table rows({{"seconds", align::right}, {"who"}, {"what"}});
+  const auto size = x.story.size();
+  const bool has_gap = size > story_head + story_tail;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (has_gap && i == story_head) {
+      i = size - story_tail;
+      rows.add_note("… " + counted(i - story_head, "line") + " left out");
+    }
+    const auto& line = x.story[i];
+    rows.add({{at_s(line.at), look::faint}, line.who, line.what});
+  }
+  add_rest(rows, x.story_left_out, 0);
+  page.add(rows);
+}
+
+void add_membership_notes(table& rows, const island_report& island) {
+  std::string absent;
+  for (const auto& mote : island.motes)
+    if (!mote.joined)
+      absent += (absent.empty() ? "" : ", ") + mote.name;
+  if (!absent.empty())
+    rows.add_note("  never joined: " + absent, look::bad);
+}
+
+void add_loss_notes(table& rows, const island_report& island) {
+  auto on_air = island.radio.lost;
+  on_air.erase("filtered"); // heard well, but addressed to another
+  const auto add = [&](const char* where, const std::string& what) {
+    if (!what.empty())
+      rows.add_note(where + what);
+  };
+  add("  lost on the air: ", causes(on_air));
+  add("  radio gave up: ", causes(island.radio.mac_failed));
+  add("  lost on the cable: ", causes(island.serial.lost));
+  add("  messages: ", causes({{"failed", island.messages.reliable_failed},
+                              {"open", island.messages.reliable_open},
+                              {"duplicates", island.messages.duplicates}}));
+}
+
+void add_island_row(table& rows, const std::string& name, const report& part,
+                    const std::string& id) {
+  const auto radio = part.radio();
+  const auto messages = part.messages();
+  const auto filtered = radio.lost.find("filtered");
+  const auto wanted =
+      radio.sent - std::min(radio.sent, filtered == radio.lost.end() ? 0 : filtered->second);
+  const auto alive = part.motes_alive();
+  rows.add({{name, look::strong},
+            id,
+            with_thousands(part.motes_configured()),
+            with_thousands(part.motes_joined()),
+            {with_thousands(alive), alive < part.motes_configured() ? look::bad : look::plain},
+            with_thousands(messages.reliable_sent),
+            share_of(messages.reliable_acked, messages.reliable_sent),
+            with_thousands(wanted),
+            share_of(radio.delivered, wanted),
+            with_thousands(part.serial().frames_received)});
+}
+
+void add_islands(report_page& page, const report& x) {
+  if (x.islands.empty())
+    return;
+  page.heading("Islands");
+  table rows({{"island"},
+              {"id", align::right},
+              {"motes", align::right},
+              {"joined", align::right},
+              {"alive", align::right},
+              {"reliable", align::right},
+              {"acked", align::right},
+              {"copies", align::right},
+              {"heard", align::right},
+              {"serial", align::right}});
+  const auto shown = std::min(rows_max, x.islands.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    report alone;
+    alone.islands.push_back(x.islands[i]);
+    add_island_row(rows, x.islands[i].name, alone, to_string(x.islands[i].id));
+    add_membership_notes(rows, x.islands[i]);
+    add_loss_notes(rows, x.islands[i]);
+  }
+  add_rest(rows, x.islands.size(), shown);
+  if (x.islands.size() > 1)
+    add_island_row(rows, "all", x, "");
+  page.add(rows);
+}
+
+/// A mote and the island it lives in.
+struct mote_entry {
+  const island_report* island;
+  const mote_report* mote;
+};
+
+std::vector<mote_entry> hungriest_first(const report& x) {
+  std::vector<mote_entry> entries;
+  for (const auto& island : x.islands)
+    for (const auto& mote : island.motes)
+      entries.push_back({&island, &mote});
+  std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
+    return a.mote->used_mah > b.mote->used_mah;
+  });
+  return entries;
+}
+
+std::string projected_life(const mote_report& x) {
+  const auto powered = x.radio_off + x.radio_listen + x.radio_receive + x.radio_transmit;
+  if (!x.alive)
+    return x.left_cause.empty() ? "✗" : "✗ " + x.left_cause;
+  if (!(x.used_mah > 0) || powered <= 0s)
+    return "–";
+  return life_time(seconds(powered) / 3600 * x.battery_mah / x.used_mah);
+}
+
+/// Digits after the point that suit the largest of the figures.
+int decimals_for(double largest_mah) {
+  return largest_mah < 10 ? 3 : largest_mah < 100 ? 2 : 1;
+}
+
+void add_energy_row(table& rows, const mote_entry& entry, int decimals) {
+  const auto& x = *entry.mote;
+  const auto radio_on = x.radio_listen + x.radio_receive + x.radio_transmit;
+  const auto radio_all = seconds(radio_on + x.radio_off);
+  rows.add({entry.island->name + '/' + x.name,
+            fixed(x.used_mah, decimals),
+            percent(x.used_mah, x.battery_mah),
+            {projected_life(x), x.alive ? look::plain : look::bad},
+            percent(seconds(radio_on), radio_all),
+            percent(seconds(x.radio_transmit), radio_all),
+            percent(seconds(x.mcu_active), seconds(x.mcu_active + x.mcu_sleep))});
+}
+
+void add_energy(report_page& page, const report& x) {
+  const auto entries = hungriest_first(x);
+  if (entries.empty())
+    return;
+  page.heading("Energy");
+  const auto decimals = decimals_for(entries.front().mote->used_mah);
+  const auto many = entries.size() > motes_listed_max;
+  if (many) {
+    const auto mah = [&](std::size_t i) { return fixed(entries[i].mote->used_mah, decimals); };
+    page.flow({"all motes " + fixed(x.used_mah(), decimals) + " mAh",
+               "least " + mah(entries.size() - 1), "median " + mah(entries.size() / 2),
+               "most " + mah(0)});
+  }
+  table rows({{many ? "hungriest" : "mote"},
+              {"mAh", align::right},
+              {"battery", align::right},
+              {"lasts", align::right},
+              {"radio", align::right},
+              {"sending", align::right},
+              {"CPU", align::right}});
+  const auto shown = many ? hungriest_shown : entries.size();
+  for (std::size_t i = 0; i < shown; ++i)
+    add_energy_row(rows, entries[i], decimals);
+  add_rest(rows, entries.size(), shown);
+  page.add(rows);
+}
+
+/// `22.3 C` as number and unit; a text without a number is all number.
+std::pair<std::string, std::string> number_and_unit(const std::string& value) {
+  const auto blank = value.find(' ');
+  const bool starts_as_number = value.find_first_of("0123456789") <= 1;
+  if (!starts_as_number || blank == std::string::npos)
+    return {value, ""};
+  return {value.substr(0, blank), value.substr(blank + 1)};
+}
+
+void add_proxies(report_page& page, const report& x) {
+  if (x.proxies.empty())
+    return;
+  page.heading("What the proxies say");
+  table rows({{"proxy"}, {"name"}, {"value", align::point}, {"unit"}, {"status"}});
+  std::size_t row_count = 0;
+  for (const auto& proxy : x.proxies) {
+    cell name = proxy.name;
+    cell status{proxy.status, proxy.status == "active" ? look::good : look::bad};
+    auto values = proxy.values;
+    if (values.empty())
+      values.emplace_back("–", "");
+    for (const auto& [key, value] : values) {
+      if (row_count++ >= rows_max)
+        continue;
+      const auto [number, unit] = number_and_unit(value);
+      rows.add({std::exchange(name, {}), key, number, unit, std::exchange(status, {})});
+    }
+  }
+  add_rest(rows, row_count, rows_max);
+  page.add(rows);
+}
+
+void add_actuations(report_page& page, const report& x) {
+  actuation_report all;
+  for (const auto& proxy : x.proxies)
+    all += proxy.actuations;
+  if (all.requested == 0)
+    return;
+  page.heading("Actuations");
+  table rows({{"proxy"}, {"requested", align::right}, {"acknowledged", align::right}, {"failed"}});
+  std::size_t row_count = 0;
+  for (const auto& proxy : x.proxies) {
+    const auto& actuations = proxy.actuations;
+    if (actuations.requested == 0 || row_count++ >= rows_max)
+      continue;
+    rows.add({proxy.name,
+              with_thousands(actuations.requested),
+              with_thousands(actuations.acknowledged),
+              {causes(actuations.failed), look::bad}});
+  }
+  add_rest(rows, row_count, rows_max);
+  if (row_count > 1)
+    rows.add({{"all", look::strong},
+              with_thousands(all.requested),
+              with_thousands(all.acknowledged),
+              {causes(all.failed), look::bad}});
+
+  page.add(rows);
+}
+
+void add_peers(report_page& page, const report& x) {
+  if (x.peers.empty())
+    return;
+  page.heading("PEIS network");
+  table rows({{"peer"},
+              {"id", align::right},
+              {"links", align::right},
+              {"hosts known", align::right},
+              {"tuples", align::right},
+              {"packages", align::right},
+              {"lost"}});
+  const auto shown = std::min(rows_max, x.peers.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& peer = x.peers[i];
+    rows.add({peer.name, to_string(peer.id), with_thousands(peer.links),
+              with_thousands(peer.hosts_known), with_thousands(peer.tuples),
+              with_thousands(peer.peis.packages), causes(peer.peis.lost)});
+  }
+  add_rest(rows, x.peers.size(), shown);
+  page.add(rows);
+}
+
+void add_verdict(report_page& page, const report& x) {
+  page.heading("Verdict");
+  page.flow({counted(x.actors.spawned, "actor"), with_thousands(x.actors.restarted) + " restarted",
+             octet_size(x.serial().octets) + " over serial lines",
+             with_thousands(x.radio().transmissions) + " radio transmissions"});
+  table failures({{"failed actor"}});
+  const auto shown_failures = std::min(failures_shown, x.actors.failures.size());
+  for (std::size_t i = 0; i < shown_failures; ++i)
+    failures.add({x.actors.failures[i]});
+  add_rest(failures, x.actors.failures.size(), shown_failures);
+  page.add(failures);
+  if (x.violations.empty()) {
+    page.line("  ✓ no violations", look::good);
+    return;
+  }
+  page.line("  ✗ " + counted(x.violations.size(), "violation"), look::bad);
+  table rows({{"seconds", align::right}, {"invariant"}, {"detail"}});
+  const auto shown = std::min(violations_shown, x.violations.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& violation = x.violations[i];
+    rows.add(
+        {{at_s(violation.at), look::faint}, {violation.invariant, look::bad}, violation.detail});
+  }
+  add_rest(rows, x.violations.size(), shown);
+  page.add(rows);
+}
+
+} // namespace
+
+std::string to_text(const report& x, std::size_t width, bool colour) {
+  report_page page(width, colour);
+  add_title(page, x);
+  add_story(page, x);
+  add_islands(page, x);
+  add_energy(page, x);
+  add_proxies(page, x);
+  add_actuations(page, x);
+  add_peers(page, x);
+  add_verdict(page, x);
+  return page.finish();
+}
+
+} // namespace rubicon::runtime

@@ -1,0 +1,117 @@
+// The clock of an actor system: ecology time, and everything that is to happen at a time.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <type_traits>
+
+#include <caf/actor_clock.hpp>
+#include <caf/execution_unit.hpp>
+
+#include "core/time.hpp"
+#include "scheduler/outside.hpp"
+#include "scheduler/timeout.hpp"
+#include "scheduler/timer_queue.hpp"
+
+namespace rubicon::scheduler {
+
+enum class time_mode : std::uint8_t { virtual_time, wall };
+
+static_assert(std::is_same_v<caf::actor_clock::duration_type, duration>);
+
+/// CAF's time points count from the start of the run, as ours do.
+[[nodiscard]] constexpr instant to_instant(caf::actor_clock::time_point x) {
+  return instant(x.time_since_epoch());
+}
+
+[[nodiscard]] constexpr caf::actor_clock::time_point to_clock_time(instant x) {
+  return caf::actor_clock::time_point(x.time_since_epoch());
+}
+
+/// All of caf::actor_clock, callable from any thread; the rest belongs to the home thread of the
+/// `outside`.
+class run_clock final : public caf::actor_clock {
+public:
+  using real_time = std::chrono::steady_clock::time_point;
+
+  /// @param speed ecology seconds per real second; 0: virtual time is not paced, wall time has 1
+  run_clock(outside& others, time_mode mode, double speed);
+
+  /// A run to `end` begins. Wall time starts to pass with the first.
+  void begin(instant end);
+
+  /// A run ends before its time: now() stays where it is until the next begins.
+  void halt();
+
+  /// Whether `x` has come, or in virtual time without pace may be jumped to.
+  [[nodiscard]] bool reached(instant x) const;
+
+  /// When `x` comes in real time; at most an hour from now.
+  [[nodiscard]] real_time real_time_of(instant x) const;
+
+  /// It is now at least `x`.
+  void advance(instant x);
+
+  /// When something is due next.
+  [[nodiscard]] std::optional<instant> next() { return timers_.next(); }
+
+  /// Lets everything happen that is due at *next(), in the order it was set.
+  /// @pre next()
+  void fire_next(caf::execution_unit& unit);
+
+  /// Forgets all timeouts; none is accepted from now on.
+  void close();
+
+  /// How many timeouts have fired.
+  [[nodiscard]] std::uint64_t fired() const { return fired_; }
+
+  // what other threads asked for
+  void apply(add_timeout x);
+  void apply(const cancel_timeout& x);
+  void apply(const cancel_actor& x);
+  void apply(const cancel_everything& x);
+
+  // caf::actor_clock
+  [[nodiscard]] time_point now() const noexcept override;
+  void set_ordinary_timeout(time_point t, caf::abstract_actor* self, caf::atom_value type,
+                            std::uint64_t id) override;
+  void set_multi_timeout(time_point t, caf::abstract_actor* self, caf::atom_value type,
+                         std::uint64_t id) override;
+  void set_request_timeout(time_point t, caf::abstract_actor* self, caf::message_id id) override;
+  void cancel_ordinary_timeout(caf::abstract_actor* self, caf::atom_value type) override;
+  void cancel_request_timeout(caf::abstract_actor* self, caf::message_id id) override;
+  void cancel_timeouts(caf::abstract_actor* self) override;
+  void schedule_message(time_point t, caf::strong_actor_ptr receiver,
+                        caf::mailbox_element_ptr content) override;
+  void schedule_message(time_point t, caf::group target, caf::strong_actor_ptr sender,
+                        caf::message content) override;
+  void cancel_all() override;
+
+private:
+  using ticket = timer_queue<timeout>::ticket;
+
+  template <class Order>
+  void ask(Order x);
+
+  void add(instant due, timeout what);
+  void forget_key(const timeout_key& key, ticket which);
+
+  outside& others_;
+  const time_mode mode_;
+  const double speed_;
+  bool closed_ = false;
+  bool started_ = false;
+  std::atomic<std::int64_t> latest_ns_ = 0;      ///< last time advanced to; in virtual time, now()
+  std::atomic<std::int64_t> horizon_ns_ = 0;     ///< end of the current or last run
+  std::atomic<std::int64_t> anchor_real_ns_ = 0; ///< steady clock at anchor_ecology_ns_
+  std::int64_t anchor_ecology_ns_ = 0;
+  timer_queue<timeout> timers_;
+  std::multimap<timeout_key, ticket> keys_; ///< the pending actor_timeouts
+  std::uint64_t fired_ = 0;
+};
+
+} // namespace rubicon::scheduler

@@ -1,0 +1,129 @@
+#include "scheduler/trace.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <caf/abstract_actor.hpp>
+#include <caf/actor.hpp>
+#include <caf/actor_addr.hpp>
+#include <caf/actor_cast.hpp>
+#include <caf/error.hpp>
+#include <caf/group.hpp>
+#include <caf/system_messages.hpp>
+#include <caf/type_nr.hpp>
+
+#include "scheduler/fold_serializer.hpp"
+#include "scheduler/run_clock.hpp"
+
+namespace rubicon::scheduler {
+
+namespace {
+
+/// CAF's own types that say which actor, process, request or timer by a number CAF made up.
+constexpr std::array numbered_by_caf = {
+    caf::type_nr<caf::actor>::value,           caf::type_nr<std::vector<caf::actor>>::value,
+    caf::type_nr<caf::actor_addr>::value,      caf::type_nr<std::vector<caf::actor_addr>>::value,
+    caf::type_nr<caf::down_msg>::value,        caf::type_nr<caf::downstream_msg>::value,
+    caf::type_nr<caf::exit_msg>::value,        caf::type_nr<caf::group>::value,
+    caf::type_nr<caf::group_down_msg>::value,  caf::type_nr<caf::message>::value,
+    caf::type_nr<caf::message_id>::value,      caf::type_nr<caf::node_id>::value,
+    caf::type_nr<caf::open_stream_msg>::value, caf::type_nr<caf::strong_actor_ptr>::value,
+    caf::type_nr<caf::timeout_msg>::value,     caf::type_nr<caf::upstream_msg>::value,
+    caf::type_nr<caf::weak_actor_ptr>::value,
+};
+
+constexpr auto error_number = caf::type_nr<caf::error>::value;
+
+/// How the Itanium ABI begins the name of every caf::typed_actor.
+constexpr std::string_view typed_handle_prefix = "N3caf11typed_actorI";
+
+std::string_view path_of(const caf::strong_actor_ptr& x) {
+  const auto* traced =
+      x ? dynamic_cast<const traced_base*>(caf::actor_cast<caf::abstract_actor*>(x)) : nullptr;
+  return traced != nullptr ? std::string_view(traced->path()) : std::string_view();
+}
+
+} // namespace
+
+void trace_recorder::start(const caf::actor_clock& clock, bool shared) {
+  clock_ = &clock;
+  shared_ = shared;
+  home_ = std::this_thread::get_id();
+}
+
+void trace_recorder::stop() {
+  const auto lock = guard();
+  clock_ = nullptr;
+}
+
+std::unique_lock<std::mutex> trace_recorder::guard() {
+  return shared_ ? std::unique_lock(mutex_) : std::unique_lock<std::mutex>();
+}
+
+void trace_recorder::record(std::uint64_t path_hash, std::string_view path,
+                            const caf::mailbox_element& x) {
+  if (!shared_ && std::this_thread::get_id() != home_)
+    return;
+  const auto lock = guard();
+  if (clock_ == nullptr)
+    return;
+  const auto time = to_instant(clock_->now());
+  ++events_;
+  fold_.add(path_hash).add(static_cast<std::uint64_t>(time.time_since_epoch().count()));
+  fold(x.content());
+  if (observer_)
+    observer_(delivery{time, path, path_of(x.sender), x.content()});
+}
+
+void trace_recorder::fold(const caf::type_erased_tuple& content) {
+  fold_serializer sink(fold_);
+  const auto size = content.size();
+  fold_.add(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto type = content.type(i);
+    const auto entry = entry_of(type);
+    fold_.add(entry.hash);
+    if (type.first == error_number) {
+      // The context of an error may hold anything.
+      const auto& error = content.get_as<caf::error>(i);
+      fold_.add(error.code()).add(static_cast<std::uint64_t>(error.category()));
+    } else if (!entry.opaque) {
+      // An error ends the folding of this element, the same way in every run.
+      static_cast<void>(content.save(i, sink));
+    }
+  }
+}
+
+trace_recorder::type_entry trace_recorder::entry_of(caf::rtti_pair type) {
+  if (type.second != nullptr && type.second == last_type_)
+    return last_entry_;
+  if (type.second == nullptr)
+    return entry_of_number(type.first);
+  const auto [i, added] = named_types_.try_emplace(type.second);
+  if (added) {
+    const std::string_view name = type.second->name();
+    i->second = {fold64().add(name).value(), name.starts_with(typed_handle_prefix)};
+  }
+  last_type_ = type.second;
+  last_entry_ = i->second;
+  return i->second;
+}
+
+trace_recorder::type_entry trace_recorder::entry_of_number(std::uint16_t number) {
+  if (numbered_types_.empty())
+    numbered_types_.resize(caf::type_nrs);
+  auto& entry = numbered_types_[number];
+  if (entry.hash == 0) {
+    const std::string_view name = caf::numbered_type_names[number - 1];
+    entry = {fold64().add(name).value(), std::ranges::count(numbered_by_caf, number) != 0};
+  }
+  return entry;
+}
+
+void traced_base::place(std::string path, trace_recorder* recorder) {
+  path_ = std::move(path);
+  path_hash_ = fold64().add(std::string_view(path_)).value();
+  recorder_ = path_.empty() ? nullptr : recorder;
+}
+
+} // namespace rubicon::scheduler

@@ -1,0 +1,161 @@
+#include <array>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <sys/wait.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/catch.hpp"
+
+namespace {
+
+struct outcome {
+  int status = -1;
+  std::string out; ///< standard output, or standard error where that was asked for
+};
+
+const std::string binary = RUBICON_BINARY;
+
+std::string fixture(const std::string& file) {
+  return RUBICON_FIXTURES "/" + file;
+}
+
+/// Runs a shell command to its end.
+outcome shell(const std::string& command) {
+  auto* const pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  outcome x;
+  std::array<char, 4096> block{};
+  for (auto size = fread(block.data(), 1, block.size(), pipe); size > 0;
+       size = fread(block.data(), 1, block.size(), pipe))
+    x.out.append(block.data(), size);
+  const auto ended = pclose(pipe);
+  REQUIRE(WIFEXITED(ended)); // no signal, whatever the input
+  x.status = WEXITSTATUS(ended);
+  return x;
+}
+
+outcome standard_output(const std::string& arguments) {
+  return shell('"' + binary + "\" " + arguments + " 2>/dev/null");
+}
+
+outcome standard_error(const std::string& arguments) {
+  return shell('"' + binary + "\" " + arguments + " 2>&1 >/dev/null");
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t from = 0; from < text.size();) {
+    const auto end = std::min(text.find('\n', from), text.size());
+    lines.push_back(text.substr(from, end - from));
+    from = end + 1;
+  }
+  return lines;
+}
+
+} // namespace
+
+TEST_CASE("check tells every mistake of a file with its position", "[cli][GEN-06]") {
+  const auto file = fixture("three_mistakes.toml");
+  const auto x = standard_error("check '" + file + '\'');
+  CHECK(x.status == 2);
+  const auto lines = lines_of(x.out);
+  CAPTURE(x.out);
+  REQUIRE(lines.size() == 4);
+  CHECK(lines[0].starts_with(file + ":7:1: ")); // key nobody knows
+  CHECK(lines[1].starts_with(file + ":11:6: "));   // text where a number belongs
+  CHECK(lines[2].starts_with(file + ":22:6: "));   // the same id twice
+  CHECK(lines[3] == file + ": 3 problems");
+}
+
+TEST_CASE("run refuses what check refuses", "[cli][GEN-06]") {
+  const auto file = '\'' + fixture("three_mistakes.toml") + '\'';
+  const auto x = standard_error("run " + file);
+  CHECK(x.status == 2);
+  CHECK(x.out == standard_error("check " + file).out);
+  CHECK(standard_output("run --json " + file).out.empty());
+}
+
+TEST_CASE("a file that cannot be an ecology costs one line", "[cli][GEN-06]") {
+  const auto file = GENERATE(as<std::string>{}, "empty.toml", "binary.toml", "missing.toml", ".");
+  for (const auto* command : {"check ", "run "}) {
+    CAPTURE(file, command);
+    const auto path = fixture(file);
+    const auto x = standard_error(command + ('\'' + path + '\''));
+    CHECK(x.status == 2);
+    CHECK(lines_of(x.out).size() == 1);
+    CHECK(x.out.starts_with(path + ':'));
+  }
+}
+
+TEST_CASE("a bad command line ends with status 2 and an empty standard output", "[cli]") {
+  const auto arguments = GENERATE(as<std::string>{}, "", "fly", "run", "run --nope x.toml");
+  CAPTURE(arguments);
+  CHECK(standard_output(arguments).status == 2);
+  CHECK(standard_output(arguments).out.empty());
+  CHECK(standard_error(arguments).out.starts_with("rubicon: "));
+}
+
+TEST_CASE("help and version go to standard output", "[cli][GEN-01]") {
+  CHECK(standard_output("--help").status == 0);
+  CHECK(standard_output("--help").out.find("proxy manager") != std::string::npos);
+  CHECK(standard_output("--version").status == 0);
+  CHECK(standard_error("--version").out.empty());
+}
+
+TEST_CASE("check sums a good file up", "[cli]") {
+  const auto x = standard_output("check '" + fixture("small.toml") + '\'');
+  CHECK(x.status == 0);
+  CHECK(x.out.find("small") != std::string::npos);
+  CHECK(standard_error("check '" + fixture("small.toml") + '\'').out.empty());
+}
+
+TEST_CASE("with --json standard output is one object and nothing else", "[cli]") {
+  const auto x =
+      standard_output("run --json --log trace --for 20s --seed 5 '" + fixture("small.toml") + '\'');
+  CHECK(x.status == 0);
+  const auto report = nlohmann::json::parse(x.out); // throws on anything before or after
+  CHECK(report.at("ecology") == "small");
+  CHECK(report.at("seed") == 5);
+  CHECK(report.at("simulated_s") == 20.0);
+  CHECK(report.at("motes").at("configured") == 2);
+  CHECK(report.at("trace_hash").get<std::string>().size() == 16);
+  CHECK(report.at("violations").empty());
+}
+
+TEST_CASE("two runs of one file and seed give the same report", "[cli][GEN-07]") {
+  const auto arguments = "run --json --for 20s '" + fixture("small.toml") + '\'';
+  auto first = nlohmann::json::parse(standard_output(arguments).out);
+  auto second = nlohmann::json::parse(standard_output(arguments).out);
+  first.erase("wall_s");
+  second.erase("wall_s");
+  CHECK(first == second);
+}
+
+TEST_CASE("the determinism check prints both hashes", "[cli][ACT-05]") {
+  const auto x =
+      standard_output("run --check-determinism --for 20s '" + fixture("small.toml") + '\'');
+  CHECK(x.status == 0);
+  const auto lines = lines_of(x.out);
+  REQUIRE(lines.size() == 3);
+  CHECK(lines[0].starts_with("first run "));
+  CHECK(lines[1].starts_with("second run "));
+  CHECK(lines[0].substr(12) == lines[1].substr(12));
+  CHECK(lines[2] == "equal");
+}
+
+TEST_CASE("a report for a pipe holds no escapes", "[cli]") {
+  const auto x = standard_output("run --for 20s '" + fixture("small.toml") + '\'');
+  CHECK(x.status == 0);
+  CHECK(x.out.find('\033') == std::string::npos);
+  CHECK(x.out.find("no violations") != std::string::npos);
+}
+
+TEST_CASE("output that cannot be written is not passed over", "[cli]") {
+  const auto file = '\'' + fixture("small.toml") + '\'';
+  CHECK(shell('"' + binary + "\" run --json --for 1s " + file + " >/dev/full 2>/dev/null").status ==
+        2);
+  CHECK(shell('"' + binary + "\" check " + file + " >/dev/full 2>/dev/null").status == 2);
+}

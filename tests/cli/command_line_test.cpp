@@ -1,0 +1,118 @@
+#include <vector>
+
+#include "cli/command_line.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::cli;
+
+namespace {
+
+command parse(std::vector<const char*> words) {
+  words.insert(words.begin(), "rubicon");
+  return parse_command_line(words);
+}
+
+run_command parse_run(std::vector<const char*> words) {
+  words.insert(words.begin(), {"run", "home.toml"});
+  const auto x = parse(words);
+  REQUIRE(std::holds_alternative<run_command>(x));
+  return std::get<run_command>(x);
+}
+
+/// What is said about a command line that is refused; empty if it is not.
+std::string refusal(std::vector<const char*> words) {
+  const auto x = parse(std::move(words));
+  const auto* refused = std::get_if<refused_command>(&x);
+  return refused == nullptr ? "" : refused->text;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+} // namespace
+
+TEST_CASE("without options the file decides", "[cli]") {
+  const auto x = parse_run({});
+  CHECK(x.file == "home.toml");
+  CHECK(!x.options.length);
+  CHECK(!x.options.seed);
+  CHECK(!x.options.mode);
+  CHECK(x.options.speed == 0);
+  CHECK(x.options.debug_folder.empty()); // NFR-01: off by default
+  CHECK(x.options.handle_signals);
+  CHECK(x.log_level == "warn");
+  CHECK(!x.json);
+  CHECK(!x.check_determinism);
+}
+
+TEST_CASE("each option of run reaches the run", "[cli][GEN-07][NFR-01]") {
+  CHECK(parse_run({"--for", "10min"}).options.length == 10min);
+  CHECK(parse_run({"--for=1.5s"}).options.length == 1500ms);
+  CHECK(parse_run({"--seed", "18446744073709551615"}).options.seed == 18446744073709551615U);
+  CHECK(parse_run({"--mode", "wall"}).options.mode == config::run_mode::wall);
+  CHECK(parse_run({"--mode", "virtual"}).options.mode == config::run_mode::virtual_time);
+  CHECK(parse_run({"--speed", "2.5"}).options.speed == 2.5);
+  CHECK(parse_run({"--debug-dir", "logs"}).options.debug_folder == "logs");
+  CHECK(parse_run({"--log", "debug"}).log_level == "debug");
+  CHECK(parse_run({"--json"}).json);
+  CHECK(parse_run({"--check-determinism"}).check_determinism);
+}
+
+TEST_CASE("options may stand before the file", "[cli]") {
+  const auto x = parse({"run", "--json", "--seed", "3", "home.toml"});
+  REQUIRE(std::holds_alternative<run_command>(x));
+  CHECK(std::get<run_command>(x).file == "home.toml");
+}
+
+TEST_CASE("a command line that makes no sense is refused with its reason", "[cli]") {
+  const auto line = GENERATE(
+      std::vector<const char*>{}, std::vector<const char*>{"fly"}, std::vector<const char*>{"run"},
+      std::vector<const char*>{"check"}, std::vector<const char*>{"run", "a.toml", "b.toml"},
+      std::vector<const char*>{"run", "a.toml", "--nope"},
+      std::vector<const char*>{"check", "a.toml", "--seed", "1"},
+      std::vector<const char*>{"run", "a.toml", "--for"},
+      std::vector<const char*>{"run", "a.toml", "--for", "soon"},
+      std::vector<const char*>{"run", "a.toml", "--for", "0s"},
+      std::vector<const char*>{"run", "a.toml", "--for=-3s"},
+      std::vector<const char*>{"run", "a.toml", "--seed=-1"},
+      std::vector<const char*>{"run", "a.toml", "--seed", "18446744073709551616"},
+      std::vector<const char*>{"run", "a.toml", "--seed", "1.5"},
+      std::vector<const char*>{"run", "a.toml", "--mode", "fast"},
+      std::vector<const char*>{"run", "a.toml", "--speed", "0"},
+      std::vector<const char*>{"run", "a.toml", "--speed", "nan"},
+      std::vector<const char*>{"run", "a.toml", "--speed", "inf"},
+      std::vector<const char*>{"run", "a.toml", "--log", "loud"},
+      std::vector<const char*>{"run", "a.toml", "--check-determinism", "--mode", "wall"});
+  const auto text = refusal(line);
+  CAPTURE(line, text);
+  CHECK(text.starts_with("rubicon: "));
+  CHECK(text.ends_with("\nrubicon --help explains.\n"));
+}
+
+TEST_CASE("a refusal names the option and what was wrong with it", "[cli]") {
+  CHECK(contains(refusal({"run", "a.toml", "--nope"}), "--nope"));
+  CHECK(
+      contains(refusal({"run", "a.toml", "--for", "soon"}), "--for: not a length of time: 'soon'"));
+  CHECK(contains(refusal({"run", "a.toml", "--seed=-1"}), "'-1'"));
+  CHECK(contains(refusal({"run"}), "FILE"));
+}
+
+TEST_CASE("help names every role and every exit status", "[cli][GEN-01]") {
+  const auto x = parse({"--help"});
+  REQUIRE(std::holds_alternative<show_command>(x));
+  const auto& text = std::get<show_command>(x).text;
+  for (const auto* role : {"mote", "sink", "gateway", "PEIS peer", "proxy", "proxy manager"}) {
+    CAPTURE(role);
+    CHECK(contains(text, "\n  " + std::string(role) + ' '));
+  }
+  CHECK(contains(text, "Exit status: 0 good; 1"));
+}
+
+TEST_CASE("version and a command's help are shown, not refused", "[cli]") {
+  const auto version = parse({"--version"});
+  REQUIRE(std::holds_alternative<show_command>(version));
+  CHECK(std::get<show_command>(version).text.starts_with("rubicon "));
+  CHECK(std::holds_alternative<show_command>(parse({"run", "--help"})));
+}

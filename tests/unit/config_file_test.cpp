@@ -1,0 +1,110 @@
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "config/document.hpp"
+#include "config/load.hpp"
+#include "config_sample.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::config;
+using rubicon::test::problem_in;
+
+namespace {
+
+/// A file that is gone after the test.
+class scratch_file {
+public:
+  explicit scratch_file(const std::string& content)
+      : path_(std::filesystem::temp_directory_path() /
+              ("rubicon-config-test-" + std::to_string(std::rand()) + ".toml")) {
+    std::ofstream(path_, std::ios::binary) << content;
+  }
+  scratch_file(const scratch_file&) = delete;
+  scratch_file& operator=(const scratch_file&) = delete;
+  ~scratch_file() { std::filesystem::remove(path_); }
+
+  [[nodiscard]] std::string path() const { return path_.string(); }
+
+private:
+  std::filesystem::path path_;
+};
+
+std::string only_problem(const std::string& path) {
+  const auto x = load_file(path);
+  CHECK_FALSE(x.ecology);
+  REQUIRE(x.problems.size() == 1);
+  return to_string(x.problems.front());
+}
+
+} // namespace
+
+TEST_CASE("a file that cannot be an ecology costs one clear line", "[config][GEN-06]") {
+  CHECK(only_problem("/nowhere/x.toml") ==
+        "/nowhere/x.toml: cannot be opened: No such file or directory");
+  CHECK(only_problem(".") == ".: is a directory, not a file");
+  const scratch_file empty("");
+  CHECK(only_problem(empty.path()) ==
+        empty.path() + ": is empty; an ecology needs [ecology] and an [[island]] or [[peer]]");
+  const scratch_file binary(std::string("\x7f"
+                                        "ELF\0\1",
+                                        6));
+  CHECK(only_problem(binary.path()) ==
+        binary.path() + ": is a binary file, not TOML: octet 4 is NUL");
+}
+
+TEST_CASE("a good file yields its description, under whatever name", "[config][GEN-04]") {
+  const scratch_file file{std::string(test::head)};
+  const auto x = load_file(file.path());
+  CHECK(x.problems.empty());
+  REQUIRE(x.ecology);
+  CHECK(x.ecology->name == "t");
+}
+
+TEST_CASE("a file of comments alone lacks everything", "[config][GEN-06]") {
+  CHECK(problem_in("# nothing\n") ==
+        "1:1: the file has neither an [[island]] nor a [[peer]]\n"
+        "1:1: the file lacks the table [ecology]");
+}
+
+TEST_CASE("a syntax error is told with its place", "[config][GEN-06]") {
+  struct row {
+    const char* toml;
+    const char* place;
+  };
+  const auto x = GENERATE(values<row>({{"a = 1\nb = \n", "2:5: "},
+                                       {"a = 1\na = 2\n", "2:5: "},
+                                       {"[ecology\n", "1:9: "},
+                                       {"[ecology]\nname = \"t\n", "2:10: "},
+                                       {"[ecology]\nname = \"\xff\"\n", "2:9: "},
+                                       {"[x]\n[x]\n", "2:1: "},
+                                       {"\xff\xfe", "1:1: "},
+                                       {"a = [[[[[[[[[[[[[[[[[[[[1]]]]]]]]]]]]]]]]]]]]", "1:"}}));
+  CAPTURE(x.toml);
+  const auto found = test::problems_in(x.toml);
+  REQUIRE(found.size() == 1);
+  CAPTURE(found.front());
+  CHECK(found.front().starts_with(x.place));
+}
+
+TEST_CASE("limits keep a hostile file from exhausting the parser", "[config]") {
+  std::string deep = "[a";
+  for (std::size_t i = 0; i < 200'000; ++i)
+    deep += ".a";
+  CHECK(problem_in("\n" + deep + "]\n") ==
+        "2:1: has more than 1000 dots in one line; break it into several");
+  CHECK(problem_in(std::string(file_octets_max + 1, '#')) ==
+        " is larger than 16777216 octets");
+  std::string at_limit = "[a";
+  for (std::size_t i = 0; i < line_dots_max; ++i)
+    at_limit += ".a";
+  CHECK(test::problem_after(test::head, at_limit + "]\n").find("unknown key `a`") !=
+        std::string::npos);
+}
+
+TEST_CASE("text that a terminal would act on is made harmless", "[config]") {
+  const auto found = test::problem_after(test::head, "\"a\\u001b[2J\" = 1\n");
+  CHECK(found.find("unknown key `a?[2J` in [[peer]]") != std::string::npos);
+}

@@ -1,0 +1,51 @@
+// Small files for the tests of the config room.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/load.hpp"
+
+namespace rubicon::test {
+
+/// What ends in line 5, is good by itself, and says nothing about islands: an [ecology] and a peer.
+inline constexpr std::string_view head = "[ecology]\nname = \"t\"\n"
+                                         "[[peer]]\nname = \"pc\"\nid = 300\n";
+
+/// The same up to line 14, with one island `k` of the id 1, a sink at the origin, and a mote type
+/// `c`, number 7, with a temperature and a fan. What follows may begin with island.mote tables.
+inline constexpr std::string_view island_head =
+    "[ecology]\nname = \"t\"\nduration = \"1h\"\n"
+    "[[peer]]\nname = \"pc\"\nid = 300\n"
+    "[mote_type.c]\ntype = 7\n"
+    "transducers.temperature = { model = \"constant\", value = 20 }\n"
+    "actuators = [{ name = \"fan\", kind = \"relay\" }]\n"
+    "[[island]]\nname = \"k\"\nid = 1\n"
+    "\n";
+
+/// island_head and a mote of type `c` with the id 2: what follows, from line 19, is about the mote.
+inline const std::string mote_head =
+    std::string(island_head) + "[[island.mote]]\nid = 2\ntype = \"c\"\nposition_m = [1, 2]\n";
+
+/// head and a proxy of type 7; what follows stands from line 9.
+inline const std::string proxy_head =
+    std::string(head) + "[[proxy]]\nname = \"p\"\ntypes = [7]\n";
+
+/// proxy_head and one of its fields or inputs; what follows stands from line 12.
+inline const std::string field_head =
+    proxy_head + "[[proxy.field]]\nname = \"f\"\nchannel = 1\n";
+inline const std::string input_head =
+    proxy_head + "[[proxy.input]]\nname = \"i\"\nchannel = 2\n";
+
+/// Every problem as `line:column: message`.
+[[nodiscard]] std::vector<std::string> problems_in(const std::string& toml);
+
+/// The only problem; `none` without any, all of them in one text if there are several.
+[[nodiscard]] std::string problem_in(const std::string& toml);
+[[nodiscard]] std::string problem_after(std::string_view start, std::string_view rest);
+
+/// @pre there are no problems: throws std::runtime_error that tells them
+[[nodiscard]] config::ecology_description good(const std::string& toml);
+
+} // namespace rubicon::test

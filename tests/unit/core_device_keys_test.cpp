@@ -1,0 +1,124 @@
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/device_keys.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+
+namespace {
+
+std::vector<mote_id> motes(std::initializer_list<int> ids) {
+  std::vector<mote_id> list;
+  for (const auto id : ids)
+    list.emplace_back(static_cast<std::uint16_t>(id));
+  return list;
+}
+
+} // namespace
+
+TEST_CASE("device keys read as D1.1 5.4 writes them", "[core][GW-03][GW-04][GW-05][GW-06][GW-07]") {
+  CHECK(devices_key == "devices");
+  CHECK(device_type_key(mote_id{7}) == "devices.7.type");
+  CHECK(device_descriptor_key(mote_id{7}) == "devices.7.descriptor");
+  CHECK(device_input_key(mote_id{7}, 0) == "devices.7.input.0");
+  CHECK(device_output_key(mote_id{7}, 65535) == "devices.7.output.65535");
+  CHECK(device_input_status_key(mote_id{65532}, 12) == "devices.65532.input.12.status");
+}
+
+TEST_CASE("every device key comes back from its text", "[core][GW-07]") {
+  for (const auto what : {device_tuple::list, device_tuple::type, device_tuple::descriptor,
+                          device_tuple::output, device_tuple::input, device_tuple::input_status})
+    for (const auto mote : std::vector<std::uint16_t>{1, 7, 65532})
+      for (const auto channel : std::vector<std::uint16_t>{0, 1, 10, 65535}) {
+        const bool has_mote = what != device_tuple::list;
+        const bool has_channel = what == device_tuple::output || what == device_tuple::input ||
+                                 what == device_tuple::input_status;
+        const device_key key{what, mote_id{has_mote ? mote : std::uint16_t{0}},
+                             has_channel ? channel : std::uint16_t{0}};
+        const auto parsed = parse_device_key(to_string(key));
+        REQUIRE(parsed);
+        CHECK(*parsed == key);
+      }
+}
+
+TEST_CASE("letter case does not tell device keys apart", "[core][GW-07][TUP-03]") {
+  const auto key = parse_device_key("DEVICES.7.Input.3.STATUS");
+  REQUIRE(key);
+  CHECK(*key == device_key{device_tuple::input_status, mote_id{7}, 3});
+}
+
+TEST_CASE("a key that is not exactly a device key is refused", "[core][GW-07]") {
+  const auto* const key = GENERATE(
+      "", ".", "device", "devices.", "devices.7", "devices.7.", "devices..type", "devices.0.type",
+      "devices.07.type", "devices.65533.type", "devices.65536.type", "devices.4294967303.type",
+      "devices.-7.type", "devices.+7.type", "devices.7x.type", "devices. 7.type", "devices.7.types",
+      "devices.7.type.", "devices.7.type.0", "devices.*.type", "devices.7.input",
+      "devices.7.input.", "devices.7.input.00", "devices.7.input.01", "devices.7.input.65536",
+      "devices.7.input.-1", "devices.7.input.*", "devices.7.output.1.status",
+      "devices.7.input.1.state", "devices.7.input.1.status.x", "devices.7.input.1.status.x.y.z",
+      "xdevices.7.type", "devices.7.descriptor.1");
+  const auto parsed = parse_device_key(key);
+  CAPTURE(key);
+  REQUIRE_FALSE(parsed);
+  CHECK(parsed.error() == errc::bad_value);
+}
+
+TEST_CASE("the device list is ascending text in braces", "[core][GW-03][A-45]") {
+  CHECK(device_list_text({}) == "{}");
+  CHECK(device_list_text(motes({7})) == "{7}");
+  CHECK(device_list_text(motes({11, 1, 7, 1})) == "{1,7,11}");
+  for (const auto& list : {motes({}), motes({1}), motes({1, 7, 11}), motes({1, 65532})}) {
+    const auto parsed = parse_device_list(device_list_text(list));
+    REQUIRE(parsed);
+    CHECK(*parsed == list);
+  }
+}
+
+TEST_CASE("a device list that is not exactly one is refused", "[core][GW-03]") {
+  const auto* const text =
+      GENERATE("", "{", "}", "1,7", "{1,7", "1,7}", "{,}", "{1,}", "{,1}", "{1,,7}", "{ 1}",
+               "{1, 7}", "{7,1}", "{1,1}", "{0}", "{01}", "{65533}", "{65537}", "{-1}", "{+1}",
+               "{a}", "{1}}", "{{1}", "{1} ", "(1)", "{1;7}");
+  CAPTURE(text);
+  CHECK_FALSE(parse_device_list(text));
+}
+
+TEST_CASE("a type is 4 octets, most significant first", "[core][GW-04][GW-11][A-45]") {
+  CHECK(device_type_octets(42) == bytes{0, 0, 0, 0x2a});
+  CHECK(*parse_device_type(bytes{0x01, 0x02, 0x03, 0x04}) == 0x01020304);
+  CHECK(parse_device_type(bytes{}).error() == errc::truncated);
+  CHECK(parse_device_type(bytes{0, 0, 42}).error() == errc::truncated);
+  CHECK(parse_device_type(bytes{0, 0, 0, 42, 0}).error() == errc::too_long);
+}
+
+TEST_CASE("the status of an input is a number and a word", "[core][GW-12]") {
+  const std::vector<std::pair<input_status, std::string>> table{
+      {{1, input_outcome::pending}, "1 pending"},
+      {{2, input_outcome::acknowledged}, "2 acknowledged"},
+      {{10, input_outcome::failed}, "10 failed"},
+      {{18446744073709551615ULL, input_outcome::unreachable}, "18446744073709551615 unreachable"}};
+  for (const auto& [status, text] : table) {
+    CHECK(to_string(status) == text);
+    const auto parsed = parse_input_status(text);
+    REQUIRE(parsed);
+    CHECK(*parsed == status);
+  }
+}
+
+TEST_CASE("a status that is not exactly a number and a word is refused", "[core][GW-12]") {
+  const auto* const text =
+      GENERATE("", " ", "1", "pending", "1 ", " pending", "1  pending", "0 pending", "01 pending",
+               "-1 pending", "1 Pending", "1 pending ", "1 done", "18446744073709551616 failed");
+  CAPTURE(text);
+  CHECK_FALSE(parse_input_status(text));
+}
+
+TEST_CASE("the text of a tuple ends before its NUL", "[core][TUP-02]") {
+  CHECK(tuple_text(bytes{'{', '1', '}', 0}) == "{1}");
+  CHECK(tuple_text(bytes{'{', '1', '}'}) == "{1}");
+  CHECK(tuple_text(bytes{'a', 0, 'b', 0}) == "a");
+  CHECK(tuple_text(bytes{0}).empty());
+  CHECK(tuple_text(bytes{}).empty());
+}

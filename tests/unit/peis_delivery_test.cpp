@@ -1,0 +1,123 @@
+#include <vector>
+
+#include "peis/delivery.hpp"
+#include "support/catch.hpp"
+
+namespace rubicon::peis {
+namespace {
+
+constexpr peer_id there{9};
+
+reliable_message message_of(std::size_t size, priority service = priority::normal,
+                            std::uint64_t request = 1) {
+  return {peer_id{1},
+          there,
+          20,
+          service,
+          request_id{request},
+          std::make_shared<const message_octets>(message_octets{payload(bytes(size)), {}})};
+}
+
+} // namespace
+
+TEST_CASE("an unacknowledged package is sent at 0, T, 3T, 6T, 10T, 15T, 21T and fails at 28T",
+          "[peis][ACK-02][ACK-03][ACK-04]") {
+  random_stream dice(1);
+  delivery reliable{delivery_config{}};
+  REQUIRE(reliable.add(message_of(10), dice));
+  auto package = reliable.next(there, dice)->second;
+  reliable.on_transmitted(package.header.ack_id, instant{});
+  std::vector<int> sent_at{0};
+  std::optional<instant> failed_at;
+  auto last_id = package.header.id;
+  while (const auto deadline = reliable.deadline()) {
+    const auto due = reliable.take_due(*deadline, dice);
+    REQUIRE(due);
+    if (due->failed) {
+      failed_at = deadline;
+      CHECK(due->failed->request == request_id{1});
+      continue;
+    }
+    sent_at.push_back(static_cast<int>((*deadline - instant{}) / 400ms));
+    CHECK(due->again->header.ack_id == package.header.ack_id);
+    CHECK(due->again->header.id != last_id);
+    last_id = due->again->header.id;
+    reliable.on_transmitted(due->ack_id, *deadline);
+  }
+  CHECK(sent_at == std::vector<int>{0, 1, 3, 6, 10, 15, 21});
+  CHECK(failed_at == instant{11200ms});
+  CHECK(reliable.in_flight() == 0); // ACK-01
+}
+
+TEST_CASE("a long message succeeds when all its fragments have, and once", "[peis][ACK-07]") {
+  random_stream dice(2);
+  delivery reliable{delivery_config{}};
+  REQUIRE(reliable.add(message_of(3000, priority::bulk), dice));
+  std::vector<std::int32_t> ids;
+  while (const auto x = reliable.next(there, dice)) {
+    CHECK(x->first == lane::bulk);
+    CHECK(x->second.header.seqlen == 3);
+    CHECK((x->second.header.flags & package_flag::bulk) != 0);
+    ids.push_back(x->second.header.ack_id);
+  }
+  REQUIRE(ids.size() == 3);
+  CHECK(!reliable.acknowledge(ids[2])->finished);
+  CHECK(!reliable.acknowledge(ids[0])->finished);
+  CHECK(!reliable.acknowledge(ids[0])); // twice
+  CHECK(reliable.acknowledge(ids[1])->finished);
+}
+
+TEST_CASE("one lost fragment fails the whole message once", "[peis][ACK-07]") {
+  random_stream dice(3);
+  delivery reliable{delivery_config{}};
+  REQUIRE(reliable.add(message_of(5000, priority::bulk), dice));
+  std::vector<std::int32_t> ids;
+  while (const auto x = reliable.next(there, dice)) {
+    ids.push_back(x->second.header.ack_id);
+    reliable.on_transmitted(ids.back(), instant{});
+  }
+  for (std::size_t i = 1; i + 1 < ids.size(); ++i)
+    CHECK(!reliable.acknowledge(ids[i])->finished);
+  int failures = 0;
+  while (const auto deadline = reliable.deadline()) {
+    const auto due = reliable.take_due(*deadline, dice);
+    failures += due->failed ? 1 : 0;
+    if (!due->failed)
+      reliable.on_transmitted(due->ack_id, *deadline);
+  }
+  CHECK(failures == 1);
+  CHECK(reliable.in_flight() == 0);
+}
+
+TEST_CASE("at most 256 packages are under way to a destination, and bulk leaves room",
+          "[peis][P2P-05][API-03]") {
+  random_stream dice(4);
+  delivery reliable{delivery_config{}};
+  REQUIRE(reliable.add(message_of(1 << 20, priority::bulk), dice));
+  std::size_t bulk = 0;
+  while (reliable.next(there, dice))
+    ++bulk;
+  CHECK(bulk == 224);
+  for (int i = 0; i < 50; ++i)
+    REQUIRE(reliable.add(message_of(10), dice));
+  std::size_t normal = 0;
+  while (const auto x = reliable.next(there, dice)) {
+    CHECK(x->first == lane::normal);
+    ++normal;
+  }
+  CHECK(bulk + normal == 256);
+}
+
+TEST_CASE("messages that cannot begin wait up to a limit", "[peis][P2P-03]") {
+  random_stream dice(5);
+  delivery reliable{delivery_config{400ms, 1, 3}};
+  for (int i = 0; i < 3; ++i)
+    CHECK(reliable.add(message_of(1), dice));
+  CHECK(!reliable.add(message_of(1), dice));
+  CHECK(reliable.next(there, dice));
+  CHECK(reliable.add(message_of(1), dice));
+  CHECK(reliable.fail_all(there).size() == 4);
+  CHECK(!reliable.next_lane(there));
+}
+
+} // namespace rubicon::peis

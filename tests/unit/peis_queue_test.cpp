@@ -1,0 +1,137 @@
+#include <string>
+
+#include "peis/outgoing_queue.hpp"
+#include "peis/reassembly.hpp"
+#include "peis/seen_ids.hpp"
+#include "support/catch.hpp"
+
+namespace rubicon::peis {
+namespace {
+
+outgoing_package numbered(std::int32_t id) {
+  outgoing_package x;
+  x.header.id = id;
+  return x;
+}
+
+package_header fragment(std::int32_t source, std::uint16_t number, std::uint16_t count,
+                        std::uint16_t length = data_max) {
+  package_header x;
+  x.source = peer_id{source};
+  x.port = 20;
+  x.seqid = 5;
+  x.seqnum = number;
+  x.seqlen = count;
+  x.length = length;
+  return x;
+}
+
+} // namespace
+
+TEST_CASE("a lower class leaves only when all higher ones are empty", "[peis][P2P-02][API-03]") {
+  outgoing_queue queue(10);
+  queue.push(lane::bulk, numbered(5));
+  queue.push(lane::normal, numbered(4));
+  queue.push(lane::high, numbered(3));
+  queue.push(lane::control, numbered(1));
+  queue.push(lane::acknowledgements, numbered(2));
+  queue.push(lane::control, numbered(1));
+  std::string order;
+  while (const auto x = queue.pop())
+    order += std::to_string(x->header.id);
+  CHECK(order == "112345");
+}
+
+TEST_CASE("a full class refuses, others do not", "[peis][P2P-03]") {
+  random_stream dice(1);
+  outgoing_queue queue(4);
+  for (int i = 0; i < 4; ++i) {
+    CHECK(queue.admission(lane::control, 1, dice) == cause::none);
+    queue.push(lane::control, numbered(i + 1));
+  }
+  CHECK(queue.admission(lane::control, 1, dice) == cause::queue_full);
+  CHECK(queue.admission(lane::normal, 4, dice) == cause::none);
+  CHECK(queue.admission(lane::normal, 5, dice) == cause::queue_full);
+}
+
+TEST_CASE("early drop starts at half full and grows to certainty", "[peis][P2P-03]") {
+  random_stream dice(7);
+  outgoing_queue queue(100);
+  const auto refused = [&] {
+    int count = 0;
+    for (int i = 0; i < 1000; ++i)
+      count += queue.admission(lane::normal, 1, dice) == cause::early_drop ? 1 : 0;
+    return count;
+  };
+  for (int i = 0; i < 50; ++i)
+    queue.push(lane::high, numbered(1));
+  CHECK(refused() == 0);
+  CHECK(!queue.has_room(lane::normal));
+  for (int i = 0; i < 25; ++i)
+    queue.push(lane::normal, numbered(1));
+  CHECK(refused() > 400);
+  CHECK(refused() < 600);
+  CHECK(queue.admission(lane::acknowledgements, 1, dice) == cause::none); // above them
+}
+
+TEST_CASE("a message in two parts is read across the seam", "[peis]") {
+  const message_octets x{payload(bytes{0, 1, 2}), payload(bytes{3, 4, 5, 6})};
+  for (std::size_t offset = 0; offset <= 7; ++offset) {
+    for (std::size_t count = 0; offset + count <= 7; ++count) {
+      bytes out;
+      x.append(offset, count, out);
+      REQUIRE(out.size() == count);
+      for (std::size_t i = 0; i < count; ++i)
+        CHECK(out[i] == offset + i);
+    }
+  }
+}
+
+TEST_CASE("ids are remembered for as many as promised", "[peis][P2P-07]") {
+  seen_ids seen(4096);
+  for (std::int32_t id = 1; id <= 20000; ++id) {
+    REQUIRE(seen.insert(id));
+    REQUIRE(!seen.insert(id));
+    if (id > 4096)
+      REQUIRE(!seen.insert(id - 4095));
+  }
+}
+
+TEST_CASE("fragments of two sources with equal numbers do not mix", "[peis][P2P-04]") {
+  reassembly assembly{reassembly_config{}};
+  const bytes a(data_max, 1);
+  const bytes b(data_max, 2);
+  CHECK(!assembly.add(fragment(1, 0, 2), a, instant{}));
+  CHECK(!assembly.add(fragment(2, 0, 2), b, instant{}));
+  const auto whole = assembly.add(fragment(1, 1, 2, 1), bytes{1}, instant{});
+  REQUIRE(whole);
+  CHECK(*whole == bytes(data_max + 1, 1));
+}
+
+TEST_CASE("an incomplete message is discarded 10 s after its last fragment", "[peis][P2P-04]") {
+  reassembly assembly{reassembly_config{}};
+  const bytes data(data_max);
+  CHECK(!assembly.add(fragment(1, 0, 3), data, instant{}));
+  CHECK(!assembly.add(fragment(1, 1, 3), data, instant{4s}));
+  CHECK(assembly.on_time(*assembly.deadline()) == 0);
+  REQUIRE(assembly.deadline() == instant{14s});
+  CHECK(assembly.on_time(instant{14s}) == 1);
+  CHECK(assembly.size() == 0);
+  CHECK(!assembly.deadline());
+}
+
+TEST_CASE("reassembly is bounded in messages and octets", "[peis][P2P-04]") {
+  reassembly assembly{reassembly_config{2, 4 * data_max, 10s}};
+  const bytes data(data_max);
+  CHECK(!assembly.accepts(fragment(1, 4, 9))); // would make room for five
+  CHECK(assembly.accepts(fragment(1, 1, 9)));
+  CHECK(!assembly.add(fragment(1, 1, 9), data, instant{}));
+  CHECK(!assembly.accepts(fragment(1, 2, 8))); // another count
+  CHECK(!assembly.add(fragment(2, 0, 9), data, instant{}));
+  CHECK(!assembly.accepts(fragment(3, 0, 9))); // a third message
+  CHECK(assembly.accepts(fragment(2, 1, 9)));
+  assembly.drop(peer_id{1});
+  CHECK(assembly.accepts(fragment(3, 0, 9)));
+}
+
+} // namespace rubicon::peis

@@ -1,0 +1,146 @@
+#include "peis/package.hpp"
+#include "peis/tuple_space.hpp"
+#include "support/catch.hpp"
+
+namespace rubicon::peis {
+namespace {
+
+constexpr peer_id me{1};
+constexpr peer_id other{2};
+constexpr instant start{100s};
+
+tuple_space space() {
+  return {tuple_space_config{}, me, 1'000'000'000s};
+}
+
+bytes pushed(std::int32_t seqno, std::int32_t written, std::string_view text,
+             timestamp expiry = never) {
+  tuple x;
+  x.owner = x.creator = other;
+  x.name = *key::parse("x");
+  x.mimetype = "text/plain";
+  x.written = {written, 0};
+  x.expiry = expiry;
+  x.seqno = seqno;
+  auto octets = encode_tuple_head(x, tuple_message_kind::push);
+  octets.insert(octets.end(), text.begin(), text.end());
+  octets.push_back(0);
+  return octets;
+}
+
+bytes subscription(std::string_view pattern, std::optional<lifetime_tag> lifetime = {}) {
+  subscribe_message message;
+  message.wanted.name = *key::parse(pattern);
+  message.lifetime = lifetime;
+  return encode(message);
+}
+
+} // namespace
+
+TEST_CASE("an older value never replaces a newer one", "[peis][TUP-17]") {
+  auto x = space();
+  static_cast<void>(x.subscribe(any_peer, *key::parse("x"), subscription_id{1}, start));
+  const auto text = [&] { return x.find(other, *key::parse("x"))->text(); };
+  static_cast<void>(x.on_push(other, pushed(5, 1000, "five"), start));
+  static_cast<void>(x.on_push(other, pushed(4, 999, "four"), start));
+  CHECK(text() == "five");
+  static_cast<void>(x.on_push(other, pushed(5, 1000, "again"), start));
+  CHECK(text() == "five");
+  CHECK(x.counters().outdated == 2);
+  static_cast<void>(x.on_push(other, pushed(0, 1001, "restarted"), start)); // peis-wire.md 15.3
+  CHECK(text() == "restarted");
+}
+
+TEST_CASE("a late deletion does not remove a newer value", "[peis][TUP-16][TUP-17]") {
+  auto x = space();
+  static_cast<void>(x.subscribe(any_peer, *key::parse("x"), subscription_id{1}, start));
+  static_cast<void>(x.on_push(other, pushed(0, 1001, "created anew"), start));
+  CHECK(x.on_push(other, pushed(9, 1000, "", deleted), start).empty());
+  CHECK(x.find(other, *key::parse("x")) != nullptr);
+  CHECK(x.on_push(other, pushed(1, 1002, "", deleted), start).size() == 1);
+  CHECK(x.find(other, *key::parse("x")) == nullptr);
+}
+
+TEST_CASE("pushes of nobody's interest or in somebody's name are dropped", "[peis][TUP-08]") {
+  auto x = space();
+  CHECK(x.on_push(other, pushed(0, 1, "v"), start).empty());
+  CHECK(x.counters().unwanted == 1);
+  static_cast<void>(x.subscribe(any_peer, key(), subscription_id{1}, start));
+  CHECK(x.on_push(peer_id{3}, pushed(0, 1, "v"), start).empty());
+  CHECK(x.counters().malformed == 1);
+  CHECK(x.on_push(other, pushed(0, 1, "v"), start).size() == 1);
+}
+
+TEST_CASE("a repeated subscription of a real kernel pushes again but is stored once",
+          "[peis][TUP-08]") {
+  auto x = space();
+  static_cast<void>(x.set(*key::parse("a.b"), text_content("1"), start));
+  CHECK(x.on_subscribe(other, subscription("A.*"), start).size() == 1);
+  CHECK(x.on_subscribe(other, subscription("a.*"), start).size() == 1);
+  CHECK(x.counters().subscribers == 1);
+  CHECK(x.set(*key::parse("a.b"), text_content("2"), start).second.size() == 1);
+}
+
+TEST_CASE("a refresh of an unknown subscription counts as a new one", "[peis][TUP-10]") {
+  auto x = space();
+  static_cast<void>(x.set(*key::parse("a"), text_content("1"), start));
+  const auto refresh = subscription("a", lifetime_tag{true, 60});
+  CHECK(x.on_subscribe(other, refresh, start).size() == 1);
+  CHECK(x.on_subscribe(other, refresh, start + 20s).empty());
+  REQUIRE(x.deadline());
+  while (x.deadline() && *x.deadline() <= start + 120s)
+    static_cast<void>(x.on_time(*x.deadline()));
+  CHECK(x.counters().subscribers == 0);
+  CHECK(!x.deadline()); // nothing left to watch
+}
+
+TEST_CASE("real kernels are told nothing of lifetimes and nothing twice", "[peis][A-76]") {
+  auto x = space();
+  static_cast<void>(x.subscribe(any_peer, *key::parse("a"), subscription_id{1}, start));
+  const auto check = [&](peer_id host, bool marked) {
+    const auto sent = x.on_host_appeared(host, marked);
+    REQUIRE(sent.size() == 1);
+    const auto message = decode_subscribe(std::get<transmit>(sent[0]).content.head.view());
+    REQUIRE(message);
+    CHECK(message->lifetime.has_value() == marked);
+  };
+  check(peer_id{5}, true);
+  check(peer_id{6}, false);
+  const auto refreshed = x.on_time(*x.deadline());
+  REQUIRE(refreshed.size() == 1);
+  CHECK(std::get<transmit>(refreshed[0]).destination == peer_id{5});
+}
+
+TEST_CASE("subscribers of a vanished host are forgotten", "[peis][TUP-19]") {
+  auto x = space();
+  static_cast<void>(x.on_host_appeared(other, false));
+  static_cast<void>(x.on_subscribe(other, subscription("a"), start));
+  static_cast<void>(x.on_subscribe(other, subscription("*"), start));
+  CHECK(x.has_subscriber(*key::parse("a")));
+  static_cast<void>(x.on_host_vanished(other));
+  CHECK(!x.has_subscriber(*key::parse("a")));
+}
+
+TEST_CASE("a full tuple space refuses new tuples, not new values", "[peis][TUP-24]") {
+  tuple_space x({.tuples_max = 2}, me, 1'000'000'000s);
+  CHECK(x.set(*key::parse("a"), text_content("1"), start).first == cause::none);
+  CHECK(x.set(*key::parse("b"), text_content("1"), start).first == cause::none);
+  CHECK(x.set(*key::parse("c"), text_content("1"), start).first == cause::refused);
+  CHECK(x.set(*key::parse("b"), text_content("2"), start).first == cause::none);
+}
+
+TEST_CASE("everything held is found in order of key and owner", "[peis][TUP-13]") {
+  auto x = space();
+  static_cast<void>(x.subscribe(any_peer, key(), subscription_id{1}, start));
+  static_cast<void>(x.on_push(other, pushed(0, 1, "v"), start));
+  for (const auto* name : {"x", "b.c", "A.z"})
+    static_cast<void>(x.set(*key::parse(name), text_content("1"), start));
+  std::string order;
+  for (const auto* t : x.find_all(any_peer, key()))
+    order += t->name.text() + to_string(t->owner) + ' ';
+  CHECK(order == "A.z1 b.c1 x1 x2 ");
+  CHECK(x.find_all(any_peer, *key::parse("*.*")).size() == 2);
+  CHECK(x.find_all(other, *key::parse("X")).size() == 1);
+}
+
+} // namespace rubicon::peis

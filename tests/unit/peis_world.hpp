@@ -1,0 +1,112 @@
+// Kernels joined by links under virtual time: each link delays, may be cut, and may lose packages.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/random.hpp"
+#include "peis/kernel.hpp"
+#include "peis/link.hpp"
+
+namespace rubicon::peis::test {
+
+/// A package that a link has carried, or lost.
+struct carried {
+  instant at;
+  peer_id from;
+  package_header header;
+  bool lost = false;
+};
+
+class world {
+public:
+  explicit world(std::uint64_t seed = 1) : seed_(seed) {}
+
+  /// Adds a peer with its own host name. @returns its id
+  peer_id add(std::int32_t id);
+  peer_id add(kernel_config config);
+
+  /// Starts a peer again, all forgotten; its links must be cut before.
+  void restart(peer_id id);
+
+  kernel& at(peer_id id) { return peers_.at(id).kernel; }
+
+  /// Opens a link. @returns its number
+  link_id connect(peer_id a, peer_id b, duration delay = 1ms);
+  void cut(link_id link);
+
+  /// Decides about each package; those it does not keep are lost.
+  std::function<bool(const package_header&)> keep;
+
+  /// When false, links report nothing as sent: windows fill up.
+  bool drains = true;
+
+  void run_for(duration length);
+  [[nodiscard]] instant now() const { return now_; }
+
+  /// Carries out what a command has returned.
+  void perform(peer_id id, outputs todo);
+
+  /// All outputs of one kind that a peer has made.
+  template <class T>
+  [[nodiscard]] std::vector<T> all(peer_id id) const {
+    std::vector<T> found;
+    for (const auto& [when, x] : peers_.at(id).log) {
+      if (const auto* match = std::get_if<T>(&x))
+        found.push_back(*match);
+    }
+    return found;
+  }
+
+  [[nodiscard]] std::size_t wakeups(peer_id id) const { return peers_.at(id).wakeups; }
+  void clear_logs();
+
+  std::vector<carried> packages; ///< everything that any link carried, in order
+
+private:
+  struct peer {
+    kernel_config config;
+    rubicon::peis::kernel kernel;
+    std::vector<std::pair<instant, output>> log;
+    std::size_t wakeups = 0;
+    std::uint64_t lives = 0;
+  };
+  struct direction {
+    stream_decoder decoder;
+    bool request_due = false;
+  };
+  struct joint {
+    peer_id a;
+    peer_id b;
+    duration delay;
+    direction from_a;
+    direction from_b;
+  };
+  struct shipment {
+    link_id link;
+    peer_id to;
+    bytes octets;
+  };
+
+  void start(peer& x);
+  void carry(peer_id from, const to_link& x);
+  void deliver(const shipment& x);
+
+  std::uint64_t seed_;
+  instant now_{};
+  std::map<peer_id, peer> peers_;
+  std::map<link_id, joint> cables_;
+  std::uint64_t next_link_ = 1;
+  std::multimap<instant, shipment> under_way_;
+};
+
+[[nodiscard]] kernel_config config_of(std::int32_t id);
+
+} // namespace rubicon::peis::test

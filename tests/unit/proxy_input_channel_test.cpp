@@ -1,0 +1,219 @@
+#include <deque>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/random.hpp"
+#include "proxy/input_channel.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::proxy;
+
+namespace {
+
+constexpr instant start{};
+
+request ask(std::string word, std::size_t input = 0) {
+  bytes octets(word.begin(), word.end());
+  return {input, std::move(word), std::move(octets)};
+}
+
+/// `>on` for a write, `on acknowledged` for an outcome.
+std::vector<std::string> told(const input_channel::outputs& outputs) {
+  std::vector<std::string> list;
+  for (const auto& x : outputs) {
+    if (const auto* const work = std::get_if<submit>(&x))
+      list.push_back('>' + std::string(work->octets.begin(), work->octets.end()));
+    if (const auto* const end = std::get_if<settled>(&x))
+      list.push_back(std::string(end->word).append(1, ' ').append(to_string(end->outcome)));
+  }
+  return list;
+}
+
+using lines = std::vector<std::string>;
+
+lines status(input_channel& channel, std::uint64_t sequence, input_outcome outcome,
+             instant now = start) {
+  return told(channel.on_status({sequence, outcome}, now));
+}
+
+constexpr auto pending = input_outcome::pending;
+constexpr auto acked = input_outcome::acknowledged;
+constexpr auto failed = input_outcome::failed;
+constexpr auto unreachable = input_outcome::unreachable;
+
+} // namespace
+
+TEST_CASE("a request is written and ends with the gateway's word",
+          "[proxy][PXY-12][GW-12][IF-07]") {
+  for (const auto& [word, text] : std::vector<std::pair<input_outcome, std::string>>{
+           {acked, "on acknowledged"}, {failed, "on failed"}, {unreachable, "on unreachable"}}) {
+    input_channel channel;
+    CHECK_FALSE(channel.deadline());
+    CHECK(told(channel.add(ask("on"), start)) == lines{">on"});
+    CHECK(channel.open() == 1);
+    CHECK(status(channel, 1, pending).empty());
+    CHECK(status(channel, 1, word) == lines{text});
+    CHECK(channel.open() == 0);
+    CHECK_FALSE(channel.deadline());
+    CHECK(status(channel, 1, word).empty()); // told once
+  }
+}
+
+TEST_CASE("one request waits, and a newer one takes its place", "[proxy][PXY-12]") {
+  input_channel channel;
+  CHECK(told(channel.add(ask("on"), start)) == lines{">on"});
+  CHECK(told(channel.add(ask("off"), start)).empty());
+  CHECK(channel.open() == 2);
+  CHECK(told(channel.add(ask("dim"), start)) == lines{"off superseded"});
+  CHECK(channel.open() == 2);
+  CHECK(status(channel, 1, pending).empty());
+  CHECK(status(channel, 1, failed) == lines{"on failed", ">dim"});
+  CHECK(status(channel, 2, pending).empty());
+  CHECK(status(channel, 2, acked) == lines{"dim acknowledged"});
+}
+
+TEST_CASE("inputs that share a channel wait in order and do not supersede each other",
+          "[proxy][PXY-12]") {
+  input_channel channel;
+  CHECK(told(channel.add(ask("a", 0), start)) == lines{">a"});
+  CHECK(told(channel.add(ask("b", 1), start)).empty());
+  CHECK(told(channel.add(ask("c", 2), start)).empty());
+  CHECK(told(channel.add(ask("d", 1), start)) == lines{"b superseded"});
+  CHECK(channel.open() == 3);
+  status(channel, 1, pending);
+  CHECK(status(channel, 1, acked) == lines{"a acknowledged", ">c"});
+  status(channel, 2, pending);
+  CHECK(status(channel, 2, acked) == lines{"c acknowledged", ">d"});
+}
+
+TEST_CASE("a gateway that never answers is given up at the deadline", "[proxy][PXY-12][IF-07]") {
+  input_channel channel(5s);
+  static_cast<void>(channel.add(ask("on"), start + 1s));
+  static_cast<void>(channel.add(ask("off"), start + 3s));
+  CHECK(channel.deadline() == start + 6s);
+  CHECK(channel.on_time(start + 6s - 1ns).empty());
+  CHECK(told(channel.on_time(start + 6s)) == lines{"on timeout", ">off"});
+  CHECK(channel.deadline() == start + 11s);
+  status(channel, 2, pending, start + 7s);
+  CHECK(channel.deadline() == start + 11s); // pending is no outcome
+  CHECK(told(channel.on_time(start + 20s)) == lines{"off timeout"});
+  CHECK(channel.on_time(start + 30s).empty());
+  CHECK(status(channel, 2, acked, start + 31s).empty()); // too late
+}
+
+TEST_CASE("an older write's outcome is not taken for the request's", "[proxy][PXY-12]") {
+  input_channel channel;
+  SECTION("a status from before the proxy started") {
+    static_cast<void>(channel.add(ask("on"), start));
+    CHECK(status(channel, 4, acked).empty());
+    CHECK(status(channel, 5, pending).empty());
+    CHECK(status(channel, 5, failed) == lines{"on failed"});
+  }
+  SECTION("the same status delivered again") {
+    CHECK(status(channel, 4, acked).empty());
+    static_cast<void>(channel.add(ask("on"), start));
+    CHECK(status(channel, 4, acked).empty());
+    CHECK(status(channel, 5, acked) == lines{"on acknowledged"}); // its `pending` was missed
+  }
+  SECTION("a late answer to a request that was given up") {
+    static_cast<void>(channel.add(ask("on"), start));
+    status(channel, 1, pending);
+    CHECK(told(channel.on_time(start + 20s)) == lines{"on timeout"});
+    static_cast<void>(channel.add(ask("off"), start + 20s));
+    CHECK(status(channel, 1, acked).empty());
+    status(channel, 2, pending);
+    CHECK(status(channel, 1, failed).empty());
+    CHECK(status(channel, 2, acked) == lines{"off acknowledged"});
+  }
+  SECTION("a later write of somebody else") {
+    static_cast<void>(channel.add(ask("on"), start));
+    status(channel, 1, pending);
+    CHECK(status(channel, 2, pending).empty());
+    CHECK(status(channel, 2, failed).empty());
+    CHECK(status(channel, 1, acked) == lines{"on acknowledged"});
+  }
+}
+
+TEST_CASE("a gateway that counts anew is followed", "[proxy][PXY-12][PXY-15]") {
+  const std::uint64_t last = GENERATE(1, 2, 9);
+  input_channel channel;
+  static_cast<void>(channel.on_status({last, acked}, start));
+  static_cast<void>(channel.add(ask("on"), start));
+  CHECK(status(channel, 1, pending).empty());
+  CHECK(status(channel, 1, acked) == lines{"on acknowledged"});
+  static_cast<void>(channel.add(ask("off"), start));
+  status(channel, 2, pending);
+  CHECK(status(channel, 2, acked) == lines{"off acknowledged"});
+}
+
+TEST_CASE("what waits ends when the mote is lost, what was written waits for its outcome",
+          "[proxy][PXY-12][PXY-16]") {
+  input_channel channel;
+  CHECK(channel.drop_waiting().empty());
+  static_cast<void>(channel.add(ask("on"), start));
+  static_cast<void>(channel.add(ask("off"), start));
+  CHECK(told(channel.drop_waiting()) == lines{"off unreachable"});
+  status(channel, 1, pending);
+  CHECK(status(channel, 1, unreachable) == lines{"on unreachable"});
+}
+
+TEST_CASE("with answers lost and repeated, outcomes are single and true",
+          "[proxy][PXY-12][IF-07]") {
+  const auto seed = GENERATE(range(1, 21));
+  random_stream dice(static_cast<std::uint64_t>(seed));
+  input_channel channel(5s);
+  std::map<std::string, int> outcomes;           // word -> times told
+  std::map<std::string, input_outcome> verdicts; // word -> what the gateway decided
+  std::deque<std::pair<instant, input_status>> pipe;
+  std::uint64_t writes = 0;
+  int requests = 0;
+  int untrue = 0;
+  int answered = 0;
+  const auto carry_out = [&](const input_channel::outputs& outputs, instant now) {
+    for (const auto& x : outputs) {
+      if (const auto* const work = std::get_if<submit>(&x)) {
+        if (dice.chance(0.1))
+          continue; // the write never reaches the gateway
+        const auto verdict = dice.chance(0.7) ? acked : failed;
+        verdicts.emplace(std::string(work->octets.begin(), work->octets.end()), verdict);
+        ++writes;
+        pipe.emplace_back(now + 50ms, input_status{writes, pending});
+        pipe.emplace_back(now + 1s, input_status{writes, verdict});
+      }
+      if (const auto* const end = std::get_if<settled>(&x)) {
+        ++outcomes[end->word];
+        if (end->outcome == request_outcome::acknowledged ||
+            end->outcome == request_outcome::failed) {
+          ++answered;
+          const auto verdict = verdicts.find(end->word);
+          if (verdict == verdicts.end() || to_string(verdict->second) != to_string(end->outcome))
+            ++untrue;
+        }
+      }
+    }
+  };
+  for (instant now = start; now < start + 2000s; now += 50ms) {
+    if (now < start + 1900s && dice.chance(0.03))
+      carry_out(channel.add(ask(std::to_string(requests++)), now), now);
+    while (!pipe.empty() && pipe.front().first <= now) {
+      const auto arriving = pipe.front().second;
+      pipe.pop_front();
+      if (dice.chance(0.2))
+        continue;
+      carry_out(channel.on_status(arriving, now), now);
+      if (dice.chance(0.2))
+        carry_out(channel.on_status(arriving, now), now);
+    }
+    carry_out(channel.on_time(now), now);
+    REQUIRE(channel.open() <= 2);
+  }
+  CHECK(untrue == 0);
+  CHECK(answered > requests / 4);
+  CHECK(channel.open() == 0);
+  CHECK(outcomes.size() == static_cast<std::size_t>(requests));
+  for (const auto& [word, times] : outcomes)
+    CHECK(times == 1);
+}

@@ -1,0 +1,358 @@
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/device_keys.hpp"
+#include "core/random.hpp"
+#include "proxy/proxy.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using rubicon::proxy::disappearance;
+using rubicon::proxy::encoding;
+using rubicon::proxy::proxy_class;
+using rubicon::proxy::proxy_identity;
+using rubicon::proxy::proxy_settings;
+using rubicon::proxy::publish;
+using rubicon::proxy::retire;
+using rubicon::proxy::signature;
+using rubicon::proxy::signature_of;
+using rubicon::proxy::watch;
+using rubicon::proxy::write_device;
+using face = rubicon::proxy::proxy;
+
+namespace {
+
+constexpr instant start{};
+
+proxy_class climate() {
+  proxy_class x;
+  x.name = "climate";
+  x.types = {{100, 199}};
+  x.prefix = "{island}.{name}-{id}";
+  x.properties = {{"colour", "white"}, {"size.height", "0.1 m"}};
+  x.fields = {{"temperature", 1, 0, encoding::i16, 0.1, 0, 1, "C", {}},
+              {"humidity", 1, 2, encoding::u8, 1, 0, 0, "%", {}},
+              {"state", 2, 0, encoding::u8, 1, 0, 0, "", {{0, "off"}, {1, "on"}}}};
+  x.inputs = {{"switch", 2, {{"on", {1}}, {"off", {0}}}}, {"led", 3, {{"red", {1, 2}}}}};
+  return x;
+}
+
+proxy_identity identity() {
+  return {{island_id{5}, mote_id{7}}, "kitchen", "climate"};
+}
+
+using lines = std::vector<std::string>;
+
+lines told(const face::outputs& outputs) {
+  struct teller {
+    std::string operator()(const publish& x) const { return x.key + " = " + x.text; }
+    std::string operator()(const write_device& x) const {
+      return "write " + to_string(x.mote) + ' ' + device_input_key(x.mote.mote, x.channel) + ' ' +
+             to_hex(x.octets);
+    }
+    std::string operator()(retire) const { return "retire"; }
+  };
+  lines list;
+  for (const auto& x : outputs)
+    list.push_back(std::visit(teller{}, x));
+  return list;
+}
+
+face started(proxy_settings settings = {}) {
+  face aut(climate(), identity(), settings);
+  static_cast<void>(aut.start(start));
+  return aut;
+}
+
+const std::string base = "kitchen.climate-7.";
+
+} // namespace
+
+TEST_CASE("a proxy starts with what it knows already", "[proxy][PXY-05][PXY-06][PXY-12][PXY-16]") {
+  face aut(climate(), identity());
+  CHECK(aut.prefix() == "kitchen.climate-7");
+  CHECK(told(aut.start(start)) ==
+        lines{base + "class = climate", base + "id = 5/7", base + "island = kitchen",
+              base + "colour = white", base + "size.height = 0.1 m", base + "temperature.unit = C",
+              base + "humidity.unit = %", base + "switch.words = on off", base + "switch = none",
+              base + "led.words = red", base + "led = none",
+              base + "status.cause = none", base + "status = active"});
+  CHECK_FALSE(aut.deadline());
+}
+
+TEST_CASE("a proxy watches its inputs and its mote's channels, each once",
+          "[proxy][PXY-12][PXY-14]") {
+  using source = watch::source;
+  CHECK(started().watches() ==
+        std::vector<watch>{{source::own, base + "switch", "switch"},
+                           {source::own, base + "led", "led"},
+                           {source::gateway, "devices.7.output.1", ""},
+                           {source::gateway, "devices.7.output.2", ""},
+                           {source::gateway, "devices.7.input.2.status", ""},
+                           {source::gateway, "devices.7.input.3.status", ""}});
+}
+
+TEST_CASE("a proxy consumes percepts of its own mote alone", "[proxy][PXY-08]") {
+  const auto aut = started();
+  CHECK(aut.consumes(signature_of({island_id{5}, mote_id{7}}, 142)));
+  CHECK_FALSE(aut.consumes(signature_of({island_id{5}, mote_id{8}}, 142)));
+  CHECK_FALSE(aut.consumes(signature_of({island_id{6}, mote_id{7}}, 142)));
+  CHECK_FALSE(aut.consumes(signature{"rfid", "5/7", 142}));
+}
+
+TEST_CASE("every message is told as readings, equal ones too", "[proxy][PXY-04][CB-01]") {
+  auto aut = started();
+  CHECK(aut.values().empty());
+  for (int i = 0; i < 2; ++i)
+    CHECK(told(aut.on_output(1, bytes{0x00, 0xdf, 45}, start)) ==
+          lines{base + "temperature = 22.3", base + "humidity = 45"});
+  CHECK(told(aut.on_output(2, bytes{1}, start)) == lines{base + "state = on"});
+  CHECK(aut.values() == std::vector<std::pair<std::string, std::string>>{
+                            {"humidity", "45 %"}, {"state", "on"}, {"temperature", "22.3 C"}});
+  CHECK(aut.counters().messages == 3);
+}
+
+TEST_CASE("messages that do not fit the class are counted and not told", "[proxy][PXY-04]") {
+  auto aut = started();
+  CHECK(aut.on_output(1, bytes{0x00, 0xdf}, start).empty());
+  CHECK(aut.on_output(2, bytes{}, start).empty());
+  CHECK(aut.on_output(9, bytes{1}, start).empty());
+  CHECK(aut.counters().short_messages == 2);
+  CHECK(aut.counters().unread_messages == 1);
+  CHECK(aut.counters().messages == 0);
+  CHECK(aut.values().empty());
+}
+
+TEST_CASE("a word written to an input reaches the mote and has an outcome", "[proxy][PXY-12]") {
+  for (const std::string outcome : {"acknowledged", "failed", "unreachable"}) {
+    auto aut = started();
+    CHECK(told(aut.on_input("switch", "on", start)) == lines{"write 5/7 devices.7.input.2 01"});
+    CHECK(aut.open_requests() == 1);
+    CHECK(aut.on_input_status(2, "1 pending", start).empty());
+    CHECK(told(aut.on_input_status(2, "1 " + outcome, start)) ==
+          lines{base + "switch.outcome = on " + outcome});
+    CHECK(aut.open_requests() == 0);
+    CHECK(aut.counters().requested == 1);
+    CHECK(aut.counters().acknowledged == (outcome == "acknowledged" ? 1 : 0));
+    CHECK(aut.counters().failed.count(outcome) == (outcome == "acknowledged" ? 0 : 1));
+  }
+}
+
+TEST_CASE("channels do not wait for each other", "[proxy][PXY-12]") {
+  auto aut = started();
+  CHECK(aut.on_input("switch", "on", start).size() == 1);
+  CHECK(told(aut.on_input("led", "red", start)) == lines{"write 5/7 devices.7.input.3 0102"});
+  CHECK(aut.on_input("switch", "off", start).empty());
+  CHECK(told(aut.on_input("switch", "on", start)) ==
+        lines{base + "switch.outcome = off superseded"});
+  CHECK(aut.open_requests() == 3);
+  static_cast<void>(aut.on_input_status(2, "1 pending", start));
+  CHECK(told(aut.on_input_status(2, "1 failed", start)) ==
+        lines{base + "switch.outcome = on failed", "write 5/7 devices.7.input.2 01"});
+}
+
+TEST_CASE("an unknown word is refused and not written", "[proxy][PXY-12]") {
+  auto aut = started();
+  CHECK(told(aut.on_input("switch", "dim", start)) == lines{base + "switch.outcome = dim refused"});
+  for (const auto& strange :
+       {std::string(65, 'x'), std::string("a b"), std::string("\x80"), std::string("o\0n", 3)})
+    CHECK(told(aut.on_input("switch", strange, start)) ==
+          lines{base + "switch.outcome = ? refused"});
+  CHECK(aut.counters().requested == 5);
+  CHECK(aut.counters().failed.at("refused") == 5);
+  CHECK(aut.open_requests() == 0);
+}
+
+TEST_CASE("the marker of an unset input asks for nothing", "[proxy][PXY-12][META-03]") {
+  auto aut = started();
+  CHECK(aut.on_input("switch", "none", start).empty());
+  CHECK(aut.on_input("switch", "", start).empty());
+  CHECK(aut.counters().requested == 0);
+  CHECK(aut.on_input("handle", "on", start).empty());
+  CHECK(aut.counters().foreign_tuples == 1);
+  auto what = climate();
+  what.inputs = {{"light", 2, {{"none", {0}}, {"full", {1}}}}};
+  face lamp(what, identity());
+  CHECK(told(lamp.on_input("light", "none", start)) == lines{"write 5/7 devices.7.input.2 00"});
+}
+
+TEST_CASE("a request the gateway leaves alone times out", "[proxy][PXY-12][IF-07]") {
+  auto aut = started();
+  static_cast<void>(aut.on_input("switch", "on", start + 1s));
+  static_cast<void>(aut.on_input("led", "red", start + 3s));
+  CHECK(aut.deadline() == start + 21s);
+  CHECK(aut.on_time(start + 20s).empty());
+  CHECK(told(aut.on_time(start + 21s)) == lines{base + "switch.outcome = on timeout"});
+  CHECK(aut.deadline() == start + 23s);
+  CHECK(told(aut.on_time(start + 30s)) == lines{base + "led.outcome = red timeout"});
+  CHECK(aut.counters().failed.at("timeout") == 2);
+  CHECK_FALSE(aut.deadline());
+}
+
+TEST_CASE("a lost mote shows, and the same proxy carries on when it returns",
+          "[proxy][PXY-15][PXY-16]") {
+  auto aut = started();
+  CHECK(aut.on_appeared(start).empty());
+  const auto cause = GENERATE(disappearance::not_listed, disappearance::gateway_gone);
+  const auto text = cause == disappearance::not_listed ? "not_listed" : "gateway_gone";
+  for (int i = 0; i < 3; ++i) {
+    CHECK(told(aut.on_disappeared(cause, start)) ==
+          lines{base + "status.cause = " + text, base + "status = lost"});
+    CHECK(aut.on_disappeared(cause, start).empty());
+    CHECK(aut.status() == face::state::lost);
+    CHECK(told(aut.on_appeared(start)) ==
+          lines{base + "status.cause = none", base + "status = active"});
+    CHECK(aut.on_appeared(start).empty());
+  }
+}
+
+TEST_CASE("requests to a lost mote are unreachable at once", "[proxy][PXY-12][GW-12]") {
+  auto aut = started();
+  static_cast<void>(aut.on_input("switch", "on", start));
+  static_cast<void>(aut.on_input("switch", "off", start));
+  CHECK(told(aut.on_disappeared(disappearance::not_listed, start)) ==
+        lines{base + "status.cause = not_listed", base + "status = lost",
+              base + "switch.outcome = off unreachable"});
+  CHECK(told(aut.on_input("led", "red", start)) == lines{base + "led.outcome = red unreachable"});
+  CHECK(told(aut.on_input("led", "blue", start)) == lines{base + "led.outcome = blue refused"});
+  CHECK(aut.open_requests() == 1); // `on` is with the gateway
+  CHECK(told(aut.on_time(start + 20s)) == lines{base + "switch.outcome = on timeout"});
+  static_cast<void>(aut.on_appeared(start + 30s));
+  CHECK(aut.on_input("led", "red", start + 30s).size() == 1);
+}
+
+TEST_CASE("a message does not bring a lost mote back, its gateway does", "[proxy][PXY-16]") {
+  auto aut = started();
+  static_cast<void>(aut.on_disappeared(disappearance::not_listed, start));
+  CHECK(told(aut.on_output(2, bytes{0}, start)) == lines{base + "state = off"});
+  CHECK(aut.status() == face::state::lost);
+}
+
+TEST_CASE("a silent mote becomes inactive, and active at its next sign of life",
+          "[proxy][PXY-20]") {
+  proxy_settings settings;
+  settings.inactive_after = 10s;
+  auto aut = started(settings);
+  CHECK(aut.deadline() == start + 10s);
+  static_cast<void>(aut.on_output(9, bytes{}, start + 4s)); // unread, and yet it lives
+  CHECK(aut.deadline() == start + 14s);
+  CHECK(aut.on_time(start + 14s - 1ns).empty());
+  CHECK(told(aut.on_time(start + 14s)) == lines{base + "status = inactive"});
+  CHECK_FALSE(aut.deadline());
+  CHECK(aut.on_time(start + 99s).empty());
+  SECTION("a message") {
+    CHECK(told(aut.on_output(2, bytes{1}, start + 100s)) ==
+          lines{base + "status = active", base + "state = on"});
+  }
+  SECTION("an acknowledgement") {
+    CHECK(aut.on_input_status(2, "1 pending", start + 100s).empty());
+    CHECK(told(aut.on_input_status(2, "1 acknowledged", start + 100s)) ==
+          lines{base + "status = active"});
+  }
+  SECTION("the gateway's list") {
+    CHECK(told(aut.on_appeared(start + 100s)) == lines{base + "status = active"});
+  }
+  CHECK(aut.deadline() == start + 110s);
+}
+
+TEST_CASE("a proxy whose mote stays away retires once an absence", "[proxy][PXY-20]") {
+  proxy_settings settings;
+  settings.inactive_after = 10s;
+  settings.retire_after = 60s;
+  auto aut = started(settings);
+  static_cast<void>(aut.on_disappeared(disappearance::gateway_gone, start + 5s));
+  CHECK(aut.deadline() == start + 65s);
+  CHECK(aut.on_time(start + 64s).empty());
+  CHECK(told(aut.on_time(start + 65s)) == lines{"retire"});
+  CHECK(aut.on_time(start + 66s).empty());
+  CHECK_FALSE(aut.deadline());
+  static_cast<void>(aut.on_appeared(start + 70s)); // it was faster than its end
+  CHECK(aut.deadline() == start + 80s);
+  static_cast<void>(aut.on_disappeared(disappearance::not_listed, start + 75s));
+  CHECK(told(aut.on_time(start + 135s)) == lines{"retire"});
+}
+
+TEST_CASE("a gateway's tuples find their way by their keys", "[proxy][PXY-08][PXY-14]") {
+  auto aut = started();
+  CHECK(told(aut.on_gateway_tuple("devices.7.output.2", bytes{0}, start)) ==
+        lines{base + "state = off"});
+  static_cast<void>(aut.on_input("switch", "on", start));
+  const auto value = [](std::string_view text) {
+    auto octets = to_bytes(text);
+    octets.push_back(0); // text travels with its NUL
+    return octets;
+  };
+  CHECK(aut.on_gateway_tuple("devices.7.input.2.status", value("1 pending"), start).empty());
+  CHECK(told(aut.on_gateway_tuple("devices.7.INPUT.2.status", value("1 acknowledged"), start)) ==
+        lines{base + "switch.outcome = on acknowledged"});
+  for (const auto* const key : {"devices.8.output.2", "devices.7.type", "devices", "", "kernel.id",
+                                "devices.7.input.2", "devices.7.input.9.status"})
+    CHECK(aut.on_gateway_tuple(key, bytes{0}, start).empty());
+  CHECK(aut.counters().foreign_tuples == 7);
+  CHECK(aut.on_input_status(2, "soon", start).empty());
+  CHECK(aut.counters().bad_statuses == 1);
+}
+
+TEST_CASE("keys over the limits are counted and not set", "[proxy][TUP-03]") {
+  auto what = climate();
+  what.prefix = "a.b.c.d.{island}.{name}";
+  face deep(what, identity());
+  for (const auto& line : told(deep.start(start)))
+    CHECK(line.find(".unit") == std::string::npos);
+  // Eight parts: status.cause, two units, size.height and two words tuples.
+  CHECK(deep.counters().bad_keys == 6);
+  auto who = identity();
+  who.mote_name = std::string(200, 'n');
+  face wide(climate(), who);
+  CHECK(wide.start(start).empty());
+  CHECK(wide.counters().bad_keys == 15);
+}
+
+TEST_CASE("whatever happens, requests and outcomes balance", "[proxy][PXY-12][IF-07]") {
+  const auto seed = GENERATE(range(1, 21));
+  random_stream dice(static_cast<std::uint64_t>(seed));
+  proxy_settings settings;
+  settings.inactive_after = 7s;
+  auto aut = started(settings);
+  std::uint64_t told_outcomes = 0;
+  std::uint64_t sequence = 0;
+  const std::vector<std::string> words{"on", "off", "red", "dim", "none"};
+  const std::vector<std::string> outcomes{" pending", " acknowledged", " failed", " unreachable",
+                                          ""};
+  for (instant now = start; now < start + 600s; now += 250ms) {
+    face::outputs out;
+    switch (dice.below(7)) {
+    case 0:
+    case 1:
+      out = aut.on_input(dice.chance(0.5) ? "switch" : "led", words[dice.below(5)], now);
+      break;
+    case 2:
+      sequence += dice.below(3);
+      out = aut.on_input_status(static_cast<std::uint16_t>(2 + dice.below(3)),
+                                std::to_string(sequence) + outcomes[dice.below(5)], now);
+      break;
+    case 3:
+      out = dice.chance(0.2) ? aut.on_disappeared(disappearance::not_listed, now)
+                             : aut.on_appeared(now);
+      break;
+    case 4:
+      out = aut.on_output(static_cast<std::uint16_t>(dice.below(4)), bytes(dice.below(4)), now);
+      break;
+    default:
+      out = aut.on_time(now);
+      REQUIRE((!aut.deadline() || *aut.deadline() > now));
+      break;
+    }
+    for (const auto& line : told(out))
+      told_outcomes += line.find(".outcome = ") != std::string::npos ? 1 : 0;
+    std::uint64_t ended = aut.counters().acknowledged;
+    for (const auto& [cause, times] : aut.counters().failed)
+      ended += times;
+    REQUIRE(told_outcomes == ended);
+    REQUIRE(aut.counters().requested == ended + aut.open_requests());
+    REQUIRE(aut.open_requests() <= 4);
+  }
+  CHECK(aut.counters().acknowledged > 0);
+  CHECK(aut.counters().failed.size() == 5);
+}

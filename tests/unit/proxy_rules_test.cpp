@@ -1,0 +1,131 @@
+#include <clocale>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "proxy/rules.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::proxy;
+
+namespace {
+
+using writes = std::vector<write_tuple>;
+
+rule heat() {
+  return {"kitchen.climate.temperature", 25.0, 22.0, "kitchen.fan.switch", "on", "off"};
+}
+
+std::string word_at(rules& aut, std::string_view text) {
+  const auto out = aut.on_value("kitchen.climate.temperature", text, instant{});
+  return out.empty() ? "" : out.front().word;
+}
+
+} // namespace
+
+TEST_CASE("a rule writes when a value crosses a threshold and not between them", "[proxy][rules]") {
+  rules aut({heat()});
+  const std::vector<std::pair<std::string, std::string>> steps{
+      {"23", ""},      // unknown, between: nothing is known
+      {"24.999", ""},  // still
+      {"25", "on"},    // at `above`
+      {"30", ""},      // already high
+      {"22", ""},      // at `below` is not below
+      {"21.9", "off"}, //
+      {"-4", ""},      //
+      {"24.9", ""},    //
+      {"25.0", "on"},  //
+      {"1e1", "off"},  //
+      {"26", "on"}};
+  for (const auto& [value, word] : steps) {
+    CAPTURE(value);
+    CHECK(word_at(aut, value) == word);
+  }
+  CHECK(aut.counters().values == steps.size());
+  CHECK(aut.counters().writes == 5);
+}
+
+TEST_CASE("the first value beyond a threshold decides", "[proxy][rules]") {
+  rules high({heat()});
+  CHECK(word_at(high, "25") == "on");
+  rules low({heat()});
+  CHECK(word_at(low, "0") == "off");
+}
+
+TEST_CASE("a missing threshold is the other one, a missing word is not written", "[proxy][rules]") {
+  auto one = heat();
+  one.below.reset();
+  rules above_only({one});
+  CHECK(word_at(above_only, "24.9") == "off");
+  CHECK(word_at(above_only, "25") == "on");
+  CHECK(word_at(above_only, "24.9") == "off");
+  one = heat();
+  one.above.reset();
+  rules below_only({one});
+  CHECK(word_at(below_only, "22") == "on");
+  CHECK(word_at(below_only, "21.9") == "off");
+  one.below.reset();
+  rules never({one});
+  CHECK(word_at(never, "1000").empty());
+  CHECK(word_at(never, "-1000").empty());
+  one = heat();
+  one.otherwise.clear();
+  rules then_only({one});
+  CHECK(word_at(then_only, "25") == "on");
+  CHECK(word_at(then_only, "0").empty());
+  CHECK(word_at(then_only, "25") == "on");
+}
+
+TEST_CASE("a text that is not a finite number changes nothing", "[proxy][rules]") {
+  rules aut({heat()});
+  CHECK(word_at(aut, "0") == "off");
+  const std::vector<std::string> bad{
+      "",     " ",   "warm", "30 C", " 30",   "30 ",    "+30",  "30,5",
+      "0x30", "inf", "-inf", "nan",  "1e999", "30.5.1", "--30", std::string("30\0", 3)};
+  for (const auto& text : bad) {
+    CAPTURE(text);
+    CHECK(word_at(aut, text).empty());
+  }
+  CHECK(aut.counters().bad_values == bad.size());
+  CHECK(word_at(aut, "30") == "on");
+}
+
+TEST_CASE("rules share keys, whatever their letter case", "[proxy][rules][TUP-03]") {
+  auto alarm = heat();
+  alarm.when = "Kitchen.Climate.Temperature";
+  alarm.above = 60;
+  alarm.below = 50;
+  alarm.write = "alarm.bell";
+  alarm.then = "ring";
+  auto second = heat();
+  second.write = "KITCHEN.fan.switch";
+  second.when = "hall.temperature";
+  rules aut({heat(), alarm, second});
+  CHECK(aut.watched() ==
+        std::vector<std::string>{"kitchen.climate.temperature", "hall.temperature"});
+  CHECK(aut.written() == std::vector<std::string>{"kitchen.fan.switch", "alarm.bell"});
+  CHECK(aut.on_value("KITCHEN.climate.temperature", "70", instant{}) ==
+        writes{{"kitchen.fan.switch", "on"}, {"alarm.bell", "ring"}});
+  CHECK(aut.on_value("kitchen.humidity", "70", instant{}).empty());
+  CHECK(aut.counters().unwatched == 1);
+  CHECK(aut.on_value("hall.temperature", "0", instant{}) == writes{{"kitchen.fan.switch", "off"}});
+}
+
+TEST_CASE("a new owner is told the word that stands", "[proxy][rules]") {
+  rules aut({heat()});
+  CHECK(aut.on_owner("kitchen.fan.switch", instant{}).empty());
+  CHECK(word_at(aut, "30") == "on");
+  CHECK(aut.on_owner("Kitchen.Fan.switch", instant{}) == writes{{"kitchen.fan.switch", "on"}});
+  CHECK(aut.on_owner("alarm.bell", instant{}).empty());
+  CHECK(word_at(aut, "0") == "off");
+  CHECK(aut.on_owner("kitchen.fan.switch", instant{}) == writes{{"kitchen.fan.switch", "off"}});
+
+  auto one = heat();
+  one.otherwise.clear();
+  rules silent({one});
+  CHECK(word_at(silent, "30") == "on");
+  CHECK(word_at(silent, "0").empty());
+  CHECK(silent.on_owner("kitchen.fan.switch", instant{}).empty()); // `on` no longer stands
+}

@@ -1,0 +1,182 @@
+#include <algorithm>
+#include <vector>
+
+#include "radio/mac.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::radio;
+
+namespace {
+
+constexpr std::size_t psdu_size = 41; // 28 octets of payload: followed by a LIFS
+
+outgoing frame_of(std::uint64_t token, bool ack, std::size_t size = psdu_size) {
+  outgoing x;
+  x.token = token;
+  x.psdu = bytes(size);
+  x.content.ack_request = ack;
+  x.content.dsn = static_cast<std::uint8_t>(token);
+  return x;
+}
+
+/// Steps a mac to its next deadline.
+mac_action step(mac& x, instant& now, bool clear, random_stream& dice) {
+  now = x.deadline().value();
+  return x.on_time(now, clear, dice);
+}
+
+/// From back-off to the last octet, the channel clear.
+void put_on_air(mac& x, instant& now, random_stream& dice) {
+  CHECK_FALSE(step(x, now, true, dice).transmit);
+  CHECK(x.now_in() == mac::state::turning);
+  CHECK(step(x, now, true, dice).transmit);
+  CHECK(x.now_in() == mac::state::sending);
+  CHECK_FALSE(x.deadline());
+  now += air_time(psdu_size);
+}
+
+} // namespace
+
+TEST_CASE("a frame goes out after back-off, assessment and turnaround", "[radio][mac][NET-15]") {
+  random_stream dice(1);
+  auto same = dice;
+  mac x(8, 3);
+  instant now = instant{} + 5ms;
+  x.submit(frame_of(1, false), now, dice);
+  const auto units = static_cast<int>(same.below(8));
+  CHECK(x.deadline() == now + units * 320us + 128us);
+  CHECK_FALSE(x.on_time(now, true, dice).transmit); // too early: nothing happens
+  step(x, now, true, dice);
+  CHECK(x.deadline() == now + 192us);
+  CHECK(step(x, now, true, dice).transmit);
+  const auto end = x.on_sent(now + air_time(psdu_size), dice).ended;
+  REQUIRE(end);
+  CHECK(end->token == 1);
+  CHECK(end->status == send_status::sent);
+  CHECK(end->transmissions == 1);
+  CHECK(x.now_in() == mac::state::idle);
+}
+
+TEST_CASE("the back-off window doubles from 8 to 32 units and the fifth busy assessment fails",
+          "[radio][mac][NET-15]") {
+  std::vector<duration> longest(5);
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    random_stream dice(seed);
+    mac x(8, 3);
+    instant now;
+    x.submit(frame_of(1, true), now, dice);
+    for (std::size_t attempt = 0; attempt < 5; ++attempt) {
+      CHECK(x.now_in() == mac::state::backing_off);
+      const auto begun = now;
+      const auto end = step(x, now, false, dice).ended;
+      longest[attempt] = std::max(longest[attempt], now - begun - 128us);
+      CHECK((now - begun - 128us).count() % (320us).count() == 0);
+      REQUIRE(end.has_value() == (attempt == 4));
+      if (end) {
+        CHECK(end->status == send_status::channel_access_failure);
+        CHECK(end->transmissions == 0);
+      }
+    }
+    CHECK(x.now_in() == mac::state::idle);
+  }
+  CHECK(longest ==
+        std::vector<duration>{7 * 320us, 15 * 320us, 31 * 320us, 31 * 320us, 31 * 320us});
+}
+
+TEST_CASE("a frame without ack is repeated, with a fresh back-off, until its attempts are used up",
+          "[radio][mac]") {
+  for (const unsigned retries : {0U, 1U, 3U, 7U}) {
+    random_stream dice(retries);
+    mac x(8, retries);
+    instant now;
+    x.submit(frame_of(9, true), now, dice);
+    for (unsigned attempt = 0; attempt <= retries; ++attempt) {
+      put_on_air(x, now, dice);
+      CHECK_FALSE(x.on_sent(now, dice).ended);
+      CHECK(x.awaits(9));
+      CHECK_FALSE(x.awaits(8));
+      CHECK(x.deadline() == now + 864us);
+      const auto end = step(x, now, true, dice).ended;
+      CHECK_FALSE(x.awaits(9));
+      REQUIRE(end.has_value() == (attempt == retries));
+      if (end) {
+        CHECK(end->status == send_status::no_ack);
+        CHECK(end->transmissions == retries + 1);
+      } else {
+        CHECK(*x.deadline() - now <= 7 * 320us + 128us);
+      }
+    }
+  }
+}
+
+TEST_CASE("an ack ends the request and the next frame keeps its distance", "[radio][mac]") {
+  struct spacing {
+    std::size_t psdu;
+    duration gap;
+  };
+  for (const auto& [size, gap] : {spacing{18, 192us}, spacing{19, 640us}}) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      random_stream dice(seed);
+      mac x(8, 3);
+      instant now;
+      x.submit(frame_of(1, true, size), now, dice);
+      x.submit(frame_of(2, true, size), now, dice);
+      put_on_air(x, now, dice);
+      static_cast<void>(x.on_sent(now, dice));
+      now += 544us;
+      auto same = dice;
+      const auto end = x.on_ack(now, dice).ended;
+      REQUIRE(end);
+      CHECK(end->token == 1);
+      CHECK(end->status == send_status::sent);
+      CHECK(x.current().token == 2);
+      CHECK(x.deadline() == now + gap + static_cast<int>(same.below(8)) * 320us + 128us);
+    }
+  }
+}
+
+TEST_CASE("the interframe space also holds for a frame submitted later", "[radio][mac]") {
+  random_stream dice(1);
+  mac x(8, 3);
+  instant now;
+  x.submit(frame_of(1, false), now, dice);
+  put_on_air(x, now, dice);
+  static_cast<void>(x.on_sent(now, dice));
+  auto same = dice;
+  x.submit(frame_of(2, false), now + 100us, dice);
+  CHECK(x.deadline() == now + 640us + static_cast<int>(same.below(8)) * 320us + 128us);
+}
+
+TEST_CASE("a transmit queue is full at its size and aborts in order", "[radio][mac]") {
+  random_stream dice(1);
+  mac x(3, 3);
+  instant now;
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    CHECK_FALSE(x.full());
+    x.submit(frame_of(i, true), now, dice);
+  }
+  CHECK(x.full());
+  CHECK(x.open() == 3);
+  put_on_air(x, now, dice);
+  const auto all = x.abort();
+  REQUIRE(all.size() == 3);
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    CHECK(all[i].token == i);
+    CHECK(all[i].status == send_status::aborted);
+    CHECK(all[i].transmissions == (i == 0 ? 1U : 0U));
+  }
+  CHECK(x.open() == 0);
+  CHECK_FALSE(x.deadline());
+  CHECK(x.now_in() == mac::state::idle);
+  x.submit(frame_of(7, true), now, dice);
+  CHECK(x.now_in() == mac::state::backing_off);
+}
+
+TEST_CASE("a send status has the report's name", "[radio][mac]") {
+  CHECK(to_string(send_status::sent) == "sent");
+  CHECK(to_string(send_status::no_ack) == "no_ack");
+  CHECK(to_string(send_status::channel_access_failure) == "channel_access_failure");
+  CHECK(to_string(send_status::queue_full) == "queue_full");
+  CHECK(to_string(send_status::aborted) == "aborted");
+}

@@ -1,0 +1,193 @@
+#include <map>
+#include <string>
+
+#include "radio/medium.hpp"
+#include "radio/parameters.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::radio;
+
+namespace {
+
+constexpr radio_index a{0};
+constexpr radio_index b{1};
+constexpr radio_index c{2};
+constexpr radio_index d{3};
+
+std::string_view name_of(fate x) {
+  switch (x) {
+  case fate::intact:
+    return "intact";
+  case fate::collision:
+    return "collision";
+  case fate::half_duplex:
+    return "half_duplex";
+  case fate::off:
+    return "off";
+  }
+  return "";
+}
+
+/// a - b - c - d: each hears its neighbours in the row only.
+struct row {
+  row() {
+    for (int i = 0; i < 4; ++i) {
+      places.add({10.0 * i, 0, 0});
+      air.add(energy_meter(find_platform("micaz"), 2000, instant{}), instant{});
+    }
+  }
+
+  slot_index start(radio_index from, duration at) {
+    transmission x;
+    x.from = from;
+    return air.start(x, places.around(from), instant(at));
+  }
+
+  /// What the end of a frame yields: receiver and fate, in order.
+  std::string end(slot_index slot, duration at) {
+    std::string all;
+    air.end(slot, instant(at), [&](const transmission&, const hearer& x, fate y) {
+      all += "abcd"[x.radio.value] + (":" + std::string(name_of(y))) + ' ';
+    });
+    return all;
+  }
+
+  [[nodiscard]] radio_state state(radio_index x) const { return air.meter(x).state(); }
+
+  topology places{10, 0};
+  medium air;
+};
+
+} // namespace
+
+TEST_CASE("a lone frame reaches everybody in range and nobody else", "[radio][medium]") {
+  row x;
+  const auto slot = x.start(b, 1ms);
+  CHECK(x.state(a) == radio_state::receive);
+  CHECK(x.state(b) == radio_state::transmit);
+  CHECK(x.state(c) == radio_state::receive);
+  CHECK(x.state(d) == radio_state::listen);
+  CHECK(x.air.sending(b) == slot);
+  CHECK(x.end(slot, 2ms) == "a:intact c:intact ");
+  for (const auto radio : {a, b, c, d})
+    CHECK(x.state(radio) == radio_state::listen);
+  CHECK_FALSE(x.air.sending(b));
+  CHECK(x.air.copies() == 2);
+}
+
+TEST_CASE("frames that overlap at a receiver destroy each other there only",
+          "[radio][medium][NET-15]") {
+  row x;
+  const auto first = x.start(a, 1ms);
+  const auto second = x.start(c, 2ms);       // hidden from a
+  CHECK(x.state(b) == radio_state::receive); // still locked on the first
+  CHECK(x.end(first, 3ms) == "b:collision ");
+  CHECK(x.state(b) == radio_state::listen); // never locked on the second
+  CHECK(x.end(second, 4ms) == "b:collision d:intact ");
+}
+
+TEST_CASE("back to back is no overlap", "[radio][medium]") {
+  row x;
+  const auto first = x.start(a, 1ms);
+  CHECK(x.end(first, 2ms) == "b:intact ");
+  const auto second = x.start(c, 2ms);
+  CHECK(x.end(second, 3ms) == "b:intact d:intact ");
+}
+
+TEST_CASE("a third frame over the rest of a collision is destroyed too", "[radio][medium]") {
+  row x;
+  const auto first = x.start(a, 1ms);
+  const auto second = x.start(c, 2ms);
+  CHECK(x.end(first, 3ms) == "b:collision ");
+  const auto third = x.start(a, 4ms);
+  CHECK(x.end(second, 5ms) == "b:collision d:intact ");
+  CHECK(x.end(third, 6ms) == "b:collision ");
+}
+
+TEST_CASE("a radio hears nothing of a frame while it sends itself", "[radio][medium]") {
+  row x;
+  SECTION("it was sending when the frame began") {
+    const auto own = x.start(b, 1ms);
+    const auto other = x.start(c, 2ms);
+    CHECK(x.end(own, 3ms) == "a:intact c:half_duplex ");
+    CHECK(x.end(other, 4ms) == "b:half_duplex d:intact ");
+  }
+  SECTION("it began to send during the frame") {
+    const auto other = x.start(c, 1ms);
+    const auto own = x.start(b, 2ms);
+    CHECK(x.state(b) == radio_state::transmit);
+    CHECK(x.end(own, 3ms) == "a:intact c:half_duplex ");
+    CHECK(x.state(b) == radio_state::listen);
+    CHECK(x.end(other, 4ms) == "b:half_duplex d:intact ");
+  }
+  SECTION("what spoiled a copy first stays its cause") {
+    const auto first = x.start(a, 1ms);
+    const auto second = x.start(c, 2ms);
+    const auto own = x.start(b, 3ms);
+    CHECK(x.end(first, 4ms) == "b:collision ");
+    CHECK(x.end(second, 5ms) == "b:collision d:intact ");
+    CHECK(x.end(own, 6ms) == "a:half_duplex c:half_duplex ");
+  }
+}
+
+TEST_CASE("a radio that is off at any time of a frame misses it", "[radio][medium]") {
+  row x;
+  SECTION("off from before") {
+    x.air.switch_off(b, instant(1ms));
+    const auto slot = x.start(a, 2ms);
+    CHECK(x.state(b) == radio_state::off);
+    CHECK(x.end(slot, 3ms) == "b:off ");
+  }
+  SECTION("switched off and on again meanwhile") {
+    const auto slot = x.start(a, 1ms);
+    x.air.switch_off(b, instant(1ms + 1us));
+    x.air.switch_on(b, instant(1ms + 2us));
+    CHECK(x.state(b) == radio_state::listen);
+    CHECK(x.end(slot, 3ms) == "b:off ");
+  }
+  SECTION("switched on meanwhile, it hears that the channel is busy") {
+    x.air.switch_off(b, instant(1ms));
+    const auto slot = x.start(a, 2ms);
+    x.air.switch_on(b, instant(2100us));
+    CHECK_FALSE(x.air.clear(b, instant(2200us)));
+    const auto second = x.start(c, 2300us);
+    CHECK(x.end(slot, 3ms) == "b:off ");
+    CHECK(x.end(second, 4ms) == "b:collision d:intact ");
+  }
+}
+
+TEST_CASE("a frame cut short is lost to all who would have had it", "[radio][medium]") {
+  row x;
+  const auto hidden = x.start(d, 1ms);
+  const auto slot = x.start(b, 2ms);
+  x.air.cut(slot);
+  CHECK(x.end(slot, 3ms) == "a:off c:collision ");
+  CHECK(x.end(hidden, 4ms) == "c:collision ");
+}
+
+TEST_CASE("the channel is clear once nothing has been heard or sent for a while",
+          "[radio][medium]") {
+  row x;
+  CHECK(x.air.clear(b, instant(1ms)));
+  const auto slot = x.start(a, 1ms);
+  CHECK_FALSE(x.air.clear(a, instant{}));
+  CHECK_FALSE(x.air.clear(b, instant{}));
+  CHECK(x.air.clear(c, instant{})); // out of range
+  x.end(slot, 2ms);
+  CHECK_FALSE(x.air.clear(b, instant(2ms - 1ns)));
+  CHECK(x.air.clear(b, instant(2ms)));
+  CHECK_FALSE(x.air.clear(a, instant(2ms - 1ns)));
+  CHECK(x.air.clear(a, instant(2ms)));
+}
+
+TEST_CASE("slots are used again and tell their uses apart", "[radio][medium]") {
+  row x;
+  const auto first = x.start(a, 1ms);
+  const auto stamp = x.air.stamp(first);
+  x.end(first, 2ms);
+  CHECK(x.air.stamp(first) != stamp);
+  const auto second = x.start(c, 3ms);
+  CHECK(second == first);
+  CHECK(x.air.stamp(second) != stamp);
+}

@@ -1,0 +1,6 @@
+rubicon_test(unit.runtime SOURCES
+  unit/runtime_figures_test.cpp unit/runtime_invariants_test.cpp unit/runtime_layout_test.cpp
+  unit/runtime_report_test.cpp unit/runtime_sample.cpp
+  NEEDS rubicon_runtime)
+target_compile_definitions(test_unit.runtime PRIVATE
+  RUBICON_REPORT_DOCUMENT="${PROJECT_SOURCE_DIR}/docs/report.md")

@@ -1,0 +1,106 @@
+#include "runtime/invariants.hpp"
+#include "support/catch.hpp"
+#include "unit/runtime_sample.hpp"
+
+using namespace rubicon;
+using namespace rubicon::runtime;
+using rubicon::test::sample_report;
+
+namespace {
+
+const mote_address lamp{island_id{3}, mote_id{9}};
+const mote_address blinds{island_id{12}, mote_id{3}};
+const std::string crashed = "kitchen/climate-8";
+
+} // namespace
+
+TEST_CASE("a run whose books balance violates nothing", "[runtime][invariants]") {
+  const run_truth truth{{lamp, blinds}, {crashed}, {{island_id{3}, {mote_id{7}}, {mote_id{7}}}}};
+  CHECK(check_all(sample_report(), truth).empty());
+  CHECK(check_all(report{}, {}).empty());
+}
+
+TEST_CASE("a radio copy that vanishes is a violation", "[runtime][invariants]") {
+  auto x = sample_report();
+  ++x.islands[0].radio.sent;
+  const auto found = check_radio(x);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].at == instant{} + 10min);
+  CHECK(found[0].invariant == "radio copies balance");
+  CHECK(found[0].detail == "kitchen: sent 12401, delivered + lost 12400");
+}
+
+TEST_CASE("one island's surplus does not hide another's loss", "[runtime][invariants]") {
+  auto x = sample_report();
+  ++x.islands[0].radio.sent;
+  --x.islands[1].radio.sent;
+  CHECK(check_radio(x).size() == 2);
+}
+
+TEST_CASE("every term of the books counts", "[runtime][invariants]") {
+  const auto broken = [](auto change) {
+    auto x = sample_report();
+    change(x.islands[1]);
+    return check_radio(x).size() + check_messages(x).size();
+  };
+  CHECK(broken([](island_report&) {}) == 0);
+  CHECK(broken([](island_report& x) { ++x.radio.delivered; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.radio.lost["loss"]; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.radio.requests; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.radio.mac_sent; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.radio.mac_failed["no_ack"]; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.radio.mac_open; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.reliable_sent; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.reliable_acked; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.reliable_failed; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.reliable_open; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.unreliable_sent; }) == 0);
+}
+
+TEST_CASE("an actuation has one outcome or is still waiting", "[runtime][invariants]") {
+  auto x = sample_report();
+  ++x.proxies[1].actuations.requested; // waiting
+  CHECK(check_actuations(x).empty());
+  x.proxies[1].actuations.acknowledged += 2;
+  const auto found = check_actuations(x);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].detail == "kitchen.lamp-9: requested 6, outcomes 7");
+}
+
+TEST_CASE("a mote that is not listed at the end needs a fault that ended it",
+          "[runtime][invariants]") {
+  const auto x = sample_report();
+  const auto found = check_joined(x, {});
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].detail == "kitchen/lamp-9: left: battery");
+  CHECK(found[1].detail == "living-room/blinds-3: never joined");
+  CHECK(check_joined(x, std::vector{lamp}).size() == 1);
+}
+
+TEST_CASE("each crash asked for excuses one failure of that actor", "[runtime][invariants]") {
+  auto x = sample_report();
+  CHECK(check_actors(x, {}).size() == 1);
+  CHECK(check_actors(x, std::vector<std::string>{crashed}).empty());
+  CHECK(check_actors(x, std::vector<std::string>{"kitchen/climate"}).size() == 1); // no prefix
+  x.actors.failures.push_back(crashed + ": again");
+  CHECK(check_actors(x, std::vector<std::string>{crashed}).size() == 1);
+  CHECK(check_actors(x, std::vector<std::string>{crashed, crashed}).empty());
+}
+
+TEST_CASE("a device list is compared as a set in which nothing stands twice",
+          "[runtime][invariants]") {
+  const report x;
+  const auto details = [&](std::vector<mote_id> expected, std::vector<mote_id> actual) {
+    const auto found = check_device_lists(
+        x, std::vector<device_list>{{island_id{3}, std::move(expected), std::move(actual)}});
+    return found.empty() ? "" : found[0].detail;
+  };
+  const mote_id a{7};
+  const mote_id b{8};
+  CHECK(details({}, {}).empty());
+  CHECK(details({a, b}, {b, a}).empty());
+  CHECK(details({a, b}, {a}) == "island 3: not listed: 8");
+  CHECK(details({a}, {a, b}) == "island 3: listed in error: 8");
+  CHECK(details({a}, {b}) == "island 3: not listed: 7; listed in error: 8");
+  CHECK(details({a}, {a, a}) == "island 3: listed in error: 7");
+}

@@ -1,0 +1,213 @@
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <set>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "runtime/report.hpp"
+#include "runtime/text_layout.hpp"
+#include "support/catch.hpp"
+#include "unit/runtime_sample.hpp"
+
+using namespace rubicon;
+using namespace rubicon::runtime;
+using nlohmann::json;
+using rubicon::test::large_report;
+using rubicon::test::sample_report;
+
+namespace {
+
+/// Keys whose objects are counted by cause or named by the ecology's author.
+bool holds_free_keys(const std::string& key) {
+  return key == "lost" || key == "mac_failed" || key == "failed" || key == "values";
+}
+
+void collect_keys(const json& x, std::set<std::string>& keys) {
+  if (x.is_object()) {
+    for (const auto& [key, value] : x.items()) {
+      keys.insert(key);
+      if (!holds_free_keys(key))
+        collect_keys(value, keys);
+    }
+  } else if (x.is_array()) {
+    for (const auto& element : x)
+      collect_keys(element, keys);
+  }
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);)
+    lines.push_back(line);
+  return lines;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+report with_violation() {
+  auto x = sample_report();
+  x.violations = {{instant{} + 10min, "radio copies balance", "kitchen: sent 1, delivered 0"}};
+  return x;
+}
+
+} // namespace
+
+TEST_CASE("totals are sums over islands and peers", "[runtime]") {
+  const auto x = sample_report();
+  CHECK(x.motes_configured() == 5);
+  CHECK(x.motes_joined() == 4);
+  CHECK(x.motes_left() == 1);
+  CHECK(x.motes_alive() == 4);
+  CHECK(x.radio().sent == 13'300);
+  CHECK(x.radio().lost == cause_counts{{"collision", 12}, {"filtered", 4'000}, {"loss", 67}});
+  CHECK(x.serial().octets == 133'332);
+  CHECK(x.messages().reliable_acked == 1'430);
+  CHECK(x.peis().peers == 2);
+  CHECK(x.peis().tuples == 48);
+  CHECK(x.peis().packages == 6'133);
+  CHECK(x.used_mah() == Approx(13.869));
+  CHECK(total(x.radio().lost) == 4'079);
+}
+
+TEST_CASE("adding reports adds every field and every cause", "[runtime]") {
+  radio_report radio{1, 2, {{"a", 3}}, 4, 5, {{"b", 6}}, 7, 8};
+  radio += radio_report{10, 20, {{"a", 30}, {"c", 1}}, 40, 50, {}, 70, 80};
+  CHECK(radio.sent == 11);
+  CHECK(radio.delivered == 22);
+  CHECK(radio.lost == cause_counts{{"a", 33}, {"c", 1}});
+  CHECK(radio.requests == 44);
+  CHECK(radio.mac_sent == 55);
+  CHECK(radio.mac_failed == cause_counts{{"b", 6}});
+  CHECK(radio.mac_open == 77);
+  CHECK(radio.transmissions == 88);
+
+  message_report messages{1, 2, 3, 4, 5, 6, 7};
+  messages += messages;
+  CHECK(messages.reliable_sent == 2);
+  CHECK(messages.reliable_acked == 4);
+  CHECK(messages.reliable_failed == 6);
+  CHECK(messages.reliable_open == 8);
+  CHECK(messages.unreliable_sent == 10);
+  CHECK(messages.received == 12);
+  CHECK(messages.duplicates == 14);
+
+  serial_report serial{1, 2, 3, {{"crc", 4}}};
+  serial += serial_report{10, 20, 30, {{"crc", 40}}};
+  CHECK(serial.octets == 11);
+  CHECK(serial.frames_sent == 22);
+  CHECK(serial.frames_received == 33);
+  CHECK(serial.lost == cause_counts{{"crc", 44}});
+}
+
+TEST_CASE("the JSON of a report is one object with the run's figures", "[runtime]") {
+  const auto text = to_json(with_violation());
+  const auto x = json::parse(text);
+  CHECK(text.back() == '\n');
+  CHECK(x.at("ecology") == "two rooms");
+  CHECK(x.at("seed") == 42);
+  CHECK(x.at("mode") == "virtual");
+  CHECK(x.at("simulated_s") == 600.0);
+  CHECK(x.at("trace_hash") == "0123456789abcdef");
+  CHECK(x.at("interrupted") == false);
+  CHECK(x.at("motes") == json({{"configured", 5}, {"joined", 4}, {"left", 1}, {"alive", 4}}));
+  CHECK(x.at("radio").at("lost").at("loss") == 67);
+  CHECK(x.at("radio").at("requests") == 2'550);
+  CHECK(x.at("messages").at("reliable_acked") == 1'430);
+  CHECK(x.at("energy").at("motes").at(2).at("mote") == "3/9");
+  CHECK(x.at("energy").at("motes").at(2).at("radio_listen_s") == 597.0);
+  CHECK(x.at("islands").at(1).at("motes").at(1).at("joined") == false);
+  CHECK(x.at("peers").at(0).at("lost").at("queue_full") == 2);
+  CHECK(x.at("proxies").at(0).at("values").at("temperature") == "22.3 C");
+  CHECK(x.at("proxies").at(1).at("actuations").at("failed").at("timeout") == 1);
+  CHECK(x.at("story").at(0).at("at_s") == 2.00416);
+  CHECK(x.at("violations").at(0).at("invariant") == "radio copies balance");
+}
+
+TEST_CASE("equal reports give equal JSON, also an empty one", "[runtime][GEN-07]") {
+  CHECK(to_json(sample_report()) == to_json(sample_report()));
+  const auto empty = json::parse(to_json(report{}));
+  CHECK(empty.at("violations") == json::array());
+  CHECK(empty.at("radio").at("lost") == json::object());
+}
+
+TEST_CASE("JSON stays valid when a value from outside is not UTF-8", "[runtime]") {
+  auto x = sample_report();
+  x.proxies[0].values[0].second = "\xff\x00\n";
+  x.wall_s = std::numeric_limits<double>::quiet_NaN();
+  CHECK_NOTHROW(json::parse(to_json(x)));
+}
+
+TEST_CASE("every key of the JSON is documented", "[runtime][ACT-13]") {
+  std::ifstream stream(RUBICON_REPORT_DOCUMENT);
+  const std::string document{std::istreambuf_iterator<char>(stream),
+                             std::istreambuf_iterator<char>()};
+  REQUIRE(!document.empty());
+  std::set<std::string> keys;
+  collect_keys(json::parse(to_json(with_violation())), keys);
+  for (const auto& key : keys) {
+    CAPTURE(key);
+    CHECK(contains(document, "`" + key + "`"));
+  }
+}
+
+TEST_CASE("no line of the text is wider than the terminal", "[runtime]") {
+  const auto width = GENERATE(std::size_t{60}, std::size_t{80}, std::size_t{100}, std::size_t{200});
+  for (const auto& x : {sample_report(), with_violation(), large_report(), report{}})
+    for (const auto& line : lines_of(to_text(x, width))) {
+      CAPTURE(line);
+      CHECK(display_width(line) <= width);
+    }
+  CHECK(to_text(sample_report(), 1) == to_text(sample_report(), 60));
+}
+
+TEST_CASE("the text tells how fast it was, who lived and what the proxies say", "[runtime]") {
+  const auto text = to_text(sample_report());
+  CHECK(contains(text, "10 min of virtual time in 0.84 s (714 × real time)"));
+  CHECK(contains(text, "left: battery"));
+  CHECK(contains(text, "never joined: blinds-3"));
+  CHECK(contains(text, "lost on the air: loss 67, collision 12\n"));
+  CHECK(!contains(text, "filtered")); // addressed to another radio is no loss
+  CHECK(contains(text, "99.1%"));     // 8321 of 12400 - 4000
+  CHECK(contains(text, "temperature  22.3"));
+  CHECK(contains(text, "✗ battery"));
+  CHECK(contains(text, "timeout 1"));
+}
+
+TEST_CASE("the verdict comes last", "[runtime]") {
+  CHECK(to_text(sample_report()).ends_with("  ✓ no violations\n"));
+  CHECK(to_text(with_violation())
+            .ends_with("  ✗ 1 violation\n"
+                       "  seconds  invariant             detail\n"
+                       "  600.000  radio copies balance  kitchen: sent 1, delivered 0\n"));
+}
+
+TEST_CASE("a large run is told in two hundred lines and says what it leaves out", "[runtime]") {
+  const auto text = to_text(large_report());
+  CHECK(lines_of(text).size() < 200);
+  CHECK(contains(text, "… 360 lines left out"));
+  CHECK(contains(text, "… and 600 more"));
+  CHECK(contains(text, "… and 30 more"));
+  CHECK(contains(text, "median 302.7"));
+  CHECK(contains(text, "house-50/climate-21"));
+}
+
+TEST_CASE("an interrupted run says so", "[runtime][ACT-11]") {
+  auto x = sample_report();
+  x.interrupted = true;
+  CHECK(contains(to_text(x), "interrupted before its time"));
+}
+
+TEST_CASE("only a terminal gets escapes, and never one from a tuple", "[runtime]") {
+  auto x = sample_report();
+  x.story[0].what = "joined\033[2J";
+  x.ecology = "two\nrooms";
+  CHECK(!contains(to_text(x), "\033"));
+  CHECK(contains(to_text(x, 100, true), "\033[32m"));
+  CHECK(!contains(to_text(x, 100, true), "\033[2J"));
+  CHECK(lines_of(to_text(x))[0] == "two?rooms");
+}

@@ -1,0 +1,118 @@
+#include "unit/runtime_sample.hpp"
+
+namespace rubicon::test {
+
+namespace {
+
+using namespace runtime;
+
+mote_report sample_mote(island_id island, std::uint16_t id, std::string name, double used_mah) {
+  mote_report x;
+  x.address = {island, mote_id{id}};
+  x.name = std::move(name);
+  x.type = "climate";
+  x.joined = true;
+  x.alive = true;
+  x.incarnations = 1;
+  x.used_mah = used_mah;
+  x.battery_mah = 2500;
+  x.mcu_active = 6s;
+  x.mcu_sleep = 594s;
+  x.radio_listen = 597s;
+  x.radio_receive = 2s;
+  x.radio_transmit = 1s;
+  return x;
+}
+
+island_report kitchen() {
+  island_report x;
+  x.id = island_id{3};
+  x.name = "kitchen";
+  x.radio.sent = 12'400;
+  x.radio.delivered = 8'321;
+  x.radio.lost = {{"collision", 12}, {"filtered", 4'000}, {"loss", 67}};
+  x.radio.requests = 2'100;
+  x.radio.mac_sent = 2'095;
+  x.radio.mac_failed = {{"no_ack", 4}};
+  x.radio.mac_open = 1;
+  x.radio.transmissions = 4'321;
+  x.serial = {123'456, 5'000, 4'990, {{"crc", 10}}};
+  x.messages = {1'234, 1'230, 3, 1, 17, 1'222, 5};
+  x.motes = {sample_mote(x.id, 7, "climate-7", 3.301), sample_mote(x.id, 8, "climate-8", 3.287),
+             sample_mote(x.id, 9, "lamp-9", 1.02)};
+  x.motes[2].alive = false;
+  x.motes[2].left_cause = "battery";
+  return x;
+}
+
+island_report living_room() {
+  island_report x;
+  x.id = island_id{12};
+  x.name = "living-room";
+  x.radio.sent = 900;
+  x.radio.delivered = 900;
+  x.radio.requests = 450;
+  x.radio.mac_sent = 450;
+  x.radio.transmissions = 900;
+  x.serial = {9'876, 400, 400, {}};
+  x.messages = {200, 200, 0, 0, 0, 200, 0};
+  x.motes = {sample_mote(x.id, 2, "climate-2", 3.311), sample_mote(x.id, 3, "blinds-3", 2.95)};
+  x.motes[1].joined = false;
+  return x;
+}
+
+} // namespace
+
+report sample_report() {
+  report x;
+  x.ecology = "two rooms";
+  x.seed = 42;
+  x.mode = "virtual";
+  x.simulated = 10min;
+  x.wall_s = 0.84;
+  x.events = 123'456;
+  x.trace_hash = "0123456789abcdef";
+  x.actors = {31, 1, {"kitchen/climate-8: crash asked for"}};
+  x.islands = {kitchen(), living_room()};
+  x.peers = {{peer_id{3}, "kitchen-gateway", 2, 3, 41, {1, 5'321, 41, {{"queue_full", 2}}}},
+             {peer_id{100}, "robot", 1, 3, 7, {1, 812, 7, {}}}};
+  x.proxies = {{"kitchen.climate-7",
+                "climate",
+                "active",
+                {{"humidity", "41 %"}, {"temperature", "22.3 C"}, {"voltage", "2.951 V"}},
+                {}},
+               {"kitchen.lamp-9", "lamp", "lost", {{"switch", "on"}}, {5, 4, {{"timeout", 1}}}},
+               {"living-room.climate-2", "climate", "active", {{"temperature", "-3.25 C"}}, {}}};
+  x.story = {{instant{} + 2004160us, "kitchen/climate-7", "joined"},
+             {instant{} + 2120ms, "kitchen/lamp-9", "joined"},
+             {instant{} + 301s, "kitchen/lamp-9", "left: battery"}};
+  return x;
+}
+
+report large_report() {
+  report x;
+  x.ecology = "a town";
+  x.mode = "virtual";
+  x.simulated = 24h;
+  x.wall_s = 75;
+  x.events = 1'234'567'890;
+  for (std::uint32_t i = 1; i <= 50; ++i) {
+    auto island = living_room();
+    island.id = island_id{i};
+    island.name = "house-" + std::to_string(i);
+    island.motes.clear();
+    for (std::uint16_t mote = 2; mote < 22; ++mote)
+      island.motes.push_back(sample_mote(island.id, mote, "climate-" + std::to_string(mote),
+                                         300 + 0.1 * i + 0.01 * mote));
+    x.islands.push_back(island);
+    x.peers.push_back({gateway_of(island.id), island.name + "-gateway", 1, 50, 100, {}});
+    x.proxies.push_back(
+        {island.name, "climate", "active", {{"temperature", "20.0 C"}}, {1, 1, {}}});
+  }
+  for (int i = 0; i < 400; ++i)
+    x.story.push_back({instant{} + i * 1s, "somebody", "line " + std::to_string(i)});
+  x.story_left_out = 600;
+  return x;
+}
+
+} // namespace rubicon::test

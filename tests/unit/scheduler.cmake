@@ -1,0 +1,10 @@
+rubicon_test(unit.scheduler SOURCES
+  unit/scheduler_clock_test.cpp unit/scheduler_order_test.cpp unit/scheduler_queue_test.cpp
+  unit/scheduler_run_test.cpp unit/scheduler_shutdown_test.cpp unit/scheduler_supervision_test.cpp
+  unit/scheduler_trace_test.cpp unit/scheduler_wall_test.cpp
+  NEEDS rubicon_scheduler)
+target_precompile_headers(test_unit.scheduler PRIVATE <caf/all.hpp> "support/catch.hpp")
+
+# Prints numbers; not a test.
+add_executable(bench_scheduler bench/scheduler_bench.cpp)
+target_link_libraries(bench_scheduler PRIVATE rubicon_options rubicon_scheduler)

@@ -1,0 +1,114 @@
+#include <deque>
+#include <map>
+#include <memory>
+
+#include "core/random.hpp"
+#include "scheduler/ready_queue.hpp"
+#include "scheduler/timer_queue.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+
+namespace {
+
+using queue = scheduler::timer_queue<std::shared_ptr<int>>;
+
+instant at(std::int64_t ns) {
+  return instant(duration(ns));
+}
+
+} // namespace
+
+TEST_CASE("timers come out by time, equal times in the order they went in", "[scheduler][GEN-07]") {
+  random_stream dice(7);
+  queue timers;
+  std::multimap<instant, int> expected; // keeps the order of equal keys
+  for (int i = 0; i < 5000; ++i) {
+    const auto due = at(static_cast<std::int64_t>(dice.below(500)));
+    timers.add(due, std::make_shared<int>(i));
+    expected.emplace(due, i);
+  }
+  for (const auto& [due, value] : expected) {
+    REQUIRE(timers.next() == due);
+    REQUIRE(*timers.pop() == value);
+  }
+  CHECK(timers.empty());
+  CHECK(!timers.next());
+}
+
+TEST_CASE("timers behave like a sorted list under any mixture of operations",
+          "[scheduler][GEN-07]") {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    random_stream dice(seed);
+    queue timers;
+    std::multimap<instant, std::pair<int, queue::ticket>> expected;
+    auto now = at(0);
+    for (int i = 0; i < 3000; ++i) {
+      const auto what = dice.below(10);
+      if (what < 5) {
+        const auto due = now + duration(dice.below(50));
+        expected.emplace(due, std::pair(i, timers.add(due, std::make_shared<int>(i))));
+      } else if (what < 8 && !expected.empty()) {
+        const auto victim =
+            std::next(expected.begin(), static_cast<std::ptrdiff_t>(dice.below(expected.size())));
+        timers.cancel(victim->second.second);
+        expected.erase(victim);
+      } else if (!expected.empty()) {
+        now = expected.begin()->first;
+        REQUIRE(timers.next() == now);
+        REQUIRE(timers.front() == expected.begin()->second.second);
+        REQUIRE(*timers.pop() == expected.begin()->second.first);
+        expected.erase(expected.begin());
+      }
+      REQUIRE(timers.size() == expected.size());
+    }
+  }
+}
+
+TEST_CASE("a cancelled timer is destroyed at once and its memory is used again", "[scheduler]") {
+  queue timers;
+  const auto value = std::make_shared<int>(1);
+  timers.add(at(5), std::make_shared<int>(0));
+  for (int i = 0; i < 1'000'000; ++i) {
+    const auto ticket = timers.add(at(1'000'000'000 + i), value);
+    timers.cancel(ticket);
+    if (value.use_count() != 1)
+      FAIL("a cancelled timer holds its value");
+  }
+  CHECK(timers.size() == 1);
+  CHECK(timers.footprint() < 100);
+  CHECK(*timers.pop() == 0);
+  CHECK(!timers.next());
+  CHECK(timers.footprint() == 0);
+}
+
+TEST_CASE("clearing timers destroys them all", "[scheduler]") {
+  queue timers;
+  const auto value = std::make_shared<int>(1);
+  for (int i = 0; i < 10; ++i)
+    timers.add(at(i), value);
+  CHECK(value.use_count() == 11);
+  timers.clear();
+  CHECK(value.use_count() == 1);
+  CHECK(timers.empty());
+  timers.add(at(3), value);
+  CHECK(timers.next() == at(3));
+}
+
+TEST_CASE("the ready queue is first in, first out while it grows and wraps around", "[scheduler]") {
+  random_stream dice(3);
+  scheduler::ready_queue<int> ready;
+  std::deque<int> expected;
+  for (int i = 0; i < 20'000; ++i) {
+    // Long stretches of growth and of shrinking.
+    if (dice.chance((i / 2000) % 2 == 0 ? 0.7 : 0.3)) {
+      ready.push(i);
+      expected.push_back(i);
+    } else if (!expected.empty()) {
+      REQUIRE(ready.pop() == expected.front());
+      expected.pop_front();
+    }
+    REQUIRE(ready.size() == expected.size());
+    REQUIRE(ready.empty() == expected.empty());
+  }
+}

@@ -1,0 +1,198 @@
+#include <array>
+#include <optional>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/local/connect_pair.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/read.hpp>
+
+#include "io/context.hpp"
+#include "unit/scheduler_support.hpp"
+
+using namespace scheduler_test;
+
+// Leaks and what is used after its end show under the address sanitizer.
+
+namespace {
+
+caf::behavior keeping(counted_pointer self, caf::actor other) {
+  self->state.friend_of_mine = std::move(other);
+  return {[](mark) {}};
+}
+
+} // namespace
+
+TEST_CASE("a world ends with timers pending, periodic ones too", "[scheduler][ACT-11]") {
+  {
+    world world;
+    for (int i = 0; i < 3; ++i)
+      world.system().spawn([](counted_pointer self) -> caf::behavior {
+        self->delayed_send(self, 1ms, mark{});
+        return {[self](mark) { self->delayed_send(self, 1ms, mark{}); },
+                caf::after(60min) >> [] {}};
+      });
+    world.run_for(10ms);
+    CHECK(counted_state::alive == 3);
+  }
+  CHECK(counted_state::alive == 0);
+}
+
+TEST_CASE("a world ends with actors that hold each other and that only messages hold",
+          "[scheduler][ACT-11]") {
+  {
+    world world;
+    auto one = world.system().spawn(keeping, caf::actor());
+    auto two = world.system().spawn(keeping, one);
+    caf::anon_send_exit(one, caf::exit_reason::normal);
+    one = world.system().spawn([two](counted_pointer self) -> caf::behavior {
+      self->state.friend_of_mine = two;
+      return {[](mark) {}};
+    });
+    caf::delayed_anon_send(world.system().spawn(keeping, one), 1h, mark{});
+    caf::anon_send(world.system().spawn(keeping, one), mark{}); // never had a turn
+    world.run_for(0s);
+    caf::anon_send(world.system().spawn(keeping, two), mark{}); // never had a turn
+    CHECK(counted_state::alive == 5);
+  }
+  CHECK(counted_state::alive == 0);
+}
+
+TEST_CASE("a world ends with requests pending, awaited and answered by nobody",
+          "[scheduler][ACT-11]") {
+  {
+    world world;
+    const auto server = world.system().spawn([](counted_pointer self) -> caf::behavior {
+      return {[self](mark) { return self->make_response_promise(); }};
+    });
+    std::vector<caf::actor> clients;
+    for (const bool awaited : {false, true})
+      clients.push_back(world.system().spawn([=](counted_pointer self) -> caf::behavior {
+        self->state.friend_of_mine = server;
+        auto request = self->request(
+            server, awaited ? caf::duration(caf::infinite) : caf::duration(60min), mark{});
+        if (awaited)
+          request.await([](int) {});
+        else
+          request.then([](int) {});
+        return {[](mark) {}};
+      }));
+    world.run_for(1s);
+    CHECK(counted_state::alive == 3);
+  }
+  CHECK(counted_state::alive == 0);
+}
+
+TEST_CASE("a world ends with actors that keep each other busy", "[scheduler][ACT-11]") {
+  {
+    world world;
+    world.system().spawn([](counted_pointer self) -> caf::behavior {
+      self->send(self, mark{});
+      return {[self](mark) { self->send(self, mark{}); }};
+    });
+    CHECK(!world.drain(100));
+  }
+  CHECK(counted_state::alive == 0);
+}
+
+TEST_CASE("a world ends although a supervisor would restart what dies", "[scheduler][ACT-11]") {
+  {
+    world world;
+    const auto boss = world.system().spawn([](counted_pointer self) -> caf::behavior {
+      const auto child = [](counted_pointer) -> caf::behavior { return {[](mark) {}}; };
+      self->set_exit_handler([](const caf::exit_msg&) {});
+      self->set_down_handler([=](const caf::down_msg&) { self->spawn<caf::monitored>(child); });
+      self->state.friend_of_mine = self->spawn<caf::monitored>(child);
+      return {[](mark) {}};
+    });
+    world.run_for(1s);
+    CHECK(counted_state::alive == 2);
+  }
+  CHECK(counted_state::alive == 0);
+}
+
+TEST_CASE("a world ends with open sockets in its loop", "[scheduler][ACT-11]") {
+  using protocol = boost::asio::local::stream_protocol;
+  struct connection {
+    explicit connection(boost::asio::io_context& x) : socket(x) {}
+    protocol::socket socket;
+    std::array<char, 16> octets{};
+  };
+  {
+    world world;
+    const auto owner =
+        world.system().spawn([](counted_pointer) -> caf::behavior { return {[](mark) {}}; });
+    auto& context = io::context_of(world.loop());
+    const auto here = std::make_shared<connection>(context);
+    const auto there = std::make_shared<connection>(context);
+    boost::asio::local::connect_pair(here->socket, there->socket);
+    boost::asio::async_read(
+        here->socket, boost::asio::buffer(here->octets),
+        [here, there, owner](const auto&, std::size_t) { caf::anon_send(owner, mark{}); });
+    world.run_for(1s);
+    CHECK(counted_state::alive == 1);
+  }
+  CHECK(counted_state::alive == 0);
+}
+
+TEST_CASE("sockets that a dying actor closes finish their work before the world ends",
+          "[scheduler][ACT-11]") {
+  using protocol = boost::asio::local::stream_protocol;
+  struct owning_state {
+    std::optional<protocol::socket> socket;
+    std::array<char, 16> octets{};
+  };
+  bool finished = false;
+  {
+    io::loop loop;
+    protocol::socket there(io::context_of(loop));
+    world world({.loop = &loop});
+    world.system().spawn([&](caf::stateful_actor<owning_state>* self) -> caf::behavior {
+      auto& state = self->state;
+      state.socket.emplace(io::context_of(loop));
+      boost::asio::local::connect_pair(*state.socket, there);
+      state.socket->async_read_some(boost::asio::buffer(state.octets),
+                                    [&](const auto& error, std::size_t) { finished = !!error; });
+      return {[](mark) {}};
+    });
+    world.run_for(1s);
+    CHECK(!finished);
+  }
+  CHECK(finished);
+}
+
+TEST_CASE("an unreachable actor ends by itself and is not kept alive by the scheduler",
+          "[scheduler][ACT-12]") {
+  world world;
+  for (int i = 0; i < 1000; ++i) {
+    world.system().spawn([](counted_pointer) -> caf::behavior { return {[](mark) {}}; });
+    world.run_for(1ms);
+    REQUIRE(counted_state::alive == 0);
+  }
+}
+
+TEST_CASE("shutting down twice is harmless and leaves trace and figures", "[scheduler][ACT-11]") {
+  world world;
+  events log;
+  caf::delayed_anon_send(world.spawn("a", recorder, &log, 0), 1s, mark{});
+  world.run_for(2s);
+  const auto stats = world.stats();
+  const auto hash = world.trace().hash();
+  world.shutdown();
+  world.shutdown();
+  CHECK(world.stats().resumes == stats.resumes);
+  CHECK(world.stats().timeouts == 1);
+  CHECK(world.trace().hash() == hash);
+}
+
+TEST_CASE("hundreds of worlds can follow and contain each other", "[scheduler]") {
+  for (int i = 0; i < 300; ++i) {
+    world outer;
+    world inner;
+    events log;
+    caf::delayed_anon_send(outer.spawn("a", recorder, &log, 0), 1s, mark{1});
+    caf::delayed_anon_send(inner.spawn("a", recorder, &log, 0), 1s, mark{2});
+    inner.run_for(1s);
+    outer.run_for(1s);
+    REQUIRE(log == events{{1s, 2}, {1s, 1}});
+  }
+}

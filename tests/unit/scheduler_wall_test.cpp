@@ -1,0 +1,164 @@
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "io/loop.hpp"
+#include "unit/scheduler_support.hpp"
+
+using namespace scheduler_test;
+
+namespace {
+
+auto real_now() {
+  return std::chrono::steady_clock::now();
+}
+
+} // namespace
+
+TEST_CASE("wall time passes as fast as the speed says", "[scheduler][GEN-07]") {
+  const double speed = GENERATE(1.0, 20.0);
+  world world({.mode = time_mode::wall, .speed = speed});
+  const duration length(static_cast<std::int64_t>(30e6 * speed));
+  events log;
+  const auto to = world.spawn("", recorder, &log, 0);
+  for (const int i : {3, 1, 2})
+    caf::delayed_anon_send(to, i * length / 4, mark{i});
+  CHECK(world.now() == instant());
+  const auto start = real_now();
+  CHECK(world.run_for(length) == stop_cause::reached_end);
+  CHECK(real_now() - start >= 30ms - 1us);
+  CHECK(world.now() == instant(length));
+  REQUIRE(log.size() == 3);
+  for (int i = 1; i <= 3; ++i) {
+    CHECK(log[static_cast<std::size_t>(i - 1)].second == i);
+    CHECK(log[static_cast<std::size_t>(i - 1)].first >= i * length / 4);
+    CHECK(log[static_cast<std::size_t>(i - 1)].first <= length);
+  }
+}
+
+TEST_CASE("wall time without a speed is real time", "[scheduler][GEN-07]") {
+  world world({.mode = time_mode::wall});
+  const auto start = real_now();
+  world.run_for(20ms);
+  CHECK(real_now() - start >= 20ms);
+  CHECK(world.now() == instant(20ms));
+}
+
+TEST_CASE("between runs wall time stands still and catches up in the next", "[scheduler][GEN-07]") {
+  world world({.mode = time_mode::wall});
+  world.run_for(1ms);
+  const auto pause = real_now() + 10ms;
+  while (real_now() < pause)
+    CHECK(world.now() == instant(1ms));
+  events log;
+  caf::delayed_anon_send(world.spawn("", recorder, &log, 0), 0s, mark{});
+  world.run_for(1h - 1ms >= 5ms ? 5ms : 0ms);
+  REQUIRE(log.size() == 1);
+  CHECK(log[0].first == 6ms); // the run's end: real time is beyond it
+  CHECK(world.now() == instant(6ms));
+}
+
+TEST_CASE("events that are late in wall time keep their order", "[scheduler][GEN-07]") {
+  world world({.mode = time_mode::wall, .speed = 1e6});
+  events log;
+  const auto to = world.spawn("", recorder, &log, 0);
+  for (int i = 0; i < 200; ++i)
+    caf::delayed_anon_send(to, (i * 77 % 200) * 1s, mark{i * 77 % 200});
+  world.run_for(200s);
+  REQUIRE(log.size() == 200);
+  for (int i = 0; i < 200; ++i)
+    REQUIRE(log[static_cast<std::size_t>(i)].second == i);
+}
+
+TEST_CASE("another thread's messages and timeouts wake a waiting world", "[scheduler][GEN-07]") {
+  world world({.mode = time_mode::wall, .speed = 100});
+  std::atomic<int> received = 0;
+  const auto to = world.system().spawn([&](caf::event_based_actor*) -> caf::behavior {
+    return {[&](mark x) {
+      received += x.value;
+      if (received == 111)
+        world.request_stop();
+    }};
+  });
+  std::thread other([&world, to] {
+    caf::anon_send(to, mark{1});
+    caf::delayed_anon_send(to, 100ms, mark{10});
+    const auto helper = world.system().spawn(
+        [to](caf::event_based_actor* self) { self->delayed_send(to, 50ms, mark{100}); });
+  });
+  CHECK(world.run_for(10h) == stop_cause::requested);
+  other.join();
+  CHECK(received == 111);
+}
+
+TEST_CASE("another thread can stop a waiting world", "[scheduler][ACT-11]") {
+  const auto mode = GENERATE(time_mode::wall, time_mode::virtual_time);
+  world world({.mode = mode, .speed = 1});
+  std::thread other([&] { world.request_stop(); });
+  CHECK(world.run_for(1h) == stop_cause::requested);
+  other.join();
+  CHECK(world.now() < instant(1h));
+}
+
+TEST_CASE("many threads may send at once and nothing is lost", "[scheduler]") {
+  const auto mode = GENERATE(time_mode::wall, time_mode::virtual_time);
+  constexpr int threads = 4;
+  constexpr int messages = 2000;
+  world world({.mode = mode, .speed = 1});
+  int received = 0;
+  std::array<int, threads> last{};
+  last.fill(-1);
+  bool in_order = true;
+  const auto to =
+      world.spawn("sum", [&](traced_pointer<int, mark_actor>) -> mark_actor::behavior_type {
+        return {[&](mark x) {
+          auto& previous = last[static_cast<std::size_t>(x.value % threads)];
+          in_order = in_order && x.value / threads == previous + 1;
+          previous = x.value / threads;
+          if (++received == threads * messages)
+            world.request_stop();
+        }};
+      });
+  std::vector<std::thread> others;
+  for (int i = 0; i < threads; ++i)
+    others.emplace_back([&, i] {
+      for (int j = 0; j < messages; ++j)
+        caf::anon_send(to, mark{j * threads + i});
+    });
+  CHECK(world.run_for(1h) == stop_cause::requested);
+  for (auto& x : others)
+    x.join();
+  CHECK(received == threads * messages);
+  CHECK(in_order);
+  // In virtual time nothing that comes from outside is repeatable, so it is not traced.
+  CHECK(world.trace().events() == (mode == time_mode::wall ? threads * messages : 0));
+}
+
+TEST_CASE("other threads can set and cancel timeouts", "[scheduler][GEN-07]") {
+  world world;
+  auto& clock = world.system().clock();
+  const auto one = world.system().spawn([](caf::event_based_actor* self) -> caf::behavior {
+    self->set_default_handler(caf::drop);
+    return {[](mark) {}};
+  });
+  auto* inside = caf::actor_cast<caf::abstract_actor*>(one);
+  std::thread([&] {
+    const auto t = to_clock_time(instant(1s));
+    clock.set_ordinary_timeout(t, inside, caf::atom("a"), 1);
+    clock.set_ordinary_timeout(t, inside, caf::atom("b"), 2);
+    clock.set_multi_timeout(t, inside, caf::atom("c"), 3);
+    clock.set_request_timeout(t, inside, caf::make_message_id(1).response_id());
+    clock.cancel_ordinary_timeout(inside, caf::atom("a"));
+    clock.cancel_request_timeout(inside, caf::make_message_id(1).response_id());
+  }).join();
+  world.run_for(10s);
+  CHECK(world.stats().timeouts == 2);
+  std::thread([&] {
+    clock.set_multi_timeout(to_clock_time(instant(20s)), inside, caf::atom("c"), 3);
+    clock.cancel_timeouts(inside);
+    clock.set_multi_timeout(to_clock_time(instant(20s)), inside, caf::atom("c"), 3);
+    clock.cancel_all();
+  }).join();
+  world.run_for(10s);
+  CHECK(world.stats().timeouts == 2);
+}
