@@ -3,6 +3,7 @@
 #include <set>
 
 #include "actors/log.hpp"
+#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -84,6 +85,7 @@ void report(air_pointer self) {
 
 air_actor::behavior_type air(air_pointer self, radio::channel channel,
                              std::vector<mote_address> addresses, ecology_actor ecology) {
+  scheduler::tell_monitors_of_exceptions(self);
   self->state.channel = std::move(channel);
   self->state.users.resize(addresses.size());
   self->state.addresses = std::move(addresses);

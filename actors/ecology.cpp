@@ -90,8 +90,14 @@ struct fault_applier {
   ecology_pointer self;
 
   void operator()(const config::battery_end_fault& x) const {
-    if (const auto& handle = self->state.motes.at(x.mote).handle)
-      self->send(handle, end_battery{});
+    auto& mote = self->state.motes.at(x.mote);
+    if (mote.handle) {
+      self->send(mote.handle, end_battery{});
+      return;
+    }
+    mote.flat = true; // while it was out of order: it will not start again
+    self->send(mote.arguments.air, radio_power{mote.arguments.radio, radio::power::flat});
+    tell_story(self, "mote/" + mote.arguments.name, "battery flat");
   }
 
   void operator()(const config::crash_fault& x) const {
@@ -140,7 +146,7 @@ void begin_collecting(ecology_pointer self) {
     x.type = mote.type;
     x.joined = mote.joined;
     x.alive = !mote.flat && mote.handle != nullptr;
-    x.incarnations = mote.arguments.incarnation + 1;
+    x.incarnations = mote.arguments.incarnation + (mote.handle ? 1 : 0);
     x.left_cause = mote.left_cause;
     island_of(self, address.island).motes.push_back(std::move(x));
     if (mote.handle)
@@ -225,7 +231,11 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const apply_fault& x) {
         std::visit(fault_applier{self}, self->state.description.faults.at(x.index).what);
       },
-      [self](const restart_mote& x) { spawn_mote(self, self->state.motes.at(x.mote)); },
+      [self](const restart_mote& x) {
+        auto& mote = self->state.motes.at(x.mote);
+        if (!mote.flat)
+          spawn_mote(self, mote);
+      },
       [self](collect_report) { begin_collecting(self); },
       [self](deliver_report) { deliver(self); },
   };

@@ -3,6 +3,7 @@
 #include "actors/log.hpp"
 #include "actors/statuses.hpp"
 #include "core/device_keys.hpp"
+#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -126,6 +127,7 @@ void report(gateway_pointer self) {
 } // namespace
 
 gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_arguments arguments) {
+  scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.arguments = std::move(arguments);
   state.gateway = gateway::gateway(state.arguments.config,

@@ -6,6 +6,7 @@
 #include "actors/log.hpp"
 #include "actors/statuses.hpp"
 #include "scheduler/spawn.hpp"
+#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -118,6 +119,7 @@ void start(mote_pointer self) {
 } // namespace
 
 mote_actor::behavior_type mote_behavior(mote_pointer self, mote_arguments arguments) {
+  scheduler::tell_monitors_of_exceptions(self);
   self->state.arguments = std::move(arguments);
   start(self);
   return {
@@ -145,7 +147,10 @@ mote_actor::behavior_type mote_behavior(mote_pointer self, mote_arguments argume
         if (!self->state.flat)
           on_set(self, x);
       },
-      [](crash_now) { throw std::runtime_error("crash from the fault plan"); },
+      [self](crash_now) {
+        if (!self->state.flat)
+          throw std::runtime_error("crash from the fault plan");
+      },
       [self](end_battery) {
         self->send(self->state.arguments.air,
                    radio_power{self->state.arguments.radio, radio::power::flat});

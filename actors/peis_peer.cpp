@@ -1,6 +1,7 @@
 #include "actors/peis_peer.hpp"
 
 #include "actors/log.hpp"
+#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -18,6 +19,8 @@ payload shown(const peis::tuple& x) {
 peis::tuple_content content_of(const payload& value, bool text) {
   return text ? peis::text_content(to_string(value.view())) : peis::binary_content(value);
 }
+
+void perform(peer_pointer self, peis::outputs todo);
 
 struct performer {
   peer_pointer self;
@@ -66,6 +69,9 @@ struct performer {
   }
   void operator()(const peis::quit_requested& x) const {
     log(self, spdlog::level::info, "event=quit_requested by={}", x.by.value);
+    perform(self, self->state.kernel.leave(now(self)));
+    for (const auto& [link, other] : self->state.links)
+      self->delayed_send(other, inproc_delay, link_closed{link.value});
     self->quit(caf::exit_reason::user_shutdown);
   }
 
@@ -137,6 +143,7 @@ void on_opened(peer_pointer self, const link_opened& x) {
 } // namespace
 
 peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments arguments) {
+  scheduler::tell_monitors_of_exceptions(self);
   self->state.arguments = std::move(arguments);
   self->state.kernel =
       peis::kernel(self->state.arguments.config,

@@ -1,6 +1,7 @@
 #include "actors/proxy.hpp"
 
 #include "actors/log.hpp"
+#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -74,6 +75,7 @@ void report(proxy_pointer self) {
 } // namespace
 
 proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments arguments) {
+  scheduler::tell_monitors_of_exceptions(self);
   self->state.arguments = std::move(arguments);
   perform(self, self->state.arguments.core.start(now(self)));
   watch_all(self);

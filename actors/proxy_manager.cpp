@@ -6,6 +6,7 @@
 #include "actors/log.hpp"
 #include "actors/proxy.hpp"
 #include "scheduler/spawn.hpp"
+#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -114,6 +115,7 @@ void on_down(manager_pointer self, const caf::down_msg& x) {
 
 proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
                                                  proxy_manager_arguments arguments) {
+  scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.arguments = std::move(arguments);
   state.manager = proxy::manager(proxy::class_table(state.arguments.classes));

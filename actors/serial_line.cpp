@@ -1,6 +1,7 @@
 #include "actors/serial_line.hpp"
 
 #include "actors/log.hpp"
+#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -42,6 +43,7 @@ void report(line_pointer self) {
 
 serial_line_actor::behavior_type serial_line(line_pointer self, serial::line line,
                                              island_id island, ecology_actor ecology) {
+  scheduler::tell_monitors_of_exceptions(self);
   self->state.line = std::move(line);
   self->state.island = island;
   self->state.ecology = std::move(ecology);

@@ -1,6 +1,7 @@
 #include "actors/sink.hpp"
 
 #include "actors/log.hpp"
+#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -74,6 +75,7 @@ void report(sink_pointer self) {
 } // namespace
 
 sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
+  scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.arguments = std::move(arguments);
   state.sink = mote::sink(state.arguments.address.mote, state.arguments.registrar);

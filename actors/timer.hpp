@@ -40,9 +40,15 @@ public:
                          timer_expired{which_, epoch_});
   }
 
+  /// No expiry is awaited any more.
+  void stop() {
+    wake_.reset();
+    ++epoch_;
+  }
+
   /// @returns whether `x` is the expiry awaited; then follow() must be called again
   [[nodiscard]] bool accepts(const timer_expired& x) {
-    if (x.which != which_ || x.epoch != epoch_)
+    if (!wake_ || x.which != which_ || x.epoch != epoch_)
       return false;
     wake_.reset();
     return true;

@@ -5,6 +5,7 @@
 #include "actors/log.hpp"
 #include "core/codec.hpp"
 #include "scheduler/spawn.hpp"
+#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -28,7 +29,7 @@ using sampler_pointer = scheduler::traced_pointer<sampler_state, mote_app_actor>
 void on_membership(sampler_pointer self, bool joined) {
   auto& state = self->state;
   if (!joined) {
-    state.period = timer();
+    state.period.stop();
     return;
   }
   state.next_period = now(self) + state.dice.between(0s, state.config.every);
@@ -88,6 +89,7 @@ void on_message(listener_pointer self, const message_received& x) {
 
 mote_app_actor::behavior_type sampler(sampler_pointer self, config::sampler_app config,
                                       mote_actor mote, std::uint64_t seed) {
+  scheduler::tell_monitors_of_exceptions(self);
   self->state.config = std::move(config);
   self->state.mote = std::move(mote);
   self->state.dice = random_stream(seed, self->path());
@@ -109,6 +111,7 @@ mote_app_actor::behavior_type sampler(sampler_pointer self, config::sampler_app 
 
 mote_app_actor::behavior_type actuator(actuator_pointer self, config::actuator_app config,
                                        mote_actor mote, std::uint8_t initial) {
+  scheduler::tell_monitors_of_exceptions(self);
   self->state.config = std::move(config);
   self->state.mote = std::move(mote);
   self->state.current = initial;
@@ -135,12 +138,13 @@ mote_app_actor::behavior_type actuator(actuator_pointer self, config::actuator_a
 
 mote_app_actor::behavior_type messenger(messenger_pointer self, config::messenger_app config,
                                         mote_actor mote) {
+  scheduler::tell_monitors_of_exceptions(self);
   self->state.config = std::move(config);
   self->state.mote = std::move(mote);
   return {
       [self](const membership_changed& x) {
         auto& state = self->state;
-        state.period = timer();
+        state.period.stop();
         if (!x.joined)
           return;
         state.next_message = now(self) + state.config.every;
@@ -163,6 +167,7 @@ mote_app_actor::behavior_type messenger(messenger_pointer self, config::messenge
 
 mote_app_actor::behavior_type listener(listener_pointer self, config::listener_app config,
                                        mote_actor mote, ecology_actor ecology) {
+  scheduler::tell_monitors_of_exceptions(self);
   self->state.config = config;
   self->state.mote = std::move(mote);
   self->state.ecology = std::move(ecology);

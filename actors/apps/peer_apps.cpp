@@ -4,6 +4,7 @@
 
 #include "actors/log.hpp"
 #include "peis/key.hpp"
+#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -62,6 +63,7 @@ void on_tuple(collector_pointer self, const tuple_event& x) {
 
 peer_app_actor::behavior_type rules_program(rules_pointer self, std::vector<proxy::rule> rules,
                                             peis_peer_actor peer, ecology_actor ecology) {
+  scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.rules = proxy::rules(std::move(rules));
   state.peer = std::move(peer);
@@ -86,6 +88,7 @@ peer_app_actor::behavior_type rules_program(rules_pointer self, std::vector<prox
 
 peer_app_actor::behavior_type collector(collector_pointer self, std::vector<std::string> keys,
                                         peis_peer_actor peer) {
+  scheduler::tell_monitors_of_exceptions(self);
   for (auto& key : keys)
     self->send(peer, watch_tuples{handle_of(self), watch_read, any_peer, std::move(key)});
   return {

@@ -4,12 +4,12 @@
 
 namespace rubicon::radio {
 
-void medium::add(energy_meter meter, instant now) {
+void medium::add(const energy_meter& meter, instant now) {
   transceiver x;
-  x.meter = std::move(meter);
+  x.meter = meter;
   x.meter.enter(radio_state::listen, now);
   x.quiet_from = now;
-  transceivers_.push_back(std::move(x));
+  transceivers_.push_back(x);
 }
 
 slot_index medium::start(transmission x, std::shared_ptr<const hearers> heard_by, instant now) {

@@ -34,7 +34,7 @@ using slot_index = std::uint32_t;
 class medium {
 public:
   /// A transceiver, listening; its states are the meter's.
-  void add(energy_meter meter, instant now);
+  void add(const energy_meter& meter, instant now);
 
   /// @pre the radio is on and not sending
   slot_index start(transmission x, std::shared_ptr<const hearers> heard_by, instant now);

@@ -67,6 +67,8 @@ std::string speed_factor(duration simulated, double wall_s) {
 std::string real_time(double wall_s) {
   if (!std::isfinite(wall_s) || wall_s < 0)
     return nothing;
+  if (wall_s < 0.0995)
+    return fixed(wall_s * 1000, 1) + " ms";
   if (wall_s < 9.995)
     return fixed(wall_s, 2) + " s";
   if (wall_s < 59.95)

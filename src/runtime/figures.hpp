@@ -22,7 +22,7 @@ namespace rubicon::runtime {
 /// How many times faster than real time: `714 ×`, `1.0 ×`, `12,345 ×`. `wall_s` 0: `–`.
 [[nodiscard]] std::string speed_factor(duration simulated, double wall_s);
 
-/// A length of real time: `0.84 s`, `2 min 05 s`, `3 h 10 min`.
+/// A length of real time: `1.2 ms`, `0.84 s`, `2 min 05 s`, `3 h 10 min`.
 [[nodiscard]] std::string real_time(double wall_s);
 
 /// A life time given in hours: `7.5 h`, `31 d`, `1.4 y`. Not finite or negative: `–`.

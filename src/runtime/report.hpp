@@ -23,7 +23,7 @@ struct radio_report {
   /// Copies, one per radio in range of a transmission: sent = delivered + sum of lost.
   std::uint64_t sent = 0;
   std::uint64_t delivered = 0;
-  cause_counts lost; ///< loss, collision, half_duplex, off, filtered, overflow
+  cause_counts lost; ///< loss, collision, half_duplex, off, filtered, overflow, duplicate
   /// MAC requests: requests = mac_sent + sum of mac_failed + those still open at the end.
   std::uint64_t requests = 0;
   std::uint64_t mac_sent = 0;
@@ -66,7 +66,7 @@ struct message_report {
 
 struct mote_report {
   mote_address address;
-  std::string name;
+  std::string name;    ///< unique in its island, `climate-7`
   std::string type;    ///< name of its [mote_type], else the number
   bool joined = false; ///< ever
   bool alive = false;  ///< at the end

@@ -79,14 +79,20 @@ void add_membership_notes(table& rows, const island_report& island) {
     rows.add_note("  never joined: " + absent, look::bad);
 }
 
+/// Without what nobody missed: copies for another radio, and repeats of a frame already received.
+cause_counts really_lost(const radio_report& x) {
+  auto lost = x.lost;
+  lost.erase("filtered");
+  lost.erase("duplicate");
+  return lost;
+}
+
 void add_loss_notes(table& rows, const island_report& island) {
-  auto on_air = island.radio.lost;
-  on_air.erase("filtered"); // heard well, but addressed to another
   const auto add = [&](const char* where, const std::string& what) {
     if (!what.empty())
       rows.add_note(where + what);
   };
-  add("  lost on the air: ", causes(on_air));
+  add("  lost on the air: ", causes(really_lost(island.radio)));
   add("  radio gave up: ", causes(island.radio.mac_failed));
   add("  lost on the cable: ", causes(island.serial.lost));
   add("  messages: ", causes({{"failed", island.messages.reliable_failed},
@@ -98,9 +104,7 @@ void add_island_row(table& rows, const std::string& name, const report& part,
                     const std::string& id) {
   const auto radio = part.radio();
   const auto messages = part.messages();
-  const auto filtered = radio.lost.find("filtered");
-  const auto wanted =
-      radio.sent - std::min(radio.sent, filtered == radio.lost.end() ? 0 : filtered->second);
+  const auto wanted = radio.delivered + total(really_lost(radio));
   const auto alive = part.motes_alive();
   rows.add({{name, look::strong},
             id,

@@ -40,8 +40,7 @@ struct world_options {
 };
 
 /// Owns an actor system, its coordinator, its trace and, unless given, its loop. Belongs to the
-/// thread that makes it; only request_stop() may be called from others. Handles must not outlive
-/// it.
+/// thread that makes it; only request_stop() may be called from others.
 class world {
 public:
   explicit world(world_options options = {});

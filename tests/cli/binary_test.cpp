@@ -64,9 +64,9 @@ TEST_CASE("check tells every mistake of a file with its position", "[cli][GEN-06
   const auto lines = lines_of(x.out);
   CAPTURE(x.out);
   REQUIRE(lines.size() == 4);
-  CHECK(lines[0].starts_with(file + ":7:1: ")); // key nobody knows
-  CHECK(lines[1].starts_with(file + ":11:6: "));   // text where a number belongs
-  CHECK(lines[2].starts_with(file + ":22:6: "));   // the same id twice
+  CHECK(lines[0].starts_with(file + ":7:1: "));  // key nobody knows
+  CHECK(lines[1].starts_with(file + ":11:6: ")); // text where a number belongs
+  CHECK(lines[2].starts_with(file + ":22:6: ")); // the same id twice
   CHECK(lines[3] == file + ": 3 problems");
 }
 

@@ -64,9 +64,8 @@ TEST_CASE("a good file yields its description, under whatever name", "[config][G
 }
 
 TEST_CASE("a file of comments alone lacks everything", "[config][GEN-06]") {
-  CHECK(problem_in("# nothing\n") ==
-        "1:1: the file has neither an [[island]] nor a [[peer]]\n"
-        "1:1: the file lacks the table [ecology]");
+  CHECK(problem_in("# nothing\n") == "1:1: the file has neither an [[island]] nor a [[peer]]\n"
+                                     "1:1: the file lacks the table [ecology]");
 }
 
 TEST_CASE("a syntax error is told with its place", "[config][GEN-06]") {
@@ -78,8 +77,10 @@ TEST_CASE("a syntax error is told with its place", "[config][GEN-06]") {
                                        {"a = 1\na = 2\n", "2:5: "},
                                        {"[ecology\n", "1:9: "},
                                        {"[ecology]\nname = \"t\n", "2:10: "},
-                                       {"[ecology]\nname = \"\xff\"\n", "2:9: "},
+                                       {"[ecology]\nname = \"\xff\"\n", "2:8: "},
                                        {"[x]\n[x]\n", "2:1: "},
+                                       {"[,]\n", "1:2: "},
+                                       {"[ #]\n", "1:3: "},
                                        {"\xff\xfe", "1:1: "},
                                        {"a = [[[[[[[[[[[[[[[[[[[[1]]]]]]]]]]]]]]]]]]]]", "1:"}}));
   CAPTURE(x.toml);
@@ -95,8 +96,7 @@ TEST_CASE("limits keep a hostile file from exhausting the parser", "[config]") {
     deep += ".a";
   CHECK(problem_in("\n" + deep + "]\n") ==
         "2:1: has more than 1000 dots in one line; break it into several");
-  CHECK(problem_in(std::string(file_octets_max + 1, '#')) ==
-        " is larger than 16777216 octets");
+  CHECK(problem_in(std::string(file_octets_max + 1, '#')) == " is larger than 16777216 octets");
   std::string at_limit = "[a";
   for (std::size_t i = 0; i < line_dots_max; ++i)
     at_limit += ".a";

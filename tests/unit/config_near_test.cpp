@@ -35,7 +35,7 @@ TEST_CASE("a suggestion is near, or lists what there is", "[config]") {
   CHECK(suggestion("colour", known) == ": there is range, loss, queue");
   CHECK(suggestion("ab", known) == ": there is range, loss, queue");
   CHECK(suggestion("x", {}) == ": there is none");
-  const std::vector<std::string> many(9, "abcdefgh");
+  const std::vector<std::string> many(11, "abcdefgh");
   CHECK(suggestion("x", many).ends_with("abcdefgh, ..."));
 }
 

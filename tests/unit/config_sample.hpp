@@ -29,14 +29,11 @@ inline const std::string mote_head =
     std::string(island_head) + "[[island.mote]]\nid = 2\ntype = \"c\"\nposition_m = [1, 2]\n";
 
 /// head and a proxy of type 7; what follows stands from line 9.
-inline const std::string proxy_head =
-    std::string(head) + "[[proxy]]\nname = \"p\"\ntypes = [7]\n";
+inline const std::string proxy_head = std::string(head) + "[[proxy]]\nname = \"p\"\ntypes = [7]\n";
 
 /// proxy_head and one of its fields or inputs; what follows stands from line 12.
-inline const std::string field_head =
-    proxy_head + "[[proxy.field]]\nname = \"f\"\nchannel = 1\n";
-inline const std::string input_head =
-    proxy_head + "[[proxy.input]]\nname = \"i\"\nchannel = 2\n";
+inline const std::string field_head = proxy_head + "[[proxy.field]]\nname = \"f\"\nchannel = 1\n";
+inline const std::string input_head = proxy_head + "[[proxy.input]]\nname = \"i\"\nchannel = 2\n";
 
 /// Every problem as `line:column: message`.
 [[nodiscard]] std::vector<std::string> problems_in(const std::string& toml);

@@ -64,9 +64,9 @@ TEST_CASE("ratios, lengths and charges carry their units", "[config][units]") {
 }
 
 TEST_CASE("quantities without a unit or with another one are refused", "[config][units]") {
-  const auto* text = GENERATE("", "2", "x", "%", "-2%", "2 percent", "2mm", "m", "1e3m", "nan%",
-                              "infm", ".5m", "1.2.3m", "mAh", "5V", "baud", "1.5baud", "0x10baud",
-                              "99999999999999999999baud");
+  const auto* text =
+      GENERATE("", "2", "x", "%", "-2%", "2 percent", "2mm", "m", "1e3m", "nan%", "infm", ".5m",
+               "1.2.3m", "mAh", "5V", "baud", "1.5baud", "0x10baud", "99999999999999999999baud");
   CAPTURE(text);
   CHECK_FALSE(parse_ratio(text));
   CHECK_FALSE(parse_length_m(text));

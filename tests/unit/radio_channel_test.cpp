@@ -141,6 +141,10 @@ TEST_CASE("a lost ack makes repeats that are acked but not delivered again", "[r
   CHECK(x.channel.counted_by(b).acks == 4);
   CHECK(x.channel.counted_by(a).copies.loss == 4);
   CHECK(x.channel.balanced());
+  // The receiver reads every repeat, the sender has loaded its frame once.
+  const auto service = find_platform("micaz")->service_time;
+  CHECK(x.channel.energy(a, x.now).times.mcu_active == service);
+  CHECK(x.channel.energy(b, x.now).times.mcu_active == 4 * service);
 }
 
 TEST_CASE("the same sequence number 256 frames later is a new frame", "[radio][channel]") {
@@ -289,4 +293,21 @@ TEST_CASE("a late wake-up changes nothing but its own time", "[radio][channel]")
   const radio_index a{0};
   CHECK(late.channel.counted() == punctual.channel.counted());
   CHECK(late.channel.energy(a, late.now).times == punctual.channel.energy(a, late.now).times);
+}
+
+TEST_CASE("events come out in the order of time, then of arrival", "[radio][channel]") {
+  event_queue x;
+  random_stream dice(5);
+  for (std::uint32_t i = 0; i < 1000; ++i)
+    x.push({.at = instant(duration(dice.below(20))), .stamp = i, .subject = i});
+  CHECK(x.size() == 1000);
+  auto last = x.top();
+  x.pop();
+  while (!x.empty()) {
+    const auto next = x.top();
+    x.pop();
+    if (next.at == last.at ? next.stamp < last.stamp : next.at < last.at)
+      FAIL("out of order: " << last.stamp << " before " << next.stamp);
+    last = next;
+  }
 }

@@ -1,4 +1,5 @@
 #include <cstdint>
+#include <optional>
 #include <variant>
 
 #include "radio_world.hpp"
@@ -76,6 +77,30 @@ TEST_CASE("a saturated sender reaches the arithmetic of the standard", "[radio][
     CHECK(static_cast<double>(sent) == Approx(20e6 / period_us).epsilon(0.02));
     CHECK(x.channel.counted().copies.overflow == 0);
   }
+}
+
+TEST_CASE("nobody begins to send within an assessment and a turnaround of another's frame",
+          "[radio][channel][NET-15]") {
+  radio_world x;
+  const auto a = x.add(1, 0);
+  const auto b = x.add(2, 10);
+  saturate(x, {a, b}, 0xffff, 28, false, 20s);
+  instant last_end;
+  std::optional<radio_index> last;
+  int changes = 0;
+  for (const auto& [at, what] : x.log) {
+    const auto* ended = std::get_if<done>(&what);
+    if (ended == nullptr || ended->status != send_status::sent)
+      continue;
+    const auto begun = at - air_time(41);
+    if (last && *last != ended->radio && begun >= last_end) { // else both began at once
+      CHECK(begun >= last_end + 128us + 192us);
+      ++changes;
+    }
+    last = ended->radio;
+    last_end = at;
+  }
+  CHECK(changes > 1000);
 }
 
 TEST_CASE("hidden senders collide, senders in range rarely do", "[radio][channel][NET-15]") {

@@ -101,6 +101,10 @@ TEST_CASE("a restart empties the receive slots", "[radio][power]") {
   x.run_for(1s);
   CHECK(x.delivered_to(b) == 3);
   x.set_power(b, power::off);
+  const auto worked = x.channel.energy(b, x.now).times.mcu_active;
+  CHECK(worked <= 1s);
+  x.run_for(1s);
+  CHECK(x.channel.energy(b, x.now).times.mcu_active == worked); // the rest is dropped
   x.set_power(b, power::on);
   x.send(a, 4, 2, 4);
   x.run_for(1s);
@@ -212,6 +216,11 @@ TEST_CASE("a radio on a cable sets no alarm", "[radio][power]") {
   radio_config config;
   config.kind = find_platform("micaz");
   config.battery_mah = std::numeric_limits<double>::infinity();
-  x.channel.add(config, x.now);
+  const auto a = x.channel.add(config, x.now);
+  CHECK_FALSE(x.channel.deadline());
+  x.send(a, 1, 2, 4);
+  CHECK(x.channel.deadline());
+  x.set_power(a, power::off); // what it had set is void
+  x.note(x.channel.on_time(x.now));
   CHECK_FALSE(x.channel.deadline());
 }

@@ -33,6 +33,9 @@ TEST_CASE("a share is never rounded to all or nothing", "[runtime]") {
 }
 
 TEST_CASE("times, speeds and sizes come in the unit a person would choose", "[runtime]") {
+  CHECK(real_time(0.0012) == "1.2 ms");
+  CHECK(real_time(0.0994) == "99.4 ms");
+  CHECK(real_time(0.0996) == "0.10 s");
   CHECK(real_time(0.844) == "0.84 s");
   CHECK(real_time(12.34) == "12.3 s");
   CHECK(real_time(59.97) == "1 min 00 s");

@@ -30,7 +30,7 @@ island_report kitchen() {
   x.name = "kitchen";
   x.radio.sent = 12'400;
   x.radio.delivered = 8'321;
-  x.radio.lost = {{"collision", 12}, {"filtered", 4'000}, {"loss", 67}};
+  x.radio.lost = {{"collision", 12}, {"duplicate", 9}, {"filtered", 3'991}, {"loss", 67}};
   x.radio.requests = 2'100;
   x.radio.mac_sent = 2'095;
   x.radio.mac_failed = {{"no_ack", 4}};

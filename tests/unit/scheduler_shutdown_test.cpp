@@ -170,6 +170,46 @@ TEST_CASE("an unreachable actor ends by itself and is not kept alive by the sche
   }
 }
 
+TEST_CASE("killing ends actors that handles keep alive, with and without a first turn",
+          "[scheduler][ACT-11]") {
+  world world;
+  const auto one = world.system().spawn(keeping, caf::actor());
+  world.run_for(1s);
+  const auto two = world.system().spawn(keeping, one);
+  CHECK(counted_state::alive == 2);
+  world.scheduler().kill_all();
+  CHECK(counted_state::alive == 0);
+  caf::anon_send(one, mark{});
+  caf::anon_send(two, mark{});
+  CHECK(world.drain(0)); // nobody is there to become ready
+}
+
+TEST_CASE("handles that outlive the shutdown do no harm", "[scheduler][ACT-11]") {
+  world world;
+  events log;
+  const auto one = world.system().spawn(keeping, caf::actor());
+  const auto two = world.spawn("two", recorder, &log, 0);
+  world.run_for(1s);
+  world.shutdown();
+  CHECK(counted_state::alive == 0);
+  caf::anon_send(one, mark{});
+  caf::anon_send(two, mark{});
+  CHECK(log.empty());
+}
+
+TEST_CASE("a closed clock takes no more orders", "[scheduler][ACT-11]") {
+  world world;
+  events log;
+  const auto to = world.spawn("", recorder, &log, 0);
+  caf::delayed_anon_send(to, 1s, mark{});
+  world.scheduler().close_clock();
+  CHECK(!world.scheduler().next_timeout());
+  caf::delayed_anon_send(to, 1s, mark{});
+  CHECK(!world.scheduler().next_timeout());
+  world.run_for(2s);
+  CHECK(log.empty());
+}
+
 TEST_CASE("shutting down twice is harmless and leaves trace and figures", "[scheduler][ACT-11]") {
   world world;
   events log;

@@ -10,14 +10,18 @@ using namespace scheduler_test;
 
 namespace {
 
-using any_actor =
-    caf::typed_actor<caf::reacts_to<mark>, caf::reacts_to<text>, caf::reacts_to<introduction>,
-                     caf::reacts_to<mark_actor>, caf::reacts_to<int, std::string>>;
+using any_actor = caf::typed_actor<caf::reacts_to<mark>, caf::reacts_to<text>,
+                                   caf::reacts_to<introduction>, caf::reacts_to<mark_actor>,
+                                   caf::reacts_to<int>, caf::reacts_to<int, std::string>>;
 
 struct nothing {};
 
 any_actor::behavior_type sink(traced_pointer<nothing, any_actor>) {
-  return {[](mark) {}, [](const text&) {}, [](const introduction&) {}, [](const mark_actor&) {},
+  return {[](mark) {},
+          [](const text&) {},
+          [](const introduction&) {},
+          [](const mark_actor&) {},
+          [](int) {},
           [](int, const std::string&) {}};
 }
 
@@ -69,6 +73,7 @@ TEST_CASE("path, content, type, number, time and order of messages all show in t
       [](world& x) { x.spawn("sink", sink); },
       sends(mark{1}),
       sends(mark{2}),
+      sends(1), // as mark{1}, but another type
       sends(text{"a", 1, {}}),
       sends(text{"b", 1, {}}),
       sends(text{"a", 2, {}}),
@@ -115,6 +120,25 @@ TEST_CASE("actor ids do not show in the trace", "[scheduler][GEN-07][ACT-05]") {
   CHECK(with_ids(0, false) == with_ids(5, false));
   CHECK(with_ids(0, true) == with_ids(5, true));
   CHECK(with_ids(0, true) != with_ids(0, false));
+}
+
+TEST_CASE("what the end of a world causes does not show in its trace", "[scheduler][ACT-05]") {
+  world world;
+  const auto child =
+      world.system().spawn([](caf::event_based_actor*) -> caf::behavior { return {[](mark) {}}; });
+  world.run_for(1s);
+  using parent_pointer = traced<caf::event_based_actor>*;
+  const auto parent = world.spawn("parent", [child](parent_pointer self) -> caf::behavior {
+    self->monitor(child);
+    return {[](mark) {}};
+  });
+  caf::anon_send(parent, mark{1});
+  world.run_for(1s);
+  const auto hash = world.trace().hash();
+  CHECK(hash != untouched);
+  world.shutdown(); // the child ends first, and its monitor is told
+  CHECK(world.trace().hash() == hash);
+  CHECK(world.trace().events() == 1);
 }
 
 TEST_CASE("a carried handle arrives and leaves no mark", "[scheduler]") {
@@ -190,9 +214,10 @@ TEST_CASE("an actor spawned by a handler is traced from its first message", "[sc
   });
   caf::anon_send(parent, mark{1});
   world.run_for(1s);
-  CHECK(seen ==
-        std::vector<std::string>{"0.000000 child/1 (mark(2))", "0.001000 child/1 (5, \"five\")"});
-  CHECK(world.trace().events() == 2);
+  CHECK(seen == std::vector<std::string>{"0.000000 >parent (mark(1))",
+                                         "0.000000 parent>child/1 (mark(2))",
+                                         "0.001000 parent>child/1 (5, \"five\")"});
+  CHECK(world.trace().events() == 3);
 }
 
 TEST_CASE("every kind of value is folded, each in its own way", "[scheduler][ACT-05]") {

@@ -52,10 +52,43 @@ TEST_CASE("between runs wall time stands still and catches up in the next", "[sc
     CHECK(world.now() == instant(1ms));
   events log;
   caf::delayed_anon_send(world.spawn("", recorder, &log, 0), 0s, mark{});
-  world.run_for(1h - 1ms >= 5ms ? 5ms : 0ms);
+  world.run_for(5ms);
   REQUIRE(log.size() == 1);
   CHECK(log[0].first == 6ms); // the run's end: real time is beyond it
   CHECK(world.now() == instant(6ms));
+}
+
+TEST_CASE("wall time is never ahead of the real clock", "[scheduler][GEN-07]") {
+  world world({.mode = time_mode::wall, .speed = 3});
+  const auto start = real_now();
+  bool ahead = false;
+  const auto ticking = world.system().spawn([&](caf::event_based_actor* self) -> caf::behavior {
+    self->delayed_send(self, 1ms, mark{});
+    return {[&, self](mark) {
+      const auto seen = time_of(self);
+      ahead = ahead || seen > 3 * (real_now() - start);
+      self->delayed_send(self, 1ms, mark{});
+    }};
+  });
+  world.run_for(60ms);
+  CHECK(world.stats().timeouts > 0);
+  CHECK(!ahead);
+}
+
+TEST_CASE("a stop in wall time leaves the clock where it is", "[scheduler][ACT-11]") {
+  world world({.mode = time_mode::wall});
+  const auto stopping = world.system().spawn([&](caf::event_based_actor* self) -> caf::behavior {
+    self->delayed_send(self, 5ms, mark{});
+    return {[&](mark) { world.request_stop(); }};
+  });
+  CHECK(world.run_for(1h) == stop_cause::requested);
+  const auto stopped = world.now();
+  CHECK(stopped >= instant(5ms));
+  const auto pause = real_now() + 2ms;
+  while (real_now() < pause)
+    CHECK(world.now() == stopped);
+  CHECK(world.run_for(1ms) == stop_cause::reached_end);
+  CHECK(world.now() == stopped + 1ms);
 }
 
 TEST_CASE("events that are late in wall time keep their order", "[scheduler][GEN-07]") {

@@ -1,0 +1,243 @@
+#include "actors/gateway.hpp"
+#include "actors/frames.hpp"
+#include "core/device_keys.hpp"
+#include "network/island_packet.hpp"
+#include "support/catch.hpp"
+#include "support/fakes.hpp"
+#include "transport/segment.hpp"
+
+using namespace rubicon;
+using test::fake;
+using test::virtual_world;
+
+namespace {
+
+constexpr island_id kitchen{5};
+constexpr mote_id fan{7};
+constexpr mote_id sink{1};
+
+struct rig {
+  virtual_world world;
+  fake<peis_peer_actor> peer{world};
+  fake<serial_line_actor> line{world};
+  fake<ecology_actor> ecology{world};
+  gateway_actor gateway;
+
+  rig() {
+    gateway_arguments x;
+    x.config.island = kitchen;
+    x.peer = peer.handle();
+    x.line = line.handle();
+    x.ecology = ecology.handle();
+    gateway = world.spawn_at("gateway/kitchen", gateway_behavior, std::move(x));
+  }
+
+  /// The sink has written a packet.
+  void from_sink(std::uint8_t am_type, bytes octets) {
+    serial::am_packet x;
+    x.source = sink.value;
+    x.am_type = am_type;
+    x.payload = std::move(octets);
+    world.send(gateway, test::serial_frame(x, serial::frame_type::packet));
+  }
+
+  void join_fan() {
+    from_sink(network::am::sink_event,
+              encode(network::sink_event(network::mote_joined{fan, 3, 301, bytes{0xaa}})));
+  }
+
+  /// Newest value of an own tuple, in hexadecimal unless it is text.
+  std::string tuple(std::string_view key) const {
+    std::string value = "nothing";
+    for (const auto& x : peer.all<set_tuple>()) {
+      if (x.key == key)
+        value = x.text ? to_string(x.value.view()) : to_hex(x.value.view());
+    }
+    return value;
+  }
+
+  /// The only active message on the line since it was last forgotten.
+  serial::am_packet packet_down() const {
+    const auto packets = test::packets_in(line.all<serial_write>());
+    REQUIRE(packets.size() == 1);
+    return packets[0];
+  }
+
+  void ack_frame() {
+    const auto frames = test::frames_in(line.all<serial_write>());
+    REQUIRE(!frames.empty());
+    world.send(gateway, serial_octets{serial::encode(
+                            serial::frame{serial::frame_type::ack, frames.back().sequence, {}})});
+  }
+
+  std::uint64_t lost(const std::string& cause) {
+    ecology.forget();
+    world.send(gateway, status_request{});
+    return ecology.all<serial_status>().at(0).serial.lost.at(cause);
+  }
+};
+
+const bytes message_for_fan =
+    encode(network::gateway_packet{fan, 10,
+                                   encode(transport::segment{mote_id{9}, 1, 10, true, false,
+                                                             bytes{0x64}})});
+
+} // namespace
+
+TEST_CASE("a gateway takes its end of the line, its port and its inputs, and has no devices",
+          "[actors][gateway][GW-03]") {
+  rig x;
+  CHECK(x.line.all<attach_serial>().at(0).towards == serial::direction::to_pc);
+  CHECK(x.peer.all<hook_port>().at(0).port == 21);
+  const auto watches = x.peer.all<watch_tuples>();
+  REQUIRE(watches.size() == 1);
+  CHECK(watches[0].owner == gateway_of(kitchen));
+  CHECK(watches[0].key == "devices.*.input.*");
+  CHECK(x.tuple("devices") == "{}");
+}
+
+TEST_CASE("a mote that has joined becomes tuples and goes to the list",
+          "[actors][gateway][GW-03][GW-04]") {
+  rig x;
+  x.join_fan();
+  CHECK(x.tuple("devices") == "{7}");
+  CHECK(x.tuple("devices.7.type") == "0000012d");
+  CHECK(x.tuple("devices.7.descriptor") == "aa");
+  const auto changes = x.ecology.all<listing_changed>();
+  REQUIRE(changes.size() == 1);
+  CHECK(changes[0].mote == mote_address{kitchen, fan});
+  CHECK(changes[0].listed);
+  CHECK(changes[0].incarnation == 3);
+
+  x.from_sink(network::am::sink_event,
+              encode(network::sink_event(
+                  network::mote_left{fan, network::leave_cause::silence})));
+  CHECK(x.tuple("devices") == "{}");
+  CHECK(x.peer.all<delete_tuple>().at(0).key == "devices.7.type");
+  const auto left = x.ecology.all<listing_changed>().back();
+  CHECK(!left.listed);
+  CHECK(left.cause == network::leave_cause::silence);
+}
+
+TEST_CASE("a mote's message becomes an output tuple", "[actors][gateway][GW-09]") {
+  rig x;
+  x.join_fan();
+  const transport::segment segment{fan, 1, 2, false, false, bytes{0x01}};
+  x.from_sink(network::am::to_gateway,
+              encode(network::island_packet{own_island, no_mote, 2, encode(segment)}));
+  CHECK(x.tuple("devices.7.output.2") == "01");
+}
+
+TEST_CASE("an input tuple goes down the line and its status tells how it ended",
+          "[actors][gateway][GW-12][IF-07]") {
+  rig x;
+  x.join_fan();
+  x.line.forget();
+  x.world.send(x.gateway,
+               tuple_event{1, gateway_of(kitchen), "devices.7.input.2", bytes{0x01}, false});
+  CHECK(x.tuple("devices.7.input.2.status") == "1 pending");
+  const auto down = x.packet_down();
+  CHECK(down.destination == fan.value);
+  CHECK(down.group == kitchen.value);
+  CHECK(down.am_type == network::am::from_gateway);
+  const auto packet = network::decode_island_packet(down.payload);
+  REQUIRE(packet);
+  CHECK(packet->mote == fan);
+  CHECK(packet->channel == 2);
+  const auto segment = transport::decode_segment(packet->body);
+  REQUIRE(segment);
+  CHECK(segment->source == no_mote);
+  CHECK(segment->reliable);
+  CHECK(segment->payload == bytes{0x01});
+
+  x.ack_frame();
+  const transport::segment ack{fan, segment->sequence, 2, false, true, {}};
+  x.from_sink(network::am::to_gateway,
+              encode(network::island_packet{kitchen, no_mote, 2, encode(ack)}));
+  CHECK(x.tuple("devices.7.input.2.status") == "1 acknowledged");
+}
+
+TEST_CASE("an input for a mote that is not listed, a deleted one and a foreign key send nothing",
+          "[actors][gateway][GW-12]") {
+  rig x;
+  x.line.forget();
+  const auto owner = gateway_of(kitchen);
+  x.world.send(x.gateway, tuple_event{1, owner, "devices.7.input.2", bytes{0x01}, false});
+  CHECK(x.tuple("devices.7.input.2.status") == "1 unreachable");
+  x.join_fan();
+  x.world.send(x.gateway, tuple_event{1, owner, "devices.7.input.2", bytes{0x01}, true});
+  x.world.send(x.gateway, tuple_event{1, owner, "devices.7.input.2.status", bytes{0x01}, false});
+  x.world.send(x.gateway, tuple_event{1, owner, "devices.x.input.2", bytes{0x01}, false});
+  CHECK(x.line.count<serial_write>() == 0);
+}
+
+TEST_CASE("a message of another island goes down with its source island",
+          "[actors][gateway][WIR-02][MCK-11]") {
+  rig x;
+  x.join_fan();
+  x.line.forget();
+  x.world.send(x.gateway, peis_message{peer_id{2}, island_message_port, message_for_fan});
+  const auto packet = network::decode_island_packet(x.packet_down().payload);
+  REQUIRE(packet);
+  CHECK(packet->island == island_id{2});
+  CHECK(packet->mote == fan);
+  CHECK(packet->channel == 10);
+}
+
+TEST_CASE("a message for another island goes to its gateway", "[actors][gateway][WIR-02]") {
+  rig x;
+  const transport::segment segment{fan, 1, 10, true, false, bytes{0x64}};
+  x.from_sink(network::am::to_gateway,
+              encode(network::island_packet{island_id{2}, mote_id{9}, 10, encode(segment)}));
+  const auto sent = x.peer.all<send_peis_message>();
+  REQUIRE(sent.size() == 1);
+  CHECK(sent[0].destination == peer_id{2});
+  CHECK(sent[0].port == island_message_port);
+  CHECK(sent[0].reliable);
+  CHECK(sent[0].octets == payload(encode(network::gateway_packet{mote_id{9}, 10,
+                                                                 encode(segment)})));
+}
+
+TEST_CASE("a gateway reports a packet lost when nobody acks", "[actors][gateway][GW-16]") {
+  rig x;
+  x.join_fan();
+  x.line.forget();
+  x.world.send(x.gateway, peis_message{peer_id{2}, island_message_port, message_for_fan});
+  x.world.run_for(399ms);
+  CHECK(x.line.times<serial_write>() ==
+        std::vector{instant(), instant(100ms), instant(200ms), instant(300ms)});
+  CHECK(x.lost("gateway_no_ack") == 0);
+  x.world.run_for(1ms); // four attempts of 100 ms
+  CHECK(x.lost("gateway_no_ack") == 1);
+  CHECK(x.world.logged("event=lost packet=1") == 1);
+  x.world.run_for(1min);
+  CHECK(x.line.count<serial_write>() == 4);
+}
+
+TEST_CASE("a packet that is acked is written once", "[actors][gateway][GW-16]") {
+  rig x;
+  x.join_fan();
+  x.line.forget();
+  x.world.send(x.gateway, peis_message{peer_id{2}, island_message_port, message_for_fan});
+  x.ack_frame();
+  x.world.run_for(1min);
+  CHECK(x.line.count<serial_write>() == 1);
+  CHECK(x.lost("gateway_no_ack") == 0);
+}
+
+TEST_CASE("a gateway counts what is no frame and no packet, and goes on", "[actors][gateway]") {
+  rig x;
+  auto octets = serial::encode(serial::frame{serial::frame_type::packet, 0, bytes{0, 1, 2}});
+  x.world.send(x.gateway, serial_octets{octets});
+  octets[3] ^= 1;
+  x.world.send(x.gateway, serial_octets{octets});
+  x.from_sink(network::am::sink_event, bytes{0xee});
+  x.world.send(x.gateway, peis_message{peer_id{2}, island_message_port, bytes{1}});
+  CHECK(x.lost("gateway_malformed") == 1);
+  CHECK(x.lost("gateway_crc") == 1);
+  x.join_fan();
+  CHECK(x.tuple("devices") == "{7}");
+  x.world.send(x.gateway, status_request{});
+  CHECK(x.ecology.all<devices_status>().back().listed == std::vector{fan});
+  CHECK(x.ecology.all<message_status>().back().island == kitchen);
+}

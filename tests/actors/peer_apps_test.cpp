@@ -1,0 +1,125 @@
+#include "actors/apps/peer_apps.hpp"
+#include "actors/sample_class.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using test::fake;
+using test::set_watched;
+using test::text_value;
+using test::virtual_world;
+using test::watch_on;
+
+namespace {
+
+constexpr peer_id fan_owner{11};
+
+struct rig {
+  virtual_world world;
+  fake<peis_peer_actor> peer{world};
+  fake<ecology_actor> ecology{world};
+  peer_app_actor rules;
+
+  rig() {
+    proxy::rule rule;
+    rule.when = "kitchen.stove.temperature";
+    rule.above = 26;
+    rule.below = 24;
+    rule.write = "kitchen.fan.switch";
+    rule.then = "on";
+    rule.otherwise = "off";
+    rules = world.spawn_at("peer_app/care-pc/rules-1", rules_program, std::vector{rule},
+                           peer.handle(), ecology.handle());
+  }
+
+  void read(std::string_view temperature) {
+    set_watched(world, peer, "kitchen.stove.temperature", text_value(temperature));
+  }
+
+  void find_fan(peer_id owner) {
+    const auto watch = watch_on(peer, "kitchen.fan.switch");
+    world.send(rules, tuple_event{watch.watch, owner, watch.key, text_value("none"), false});
+  }
+
+  /// `owner:word` of every write so far.
+  [[nodiscard]] std::vector<std::string> writes() const {
+    std::vector<std::string> found;
+    for (const auto& x : peer.all<set_remote_tuple>()) {
+      CHECK(x.key == "kitchen.fan.switch");
+      CHECK(x.text);
+      found.push_back(to_string(x.owner) + ':' + to_string(x.value.view()));
+    }
+    return found;
+  }
+};
+
+} // namespace
+
+TEST_CASE("rules watch what they read and look for what they write, whoever owns it",
+          "[actors][rules]") {
+  rig x;
+  CHECK(x.peer.count<watch_tuples>() == 2);
+  CHECK(watch_on(x.peer, "kitchen.stove.temperature").owner == any_peer);
+  CHECK(watch_on(x.peer, "kitchen.fan.switch").owner == any_peer);
+}
+
+TEST_CASE("a rule writes once when its threshold is passed, and not in between",
+          "[actors][rules]") {
+  rig x;
+  x.find_fan(fan_owner);
+  for (const auto* const reading : {"25.0", "25.9", "26.0", "27.5", "25.0", "24.0"})
+    x.read(reading);
+  CHECK(x.writes() == std::vector<std::string>{"11:on"});
+  x.read("23.9");
+  x.read("hot");
+  CHECK(x.writes() == std::vector<std::string>{"11:on", "11:off"});
+  REQUIRE(x.ecology.count<story>() == 2);
+  CHECK(x.ecology.all<story>()[0].who == "peer_app/care-pc/rules-1");
+  CHECK(x.ecology.all<story>()[0].what == "writes kitchen.fan.switch = on");
+}
+
+TEST_CASE("a rule that does not know its tuple's owner writes when it finds one",
+          "[actors][rules]") {
+  rig x;
+  x.read("30");
+  CHECK(x.writes().empty());
+  x.find_fan(fan_owner);
+  CHECK(x.writes() == std::vector<std::string>{"11:on"});
+  x.find_fan(fan_owner); // its own write comes back
+  CHECK(x.writes().size() == 1);
+  x.find_fan(peer_id{12}); // the tuple has moved
+  CHECK(x.writes() == std::vector<std::string>{"11:on", "12:on"});
+}
+
+TEST_CASE("deleted tuples and failed writes do not disturb a rule", "[actors][rules]") {
+  rig x;
+  x.find_fan(fan_owner);
+  const auto watch = watch_on(x.peer, "kitchen.stove.temperature");
+  x.world.send(x.rules,
+               tuple_event{watch.watch, peer_id{3}, watch.key, text_value("30"), true});
+  CHECK(x.writes().empty());
+  x.world.send(x.rules, peis_outcome{0, false, "host_gone"});
+  CHECK(x.world.logged("write_failed cause=host_gone") == 1);
+  x.read("30");
+  CHECK(x.writes() == std::vector<std::string>{"11:on"});
+}
+
+TEST_CASE("a collector watches its keys with any owner and keeps the newest of each tuple",
+          "[actors][collector]") {
+  virtual_world world;
+  fake<peis_peer_actor> peer(world);
+  const auto app = world.spawn(collector, std::vector<std::string>{"*.*.temperature", "*.presence"},
+                               peer.handle());
+  REQUIRE(peer.count<watch_tuples>() == 2);
+  CHECK(watch_on(peer, "*.*.temperature").owner == any_peer);
+  CHECK(watch_on(peer, "*.presence").owner == any_peer);
+  const auto set = [&](int owner, const char* key, bool deleted) {
+    world.send(app, tuple_event{0, peer_id{owner}, key, text_value("1"), deleted});
+  };
+  set(1, "a.b.temperature", false);
+  set(1, "a.b.temperature", false);
+  set(2, "a.b.temperature", false); // the same key of another owner is another tuple
+  set(1, "c.d.temperature", false);
+  set(1, "c.d.temperature", true);
+  world.send(app, status_request{});
+  CHECK(world.logged("event=collected updates=5 tuples=2") == 1);
+}

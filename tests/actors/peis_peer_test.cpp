@@ -1,0 +1,180 @@
+#include "actors/peis_peer.hpp"
+#include "support/catch.hpp"
+#include "support/fakes.hpp"
+
+using namespace rubicon;
+using test::fake;
+using test::virtual_world;
+
+namespace {
+
+constexpr peer_id robot{30};
+constexpr peer_id pc{11};
+
+payload text(std::string_view x) {
+  return to_bytes(x);
+}
+
+/// Two kernels with a component each and a link between them.
+struct rig {
+  virtual_world world;
+  fake<ecology_actor> ecology{world};
+  fake<peis_client_actor> on_robot{world};
+  fake<peis_client_actor> on_pc{world};
+  peis_peer_actor robot_peer;
+  peis_peer_actor pc_peer;
+
+  explicit rig(bool same_host = false) {
+    robot_peer = spawn(robot, "robot", same_host);
+    pc_peer = spawn(pc, "pc", same_host);
+    world.send(pc_peer, link_opened{1, {robot_peer}, false});
+    world.send(robot_peer, link_opened{1, {pc_peer}, true});
+    world.run_for(5s);
+  }
+
+  peis_peer_actor spawn(peer_id id, const std::string& name, bool same_host) {
+    peis_peer_arguments x;
+    x.config.network.id = id;
+    x.config.network.name = name;
+    x.config.network.host_name = same_host ? "local" : name;
+    x.name = name;
+    x.ecology = ecology.handle();
+    return world.spawn_at("peis_peer/" + name, peis_peer, std::move(x));
+  }
+
+  runtime::peer_report report(const peis_peer_actor& who) {
+    world.send(who, status_request{});
+    return ecology.all<peer_status>().back().peer;
+  }
+};
+
+} // namespace
+
+TEST_CASE("a watched tuple of another peer is told with the watch's name when it is set",
+          "[actors][peis_peer][TUP-08]") {
+  rig x;
+  x.world.send(x.robot_peer, watch_tuples{x.on_robot, 77, any_peer, "kitchen.*"});
+  x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", text("on"), true});
+  CHECK(x.on_robot.size() == 0); // octets take their time
+  x.world.run_for(1s);
+  const auto events = x.on_robot.all<tuple_event>();
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].watch == 77);
+  CHECK(events[0].owner == pc);
+  CHECK(events[0].key == "kitchen.lamp");
+  CHECK(events[0].value == text("on")); // without the NUL that travels
+  CHECK(!events[0].deleted);
+
+  x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", bytes{0, 1}, false});
+  x.world.send(x.pc_peer, set_tuple{"bedroom.lamp", text("on"), true});
+  x.world.run_for(1s);
+  REQUIRE(x.on_robot.count<tuple_event>() == 2);
+  CHECK(x.on_robot.all<tuple_event>()[1].value == payload(bytes{0, 1}));
+
+  x.world.send(x.pc_peer, delete_tuple{"kitchen.lamp"});
+  x.world.run_for(1s);
+  REQUIRE(x.on_robot.count<tuple_event>() == 3);
+  CHECK(x.on_robot.all<tuple_event>()[2].deleted);
+}
+
+TEST_CASE("what matches already is told at once, to each watcher under its own name",
+          "[actors][peis_peer][TUP-08]") {
+  rig x;
+  fake<peis_client_actor> second(x.world);
+  x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", text("on"), true});
+  x.world.send(x.pc_peer, watch_tuples{x.on_pc, 1, pc, "kitchen.lamp"});
+  x.world.send(x.pc_peer, watch_tuples{second, 9, any_peer, "kitchen.lamp"});
+  REQUIRE(x.on_pc.count<tuple_event>() == 1);
+  CHECK(x.on_pc.all<tuple_event>()[0].watch == 1);
+  REQUIRE(second.count<tuple_event>() == 1);
+  CHECK(second.all<tuple_event>()[0].watch == 9);
+}
+
+TEST_CASE("a remote set reaches the owner and its outcome the client",
+          "[actors][peis_peer][TUP-05]") {
+  rig x;
+  x.world.send(x.pc_peer, watch_tuples{x.on_pc, 1, pc, "kitchen.lamp"});
+  x.world.send(x.robot_peer,
+               set_remote_tuple{x.on_robot, 5, pc, "kitchen.lamp", text("on"), true});
+  CHECK(x.on_robot.count<peis_outcome>() == 0);
+  x.world.run_for(1s);
+  REQUIRE(x.on_pc.count<tuple_event>() == 1);
+  CHECK(x.on_pc.all<tuple_event>()[0].value == text("on"));
+  REQUIRE(x.on_robot.count<peis_outcome>() == 1);
+  CHECK(x.on_robot.all<peis_outcome>()[0].token == 5);
+  CHECK(x.on_robot.all<peis_outcome>()[0].success);
+  CHECK(x.on_robot.all<peis_outcome>()[0].cause.empty());
+}
+
+TEST_CASE("a remote set to an owner that nobody knows fails and says why",
+          "[actors][peis_peer][API-02]") {
+  rig x;
+  x.world.send(x.robot_peer,
+               set_remote_tuple{x.on_robot, 6, peer_id{99}, "kitchen.lamp", text("on"), true});
+  x.world.run_for(1min);
+  REQUIRE(x.on_robot.count<peis_outcome>() == 1);
+  CHECK(x.on_robot.all<peis_outcome>()[0].token == 6);
+  CHECK(!x.on_robot.all<peis_outcome>()[0].success);
+  CHECK(!x.on_robot.all<peis_outcome>()[0].cause.empty());
+}
+
+TEST_CASE("a hooked port gets its messages, another port's go to nobody",
+          "[actors][peis_peer][API-04][API-09]") {
+  const bool reliable = GENERATE(false, true);
+  rig x;
+  x.world.send(x.pc_peer, hook_port{x.on_pc, 30});
+  x.world.send(x.robot_peer, send_peis_message{x.on_robot, 1, pc, 30, bytes(3000, 7), reliable});
+  x.world.send(x.robot_peer, send_peis_message{x.on_robot, 2, pc, 31, bytes{8}, reliable});
+  x.world.run_for(1s);
+  const auto messages = x.on_pc.all<peis_message>();
+  REQUIRE(messages.size() == 1);
+  CHECK(messages[0].source == robot);
+  CHECK(messages[0].port == 30);
+  CHECK(messages[0].octets == payload(bytes(3000, 7)));
+  REQUIRE(x.on_robot.count<peis_outcome>() == 2);
+  for (const auto& outcome : x.on_robot.all<peis_outcome>())
+    CHECK(outcome.success);
+}
+
+TEST_CASE("a port that users may not have is refused", "[actors][peis_peer][API-09]") {
+  rig x;
+  x.world.send(x.pc_peer, hook_port{x.on_pc, 19});
+  CHECK(x.world.logged("hook_refused port=19") == 1);
+}
+
+TEST_CASE("a peer reports its links, hosts and tuples", "[actors][peis_peer]") {
+  rig x;
+  x.world.send(x.robot_peer, set_tuple{"a", text("1"), true});
+  const auto report = x.report(x.robot_peer);
+  CHECK(report.id == robot);
+  CHECK(report.name == "robot");
+  CHECK(report.links == 1);
+  CHECK(report.hosts_known == 2);
+  CHECK(report.peis.packages > 0);
+  CHECK(report.tuples == x.report(x.pc_peer).tuples + 1);
+}
+
+TEST_CASE("a closed link takes the other peer and its tuples away", "[actors][peis_peer]") {
+  rig x;
+  x.world.send(x.robot_peer, watch_tuples{x.on_robot, 1, any_peer, "kitchen.lamp"});
+  x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", text("on"), true});
+  x.world.run_for(1s);
+  x.world.send(x.robot_peer, link_closed{1});
+  CHECK(x.report(x.robot_peer).links == 0);
+  x.world.run_for(10min);
+  CHECK(x.report(x.robot_peer).hosts_known == 1);
+  REQUIRE(x.on_robot.count<tuple_event>() == 2);
+  CHECK(x.on_robot.all<tuple_event>()[1].deleted);
+}
+
+TEST_CASE("a peer that is asked to quit says so and ends", "[actors][peis_peer][TUP-22][KH-04]") {
+  rig x(true);
+  x.world.send(x.robot_peer,
+               set_remote_tuple{x.on_robot, 1, pc, "kernel.do-quit", text("yes"), true});
+  x.world.run_for(2s);
+  REQUIRE(x.world.ends().size() == 1);
+  CHECK(x.world.ends()[0].path == "peis_peer/pc");
+  const auto report = x.report(x.robot_peer);
+  CHECK(report.links == 0);
+  CHECK(report.hosts_known == 1);
+}

@@ -1,0 +1,163 @@
+#include "actors/proxy_manager.hpp"
+#include "actors/sample_class.hpp"
+#include "core/device_keys.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using test::fake;
+using test::set_watched;
+using test::text_value;
+using test::tuple_at;
+using test::virtual_world;
+using test::watch_on;
+
+namespace {
+
+constexpr island_id kitchen{5};
+constexpr mote_id heater{7};
+
+struct rig {
+  virtual_world world;
+  fake<peis_peer_actor> peer{world};
+  fake<ecology_actor> ecology{world};
+  proxy_manager_actor manager;
+
+  rig() {
+    proxy_manager_arguments x;
+    x.classes = {test::sample_class()};
+    x.islands = {{kitchen, "kitchen", {{heater, "heater"}}}};
+    x.peer_number = peer_id{40};
+    x.peer = peer.handle();
+    x.ecology = ecology.handle();
+    manager = world.spawn_at("proxy_manager/care-pc", proxy_manager, std::move(x));
+  }
+
+  void tell(std::string key, payload value, bool deleted = false) {
+    world.send(manager, tuple_event{kitchen.value, gateway_of(kitchen), std::move(key),
+                                    std::move(value), deleted});
+  }
+  void list(std::string_view motes) { tell("devices", text_value(motes)); }
+  void type(mote_id mote, std::uint32_t type) {
+    tell(device_type_key(mote), device_type_octets(type));
+  }
+
+  /// How many proxies have ever begun.
+  [[nodiscard]] std::size_t started() const {
+    std::size_t count = 0;
+    for (const auto& x : ecology.all<story>())
+      count += x.what.find(" started") != std::string::npos ? 1U : 0U;
+    return count;
+  }
+};
+
+} // namespace
+
+TEST_CASE("a manager watches the list and the types of its islands' gateways",
+          "[actors][proxy_manager][PXY-09]") {
+  rig x;
+  REQUIRE(x.peer.count<watch_tuples>() == 2);
+  CHECK(watch_on(x.peer, "devices").owner == gateway_of(kitchen));
+  CHECK(watch_on(x.peer, "devices.*.type").owner == gateway_of(kitchen));
+}
+
+TEST_CASE("list and type, in any order and however often, lead to one proxy",
+          "[actors][proxy_manager][PXY-09][PXY-15]") {
+  const bool list_first = GENERATE(true, false);
+  rig x;
+  if (list_first)
+    x.list("{7}");
+  else
+    x.type(heater, 301);
+  CHECK(x.started() == 0);
+  x.list("{7}");
+  x.type(heater, 301);
+  x.list("{7,11}");
+  x.type(heater, 301);
+  CHECK(x.started() == 1);
+  CHECK(x.ecology.all<story>()[0].what == "proxy kitchen.heater started");
+  CHECK(tuple_at(x.peer, "kitchen.heater.status") == "active");
+  CHECK(x.peer.count<watch_tuples>() == 2 + 3);
+}
+
+TEST_CASE("a mote that is no longer listed makes its proxy lost until it is back",
+          "[actors][proxy_manager][PXY-16]") {
+  rig x;
+  x.list("{7}");
+  x.type(heater, 301);
+  x.list("{}");
+  CHECK(tuple_at(x.peer, "kitchen.heater.status") == "lost");
+  CHECK(tuple_at(x.peer, "kitchen.heater.status.cause") == "not_listed");
+  x.list("{7}");
+  CHECK(tuple_at(x.peer, "kitchen.heater.status") == "active");
+  x.tell("devices", {}, true);
+  CHECK(tuple_at(x.peer, "kitchen.heater.status") == "lost");
+  CHECK(tuple_at(x.peer, "kitchen.heater.status.cause") == "gateway_gone");
+  CHECK(x.started() == 1);
+}
+
+TEST_CASE("a mote of a type that no class claims gets no proxy, and a story",
+          "[actors][proxy_manager][PXY-10]") {
+  rig x;
+  x.list("{7}");
+  x.type(heater, 9);
+  x.type(heater, 9);
+  CHECK(x.started() == 0);
+  REQUIRE(x.ecology.count<story>() == 1);
+  CHECK(x.ecology.all<story>()[0].what ==
+        "mote 5/7 is of type 9, which no proxy class claims");
+}
+
+TEST_CASE("a proxy that fails is started again and works", "[actors][proxy_manager][ACT-03]") {
+  rig x;
+  x.list("{7}");
+  x.type(heater, 301);
+  const auto failing = watch_on(x.peer, "devices.7.output.1").client.actor;
+  caf::anon_send_exit(failing, caf::sec::runtime_error);
+  x.world.run_for(0s);
+  CHECK(x.started() == 2);
+  CHECK(x.world.logged("proxy_ended mote=5/7") == 1);
+  CHECK(watch_on(x.peer, "devices.7.output.1").client.actor != failing);
+  set_watched(x.world, x.peer, "devices.7.output.1", bytes{0x00, 0xdf});
+  CHECK(tuple_at(x.peer, "kitchen.heater.temperature") == "22.3");
+  x.list("{}");
+  CHECK(tuple_at(x.peer, "kitchen.heater.status") == "lost");
+  CHECK(x.world.ends().empty()); // the manager goes on
+}
+
+TEST_CASE("a proxy that fails while its mote is away is started when the mote is back",
+          "[actors][proxy_manager][ACT-03]") {
+  rig x;
+  x.list("{7}");
+  x.type(heater, 301);
+  x.list("{}");
+  caf::anon_send_exit(watch_on(x.peer, "devices.7.output.1").client.actor,
+                      caf::sec::runtime_error);
+  x.world.run_for(0s);
+  CHECK(x.started() == 1);
+  x.list("{7}");
+  CHECK(x.started() == 2);
+  CHECK(tuple_at(x.peer, "kitchen.heater.status") == "active");
+}
+
+TEST_CASE("a mote that comes back as another kind loses its proxy",
+          "[actors][proxy_manager][PXY-09]") {
+  rig x;
+  x.list("{7}");
+  x.type(heater, 301);
+  x.type(heater, 9);
+  x.world.send(x.manager, status_request{});
+  CHECK(x.ecology.count<proxy_status>() == 0);
+  CHECK(x.started() == 1);
+  CHECK(x.world.logged("proxy_ended") == 0); // it was stopped, it did not fail
+}
+
+TEST_CASE("a manager passes a status request on to its proxies", "[actors][proxy_manager]") {
+  rig x;
+  x.list("{7,11}");
+  x.type(heater, 301);
+  x.type(mote_id{11}, 302);
+  x.world.send(x.manager, status_request{});
+  REQUIRE(x.ecology.count<proxy_status>() == 2);
+  CHECK(x.ecology.all<proxy_status>()[0].proxy.name == "kitchen.heater");
+  CHECK(x.ecology.all<proxy_status>()[1].proxy.name == "kitchen.11");
+}

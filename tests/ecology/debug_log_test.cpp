@@ -1,0 +1,55 @@
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <unistd.h>
+
+#include "ecology_files.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::test;
+
+namespace {
+
+/// A folder of its own that ends with the test.
+struct scratch_folder {
+  std::filesystem::path path = std::filesystem::temp_directory_path() /
+                               ("rubicon-debug-test-" + std::to_string(getpid()));
+  ~scratch_folder() { std::filesystem::remove_all(path); }
+};
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+} // namespace
+
+TEST_CASE("debug mode writes each module's messages, sent and received", "[ecology][NFR-01]") {
+  const scratch_folder folder;
+  auto home = example("home.toml");
+  home.length = 20s;
+  run_options options;
+  options.debug_folder = folder.path.string();
+  const auto with = run_ecology(home, options);
+  for (const auto* module : {"air", "mote", "sink", "serial_line", "gateway", "peis_peer", "proxy",
+                             "proxy_manager", "mote_app"})
+    CHECK(std::filesystem::file_size(folder.path / (std::string(module) + ".log")) > 0);
+  const auto motes = text_of(folder.path / "mote.log");
+  CHECK(motes.find("mote/kitchen/fan received from=air/kitchen length=") != std::string::npos);
+  CHECK(motes.find("mote/kitchen/fan sent to=air/kitchen length=") != std::string::npos);
+
+  // Watching changes nothing, and without it no file is written.
+  std::filesystem::remove_all(folder.path);
+  const auto without = run_ecology(home, {});
+  CHECK(with.trace_hash == without.trace_hash);
+  CHECK_FALSE(std::filesystem::exists(folder.path));
+}
+
+TEST_CASE("a debug folder that cannot be made is an error", "[ecology][NFR-01]") {
+  run_options options;
+  options.debug_folder = "/proc/rubicon";
+  CHECK_THROWS_AS(run_ecology(example("home.toml"), options), std::runtime_error);
+}

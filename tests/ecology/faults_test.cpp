@@ -1,0 +1,78 @@
+#include "ecology_files.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::test;
+
+namespace {
+
+std::uint32_t incarnations(const runtime::report& x, mote_address mote) {
+  for (const auto& island : x.islands) {
+    for (const auto& entry : island.motes) {
+      if (entry.address == mote)
+        return entry.incarnations;
+    }
+  }
+  return 0;
+}
+
+} // namespace
+
+TEST_CASE("a throwing mote is restarted, alone, and the report says so", "[ecology][ACT-03]") {
+  auto home = example("home.toml");
+  const mote_address fan{island_id{1}, mote_id{4}};
+  home.faults.insert(home.faults.begin(), {2min, config::crash_fault{fan}});
+  const auto report = run(home);
+  CHECK(report.violations.empty());
+  CHECK(report.actors.restarted == 1);
+  REQUIRE(report.actors.failures.size() == 1);
+  CHECK(report.actors.failures[0].starts_with("mote/kitchen/fan: "));
+  for (const auto& island : report.islands) {
+    for (const auto& mote : island.motes)
+      CHECK(mote.incarnations == (mote.address == fan ? 2 : 1));
+  }
+  CHECK(tells(report, "kitchen/fan", "joined again, life 2"));
+  // It still obeys in its second life, through the same proxy (DIS-07).
+  CHECK(tells(report, "kitchen/fan", "switch on"));
+  CHECK(proxy(report, "kitchen.fan").status == "active");
+  CHECK(proxy(report, "kitchen.fan").actuations.acknowledged ==
+        proxy(report, "kitchen.fan").actuations.requested);
+}
+
+TEST_CASE("motes survive an unplugged cable without joining again", "[ecology][GW-15]") {
+  auto home = example("home.toml");
+  home.faults.insert(home.faults.begin(),
+                     {1min, config::unplug_fault{island_id{1}, 30s}});
+  const auto report = run(home);
+  CHECK(report.violations.empty());
+  CHECK(tells(report, "kitchen", "serial cable unplugged"));
+  CHECK(tells(report, "kitchen", "serial cable plugged in again"));
+  for (std::uint16_t mote = 2; mote <= 8; ++mote)
+    CHECK(incarnations(report, {island_id{1}, mote_id{mote}}) == 1);
+  CHECK(report.islands.at(0).serial.lost.at("unplugged_octets") > 0);
+  CHECK(report.motes_joined() == report.motes_configured());
+}
+
+TEST_CASE("with a lossy radio and a noisy cable every actuation has one outcome and the invariants "
+          "hold",
+          "[ecology][IF-07][GW-16]") {
+  auto home = example("home.toml");
+  home.radio.loss = 0.2;
+  for (auto& island : home.islands)
+    island.serial.octet_error = 0.001;
+  std::uint64_t requested = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const auto report = run(home, seed);
+    CAPTURE(seed);
+    for (const auto& x : report.violations)
+      UNSCOPED_INFO(x.invariant << ": " << x.detail);
+    CHECK(report.violations.empty());
+    CHECK(report.motes_joined() == report.motes_configured());
+    for (const auto& x : report.proxies) {
+      requested += x.actuations.requested;
+      CHECK(x.actuations.requested ==
+            x.actuations.acknowledged + runtime::total(x.actuations.failed));
+    }
+  }
+  CHECK(requested >= 20);
+}

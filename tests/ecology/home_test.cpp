@@ -1,0 +1,80 @@
+#include <set>
+
+#include "ecology_files.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::test;
+
+TEST_CASE("the home tells its whole story", "[ecology][GEN-04][IF-07][RTG-02][PXY-16]") {
+  const auto report = run(example("home.toml"));
+  CHECK(report.violations.empty());
+
+  // Everybody joins, and is listed with a proxy of the right kind.
+  CHECK(report.motes_configured() >= 12);
+  CHECK(report.motes_joined() == report.motes_configured());
+  CHECK(proxy(report, "kitchen.climate-7").proxy_class == "climate");
+  CHECK(proxy(report, "kitchen.presence-2").proxy_class == "presence");
+  CHECK(proxy(report, "kitchen.fan").proxy_class == "relay");
+
+  // Readings have become meaning, with unit.
+  const auto temperature = value(proxy(report, "kitchen.climate-7"), "temperature");
+  CHECK(temperature.ends_with(" C"));
+  CHECK(std::stod(temperature) == Approx(22.5).margin(0.6));
+
+  // The kitchen gets too warm: the fan goes on, and off when it is cooler again.
+  CHECK(tells(report, "rules-1", "writes kitchen.fan.switch = on"));
+  CHECK(tells(report, "kitchen/fan", "switch on"));
+  CHECK(value(proxy(report, "kitchen.fan"), "state") == "off");
+  const auto& fan = proxy(report, "kitchen.fan").actuations;
+  CHECK(fan.requested >= 2);
+  CHECK(fan.acknowledged == fan.requested);
+
+  // A mote of one island is heard by a mote of the other.
+  CHECK(tells(report, "listener-10", "heard \"dinner\" from mote 1/8"));
+
+  // A battery ends; the mote leaves and its proxy is lost.
+  CHECK(tells(report, "bedroom/presence-3", "battery flat"));
+  CHECK(tells(report, "bedroom/presence-3", "left: battery"));
+  CHECK(proxy(report, "bedroom.presence-3").status == "lost");
+  CHECK(report.motes_alive() == report.motes_configured() - 1);
+  CHECK(report.motes_left() == 1);
+
+  // Every reliable message has one outcome.
+  const auto messages = report.messages();
+  CHECK(messages.reliable_sent ==
+        messages.reliable_acked + messages.reliable_failed + messages.reliable_open);
+  CHECK(messages.reliable_failed == 0);
+}
+
+TEST_CASE("equal seeds give equal runs, other seeds other runs", "[ecology][GEN-07][ACT-05]") {
+  const auto home = example("home.toml");
+  std::set<std::string> hashes;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    auto first = run(home, seed);
+    auto second = run(home, seed);
+    first.wall_s = second.wall_s = 0;
+    CHECK(runtime::to_json(first) == runtime::to_json(second));
+    hashes.insert(first.trace_hash);
+  }
+  CHECK(hashes.size() == 4);
+}
+
+TEST_CASE("the trace of the home is the same on every machine and in every build",
+          "[ecology][GEN-07]") {
+  // Changes with any change of behaviour; must never differ between machines or build types.
+  auto home = example("home.toml");
+  home.length = 5min;
+  const auto report = run(home);
+  CHECK(report.trace_hash == "RECORDED");
+}
+
+TEST_CASE("an ecology can be stopped after any time", "[ecology]") {
+  auto home = example("home.toml");
+  for (const auto length : {duration(1ms), duration(500ms), duration(3s), duration(17s)}) {
+    home.length = length;
+    const auto report = run(home);
+    CHECK(report.simulated == length);
+    CHECK(report.violations.empty());
+  }
+}
