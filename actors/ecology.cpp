@@ -142,7 +142,7 @@ void begin_collecting(ecology_pointer self) {
   for (const auto& [address, mote] : state.motes) {
     runtime::mote_report x;
     x.address = address;
-    x.name = mote.arguments.name;
+    x.name = mote.arguments.name.substr(mote.arguments.name.find('/') + 1);
     x.type = mote.type;
     x.joined = mote.joined;
     x.alive = !mote.flat && mote.handle != nullptr;

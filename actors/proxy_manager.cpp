@@ -40,7 +40,6 @@ struct performer {
     proxy::proxy core(*found, identity_of(state.arguments, x.mote));
     const auto name = core.prefix();
     log(self, spdlog::level::info, "event=started proxy={} class={}", name, x.class_name);
-    self->send(state.arguments.ecology, story{self->path(), "proxy " + name + " started"});
     state.proxies[x.mote] = scheduler::spawn_at<caf::monitored>(
         self, "proxy/" + name, proxy_behavior,
         proxy_arguments{std::move(core), state.arguments.peer_number, state.arguments.peer,

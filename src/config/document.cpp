@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "config/text_check.hpp"
+
 // The library asserts that a key begins like one, just before it tells that it does not: `[,]`
 // would stop the process. With NDEBUG the compiler might take it for granted.
 #undef NDEBUG
@@ -20,6 +22,8 @@
 namespace rubicon::config {
 
 namespace {
+
+constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
 
 mark to_mark(const toml::source_region& x) {
   return {static_cast<unsigned>(x.begin.line), static_cast<unsigned>(x.begin.column)};
@@ -62,21 +66,6 @@ node to_node(const toml::node& x) {
   return out;
 }
 
-/// The parser builds and destroys nested tables recursively, however deep `[a.a.a...]` goes.
-std::optional<unsigned> line_with_too_many_dots(std::string_view text) {
-  unsigned line = 1;
-  std::size_t dots = 0;
-  for (const char c : text) {
-    if (c == '\n') {
-      ++line;
-      dots = 0;
-    } else if (c == '.' && ++dots > line_dots_max) {
-      return line;
-    }
-  }
-  return std::nullopt;
-}
-
 std::optional<problem> unfit(std::string_view text, const std::string& file) {
   if (text.empty())
     return problem{file, 0, 0,
@@ -86,11 +75,15 @@ std::optional<problem> unfit(std::string_view text, const std::string& file) {
   if (const auto at = text.find('\0'); at != std::string_view::npos)
     return problem{file, 0, 0,
                    "is a binary file, not TOML: octet " + std::to_string(at) + " is NUL"};
-  if (const auto line = line_with_too_many_dots(text))
-    return problem{file, *line, 1,
-                   "has more than " + std::to_string(line_dots_max) +
-                       " dots in one line; break it into several"};
   return std::nullopt;
+}
+
+/// The whole lines before `end`: a syntax error in them is told first.
+std::string_view lines_before(std::string_view text, mark end) {
+  std::size_t size = 0;
+  for (unsigned line = 1; line < end.line; ++line)
+    size = text.find('\n', size) + 1;
+  return text.substr(0, size);
 }
 
 struct describer {
@@ -144,14 +137,18 @@ std::string shown(double x) {
 std::variant<node, problem> parse(std::string_view text, const std::string& file) {
   if (auto reason = unfit(text, file))
     return *std::move(reason);
-  const auto parsed = toml::parse(text, std::string_view(file));
-  if (!parsed) {
-    const auto at = to_mark(parsed.error().source());
-    complaints cleaned;
-    cleaned.add(at, std::string(parsed.error().description()));
-    return cleaned.of_file(file).front();
-  }
-  return to_node(parsed.table());
+  if (text.starts_with(byte_order_mark))
+    text.remove_prefix(byte_order_mark.size());
+  const auto obstacle = unparsable(text);
+  const auto parsed = toml::parse(obstacle ? lines_before(text, obstacle->first) : text);
+  complaints found;
+  if (!parsed)
+    found.add(to_mark(parsed.error().source()), std::string(parsed.error().description()));
+  else if (obstacle)
+    found.add(obstacle->first, obstacle->second);
+  else
+    return to_node(parsed.table());
+  return found.of_file(file).front();
 }
 
 } // namespace rubicon::config

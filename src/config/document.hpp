@@ -50,9 +50,8 @@ struct member {
 /// The shortest decimal that means `x`: `2.5`, `100000`, `1e+20`.
 [[nodiscard]] std::string shown(double x);
 
-/// Limits on a file; one beyond them is refused with a clear problem.
+/// A larger file is refused.
 inline constexpr std::size_t file_octets_max = 16 * 1024 * 1024;
-inline constexpr std::size_t line_dots_max = 1000; ///< each may open a table: bounds the recursion
 
 /// The root table, or the first problem: with its place for a syntax error, with line 0 for octets
 /// that are no text at all, and for a file without any content.

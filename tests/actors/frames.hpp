@@ -28,8 +28,7 @@ namespace rubicon::test {
 /// The same with a component management message.
 [[nodiscard]] inline frame_received radio_frame(mote_id source, mote_id destination,
                                                 const mote::management& message) {
-  return radio_frame(source, destination, network::am::component_management,
-                     mote::encode(message));
+  return radio_frame(source, destination, network::am::component_management, mote::encode(message));
 }
 
 /// The component management message in a frame that an actor wants to send.
@@ -44,8 +43,7 @@ template <class Message>
 }
 
 /// A serial frame with an active message.
-[[nodiscard]] inline serial_octets serial_frame(const serial::am_packet& x,
-                                                serial::frame_type type,
+[[nodiscard]] inline serial_octets serial_frame(const serial::am_packet& x, serial::frame_type type,
                                                 std::uint8_t sequence = 0) {
   return {payload(serial::encode(serial::frame{type, sequence, serial::encode(x)}))};
 }

@@ -1,5 +1,5 @@
-#include "actors/gateway.hpp"
 #include "actors/frames.hpp"
+#include "actors/gateway.hpp"
 #include "core/device_keys.hpp"
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
@@ -77,10 +77,8 @@ struct rig {
   }
 };
 
-const bytes message_for_fan =
-    encode(network::gateway_packet{fan, 10,
-                                   encode(transport::segment{mote_id{9}, 1, 10, true, false,
-                                                             bytes{0x64}})});
+const bytes message_for_fan = encode(network::gateway_packet{
+    fan, 10, encode(transport::segment{mote_id{9}, 1, 10, true, false, bytes{0x64}})});
 
 } // namespace
 
@@ -110,8 +108,7 @@ TEST_CASE("a mote that has joined becomes tuples and goes to the list",
   CHECK(changes[0].incarnation == 3);
 
   x.from_sink(network::am::sink_event,
-              encode(network::sink_event(
-                  network::mote_left{fan, network::leave_cause::silence})));
+              encode(network::sink_event(network::mote_left{fan, network::leave_cause::silence})));
   CHECK(x.tuple("devices") == "{}");
   CHECK(x.peer.all<delete_tuple>().at(0).key == "devices.7.type");
   const auto left = x.ecology.all<listing_changed>().back();
@@ -194,8 +191,8 @@ TEST_CASE("a message for another island goes to its gateway", "[actors][gateway]
   CHECK(sent[0].destination == peer_id{2});
   CHECK(sent[0].port == island_message_port);
   CHECK(sent[0].reliable);
-  CHECK(sent[0].octets == payload(encode(network::gateway_packet{mote_id{9}, 10,
-                                                                 encode(segment)})));
+  CHECK(sent[0].octets ==
+        payload(encode(network::gateway_packet{mote_id{9}, 10, encode(segment)})));
 }
 
 TEST_CASE("a gateway reports a packet lost when nobody acks", "[actors][gateway][GW-16]") {

@@ -119,8 +119,8 @@ TEST_CASE("a sampler takes no expiry of its life before a rejoin", "[actors][app
 TEST_CASE("an actuator obeys the first octet and answers with the state that came of it",
           "[actors][apps][GW-12]") {
   rig x;
-  const auto app = x.world.spawn(actuator, config::actuator_app{"switch", 2}, x.mote.handle(),
-                                 std::uint8_t{1});
+  const auto app =
+      x.world.spawn(actuator, config::actuator_app{"switch", 2}, x.mote.handle(), std::uint8_t{1});
   REQUIRE(x.mote.count<claim_am_type>() == 1);
   CHECK(x.mote.all<claim_am_type>()[0].am_type == 2);
   CHECK(x.mote.all<claim_am_type>()[0].app.actor == app);

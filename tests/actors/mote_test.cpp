@@ -1,5 +1,5 @@
-#include "actors/mote.hpp"
 #include "actors/frames.hpp"
+#include "actors/mote.hpp"
 #include "core/codec.hpp"
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
@@ -49,9 +49,9 @@ struct rig {
   void join() {
     world.run_for(1s);
     const auto request = test::management_in<mote::join_request>(air.all<radio_send>().at(0));
-    hear(sink, network::am::component_management,
-         encode(mote::management(
-             mote::join_reply{request->sequence, stove.island, stove.mote, 0})));
+    hear(
+        sink, network::am::component_management,
+        encode(mote::management(mote::join_reply{request->sequence, stove.island, stove.mote, 0})));
   }
 
   void hear_local(const transport::segment& x) {
@@ -65,8 +65,8 @@ struct rig {
     std::vector<transport::segment> found;
     for (const auto& x : air.all<radio_send>()) {
       if (x.am_type == network::am::to_gateway)
-        found.push_back(*transport::decode_segment(
-            network::decode_island_packet(x.octets.view())->body));
+        found.push_back(
+            *transport::decode_segment(network::decode_island_packet(x.octets.view())->body));
     }
     return found;
   }
@@ -92,9 +92,9 @@ TEST_CASE("a mote asks everybody to take it in, and confirms the answer",
   REQUIRE(request);
   CHECK(request->incarnation == 0);
 
-  x.hear(sink, network::am::component_management,
-         encode(mote::management(
-             mote::join_reply{request->sequence, stove.island, stove.mote, 0})));
+  x.hear(
+      sink, network::am::component_management,
+      encode(mote::management(mote::join_reply{request->sequence, stove.island, stove.mote, 0})));
   REQUIRE(x.air.count<radio_send>() == 2);
   const auto confirm = x.air.all<radio_send>()[1];
   CHECK(confirm.destination == sink);
@@ -261,8 +261,7 @@ TEST_CASE("a mote whose battery is flat tells it once and is silent from then on
   x.send(5, {own_island, no_mote}, true);
   x.world.send(x.mote, read_transducers{x.app, {mote::quantity::temperature}});
   x.world.send(x.mote, set_actuator{x.app, "switch", 0});
-  x.hear(sink, network::am::component_management,
-         encode(mote::management(mote::rejoin_prompt{})));
+  x.hear(sink, network::am::component_management, encode(mote::management(mote::rejoin_prompt{})));
   x.world.send(x.mote, crash_now{});
   x.world.run_for(5min);
   CHECK(x.air.size() == 0);

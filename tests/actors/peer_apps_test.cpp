@@ -94,8 +94,7 @@ TEST_CASE("deleted tuples and failed writes do not disturb a rule", "[actors][ru
   rig x;
   x.find_fan(fan_owner);
   const auto watch = watch_on(x.peer, "kitchen.stove.temperature");
-  x.world.send(x.rules,
-               tuple_event{watch.watch, peer_id{3}, watch.key, text_value("30"), true});
+  x.world.send(x.rules, tuple_event{watch.watch, peer_id{3}, watch.key, text_value("30"), true});
   CHECK(x.writes().empty());
   x.world.send(x.rules, peis_outcome{0, false, "host_gone"});
   CHECK(x.world.logged("write_failed cause=host_gone") == 1);

@@ -94,8 +94,7 @@ TEST_CASE("a remote set reaches the owner and its outcome the client",
           "[actors][peis_peer][TUP-05]") {
   rig x;
   x.world.send(x.pc_peer, watch_tuples{x.on_pc, 1, pc, "kitchen.lamp"});
-  x.world.send(x.robot_peer,
-               set_remote_tuple{x.on_robot, 5, pc, "kitchen.lamp", text("on"), true});
+  x.world.send(x.robot_peer, set_remote_tuple{x.on_robot, 5, pc, "kitchen.lamp", text("on"), true});
   CHECK(x.on_robot.count<peis_outcome>() == 0);
   x.world.run_for(1s);
   REQUIRE(x.on_pc.count<tuple_event>() == 1);

@@ -103,8 +103,7 @@ TEST_CASE("a mote of a type that no class claims gets no proxy, and a story",
   x.type(heater, 9);
   CHECK(x.started() == 0);
   REQUIRE(x.ecology.count<story>() == 1);
-  CHECK(x.ecology.all<story>()[0].what ==
-        "mote 5/7 is of type 9, which no proxy class claims");
+  CHECK(x.ecology.all<story>()[0].what == "mote 5/7 is of type 9, which no proxy class claims");
 }
 
 TEST_CASE("a proxy that fails is started again and works", "[actors][proxy_manager][ACT-03]") {
@@ -130,8 +129,7 @@ TEST_CASE("a proxy that fails while its mote is away is started when the mote is
   x.list("{7}");
   x.type(heater, 301);
   x.list("{}");
-  caf::anon_send_exit(watch_on(x.peer, "devices.7.output.1").client.actor,
-                      caf::sec::runtime_error);
+  caf::anon_send_exit(watch_on(x.peer, "devices.7.output.1").client.actor, caf::sec::runtime_error);
   x.world.run_for(0s);
   CHECK(x.started() == 1);
   x.list("{7}");

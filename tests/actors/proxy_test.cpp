@@ -23,9 +23,9 @@ struct rig {
 
   rig() {
     proxy::proxy core(test::sample_class(), {heater, "kitchen", "heater"});
-    proxy = world.spawn_at("proxy/kitchen.heater", proxy_behavior,
-                           proxy_arguments{std::move(core), care_pc, peer.handle(),
-                                           ecology.handle()});
+    proxy =
+        world.spawn_at("proxy/kitchen.heater", proxy_behavior,
+                       proxy_arguments{std::move(core), care_pc, peer.handle(), ecology.handle()});
   }
 
   void ask(std::string_view word) {

@@ -113,8 +113,8 @@ TEST_CASE("a line's report names its island and counts corrupted and overflowed 
 TEST_CASE("octets for an end to which nobody is attached go nowhere", "[actors][serial]") {
   virtual_world world;
   fake<ecology_actor> ecology(world);
-  const auto line = world.spawn(serial_line, serial::line({}, random_stream(3)), kitchen,
-                                ecology.handle());
+  const auto line =
+      world.spawn(serial_line, serial::line({}, random_stream(3)), kitchen, ecology.handle());
   world.send(line, serial_write{direction::to_pc, bytes{1}});
   world.run_for(1s);
   CHECK(world.ends().empty());

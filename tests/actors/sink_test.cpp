@@ -26,8 +26,13 @@ struct rig {
     mote::registrar_config registrar;
     registrar.island = sink_address.island;
     sink = world.spawn_at("sink/kitchen", rubicon::sink,
-                          sink_arguments{sink_address, registrar, {}, sink_radio, air.handle(),
-                                         line.handle(), ecology.handle()});
+                          sink_arguments{sink_address,
+                                         registrar,
+                                         {},
+                                         sink_radio,
+                                         air.handle(),
+                                         line.handle(),
+                                         ecology.handle()});
   }
 
   void hear(const mote::management& x) {
@@ -95,8 +100,7 @@ TEST_CASE("a join on the radio ends in a mote_joined event on the line",
   CHECK(packets[0].group == sink_address.island.value);
   CHECK(packets[0].am_type == network::am::sink_event);
   REQUIRE(x.events().size() == 1);
-  CHECK(x.events()[0] ==
-        network::sink_event(network::mote_joined{stove, 2, 101, descriptor}));
+  CHECK(x.events()[0] == network::sink_event(network::mote_joined{stove, 2, 101, descriptor}));
   CHECK(x.line.all<serial_write>()[0].towards == serial::direction::to_pc);
 }
 
@@ -106,8 +110,8 @@ TEST_CASE("a mote that falls silent leaves the island", "[actors][sink][DIS-06]"
   x.world.run_for(11s);
   bool left = false;
   for (const auto& event : x.events())
-    left = left || event == network::sink_event(
-                                network::mote_left{stove, network::leave_cause::silence});
+    left = left ||
+           event == network::sink_event(network::mote_left{stove, network::leave_cause::silence});
   CHECK(left);
 }
 
@@ -142,9 +146,8 @@ TEST_CASE("a sink carries island packets both ways and acks what the PC sends",
 
 TEST_CASE("octets with a bad CRC do nothing but count", "[actors][sink][GW-16]") {
   rig x;
-  auto octets =
-      to_bytes(test::serial_frame(packet_down(), serial::frame_type::packet_with_ack, 42)
-                   .octets.view());
+  auto octets = to_bytes(
+      test::serial_frame(packet_down(), serial::frame_type::packet_with_ack, 42).octets.view());
   octets[octets.size() - 4] ^= 1; // in the payload
   x.air.forget();
   x.world.send(x.sink, serial_octets{octets});

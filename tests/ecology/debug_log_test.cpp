@@ -3,6 +3,7 @@
 #include <fstream>
 #include <string>
 
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "ecology_files.hpp"
@@ -29,6 +30,7 @@ std::string text_of(const std::filesystem::path& file) {
 
 TEST_CASE("debug mode writes each module's messages, sent and received", "[ecology][NFR-01]") {
   const scratch_folder folder;
+  spdlog::set_level(spdlog::level::err);
   auto home = example("home.toml");
   home.length = 20s;
   run_options options;

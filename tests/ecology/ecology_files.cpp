@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include <spdlog/spdlog.h>
+
 #include "config/load.hpp"
 
 namespace rubicon::test {
@@ -26,6 +28,7 @@ config::ecology_description ecology_of(std::string_view toml) {
 }
 
 runtime::report run(const config::ecology_description& what, std::uint64_t seed) {
+  spdlog::set_level(spdlog::level::err); // an error in the log is worth seeing, the rest is noise
   run_options options;
   options.seed = seed;
   return run_ecology(what, options);
@@ -37,7 +40,7 @@ bool tells(const runtime::report& x, std::string_view who, std::string_view what
   });
 }
 
-const runtime::proxy_report& proxy(const runtime::report& x, std::string_view name) {
+const runtime::proxy_report& proxy_of(const runtime::report& x, std::string_view name) {
   const auto found = std::ranges::find(x.proxies, name, &runtime::proxy_report::name);
   if (found == x.proxies.end())
     throw std::runtime_error("no proxy " + std::string(name));

@@ -34,9 +34,9 @@ TEST_CASE("a throwing mote is restarted, alone, and the report says so", "[ecolo
   CHECK(tells(report, "kitchen/fan", "joined again, life 2"));
   // It still obeys in its second life, through the same proxy (DIS-07).
   CHECK(tells(report, "kitchen/fan", "switch on"));
-  CHECK(proxy(report, "kitchen.fan").status == "active");
-  CHECK(proxy(report, "kitchen.fan").actuations.acknowledged ==
-        proxy(report, "kitchen.fan").actuations.requested);
+  CHECK(proxy_of(report, "kitchen.fan").status == "active");
+  CHECK(proxy_of(report, "kitchen.fan").actuations.acknowledged ==
+        proxy_of(report, "kitchen.fan").actuations.requested);
 }
 
 TEST_CASE("motes survive an unplugged cable without joining again", "[ecology][GW-15]") {

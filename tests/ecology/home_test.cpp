@@ -13,20 +13,20 @@ TEST_CASE("the home tells its whole story", "[ecology][GEN-04][IF-07][RTG-02][PX
   // Everybody joins, and is listed with a proxy of the right kind.
   CHECK(report.motes_configured() >= 12);
   CHECK(report.motes_joined() == report.motes_configured());
-  CHECK(proxy(report, "kitchen.climate-7").proxy_class == "climate");
-  CHECK(proxy(report, "kitchen.presence-2").proxy_class == "presence");
-  CHECK(proxy(report, "kitchen.fan").proxy_class == "relay");
+  CHECK(proxy_of(report, "kitchen.climate-7").proxy_class == "climate");
+  CHECK(proxy_of(report, "kitchen.presence-2").proxy_class == "presence");
+  CHECK(proxy_of(report, "kitchen.fan").proxy_class == "relay");
 
   // Readings have become meaning, with unit.
-  const auto temperature = value(proxy(report, "kitchen.climate-7"), "temperature");
+  const auto temperature = value(proxy_of(report, "kitchen.climate-7"), "temperature");
   CHECK(temperature.ends_with(" C"));
   CHECK(std::stod(temperature) == Approx(22.5).margin(0.6));
 
   // The kitchen gets too warm: the fan goes on, and off when it is cooler again.
   CHECK(tells(report, "rules-1", "writes kitchen.fan.switch = on"));
   CHECK(tells(report, "kitchen/fan", "switch on"));
-  CHECK(value(proxy(report, "kitchen.fan"), "state") == "off");
-  const auto& fan = proxy(report, "kitchen.fan").actuations;
+  CHECK(value(proxy_of(report, "kitchen.fan"), "state") == "off");
+  const auto& fan = proxy_of(report, "kitchen.fan").actuations;
   CHECK(fan.requested >= 2);
   CHECK(fan.acknowledged == fan.requested);
 
@@ -36,7 +36,7 @@ TEST_CASE("the home tells its whole story", "[ecology][GEN-04][IF-07][RTG-02][PX
   // A battery ends; the mote leaves and its proxy is lost.
   CHECK(tells(report, "bedroom/presence-3", "battery flat"));
   CHECK(tells(report, "bedroom/presence-3", "left: battery"));
-  CHECK(proxy(report, "bedroom.presence-3").status == "lost");
+  CHECK(proxy_of(report, "bedroom.presence-3").status == "lost");
   CHECK(report.motes_alive() == report.motes_configured() - 1);
   CHECK(report.motes_left() == 1);
 

@@ -91,17 +91,57 @@ TEST_CASE("a syntax error is told with its place", "[config][GEN-06]") {
 }
 
 TEST_CASE("limits keep a hostile file from exhausting the parser", "[config]") {
-  std::string deep = "[a";
-  for (std::size_t i = 0; i < 200'000; ++i)
-    deep += ".a";
-  CHECK(problem_in("\n" + deep + "]\n") ==
-        "2:1: has more than 1000 dots in one line; break it into several");
-  CHECK(problem_in(std::string(file_octets_max + 1, '#')) == " is larger than 16777216 octets");
-  std::string at_limit = "[a";
-  for (std::size_t i = 0; i < line_dots_max; ++i)
-    at_limit += ".a";
-  CHECK(test::problem_after(test::head, at_limit + "]\n").find("unknown key `a`") !=
+  const auto key_with_dots = [](std::size_t dots) {
+    std::string key = "a";
+    for (std::size_t i = 0; i < dots; ++i)
+      key += i % 2 == 0 ? ".a" : ".\"=,\"";
+    return key;
+  };
+  CHECK(problem_in("\n[" + key_with_dots(200'000) + "]\n")
+            .ends_with(": a key has more than 64 dots"));
+  CHECK(problem_in("[a]\n" + key_with_dots(65) + " = 1\n").starts_with("2:"));
+  CHECK(test::problem_after(test::head, key_with_dots(64) + " = 1\n").find("unknown key `a`") !=
         std::string::npos);
+  std::string numbers = "a = [";
+  for (int i = 0; i < 2000; ++i)
+    numbers += "0.5, ";
+  CHECK(test::problem_after(test::head, numbers + "]\n").find("unknown key `a`") !=
+        std::string::npos);
+  CHECK(problem_in(std::string(file_octets_max + 1, '#')) == " is larger than 16777216 octets");
+}
+
+TEST_CASE("characters beyond ASCII stand in strings and comments", "[config][GEN-06]") {
+  struct row {
+    const char* toml;
+    const char* place; ///< of the stray character; nullptr if there is none
+  };
+  const auto x =
+      GENERATE(values<row>({{"k\u00fcche = 1\n", "6:2: "},
+                            {"x = \u2764\n", "6:5: "},
+                            {"[\ufef7]\n", "6:2: "},
+                            {"x = \"\u00fc\" \u00fc\n", "6:9: "},
+                            {"x = \"\u00fc\\\"\u00fc\" # \u00fc\n", nullptr},
+                            {"x = '\u00fc\\' # \u00fc\n", nullptr},
+                            {"x = \"\"\"\n\u00fc\"\"\u00fc\\\"\"\"\"\"\" # \u00fc\n", nullptr},
+                            {"x = '''\n\u00fc\n''''' # \u00fc\n", nullptr},
+                            {"x = \"\" # \"\"\" \u00fc\n", nullptr},
+                            {"\"\u00fc\" = 1 # \u00fc\n# \u00fc\n", nullptr}}));
+  CAPTURE(x.toml);
+  const auto found = test::problem_after(test::head, x.toml);
+  if (x.place == nullptr)
+    CHECK(found.starts_with("6:1: unknown key"));
+  else
+    CHECK(found == std::string(x.place) +
+                       "a character that is not ASCII may stand only in a comment or between "
+                       "quotation marks");
+}
+
+TEST_CASE("a syntax error before a stray character is told first", "[config][GEN-06]") {
+  CHECK(problem_in("a = \"x\n\u00fc = 1\n").starts_with("1:7: "));
+}
+
+TEST_CASE("a byte order mark is no part of the text", "[config]") {
+  CHECK(problem_in("\xef\xbb\xbf" + std::string(test::head)) == "none");
 }
 
 TEST_CASE("text that a terminal would act on is made harmless", "[config]") {

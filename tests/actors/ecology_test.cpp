@@ -1,0 +1,263 @@
+#include "actors/ecology.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "config/load.hpp"
+#include "support/catch.hpp"
+#include "support/fakes.hpp"
+
+using namespace rubicon;
+using test::virtual_world;
+
+namespace {
+
+/// One island with two motes, and a PC with a proxy for each.
+constexpr std::string_view kitchen_text = R"(
+[ecology]
+name = "small"
+duration = "5min"
+
+[mote_type.climate]
+type = 101
+platform = "micaz"
+transducers.temperature = { model = "constant", value = 21.5, resolution = 0.1 }
+apps = [{ app = "sampler", transducers = ["temperature"], every = "5s" }]
+
+[mote_type.relay]
+type = 301
+platform = "micaz"
+actuators = [{ name = "switch", kind = "relay" }]
+apps = [{ app = "actuator", actuator = "switch", channel = 2 }]
+
+[[island]]
+id = 1
+name = "kitchen"
+
+[island.sink]
+platform = "micaz"
+position_m = [0, 0]
+
+[[island.mote]]
+id = 2
+name = "stove"
+type = "climate"
+position_m = [1, 0]
+
+[[island.mote]]
+id = 3
+name = "fan"
+type = "relay"
+position_m = [0, 1]
+
+[[peer]]
+id = 11
+name = "pc"
+links = ["inproc://kitchen-gateway"]
+apps = [{ app = "proxy_manager", islands = ["kitchen"] }]
+
+[[proxy]]
+name = "climate"
+types = [101]
+
+[[proxy.field]]
+name = "temperature"
+channel = 1
+encoding = "i16"
+scale = 0.1
+unit = "C"
+
+[[proxy]]
+name = "relay"
+types = [301]
+
+[[proxy.input]]
+name = "switch"
+channel = 2
+words = { on = "01", off = "00" }
+
+[[proxy.field]]
+name = "state"
+channel = 2
+encoding = "u8"
+words = { 0 = "off", 1 = "on" }
+)";
+
+config::ecology_description described(const std::string& faults) {
+  auto found = config::load_text(std::string(kitchen_text) + faults, "small.toml");
+  std::string problems;
+  for (const auto& x : found.problems)
+    problems += to_string(x) + '\n';
+  if (!found.ecology)
+    throw std::runtime_error(problems);
+  return *std::move(found.ecology);
+}
+
+std::string fault(const std::string& at, const std::string& kind, const std::string& rest) {
+  return "\n[[fault]]\nat = \"" + at + "\"\nkind = \"" + kind + "\"\n" + rest + '\n';
+}
+
+/// A run of it.
+struct rig {
+  virtual_world world;
+  runtime::report report;
+  root_actor root;
+
+  explicit rig(const std::string& faults = {}, std::uint64_t seed = 1) {
+    auto description = described(faults);
+    description.seed = seed;
+    const report_receiver keep = [this](runtime::report x) { report = std::move(x); };
+    root = world.spawn_at("ecology/small", ecology, std::move(description), keep);
+  }
+
+  /// Runs on to that time and collects the report.
+  const runtime::report& end_at(duration time) {
+    world.run_for(time - world.now().time_since_epoch());
+    world.send(root, collect_report{});
+    world.send(root, deliver_report{});
+    return report;
+  }
+
+  [[nodiscard]] const runtime::mote_report& mote(const std::string& name) const {
+    const auto& motes = report.islands.at(0).motes;
+    const auto found = std::ranges::find(motes, "kitchen/" + name, &runtime::mote_report::name);
+    REQUIRE(found != motes.end());
+    return *found;
+  }
+
+  /// When a line of the story was told, for every time it was.
+  [[nodiscard]] std::vector<instant> told(std::string_view who, std::string_view what) const {
+    std::vector<instant> times;
+    for (const auto& x : report.story) {
+      if (x.who == who && x.what == what)
+        times.push_back(x.at);
+    }
+    return times;
+  }
+};
+
+std::string list_of(const std::vector<runtime::violation>& violations) {
+  std::string text;
+  for (const auto& x : violations)
+    text += x.invariant + ": " + x.detail + '\n';
+  return text;
+}
+
+} // namespace
+
+TEST_CASE("a small ecology joins, reports and keeps its invariants", "[actors][ecology][GEN-04]") {
+  rig x;
+  const auto& report = x.end_at(5min);
+  CHECK(list_of(report.violations).empty());
+  CHECK(report.motes_configured() == 2);
+  CHECK(report.motes_joined() == 2);
+  CHECK(report.motes_alive() == 2);
+  CHECK(report.actors.failures.empty());
+  CHECK(report.actors.restarted == 0);
+  REQUIRE(report.proxies.size() == 2);
+  CHECK(report.proxies[0].name == "kitchen.fan");
+  CHECK(report.proxies[0].values ==
+        std::vector<std::pair<std::string, std::string>>{{"state", "off"}});
+  CHECK(report.proxies[1].name == "kitchen.stove");
+  CHECK(report.proxies[1].values ==
+        std::vector<std::pair<std::string, std::string>>{{"temperature", "21.5 C"}});
+  CHECK(report.peers.size() == 2);
+  CHECK(report.messages().unreliable_sent >= 58); // every 5 s
+  CHECK(x.mote("stove").used_mah > 0);
+  CHECK(x.world.ends().empty());
+}
+
+TEST_CASE("a crash restarts that mote alone, and everybody else keeps what they know",
+          "[actors][ecology][ACT-03][GEN-02]") {
+  rig x(fault("1min", "crash", "mote = \"kitchen/stove\""));
+  const auto& report = x.end_at(5min);
+  CHECK(list_of(report.violations).empty());
+  CHECK(report.actors.restarted == 1);
+  REQUIRE(report.actors.failures.size() == 1);
+  CHECK(report.actors.failures[0].starts_with("mote/kitchen/stove: "));
+  CHECK(report.actors.failures[0].find("crash from the fault plan") != std::string::npos);
+  CHECK(x.mote("stove").incarnations == 2);
+  CHECK(x.mote("stove").alive);
+  CHECK(x.mote("stove").left_cause.empty());
+  CHECK(x.mote("fan").incarnations == 1);
+
+  const auto again = x.told("kitchen/stove", "joined again, life 2");
+  REQUIRE(again.size() == 1);
+  CHECK(again[0] > instant(1min + 500ms));
+  CHECK(again[0] < instant(1min + 5s));
+  CHECK(x.told("kitchen/fan", "joined").size() == 1);
+  CHECK(x.told("pc", "proxy kitchen.stove started").size() == 1);
+  CHECK(x.told("pc", "proxy kitchen.fan started").size() == 1);
+  CHECK(report.messages().unreliable_sent >= 56); // two readings of 58 at most were missed
+}
+
+TEST_CASE("a mote may crash again and again", "[actors][ecology][ACT-03]") {
+  std::string faults;
+  for (const auto* const at : {"30s", "60s", "60100ms", "90s"})
+    faults += fault(at, "crash", "mote = \"kitchen/fan\"");
+  rig x(faults);
+  const auto& report = x.end_at(5min);
+  CHECK(list_of(report.violations).empty());
+  CHECK(report.actors.restarted == 3); // one came while the mote was out of order
+  CHECK(x.mote("fan").incarnations == 4);
+  CHECK(x.mote("fan").alive);
+  CHECK(x.mote("stove").incarnations == 1);
+  CHECK(x.told("kitchen/fan", "joined again, life 4").size() == 1);
+}
+
+TEST_CASE("a mote whose battery is flat leaves and stays away", "[actors][ecology][ACT-04]") {
+  rig x(fault("1min", "battery_end", "mote = \"kitchen/stove\"") +
+        fault("2min", "crash", "mote = \"kitchen/stove\""));
+  const auto& report = x.end_at(5min);
+  CHECK(list_of(report.violations).empty());
+  CHECK(!x.mote("stove").alive);
+  CHECK(x.mote("stove").joined);
+  CHECK(x.mote("stove").left_cause == "battery");
+  CHECK(x.mote("stove").incarnations == 1);
+  CHECK(x.mote("fan").alive);
+  CHECK(report.actors.restarted == 0);
+  CHECK(report.actors.failures.empty());
+  CHECK(x.told("kitchen/stove", "battery flat") == std::vector{instant(1min)});
+  CHECK(x.told("kitchen/stove", "left: battery").size() == 1);
+  CHECK(x.mote("stove").radio_listen < 1min + 1s);
+  REQUIRE(report.proxies.size() == 2);
+  CHECK(report.proxies[1].status == "lost");
+}
+
+TEST_CASE("a battery that ends while its mote restarts is flat all the same",
+          "[actors][ecology][ACT-04]") {
+  rig x(fault("60s", "crash", "mote = \"kitchen/stove\"") +
+        fault("60200ms", "battery_end", "mote = \"kitchen/stove\""));
+  const auto& report = x.end_at(5min);
+  CHECK(list_of(report.violations).empty());
+  CHECK(!x.mote("stove").alive);
+  CHECK(x.mote("stove").incarnations == 1);
+  CHECK(report.actors.restarted == 0);
+  CHECK(x.told("kitchen/stove", "battery flat").size() == 1);
+  CHECK(x.mote("stove").left_cause == "battery");
+}
+
+TEST_CASE("an island recovers from ten seconds without its cable", "[actors][ecology][ACT-04]") {
+  rig x(fault("1min", "unplug", "island = \"kitchen\"\nlength = \"10s\""));
+  const auto& report = x.end_at(5min);
+  CHECK(list_of(report.violations).empty());
+  CHECK(x.told("kitchen", "serial cable unplugged") == std::vector{instant(60s)});
+  CHECK(x.told("kitchen", "serial cable plugged in again") == std::vector{instant(70s)});
+  CHECK(report.serial().lost.at("unplugged_octets") > 0);
+  CHECK(report.actors.restarted == 0);
+  CHECK(x.told("kitchen/stove", "joined").size() == 1);
+  CHECK(x.mote("stove").left_cause.empty());
+  REQUIRE(report.proxies.size() == 2);
+  CHECK(report.proxies[1].status == "active");
+}
+
+TEST_CASE("equal seeds give equal traces, other seeds others", "[actors][ecology][ACT-05]") {
+  const auto trace = [](std::uint64_t seed) {
+    rig x(fault("1min", "crash", "mote = \"kitchen/stove\""), seed);
+    x.end_at(2min);
+    return std::pair(x.world.world().trace().hash(), x.world.world().trace().events());
+  };
+  const auto first = trace(1);
+  CHECK(trace(1) == first);
+  CHECK(trace(2).first != first.first);
+}
