@@ -60,7 +60,7 @@ std::vector<air_description> read_airs(table_reader& root, const directory& name
     placed.place(members, in.problems());
     air.islands = values_of(std::move(members));
     for (const auto& island : islands) {
-      if (island.name == air.name && !holds(air, island.id))
+      if (!air.name.empty() && island.name == air.name && !holds(air, island.id))
         in.problems().add(in.at("name"),
                           "air `" + air.name + "` has the name of an island that is not in it");
     }

@@ -26,7 +26,7 @@ placed_app read_sampler(table_reader& in) {
   in.optional("jitter", time_span{0s, every_max}, app.jitter);
   in.optional("channel", message_channel, app.channel);
   in.optional("reliable", flag{}, app.reliable);
-  if (app.jitter > app.every)
+  if (in.sound() && app.jitter > app.every)
     in.problems().add(in.at("jitter"),
                       "`jitter` must not be longer than `every`, which is " + to_text(app.every));
   claims<mote::quantity> listed;

@@ -8,16 +8,7 @@
 #include <utility>
 
 #include "config/text_check.hpp"
-
-// The library asserts that a key begins like one, just before it tells that it does not: `[,]`
-// would stop the process. With NDEBUG the compiler might take it for granted.
-#undef NDEBUG
-#define TOML_ASSERT(condition) static_assert(true)
-#define TOML_EXCEPTIONS 0
-#define TOML_HEADER_ONLY 1
-#define TOML_ENABLE_FORMATTERS 0
-#define TOML_MAX_NESTED_VALUES 16
-#include <toml++/toml.h>
+#include "config/toml_library.hpp"
 
 namespace rubicon::config {
 
@@ -75,15 +66,10 @@ std::optional<problem> unfit(std::string_view text, const std::string& file) {
   if (const auto at = text.find('\0'); at != std::string_view::npos)
     return problem{file, 0, 0,
                    "is a binary file, not TOML: octet " + std::to_string(at) + " is NUL"};
+  if (const auto at = overlong_key(text))
+    return problem{file, at->line, at->column,
+                   "a key has more than " + std::to_string(key_dots_max) + " dots"};
   return std::nullopt;
-}
-
-/// The whole lines before `end`: a syntax error in them is told first.
-std::string_view lines_before(std::string_view text, mark end) {
-  std::size_t size = 0;
-  for (unsigned line = 1; line < end.line; ++line)
-    size = text.find('\n', size) + 1;
-  return text.substr(0, size);
 }
 
 struct describer {
@@ -139,15 +125,11 @@ std::variant<node, problem> parse(std::string_view text, const std::string& file
     return *std::move(reason);
   if (text.starts_with(byte_order_mark))
     text.remove_prefix(byte_order_mark.size());
-  const auto obstacle = unparsable(text);
-  const auto parsed = toml::parse(obstacle ? lines_before(text, obstacle->first) : text);
-  complaints found;
-  if (!parsed)
-    found.add(to_mark(parsed.error().source()), std::string(parsed.error().description()));
-  else if (obstacle)
-    found.add(obstacle->first, obstacle->second);
-  else
+  const auto parsed = toml::parse(text);
+  if (parsed)
     return to_node(parsed.table());
+  complaints found;
+  found.add(to_mark(parsed.error().source()), std::string(parsed.error().description()));
   return found.of_file(file).front();
 }
 

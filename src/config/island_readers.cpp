@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "config/file_readers.hpp"
@@ -63,10 +64,11 @@ void check_range(const mote_description& x, const sink_description& sink, double
                          " from its sink, but a radio reaches only " + metres_text(range_m));
 }
 
-/// What only one mote of an island may have.
-struct mote_claims {
+/// What the motes of an island must not share, and how far they may be from its sink.
+struct mote_limits {
   claims<std::uint16_t> ids;
   name_claims names;
+  double range_m = 0;
 };
 
 /// Starts from what the mote's type says.
@@ -82,7 +84,7 @@ mote_profile profile_of(const mote_kind::type& kind, surroundings& with) {
 }
 
 mote_description read_mote(table_reader& in, surroundings& with, const sink_description& sink,
-                           mote_claims& taken) {
+                           mote_limits& limits) {
   mote_description out;
   mote_kind::type kind;
   const bool has_id = in.required("id", whole<std::uint16_t>{1, mote_id_max}, out.id);
@@ -98,12 +100,12 @@ mote_description read_mote(table_reader& in, surroundings& with, const sink_desc
     if (out.id == sink.id)
       in.problems().add(in.at("id"), "mote id " + to_string(out.id) + " is the sink's");
     const bool id_is_free =
-        taken.ids.claim(out.id.value, "mote id " + to_string(out.id), in.at("id"), in.problems());
+        limits.ids.claim(out.id.value, "mote id " + to_string(out.id), in.at("id"), in.problems());
     if (id_is_free || in.has("name")) // a default name is taken together with its id
-      taken.names.claim(out.name, "mote name", in.at("name"), in.problems());
+      limits.names.claim(out.name, "mote name", in.at("name"), in.problems());
   }
   if (has_place)
-    check_range(out, sink, with.range_m, in.at("position_m"), in.problems());
+    check_range(out, sink, limits.range_m, in.at("position_m"), in.problems());
   out.type = profile.type;
   out.platform = profile.platform;
   out.battery_mah = profile.battery_mah;
@@ -114,10 +116,8 @@ mote_description read_mote(table_reader& in, surroundings& with, const sink_desc
   return out;
 }
 
-/// The parts of an island beside its motes.
+/// The cable and the gateway of an island.
 void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_description& out) {
-  out.sink.platform = radio::find_platform("micaz");
-  in.table("sink", "[island.sink]", [&out](table_reader& x) { read_sink(x, out.sink); });
   out.serial.baud = out.sink.platform->serial_baud;
   in.table("serial", "[island.serial]", [&out](table_reader& x) { read_serial(x, out.serial); });
   out.gateway_name = default_gateway_name(out.name);
@@ -142,10 +142,15 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
                             names.claim(out.name, "island name", in.at("name"), in.problems());
   in.optional("host", host_name{with.names}, out.host);
   in.optional("keep_alive", time_span{1s, 24h}, out.keep_alive);
+  mote_limits limits;
+  const auto before_sink = in.problems().size();
+  out.sink.platform = radio::find_platform("micaz");
+  in.table("sink", "[island.sink]", [&out](table_reader& x) { read_sink(x, out.sink); });
+  const bool sink_is_good = in.problems().size() == before_sink;
+  limits.range_m = sink_is_good ? with.range_m : std::numeric_limits<double>::infinity();
   read_parts(in, with, name_is_free, out);
-  mote_claims taken;
   in.tables("mote", "[[island.mote]]",
-            [&](table_reader& x) { out.motes.push_back(read_mote(x, with, out.sink, taken)); });
+            [&](table_reader& x) { out.motes.push_back(read_mote(x, with, out.sink, limits)); });
   std::sort(out.motes.begin(), out.motes.end(),
             [](const auto& a, const auto& b) { return a.id < b.id; });
   return out;

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <set>
 #include <system_error>
@@ -20,14 +21,19 @@ ecology_description read_file_tables(const node& root, reading& shared) {
   table_reader in(root, "the file", shared);
   ecology_description out;
   read_ecology(in, out);
+  const auto end = in.sound() ? out.length : duration::max();
+  const auto before_radio = shared.problems.size();
   read_radio(in, out.radio);
+  const auto range_m = shared.problems.size() == before_radio
+                           ? out.radio.range_m
+                           : std::numeric_limits<double>::infinity();
   out.hosts = read_hosts(in);
-  surroundings with{shared, names, out.radio.range_m, read_mote_types(in, names), {}, {}, {}};
+  surroundings with{shared, names, range_m, read_mote_types(in, names), {}, {}, {}};
   out.islands = read_islands(in, with);
   out.airs = read_airs(in, names, out.islands);
   out.peers = read_peers(in, with, out.islands);
   out.proxies = read_proxies(in);
-  out.faults = read_faults(in, names, out.length);
+  out.faults = read_faults(in, names, end);
   in.finish();
   if (!in.has("island") && !in.has("peer"))
     in.problems().add(in.at(), "the file has neither an [[island]] nor a [[peer]]");

@@ -18,7 +18,8 @@ struct peer_apps {
 
 proxy_manager_app read_manager(table_reader& in, peer_apps& with) {
   std::vector<located<island_id>> found;
-  if (!in.optional("islands", list_of<island_name>{{with.names}, 1}, found)) {
+  in.optional("islands", list_of<island_name>{{with.names}, 1}, found);
+  if (!in.has("islands")) {
     for (const auto& each : with.islands)
       found.push_back({each.id, in.at("islands")});
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,7 @@ public:
   void add(mark at, std::string message);
 
   [[nodiscard]] bool empty() const { return found_.empty(); }
+  [[nodiscard]] std::size_t size() const { return found_.size(); }
 
   /// In order of place, each once: a mistake in a mote type is found again with each of its motes.
   [[nodiscard]] std::vector<problem> of_file(const std::string& name) const;

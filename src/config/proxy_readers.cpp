@@ -85,7 +85,7 @@ const encoding_size& size_of(encoding x) {
 }
 
 /// words = { "0" = "off" } of a field: every key is a count that its encoding can hold.
-void read_field_words(table_reader& in, proxy::field& out) {
+void read_field_words(table_reader& in, bool sized, proxy::field& out) {
   pairs_of<text>::type found;
   in.optional("words", pairs_of<text>{{32}}, found);
   const auto& size = size_of(out.layout);
@@ -94,8 +94,9 @@ void read_field_words(table_reader& in, proxy::field& out) {
     std::int64_t count = 0;
     const auto end = digits.data() + digits.size();
     const auto [stop, error] = std::from_chars(digits.data(), end, count);
-    if (error != std::errc{} || stop != end || std::to_string(count) != digits ||
-        count < size.min || count > size.max)
+    const bool whole_number =
+        error == std::errc{} && stop == end && std::to_string(count) == digits;
+    if (sized && (!whole_number || count < size.min || count > size.max))
       in.problems().add(key.at, "a count of `words` must be a whole number from " +
                                     std::to_string(size.min) + " to " + std::to_string(size.max) +
                                     ", not " + quoted(digits));
@@ -123,12 +124,12 @@ void read_field(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
     names.claim(field.name, in.at("name"), in.problems());
   in.required("channel", message_channel, field.channel);
   in.optional("offset", whole<std::size_t>{0, payload_octets_max - 1}, field.offset);
-  in.optional("encoding", encoding_words(), field.layout);
+  const bool sized = in.optional("encoding", encoding_words(), field.layout) || !in.has("encoding");
   in.optional("scale", real{}, field.scale);
   in.optional("add", real{}, field.add);
   in.optional("decimals", whole<int>{0, 6}, field.decimals);
   in.optional("unit", text{16}, field.unit);
-  read_field_words(in, field);
+  read_field_words(in, sized, field);
   if (field.offset + size_of(field.layout).octets > payload_octets_max)
     in.problems().add(in.at("offset"), "the field ends beyond the " +
                                            std::to_string(payload_octets_max) +

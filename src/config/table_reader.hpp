@@ -31,7 +31,8 @@ public:
   /// @pre `table` holds a table; it and `shared` outlive this
   /// @param title how complaints call the table: `[radio]`
   table_reader(const node& table, std::string title, reading& shared)
-      : table_(table), title_(std::move(title)), shared_(shared) {}
+      : table_(table), title_(std::move(title)), shared_(shared),
+        problems_before_(shared.problems.size()) {}
 
   /// Reads `key` into `out`; complains if it is missing or not of that kind.
   /// @returns whether `out` was set
@@ -78,6 +79,9 @@ public:
   [[nodiscard]] mark at(std::string_view key) const;
   [[nodiscard]] mark at() const { return table_.at; }
 
+  /// Whether all that was read so far is good: a check across keys would judge defaults otherwise.
+  [[nodiscard]] bool sound() const { return shared_.problems.size() == problems_before_; }
+
   [[nodiscard]] complaints& problems() const { return shared_.problems; }
 
 private:
@@ -100,6 +104,7 @@ private:
   const node& table_;
   std::string title_;
   reading& shared_;
+  std::size_t problems_before_ = 0;
   std::vector<std::string> asked_;
   bool silent_ = false; ///< what the table is could not be read, so its keys mean nothing
 };

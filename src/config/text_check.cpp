@@ -1,6 +1,7 @@
 #include "config/text_check.hpp"
 
 #include <cstdint>
+#include <string>
 
 namespace rubicon::config {
 
@@ -15,14 +16,14 @@ class scanner {
 public:
   explicit scanner(std::string_view text) : text_(text) {}
 
-  std::optional<std::pair<mark, std::string>> run() {
-    while (at_ < text_.size()) {
-      if (where_ == state::outside) {
-        if (auto found = outside())
-          return found;
-      } else {
+  std::optional<mark> run() {
+    for (; at_ < text_.size(); advance()) {
+      if (where_ == state::outside)
+        outside();
+      else
         inside();
-      }
+      if (dots_ > key_dots_max)
+        return place_;
     }
     return std::nullopt;
   }
@@ -30,27 +31,24 @@ public:
 private:
   enum class state : std::uint8_t { outside, comment, line_string, block_string };
 
-  [[nodiscard]] char here() const { return text_[at_]; }
-
   void advance(std::size_t octets = 1) {
     for (; octets > 0 && at_ < text_.size(); --octets, ++at_) {
-      if (here() == '\n')
+      if (text_[at_] == '\n')
         place_ = {place_.line + 1, 1};
-      else if ((static_cast<unsigned char>(here()) & 0xc0U) != 0x80U) // not inside a character
+      else if ((static_cast<unsigned char>(text_[at_]) & 0xc0U) != 0x80U) // not in a character
         ++place_.column;
     }
   }
 
-  [[nodiscard]] bool three_quotes() const { return text_.substr(at_, 3) == std::string(3, quote_); }
+  [[nodiscard]] bool three_quotes() const {
+    return text_.substr(at_).starts_with(std::string(3, quote_));
+  }
 
-  std::optional<std::pair<mark, std::string>> outside() {
-    const char c = here();
-    if (static_cast<unsigned char>(c) >= 0x80U)
-      return std::pair(place_, std::string("a character that is not ASCII may stand only in a "
-                                           "comment or between quotation marks"));
-    if (c == '.' && ++dots_ > key_dots_max)
-      return std::pair(place_, "a key has more than " + std::to_string(key_dots_max) + " dots");
-    if (c == '#') {
+  void outside() {
+    const char c = text_[at_];
+    if (c == '.') {
+      ++dots_;
+    } else if (c == '#') {
       where_ = state::comment;
     } else if (c == '"' || c == '\'') {
       quote_ = c;
@@ -59,12 +57,10 @@ private:
     } else if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) {
       dots_ = 0;
     }
-    advance();
-    return std::nullopt;
   }
 
   void inside() {
-    const char c = here();
+    const char c = text_[at_];
     if (c == '\n' && where_ != state::block_string) {
       where_ = state::outside;
       dots_ = 0;
@@ -78,7 +74,6 @@ private:
       for (int i = 0; i < 2 && text_.substr(at_ + 1).starts_with(quote_); ++i)
         advance(); // quotes that belong to the string may stand before its last three
     }
-    advance();
   }
 
   std::string_view text_;
@@ -91,7 +86,7 @@ private:
 
 } // namespace
 
-std::optional<std::pair<mark, std::string>> unparsable(std::string_view text) {
+std::optional<mark> overlong_key(std::string_view text) {
   return scanner(text).run();
 }
 

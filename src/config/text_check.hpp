@@ -3,9 +3,7 @@
 
 #include <cstddef>
 #include <optional>
-#include <string>
 #include <string_view>
-#include <utility>
 
 #include "config/problem.hpp"
 
@@ -14,9 +12,8 @@ namespace rubicon::config {
 /// Each dot of a key opens a table, which the parser builds and destroys recursively.
 inline constexpr std::size_t key_dots_max = 64;
 
-/// The first thing in a text that toml++ 3.3 cannot be given: a character beyond ASCII outside of
-/// strings and comments, where TOML has none and the parser's behaviour is undefined, or a key with
-/// more than key_dots_max dots.
-[[nodiscard]] std::optional<std::pair<mark, std::string>> unparsable(std::string_view text);
+/// The first place where a key has more dots than that. Exact in well-formed text; behind a syntax
+/// error it may be wrong, but there the parser reads no further.
+[[nodiscard]] std::optional<mark> overlong_key(std::string_view text);
 
 } // namespace rubicon::config

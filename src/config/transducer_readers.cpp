@@ -63,7 +63,7 @@ void read_transducer(table_reader& in, mote::transducer_config& out) {
                       {"sine", [&](table_reader& x) { read_sine(x, out.model); }},
                       {"points", [&](table_reader& x) { read_points(x, out.model); }}});
   const auto most = std::visit(extreme{}, out.model);
-  if (most / out.resolution > count_max)
+  if (in.sound() && most / out.resolution > count_max)
     in.problems().add(in.at("resolution"), "a value of " + shown(most) + " is more than " +
                                                shown(count_max) + " counts of `resolution` " +
                                                shown(out.resolution) +

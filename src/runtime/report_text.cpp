@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t story_head = 25; ///< lines shown from the start of the story
 constexpr std::size_t story_tail = 15; ///< lines shown from its end
+constexpr std::size_t alike_min = 4;   ///< equal neighbours in the story that become one line
 constexpr std::size_t rows_max = 20;   ///< of islands, peers, proxies and actuations
 constexpr std::size_t motes_listed_max = 12;
 constexpr std::size_t hungriest_shown = 5;
@@ -51,19 +52,39 @@ void add_title(report_page& page, const report& x) {
              x.interrupted ? "interrupted before its time" : ""});
 }
 
+/// Neighbouring lines that tell the same of several become one.
+std::vector<story_line> told_briefly(const std::vector<story_line>& story) {
+  std::vector<story_line> brief;
+  for (auto first = story.begin(); first != story.end();) {
+    const auto last = std::find_if(
+        first, story.end(), [&](const story_line& line) { return line.what != first->what; });
+    const auto count = static_cast<std::size_t>(last - first);
+    if (count < alike_min) {
+      brief.insert(brief.end(), first, last);
+    } else {
+      brief.push_back({first->at,
+                       first->who + " and " + with_thousands(count - 1) + " others",
+                       first->what + ", the last at " + at_s(std::prev(last)->at)});
+    }
+    first = last;
+  }
+  return brief;
+}
+
 void add_story(report_page& page, const report& x) {
   if (x.story.empty())
     return;
   page.heading("Story");
   table rows({{"seconds", align::right}, {"who"}, {"what"}});
-  const auto size = x.story.size();
+  const auto story = told_briefly(x.story);
+  const auto size = story.size();
   const bool has_gap = size > story_head + story_tail;
   for (std::size_t i = 0; i < size; ++i) {
     if (has_gap && i == story_head) {
       i = size - story_tail;
       rows.add_note("… " + counted(i - story_head, "line") + " left out");
     }
-    const auto& line = x.story[i];
+    const auto& line = story[i];
     rows.add({{at_s(line.at), look::faint}, line.who, line.what});
   }
   add_rest(rows, x.story_left_out, 0);
@@ -79,11 +100,13 @@ void add_membership_notes(table& rows, const island_report& island) {
     rows.add_note("  never joined: " + absent, look::bad);
 }
 
-/// Without what nobody missed: copies for another radio, and repeats of a frame already received.
+/// Without what nobody missed: copies for another radio, repeats of a frame already received, and
+/// what a radio without power could not hear.
 cause_counts really_lost(const radio_report& x) {
   auto lost = x.lost;
   lost.erase("filtered");
   lost.erase("duplicate");
+  lost.erase("off");
   return lost;
 }
 
@@ -92,7 +115,8 @@ void add_loss_notes(table& rows, const island_report& island) {
     if (!what.empty())
       rows.add_note(where + what);
   };
-  add("  lost on the air: ", causes(really_lost(island.radio)));
+  const auto in_range = "  of " + with_thousands(island.radio.sent) + " copies in range: ";
+  add(in_range.c_str(), causes(really_lost(island.radio)));
   add("  radio gave up: ", causes(island.radio.mac_failed));
   add("  lost on the cable: ", causes(island.serial.lost));
   add("  messages: ", causes({{"failed", island.messages.reliable_failed},
@@ -104,17 +128,17 @@ void add_island_row(table& rows, const std::string& name, const report& part,
                     const std::string& id) {
   const auto radio = part.radio();
   const auto messages = part.messages();
-  const auto wanted = radio.delivered + total(really_lost(radio));
   const auto alive = part.motes_alive();
   rows.add({{name, look::strong},
             id,
             with_thousands(part.motes_configured()),
             with_thousands(part.motes_joined()),
             {with_thousands(alive), alive < part.motes_configured() ? look::bad : look::plain},
-            with_thousands(messages.reliable_sent),
-            share_of(messages.reliable_acked, messages.reliable_sent),
-            with_thousands(wanted),
-            share_of(radio.delivered, wanted),
+            with_thousands(messages.reliable_sent + messages.unreliable_sent),
+            with_thousands(messages.received),
+            share_of(messages.reliable_acked, messages.reliable_sent - messages.reliable_open),
+            with_thousands(radio.requests),
+            share_of(radio.mac_sent, radio.requests - radio.mac_open),
             with_thousands(part.serial().frames_received)});
 }
 
@@ -127,10 +151,11 @@ void add_islands(report_page& page, const report& x) {
               {"motes", align::right},
               {"joined", align::right},
               {"alive", align::right},
-              {"reliable", align::right},
+              {"messages", align::right},
+              {"arrived", align::right},
               {"acked", align::right},
-              {"copies", align::right},
-              {"heard", align::right},
+              {"frames", align::right},
+              {"sent", align::right},
               {"serial", align::right}});
   const auto shown = std::min(rows_max, x.islands.size());
   for (std::size_t i = 0; i < shown; ++i) {

@@ -18,9 +18,9 @@ virtual_world::~virtual_world() {
 }
 
 bool virtual_world::run_until(const std::function<bool()>& done, duration limit, duration step) {
-  const auto end = now() + limit;
-  while (!done() && now() < end)
-    run_for(std::min(step, end - now()));
+  const auto latest = now() + limit;
+  while (!done() && now() < latest)
+    run_for(std::min(step, latest - now()));
   return done();
 }
 

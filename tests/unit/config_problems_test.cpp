@@ -142,6 +142,33 @@ TEST_CASE("every mistake of a file is told in one go, in order of place", "[conf
         "7:10: no peer or gateway is called `robt`: did you mean `robot`?");
 }
 
+TEST_CASE("a mistake is not told again by what depends on it", "[config][GEN-06]") {
+  const std::string far = "[[island.mote]]\nid = 2\ntype = \"c\"\nposition_m = [99, 0]\n";
+  CHECK(problem_after(island_head, far).starts_with("18:14: mote `c-2` is 99 m from its sink"));
+  const auto bad_range = problem_after(island_head, far + "[radio]\nrange = 200\n");
+  CHECK(bad_range.starts_with("20:9: `range` must be a length"));
+  const auto bad_key = problem_after(island_head, far + "[radio]\nrnage = \"200m\"\n");
+  CHECK(bad_key == "20:1: unknown key `rnage` in [radio]: did you mean `range`?");
+  const auto bad_sink = problem_after(island_head, "sink.position_m = 5\n" + far);
+  CHECK(bad_sink.starts_with("15:19: `position_m` must be"));
+  CHECK(bad_sink.find('\n') == std::string::npos);
+  const auto bad_end = problem_in("[ecology]\nname = \"t\"\nduration = 20\n"
+                                  "[[island]]\nname = \"k\"\nid = 1\n"
+                                  "[[fault]]\nat = \"15min\"\nkind = \"unplug\"\nisland = \"k\"\n");
+  CHECK(bad_end.starts_with("3:12: `duration` must be a time"));
+  CHECK(bad_end.find('\n') == std::string::npos);
+  CHECK(problem_after(field_head, "encoding = \"u3\"\nwords = { 99999 = \"x\" }\n").find('\n') ==
+        std::string::npos);
+  CHECK(problem_after(mote_head, "transducers.light = { model = \"constant\", value = 5000, "
+                                 "resolution = \"1\" }\n")
+            .find('\n') == std::string::npos);
+  CHECK(problem_after(mote_head, "apps = [{ app = \"sampler\", transducers = [\"temperature\"], "
+                                 "every = 60, jitter = \"45s\" }]\n")
+            .find('\n') == std::string::npos);
+  CHECK(problem_after(head, "[[air]]\n") ==
+        "6:1: `islands` is missing in [[air]]\n6:1: `name` is missing in [[air]]");
+}
+
 TEST_CASE("problems show as compilers show them", "[config][GEN-06]") {
   using rubicon::config::problem;
   CHECK(to_string(problem{"home.toml", 3, 7, "oh"}) == "home.toml:3:7: oh");

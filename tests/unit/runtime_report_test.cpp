@@ -171,13 +171,26 @@ TEST_CASE("the text tells how fast it was, who lived and what the proxies say", 
   CHECK(contains(text, "10 min of virtual time in 0.84 s (714 × real time)"));
   CHECK(contains(text, "left: battery"));
   CHECK(contains(text, "never joined: blinds-3"));
-  CHECK(contains(text, "lost on the air: loss 67, collision 12\n"));
+  CHECK(contains(text, "of 12,400 copies in range: loss 67, collision 12\n"));
   CHECK(!contains(text, "filtered"));    // addressed to another radio is no loss
   CHECK(!contains(text, "duplicate 9")); // nor is a repeat of what was received
-  CHECK(contains(text, "99.1%"));        // 8321 of 12400 - 3991 - 9
+  CHECK(contains(text, "2,100   99.8%")); // 2095 of 2100 - 1 that were still open
+  CHECK(contains(text, "99.8%"));         // 1230 of 1234 - 1 that were still open
   CHECK(contains(text, "temperature  22.3"));
   CHECK(contains(text, "✗ battery"));
   CHECK(contains(text, "timeout 1"));
+}
+
+TEST_CASE("neighbours in the story that tell the same are told as one", "[runtime]") {
+  report x;
+  for (int i = 1; i <= 3; ++i)
+    x.story.push_back({instant{i * 1s}, "lab/a", "joined"});
+  CHECK(!contains(to_text(x), "others"));
+  x.story.push_back({instant{4s}, "lab/b", "joined"});
+  x.story.push_back({instant{5s}, "lab/b", "left: silence"});
+  const auto text = to_text(x);
+  CHECK(contains(text, "1.000  lab/a and 3 others  joined, the last at 4.000"));
+  CHECK(contains(text, "left: silence"));
 }
 
 TEST_CASE("the verdict comes last", "[runtime]") {
