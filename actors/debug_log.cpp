@@ -30,7 +30,8 @@ std::size_t length_of(const caf::type_erased_tuple& content) {
 
 } // namespace
 
-debug_log::debug_log(std::string folder) : folder_(std::move(folder)) {
+debug_log::debug_log(std::string folder, std::size_t file_octets_max)
+    : folder_(std::move(folder)), file_octets_max_(file_octets_max) {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error)
@@ -55,7 +56,7 @@ spdlog::logger& debug_log::of(std::string_view path) {
   const auto name = std::string(module);
   try {
     auto sink = std::make_shared<spdlog::sinks::rotating_file_sink_st>(
-        folder_ + '/' + name + ".log", file_size_max, files_max);
+        folder_ + '/' + name + ".log", file_octets_max_, files_max - 1);
     auto logger = std::make_shared<spdlog::logger>(name, std::move(sink));
     logger->set_pattern("%v");
     return *loggers_.emplace(name, std::move(logger)).first->second;

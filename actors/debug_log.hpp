@@ -14,15 +14,14 @@ namespace rubicon {
 
 /// Writes FOLDER/MODULE.log, a module being the first part of an actor's path (`mote`, `gateway`,
 /// ...): a line for each message sent and one for each received, with ecology time, actor, peer, type,
-/// length and ids. A file that reaches its size limit is rotated.
+/// length and ids. A full file is rotated: a module has at most `files_max` files of
+/// `file_octets_max` (NFR-03), the newest without a number.
 class debug_log {
 public:
-  /// Limits of one module's files (NFR-03).
-  static constexpr std::size_t file_size_max = 16 << 20;
   static constexpr std::size_t files_max = 3;
 
   /// Creates the folder. @throws std::runtime_error if that fails
-  explicit debug_log(std::string folder);
+  debug_log(std::string folder, std::size_t file_octets_max);
 
   void write(const scheduler::delivery& x);
 
@@ -30,6 +29,7 @@ private:
   [[nodiscard]] spdlog::logger& of(std::string_view path);
 
   std::string folder_;
+  std::size_t file_octets_max_;
   std::map<std::string, std::shared_ptr<spdlog::logger>, std::less<>> loggers_;
 };
 

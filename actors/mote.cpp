@@ -105,6 +105,24 @@ void die(mote_pointer self) {
   self->send(self->state.arguments.ecology, mote_flat{self->state.arguments.address});
 }
 
+/// @param open reliable sends still waiting for their outcome
+void report(mote_pointer self, const transport::endpoint_counters& counted, std::size_t open) {
+  const auto& arguments = self->state.arguments;
+  self->send(arguments.ecology,
+             message_status{arguments.address.island, report_of(counted, open)});
+}
+
+/// An exception ends the mote. What this life has counted must not go with it, and what was still
+/// open has failed.
+void report_failures(mote_pointer self) {
+  self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
+    auto counted = self->state.node.messages();
+    counted.reliable_failed += self->state.node.outstanding();
+    report(self, counted, 0);
+    return scheduler::failure_of(x);
+  });
+}
+
 void start(mote_pointer self) {
   auto& state = self->state;
   const auto& arguments = state.arguments;
@@ -119,7 +137,7 @@ void start(mote_pointer self) {
 } // namespace
 
 mote_actor::behavior_type mote_behavior(mote_pointer self, mote_arguments arguments) {
-  scheduler::tell_monitors_of_exceptions(self);
+  report_failures(self);
   self->state.arguments = std::move(arguments);
   start(self);
   return {
@@ -161,10 +179,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self, mote_arguments argume
           perform(self, self->state.node.on_time(now(self)));
       },
       [self](status_request) {
-        self->send(self->state.arguments.ecology,
-                   message_status{self->state.arguments.address.island,
-                                  report_of(self->state.node.messages(),
-                                            self->state.node.outstanding())});
+        report(self, self->state.node.messages(), self->state.node.outstanding());
       },
   };
 }

@@ -55,7 +55,7 @@ runtime::report run_ecology(const config::ecology_description& file, const run_o
   scheduler::world world(world_options_of(description.mode, speed));
   std::optional<debug_log> debug;
   if (!options.debug_folder.empty()) {
-    debug.emplace(options.debug_folder);
+    debug.emplace(options.debug_folder, options.debug_file_octets_max);
     world.trace().observe([&debug](const scheduler::delivery& x) { debug->write(x); });
   }
   std::optional<io::signal_watch> signals;

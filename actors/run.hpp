@@ -19,6 +19,7 @@ struct run_options {
   double speed = 0;             ///< ecology seconds per real second; 0: virtual as fast as possible,
                                 ///< wall 1
   std::string debug_folder;     ///< NFR-01; empty: no debug logs
+  std::size_t debug_file_octets_max = 16 << 20; ///< a full file is rotated (NFR-03)
   bool handle_signals = false;  ///< end the run cleanly on SIGINT and SIGTERM (ACT-11)
 
   /// Called now and then with the ecology time reached and the end of the run.

@@ -1,6 +1,7 @@
 #include "config/summary.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -207,6 +208,10 @@ std::vector<row> host_rows(const ecology_description& x) {
   return rows;
 }
 
+std::string percent(double ratio) {
+  return shown(std::round(ratio * 1e6) / 1e4) + " %"; // 0.07 * 100 is not 7
+}
+
 std::string first_lines(const ecology_description& x) {
   std::size_t motes = 0;
   for (const auto& island : x.islands)
@@ -216,7 +221,7 @@ std::string first_lines(const ecology_description& x) {
          std::to_string(x.seed) + ", network " + x.network + '\n' +
          counted(x.islands.size(), "island") + ", " + counted(motes, "mote") + ", " +
          counted(x.peers.size(), "peer") + "; radio: range " + shown(x.radio.range_m) +
-         " m, loss " + shown(x.radio.loss * 100) + " %, " + std::to_string(x.radio.retries_max) +
+         " m, loss " + percent(x.radio.loss) + ", " + std::to_string(x.radio.retries_max) +
          " retries, queue of " + std::to_string(x.radio.queue) + '\n';
 }
 

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
+#include <type_traits>
 #include <utility>
+#include <variant>
 
 #include <caf/exit_reason.hpp>
 #include <caf/scheduled_actor.hpp>
@@ -20,6 +23,10 @@ using steady = std::chrono::steady_clock;
 constexpr std::size_t messages_per_turn = 50;
 
 constexpr unsigned turns_per_look = 16;
+
+/// In virtual time no time passes while somebody is ready. In wall time it does, so that timeouts
+/// that are due must not wait until a flood of messages ends.
+constexpr std::size_t wall_turns_per_round = 64;
 
 /// Rounds of kill_all(); more than one is needed only if the dying spawn.
 constexpr int kill_rounds_max = 100;
@@ -56,7 +63,10 @@ coordinator::coordinator(caf::actor_system& system)
     : abstract_coordinator(system), outside_(options_of(system).loop),
       clock_(outside_, options_of(system).mode, options_of(system).speed), unit_(*this, system),
       loop_(options_of(system).loop),
-      poll_interval_(options_of(system).mode == time_mode::wall ? 1ms : 10ms) {}
+      poll_interval_(options_of(system).mode == time_mode::wall ? 1ms : 10ms),
+      turns_per_round_(options_of(system).mode == time_mode::wall
+                           ? wall_turns_per_round
+                           : std::numeric_limits<std::size_t>::max()) {}
 
 coordinator::~coordinator() = default;
 
@@ -75,18 +85,20 @@ stop_cause coordinator::run_until(instant end) {
   clock_.begin(end);
   for (;;) {
     run_ready();
-    if (stop_requested_.exchange(false)) {
+    if (stop_requested_.load(std::memory_order_relaxed)) {
+      stop_requested_.store(false);
       clock_.halt();
       return stop_cause::requested;
     }
     const auto due = clock_.next();
     const auto next = due && *due < end ? *due : end;
     if (!clock_.reached(next)) {
-      wait_until(next);
+      if (ready_.empty())
+        wait_until(next);
     } else if (due && *due <= end) {
       clock_.fire_next(unit_);
       count_turn();
-    } else {
+    } else if (ready_.empty()) {
       clock_.advance(end);
       return stop_cause::reached_end;
     }
@@ -110,7 +122,9 @@ void coordinator::request_stop() {
 void coordinator::run_ready() {
   if (outside_.waiting())
     accept_outside();
-  while (!ready_.empty() && !stop_requested_.load(std::memory_order_relaxed)) {
+  for (auto turns = turns_per_round_; turns > 0 && !ready_.empty(); --turns) {
+    if (stop_requested_.load(std::memory_order_relaxed))
+      return;
     take_turn(ready_.pop());
     count_turn();
   }

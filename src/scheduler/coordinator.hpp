@@ -73,7 +73,8 @@ public:
 
   /// Executes every event at or before `end`, ending the run early if a stop is requested: looked
   /// at before every turn. A turn is at most 50 messages of one actor. The loop is polled at least
-  /// every 16 turns if 10 ms (wall time: 1 ms) have passed since, so that signals arrive.
+  /// every 16 turns if 10 ms (wall time: 1 ms) have passed since, so that signals arrive. In wall
+  /// time instant::max() means until a stop is requested; virtual time would jump there.
   /// @pre end >= now()
   stop_cause run_until(instant end);
 
@@ -143,6 +144,7 @@ private:
   unsigned turns_since_look_ = 0;
   std::chrono::steady_clock::time_point polled_;
   const duration poll_interval_;
+  const std::size_t turns_per_round_;       ///< turns before timeouts are looked at again
   std::vector<caf::weak_actor_ptr> roster_; ///< actors that have had a turn, dead ones weeded out
   std::size_t roster_weeded_ = 64;          ///< size at which to weed again
 };

@@ -142,18 +142,24 @@ void run_clock::apply(add_timeout x) {
   add(x.due, std::move(x.what));
 }
 
+// What is cancelled may hold the last reference to an actor, whose end cancels its timeouts: keys
+// go first, and no iterator lives across a cancellation.
 void run_clock::apply(const cancel_timeout& x) {
   if (const auto i = keys_.find(x.key); i != keys_.end()) {
-    timers_.cancel(i->second);
+    const auto which = i->second;
     keys_.erase(i);
+    timers_.cancel(which);
   }
 }
 
 void run_clock::apply(const cancel_actor& x) {
-  auto i = keys_.lower_bound(timeout_key{x.actor});
-  while (i != keys_.end() && i->first.actor == x.actor) {
-    timers_.cancel(i->second);
-    i = keys_.erase(i);
+  for (;;) {
+    const auto i = keys_.lower_bound(timeout_key{x.actor});
+    if (i == keys_.end() || i->first.actor != x.actor)
+      return;
+    const auto which = i->second;
+    keys_.erase(i);
+    timers_.cancel(which);
   }
 }
 

@@ -227,8 +227,9 @@ TEST_CASE("a mote reads its transducers and sets its actuators for its apps", "[
 TEST_CASE("a mote tells its apps that it has joined", "[actors][mote][MCK-15]") {
   rig x({config::listener_app{10}});
   x.join();
-  CHECK(x.world.followed() ==
-        std::vector<std::string>{"mote_app/kitchen/stove/listener-10 membership_changed(true, 5)"});
+  CHECK(
+      x.world.followed() ==
+      std::vector<std::string>{"mote_app/kitchen/stove/listener-10 (membership_changed(true, 5))"});
 }
 
 TEST_CASE("a mote whose battery is flat tells it once and is silent from then on",
@@ -253,7 +254,7 @@ TEST_CASE("a mote whose battery is flat tells it once and is silent from then on
   CHECK(x.ecology.all<mote_flat>()[0].mote == stove);
   CHECK(x.ecology.all<story>().back().what == "battery flat");
   CHECK(x.world.followed().back() ==
-        "mote_app/kitchen/stove/sampler-1 membership_changed(false, 0)");
+        "mote_app/kitchen/stove/sampler-1 (membership_changed(false, 0))");
 
   x.air.forget();
   x.app.forget();
@@ -269,6 +270,22 @@ TEST_CASE("a mote whose battery is flat tells it once and is silent from then on
   CHECK(x.world.ends().empty());
 }
 
+TEST_CASE("what a mote has counted does not go with its crash, and what was open has failed",
+          "[actors][mote][ACT-03]") {
+  rig x;
+  x.join();
+  x.send(5, {own_island, no_mote}, true);
+  x.send(6, {own_island, no_mote}, false);
+  x.world.send(x.mote, crash_now{});
+  REQUIRE(x.ecology.count<message_status>() == 1);
+  const auto last = x.ecology.all<message_status>()[0];
+  CHECK(last.island == stove.island);
+  CHECK(last.messages.reliable_sent == 1);
+  CHECK(last.messages.reliable_failed == 1);
+  CHECK(last.messages.reliable_open == 0);
+  CHECK(last.messages.unreliable_sent == 1);
+}
+
 TEST_CASE("a handler that throws ends its mote and the mote's apps, and nobody else",
           "[actors][mote][ACT-03][GEN-02]") {
   rig x({config::listener_app{10}});
@@ -277,7 +294,10 @@ TEST_CASE("a handler that throws ends its mote and the mote's apps, and nobody e
   REQUIRE(x.world.ends().size() == 1);
   CHECK(x.world.ends()[0].path == "mote/kitchen/stove");
   CHECK(x.world.ends()[0].reason.find("crash from the fault plan") != std::string::npos);
+  x.world.run_for(1min); // what had been set comes, to nobody
   const auto before = x.world.world().trace().events();
-  x.world.run_for(1min);
+  x.air.forget();
+  x.world.run_for(1h);
   CHECK(x.world.world().trace().events() == before); // no timer of the dead goes on
+  CHECK(x.air.size() == 0);
 }

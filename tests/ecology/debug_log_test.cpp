@@ -1,6 +1,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 
 #include <spdlog/spdlog.h>
@@ -48,6 +49,23 @@ TEST_CASE("debug mode writes each module's messages, sent and received", "[ecolo
   const auto without = run_ecology(home, {});
   CHECK(with.trace_hash == without.trace_hash);
   CHECK_FALSE(std::filesystem::exists(folder.path));
+}
+
+TEST_CASE("debug logs are rotated and stay within their limit", "[ecology][NFR-03]") {
+  const scratch_folder folder;
+  spdlog::set_level(spdlog::level::err);
+  run_options options;
+  options.debug_folder = folder.path.string();
+  options.debug_file_octets_max = 100'000;
+  static_cast<void>(run_ecology(example("home.toml"), options));
+  std::map<std::string, std::uintmax_t> octets;
+  for (const auto& file : std::filesystem::directory_iterator(folder.path)) {
+    const auto name = file.path().filename().string();
+    octets[name.substr(0, name.find('.'))] += file.file_size();
+  }
+  CHECK(std::filesystem::exists(folder.path / "peis_peer.2.log")); // there was more than fits
+  for (const auto& [module, size] : octets)
+    CHECK(size <= 3 * 100'000);
 }
 
 TEST_CASE("a debug folder that cannot be made is an error", "[ecology][NFR-01]") {

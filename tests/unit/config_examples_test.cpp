@@ -106,7 +106,6 @@ TEST_CASE("what the configuration reference shows can be written", "[config][doc
                            each.message.find("neither an") != std::string::npos ||
                            each.message.find("unknown key `transducers` in the file") == 0 ||
                            each.message.find("unknown key `actuators` in the file") == 0;
-
       CAPTURE(to_string(each));
       CHECK(excerpt);
     }

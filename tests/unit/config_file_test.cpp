@@ -1,7 +1,9 @@
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
+
+#include <unistd.h>
 
 #include "config/document.hpp"
 #include "config/load.hpp"
@@ -17,9 +19,9 @@ namespace {
 /// A file that is gone after the test.
 class scratch_file {
 public:
-  explicit scratch_file(const std::string& content)
+  scratch_file(const std::string& name, const std::string& content)
       : path_(std::filesystem::temp_directory_path() /
-              ("rubicon-config-test-" + std::to_string(std::rand()) + ".toml")) {
+              ("rubicon-config-test-" + std::to_string(::getpid()) + '-' + name)) {
     std::ofstream(path_, std::ios::binary) << content;
   }
   scratch_file(const scratch_file&) = delete;
@@ -45,18 +47,18 @@ TEST_CASE("a file that cannot be an ecology costs one clear line", "[config][GEN
   CHECK(only_problem("/nowhere/x.toml") ==
         "/nowhere/x.toml: cannot be opened: No such file or directory");
   CHECK(only_problem(".") == ".: is a directory, not a file");
-  const scratch_file empty("");
+  const scratch_file empty("empty.toml", "");
   CHECK(only_problem(empty.path()) ==
         empty.path() + ": is empty; an ecology needs [ecology] and an [[island]] or [[peer]]");
-  const scratch_file binary(std::string("\x7f"
-                                        "ELF\0\1",
-                                        6));
+  const scratch_file binary("binary.toml", std::string("\x7f"
+                                                       "ELF\0\1",
+                                                       6));
   CHECK(only_problem(binary.path()) ==
         binary.path() + ": is a binary file, not TOML: octet 4 is NUL");
 }
 
 TEST_CASE("a good file yields its description, under whatever name", "[config][GEN-04]") {
-  const scratch_file file{std::string(test::head)};
+  const scratch_file file("good.toml", std::string(test::head));
   const auto x = load_file(file.path());
   CHECK(x.problems.empty());
   REQUIRE(x.ecology);

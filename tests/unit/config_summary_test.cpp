@@ -25,28 +25,29 @@ std::string lines(std::string_view start, int count, const char* format) {
 } // namespace
 
 TEST_CASE("a summary shows everything in columns", "[config]") {
-  const auto x = good("[ecology]\nname = \"t\"\nduration = \"1h\"\nseed = 4\n"
-                      "[[host]]\nname = \"h\"\naddress = \"10.0.0.1\"\n"
-                      "[mote_type.c]\ntype = 7\n"
-                      "[[island]]\nname = \"kitchen\"\nid = 1\n"
-                      "mote = [{ id = 2, type = \"c\", position_m = [0, 0] },\n"
-                      "{ id = 3, type = 9, position_m = [0, 0] },\n"
-                      "{ id = 4, type = \"c\", position_m = [0, 0] }]\n"
-                      "gateway.links = [\"inproc://pc\"]\n"
-                      "[[island]]\nname = \"b\"\nid = 20\nsink.platform = \"telosb\"\n"
-                      "[[air]]\nname = \"flat\"\nislands = [\"kitchen\", \"b\"]\n"
-                      "[[peer]]\nname = \"pc\"\nid = 300\nhost = \"h\"\n"
-                      "apps = [{ app = \"proxy_manager\", islands = [\"b\"] },\n"
-                      "{ app = \"collector\", keys = [\"*.t\"] },\n"
-                      "{ app = \"rules\", rules = [{ when = \"a\", above = 1, write = \"b\","
-                      " then = \"x\" }] }]\n"
-                      "[[proxy]]\nname = \"p\"\ntypes = [7, \"9..10\"]\n"
-                      "field = [{ name = \"t\", channel = 1 }]\n"
-                      "input = [{ name = \"s\", channel = 2, words = { on = \"01\" } }]\n"
-                      "[[fault]]\nat = \"2s\"\nkind = \"unplug\"\nisland = \"b\"\n"
-                      "[[fault]]\nat = \"1s\"\nkind = \"crash\"\nmote = \"kitchen/c-2\"\n");
+  const auto x =
+      good("[ecology]\nname = \"t\"\nduration = \"1h\"\nseed = 4\n[radio]\nloss = \"7%\"\n"
+           "[[host]]\nname = \"h\"\naddress = \"10.0.0.1\"\n"
+           "[mote_type.c]\ntype = 7\n"
+           "[[island]]\nname = \"kitchen\"\nid = 1\n"
+           "mote = [{ id = 2, type = \"c\", position_m = [0, 0] },\n"
+           "{ id = 3, type = 9, position_m = [0, 0] },\n"
+           "{ id = 4, type = \"c\", position_m = [0, 0] }]\n"
+           "gateway.links = [\"inproc://pc\"]\n"
+           "[[island]]\nname = \"b\"\nid = 20\nsink.platform = \"telosb\"\n"
+           "[[air]]\nname = \"flat\"\nislands = [\"kitchen\", \"b\"]\n"
+           "[[peer]]\nname = \"pc\"\nid = 300\nhost = \"h\"\n"
+           "apps = [{ app = \"proxy_manager\", islands = [\"b\"] },\n"
+           "{ app = \"collector\", keys = [\"*.t\"] },\n"
+           "{ app = \"rules\", rules = [{ when = \"a\", above = 1, write = \"b\","
+           " then = \"x\" }] }]\n"
+           "[[proxy]]\nname = \"p\"\ntypes = [7, \"9..10\"]\n"
+           "field = [{ name = \"t\", channel = 1 }]\n"
+           "input = [{ name = \"s\", channel = 2, words = { on = \"01\" } }]\n"
+           "[[fault]]\nat = \"2s\"\nkind = \"unplug\"\nisland = \"b\"\n"
+           "[[fault]]\nat = \"1s\"\nkind = \"crash\"\nmote = \"kitchen/c-2\"\n");
   CHECK(summary(x) == R"(t: 1 h of virtual time, seed 4, network rubicon
-2 islands, 3 motes, 1 peer; radio: range 30 m, loss 0 %, 3 retries, queue of 8
+2 islands, 3 motes, 1 peer; radio: range 30 m, loss 7 %, 3 retries, queue of 8
 
 islands
   1   kitchen  3 motes: 2 c, 1 type 9  sink 1, micaz, 57600 baud

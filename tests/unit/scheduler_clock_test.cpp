@@ -160,6 +160,30 @@ TEST_CASE("timeouts can be set, replaced and cancelled one by one", "[scheduler]
   }
 }
 
+TEST_CASE("timeouts that alone keep an actor alive can be cancelled", "[scheduler]") {
+  world world;
+  auto& clock = world.system().clock();
+  auto one = world.system().spawn([](counted_pointer self) -> caf::behavior {
+    self->set_default_handler(caf::drop);
+    return {[](mark) {}};
+  });
+  world.run_for(0s);
+  for (std::uint64_t i = 0; i < 5; ++i)
+    clock.set_multi_timeout(to_clock_time(instant(1s)), inside(one), caf::atom("a"), i);
+  auto* pointer = inside(one);
+  one = nullptr;
+  CHECK(counted_state::alive == 1);
+  SECTION("one actor's") {
+    clock.cancel_timeouts(pointer);
+  }
+  SECTION("all") {
+    clock.cancel_all();
+  }
+  CHECK(counted_state::alive == 0);
+  world.run_for(10s);
+  CHECK(world.stats().timeouts == 0);
+}
+
 TEST_CASE("a delayed message to a group reaches its members", "[scheduler][GEN-07]") {
   world world;
   events log;

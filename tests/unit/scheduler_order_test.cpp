@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "unit/scheduler_support.hpp"
 
 using namespace scheduler_test;
@@ -61,7 +63,7 @@ TEST_CASE("delayed messages for the same time arrive in the order of sending",
   std::vector<mark_actor> all;
   for (int i = 0; i < 3; ++i)
     all.push_back(world.spawn("", recorder, &log, i * 100));
-  for (const std::size_t i : {2, 0, 1}) {
+  for (const auto i : std::vector<std::size_t>{2, 0, 1}) {
     caf::delayed_anon_send(all[i], 5ms, mark{1});
     caf::delayed_anon_send(all[i], 4ms, mark{0});
   }

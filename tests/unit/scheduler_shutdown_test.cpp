@@ -1,4 +1,5 @@
 #include <array>
+#include <memory>
 #include <optional>
 
 #include <boost/asio/buffer.hpp>

@@ -1,5 +1,6 @@
 #include <functional>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "core/hash.hpp"

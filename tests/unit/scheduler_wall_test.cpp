@@ -1,3 +1,4 @@
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <thread>
@@ -73,6 +74,24 @@ TEST_CASE("wall time is never ahead of the real clock", "[scheduler][GEN-07]") {
   world.run_for(60ms);
   CHECK(world.stats().timeouts > 0);
   CHECK(!ahead);
+}
+
+TEST_CASE("in wall time a flood of messages does not hold up timeouts", "[scheduler][GEN-07]") {
+  world world({.mode = time_mode::wall});
+  events log;
+  const auto flooding = world.system().spawn([](caf::event_based_actor* self) -> caf::behavior {
+    self->send(self, mark{});
+    return {[self](mark) { self->send(self, mark{}); }};
+  });
+  const auto stopping = world.system().spawn([&](caf::event_based_actor* self) -> caf::behavior {
+    self->delayed_send(self, 2ms, mark{1});
+    return {[&, self](mark x) {
+      log.emplace_back(time_of(self), x.value);
+      world.request_stop();
+    }};
+  });
+  CHECK(world.run_until(instant::max()) == stop_cause::requested);
+  CHECK(log.size() == 1);
 }
 
 TEST_CASE("a stop in wall time leaves the clock where it is", "[scheduler][ACT-11]") {
