@@ -146,12 +146,13 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
   }
 }
 
-void spawn_peer(ecology_pointer self, peer_id id, const std::string& name) {
+void spawn_peer(ecology_pointer self, peer_id id, const std::string& name,
+                const std::string& host) {
   const auto& description = self->state.description;
   peis_peer_arguments x;
   x.config.network.id = id;
   x.config.network.name = name;
-  x.config.network.host_name = name; // every peer is a machine of its own here
+  x.config.network.host_name = host.empty() ? name : host; // unplaced: a machine of its own
   x.config.network.network = description.network;
   x.name = name;
   x.seed = description.seed;
@@ -241,9 +242,9 @@ void spawn_mote(ecology_pointer self, supervised_mote& mote) {
 void assemble(ecology_pointer self) {
   const auto& description = self->state.description;
   for (const auto& island : description.islands)
-    spawn_peer(self, gateway_of(island.id), island.gateway_name);
+    spawn_peer(self, gateway_of(island.id), island.gateway_name, island.host);
   for (const auto& peer : description.peers)
-    spawn_peer(self, peer.id, peer.name);
+    spawn_peer(self, peer.id, peer.name, peer.host);
   open_links(self);
   for (const auto& air : description.airs)
     spawn_place(self, air);

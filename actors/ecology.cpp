@@ -27,8 +27,15 @@ void tell_story(ecology_pointer self, const std::string& who, std::string what) 
   report.story.push_back({now(self), who.substr(who.find('/') + 1), std::move(what)});
 }
 
+/// The text of the exception that ended an actor, or what else its reason says.
+std::string text_of(const caf::error& reason) {
+  if (reason.context().match_elements<std::string>())
+    return reason.context().get_as<std::string>(0);
+  return caf::to_string(reason);
+}
+
 void record_failure(ecology_pointer self, const std::string& path, const caf::error& reason) {
-  const auto text = self->system().render(reason);
+  const auto text = text_of(reason);
   log(self, spdlog::level::err, "event=failed actor={} reason=\"{}\"", path, text);
   auto& failures = self->state.report.actors.failures;
   constexpr std::size_t failures_max = 100;
@@ -39,7 +46,7 @@ void record_failure(ecology_pointer self, const std::string& path, const caf::er
 void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error& reason) {
   const auto path = "mote/" + mote.arguments.name;
   record_failure(self, path, reason);
-  tell_story(self, path, "crashed: " + self->system().render(reason));
+  tell_story(self, path, "crashed: " + text_of(reason));
   mote.handle = nullptr;
   mote.changed = now(self);
   self->send(mote.arguments.air, radio_power{mote.arguments.radio, radio::power::off});

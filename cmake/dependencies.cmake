@@ -17,7 +17,7 @@ if(RUBICON_ACTORS)
     INTERFACE_INCLUDE_DIRECTORIES ${CAF_INCLUDE_DIR}
     INTERFACE_COMPILE_DEFINITIONS CAF_ENABLE_TYPE_ID_CHECKS
     # gcc takes the values that CAF's deserializer is about to fill for uninitialized ones.
-    INTERFACE_COMPILE_OPTIONS -Wno-maybe-uninitialized
+    INTERFACE_COMPILE_OPTIONS $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
     INTERFACE_LINK_LIBRARIES Threads::Threads)
 endif()
 if(RUBICON_TESTS)

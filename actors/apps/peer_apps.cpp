@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "actors/log.hpp"
-#include "peis/key.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {

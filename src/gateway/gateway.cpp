@@ -102,6 +102,12 @@ outputs gateway::on_message(peer_id source, byte_view octets, instant now) {
 }
 
 outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets, instant now) {
+  const auto counter = input_sequences_.find({mote, channel});
+  if (counter == input_sequences_.end() &&
+      input_sequences_.size() >= config_.input_channels_max) {
+    ++counters_.inputs_refused;
+    return {};
+  }
   ++counters_.inputs;
   const auto sequence = ++input_sequences_[{mote, channel}];
   const auto listed = devices_.find(mote);

@@ -58,7 +58,9 @@ using outputs = std::vector<output>;
 
 struct gateway_config {
   island_id island;
-  std::size_t inputs_outstanding_max = 64; ///< further inputs fail at once
+  std::size_t inputs_outstanding_max = 64;  ///< further inputs fail at once
+  std::size_t input_channels_max = 4096;    ///< channels of motes ever written to; further ones are
+                                            ///< refused without a status
 };
 
 struct gateway_counters {
@@ -66,6 +68,7 @@ struct gateway_counters {
   std::uint64_t unknown_type = 0;   ///< serial packets of a type that has no business here
   std::uint64_t outputs = 0;        ///< messages of motes published
   std::uint64_t inputs = 0;         ///< tuple writes taken for motes
+  std::uint64_t inputs_refused = 0; ///< no room for another channel
   std::uint64_t forwarded_out = 0;  ///< messages of the island sent to other gateways
   std::uint64_t forwarded_in = 0;   ///< messages of other islands sent down
   std::uint64_t undeliverable = 0;  ///< for motes that are not listed, or for nobody here

@@ -147,6 +147,8 @@ std::string list_of(const std::vector<runtime::violation>& violations) {
 
 TEST_CASE("a small ecology joins, reports and keeps its invariants", "[actors][ecology][GEN-04]") {
   rig x;
+  CHECK(x.world.run_until([&] { return x.world.logged("event=listed") == 2; }, 5s));
+  CHECK(x.world.now() <= instant(2s)); // motes ask within their first second
   const auto& report = x.end_at(5min);
   CHECK(list_of(report.violations).empty());
   CHECK(report.motes_configured() == 2);

@@ -26,7 +26,7 @@ TEST_CASE("a throwing mote is restarted, alone, and the report says so", "[ecolo
   CHECK(report.violations.empty());
   CHECK(report.actors.restarted == 1);
   REQUIRE(report.actors.failures.size() == 1);
-  CHECK(report.actors.failures[0].starts_with("mote/kitchen/fan: "));
+  CHECK(report.actors.failures[0] == "mote/kitchen/fan: crash from the fault plan");
   for (const auto& island : report.islands) {
     for (const auto& mote : island.motes)
       CHECK(mote.incarnations == (mote.address == fan ? 2 : 1));

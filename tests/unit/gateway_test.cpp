@@ -232,3 +232,16 @@ TEST_CASE("no more inputs wait than there is room for", "[gateway]") {
   static_cast<void>(x.on_input(fan, 2, bytes{0}, {}));
   CHECK(published(x.on_input(fan, 2, bytes{1}, {}), "devices.7.input.2.status") == "3 failed");
 }
+
+TEST_CASE("no more channels are remembered than there is room for", "[gateway]") {
+  gateway_config config;
+  config.island = kitchen;
+  config.input_channels_max = 2;
+  gateway::gateway x(config, random_stream(1));
+  CHECK_FALSE(x.on_input(fan, 2, bytes{1}, {}).empty());
+  CHECK_FALSE(x.on_input(fan, 3, bytes{1}, {}).empty());
+  CHECK(x.on_input(fan, 4, bytes{1}, {}).empty());
+  CHECK_FALSE(x.on_input(fan, 3, bytes{1}, {}).empty());
+  CHECK(x.counters().inputs == 3);
+  CHECK(x.counters().inputs_refused == 1);
+}

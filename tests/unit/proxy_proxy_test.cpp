@@ -306,7 +306,7 @@ TEST_CASE("keys over the limits are counted and not set", "[proxy][TUP-03]") {
   who.mote_name = std::string(200, 'n');
   face wide(climate(), who);
   CHECK(wide.start(start).empty());
-  CHECK(wide.counters().bad_keys == 15);
+  CHECK(wide.counters().bad_keys == 13);
 }
 
 TEST_CASE("whatever happens, requests and outcomes balance", "[proxy][PXY-12][IF-07]") {
