@@ -47,9 +47,12 @@ runtime::radio_report report_of(const radio::books& x) {
   runtime::radio_report r;
   r.sent = x.copies.sent;
   r.delivered = x.copies.delivered;
-  r.lost = {{"loss", x.copies.loss},           {"collision", x.copies.collision},
-            {"half_duplex", x.copies.half_duplex}, {"off", x.copies.off},
-            {"filtered", x.copies.filtered},   {"overflow", x.copies.overflow},
+  r.lost = {{"loss", x.copies.loss},
+            {"collision", x.copies.collision},
+            {"half_duplex", x.copies.half_duplex},
+            {"off", x.copies.off},
+            {"filtered", x.copies.filtered},
+            {"overflow", x.copies.overflow},
             {"duplicate", x.copies.duplicate}};
   r.requests = x.requests.requests;
   r.mac_sent = x.requests.sent;
@@ -68,17 +71,16 @@ void report(air_pointer self) {
   for (std::size_t i = 0; i < state.addresses.size(); ++i) {
     const auto address = state.addresses[i];
     islands.insert(address.island);
-    const auto use = state.channel.energy(radio::radio_index(static_cast<std::uint32_t>(i)),
-                                          now(self));
+    const auto use =
+        state.channel.energy(radio::radio_index(static_cast<std::uint32_t>(i)), now(self));
     self->send(state.ecology,
                energy_status{address, use.used_mah, use.battery_mah, use.times.mcu_active,
                              use.times.mcu_sleep, use.times.radio_off, use.times.radio_listen,
                              use.times.radio_receive, use.times.radio_transmit});
   }
   for (const auto island : islands)
-    self->send(state.ecology,
-               radio_status{island, report_of(state.channel.counted_in_pan(
-                                        static_cast<std::uint16_t>(island.value)))});
+    self->send(state.ecology, radio_status{island, report_of(state.channel.counted_in_pan(
+                                                       static_cast<std::uint16_t>(island.value)))});
 }
 
 } // namespace
@@ -96,10 +98,10 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
         perform(self, self->state.channel.set_power(x.radio, radio::power::on, now(self)));
       },
       [self](const radio_send& x) {
-        perform(self, self->state.channel.send(
-                          x.radio,
-                          {x.token, x.destination, x.am_type, to_bytes(x.octets.view()), x.ack},
-                          now(self)));
+        perform(self,
+                self->state.channel.send(
+                    x.radio, {x.token, x.destination, x.am_type, to_bytes(x.octets.view()), x.ack},
+                    now(self)));
       },
       [self](const radio_power& x) {
         perform(self, self->state.channel.set_power(x.radio, x.state, now(self)));

@@ -17,8 +17,8 @@ struct air_state {
   timer wake;
 };
 
-/// Owns every radio of `channel`. @param addresses whose radio each is, by radio index; the PAN of a
-/// radio is its island's id
+/// Owns every radio of `channel`. @param addresses whose radio each is, by radio index; the PAN of
+/// a radio is its island's id
 air_actor::behavior_type air(scheduler::traced_pointer<air_state, air_actor> self,
                              radio::channel channel, std::vector<mote_address> addresses,
                              ecology_actor ecology);

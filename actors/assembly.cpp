@@ -74,9 +74,9 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   const auto seed = self->state.description.seed;
   const auto ecology = handle_of(self);
   const auto line_path = "serial_line/" + island.name;
-  const auto line = spawn_child(self, line_path, serial_line,
-                                serial::line(island.serial, random_stream(seed, line_path)),
-                                island.id, ecology);
+  const auto line =
+      spawn_child(self, line_path, serial_line,
+                  serial::line(island.serial, random_stream(seed, line_path)), island.id, ecology);
   self->state.lines[island.id] = line;
 
   mote::registrar_config registrar;
@@ -84,9 +84,9 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   registrar.keep_alive_window = island.keep_alive;
   serial::mote_port_config port;
   port.baud = island.serial.baud;
-  spawn_child(self, "sink/" + island.name, sink,
-              sink_arguments{{island.id, island.sink.id}, registrar, port, radio, air, line,
-                             ecology});
+  spawn_child(
+      self, "sink/" + island.name, sink,
+      sink_arguments{{island.id, island.sink.id}, registrar, port, radio, air, line, ecology});
 
   gateway_arguments gateway;
   gateway.config.island = island.id;
@@ -120,9 +120,9 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
     const auto& island =
         *std::ranges::find(description.islands, id, &config::island_description::id);
     islands.push_back(&island);
-    static_cast<void>(channel.add(radio_of(id, island.sink.id, island.sink.platform,
-                                           island.sink.place, mains_mah),
-                                  now(self)));
+    static_cast<void>(channel.add(
+        radio_of(id, island.sink.id, island.sink.platform, island.sink.place, mains_mah),
+        now(self)));
     addresses.push_back({id, island.sink.id});
     for (const auto& mote : island.motes) {
       static_cast<void>(channel.add(
@@ -214,8 +214,8 @@ struct peer_app_spawner {
   }
 
   [[nodiscard]] managed_island managed(island_id id) const {
-    const auto& island = *std::ranges::find(self->state.description.islands, id,
-                                            &config::island_description::id);
+    const auto& island =
+        *std::ranges::find(self->state.description.islands, id, &config::island_description::id);
     managed_island x{id, island.name, {}};
     for (const auto& mote : island.motes)
       x.mote_names[mote.id] = mote.name;

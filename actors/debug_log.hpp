@@ -13,8 +13,8 @@
 namespace rubicon {
 
 /// Writes FOLDER/MODULE.log, a module being the first part of an actor's path (`mote`, `gateway`,
-/// ...): a line for each message sent and one for each received, with ecology time, actor, peer, type,
-/// length and ids. A full file is rotated: a module has at most `files_max` files of
+/// ...): a line for each message sent and one for each received, with ecology time, actor, peer,
+/// type, length and ids. A full file is rotated: a module has at most `files_max` files of
 /// `file_octets_max` (NFR-03), the newest without a number.
 class debug_log {
 public:

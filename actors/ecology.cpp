@@ -14,7 +14,8 @@ namespace {
 constexpr duration reboot_time = 500ms;
 
 /// How long a change may take to reach the gateway's list: the longest keep-alive window of a mote
-/// that reports, rarely, every half minute. Within it, at the end of a run, list and truth may differ.
+/// that reports, rarely, every half minute. Within it, at the end of a run, list and truth may
+/// differ.
 constexpr duration settling_time = 150s;
 
 void tell_story(ecology_pointer self, const std::string& who, std::string what) {
@@ -190,8 +191,7 @@ runtime::run_truth truth_of(ecology_pointer self) {
     const bool settled = now(self) - mote.changed >= settling_time;
     const auto reported = state.listed.find(address.island);
     const bool listed = reported != state.listed.end() &&
-                        std::ranges::find(reported->second, address.mote) !=
-                            reported->second.end();
+                        std::ranges::find(reported->second, address.mote) != reported->second.end();
     if (listed)
       list.actual.push_back(address.mote);
     if (settled ? !mote.flat : listed)

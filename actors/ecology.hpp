@@ -1,5 +1,5 @@
-// The root supervisor: spawns what a description says, keeps it running, applies its fault plan, and
-// collects the report.
+// The root supervisor: spawns what a description says, keeps it running, applies its fault plan,
+// and collects the report.
 #pragma once
 
 #include <functional>

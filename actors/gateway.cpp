@@ -32,8 +32,7 @@ struct performer {
   }
 
   void operator()(gateway::to_sink& x) const {
-    serial::am_packet packet{x.mote.value, 0,
-                             static_cast<std::uint8_t>(island().value), x.am_type,
+    serial::am_packet packet{x.mote.value, 0, static_cast<std::uint8_t>(island().value), x.am_type,
                              std::move(x.payload)};
     perform(self, self->state.port.send(serial::packet_id{self->state.next_packet++},
                                         serial::encode(packet), now(self)));
@@ -41,8 +40,12 @@ struct performer {
 
   void operator()(gateway::to_gateway& x) const {
     self->send(self->state.arguments.peer,
-               send_peis_message{{caf::actor_cast<peis_client_actor>(self)}, 0, x.peer,
-                                 island_message_port, payload(std::move(x.octets)), x.reliable});
+               send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
+                                 0,
+                                 x.peer,
+                                 island_message_port,
+                                 payload(std::move(x.octets)),
+                                 x.reliable});
   }
 
   void operator()(const gateway::member_changed& x) const {
@@ -100,8 +103,7 @@ void on_tuple(gateway_pointer self, const tuple_event& x) {
     return;
   const auto key = parse_device_key(x.key);
   if (key && key->what == device_tuple::input)
-    perform(self, self->state.gateway.on_input(key->mote, key->channel, x.value.view(),
-                                               now(self)));
+    perform(self, self->state.gateway.on_input(key->mote, key->channel, x.value.view(), now(self)));
 }
 
 void report(gateway_pointer self) {
@@ -112,11 +114,12 @@ void report(gateway_pointer self) {
   serial_status status{island, {}};
   status.serial.frames_sent = port.attempts + port.acks_written;
   status.serial.frames_received = frames.good;
-  status.serial.lost = {{"gateway_crc", frames.bad_crc + frames.too_short + frames.too_long + frames.aborted},
-                        {"gateway_no_ack", port.no_ack},
-                        {"gateway_queue_full", port.queue_full},
-                        {"gateway_refused", port.refused},
-                        {"gateway_malformed", state.bad_packets}};
+  status.serial.lost = {
+      {"gateway_crc", frames.bad_crc + frames.too_short + frames.too_long + frames.aborted},
+      {"gateway_no_ack", port.no_ack},
+      {"gateway_queue_full", port.queue_full},
+      {"gateway_refused", port.refused},
+      {"gateway_malformed", state.bad_packets}};
   const auto& ecology = state.arguments.ecology;
   self->send(ecology, std::move(status));
   self->send(ecology, message_status{island, report_of(state.gateway.messages(),
@@ -130,15 +133,16 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.arguments = std::move(arguments);
-  state.gateway = gateway::gateway(state.arguments.config,
-                                   random_stream(state.arguments.seed, self->path()));
+  state.gateway =
+      gateway::gateway(state.arguments.config, random_stream(state.arguments.seed, self->path()));
   state.port = serial::endpoint(state.arguments.port);
   const auto client = caf::actor_cast<peis_client_actor>(self);
   self->send(state.arguments.line,
              attach_serial{serial::direction::to_pc, {caf::actor_cast<serial_end_actor>(self)}});
   self->send(state.arguments.peer, hook_port{{client}, island_message_port});
   self->send(state.arguments.peer,
-             watch_tuples{{client}, watch_inputs,
+             watch_tuples{{client},
+                          watch_inputs,
                           peer_id{static_cast<std::int32_t>(state.arguments.config.island.value)},
                           "devices.*.input.*"});
   perform(self, state.gateway.start());

@@ -1,4 +1,5 @@
-// The gateway of one island: a component of a PEIS kernel on one side, the serial line on the other.
+// The gateway of one island: a component of a PEIS kernel on one side, the serial line on the
+// other.
 #pragma once
 
 #include "actors/messages.hpp"
@@ -23,9 +24,9 @@ struct gateway_state {
   gateway::gateway gateway;
   serial::endpoint port;
   std::uint64_t next_packet = 1;
-  std::uint64_t packets_lost = 0;    ///< given up by the serial port
-  std::uint64_t bad_packets = 0;     ///< from the line, not serial active messages
-  std::uint64_t messages_lost = 0;   ///< that another gateway did not acknowledge
+  std::uint64_t packets_lost = 0;  ///< given up by the serial port
+  std::uint64_t bad_packets = 0;   ///< from the line, not serial active messages
+  std::uint64_t messages_lost = 0; ///< that another gateway did not acknowledge
   timer wake;
 };
 

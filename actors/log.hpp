@@ -1,5 +1,5 @@
-// Log lines of actors: ecology time, level, who, then key=value pairs, so that equal runs write equal
-// logs (style: one line an event).
+// Log lines of actors: ecology time, level, who, then key=value pairs, so that equal runs write
+// equal logs (style: one line an event).
 #pragma once
 
 #include <string_view>

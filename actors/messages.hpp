@@ -410,7 +410,13 @@ using proxy_actor =
     peis_client_actor::extend<caf::reacts_to<mote_presence>, caf::reacts_to<timer_expired>,
                               caf::reacts_to<status_request>>;
 
-using proxy_manager_actor = peis_client_actor::extend<caf::reacts_to<status_request>>;
+/// To itself: a proxy that has ended may be started again.
+struct restart_proxy {
+  mote_address mote;
+};
+
+using proxy_manager_actor =
+    peis_client_actor::extend<caf::reacts_to<restart_proxy>, caf::reacts_to<status_request>>;
 
 /// Control programs on peers: rules, collector.
 using peer_app_actor = peis_client_actor::extend<caf::reacts_to<status_request>>;

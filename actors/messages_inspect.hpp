@@ -1,4 +1,5 @@
-// CAF's inspect for every message, and the numbers CAF knows them by. Included by messages.hpp alone.
+// CAF's inspect for every message, and the numbers CAF knows them by. Included by messages.hpp
+// alone.
 #pragma once
 
 namespace rubicon {
@@ -282,6 +283,11 @@ auto inspect(F& f, mote_presence& x) {
 }
 
 template <class F>
+auto inspect(F& f, restart_proxy& x) {
+  return f(caf::meta::type_name("restart_proxy"), x.mote);
+}
+
+template <class F>
 auto inspect(F& f, apply_fault& x) {
   return f(caf::meta::type_name("apply_fault"), x.index);
 }
@@ -354,4 +360,5 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::watch_tuples))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::hook_port))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::send_peis_message))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::mote_presence))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::restart_proxy))
 CAF_END_TYPE_ID_BLOCK(rubicon)

@@ -58,8 +58,8 @@ void perform(mote_pointer self, mote::node_outputs todo) {
 
 void on_send(mote_pointer self, const send_message& x) {
   const auto ticket = self->state.next_ticket++;
-  auto accepted = self->state.node.send(ticket, x.destination, x.am_type,
-                                        to_bytes(x.octets.view()), x.reliable, now(self));
+  auto accepted = self->state.node.send(ticket, x.destination, x.am_type, to_bytes(x.octets.view()),
+                                        x.reliable, now(self));
   if (accepted && x.reliable)
     self->state.waiting[ticket] = {x.app.actor, x.token};
   else
@@ -88,8 +88,9 @@ void on_set(mote_pointer self, const set_actuator& x) {
   const auto state = self->state.node.actuator_state(x.name).value_or(0);
   if (obeyed)
     self->send(self->state.arguments.ecology,
-               story{self->path(), x.name + (state == 0 ? " off" : state == 1 ? " on"
-                                                                : " at " + std::to_string(state))});
+               story{self->path(), x.name + (state == 0   ? " off"
+                                             : state == 1 ? " on"
+                                                          : " at " + std::to_string(state))});
   self->send(x.app.actor, actuator_changed{x.name, state, obeyed});
 }
 
@@ -108,8 +109,7 @@ void die(mote_pointer self) {
 /// @param open reliable sends still waiting for their outcome
 void report(mote_pointer self, const transport::endpoint_counters& counted, std::size_t open) {
   const auto& arguments = self->state.arguments;
-  self->send(arguments.ecology,
-             message_status{arguments.address.island, report_of(counted, open)});
+  self->send(arguments.ecology, message_status{arguments.address.island, report_of(counted, open)});
 }
 
 /// An exception ends the mote. What this life has counted must not go with it, and what was still
@@ -129,7 +129,8 @@ void start(mote_pointer self) {
   state.node = mote::node(arguments.node, arguments.incarnation,
                           random_stream(arguments.seed, "mote/" + arguments.name + '#' +
                                                             std::to_string(arguments.incarnation)));
-  self->send(arguments.air, attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
+  self->send(arguments.air,
+             attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
   state.apps = spawn_mote_apps(self);
   perform(self, state.node.start(now(self)));
 }

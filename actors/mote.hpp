@@ -15,7 +15,7 @@ namespace rubicon {
 /// What a mote actor is made of.
 struct mote_arguments {
   mote_address address;
-  std::string name;            ///< `kitchen/climate-7`
+  std::string name; ///< `kitchen/climate-7`
   mote::node_config node;
   std::vector<config::mote_app> apps;
   std::uint32_t incarnation = 0; ///< how often it was started before
@@ -39,7 +39,7 @@ struct mote_state {
   std::map<std::uint8_t, mote_app_actor> owners; ///< of AM types
   std::map<transport::ticket, waiting_app> waiting;
   transport::ticket next_ticket = 1;
-  std::uint64_t unowned = 0;      ///< messages of an AM type that no app has claimed
+  std::uint64_t unowned = 0; ///< messages of an AM type that no app has claimed
   std::uint64_t radio_failures = 0;
   bool flat = false;
 };

@@ -78,8 +78,8 @@ struct performer {
   void tell(peis::subscription_id subscription, const peis::tuple& x, bool deleted) const {
     const auto found = self->state.watches.find(subscription);
     if (found != self->state.watches.end())
-      self->send(found->second.client, tuple_event{found->second.name, x.owner, x.name.text(),
-                                                   shown(x), deleted});
+      self->send(found->second.client,
+                 tuple_event{found->second.name, x.owner, x.name.text(), shown(x), deleted});
   }
 };
 
@@ -89,21 +89,48 @@ void perform(peer_pointer self, peis::outputs todo) {
   self->state.wake.follow(self, self->state.kernel.deadline());
 }
 
+void know(peer_pointer self, const peis_client_actor& client) {
+  if (self->state.clients.insert(client.address()).second)
+    self->monitor(client);
+}
+
+/// A component has ended: nobody is to hear of its watches, requests and ports any more.
+void forget(peer_pointer self, const caf::actor_addr& client) {
+  auto& state = self->state;
+  state.clients.erase(client);
+  std::erase_if(state.ports, [&](const auto& x) { return x.second.address() == client; });
+  std::erase_if(state.requests, [&](const auto& x) { return x.second.client.address() == client; });
+  for (auto x = state.watches.begin(); x != state.watches.end();) {
+    if (x->second.client.address() != client) {
+      ++x;
+      continue;
+    }
+    const auto subscription = x->first;
+    x = state.watches.erase(x);
+    perform(self, state.kernel.unsubscribe(subscription, now(self)));
+  }
+}
+
 peis::request_id remember(peer_pointer self, const carried<peis_client_actor>& client,
                           std::uint64_t token) {
+  know(self, client.actor);
   const peis::request_id request{self->state.next_request++};
   self->state.requests[request] = {client.actor, token};
   return request;
 }
 
 void on_watch(peer_pointer self, const watch_tuples& x) {
+  know(self, x.client.actor);
   const peis::subscription_id id{self->state.next_watch++};
   self->state.watches[id] = {x.client.actor, x.watch};
   perform(self, self->state.kernel.subscribe(x.owner, x.key, id, now(self)));
 }
 
 void on_hook(peer_pointer self, const hook_port& x) {
-  if (self->state.kernel.hook_port(x.port))
+  const auto hooked = self->state.ports.find(x.port);
+  const bool free = hooked == self->state.ports.end() || hooked->second == x.client.actor;
+  know(self, x.client.actor);
+  if (free && self->state.kernel.hook_port(x.port))
     self->state.ports[x.port] = x.client.actor;
   else
     log(self, spdlog::level::err, "event=hook_refused port={}", x.port);
@@ -121,14 +148,11 @@ void report(peer_pointer self) {
   peer.tuples = state.kernel.own_tuples().size();
   peer.peis.packages = counted.packages_sent;
   peer.peis.tuples = peer.tuples;
-  peer.peis.lost = {{"queue_full", counted.queue_full},
-                    {"early_drop", counted.early_drop},
-                    {"no_route", counted.no_route},
-                    {"hops", counted.hops},
-                    {"queued_lost", counted.queued_lost},
-                    {"illegal", counted.illegal},
-                    {"malformed", counted.malformed},
-                    {"incomplete", counted.messages_incomplete}};
+  peer.peis.lost = {
+      {"queue_full", counted.queue_full},   {"early_drop", counted.early_drop},
+      {"no_route", counted.no_route},       {"hops", counted.hops},
+      {"queued_lost", counted.queued_lost}, {"illegal", counted.illegal},
+      {"malformed", counted.malformed},     {"incomplete", counted.messages_incomplete}};
   self->send(state.arguments.ecology, std::move(status));
 }
 
@@ -144,6 +168,7 @@ void on_opened(peer_pointer self, const link_opened& x) {
 
 peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments arguments) {
   scheduler::tell_monitors_of_exceptions(self);
+  self->set_down_handler([self](const caf::down_msg& x) { forget(self, x.source); });
   self->state.arguments = std::move(arguments);
   self->state.kernel =
       peis::kernel(self->state.arguments.config,
@@ -160,8 +185,7 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
       },
       [self](const link_opened& x) { on_opened(self, x); },
       [self](const set_tuple& x) {
-        perform(self, self->state.kernel.set_tuple(x.key, content_of(x.value, x.text),
-                                                   now(self)));
+        perform(self, self->state.kernel.set_tuple(x.key, content_of(x.value, x.text), now(self)));
       },
       [self](const delete_tuple& x) {
         perform(self, self->state.kernel.delete_tuple(x.key, now(self)));
@@ -176,8 +200,7 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
       [self](const send_peis_message& x) {
         const auto request = remember(self, x.client, x.token);
         perform(self, self->state.kernel.send_message(x.destination, x.port, x.octets, x.reliable,
-                                                      peis::priority::normal, request,
-                                                      now(self)));
+                                                      peis::priority::normal, request, now(self)));
       },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))

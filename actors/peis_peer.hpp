@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "actors/messages.hpp"
@@ -36,6 +37,7 @@ struct peis_peer_state {
   std::map<peis::subscription_id, interest> watches;
   std::map<peis::request_id, interest> requests;
   std::map<std::uint16_t, peis_client_actor> ports;
+  std::set<caf::actor_addr> clients; ///< monitored: one that ends leaves nothing behind
   std::uint64_t next_watch = 1;
   std::uint64_t next_request = 1;
   timer wake;

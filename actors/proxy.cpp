@@ -13,16 +13,17 @@ struct performer {
   proxy_pointer self;
 
   void operator()(const proxy::publish& x) const {
-    self->send(self->state.arguments.peer,
-               set_tuple{x.key, payload(to_bytes(x.text)), true});
+    self->send(self->state.arguments.peer, set_tuple{x.key, payload(to_bytes(x.text)), true});
   }
 
   void operator()(proxy::write_device& x) const {
     self->send(self->state.arguments.peer,
-               set_remote_tuple{{caf::actor_cast<peis_client_actor>(self)}, 0,
+               set_remote_tuple{{caf::actor_cast<peis_client_actor>(self)},
+                                0,
                                 gateway_of(x.mote.island),
                                 device_input_key(x.mote.mote, x.channel),
-                                payload(std::move(x.octets)), false});
+                                payload(std::move(x.octets)),
+                                false});
   }
 
   void operator()(const proxy::retire&) const { self->quit(); }
@@ -41,7 +42,8 @@ void watch_all(proxy_pointer self) {
   for (std::size_t i = 0; i < state.watches.size(); ++i) {
     const bool own = state.watches[i].where == proxy::watch::source::own;
     self->send(state.arguments.peer,
-               watch_tuples{{caf::actor_cast<peis_client_actor>(self)}, i + 1,
+               watch_tuples{{caf::actor_cast<peis_client_actor>(self)},
+                            i + 1,
                             own ? state.arguments.peer_number : gateway_of(mote.island),
                             state.watches[i].key});
   }
@@ -91,11 +93,11 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
       [self](mote_presence x) {
         auto& core = self->state.arguments.core;
         log(self, spdlog::level::info, "event={}", x.present ? "appeared" : "disappeared");
-        perform(self, x.present ? core.on_appeared(now(self))
-                                : core.on_disappeared(x.gateway_gone
-                                                          ? proxy::disappearance::gateway_gone
-                                                          : proxy::disappearance::not_listed,
-                                                      now(self)));
+        perform(self, x.present
+                          ? core.on_appeared(now(self))
+                          : core.on_disappeared(x.gateway_gone ? proxy::disappearance::gateway_gone
+                                                               : proxy::disappearance::not_listed,
+                                                now(self)));
       },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))

@@ -13,7 +13,7 @@ namespace rubicon {
 /// What a proxy actor is made of.
 struct proxy_arguments {
   proxy::proxy core;
-  peer_id peer_number;   ///< of the kernel it uses
+  peer_id peer_number; ///< of the kernel it uses
   peis_peer_actor peer;
   ecology_actor ecology;
 };

@@ -12,6 +12,10 @@ namespace rubicon {
 
 namespace {
 
+/// Pause before a proxy that has ended is started again: one that fails at birth must not stop
+/// time.
+constexpr duration proxy_restart_delay = 1s;
+
 using manager_pointer = scheduler::traced_pointer<proxy_manager_state, proxy_manager_actor>;
 
 proxy::proxy_identity identity_of(const proxy_manager_arguments& arguments,
@@ -62,11 +66,10 @@ struct performer {
   }
 
   void operator()(const proxy::unknown_type& x) const {
-    log(self, spdlog::level::warn, "event=unknown_type mote={} type={}", to_string(x.mote),
-        x.type);
+    log(self, spdlog::level::warn, "event=unknown_type mote={} type={}", to_string(x.mote), x.type);
     self->send(self->state.arguments.ecology,
-               story{self->path(), "mote " + to_string(x.mote) + " is of type " + std::to_string(x.type) +
-                     ", which no proxy class claims"});
+               story{self->path(), "mote " + to_string(x.mote) + " is of type " +
+                                       std::to_string(x.type) + ", which no proxy class claims"});
   }
 
   void tell(const mote_address& mote, mote_presence x) const {
@@ -84,9 +87,10 @@ void perform(manager_pointer self, proxy::manager::outputs todo) {
 /// Watches are named by island, so that a tuple's island is known without parsing anything.
 void watch_gateway(manager_pointer self, island_id island) {
   for (const auto key : {devices_key, all_device_types_key})
-    self->send(self->state.arguments.peer,
-               watch_tuples{{caf::actor_cast<peis_client_actor>(self)}, island.value,
-                            gateway_of(island), std::string(key)});
+    self->send(self->state.arguments.peer, watch_tuples{{caf::actor_cast<peis_client_actor>(self)},
+                                                        island.value,
+                                                        gateway_of(island),
+                                                        std::string(key)});
 }
 
 void on_tuple(manager_pointer self, const tuple_event& x) {
@@ -107,7 +111,7 @@ void on_down(manager_pointer self, const caf::down_msg& x) {
   const auto mote = found->first;
   proxies.erase(found);
   log(self, spdlog::level::warn, "event=proxy_ended mote={}", to_string(mote));
-  perform(self, self->state.manager.on_proxy_gone(mote, now(self)));
+  self->delayed_send(self, proxy_restart_delay, restart_proxy{mote});
 }
 
 } // namespace
@@ -125,6 +129,9 @@ proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
       [self](const tuple_event& x) { on_tuple(self, x); },
       [](const peis_message&) {}, // hooks no port
       [](const peis_outcome&) {}, // asks for nothing
+      [self](const restart_proxy& x) {
+        perform(self, self->state.manager.on_proxy_gone(x.mote, now(self)));
+      },
       [self](status_request x) {
         for (const auto& [mote, handle] : self->state.proxies)
           self->send(handle, x);

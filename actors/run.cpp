@@ -32,8 +32,8 @@ scheduler::stop_cause run_with_progress(scheduler::world& world, instant end,
   constexpr int steps = 500;
   auto step = std::max<duration>(end.time_since_epoch() / steps, 1ms);
   if (speed > 0) // paced: at least ten steps a real second
-    step = std::min(step, std::max<duration>(duration(static_cast<std::int64_t>(speed * 1e8)),
-                                             1ms));
+    step =
+        std::min(step, std::max<duration>(duration(static_cast<std::int64_t>(speed * 1e8)), 1ms));
   for (;;) {
     const auto cause = world.run_until(std::min(end, world.now() + step));
     options.progress(world.now(), end);

@@ -16,11 +16,11 @@ struct run_options {
   std::optional<duration> length;
   std::optional<std::uint64_t> seed;
   std::optional<config::run_mode> mode;
-  double speed = 0;             ///< ecology seconds per real second; 0: virtual as fast as possible,
-                                ///< wall 1
-  std::string debug_folder;     ///< NFR-01; empty: no debug logs
+  double speed = 0;         ///< ecology seconds per real second; 0: virtual as fast as possible,
+                            ///< wall 1
+  std::string debug_folder; ///< NFR-01; empty: no debug logs
   std::size_t debug_file_octets_max = 16 << 20; ///< a full file is rotated (NFR-03)
-  bool handle_signals = false;  ///< end the run cleanly on SIGINT and SIGTERM (ACT-11)
+  bool handle_signals = false; ///< end the run cleanly on SIGINT and SIGTERM (ACT-11)
 
   /// Called now and then with the ecology time reached and the end of the run.
   std::function<void(instant reached, instant end)> progress;

@@ -19,8 +19,8 @@ void perform(line_pointer self, serial::line_outputs todo) {
 
 void plug(line_pointer self, bool plugged) {
   log(self, spdlog::level::info, "event={}", plugged ? "plugged" : "unplugged");
-  self->send(self->state.ecology,
-             story{self->path(), plugged ? "serial cable plugged in again" : "serial cable unplugged"});
+  self->send(self->state.ecology, story{self->path(), plugged ? "serial cable plugged in again"
+                                                              : "serial cable unplugged"});
   if (plugged)
     self->state.line.plug();
   else
@@ -41,8 +41,8 @@ void report(line_pointer self) {
 
 } // namespace
 
-serial_line_actor::behavior_type serial_line(line_pointer self, serial::line line,
-                                             island_id island, ecology_actor ecology) {
+serial_line_actor::behavior_type serial_line(line_pointer self, serial::line line, island_id island,
+                                             ecology_actor ecology) {
   scheduler::tell_monitors_of_exceptions(self);
   self->state.line = std::move(line);
   self->state.island = island;

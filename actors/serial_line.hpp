@@ -18,7 +18,7 @@ struct serial_line_state {
 };
 
 serial_line_actor::behavior_type
-serial_line(scheduler::traced_pointer<serial_line_state, serial_line_actor> self,
-            serial::line line, island_id island, ecology_actor ecology);
+serial_line(scheduler::traced_pointer<serial_line_state, serial_line_actor> self, serial::line line,
+            island_id island, ecology_actor ecology);
 
 } // namespace rubicon

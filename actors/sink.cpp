@@ -44,8 +44,7 @@ struct performer {
 };
 
 void follow(sink_pointer self) {
-  self->state.wake.follow(self,
-                          earliest(self->state.sink.deadline(), self->state.port.deadline()));
+  self->state.wake.follow(self, earliest(self->state.sink.deadline(), self->state.port.deadline()));
 }
 
 void perform(sink_pointer self, mote::sink_outputs todo) {

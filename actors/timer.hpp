@@ -19,9 +19,9 @@ template <class Self>
   return instant(self->system().clock().now().time_since_epoch());
 }
 
-/// Follows a core's deadline. CAF cannot cancel a delayed message, so one that is no longer awaited has
-/// an old epoch and is ignored. A deadline that moves away does not cost a new message: the earlier
-/// wake-up comes, which cores take for harmless, and the timer is set again after it.
+/// Follows a core's deadline. CAF cannot cancel a delayed message, so one that is no longer awaited
+/// has an old epoch and is ignored. A deadline that moves away does not cost a new message: the
+/// earlier wake-up comes, which cores take for harmless, and the timer is set again after it.
 class timer {
 public:
   timer() = default;

@@ -66,10 +66,10 @@ using messenger_pointer = scheduler::traced_pointer<messenger_state, mote_app_ac
 
 void on_period(messenger_pointer self) {
   auto& state = self->state;
-  self->send(state.mote, send_message{handle_of(self), ++state.number, state.config.to,
-                                      state.config.am_type,
-                                      payload(to_bytes(std::string_view(state.config.text))),
-                                      state.config.reliable});
+  self->send(state.mote,
+             send_message{handle_of(self), ++state.number, state.config.to, state.config.am_type,
+                          payload(to_bytes(std::string_view(state.config.text))),
+                          state.config.reliable});
   state.next_message += state.config.every;
   state.period.follow(self, state.next_message);
 }
@@ -173,12 +173,9 @@ mote_app_actor::behavior_type listener(listener_pointer self, config::listener_a
   self->state.ecology = std::move(ecology);
   claim(self, config.am_type);
   return {
-      [](const membership_changed&) {},
-      [self](const message_received& x) { on_message(self, x); },
-      [](const send_ended&) {},
-      [](const transducers_read&) {},
-      [](const actuator_changed&) {},
-      [](const timer_expired&) {},
+      [](const membership_changed&) {}, [self](const message_received& x) { on_message(self, x); },
+      [](const send_ended&) {},         [](const transducers_read&) {},
+      [](const actuator_changed&) {},   [](const timer_expired&) {},
   };
 }
 
@@ -201,13 +198,12 @@ struct spawner {
   }
 
   mote_app_actor operator()(const config::messenger_app& x) const {
-    return scheduler::spawn_at<caf::linked>(
-        mote, path + "/messenger-" + std::to_string(x.am_type), messenger, x, handle());
+    return scheduler::spawn_at<caf::linked>(mote, path + "/messenger-" + std::to_string(x.am_type),
+                                            messenger, x, handle());
   }
 
   mote_app_actor operator()(const config::listener_app& x) const {
-    return scheduler::spawn_at<caf::linked>(mote,
-                                            path + "/listener-" + std::to_string(x.am_type),
+    return scheduler::spawn_at<caf::linked>(mote, path + "/listener-" + std::to_string(x.am_type),
                                             listener, x, handle(), mote->state.arguments.ecology);
   }
 

@@ -25,9 +25,9 @@ struct sampler_state {
 };
 
 /// Samples and sends while its mote is in the island; periods start at a random phase.
-mote_app_actor::behavior_type
-sampler(scheduler::traced_pointer<sampler_state, mote_app_actor> self, config::sampler_app config,
-        mote_actor mote, std::uint64_t seed);
+mote_app_actor::behavior_type sampler(scheduler::traced_pointer<sampler_state, mote_app_actor> self,
+                                      config::sampler_app config, mote_actor mote,
+                                      std::uint64_t seed);
 
 struct actuator_app_state {
   config::actuator_app config;

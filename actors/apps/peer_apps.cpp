@@ -95,8 +95,8 @@ peer_app_actor::behavior_type collector(collector_pointer self, std::vector<std:
       [](const peis_message&) {},
       [](const peis_outcome&) {},
       [self](status_request) {
-        log(self, spdlog::level::info, "event=collected updates={} tuples={}",
-            self->state.updates, self->state.newest.size());
+        log(self, spdlog::level::info, "event=collected updates={} tuples={}", self->state.updates,
+            self->state.newest.size());
       },
   };
 }

@@ -20,9 +20,9 @@ struct rules_state {
 };
 
 /// Watches tuples and writes others when thresholds are passed.
-peer_app_actor::behavior_type rules_program(scheduler::traced_pointer<rules_state, peer_app_actor> self,
-                                            std::vector<proxy::rule> rules, peis_peer_actor peer,
-                                            ecology_actor ecology);
+peer_app_actor::behavior_type
+rules_program(scheduler::traced_pointer<rules_state, peer_app_actor> self,
+              std::vector<proxy::rule> rules, peis_peer_actor peer, ecology_actor ecology);
 
 struct collector_state {
   std::map<std::string, std::string> newest; ///< `owner:key` -> value as text

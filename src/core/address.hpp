@@ -39,11 +39,11 @@ using mote_id = strong_id<mote_tag, std::uint16_t>;
 /// A PEIS kernel: 1..65535 (peis-wire.md 1); -1 stands for everybody or nobody known.
 using peer_id = strong_id<peer_tag, std::int32_t>;
 
-inline constexpr island_id own_island{255};        ///< "myself", ADR-03
-inline constexpr mote_id broadcast_mote{0xffff};   ///< everybody in the island, ADR-05
-inline constexpr mote_id own_mote{0xfffe};         ///< "myself", ADR-06
-inline constexpr mote_id no_mote{0xfffd};          ///< the PC or robot of the island part, ADR-07
-inline constexpr mote_id default_sink{1};          ///< ADR-09
+inline constexpr island_id own_island{255};      ///< "myself", ADR-03
+inline constexpr mote_id broadcast_mote{0xffff}; ///< everybody in the island, ADR-05
+inline constexpr mote_id own_mote{0xfffe};       ///< "myself", ADR-06
+inline constexpr mote_id no_mote{0xfffd};        ///< the PC or robot of the island part, ADR-07
+inline constexpr mote_id default_sink{1};        ///< ADR-09
 inline constexpr peer_id any_peer{-1};
 
 /// Largest ids that a file may give.

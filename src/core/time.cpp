@@ -26,10 +26,9 @@ std::string to_text(duration x) {
     if (x < length)
       continue;
     std::array<char, 40> text{};
-    const auto size = std::snprintf(text.data(), text.size(), "%.4g %s",
-                                    static_cast<double>(x.count()) /
-                                        static_cast<double>(length.count()),
-                                    name);
+    const auto size =
+        std::snprintf(text.data(), text.size(), "%.4g %s",
+                      static_cast<double>(x.count()) / static_cast<double>(length.count()), name);
     return {text.data(), static_cast<std::size_t>(size)};
   }
   return std::to_string(x.count()) + " ns";

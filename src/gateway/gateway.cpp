@@ -103,8 +103,7 @@ outputs gateway::on_message(peer_id source, byte_view octets, instant now) {
 
 outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets, instant now) {
   const auto counter = input_sequences_.find({mote, channel});
-  if (counter == input_sequences_.end() &&
-      input_sequences_.size() >= config_.input_channels_max) {
+  if (counter == input_sequences_.end() && input_sequences_.size() >= config_.input_channels_max) {
     ++counters_.inputs_refused;
     return {};
   }
@@ -118,11 +117,10 @@ outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets,
   }
   listed->second.input_channels.insert(channel);
   const auto ticket = next_ticket_++;
-  auto accepted = channel > 0xff
-                      ? std::nullopt // not an AM type: reserved for streams (WIR-01)
-                      : endpoint_.send(ticket, {config_.island, mote},
-                                       static_cast<std::uint8_t>(channel), to_bytes(octets),
-                                       true, now);
+  auto accepted = channel > 0xff ? std::nullopt // not an AM type: reserved for streams (WIR-01)
+                                 : endpoint_.send(ticket, {config_.island, mote},
+                                                  static_cast<std::uint8_t>(channel),
+                                                  to_bytes(octets), true, now);
   outputs out{status_tuple(mote, channel, sequence, input_outcome::pending)};
   if (!accepted) {
     out.emplace_back(status_tuple(mote, channel, sequence, input_outcome::failed));
@@ -201,9 +199,9 @@ outputs gateway::take(transport::outputs from_transport) {
         continue;
       const auto [mote, channel, sequence] = found->second;
       pending_.erase(found);
-      out.emplace_back(status_tuple(mote, channel, sequence,
-                                    done.acked ? input_outcome::acknowledged
-                                               : input_outcome::failed));
+      out.emplace_back(
+          status_tuple(mote, channel, sequence,
+                       done.acked ? input_outcome::acknowledged : input_outcome::failed));
     }
   }
   return out;

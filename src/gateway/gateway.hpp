@@ -58,9 +58,9 @@ using outputs = std::vector<output>;
 
 struct gateway_config {
   island_id island;
-  std::size_t inputs_outstanding_max = 64;  ///< further inputs fail at once
-  std::size_t input_channels_max = 4096;    ///< channels of motes ever written to; further ones are
-                                            ///< refused without a status
+  std::size_t inputs_outstanding_max = 64; ///< further inputs fail at once
+  std::size_t input_channels_max = 4096;   ///< channels of motes ever written to; further ones are
+                                           ///< refused without a status
 };
 
 struct gateway_counters {

@@ -13,7 +13,7 @@ namespace rubicon::mote {
 /// Fields: tag 1, uint32 type; tag 2, uint32 transducer mask; tag 3, uint32 actuator mask; tag 4,
 /// uint32 keep-alive period in ms. One octet tag, one octet length, value in network byte order.
 struct descriptor {
-  std::uint32_t type = 0;           ///< signature of the mote's proxy class (PXY-13)
+  std::uint32_t type = 0;            ///< signature of the mote's proxy class (PXY-13)
   std::uint32_t transducer_mask = 0; ///< bit n: quantity n
   std::uint32_t actuator_mask = 0;   ///< bit n: actuator_kind n
   std::uint32_t keep_alive_ms = 0;   ///< the mote is heard at least this often; 0: not promised

@@ -33,12 +33,12 @@ using join_output = std::variant<to_radio, island_joined, island_lost>;
 using join_outputs = std::vector<join_output>;
 
 struct join_config {
-  duration start_jitter = 1s;   ///< the first request leaves uniformly within this
+  duration start_jitter = 1s; ///< the first request leaves uniformly within this
   duration reply_wait = 500ms;
-  unsigned attempts_max = 5;    ///< then a pause, and again without end
-  duration pause = 2s;          ///< doubles each time, jittered by half
+  unsigned attempts_max = 5; ///< then a pause, and again without end
+  duration pause = 2s;       ///< doubles each time, jittered by half
   duration pause_max = 30s;
-  duration keep_alive = 3s;     ///< send a keep-alive when nothing else was sent for this long
+  duration keep_alive = 3s; ///< send a keep-alive when nothing else was sent for this long
 };
 
 /// off --start--> requesting --reply--> joined --rejoin_prompt--> requesting

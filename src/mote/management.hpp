@@ -24,8 +24,8 @@ struct join_request {
 struct join_reply {
   std::uint16_t sequence = 0; ///< of the request
   island_id island;
-  mote_id mote;               ///< the address the mote is to use
-  std::uint32_t time_ms = 0;  ///< the sink's clock
+  mote_id mote;              ///< the address the mote is to use
+  std::uint32_t time_ms = 0; ///< the sink's clock
 
   friend bool operator==(const join_reply&, const join_reply&) = default;
 };

@@ -63,8 +63,7 @@ std::optional<node_outputs> node::send(transport::ticket id, mote_address destin
 }
 
 std::optional<std::int16_t> node::read(quantity kind, instant now) {
-  const auto found =
-      std::ranges::find(config_.transducers, kind, &transducer_config::kind);
+  const auto found = std::ranges::find(config_.transducers, kind, &transducer_config::kind);
   if (found == config_.transducers.end())
     return std::nullopt;
   return sample(*found, now, dice_);
@@ -146,8 +145,7 @@ node_outputs node::take(transport::outputs from_transport, instant now) {
   node_outputs out;
   for (auto& x : from_transport) {
     if (auto* packet = std::get_if<transport::to_network>(&x))
-      append(out, take(star_.send(packet->destination, packet->channel,
-                                  std::move(packet->segment)),
+      append(out, take(star_.send(packet->destination, packet->channel, std::move(packet->segment)),
                        now));
     else if (auto* message = std::get_if<transport::received>(&x))
       out.emplace_back(std::move(*message));

@@ -61,8 +61,8 @@ public:
   /// D1.1 5.3.3 send. Nothing: refused (FAIL), because not joined (MCK-16), because of the
   /// destination or the length, or because too many reliable sends are outstanding.
   [[nodiscard]] std::optional<node_outputs> send(transport::ticket id, mote_address destination,
-                                                 std::uint8_t am_type, bytes payload,
-                                                 bool reliable, instant now);
+                                                 std::uint8_t am_type, bytes payload, bool reliable,
+                                                 instant now);
 
   /// One reading, as a count; nothing if the mote has no such transducer.
   [[nodiscard]] std::optional<std::int16_t> read(quantity kind, instant now);

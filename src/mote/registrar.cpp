@@ -99,7 +99,8 @@ registrar_outputs registrar::on_heard(mote_id source, instant now) {
   }
   auto& entry = found->second;
   entry.heard = now;
-  return announce(source, entry); // its confirm may be lost, but only a mote with our reply sends this
+  return announce(source,
+                  entry); // its confirm may be lost, but only a mote with our reply sends this
 }
 
 registrar_outputs registrar::on_describe(mote_id mote, instant) {
@@ -188,8 +189,8 @@ std::optional<instant> registrar::deadline() const {
 }
 
 std::size_t registrar::members() const {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      members_, [](const auto& x) { return x.second.confirmed; }));
+  return static_cast<std::size_t>(
+      std::ranges::count_if(members_, [](const auto& x) { return x.second.confirmed; }));
 }
 
 } // namespace rubicon::mote

@@ -65,8 +65,9 @@ public:
 
 private:
   struct member {
-    bool confirmed = false;  ///< of its latest incarnation
-    bool announced = false;  ///< the gateway holds it for a member, perhaps of an earlier incarnation
+    bool confirmed = false; ///< of its latest incarnation
+    bool announced =
+        false; ///< the gateway holds it for a member, perhaps of an earlier incarnation
     std::uint16_t sequence = 0;
     std::uint32_t incarnation = 0;
     std::uint32_t type = 0;

@@ -55,8 +55,8 @@ sink_outputs sink::take(registrar_outputs from_registrar) const {
       out.emplace_back(network::transmit{message->mote, network::am::component_management,
                                          encode(message->message)});
     else
-      out.emplace_back(to_gateway{self_, network::am::sink_event,
-                                  encode(std::get<network::sink_event>(x))});
+      out.emplace_back(
+          to_gateway{self_, network::am::sink_event, encode(std::get<network::sink_event>(x))});
   }
   return out;
 }

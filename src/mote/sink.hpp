@@ -17,7 +17,7 @@ namespace rubicon::mote {
 
 /// Send this packet up the serial line.
 struct to_gateway {
-  mote_id source;          ///< whose radio frame it was; the sink itself for its own events
+  mote_id source; ///< whose radio frame it was; the sink itself for its own events
   std::uint8_t am_type = 0;
   bytes payload;
 };

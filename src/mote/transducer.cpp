@@ -50,8 +50,7 @@ double value_of(const transducer_config& config, instant now, random_stream& dic
 std::int16_t sample(const transducer_config& config, instant now, random_stream& dice) {
   using limits = std::numeric_limits<std::int16_t>;
   const auto count = std::floor(value_of(config, now, dice) / config.resolution + 0.5);
-  return static_cast<std::int16_t>(
-      std::clamp(count, double{limits::min()}, double{limits::max()}));
+  return static_cast<std::int16_t>(std::clamp(count, double{limits::min()}, double{limits::max()}));
 }
 
 std::string_view to_string(quantity x) {

@@ -47,8 +47,8 @@ enum class quantity : std::uint8_t {
 struct transducer_config {
   quantity kind = quantity::temperature;
   transducer_model model;
-  double noise = 0;         ///< standard deviation of Gaussian noise, in the value's own unit
-  double resolution = 0.1;  ///< value of one count, > 0
+  double noise = 0;        ///< standard deviation of Gaussian noise, in the value's own unit
+  double resolution = 0.1; ///< value of one count, > 0
 };
 
 /// The kinds of actuator a descriptor can name; the number is the bit in its mask (DIS-09).

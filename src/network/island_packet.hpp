@@ -17,8 +17,8 @@ inline constexpr std::size_t body_max = 256 + 6;
 /// The same layout carries a message from its gateway down to its mote; there `island` is where it
 /// comes from, since 5.4 has no field for that.
 struct island_packet {
-  island_id island; ///< up: the target island. Down: the source island.
-  mote_id mote;     ///< the target mote in either direction
+  island_id island;          ///< up: the target island. Down: the source island.
+  mote_id mote;              ///< the target mote in either direction
   std::uint16_t channel = 0; ///< equals the AM type for 0..255
   bytes body;
 

@@ -1,5 +1,5 @@
-// What a sink and its gateway tell each other about the island (DIS-03, GW-15): the payload of serial
-// packets of type am::sink_event, in network byte order, one octet of kind first.
+// What a sink and its gateway tell each other about the island (DIS-03, GW-15): the payload of
+// serial packets of type am::sink_event, in network byte order, one octet of kind first.
 #pragma once
 
 #include <cstdint>

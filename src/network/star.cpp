@@ -29,9 +29,9 @@ outputs star::send(mote_address destination, std::uint16_t channel, bytes segmen
     out.big(channel).append(segment);
     return {transmit{destination.mote, am::local, out.finish()}};
   }
-  return {transmit{sink_, am::to_gateway,
-                   encode(island_packet{destination.island, destination.mote, channel,
-                                        std::move(segment)})}};
+  return {transmit{
+      sink_, am::to_gateway,
+      encode(island_packet{destination.island, destination.mote, channel, std::move(segment)})}};
 }
 
 outputs star::on_frame(std::uint8_t am_type, byte_view payload) {

@@ -34,8 +34,9 @@ struct star_counters {
   std::uint64_t before_join = 0; ///< segments for the sink while no sink is known
 };
 
-/// Moves segments between a mote and its island, or the gateway by way of the sink (RTG-01, 02, 04).
-/// Knows neither radio nor clock: a send is one frame, reliability is the radio's and Transport's.
+/// Moves segments between a mote and its island, or the gateway by way of the sink (RTG-01, 02,
+/// 04). Knows neither radio nor clock: a send is one frame, reliability is the radio's and
+/// Transport's.
 class star {
 public:
   star() = default;

@@ -31,7 +31,6 @@ struct proxy_identity {
 /// part. Anything else in braces becomes part of the key as key_part() has it.
 [[nodiscard]] std::string key_prefix(std::string_view prefix, const proxy_identity& who);
 
-
 /// Whether a key is short enough and has few enough parts to be set.
 [[nodiscard]] bool fits_tuple_key(std::string_view key);
 

@@ -62,8 +62,7 @@ std::vector<story_line> told_briefly(const std::vector<story_line>& story) {
     if (count < alike_min) {
       brief.insert(brief.end(), first, last);
     } else {
-      brief.push_back({first->at,
-                       first->who + " and " + with_thousands(count - 1) + " others",
+      brief.push_back({first->at, first->who + " and " + with_thousands(count - 1) + " others",
                        first->what + ", the last at " + at_s(std::prev(last)->at)});
     }
     first = last;

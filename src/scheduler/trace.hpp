@@ -14,10 +14,12 @@
 #include <vector>
 
 #include <caf/actor_clock.hpp>
+#include <caf/event_based_actor.hpp>
 #include <caf/mailbox_element.hpp>
 #include <caf/meta/type_name.hpp>
 #include <caf/stateful_actor.hpp>
 #include <caf/type_erased_tuple.hpp>
+#include <caf/typed_event_based_actor.hpp>
 
 #include "core/hash.hpp"
 #include "core/time.hpp"

@@ -43,29 +43,29 @@ using output = std::variant<to_network, received, outcome>;
 using outputs = std::vector<output>;
 
 struct endpoint_config {
-  mote_id self;                        ///< no_mote for the PC side
-  duration ack_wait = 500ms;           ///< after the first attempt; doubles with each further one
-  unsigned attempts_max = 5;           ///< failure after 31 times ack_wait
-  std::size_t outstanding_max = 8;     ///< reliable sends waiting for their acknowledgement
-  std::size_t sources_max = 64;        ///< senders remembered for duplicate suppression
+  mote_id self;                    ///< no_mote for the PC side
+  duration ack_wait = 500ms;       ///< after the first attempt; doubles with each further one
+  unsigned attempts_max = 5;       ///< failure after 31 times ack_wait
+  std::size_t outstanding_max = 8; ///< reliable sends waiting for their acknowledgement
+  std::size_t sources_max = 64;    ///< senders remembered for duplicate suppression
   std::size_t sequences_per_source = 16;
 };
 
 struct endpoint_counters {
-  std::uint64_t reliable_sent = 0;     ///< accepted
+  std::uint64_t reliable_sent = 0; ///< accepted
   std::uint64_t reliable_acked = 0;
   std::uint64_t reliable_failed = 0;
   std::uint64_t unreliable_sent = 0;
-  std::uint64_t refused = 0;           ///< bad destination, too long, or too many outstanding
+  std::uint64_t refused = 0; ///< bad destination, too long, or too many outstanding
   std::uint64_t retries = 0;
   std::uint64_t received = 0;
-  std::uint64_t duplicates = 0;        ///< acknowledged again, not passed up
+  std::uint64_t duplicates = 0; ///< acknowledged again, not passed up
   std::uint64_t malformed = 0;
-  std::uint64_t stray_acks = 0;        ///< for nothing that is outstanding
+  std::uint64_t stray_acks = 0; ///< for nothing that is outstanding
 };
 
-/// One end of connectionless messaging, on a mote or on the PC side of a gateway. A reliable message
-/// is repeated with its sequence number until the other end's endpoint acknowledges it.
+/// One end of connectionless messaging, on a mote or on the PC side of a gateway. A reliable
+/// message is repeated with its sequence number until the other end's endpoint acknowledges it.
 class endpoint {
 public:
   endpoint() = default;

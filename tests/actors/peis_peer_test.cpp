@@ -141,6 +141,34 @@ TEST_CASE("a port that users may not have is refused", "[actors][peis_peer][API-
   CHECK(x.world.logged("hook_refused port=19") == 1);
 }
 
+TEST_CASE("a port has one owner, and is free again when that component has ended",
+          "[actors][peis_peer][API-05]") {
+  rig x;
+  x.world.send(x.pc_peer, hook_port{x.on_pc, 30});
+  x.world.send(x.pc_peer, hook_port{x.on_robot, 30});
+  CHECK(x.world.logged("hook_refused port=30") == 1);
+  caf::anon_send_exit(x.on_pc.handle(), caf::exit_reason::kill);
+  x.world.run_for(1ms);
+  x.world.send(x.pc_peer, hook_port{x.on_robot, 30});
+  CHECK(x.world.logged("hook_refused port=30") == 1);
+}
+
+TEST_CASE("a component that has ended is told nothing more and leaves no subscription",
+          "[actors][peis_peer][TUP-09]") {
+  rig x;
+  x.world.send(x.robot_peer, watch_tuples{x.on_robot, 1, pc, "kitchen.lamp"});
+  x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", text("on"), true});
+  x.world.run_for(1s);
+  CHECK(x.on_robot.count<tuple_event>() == 1);
+  caf::anon_send_exit(x.on_robot.handle(), caf::exit_reason::kill);
+  x.world.run_for(1s);
+  const auto before = x.report(x.pc_peer).peis.packages;
+  for (int i = 0; i < 100; ++i)
+    x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", text("off"), true});
+  x.world.run_for(1s);
+  CHECK(x.report(x.pc_peer).peis.packages < before + 10); // nothing is pushed
+}
+
 TEST_CASE("a peer reports its links, hosts and tuples", "[actors][peis_peer]") {
   rig x;
   x.world.send(x.robot_peer, set_tuple{"a", text("1"), true});

@@ -17,8 +17,8 @@ namespace {
 
 /// A folder of its own that ends with the test.
 struct scratch_folder {
-  std::filesystem::path path = std::filesystem::temp_directory_path() /
-                               ("rubicon-debug-test-" + std::to_string(getpid()));
+  std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("rubicon-debug-test-" + std::to_string(getpid()));
   ~scratch_folder() { std::filesystem::remove_all(path); }
 };
 

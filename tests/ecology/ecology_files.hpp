@@ -24,7 +24,8 @@ namespace rubicon::test {
 [[nodiscard]] bool tells(const runtime::report& x, std::string_view who, std::string_view what);
 
 /// The proxy of that name. Throws if there is none.
-[[nodiscard]] const runtime::proxy_report& proxy_of(const runtime::report& x, std::string_view name);
+[[nodiscard]] const runtime::proxy_report& proxy_of(const runtime::report& x,
+                                                    std::string_view name);
 
 /// What a proxy says under that name; empty if nothing.
 [[nodiscard]] std::string value(const runtime::proxy_report& x, std::string_view name);

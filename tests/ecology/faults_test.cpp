@@ -41,8 +41,7 @@ TEST_CASE("a throwing mote is restarted, alone, and the report says so", "[ecolo
 
 TEST_CASE("motes survive an unplugged cable without joining again", "[ecology][GW-15]") {
   auto home = example("home.toml");
-  home.faults.insert(home.faults.begin(),
-                     {1min, config::unplug_fault{island_id{1}, 30s}});
+  home.faults.insert(home.faults.begin(), {1min, config::unplug_fault{island_id{1}, 30s}});
   const auto report = run(home);
   CHECK(report.violations.empty());
   CHECK(tells(report, "kitchen", "serial cable unplugged"));

@@ -1,5 +1,5 @@
-// Replays a corpus, and seeded mutations of it, through LLVMFuzzerTestOneInput: the fuzz targets run
-// in every build, and libFuzzer explores further under the fuzz preset.
+// Replays a corpus, and seeded mutations of it, through LLVMFuzzerTestOneInput: the fuzz targets
+// run in every build, and libFuzzer explores further under the fuzz preset.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>

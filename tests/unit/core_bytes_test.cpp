@@ -60,7 +60,8 @@ TEST_CASE("a payload is shared, compares by content and may be empty", "[core]")
 TEST_CASE("a fold depends on content, length and order", "[core]") {
   CHECK(fold64().add(1).add(2).value() != fold64().add(2).add(1).value());
   CHECK(fold64().add("ab").add("c").value() != fold64().add("a").add("bc").value());
-  CHECK(to_hex(fold64().add("rubicon").add(7).value()) == to_hex(fold64().add("rubicon").add(7).value()));
+  CHECK(to_hex(fold64().add("rubicon").add(7).value()) ==
+        to_hex(fold64().add("rubicon").add(7).value()));
   CHECK(to_hex(std::uint64_t{0xbeef}) == "000000000000beef");
 }
 

@@ -112,8 +112,7 @@ TEST_CASE("a message of a mote whose join was lost is not acknowledged; the sink
   CHECK(pick<to_sink>(out)[0].am_type == network::am::sink_event);
   CHECK(to_hex(pick<to_sink>(out)[0].payload) == "040007");
   join(x, fan);
-  CHECK(published(x.on_packet(network::am::to_gateway, message, {}), "devices.7.output.2") ==
-        "01");
+  CHECK(published(x.on_packet(network::am::to_gateway, message, {}), "devices.7.output.2") == "01");
 }
 
 TEST_CASE("an input is sent reliably and its status told", "[gateway][GW-05][GW-12][IF-07]") {

@@ -22,8 +22,7 @@ TEST_CASE("a reader of descriptors skips tags it does not know", "[mote][DIS-09]
 
 TEST_CASE("broken descriptors are refused", "[mote]") {
   CHECK(decode_descriptor({}).error() == errc::unsupported);
-  CHECK(decode_descriptor(*from_hex("02040000")).error() ==
-        errc::truncated);
+  CHECK(decode_descriptor(*from_hex("02040000")).error() == errc::truncated);
   CHECK(decode_descriptor(*from_hex("010400000065 02")).error() == errc::truncated);
   CHECK(decode_descriptor(*from_hex("0102 0065")).error() == errc::bad_value);
 }

@@ -20,8 +20,7 @@ sink make() {
 
 TEST_CASE("a sink passes island packets up and down as they are", "[mote][RTG-02]") {
   auto x = make();
-  const auto packet = encode(
-      network::island_packet{island_id{2}, mote_id{5}, 10, bytes{'h', 'i'}});
+  const auto packet = encode(network::island_packet{island_id{2}, mote_id{5}, 10, bytes{'h', 'i'}});
   const auto up = pick<to_gateway>(x.on_frame(mote_id{7}, network::am::to_gateway, packet, {}));
   REQUIRE(up.size() == 1);
   CHECK(up[0].source == mote_id{7});
@@ -48,9 +47,8 @@ TEST_CASE("a sink drops and counts what it cannot read", "[mote]") {
 
 TEST_CASE("a sink answers its gateway's question about a mote", "[mote][GW-15]") {
   auto x = make();
-  const auto out = pick<to_gateway>(
-      x.on_packet(network::am::sink_event,
-                  encode(network::sink_event(network::describe{mote_id{7}})), {}));
+  const auto out = pick<to_gateway>(x.on_packet(
+      network::am::sink_event, encode(network::sink_event(network::describe{mote_id{7}})), {}));
   REQUIRE(out.size() == 1);
   CHECK(out[0].source == mote_id{1});
   CHECK(to_hex(out[0].payload) == "02000702");

@@ -76,8 +76,8 @@ TEST_CASE("a proxy starts with what it knows already", "[proxy][PXY-05][PXY-06][
         lines{base + "class = climate", base + "id = 5/7", base + "island = kitchen",
               base + "colour = white", base + "size.height = 0.1 m", base + "temperature.unit = C",
               base + "humidity.unit = %", base + "switch.words = on off", base + "switch = none",
-              base + "led.words = red", base + "led = none",
-              base + "status.cause = none", base + "status = active"});
+              base + "led.words = red", base + "led = none", base + "status.cause = none",
+              base + "status = active"});
   CHECK_FALSE(aut.deadline());
 }
 

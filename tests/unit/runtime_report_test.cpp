@@ -172,8 +172,8 @@ TEST_CASE("the text tells how fast it was, who lived and what the proxies say", 
   CHECK(contains(text, "left: battery"));
   CHECK(contains(text, "never joined: blinds-3"));
   CHECK(contains(text, "of 12,400 copies in range: loss 67, collision 12\n"));
-  CHECK(!contains(text, "filtered"));    // addressed to another radio is no loss
-  CHECK(!contains(text, "duplicate 9")); // nor is a repeat of what was received
+  CHECK(!contains(text, "filtered"));     // addressed to another radio is no loss
+  CHECK(!contains(text, "duplicate 9"));  // nor is a repeat of what was received
   CHECK(contains(text, "2,100   99.8%")); // 2095 of 2100 - 1 that were still open
   CHECK(contains(text, "99.8%"));         // 1230 of 1234 - 1 that were still open
   CHECK(contains(text, "temperature  22.3"));

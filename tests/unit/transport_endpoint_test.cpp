@@ -176,9 +176,9 @@ TEST_CASE("over a lossy, repeating, reordering pipe every reliable message has o
     auto b = make(bob, seed + 1000);
     lossy_pipe between{a, b, 0.4, random_stream(seed)};
     for (ticket id = 1; id <= 8; ++id)
-      between.take(true, *a.send(id, {island, bob}, 10, bytes{static_cast<std::uint8_t>(id)}, true,
-                                 start),
-                   start);
+      between.take(
+          true, *a.send(id, {island, bob}, 10, bytes{static_cast<std::uint8_t>(id)}, true, start),
+          start);
     between.run();
     REQUIRE(between.outcomes.size() == 8);
     std::map<std::uint8_t, int> delivered;
@@ -190,7 +190,6 @@ TEST_CASE("over a lossy, repeating, reordering pipe every reliable message has o
       if (between.acked[id])
         CHECK(delivered[static_cast<std::uint8_t>(id)] == 1);
     }
-    CHECK(a.counters().reliable_sent ==
-          a.counters().reliable_acked + a.counters().reliable_failed);
+    CHECK(a.counters().reliable_sent == a.counters().reliable_acked + a.counters().reliable_failed);
   }
 }
