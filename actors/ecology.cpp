@@ -13,10 +13,11 @@ namespace {
 /// A mote that failed is out of order for this long before it starts again.
 constexpr duration reboot_time = 500ms;
 
-/// How long a change may take to reach the gateway's list: the longest keep-alive window of a mote
-/// that reports, rarely, every half minute. Within it, at the end of a run, list and truth may
-/// differ.
-constexpr duration settling_time = 150s;
+/// How long a change may take to reach the gateway's list: the mote's keep-alive window and time to
+/// repair a lost event. Within it, at the end of a run, list and truth may differ.
+duration settling_time(const supervised_mote& mote) {
+  return 4 * mote.arguments.node.keep_alive + 30s;
+}
 
 void tell_story(ecology_pointer self, const std::string& who, std::string what) {
   auto& report = self->state.report;
@@ -94,6 +95,11 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
              again ? "joined again, life " + std::to_string(x.incarnation + 1) : "joined");
 }
 
+void on_flat(ecology_pointer self, supervised_mote& mote) {
+  mote.flat = true;
+  mote.changed = now(self);
+}
+
 struct fault_applier {
   ecology_pointer self;
 
@@ -103,7 +109,7 @@ struct fault_applier {
       self->send(mote.handle, end_battery{});
       return;
     }
-    mote.flat = true; // while it was out of order: it will not start again
+    on_flat(self, mote); // while it was out of order: it will not start again
     self->send(mote.arguments.air, radio_power{mote.arguments.radio, radio::power::flat});
     tell_story(self, "mote/" + mote.arguments.name, "battery flat");
   }
@@ -188,7 +194,7 @@ runtime::run_truth truth_of(ecology_pointer self) {
   for (const auto& [address, mote] : state.motes) {
     auto& list = lists[address.island];
     list.island = address.island;
-    const bool settled = now(self) - mote.changed >= settling_time;
+    const bool settled = now(self) - mote.changed >= settling_time(mote);
     const auto reported = state.listed.find(address.island);
     const bool listed = reported != state.listed.end() &&
                         std::ranges::find(reported->second, address.mote) != reported->second.end();
@@ -226,7 +232,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   schedule_faults(self);
   return {
       [self](const story& x) { tell_story(self, x.who, x.what); },
-      [self](const mote_flat& x) { self->state.motes.at(x.mote).flat = true; },
+      [self](const mote_flat& x) { on_flat(self, self->state.motes.at(x.mote)); },
       [self](const listing_changed& x) { on_listing(self, x); },
       [self](const radio_status& x) { island_of(self, x.island).radio += x.radio; },
       [self](const energy_status& x) { on_energy(self, x); },

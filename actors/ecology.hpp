@@ -27,7 +27,7 @@ struct supervised_mote {
   bool listed = false;
   bool flat = false;
   std::string left_cause;
-  instant changed; ///< when it was last started, listed or unlisted
+  instant changed; ///< when it was last started, flat, listed or unlisted
 };
 
 struct ecology_state {

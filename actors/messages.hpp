@@ -12,7 +12,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
-#include "mote/transducer_config.hpp"
+#include "mote/transducer.hpp"
 #include "network/sink_event.hpp"
 #include "radio/channel.hpp"
 #include "runtime/report.hpp"

@@ -6,6 +6,18 @@
 
 namespace rubicon::radio {
 
+std::string_view to_string(power x) {
+  switch (x) {
+  case power::on:
+    return "on";
+  case power::off:
+    return "off";
+  case power::flat:
+    return "flat";
+  }
+  return "unknown";
+}
+
 namespace {
 
 /// A battery is asked whether it is flat no more often than this.

@@ -6,6 +6,16 @@
 
 namespace rubicon::serial {
 
+std::string_view to_string(direction x) {
+  switch (x) {
+  case direction::to_pc:
+    return "to_pc";
+  case direction::to_mote:
+    return "to_mote";
+  }
+  return "unknown";
+}
+
 line::line(line_config config, random_stream dice) : config_(config), dice_(dice) {
   assert(config_.baud > 0);
 }

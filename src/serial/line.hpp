@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "core/bytes.hpp"
@@ -16,6 +17,8 @@
 namespace rubicon::serial {
 
 enum class direction : std::uint8_t { to_pc, to_mote };
+
+[[nodiscard]] std::string_view to_string(direction x);
 
 /// Give these octets to the reader at that end.
 struct arrived {
