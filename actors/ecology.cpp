@@ -83,7 +83,7 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
   mote.changed = now(self);
   if (!x.listed) {
     mote.listed = false;
-    mote.left_cause = mote.flat ? "battery" : std::string(network::to_string(x.cause));
+    mote.left_cause = mote.flat ? "battery" : network::to_string(x.cause);
     tell_story(self, "mote/" + mote.arguments.name, "left: " + mote.left_cause);
     return;
   }

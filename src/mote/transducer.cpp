@@ -53,7 +53,7 @@ std::int16_t sample(const transducer_config& config, instant now, random_stream&
   return static_cast<std::int16_t>(std::clamp(count, double{limits::min()}, double{limits::max()}));
 }
 
-std::string_view to_string(quantity x) {
+std::string to_string(quantity x) {
   switch (x) {
   case quantity::temperature:
     return "temperature";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "core/random.hpp"
@@ -17,7 +18,7 @@ namespace rubicon::mote {
 [[nodiscard]] std::int16_t sample(const transducer_config& config, instant now,
                                   random_stream& dice);
 
-[[nodiscard]] std::string_view to_string(quantity x);
+[[nodiscard]] std::string to_string(quantity x);
 [[nodiscard]] std::string_view to_string(actuator_kind x);
 
 } // namespace rubicon::mote

@@ -79,7 +79,7 @@ result<sink_event> decode_roster(byte_reader& in) {
 
 } // namespace
 
-std::string_view to_string(leave_cause x) {
+std::string to_string(leave_cause x) {
   switch (x) {
   case leave_cause::notice:
     return "notice";

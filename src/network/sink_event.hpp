@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -16,7 +16,7 @@ namespace rubicon::network {
 /// Why a mote is no longer in its island.
 enum class leave_cause : std::uint8_t { notice = 1, silence = 2 };
 
-[[nodiscard]] std::string_view to_string(leave_cause x);
+[[nodiscard]] std::string to_string(leave_cause x);
 
 /// Up: a mote has completed its join, or was asked for by `describe`.
 struct mote_joined {

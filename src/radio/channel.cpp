@@ -6,7 +6,7 @@
 
 namespace rubicon::radio {
 
-std::string_view to_string(power x) {
+std::string to_string(power x) {
   switch (x) {
   case power::on:
     return "on";

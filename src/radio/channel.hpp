@@ -49,7 +49,7 @@ enum class power : std::uint8_t {
   flat, ///< the battery is at its end: nothing is drawn any more. Final: there is no way back to on
 };
 
-[[nodiscard]] std::string_view to_string(power x);
+[[nodiscard]] std::string to_string(power x);
 
 /// A frame for the mote of radio `to`.
 struct delivered {

@@ -6,7 +6,7 @@
 
 namespace rubicon::radio {
 
-std::string_view to_string(send_status x) {
+std::string to_string(send_status x) {
   switch (x) {
   case send_status::sent:
     return "sent";

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "core/bounded_queue.hpp"
@@ -46,7 +46,7 @@ enum class send_status : std::uint8_t {
 };
 
 /// As the report names them.
-[[nodiscard]] std::string_view to_string(send_status x);
+[[nodiscard]] std::string to_string(send_status x);
 
 /// A frame in the transmit queue.
 struct outgoing {

@@ -6,7 +6,7 @@
 
 namespace rubicon::serial {
 
-std::string_view to_string(direction x) {
+std::string to_string(direction x) {
   switch (x) {
   case direction::to_pc:
     return "to_pc";

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "core/bytes.hpp"
@@ -18,7 +18,7 @@ namespace rubicon::serial {
 
 enum class direction : std::uint8_t { to_pc, to_mote };
 
-[[nodiscard]] std::string_view to_string(direction x);
+[[nodiscard]] std::string to_string(direction x);
 
 /// Give these octets to the reader at that end.
 struct arrived {
