@@ -5,15 +5,6 @@
 
 using namespace rubicon::test;
 
-namespace {
-
-struct row {
-  const char* toml;
-  const char* problem; ///< all problems, a line each
-};
-
-} // namespace
-
 TEST_CASE("an ecology needs its table and somebody in it", "[config][GEN-06]") {
   const auto x = GENERATE(values<row>({
       {"[ecology]\nname = \"t\"\n", "1:1: the file has neither an [[island]] nor a [[peer]]"},

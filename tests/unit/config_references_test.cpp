@@ -5,15 +5,6 @@
 
 using namespace rubicon::test;
 
-namespace {
-
-struct row {
-  const char* toml;
-  const char* problem; ///< all problems, a line each
-};
-
-} // namespace
-
 TEST_CASE("islands and peers share ids and names", "[config][GEN-06][ADR-02][ADR-03]") {
   const auto x = GENERATE(values<row>({
       {"[[island]]\nname = \"b\"\nid = 1\n",

@@ -35,6 +35,12 @@ inline const std::string proxy_head = std::string(head) + "[[proxy]]\nname = \"p
 inline const std::string field_head = proxy_head + "[[proxy.field]]\nname = \"f\"\nchannel = 1\n";
 inline const std::string input_head = proxy_head + "[[proxy.input]]\nname = \"i\"\nchannel = 2\n";
 
+/// A piece of a file and what is wrong with it.
+struct row {
+  const char* toml;
+  const char* problem; ///< all problems, a line each; `none` without any
+};
+
 /// Every problem as `line:column: message`.
 [[nodiscard]] std::vector<std::string> problems_in(const std::string& toml);
 

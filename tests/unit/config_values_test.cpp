@@ -5,15 +5,6 @@
 
 using namespace rubicon::test;
 
-namespace {
-
-struct row {
-  const char* toml;
-  const char* problem; ///< all problems, a line each
-};
-
-} // namespace
-
 TEST_CASE("a value of the wrong kind or range says what would be right", "[config][GEN-06]") {
   const auto x = GENERATE(values<row>({
       {"[radio]\nqueue = \"8\"\n", "7:9: `queue` must be a whole number from 1 to 1024, not \"8\""},
