@@ -82,14 +82,12 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
   auto& mote = found->second;
   mote.changed = now(self);
   if (!x.listed) {
-    mote.listed = false;
     mote.left_cause = mote.flat ? "battery" : network::to_string(x.cause);
     tell_story(self, "mote/" + mote.arguments.name, "left: " + mote.left_cause);
     return;
   }
   const bool again = mote.joined;
   mote.joined = true;
-  mote.listed = true;
   mote.left_cause.clear();
   tell_story(self, "mote/" + mote.arguments.name,
              again ? "joined again, life " + std::to_string(x.incarnation + 1) : "joined");

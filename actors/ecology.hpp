@@ -24,7 +24,6 @@ struct supervised_mote {
   mote_actor handle;
   std::string type;
   bool joined = false; ///< ever
-  bool listed = false;
   bool flat = false;
   std::string left_cause;
   instant changed; ///< when it was last started, flat, listed or unlisted

@@ -74,7 +74,6 @@ struct performer {
   void operator()(const serial::sent&) const {}
 
   void operator()(const serial::lost& x) const {
-    ++self->state.packets_lost;
     log(self, spdlog::level::warn, "event=lost packet={}", x.id.value);
   }
 

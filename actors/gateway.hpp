@@ -24,7 +24,6 @@ struct gateway_state {
   gateway::gateway gateway;
   serial::endpoint port;
   std::uint64_t next_packet = 1;
-  std::uint64_t packets_lost = 0;  ///< given up by the serial port
   std::uint64_t bad_packets = 0;   ///< from the line, not serial active messages
   std::uint64_t messages_lost = 0; ///< that another gateway did not acknowledge
   timer wake;

@@ -148,10 +148,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self, mote_arguments argume
           perform(self, self->state.node.on_frame(frame->source, frame->am_type, frame->payload,
                                                   now(self)));
       },
-      [self](const radio_done& x) {
-        if (x.status != radio::send_status::sent)
-          ++self->state.radio_failures;
-      },
+      [](const radio_done&) {}, // counted by the air; Transport repeats what matters
       [self](battery_flat) { die(self); },
       [self](const claim_am_type& x) { on_claim(self, x); },
       [self](const send_message& x) {

@@ -40,7 +40,6 @@ struct mote_state {
   std::map<transport::ticket, waiting_app> waiting;
   transport::ticket next_ticket = 1;
   std::uint64_t unowned = 0; ///< messages of an AM type that no app has claimed
-  std::uint64_t radio_failures = 0;
   bool flat = false;
 };
 
