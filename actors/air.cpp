@@ -1,6 +1,6 @@
 #include "actors/air.hpp"
 
-#include <set>
+#include <map>
 
 #include "actors/log.hpp"
 #include "scheduler/supervision.hpp"
@@ -28,8 +28,10 @@ struct performer {
       log(self, spdlog::level::debug, "event=unsent radio={} cause={}",
           to_string(self->state.addresses[slot(x.radio)]), radio::to_string(x.status));
     if (const auto& user = self->state.users[slot(x.radio)])
-      self->send(user, radio_done{x.token, x.status});
+      self->send(user, radio_done{x.token, x.status, x.transmissions, x.arrived, x.last});
   }
+
+  void operator()(const radio::overheard& x) const { self->state.observe(x); }
 
   void operator()(const radio::exhausted& x) const {
     if (const auto& user = self->state.users[slot(x.radio)])
@@ -46,14 +48,12 @@ void perform(air_pointer self, radio::outputs todo) {
 runtime::radio_report report_of(const radio::books& x) {
   runtime::radio_report r;
   r.sent = x.copies.sent;
-  r.delivered = x.copies.delivered;
-  r.lost = {{"loss", x.copies.loss},
-            {"collision", x.copies.collision},
-            {"half_duplex", x.copies.half_duplex},
-            {"off", x.copies.off},
-            {"filtered", x.copies.filtered},
-            {"overflow", x.copies.overflow},
-            {"duplicate", x.copies.duplicate}};
+  r.delivered = x.copies.of(radio::copy_fate::delivered);
+  for (std::size_t i = 0; i < radio::copy_fates; ++i) {
+    const auto fate = static_cast<radio::copy_fate>(i);
+    if (fate != radio::copy_fate::delivered)
+      r.lost[radio::to_string(fate)] = x.copies.of(fate);
+  }
   r.requests = x.requests.requests;
   r.mac_sent = x.requests.sent;
   r.mac_failed = {{"no_ack", x.requests.no_ack},
@@ -67,28 +67,34 @@ runtime::radio_report report_of(const radio::books& x) {
 
 void report(air_pointer self) {
   auto& state = self->state;
-  std::set<island_id> islands;
+  perform(self, state.channel.on_time(now(self)));
+  std::map<island_id, radio::books> islands;
   for (std::size_t i = 0; i < state.addresses.size(); ++i) {
     const auto address = state.addresses[i];
-    islands.insert(address.island);
     const auto use =
         state.channel.energy(radio::radio_index(static_cast<std::uint32_t>(i)), now(self));
-    self->send(state.ecology,
-               energy_status{address, use.used_mah, use.battery_mah, use.times.mcu_active,
-                             use.times.mcu_sleep, use.times.radio_off, use.times.radio_listen,
-                             use.times.radio_receive, use.times.radio_transmit});
+    self->send(state.ecology, energy_status{address, use.elapsed, use.used_mah, use.battery_mah,
+                                            use.times.mcu_active, use.times.mcu_sleep,
+                                            use.times.radio_off, use.times.radio_listen,
+                                            use.times.radio_receive, use.times.radio_transmit});
   }
-  for (const auto island : islands)
-    self->send(state.ecology, radio_status{island, report_of(state.channel.counted_in_pan(
-                                                       static_cast<std::uint16_t>(island.value)))});
+  const auto counted = state.channel.counted_by_radio();
+  for (std::size_t i = 0; i < counted.size(); ++i)
+    islands[state.addresses[i].island] += counted[i];
+  for (const auto& [island, books] : islands)
+    self->send(state.ecology, radio_status{island, report_of(books)});
 }
 
 } // namespace
 
 air_actor::behavior_type air(air_pointer self, radio::channel channel,
-                             std::vector<mote_address> addresses, ecology_actor ecology) {
+                             std::vector<mote_address> addresses, ecology_actor ecology,
+                             frame_observer observe) {
   scheduler::tell_monitors_of_exceptions(self);
   self->state.channel = std::move(channel);
+  self->state.observe = std::move(observe);
+  if (self->state.observe)
+    self->state.channel.watch();
   self->state.users.resize(addresses.size());
   self->state.addresses = std::move(addresses);
   self->state.ecology = std::move(ecology);
@@ -98,13 +104,16 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
         perform(self, self->state.channel.set_power(x.radio, radio::power::on, now(self)));
       },
       [self](const radio_send& x) {
-        perform(self,
-                self->state.channel.send(
-                    x.radio, {x.token, x.destination, x.am_type, to_bytes(x.octets.view()), x.ack},
-                    now(self)));
+        perform(self, self->state.channel.send(x.radio,
+                                               {x.token, x.destination, x.am_type, x.octets, x.ack},
+                                               now(self)));
       },
       [self](const radio_power& x) {
         perform(self, self->state.channel.set_power(x.radio, x.state, now(self)));
+      },
+      [self](const move_radio& x) {
+        perform(self, self->state.channel.on_time(now(self)));
+        self->state.channel.move(x.radio, x.place);
       },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))

@@ -58,6 +58,9 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.node.id = mote.id;
   x.node.type = mote.type;
   x.node.keep_alive = keep_alive_of(island, mote);
+  x.stack = island.stack;
+  x.path = mote.path;
+  x.step = mote.step;
   x.node.transducers = mote.transducers;
   x.node.actuators = mote.actuators;
   x.apps = mote.apps;
@@ -84,9 +87,17 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   registrar.keep_alive_window = island.keep_alive;
   serial::mote_port_config port;
   port.baud = island.serial.baud;
-  spawn_child(
-      self, "sink/" + island.name, sink,
-      sink_arguments{{island.id, island.sink.id}, registrar, port, radio, air, line, ecology});
+  sink_arguments at_sink;
+  at_sink.address = {island.id, island.sink.id};
+  at_sink.registrar = registrar;
+  at_sink.port = port;
+  at_sink.radio = radio;
+  at_sink.air = air;
+  at_sink.line = line;
+  at_sink.apps = island.sink.apps;
+  at_sink.seed = seed;
+  at_sink.ecology = ecology;
+  spawn_child(self, "sink/" + island.name, sink, std::move(at_sink));
 
   gateway_arguments gateway;
   gateway.config.island = island.id;
@@ -97,14 +108,41 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   spawn_child(self, "gateway/" + island.name, gateway_behavior, std::move(gateway));
 }
 
-radio::radio_config radio_of(island_id island, mote_id address, const radio::platform* kind,
-                             const position& place, std::optional<double> battery_mah) {
+/// The sink of an island that only measures: a mote like the others, but fed by its cable.
+void spawn_measuring_sink(ecology_pointer self, const config::island_description& island,
+                          radio::radio_index radio, const air_actor& air) {
+  mote_arguments x;
+  x.address = {island.id, island.sink.id};
+  x.name = island.name + "/sink";
+  x.stack = config::stack::mac;
+  x.apps = island.sink.apps;
+  x.seed = self->state.description.seed;
+  x.radio = radio;
+  x.air = air;
+  x.ecology = handle_of(self);
+  spawn_child(self, "mote/" + x.name, mote_behavior, std::move(x));
+}
+
+radio::radio_config radio_of(const config::island_description& island) {
   radio::radio_config x;
-  x.address = address;
+  x.address = island.sink.id;
+  x.pan = static_cast<std::uint16_t>(island.id.value);
+  x.place = island.sink.place;
+  x.kind = island.sink.platform;
+  x.transmit_dbm = island.sink.transmit_dbm;
+  x.battery_mah = mains_mah;
+  x.promiscuous = island.sink.promiscuous;
+  return x;
+}
+
+radio::radio_config radio_of(island_id island, const config::mote_description& mote) {
+  radio::radio_config x;
+  x.address = mote.id;
   x.pan = static_cast<std::uint16_t>(island.value);
-  x.place = place;
-  x.kind = kind;
-  x.battery_mah = battery_mah;
+  x.place = mote.place;
+  x.kind = mote.platform;
+  x.transmit_dbm = mote.transmit_dbm;
+  x.battery_mah = mote.battery_mah;
   return x;
 }
 
@@ -120,21 +158,21 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
     const auto& island =
         *std::ranges::find(description.islands, id, &config::island_description::id);
     islands.push_back(&island);
-    static_cast<void>(channel.add(
-        radio_of(id, island.sink.id, island.sink.platform, island.sink.place, mains_mah),
-        now(self)));
+    static_cast<void>(channel.add(radio_of(island), now(self)));
     addresses.push_back({id, island.sink.id});
     for (const auto& mote : island.motes) {
-      static_cast<void>(channel.add(
-          radio_of(id, mote.id, mote.platform, mote.place, mote.battery_mah), now(self)));
+      static_cast<void>(channel.add(radio_of(id, mote), now(self)));
       addresses.push_back({id, mote.id});
     }
   }
-  const auto medium =
-      spawn_child(self, path, rubicon::air, std::move(channel), addresses, handle_of(self));
+  const auto medium = spawn_child(self, path, rubicon::air, std::move(channel),
+                                  std::move(addresses), handle_of(self), state.observe_frames);
   radio::radio_index radio{};
   for (const auto* island : islands) {
-    spawn_bridge(self, *island, radio, medium);
+    if (island->stack == config::stack::full)
+      spawn_bridge(self, *island, radio, medium);
+    else
+      spawn_measuring_sink(self, *island, radio, medium);
     ++radio.value;
     for (const auto& mote : island->motes) {
       auto& entry = state.motes[{island->id, mote.id}];
@@ -180,7 +218,8 @@ void open_links(ecology_pointer self) {
     }
   };
   for (const auto& island : description.islands)
-    connect(island.gateway_name, island.gateway_links);
+    if (island.stack == config::stack::full)
+      connect(island.gateway_name, island.gateway_links);
   for (const auto& peer : description.peers)
     connect(peer.name, peer.links);
 }
@@ -242,7 +281,8 @@ void spawn_mote(ecology_pointer self, supervised_mote& mote) {
 void assemble(ecology_pointer self) {
   const auto& description = self->state.description;
   for (const auto& island : description.islands)
-    spawn_peer(self, gateway_of(island.id), island.gateway_name, island.host);
+    if (island.stack == config::stack::full)
+      spawn_peer(self, gateway_of(island.id), island.gateway_name, island.host);
   for (const auto& peer : description.peers)
     spawn_peer(self, peer.id, peer.name, peer.host);
   open_links(self);

@@ -156,6 +156,7 @@ void begin_collecting(ecology_pointer self) {
     x.address = address;
     x.name = mote.arguments.name.substr(mote.arguments.name.find('/') + 1);
     x.type = mote.type;
+    x.joins = mote.arguments.stack == config::stack::full;
     x.joined = mote.joined;
     x.alive = !mote.flat && mote.handle != nullptr;
     x.incarnations = mote.arguments.incarnation + (mote.handle ? 1 : 0);
@@ -173,6 +174,7 @@ void on_energy(ecology_pointer self, const energy_status& x) {
   const auto found = std::ranges::find(motes, x.mote, &runtime::mote_report::address);
   if (found == motes.end())
     return; // a sink: it lives on its cable
+  found->elapsed = x.elapsed;
   found->used_mah = x.used_mah;
   found->battery_mah = x.battery_mah;
   found->mcu_active = x.mcu_active;
@@ -190,6 +192,8 @@ runtime::run_truth truth_of(ecology_pointer self) {
   truth.crashes_requested = state.crashes_requested;
   std::map<island_id, runtime::device_list> lists;
   for (const auto& [address, mote] : state.motes) {
+    if (mote.arguments.stack != config::stack::full)
+      continue; // no gateway lists it
     auto& list = lists[address.island];
     list.island = address.island;
     const bool settled = now(self) - mote.changed >= settling_time(mote);
@@ -208,8 +212,42 @@ runtime::run_truth truth_of(ecology_pointer self) {
   return truth;
 }
 
+/// `lab/sink`, `lab/mote-7`, `lab/*`
+std::string mote_name(ecology_pointer self, const mote_address& x) {
+  const auto island = island_of(self, x.island).name;
+  if (x.mote == broadcast_mote)
+    return island + "/*";
+  const auto found = self->state.motes.find(x);
+  return found == self->state.motes.end() ? island + "/sink" : found->second.arguments.name;
+}
+
+runtime::flow_report report_of(ecology_pointer self, const flow::part& x) {
+  runtime::flow_report r;
+  r.from = x.from;
+  r.to = x.to;
+  r.from_name = mote_name(self, x.from);
+  r.to_name = mote_name(self, x.to);
+  r.sent = x.sent;
+  r.delivered = x.delivered;
+  r.lost = x.lost;
+  r.delay_mean_ms = x.delay.mean_ms();
+  r.delay_p50_ms = x.delay.quantile_ms(0.5);
+  r.delay_p95_ms = x.delay.quantile_ms(0.95);
+  if (x.active > 0s)
+    r.goodput_bps = 8 * static_cast<double>(x.octets) / seconds(x.active);
+  if (x.sent > 0) {
+    r.pdr = static_cast<double>(x.delivered) / static_cast<double>(x.sent);
+    r.tx_per_packet = static_cast<double>(x.transmissions) / static_cast<double>(x.sent);
+  }
+  const auto ended = x.delivered + runtime::total(x.lost);
+  r.open = x.to.mote != broadcast_mote && ended < x.sent ? x.sent - ended : 0;
+  return r;
+}
+
 void deliver(ecology_pointer self) {
   auto& report = self->state.report;
+  for (const auto& [ends, part] : self->state.flows)
+    report.flows.push_back(report_of(self, part));
   report.simulated = now(self).time_since_epoch();
   std::ranges::sort(report.peers, {}, &runtime::peer_report::id);
   std::ranges::sort(report.proxies, {}, &runtime::proxy_report::name);
@@ -221,9 +259,10 @@ void deliver(ecology_pointer self) {
 } // namespace
 
 root_actor::behavior_type ecology(ecology_pointer self, config::ecology_description description,
-                                  report_receiver on_report) {
+                                  report_receiver on_report, frame_observer observe_frames) {
   self->state.description = std::move(description);
   self->state.on_report = std::move(on_report);
+  self->state.observe_frames = std::move(observe_frames);
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
   prepare_report(self);
   assemble(self);
@@ -234,6 +273,10 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const listing_changed& x) { on_listing(self, x); },
       [self](const radio_status& x) { island_of(self, x.island).radio += x.radio; },
       [self](const energy_status& x) { on_energy(self, x); },
+      [self](const flow_status& x) {
+        for (const auto& part : x.parts)
+          self->state.flows[{part.from, part.to}] += part;
+      },
       [self](const message_status& x) { island_of(self, x.island).messages += x.messages; },
       [self](const serial_status& x) { island_of(self, x.island).serial += x.serial; },
       [self](const devices_status& x) { self->state.listed[x.island] = x.listed; },

@@ -24,6 +24,11 @@ typename Inspector::result_type inspect(Inspector& f, mote_address& x) {
   return f(caf::meta::type_name("mote_address"), x.island, x.mote);
 }
 
+template <class Inspector>
+typename Inspector::result_type inspect(Inspector& f, position& x) {
+  return f(caf::meta::type_name("position"), x.x_m, x.y_m, x.z_m);
+}
+
 /// Saving hands the octets over in one piece: the trace folds every payload of a run.
 template <class Inspector>
 typename Inspector::result_type inspect(Inspector& f, payload& x) {

@@ -12,6 +12,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
+#include "flow/part.hpp"
 #include "mote/transducer.hpp"
 #include "network/sink_event.hpp"
 #include "radio/channel.hpp"
@@ -60,9 +61,15 @@ struct radio_status {
   runtime::radio_report radio;
 };
 
+/// What one mote knows about the flows of measuring packets it has a hand in.
+struct flow_status {
+  std::vector<flow::part> parts;
+};
+
 /// Energy of one mote, as its radio and MCU have used it.
 struct energy_status {
   mote_address mote;
+  duration elapsed{};
   double used_mah = 0;
   double battery_mah = 0;
   duration mcu_active{};
@@ -99,12 +106,11 @@ struct proxy_status {
 };
 
 /// The root supervisor, as those below it see it.
-using ecology_actor =
-    caf::typed_actor<caf::reacts_to<story>, caf::reacts_to<mote_flat>,
-                     caf::reacts_to<listing_changed>, caf::reacts_to<radio_status>,
-                     caf::reacts_to<energy_status>, caf::reacts_to<message_status>,
-                     caf::reacts_to<serial_status>, caf::reacts_to<devices_status>,
-                     caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>>;
+using ecology_actor = caf::typed_actor<
+    caf::reacts_to<story>, caf::reacts_to<mote_flat>, caf::reacts_to<listing_changed>,
+    caf::reacts_to<radio_status>, caf::reacts_to<energy_status>, caf::reacts_to<flow_status>,
+    caf::reacts_to<message_status>, caf::reacts_to<serial_status>, caf::reacts_to<devices_status>,
+    caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>>;
 
 /// To itself: this fault of the description's plan is due.
 struct apply_fault {
@@ -139,6 +145,9 @@ struct frame_received {
 struct radio_done {
   std::uint64_t token = 0;
   radio::send_status status = radio::send_status::sent;
+  unsigned transmissions = 0;
+  bool arrived = false; ///< its destination has it; only a simulated air knows
+  radio::copy_fate last = radio::copy_fate::out_of_reach; ///< of the last copy at its destination
 };
 
 /// The battery that feeds this radio is flat; the radio is off.
@@ -168,10 +177,16 @@ struct radio_power {
   radio::power state = radio::power::off;
 };
 
+/// The radio is somewhere else from now on.
+struct move_radio {
+  radio::radio_index radio;
+  position place;
+};
+
 /// The radio medium of one place.
 using air_actor = caf::typed_actor<caf::reacts_to<attach_radio>, caf::reacts_to<radio_send>,
-                                   caf::reacts_to<radio_power>, caf::reacts_to<timer_expired>,
-                                   caf::reacts_to<status_request>>;
+                                   caf::reacts_to<radio_power>, caf::reacts_to<move_radio>,
+                                   caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 // ----------------------------------------------------------------------------------------- serial
 
@@ -272,17 +287,21 @@ struct set_actuator {
   std::uint8_t state = 0;
 };
 
+/// The app has carried its mote somewhere; its way-points, if it has any, count no more.
+struct move_mote {
+  position place;
+};
+
 /// From the fault plan: the next handler throws.
 struct crash_now {};
 
 /// From the fault plan: the battery is flat.
 struct end_battery {};
 
-using mote_actor =
-    radio_user_actor::extend<caf::reacts_to<claim_am_type>, caf::reacts_to<send_message>,
-                             caf::reacts_to<read_transducers>, caf::reacts_to<set_actuator>,
-                             caf::reacts_to<crash_now>, caf::reacts_to<end_battery>,
-                             caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+using mote_actor = radio_user_actor::extend<
+    caf::reacts_to<claim_am_type>, caf::reacts_to<send_message>, caf::reacts_to<read_transducers>,
+    caf::reacts_to<set_actuator>, caf::reacts_to<move_mote>, caf::reacts_to<crash_now>,
+    caf::reacts_to<end_battery>, caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 using sink_actor =
     radio_user_actor::extend<caf::reacts_to<serial_octets>, caf::reacts_to<timer_expired>,

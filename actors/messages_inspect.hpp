@@ -48,6 +48,16 @@ auto inspect(F& f, peer_report& x) {
 
 } // namespace runtime
 
+namespace flow {
+
+template <class F>
+auto inspect(F& f, part& x) {
+  return f(caf::meta::type_name("part"), x.from, x.to, x.sent, x.delivered, x.octets,
+           x.transmissions, x.lost, x.active, x.delay);
+}
+
+} // namespace flow
+
 template <class F>
 auto inspect(F& f, timer_expired& x) {
   return f(caf::meta::type_name("timer_expired"), x.which, x.epoch);
@@ -84,6 +94,11 @@ auto inspect(F& f, energy_status& x) {
 }
 
 template <class F>
+auto inspect(F& f, flow_status& x) {
+  return f(caf::meta::type_name("flow_status"), x.parts);
+}
+
+template <class F>
 auto inspect(F& f, message_status& x) {
   return f(caf::meta::type_name("message_status"), x.island, x.messages);
 }
@@ -115,7 +130,8 @@ auto inspect(F& f, frame_received& x) {
 
 template <class F>
 auto inspect(F& f, radio_done& x) {
-  return f(caf::meta::type_name("radio_done"), x.token, x.status);
+  return f(caf::meta::type_name("radio_done"), x.token, x.status, x.transmissions, x.arrived,
+           x.last);
 }
 
 template <class F>
@@ -137,6 +153,16 @@ auto inspect(F& f, radio_send& x) {
 template <class F>
 auto inspect(F& f, radio_power& x) {
   return f(caf::meta::type_name("radio_power"), x.radio, x.state);
+}
+
+template <class F>
+auto inspect(F& f, move_radio& x) {
+  return f(caf::meta::type_name("move_radio"), x.radio, x.place);
+}
+
+template <class F>
+auto inspect(F& f, move_mote& x) {
+  return f(caf::meta::type_name("move_mote"), x.place);
 }
 
 template <class F>
@@ -317,6 +343,7 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::mote_flat))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::listing_changed))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::energy_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::flow_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::message_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::serial_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::devices_status))
@@ -332,6 +359,8 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::battery_flat))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::attach_radio))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_send))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_power))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::move_radio))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::move_mote))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::serial_octets))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::attach_serial))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::serial_write))

@@ -53,13 +53,39 @@ struct performer {
 void perform(mote_pointer self, mote::node_outputs todo) {
   for (auto& output : todo)
     std::visit(performer{self}, output);
-  self->state.wake.follow(self, self->state.node.deadline());
+  self->state.wake.follow(self, self->state.node->deadline());
+}
+
+void on_frame(mote_pointer self, byte_view psdu) {
+  const auto frame = radio::decode(psdu);
+  if (!frame || !is_for(*frame, self->state.arguments.address) ||
+      self->state.flows.take(self, *frame))
+    return;
+  if (const auto& node = self->state.node)
+    perform(self, node->on_frame(frame->source, frame->am_type, frame->payload, now(self)));
+}
+
+void go(mote_pointer self) {
+  auto& state = self->state;
+  if (state.walk.empty())
+    return;
+  self->send(state.arguments.air, move_radio{state.arguments.radio, state.walk.at(now(self))});
+  state.walk_wake.follow(self, state.walk.next(now(self)));
+}
+
+void on_timer(mote_pointer self, const timer_expired& x) {
+  auto& state = self->state;
+  state.flows.on_timer(self, x);
+  if (state.wake.accepts(x) && !state.flat)
+    perform(self, state.node->on_time(now(self)));
+  if (state.walk_wake.accepts(x)) // a mote is carried on even if its battery is flat
+    go(self);
 }
 
 void on_send(mote_pointer self, const send_message& x) {
   const auto ticket = self->state.next_ticket++;
-  auto accepted = self->state.node.send(ticket, x.destination, x.am_type, to_bytes(x.octets.view()),
-                                        x.reliable, now(self));
+  auto accepted = self->state.node->send(ticket, x.destination, x.am_type,
+                                         to_bytes(x.octets.view()), x.reliable, now(self));
   if (accepted && x.reliable)
     self->state.waiting[ticket] = {x.app.actor, x.token};
   else
@@ -77,15 +103,15 @@ void on_claim(mote_pointer self, const claim_am_type& x) {
 void on_read(mote_pointer self, const read_transducers& x) {
   transducers_read answer;
   for (const auto kind : x.kinds) {
-    if (const auto count = self->state.node.read(kind, now(self)))
+    if (const auto count = self->state.node->read(kind, now(self)))
       answer.counts.push_back(*count);
   }
   self->send(x.app.actor, std::move(answer));
 }
 
 void on_set(mote_pointer self, const set_actuator& x) {
-  const bool obeyed = self->state.node.actuate(x.name, x.state);
-  const auto state = self->state.node.actuator_state(x.name).value_or(0);
+  const bool obeyed = self->state.node->actuate(x.name, x.state);
+  const auto state = self->state.node->actuator_state(x.name).value_or(0);
   if (obeyed)
     self->send(self->state.arguments.ecology,
                story{self->path(), x.name + (state == 0   ? " off"
@@ -104,10 +130,12 @@ void die(mote_pointer self) {
   log(self, spdlog::level::info, "event=battery_flat");
   self->send(self->state.arguments.ecology, story{self->path(), "battery flat"});
   self->send(self->state.arguments.ecology, mote_flat{self->state.arguments.address});
+  self->state.flows.stop(self);
 }
 
 /// @param open reliable sends still waiting for their outcome
-void report(mote_pointer self, const transport::endpoint_counters& counted, std::size_t open) {
+void report_messages(mote_pointer self, const transport::endpoint_counters& counted,
+                     std::size_t open) {
   const auto& arguments = self->state.arguments;
   self->send(arguments.ecology, message_status{arguments.address.island, report_of(counted, open)});
 }
@@ -116,9 +144,13 @@ void report(mote_pointer self, const transport::endpoint_counters& counted, std:
 /// open has failed.
 void report_failures(mote_pointer self) {
   self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
-    auto counted = self->state.node.messages();
-    counted.reliable_failed += self->state.node.outstanding();
-    report(self, counted, 0);
+    self->state.flows.stop(self);
+    self->state.flows.report(self, self->state.arguments.ecology);
+    if (const auto& node = self->state.node) {
+      auto counted = node->messages();
+      counted.reliable_failed += node->outstanding();
+      report_messages(self, counted, 0);
+    }
     return scheduler::failure_of(x);
   });
 }
@@ -126,13 +158,19 @@ void report_failures(mote_pointer self) {
 void start(mote_pointer self) {
   auto& state = self->state;
   const auto& arguments = state.arguments;
-  state.node = mote::node(arguments.node, arguments.incarnation,
-                          random_stream(arguments.seed, "mote/" + arguments.name + '#' +
-                                                            std::to_string(arguments.incarnation)));
+  const auto life = "mote/" + arguments.name + '#' + std::to_string(arguments.incarnation);
   self->send(arguments.air,
              attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
+  state.walk = mote::walk(arguments.path, arguments.step);
+  go(self);
+  if (arguments.stack == config::stack::full)
+    state.node = std::make_unique<mote::node>(arguments.node, arguments.incarnation,
+                                              random_stream(arguments.seed, life));
   state.apps = spawn_mote_apps(self);
-  perform(self, state.node.start(now(self)));
+  if (state.node)
+    perform(self, state.node->start(now(self)));
+  state.flows.start(self, arguments.apps, arguments.address, arguments.radio, arguments.air,
+                    random_stream(arguments.seed, life + "/flows"));
 }
 
 } // namespace
@@ -143,25 +181,27 @@ mote_actor::behavior_type mote_behavior(mote_pointer self, mote_arguments argume
   start(self);
   return {
       [self](const frame_received& x) {
-        const auto frame = radio::decode(x.psdu.view());
-        if (frame && !self->state.flat)
-          perform(self, self->state.node.on_frame(frame->source, frame->am_type, frame->payload,
-                                                  now(self)));
+        if (!self->state.flat)
+          on_frame(self, x.psdu.view());
       },
-      [](const radio_done&) {}, // counted by the air; Transport repeats what matters
+      [self](const radio_done& x) { self->state.flows.on_done(self, x); },
       [self](battery_flat) { die(self); },
       [self](const claim_am_type& x) { on_claim(self, x); },
       [self](const send_message& x) {
-        if (!self->state.flat)
+        if (self->state.node && !self->state.flat)
           on_send(self, x);
       },
       [self](const read_transducers& x) {
-        if (!self->state.flat)
+        if (self->state.node && !self->state.flat)
           on_read(self, x);
       },
       [self](const set_actuator& x) {
-        if (!self->state.flat)
+        if (self->state.node && !self->state.flat)
           on_set(self, x);
+      },
+      [self](const move_mote& x) {
+        self->state.walk_wake.stop();
+        self->send(self->state.arguments.air, move_radio{self->state.arguments.radio, x.place});
       },
       [self](crash_now) {
         if (!self->state.flat)
@@ -172,12 +212,11 @@ mote_actor::behavior_type mote_behavior(mote_pointer self, mote_arguments argume
                    radio_power{self->state.arguments.radio, radio::power::flat});
         die(self);
       },
-      [self](const timer_expired& x) {
-        if (self->state.wake.accepts(x) && !self->state.flat)
-          perform(self, self->state.node.on_time(now(self)));
-      },
+      [self](const timer_expired& x) { on_timer(self, x); },
       [self](status_request) {
-        report(self, self->state.node.messages(), self->state.node.outstanding());
+        self->state.flows.report(self, self->state.arguments.ecology);
+        if (const auto& node = self->state.node)
+          report_messages(self, node->messages(), node->outstanding());
       },
   };
 }

@@ -2,13 +2,16 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "actors/flow_host.hpp"
 #include "actors/messages.hpp"
 #include "actors/timer.hpp"
 #include "config/ecology.hpp"
 #include "mote/node.hpp"
+#include "mote/walk.hpp"
 
 namespace rubicon {
 
@@ -16,10 +19,13 @@ namespace rubicon {
 struct mote_arguments {
   mote_address address;
   std::string name; ///< `kitchen/climate-7`
-  mote::node_config node;
+  config::stack stack = config::stack::full;
+  mote::node_config node; ///< full stack only
   std::vector<config::mote_app> apps;
-  std::uint32_t incarnation = 0; ///< how often it was started before
-  std::uint64_t seed = 0;        ///< of the ecology
+  std::vector<mote::way_point> path; ///< empty: it does not move
+  duration step = 1s;                ///< of its moves
+  std::uint32_t incarnation = 0;     ///< how often it was started before
+  std::uint64_t seed = 0;            ///< of the ecology
   radio::radio_index radio;
   air_actor air;
   ecology_actor ecology;
@@ -32,9 +38,14 @@ struct mote_state {
     std::uint64_t token = 0;
   };
 
+  static constexpr std::uint8_t walk_timer = 2;
+
   mote_arguments arguments;
-  mote::node node;
+  std::unique_ptr<mote::node> node; ///< full stack only
+  flow_host flows;
+  mote::walk walk;
   timer wake;
+  timer walk_wake{walk_timer};
   std::vector<mote_app_actor> apps;
   std::map<std::uint8_t, mote_app_actor> owners; ///< of AM types
   std::map<transport::ticket, waiting_app> waiting;
@@ -43,8 +54,8 @@ struct mote_state {
   bool flat = false;
 };
 
-/// Spawns the mote's apps and lets it join its island. Apps end with it. An exception in a handler
-/// ends the mote; its supervisor starts it again (ACT-03).
+/// Spawns the mote's apps and, with the full stack, lets it join its island. Apps end with it. An
+/// exception in a handler ends the mote; its supervisor starts it again (ACT-03).
 mote_actor::behavior_type mote_behavior(scheduler::traced_pointer<mote_state, mote_actor> self,
                                         mote_arguments arguments);
 

@@ -7,6 +7,7 @@
 
 #include "actors/debug_log.hpp"
 #include "actors/ecology.hpp"
+#include "actors/frame_captures.hpp"
 #include "io/signal_watch.hpp"
 #include "scheduler/world.hpp"
 
@@ -62,10 +63,18 @@ runtime::report run_ecology(const config::ecology_description& file, const run_o
   if (options.handle_signals)
     signals.emplace(world.loop(), [&world](int) { world.request_stop(); });
 
+  std::optional<frame_captures> captures;
+  frame_observer observe;
+  if (!options.pcap_folder.empty()) {
+    captures.emplace(options.pcap_folder, description, options.pcap_lost);
+    observe = [&captures](const radio::overheard& x) { captures->write(x); };
+  }
+
   runtime::report report;
   const auto started = steady::now();
-  const auto root = world.spawn("ecology/" + description.name, ecology, description,
-                                [&report](runtime::report x) { report = std::move(x); });
+  const auto root = world.spawn(
+      "ecology/" + description.name, ecology, description,
+      [&report](runtime::report x) { report = std::move(x); }, observe);
   const auto end = instant(description.length);
   const auto cause = run_with_progress(world, end, options, speed);
 
@@ -73,6 +82,8 @@ runtime::report run_ecology(const config::ecology_description& file, const run_o
   world.drain();
   caf::anon_send(root, deliver_report{});
   world.drain();
+  if (captures)
+    captures->finish();
   report.mode = wall ? "wall" : "virtual";
   report.interrupted = cause == scheduler::stop_cause::requested;
   report.wall_s = std::chrono::duration<double>(steady::now() - started).count();

@@ -20,6 +20,8 @@ struct run_options {
                             ///< wall 1
   std::string debug_folder; ///< NFR-01; empty: no debug logs
   std::size_t debug_file_octets_max = 16 << 20; ///< a full file is rotated (NFR-03)
+  std::string pcap_folder;     ///< ACT-07: a capture of each island's air goes here; empty: none
+  bool pcap_lost = false;      ///< with the frames that nobody received
   bool handle_signals = false; ///< end the run cleanly on SIGINT and SIGTERM (ACT-11)
 
   /// Called now and then with the ecology time reached and the end of the run.
@@ -27,7 +29,7 @@ struct run_options {
 };
 
 /// Runs an ecology to its end and collects the report.
-/// @throws std::runtime_error if the debug folder cannot be written
+/// @throws std::runtime_error if the debug folder or a capture cannot be written
 [[nodiscard]] runtime::report run_ecology(const config::ecology_description& description,
                                           const run_options& options);
 

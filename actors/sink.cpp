@@ -83,13 +83,19 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
   self->send(state.arguments.air, attach_radio{state.arguments.radio, {handle}});
   self->send(state.arguments.line, attach_serial{serial::direction::to_mote, {handle}});
   perform(self, state.sink.start(now(self)));
+  state.flows.start(self, state.arguments.apps, state.arguments.address, state.arguments.radio,
+                    state.arguments.air,
+                    random_stream(state.arguments.seed, self->path() + "/flows"));
   return {
       [self](const frame_received& x) {
-        if (const auto frame = radio::decode(x.psdu.view()))
+        const auto frame = radio::decode(x.psdu.view());
+        if (!frame || !is_for(*frame, self->state.arguments.address))
+          return;
+        if (!self->state.flows.take(self, *frame))
           perform(self, self->state.sink.on_frame(frame->source, frame->am_type, frame->payload,
                                                   now(self)));
       },
-      [](const radio_done&) {}, // counted by the air; Transport repeats what matters
+      [self](const radio_done& x) { self->state.flows.on_done(self, x); },
       [self](battery_flat) {
         self->send(self->state.arguments.ecology, story{self->path(), "sink's battery flat"});
       },
@@ -97,12 +103,16 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
         perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));
       },
       [self](const timer_expired& x) {
+        self->state.flows.on_timer(self, x);
         if (!self->state.wake.accepts(x))
           return;
         perform(self, self->state.sink.on_time(now(self)));
         perform(self, self->state.port.on_time(now(self)));
       },
-      [self](status_request) { report(self); },
+      [self](status_request) {
+        self->state.flows.report(self, self->state.arguments.ecology);
+        report(self);
+      },
   };
 }
 

@@ -1,8 +1,10 @@
 // A sink: the mote on the serial cable.
 #pragma once
 
-#include <optional>
+#include <cstdint>
+#include <vector>
 
+#include "actors/flow_host.hpp"
 #include "actors/messages.hpp"
 #include "actors/timer.hpp"
 #include "mote/sink.hpp"
@@ -18,6 +20,8 @@ struct sink_arguments {
   radio::radio_index radio;
   air_actor air;
   serial_line_actor line;
+  std::vector<config::mote_app> apps; ///< that measure
+  std::uint64_t seed = 0;             ///< of the ecology
   ecology_actor ecology;
 };
 
@@ -25,6 +29,7 @@ struct sink_state {
   sink_arguments arguments;
   mote::sink sink;
   serial::mote_port port;
+  flow_host flows;
   timer wake;
 };
 

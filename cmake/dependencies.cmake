@@ -4,6 +4,13 @@ find_package(Boost 1.74 REQUIRED)
 find_package(tomlplusplus 3.3 REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(Threads REQUIRED)
+# libpcap has no CMake package.
+find_path(PCAP_INCLUDE_DIR pcap/pcap.h REQUIRED)
+find_library(PCAP_LIBRARY pcap REQUIRED)
+add_library(pcap::pcap UNKNOWN IMPORTED)
+set_target_properties(pcap::pcap PROPERTIES
+  IMPORTED_LOCATION ${PCAP_LIBRARY}
+  INTERFACE_INCLUDE_DIRECTORIES ${PCAP_INCLUDE_DIR})
 
 if(RUBICON_ACTORS)
   find_package(spdlog 1.10 REQUIRED)

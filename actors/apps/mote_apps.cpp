@@ -192,7 +192,7 @@ struct spawner {
   }
 
   mote_app_actor operator()(const config::actuator_app& x) const {
-    const auto initial = mote->state.node.actuator_state(x.actuator).value_or(0);
+    const auto initial = mote->state.node->actuator_state(x.actuator).value_or(0);
     return scheduler::spawn_at<caf::linked>(mote, path + "/actuator-" + x.actuator, actuator, x,
                                             handle(), initial);
   }
@@ -207,6 +207,11 @@ struct spawner {
                                             listener, x, handle(), mote->state.arguments.ecology);
   }
 
+  // Flows run in the mote itself: there is no layer between them and the radio.
+  mote_app_actor operator()(const flow::sender_config&) const { return {}; }
+  mote_app_actor operator()(const flow::relay_config&) const { return {}; }
+  mote_app_actor operator()(const flow::receiver_config&) const { return {}; }
+
   [[nodiscard]] mote_actor handle() const { return caf::actor_cast<mote_actor>(mote); }
 };
 
@@ -217,7 +222,8 @@ spawn_mote_apps(scheduler::traced_pointer<mote_state, mote_actor> mote) {
   std::vector<mote_app_actor> apps;
   const auto& arguments = mote->state.arguments;
   for (const auto& app : arguments.apps)
-    apps.push_back(std::visit(spawner{mote, "mote_app/" + arguments.name}, app));
+    if (auto actor = std::visit(spawner{mote, "mote_app/" + arguments.name}, app))
+      apps.push_back(std::move(actor));
   return apps;
 }
 

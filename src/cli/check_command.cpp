@@ -7,7 +7,7 @@
 namespace rubicon::cli {
 
 exit_status perform(const check_command& x) {
-  const auto ecology = load_or_complain(x.file);
+  const auto ecology = load_or_complain(x.file, x.instead);
   if (!ecology)
     return exit_status::refused;
   return print(stdout, config::summary(*ecology)) ? exit_status::good : exit_status::refused;

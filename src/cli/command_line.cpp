@@ -67,6 +67,22 @@ CLI::Option* add_parsed(CLI::App& app, const char* name, const char* type, const
   return app.add_option_function<std::string>(name, std::move(take), text)->type_name(type);
 }
 
+/// An option that takes the name of a file or folder.
+CLI::Option* add_path(CLI::App& app, const char* name, const char* type, std::string& path,
+                      const char* text) {
+  const auto is_named = [](const std::string& x) {
+    return x.empty() ? std::string("a name is missing") : std::string();
+  };
+  return app.add_option(name, path, text)->type_name(type)->check(is_named);
+}
+
+void add_overrides(CLI::App& app, config::overrides& x) {
+  add_path(app, "--topology", "FILE", x.topology,
+           "Gains of a TOSSIM topology, instead of what the TOML file names");
+  add_path(app, "--noise-trace", "FILE", x.noise_trace,
+           "Noise readings, instead of what the TOML file names");
+}
+
 void add_run(CLI::App& app, run_command& x) {
   auto& run = *app.add_subcommand("run", "Run an ecology to its end and report");
   auto& options = x.options;
@@ -87,8 +103,13 @@ void add_run(CLI::App& app, run_command& x) {
   run.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->type_name("LEVEL");
-  run.add_option("--debug-dir", options.debug_folder, "Write logs of all messages into this folder")
-      ->type_name("DIR");
+  add_path(run, "--debug-dir", "DIR", options.debug_folder,
+           "Write logs of all messages into this folder");
+  auto* const captures = add_path(run, "--pcap", "DIR", options.pcap_folder,
+                                  "Write the frames on each air into a capture in this folder");
+  run.add_flag("--pcap-lost", options.pcap_lost, "Capture also frames that nobody received")
+      ->needs(captures);
+  add_overrides(run, x.instead);
   run.add_flag("--check-determinism", x.check_determinism,
                "Run twice and compare the trace hashes");
   run.footer("What is not given here is as the file says; LEVEL is warn.");
@@ -114,10 +135,12 @@ command parse_command_line(std::span<const char* const> arguments) {
   check_command check;
   auto& check_app = *app.add_subcommand("check", "Check a file without running it, and sum it up");
   add_file(check_app, check.file);
+  add_overrides(check_app, check.instead);
   app.footer(roles); // last: subcommands would inherit it
   try {
     app.parse(static_cast<int>(arguments.size()), arguments.data());
     check_combination(run);
+    run.instead.seed = run.options.seed;
   } catch (const CLI::ParseError& error) {
     std::ostringstream out;
     std::ostringstream err;

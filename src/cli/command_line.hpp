@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "actors/run.hpp"
+#include "config/load.hpp"
 
 namespace rubicon::cli {
 
@@ -13,6 +14,7 @@ namespace rubicon::cli {
 struct run_command {
   std::string file;
   run_options options;
+  config::overrides instead; ///< files, and the seed of `options`
   bool json = false;
   bool check_determinism = false; ///< ACT-05
   std::string log_level = "warn"; ///< trace, debug, info, warn, error or off
@@ -21,6 +23,7 @@ struct run_command {
 /// `rubicon check FILE`
 struct check_command {
   std::string file;
+  config::overrides instead;
 };
 
 /// `--help` and `--version`: text for standard output.

@@ -3,12 +3,12 @@
 #include <utility>
 
 #include "cli/console.hpp"
-#include "config/load.hpp"
 
 namespace rubicon::cli {
 
-std::optional<config::ecology_description> load_or_complain(const std::string& file) {
-  auto loaded = config::load_file(file);
+std::optional<config::ecology_description> load_or_complain(const std::string& file,
+                                                            const config::overrides& instead) {
+  auto loaded = config::load_file(file, instead);
   if (loaded.problems.empty())
     return std::move(loaded.ecology);
   std::string text;

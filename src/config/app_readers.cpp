@@ -8,13 +8,21 @@ namespace {
 
 constexpr duration every_min = 10ms;
 constexpr duration every_max = 24h * 10;
-constexpr whole<std::uint16_t> message_channel{0, 255}; // it is the AM type too
+constexpr std::uint16_t flow_channel = 0xf0; // flow::am_type
 
 std::vector<std::pair<std::string_view, mote::quantity>> quantities() {
   std::vector<std::pair<std::string_view, mote::quantity>> words;
   for (unsigned i = 0; i <= static_cast<unsigned>(mote::quantity::sound); ++i)
     words.emplace_back(word_of(static_cast<mote::quantity>(i)), static_cast<mote::quantity>(i));
   return words;
+}
+
+/// Channels and AM types are free but for that of the measuring apps.
+template <class Channel>
+void read_channel(table_reader& in, std::string_view key, Channel& out) {
+  in.optional(key, whole<Channel>{0, 255}, out);
+  if (out == flow_channel)
+    in.problems().add(in.at(key), "channel 240 is that of the apps sender, relay and receiver");
 }
 
 placed_app read_sampler(table_reader& in) {
@@ -24,7 +32,7 @@ placed_app read_sampler(table_reader& in) {
   in.required("transducers", list_of<word<mote::quantity>>{{quantities()}, 1, 8}, found);
   in.optional("every", time_span{every_min, every_max}, app.every);
   in.optional("jitter", time_span{0s, every_max}, app.jitter);
-  in.optional("channel", message_channel, app.channel);
+  read_channel(in, "channel", app.channel);
   in.optional("reliable", flag{}, app.reliable);
   if (in.sound() && app.jitter > app.every)
     in.problems().add(in.at("jitter"),
@@ -43,24 +51,97 @@ placed_app read_sampler(table_reader& in) {
 placed_app read_actuator_app(table_reader& in) {
   actuator_app app;
   in.required("actuator", name_text{}, app.actuator);
-  in.optional("channel", message_channel, app.channel);
-  return {std::move(app), {}, {in.at("actuator")}};
+  read_channel(in, "channel", app.channel);
+  return {std::move(app), {}, {in.at("actuator")}, {}};
 }
 
 placed_app read_messenger(table_reader& in, const directory& names) {
   messenger_app app;
-  in.required("to", mote_name{names}, app.to);
+  if (in.required("to", mote_name{names}, app.to)) {
+    const auto* island = names.find(app.to.island);
+    if (island != nullptr && !island->has_gateway)
+      in.problems().add(in.at("to"), "a mote of an island with stack = \"mac\" takes no messages");
+  }
   in.required("text", text{}, app.text);
   in.optional("every", time_span{every_min, every_max}, app.every);
-  in.optional("am_type", whole<std::uint8_t>{}, app.am_type);
+  read_channel(in, "am_type", app.am_type);
   in.optional("reliable", flag{}, app.reliable);
-  return {std::move(app), {}, {}};
+  return {std::move(app), {}, {}, {}};
 }
 
 placed_app read_listener(table_reader& in) {
   listener_app app;
-  in.optional("am_type", whole<std::uint8_t>{}, app.am_type);
-  return {app, {}, {}};
+  read_channel(in, "am_type", app.am_type);
+  return {app, {}, {}, {}};
+}
+
+void read_end(table_reader& in, std::string_view key, const flow_end_name& kind, bool required,
+              placed_app& out) {
+  flow_end end;
+  const bool found = required ? in.required(key, kind, end) : in.optional(key, kind, end);
+  out.ends.push_back({found ? std::optional(end) : std::nullopt, in.at(key)});
+}
+
+/// A key that means nothing with this pattern.
+void refuse_with(const table_reader& in, std::string_view key, std::string_view pattern) {
+  if (in.has(key))
+    in.problems().add(in.at(key), '`' + std::string(key) + "` means nothing with pattern = \"" +
+                                      std::string(pattern) + '"');
+}
+
+void read_times(table_reader& in, flow::sender_config& app) {
+  constexpr duration interval_min = 1ms;
+  const word<flow::arrivals> patterns{{{"periodic", flow::arrivals::periodic},
+                                       {"poisson", flow::arrivals::poisson},
+                                       {"saturated", flow::arrivals::saturated}}};
+  in.optional("pattern", patterns, app.pattern);
+  in.optional("every", time_span{interval_min, every_max}, app.every);
+  in.optional("jitter", time_span{0s, every_max}, app.jitter);
+  in.optional("start", time_span{}, app.start);
+  in.optional("stop", time_span{}, app.stop);
+  in.optional("count", whole<std::uint64_t>{1, INT64_MAX}, app.count);
+  if (!in.sound())
+    return;
+  if (app.pattern == flow::arrivals::saturated) {
+    refuse_with(in, "every", "saturated");
+    refuse_with(in, "jitter", "saturated");
+  }
+  if (app.pattern == flow::arrivals::poisson)
+    refuse_with(in, "jitter", "poisson");
+  else if (app.jitter > app.every)
+    in.problems().add(in.at("jitter"),
+                      "`jitter` must not be longer than `every`, which is " + to_text(app.every));
+  if (app.stop && *app.stop <= app.start.value_or(0s))
+    in.problems().add(in.at("stop"), "`stop` must be later than `start`, which is " +
+                                         to_text(app.start.value_or(0s)));
+}
+
+placed_app read_sender(table_reader& in, const directory& names) {
+  flow::sender_config app;
+  placed_app out;
+  read_end(in, "to", {names, true}, true, out);
+  read_end(in, "via", {names, false}, false, out);
+  in.optional("payload", whole<std::size_t>{flow::payload_min, flow::payload_max}, app.payload);
+  read_times(in, app);
+  in.optional("ack", flag{}, app.ack);
+  if (out.ends[0].value && out.ends[0].value->mote == broadcast_mote) {
+    if (in.has("via"))
+      in.problems().add(in.at("via"), "a broadcast goes to whoever hears it, not `via` a relay");
+    if (in.has("ack") && app.ack)
+      in.problems().add(in.at("ack"), "a broadcast is never acknowledged");
+    app.ack = false;
+  }
+  out.app = app;
+  return out;
+}
+
+placed_app read_relay(table_reader& in, const directory& names) {
+  flow::relay_config app;
+  placed_app out;
+  read_end(in, "next", {names, false}, true, out);
+  in.optional("ack", flag{}, app.ack);
+  out.app = app;
+  return out;
 }
 
 } // namespace
@@ -76,7 +157,12 @@ std::vector<placed_app> read_mote_apps(table_reader& in, const directory& names)
              {{"sampler", [&](table_reader& y) { add(y, "channel", read_sampler(y)); }},
               {"actuator", [&](table_reader& y) { add(y, "channel", read_actuator_app(y)); }},
               {"messenger", [&](table_reader& y) { add(y, "am_type", read_messenger(y, names)); }},
-              {"listener", [&](table_reader& y) { add(y, "am_type", read_listener(y)); }}});
+              {"listener", [&](table_reader& y) { add(y, "am_type", read_listener(y)); }},
+              {"sender", [&](table_reader& y) { add(y, "app", read_sender(y, names)); }},
+              {"relay", [&](table_reader& y) { add(y, "app", read_relay(y, names)); }},
+              {"receiver", [&](table_reader& y) {
+                 add(y, "app", {flow::receiver_config{}, {}, {}, {}});
+               }}});
   });
   return out;
 }

@@ -1,5 +1,6 @@
 #include "config/directory.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -37,17 +38,54 @@ Id id_at(const node& x, typename Id::rep max) {
   return Id(static_cast<typename Id::rep>(*content));
 }
 
-directory::island island_at(const node& x) {
-  directory::island out{id_at<island_id>(x, island_id_max), {}};
-  each_table(x, "mote", [&out](const node& mote) {
-    const auto id = id_at<mote_id>(mote, mote_id_max);
-    auto name = text_at(mote, "name");
-    if (!name)
-      name = default_mote_name(text_at(mote, "type").value_or(""), id);
-    out.motes.emplace(*std::move(name), id);
-  });
-  return out;
+/// A whole number of a table; nothing if it has none from 1 to `max`.
+std::optional<std::uint32_t> number_at(const node& x, std::string_view key, std::uint32_t max) {
+  const auto* found = x.find(key);
+  const auto* content = found == nullptr ? nullptr : found->as<std::int64_t>();
+  if (content == nullptr || *content < 1 || *content > max)
+    return std::nullopt;
+  return static_cast<std::uint32_t>(*content);
 }
+
+/// Fills the directory's islands; what all groups have together is limited.
+struct island_walk {
+  std::uint32_t group_motes = 0;
+
+  directory::island island_at(const node& x) {
+    directory::island out;
+    out.id = id_at<island_id>(x, island_id_max);
+    out.has_gateway = text_at(x, "stack") != "mac";
+    const auto* sink = x.find("sink");
+    if (sink != nullptr && sink->find("id") != nullptr)
+      out.sink = id_at<mote_id>(*sink, mote_id_max);
+    auto highest = std::uint32_t{out.sink.value};
+    each_table(x, "mote", [&](const node& mote) {
+      const auto id = id_at<mote_id>(mote, mote_id_max);
+      highest = std::max<std::uint32_t>(highest, id.value);
+      auto name = text_at(mote, "name");
+      if (!name)
+        name = default_mote_name(text_at(mote, "type").value_or(""), id);
+      out.motes.emplace(*std::move(name), id);
+    });
+    each_table(x, "group", [&](const node& group) { add_group(group, highest, out); });
+    return out;
+  }
+
+  void add_group(const node& x, std::uint32_t& highest, directory::island& out) {
+    const auto first = number_at(x, "first", mote_id_max).value_or(highest + 1);
+    const auto count = number_at(x, "count", mote_id_max).value_or(0);
+    if (count == 0 || first + count - 1 > mote_id_max || count > group_motes_max - group_motes)
+      return;
+    group_motes += count;
+    highest = std::max(highest, first + count - 1);
+    const auto prefix = text_at(x, "prefix");
+    const auto type_name = text_at(x, "type").value_or("");
+    for (auto i = first; i < first + count; ++i) {
+      const mote_id id(static_cast<std::uint16_t>(i));
+      out.motes.emplace(default_mote_name(prefix.value_or(type_name), id), id);
+    }
+  }
+};
 
 std::string gateway_at(const node& island, std::string_view island_name) {
   const auto* gateway = island.find("gateway");
@@ -55,10 +93,14 @@ std::string gateway_at(const node& island, std::string_view island_name) {
   return given.value_or(default_gateway_name(island_name));
 }
 
+/// As many as a suggestion can make use of.
 template <class Names>
 std::vector<std::string> keys_of(const Names& names) {
+  constexpr std::size_t keys_max = 2001;
   std::vector<std::string> out;
   for (const auto& each : names) {
+    if (out.size() == keys_max)
+      break;
     if constexpr (requires { each.first; })
       out.push_back(each.first);
     else
@@ -74,6 +116,30 @@ std::nullopt_t unknown(const node& x, const asker& who, const std::string& what,
   return std::nullopt;
 }
 
+/// "island/mote", and "island/sink" if `sink_too`.
+std::optional<mote_address> address_of(const node& x, const asker& who, const directory& names,
+                                       const std::string& text, bool sink_too) {
+  const auto slash = text.find('/');
+  const auto island_part = text.substr(0, slash);
+  const auto mote_part = text.substr(slash + 1);
+  const auto island = names.islands.find(island_part);
+  if (island == names.islands.end())
+    return unknown(x, who, "island", island_part, keys_of(names.islands));
+  if (sink_too && mote_part == sink_name)
+    return mote_address{island->second.id, island->second.sink};
+  const auto mote = island->second.motes.find(mote_part);
+  if (mote == island->second.motes.end())
+    return unknown(x, who, "mote of island `" + island_part + '`', mote_part,
+                   keys_of(island->second.motes));
+  return mote_address{island->second.id, mote->second};
+}
+
+/// The text in `x` if it has a slash.
+const std::string* text_with_slash(const node& x) {
+  const auto* found = x.as<std::string>();
+  return found != nullptr && found->find('/') != std::string::npos ? found : nullptr;
+}
+
 } // namespace
 
 std::string default_mote_name(std::string_view type_name, mote_id id) {
@@ -85,10 +151,12 @@ std::string default_gateway_name(std::string_view island) {
 }
 
 directory::directory(const node& root) {
-  each_table(root, "island", [this](const node& x) {
+  island_walk walk;
+  each_table(root, "island", [&](const node& x) {
     if (const auto name = text_at(x, "name")) {
-      islands.emplace(*name, island_at(x));
-      ends.insert(gateway_at(x, *name));
+      const auto& added = islands.emplace(*name, walk.island_at(x)).first->second;
+      if (added.has_gateway)
+        ends.insert(gateway_at(x, *name));
     }
   });
   each_table(root, "peer", [this](const node& x) {
@@ -106,6 +174,12 @@ directory::directory(const node& root) {
   }
 }
 
+const directory::island* directory::find(island_id id) const {
+  const auto found = std::find_if(islands.begin(), islands.end(),
+                                  [id](const auto& x) { return x.second.id == id; });
+  return found == islands.end() ? nullptr : &found->second;
+}
+
 std::optional<island_id> island_name::read(const node& x, const asker& who) const {
   const auto* name = x.as<std::string>();
   if (name == nullptr)
@@ -117,20 +191,33 @@ std::optional<island_id> island_name::read(const node& x, const asker& who) cons
 }
 
 std::optional<mote_address> mote_name::read(const node& x, const asker& who) const {
-  const auto* whole_name = x.as<std::string>();
-  const auto slash = whole_name == nullptr ? std::string::npos : whole_name->find('/');
-  if (slash == std::string::npos)
+  const auto* text = text_with_slash(x);
+  if (text == nullptr)
     return who.refuse(x, "the island and the name of a mote, as in \"kitchen/climate-7\"");
-  const auto island_part = whole_name->substr(0, slash);
-  const auto mote_part = whole_name->substr(slash + 1);
-  const auto island = names.islands.find(island_part);
-  if (island == names.islands.end())
-    return unknown(x, who, "island", island_part, keys_of(names.islands));
-  const auto mote = island->second.motes.find(mote_part);
-  if (mote == island->second.motes.end())
-    return unknown(x, who, "mote of island `" + island_part + '`', mote_part,
-                   keys_of(island->second.motes));
-  return mote_address{island->second.id, mote->second};
+  return address_of(x, who, names, *text, false);
+}
+
+std::optional<mote_address> radio_name::read(const node& x, const asker& who) const {
+  const auto* text = text_with_slash(x);
+  if (text == nullptr)
+    return who.refuse(x, "the island and the name of a mote, as in \"kitchen/climate-7\" or "
+                         "\"kitchen/sink\"");
+  return address_of(x, who, names, *text, true);
+}
+
+std::optional<flow_end> flow_end_name::read(const node& x, const asker& who) const {
+  const auto* text = x.as<std::string>();
+  if (text != nullptr && *text == sink_name)
+    return flow_end{};
+  if (broadcast && text != nullptr && *text == "*")
+    return flow_end{std::nullopt, broadcast_mote};
+  if (text_with_slash(x) == nullptr)
+    return who.refuse(x, "the island and the name of a mote, as in \"lab/node-7\", or \"sink\"" +
+                             std::string(broadcast ? " or \"*\"" : ""));
+  const auto address = address_of(x, who, names, *text, true);
+  if (!address)
+    return std::nullopt;
+  return flow_end{address->island, address->mote};
 }
 
 std::optional<std::string> host_name::read(const node& x, const asker& who) const {

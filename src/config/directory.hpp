@@ -20,16 +20,27 @@ namespace rubicon::config {
 /// Name of an island's gateway that the file gives none: `kitchen-gateway`.
 [[nodiscard]] std::string default_gateway_name(std::string_view island);
 
+/// What a reference calls every island's sink; no mote has this name.
+inline constexpr std::string_view sink_name = "sink";
+
+/// Motes that all groups of a file may have together.
+inline constexpr std::uint32_t group_motes_max = 100'000;
+
 /// Names as the file has them. What has no usable name is left out, an unusable id is 0: the reader
 /// of its table complains, and nobody else needs to.
 struct directory {
   struct island {
     island_id id;
+    mote_id sink = default_sink;
+    bool has_gateway = true; ///< it joins the PEIS network
     std::map<std::string, mote_id, std::less<>> motes;
   };
 
   directory() = default;
   explicit directory(const node& root);
+
+  /// The island with that id; nullptr if there is none.
+  [[nodiscard]] const island* find(island_id id) const;
 
   std::map<std::string, island, std::less<>> islands;
   std::set<std::string, std::less<>> ends; ///< of links: peers and gateways
@@ -49,6 +60,27 @@ struct mote_name {
   using type = mote_address;
   const directory& names;
   [[nodiscard]] std::optional<mote_address> read(const node& x, const asker& who) const;
+};
+
+/// A mote as "island/mote", or a sink as "island/sink".
+struct radio_name {
+  using type = mote_address;
+  const directory& names;
+  [[nodiscard]] std::optional<mote_address> read(const node& x, const asker& who) const;
+};
+
+/// Where packets of a measuring app go.
+struct flow_end {
+  std::optional<island_id> island; ///< unset: the island of the app
+  std::optional<mote_id> mote;     ///< unset: the sink
+};
+
+/// A radio as above, "sink" for that of the own island, or "*" for all who hear.
+struct flow_end_name {
+  using type = flow_end;
+  const directory& names;
+  bool broadcast = false; ///< "*" is taken
+  [[nodiscard]] std::optional<flow_end> read(const node& x, const asker& who) const;
 };
 
 /// A host by its name.

@@ -12,7 +12,9 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
+#include "flow/flow_config.hpp"
 #include "mote/transducer_config.hpp"
+#include "mote/way_point.hpp"
 #include "proxy/proxy_class.hpp"
 #include "radio/parameters.hpp"
 #include "serial/line_config.hpp"
@@ -50,7 +52,11 @@ struct listener_app {
   std::uint8_t am_type = 10;
 };
 
-using mote_app = std::variant<sampler_app, actuator_app, messenger_app, listener_app>;
+using mote_app = std::variant<sampler_app, actuator_app, messenger_app, listener_app,
+                              flow::sender_config, flow::relay_config, flow::receiver_config>;
+
+/// In between it moves in a straight line, after the last it stays.
+using mote::way_point;
 
 struct mote_description {
   mote_id id;
@@ -59,7 +65,10 @@ struct mote_description {
   std::string type_name;                     ///< the [mote_type.NAME] it came from; empty if none
   const radio::platform* platform = nullptr; ///< never nullptr in a valid description
   position place;
-  std::optional<double> battery_mah; ///< unset: the platform's
+  std::vector<way_point> path;        ///< ascending by time; empty: it stays at `place`
+  duration step = 1s;                 ///< how often its place is brought up to date while it moves
+  std::optional<double> transmit_dbm; ///< unset: the platform's full power
+  std::optional<double> battery_mah;  ///< unset: the platform's
   std::vector<mote::transducer_config> transducers;
   std::vector<mote::actuator_config> actuators;
   std::vector<mote_app> apps;
@@ -69,12 +78,22 @@ struct sink_description {
   mote_id id = default_sink;
   const radio::platform* platform = nullptr;
   position place;
+  std::optional<double> transmit_dbm; ///< unset: the platform's full power
+  bool promiscuous = false;           ///< hears frames of other islands and for other motes
+  std::vector<mote_app> apps;         ///< sender, relay and receiver only
+};
+
+/// How much of a mote's communication layer runs.
+enum class stack : std::uint8_t {
+  full, ///< joins its island, whose sink has a serial line and a gateway
+  mac,  ///< radio and medium access only, for measuring: no joining, no serial line, no gateway
 };
 
 struct island_description {
   island_id id; ///< also the PEIS id of its gateway (ADR-02)
   std::string name;
   std::string host; ///< empty: wherever the run is started
+  config::stack stack = stack::full;
   sink_description sink;
   serial::line_config serial;
   std::string gateway_name;               ///< PEIS name of the gateway; default NAME-gateway

@@ -16,6 +16,8 @@ void read_mote_fault(table_reader& in, const directory& names, mote_address& out
 unplug_fault read_unplug(table_reader& in, const directory& names) {
   unplug_fault out;
   in.required("island", island_name{names}, out.island);
+  if (const auto* island = names.find(out.island); island != nullptr && !island->has_gateway)
+    in.problems().add(in.at("island"), "an island with stack = \"mac\" has no serial cable");
   in.optional("for", time_span{1ms}, out.length);
   return out;
 }
@@ -55,15 +57,6 @@ void read_ecology(table_reader& root, ecology_description& out) {
   });
   if (!found && !root.has("ecology"))
     root.problems().add(root.at(), "the file lacks the table [ecology]");
-}
-
-void read_radio(table_reader& root, radio::channel_config& out) {
-  root.table("radio", "[radio]", [&out](table_reader& in) {
-    in.optional("range", metres{0.1, 100'000}, out.range_m);
-    in.optional("loss", ratio{}, out.loss);
-    in.optional("queue", whole<std::size_t>{1, 1024}, out.queue);
-    in.optional("retries", whole<unsigned>{0, 7}, out.retries_max);
-  });
 }
 
 std::vector<host_description> read_hosts(table_reader& root) {

@@ -1,36 +1,66 @@
 // Reads the tables of a file. Each function describes one kind of table; load.cpp calls them.
 #pragma once
 
+#include <cstdint>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "config/claims.hpp"
 #include "config/directory.hpp"
 #include "config/ecology.hpp"
+#include "config/load.hpp"
 #include "config/mote_readers.hpp"
 #include "config/table_reader.hpp"
 
 namespace rubicon::config {
 
+/// Where the files come from that a TOML file names.
+struct named_files {
+  std::string toml; ///< names are relative to its folder
+  overrides instead;
+  file_reader read;
+};
+
 /// What the readers of islands and peers need from the tables before them, and must not share.
 struct surroundings {
+  surroundings(reading& all, const directory& directory, const radio::channel_config& channel,
+               std::uint64_t ecology_seed);
+
   reading& shared;
   const directory& names;
-  double range_m = 0;
+  const radio::channel_config& radio;
+  bool radio_is_known = true; ///< [radio] is free of mistakes
+  std::vector<bool> nodes;    ///< of a topology: whether a gain leads from or to it
+  std::uint64_t seed = 1;
   mote_types types;
   std::set<std::string> types_used;
   name_claims end_names; ///< of peers and gateways (ADR-02)
   claims<std::int64_t> end_ids;
+  claims<std::uint32_t> island_ids;
+  std::uint32_t group_motes = 0; ///< of all groups so far
+};
+
+/// [[radio.link]], to be checked when the airs are known.
+struct placed_links {
+  std::vector<mark> at; ///< of each of channel_config::links
+  bool sound = true;    ///< all of [radio] is
 };
 
 void read_ecology(table_reader& root, ecology_description& out);
-void read_radio(table_reader& root, radio::channel_config& out);
+
+/// [radio], with the files that it names.
+[[nodiscard]] placed_links read_radio(table_reader& root, const directory& names,
+                                      const named_files& files, radio::channel_config& out);
+
+/// Complains about links between two airs.
+void check_links(const placed_links& links, const radio::channel_config& config,
+                 const std::vector<air_description>& airs, complaints& problems);
+
 [[nodiscard]] std::vector<host_description> read_hosts(table_reader& root);
 
 /// [[island]] with all its motes, ascending by id.
 [[nodiscard]] std::vector<island_description> read_islands(table_reader& root, surroundings& with);
-
-/// [[island.mote]]
-void read_motes(table_reader& island, surroundings& with, island_description& out);
 
 /// [[air]]; an island that no table names gets an air of its own.
 [[nodiscard]] std::vector<air_description>

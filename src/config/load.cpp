@@ -1,5 +1,7 @@
 #include "config/load.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
@@ -16,21 +18,20 @@ namespace rubicon::config {
 
 namespace {
 
-ecology_description read_file_tables(const node& root, reading& shared) {
+ecology_description read_file_tables(const node& root, const named_files& files, reading& shared) {
   const directory names(root);
   table_reader in(root, "the file", shared);
   ecology_description out;
   read_ecology(in, out);
   const auto end = in.sound() ? out.length : duration::max();
-  const auto before_radio = shared.problems.size();
-  read_radio(in, out.radio);
-  const auto range_m = shared.problems.size() == before_radio
-                           ? out.radio.range_m
-                           : std::numeric_limits<double>::infinity();
+  const auto links = read_radio(in, names, files, out.radio);
   out.hosts = read_hosts(in);
-  surroundings with{shared, names, range_m, read_mote_types(in, names), {}, {}, {}};
+  surroundings with(shared, names, out.radio, files.instead.seed.value_or(out.seed));
+  with.radio_is_known = links.sound;
+  with.types = read_mote_types(in, names);
   out.islands = read_islands(in, with);
   out.airs = read_airs(in, names, out.islands);
+  check_links(links, out.radio, out.airs, shared.problems);
   out.peers = read_peers(in, with, out.islands);
   out.proxies = read_proxies(in);
   out.faults = read_faults(in, names, end);
@@ -40,47 +41,62 @@ ecology_description read_file_tables(const node& root, reading& shared) {
   return out;
 }
 
-loaded refused(const std::string& path, std::string message) {
-  return {std::nullopt, {problem{path, 0, 0, std::move(message)}}};
-}
-
 std::string reason(int error) {
   return std::generic_category().message(error);
 }
 
+file_text no_file(const std::string& /*path*/, std::size_t /*octets_max*/) {
+  return {std::nullopt, "cannot be opened here"};
+}
+
 } // namespace
 
-loaded load_text(std::string_view toml, const std::string& file_name) {
+file_text read_file(const std::string& path, std::size_t octets_max) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    return {std::nullopt, "is a directory, not a file"};
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
+                                                             std::fclose);
+  if (file == nullptr)
+    return {std::nullopt, "cannot be opened: " + reason(errno)};
+  std::string text;
+  std::array<char, 65536> part{};
+  for (std::size_t got = 1; got > 0 && text.size() <= octets_max;) {
+    got = std::fread(part.data(), 1, part.size(), file.get());
+    text.append(part.data(), got);
+  }
+  if (std::ferror(file.get()) != 0)
+    return {std::nullopt, "cannot be read: " + reason(errno)};
+  if (text.size() > octets_max)
+    return {std::nullopt, "is larger than " + std::to_string(octets_max) + " octets"};
+  return {std::move(text), {}};
+}
+
+loaded load_text(std::string_view toml, const std::string& file_name, const overrides& instead,
+                 const file_reader& read) {
   const auto parsed = parse(toml, file_name);
   if (const auto* wrong = std::get_if<problem>(&parsed))
     return {std::nullopt, {*wrong}};
   reading shared;
-  auto ecology = read_file_tables(std::get<node>(parsed), shared);
+  const named_files files{file_name, instead, read ? read : no_file};
+  auto ecology = read_file_tables(std::get<node>(parsed), files, shared);
   if (!shared.problems.empty())
     return {std::nullopt, shared.problems.of_file(file_name)};
   return {std::move(ecology), {}};
 }
 
-loaded load_file(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
-    return refused(path, "is a directory, not a file");
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
-                                                             std::fclose);
-  if (file == nullptr)
-    return refused(path, "cannot be opened: " + reason(errno));
-  std::string text(file_octets_max + 1, '\0');
-  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
-  if (std::ferror(file.get()) != 0)
-    return refused(path, "cannot be read: " + reason(errno));
-  return load_text(text, path);
+loaded load_file(const std::string& path, const overrides& instead) {
+  auto file = read_file(path, file_octets_max);
+  if (!file.text)
+    return {std::nullopt, {problem{path, 0, 0, std::move(file.reason)}}};
+  return load_text(*file.text, path, instead, read_file);
 }
 
 std::vector<std::pair<std::string, std::string>> accepted_keys() {
   std::set<accepted_key> keys;
   reading walk;
   walk.accepted = &keys;
-  static_cast<void>(read_file_tables(node{{1, 1}, node_table{}}, walk));
+  static_cast<void>(read_file_tables(node{{1, 1}, node_table{}}, {"", {}, no_file}, walk));
   return {keys.begin(), keys.end()};
 }
 

@@ -2,6 +2,9 @@
 // GEN-06).
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,16 +18,37 @@ namespace rubicon::config {
 
 struct loaded {
   std::optional<ecology_description> ecology; ///< only if there are no problems
-  std::vector<problem> problems;              ///< in order of place
+  std::vector<problem> problems;              ///< in order of place, those of named files last
 };
 
+/// What a command line may say in the place of the TOML file.
+struct overrides {
+  std::string topology;              ///< path; empty: [radio.propagation] topology
+  std::string noise_trace;           ///< path; empty: [radio.noise] file
+  std::optional<std::uint64_t> seed; ///< it decides where the motes of a disk are
+};
+
+/// The text of a file, or why there is none: `cannot be opened: No such file or directory`.
+struct file_text {
+  std::optional<std::string> text;
+  std::string reason;
+};
+
+/// Reads a file; one of more than `octets_max` octets has no text.
+using file_reader = std::function<file_text(const std::string& path, std::size_t octets_max)>;
+
+/// From the disk.
+[[nodiscard]] file_text read_file(const std::string& path, std::size_t octets_max);
+
 /// A syntax error hides everything else; all other problems are told together.
-/// @param file_name how problems call the text
-[[nodiscard]] loaded load_text(std::string_view toml, const std::string& file_name);
+/// @param file_name how problems call the text; names in it are relative to this file's folder
+/// @param read reads the files that the text names; without it, none can be opened
+[[nodiscard]] loaded load_text(std::string_view toml, const std::string& file_name,
+                               const overrides& instead = {}, const file_reader& read = {});
 
 /// The same for a file. One that is missing, unreadable, a directory, binary or empty is one
 /// problem.
-[[nodiscard]] loaded load_file(const std::string& path);
+[[nodiscard]] loaded load_file(const std::string& path, const overrides& instead = {});
 
 /// Every key a file may have, with the table it belongs to as docs/configuration.md calls it;
 /// sorted.

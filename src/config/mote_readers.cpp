@@ -7,7 +7,8 @@ namespace rubicon::config {
 
 namespace {
 
-/// Whether `a` takes the place of `b`: same kind, same channel or AM type. Messengers never do.
+/// Whether `a` takes the place of `b`: same kind, same channel or AM type. Messengers and senders
+/// never do.
 struct takes_place_of {
   bool operator()(const sampler_app& a, const sampler_app& b) const {
     return a.channel == b.channel;
@@ -18,6 +19,8 @@ struct takes_place_of {
   bool operator()(const listener_app& a, const listener_app& b) const {
     return a.am_type == b.am_type;
   }
+  bool operator()(const flow::relay_config&, const flow::relay_config&) const { return true; }
+  bool operator()(const flow::receiver_config&, const flow::receiver_config&) const { return true; }
   template <class A, class B>
   bool operator()(const A&, const B&) const {
     return false;
@@ -46,6 +49,7 @@ struct app_check {
   const placed_app& app;
   claims<std::uint16_t>& inputs;  ///< channels and AM types received
   claims<std::uint16_t>& outputs; ///< channels sent
+  claims<std::string>& singles;   ///< what a mote has once
   complaints& problems;
 
   void operator()(const sampler_app& x) const {
@@ -77,11 +81,34 @@ struct app_check {
 
   void operator()(const listener_app& x) const { claim(inputs, "input", x.am_type); }
 
+  void operator()(const flow::sender_config&) const {}
+
+  void operator()(const flow::relay_config&) const { claim_single("relay"); }
+
+  void operator()(const flow::receiver_config&) const { claim_single("receiver"); }
+
 private:
   void claim(claims<std::uint16_t>& among, std::string_view kind, std::uint16_t channel) const {
     among.claim(channel, std::string(kind) + " channel " + std::to_string(channel) + " of the mote",
                 app.channel_at, problems);
   }
+
+  void claim_single(const char* kind) const {
+    singles.claim(kind, "the " + std::string(kind) + " of the mote", app.channel_at, problems);
+  }
+};
+
+/// Sets the ends of an app.
+struct end_setter {
+  const std::vector<std::optional<mote_id>>& ends;
+
+  void operator()(flow::sender_config& x) const {
+    x.to = ends.at(0).value_or(mote_id{});
+    x.via = ends.at(1);
+  }
+  void operator()(flow::relay_config& x) const { x.next = ends.at(0).value_or(mote_id{}); }
+  template <class App>
+  void operator()(App&) const {}
 };
 
 } // namespace
@@ -89,6 +116,8 @@ private:
 void read_profile(table_reader& in, const directory& names, mote_profile& out) {
   in.optional("platform", platform_name{}, out.platform);
   in.optional("battery", charge{}, out.battery_mah);
+  if (in.optional("power", power_level{-100, 30}, out.transmit_dbm))
+    out.transmit_at = in.at("power");
   read_transducers(in, out.transducers);
   read_actuators(in, out.actuators);
   merge(out.apps, read_mote_apps(in, names));
@@ -97,8 +126,43 @@ void read_profile(table_reader& in, const directory& names, mote_profile& out) {
 void check_profile(const mote_profile& x, reading& shared) {
   claims<std::uint16_t> inputs;
   claims<std::uint16_t> outputs;
+  claims<std::string> singles;
   for (const auto& app : x.apps)
-    std::visit(app_check{x, app, inputs, outputs, shared.problems}, app.app);
+    std::visit(app_check{x, app, inputs, outputs, singles, shared.problems}, app.app);
+  check_power(*x.platform, x.transmit_dbm, x.transmit_at, shared.problems);
+}
+
+void check_power(const radio::platform& platform, const std::optional<double>& dbm, mark at,
+                 complaints& problems) {
+  const auto least = platform.transmit.front().dbm;
+  const auto most = platform.transmit_dbm_max();
+  if (dbm && (*dbm < least || *dbm > most))
+    problems.add(at, "`power` of a " + std::string(platform.name) + " must be from " +
+                         shown(least) + " to " + shown(most) + " dBm, not " + shown(*dbm));
+}
+
+void settle_flows(std::vector<placed_app>& apps, island_id island, mote_id sink,
+                  complaints& problems) {
+  for (auto& app : apps) {
+    std::vector<std::optional<mote_id>> ends;
+    for (const auto& each : app.ends) {
+      ends.emplace_back();
+      if (!each.value)
+        continue;
+      if (each.value->island && *each.value->island != island)
+        problems.add(each.at, "packets of measuring apps do not leave their island");
+      else
+        ends.back() = each.value->mote.value_or(sink);
+    }
+    if (!ends.empty())
+      std::visit(end_setter{ends}, app.app);
+  }
+}
+
+bool is_flow_app(const mote_app& x) {
+  return std::holds_alternative<flow::sender_config>(x) ||
+         std::holds_alternative<flow::relay_config>(x) ||
+         std::holds_alternative<flow::receiver_config>(x);
 }
 
 mote_types read_mote_types(table_reader& root, const directory& names) {

@@ -17,8 +17,10 @@ namespace rubicon::config {
 /// An app, and the places that later checks complain about.
 struct placed_app {
   mote_app app;
-  mark channel_at;
+  mark channel_at;            ///< of the app itself if it has no channel of its own
   std::vector<mark> needs_at; ///< of each transducer, or of the actuator
+  /// `to` and `via` of a sender, `next` of a relay; unset: not in the file, or wrong.
+  std::vector<located<std::optional<flow_end>>> ends;
 };
 
 /// What a mote type and a mote have in common. A mote starts with its type's and changes it.
@@ -26,6 +28,8 @@ struct mote_profile {
   std::uint32_t type = 0;
   const radio::platform* platform = nullptr;
   std::optional<double> battery_mah;
+  std::optional<double> transmit_dbm;
+  mark transmit_at;
   std::vector<mote::transducer_config> transducers; ///< ascending by kind
   std::vector<mote::actuator_config> actuators;
   std::vector<placed_app> apps;
@@ -38,9 +42,20 @@ using mote_types = std::map<std::string, mote_profile, std::less<>>;
 /// the same channel or AM type, and is added otherwise.
 void read_profile(table_reader& in, const directory& names, mote_profile& out);
 
-/// Complains about apps that name an absent transducer or actuator, and about two apps with one
-/// channel.
+/// Complains about apps that name an absent transducer or actuator, about two apps with one channel
+/// and two relays or receivers, and about a power that the platform does not have.
 void check_profile(const mote_profile& x, reading& shared);
+
+/// Complains about a power that the platform does not have.
+void check_power(const radio::platform& platform, const std::optional<double>& dbm, mark at,
+                 complaints& problems);
+
+/// Turns the ends of flows into motes of `island`; complains about those of other islands.
+void settle_flows(std::vector<placed_app>& apps, island_id island, mote_id sink,
+                  complaints& problems);
+
+/// Whether the app only measures the medium access: sender, relay or receiver.
+[[nodiscard]] bool is_flow_app(const mote_app& x);
 
 /// [mote_type.NAME]
 [[nodiscard]] mote_types read_mote_types(table_reader& root, const directory& names);

@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::size_t names_listed_max = 10;
 constexpr std::size_t length_compared_max = 64;
+constexpr std::size_t known_compared_max = 2000; // more would take long for each mistake
 
 char folded(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -39,7 +40,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string nearest(std::string_view word, const std::vector<std::string>& known) {
-  if (word.size() > length_compared_max)
+  if (word.size() > length_compared_max || known.size() > known_compared_max)
     return {};
   const auto far = std::max<std::size_t>(1, std::min<std::size_t>(3, word.size() / 3));
   std::string best;

@@ -13,7 +13,7 @@ namespace rubicon::config {
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// The nearest of `known` if it is near enough to be meant, of equally near ones the first; else
-/// empty.
+/// empty, as it is when more than 2000 are known.
 [[nodiscard]] std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
 /// Ends a complaint about a name that does not exist: `: did you mean `x`?`, or else what there is,

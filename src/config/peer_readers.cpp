@@ -21,12 +21,16 @@ proxy_manager_app read_manager(table_reader& in, peer_apps& with) {
   in.optional("islands", list_of<island_name>{{with.names}, 1}, found);
   if (!in.has("islands")) {
     for (const auto& each : with.islands)
-      found.push_back({each.id, in.at("islands")});
+      if (each.stack == stack::full)
+        found.push_back({each.id, in.at("islands")});
   }
   for (const auto& each : found) {
     const auto island = std::find_if(with.islands.begin(), with.islands.end(),
                                      [&each](const auto& x) { return x.id == each.value; });
-    if (island != with.islands.end() && each.value.value != 0)
+    if (island != with.islands.end() && island->stack == stack::mac)
+      in.problems().add(each.at,
+                        "island `" + island->name + "` has no gateway, since its stack is \"mac\"");
+    else if (island != with.islands.end() && each.value.value != 0)
       with.managed.claim(each.value, "island `" + island->name + '`', each.at, in.problems(),
                          "already has a proxy manager");
   }

@@ -4,9 +4,21 @@
 
 namespace rubicon::config {
 
+namespace {
+
+std::string without_control_characters(std::string x) {
+  std::replace_if(
+      x.begin(), x.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }, '?');
+  return x;
+}
+
+} // namespace
+
 std::string to_string(const problem& x) {
   if (x.line == 0)
     return x.file + ": " + x.message;
+  if (x.column == 0)
+    return x.file + ':' + std::to_string(x.line) + ": " + x.message;
   return x.file + ':' + std::to_string(x.line) + ':' + std::to_string(x.column) + ": " + x.message;
 }
 
@@ -15,10 +27,12 @@ std::string place_text(mark x) {
 }
 
 void complaints::add(mark at, std::string message) {
-  std::replace_if(
-      message.begin(), message.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; },
-      '?');
-  found_.emplace_back(at, std::move(message));
+  found_.emplace_back(at, without_control_characters(std::move(message)));
+}
+
+void complaints::add(problem x) {
+  x.message = without_control_characters(std::move(x.message));
+  elsewhere_.push_back(std::move(x));
 }
 
 std::vector<problem> complaints::of_file(const std::string& name) const {
@@ -26,9 +40,10 @@ std::vector<problem> complaints::of_file(const std::string& name) const {
   std::sort(sorted.begin(), sorted.end());
   sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
   std::vector<problem> all;
-  all.reserve(sorted.size());
+  all.reserve(sorted.size() + elsewhere_.size());
   for (auto& [at, message] : sorted)
     all.push_back({name, at.line, at.column, std::move(message)});
+  all.insert(all.end(), elsewhere_.begin(), elsewhere_.end());
   return all;
 }
 

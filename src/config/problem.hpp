@@ -9,7 +9,8 @@
 
 namespace rubicon::config {
 
-/// One mistake. Lines and columns count from 1, columns in characters; line 0: the file as a whole.
+/// One mistake. Lines and columns count from 1, columns in characters; line 0: the file as a whole;
+/// column 0: the line as a whole.
 struct problem {
   std::string file;
   unsigned line = 0;
@@ -19,7 +20,7 @@ struct problem {
   friend bool operator==(const problem&, const problem&) = default;
 };
 
-/// `file:line:column: message`, or `file: message` for the file as a whole.
+/// `file:line:column: message`, `file:line: message` or `file: message`.
 [[nodiscard]] std::string to_string(const problem& x);
 
 /// A place in the file that is read.
@@ -33,20 +34,25 @@ struct mark {
 /// `(line 3, column 7)`
 [[nodiscard]] std::string place_text(mark x);
 
-/// Gathers the problems of one file.
+/// Gathers the problems of one file, and of the files that it names.
 class complaints {
 public:
   /// Control characters of `message` become `?`: it may quote the file and goes to a terminal.
   void add(mark at, std::string message);
 
-  [[nodiscard]] bool empty() const { return found_.empty(); }
-  [[nodiscard]] std::size_t size() const { return found_.size(); }
+  /// A problem of another file, or of this one as a whole.
+  void add(problem x);
+
+  [[nodiscard]] bool empty() const { return size() == 0; }
+  [[nodiscard]] std::size_t size() const { return found_.size() + elsewhere_.size(); }
 
   /// In order of place, each once: a mistake in a mote type is found again with each of its motes.
+  /// Those with a file of their own come last.
   [[nodiscard]] std::vector<problem> of_file(const std::string& name) const;
 
 private:
   std::vector<std::pair<mark, std::string>> found_;
+  std::vector<problem> elsewhere_;
 };
 
 } // namespace rubicon::config

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "config/document.hpp"
+#include "radio/noise.hpp"
+#include "radio/tossim_files.hpp"
 
 namespace rubicon::config {
 
@@ -51,7 +53,9 @@ std::string section(const std::string& heading, std::vector<row> rows) {
 }
 
 std::string kind_of(const mote_description& x) {
-  return x.type_name.empty() ? "type " + std::to_string(x.type) : x.type_name;
+  if (x.type_name.empty())
+    return x.type == 0 ? "untyped" : "type " + std::to_string(x.type);
+  return x.type_name;
 }
 
 /// `4 climate, 1 fan`, in order of the first mote of each.
@@ -84,12 +88,12 @@ std::vector<row> island_rows(const ecology_description& x) {
   std::vector<row> rows;
   for (const auto& each : x.islands) {
     const auto kinds = motes_by_type(each.motes);
-    rows.push_back({to_string(each.id), each.name,
-                    counted(each.motes.size(), "mote") + (kinds.empty() ? "" : ": " + kinds),
-                    "sink " + to_string(each.sink.id) + ", " +
-                        std::string(each.sink.platform->name) + ", " +
-                        std::to_string(each.serial.baud) + " baud",
-                    placed(each.host)});
+    rows.push_back(
+        {to_string(each.id), each.name,
+         counted(each.motes.size(), "mote") + (kinds.empty() ? "" : ": " + kinds),
+         "sink " + to_string(each.sink.id) + ", " + std::string(each.sink.platform->name) + ", " +
+             (each.stack == stack::mac ? "mac only" : std::to_string(each.serial.baud) + " baud"),
+         placed(each.host)});
   }
   return rows;
 }
@@ -134,10 +138,12 @@ struct app_text {
 /// Peers and gateways: every PEIS kernel, ascending by id.
 std::vector<row> peer_rows(const ecology_description& x) {
   std::vector<std::pair<std::int64_t, row>> found;
-  for (const auto& each : x.islands)
-    found.push_back({each.id.value,
-                     {to_string(each.id), each.gateway_name, arrow(each.gateway_links),
-                      placed(each.host), "gateway of " + each.name}});
+  for (const auto& each : x.islands) {
+    if (each.stack == stack::full)
+      found.push_back({each.id.value,
+                       {to_string(each.id), each.gateway_name, arrow(each.gateway_links),
+                        placed(each.host), "gateway of " + each.name}});
+  }
   for (const auto& each : x.peers) {
     std::vector<std::string> apps;
     for (const auto& app : each.apps)
@@ -212,6 +218,129 @@ std::string percent(double ratio) {
   return shown(std::round(ratio * 1e6) / 1e4) + " %"; // 0.07 * 100 is not 7
 }
 
+struct propagation_text {
+  std::string operator()(const radio::unit_disk& x) const {
+    return "unit disk of " + shown(x.range_m) + " m";
+  }
+  std::string operator()(const radio::log_distance& x) const {
+    auto text =
+        "log distance, exponent " + shown(x.exponent) + ", " + shown(x.reference_db) + " dB at 1 m";
+    if (x.shadowing_db > 0)
+      text += ", shadowing " + shown(x.shadowing_db) + " dB";
+    if (x.asymmetry_db > 0)
+      text += ", asymmetry " + shown(x.asymmetry_db) + " dB";
+    return text;
+  }
+  std::string operator()(const radio::friis& x) const {
+    return "free space at " + shown(x.frequency_mhz) + " MHz";
+  }
+  std::string operator()(const radio::gain_matrix& x) const {
+    return counted(x.table->gains.size(), "gain") + " of a topology, node 0 is mote " +
+           std::to_string(x.first_mote);
+  }
+};
+
+struct noise_text {
+  std::string operator()(const radio::no_noise&) const { return "no noise"; }
+  std::string operator()(const radio::constant_noise& x) const {
+    return "noise of " + shown(x.floor_dbm) + " dBm";
+  }
+  std::string operator()(const radio::table_noise&) const { return "noise of the topology"; }
+  std::string operator()(const radio::traced_noise& x) const {
+    return "noise like " + counted(x.trace->readings().size(), "reading");
+  }
+};
+
+std::string limit(const char* name, const std::optional<double>& dbm) {
+  return dbm ? std::string(", ") + name + ' ' + shown(*dbm) + " dBm" : "";
+}
+
+std::string radio_line(const radio::channel_config& x) {
+  auto text = "radio: " + std::visit(propagation_text{}, x.propagation) + "; " +
+              std::visit(noise_text{}, x.noise) + "; collisions " +
+              (x.collisions == radio::collision_rule::strict ? "strict" : "by SINR");
+  if (x.capture)
+    text += ", capture";
+  if (x.curve == radio::error_curve::tossim)
+    text += ", TOSSIM's curve";
+  text += limit("sensitivity", x.sensitivity_dbm) + "; loss " + percent(x.loss);
+  if (!x.links.empty())
+    text += "; " + counted(x.links.size(), "link") + " as listed";
+  return text + '\n';
+}
+
+/// Names of the platforms in use, in the order of radio::platforms().
+std::vector<std::string_view> platforms_of(const ecology_description& x) {
+  std::vector<std::string_view> names;
+  for (const auto& platform : radio::platforms()) {
+    const auto is_it = [&platform](const auto& radio) { return radio.platform == &platform; };
+    if (std::any_of(x.islands.begin(), x.islands.end(), [&](const auto& island) {
+          return is_it(island.sink) || std::any_of(island.motes.begin(), island.motes.end(), is_it);
+        }))
+      names.push_back(platform.name);
+  }
+  return names;
+}
+
+std::string mac_line(const ecology_description& x) {
+  constexpr const char* senses[] = {"energy", "carrier", "energy or carrier"};
+  std::vector<std::string> macs;
+  for (const auto name : platforms_of(x)) {
+    const auto found = std::find_if(x.radio.macs.begin(), x.radio.macs.end(),
+                                    [name](const auto& each) { return each.first == name; });
+    macs.push_back(std::string(name) + ' ' +
+                   (found == x.radio.macs.end() ? "standard" : found->second));
+  }
+  if (macs.empty())
+    return {};
+  return "mac: " + joined(macs) + "; senses " + senses[static_cast<std::size_t>(x.radio.sensing)] +
+         (x.radio.window == radio::sensing_window::end ? " at the end" : "") +
+         limit("threshold", x.radio.cca_dbm) +
+         (x.radio.retries_max ? "; " + std::to_string(*x.radio.retries_max) +
+                                    (*x.radio.retries_max == 1 ? " retry" : " retries")
+                              : std::string()) +
+         "; queue of " + std::to_string(x.radio.queue) + '\n';
+}
+
+/// Measuring apps by kind.
+struct flow_counts {
+  std::size_t senders[3] = {}; ///< by flow::arrivals
+  std::size_t relays = 0;
+  std::size_t receivers = 0;
+
+  void operator()(const flow::sender_config& x) { ++senders[static_cast<std::size_t>(x.pattern)]; }
+  void operator()(const flow::relay_config&) { ++relays; }
+  void operator()(const flow::receiver_config&) { ++receivers; }
+  template <class App>
+  void operator()(const App&) {}
+};
+
+std::string flows_line(const ecology_description& x) {
+  constexpr const char* patterns[] = {" periodic", " Poisson", " saturated"};
+  flow_counts counts;
+  const auto count = [&counts](const auto& apps) {
+    for (const auto& each : apps)
+      std::visit(counts, each);
+  };
+  for (const auto& island : x.islands) {
+    count(island.sink.apps);
+    for (const auto& mote : island.motes)
+      count(mote.apps);
+  }
+  std::vector<std::string> kinds;
+  std::size_t senders = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    senders += counts.senders[i];
+    if (counts.senders[i] > 0)
+      kinds.push_back(std::to_string(counts.senders[i]) + patterns[i]);
+  }
+  if (senders + counts.relays + counts.receivers == 0)
+    return {};
+  return "flows: " + counted(senders, "sender") +
+         (kinds.empty() ? "" : " (" + joined(kinds) + ')') + ", " +
+         counted(counts.relays, "relay") + ", " + counted(counts.receivers, "receiver") + '\n';
+}
+
 std::string first_lines(const ecology_description& x) {
   std::size_t motes = 0;
   for (const auto& island : x.islands)
@@ -220,9 +349,8 @@ std::string first_lines(const ecology_description& x) {
          (x.mode == run_mode::wall ? "wall time" : "virtual time") + ", seed " +
          std::to_string(x.seed) + ", network " + x.network + '\n' +
          counted(x.islands.size(), "island") + ", " + counted(motes, "mote") + ", " +
-         counted(x.peers.size(), "peer") + "; radio: range " + shown(x.radio.range_m) +
-         " m, loss " + percent(x.radio.loss) + ", " + std::to_string(x.radio.retries_max) +
-         " retries, queue of " + std::to_string(x.radio.queue) + '\n';
+         counted(x.peers.size(), "peer") + '\n' +
+         (x.islands.empty() ? "" : radio_line(x.radio) + mac_line(x) + flows_line(x));
 }
 
 } // namespace

@@ -102,9 +102,11 @@ void table_reader::named_tables(
 }
 
 void table_reader::one_of(std::string_view key,
-                          const std::vector<std::pair<std::string_view, part_reader>>& choices) {
+                          const std::vector<std::pair<std::string_view, part_reader>>& choices,
+                          std::string_view within) {
   const auto become = [&](std::string_view choice, const part_reader& read) {
-    title_ = std::string(key) + " = \"" + std::string(choice) + '"';
+    title_ = std::string(within) + (within.empty() ? "" : " ") + std::string(key) + " = \"" +
+             std::string(choice) + '"';
     static_cast<void>(ask(key));
     read(*this);
   };

@@ -65,9 +65,10 @@ public:
                     const std::function<void(const located<std::string>&, table_reader&)>& read);
 
   /// A key that decides what other keys there are. From here on the table is called by both, as in
-  /// `app = "sampler"`.
+  /// `app = "sampler"`; after `within`, if that key has such a value in another table too.
   void one_of(std::string_view key,
-              const std::vector<std::pair<std::string_view, part_reader>>& choices);
+              const std::vector<std::pair<std::string_view, part_reader>>& choices,
+              std::string_view within = {});
 
   /// Complains about keys nobody asked for. Called once, by who made this reader.
   void finish() const;
@@ -75,14 +76,26 @@ public:
   /// Whether `key` is in the file.
   [[nodiscard]] bool has(std::string_view key) const { return table_.find(key) != nullptr; }
 
+  /// Whether nothing is read and only the keys are wanted.
+  [[nodiscard]] bool walks() const { return shared_.accepted != nullptr; }
+
+  [[nodiscard]] const std::string& title() const { return title_; }
+
   /// The place of the value of `key`; of the table if it has none.
   [[nodiscard]] mark at(std::string_view key) const;
   [[nodiscard]] mark at() const { return table_.at; }
+
+  /// The value of `key`; nullptr if it has none.
+  [[nodiscard]] const node* value(std::string_view key) const { return table_.find(key); }
+
+  /// Takes `key` for known without reading it.
+  void expect(std::string_view key) { static_cast<void>(ask(key)); }
 
   /// Whether all that was read so far is good: a check across keys would judge defaults otherwise.
   [[nodiscard]] bool sound() const { return shared_.problems.size() == problems_before_; }
 
   [[nodiscard]] complaints& problems() const { return shared_.problems; }
+  [[nodiscard]] reading& shared() const { return shared_; }
 
 private:
   [[nodiscard]] const node* ask(std::string_view key);

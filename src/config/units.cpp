@@ -99,6 +99,17 @@ std::optional<measured> measure(std::string_view text) {
   return out;
 }
 
+/// The number in front of `unit`, with a minus or none.
+std::optional<double> signed_with_unit(std::string_view text, std::string_view unit) {
+  const bool negative = text.starts_with('-');
+  if (negative)
+    text.remove_prefix(1);
+  const auto x = measure(text);
+  if (!x || x->unit != unit)
+    return std::nullopt;
+  return negative ? -x->number : x->number;
+}
+
 } // namespace
 
 std::optional<duration> parse_duration(std::string_view text) {
@@ -144,6 +155,25 @@ std::optional<double> parse_charge_mah(std::string_view text) {
   if (x->unit == "mAh")
     return x->number;
   if (x->unit == "Ah")
+    return x->number * 1000;
+  return std::nullopt;
+}
+
+std::optional<double> parse_dbm(std::string_view text) {
+  return signed_with_unit(text, "dBm");
+}
+
+std::optional<double> parse_db(std::string_view text) {
+  return signed_with_unit(text, "dB");
+}
+
+std::optional<double> parse_frequency_mhz(std::string_view text) {
+  const auto x = measure(text);
+  if (!x)
+    return std::nullopt;
+  if (x->unit == "MHz")
+    return x->number;
+  if (x->unit == "GHz")
     return x->number * 1000;
   return std::nullopt;
 }

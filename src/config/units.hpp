@@ -1,4 +1,5 @@
-// Quantities as people write them: a number and its unit, `31s`, `1min30s`, `2%`, `25m`, `2000mAh`.
+// Quantities as people write them: a number and its unit, `31s`, `1min30s`, `2%`, `25m`, `2000mAh`,
+// `-98dBm`.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +24,13 @@ namespace rubicon::config {
 
 /// Milliampere hours, of mAh or Ah.
 [[nodiscard]] std::optional<double> parse_charge_mah(std::string_view text);
+
+/// dBm or dB, with a minus in front or none.
+[[nodiscard]] std::optional<double> parse_dbm(std::string_view text);
+[[nodiscard]] std::optional<double> parse_db(std::string_view text);
+
+/// Megahertz, of MHz or GHz.
+[[nodiscard]] std::optional<double> parse_frequency_mhz(std::string_view text);
 
 /// Bits a second, of a whole number of baud.
 [[nodiscard]] std::optional<std::int64_t> parse_baud(std::string_view text);

@@ -60,6 +60,32 @@ std::optional<std::uint32_t> unsigned_in(std::string_view x) {
   return out;
 }
 
+/// Pairs of a time and what `kind` reads, the times strictly increasing.
+template <class Kind>
+std::optional<std::vector<std::pair<duration, typename Kind::type>>>
+points(const node& x, const asker& who, const Kind& kind, const std::string& wanted) {
+  const auto* elements = x.as<node_array>();
+  if (elements == nullptr || elements->empty())
+    return who.refuse(x, wanted);
+  std::vector<std::pair<duration, typename Kind::type>> out;
+  for (const auto& each : *elements) {
+    const auto* pair = each.as<node_array>();
+    if (pair == nullptr || pair->size() != 2)
+      return who.refuse(each, wanted);
+    const auto at = time_span{}.read(pair->front(), who);
+    const auto value = kind.read(pair->back(), who);
+    if (!at || !value)
+      return std::nullopt;
+    if (!out.empty() && *at <= out.back().first) {
+      who.complain(pair->front(), "the times of `" + std::string(who.key) +
+                                      "` must increase from one to the next");
+      return std::nullopt;
+    }
+    out.emplace_back(*at, *value);
+  }
+  return out;
+}
+
 } // namespace
 
 std::nullopt_t asker::refuse(const node& x, const std::string& wanted) const {
@@ -157,6 +183,32 @@ std::optional<double> charge::read(const node& x, const asker& who) {
                        "\"2000mAh\"");
 }
 
+std::optional<double> power_level::read(const node& x, const asker& who) const {
+  const auto found = parsed(x, parse_dbm);
+  if (found && *found >= min_dbm && *found <= max_dbm)
+    return found;
+  return who.refuse(x, "a power from " + shown(min_dbm) + " to " + shown(max_dbm) +
+                           " dBm with its unit, as in \"-98dBm\"");
+}
+
+std::optional<double> decibels::read(const node& x, const asker& who) const {
+  const auto found = parsed(x, parse_db);
+  if (found && *found >= min && *found <= max)
+    return found;
+  return who.refuse(x, "a ratio from " + shown(min) + " to " + shown(max) +
+                           " dB with its unit, as in \"3.5dB\"");
+}
+
+std::optional<double> frequency::read(const node& x, const asker& who) {
+  constexpr double min_mhz = 100;
+  constexpr double max_mhz = 100'000;
+  const auto found = parsed(x, parse_frequency_mhz);
+  if (found && *found >= min_mhz && *found <= max_mhz)
+    return found;
+  return who.refuse(x, "a frequency from 100 MHz to 100 GHz with its unit (MHz or GHz), as in "
+                       "\"2480MHz\"");
+}
+
 std::optional<std::uint32_t> baud::read(const node& x, const asker& who) {
   constexpr std::int64_t min = 300;
   constexpr std::int64_t max = 4'000'000;
@@ -186,31 +238,15 @@ std::optional<position> place::read(const node& x, const asker& who) {
   return position{numbers[0], numbers[1], numbers.size() == 3 ? numbers[2] : 0};
 }
 
+std::optional<way::type> way::read(const node& x, const asker& who) {
+  return points(x, who, place{},
+                "points of a time and a position, as in "
+                "[[\"0s\", [0, 2]], [\"1min\", [30, 2]]]");
+}
+
 std::optional<time_points::type> time_points::read(const node& x, const asker& who) {
-  const auto* elements = x.as<node_array>();
-  const auto refuse = [&](const node& what) {
-    return who.refuse(what,
-                      "points of a time and a number, as in [[\"0s\", 21.0], [\"5min\", 27]]");
-  };
-  if (elements == nullptr || elements->empty())
-    return refuse(x);
-  type out;
-  for (const auto& each : *elements) {
-    const auto* pair = each.as<node_array>();
-    if (pair == nullptr || pair->size() != 2)
-      return refuse(each);
-    const auto at = time_span{}.read(pair->front(), who);
-    const auto value = real{}.read(pair->back(), who);
-    if (!at || !value)
-      return std::nullopt;
-    if (!out.empty() && *at <= out.back().first) {
-      who.complain(pair->front(), "the times of `" + std::string(who.key) +
-                                      "` must increase from one to the next");
-      return std::nullopt;
-    }
-    out.emplace_back(*at, *value);
-  }
-  return out;
+  return points(x, who, real{},
+                "points of a time and a number, as in [[\"0s\", 21.0], [\"5min\", 27]]");
 }
 
 std::optional<proxy::type_range> type_span::read(const node& x, const asker& who) {
@@ -236,6 +272,13 @@ std::optional<const radio::platform*> platform_name::read(const node& x, const a
   for (const auto& each : radio::platforms())
     choices.emplace_back(each.name, &each);
   return word<const radio::platform*>{std::move(choices)}.read(x, who);
+}
+
+std::optional<std::string> mac_name::read(const node& x, const asker& who) {
+  word<std::string> words;
+  for (const auto& each : radio::mac_names())
+    words.choices.emplace_back(each, each);
+  return words.read(x, who);
 }
 
 std::optional<bytes> hex_octets::read(const node& x, const asker& who) {

@@ -135,6 +135,30 @@ struct charge {
   [[nodiscard]] static std::optional<double> read(const node& x, const asker& who);
 };
 
+/// "-98dBm"
+struct power_level {
+  using type = double;
+  double min_dbm = -150;
+  double max_dbm = 20;
+
+  [[nodiscard]] std::optional<double> read(const node& x, const asker& who) const;
+};
+
+/// "46.68dB"
+struct decibels {
+  using type = double;
+  double min = 0;
+  double max = 200;
+
+  [[nodiscard]] std::optional<double> read(const node& x, const asker& who) const;
+};
+
+/// "2480MHz", in MHz
+struct frequency {
+  using type = double;
+  [[nodiscard]] static std::optional<double> read(const node& x, const asker& who);
+};
+
 /// 57600 or "57600baud"
 struct baud {
   using type = std::uint32_t;
@@ -145,6 +169,12 @@ struct baud {
 struct place {
   using type = position;
   [[nodiscard]] static std::optional<position> read(const node& x, const asker& who);
+};
+
+/// [["0s", [0, 2]], ["1min", [30, 2]]], times strictly increasing
+struct way {
+  using type = std::vector<std::pair<duration, position>>;
+  [[nodiscard]] static std::optional<type> read(const node& x, const asker& who);
 };
 
 /// [["0s", 21.0], ["5min", 27.5]], times strictly increasing
@@ -163,6 +193,12 @@ struct type_span {
 struct platform_name {
   using type = const radio::platform*;
   [[nodiscard]] static std::optional<const radio::platform*> read(const node& x, const asker& who);
+};
+
+/// The name of medium access rules.
+struct mac_name {
+  using type = std::string;
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who);
 };
 
 /// Octets in hexadecimal, "01" or "00ff", 1 to 100 of them.

@@ -4,8 +4,8 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <utility>
+#include <vector>
 
 namespace rubicon {
 
@@ -21,11 +21,11 @@ public:
 
   /// @returns false if `x` itself was dropped
   bool push(T x) {
-    if (elements_.size() >= capacity_) {
+    if (full()) {
       ++dropped_;
       if (policy_ == overflow::drop_newest || capacity_ == 0)
         return false;
-      elements_.pop_front();
+      drop_front();
     }
     elements_.push_back(std::move(x));
     return true;
@@ -33,28 +33,45 @@ public:
 
   /// @pre !empty()
   [[nodiscard]] T& front() {
-    assert(!elements_.empty());
-    return elements_.front();
+    assert(!empty());
+    return elements_[first_];
+  }
+
+  /// @pre !empty()
+  [[nodiscard]] const T& front() const {
+    assert(!empty());
+    return elements_[first_];
   }
 
   /// @pre !empty()
   T pop() {
-    assert(!elements_.empty());
-    T x = std::move(elements_.front());
-    elements_.pop_front();
+    assert(!empty());
+    T x = std::move(elements_[first_]);
+    drop_front();
     return x;
   }
 
-  void clear() { elements_.clear(); }
+  void clear() {
+    elements_.clear();
+    first_ = 0;
+  }
 
-  [[nodiscard]] bool empty() const { return elements_.empty(); }
-  [[nodiscard]] bool full() const { return elements_.size() >= capacity_; }
-  [[nodiscard]] std::size_t size() const { return elements_.size(); }
+  [[nodiscard]] bool empty() const { return size() == 0; }
+  [[nodiscard]] bool full() const { return size() >= capacity_; }
+  [[nodiscard]] std::size_t size() const { return elements_.size() - first_; }
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
 private:
-  std::deque<T> elements_;
+  void drop_front() {
+    if (++first_ * 2 < elements_.size())
+      return;
+    elements_.erase(elements_.begin(), elements_.begin() + static_cast<std::ptrdiff_t>(first_));
+    first_ = 0;
+  }
+
+  std::vector<T> elements_; ///< not a deque, which takes half a kilobyte even when empty
+  std::size_t first_ = 0;   ///< those before it have been taken out
   std::size_t capacity_;
   overflow policy_;
   std::uint64_t dropped_ = 0;

@@ -1,5 +1,6 @@
 #include "core/math.hpp"
 
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -26,6 +27,14 @@ double times_power_of_two(double x, int k) {
     k += 1000;
   }
   return x * std::bit_cast<double>(static_cast<std::uint64_t>(1023 + k) << 52);
+}
+
+/// c[0] + c[1] x + c[2] x^2 + ...
+double polynomial(const std::array<double, 8>& c, double x) {
+  double sum = 0;
+  for (auto each = c.rbegin(); each != c.rend(); ++each)
+    sum = sum * x + *each;
+  return sum;
 }
 
 } // namespace
@@ -86,6 +95,64 @@ double sine_of_turns(double x) {
   for (int n = 22; n >= 2; n -= 2)
     sum = 1 - sum * square / (n * (n + 1));
   return angle * sum;
+}
+
+double erfc(double x) {
+  constexpr double sqrt_pi = 1.77245385090551602730;
+  if (x < 0)
+    return 2 - erfc(-x);
+  if (x > 26)
+    return 0;
+  const auto square = x * x;
+  if (x < 2) { // Abramowitz and Stegun 7.1.6: all terms have one sign
+    auto term = x;
+    auto sum = x;
+    for (int n = 1; n <= 40; ++n) {
+      term *= 2 * square / (2 * n + 1);
+      sum += term;
+    }
+    return 1 - 2 / sqrt_pi * exp(-square) * sum;
+  }
+  auto fraction = x; // Abramowitz and Stegun 7.1.14
+  for (int n = 60; n >= 1; --n)
+    fraction = x + n / (2 * fraction);
+  return exp(-square) / (sqrt_pi * fraction);
+}
+
+double normal_quantile(double p) { // Wichura 1988, AS 241, PPND16
+  constexpr std::array<double, 8> a{3.3871328727963666080,    1.3314166789178437745e+2,
+                                    1.9715909503065514427e+3, 1.3731693765509461125e+4,
+                                    4.5921953931549871457e+4, 6.7265770927008700853e+4,
+                                    3.3430575583588128105e+4, 2.5090809287301226727e+3};
+  constexpr std::array<double, 8> b{1,
+                                    4.2313330701600911252e+1,
+                                    6.8718700749205790830e+2,
+                                    5.3941960214247511077e+3,
+                                    2.1213794301586595867e+4,
+                                    3.9307895800092710610e+4,
+                                    2.8729085735721942674e+4,
+                                    5.2264952788528545610e+3};
+  constexpr std::array<double, 8> c{1.42343711074968357734,    4.63033784615654529590,
+                                    5.76949722146069140550,    3.64784832476320460504,
+                                    1.27045825245236838258,    2.41780725177450611770e-1,
+                                    2.27238449892691845833e-2, 7.74545014278341407640e-4};
+  constexpr std::array<double, 8> d{1,
+                                    2.05319162663775882187,
+                                    1.67638483018380384940,
+                                    6.89767334985100004550e-1,
+                                    1.48103976427480074590e-1,
+                                    1.51986665636164571966e-2,
+                                    5.47593808499534494600e-4,
+                                    1.05075007164441684324e-9};
+  assert(p >= 1e-10 && p <= 1 - 1e-10);
+  const auto from_middle = p - 0.5;
+  if (std::abs(from_middle) <= 0.425) {
+    const auto x = 0.180625 - from_middle * from_middle;
+    return from_middle * polynomial(a, x) / polynomial(b, x);
+  }
+  const auto x = std::sqrt(-log(p < 0.5 ? p : 1 - p)) - 1.6;
+  const auto size = polynomial(c, x) / polynomial(d, x);
+  return p < 0.5 ? -size : size;
 }
 
 double length(double x, double y, double z) {

@@ -17,6 +17,13 @@ namespace rubicon::math {
 /// Sine of an angle in turns: sine_of_turns(0.25) is 1. Error below 1e-14 for |x| < 2^31.
 [[nodiscard]] double sine_of_turns(double x);
 
+/// Complementary error function, relative error below 1e-12; 0 above 26, where it is below 1e-295.
+[[nodiscard]] double erfc(double x);
+
+/// The number that a standard normal deviate is below with chance p, relative error below 1e-13
+/// away from 0. @pre 1e-10 <= p <= 1 - 1e-10
+[[nodiscard]] double normal_quantile(double p);
+
 /// Distance from the origin of (x, y, z).
 [[nodiscard]] double length(double x, double y, double z);
 

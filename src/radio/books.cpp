@@ -1,22 +1,54 @@
 #include "radio/books.hpp"
 
+#include <numeric>
+
 namespace rubicon::radio {
 
+std::string to_string(copy_fate x) {
+  switch (x) {
+  case copy_fate::delivered:
+    return "delivered";
+  case copy_fate::weak:
+    return "weak";
+  case copy_fate::loss:
+    return "loss";
+  case copy_fate::collision:
+    return "collision";
+  case copy_fate::captured:
+    return "captured";
+  case copy_fate::half_duplex:
+    return "half_duplex";
+  case copy_fate::off:
+    return "off";
+  case copy_fate::filtered:
+    return "filtered";
+  case copy_fate::overflow:
+    return "overflow";
+  case copy_fate::duplicate:
+    return "duplicate";
+  case copy_fate::out_of_reach:
+    return "out_of_reach";
+  }
+  return "unknown";
+}
+
 bool copy_book::balanced() const {
-  return sent == delivered + loss + collision + half_duplex + off + filtered + overflow + duplicate;
+  return sent == std::accumulate(ended.begin(), ended.end(), std::uint64_t{0});
 }
 
 copy_book& copy_book::operator+=(const copy_book& x) {
   sent += x.sent;
-  delivered += x.delivered;
-  loss += x.loss;
-  collision += x.collision;
-  half_duplex += x.half_duplex;
-  off += x.off;
-  filtered += x.filtered;
-  overflow += x.overflow;
-  duplicate += x.duplicate;
+  for (std::size_t i = 0; i < copy_fates; ++i)
+    ended[i] += x.ended[i];
   return *this;
+}
+
+copy_book link_books::link(std::size_t place) const {
+  copy_book x;
+  x.sent = frames_;
+  for (std::size_t i = 0; i < copy_fates; ++i)
+    x.ended[i] = rows_[i].empty() ? 0 : rows_[i][place];
+  return x;
 }
 
 bool request_book::balanced() const {

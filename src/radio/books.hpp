@@ -2,27 +2,82 @@
 // lines.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "radio/topology.hpp"
 
 namespace rubicon::radio {
 
-/// Copies of frames: one for each radio in range of a transmission, booked with that radio when the
-/// frame ends. Acks are frames too.
-///   sent = delivered + loss + collision + half_duplex + off + filtered + overflow + duplicate
-struct copy_book {
-  std::uint64_t sent = 0;        ///< a radio in range was on the air when a transmission ended
-  std::uint64_t delivered = 0;   ///< data handed to the mote, acks that completed a request
-  std::uint64_t loss = 0;        ///< random, channel_config::loss
-  std::uint64_t collision = 0;   ///< overlapped at the receiver with another frame in its range
-  std::uint64_t half_duplex = 0; ///< the receiver was sending at some time during the frame
-  std::uint64_t off = 0;         ///< receiver or sender was off at some time during the frame
-  std::uint64_t filtered = 0;    ///< for another mote or PAN, or an ack nobody here waits for
-  std::uint64_t overflow = 0;    ///< no receive slot was free
-  std::uint64_t duplicate = 0;   ///< repeated by the sender because it missed the ack
+/// What became of one copy of a frame at one radio in reach. Of several causes the first in time
+/// counts.
+enum class copy_fate : std::uint8_t {
+  delivered,    ///< data handed to the mote, an ack that completed a request
+  weak,         ///< below the sensitivity, or spoiled by noise alone
+  loss,         ///< the link's own chance (channel_config::loss, link_override)
+  collision,    ///< spoiled by interference
+  captured,     ///< the receiver was busy with another frame, or left this one for a stronger one
+  half_duplex,  ///< the receiver was sending at some time during the frame
+  off,          ///< receiver or sender was off at some time during the frame
+  filtered,     ///< for another mote or PAN, or an ack nobody here waits for
+  overflow,     ///< no receive slot was free
+  duplicate,    ///< repeated by the sender because it missed the ack
+  out_of_reach, ///< there was no copy: the radio is too far away; in no book
+};
 
+inline constexpr std::size_t copy_fates = 10; ///< those that are in a book
+
+/// As the report names them.
+[[nodiscard]] std::string to_string(copy_fate x);
+
+/// Copies of frames: one for each radio in reach of a transmission, booked when the frame ends.
+/// Acks are frames too. sent = the sum of all fates.
+struct copy_book {
+  std::uint64_t sent = 0;
+  std::array<std::uint64_t, copy_fates> ended{}; ///< by fate
+
+  [[nodiscard]] std::uint64_t of(copy_fate x) const { return ended[static_cast<std::size_t>(x)]; }
   [[nodiscard]] bool balanced() const;
   copy_book& operator+=(const copy_book& x);
   friend bool operator==(const copy_book&, const copy_book&) = default;
+};
+
+/// The copies on all links out of one radio. `sent` is counted once a frame, the fates one by one,
+/// so that each link is checked against something. Takes room only for fates that have occurred.
+class link_books {
+public:
+  /// A frame to these radios has ended. @pre `to` is not nullptr
+  /// @returns the links whose place was given up because `to` is another list than before
+  void begin(const std::shared_ptr<const hearers>& to) {
+    to_ = to;
+    frames_ = 0;
+    for (auto& x : rows_)
+      x.clear();
+  }
+
+  [[nodiscard]] bool is_about(const std::shared_ptr<const hearers>& to) const { return to_ == to; }
+
+  void count_frame() { ++frames_; }
+
+  /// @param place of the radio in the list
+  void count(std::size_t place, copy_fate x) {
+    auto& row = rows_[static_cast<std::size_t>(x)];
+    if (row.empty())
+      row.resize(to_->size());
+    ++row[place];
+  }
+
+  [[nodiscard]] const hearers* to() const { return to_.get(); } ///< nullptr: nothing sent yet
+  [[nodiscard]] copy_book link(std::size_t place) const;
+
+private:
+  std::shared_ptr<const hearers> to_;
+  std::uint64_t frames_ = 0;
+  std::array<std::vector<std::uint32_t>, copy_fates> rows_; ///< each empty or one count a link
 };
 
 /// Requests to send, booked with the sender.

@@ -16,6 +16,7 @@
 #include "radio/event_queue.hpp"
 #include "radio/frame.hpp"
 #include "radio/mac.hpp"
+#include "radio/mac_rules.hpp"
 #include "radio/medium.hpp"
 #include "radio/parameters.hpp"
 #include "radio/receiver.hpp"
@@ -28,9 +29,10 @@ struct radio_config {
   mote_id address;                 ///< unique in its PAN
   std::uint16_t pan = default_pan; ///< one per island; frames of other PANs only disturb
   position place;
-  const platform* kind = nullptr;    ///< never nullptr; one of platforms(), or outlives the channel
-  std::optional<double> battery_mah; ///< > 0; unset: the platform's; infinity: fed by a cable
-  bool promiscuous = false;          ///< delivers all data frames heard, of any PAN and for anybody
+  const platform* kind = nullptr; ///< never nullptr; one of platforms(), or outlives the channel
+  std::optional<double> transmit_dbm; ///< unset: the platform's full power
+  std::optional<double> battery_mah;  ///< > 0; unset: the platform's; infinity: fed by a cable
+  bool promiscuous = false; ///< delivers all data frames heard, of any PAN and for anybody
 };
 
 /// A wish to send one frame.
@@ -38,8 +40,8 @@ struct request {
   std::uint64_t token = 0; ///< comes back in `done`; the channel attaches no meaning
   mote_id destination = broadcast_mote;
   std::uint8_t am_type = 0;
-  bytes payload;   ///< at most payload_max octets
-  bool ack = true; ///< unicast only: wait for an ack and repeat without one
+  rubicon::payload payload; ///< at most payload_max octets
+  bool ack = true;          ///< unicast only: wait for an ack and repeat without one
 };
 
 /// What became of a mote's power.
@@ -66,6 +68,8 @@ struct done {
   std::uint64_t token = 0;
   send_status status = send_status::sent;
   unsigned transmissions = 0; ///< times the frame was put on the air
+  bool arrived = false;       ///< its destination accepted it, whether or not the sender knows
+  copy_fate last = copy_fate::out_of_reach; ///< of the last copy at its destination; unicast only
 };
 
 /// The battery of a mote is flat. The radio has already been switched to power::flat.
@@ -73,12 +77,21 @@ struct exhausted {
   radio_index radio;
 };
 
-using output = std::variant<delivered, done, exhausted>;
+/// A frame has ended; only while the channel is watched.
+struct overheard {
+  std::uint16_t pan = 0; ///< of its sender
+  instant begin;         ///< of its preamble
+  payload psdu;          ///< acks included
+  bool received = false; ///< by anybody it was meant for
+};
+
+using output = std::variant<delivered, done, exhausted, overheard>;
 using outputs = std::vector<output>;
 
 /// What a mote has used so far.
 struct energy_use {
   energy_times times;
+  duration elapsed{};  ///< since it was added, until now or until its battery was flat
   double used_mah = 0; ///< never above battery_mah by more than 10 ms of current
   double battery_mah = 0;
   instant empty_at; ///< if it goes on doing what it does at this moment
@@ -87,17 +100,14 @@ struct energy_use {
 /// Radios of one or several islands that share a place and a frequency: PHY and MAC of all of them
 /// as one sans-I/O core with an event queue of its own (design.md section 4, NET-15, GEN-03).
 ///
-/// Sending, per radio: a bounded queue, unslotted CSMA-CA, for acked unicast ack wait and repeats,
-/// interframe spacing, all with the standard's numbers (tinyos.md 5.3, radio/mac.hpp). An
-/// assessment finds the channel busy if anything was audible at any moment of it. A channel access
-/// failure ends the request at once, as the standard has it.
+/// Sending, per radio: a bounded queue, and the medium access that channel_config::macs names for
+/// its platform (radio/mac_rules.hpp).
 ///
-/// Receiving: a radio hears every frame from within range_m, whichever PAN it is of. It locks on
-/// one that starts while it is on, not sending and hears nothing else; any second frame in range
-/// destroys both. What survives is lost with the configured chance, dropped by the address filter,
-/// or takes a receive slot until the MCU has served it; without a free slot it is dropped and not
-/// acked. Acks are sent by the transceiver 192 us after the frame and occupy the air like any
-/// frame. They carry no address: a radio takes the ack with the DSN it waits for from anybody.
+/// Receiving: the medium decides what arrives unharmed, whichever PAN it is of (radio/medium.hpp).
+/// What does is lost with the link's own chance, dropped by the address filter, or takes a receive
+/// slot until the MCU has served it; without a free slot it is dropped and not acked. Acks are sent
+/// by the transceiver and occupy the air like any frame. They carry no address: a radio takes the
+/// ack with the DSN it waits for from anybody.
 ///
 /// Time: `now` of any call must not be before that of an earlier call. Every call that takes inputs
 /// first does what was due until then, so its outputs may concern any radio. In virtual time call
@@ -107,14 +117,16 @@ class channel {
 public:
   channel() = default;
 
-  /// @param dice decides back-offs, losses and first sequence numbers
+  /// @param config its macs name platforms and rules that exist
+  /// @param dice decides back-offs, losses and first sequence numbers; what belongs to links and
+  /// to the noise of a radio is seeded from it
   channel(const channel_config& config, random_stream dice);
 
-  /// Costs O(radios). Frames already on the air do not reach the new radio.
+  /// Frames already on the air do not reach the new radio.
   /// @pre nothing was due before `now`: call on_time(now) first when radios are at work
   radio_index add(const radio_config& config, instant now);
 
-  /// Costs O(radios). Frames already on the air end where they started.
+  /// Costs what topology::move() costs. Frames already on the air end where they started.
   void move(radio_index radio, position place);
 
   /// The chance that a copy is lost on the way from one radio to another, instead of
@@ -131,18 +143,28 @@ public:
 
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
 
-  /// When on_time() is due; nothing while nobody sends and no battery can end.
-  [[nodiscard]] std::optional<instant> deadline() const;
+  /// When on_time() is due: nothing can be told to anybody before. What happens on the air until
+  /// then happens at its own time when on_time() comes. Nothing while nobody sends and no battery
+  /// can end.
+  [[nodiscard]] std::optional<instant> deadline();
 
-  [[nodiscard]] books counted_by(radio_index radio) const;
+  /// From now on frames come out as `overheard` too; that changes nothing else.
+  void watch() { watched_ = true; }
+
+  [[nodiscard]] books counted_by(radio_index radio) const;   ///< costs O(links)
+  [[nodiscard]] std::vector<books> counted_by_radio() const; ///< costs O(links)
   [[nodiscard]] books counted_in_pan(std::uint16_t pan) const;
   [[nodiscard]] books counted() const; ///< by all radios
 
-  /// Whether both books of every radio balance and no copy is missing from the sum of them. Always
-  /// true; costs O(radios).
+  /// The copies on one link while `from` has had it last: they begin anew when a radio near `from`
+  /// is added or moves.
+  [[nodiscard]] copy_book counted_on(radio_index from, radio_index to) const;
+
+  /// Whether both books of every radio and the copies of every link balance, and no copy is missing
+  /// from the sum of them. Always true; costs O(links).
   [[nodiscard]] bool balanced() const;
 
-  /// @pre now is not before any earlier call's
+  /// @pre now is not before any earlier call's, and on_time(now) has been called
   [[nodiscard]] energy_use energy(radio_index radio, instant now) const;
 
   [[nodiscard]] power power_of(radio_index radio) const;
@@ -156,12 +178,16 @@ private:
   struct station {
     mote_id address;
     std::uint16_t pan = default_pan;
-    const platform* kind = nullptr;
+    duration service_time{};
     power supply = power::on;
     std::uint8_t next_dsn = 0;
     mac sender;
     receiver inbox;
-    books counted;                    ///< requests.open is filled in when asked for
+    books counted;     ///< copies: of links that are no more; requests.open: filled in when asked
+    link_books copies; ///< that it has sent
+    instant added_at;
+    instant flat_at = instant::max();
+    instant guarded_until;            ///< mac_rules::guard
     std::optional<instant> scheduled; ///< the deadline of `sender` that stands in the event queue
     std::uint64_t mac_stamp = 0;
     std::optional<std::uint8_t> ack_dsn; ///< of the ack it is about to send
@@ -175,16 +201,19 @@ private:
   void on_ack_due(radio_index radio, instant now);
   void on_frame_end(slot_index slot, instant now, outputs& out);
   void on_battery_low(radio_index radio, instant now, outputs& out);
-  void on_copy(const transmission& sent, const hearer& x, fate end, instant now, outputs& out);
-  void on_intact(const transmission& sent, const hearer& x, instant now, outputs& out);
-  void on_ack(radio_index radio, std::uint8_t dsn, instant now, outputs& out);
-  void on_data(const transmission& sent, const hearer& x, instant now, outputs& out);
-  void put_on_air(transmission x, duration length, instant now);
+  [[nodiscard]] copy_fate on_ack(radio_index radio, std::uint8_t dsn, instant now, outputs& out);
+  [[nodiscard]] copy_fate on_data(const transmission& sent, const hearer& x, instant now,
+                                  outputs& out);
+  void book_frame(slot_index slot);
+  void retire(const link_books& x);
+  [[nodiscard]] overheard describe(const transmission& x) const;
+  void put_on_air(transmission x, instant now);
   void send_current(radio_index radio, instant now);
   void follow(radio_index radio, const mac_action& todo, instant now, outputs& out);
   void end_frame(slot_index slot, instant now, outputs& out);
   void conclude(radio_index radio, const finished& x, outputs& out);
   void silence(radio_index radio, instant now, outputs& out);
+  void run_down(radio_index radio, instant now);
   void watch_battery(radio_index radio, instant now);
 
   [[nodiscard]] station& at(radio_index radio) { return stations_[radio.value]; }
@@ -194,9 +223,13 @@ private:
   random_stream dice_;
   topology topology_;
   medium medium_;
+  std::uint64_t noise_seed_ = 0;
+  bool guards_ = false; ///< somebody's rules have a guard
   std::vector<station> stations_;
   event_queue queue_;
+  instant ran_until_ = instant::min();
   std::uint64_t events_ = 0;
+  bool watched_ = false;
 };
 
 } // namespace rubicon::radio

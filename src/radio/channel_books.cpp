@@ -1,39 +1,76 @@
 // What a channel tells about itself.
 #include "radio/channel.hpp"
 
+#include <algorithm>
+
 namespace rubicon::radio {
 
+std::vector<books> channel::counted_by_radio() const {
+  std::vector<books> all;
+  for (const auto& x : stations_) {
+    all.push_back(x.counted);
+    all.back().requests.open = x.sender.open();
+  }
+  for (const auto& x : stations_) {
+    if (x.copies.to() == nullptr)
+      continue;
+    for (std::size_t place = 0; place < x.copies.to()->size(); ++place)
+      all[(*x.copies.to())[place].radio.value].copies += x.copies.link(place);
+  }
+  return all;
+}
+
 books channel::counted_by(radio_index radio) const {
-  auto x = at(radio).counted;
-  x.requests.open = at(radio).sender.open();
-  return x;
+  return counted_by_radio()[radio.value];
 }
 
 books channel::counted_in_pan(std::uint16_t pan) const {
+  const auto all = counted_by_radio();
   books sum;
-  for (std::uint32_t i = 0; i < stations_.size(); ++i)
+  for (std::size_t i = 0; i < all.size(); ++i)
     if (stations_[i].pan == pan)
-      sum += counted_by(radio_index{i});
+      sum += all[i];
   return sum;
 }
 
 books channel::counted() const {
   books sum;
-  for (std::uint32_t i = 0; i < stations_.size(); ++i)
-    sum += counted_by(radio_index{i});
+  for (const auto& x : counted_by_radio())
+    sum += x;
   return sum;
 }
 
+copy_book channel::counted_on(radio_index from, radio_index to) const {
+  const auto& book = at(from).copies;
+  if (book.to() == nullptr)
+    return {};
+  const auto found = std::ranges::lower_bound(*book.to(), to, {}, &hearer::radio);
+  if (found == book.to()->end() || found->radio != to)
+    return {};
+  return book.link(static_cast<std::size_t>(found - book.to()->begin()));
+}
+
 bool channel::balanced() const {
-  for (std::uint32_t i = 0; i < stations_.size(); ++i)
-    if (!counted_by(radio_index{i}).balanced())
-      return false;
-  return counted().copies.sent == medium_.copies();
+  for (const auto& x : stations_) {
+    const auto links = x.copies.to() == nullptr ? 0 : x.copies.to()->size();
+    for (std::size_t place = 0; place < links; ++place)
+      if (!x.copies.link(place).balanced())
+        return false;
+  }
+  const auto all = counted_by_radio();
+  std::uint64_t copies = 0;
+  for (const auto& x : all)
+    copies += x.copies.sent;
+  return copies == medium_.copies() && std::ranges::all_of(all, &books::balanced);
 }
 
 energy_use channel::energy(radio_index radio, instant now) const {
   const auto& meter = medium_.meter(radio);
-  return {meter.times(now), meter.used_mah(now), meter.battery_mah(), meter.empty_at(now)};
+  return {.times = medium_.times(radio, now),
+          .elapsed = std::min(now, at(radio).flat_at) - at(radio).added_at,
+          .used_mah = meter.used_mah(now),
+          .battery_mah = meter.battery_mah(),
+          .empty_at = meter.empty_at(now)};
 }
 
 power channel::power_of(radio_index radio) const {

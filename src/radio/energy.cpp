@@ -22,25 +22,10 @@ instant after(instant from, double charge, double current_ma) {
   return from + std::chrono::duration_cast<duration>(std::chrono::duration<double>(needed_s));
 }
 
-double current_ma(radio_state state, const platform& kind) {
-  switch (state) {
-  case radio_state::off:
-    return kind.radio_off_ma;
-  case radio_state::listen:
-  case radio_state::receive:
-    return kind.radio_listen_ma;
-  case radio_state::transmit:
-    return kind.radio_transmit_ma;
-  }
-  return 0;
-}
-
 duration& of(radio_state state, energy_times& times) {
   switch (state) {
   case radio_state::listen:
     return times.radio_listen;
-  case radio_state::receive:
-    return times.radio_receive;
   case radio_state::transmit:
     return times.radio_transmit;
   case radio_state::off:
@@ -51,17 +36,31 @@ duration& of(radio_state state, energy_times& times) {
 
 } // namespace
 
-double used_mah(const energy_times& times, const platform& kind) {
+double used_mah(const energy_times& times, const platform& kind, double transmit_ma) {
   return charge_mah(times.radio_off, kind.radio_off_ma) +
          charge_mah(times.radio_listen + times.radio_receive, kind.radio_listen_ma) +
-         charge_mah(times.radio_transmit, kind.radio_transmit_ma) +
+         charge_mah(times.radio_transmit, transmit_ma) +
          charge_mah(times.mcu_active, kind.mcu_active_ma) +
          charge_mah(times.mcu_sleep, kind.mcu_sleep_ma);
 }
 
-energy_meter::energy_meter(const platform* kind, double battery_mah, instant start)
-    : kind_(kind), battery_mah_(battery_mah), start_(start), since_(start), busy_until_(start) {
-  assert(kind != nullptr && battery_mah > 0);
+energy_meter::energy_meter(const platform* kind, double battery_mah, double transmit_dbm,
+                           instant start)
+    : kind_(kind), battery_mah_(battery_mah), transmit_ma_(kind->transmit_ma(transmit_dbm)),
+      start_(start), since_(start), busy_until_(start) {
+  assert(battery_mah > 0);
+}
+
+double energy_meter::radio_ma(radio_state x) const {
+  switch (x) {
+  case radio_state::off:
+    return kind_->radio_off_ma;
+  case radio_state::listen:
+    return kind_->radio_listen_ma;
+  case radio_state::transmit:
+    return transmit_ma_;
+  }
+  return 0;
 }
 
 void energy_meter::enter(radio_state next, instant now) {
@@ -105,28 +104,27 @@ energy_times energy_meter::times(instant now) const {
 }
 
 double energy_meter::used_mah(instant now) const {
-  return radio::used_mah(times(now), *kind_);
+  return radio::used_mah(times(now), *kind_, transmit_ma_);
 }
 
 instant energy_meter::empty_at(instant now) const {
   const auto left = battery_mah_ - used_mah(now);
   if (stopped_ || left <= 0)
     return stopped_.value_or(now);
-  const auto radio_ma = current_ma(state_, *kind_);
+  const auto present_ma = radio_ma(state_);
   const auto busy = std::max(busy_until_ - now, duration::zero());
-  const auto for_work = charge_mah(busy, radio_ma + kind_->mcu_active_ma);
+  const auto for_work = charge_mah(busy, present_ma + kind_->mcu_active_ma);
   if (left <= for_work)
-    return after(now, left, radio_ma + kind_->mcu_active_ma);
-  return after(now + busy, left - for_work, radio_ma + kind_->mcu_sleep_ma);
+    return after(now, left, present_ma + kind_->mcu_active_ma);
+  return after(now + busy, left - for_work, present_ma + kind_->mcu_sleep_ma);
 }
 
 instant energy_meter::lasts_until(instant now) const {
   const auto left = battery_mah_ - used_mah(now);
   if (stopped_ || left <= 0)
     return now;
-  const auto most_ma =
-      std::max({kind_->radio_off_ma, kind_->radio_listen_ma, kind_->radio_transmit_ma}) +
-      std::max(kind_->mcu_active_ma, kind_->mcu_sleep_ma);
+  const auto most_ma = std::max({kind_->radio_off_ma, kind_->radio_listen_ma, transmit_ma_}) +
+                       std::max(kind_->mcu_active_ma, kind_->mcu_sleep_ma);
   return after(now, left, most_ma);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/time.hpp"
@@ -20,18 +21,36 @@ enum class event_kind : std::uint8_t {
 /// Nobody can cancel an event: `stamp` tells the owner whether it still means what it meant.
 struct event {
   instant at;
+  instant told_at; ///< nothing that it leads to can be told to anybody before; not before `at`
   std::uint64_t stamp = 0;
   std::uint32_t subject = 0;
   event_kind kind = event_kind::mac_timer;
 };
 
 /// A binary heap; events of the same instant come out in the order in which they went in. Its owner
-/// keeps it bounded: at most a few events a radio.
+/// keeps it bounded: at most a few events a radio. Beside it a heap of when something can be told.
 class event_queue {
 public:
   void push(const event& x) {
     entries_.push_back({x, pushed_++});
     std::push_heap(entries_.begin(), entries_.end(), later);
+    told_.push_back(x);
+    std::push_heap(told_.begin(), told_.end(), told_later);
+  }
+
+  /// The earliest told_at among events that are still to come.
+  /// @param is_current whether an event still means what it meant
+  /// @param done events until here have been handled
+  template <class IsCurrent>
+  [[nodiscard]] std::optional<instant> next_told(instant done, IsCurrent is_current) {
+    while (!told_.empty()) {
+      const auto& x = told_.front();
+      if (x.at > done && is_current(x))
+        return x.told_at;
+      std::pop_heap(told_.begin(), told_.end(), told_later);
+      told_.pop_back();
+    }
+    return std::nullopt;
   }
 
   /// @pre !empty()
@@ -56,7 +75,10 @@ private:
     return a.content.at != b.content.at ? a.content.at > b.content.at : a.order > b.order;
   }
 
+  static bool told_later(const event& a, const event& b) { return a.told_at > b.told_at; }
+
   std::vector<entry> entries_;
+  std::vector<event> told_;
   std::uint64_t pushed_ = 0;
 };
 

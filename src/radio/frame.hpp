@@ -31,8 +31,9 @@ struct frame {
   byte_view payload; ///< 0..payload_max octets
 };
 
-inline constexpr std::size_t psdu_max = 127; ///< FCS included, NET-14
-inline constexpr std::size_t overhead = 13;  ///< of a data PSDU: header 11, FCS 2 (tinyos.md 4.1)
+inline constexpr std::size_t psdu_max = 127;   ///< FCS included, NET-14
+inline constexpr std::size_t header_size = 11; ///< FCF to AM type of a data PSDU (tinyos.md 4.1)
+inline constexpr std::size_t overhead = header_size + 2; ///< and the FCS
 inline constexpr std::size_t payload_max = psdu_max - overhead;
 inline constexpr std::size_t ack_size = 5; ///< PSDU of an ack
 

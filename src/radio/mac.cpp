@@ -34,15 +34,8 @@ mac_action mac::on_time(instant now, bool clear, random_stream& dice) {
     return {};
   switch (state_) {
   case state::backing_off:
-    if (clear) {
-      state_ = state::turning;
-      deadline_ = now + timing::turnaround;
-      return {};
-    }
-    if (++busy_ > timing::backoffs_max)
-      return finish(send_status::channel_access_failure, now, dice);
-    back_off(now, dice);
-    return {};
+  case state::looking_again:
+    return on_assessed(now, clear, dice);
   case state::turning:
     state_ = state::sending;
     deadline_.reset();
@@ -60,13 +53,30 @@ mac_action mac::on_time(instant now, bool clear, random_stream& dice) {
   return {};
 }
 
+mac_action mac::on_assessed(instant now, bool clear, random_stream& dice) {
+  if (clear) {
+    const bool again = state_ == state::backing_off && rules_->second_look > 0s;
+    state_ = again ? state::looking_again : state::turning;
+    deadline_ = now + (again ? rules_->second_look : rules_->turnaround);
+    return {};
+  }
+  ++busy_;
+  if (rules_->assessments_max != 0 && busy_ >= rules_->assessments_max) {
+    if (++rounds_ >= rules_->rounds_max)
+      return finish(send_status::channel_access_failure, now, dice);
+    busy_ = 0;
+  }
+  back_off(now, dice);
+  return {};
+}
+
 mac_action mac::on_sent(instant now, random_stream& dice) {
   assert(state_ == state::sending);
   leave_space(now);
   if (!open_.front().content.ack_request)
     return finish(send_status::sent, now, dice);
   state_ = state::ack_wait;
-  deadline_ = now + timing::ack_wait;
+  deadline_ = now + rules_->ack_wait;
   return {};
 }
 
@@ -77,11 +87,25 @@ mac_action mac::on_ack(instant now, random_stream& dice) {
   return finish(send_status::sent, now, dice);
 }
 
+instant mac::told_at() const {
+  const auto frame = air_time(open_.front().psdu.size());
+  if (state_ == state::turning)
+    return *deadline_ + frame;
+  if (!assesses())
+    return *deadline_;
+  const auto end_of_frame = *deadline_ + rules_->turnaround + frame;
+  if (rules_->assessments_max == 0)
+    return end_of_frame;
+  const auto further = rules_->assessments_max * (rules_->rounds_max - rounds_) - busy_ - 1;
+  const auto shortest = rules_->backoffs.back().first + rules_->assessment;
+  return std::min(end_of_frame, *deadline_ + further * shortest);
+}
+
 std::vector<finished> mac::abort() {
   std::vector<finished> all;
   while (!open_.empty()) {
     const auto x = open_.pop();
-    all.push_back({x.token, send_status::aborted, x.transmissions});
+    all.push_back({x.token, send_status::aborted, x.transmissions, x.arrived, x.last});
   }
   state_ = state::idle;
   deadline_.reset();
@@ -89,20 +113,23 @@ std::vector<finished> mac::abort() {
 }
 
 void mac::leave_space(instant now) {
+  if (!rules_->spaces)
+    return;
   const bool is_short = open_.front().psdu.size() <= timing::sifs_psdu_max;
   free_from_ = now + (is_short ? timing::sifs : timing::lifs);
 }
 
 void mac::attempt(instant now, random_stream& dice) {
   busy_ = 0;
+  rounds_ = 0;
   back_off(std::max(now, free_from_), dice);
 }
 
 void mac::back_off(instant from, random_stream& dice) {
-  const auto exponent = std::min(timing::be_min + busy_, timing::be_max);
-  const auto units = static_cast<duration::rep>(dice.below(1ULL << exponent));
+  const auto& window = rules_->backoffs[std::min<std::size_t>(busy_, rules_->backoffs.size() - 1)];
+  const auto steps = static_cast<duration::rep>(dice.below(window.count));
   state_ = state::backing_off;
-  deadline_ = from + units * timing::unit_backoff + timing::cca;
+  deadline_ = from + window.first + steps * window.step + rules_->assessment;
 }
 
 mac_action mac::finish(send_status status, instant now, random_stream& dice) {
@@ -111,7 +138,8 @@ mac_action mac::finish(send_status status, instant now, random_stream& dice) {
   deadline_.reset();
   if (!open_.empty())
     attempt(now, dice);
-  return {.transmit = false, .ended = finished{x.token, status, x.transmissions}};
+  return {.transmit = false,
+          .ended = finished{x.token, status, x.transmissions, x.arrived, x.last}};
 }
 
 } // namespace rubicon::radio

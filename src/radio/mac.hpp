@@ -1,4 +1,4 @@
-// The sending half of one transceiver: queue, unslotted CSMA-CA, ack wait, repeats.
+// The sending half of one transceiver: queue, CSMA-CA, ack wait, repeats.
 #pragma once
 
 #include <cassert>
@@ -12,35 +12,17 @@
 #include "core/bytes.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
+#include "radio/books.hpp"
 #include "radio/frame.hpp"
+#include "radio/mac_rules.hpp"
 
 namespace rubicon::radio {
-
-/// The standard's numbers for 2.4 GHz (tinyos.md 5.3).
-namespace timing {
-inline constexpr duration symbol = 16us;
-inline constexpr duration unit_backoff = 20 * symbol;
-inline constexpr duration cca = 8 * symbol;
-inline constexpr duration turnaround = 12 * symbol;
-inline constexpr duration ack_wait = 54 * symbol; ///< from the end of the frame
-inline constexpr duration sifs = 12 * symbol;
-inline constexpr duration lifs = 40 * symbol;
-inline constexpr std::size_t sifs_psdu_max = 18; ///< longer frames are followed by a LIFS
-inline constexpr unsigned be_min = 3;
-inline constexpr unsigned be_max = 5;
-inline constexpr unsigned backoffs_max = 4; ///< macMaxCSMABackoffs
-
-/// The most time that one attempt takes from its first back-off to the end of its ack wait.
-inline constexpr duration attempt_max = (7 + 15 + 31 + 31 + 31) * unit_backoff +
-                                        (backoffs_max + 1) * cca + turnaround + air_time(psdu_max) +
-                                        ack_wait;
-} // namespace timing
 
 /// How a request to send ended.
 enum class send_status : std::uint8_t {
   sent,                   ///< it left the radio and, if that was asked for, was acked
-  no_ack,                 ///< repeated retries_max times, never acked
-  channel_access_failure, ///< five busy clear-channel assessments in one attempt
+  no_ack,                 ///< repeated as often as allowed, never acked
+  channel_access_failure, ///< too many busy clear-channel assessments in one attempt
   queue_full,             ///< refused
   aborted,                ///< the radio was switched off meanwhile, or is off
 };
@@ -52,14 +34,18 @@ enum class send_status : std::uint8_t {
 struct outgoing {
   std::uint64_t token = 0;
   payload psdu;
-  frame content;              ///< views `psdu`
-  unsigned transmissions = 0; ///< so far
+  frame content;                            ///< views `psdu`
+  unsigned transmissions = 0;               ///< so far
+  bool arrived = false;                     ///< a copy of it was accepted by its destination
+  copy_fate last = copy_fate::out_of_reach; ///< of the copy at its destination
 };
 
 struct finished {
   std::uint64_t token = 0;
   send_status status = send_status::sent;
   unsigned transmissions = 0;
+  bool arrived = false;
+  copy_fate last = copy_fate::out_of_reach;
 };
 
 /// What the owner has to do.
@@ -70,26 +56,33 @@ struct mac_action {
 
 /// Sans-I/O; the medium is its owner's.
 ///
-///   idle --submit--> backing_off --clear--> turning --on_time--> sending --on_sent--> idle or next
-///                     |  ^   |                                      |
-///                busy +--+   +-- busy 5 times: next        acked: ack_wait --on_ack--> next
-///                     ^                                             |
-///                     +------- no ack, attempts left ---------------+-- attempts used up: next
+///   idle --submit--> backing_off --clear--> [looking_again] --clear--> turning --> sending
+///                     |  ^   |  <--busy-----------+                                  |
+///                busy +--+   +-- too often: next       acked: ack_wait <-------------+--> next
+///                     ^                                  |    |
+///                     +--- no ack, attempts left --------+    +--- ack, or attempts used up: next
 ///
 /// "Next" takes the following frame from the queue; its back-off begins after the interframe space.
 class mac {
 public:
-  enum class state : std::uint8_t { idle, backing_off, turning, sending, ack_wait };
+  enum class state : std::uint8_t { idle, backing_off, looking_again, turning, sending, ack_wait };
 
   mac() = default;
+  /// @param rules not nullptr, valid as long as this
   /// @param queue frames that may be open at a time, the one under way included
-  mac(std::size_t queue, unsigned retries_max) : open_(queue), retries_max_(retries_max) {}
+  mac(const mac_rules* rules, std::size_t queue, unsigned retries_max)
+      : rules_(rules), open_(queue), retries_max_(retries_max) {}
 
   /// @pre !full()
   void submit(outgoing x, instant now, random_stream& dice);
 
-  /// @param clear whether the channel has been clear for the last timing::cca; matters only while
-  /// backing off
+  /// Whether on_time() will assess the channel.
+  [[nodiscard]] bool assesses() const {
+    return state_ == state::backing_off || state_ == state::looking_again;
+  }
+
+  /// @param clear whether the channel has been clear for the last timing::cca; matters only if
+  /// assesses()
   [[nodiscard]] mac_action on_time(instant now, bool clear, random_stream& dice);
 
   /// The last octet of the frame has left. @pre state is sending
@@ -104,16 +97,21 @@ public:
   /// When on_time() is due; nothing while idle or sending.
   [[nodiscard]] std::optional<instant> deadline() const { return deadline_; }
 
+  /// The earliest moment at which deadline() can lead to the end of a request or of a frame. @pre
+  /// there is a deadline
+  [[nodiscard]] instant told_at() const;
+
   [[nodiscard]] bool awaits(std::uint8_t dsn) {
     return state_ == state::ack_wait && open_.front().content.dsn == dsn;
   }
 
   /// The frame under way. @pre not idle
-  [[nodiscard]] const outgoing& current() {
+  [[nodiscard]] outgoing& current() {
     assert(!open_.empty());
     return open_.front();
   }
 
+  [[nodiscard]] const mac_rules& rules() const { return *rules_; }
   [[nodiscard]] state now_in() const { return state_; }
   [[nodiscard]] bool full() const { return open_.full(); }
   [[nodiscard]] std::size_t open() const { return open_.size(); }
@@ -122,12 +120,15 @@ private:
   void leave_space(instant now);
   void attempt(instant now, random_stream& dice);
   void back_off(instant from, random_stream& dice);
+  [[nodiscard]] mac_action on_assessed(instant now, bool clear, random_stream& dice);
   [[nodiscard]] mac_action finish(send_status status, instant now, random_stream& dice);
 
+  const mac_rules* rules_ = nullptr;
   bounded_queue<outgoing> open_;
   unsigned retries_max_ = 0;
+  unsigned busy_ = 0;   ///< busy assessments in this round
+  unsigned rounds_ = 0; ///< of this attempt that have ended
   state state_ = state::idle;
-  unsigned busy_ = 0; ///< clear-channel assessments that failed in this attempt
   instant free_from_; ///< end of the interframe space after the last frame
   std::optional<instant> deadline_;
 };

@@ -1,33 +1,93 @@
 #include "radio/medium.hpp"
 
+#include <algorithm>
+#include <array>
 #include <utility>
+
+#include "core/math.hpp"
+#include "radio/mac_rules.hpp"
 
 namespace rubicon::radio {
 
-void medium::add(const energy_meter& meter, instant now) {
-  transceiver x;
-  x.meter = meter;
-  x.meter.enter(radio_state::listen, now);
-  x.quiet_from = now;
-  transceivers_.push_back(x);
+namespace {
+
+constexpr double lock_sinr_db = -5;
+constexpr double capture_sinr_db = 3;
+
+/// A chance of damage below this is not worth a die.
+constexpr double harmless = 1e-12;
+
+double bits(duration x) {
+  return static_cast<double>(x.count()) / 4000; // 250 kbit/s: 4 us a bit
 }
 
-slot_index medium::start(transmission x, std::shared_ptr<const hearers> heard_by, instant now) {
+/// Readings of a noise trace last a millisecond.
+instant next_reading(instant now) {
+  return instant(std::chrono::floor<std::chrono::milliseconds>(now.time_since_epoch()) + 1ms);
+}
+
+power_units reading_in_units(std::int8_t dbm) {
+  static const auto table = [] {
+    std::array<power_units, 256> all{};
+    for (int i = 0; i < 256; ++i)
+      all[static_cast<std::size_t>(i)] = to_units(std::min(i - 128, 30));
+    return all;
+  }();
+  return table[static_cast<std::size_t>(dbm + 128)];
+}
+
+} // namespace
+
+medium::medium(const channel_config& config)
+    : errors_(config.curve), disk_(std::holds_alternative<unit_disk>(config.propagation)),
+      strict_(config.collisions == collision_rule::strict), capture_(config.capture),
+      sense_energy_(config.sensing != sensing::carrier),
+      sense_carrier_(config.sensing != sensing::energy),
+      whole_window_(config.window == sensing_window::whole), lock_ratio_(from_db(lock_sinr_db)),
+      capture_ratio_(from_db(capture_sinr_db)) {}
+
+void medium::add(transceiver_config config, const energy_meter& meter, instant now) {
+  head x;
+  x.address = config.address;
+  x.pan = config.pan;
+  x.flags = config.promiscuous ? promiscuous : 0;
+  tail y;
+  y.meter = meter;
+  y.meter.enter(radio_state::listen, now);
+  y.noise = config.noise;
+  y.traced_noise = std::move(config.traced_noise);
+  if (!disk_) {
+    y.sensitivity = static_cast<float>(to_units(config.sensitivity_dbm));
+    const auto threshold = to_units(config.cca_dbm);
+    x.cca_floor = threshold > y.noise ? static_cast<float>(threshold - y.noise) : 0;
+  }
+  x.lock_floor =
+      std::max(y.sensitivity, static_cast<float>(static_cast<double>(y.noise) * lock_ratio_));
+  heads_.push_back(x);
+  tails_.push_back(std::move(y));
+}
+
+slot_index medium::start(transmission x, std::shared_ptr<const hearers> heard_by) {
   const auto slot = free_slot();
-  auto& sender = transceivers_[x.from.value];
-  assert(!sender.sending && sender.meter.state() != radio_state::off);
-  spoil_locked(sender, fate::half_duplex);
-  sender.locked.reset();
-  sender.sending = slot;
-  sender.meter.enter(radio_state::transmit, now);
+  const auto now = x.begin;
+  auto& sender = heads_[x.from.value];
+  assert(sender.state == mode::listening);
+  if (sender.locked != nothing) {
+    spoil_locked(x.from, fate::half_duplex);
+    unlock(sender, now);
+  }
+  sender.state = mode::sending;
+  tails_[x.from.value].sending = slot;
+  tails_[x.from.value].meter.enter(radio_state::transmit, now);
 
   auto& sent = on_air_[slot];
   sent.what = std::move(x);
   sent.heard_by = std::move(heard_by);
   ++sent.stamp;
+  sent.fates.resize(sent.heard_by->size());
   std::uint32_t place = 0;
   for (const auto& y : *sent.heard_by) {
-    sent.fates.push_back(meet(transceivers_[y.radio.value], slot, place, now));
+    sent.fates[place] = meet(y, slot, place, now);
     ++place;
   }
   return slot;
@@ -40,15 +100,52 @@ void medium::cut(slot_index slot) {
 }
 
 void medium::switch_on(radio_index radio, instant now) {
-  transceivers_[radio.value].meter.enter(radio_state::listen, now);
+  heads_[radio.value].state = mode::listening;
+  meter(radio).enter(radio_state::listen, now);
 }
 
 void medium::switch_off(radio_index radio, instant now) {
-  auto& x = transceivers_[radio.value];
-  assert(!x.sending);
-  spoil_locked(x, fate::off);
-  x.locked.reset();
-  x.meter.enter(radio_state::off, now);
+  auto& x = heads_[radio.value];
+  assert(x.state != mode::sending);
+  if (x.locked != nothing) {
+    spoil_locked(radio, fate::off);
+    unlock(x, now);
+  }
+  x.state = mode::off;
+  meter(radio).enter(radio_state::off, now);
+}
+
+bool medium::clear(radio_index radio, instant now) {
+  const auto& x = heads_[radio.value];
+  const auto since = now - timing::cca;
+  if (x.state != mode::listening || tails_[radio.value].sent_until > since)
+    return false;
+  if (whole_window_ && x.busy_until > since)
+    return false;
+  const bool receives = x.locked != nothing;
+  if (sense_carrier_ && receives)
+    return false;
+  if (!sense_energy_)
+    return true;
+  if (disk_)
+    return x.audible == 0;
+  auto power = static_cast<double>(x.power);
+  if (tails_[radio.value].traced_noise != nullptr) {
+    if (receives)
+      settle(radio, now); // readings are taken in order of time
+    power += static_cast<double>(noise_at(radio, now));
+  }
+  return power < static_cast<double>(x.cca_floor);
+}
+
+energy_times medium::times(radio_index radio, instant now) const {
+  const auto& x = heads_[radio.value];
+  auto all = meter(radio).times(now);
+  all.radio_receive = x.received;
+  if (x.locked != nothing)
+    all.radio_receive += now - x.locked_since;
+  all.radio_listen -= all.radio_receive;
+  return all;
 }
 
 slot_index medium::free_slot() {
@@ -61,46 +158,151 @@ slot_index medium::free_slot() {
   return slot;
 }
 
-/// A frame begins at a transceiver. @returns what is to become of its copy if nothing else happens
-fate medium::meet(transceiver& hearing, slot_index slot, std::uint32_t place, instant now) {
-  const bool first = hearing.audible++ == 0;
-  if (hearing.meter.state() == radio_state::off)
-    return fate::off;
-  if (hearing.sending)
-    return fate::half_duplex;
-  if (!first) {
-    spoil_locked(hearing, fate::collision);
-    return fate::collision;
+// ----------------------------------------------------------------------------- a frame's first bit
+
+/// @returns what is to become of the copy if nothing else happens
+fate medium::meet(const hearer& x, slot_index slot, std::uint32_t place, instant now) {
+  auto& at = heads_[x.radio.value];
+  const bool alone = at.audible++ == 0;
+  if (!alone || at.state != mode::listening || tails_[x.radio.value].traced_noise != nullptr) {
+    const auto what = meet_others(x, slot, place, now);
+    at.power += units_of(x);
+    return what;
   }
-  hearing.locked = slot;
-  hearing.place_in_locked = place;
-  hearing.meter.enter(radio_state::receive, now);
+  at.power += units_of(x);
+  if (x.power < at.lock_floor)
+    return fate::weak;
+  at.locked = slot;
+  at.place = place;
+  at.locked_since = now;
+  at.flags &= static_cast<std::uint8_t>(~interfered);
   return fate::intact;
 }
 
-void medium::spoil_locked(transceiver& x, fate cause) {
-  if (!x.locked)
+/// The same for a transceiver that is not simply listening into silence. `power` is still without
+/// the newcomer.
+fate medium::meet_others(const hearer& x, slot_index slot, std::uint32_t place, instant now) {
+  auto& at = heads_[x.radio.value];
+  auto& rest = tails_[x.radio.value];
+  const bool alone = at.audible == 1;
+  if (at.state == mode::off)
+    return fate::off;
+  if (at.state == mode::sending)
+    return fate::half_duplex;
+  if (strict_ && !alone) {
+    spoil_locked(x.radio, fate::collision);
+    return x.power < at.lock_floor ? fate::weak : fate::collision;
+  }
+  if (at.locked != nothing)
+    settle(x.radio, now); // readings are taken in order of time
+  const auto noise = static_cast<double>(noise_at(x.radio, now));
+  const auto power = static_cast<double>(x.power);
+  const bool audible_alone = x.power >= rest.sensitivity && power >= lock_ratio_ * noise;
+  const auto disturbance = noise + static_cast<double>(at.power);
+  if (at.locked != nothing) {
+    at.flags |= interfered;
+    if (!audible_alone)
+      return fate::weak;
+    if (!capture_ || power < capture_ratio_ * disturbance)
+      return fate::captured;
+    spoil_locked(x.radio, fate::captured);
+    unlock(at, now);
+  } else if (!audible_alone) {
+    return fate::weak;
+  } else if (power < lock_ratio_ * disturbance) {
+    return fate::collision;
+  }
+  lock(x.radio, slot, place, now);
+  return fate::intact;
+}
+
+/// On a frame that is not alone, or among noise that changes.
+void medium::lock(radio_index radio, slot_index slot, std::uint32_t place, instant now) {
+  auto& at = heads_[radio.value];
+  at.locked = slot;
+  at.place = place;
+  at.locked_since = now;
+  at.flags |= interfered;
+  auto& rest = tails_[radio.value];
+  rest.settled_to = now;
+  rest.damage = 0;
+  rest.noise_damage = 0;
+}
+
+void medium::spoil_locked(radio_index radio, fate cause) {
+  const auto& at = heads_[radio.value];
+  if (at.locked == nothing)
     return;
-  auto& copy = on_air_[*x.locked].fates[x.place_in_locked];
+  auto& copy = on_air_[at.locked].fates[at.place];
   if (copy == fate::intact) // what spoiled it first stays the cause
     copy = cause;
 }
 
-void medium::stop_sending(radio_index radio, instant now) {
-  auto& x = transceivers_[radio.value];
-  x.sending.reset();
-  x.quiet_from = now;
-  x.meter.enter(radio_state::listen, now);
+/// Counts the damage to the locked frame since the last time. Call before `power` changes.
+void medium::settle(radio_index radio, instant now) {
+  auto& at = heads_[radio.value];
+  auto& rest = tails_[radio.value];
+  const auto& locked = on_air_[at.locked];
+  const auto& copy = (*locked.heard_by)[at.place];
+  const bool is_ack = locked.what.content.type == frame_type::ack;
+  const auto frame_bits = bits(locked.what.length);
+  if ((at.flags & interfered) == 0) { // it was alone until now
+    rest.settled_to = now;
+    rest.noise_damage = static_cast<double>(copy.clean_damage) *
+                        errors_.weight(bits(now - at.locked_since), frame_bits, is_ack);
+    rest.damage = rest.noise_damage;
+    return;
+  }
+  const auto signal = static_cast<double>(copy.power);
+  const auto interference = static_cast<double>(at.power - units_of(copy));
+  while (rest.settled_to < now) {
+    const auto from = rest.settled_to;
+    const auto to = rest.traced_noise == nullptr ? now : std::min(now, next_reading(from));
+    const auto noise = static_cast<double>(noise_at(radio, from));
+    const auto weight = errors_.weight(bits(to - from), frame_bits, is_ack);
+    const auto alone = noise > 0 ? weight * errors_.damage(signal / noise) : 0;
+    rest.noise_damage += alone;
+    rest.damage +=
+        interference > 0 ? weight * errors_.damage(signal / (noise + interference)) : alone;
+    rest.settled_to = to;
+  }
 }
 
-/// A frame ends at a transceiver.
-void medium::silence(radio_index radio, slot_index slot, instant now) {
-  auto& x = transceivers_[radio.value];
-  --x.audible;
-  x.quiet_from = now;
-  if (x.locked != slot)
-    return;
-  x.locked.reset();
+// ------------------------------------------------------------------------------ a frame's last bit
+
+fate medium::survive(const hearer& x, slot_index slot, instant now, random_stream& dice) {
+  const auto& at = heads_[x.radio.value];
+  const auto& sent = on_air_[slot].what;
+  double noise_damage = 0;
+  double damage = 0;
+  if ((at.flags & interfered) == 0) {
+    const auto all_bits = bits(sent.length);
+    noise_damage = static_cast<double>(x.clean_damage) *
+                   errors_.weight(all_bits, all_bits, sent.content.type == frame_type::ack);
+    damage = noise_damage;
+  } else {
+    settle(x.radio, now);
+    noise_damage = tails_[x.radio.value].noise_damage;
+    damage = tails_[x.radio.value].damage;
+  }
+  if (damage < harmless)
+    return fate::intact;
+  const auto die = dice.unit();
+  if (die < math::exp(-damage))
+    return fate::intact;
+  return die < math::exp(-noise_damage) ? fate::collision : fate::weak;
+}
+
+power_units medium::noise_at(radio_index radio, instant now) {
+  auto& x = tails_[radio.value];
+  return x.traced_noise == nullptr ? x.noise : reading_in_units(x.traced_noise->at(now));
+}
+
+void medium::stop_sending(radio_index radio, instant now) {
+  heads_[radio.value].state = mode::listening;
+  auto& x = tails_[radio.value];
+  x.sending = nothing;
+  x.sent_until = now;
   x.meter.enter(radio_state::listen, now);
 }
 

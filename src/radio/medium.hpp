@@ -3,56 +3,86 @@
 
 #include <cassert>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "core/random.hpp"
 #include "core/time.hpp"
 #include "radio/energy.hpp"
 #include "radio/frame.hpp"
+#include "radio/noise.hpp"
+#include "radio/parameters.hpp"
+#include "radio/power.hpp"
+#include "radio/reception.hpp"
 #include "radio/topology.hpp"
 
 namespace rubicon::radio {
 
 /// What the air has done to one copy of a frame.
-enum class fate : std::uint8_t { intact, collision, half_duplex, off };
+enum class fate : std::uint8_t { intact, weak, collision, captured, half_duplex, off };
 
 /// A frame on the air.
 struct transmission {
   radio_index from;
   frame content; ///< views `psdu`
   payload psdu;  ///< empty for acks: only their DSN is ever asked for
+  instant begin;
+  duration length{}; ///< preamble, SFD and length octet included
 };
 
 /// A place in the medium's table of frames on the air.
 using slot_index = std::uint32_t;
 
-/// Transceivers without intelligence: they send when told to, lock on the first frame they hear,
-/// and lose it when anything comes in between. Two frames that overlap at a receiver destroy each
-/// other there, however strong one is. Costs O(hearers) for each start and end of a frame.
+/// What a transceiver hears and whom it listens to.
+struct transceiver_config {
+  mote_id address;
+  std::uint16_t pan = default_pan;
+  bool promiscuous = false;
+  double sensitivity_dbm = 0;                 ///< below it nothing is received; not for a unit_disk
+  double cca_dbm = 0;                         ///< energy threshold; not for a unit_disk
+  power_units noise = 0;                      ///< constant
+  std::unique_ptr<noise_source> traced_noise; ///< instead; nullptr: constant
+};
+
+/// Transceivers without intelligence. One that listens locks on a frame that arrives with its
+/// sensitivity or more and an SINR of -5 dB or more (below, a tenth of the bits are wrong: IEEE
+/// 802.15.4-2006 figure E.2), and stays with it to its end. A later frame is interference to it,
+/// and captured by it; with channel_config::capture it takes the receiver over if it is 3 dB above
+/// everything else (tinyos.md 7.2: from there on a later frame begins to destroy an earlier one).
+/// Interference begins and ends whenever it does: damage is summed up over all parts of a frame
+/// (radio/reception.hpp). Under collision_rule::strict any overlap, of frames in reach at all,
+/// spoils both.
+///
+/// Costs O(hearers) for each start and end of a frame.
 class medium {
 public:
+  medium() = default;
+  explicit medium(const channel_config& config);
+
   /// A transceiver, listening; its states are the meter's.
-  void add(const energy_meter& meter, instant now);
+  void add(transceiver_config config, const energy_meter& meter, instant now);
 
   /// @pre the radio is on and not sending
-  slot_index start(transmission x, std::shared_ptr<const hearers> heard_by, instant now);
+  slot_index start(transmission x, std::shared_ptr<const hearers> heard_by);
 
   /// Nobody can use what has been sent so far: its sender was switched off.
   void cut(slot_index slot);
 
-  /// The last octet has left. Calls `on_copy(const transmission&, const hearer&, fate)` for each
-  /// radio in range, in ascending order; it must not start a frame.
+  /// The last octet has left. Calls `on_copy(const transmission&, std::size_t place, const hearer&,
+  /// fate)` for each radio in reach, in ascending order; it must not start a frame.
   template <class OnCopy>
-  void end(slot_index slot, instant now, OnCopy on_copy) {
+  void end(slot_index slot, instant now, random_stream& dice, OnCopy on_copy) {
     auto& sent = on_air_[slot];
     assert(sent.heard_by != nullptr);
     stop_sending(sent.what.from, now);
-    std::uint32_t place = 0;
-    for (const auto& x : *sent.heard_by) {
-      silence(x.radio, slot, now);
-      on_copy(sent.what, x, sent.fates[place++]);
+    const auto count = static_cast<std::uint32_t>(sent.heard_by->size());
+    for (std::uint32_t place = 0; place < count; ++place) {
+      const auto& x = (*sent.heard_by)[place];
+      const auto result = leave(x, slot, sent.fates[place], now, dice);
+      on_copy(sent.what, place, x, result);
     }
     release(slot);
   }
@@ -62,57 +92,156 @@ public:
   /// @pre the radio is not sending: its frame was cut and ended before
   void switch_off(radio_index radio, instant now);
 
-  /// Whether nothing has been audible to the radio, and it has sent nothing itself, since `since`.
-  [[nodiscard]] bool clear(radio_index radio, instant since) const {
-    const auto& x = transceivers_[radio.value];
-    return x.audible == 0 && !x.sending && x.quiet_from <= since;
+  /// Outcome of a clear-channel assessment over timing::cca until now.
+  [[nodiscard]] bool clear(radio_index radio, instant now);
+
+  /// Whether an unharmed data frame is for the radio's mote (RTG-06).
+  [[nodiscard]] bool wanted(radio_index radio, const frame& x) const {
+    const auto& t = heads_[radio.value];
+    return (t.flags & promiscuous) != 0 ||
+           (t.pan == x.pan && (t.address == x.destination || x.destination == broadcast_mote));
+  }
+
+  /// Whether it was sent to the radio's mote alone.
+  [[nodiscard]] bool addressed(radio_index radio, const frame& x) const {
+    const auto& t = heads_[radio.value];
+    return t.pan == x.pan && t.address == x.destination;
+  }
+
+  /// A radio that waits for an ack is told of acks; for others they are filtered.
+  void await_ack(radio_index radio, bool waits) {
+    auto& flags = heads_[radio.value].flags;
+    flags = static_cast<std::uint8_t>(waits ? flags | waiting : flags & ~waiting);
+  }
+  [[nodiscard]] bool awaits_ack(radio_index radio) const {
+    return (heads_[radio.value].flags & waiting) != 0;
   }
 
   [[nodiscard]] std::optional<slot_index> sending(radio_index radio) const {
-    return transceivers_[radio.value].sending;
+    if (heads_[radio.value].state != mode::sending)
+      return std::nullopt;
+    return tails_[radio.value].sending;
   }
 
   /// Changes with every new use of a slot and at the end of each.
   [[nodiscard]] std::uint64_t stamp(slot_index slot) const { return on_air_[slot].stamp; }
 
   [[nodiscard]] const transmission& content(slot_index slot) const { return on_air_[slot].what; }
-
-  /// Radios in range summed over all frames that have ended.
-  [[nodiscard]] std::uint64_t copies() const { return copies_; }
-
-  [[nodiscard]] energy_meter& meter(radio_index radio) { return transceivers_[radio.value].meter; }
-  [[nodiscard]] const energy_meter& meter(radio_index radio) const {
-    return transceivers_[radio.value].meter;
+  [[nodiscard]] const std::shared_ptr<const hearers>& heard_by(slot_index slot) const {
+    return on_air_[slot].heard_by;
   }
 
+  /// Radios in reach summed over all frames that have ended.
+  [[nodiscard]] std::uint64_t copies() const { return copies_; }
+
+  [[nodiscard]] energy_meter& meter(radio_index radio) { return tails_[radio.value].meter; }
+  [[nodiscard]] const energy_meter& meter(radio_index radio) const {
+    return tails_[radio.value].meter;
+  }
+
+  /// With the time in reception told apart.
+  [[nodiscard]] energy_times times(radio_index radio, instant now) const;
+
 private:
-  struct transceiver {
+  enum class mode : std::uint8_t { off, listening, sending };
+  static constexpr std::uint8_t promiscuous = 1;
+  static constexpr std::uint8_t waiting = 2;    ///< for an ack
+  static constexpr std::uint8_t interfered = 4; ///< the locked frame was not alone all the time
+  static constexpr slot_index nothing = std::numeric_limits<slot_index>::max();
+
+  /// What each copy touches: one cache line.
+  struct alignas(64) head {
+    power_units power = 0; ///< of all frames of others on the air here
+    instant busy_until =
+        instant::min(); ///< when the channel last was busy, by the rule for sensing
+    instant locked_since;
+    duration received{};  ///< time spent locked
+    float lock_floor = 0; ///< least power of a frame that it can lock on when alone
+    float cca_floor = 0;  ///< least sum of powers that reaches the energy threshold
+    slot_index locked = nothing;
+    std::uint32_t place = 0;   ///< in the locked frame's list of hearers
+    std::uint32_t audible = 0; ///< frames of others on the air here
+    mote_id address;
+    std::uint16_t pan = 0;
+    mode state = mode::listening;
+    std::uint8_t flags = 0;
+  };
+
+  /// What only some touch.
+  struct tail {
     energy_meter meter;
-    std::uint32_t audible = 0; ///< frames of others in the air here
-    instant quiet_from;        ///< when the last frame ended, audible or its own
-    std::optional<slot_index> sending;
-    std::optional<slot_index> locked;  ///< the frame it is receiving
-    std::uint32_t place_in_locked = 0; ///< where its fate stands
+    std::unique_ptr<noise_source> traced_noise;
+    power_units noise = 0;
+    float sensitivity = 0; ///< as a power
+    slot_index sending = nothing;
+    instant sent_until = instant::min();
+    instant settled_to;      ///< until when damage to the locked frame has been counted
+    double damage = 0;       ///< to it so far, by noise and interference
+    double noise_damage = 0; ///< what noise alone would have done
   };
 
   struct on_air {
     transmission what;
     std::shared_ptr<const hearers> heard_by; ///< nullptr: the slot is free
-    std::vector<fate> fates;                 ///< one for each hearer
+    std::vector<fate> fates;                 ///< one for each hearer, of locked ones provisional
     std::uint64_t stamp = 0;
   };
 
   [[nodiscard]] slot_index free_slot();
-  [[nodiscard]] fate meet(transceiver& hearing, slot_index slot, std::uint32_t place, instant now);
-  void spoil_locked(transceiver& x, fate cause);
+  [[nodiscard]] fate meet(const hearer& x, slot_index slot, std::uint32_t place, instant now);
+  [[nodiscard]] fate meet_others(const hearer& x, slot_index slot, std::uint32_t place,
+                                 instant now);
+  void lock(radio_index radio, slot_index slot, std::uint32_t place, instant now);
+  static void unlock(head& at, instant now) {
+    at.received += now - at.locked_since;
+    at.locked = nothing;
+  }
+  static power_units units_of(const hearer& x) {
+    return static_cast<power_units>(
+        static_cast<std::int64_t>(x.power)); // signed is one instruction
+  }
+  void spoil_locked(radio_index radio, fate cause);
+  void settle(radio_index radio, instant now);
+  [[nodiscard]] fate leave(const hearer& x, slot_index slot, fate so_far, instant now,
+                           random_stream& dice);
+  [[nodiscard]] fate survive(const hearer& x, slot_index slot, instant now, random_stream& dice);
+  [[nodiscard]] power_units noise_at(radio_index radio, instant now);
   void stop_sending(radio_index radio, instant now);
-  void silence(radio_index radio, slot_index slot, instant now);
   void release(slot_index slot);
 
-  std::vector<transceiver> transceivers_;
+  error_model errors_;
+  bool disk_ = true;
+  bool strict_ = true;
+  bool capture_ = false;
+  bool sense_energy_ = true;
+  bool sense_carrier_ = true;
+  bool whole_window_ = true;
+  double lock_ratio_ = 0;    ///< least SINR of a frame to lock on
+  double capture_ratio_ = 0; ///< least SINR of a later frame that takes over
+  std::vector<head> heads_;
+  std::vector<tail> tails_;
   std::vector<on_air> on_air_;
   std::vector<slot_index> free_;
   std::uint64_t copies_ = 0;
 };
+
+inline fate medium::leave(const hearer& x, slot_index slot, fate so_far, instant now,
+                          random_stream& dice) {
+  auto& at = heads_[x.radio.value];
+  const bool was_locked = at.locked == slot;
+  if (was_locked) {
+    if (so_far == fate::intact && (x.clean_damage > 0 || (at.flags & interfered) != 0))
+      so_far = survive(x, slot, now, dice);
+    unlock(at, now);
+  } else if (at.locked != nothing) {
+    settle(x.radio, now);
+  }
+  if ((sense_energy_ && static_cast<float>(at.power) >= at.cca_floor) ||
+      (sense_carrier_ && was_locked))
+    at.busy_until = now;
+  at.power -= units_of(x);
+  --at.audible;
+  return so_far;
+}
 
 } // namespace rubicon::radio

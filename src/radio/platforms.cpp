@@ -5,8 +5,9 @@
 namespace rubicon::radio {
 
 const std::array<platform, 3>& platforms() {
-  // Currents: tinyos.md 8.1, of the chips at 3 V and full power. Sleep is "sleep, timer on"; off is
-  // "radio off / sleep". Battery: tinyos.md 8.2. Baud: tinyos.md 1.1.
+  // Currents: tinyos.md 8.1, of the chips at 3 V. Sleep is "sleep, timer on"; off is "radio off /
+  // sleep". Battery: tinyos.md 8.2. Baud: tinyos.md 1.1. Sensitivity: tinyos.md 8.1. Energy
+  // thresholds: CC2420, tinyos.md 5.1; the AT86RF230's data sheet has the same -77 dBm as default.
   //
   // Receive slots: an RF230 stack holds 3 messages (tinyos.md 10). A CC2420's FIFO has 128 octets:
   // three frames of the default maximum payload with their length octets, 3 x 42 (tinyos.md 4.1).
@@ -21,9 +22,18 @@ const std::array<platform, 3>& platforms() {
           .mcu_sleep_ma = 0.015,
           .radio_off_ma = 0.001,
           .radio_listen_ma = 18.8,
-          .radio_transmit_ma = 17.4,
+          .transmit = {{{-25, 8.5},
+                        {-15, 9.9},
+                        {-10, 11.2},
+                        {-7, 12.5},
+                        {-5, 13.9},
+                        {-3, 15.2},
+                        {-1, 16.5},
+                        {0, 17.4}}},
           .supply_v = 3.0,
           .battery_mah = 2000,
+          .sensitivity_dbm = -95,
+          .cca_dbm = -77,
           .serial_baud = 57600,
           .receive_slots = 3,
           .service_time = 2ms,
@@ -34,9 +44,18 @@ const std::array<platform, 3>& platforms() {
           .mcu_sleep_ma = 0.008,
           .radio_off_ma = 0.00002,
           .radio_listen_ma = 15.5,
-          .radio_transmit_ma = 16.5,
+          .transmit = {{{-17, 9.5},
+                        {-17, 9.5},
+                        {-17, 9.5},
+                        {-17, 9.5},
+                        {-17, 9.5},
+                        {-17, 9.5},
+                        {-3, 13},
+                        {3, 16.5}}},
           .supply_v = 3.0,
           .battery_mah = 2000,
+          .sensitivity_dbm = -101,
+          .cca_dbm = -77,
           .serial_baud = 57600,
           .receive_slots = 3,
           .service_time = 1500us,
@@ -47,15 +66,36 @@ const std::array<platform, 3>& platforms() {
           .mcu_sleep_ma = 0.0051,
           .radio_off_ma = 0.001,
           .radio_listen_ma = 18.8,
-          .radio_transmit_ma = 17.4,
+          .transmit = {{{-25, 8.5},
+                        {-15, 9.9},
+                        {-10, 11.2},
+                        {-7, 12.5},
+                        {-5, 13.9},
+                        {-3, 15.2},
+                        {-1, 16.5},
+                        {0, 17.4}}},
           .supply_v = 3.0,
           .battery_mah = 2000,
+          .sensitivity_dbm = -95,
+          .cca_dbm = -77,
           .serial_baud = 115200,
           .receive_slots = 3,
           .service_time = 2500us,
       },
   }};
   return table;
+}
+
+double platform::transmit_ma(double dbm) const {
+  const auto above = std::find_if(transmit.begin(), transmit.end(),
+                                  [dbm](const transmit_level& x) { return x.dbm > dbm; });
+  if (above == transmit.end())
+    return transmit.back().current_ma;
+  if (above == transmit.begin())
+    return above->current_ma;
+  const auto& below = *(above - 1);
+  const auto share = (dbm - below.dbm) / (above->dbm - below.dbm);
+  return below.current_ma + share * (above->current_ma - below.current_ma);
 }
 
 const platform* find_platform(std::string_view name) {

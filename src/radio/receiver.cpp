@@ -4,15 +4,14 @@
 
 namespace rubicon::radio {
 
-verdict receiver::on_frame(const frame& x, duration service, energy_meter& mcu, instant now) {
-  if (!wanted(x))
-    return verdict::filtered;
+verdict receiver::on_frame(const frame& x, bool addressed, duration service, energy_meter& mcu,
+                           instant now) {
   const auto waiting = std::upper_bound(served_at_.begin(), served_at_.end(), now);
   served_at_.erase(served_at_.begin(), waiting);
   if (served_at_.size() >= slots_)
     return verdict::overflow;
   served_at_.push_back(mcu.work(service, now));
-  return addressed(x) && repeated(x, now) ? verdict::duplicate : verdict::accepted;
+  return addressed && repeated(x, now) ? verdict::duplicate : verdict::accepted;
 }
 
 void receiver::reset() {
@@ -20,15 +19,27 @@ void receiver::reset() {
   last_.clear();
 }
 
+std::uint16_t receiver::key_of(mote_id source) const {
+  const auto address = source.value;
+  return rules_->weak_source_key ? static_cast<std::uint16_t>((address >> 8U) + (address & 0xffU))
+                                 : address;
+}
+
 bool receiver::repeated(const frame& x, instant now) {
-  const auto [entry, is_new] = last_.try_emplace(x.source, memory_entry{x.dsn, now});
-  if (is_new)
-    return false;
-  auto& last = entry->second;
-  const bool repeat = last.dsn == x.dsn && now - last.heard_at <= memory_;
-  if (!repeat)
-    last = {x.dsn, now};
-  return repeat;
+  const auto key = key_of(x.source);
+  auto entry = std::ranges::lower_bound(last_, key, {}, &heard::source);
+  if (entry != last_.end() && entry->source == key) {
+    const bool repeat = entry->dsn == x.dsn && now - entry->at <= memory_;
+    if (!repeat)
+      *entry = {key, x.dsn, now};
+    return repeat;
+  }
+  if (rules_->sources_max != 0 && last_.size() >= rules_->sources_max) {
+    last_.erase(std::ranges::min_element(last_, {}, &heard::at));
+    entry = std::ranges::lower_bound(last_, key, {}, &heard::source);
+  }
+  last_.insert(entry, {key, x.dsn, now});
+  return false;
 }
 
 } // namespace rubicon::radio

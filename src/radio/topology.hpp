@@ -1,14 +1,19 @@
-// Who hears whom, how well, and how often a copy is lost on the way.
+// Who hears whom, how strongly, and how often a copy is lost on the way.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/address.hpp"
+#include "radio/grid.hpp"
+#include "radio/parameters.hpp"
+#include "radio/power.hpp"
+#include "radio/reception.hpp"
 
 namespace rubicon::radio {
 
@@ -17,40 +22,51 @@ struct radio_tag;
 /// A radio of one channel: 0, 1, 2, ... in the order in which they were added.
 using radio_index = strong_id<radio_tag, std::uint32_t>;
 
-/// How a frame arrives.
-struct signal {
-  std::int8_t rssi_dbm = 0; ///< -100..0, whole dBm
-  std::uint8_t lqi = 0;     ///< 50..110 (tinyos.md 4.1)
-
-  friend bool operator==(const signal&, const signal&) = default;
-};
-
-/// A signal sent at 0 dBm after `distance_m`, by the log-distance law with 40 dB at the first metre
-/// (free space at 2.4 GHz) and exponent 3 (indoors): -40 - 30 log10(d) dBm, rounded down; 1 m when
-/// nearer. LQI falls by 3 for each dB below -75 dBm.
-[[nodiscard]] signal signal_at(double distance_m);
-
-/// A radio that hears another.
+/// A directed link to a radio in reach. 16 octets: a mote among 100 others has 100 of them.
 struct hearer {
   radio_index radio;
-  float loss = 0; ///< chance that a copy is lost on the way to it
-  signal heard;
+  float power = 0;          ///< received, in power_units; a whole number, 0 dBm at most
+  float clean_damage = 0;   ///< error_model::damage at the receiver's constant noise alone
+  std::uint16_t loss = 0;   ///< chance that a copy is lost besides, in 65535ths
+  std::int8_t rssi_dbm = 0; ///< -100..0, whole dBm rounded down, as the chips report it
+  std::uint8_t lqi = 0;     ///< 50..110, falls by 3 for each dB below -75 dBm (tinyos.md 4.1)
+
+  friend bool operator==(const hearer&, const hearer&) = default;
 };
+
+static_assert(sizeof(hearer) == 16);
 
 /// Ascending by radio.
 using hearers = std::vector<hearer>;
 
-/// A unit disk: everybody within range hears, nobody else does (NET-15). Lists are made when a
-/// radio is added or moved; who holds one keeps it as it was.
+/// Where and how a radio stands.
+struct site {
+  mote_address mote; ///< decides its dice; for gain_matrix its node
+  position place;
+  double transmit_dbm = 0;
+};
+
+/// A radio is in reach if its signal arrives with channel_config::cutoff_dbm or more; for a
+/// unit_disk, if it is within range_m. Lists are made when a radio is added or moved, through a
+/// grid of cells so that only radios near it are looked at; who holds a list keeps it as it was.
+///
+/// Links do not depend on the order in which radios are added. link_overrides take precedence over
+/// everything, range and cutoff included: a link with a gain exists (if its signal arrives with the
+/// cutoff or more, for a unit_disk too), one with a loss keeps its other properties; of two for the
+/// same link each property that the later one gives counts.
 class topology {
 public:
-  topology() = default;
-  topology(double range_m, double loss) : range_m_(range_m), loss_(loss) {}
+  topology() : topology(channel_config{}, 0) {}
+  /// @param seed of the links' dice
+  topology(const channel_config& config, std::uint64_t seed);
 
-  radio_index add(position place);
+  /// Costs O(radios near it); for a gain_matrix O(its links). @pre the place is finite
+  radio_index add(const site& x);
+
+  /// Costs O(radios near its old and new place). No effect on a gain_matrix's links.
   void move(radio_index radio, position place);
 
-  /// Replaces the general loss for one direction between two radios, near or not.
+  /// Replaces the loss for one direction between two radios, near or not; 0..1.
   void set_loss(radio_index from, radio_index to, double loss);
 
   /// Who hears `radio`; never nullptr.
@@ -58,19 +74,54 @@ public:
     return around_[radio.value];
   }
 
-  [[nodiscard]] std::size_t size() const { return places_.size(); }
+  /// The constant noise at a radio: 0 without noise, with a trace, and where a table gives none.
+  [[nodiscard]] power_units noise(radio_index radio) const { return noise_[radio.value]; }
+
+  [[nodiscard]] std::size_t size() const { return sites_.size(); }
 
 private:
-  void connect(radio_index radio);
-  void insert(radio_index from, radio_index to, signal heard);
-  hearers& editable(radio_index radio);
-  [[nodiscard]] float loss_between(radio_index from, radio_index to) const;
+  using mote_pair = std::pair<mote_address, mote_address>; ///< from, to
 
-  double range_m_ = 0;
-  double loss_ = 0;
-  std::vector<position> places_;
+  void use_table();
+  void use_overrides();
+
+  void widen(double transmit_dbm);
+  [[nodiscard]] std::vector<std::uint32_t> met(std::uint32_t radio) const;
+  void meet_by_table(std::uint32_t radio, std::vector<std::uint32_t>& all) const;
+  void renew(std::uint32_t radio, const std::vector<std::uint32_t>& others, bool is_new);
+
+  [[nodiscard]] std::optional<double> path_db(const site& a, const site& b) const;
+  [[nodiscard]] std::optional<double> arriving_dbm(const site& from, const site& to,
+                                                   std::optional<double> path) const;
+  [[nodiscard]] std::optional<double> by_law_dbm(const site& from, const site& to,
+                                                 std::optional<double> path) const;
+  [[nodiscard]] std::optional<hearer> heard(std::uint32_t from, std::uint32_t to,
+                                            std::optional<double> path) const;
+  [[nodiscard]] std::uint16_t loss_between(std::uint32_t from, std::uint32_t to) const;
+  [[nodiscard]] power_units noise_at(const site& x) const;
+  [[nodiscard]] std::optional<std::uint16_t> node_of(const site& x) const;
+
+  void put(std::uint32_t from, std::uint32_t to, const std::optional<hearer>& link);
+  hearers& editable(std::uint32_t radio);
+
+  channel_config config_;
+  std::uint64_t seed_ = 0;
+  error_model errors_;
+
+  std::vector<site> sites_;
+  std::vector<power_units> noise_;
   std::vector<std::shared_ptr<hearers>> around_;
-  std::map<std::pair<radio_index, radio_index>, double> losses_;
+
+  grid grid_;
+  double reach_m_ = 0; ///< beyond it nobody so far is heard; the grid's edge at most
+
+  std::vector<std::uint32_t> gains_by_target_; ///< indices into the table, by to, then from
+  std::map<std::uint16_t, std::vector<std::uint32_t>> radios_of_node_;
+
+  std::map<mote_pair, link_override> overrides_;
+  std::map<mote_address, std::vector<mote_address>> given_gains_; ///< other ends, both directions
+  std::map<mote_address, std::vector<std::uint32_t>> radios_of_mote_;
+  std::map<std::pair<radio_index, radio_index>, std::uint16_t> losses_;
 };
 
 } // namespace rubicon::radio

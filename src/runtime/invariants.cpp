@@ -72,6 +72,39 @@ violations check_messages(const report& x) {
   return found;
 }
 
+violations check_flows(const report& x) {
+  constexpr const char* invariant = "flow packets balance";
+  violations found;
+  for (const auto& flow : x.flows) {
+    if (flow.to.mote == broadcast_mote)
+      continue;
+    const auto name = flow.from_name + " to " + flow.to_name;
+    const auto ended = flow.delivered + total(flow.lost);
+    if (ended > flow.sent)
+      check_equal(found, x, invariant, name, {"sent", flow.sent}, {"delivered + lost", ended});
+    else
+      check_equal(found, x, invariant, name, {"sent", flow.sent},
+                  {"delivered + lost + open", ended + flow.open});
+  }
+  return found;
+}
+
+violations check_energy(const report& x) {
+  constexpr const char* invariant = "energy times sum to elapsed time";
+  violations found;
+  const auto ns = [](duration length) { return static_cast<std::uint64_t>(length.count()); };
+  for (const auto& island : x.islands)
+    for (const auto& mote : island.motes) {
+      const auto name = island.name + '/' + mote.name;
+      check_equal(found, x, invariant, name, {"elapsed ns", ns(mote.elapsed)},
+                  {"radio ns", ns(mote.radio_off + mote.radio_listen + mote.radio_receive +
+                                  mote.radio_transmit)});
+      check_equal(found, x, invariant, name, {"elapsed ns", ns(mote.elapsed)},
+                  {"MCU ns", ns(mote.mcu_active + mote.mcu_sleep)});
+    }
+  return found;
+}
+
 violations check_actuations(const report& x) {
   violations found;
   for (const auto& proxy : x.proxies) {
@@ -90,7 +123,7 @@ violations check_joined(const report& x, std::span<const mote_address> ended_by_
   for (const auto& island : x.islands)
     for (const auto& mote : island.motes) {
       const bool is_listed = mote.joined && mote.left_cause.empty();
-      if (is_listed || contains(ended_by_fault, mote.address))
+      if (!mote.joins || is_listed || contains(ended_by_fault, mote.address))
         continue;
       const auto why = mote.joined ? "left: " + mote.left_cause : std::string("never joined");
       found.push_back(
@@ -138,6 +171,8 @@ violations check_device_lists(const report& x, std::span<const device_list> list
 violations check_all(const report& x, const run_truth& truth) {
   auto all = check_radio(x);
   append(all, check_messages(x));
+  append(all, check_flows(x));
+  append(all, check_energy(x));
   append(all, check_actuations(x));
   append(all, check_joined(x, truth.ended_by_fault));
   append(all, check_actors(x, truth.crashes_requested));

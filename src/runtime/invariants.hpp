@@ -18,10 +18,18 @@ using violations = std::vector<violation>;
 /// Every reliable message has exactly one outcome, or is still waiting.
 [[nodiscard]] violations check_messages(const report& x);
 
+/// No packet of a flow from one mote to another vanishes uncounted, and none arrives or is lost
+/// twice. Of a broadcast nothing is known: it arrives at any number of motes.
+[[nodiscard]] violations check_flows(const report& x);
+
+/// What a mote's radio did, and what its processor did, fills its time to the nanosecond.
+[[nodiscard]] violations check_energy(const report& x);
+
 /// No proxy tells more outcomes than it had requests.
 [[nodiscard]] violations check_actuations(const report& x);
 
-/// Every mote that no fault ended is listed at the end: it joined and did not leave.
+/// Every mote that no fault ended is listed at the end: it joined and did not leave. Those that are
+/// not to join are left out.
 [[nodiscard]] violations check_joined(const report& x,
                                       std::span<const mote_address> ended_by_fault);
 

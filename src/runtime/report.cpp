@@ -84,15 +84,20 @@ actuation_report& actuation_report::operator+=(const actuation_report& x) {
 }
 
 std::uint64_t report::motes_configured() const {
-  return count_motes(*this, [](const mote_report&) { return true; });
+  return count_motes(*this, [](const mote_report& x) { return x.joins; });
+}
+
+std::uint64_t report::motes_measuring() const {
+  return count_motes(*this, [](const mote_report& x) { return !x.joins; });
 }
 
 std::uint64_t report::motes_joined() const {
-  return count_motes(*this, [](const mote_report& x) { return x.joined; });
+  return count_motes(*this, [](const mote_report& x) { return x.joins && x.joined; });
 }
 
 std::uint64_t report::motes_left() const {
-  return count_motes(*this, [](const mote_report& x) { return x.joined && !x.left_cause.empty(); });
+  return count_motes(
+      *this, [](const mote_report& x) { return x.joins && x.joined && !x.left_cause.empty(); });
 }
 
 std::uint64_t report::motes_alive() const {

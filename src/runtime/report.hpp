@@ -23,7 +23,8 @@ struct radio_report {
   /// Copies, one per radio in range of a transmission: sent = delivered + sum of lost.
   std::uint64_t sent = 0;
   std::uint64_t delivered = 0;
-  cause_counts lost; ///< loss, collision, half_duplex, off, filtered, overflow, duplicate
+  /// weak, loss, collision, captured, half_duplex, off, filtered, overflow, duplicate
+  cause_counts lost;
   /// MAC requests: requests = mac_sent + sum of mac_failed + those still open at the end.
   std::uint64_t requests = 0;
   std::uint64_t mac_sent = 0;
@@ -68,12 +69,14 @@ struct mote_report {
   mote_address address;
   std::string name;    ///< unique in its island, `climate-7`
   std::string type;    ///< name of its [mote_type], else the number
+  bool joins = true;   ///< false: it only measures the medium (stack = "mac")
   bool joined = false; ///< ever
   bool alive = false;  ///< at the end
   std::uint32_t incarnations = 0;
   std::string left_cause; ///< empty while it is listed: battery, silence, leave, ...
   double used_mah = 0;
   double battery_mah = 0;
+  duration elapsed{}; ///< since its radio was added, until now or until its battery was flat
   duration mcu_active{};
   duration mcu_sleep{};
   duration radio_off{};
@@ -117,6 +120,25 @@ struct peer_report {
   peis_report peis;         ///< `packages` and `lost` of this peer
 };
 
+/// Packets of the measuring apps from one mote to another, counted from the origin's request to its
+/// MAC to delivery.
+struct flow_report {
+  mote_address from;
+  mote_address to;       ///< broadcast_mote: whoever heard it
+  std::string from_name; ///< `lab/sender-2`
+  std::string to_name;   ///< `lab/sink`; `lab/*` for a broadcast
+  std::uint64_t sent = 0;
+  std::uint64_t delivered = 0; ///< each packet once
+  double pdr = 0;              ///< delivered / sent; 0 without a packet
+  double goodput_bps = 0;      ///< MAC payload delivered, over the time in which the origin sent
+  double delay_mean_ms = 0;    ///< of those delivered, as the next two
+  double delay_p50_ms = 0;
+  double delay_p95_ms = 0;
+  double tx_per_packet = 0; ///< transmissions of all hops / sent
+  cause_counts lost;        ///< by cause, on any hop
+  std::uint64_t open = 0;   ///< under way at the end: sent - delivered - lost
+};
+
 /// Something a person following the run would want to hear.
 struct story_line {
   instant at;
@@ -149,14 +171,16 @@ struct report {
   std::vector<island_report> islands; ///< ascending by id
   std::vector<peer_report> peers;     ///< ascending by id, gateways included
   std::vector<proxy_report> proxies;  ///< ascending by name
+  std::vector<flow_report> flows;     ///< ascending by from, then to
   std::vector<story_line> story;      ///< in order of time, at most story_lines_max
   std::uint64_t story_left_out = 0;
   std::vector<violation> violations;
 
-  [[nodiscard]] std::uint64_t motes_configured() const;
-  [[nodiscard]] std::uint64_t motes_joined() const; ///< ever
-  [[nodiscard]] std::uint64_t motes_left() const;   ///< joined once and not listed at the end
-  [[nodiscard]] std::uint64_t motes_alive() const;
+  [[nodiscard]] std::uint64_t motes_configured() const; ///< that are to join
+  [[nodiscard]] std::uint64_t motes_measuring() const;  ///< that are not
+  [[nodiscard]] std::uint64_t motes_joined() const;     ///< ever
+  [[nodiscard]] std::uint64_t motes_left() const;       ///< joined once and not listed at the end
+  [[nodiscard]] std::uint64_t motes_alive() const;      ///< of both kinds
 
   // Sums over all islands; over all peers, of which the tuples count that are their own.
   [[nodiscard]] radio_report radio() const;

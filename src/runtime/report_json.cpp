@@ -53,8 +53,13 @@ json to_json(const message_report& x) {
 }
 
 json membership(const mote_report& x) {
-  return {{"mote", to_string(x.address)}, {"name", x.name},   {"type", x.type},
-          {"joined", x.joined},           {"alive", x.alive}, {"incarnations", x.incarnations},
+  return {{"mote", to_string(x.address)},
+          {"name", x.name},
+          {"type", x.type},
+          {"joins", x.joins},
+          {"joined", x.joined},
+          {"alive", x.alive},
+          {"incarnations", x.incarnations},
           {"left_cause", x.left_cause}};
 }
 
@@ -62,6 +67,7 @@ json energy(const mote_report& x) {
   return {{"mote", to_string(x.address)},
           {"used_mah", x.used_mah},
           {"battery_mah", x.battery_mah},
+          {"elapsed_s", seconds(x.elapsed)},
           {"mcu_active_s", seconds(x.mcu_active)},
           {"mcu_sleep_s", seconds(x.mcu_sleep)},
           {"radio_off_s", seconds(x.radio_off)},
@@ -112,6 +118,23 @@ json to_json(const proxy_report& x) {
           {"actuations", to_json(x.actuations)}};
 }
 
+json to_json(const flow_report& x) {
+  return {{"from", to_string(x.from)},
+          {"to", to_string(x.to)},
+          {"from_name", x.from_name},
+          {"to_name", x.to_name},
+          {"sent", x.sent},
+          {"delivered", x.delivered},
+          {"pdr", x.pdr},
+          {"goodput_bps", x.goodput_bps},
+          {"delay_mean_ms", x.delay_mean_ms},
+          {"delay_p50_ms", x.delay_p50_ms},
+          {"delay_p95_ms", x.delay_p95_ms},
+          {"tx_per_packet", x.tx_per_packet},
+          {"lost", counts(x.lost)},
+          {"open", x.open}};
+}
+
 json to_json(const story_line& x) {
   return {{"at_s", at_s(x.at)}, {"who", x.who}, {"what", x.what}};
 }
@@ -144,7 +167,8 @@ std::string to_json(const report& x) {
        {{"configured", x.motes_configured()},
         {"joined", x.motes_joined()},
         {"left", x.motes_left()},
-        {"alive", x.motes_alive()}}},
+        {"alive", x.motes_alive()},
+        {"measuring", x.motes_measuring()}}},
       {"radio", to_json(x.radio())},
       {"serial", to_json(x.serial())},
       {"peis", to_json(x.peis())},
@@ -157,6 +181,7 @@ std::string to_json(const report& x) {
       {"islands", array_of(x.islands)},
       {"peers", array_of(x.peers)},
       {"proxies", array_of(x.proxies)},
+      {"flows", array_of(x.flows)},
       {"story", array_of(x.story)},
       {"story_left_out", x.story_left_out},
       {"violations", array_of(x.violations)},

@@ -4,6 +4,7 @@
 #include "runtime/figures.hpp"
 #include "runtime/report.hpp"
 #include "runtime/report_page.hpp"
+#include "runtime/report_parts.hpp"
 
 namespace rubicon::runtime {
 
@@ -12,7 +13,6 @@ namespace {
 constexpr std::size_t story_head = 25; ///< lines shown from the start of the story
 constexpr std::size_t story_tail = 15; ///< lines shown from its end
 constexpr std::size_t alike_min = 4;   ///< equal neighbours in the story that become one line
-constexpr std::size_t rows_max = 20;   ///< of islands, peers, proxies and actuations
 constexpr std::size_t motes_listed_max = 12;
 constexpr std::size_t hungriest_shown = 5;
 constexpr std::size_t failures_shown = 10;
@@ -22,25 +22,9 @@ std::string at_s(instant x) {
   return fixed(seconds(x.time_since_epoch()), 3);
 }
 
-/// `loss 12, collision 3`, the most frequent first; causes that never happened are left out.
-std::string causes(const cause_counts& x) {
-  std::vector<std::pair<std::string, std::uint64_t>> sorted(x.begin(), x.end());
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const auto& a, const auto& b) { return a.second > b.second; });
-  std::string text;
-  for (const auto& [cause, count] : sorted)
-    if (count > 0)
-      text += (text.empty() ? "" : ", ") + cause + ' ' + with_thousands(count);
-  return text;
-}
-
 void add_rest(table& rows, std::size_t all, std::size_t shown_max) {
   if (all > shown_max)
     rows.add_note("… and " + with_thousands(all - shown_max) + " more");
-}
-
-std::string share_of(std::uint64_t part, std::uint64_t whole) {
-  return percent(static_cast<double>(part), static_cast<double>(whole));
 }
 
 void add_title(report_page& page, const report& x) {
@@ -93,10 +77,15 @@ void add_story(report_page& page, const report& x) {
 void add_membership_notes(table& rows, const island_report& island) {
   std::string absent;
   for (const auto& mote : island.motes)
-    if (!mote.joined)
+    if (mote.joins && !mote.joined)
       absent += (absent.empty() ? "" : ", ") + mote.name;
   if (!absent.empty())
     rows.add_note("  never joined: " + absent, look::bad);
+}
+
+void add_measuring_note(table& rows, const report& island) {
+  if (const auto count = island.motes_measuring(); count > 0)
+    rows.add_note("  " + counted(count, "measuring mote"));
 }
 
 /// Without what nobody missed: copies for another radio, repeats of a frame already received, and
@@ -128,11 +117,13 @@ void add_island_row(table& rows, const std::string& name, const report& part,
   const auto radio = part.radio();
   const auto messages = part.messages();
   const auto alive = part.motes_alive();
+  const auto motes = part.motes_configured() + part.motes_measuring();
+  const bool only_measures = part.motes_configured() == 0 && motes > 0;
   rows.add({{name, look::strong},
             id,
-            with_thousands(part.motes_configured()),
-            with_thousands(part.motes_joined()),
-            {with_thousands(alive), alive < part.motes_configured() ? look::bad : look::plain},
+            with_thousands(motes),
+            only_measures ? "–" : with_thousands(part.motes_joined()),
+            {with_thousands(alive), alive < motes ? look::bad : look::plain},
             with_thousands(messages.reliable_sent + messages.unreliable_sent),
             with_thousands(messages.received),
             share_of(messages.reliable_acked, messages.reliable_sent - messages.reliable_open),
@@ -162,6 +153,7 @@ void add_islands(report_page& page, const report& x) {
     alone.islands.push_back(x.islands[i]);
     add_island_row(rows, x.islands[i].name, alone, to_string(x.islands[i].id));
     add_membership_notes(rows, x.islands[i]);
+    add_measuring_note(rows, alone);
     add_loss_notes(rows, x.islands[i]);
   }
   add_rest(rows, x.islands.size(), shown);
@@ -357,6 +349,7 @@ std::string to_text(const report& x, std::size_t width, bool colour) {
   add_title(page, x);
   add_story(page, x);
   add_islands(page, x);
+  add_flows(page, x);
   add_energy(page, x);
   add_proxies(page, x);
   add_actuations(page, x);

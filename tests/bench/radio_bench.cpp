@@ -1,106 +1,266 @@
-// What the radio channel costs: events a second and nanoseconds a frame delivered, for an island of
-// 54 motes that hear each other and for 1000 and 10 000 radios spread over a field. A calibration
-// loop in the same run makes the numbers of different machines comparable: the ratio is events per
-// thousand calibration steps.
+// What the air costs: whole ecologies of motes that only measure, from the program's actors down to
+// the medium. Every mote sends 20 octets of MAC payload each second to its sink, acknowledged, at a
+// random phase; there is no gateway and no PEIS peer.
+//
+// Layout `islands`: islands of 100 motes within 10 m around their sink, each with an air of its
+// own. Layout `field`: one air, a sink for every 16 motes, about 19 neighbours for each radio.
+//
+// A calibration loop in the same run makes figures of different machines comparable.
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <optional>
-#include <variant>
+#include <cstring>
+#include <ctime>
+#include <string>
 #include <vector>
 
+#include <malloc.h>
+
+#include "actors/run.hpp"
 #include "core/hash.hpp"
-#include "radio/channel.hpp"
+#include "core/math.hpp"
+#include "core/random.hpp"
+#include "scheduler/world.hpp"
 
 namespace {
 
 using namespace rubicon;
-using namespace rubicon::radio;
 
-struct field {
-  const char* name;
-  std::uint32_t radios;
-  double side_m;
-};
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return seconds(std::chrono::steady_clock::now() - start);
+/// Processor time of this thread: a shared machine's other work is not in it.
+double cpu_s() {
+  timespec x{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &x);
+  return static_cast<double>(x.tv_sec) + 1e-9 * static_cast<double>(x.tv_nsec);
 }
 
-/// Million steps of integer work a second.
+double wall_s() {
+  return seconds(std::chrono::steady_clock::now().time_since_epoch());
+}
+
+double allocated() {
+  return static_cast<double>(mallinfo2().uordblks);
+}
+
+/// Million steps of integer work a second of processor time.
 double calibrate() {
   constexpr std::uint64_t steps = 100'000'000;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = cpu_s();
   fold64 fold;
   for (std::uint64_t i = 0; i < steps; ++i)
     fold.add(i);
-  const auto rate = static_cast<double>(steps) / 1e6 / seconds_since(start);
+  const auto rate = static_cast<double>(steps) / 1e6 / (cpu_s() - start);
   return fold.value() == 0 ? 0 : rate; // uses the result, so that the loop stays
 }
 
-/// Radio 0 of every group of 54 is its sink; all others report to it.
-constexpr std::uint32_t group = 54;
-
-channel make_channel(const field& x) {
-  channel made({}, random_stream(1));
-  random_stream places(2);
-  position centre;
-  for (std::uint32_t i = 0; i < x.radios; ++i) {
-    if (i % group == 0)
-      centre = {places.unit() * x.side_m, places.unit() * x.side_m, 0};
-    radio_config config;
-    config.address = mote_id{static_cast<std::uint16_t>(1 + i % group)};
-    config.pan = static_cast<std::uint16_t>(1 + i / group);
-    config.place = {centre.x_m + places.unit() * 20, centre.y_m + places.unit() * 20, 0};
-    config.kind = &platforms()[0];
-    made.add(config, instant{});
-  }
-  return made;
+/// Uniform in a disk around `centre`.
+position near(const position& centre, double radius_m, random_stream& dice) {
+  const auto distance = radius_m * std::sqrt(dice.unit());
+  const auto turns = dice.unit();
+  return {centre.x_m + distance * math::sine_of_turns(turns + 0.25),
+          centre.y_m + distance * math::sine_of_turns(turns), 0};
 }
 
-/// Every mote sends an acked 20-octet report each 31 s (54 motes: 150 000 a day).
-void measure(const field& x, std::uint64_t reports, double calibration) {
-  auto start = std::chrono::steady_clock::now();
-  auto air = make_channel(x);
-  const auto built_s = seconds_since(start);
-  random_stream dice(3);
-  std::uint64_t received = 0;
-  const auto count = [&](const outputs& all) {
-    for (const auto& y : all)
-      received += std::holds_alternative<delivered>(y) ? 1 : 0;
-  };
-  const auto gap = duration(31s) / x.radios;
-  instant now;
-  start = std::chrono::steady_clock::now();
-  for (std::uint64_t i = 0; i < reports; ++i) {
-    now += dice.between(0ns, 2 * gap);
-    for (auto due = air.deadline(); due && *due <= now; due = air.deadline())
-      count(air.on_time(*due));
-    auto from = static_cast<std::uint32_t>(dice.below(x.radios));
-    if (from % group == 0)
-      ++from; // the sink only listens
-    count(air.send(radio_index{from}, {i, mote_id{1}, 18, bytes(20), true}, now));
+config::island_description island_of(std::uint32_t id, std::uint32_t motes, const position& centre,
+                                     double radius_m, bool sending, random_stream& dice) {
+  const auto* kind = radio::find_platform("micaz");
+  config::island_description island;
+  island.id = island_id{id};
+  island.name = "island-" + std::to_string(id);
+  island.stack = config::stack::mac;
+  island.sink.platform = kind;
+  island.sink.place = centre;
+  island.sink.apps = {flow::receiver_config{}};
+  for (std::uint32_t i = 1; i <= motes; ++i) {
+    config::mote_description mote;
+    mote.id = mote_id{static_cast<std::uint16_t>(i)};
+    mote.name = "mote-" + std::to_string(i);
+    mote.platform = kind;
+    mote.place = near(centre, radius_m, dice);
+    if (sending) {
+      flow::sender_config sender;
+      sender.to = island.sink.id;
+      mote.apps = {sender};
+    }
+    island.motes.push_back(std::move(mote));
   }
-  const auto run_s = seconds_since(start);
-  const auto events = static_cast<double>(air.events());
-  const auto copies = air.counted().copies;
-  std::printf("%-26s %6.2f s  %9.0f events/s  ratio %6.3f  %5.0f ns/copy  %6.0f ns/delivered  "
-              "%5.1f neighbours  built in %.2f s  %s\n",
-              x.name, run_s, events / run_s, events / run_s / (calibration * 1e3),
-              1e9 * run_s / static_cast<double>(copies.sent),
-              1e9 * run_s / static_cast<double>(received),
-              static_cast<double>(copies.sent) / static_cast<double>(air.counted().transmissions),
-              built_s, air.balanced() ? "balanced" : "NOT BALANCED");
+  return island;
+}
+
+config::ecology_description base(double cutoff_dbm) {
+  config::ecology_description x;
+  x.name = "bench";
+  x.radio.propagation = radio::log_distance{.exponent = 3, .reference_db = 46.68};
+  x.radio.noise = radio::constant_noise{.floor_dbm = -106.99};
+  x.radio.collisions = radio::collision_rule::sinr;
+  x.radio.cutoff_dbm = cutoff_dbm;
+  return x;
+}
+
+config::ecology_description islands(std::uint32_t motes, bool sending) {
+  auto x = base(-95);
+  random_stream dice(7);
+  for (std::uint32_t i = 0; i < motes / 100; ++i) {
+    x.islands.push_back(island_of(i + 1, 100, {100.0 * i, 0, 0}, 10, sending, dice));
+    x.airs.push_back({x.islands.back().name, {x.islands.back().id}});
+  }
+  return x;
+}
+
+config::ecology_description field(std::uint32_t motes, bool sending) {
+  constexpr double cell_m = 60;
+  constexpr double reach_m = 37.2; // pi reach^2 x 17 radios / cell^2 = 20.5
+  auto x = base(-46.68 - 30 * std::log10(reach_m));
+  random_stream dice(7);
+  const auto count = motes / 16;
+  const auto columns = static_cast<std::uint32_t>(std::ceil(std::sqrt(count)));
+  x.airs.push_back({"field", {}});
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const position centre{cell_m * (i % columns), cell_m * (i / columns), 0};
+    x.islands.push_back(island_of(i + 1, 16, centre, cell_m / 2, sending, dice));
+    x.airs[0].islands.push_back(x.islands.back().id);
+  }
+  return x;
+}
+
+struct figures {
+  std::string layout;
+  std::uint64_t motes = 0;
+  double neighbours = 0;
+  double simulated_s = 0;
+  double cpu_s = 0; ///< of the simulated time alone
+  double wall_s = 0;
+  double setup_s = 0;
+  double speed = 0;      ///< simulated seconds a second of processor time
+  double mac_events = 0; ///< requests, transmissions and copies ended, a second of processor time
+  double messages = 0;   ///< between actors, a second of processor time
+  double ratio = 0;      ///< messages a thousand steps of calibration
+  double pdr = 0;
+  double us_per_packet = 0;
+  double idle_octets = 0; ///< of memory for each mote that does nothing
+};
+
+/// Runs `x` and calls back after its set-up and at its end.
+runtime::report run(config::ecology_description x, duration length,
+                    const std::function<void(bool first)>& at) {
+  x.length = length;
+  run_options options;
+  bool begun = false;
+  options.progress = [&](instant reached, instant end) {
+    if (!begun || reached >= end)
+      at(!begun);
+    begun = true;
+  };
+  return run_ecology(x, options);
+}
+
+/// Octets of memory of an actor of CAF's that has a trace and does nothing.
+double octets_of_empty_actor() {
+  constexpr int count = 1000;
+  scheduler::world world;
+  const auto before = allocated();
+  std::vector<caf::actor> all;
+  for (int i = 0; i < count; ++i)
+    all.push_back(world.system().spawn(
+        [](caf::event_based_actor*) -> caf::behavior { return {[](int) {}}; }));
+  world.drain();
+  const auto used = (allocated() - before) / count;
+  for (auto& x : all)
+    caf::anon_send_exit(x, caf::exit_reason::user_shutdown);
+  world.drain();
+  return used;
+}
+
+double octets_of_idle_mote(const config::ecology_description& x, std::uint64_t motes) {
+  const auto before = allocated();
+  double used = 0;
+  run(x, 10ms, [&](bool first) {
+    if (first)
+      used = allocated() - before;
+  });
+  return used / static_cast<double>(motes);
+}
+
+figures measure(const std::string& layout, std::uint32_t motes, duration length,
+                double calibration) {
+  const auto make = layout == "islands" ? islands : field;
+  figures x;
+  x.layout = layout;
+  x.motes = motes;
+  x.simulated_s = seconds(length) * 499 / 500; // the first of 500 steps has the set-up
+  x.idle_octets = octets_of_idle_mote(make(motes, false), motes) - octets_of_empty_actor();
+  const auto started = wall_s();
+  double cpu_first = 0;
+  double wall_first = 0;
+  const auto report = run(make(motes, true), length, [&](bool first) {
+    (first ? cpu_first : x.cpu_s) = cpu_s();
+    (first ? wall_first : x.wall_s) = wall_s();
+  });
+  x.setup_s = wall_first - started;
+  x.cpu_s -= cpu_first;
+  x.wall_s -= wall_first;
+  const auto radio = report.radio();
+  std::uint64_t sent = 0;
+  std::uint64_t delivered = 0;
+  for (const auto& flow : report.flows) {
+    sent += flow.sent;
+    delivered += flow.delivered;
+  }
+  x.pdr = static_cast<double>(delivered) / static_cast<double>(sent);
+  x.neighbours = static_cast<double>(radio.sent) / static_cast<double>(radio.transmissions);
+  x.speed = x.simulated_s / x.cpu_s;
+  x.mac_events = static_cast<double>(radio.requests + radio.transmissions + radio.sent) / x.cpu_s;
+  x.messages = static_cast<double>(report.events) / x.cpu_s;
+  x.ratio = x.messages / (calibration * 1e3);
+  x.us_per_packet = 1e6 * x.cpu_s / static_cast<double>(sent);
+  if (!report.violations.empty())
+    std::fprintf(stderr, "bench_radio: %s\n", report.violations[0].invariant.c_str());
+  return x;
+}
+
+void print_table(const std::vector<figures>& all, double calibration) {
+  std::printf("calibration %.1f million steps/s\n", calibration);
+  std::printf("%-8s %6s %6s  %10s %9s %9s %9s %8s %7s %6s %9s %9s\n", "layout", "motes", "neigh",
+              "x realtime", "simulated", "cpu", "wall", "set-up", "us/pkt", "pdr", "events/s",
+              "B/idle");
+  for (const auto& x : all)
+    std::printf(
+        "%-8s %6llu %6.1f  %10.1f %7.0f s %7.2f s %7.2f s %6.2f s %7.2f %6.3f %7.2f M %9.0f\n",
+        x.layout.c_str(), static_cast<unsigned long long>(x.motes), x.neighbours, x.speed,
+        x.simulated_s, x.cpu_s, x.wall_s, x.setup_s, x.us_per_packet, x.pdr, x.mac_events / 1e6,
+        x.idle_octets);
+}
+
+void print_json(const std::vector<figures>& all, double calibration) {
+  std::printf("{\"calibration_msteps\": %.1f, \"radio\": [\n", calibration);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& x = all[i];
+    std::printf("  {\"layout\": \"%s\", \"motes\": %llu, \"neighbours\": %.1f, \"speed\": %.2f, "
+                "\"simulated_s\": %.1f, \"cpu_s\": %.3f, \"wall_s\": %.3f, \"setup_s\": %.3f, "
+                "\"us_per_packet\": %.3f, \"pdr\": %.4f, \"mac_events_per_s\": %.0f, "
+                "\"messages_per_s\": %.0f, \"ratio\": %.3f, \"octets_per_idle_mote\": %.0f}%s\n",
+                x.layout.c_str(), static_cast<unsigned long long>(x.motes), x.neighbours, x.speed,
+                x.simulated_s, x.cpu_s, x.wall_s, x.setup_s, x.us_per_packet, x.pdr, x.mac_events,
+                x.messages, x.ratio, x.idle_octets, i + 1 < all.size() ? "," : "");
+  }
+  std::printf("]}\n");
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-  const auto reports = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 150'000;
+  const bool json = argc > 1 && std::strcmp(argv[1], "--json") == 0;
   const auto calibration = calibrate();
-  std::printf("calibration %.1f million steps/s\n", calibration);
-  for (const auto& x : {field{"54 in one room", 54, 0}, field{"1000 in one room", 1000, 0},
-                        field{"1000 in a field", 1000, 230}, field{"10000 in a field", 10000, 730}})
-    measure(x, reports, calibration);
+  std::vector<figures> all;
+  for (const std::string layout : {"islands", "field"}) {
+    all.push_back(measure(layout, 100, 2000s, calibration));
+    all.push_back(measure(layout, 1000, 200s, calibration));
+    all.push_back(measure(layout, 10'000, 20s, calibration));
+  }
+  if (json)
+    print_json(all, calibration);
+  else
+    print_table(all, calibration);
 }

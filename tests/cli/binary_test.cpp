@@ -112,6 +112,27 @@ TEST_CASE("check sums a good file up", "[cli]") {
   CHECK(standard_error("check '" + fixture("small.toml") + '\'').out.empty());
 }
 
+TEST_CASE("check reads the files that a file names, and those that replace them", "[cli][GEN-06]") {
+  const auto file = '\'' + fixture("gains.toml") + '\'';
+  const auto named = standard_output("check " + file);
+  CHECK(named.status == 0);
+  CHECK(named.out.find("2 gains of a topology") != std::string::npos);
+  const auto replaced =
+      standard_output("check --topology '" + fixture("three_gains.txt") + "' " + file);
+  CHECK(replaced.status == 0);
+  CHECK(replaced.out.find("3 gains of a topology") != std::string::npos);
+  const auto broken =
+      standard_error("check --topology '" + fixture("broken_gains.txt") + "' " + file);
+  CHECK(broken.status == 2);
+  CHECK(lines_of(broken.out).size() == 1);
+  CHECK(broken.out.starts_with(fixture("broken_gains.txt") + ":2: "));
+  const auto missing = standard_error("run --topology /nowhere/x.txt " + file);
+  CHECK(missing.status == 2);
+  CHECK(missing.out == "/nowhere/x.txt: cannot be opened: No such file or directory\n");
+  CHECK(standard_error("run --noise-trace x.txt " + file).out ==
+        fixture("gains.toml") + ": --noise-trace needs [radio.noise] with model = \"trace\"\n");
+}
+
 TEST_CASE("with --json standard output is one object and nothing else", "[cli]") {
   const auto x =
       standard_output("run --json --log trace --for 20s --seed 5 '" + fixture("small.toml") + '\'');

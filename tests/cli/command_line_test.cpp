@@ -41,6 +41,11 @@ TEST_CASE("without options the file decides", "[cli]") {
   CHECK(!x.options.mode);
   CHECK(x.options.speed == 0);
   CHECK(x.options.debug_folder.empty()); // NFR-01: off by default
+  CHECK(x.options.pcap_folder.empty());
+  CHECK(!x.options.pcap_lost);
+  CHECK(x.instead.topology.empty());
+  CHECK(x.instead.noise_trace.empty());
+  CHECK(!x.instead.seed);
   CHECK(x.options.handle_signals);
   CHECK(x.log_level == "warn");
   CHECK(!x.json);
@@ -56,8 +61,22 @@ TEST_CASE("each option of run reaches the run", "[cli][GEN-07][NFR-01]") {
   CHECK(parse_run({"--speed", "2.5"}).options.speed == 2.5);
   CHECK(parse_run({"--debug-dir", "logs"}).options.debug_folder == "logs");
   CHECK(parse_run({"--log", "debug"}).log_level == "debug");
+  CHECK(parse_run({"--pcap", "captures"}).options.pcap_folder == "captures");
+  CHECK(!parse_run({"--pcap", "captures"}).options.pcap_lost);
+  CHECK(parse_run({"--pcap-lost", "--pcap", "captures"}).options.pcap_lost);
+  CHECK(parse_run({"--topology", "grid.txt"}).instead.topology == "grid.txt");
+  CHECK(parse_run({"--noise-trace", "meyer.txt"}).instead.noise_trace == "meyer.txt");
+  CHECK(parse_run({"--seed", "7"}).instead.seed == 7U);
   CHECK(parse_run({"--json"}).json);
   CHECK(parse_run({"--check-determinism"}).check_determinism);
+}
+
+TEST_CASE("check takes the files that run takes", "[cli]") {
+  const auto x = parse({"check", "a.toml", "--topology", "grid.txt", "--noise-trace", "m.txt"});
+  REQUIRE(std::holds_alternative<check_command>(x));
+  CHECK(std::get<check_command>(x).file == "a.toml");
+  CHECK(std::get<check_command>(x).instead.topology == "grid.txt");
+  CHECK(std::get<check_command>(x).instead.noise_trace == "m.txt");
 }
 
 TEST_CASE("options may stand before the file", "[cli]") {
@@ -84,6 +103,11 @@ TEST_CASE("a command line that makes no sense is refused with its reason", "[cli
       std::vector<const char*>{"run", "a.toml", "--speed", "nan"},
       std::vector<const char*>{"run", "a.toml", "--speed", "inf"},
       std::vector<const char*>{"run", "a.toml", "--log", "loud"},
+      std::vector<const char*>{"run", "a.toml", "--pcap"},
+      std::vector<const char*>{"run", "a.toml", "--pcap="},
+      std::vector<const char*>{"run", "a.toml", "--pcap-lost"},
+      std::vector<const char*>{"run", "a.toml", "--topology", ""},
+      std::vector<const char*>{"check", "a.toml", "--pcap", "x"},
       std::vector<const char*>{"run", "a.toml", "--check-determinism", "--mode", "wall"});
   const auto text = refusal(line);
   CAPTURE(line, text);

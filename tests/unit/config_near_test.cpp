@@ -37,6 +37,8 @@ TEST_CASE("a suggestion is near, or lists what there is", "[config]") {
   CHECK(suggestion("x", {}) == ": there is none");
   const std::vector<std::string> many(11, "abcdefgh");
   CHECK(suggestion("x", many).ends_with("abcdefgh, ..."));
+  CHECK(nearest("abcdefgi", std::vector<std::string>(2000, "abcdefgh")) == "abcdefgh");
+  CHECK(nearest("abcdefgi", std::vector<std::string>(2001, "abcdefgh")).empty());
 }
 
 TEST_CASE("of equally near names the first is suggested", "[config]") {

@@ -20,7 +20,8 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
   const auto x = GENERATE(values<row>({
       {"[radio]\nrnage = \"25m\"\n", "7:1: unknown key `rnage` in [radio]: did you mean `range`?"},
       {"[radio]\ncolour = \"blue\"\n",
-       "7:1: unknown key `colour` in [radio]: there is range, loss, queue, retries"},
+       "7:1: unknown key `colour` in [radio]: there is loss, queue, retries, propagation, range, "
+       "noise, sensitivity, cca_threshold, cutoff, sensing, ..."},
       {"[radios]\n", "6:2: unknown key `radios` in the file: did you mean `radio`?"},
       {"[colour]\n", "6:2: unknown key `colour` in the file: there is ecology, radio, host, "
                      "mote_type, island, air, peer, proxy, fault"},
@@ -82,11 +83,13 @@ TEST_CASE("an island's tables have keys of their own", "[config][GEN-06]") {
        "15:1: `id` is missing in [[island.mote]]\n15:1: `position_m` is missing in "
        "[[island.mote]]\n15:1: `type` is missing in [[island.mote]]"},
       {"mote = [{ id = 2, type = \"c\", position_m = [1, 2], positoin = 1 }, 3]\n",
-       "15:52: unknown key `positoin` in [[island.mote]]: there is id, type, name, position_m, "
-       "platform, battery, transducers, actuators, apps\n15:68: `mote` must be tables under "
+       "15:52: unknown key `positoin` in [[island.mote]]: there is id, type, platform, battery, "
+       "power, transducers, actuators, apps, name, position_m, ...\n15:68: `mote` must be tables "
+       "under "
        "headers [[island.mote]], not 3"},
       {"[island.sink]\nbaud = 1\n",
-       "16:1: unknown key `baud` in [island.sink]: there is id, platform, position_m"},
+       "16:1: unknown key `baud` in [island.sink]: there is id, platform, position_m, power, "
+       "promiscuous, apps"},
       {"[island.gateway]\nlink = []\n",
        "16:1: unknown key `link` in [island.gateway]: did you mean `links`?"},
   }));

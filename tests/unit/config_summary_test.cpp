@@ -47,7 +47,9 @@ TEST_CASE("a summary shows everything in columns", "[config]") {
            "[[fault]]\nat = \"2s\"\nkind = \"unplug\"\nisland = \"b\"\n"
            "[[fault]]\nat = \"1s\"\nkind = \"crash\"\nmote = \"kitchen/c-2\"\n");
   CHECK(summary(x) == R"(t: 1 h of virtual time, seed 4, network rubicon
-2 islands, 3 motes, 1 peer; radio: range 30 m, loss 7 %, 3 retries, queue of 8
+2 islands, 3 motes, 1 peer
+radio: unit disk of 30 m; no noise; collisions strict; loss 7 %
+mac: micaz standard, telosb standard; senses energy or carrier; queue of 8
 
 islands
   1   kitchen  3 motes: 2 c, 1 type 9  sink 1, micaz, 57600 baud
@@ -80,8 +82,33 @@ TEST_CASE("a summary stays on a screen", "[config]") {
   };
   const auto motes = lines("[ecology]\nname = \"t\"\n[[island]]\nname = \"k\"\nid = 1\n", 54,
                            "[[island.mote]]\nid = 1#\ntype = 1\nposition_m = [0, 0]\n");
-  CHECK(count(good(motes)) == 8);
+  CHECK(count(good(motes)) == 10);
   const auto peers = lines("[ecology]\nname = \"t\"\n", 21, "[[peer]]\nname = \"p#\"\nid = #\n");
   CHECK(count(good(peers)) == 2 + 2 + 20 + 1);
   CHECK(summary(good(peers)).ends_with("  ... and 1 more\n"));
+}
+
+TEST_CASE("a summary tells how the medium is modelled and what is measured", "[config]") {
+  const auto x = good("[ecology]\nname = \"t\"\n"
+                      "[radio]\nretries = 1\nsensitivity = \"-94.5dBm\"\ncapture = true\n"
+                      "cca_threshold = \"-80dBm\"\nsensing = \"energy\"\ncurve = \"tossim\"\n"
+                      "sensing_window = \"end\"\n"
+                      "[radio.propagation]\nmodel = \"log_distance\"\nexponent = 2.7\n"
+                      "shadowing = \"4dB\"\nasymmetry = \"1dB\"\n"
+                      "[radio.mac]\ntelosb = \"cc2420\"\niris = \"rf230\"\n"
+                      "[[radio.link]]\nfrom = \"k/sink\"\nto = \"k/node-2\"\nloss = 1\n"
+                      "[[island]]\nname = \"k\"\nid = 1\nstack = \"mac\"\n"
+                      "sink.apps = [{ app = \"receiver\" }]\nsink.platform = \"telosb\"\n"
+                      "[[island.group]]\ncount = 3\nprefix = \"node\"\nlayout = \"line\"\n"
+                      "spacing = \"5m\"\napps = [{ app = \"sender\", to = \"sink\" },\n"
+                      "{ app = \"sender\", to = \"*\", pattern = \"saturated\" }]\n");
+  CHECK(summary(x) == R"(t: 10 min of virtual time, seed 1, network rubicon
+1 island, 3 motes, 0 peers
+radio: log distance, exponent 2.7, 40 dB at 1 m, shadowing 4 dB, asymmetry 1 dB; noise of -98 dBm; collisions by SINR, capture, TOSSIM's curve, sensitivity -94.5 dBm; loss 0 %; 1 link as listed
+mac: micaz standard, telosb cc2420; senses energy at the end, threshold -80 dBm; 1 retry; queue of 8
+flows: 6 senders (3 periodic, 3 saturated), 0 relays, 1 receiver
+
+islands
+  1  k  3 motes: 3 untyped  sink 1, telosb, mac only
+)");
 }

@@ -59,6 +59,12 @@ TEST_CASE("ratios, lengths and charges carry their units", "[config][units]") {
   CHECK(parse_length_m("150cm") == 1.5);
   CHECK(parse_charge_mah("2000mAh") == 2000.0);
   CHECK(parse_charge_mah("2.5Ah") == 2500.0);
+  CHECK(parse_dbm("-106.58dBm") == -106.58);
+  CHECK(parse_dbm("3 dBm") == 3.0);
+  CHECK(parse_db("46.68dB") == 46.68);
+  CHECK(parse_db("-3dB") == -3.0);
+  CHECK(parse_frequency_mhz("2480MHz") == 2480.0);
+  CHECK(parse_frequency_mhz("2.4 GHz") == 2400.0);
   CHECK(parse_baud("57600baud") == 57600);
   CHECK(parse_baud("57600 baud") == 57600);
 }
@@ -66,10 +72,14 @@ TEST_CASE("ratios, lengths and charges carry their units", "[config][units]") {
 TEST_CASE("quantities without a unit or with another one are refused", "[config][units]") {
   const auto* text =
       GENERATE("", "2", "x", "%", "-2%", "2 percent", "2mm", "m", "1e3m", "nan%", "infm", ".5m",
-               "1.2.3m", "mAh", "5V", "baud", "1.5baud", "0x10baud", "99999999999999999999baud");
+               "1.2.3m", "mAh", "5V", "--3dBm", "+3dB", "-dB", "-3", "3dBW", "-2400MHz", "2.4ghz",
+               "baud", "1.5baud", "0x10baud", "99999999999999999999baud");
   CAPTURE(text);
   CHECK_FALSE(parse_ratio(text));
   CHECK_FALSE(parse_length_m(text));
   CHECK_FALSE(parse_charge_mah(text));
   CHECK_FALSE(parse_baud(text));
+  CHECK_FALSE(parse_dbm(text));
+  CHECK_FALSE(parse_db(text));
+  CHECK_FALSE(parse_frequency_mhz(text));
 }

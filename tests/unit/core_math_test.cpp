@@ -26,6 +26,25 @@ TEST_CASE("reproducible functions agree with libm", "[core][math]") {
   CHECK(math::length(3, 4, 12) == 13);
 }
 
+TEST_CASE("erfc agrees with libm", "[core][math]") {
+  for (double x = -6; x < 26; x += 0.01) {
+    const auto theirs = std::erfc(x);
+    CHECK(std::abs(math::erfc(x) - theirs) <= 1e-12 * theirs);
+  }
+  CHECK(math::erfc(0) == 1);
+  CHECK(math::erfc(-30) == 2);
+  CHECK(math::erfc(30) == 0);
+}
+
+TEST_CASE("a normal quantile is the inverse of the distribution", "[core][math]") {
+  CHECK(math::normal_quantile(0.5) == 0);
+  CHECK(math::normal_quantile(0.975) == Approx(1.959963984540054).epsilon(1e-14));
+  for (double x = -6.3; x <= 6.3; x += 0.01) { // both formulas, and where they meet
+    const auto p = 0.5 * math::erfc(-x / std::sqrt(2.0));
+    CHECK(std::abs(math::normal_quantile(p) - x) < (x < 3 ? 1e-12 : 1e-6)); // 1 - p has few digits
+  }
+}
+
 TEST_CASE("the bits of reproducible functions never change", "[core][math][GEN-07]") {
   // Recorded once; a different value on some machine means a run there differs too.
   fold64 fold;
@@ -36,4 +55,15 @@ TEST_CASE("the bits of reproducible functions never change", "[core][math][GEN-0
       fold.add(std::bit_cast<std::uint64_t>(y));
   }
   CHECK(to_hex(fold.value()) == "026af74a2f2f1ee7");
+}
+
+TEST_CASE("the bits of erfc and of normal quantiles never change", "[core][math][GEN-07]") {
+  fold64 fold;
+  random_stream dice(10);
+  for (int i = 0; i < 1000; ++i) {
+    const auto x = dice.unit();
+    for (const auto y : {math::erfc(x * 12 - 2), math::normal_quantile(x * 0.9999 + 1e-6)})
+      fold.add(std::bit_cast<std::uint64_t>(y));
+  }
+  CHECK(to_hex(fold.value()) == "23bf4d56d37e8da0");
 }

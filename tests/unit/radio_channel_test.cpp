@@ -3,6 +3,7 @@
 
 using namespace rubicon;
 using namespace rubicon::radio;
+using test::channel_with;
 using test::radio_world;
 
 namespace {
@@ -10,6 +11,8 @@ namespace {
 /// Units of the first back-off of the first sender, given how many radios were added before.
 duration first_backoff(std::uint64_t seed, int radios) {
   random_stream dice(seed);
+  for (int i = 0; i < 2; ++i)
+    static_cast<void>(dice.next()); // the links' and the noise's seeds
   for (int i = 0; i < radios; ++i)
     static_cast<void>(dice.below(256)); // their first sequence numbers
   return static_cast<int>(dice.below(8)) * 320us;
@@ -35,10 +38,12 @@ TEST_CASE("an acked exchange takes the standard's time to the microsecond",
     CHECK(ended.token == 77);
     CHECK(ended.status == send_status::sent);
     CHECK(ended.transmissions == 1);
+    CHECK(ended.arrived);
+    CHECK(ended.last == copy_fate::delivered);
     const auto got = x.all<delivered>().front();
     CHECK(got.to == b);
-    CHECK(got.rssi_dbm == signal_at(10).rssi_dbm);
-    CHECK(got.lqi == signal_at(10).lqi);
+    CHECK(got.rssi_dbm == -70); // log distance: 40 dB, and 30 dB for a factor of 10
+    CHECK(got.lqi == 110);
     CHECK(x.channel.energy(a, x.now).times.radio_transmit == 672us);
     CHECK(x.channel.energy(a, x.now).times.radio_receive == 352us);
     CHECK(x.channel.energy(b, x.now).times.radio_transmit == 352us);
@@ -46,7 +51,7 @@ TEST_CASE("an acked exchange takes the standard's time to the microsecond",
     CHECK(x.channel.counted().transmissions == 2);
     CHECK(x.channel.counted().acks == 1);
     CHECK(x.channel.counted().acks_received == 1);
-    CHECK(x.channel.counted().copies.delivered == 2);
+    CHECK(x.channel.counted().copies.of(copy_fate::delivered) == 2);
     CHECK_FALSE(x.channel.deadline() < instant(1h)); // batteries only
   }
 }
@@ -55,8 +60,8 @@ TEST_CASE("what is delivered is the frame as TinyOS writes it", "[radio][channel
   radio_world x;
   const auto a = x.add(3, 0, 0x22);
   x.add(1, 10, 0x22);
-  x.note(x.channel.send(a, {1, mote_id{1}, 6, {0x00, 0x01}, true}, x.now));
-  x.note(x.channel.send(a, {2, broadcast_mote, 9, {}, true}, x.now));
+  x.note(x.channel.send(a, {1, mote_id{1}, 6, bytes{0x00, 0x01}, true}, x.now));
+  x.note(x.channel.send(a, {2, broadcast_mote, 9, bytes{}, true}, x.now));
   x.run_until(instant(1s));
   const auto all = x.all<delivered>();
   REQUIRE(all.size() == 2);
@@ -90,7 +95,7 @@ TEST_CASE("all receivers share one object", "[radio][channel]") {
 
 TEST_CASE("with loss 1 nothing crosses and a unicast frame is tried four times",
           "[radio][channel][GEN-03]") {
-  radio_world x({.loss = 1});
+  radio_world x(channel_with([](auto& c) { c.loss = 1; }));
   const auto a = x.add(1, 0);
   x.add(2, 10);
   x.send(a, 1, 2, 28);
@@ -101,10 +106,13 @@ TEST_CASE("with loss 1 nothing crosses and a unicast frame is tried four times",
   REQUIRE(ended.size() == 2);
   CHECK(ended[0].status == send_status::no_ack);
   CHECK(ended[0].transmissions == 4);
+  CHECK_FALSE(ended[0].arrived);
+  CHECK(ended[0].last == copy_fate::loss);
+  CHECK(ended[1].last == copy_fate::out_of_reach); // a broadcast has no destination
   CHECK(ended[1].status == send_status::sent); // nobody promised more of a broadcast
   const auto books = x.channel.counted();
   CHECK(books.copies.sent == 5);
-  CHECK(books.copies.loss == 5);
+  CHECK(books.copies.of(copy_fate::loss) == 5);
   CHECK(books.requests.no_ack == 1);
   CHECK(x.channel.balanced());
 }
@@ -126,6 +134,7 @@ TEST_CASE("loss 1 on one link leaves all other links alone", "[radio][channel][G
   CHECK(x.delivered_to(a) == 40);
   CHECK(x.delivered_to(b) == 20); // from c
   CHECK(x.delivered_to(c) == 40);
+  CHECK(x.channel.counted_on(a, b).of(copy_fate::loss) == 20);
 }
 
 TEST_CASE("a lost ack makes repeats that are acked but not delivered again", "[radio][channel]") {
@@ -137,9 +146,11 @@ TEST_CASE("a lost ack makes repeats that are acked but not delivered again", "[r
   x.run_until(instant(1s));
   CHECK(x.delivered_to(b) == 1);
   CHECK(x.all<done>().front().status == send_status::no_ack);
-  CHECK(x.channel.counted_by(b).copies.duplicate == 3);
+  CHECK(x.all<done>().front().arrived);
+  CHECK(x.all<done>().front().last == copy_fate::duplicate);
+  CHECK(x.channel.counted_by(b).copies.of(copy_fate::duplicate) == 3);
   CHECK(x.channel.counted_by(b).acks == 4);
-  CHECK(x.channel.counted_by(a).copies.loss == 4);
+  CHECK(x.channel.counted_by(a).copies.of(copy_fate::loss) == 4);
   CHECK(x.channel.balanced());
   // The receiver reads every repeat, the sender has loaded its frame once.
   const auto service = find_platform("micaz")->service_time;
@@ -161,7 +172,7 @@ TEST_CASE("the same sequence number 256 frames later is a new frame", "[radio][c
 }
 
 TEST_CASE("a transmit queue takes its size and not one more", "[radio][channel]") {
-  radio_world x({.queue = 3});
+  radio_world x(channel_with([](auto& c) { c.queue = 3; }));
   const auto a = x.add(1, 0);
   x.add(2, 10);
   for (std::uint64_t i = 0; i < 4; ++i)
@@ -183,7 +194,7 @@ TEST_CASE("a transmit queue takes its size and not one more", "[radio][channel]"
 }
 
 TEST_CASE("a frame for a mote that is not there is not acked", "[radio][channel]") {
-  radio_world x({.retries_max = 1});
+  radio_world x(channel_with([](auto& c) { c.retries_max = 1; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   x.send(a, 1, 3, 4);
@@ -191,11 +202,12 @@ TEST_CASE("a frame for a mote that is not there is not acked", "[radio][channel]
   CHECK(x.delivered_to(b) == 0);
   CHECK(x.all<done>().front().status == send_status::no_ack);
   CHECK(x.all<done>().front().transmissions == 2);
-  CHECK(x.channel.counted_by(b).copies.filtered == 2);
+  CHECK(x.all<done>().front().last == copy_fate::out_of_reach);
+  CHECK(x.channel.counted_by(b).copies.of(copy_fate::filtered) == 2);
 }
 
 TEST_CASE("a radio out of range hears and disturbs nothing", "[radio][channel][NET-15]") {
-  radio_world x({.range_m = 30, .retries_max = 0});
+  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 31);
   x.send(a, 1, 2, 4);
@@ -248,7 +260,7 @@ TEST_CASE("frames of other islands are heard but never delivered",
   CHECK(received > 1000);
   const auto sum = x.channel.counted();
   auto parts = x.channel.counted_in_pan(1);
-  CHECK(parts.copies.filtered > 100);
+  CHECK(parts.copies.of(copy_fate::filtered) > 100);
   CHECK(parts.balanced());
   CHECK(x.channel.counted_in_pan(2).balanced());
   parts += x.channel.counted_in_pan(2);
@@ -258,7 +270,7 @@ TEST_CASE("frames of other islands are heard but never delivered",
 
 TEST_CASE("a promiscuous radio overhears every PAN and acks only its own frames",
           "[radio][channel]") {
-  radio_world x({.retries_max = 0});
+  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   radio_config config;
   config.address = mote_id{9};
@@ -273,6 +285,25 @@ TEST_CASE("a promiscuous radio overhears every PAN and acks only its own frames"
   CHECK(x.delivered_to(sniffer) == 2);
   CHECK(x.channel.counted_by(sniffer).acks == 0);
   CHECK(x.all<done>().front().status == send_status::no_ack);
+}
+
+TEST_CASE("a frame for others takes no receive slot and needs none", "[radio][channel]") {
+  auto slow = *find_platform("micaz");
+  slow.service_time = 10s;
+  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
+  const auto a = x.add(1, 0);
+  const auto full = x.add(2, 10, 1, &slow);
+  for (int i = 0; i < 3; ++i)
+    x.send(a, 1, 9, 4); // takes none
+  for (int i = 0; i < 4; ++i)
+    x.send(a, 1, 2, 4);
+  x.run_for(1s);
+  x.send(a, 1, 9, 4); // needs none
+  x.run_for(1s);
+  const auto copies = x.channel.counted_by(full).copies;
+  CHECK(copies.of(copy_fate::filtered) == 4);
+  CHECK(copies.of(copy_fate::delivered) == 3);
+  CHECK(copies.of(copy_fate::overflow) == 1);
 }
 
 TEST_CASE("a late wake-up changes nothing but its own time", "[radio][channel]") {

@@ -7,36 +7,14 @@
 
 using namespace rubicon;
 using namespace rubicon::radio;
+using test::channel_with;
 using test::radio_world;
 
 namespace {
 
-/// Keeps one frame of `size` octets of payload open at each of `senders` until `end`.
-/// @returns frames sent successfully, by all of them
-std::uint64_t saturate(radio_world& x, const std::vector<radio_index>& senders, std::uint16_t to,
-                       std::size_t size, bool ack, duration length) {
-  std::uint64_t sent = 0;
-  for (const auto sender : senders)
-    x.send(sender, 0, to, size, ack);
-  const auto end = x.now + length;
-  std::size_t seen = x.log.size();
-  for (auto due = x.channel.deadline(); due && *due <= end; due = x.channel.deadline()) {
-    x.run_until(*due);
-    for (; seen < x.log.size(); ++seen) {
-      const auto* ended = std::get_if<done>(&x.log[seen].what);
-      if (ended == nullptr)
-        continue;
-      if (ended->status == send_status::sent)
-        ++sent;
-      x.send(ended->radio, 0, to, size, ack);
-    }
-  }
-  return sent;
-}
-
 /// Two senders on either side of a receiver, each with a frame every 20 to 40 ms.
 copy_book two_senders(double apart_m) {
-  radio_world x({.range_m = 30, .retries_max = 0});
+  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, apart_m);
   const auto middle = x.add(3, apart_m / 2);
@@ -73,9 +51,9 @@ TEST_CASE("a saturated sender reaches the arithmetic of the standard", "[radio][
     auto quick = *find_platform("iris");
     quick.service_time = 100us;
     x.add(2, 10, 1, &quick);
-    const auto sent = saturate(x, {a}, 2, size, ack, 20s);
+    const auto sent = x.saturate({a}, 2, size, ack, 20s);
     CHECK(static_cast<double>(sent) == Approx(20e6 / period_us).epsilon(0.02));
-    CHECK(x.channel.counted().copies.overflow == 0);
+    CHECK(x.channel.counted().copies.of(copy_fate::overflow) == 0);
   }
 }
 
@@ -84,7 +62,7 @@ TEST_CASE("nobody begins to send within an assessment and a turnaround of anothe
   radio_world x;
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
-  saturate(x, {a, b}, 0xffff, 28, false, 20s);
+  x.saturate({a, b}, 0xffff, 28, false, 20s);
   instant last_end;
   std::optional<radio_index> last;
   int changes = 0;
@@ -107,21 +85,21 @@ TEST_CASE("hidden senders collide, senders in range rarely do", "[radio][channel
   const auto hidden = two_senders(50);
   const auto in_range = two_senders(30);
   REQUIRE(hidden.sent > 3000);
-  CHECK(hidden.collision * 20 > hidden.sent);     // above 5 %
-  CHECK(in_range.collision * 50 < in_range.sent); // below 2 %
-  CHECK(in_range.collision * 5 < hidden.collision);
-  CHECK(in_range.delivered > 3000);
+  CHECK(hidden.of(copy_fate::collision) * 20 > hidden.sent);     // above 5 %
+  CHECK(in_range.of(copy_fate::collision) * 50 < in_range.sent); // below 2 %
+  CHECK(in_range.of(copy_fate::collision) * 5 < hidden.of(copy_fate::collision));
+  CHECK(in_range.of(copy_fate::delivered) > 3000);
 }
 
 TEST_CASE("saturated hidden senders get almost nothing through", "[radio][channel][NET-15]") {
   const auto throughput = [](double apart_m) {
-    radio_world x({.range_m = 30});
+    radio_world x;
     const auto a = x.add(1, 0);
     const auto b = x.add(2, apart_m);
     auto quick = *find_platform("iris");
     quick.service_time = 100us;
     x.add(3, apart_m / 2, 1, &quick);
-    return saturate(x, {a, b}, 3, 28, true, 10s);
+    return x.saturate({a, b}, 3, 28, true, 10s);
   };
   const auto hidden = throughput(50);
   const auto in_range = throughput(30);
@@ -135,12 +113,12 @@ TEST_CASE("a crowd that hears each other keeps the channel busy and fails at tim
   std::vector<radio_index> senders;
   for (std::uint16_t i = 1; i <= 30; ++i)
     senders.push_back(x.add(i, 0.1 * i));
-  const auto sent = saturate(x, senders, 0xffff, 28, false, 5s);
+  const auto sent = x.saturate(senders, 0xffff, 28, false, 5s);
   const auto books = x.channel.counted();
   CHECK(books.requests.channel_access_failure > 100);
   CHECK(sent > 1000);
-  CHECK(books.copies.collision > 0);
-  CHECK(books.copies.half_duplex > 0);
+  CHECK(books.copies.of(copy_fate::collision) > 0);
+  CHECK(books.copies.of(copy_fate::half_duplex) > 0);
   CHECK(x.channel.balanced());
 }
 
@@ -148,34 +126,34 @@ TEST_CASE("a sink under load runs out of receive slots and acks only what it too
           "[radio][channel]") {
   auto slow = *find_platform("telosb");
   slow.service_time = 30ms;
-  radio_world x({.retries_max = 1});
+  radio_world x(channel_with([](auto& c) { c.retries_max = 1; }));
   const auto sink = x.add(1, 0, 1, &slow);
   std::vector<radio_index> senders;
   for (std::uint16_t i = 2; i < 6; ++i)
     senders.push_back(x.add(i, i));
-  saturate(x, senders, 1, 10, true, 10s);
+  x.saturate(senders, 1, 10, true, 10s);
   x.run_for(1s);
   const auto books = x.channel.counted_by(sink);
-  CHECK(books.copies.overflow > 100);
+  CHECK(books.copies.of(copy_fate::overflow) > 100);
   CHECK(x.channel.counted().requests.no_ack > 100);
-  CHECK(books.acks == books.copies.delivered + books.copies.duplicate);
+  CHECK(books.acks == books.copies.of(copy_fate::delivered) + books.copies.of(copy_fate::duplicate));
   // The MCU serves one frame in 30 ms and nothing more.
-  CHECK(books.copies.delivered + books.copies.duplicate <= 11'000 / 30 + 3);
-  CHECK(books.copies.delivered > 300);
+  CHECK(books.copies.of(copy_fate::delivered) + books.copies.of(copy_fate::duplicate) <= 11'000 / 30 + 3);
+  CHECK(books.copies.of(copy_fate::delivered) > 300);
   CHECK(x.channel.balanced());
 }
 
 TEST_CASE("the slots of a radio take exactly their number of frames", "[radio][channel]") {
   auto slow = *find_platform("micaz");
   slow.service_time = 1s;
-  radio_world x({.retries_max = 0});
+  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto sink = x.add(2, 10, 1, &slow);
   for (std::uint64_t i = 0; i < 4; ++i)
     x.send(a, i, 2, 4);
   x.run_until(instant(500ms));
   CHECK(x.delivered_to(sink) == 3);
-  CHECK(x.channel.counted_by(sink).copies.overflow == 1);
+  CHECK(x.channel.counted_by(sink).copies.of(copy_fate::overflow) == 1);
   const auto ended = x.all<done>();
   REQUIRE(ended.size() == 4);
   for (std::size_t i = 0; i < 4; ++i)

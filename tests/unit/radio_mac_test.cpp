@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::size_t psdu_size = 41; // 28 octets of payload: followed by a LIFS
 
+const mac_rules* const standard = find_mac("standard", platforms()[0]);
+
 outgoing frame_of(std::uint64_t token, bool ack, std::size_t size = psdu_size) {
   outgoing x;
   x.token = token;
@@ -41,7 +43,7 @@ void put_on_air(mac& x, instant& now, random_stream& dice) {
 TEST_CASE("a frame goes out after back-off, assessment and turnaround", "[radio][mac][NET-15]") {
   random_stream dice(1);
   auto same = dice;
-  mac x(8, 3);
+  mac x(standard, 8, 3);
   instant now = instant{} + 5ms;
   x.submit(frame_of(1, false), now, dice);
   const auto units = static_cast<int>(same.below(8));
@@ -63,7 +65,7 @@ TEST_CASE("the back-off window doubles from 8 to 32 units and the fifth busy ass
   std::vector<duration> longest(5);
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     random_stream dice(seed);
-    mac x(8, 3);
+    mac x(standard, 8, 3);
     instant now;
     x.submit(frame_of(1, true), now, dice);
     for (std::size_t attempt = 0; attempt < 5; ++attempt) {
@@ -88,7 +90,7 @@ TEST_CASE("a frame without ack is repeated, with a fresh back-off, until its att
           "[radio][mac]") {
   for (const unsigned retries : {0U, 1U, 3U, 7U}) {
     random_stream dice(retries);
-    mac x(8, retries);
+    mac x(standard, 8, retries);
     instant now;
     x.submit(frame_of(9, true), now, dice);
     for (unsigned attempt = 0; attempt <= retries; ++attempt) {
@@ -118,7 +120,7 @@ TEST_CASE("an ack ends the request and the next frame keeps its distance", "[rad
   for (const auto& [size, gap] : {spacing{18, 192us}, spacing{19, 640us}}) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
       random_stream dice(seed);
-      mac x(8, 3);
+      mac x(standard, 8, 3);
       instant now;
       x.submit(frame_of(1, true, size), now, dice);
       x.submit(frame_of(2, true, size), now, dice);
@@ -138,7 +140,7 @@ TEST_CASE("an ack ends the request and the next frame keeps its distance", "[rad
 
 TEST_CASE("the interframe space also holds for a frame submitted later", "[radio][mac]") {
   random_stream dice(1);
-  mac x(8, 3);
+  mac x(standard, 8, 3);
   instant now;
   x.submit(frame_of(1, false), now, dice);
   put_on_air(x, now, dice);
@@ -150,7 +152,7 @@ TEST_CASE("the interframe space also holds for a frame submitted later", "[radio
 
 TEST_CASE("a transmit queue is full at its size and aborts in order", "[radio][mac]") {
   random_stream dice(1);
-  mac x(3, 3);
+  mac x(standard, 3, 3);
   instant now;
   for (std::uint64_t i = 0; i < 3; ++i) {
     CHECK_FALSE(x.full());

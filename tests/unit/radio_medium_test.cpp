@@ -19,6 +19,10 @@ std::string_view name_of(fate x) {
   switch (x) {
   case fate::intact:
     return "intact";
+  case fate::weak:
+    return "weak";
+  case fate::captured:
+    return "captured";
   case fate::collision:
     return "collision";
   case fate::half_duplex:
@@ -29,34 +33,60 @@ std::string_view name_of(fate x) {
   return "";
 }
 
+channel_config disk(double range_m) {
+  channel_config x;
+  x.propagation = unit_disk{range_m};
+  return x;
+}
+
+frame frame_for(std::uint16_t destination, std::uint16_t pan) {
+  frame x;
+  x.destination = mote_id{destination};
+  x.pan = pan;
+  return x;
+}
+
 /// a - b - c - d: each hears its neighbours in the row only.
 struct row {
   row() {
-    for (int i = 0; i < 4; ++i) {
-      places.add({10.0 * i, 0, 0});
-      air.add(energy_meter(find_platform("micaz"), 2000, instant{}), instant{});
+    for (std::uint16_t i = 0; i < 4; ++i) {
+      places.add({{island_id{1}, mote_id{i}}, {10.0 * i, 0, 0}, 0});
+      air.add({}, energy_meter(find_platform("micaz"), 2000, 0, instant{}), instant{});
     }
   }
 
   slot_index start(radio_index from, duration at) {
     transmission x;
     x.from = from;
-    return air.start(x, places.around(from), instant(at));
+    x.begin = instant(at);
+    x.length = 1ms;
+    return air.start(x, places.around(from));
   }
 
   /// What the end of a frame yields: receiver and fate, in order.
   std::string end(slot_index slot, duration at) {
     std::string all;
-    air.end(slot, instant(at), [&](const transmission&, const hearer& x, fate y) {
-      all += "abcd"[x.radio.value] + (":" + std::string(name_of(y))) + ' ';
-    });
+    std::size_t expected = 0;
+    air.end(slot, instant(at), dice,
+            [&](const transmission&, std::size_t place, const hearer& x, fate y) {
+              CHECK(place == expected++);
+              all += "abcd"[x.radio.value] + (":" + std::string(name_of(y))) + ' ';
+            });
     return all;
   }
 
   [[nodiscard]] radio_state state(radio_index x) const { return air.meter(x).state(); }
 
-  topology places{10, 0};
-  medium air;
+  /// Whether it has a frame coming in right after `at`.
+  [[nodiscard]] bool receives(radio_index x, duration at) const {
+    const auto grown =
+        air.times(x, instant(at + 1ns)).radio_receive - air.times(x, instant(at)).radio_receive;
+    return grown == 1ns;
+  }
+
+  topology places{disk(10), 0};
+  medium air{disk(10)};
+  random_stream dice{1};
 };
 
 } // namespace
@@ -64,14 +94,19 @@ struct row {
 TEST_CASE("a lone frame reaches everybody in range and nobody else", "[radio][medium]") {
   row x;
   const auto slot = x.start(b, 1ms);
-  CHECK(x.state(a) == radio_state::receive);
+  CHECK(x.receives(a, 1ms));
   CHECK(x.state(b) == radio_state::transmit);
-  CHECK(x.state(c) == radio_state::receive);
-  CHECK(x.state(d) == radio_state::listen);
+  CHECK(x.receives(c, 1ms));
+  CHECK_FALSE(x.receives(d, 1ms));
   CHECK(x.air.sending(b) == slot);
   CHECK(x.end(slot, 2ms) == "a:intact c:intact ");
-  for (const auto radio : {a, b, c, d})
+  for (const auto radio : {a, b, c, d}) {
     CHECK(x.state(radio) == radio_state::listen);
+    CHECK_FALSE(x.receives(radio, 2ms));
+  }
+  const auto times = x.air.times(a, instant(3ms));
+  CHECK(times.radio_receive == 1ms);
+  CHECK(times.radio_listen == 2ms);
   CHECK_FALSE(x.air.sending(b));
   CHECK(x.air.copies() == 2);
 }
@@ -81,9 +116,9 @@ TEST_CASE("frames that overlap at a receiver destroy each other there only",
   row x;
   const auto first = x.start(a, 1ms);
   const auto second = x.start(c, 2ms);       // hidden from a
-  CHECK(x.state(b) == radio_state::receive); // still locked on the first
+  CHECK(x.receives(b, 2ms)); // still locked on the first
   CHECK(x.end(first, 3ms) == "b:collision ");
-  CHECK(x.state(b) == radio_state::listen); // never locked on the second
+  CHECK_FALSE(x.receives(b, 3ms)); // never locked on the second
   CHECK(x.end(second, 4ms) == "b:collision d:intact ");
 }
 
@@ -171,14 +206,14 @@ TEST_CASE("the channel is clear once nothing has been heard or sent for a while"
   row x;
   CHECK(x.air.clear(b, instant(1ms)));
   const auto slot = x.start(a, 1ms);
-  CHECK_FALSE(x.air.clear(a, instant{}));
-  CHECK_FALSE(x.air.clear(b, instant{}));
-  CHECK(x.air.clear(c, instant{})); // out of range
+  CHECK_FALSE(x.air.clear(a, instant(1500us)));
+  CHECK_FALSE(x.air.clear(b, instant(1500us)));
+  CHECK(x.air.clear(c, instant(1500us))); // out of range
   x.end(slot, 2ms);
-  CHECK_FALSE(x.air.clear(b, instant(2ms - 1ns)));
-  CHECK(x.air.clear(b, instant(2ms)));
-  CHECK_FALSE(x.air.clear(a, instant(2ms - 1ns)));
-  CHECK(x.air.clear(a, instant(2ms)));
+  CHECK_FALSE(x.air.clear(b, instant(2128us - 1ns)));
+  CHECK(x.air.clear(b, instant(2128us)));
+  CHECK_FALSE(x.air.clear(a, instant(2128us - 1ns)));
+  CHECK(x.air.clear(a, instant(2128us)));
 }
 
 TEST_CASE("slots are used again and tell their uses apart", "[radio][medium]") {
@@ -190,4 +225,44 @@ TEST_CASE("slots are used again and tell their uses apart", "[radio][medium]") {
   const auto second = x.start(c, 3ms);
   CHECK(second == first);
   CHECK(x.air.stamp(second) != stamp);
+}
+
+TEST_CASE("the filter passes own and broadcast frames of the own PAN", "[radio][medium][RTG-06]") {
+  struct passing {
+    std::uint16_t destination;
+    std::uint16_t pan;
+    bool own;
+    bool any;
+  };
+  for (const auto& [destination, pan, own, any] : {passing{7, 1, true, true},
+                                                   {0xffff, 1, true, true},
+                                                   {8, 1, false, true},
+                                                   {7, 2, false, true},
+                                                   {0xffff, 2, false, true},
+                                                   {8, 2, false, true},
+                                                   {7, 0xffff, false, true}}) {
+    INFO(destination << " in " << pan);
+    for (const bool promiscuous : {false, true}) {
+      medium x;
+      transceiver_config config;
+      config.address = mote_id{7};
+      config.pan = 1;
+      config.promiscuous = promiscuous;
+      x.add(std::move(config), energy_meter(find_platform("micaz"), 2000, 0, instant{}), instant{});
+      CHECK(x.wanted(a, frame_for(destination, pan)) == (promiscuous ? any : own));
+      CHECK(x.addressed(a, frame_for(destination, pan)) == (destination == 7 && pan == 1));
+    }
+  }
+}
+
+TEST_CASE("a radio waits for an ack or does not, whatever else it is", "[radio][medium]") {
+  row x;
+  CHECK_FALSE(x.air.awaits_ack(b));
+  x.air.await_ack(b, true);
+  CHECK(x.air.awaits_ack(b));
+  CHECK_FALSE(x.air.awaits_ack(c));
+  x.start(a, 1ms);
+  CHECK(x.air.awaits_ack(b));
+  x.air.await_ack(b, false);
+  CHECK_FALSE(x.air.awaits_ack(b));
 }

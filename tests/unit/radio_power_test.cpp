@@ -5,6 +5,7 @@
 
 using namespace rubicon;
 using namespace rubicon::radio;
+using test::channel_with;
 using test::radio_world;
 
 namespace {
@@ -39,7 +40,7 @@ TEST_CASE("switching a sender off aborts all it had and cuts its frame off", "[r
     CHECK(ended[i].transmissions == (i == 0 ? 1U : 0U));
   }
   CHECK(x.channel.counted_by(a).requests == request_book{.requests = 3, .aborted = 3});
-  CHECK(x.channel.counted_by(b).copies.off == 1);
+  CHECK(x.channel.counted_by(b).copies.of(copy_fate::off) == 1);
   CHECK(x.channel.balanced());
   const auto sent_for = x.channel.energy(a, x.now).times.radio_transmit;
   x.run_for(1s);
@@ -57,7 +58,7 @@ TEST_CASE("switching a sender off aborts all it had and cuts its frame off", "[r
 }
 
 TEST_CASE("a receiver that is off, or was for a moment, gets nothing", "[radio][power]") {
-  radio_world x({.retries_max = 0});
+  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   x.send(a, 1, 2, 100);
@@ -67,16 +68,16 @@ TEST_CASE("a receiver that is off, or was for a moment, gets nothing", "[radio][
   x.set_power(b, power::on);
   x.run_for(100ms);
   CHECK(x.all<delivered>().empty());
-  CHECK(x.channel.counted_by(b).copies.off == 1);
+  CHECK(x.channel.counted_by(b).copies.of(copy_fate::off) == 1);
   x.set_power(b, power::off);
   x.send(a, 2, 2, 100);
   x.run_for(100ms);
-  CHECK(x.channel.counted_by(b).copies.off == 2);
+  CHECK(x.channel.counted_by(b).copies.of(copy_fate::off) == 2);
   CHECK(x.channel.counted().requests.no_ack == 2);
 }
 
 TEST_CASE("a receiver switched off before its ack leaves does not ack", "[radio][power]") {
-  radio_world x({.retries_max = 0});
+  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   x.send(a, 1, 2, 4);
@@ -93,7 +94,7 @@ TEST_CASE("a receiver switched off before its ack leaves does not ack", "[radio]
 TEST_CASE("a restart empties the receive slots", "[radio][power]") {
   auto slow = *find_platform("micaz");
   slow.service_time = 10s;
-  radio_world x({.retries_max = 0});
+  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10, 1, &slow);
   for (std::uint64_t i = 0; i < 4; ++i)
@@ -161,7 +162,7 @@ TEST_CASE("an off radio and its sleeping MCU keep drawing their little", "[radio
 TEST_CASE("a battery that ends switches its radio off and says so once", "[radio][power][NRG-05]") {
   for (const auto& kind : platforms()) {
     INFO(kind.name);
-    radio_world x({.retries_max = 0});
+    radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
     radio_config config;
     config.address = mote_id{1};
     config.pan = 1;
@@ -186,7 +187,7 @@ TEST_CASE("a battery that ends switches its radio off and says so once", "[radio
     CHECK(use.used_mah < 0.5 + 10e-3 * 30 / 3600);
     CHECK(radio_sum(use.times) == end.time_since_epoch());
     CHECK(use.times.mcu_active + use.times.mcu_sleep == end.time_since_epoch());
-    CHECK(use.used_mah == Approx(used_mah(use.times, kind)));
+    CHECK(use.used_mah == Approx(used_mah(use.times, kind, kind.transmit_ma(kind.transmit_dbm_max()))));
     CHECK(use.empty_at == end);
     CHECK(x.channel.power_of(a) == power::flat);
     x.send(b, 2, 1, 4);
@@ -209,6 +210,27 @@ TEST_CASE("a battery that ends while off is told too", "[radio][power][NRG-05]")
   const auto end = x.times_of<exhausted>().front();
   CHECK(end >= instant(1h));
   CHECK(end <= instant(1h + 10ms));
+}
+
+TEST_CASE("a radio that sends more weakly draws less", "[radio][power][NRG-05]") {
+  radio_world x;
+  const auto* kind = find_platform("micaz");
+  std::vector<radio_index> senders;
+  for (const auto& [address, dbm] : {std::pair{std::uint16_t{1}, -25.0}, {std::uint16_t{2}, 0.0}}) {
+    radio_config config;
+    config.address = mote_id{address};
+    config.kind = kind;
+    config.place = {1000.0 * address, 0, 0};
+    config.transmit_dbm = dbm;
+    senders.push_back(x.add(config));
+    x.send(senders.back(), address, 0xffff, 100, false);
+  }
+  x.run_for(1s);
+  const auto weak = x.channel.energy(senders[0], x.now);
+  const auto strong = x.channel.energy(senders[1], x.now);
+  CHECK(weak.times == strong.times);
+  CHECK(strong.used_mah - weak.used_mah ==
+        Approx((17.4 - 8.5) * seconds(air_time(113)) / 3600).epsilon(1e-6));
 }
 
 TEST_CASE("a radio on a cable sets no alarm", "[radio][power]") {

@@ -4,12 +4,34 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <tuple>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "radio/channel.hpp"
+#include "radio/tossim_files.hpp"
 
 namespace rubicon::test {
+
+/// The default channel with some changes.
+template <class Change>
+[[nodiscard]] radio::channel_config channel_with(Change change) {
+  radio::channel_config x;
+  change(x);
+  return x;
+}
+
+/// Links between motes by their ids and no others: from, to, gain in dB.
+[[nodiscard]] inline radio::propagation links_of(std::vector<radio::gain_table::gain> gains) {
+  std::sort(gains.begin(), gains.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.from, a.to) < std::tie(b.from, b.to);
+  });
+  radio::gain_table table;
+  table.gains = std::move(gains);
+  return radio::gain_matrix{std::make_shared<const radio::gain_table>(std::move(table)), 0};
+}
 
 struct radio_happening {
   instant at;
@@ -31,6 +53,8 @@ public:
     x.kind = kind;
     return channel.add(x, now);
   }
+
+  radio::radio_index add(const radio::radio_config& x) { return channel.add(x, now); }
 
   void send(radio::radio_index from, std::uint64_t token, std::uint16_t to, std::size_t size,
             bool ack = true) {
@@ -75,6 +99,30 @@ public:
     const auto list = all<radio::delivered>();
     return static_cast<std::size_t>(
         std::count_if(list.begin(), list.end(), [radio](const auto& x) { return x.to == radio; }));
+  }
+
+  /// Keeps one frame of `size` octets of payload open at each of `senders` for `length`.
+  /// @returns frames sent successfully, by all of them
+  std::uint64_t saturate(const std::vector<radio::radio_index>& senders, std::uint16_t to,
+                         std::size_t size, bool ack, duration length) {
+    std::uint64_t sent = 0;
+    std::size_t seen = log.size();
+    for (const auto sender : senders)
+      send(sender, 0, to, size, ack);
+    const auto end = now + length;
+    for (auto due = channel.deadline(); due && *due <= end; due = channel.deadline()) {
+      run_until(*due);
+      for (; seen < log.size(); ++seen) {
+        const auto* ended = std::get_if<radio::done>(&log[seen].what);
+        if (ended == nullptr || ended->status == radio::send_status::queue_full)
+          continue;
+        const auto sender = ended->radio;
+        sent += ended->status == radio::send_status::sent ? 1 : 0;
+        send(sender, 0, to, size, ack);
+      }
+    }
+    now = end;
+    return sent;
   }
 
   void note(radio::outputs outputs) {

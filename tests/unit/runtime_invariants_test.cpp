@@ -15,6 +15,7 @@ const std::string crashed = "kitchen/climate-8";
 } // namespace
 
 TEST_CASE("a run whose books balance violates nothing", "[runtime][invariants]") {
+  CHECK(check_radio(test::lab_report()).empty());
   const run_truth truth{{lamp, blinds}, {crashed}, {{island_id{3}, {mote_id{7}}, {mote_id{7}}}}};
   CHECK(check_all(sample_report(), truth).empty());
   CHECK(check_all(report{}, {}).empty());
@@ -37,6 +38,13 @@ TEST_CASE("one island's surplus does not hide another's loss", "[runtime][invari
   CHECK(check_radio(x).size() == 2);
 }
 
+TEST_CASE("all checks look at flows and at energy", "[runtime][invariants]") {
+  auto x = sample_report();
+  ++x.flows[0].sent;
+  ++x.islands[0].motes[0].elapsed;
+  CHECK(check_all(x, {{lamp, blinds}, {crashed}, {}}).size() == 3);
+}
+
 TEST_CASE("every term of the books counts", "[runtime][invariants]") {
   const auto broken = [](auto change) {
     auto x = sample_report();
@@ -55,6 +63,55 @@ TEST_CASE("every term of the books counts", "[runtime][invariants]") {
   CHECK(broken([](island_report& x) { ++x.messages.reliable_failed; }) == 1);
   CHECK(broken([](island_report& x) { ++x.messages.reliable_open; }) == 1);
   CHECK(broken([](island_report& x) { ++x.messages.unreliable_sent; }) == 0);
+}
+
+TEST_CASE("a packet of a flow is counted once", "[runtime][invariants][flow]") {
+  auto x = sample_report();
+  REQUIRE(check_flows(x).empty()); // the broadcast arrived thrice as often as it was sent
+  const auto detail = [](const report& y) {
+    const auto found = check_flows(y);
+    return found.size() == 1 ? found[0].invariant + ": " + found[0].detail : "";
+  };
+  ++x.flows[0].open;
+  CHECK(detail(x) == "flow packets balance: lab/node-2 to lab/sink: sent 1000, delivered + lost + "
+                     "open 1001");
+  x.flows[0].open = 0;
+  CHECK(!detail(x).empty());
+  ++x.flows[0].delivered;
+  CHECK(detail(x).empty());
+  ++x.flows[0].lost["no_ack"];
+  x.flows[0].open = static_cast<std::uint64_t>(-1); // sent - delivered - lost
+  CHECK(detail(x) == "flow packets balance: lab/node-2 to lab/sink: sent 1000, delivered + lost "
+                     "1001");
+}
+
+TEST_CASE("a mote's times fill its life to the nanosecond", "[runtime][invariants]") {
+  const auto details = [](auto change) {
+    auto x = sample_report();
+    change(x.islands[1].motes[0]);
+    std::string all;
+    for (const auto& each : check_energy(x))
+      all += each.invariant + ": " + each.detail + '\n';
+    return all;
+  };
+  CHECK(details([](mote_report&) {}).empty());
+  CHECK(details([](mote_report& x) { x.radio_off += 1ns; }) ==
+        "energy times sum to elapsed time: living-room/climate-2: elapsed ns 600000000000, radio "
+        "ns 600000000001\n");
+  CHECK(details([](mote_report& x) { x.mcu_sleep -= 1ns; }) ==
+        "energy times sum to elapsed time: living-room/climate-2: elapsed ns 600000000000, MCU ns "
+        "599999999999\n");
+  for (const auto part : {&mote_report::radio_listen, &mote_report::radio_receive,
+                          &mote_report::radio_transmit, &mote_report::mcu_active})
+    CHECK(!details([part](mote_report& x) { x.*part += 1ns; }).empty());
+  CHECK(details([](mote_report& x) { x.elapsed += 1ns; }).find("MCU") != std::string::npos);
+}
+
+TEST_CASE("a mote that only measures need not join", "[runtime][invariants]") {
+  CHECK(check_joined(test::lab_report(), std::vector{lamp, blinds}).empty());
+  auto x = test::lab_report();
+  x.islands[2].motes[0].joins = true;
+  CHECK(check_joined(x, std::vector{lamp, blinds}).size() == 1);
 }
 
 TEST_CASE("an actuation has one outcome or is still waiting", "[runtime][invariants]") {

@@ -115,12 +115,29 @@ TEST_CASE("the JSON of a report is one object with the run's figures", "[runtime
   CHECK(x.at("simulated_s") == 600.0);
   CHECK(x.at("trace_hash") == "0123456789abcdef");
   CHECK(x.at("interrupted") == false);
-  CHECK(x.at("motes") == json({{"configured", 5}, {"joined", 4}, {"left", 1}, {"alive", 4}}));
+  CHECK(x.at("motes") ==
+        json({{"configured", 5}, {"joined", 4}, {"left", 1}, {"alive", 4}, {"measuring", 0}}));
   CHECK(x.at("radio").at("lost").at("loss") == 67);
   CHECK(x.at("radio").at("requests") == 2'550);
   CHECK(x.at("messages").at("reliable_acked") == 1'430);
   CHECK(x.at("energy").at("motes").at(2).at("mote") == "3/9");
   CHECK(x.at("energy").at("motes").at(2).at("radio_listen_s") == 597.0);
+  CHECK(x.at("energy").at("motes").at(2).at("elapsed_s") == 600.0);
+  CHECK(x.at("flows").at(0) == json({{"from", "20/2"},
+                                     {"to", "20/1"},
+                                     {"from_name", "lab/node-2"},
+                                     {"to_name", "lab/sink"},
+                                     {"sent", 1'000},
+                                     {"delivered", 900},
+                                     {"pdr", 0.9},
+                                     {"goodput_bps", 1'440.0},
+                                     {"delay_mean_ms", 12.5},
+                                     {"delay_p50_ms", 10.0},
+                                     {"delay_p95_ms", 30.0},
+                                     {"tx_per_packet", 1.25},
+                                     {"lost", {{"channel_access_failure", 20}, {"no_ack", 79}}},
+                                     {"open", 1}}));
+  CHECK(x.at("flows").at(1).at("to") == "20/65535");
   CHECK(x.at("islands").at(1).at("motes").at(1).at("joined") == false);
   CHECK(x.at("peers").at(0).at("lost").at("queue_full") == 2);
   CHECK(x.at("proxies").at(0).at("values").at("temperature") == "22.3 C");
@@ -179,6 +196,41 @@ TEST_CASE("the text tells how fast it was, who lived and what the proxies say", 
   CHECK(contains(text, "temperature  22.3"));
   CHECK(contains(text, "✗ battery"));
   CHECK(contains(text, "timeout 1"));
+}
+
+TEST_CASE("motes that only measure are counted apart", "[runtime]") {
+  const auto x = test::lab_report();
+  CHECK(x.motes_configured() == 5);
+  CHECK(x.motes_measuring() == 1);
+  CHECK(x.motes_joined() == 4);
+  CHECK(x.motes_left() == 1);
+  CHECK(x.motes_alive() == 5);
+  const auto text = to_text(x);
+  CHECK(contains(text, "  1 measuring mote\n"));
+  CHECK(!contains(text, "never joined: node-2"));
+  CHECK(contains(text, "lab          20      1       –      1"));
+  CHECK(!contains(to_text(sample_report()), "measuring"));
+  const auto mote = json::parse(to_json(x)).at("islands").at(2).at("motes").at(0);
+  CHECK(mote.at("joins") == false);
+}
+
+TEST_CASE("flows are told a row each, and together", "[runtime][flow]") {
+  CHECK(contains(to_text(sample_report(), 120),
+                 "  from        to         sent  arrived  bit/s  delay ms   95%  tx each  lost\n"
+                 "  lab/node-2  lab/sink  1,000    90.0%  1,440      12.5  30.0     1.25  no_ack "
+                 "79, channel_access_failure 20, open 1\n"
+                 "  lab/node-2  lab/*     1,000    3,000  1,440      12.5  30.0     1.25\n"
+                 "  all                   2,000    90.0%  2,880      12.5           1.25  no_ack "
+                 "79, channel_access_failure 20, open 1\n"));
+  const auto text = to_text(large_report(), 120);
+  CHECK(contains(text, "  lab/node-21"));
+  CHECK(!contains(text, "lab/node-22"));
+  CHECK(contains(text, "  20 more                20,000    90.0%  28,800"));
+  CHECK(contains(text, "  all                    40,000    90.0%  57,600"));
+  report alone;
+  alone.flows.resize(1);
+  CHECK(!contains(to_text(alone), "  all "));
+  CHECK(!contains(to_text(report{}), "Flows"));
 }
 
 TEST_CASE("neighbours in the story that tell the same are told as one", "[runtime]") {

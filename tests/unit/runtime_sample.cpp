@@ -16,6 +16,7 @@ mote_report sample_mote(island_id island, std::uint16_t id, std::string name, do
   x.incarnations = 1;
   x.used_mah = used_mah;
   x.battery_mah = 2500;
+  x.elapsed = 600s;
   x.mcu_active = 6s;
   x.mcu_sleep = 594s;
   x.radio_listen = 597s;
@@ -61,6 +62,42 @@ island_report living_room() {
   return x;
 }
 
+island_report lab() {
+  island_report x;
+  x.id = island_id{20};
+  x.name = "lab";
+  x.radio.sent = 30;
+  x.radio.delivered = 26;
+  x.radio.lost = {{"captured", 1}, {"weak", 3}};
+  x.radio.requests = 16;
+  x.radio.mac_sent = 15;
+  x.radio.mac_open = 1;
+  x.radio.transmissions = 31;
+  x.motes = {sample_mote(x.id, 2, "node-2", 3.1)};
+  x.motes[0].joins = false;
+  x.motes[0].joined = false;
+  return x;
+}
+
+flow_report sample_flow(std::uint16_t from, mote_id to, const std::string& to_name) {
+  flow_report x;
+  x.from = {island_id{20}, mote_id{from}};
+  x.to = {island_id{20}, to};
+  x.from_name = "lab/node-" + std::to_string(from);
+  x.to_name = "lab/" + to_name;
+  x.sent = 1'000;
+  x.delivered = 900;
+  x.pdr = 0.9;
+  x.goodput_bps = 1'440;
+  x.delay_mean_ms = 12.5;
+  x.delay_p50_ms = 10;
+  x.delay_p95_ms = 30;
+  x.tx_per_packet = 1.25;
+  x.lost = {{"channel_access_failure", 20}, {"no_ack", 79}};
+  x.open = 1;
+  return x;
+}
+
 } // namespace
 
 report sample_report() {
@@ -74,6 +111,11 @@ report sample_report() {
   x.trace_hash = "0123456789abcdef";
   x.actors = {31, 1, {"kitchen/climate-8: crash asked for"}};
   x.islands = {kitchen(), living_room()};
+  x.flows = {sample_flow(2, default_sink, "sink"), sample_flow(2, broadcast_mote, "*")};
+  x.flows[1].delivered = 3'000;
+  x.flows[1].pdr = 3;
+  x.flows[1].lost = {};
+  x.flows[1].open = 0;
   x.peers = {{peer_id{3}, "kitchen-gateway", 2, 3, 41, {1, 5'321, 41, {{"queue_full", 2}}}},
              {peer_id{100}, "robot", 1, 3, 7, {1, 812, 7, {}}}};
   x.proxies = {{"kitchen.climate-7",
@@ -86,6 +128,12 @@ report sample_report() {
   x.story = {{instant{} + 2004160us, "kitchen/climate-7", "joined"},
              {instant{} + 2120ms, "kitchen/lamp-9", "joined"},
              {instant{} + 301s, "kitchen/lamp-9", "left: battery"}};
+  return x;
+}
+
+report lab_report() {
+  auto x = sample_report();
+  x.islands.push_back(lab());
   return x;
 }
 
@@ -109,6 +157,8 @@ report large_report() {
     x.proxies.push_back(
         {island.name, "climate", "active", {{"temperature", "20.0 C"}}, {1, 1, {}}});
   }
+  for (std::uint16_t i = 2; i < 42; ++i)
+    x.flows.push_back(sample_flow(i, default_sink, "sink"));
   for (int i = 0; i < 400; ++i)
     x.story.push_back({instant{} + i * 1s, "somebody", "line " + std::to_string(i)});
   x.story_left_out = 600;

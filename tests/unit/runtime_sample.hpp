@@ -5,11 +5,14 @@
 
 namespace rubicon::test {
 
-/// Two islands, five motes of which one ran out of battery, two peers, three proxies; all books
-/// balance and nothing is violated.
+/// Two islands, five motes of which one ran out of battery, two peers, three proxies, a flow to a
+/// sink and a broadcast; all books balance and nothing is violated.
 [[nodiscard]] runtime::report sample_report();
 
-/// Fifty islands of twenty motes.
+/// The same with a third island, whose only mote measures and does not join.
+[[nodiscard]] runtime::report lab_report();
+
+/// Fifty islands of twenty motes, and forty flows.
 [[nodiscard]] runtime::report large_report();
 
 } // namespace rubicon::test

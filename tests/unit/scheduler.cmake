@@ -5,6 +5,3 @@ rubicon_test(unit.scheduler SOURCES
   NEEDS rubicon_scheduler)
 target_precompile_headers(test_unit.scheduler PRIVATE <caf/all.hpp> "support/catch.hpp")
 
-# Prints numbers; not a test.
-add_executable(bench_scheduler bench/scheduler_bench.cpp)
-target_link_libraries(bench_scheduler PRIVATE rubicon_options rubicon_scheduler)

@@ -1,0 +1,108 @@
+// Measuring flows inside an actor that owns a radio. They use the radio directly: no layer of the
+// communication stack is between them and the medium access that they measure.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "actors/messages.hpp"
+#include "actors/timer.hpp"
+#include "config/ecology.hpp"
+#include "flow/program.hpp"
+#include "radio/frame.hpp"
+
+namespace rubicon {
+
+/// Whether a frame is for this mote; a promiscuous radio hands over others too (RTG-06).
+[[nodiscard]] inline bool is_for(const radio::frame& x, const mote_address& mote) {
+  return x.pan == mote.island.value &&
+         (x.destination == mote.mote || x.destination == broadcast_mote);
+}
+
+class flow_host {
+public:
+  static constexpr std::uint8_t timer_number = 1;
+
+  template <class Self>
+  void start(Self self, const std::vector<config::mote_app>& apps, mote_address address,
+             radio::radio_index radio, air_actor air, random_stream dice) {
+    radio_ = radio;
+    air_ = std::move(air);
+    program_ = flow::program(config_of(apps), address, dice);
+    perform(self, program_.start(now(self)));
+  }
+
+  /// @returns whether the frame was the flows'
+  template <class Self>
+  bool take(Self self, const radio::frame& x) {
+    if (x.am_type != flow::am_type)
+      return false;
+    perform(self, program_.on_packet(x.source, x.payload, now(self)));
+    return true;
+  }
+
+  /// Of any request of the radio's owner.
+  template <class Self>
+  void on_done(Self self, const radio_done& x) {
+    if (x.token == 0)
+      return; // a request of the stack; counted by the air
+    const bool sent = x.status == radio::send_status::sent;
+    const auto cause = sent ? radio::to_string(x.last) : radio::to_string(x.status);
+    perform(
+        self,
+        program_.on_done(
+            x.token - 1,
+            {.sent = sent, .arrived = x.arrived, .cause = cause, .transmissions = x.transmissions},
+            now(self)));
+  }
+
+  template <class Self>
+  void on_timer(Self self, const timer_expired& x) {
+    if (wake_.accepts(x))
+      perform(self, program_.on_time(now(self)));
+  }
+
+  /// The power is lost for good.
+  template <class Self>
+  void stop(Self self) {
+    program_.stop(now(self));
+    wake_.stop();
+  }
+
+  template <class Self>
+  void report(Self self, const ecology_actor& ecology) const {
+    if (auto parts = program_.parts(now(self)); !parts.empty())
+      self->send(ecology, flow_status{std::move(parts)});
+  }
+
+private:
+  static flow::program_config config_of(const std::vector<config::mote_app>& apps) {
+    flow::program_config all;
+    for (const auto& app : apps) {
+      if (const auto* sender = std::get_if<flow::sender_config>(&app))
+        all.senders.push_back(*sender);
+      else if (const auto* relay = std::get_if<flow::relay_config>(&app))
+        all.relay = *relay;
+      else if (std::holds_alternative<flow::receiver_config>(app))
+        all.receives = true;
+    }
+    return all;
+  }
+
+  /// Requests of flows have tokens from 1; those of the stack have 0.
+  template <class Self>
+  void perform(Self self, flow::outputs todo) {
+    for (auto& x : todo)
+      self->send(air_, radio_send{radio_, x.token + 1, x.next_hop, flow::am_type,
+                                  payload(std::move(x.payload)), x.ack});
+    wake_.follow(self, program_.deadline());
+  }
+
+  flow::program program_;
+  timer wake_{timer_number};
+  radio::radio_index radio_;
+  air_actor air_;
+};
+
+} // namespace rubicon

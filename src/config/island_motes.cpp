@@ -1,0 +1,345 @@
+#include "config/island_motes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "config/layouts.hpp"
+#include "core/math.hpp"
+#include "radio/tossim_files.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+constexpr std::size_t prefix_length_max = 26; // with a dash and five digits it is still a name
+
+/// The `type` of a mote: a number, or the name of a mote type.
+struct mote_kind {
+  struct type {
+    std::uint32_t number = 0;
+    std::string name;
+  };
+  const directory& names;
+
+  [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const {
+    const auto* name = x.as<std::string>();
+    if (name == nullptr) {
+      const auto number = whole<std::uint32_t>{1}.read(x, who);
+      return number ? std::optional(type{*number, {}}) : std::nullopt;
+    }
+    if (names.mote_types.contains(*name))
+      return type{0, *name};
+    who.complain(x, "no mote type is called `" + *name + '`' +
+                        suggestion(*name, {names.mote_types.begin(), names.mote_types.end()}));
+    return std::nullopt;
+  }
+};
+
+/// How the names of a group's motes begin.
+struct prefix_text {
+  using type = std::string;
+
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
+    const auto* found = x.as<std::string>();
+    if (found == nullptr || !is_name(*found) || found->size() > prefix_length_max)
+      return who.refuse(x, "1 to 26 letters, digits, - and _");
+    return *found;
+  }
+};
+
+std::string metres_text(double x) {
+  return shown(std::ceil(x * 100) / 100) + " m"; // upwards: 30.001 m is more than 30 m
+}
+
+bool is_sink_name(std::string_view x) {
+  return edit_distance(x, sink_name) == 0; // whatever the letter case
+}
+
+bool has_floor(const radio::gain_table& table, std::uint16_t node) {
+  const auto found = std::lower_bound(table.floors.begin(), table.floors.end(), node,
+                                      [](const auto& x, auto n) { return x.node < n; });
+  return found != table.floors.end() && found->node == node;
+}
+
+void copy_profile(const mote_profile& from, mote_description& to) {
+  to.type = from.type;
+  to.platform = from.platform;
+  to.transmit_dbm = from.transmit_dbm;
+  to.battery_mah = from.battery_mah;
+  to.transducers = from.transducers;
+  to.actuators = from.actuators;
+  for (const auto& each : from.apps)
+    to.apps.push_back(each.app);
+}
+
+} // namespace
+
+island_motes::island_motes(surroundings& with, island_description& island, bool sink_is_good)
+    : with_(with), island_(island), highest_(island.sink.id.value) {
+  const auto* disk = std::get_if<radio::unit_disk>(&with.radio.propagation);
+  const bool known = with.radio_is_known;
+  if (known && disk != nullptr && sink_is_good && !is_mac())
+    range_m_ = disk->range_m;
+  positions_matter_ = known && !std::holds_alternative<radio::gain_matrix>(with.radio.propagation);
+}
+
+void island_motes::add_sink(table_reader& island, std::vector<placed_app> apps, mark at) {
+  static_cast<void>(check_node(island_.sink.id, "sink", at, island.problems()));
+  settle_flows(apps, island_.id, island_.sink.id, island.problems());
+  note_flows(island_.sink.id, apps, island.problems());
+  for (auto& each : apps)
+    island_.sink.apps.push_back(std::move(each.app));
+}
+
+/// What a mote and a group have in common; starts from what the mote's type says.
+mote_profile island_motes::read_profile_of(table_reader& in, std::string& type_name) {
+  mote_kind::type kind;
+  if (is_mac())
+    in.optional("type", mote_kind{with_.names}, kind);
+  else
+    in.required("type", mote_kind{with_.names}, kind);
+  mote_profile profile;
+  profile.platform = radio::find_platform("micaz");
+  profile.type = kind.number;
+  if (const auto found = with_.types.find(kind.name); found != with_.types.end()) {
+    profile = found->second;
+    with_.types_used.insert(kind.name);
+  }
+  read_profile(in, with_.names, profile);
+  check_profile(profile, with_.shared);
+  settle_flows(profile.apps, island_.id, island_.sink.id, in.problems());
+  if (is_mac())
+    check_mac_profile(in, profile);
+  type_name = std::move(kind.name);
+  return profile;
+}
+
+void island_motes::check_mac_profile(const table_reader& in, const mote_profile& profile) const {
+  const auto refuse = [&](std::string_view key, const char* what) {
+    in.problems().add(in.has(key) ? in.at(key) : in.at("type"),
+                      std::string("a mote of an island with stack = \"mac\" has no ") + what);
+  };
+  if (!profile.transducers.empty())
+    refuse("transducers", "transducers");
+  if (!profile.actuators.empty())
+    refuse("actuators", "actuators");
+  if (!std::all_of(profile.apps.begin(), profile.apps.end(),
+                   [](const auto& x) { return is_flow_app(x.app); }))
+    refuse("apps", "other apps than sender, relay and receiver");
+}
+
+void island_motes::read_mote(table_reader& in) {
+  mote_description out;
+  const bool has_id = in.required("id", whole<std::uint16_t>{1, mote_id_max}, out.id);
+  const auto profile = read_profile_of(in, out.type_name);
+  out.name = default_mote_name(out.type_name, out.id);
+  if (in.optional("name", name_text{}, out.name) && is_sink_name(out.name))
+    in.problems().add(in.at("name"), "`" + out.name + "` stands for the sink of an island");
+  const bool may_lack_place = !positions_matter_ || in.has("path");
+  const bool has_place = may_lack_place ? in.optional("position_m", place{}, out.place)
+                                        : in.required("position_m", place{}, out.place);
+  read_path(in, has_place, out);
+  copy_profile(profile, out);
+  if (has_id) {
+    const bool id_is_free = claim_id(out.id, in.at("id"), in.problems());
+    if (id_is_free || in.has("name")) // a default name is taken together with its id
+      names_.claim(out.name, "mote name", in.at("name"), in.problems());
+    static_cast<void>(check_node(out.id, out.name, in.at("id"), in.problems()));
+  }
+  if (has_place)
+    static_cast<void>(check_range(out, in.at("position_m"), in.problems()));
+  note_flows(out.id, profile.apps, in.problems());
+  island_.motes.push_back(std::move(out));
+}
+
+/// A path begins at 0 s, with its first point or with `position_m`.
+void island_motes::read_path(table_reader& in, bool has_place, mote_description& out) const {
+  way::type points;
+  const bool moves = in.optional("path", way{}, points);
+  in.optional("step", time_span{10ms, 1h}, out.step);
+  if (in.has("step") && !in.has("path"))
+    in.problems().add(in.at("step"), "`step` means nothing without a `path`");
+  if (!moves)
+    return;
+  if (with_.radio_is_known && !positions_matter_)
+    in.problems().add(in.at("path"), "`path` decides nothing with model = \"gains\"");
+  if (has_place && points.front().first == 0s)
+    in.problems().add(in.at("path"),
+                      "`path` begins at 0 s, for which there is `position_m` already");
+  if (!in.has("position_m") && points.front().first > 0s)
+    in.problems().add(in.at("path"),
+                      "`path` must begin at \"0s\", or there must be a `position_m`");
+  if (has_place)
+    out.path.push_back({0s, out.place});
+  else
+    out.place = points.front().second;
+  for (const auto& [at, where] : points)
+    out.path.push_back({at, where});
+}
+
+void island_motes::read_group(table_reader& in) {
+  std::uint32_t count = 0;
+  auto first = highest_ + 1;
+  std::string prefix;
+  in.required("count", whole<std::uint32_t>{1, mote_id_max}, count);
+  in.optional("first", whole<std::uint32_t>{1, mote_id_max}, first);
+  const bool has_prefix = in.optional("prefix", prefix_text{}, prefix);
+  if (first + count - 1 > mote_id_max) {
+    in.problems().add(in.at("count"), "mote ids from " + std::to_string(first) + " to " +
+                                          std::to_string(first + count - 1) + " are more than " +
+                                          std::to_string(mote_id_max));
+    count = 0;
+  } else if (count > group_motes_max - with_.group_motes) {
+    in.problems().add(in.at("count"), "the groups of a file must not have more than " +
+                                          std::to_string(group_motes_max) + " motes together");
+    count = 0;
+  }
+  with_.group_motes += count;
+  mote_description like;
+  const auto profile = read_profile_of(in, like.type_name);
+  copy_profile(profile, like);
+  if (!has_prefix) {
+    prefix = default_mote_name(like.type_name, mote_id{});
+    prefix.resize(prefix.rfind('-'));
+    if (prefix.size() > prefix_length_max) {
+      in.problems().add(in.at("type"), "names that begin with the mote type would be longer than "
+                                       "32 characters: give a `prefix`");
+      count = 0;
+    }
+  }
+  const auto begin = island_.motes.size();
+  add_group(in, first, count, like, prefix);
+  for (auto i = begin; i < island_.motes.size(); ++i)
+    note_flows(island_.motes[i].id, profile.apps, in.problems());
+}
+
+void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_t count,
+                             const mote_description& like, const std::string& prefix) {
+  std::vector<position> places;
+  const layout_dice dice{with_.seed, island_.name + "/layout/" + std::to_string(first)};
+  if (positions_matter_ || in.has("layout") || in.walks())
+    places = read_layout(in, count, dice);
+  bool ids_are_free = true;
+  bool in_range = true;
+  bool has_node = true;
+  for (std::uint32_t i = 0; i < count && ids_are_free; ++i) {
+    auto mote = like;
+    mote.id = mote_id(static_cast<std::uint16_t>(first + i));
+    mote.name = default_mote_name(prefix, mote.id);
+    if (i < places.size())
+      mote.place = places[i];
+    // The first mistake of each kind will do.
+    const auto id_at = in.at(in.has("first") ? "first" : "count");
+    ids_are_free = claim_id(mote.id, id_at, in.problems()) &&
+                   names_.claim(mote.name, "mote name",
+                                in.at(in.has("prefix") ? "prefix" : "count"), in.problems());
+    has_node = has_node && check_node(mote.id, mote.name, id_at, in.problems());
+    if (i < places.size())
+      in_range = in_range && check_range(mote, in.at("layout"), in.problems());
+    island_.motes.push_back(std::move(mote));
+  }
+}
+
+bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
+  highest_ = std::max<std::uint32_t>(highest_, id.value);
+  if (id == island_.sink.id)
+    problems.add(at, "mote id " + to_string(id) + " is the sink's");
+  return ids_.claim(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id;
+}
+
+/// An island is a star: its sink must hear every mote, and be heard.
+bool island_motes::check_range(const mote_description& x, mark at, complaints& problems) const {
+  const auto& sink = island_.sink.place;
+  const auto distance =
+      math::length(x.place.x_m - sink.x_m, x.place.y_m - sink.y_m, x.place.z_m - sink.z_m);
+  if (distance <= range_m_)
+    return true;
+  problems.add(at, "mote `" + x.name + "` is " + metres_text(distance) +
+                       " from its sink, but a radio reaches only " + metres_text(range_m_));
+  return false;
+}
+
+bool island_motes::check_node(mote_id id, const std::string& name, mark at,
+                              complaints& problems) const {
+  const auto* gains = std::get_if<radio::gain_matrix>(&with_.radio.propagation);
+  if (!with_.radio_is_known || gains == nullptr || gains->table == nullptr)
+    return true;
+  const auto who = "mote `" + name + "` with the id " + to_string(id);
+  if (id.value < gains->first_mote) {
+    problems.add(at, who + " is before `first_mote` of the topology, which is " +
+                         std::to_string(gains->first_mote));
+    return false;
+  }
+  const auto node = static_cast<std::uint16_t>(id.value - gains->first_mote);
+  if (!with_.nodes[node]) {
+    problems.add(at, who + " is node " + std::to_string(node) +
+                         " of the topology, which has no gain to or from it");
+    return false;
+  }
+  if (std::holds_alternative<radio::table_noise>(with_.radio.noise) &&
+      !has_floor(*gains->table, node)) {
+    problems.add(at, who + " is node " + std::to_string(node) +
+                         " of the topology, which has no noise for it");
+    return false;
+  }
+  return true;
+}
+
+void island_motes::note_flows(mote_id from, const std::vector<placed_app>& apps,
+                              complaints& problems) {
+  for (const auto& each : apps) {
+    const auto refuse_self = [&](std::size_t end, mote_id x) {
+      if (x == from && from != mote_id{})
+        problems.add(each.ends[end].at, "a mote cannot send to itself");
+    };
+    if (const auto* sender = std::get_if<flow::sender_config>(&each.app)) {
+      refuse_self(0, sender->to);
+      if (sender->via)
+        refuse_self(1, *sender->via);
+      flows_.emplace(placed_flow{sender->to, sender->via, each.ends[0].at, each.ends[1].at}, from);
+    } else if (const auto* relay = std::get_if<flow::relay_config>(&each.app)) {
+      refuse_self(0, relay->next);
+      relays_.emplace(from, relay->next);
+    } else if (std::holds_alternative<flow::receiver_config>(each.app)) {
+      receivers_.insert(from);
+    }
+  }
+}
+
+std::string island_motes::name_of(mote_id id) const {
+  if (id == island_.sink.id)
+    return std::string(sink_name);
+  const auto found = std::find_if(island_.motes.begin(), island_.motes.end(),
+                                  [id](const auto& x) { return x.id == id; });
+  return found == island_.motes.end() ? to_string(id) : found->name;
+}
+
+void island_motes::finish(complaints& problems) {
+  constexpr unsigned hops_max = 1024;
+  std::sort(island_.motes.begin(), island_.motes.end(),
+            [](const auto& a, const auto& b) { return a.id < b.id; });
+  for (const auto& [flow, from] : flows_) {
+    if (flow.to != broadcast_mote && !receivers_.contains(flow.to))
+      problems.add(flow.to_at, "mote `" + name_of(flow.to) + "` has no app = \"receiver\"");
+    if (!flow.via)
+      continue;
+    auto at = *flow.via;
+    for (unsigned hops = 0; at != flow.to; ++hops) {
+      const auto next = relays_.find(at);
+      if (next == relays_.end()) {
+        problems.add(flow.via_at, "mote `" + name_of(at) + "` on the way to `" + name_of(flow.to) +
+                                      "` has no app = \"relay\"");
+        break;
+      }
+      if (hops == hops_max) {
+        problems.add(flow.via_at, "by way of `" + name_of(*flow.via) + "` packets do not reach `" +
+                                      name_of(flow.to) + "` within 1024 hops");
+        break;
+      }
+      at = next->second;
+    }
+  }
+}
+
+} // namespace rubicon::config

@@ -1,0 +1,68 @@
+// The motes of one island, one by one and in groups.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "config/file_readers.hpp"
+
+namespace rubicon::config {
+
+/// Reads the motes of an island and checks them against each other, the sink and the radio.
+class island_motes {
+public:
+  /// @param sink_is_good no mistake in [island.sink]: motes may be measured against it
+  island_motes(surroundings& with, island_description& island, bool sink_is_good);
+
+  /// The sink's programs, and its place in the medium; before any mote.
+  void add_sink(table_reader& island, std::vector<placed_app> apps, mark at);
+
+  void read_mote(table_reader& in);  ///< [[island.mote]]
+  void read_group(table_reader& in); ///< [[island.group]], after all single motes
+
+  /// Puts the motes in order and checks that flows have both ends.
+  void finish(complaints& problems);
+
+private:
+  /// A sender, and where the file says where to.
+  struct placed_flow {
+    mote_id to;
+    std::optional<mote_id> via;
+    mark to_at;
+    mark via_at;
+
+    friend auto operator<=>(const placed_flow&, const placed_flow&) = default;
+  };
+
+  [[nodiscard]] bool is_mac() const { return island_.stack == stack::mac; }
+  mote_profile read_profile_of(table_reader& in, std::string& type_name);
+  void check_mac_profile(const table_reader& in, const mote_profile& profile) const;
+  void read_path(table_reader& in, bool has_place, mote_description& out) const;
+  void read_layout_of(table_reader& in, std::uint32_t first, std::vector<mote_description>& motes);
+  void add_group(table_reader& in, std::uint32_t first, std::uint32_t count,
+                 const mote_description& like, const std::string& prefix);
+  [[nodiscard]] bool claim_id(mote_id id, mark at, complaints& problems);
+  [[nodiscard]] bool check_range(const mote_description& x, mark at, complaints& problems) const;
+  [[nodiscard]] bool check_node(mote_id id, const std::string& name, mark at,
+                                complaints& problems) const;
+  void note_flows(mote_id from, const std::vector<placed_app>& apps, complaints& problems);
+  [[nodiscard]] std::string name_of(mote_id id) const;
+
+  surroundings& with_;
+  island_description& island_;
+  claims<std::uint16_t> ids_;
+  name_claims names_;
+  double range_m_ = std::numeric_limits<double>::infinity(); ///< from the sink
+  bool positions_matter_ = true;
+  std::uint32_t highest_ = 0;            ///< id so far
+  std::map<placed_flow, mote_id> flows_; ///< and the first mote that sends so
+  std::map<mote_id, mote_id> relays_;    ///< and where each passes on to
+  std::set<mote_id> receivers_;
+};
+
+} // namespace rubicon::config

@@ -1,0 +1,24 @@
+// What the sections of the report for a person share.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "runtime/report.hpp"
+#include "runtime/report_page.hpp"
+
+namespace rubicon::runtime {
+
+inline constexpr std::size_t rows_max = 20; ///< of islands, flows, peers, proxies and actuations
+
+/// `loss 12, collision 3`, the most frequent first; causes that never happened are left out.
+[[nodiscard]] std::string causes(const cause_counts& x);
+
+/// The share in percent; `–` of nothing.
+[[nodiscard]] std::string share_of(std::uint64_t part, std::uint64_t whole);
+
+/// Packets of the measuring apps; nothing without any.
+void add_flows(report_page& page, const report& x);
+
+} // namespace rubicon::runtime
