@@ -27,6 +27,6 @@ struct air_state {
 /// @param observe may be empty
 air_actor::behavior_type air(scheduler::traced_pointer<air_state, air_actor> self,
                              radio::channel channel, std::vector<mote_address> addresses,
-                             ecology_actor ecology, frame_observer observe = {});
+                             ecology_actor ecology, frame_observer observe);
 
 } // namespace rubicon

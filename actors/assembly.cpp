@@ -120,7 +120,8 @@ void spawn_measuring_sink(ecology_pointer self, const config::island_description
   x.radio = radio;
   x.air = air;
   x.ecology = handle_of(self);
-  spawn_child(self, "mote/" + x.name, mote_behavior, std::move(x));
+  const auto path = "mote/" + x.name;
+  spawn_child(self, path, mote_behavior, std::make_shared<const mote_arguments>(std::move(x)), 0U);
 }
 
 radio::radio_config radio_of(const config::island_description& island) {
@@ -146,6 +147,16 @@ radio::radio_config radio_of(island_id island, const config::mote_description& m
   return x;
 }
 
+std::size_t radios_of(const config::ecology_description& description,
+                      const config::air_description& air) {
+  std::size_t count = 0;
+  for (const auto id : air.islands)
+    count +=
+        1 +
+        std::ranges::find(description.islands, id, &config::island_description::id)->motes.size();
+  return count;
+}
+
 /// The air of one place, and the bridges and motes of its islands.
 void spawn_place(ecology_pointer self, const config::air_description& air) {
   auto& state = self->state;
@@ -154,6 +165,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
   radio::channel channel(description.radio, random_stream(description.seed, path));
   std::vector<mote_address> addresses;
   std::vector<const config::island_description*> islands;
+  channel.reserve(radios_of(description, air));
   for (const auto id : air.islands) {
     const auto& island =
         *std::ranges::find(description.islands, id, &config::island_description::id);
@@ -176,7 +188,8 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
     ++radio.value;
     for (const auto& mote : island->motes) {
       auto& entry = state.motes[{island->id, mote.id}];
-      entry.arguments = arguments_of(self, *island, mote, radio, medium);
+      entry.arguments =
+          std::make_shared<const mote_arguments>(arguments_of(self, *island, mote, radio, medium));
       entry.type = type_name(mote);
       spawn_mote(self, entry);
       ++radio.value;
@@ -272,10 +285,11 @@ struct peer_app_spawner {
 
 void spawn_mote(ecology_pointer self, supervised_mote& mote) {
   auto& actors = self->state.report.actors;
-  ++(mote.arguments.incarnation == 0 ? actors.spawned : actors.restarted);
+  ++(mote.incarnation == 0 ? actors.spawned : actors.restarted);
   mote.changed = now(self);
-  mote.handle = scheduler::spawn_at<caf::monitored>(self, "mote/" + mote.arguments.name,
-                                                    mote_behavior, mote.arguments);
+  mote.handle =
+      scheduler::spawn_at<caf::monitored>(self, "mote/" + mote.arguments->name, mote_behavior,
+                                          mote.arguments, std::uint32_t{mote.incarnation});
 }
 
 void assemble(ecology_pointer self) {

@@ -16,7 +16,7 @@ constexpr duration reboot_time = 500ms;
 /// How long a change may take to reach the gateway's list: the mote's keep-alive window and time to
 /// repair a lost event. Within it, at the end of a run, list and truth may differ.
 duration settling_time(const supervised_mote& mote) {
-  return 4 * mote.arguments.node.keep_alive + 30s;
+  return 4 * mote.arguments->node.keep_alive + 30s;
 }
 
 void tell_story(ecology_pointer self, const std::string& who, std::string what) {
@@ -46,14 +46,14 @@ void record_failure(ecology_pointer self, const std::string& path, const caf::er
 }
 
 void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error& reason) {
-  const auto path = "mote/" + mote.arguments.name;
+  const auto path = "mote/" + mote.arguments->name;
   record_failure(self, path, reason);
   tell_story(self, path, "crashed: " + text_of(reason));
   mote.handle = nullptr;
   mote.changed = now(self);
-  self->send(mote.arguments.air, radio_power{mote.arguments.radio, radio::power::off});
-  ++mote.arguments.incarnation;
-  self->delayed_send(self, reboot_time, restart_mote{mote.arguments.address});
+  self->send(mote.arguments->air, radio_power{mote.arguments->radio, radio::power::off});
+  ++mote.incarnation;
+  self->delayed_send(self, reboot_time, restart_mote{mote.arguments->address});
 }
 
 void on_down(ecology_pointer self, const caf::down_msg& x) {
@@ -83,13 +83,13 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
   mote.changed = now(self);
   if (!x.listed) {
     mote.left_cause = mote.flat ? "battery" : network::to_string(x.cause);
-    tell_story(self, "mote/" + mote.arguments.name, "left: " + mote.left_cause);
+    tell_story(self, "mote/" + mote.arguments->name, "left: " + mote.left_cause);
     return;
   }
   const bool again = mote.joined;
   mote.joined = true;
   mote.left_cause.clear();
-  tell_story(self, "mote/" + mote.arguments.name,
+  tell_story(self, "mote/" + mote.arguments->name,
              again ? "joined again, life " + std::to_string(x.incarnation + 1) : "joined");
 }
 
@@ -108,13 +108,13 @@ struct fault_applier {
       return;
     }
     on_flat(self, mote); // while it was out of order: it will not start again
-    self->send(mote.arguments.air, radio_power{mote.arguments.radio, radio::power::flat});
-    tell_story(self, "mote/" + mote.arguments.name, "battery flat");
+    self->send(mote.arguments->air, radio_power{mote.arguments->radio, radio::power::flat});
+    tell_story(self, "mote/" + mote.arguments->name, "battery flat");
   }
 
   void operator()(const config::crash_fault& x) const {
     const auto& mote = self->state.motes.at(x.mote);
-    self->state.crashes_requested.push_back("mote/" + mote.arguments.name);
+    self->state.crashes_requested.push_back("mote/" + mote.arguments->name);
     if (mote.handle)
       self->send(mote.handle, crash_now{});
   }
@@ -154,12 +154,12 @@ void begin_collecting(ecology_pointer self) {
   for (const auto& [address, mote] : state.motes) {
     runtime::mote_report x;
     x.address = address;
-    x.name = mote.arguments.name.substr(mote.arguments.name.find('/') + 1);
+    x.name = mote.arguments->name.substr(mote.arguments->name.find('/') + 1);
     x.type = mote.type;
-    x.joins = mote.arguments.stack == config::stack::full;
+    x.joins = mote.arguments->stack == config::stack::full;
     x.joined = mote.joined;
     x.alive = !mote.flat && mote.handle != nullptr;
-    x.incarnations = mote.arguments.incarnation + (mote.handle ? 1 : 0);
+    x.incarnations = mote.incarnation + (mote.handle ? 1 : 0);
     x.left_cause = mote.left_cause;
     island_of(self, address.island).motes.push_back(std::move(x));
     if (mote.handle)
@@ -192,7 +192,7 @@ runtime::run_truth truth_of(ecology_pointer self) {
   truth.crashes_requested = state.crashes_requested;
   std::map<island_id, runtime::device_list> lists;
   for (const auto& [address, mote] : state.motes) {
-    if (mote.arguments.stack != config::stack::full)
+    if (mote.arguments->stack != config::stack::full)
       continue; // no gateway lists it
     auto& list = lists[address.island];
     list.island = address.island;
@@ -218,7 +218,7 @@ std::string mote_name(ecology_pointer self, const mote_address& x) {
   if (x.mote == broadcast_mote)
     return island + "/*";
   const auto found = self->state.motes.find(x);
-  return found == self->state.motes.end() ? island + "/sink" : found->second.arguments.name;
+  return found == self->state.motes.end() ? island + "/sink" : found->second.arguments->name;
 }
 
 runtime::flow_report report_of(ecology_pointer self, const flow::part& x) {

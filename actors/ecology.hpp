@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,7 +22,8 @@ using report_receiver = std::function<void(runtime::report)>;
 
 /// A mote as its supervisor knows it.
 struct supervised_mote {
-  mote_arguments arguments;
+  std::shared_ptr<const mote_arguments> arguments;
+  std::uint32_t incarnation = 0; ///< how often it was started before
   mote_actor handle;
   std::string type;
   bool joined = false; ///< ever
@@ -51,6 +53,6 @@ struct ecology_state {
 /// @param observe_frames told of every frame on the air; may be empty
 root_actor::behavior_type ecology(scheduler::traced_pointer<ecology_state, root_actor> self,
                                   config::ecology_description description,
-                                  report_receiver on_report, frame_observer observe_frames = {});
+                                  report_receiver on_report, frame_observer observe_frames);
 
 } // namespace rubicon

@@ -21,8 +21,8 @@ struct performer {
 
   void operator()(network::transmit& x) const {
     const bool unicast = x.next_hop != broadcast_mote;
-    self->send(self->state.arguments.air,
-               radio_send{self->state.arguments.radio, 0, x.next_hop, x.am_type,
+    self->send(self->state.arguments->air,
+               radio_send{self->state.arguments->radio, 0, x.next_hop, x.am_type,
                           payload(std::move(x.payload)), unicast});
   }
 
@@ -58,7 +58,7 @@ void perform(mote_pointer self, mote::node_outputs todo) {
 
 void on_frame(mote_pointer self, byte_view psdu) {
   const auto frame = radio::decode(psdu);
-  if (!frame || !is_for(*frame, self->state.arguments.address) ||
+  if (!frame || !is_for(*frame, self->state.arguments->address) ||
       self->state.flows.take(self, *frame))
     return;
   if (const auto& node = self->state.node)
@@ -69,7 +69,7 @@ void go(mote_pointer self) {
   auto& state = self->state;
   if (state.walk.empty())
     return;
-  self->send(state.arguments.air, move_radio{state.arguments.radio, state.walk.at(now(self))});
+  self->send(state.arguments->air, move_radio{state.arguments->radio, state.walk.at(now(self))});
   state.walk_wake.follow(self, state.walk.next(now(self)));
 }
 
@@ -113,7 +113,7 @@ void on_set(mote_pointer self, const set_actuator& x) {
   const bool obeyed = self->state.node->actuate(x.name, x.state);
   const auto state = self->state.node->actuator_state(x.name).value_or(0);
   if (obeyed)
-    self->send(self->state.arguments.ecology,
+    self->send(self->state.arguments->ecology,
                story{self->path(), x.name + (state == 0   ? " off"
                                              : state == 1 ? " on"
                                                           : " at " + std::to_string(state))});
@@ -128,15 +128,15 @@ void die(mote_pointer self) {
   for (const auto& app : self->state.apps)
     self->send(app, membership_changed{});
   log(self, spdlog::level::info, "event=battery_flat");
-  self->send(self->state.arguments.ecology, story{self->path(), "battery flat"});
-  self->send(self->state.arguments.ecology, mote_flat{self->state.arguments.address});
+  self->send(self->state.arguments->ecology, story{self->path(), "battery flat"});
+  self->send(self->state.arguments->ecology, mote_flat{self->state.arguments->address});
   self->state.flows.stop(self);
 }
 
 /// @param open reliable sends still waiting for their outcome
 void report_messages(mote_pointer self, const transport::endpoint_counters& counted,
                      std::size_t open) {
-  const auto& arguments = self->state.arguments;
+  const auto& arguments = *self->state.arguments;
   self->send(arguments.ecology, message_status{arguments.address.island, report_of(counted, open)});
 }
 
@@ -145,7 +145,7 @@ void report_messages(mote_pointer self, const transport::endpoint_counters& coun
 void report_failures(mote_pointer self) {
   self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
     self->state.flows.stop(self);
-    self->state.flows.report(self, self->state.arguments.ecology);
+    self->state.flows.report(self, self->state.arguments->ecology);
     if (const auto& node = self->state.node) {
       auto counted = node->messages();
       counted.reliable_failed += node->outstanding();
@@ -157,14 +157,14 @@ void report_failures(mote_pointer self) {
 
 void start(mote_pointer self) {
   auto& state = self->state;
-  const auto& arguments = state.arguments;
-  const auto life = "mote/" + arguments.name + '#' + std::to_string(arguments.incarnation);
+  const auto& arguments = *state.arguments;
+  const auto life = "mote/" + arguments.name + '#' + std::to_string(state.incarnation);
   self->send(arguments.air,
              attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
   state.walk = mote::walk(arguments.path, arguments.step);
   go(self);
   if (arguments.stack == config::stack::full)
-    state.node = std::make_unique<mote::node>(arguments.node, arguments.incarnation,
+    state.node = std::make_unique<mote::node>(arguments.node, state.incarnation,
                                               random_stream(arguments.seed, life));
   state.apps = spawn_mote_apps(self);
   if (state.node)
@@ -175,9 +175,12 @@ void start(mote_pointer self) {
 
 } // namespace
 
-mote_actor::behavior_type mote_behavior(mote_pointer self, mote_arguments arguments) {
+mote_actor::behavior_type mote_behavior(mote_pointer self,
+                                        std::shared_ptr<const mote_arguments> arguments,
+                                        std::uint32_t incarnation) {
   report_failures(self);
   self->state.arguments = std::move(arguments);
+  self->state.incarnation = incarnation;
   start(self);
   return {
       [self](const frame_received& x) {
@@ -201,20 +204,20 @@ mote_actor::behavior_type mote_behavior(mote_pointer self, mote_arguments argume
       },
       [self](const move_mote& x) {
         self->state.walk_wake.stop();
-        self->send(self->state.arguments.air, move_radio{self->state.arguments.radio, x.place});
+        self->send(self->state.arguments->air, move_radio{self->state.arguments->radio, x.place});
       },
       [self](crash_now) {
         if (!self->state.flat)
           throw std::runtime_error("crash from the fault plan");
       },
       [self](end_battery) {
-        self->send(self->state.arguments.air,
-                   radio_power{self->state.arguments.radio, radio::power::flat});
+        self->send(self->state.arguments->air,
+                   radio_power{self->state.arguments->radio, radio::power::flat});
         die(self);
       },
       [self](const timer_expired& x) { on_timer(self, x); },
       [self](status_request) {
-        self->state.flows.report(self, self->state.arguments.ecology);
+        self->state.flows.report(self, self->state.arguments->ecology);
         if (const auto& node = self->state.node)
           report_messages(self, node->messages(), node->outstanding());
       },

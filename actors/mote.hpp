@@ -15,7 +15,7 @@
 
 namespace rubicon {
 
-/// What a mote actor is made of.
+/// What a mote actor is made of, the same in all its lives.
 struct mote_arguments {
   mote_address address;
   std::string name; ///< `kitchen/climate-7`
@@ -24,7 +24,6 @@ struct mote_arguments {
   std::vector<config::mote_app> apps;
   std::vector<mote::way_point> path; ///< empty: it does not move
   duration step = 1s;                ///< of its moves
-  std::uint32_t incarnation = 0;     ///< how often it was started before
   std::uint64_t seed = 0;            ///< of the ecology
   radio::radio_index radio;
   air_actor air;
@@ -40,7 +39,8 @@ struct mote_state {
 
   static constexpr std::uint8_t walk_timer = 2;
 
-  mote_arguments arguments;
+  std::shared_ptr<const mote_arguments> arguments;
+  std::uint32_t incarnation = 0;    ///< how often it was started before
   std::unique_ptr<mote::node> node; ///< full stack only
   flow_host flows;
   mote::walk walk;
@@ -56,7 +56,10 @@ struct mote_state {
 
 /// Spawns the mote's apps and, with the full stack, lets it join its island. Apps end with it. An
 /// exception in a handler ends the mote; its supervisor starts it again (ACT-03).
+/// @param arguments not nullptr
+/// @param incarnation how often it was started before
 mote_actor::behavior_type mote_behavior(scheduler::traced_pointer<mote_state, mote_actor> self,
-                                        mote_arguments arguments);
+                                        std::shared_ptr<const mote_arguments> arguments,
+                                        std::uint32_t incarnation);
 
 } // namespace rubicon

@@ -72,10 +72,11 @@ runtime::report run_ecology(const config::ecology_description& file, const run_o
 
   runtime::report report;
   const auto started = steady::now();
-  const auto root = world.spawn(
-      "ecology/" + description.name, ecology, description,
-      [&report](runtime::report x) { report = std::move(x); }, observe);
   const auto end = instant(description.length);
+  const auto path = "ecology/" + description.name;
+  const auto root = world.spawn(
+      path, ecology, std::move(description),
+      [&report](runtime::report x) { report = std::move(x); }, observe);
   const auto cause = run_with_progress(world, end, options, speed);
 
   caf::anon_send(root, collect_report{});

@@ -188,7 +188,7 @@ struct spawner {
 
   mote_app_actor operator()(const config::sampler_app& x) const {
     return scheduler::spawn_at<caf::linked>(mote, path + "/sampler-" + std::to_string(x.channel),
-                                            sampler, x, handle(), mote->state.arguments.seed);
+                                            sampler, x, handle(), mote->state.arguments->seed);
   }
 
   mote_app_actor operator()(const config::actuator_app& x) const {
@@ -204,7 +204,7 @@ struct spawner {
 
   mote_app_actor operator()(const config::listener_app& x) const {
     return scheduler::spawn_at<caf::linked>(mote, path + "/listener-" + std::to_string(x.am_type),
-                                            listener, x, handle(), mote->state.arguments.ecology);
+                                            listener, x, handle(), mote->state.arguments->ecology);
   }
 
   // Flows run in the mote itself: there is no layer between them and the radio.
@@ -220,7 +220,7 @@ struct spawner {
 std::vector<mote_app_actor>
 spawn_mote_apps(scheduler::traced_pointer<mote_state, mote_actor> mote) {
   std::vector<mote_app_actor> apps;
-  const auto& arguments = mote->state.arguments;
+  const auto& arguments = *mote->state.arguments;
   for (const auto& app : arguments.apps)
     if (auto actor = std::visit(spawner{mote, "mote_app/" + arguments.name}, app))
       apps.push_back(std::move(actor));

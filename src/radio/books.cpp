@@ -45,9 +45,11 @@ copy_book& copy_book::operator+=(const copy_book& x) {
 
 copy_book link_books::link(std::size_t place) const {
   copy_book x;
+  if (rows_ == nullptr)
+    return x;
   x.sent = frames_;
   for (std::size_t i = 0; i < copy_fates; ++i)
-    x.ended[i] = rows_[i].empty() ? 0 : rows_[i][place];
+    x.ended[i] = (*rows_)[i].empty() ? 0 : (*rows_)[i][place];
   return x;
 }
 

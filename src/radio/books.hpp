@@ -50,13 +50,12 @@ struct copy_book {
 /// so that each link is checked against something. Takes room only for fates that have occurred.
 class link_books {
 public:
-  /// A frame to these radios has ended. @pre `to` is not nullptr
-  /// @returns the links whose place was given up because `to` is another list than before
+  /// From now on it is about the links to these radios; what was counted is forgotten.
+  /// @param to not nullptr
   void begin(const std::shared_ptr<const hearers>& to) {
     to_ = to;
     frames_ = 0;
-    for (auto& x : rows_)
-      x.clear();
+    rows_ = std::make_unique<std::array<row, copy_fates>>();
   }
 
   [[nodiscard]] bool is_about(const std::shared_ptr<const hearers>& to) const { return to_ == to; }
@@ -65,19 +64,21 @@ public:
 
   /// @param place of the radio in the list
   void count(std::size_t place, copy_fate x) {
-    auto& row = rows_[static_cast<std::size_t>(x)];
-    if (row.empty())
-      row.resize(to_->size());
-    ++row[place];
+    auto& counts = (*rows_)[static_cast<std::size_t>(x)];
+    if (counts.empty())
+      counts.resize(to_->size());
+    ++counts[place];
   }
 
   [[nodiscard]] const hearers* to() const { return to_.get(); } ///< nullptr: nothing sent yet
   [[nodiscard]] copy_book link(std::size_t place) const;
 
 private:
+  using row = std::vector<std::uint32_t>; ///< empty or one count a link
+
   std::shared_ptr<const hearers> to_;
   std::uint64_t frames_ = 0;
-  std::array<std::vector<std::uint32_t>, copy_fates> rows_; ///< each empty or one count a link
+  std::unique_ptr<std::array<row, copy_fates>> rows_;
 };
 
 /// Requests to send, booked with the sender.

@@ -68,6 +68,11 @@ channel::channel(const channel_config& config, random_stream dice)
     : config_(config), dice_(dice), topology_(config, dice_.next()), medium_(config),
       noise_seed_(dice_.next()) {}
 
+void channel::reserve(std::size_t radios) {
+  stations_.reserve(radios);
+  medium_.reserve(radios);
+}
+
 radio_index channel::add(const radio_config& config, instant now) {
   assert(config.kind != nullptr);
   assert(queue_.empty() || queue_.top().at >= now);

@@ -122,6 +122,9 @@ public:
   /// to the noise of a radio is seeded from it
   channel(const channel_config& config, random_stream dice);
 
+  /// Makes room for so many radios.
+  void reserve(std::size_t radios);
+
   /// Frames already on the air do not reach the new radio.
   /// @pre nothing was due before `now`: call on_time(now) first when radios are at work
   radio_index add(const radio_config& config, instant now);

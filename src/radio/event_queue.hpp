@@ -20,8 +20,8 @@ enum class event_kind : std::uint8_t {
 
 /// Nobody can cancel an event: `stamp` tells the owner whether it still means what it meant.
 struct event {
-  instant at;
-  instant told_at; ///< nothing that it leads to can be told to anybody before; not before `at`
+  instant at{};
+  instant told_at{}; ///< nothing that it leads to can be told to anybody before; not before `at`
   std::uint64_t stamp = 0;
   std::uint32_t subject = 0;
   event_kind kind = event_kind::mac_timer;

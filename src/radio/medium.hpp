@@ -62,6 +62,11 @@ public:
   medium() = default;
   explicit medium(const channel_config& config);
 
+  void reserve(std::size_t radios) {
+    heads_.reserve(radios);
+    tails_.reserve(radios);
+  }
+
   /// A transceiver, listening; its states are the meter's.
   void add(transceiver_config config, const energy_meter& meter, instant now);
 

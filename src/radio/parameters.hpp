@@ -100,32 +100,32 @@ enum class sensing_window : std::uint8_t {
 struct link_override {
   mote_address from;
   mote_address to;
-  std::optional<double> loss;    ///< 0..1
-  std::optional<double> gain_db; ///< received dBm at 0 dBm sent
+  std::optional<double> loss{};    ///< 0..1
+  std::optional<double> gain_db{}; ///< received dBm at 0 dBm sent
 };
 
 /// The medium: how strongly frames arrive, what disturbs them, and what receivers make of it.
 struct channel_config {
-  radio::propagation propagation;
-  noise_model noise;
-  double cutoff_dbm =
-      -115; ///< what arrives more weakly is not even interference; not for unit_disk
-  std::optional<double> sensitivity_dbm; ///< unset: the platform's; not for unit_disk
-  std::optional<double> cca_dbm;         ///< energy threshold; unset: the platform's
+  radio::propagation propagation{};
+  noise_model noise{};
+  /// What arrives more weakly is not even interference; not for unit_disk.
+  double cutoff_dbm = -115;
+  std::optional<double> sensitivity_dbm{}; ///< unset: the platform's; not for unit_disk
+  std::optional<double> cca_dbm{};         ///< energy threshold; unset: the platform's
   error_curve curve = error_curve::oqpsk;
   collision_rule collisions = collision_rule::strict;
-  bool capture =
-      false; ///< a receiver leaves the frame it is receiving for a much stronger later one
+  /// A receiver leaves the frame it is receiving for a much stronger later one.
+  bool capture = false;
   radio::sensing sensing = radio::sensing::energy_or_carrier;
   sensing_window window = sensing_window::whole;
   double loss = 0;       ///< chance that one copy of a frame is lost besides, per receiver, 0..1
   std::size_t queue = 8; ///< frames a radio's transmit queue holds; more are refused and counted
-  std::optional<unsigned> retries_max;      ///< repeats without an ack; unset: the MAC's own number
-  std::optional<std::size_t> receive_slots; ///< unset: the platform's
-  std::optional<duration> service_time;     ///< unset: the platform's
+  std::optional<unsigned> retries_max{}; ///< repeats without an ack; unset: the MAC's own number
+  std::optional<std::size_t> receive_slots{}; ///< unset: the platform's
+  std::optional<duration> service_time{};     ///< unset: the platform's
   /// By platform name; a platform that is absent here has the standard's.
-  std::vector<std::pair<std::string, std::string>> macs;
-  std::vector<link_override> links;
+  std::vector<std::pair<std::string, std::string>> macs{};
+  std::vector<link_override> links{};
 };
 
 // --------------------------------------------------------------------------------------- platforms

@@ -42,7 +42,8 @@ struct rig {
     }
     if (prepare)
       prepare(channel);
-    air = world.spawn(rubicon::air, std::move(channel), addresses, ecology.handle());
+    air = world.spawn(rubicon::air, std::move(channel), addresses, ecology.handle(),
+                      frame_observer{});
     world.send(air, attach_radio{left_radio, left});
     world.send(air, attach_radio{right_radio, right});
     world.send(air, attach_radio{third_radio, third});

@@ -38,7 +38,8 @@ struct rig {
     x.radio = stove_radio;
     x.air = air.handle();
     x.ecology = ecology.handle();
-    mote = world.spawn_at("mote/kitchen/stove", mote_behavior, x);
+    mote = world.spawn_at("mote/kitchen/stove", mote_behavior,
+                          std::make_shared<const mote_arguments>(x), 0U);
   }
 
   void hear(mote_id source, std::uint8_t am_type, const bytes& octets) {

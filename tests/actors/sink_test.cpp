@@ -32,6 +32,8 @@ struct rig {
                                          sink_radio,
                                          air.handle(),
                                          line.handle(),
+                                         {},
+                                         1,
                                          ecology.handle()});
   }
 

@@ -75,7 +75,7 @@ config::island_description island_of(std::uint32_t id, std::uint32_t motes, cons
   island.sink.apps = {flow::receiver_config{}};
   for (std::uint32_t i = 1; i <= motes; ++i) {
     config::mote_description mote;
-    mote.id = mote_id{static_cast<std::uint16_t>(i)};
+    mote.id = mote_id{static_cast<std::uint16_t>(island.sink.id.value + i)};
     mote.name = "mote-" + std::to_string(i);
     mote.platform = kind;
     mote.place = near(centre, radius_m, dice);
@@ -216,7 +216,7 @@ figures measure(const std::string& layout, std::uint32_t motes, duration length,
   x.ratio = x.messages / (calibration * 1e3);
   x.us_per_packet = 1e6 * x.cpu_s / static_cast<double>(sent);
   if (!report.violations.empty())
-    std::fprintf(stderr, "bench_radio: %s\n", report.violations[0].invariant.c_str());
+    std::fprintf(stderr, "bench_radio: %s\n", (report.violations[0].invariant + ": " + report.violations[0].detail).c_str());
   return x;
 }
 

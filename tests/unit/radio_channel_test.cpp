@@ -109,7 +109,7 @@ TEST_CASE("with loss 1 nothing crosses and a unicast frame is tried four times",
   CHECK_FALSE(ended[0].arrived);
   CHECK(ended[0].last == copy_fate::loss);
   CHECK(ended[1].last == copy_fate::out_of_reach); // a broadcast has no destination
-  CHECK(ended[1].status == send_status::sent); // nobody promised more of a broadcast
+  CHECK(ended[1].status == send_status::sent);     // nobody promised more of a broadcast
   const auto books = x.channel.counted();
   CHECK(books.copies.sent == 5);
   CHECK(books.copies.of(copy_fate::loss) == 5);
@@ -329,8 +329,12 @@ TEST_CASE("a late wake-up changes nothing but its own time", "[radio][channel]")
 TEST_CASE("events come out in the order of time, then of arrival", "[radio][channel]") {
   event_queue x;
   random_stream dice(5);
-  for (std::uint32_t i = 0; i < 1000; ++i)
-    x.push({.at = instant(duration(dice.below(20))), .stamp = i, .subject = i});
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    event next;
+    next.at = instant(duration(dice.below(20)));
+    next.stamp = i;
+    x.push(next);
+  }
   CHECK(x.size() == 1000);
   auto last = x.top();
   x.pop();

@@ -136,9 +136,11 @@ TEST_CASE("a sink under load runs out of receive slots and acks only what it too
   const auto books = x.channel.counted_by(sink);
   CHECK(books.copies.of(copy_fate::overflow) > 100);
   CHECK(x.channel.counted().requests.no_ack > 100);
-  CHECK(books.acks == books.copies.of(copy_fate::delivered) + books.copies.of(copy_fate::duplicate));
+  CHECK(books.acks ==
+        books.copies.of(copy_fate::delivered) + books.copies.of(copy_fate::duplicate));
   // The MCU serves one frame in 30 ms and nothing more.
-  CHECK(books.copies.of(copy_fate::delivered) + books.copies.of(copy_fate::duplicate) <= 11'000 / 30 + 3);
+  CHECK(books.copies.of(copy_fate::delivered) + books.copies.of(copy_fate::duplicate) <=
+        11'000 / 30 + 3);
   CHECK(books.copies.of(copy_fate::delivered) > 300);
   CHECK(x.channel.balanced());
 }

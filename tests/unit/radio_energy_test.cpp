@@ -70,8 +70,7 @@ TEST_CASE("sending costs what its power costs", "[radio][energy][NRG-05]") {
     energy_meter x(&micaz, 1, dbm, instant{});
     x.enter(radio_state::transmit, instant{});
     CHECK(x.used_mah(instant(100s)) == Approx(100 * (current_ma + 0.015) / 3600));
-    CHECK(seconds(x.empty_at(instant{}).time_since_epoch()) ==
-          Approx(3600 / (current_ma + 0.015)));
+    CHECK(seconds(x.empty_at(instant{}).time_since_epoch()) == Approx(3600 / (current_ma + 0.015)));
   }
 }
 

@@ -56,8 +56,8 @@ void chatter(radio_world& x, std::uint64_t seed, int frames = 300) {
   random_stream dice(seed);
   for (int i = 0; i < frames; ++i) {
     const radio_index from{static_cast<std::uint32_t>(dice.below(4))};
-    const auto to = dice.chance(0.3) ? broadcast_mote.value
-                                     : static_cast<std::uint16_t>(1 + dice.below(4));
+    const auto to =
+        dice.chance(0.3) ? broadcast_mote.value : static_cast<std::uint16_t>(1 + dice.below(4));
     x.send(from, static_cast<std::uint64_t>(i), to, dice.below(60), dice.chance(0.7));
     x.run_for(dice.between(0ms, 8ms));
   }

@@ -297,8 +297,7 @@ TEST_CASE("sequence numbers begin at 16 times the address in the RF230 stack",
     for (int i = 0; i < 2; ++i) {
       x.send(radio, 0, 0xffff, 4);
       x.run_for(100ms);
-      CHECK(x.all<delivered>().back().content.dsn ==
-            static_cast<std::uint8_t>(16 * address + i));
+      CHECK(x.all<delivered>().back().content.dsn == static_cast<std::uint8_t>(16 * address + i));
     }
   }
   std::set<std::uint8_t> others; // elsewhere they begin anywhere
@@ -370,7 +369,7 @@ TEST_CASE("the CC2420 stack knows 4 sources by the sum of their octets", "[radio
   CHECK(x.hear(0x0201, 5, 2ms) == verdict::duplicate); // not the same mote
   CHECK(x.hear(0x0003, 5, 3ms) == verdict::duplicate);
   CHECK(x.hear(0x0201, 6, 4ms) == verdict::accepted);
-  CHECK(x.hear(0x0102, 5, 5ms) == verdict::accepted); // the other's frame has taken its place
+  CHECK(x.hear(0x0102, 5, 5ms) == verdict::accepted);  // the other's frame has taken its place
   CHECK(x.hear(0x0102, 5, 24h) == verdict::duplicate); // for ever
   for (std::uint16_t source = 10; source < 13; ++source)
     CHECK(x.hear(source, 1, 25h) == verdict::accepted);

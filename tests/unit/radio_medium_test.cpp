@@ -115,8 +115,8 @@ TEST_CASE("frames that overlap at a receiver destroy each other there only",
           "[radio][medium][NET-15]") {
   row x;
   const auto first = x.start(a, 1ms);
-  const auto second = x.start(c, 2ms);       // hidden from a
-  CHECK(x.receives(b, 2ms)); // still locked on the first
+  const auto second = x.start(c, 2ms); // hidden from a
+  CHECK(x.receives(b, 2ms));           // still locked on the first
   CHECK(x.end(first, 3ms) == "b:collision ");
   CHECK_FALSE(x.receives(b, 3ms)); // never locked on the second
   CHECK(x.end(second, 4ms) == "b:collision d:intact ");

@@ -187,7 +187,8 @@ TEST_CASE("a battery that ends switches its radio off and says so once", "[radio
     CHECK(use.used_mah < 0.5 + 10e-3 * 30 / 3600);
     CHECK(radio_sum(use.times) == end.time_since_epoch());
     CHECK(use.times.mcu_active + use.times.mcu_sleep == end.time_since_epoch());
-    CHECK(use.used_mah == Approx(used_mah(use.times, kind, kind.transmit_ma(kind.transmit_dbm_max()))));
+    CHECK(use.used_mah ==
+          Approx(used_mah(use.times, kind, kind.transmit_ma(kind.transmit_dbm_max()))));
     CHECK(use.empty_at == end);
     CHECK(x.channel.power_of(a) == power::flat);
     x.send(b, 2, 1, 4);

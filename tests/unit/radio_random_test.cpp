@@ -145,7 +145,8 @@ public:
   radio_world world;
   std::vector<double> transmit_dbm;
 
-  /// By event: for how long each radio had been sending in all.
+  /// When to stop and look, and for how long each radio had been sending in all by then.
+  std::set<instant> stops;
   std::map<instant, std::vector<duration>> sent_for;
 
 private:
@@ -187,8 +188,8 @@ private:
 
   void run_for(duration length) {
     const auto end = world.now + length;
-    for (auto due = world.channel.deadline(); due && *due <= end; due = world.channel.deadline()) {
-      world.run_until(*due);
+    for (auto stop = stops.upper_bound(world.now); stop != stops.end() && *stop <= end; ++stop) {
+      world.run_until(*stop);
       auto& now = sent_for[world.now];
       now.clear();
       for (std::uint32_t i = 0; i < 2 * motes; ++i)
@@ -201,6 +202,14 @@ private:
   scenario what_;
   std::uint64_t requests_ = 0;
 };
+
+std::vector<std::pair<instant, delivered>> deliveries(const radio_world& x) {
+  std::vector<std::pair<instant, delivered>> all;
+  for (const auto& [at, what] : x.log)
+    if (const auto* got = std::get_if<delivered>(&what))
+      all.emplace_back(at, *got);
+  return all;
+}
 
 std::uint64_t hash_of(const radio_world& x) {
   fold64 fold;
@@ -310,7 +319,8 @@ TEST_CASE("times of every radio add up in a random run", "[radio][random][NRG-05
       CHECK(t.radio_off + t.radio_listen + t.radio_receive + t.radio_transmit == lived);
       CHECK(t.mcu_active + t.mcu_sleep == lived);
       CHECK(t.mcu_sleep >= 0ns);
-      CHECK(use.used_mah == Approx(used_mah(t, *kind_of(i), kind_of(i)->transmit_ma(run.transmit_dbm[i])))
+      CHECK(use.used_mah ==
+            Approx(used_mah(t, *kind_of(i), kind_of(i)->transmit_ma(run.transmit_dbm[i])))
                 .epsilon(1e-3));
     }
   }
@@ -320,24 +330,27 @@ TEST_CASE("no radio receives while it sends, nor more than the air can carry", "
   std::size_t received = 0;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     INFO("seed " << seed);
-    random_run run(seed, {.power_faults = seed % 2 == 0});
+    const scenario what{.power_faults = seed % 2 == 0};
+    random_run blind(seed, what);
+    blind.go();
+    random_run run(seed, what); // the same again, stopping where frames begin and end
+    for (const auto& [at, got] : deliveries(blind.world))
+      run.stops.insert({at - air_time(got.psdu.size()), at});
     run.go();
+    CHECK(hash_of(run.world) == hash_of(blind.world));
     std::map<radio_index, duration> on_air;
     std::map<radio_index, std::uint64_t> octets;
-    for (const auto& [at, what] : run.world.log) {
-      const auto* got = std::get_if<delivered>(&what);
-      if (got == nullptr)
-        continue;
-      const auto length = air_time(got->psdu.size());
-      on_air[got->to] += length;
-      octets[got->to] += got->psdu.size();
+    for (const auto& [at, got] : deliveries(run.world)) {
+      const auto length = air_time(got.psdu.size());
+      on_air[got.to] += length;
+      octets[got.to] += got.psdu.size();
       const auto begin = run.sent_for.find(at - length);
       const auto end = run.sent_for.find(at);
       if (begin == run.sent_for.end() || end == run.sent_for.end())
-        continue; // it came in the last seconds, which nobody watched
+        continue; // it came in the last seconds, when nobody looked
       ++received;
-      if (begin->second[got->to.value] != end->second[got->to.value])
-        FAIL("radio " << got->to.value << " sent during a frame that it received");
+      if (begin->second[got.to.value] != end->second[got.to.value])
+        FAIL("radio " << got.to.value << " sent during a frame that it received");
     }
     for (const auto& [radio, length] : on_air) {
       const auto times = run.world.channel.energy(radio, run.world.now).times;
@@ -355,5 +368,26 @@ TEST_CASE("frames of one island never come out in another", "[radio][random][RTG
     for (const auto& x : run.world.all<delivered>())
       if (x.content.pan != 1 + x.to.value / motes)
         FAIL("seed " << seed);
+  }
+}
+
+TEST_CASE("a deadline comes no later than what there is to tell", "[radio][random]") {
+  constexpr auto grain = 100us;
+  for (std::uint64_t seed = 200; seed < 210; ++seed) {
+    INFO("seed " << seed);
+    random_run asked(seed, {.steps = 100});
+    asked.go();
+    random_run restless(seed, {.steps = 100});
+    for (instant at; at < asked.world.now; at += grain)
+      restless.stops.insert(at);
+    restless.go();
+    REQUIRE(asked.world.log.size() == restless.world.log.size());
+    for (std::size_t i = 0; i < asked.world.log.size(); ++i) {
+      const auto& a = asked.world.log[i];
+      const auto& b = restless.world.log[i];
+      if (a.what.index() != b.what.index() || a.at != b.at)
+        FAIL("output " << i << " at " << to_text(a.at) << " or " << to_text(b.at));
+    }
+    CHECK(asked.world.channel.counted() == restless.world.channel.counted());
   }
 }

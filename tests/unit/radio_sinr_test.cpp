@@ -164,8 +164,7 @@ TEST_CASE("noise and interference add up, and noise alone gets the blame for wha
   REQUIRE(by_noise - by_both > 0.05);
   CHECK(share(fate::intact) == Approx(by_both).margin(tolerance(by_both)));
   CHECK(share(fate::weak) == Approx(1 - by_noise).margin(tolerance(by_noise)));
-  CHECK(share(fate::collision) ==
-        Approx(by_noise - by_both).margin(tolerance(by_noise - by_both)));
+  CHECK(share(fate::collision) == Approx(by_noise - by_both).margin(tolerance(by_noise - by_both)));
 }
 
 TEST_CASE("a much stronger later frame takes the receiver over if that is allowed",
@@ -239,9 +238,9 @@ TEST_CASE("a receiver locks on nothing that is 5 dB below the disturbance", "[ra
   SECTION("a frame that was there before it could listen") {
     for (const auto& [dbm, locked] : {std::pair{-75.01, false}, {-74.99, true}}) {
       rig x(by_sinr());
-      const auto own = x.air.start({.from = ear, .content = {}, .psdu = {}, .begin = instant{},
-                                    .length = 1ms},
-                                   std::make_shared<const hearers>());
+      const auto own =
+          x.air.start({.from = ear, .content = {}, .psdu = {}, .begin = instant{}, .length = 1ms},
+                      std::make_shared<const hearers>());
       const auto other = x.start(1, -70, 500us, 5ms);
       x.air.end(own, instant(1ms), x.dice, [](const auto&, std::size_t, const auto&, fate) {});
       const auto later = x.start(2, dbm, 2ms, 1ms);
@@ -252,8 +251,7 @@ TEST_CASE("a receiver locks on nothing that is 5 dB below the disturbance", "[ra
   }
 }
 
-TEST_CASE("a lone frame arrives as often as the bit error rate lets it",
-          "[radio][sinr][channel]") {
+TEST_CASE("a lone frame arrives as often as the bit error rate lets it", "[radio][sinr][channel]") {
   // A few seeds would be too few for 1 % absolute: 20 000 frames have a deviation of 0.35 %.
   constexpr int frames = 20'000;
   constexpr double noise_dbm = -90;
@@ -417,9 +415,9 @@ TEST_CASE("a later frame may come at any time into changing noise", "[radio][sin
     static_cast<void>(air.clear(ear, instant(4200us)));
     const bool taken_over = later_dbm > -60;
     CHECK(end(first, 4500us) == (taken_over ? fate::captured : fate::intact));
-    CHECK(end(second, 7600us) == (taken_over           ? fate::intact
-                                  : later_dbm < -95    ? fate::weak
-                                                       : fate::captured));
+    CHECK(end(second, 7600us) == (taken_over        ? fate::intact
+                                  : later_dbm < -95 ? fate::weak
+                                                    : fate::captured));
   }
 }
 
@@ -536,8 +534,8 @@ TEST_CASE("by default the threshold is the platform's, and a file may say anothe
     // Frames that do not hold each other off overlap nearly always.
     x.saturate({a, b}, 0xffff, 100, false, 10s);
     const auto copies = x.channel.counted_on(a, b);
-    const auto overlapping = static_cast<double>(copies.of(copy_fate::half_duplex)) /
-                             static_cast<double>(copies.sent);
+    const auto overlapping =
+        static_cast<double>(copies.of(copy_fate::half_duplex)) / static_cast<double>(copies.sent);
     CHECK((overlapping < 0.25 || overlapping > 0.75));
     return overlapping > 0.75;
   };

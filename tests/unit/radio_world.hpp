@@ -65,13 +65,15 @@ public:
     note(channel.set_power(radio, state, now));
   }
 
-  /// Lets time pass up to `end`, stopping at each deadline.
+  /// Lets time pass up to `end`, stopping at each deadline; then everything until `end` has been
+  /// done.
   void run_until(instant end) {
     for (auto due = channel.deadline(); due && *due <= end; due = channel.deadline()) {
       now = *due;
       note(channel.on_time(now));
     }
     now = end;
+    note(channel.on_time(now));
   }
 
   void run_for(duration length) { run_until(now + length); }
