@@ -177,6 +177,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
       addresses.push_back({id, mote.id});
     }
   }
+  channel.shrink();
   const auto medium = spawn_child(self, path, rubicon::air, std::move(channel),
                                   std::move(addresses), handle_of(self), state.observe_frames);
   radio::radio_index radio{};

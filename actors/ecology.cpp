@@ -266,6 +266,8 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
   prepare_report(self);
   assemble(self);
+  for (auto& island : self->state.description.islands)
+    island.motes = {}; // what they were made from; ten thousand of them weigh something
   schedule_faults(self);
   return {
       [self](const story& x) { tell_story(self, x.who, x.what); },

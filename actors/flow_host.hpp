@@ -2,6 +2,7 @@
 // communication stack is between them and the medium access that they measure.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,8 +30,11 @@ public:
              radio::radio_index radio, air_actor air, random_stream dice) {
     radio_ = radio;
     air_ = std::move(air);
-    program_ = flow::program(config_of(apps), address, dice);
-    perform(self, program_.start(now(self)));
+    const auto config = config_of(apps);
+    if (config.empty())
+      return;
+    program_ = std::make_unique<flow::program>(config, address, dice);
+    perform(self, program_->start(now(self)));
   }
 
   /// @returns whether the frame was the flows'
@@ -38,20 +42,21 @@ public:
   bool take(Self self, const radio::frame& x) {
     if (x.am_type != flow::am_type)
       return false;
-    perform(self, program_.on_packet(x.source, x.payload, now(self)));
+    if (program_)
+      perform(self, program_->on_packet(x.source, x.payload, now(self)));
     return true;
   }
 
   /// Of any request of the radio's owner.
   template <class Self>
   void on_done(Self self, const radio_done& x) {
-    if (x.token == 0)
+    if (x.token == 0 || !program_)
       return; // a request of the stack; counted by the air
     const bool sent = x.status == radio::send_status::sent;
     const auto cause = sent ? radio::to_string(x.last) : radio::to_string(x.status);
     perform(
         self,
-        program_.on_done(
+        program_->on_done(
             x.token - 1,
             {.sent = sent, .arrived = x.arrived, .cause = cause, .transmissions = x.transmissions},
             now(self)));
@@ -60,19 +65,22 @@ public:
   template <class Self>
   void on_timer(Self self, const timer_expired& x) {
     if (wake_.accepts(x))
-      perform(self, program_.on_time(now(self)));
+      perform(self, program_->on_time(now(self)));
   }
 
   /// The power is lost for good.
   template <class Self>
   void stop(Self self) {
-    program_.stop(now(self));
+    if (program_)
+      program_->stop(now(self));
     wake_.stop();
   }
 
   template <class Self>
   void report(Self self, const ecology_actor& ecology) const {
-    if (auto parts = program_.parts(now(self)); !parts.empty())
+    if (!program_)
+      return;
+    if (auto parts = program_->parts(now(self)); !parts.empty())
       self->send(ecology, flow_status{std::move(parts)});
   }
 
@@ -96,10 +104,10 @@ private:
     for (auto& x : todo)
       self->send(air_, radio_send{radio_, x.token + 1, x.next_hop, flow::am_type,
                                   payload(std::move(x.payload)), x.ack});
-    wake_.follow(self, program_.deadline());
+    wake_.follow(self, program_->deadline());
   }
 
-  flow::program program_;
+  std::unique_ptr<flow::program> program_; ///< nullptr: nothing to do with flows
   timer wake_{timer_number};
   radio::radio_index radio_;
   air_actor air_;

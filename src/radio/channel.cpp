@@ -276,11 +276,11 @@ void channel::run_down(radio_index radio, instant now) {
 void channel::watch_battery(radio_index radio, instant now) {
   const auto lasts = medium_.meter(radio).lasts_until(now);
   if (lasts != instant::max())
-    queue_.push({.at = std::max(lasts, now + battery_check),
-                 .told_at = std::max(lasts, now + battery_check),
-                 .stamp = 0,
-                 .subject = radio.value,
-                 .kind = event_kind::battery_low});
+    schedule({.at = std::max(lasts, now + battery_check),
+              .told_at = std::max(lasts, now + battery_check),
+              .stamp = 0,
+              .subject = radio.value,
+              .kind = event_kind::battery_low});
 }
 
 // --------------------------------------------------------------------------------------- reception
@@ -311,11 +311,11 @@ copy_fate channel::on_data(const transmission& sent, const hearer& x, instant no
   if (sent.content.ack_request && addressed) {
     y.ack_dsn = sent.content.dsn;
     const auto begin = now + y.sender.rules().ack_delay;
-    queue_.push({.at = begin,
-                 .told_at = begin + air_time(ack_size),
-                 .stamp = ++y.ack_stamp,
-                 .subject = x.radio.value,
-                 .kind = event_kind::ack_due});
+    schedule({.at = begin,
+              .told_at = begin + air_time(ack_size),
+              .stamp = ++y.ack_stamp,
+              .subject = x.radio.value,
+              .kind = event_kind::ack_due});
   }
   return fate;
 }
@@ -335,11 +335,35 @@ void channel::follow(radio_index radio, const mac_action& todo, instant now, out
   x.scheduled = due;
   ++x.mac_stamp;
   if (due)
-    queue_.push({.at = *due,
-                 .told_at = x.sender.told_at(),
-                 .stamp = x.mac_stamp,
-                 .subject = radio.value,
-                 .kind = event_kind::mac_timer});
+    schedule_mac(radio, *due);
+}
+
+/// Mostly the next assessment of all will find the channel clear, whatever else comes after it. To
+/// know that saves waking up for the case that it does not.
+void channel::schedule_mac(radio_index radio, instant due) {
+  auto& x = at(radio);
+  const event cautious{.at = due,
+                       .told_at = x.sender.told_at(),
+                       .stamp = x.mac_stamp,
+                       .subject = radio.value,
+                       .kind = event_kind::mac_timer};
+  const bool is_next = queue_.empty() || due < queue_.top().at;
+  const bool is_sure = is_next && x.sender.assesses() && !x.ack_dsn && x.guarded_until <= due &&
+                       medium_.stays_clear(radio, due);
+  auto hopeful = cautious;
+  if (is_sure)
+    hopeful.told_at = x.sender.told_at_if_clear();
+  schedule(hopeful);
+  if (is_sure)
+    sure_ = cautious;
+}
+
+void channel::schedule(const event& x) {
+  if (sure_ && x.at <= sure_->at) {
+    queue_.tell(*sure_);
+    sure_.reset();
+  }
+  queue_.push(x);
 }
 
 void channel::send_current(radio_index radio, instant now) {
@@ -361,11 +385,11 @@ void channel::put_on_air(transmission x, instant now) {
   const auto end = now + x.length;
   ++at(from).counted.transmissions;
   const auto slot = medium_.start(std::move(x), topology_.around(from));
-  queue_.push({.at = end,
-               .told_at = end,
-               .stamp = medium_.stamp(slot),
-               .subject = slot,
-               .kind = event_kind::frame_end});
+  schedule({.at = end,
+            .told_at = end,
+            .stamp = medium_.stamp(slot),
+            .subject = slot,
+            .kind = event_kind::frame_end});
 }
 
 void channel::end_frame(slot_index slot, instant now, outputs& out) {

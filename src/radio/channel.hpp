@@ -122,8 +122,9 @@ public:
   /// to the noise of a radio is seeded from it
   channel(const channel_config& config, random_stream dice);
 
-  /// Makes room for so many radios.
+  /// Makes room for so many radios; gives back what is kept for more than have been added.
   void reserve(std::size_t radios);
+  void shrink() { topology_.shrink(); }
 
   /// Frames already on the air do not reach the new radio.
   /// @pre nothing was due before `now`: call on_time(now) first when radios are at work
@@ -212,6 +213,8 @@ private:
   [[nodiscard]] overheard describe(const transmission& x) const;
   void put_on_air(transmission x, instant now);
   void send_current(radio_index radio, instant now);
+  void schedule(const event& x);
+  void schedule_mac(radio_index radio, instant due);
   void follow(radio_index radio, const mac_action& todo, instant now, outputs& out);
   void end_frame(slot_index slot, instant now, outputs& out);
   void conclude(radio_index radio, const finished& x, outputs& out);
@@ -230,6 +233,9 @@ private:
   bool guards_ = false; ///< somebody's rules have a guard
   std::vector<station> stations_;
   event_queue queue_;
+  /// An assessment that must find the channel clear, unless an event is put before it; with the
+  /// moment from which it can tell something if it does not.
+  std::optional<event> sure_;
   instant ran_until_ = instant::min();
   std::uint64_t events_ = 0;
   bool watched_ = false;

@@ -34,6 +34,11 @@ public:
   void push(const event& x) {
     entries_.push_back({x, pushed_++});
     std::push_heap(entries_.begin(), entries_.end(), later);
+    tell(x);
+  }
+
+  /// An event in the queue can be told of earlier than was said.
+  void tell(const event& x) {
     told_.push_back(x);
     std::push_heap(told_.begin(), told_.end(), told_later);
   }

@@ -88,17 +88,19 @@ mac_action mac::on_ack(instant now, random_stream& dice) {
 }
 
 instant mac::told_at() const {
-  const auto frame = air_time(open_.front().psdu.size());
   if (state_ == state::turning)
-    return *deadline_ + frame;
+    return *deadline_ + air_time(open_.front().psdu.size());
   if (!assesses())
     return *deadline_;
-  const auto end_of_frame = *deadline_ + rules_->turnaround + frame;
   if (rules_->assessments_max == 0)
-    return end_of_frame;
+    return told_at_if_clear();
   const auto further = rules_->assessments_max * (rules_->rounds_max - rounds_) - busy_ - 1;
   const auto shortest = rules_->backoffs.back().first + rules_->assessment;
-  return std::min(end_of_frame, *deadline_ + further * shortest);
+  return std::min(told_at_if_clear(), *deadline_ + further * shortest);
+}
+
+instant mac::told_at_if_clear() const {
+  return *deadline_ + rules_->turnaround + air_time(open_.front().psdu.size());
 }
 
 std::vector<finished> mac::abort() {

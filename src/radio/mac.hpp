@@ -101,6 +101,9 @@ public:
   /// there is a deadline
   [[nodiscard]] instant told_at() const;
 
+  /// The same if the next assessment finds the channel clear. @pre assesses()
+  [[nodiscard]] instant told_at_if_clear() const;
+
   [[nodiscard]] bool awaits(std::uint8_t dsn) {
     return state_ == state::ack_wait && open_.front().content.dsn == dsn;
   }

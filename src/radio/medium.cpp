@@ -138,6 +138,16 @@ bool medium::clear(radio_index radio, instant now) {
   return power < static_cast<double>(x.cca_floor);
 }
 
+bool medium::stays_clear(radio_index radio, instant later) const {
+  const auto& x = heads_[radio.value];
+  const auto since = later - timing::cca;
+  const bool silent = free_.size() == on_air_.size();
+  const bool noise_is_quiet = disk_ || !sense_energy_ || x.cca_floor > 0;
+  return silent && noise_is_quiet && tails_[radio.value].traced_noise == nullptr &&
+         x.state == mode::listening && x.busy_until <= since &&
+         tails_[radio.value].sent_until <= since;
+}
+
 energy_times medium::times(radio_index radio, instant now) const {
   const auto& x = heads_[radio.value];
   auto all = meter(radio).times(now);

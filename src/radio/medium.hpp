@@ -100,6 +100,9 @@ public:
   /// Outcome of a clear-channel assessment over timing::cca until now.
   [[nodiscard]] bool clear(radio_index radio, instant now);
 
+  /// Whether clear() will be true at `later` if nothing goes on the air until then.
+  [[nodiscard]] bool stays_clear(radio_index radio, instant later) const;
+
   /// Whether an unharmed data frame is for the radio's mote (RTG-06).
   [[nodiscard]] bool wanted(radio_index radio, const frame& x) const {
     const auto& t = heads_[radio.value];

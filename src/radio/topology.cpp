@@ -184,6 +184,12 @@ void topology::move(radio_index radio, position place) {
   renew(radio.value, others, false);
 }
 
+void topology::shrink() {
+  for (auto& list : around_)
+    if (list.use_count() == 1)
+      list->shrink_to_fit();
+}
+
 void topology::set_loss(radio_index from, radio_index to, double loss) {
   losses_[{from, to}] = in_65535ths(loss);
   auto& list = editable(from.value);

@@ -69,6 +69,9 @@ public:
   /// Replaces the loss for one direction between two radios, near or not; 0..1.
   void set_loss(radio_index from, radio_index to, double loss);
 
+  /// Gives back memory that lists have kept for growing.
+  void shrink();
+
   /// Who hears `radio`; never nullptr.
   [[nodiscard]] std::shared_ptr<const hearers> around(radio_index radio) const {
     return around_[radio.value];

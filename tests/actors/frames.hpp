@@ -18,6 +18,7 @@ namespace rubicon::test {
 [[nodiscard]] inline frame_received radio_frame(mote_id source, mote_id destination,
                                                 std::uint8_t am_type, const bytes& octets) {
   radio::frame x;
+  x.pan = 5; // the island of all tests here
   x.source = source;
   x.destination = destination;
   x.am_type = am_type;

@@ -20,8 +20,8 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
   const auto x = GENERATE(values<row>({
       {"[radio]\nrnage = \"25m\"\n", "7:1: unknown key `rnage` in [radio]: did you mean `range`?"},
       {"[radio]\ncolour = \"blue\"\n",
-       "7:1: unknown key `colour` in [radio]: there is loss, queue, retries, propagation, range, "
-       "noise, sensitivity, cca_threshold, cutoff, sensing, ..."},
+       "7:1: unknown key `colour` in [radio]: there is loss, queue, retries, receive_slots, "
+       "service_time, propagation, range, noise, sensitivity, cca_threshold, ..."},
       {"[radios]\n", "6:2: unknown key `radios` in the file: did you mean `radio`?"},
       {"[colour]\n", "6:2: unknown key `colour` in the file: there is ecology, radio, host, "
                      "mote_type, island, air, peer, proxy, fault"},
