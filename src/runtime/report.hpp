@@ -128,15 +128,17 @@ struct flow_report {
   std::string from_name; ///< `lab/sender-2`
   std::string to_name;   ///< `lab/sink`; `lab/*` for a broadcast
   std::uint64_t sent = 0;
-  std::uint64_t delivered = 0; ///< each packet once
+  std::uint64_t delivered = 0; ///< each packet once; a broadcast once at each mote that heard it
   double pdr = 0;              ///< delivered / sent; 0 without a packet
   double goodput_bps = 0;      ///< MAC payload delivered, over the time in which the origin sent
   double delay_mean_ms = 0;    ///< of those delivered, as the next two
   double delay_p50_ms = 0;
   double delay_p95_ms = 0;
   double tx_per_packet = 0; ///< transmissions of all hops / sent
-  cause_counts lost;        ///< by cause, on any hop
-  std::uint64_t open = 0;   ///< under way at the end: sent - delivered - lost
+  /// By cause, on any hop: how the MAC ended the request, or else what became of the last copy on
+  /// its way, `out_of_reach` if there was none; or what a mote could not do with it.
+  cause_counts lost;
+  std::uint64_t open = 0; ///< under way at the end: sent - delivered - lost; 0 for a broadcast
 };
 
 /// Something a person following the run would want to hear.

@@ -184,3 +184,20 @@ TEST_CASE("a battery at its end is told to the radio's owner, whose radio is sil
   CHECK(x.left.all<radio_done>().at(0).status == radio::send_status::aborted);
   CHECK(x.right.count<frame_received>() == 0);
 }
+
+TEST_CASE("a radio that moves away is heard no more", "[actors][air][NET-15]") {
+  rig x;
+  x.send_right(false);
+  x.world.run_for(1s);
+  CHECK(x.right.count<frame_received>() == 1);
+  x.world.send(x.air, move_radio{right_radio, {5000, 0, 0}});
+  x.send_right(false);
+  x.world.run_for(1s);
+  CHECK(x.right.count<frame_received>() == 1);
+  const auto ends = x.left.all<radio_done>();
+  REQUIRE(ends.size() == 2);
+  CHECK(ends[0].arrived);
+  CHECK(ends[1].status == radio::send_status::sent); // nobody had to acknowledge it
+  CHECK_FALSE(ends[1].arrived);
+  CHECK(ends[1].last == radio::copy_fate::out_of_reach);
+}

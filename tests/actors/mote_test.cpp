@@ -24,7 +24,7 @@ struct rig {
   fake<mote_app_actor> app{world};
   mote_actor mote;
 
-  explicit rig(std::vector<config::mote_app> apps = {}) {
+  explicit rig(std::vector<config::mote_app> apps = {}, std::vector<mote::way_point> path = {}) {
     world.follow("mote_app/");
     mote_arguments x;
     x.address = stove;
@@ -34,6 +34,7 @@ struct rig {
     x.node.transducers = {{mote::quantity::temperature, mote::constant_model{21.5}, 0, 0.1}};
     x.node.actuators = {{"switch", mote::actuator_kind::relay, 1}};
     x.apps = std::move(apps);
+    x.path = std::move(path);
     x.seed = 4;
     x.radio = stove_radio;
     x.air = air.handle();
@@ -301,4 +302,29 @@ TEST_CASE("a handler that throws ends its mote and the mote's apps, and nobody e
   x.world.run_for(1h);
   CHECK(x.world.world().trace().events() == before); // no timer of the dead goes on
   CHECK(x.air.size() == 0);
+}
+
+TEST_CASE("a mote with way-points tells the air where it is, every second while it moves",
+          "[actors][mote][NET-15]") {
+  rig x({}, {{0s, {0, 0, 0}}, {2s, {10, 0, 0}}, {5s, {10, 0, 0}}, {6s, {10, 4, 0}}});
+  x.world.run_for(20s);
+  std::vector<position> places;
+  for (const auto& move : x.air.all<move_radio>()) {
+    CHECK(move.radio == stove_radio);
+    places.push_back(move.place);
+  }
+  CHECK(places == std::vector<position>{{0, 0, 0}, {5, 0, 0}, {10, 0, 0}, {10, 0, 0}, {10, 4, 0}});
+  const auto times = x.air.times<move_radio>();
+  CHECK(times.back() == instant(6s));
+}
+
+TEST_CASE("an app may carry its mote away from its way-points", "[actors][mote][NET-15]") {
+  rig x({}, {{0s, {0, 0, 0}}, {10s, {10, 0, 0}}});
+  x.world.run_for(1500ms);
+  x.world.send(x.mote, move_mote{{7, 7, 7}});
+  x.world.run_for(20s);
+  const auto moves = x.air.all<move_radio>();
+  REQUIRE(moves.size() == 3);
+  CHECK(moves[1].place == position{1, 0, 0});
+  CHECK(moves[2].place == position{7, 7, 7});
 }

@@ -12,13 +12,13 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <string>
 #include <vector>
 
 #include <malloc.h>
 
+#include "actors/messages.hpp"
 #include "actors/run.hpp"
 #include "core/hash.hpp"
 #include "core/math.hpp"
@@ -156,21 +156,27 @@ runtime::report run(config::ecology_description x, duration length,
   return run_ecology(x, options);
 }
 
-/// Octets of memory of an actor of CAF's that has a trace and does nothing.
+struct empty_state {};
+
+mote_actor::behavior_type empty_mote(scheduler::traced_pointer<empty_state, mote_actor>) {
+  return {
+      [](const frame_received&) {}, [](const radio_done&) {},    [](battery_flat) {},
+      [](const claim_am_type&) {},  [](const send_message&) {},  [](const read_transducers&) {},
+      [](const set_actuator&) {},   [](const move_mote&) {},     [](crash_now) {},
+      [](end_battery) {},           [](const timer_expired&) {}, [](status_request) {},
+  };
+}
+
+/// Octets of memory of one of CAF's actors with a mote's interface and a path, doing nothing.
 double octets_of_empty_actor() {
   constexpr int count = 1000;
   scheduler::world world;
   const auto before = allocated();
-  std::vector<caf::actor> all;
+  std::vector<mote_actor> all;
   for (int i = 0; i < count; ++i)
-    all.push_back(world.system().spawn(
-        [](caf::event_based_actor*) -> caf::behavior { return {[](int) {}}; }));
+    all.push_back(world.spawn("mote/island-1/mote-" + std::to_string(i), empty_mote));
   world.drain();
-  const auto used = (allocated() - before) / count;
-  for (auto& x : all)
-    caf::anon_send_exit(x, caf::exit_reason::user_shutdown);
-  world.drain();
-  return used;
+  return (allocated() - before) / count;
 }
 
 double octets_of_idle_mote(const config::ecology_description& x, std::uint64_t motes) {
@@ -216,7 +222,8 @@ figures measure(const std::string& layout, std::uint32_t motes, duration length,
   x.ratio = x.messages / (calibration * 1e3);
   x.us_per_packet = 1e6 * x.cpu_s / static_cast<double>(sent);
   if (!report.violations.empty())
-    std::fprintf(stderr, "bench_radio: %s\n", (report.violations[0].invariant + ": " + report.violations[0].detail).c_str());
+    std::fprintf(stderr, "bench_radio: %s\n",
+                 (report.violations[0].invariant + ": " + report.violations[0].detail).c_str());
   return x;
 }
 
@@ -250,8 +257,7 @@ void print_json(const std::vector<figures>& all, double calibration) {
 
 } // namespace
 
-int main(int argc, char** argv) {
-  const bool json = argc > 1 && std::strcmp(argv[1], "--json") == 0;
+int main() {
   const auto calibration = calibrate();
   std::vector<figures> all;
   for (const std::string layout : {"islands", "field"}) {
@@ -259,8 +265,6 @@ int main(int argc, char** argv) {
     all.push_back(measure(layout, 1000, 200s, calibration));
     all.push_back(measure(layout, 10'000, 20s, calibration));
   }
-  if (json)
-    print_json(all, calibration);
-  else
-    print_table(all, calibration);
+  print_table(all, calibration);
+  print_json(all, calibration);
 }

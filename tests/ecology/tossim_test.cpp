@@ -1,7 +1,11 @@
 // Ecologies whose links and noise come from TOSSIM's files; those in data/ are made up.
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
+
+#include <unistd.h>
 
 #include "config/load.hpp"
 #include "ecology_files.hpp"
@@ -57,12 +61,14 @@ std::string text(const config::loaded& x) {
   return all;
 }
 
+int made = 0; ///< scratch files, each with a name of its own
+
 /// A file that is gone at the end.
 class scratch_file {
 public:
   scratch_file(const std::string& name, const std::string& content)
       : path_((std::filesystem::temp_directory_path() /
-               ("rubicon-tossim-" + std::to_string(reinterpret_cast<std::uintptr_t>(this)) + "-" +
+               ("rubicon-tossim-" + std::to_string(getpid()) + "-" + std::to_string(++made) + "-" +
                 name))
                   .string()) {
     std::ofstream(path_, std::ios::binary) << content;
@@ -87,7 +93,7 @@ const runtime::flow_report& flow_from(const runtime::report& x, std::uint16_t no
 
 } // namespace
 
-TEST_CASE("motes are heard as TOSSIM's gains and noise let them", "[ecology][RAD]") {
+TEST_CASE("motes are heard as TOSSIM's gains and noise let them", "[ecology][radio]") {
   const auto loaded = load(data + "nine-nodes.txt", data + "noise.txt");
   CHECK(text(loaded).empty());
   REQUIRE(loaded.ecology);
@@ -101,17 +107,16 @@ TEST_CASE("motes are heard as TOSSIM's gains and noise let them", "[ecology][RAD
   }
   // Nodes 1 and 3 are heard well above any noise, 2 above the quiet noise only, 5 below all noise,
   // and 7 and 8 have no link to the sink at all. A link back does not matter: 3 has none.
-  CHECK(flow_from(report, 1).pdr > 0.95);
-  CHECK(flow_from(report, 3).pdr > 0.95);
+  CHECK(flow_from(report, 1).pdr > 0.9);
+  CHECK(flow_from(report, 3).pdr > 0.9);
   CHECK(flow_from(report, 2).pdr > 0.4);
   CHECK(flow_from(report, 2).pdr < 0.97);
   CHECK(flow_from(report, 5).delivered == 0);
   CHECK(flow_from(report, 5).lost.at("weak") > 0);
-  for (const std::uint16_t node : {7, 8}) {
+  for (const auto node : {std::uint16_t{7}, std::uint16_t{8}}) {
     INFO("node " << node);
     CHECK(flow_from(report, node).delivered == 0);
-    CHECK(runtime::total(flow_from(report, node).lost) + flow_from(report, node).open ==
-          flow_from(report, node).sent);
+    CHECK(flow_from(report, node).lost.at("out_of_reach") == flow_from(report, node).sent);
   }
   const auto radio = report.radio();
   CHECK(radio.sent == radio.delivered + runtime::total(radio.lost));
@@ -127,18 +132,26 @@ TEST_CASE("noise from a trace is the same in equal runs", "[ecology][GEN-07]") {
   CHECK(run(*loaded.ecology, 2).trace_hash != hash);
 }
 
-TEST_CASE("an acknowledgement needs the way back", "[ecology][RAD]") {
+TEST_CASE("the trace of motes in recorded noise is the same on every machine and in every build",
+          "[ecology][radio][GEN-07]") {
+  // Changes with any change of behaviour; must never differ between machines or build types.
+  auto loaded = load(data + "nine-nodes.txt", data + "noise.txt");
+  REQUIRE(loaded.ecology);
+  loaded.ecology->length = 20s;
+  CHECK(run(*loaded.ecology).trace_hash == "dee7b860f5cabe97");
+}
+
+TEST_CASE("an acknowledgement needs the way back", "[ecology][radio]") {
   auto toml = std::string(nine_motes);
   toml.replace(toml.find("ack = false"), 11, "ack = true");
-  const auto loaded =
-      config::load_text(toml, "nine.toml", files(data + "nine-nodes.txt", data + "noise.txt"),
-                        config::read_file);
+  const auto loaded = config::load_text(
+      toml, "nine.toml", files(data + "nine-nodes.txt", data + "noise.txt"), config::read_file);
   REQUIRE(loaded.ecology);
   const auto report = run(*loaded.ecology);
   CHECK(report.violations.empty());
   // The sink hears node 3, which never hears an acknowledgement.
   const auto& one_way = flow_from(report, 3);
-  CHECK(one_way.pdr > 0.95);
+  CHECK(one_way.pdr > 0.9);
   const auto& failed = report.islands.at(0).radio.mac_failed;
   REQUIRE(failed.contains("no_ack"));
   CHECK(failed.at("no_ack") >= one_way.delivered);
@@ -150,7 +163,7 @@ TEST_CASE("the shipped TOSSIM grid needs its two files and takes them", "[ecolog
   CHECK(text(without).find("topology") != std::string::npos);
   CHECK(text(without).find("noise") != std::string::npos);
 
-  // Too small for it: its motes 10 to 225 are no nodes.
+  // Too small for it: motes 10 to 225 are no nodes.
   const auto small = config::load_file(shipped, files(data + "nine-nodes.txt", data + "noise.txt"));
   CHECK_FALSE(small.ecology);
   CHECK_FALSE(small.problems.empty());
@@ -173,12 +186,16 @@ TEST_CASE("the shipped TOSSIM grid needs its two files and takes them", "[ecolog
   whole.ecology->length = 60s;
   const auto report = run(*whole.ecology);
   CHECK(report.violations.empty());
-  REQUIRE(report.flows.size() == 224);
+  // Every mote broadcasts to its two to four neighbours.
+  REQUIRE(report.flows.size() == 225);
   for (const auto& flow : report.flows) {
     INFO(flow.from_name);
     CHECK(flow.sent == Approx(6).margin(1));
-    const bool next = flow.from.mote == mote_id{2} || flow.from.mote == mote_id{16};
-    CHECK((flow.delivered > 0) == next);
+    const auto node = flow.from.mote.value - 1;
+    const auto column = node % 15;
+    const auto neighbours = (column > 0) + (column < 14) + (node >= 15) + (node < 210);
+    CHECK(flow.pdr <= neighbours);
+    CHECK(flow.pdr > 0.5 * neighbours);
   }
 }
 
