@@ -61,7 +61,7 @@ void on_frame(mote_pointer self, byte_view psdu) {
   if (!frame || !is_for(*frame, self->state.arguments->address) ||
       self->state.flows.take(self, *frame))
     return;
-  if (const auto& node = self->state.node)
+  if (const auto& node = self->state.node; node && !self->state.flat)
     perform(self, node->on_frame(frame->source, frame->am_type, frame->payload, now(self)));
 }
 
@@ -140,11 +140,10 @@ void report_messages(mote_pointer self, const transport::endpoint_counters& coun
   self->send(arguments.ecology, message_status{arguments.address.island, report_of(counted, open)});
 }
 
-/// An exception ends the mote. What this life has counted must not go with it, and what was still
-/// open has failed.
+/// An exception ends the mote. What this life has counted must not go with it. Reliable messages
+/// that were still open have failed; nobody will know about flows' requests, so they stay open.
 void report_failures(mote_pointer self) {
   self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
-    self->state.flows.stop(self);
     self->state.flows.report(self, self->state.arguments->ecology);
     if (const auto& node = self->state.node) {
       auto counted = node->messages();
@@ -183,10 +182,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
   self->state.incarnation = incarnation;
   start(self);
   return {
-      [self](const frame_received& x) {
-        if (!self->state.flat)
-          on_frame(self, x.psdu.view());
-      },
+      [self](const frame_received& x) { on_frame(self, x.psdu.view()); },
       [self](const radio_done& x) { self->state.flows.on_done(self, x); },
       [self](battery_flat) { die(self); },
       [self](const claim_am_type& x) { on_claim(self, x); },

@@ -374,7 +374,6 @@ void channel::send_current(radio_index radio, instant now) {
   put_on_air({.from = radio,
               .content = current.content,
               .psdu = current.psdu,
-              .begin = now,
               .length = air_time(current.psdu.size())},
              now);
 }

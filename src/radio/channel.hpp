@@ -131,6 +131,7 @@ public:
   radio_index add(const radio_config& config, instant now);
 
   /// Costs what topology::move() costs. Frames already on the air end where they started.
+  /// @pre on_time() has been called for this moment
   void move(radio_index radio, position place);
 
   /// The chance that a copy is lost on the way from one radio to another, instead of
@@ -160,8 +161,8 @@ public:
   [[nodiscard]] books counted_in_pan(std::uint16_t pan) const;
   [[nodiscard]] books counted() const; ///< by all radios
 
-  /// The copies on one link while `from` has had it last: they begin anew when a radio near `from`
-  /// is added or moves.
+  /// The copies on one link while `from` has had it last: they begin anew when `from` gets another
+  /// list of hearers, because a radio near it is added or moves or set_loss() concerns it.
   [[nodiscard]] copy_book counted_on(radio_index from, radio_index to) const;
 
   /// Whether both books of every radio and the copies of every link balance, and no copy is missing

@@ -29,7 +29,7 @@ struct transmission {
   radio_index from;
   frame content; ///< views `psdu`
   payload psdu;  ///< empty for acks: only their DSN is ever asked for
-  instant begin;
+  instant begin{};
   duration length{}; ///< preamble, SFD and length octet included
 };
 
@@ -97,7 +97,8 @@ public:
   /// @pre the radio is not sending: its frame was cut and ended before
   void switch_off(radio_index radio, instant now);
 
-  /// Outcome of a clear-channel assessment over timing::cca until now.
+  /// Outcome of a clear-channel assessment over timing::cca until now. Traced noise counts with its
+  /// reading of this moment; earlier in the window signals alone do.
   [[nodiscard]] bool clear(radio_index radio, instant now);
 
   /// Whether clear() will be true at `later` if nothing goes on the air until then.

@@ -138,7 +138,9 @@ struct flow_report {
   /// By cause, on any hop: how the MAC ended the request, or else what became of the last copy on
   /// its way, `out_of_reach` if there was none; or what a mote could not do with it.
   cause_counts lost;
-  std::uint64_t open = 0; ///< under way at the end: sent - delivered - lost; 0 for a broadcast
+  /// Under way at the end, or when a mote that had it crashed: sent - delivered - lost; 0 for a
+  /// broadcast.
+  std::uint64_t open = 0;
 };
 
 /// Something a person following the run would want to hear.
