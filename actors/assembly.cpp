@@ -33,6 +33,11 @@ ecology_actor handle_of(ecology_pointer self) {
   return caf::actor_cast<ecology_actor>(self);
 }
 
+/// @pre the description has an island with this id
+const config::island_description& described(ecology_pointer self, island_id id) {
+  return *std::ranges::find(self->state.description.islands, id, &config::island_description::id);
+}
+
 std::string type_name(const config::mote_description& x) {
   return x.type_name.empty() ? std::to_string(x.type) : x.type_name;
 }
@@ -147,16 +152,6 @@ radio::radio_config radio_of(island_id island, const config::mote_description& m
   return x;
 }
 
-std::size_t radios_of(const config::ecology_description& description,
-                      const config::air_description& air) {
-  std::size_t count = 0;
-  for (const auto id : air.islands)
-    count +=
-        1 +
-        std::ranges::find(description.islands, id, &config::island_description::id)->motes.size();
-  return count;
-}
-
 /// The air of one place, and the bridges and motes of its islands.
 void spawn_place(ecology_pointer self, const config::air_description& air) {
   auto& state = self->state;
@@ -165,16 +160,18 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
   radio::channel channel(description.radio, random_stream(description.seed, path));
   std::vector<mote_address> addresses;
   std::vector<const config::island_description*> islands;
-  channel.reserve(radios_of(description, air));
+  std::size_t radios = 0;
   for (const auto id : air.islands) {
-    const auto& island =
-        *std::ranges::find(description.islands, id, &config::island_description::id);
-    islands.push_back(&island);
-    static_cast<void>(channel.add(radio_of(island), now(self)));
-    addresses.push_back({id, island.sink.id});
-    for (const auto& mote : island.motes) {
-      static_cast<void>(channel.add(radio_of(id, mote), now(self)));
-      addresses.push_back({id, mote.id});
+    islands.push_back(&described(self, id));
+    radios += 1 + islands.back()->motes.size();
+  }
+  channel.reserve(radios);
+  for (const auto* island : islands) {
+    static_cast<void>(channel.add(radio_of(*island), now(self)));
+    addresses.push_back({island->id, island->sink.id});
+    for (const auto& mote : island->motes) {
+      static_cast<void>(channel.add(radio_of(island->id, mote), now(self)));
+      addresses.push_back({island->id, mote.id});
     }
   }
   channel.shrink();
@@ -267,8 +264,7 @@ struct peer_app_spawner {
   }
 
   [[nodiscard]] managed_island managed(island_id id) const {
-    const auto& island =
-        *std::ranges::find(self->state.description.islands, id, &config::island_description::id);
+    const auto& island = described(self, id);
     managed_island x{id, island.name, {}};
     for (const auto& mote : island.motes)
       x.mote_names[mote.id] = mote.name;

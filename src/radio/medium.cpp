@@ -182,9 +182,7 @@ fate medium::meet(const hearer& x, slot_index slot, std::uint32_t place, instant
   at.power += units_of(x);
   if (x.power < at.lock_floor)
     return fate::weak;
-  at.locked = slot;
-  at.place = place;
-  at.locked_since = now;
+  lock(at, slot, place, now);
   at.flags &= static_cast<std::uint8_t>(~interfered);
   return fate::intact;
 }
@@ -222,21 +220,12 @@ fate medium::meet_others(const hearer& x, slot_index slot, std::uint32_t place, 
   } else if (power < lock_ratio_ * disturbance) {
     return fate::collision;
   }
-  lock(x.radio, slot, place, now);
-  return fate::intact;
-}
-
-/// On a frame that is not alone, or among noise that changes.
-void medium::lock(radio_index radio, slot_index slot, std::uint32_t place, instant now) {
-  auto& at = heads_[radio.value];
-  at.locked = slot;
-  at.place = place;
-  at.locked_since = now;
-  at.flags |= interfered;
-  auto& rest = tails_[radio.value];
+  lock(at, slot, place, now);
+  at.flags |= interfered; // it is not alone, or its noise changes
   rest.settled_to = now;
   rest.damage = 0;
   rest.noise_damage = 0;
+  return fate::intact;
 }
 
 void medium::spoil_locked(radio_index radio, fate cause) {
@@ -280,27 +269,16 @@ void medium::settle(radio_index radio, instant now) {
 
 // ------------------------------------------------------------------------------ a frame's last bit
 
-fate medium::survive(const hearer& x, slot_index slot, instant now, random_stream& dice) {
-  const auto& at = heads_[x.radio.value];
-  const auto& sent = on_air_[slot].what;
-  double noise_damage = 0;
-  double damage = 0;
-  if ((at.flags & interfered) == 0) {
-    const auto all_bits = bits(sent.length);
-    noise_damage = static_cast<double>(x.clean_damage) *
-                   errors_.weight(all_bits, all_bits, sent.content.type == frame_type::ack);
-    damage = noise_damage;
-  } else {
-    settle(x.radio, now);
-    noise_damage = tails_[x.radio.value].noise_damage;
-    damage = tails_[x.radio.value].damage;
-  }
-  if (damage < harmless)
+/// What becomes of the locked frame at its end, if nothing has spoiled it.
+fate medium::survive(radio_index radio, instant now, random_stream& dice) {
+  settle(radio, now);
+  const auto& rest = tails_[radio.value];
+  if (rest.damage < harmless)
     return fate::intact;
   const auto die = dice.unit();
-  if (die < math::exp(-damage))
+  if (die < math::exp(-rest.damage))
     return fate::intact;
-  return die < math::exp(-noise_damage) ? fate::collision : fate::weak;
+  return die < math::exp(-rest.noise_damage) ? fate::collision : fate::weak;
 }
 
 power_units medium::noise_at(radio_index radio, instant now) {

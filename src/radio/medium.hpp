@@ -200,7 +200,11 @@ private:
   [[nodiscard]] fate meet(const hearer& x, slot_index slot, std::uint32_t place, instant now);
   [[nodiscard]] fate meet_others(const hearer& x, slot_index slot, std::uint32_t place,
                                  instant now);
-  void lock(radio_index radio, slot_index slot, std::uint32_t place, instant now);
+  static void lock(head& at, slot_index slot, std::uint32_t place, instant now) {
+    at.locked = slot;
+    at.place = place;
+    at.locked_since = now;
+  }
   static void unlock(head& at, instant now) {
     at.received += now - at.locked_since;
     at.locked = nothing;
@@ -213,7 +217,7 @@ private:
   void settle(radio_index radio, instant now);
   [[nodiscard]] fate leave(const hearer& x, slot_index slot, fate so_far, instant now,
                            random_stream& dice);
-  [[nodiscard]] fate survive(const hearer& x, slot_index slot, instant now, random_stream& dice);
+  [[nodiscard]] fate survive(radio_index radio, instant now, random_stream& dice);
   [[nodiscard]] power_units noise_at(radio_index radio, instant now);
   void stop_sending(radio_index radio, instant now);
   void release(slot_index slot);
@@ -240,7 +244,7 @@ inline fate medium::leave(const hearer& x, slot_index slot, fate so_far, instant
   const bool was_locked = at.locked == slot;
   if (was_locked) {
     if (so_far == fate::intact && (x.clean_damage > 0 || (at.flags & interfered) != 0))
-      so_far = survive(x, slot, now, dice);
+      so_far = survive(x.radio, now, dice);
     unlock(at, now);
   } else if (at.locked != nothing) {
     settle(x.radio, now);

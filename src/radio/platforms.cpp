@@ -15,6 +15,14 @@ const std::array<platform, 3>& platforms() {
   // Service times are estimates: reading 20..40 octets over SPI in a split-phase driver, checking
   // the header and running a task, on an 8 MHz AVR (the RF230's buffer is read in one burst) and a
   // 4 MHz MSP430.
+  static constexpr std::array<transmit_level, 8> cc2420_levels{{{-25, 8.5},
+                                                                {-15, 9.9},
+                                                                {-10, 11.2},
+                                                                {-7, 12.5},
+                                                                {-5, 13.9},
+                                                                {-3, 15.2},
+                                                                {-1, 16.5},
+                                                                {0, 17.4}}};
   static constexpr std::array<platform, 3> table{{
       {
           .name = "micaz",
@@ -22,14 +30,7 @@ const std::array<platform, 3>& platforms() {
           .mcu_sleep_ma = 0.015,
           .radio_off_ma = 0.001,
           .radio_listen_ma = 18.8,
-          .transmit = {{{-25, 8.5},
-                        {-15, 9.9},
-                        {-10, 11.2},
-                        {-7, 12.5},
-                        {-5, 13.9},
-                        {-3, 15.2},
-                        {-1, 16.5},
-                        {0, 17.4}}},
+          .transmit = cc2420_levels,
           .supply_v = 3.0,
           .battery_mah = 2000,
           .sensitivity_dbm = -95,
@@ -66,14 +67,7 @@ const std::array<platform, 3>& platforms() {
           .mcu_sleep_ma = 0.0051,
           .radio_off_ma = 0.001,
           .radio_listen_ma = 18.8,
-          .transmit = {{{-25, 8.5},
-                        {-15, 9.9},
-                        {-10, 11.2},
-                        {-7, 12.5},
-                        {-5, 13.9},
-                        {-3, 15.2},
-                        {-1, 16.5},
-                        {0, 17.4}}},
+          .transmit = cc2420_levels,
           .supply_v = 3.0,
           .battery_mah = 2000,
           .sensitivity_dbm = -95,

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <variant>
 
+#include "file_problem.hpp"
 #include "radio/tossim_files.hpp"
 
 using namespace rubicon;
@@ -17,11 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view input(reinterpret_cast<const char*>(data), size);
   const auto x = read_noise_trace(input);
   if (const auto* problem = std::get_if<file_problem>(&x)) {
-    assert(problem->line <=
-           1 + static_cast<std::size_t>(std::count(input.begin(), input.end(), '\n')));
-    assert(!problem->message.empty() && problem->message.size() < 120);
-    assert(std::all_of(problem->message.begin(), problem->message.end(),
-                       [](char c) { return c >= ' ' && c <= '~'; }));
+    check_problem(*problem, input);
     return 0;
   }
   const auto& trace = std::get<std::shared_ptr<const noise_trace>>(x);

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <variant>
 
+#include "file_problem.hpp"
 #include "radio/tossim_files.hpp"
 
 using namespace rubicon::radio;
@@ -49,11 +50,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view input(reinterpret_cast<const char*>(data), size);
   const auto x = read_topology(input);
   if (const auto* problem = std::get_if<file_problem>(&x)) {
-    assert(problem->line <=
-           1 + static_cast<std::size_t>(std::count(input.begin(), input.end(), '\n')));
-    assert(!problem->message.empty() && problem->message.size() < 120);
-    assert(std::all_of(problem->message.begin(), problem->message.end(),
-                       [](char c) { return c >= ' ' && c <= '~'; }));
+    check_problem(*problem, input);
   } else {
     check_table(std::get<gain_table>(x));
   }

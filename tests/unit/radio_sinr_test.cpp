@@ -89,6 +89,17 @@ double bits_in(duration x) {
   return static_cast<double>(x / 4us);
 }
 
+/// Three radios that each hear the noise of a trace.
+void add_among(const std::shared_ptr<const noise_trace>& trace, medium& air) {
+  for (int i = 0; i < 3; ++i) {
+    transceiver_config x;
+    x.sensitivity_dbm = -95;
+    x.cca_dbm = -77;
+    x.traced_noise = std::make_unique<noise_source>(trace, random_stream(3));
+    air.add(std::move(x), energy_meter(find_platform("micaz"), 2000, 0, instant{}), instant{});
+  }
+}
+
 } // namespace
 
 TEST_CASE("a frame 10 dB stronger survives a later one, which is captured", "[radio][sinr]") {
@@ -344,13 +355,7 @@ TEST_CASE("noise that changes during a frame damages it reading by reading", "[r
   auto config = by_sinr();
   config.noise = traced_noise{trace};
   medium air(config);
-  for (int i = 0; i < 3; ++i) {
-    transceiver_config x;
-    x.sensitivity_dbm = -95;
-    x.cca_dbm = -77;
-    x.traced_noise = std::make_unique<noise_source>(trace, random_stream(3));
-    air.add(std::move(x), energy_meter(find_platform("micaz"), 2000, 0, instant{}), instant{});
-  }
+  add_among(trace, air);
   random_stream dice(1);
   const auto deliver = [&](double dbm, duration at, duration length) {
     hearer y;
@@ -386,13 +391,7 @@ TEST_CASE("a later frame may come at any time into changing noise", "[radio][sin
   config.noise = traced_noise{trace};
   for (const double later_dbm : {-100.0, -80.0, -50.0}) {
     medium air(config);
-    for (int i = 0; i < 3; ++i) {
-      transceiver_config x;
-      x.sensitivity_dbm = -95;
-      x.cca_dbm = -77;
-      x.traced_noise = std::make_unique<noise_source>(trace, random_stream(3));
-      air.add(std::move(x), energy_meter(find_platform("micaz"), 2000, 0, instant{}), instant{});
-    }
+    add_among(trace, air);
     random_stream dice(1);
     const auto start = [&](std::uint32_t from, double dbm, duration at) {
       hearer y;
