@@ -42,6 +42,9 @@ struct performer {
     self->state.links.erase(found);
   }
 
+  void operator()(const peis::connect_to&) const {}
+  void operator()(const peis::announce&) const {}
+
   void operator()(const peis::tuple_changed& x) const { tell(x.subscription, x.content, false); }
   void operator()(const peis::tuple_deleted& x) const { tell(x.subscription, x.content, true); }
 

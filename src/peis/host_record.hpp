@@ -20,7 +20,13 @@ inline constexpr std::uint32_t liveness_mark = 0x52424e31;
 
 /// One interface of a peer.
 struct low_level_address {
-  enum class kind : std::uint32_t { tcp_ipv4 = 0, udp_ipv4 = 1, tcp_ipv6 = 2, bluetooth = 3 };
+  enum class kind : std::uint32_t {
+    tcp_ipv4 = 0,
+    udp_ipv4 = 1,
+    tcp_ipv6 = 2,
+    bluetooth = 3,
+    inproc = 82, ///< ours: process 4, peer id 4; unknown to real kernels, which pass over it
+  };
 
   std::string device; ///< up to 8 characters
   bool loopback = false;

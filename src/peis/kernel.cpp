@@ -38,8 +38,19 @@ kernel::kernel(kernel_config config, random_stream dice, instant now)
         tuples_.set(*key::parse(name), text_content(text), now)); // nobody listens yet
 }
 
-outputs kernel::on_link_open(link_id link, link_role role, instant now) {
-  network_.on_link_open(link, role, now);
+outputs kernel::on_link_open(link_id link, link_role role, instant now,
+                             std::optional<attempt_id> attempt) {
+  network_.on_link_open(link, role, now, attempt);
+  return finish(now);
+}
+
+outputs kernel::on_attempt_failed(attempt_id attempt, instant now) {
+  network_.on_attempt_failed(attempt, now);
+  return finish(now);
+}
+
+outputs kernel::on_announcement(byte_view octets, instant now) {
+  network_.on_announcement(octets, now);
   return finish(now);
 }
 
@@ -89,6 +100,14 @@ void kernel::handle(to_link& x, instant) {
 
 void kernel::handle(close_link& x, instant) {
   out_.push_back(x);
+}
+
+void kernel::handle(connect_to& x, instant) {
+  out_.push_back(std::move(x));
+}
+
+void kernel::handle(announce& x, instant) {
+  out_.push_back(std::move(x));
 }
 
 void kernel::handle(host_appeared& x, instant) {

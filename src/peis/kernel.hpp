@@ -28,8 +28,8 @@ struct kernel_config {
   std::vector<peer_id> managers; ///< may write our kernel.do-quit, besides peers of our host
 };
 
-// to_link and close_link: peis/p2p_events.hpp; tuple_changed and tuple_deleted:
-// peis/tuple_space.hpp.
+// to_link, close_link, connect_to and announce: peis/p2p_events.hpp; tuple_changed and
+// tuple_deleted: peis/tuple_space.hpp.
 
 /// A whole message for a hooked port.
 struct message {
@@ -52,8 +52,8 @@ struct quit_requested {
   peer_id by;
 };
 
-using output = std::variant<to_link, close_link, tuple_changed, tuple_deleted, message, outcome,
-                            host_appeared, host_vanished, quit_requested>;
+using output = std::variant<to_link, close_link, connect_to, announce, tuple_changed, tuple_deleted,
+                            message, outcome, host_appeared, host_vanished, quit_requested>;
 using outputs = std::vector<output>;
 
 /// Everything counted; nothing is dropped without appearing here.
@@ -82,7 +82,15 @@ public:
 
   /// A link is up. An initiator's request and greeting are among the outputs; an acceptor waits for
   /// the other side's request and then answers with its greeting (peis-wire.md 3.2, 3.3).
-  [[nodiscard]] outputs on_link_open(link_id link, link_role role, instant now);
+  /// @param attempt the attempt that brought it about, if it was one of ours
+  [[nodiscard]] outputs on_link_open(link_id link, link_role role, instant now,
+                                     std::optional<attempt_id> attempt = std::nullopt);
+
+  /// Nobody answered, or not us.
+  [[nodiscard]] outputs on_attempt_failed(attempt_id attempt, instant now);
+
+  /// A datagram of the group of announcements, our own included.
+  [[nodiscard]] outputs on_announcement(byte_view octets, instant now);
 
   /// Octets have arrived, in any pieces. Ignored for links that are not open.
   [[nodiscard]] outputs on_link_octets(link_id link, byte_view octets, instant now);
@@ -180,6 +188,8 @@ private:
   outputs finish(instant now);
   void handle(to_link& x, instant now);
   void handle(close_link& x, instant now);
+  void handle(connect_to& x, instant now);
+  void handle(announce& x, instant now);
   void handle(host_appeared& x, instant now);
   void handle(host_vanished& x, instant now);
   void handle(forgotten_by& x, instant now);

@@ -27,6 +27,25 @@
 
 namespace rubicon::peis {
 
+/// Who connects to whom (A9).
+struct connection_config {
+  /// Links to these addresses are always kept (AUT-01): `tcp://host:port`, `inproc://id`, ...
+  std::vector<std::string> always;
+  bool leaf = false;     ///< only these and links within the host (LEA-01)
+  bool manager = true;   ///< false: no other links than these (CM-12)
+  bool announces = true; ///< says every second on the group of announcements that we are there
+  std::size_t links_min = 3;
+  std::size_t links_suitable = 7;
+  std::size_t links_max = 20; ///< not counting those of `always` and of cluster merges (CM-09)
+  duration manager_period = 3s;
+  duration cluster_period = 2s;
+  duration announce_period = 1s;
+  duration connect_timeout = 5s;
+  duration always_retry = 5s; ///< grows to always_retry_max while it fails
+  duration always_retry_max = 30s;
+  double forced_octets_per_second = 2000; ///< to one host: a direct link is forced (CM-03)
+};
+
 struct p2p_config {
   peer_id id;
   std::string name = "rubicon";    ///< of the component
@@ -36,7 +55,7 @@ struct p2p_config {
   std::vector<low_level_address> addresses; ///< where we listen; up to 16, told to others
   /// Network time minus ecology time. In wall mode the Unix time of the ecology's start.
   duration clock_offset = 1'000'000'000s;
-  std::uint32_t connect_flags = connect_request::all_broadcasts | connect_request::for_merge;
+  connection_config connections;
 
   std::size_t links_max = 64;
   std::size_t queue_capacity = 1024; ///< packages per link and class
@@ -88,6 +107,16 @@ struct p2p_counters {
   std::uint64_t queued_lost = 0; ///< unreliable, was queued when its link closed
 };
 
+/// What is known of a link, for kernel.connections, the tools and the report.
+struct link_view {
+  link_id link;
+  std::optional<peer_id> neighbour;
+  std::uint64_t octets_in = 0;
+  std::uint64_t octets_out = 0;
+  double loss = 0;        ///< share of packages that the neighbour sent and we missed, 0..1
+  std::size_t queued = 0; ///< packages that wait to leave
+};
+
 /// Works on links that the owner names and carries octets for. Calls collect events; take_events()
 /// and flush() hand them out, so that packages of one occasion leave each link in one piece.
 class p2p {
@@ -95,7 +124,10 @@ public:
   p2p() = default;
   p2p(p2p_config config, random_stream dice, instant now);
 
-  void on_link_open(link_id link, link_role role, instant now);
+  void on_link_open(link_id link, link_role role, instant now,
+                    std::optional<attempt_id> attempt = std::nullopt);
+  void on_attempt_failed(attempt_id attempt, instant now);
+  void on_announcement(byte_view octets, instant now);
   void on_link_octets(link_id link, byte_view octets, instant now);
   void on_link_sent(link_id link, std::size_t octets);
   void on_link_closed(link_id link, instant now);
@@ -131,6 +163,7 @@ public:
   [[nodiscard]] bool reachable(peer_id host) const { return way_to(host).has_value(); }
   [[nodiscard]] const host_record* find_host(peer_id host) const;
   [[nodiscard]] std::vector<const host_record*> hosts() const; ///< ourselves included, by id
+  [[nodiscard]] std::vector<link_view> links() const;          ///< ascending by link
   [[nodiscard]] const routing_table& routing() const { return routing_; }
   [[nodiscard]] const p2p_counters& counters() const { return counters_; }
   [[nodiscard]] std::size_t in_flight() const { return delivery_.in_flight(); }

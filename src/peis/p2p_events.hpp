@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -16,11 +17,23 @@ struct to_link {
   payload octets;
 };
 
-/// The link is of no use any more: close it. The kernel has forgotten it already, and
-/// on_link_closed() for it is harmless.
+/// The link is of no use any more: close it when what to_link gave it has been sent. The kernel has
+/// forgotten it already, and on_link_closed() for it is harmless.
 struct close_link {
   link_id link;
   close_cause why;
+};
+
+/// A link to this address is wanted: try it, then call on_link_open() or on_attempt_failed() with
+/// the attempt's name. The kernel itself gives up after its connect_timeout, and then ignores both.
+struct connect_to {
+  attempt_id attempt;
+  std::string url; ///< `tcp://host:port`, `inproc://id`, `udp://host:port`, `bt://address;port`
+};
+
+/// One datagram for the group that all peers listen to (peis-wire.md 4), or for what stands for it.
+struct announce {
+  payload octets;
 };
 
 /// A peer can be reached and described, or cannot any more. After a restart vanished, then
@@ -59,8 +72,8 @@ struct forgotten_by {
   peer_id host;
 };
 
-using event = std::variant<to_link, close_link, host_appeared, host_vanished, arrived, delivered,
-                           undelivered, forgotten_by>;
+using event = std::variant<to_link, close_link, connect_to, announce, host_appeared, host_vanished,
+                           arrived, delivered, undelivered, forgotten_by>;
 using events = std::vector<event>;
 
 } // namespace rubicon::peis

@@ -5,7 +5,7 @@
 
 namespace rubicon::peis {
 
-void p2p::on_link_open(link_id link, link_role role, instant now) {
+void p2p::on_link_open(link_id link, link_role role, instant now, std::optional<attempt_id>) {
   if (connections_.contains(link))
     return;
   if (connections_.size() >= config_.links_max || left_) {
@@ -22,11 +22,23 @@ void p2p::on_link_open(link_id link, link_role role, instant now) {
   x.last_heard = now;
   if (role == link_role::initiator) {
     x.open = true;
-    x.preamble =
-        encode(connect_request{protocol_version, self_.id, config_.connect_flags, config_.network});
+    x.preamble = encode(connect_request{
+        protocol_version, self_.id, connect_request::all_broadcasts | connect_request::for_merge,
+        config_.network});
     greet(x, now);
   }
   watch_silence(x);
+}
+
+void p2p::on_attempt_failed(attempt_id, instant) {}
+
+void p2p::on_announcement(byte_view, instant) {}
+
+std::vector<link_view> p2p::links() const {
+  std::vector<link_view> all;
+  for (const auto& [link, x] : connections_)
+    all.push_back({link, x.neighbour, 0, 0, 0, x.queue.size()});
+  return all;
 }
 
 void p2p::on_link_octets(link_id link, byte_view octets, instant now) {

@@ -54,6 +54,12 @@ std::string_view to_string(close_cause x) {
     return "silent";
   case close_cause::host_left:
     return "host_left";
+  case close_cause::double_link:
+    return "double_link";
+  case close_cause::unneeded:
+    return "unneeded";
+  case close_cause::leaf:
+    return "leaf";
   case close_cause::reborn:
     return "reborn";
   }

@@ -10,11 +10,15 @@
 namespace rubicon::peis {
 
 struct link_tag;
+struct attempt_tag;
 struct request_tag;
 struct subscription_tag;
 
 /// One link to a neighbour, named by the owner of the kernel; never used twice by the same owner.
 using link_id = strong_id<link_tag, std::uint64_t>;
+
+/// One attempt of the kernel to get a link, named by the kernel.
+using attempt_id = strong_id<attempt_tag, std::uint64_t>;
 
 /// Named by the caller of a command, returned with its outcome. Zero asks for no outcome.
 using request_id = strong_id<request_tag, std::uint64_t>;
@@ -61,6 +65,9 @@ enum class close_cause : std::uint8_t {
   handshake_silent, ///< no connect request in time
   silent,           ///< nothing arrived for 30 s (peis-wire.md 3.5)
   host_left,        ///< the neighbour has left the network or was given up
+  double_link,      ///< a second link to the same neighbour (CM-11)
+  unneeded,         ///< the one of least value among too many (CM-08)
+  leaf,             ///< we are a leaf and the other side is on another host (LEA-01)
   reborn,           ///< leads to an earlier incarnation of a restarted peer (peis-wire.md 10)
 };
 

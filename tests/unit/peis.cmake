@@ -1,5 +1,5 @@
 rubicon_test(unit.peis SOURCES
-  unit/peis_golden_test.cpp unit/peis_link_test.cpp unit/peis_key_test.cpp
+  unit/peis_golden_test.cpp unit/peis_link_test.cpp unit/peis_link_url_test.cpp unit/peis_key_test.cpp
   unit/peis_queue_test.cpp unit/peis_routing_test.cpp unit/peis_delivery_test.cpp
   unit/peis_p2p_test.cpp unit/peis_tuple_space_test.cpp unit/peis_kernel_test.cpp
   unit/peis_network_test.cpp unit/peis_world.cpp
