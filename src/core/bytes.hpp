@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cassert>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -41,19 +43,39 @@ class payload {
 public:
   payload() = default;
   payload(bytes octets) // NOLINT: an implicit conversion is what every sender wants
-      : octets_(std::make_shared<const bytes>(std::move(octets))) {}
+      : content_(std::make_shared<const content>(std::move(octets))) {}
 
-  [[nodiscard]] byte_view view() const { return octets_ ? byte_view(*octets_) : byte_view(); }
-  [[nodiscard]] std::size_t size() const { return octets_ ? octets_->size() : 0; }
+  /// `count` octets from `offset` on; they share, and keep, the storage of all. @pre they exist
+  [[nodiscard]] payload part(std::size_t offset, std::size_t count) const {
+    assert(offset <= size() && count <= size() - offset);
+    payload x;
+    if (count > 0)
+      x.content_ = std::make_shared<const content>(content_, view().subspan(offset, count));
+    return x;
+  }
+
+  [[nodiscard]] byte_view view() const { return content_ ? content_->visible : byte_view(); }
+  [[nodiscard]] std::size_t size() const { return view().size(); }
   [[nodiscard]] bool empty() const { return size() == 0; }
 
   friend bool operator==(const payload& a, const payload& b) {
-    return a.view().size() == b.view().size() &&
-           std::equal(a.view().begin(), a.view().end(), b.view().begin());
+    return a.size() == b.size() && std::equal(a.view().begin(), a.view().end(), b.view().begin());
   }
 
 private:
-  std::shared_ptr<const bytes> octets_;
+  struct content {
+    explicit content(bytes x) : octets(std::move(x)), visible(octets) {}
+    content(std::shared_ptr<const content> whole, byte_view part)
+        : owner(std::move(whole)), visible(part) {}
+    content(const content&) = delete;
+    content& operator=(const content&) = delete;
+
+    bytes octets;
+    std::shared_ptr<const content> owner; ///< of the octets, if not we
+    byte_view visible;
+  };
+
+  std::shared_ptr<const content> content_;
 };
 
 } // namespace rubicon

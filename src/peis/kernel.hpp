@@ -4,6 +4,7 @@
 
 #include <bitset>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,8 +14,11 @@
 #include "core/bytes.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
+#include "peis/kernel_statistics.hpp"
+#include "peis/meta_tuple.hpp"
 #include "peis/p2p.hpp"
 #include "peis/tuple.hpp"
+#include "peis/tuple_result_set.hpp"
 #include "peis/tuple_space.hpp"
 #include "peis/types.hpp"
 
@@ -29,7 +33,7 @@ struct kernel_config {
 };
 
 // to_link, close_link, connect_to and announce: peis/p2p_events.hpp; tuple_changed and
-// tuple_deleted: peis/tuple_space.hpp.
+// tuple_deleted: peis/tuple_events.hpp.
 
 /// A whole message for a hooked port.
 struct message {
@@ -53,7 +57,7 @@ struct quit_requested {
 };
 
 using output = std::variant<to_link, close_link, connect_to, announce, tuple_changed, tuple_deleted,
-                            message, outcome, host_appeared, host_vanished, quit_requested>;
+                            message, outcome, host_appeared, host_vanished, quit_requested, traced>;
 using outputs = std::vector<output>;
 
 /// Everything counted; nothing is dropped without appearing here.
@@ -106,34 +110,88 @@ public:
   /// When on_time() is due.
   [[nodiscard]] std::optional<instant> deadline() const;
 
-  // Tuples.
+  // Tuples. Names in brackets are those of D1.1 3.1.3. Outcomes of what is decided here come at
+  // once; each command may end with bad_key, bad_value, too_long or left.
 
-  /// Creates or updates an own tuple and pushes it to its subscribers (TUP-04). The outcome, if
-  /// asked for, comes at once: bad_key, bad_value, refused (space full), left.
+  /// [setTuple] Creates or updates an own tuple and pushes it to its subscribers (TUP-04). Also
+  /// space_full; abstract without MIME type.
   [[nodiscard]] outputs set_tuple(std::string_view key, tuple_content content, instant now,
                                   request_id request = no_request);
+
+  /// [insertTuple, after initTuple and setTupleName] The same with all fields: owner, key, value,
+  /// MIME type, encoding, user time and expiry of `draft` count; the rest is filled in. Another
+  /// owner is asked as by set_remote_tuple(). Abstract if any of these is a wildcard (TUP-06).
+  [[nodiscard]] outputs insert_tuple(tuple draft, instant now, request_id request = no_request);
+
+  /// [appendTupleByAbstract] Adds to the value of each existing tuple that matches (TUP-07): of
+  /// ours here, of others by asking the owner, or with any_peer all known hosts. Text gets its
+  /// trailing NUL if `added` has none. The outcome says for one other owner that it has
+  /// acknowledged, else whether it was accepted here; a prototype with a MIME type can be used for
+  /// our own tuples only (bad_value), since the request cannot carry it.
+  [[nodiscard]] outputs append_tuple(const prototype& wanted, payload added, instant now,
+                                     request_id request = no_request);
 
   /// Removes an own tuple here and at its subscribers (TUP-16); succeeds if there is none.
   [[nodiscard]] outputs delete_tuple(std::string_view key, instant now,
                                      request_id request = no_request);
 
-  /// Asks `owner` to set (TUP-05) or delete one of its tuples. The outcome says whether the owner
-  /// has acknowledged the request; a real kernel may still have refused it (peis-wire.md 15.3). An
-  /// owner without route fails at once (API-02). Our own id acts locally.
+  /// [setRemoteTuple] Asks `owner` to set (TUP-05) or delete one of its tuples. The outcome says
+  /// whether the owner has acknowledged the request; a real kernel may still have refused it
+  /// (peis-wire.md 15.3). An owner without route fails at once (API-02). Our own id acts locally.
   [[nodiscard]] outputs set_remote_tuple(peer_id owner, std::string_view key, tuple_content content,
                                          request_id request, instant now);
   [[nodiscard]] outputs delete_remote_tuple(peer_id owner, std::string_view key, request_id request,
                                             instant now);
 
-  /// Subscribes to the tuples of `owner` (or any_peer, which includes our own) whose keys match
+  /// [subscribe] To the tuples of `owner` (or any_peer, which includes our own) whose keys match
   /// `pattern`, now and of hosts that join later (TUP-08, TUP-11). What matches already is among
-  /// the outputs; from then on each change and deletion is told once per subscription. The outcome,
-  /// if asked for, comes at once: bad_key, refused (id in use, or too many), left.
+  /// the outputs; from then on each change and deletion is told once per subscription. The handle
+  /// is the caller's `id`: bad_handle if it is in use; space_full.
   [[nodiscard]] outputs subscribe(peer_id owner, std::string_view pattern, subscription_id id,
                                   instant now, request_id request = no_request);
+  /// [subscribeByAbstract] To all tuples that match a prototype.
+  [[nodiscard]] outputs subscribe(const prototype& wanted, subscription_id id, instant now,
+                                  request_id request = no_request);
 
-  /// Nothing for an unknown id. Tuples held for nobody else are forgotten without a word.
-  [[nodiscard]] outputs unsubscribe(subscription_id id, instant now);
+  /// [registerTupleCallback, ...ByAbstract] Tells of each match that arrives in this tuple space
+  /// from now on, or leaves it, as subscribe() does, but asks nobody for any (CB-01).
+  [[nodiscard]] outputs register_callback(const prototype& wanted, subscription_id id, instant now,
+                                          request_id request = no_request);
+
+  /// [unsubscribe] Ends what subscribe(), register_callback() or their indirect forms began, at any
+  /// time (CB-04). Tuples held for nobody else are forgotten without a word. bad_handle: no such
+  /// id.
+  [[nodiscard]] outputs unsubscribe(subscription_id id, instant now,
+                                    request_id request = no_request);
+
+  // Meta tuples (A12), in kernel_meta.cpp. A meta tuple is a tuple like others, usually our own.
+
+  /// [declareMetaTuple] Makes an own tuple a meta tuple that points nowhere, unless it is one
+  /// already (META-03).
+  [[nodiscard]] outputs declare_meta_tuple(std::string_view key, instant now,
+                                           request_id request = no_request);
+
+  /// [setMetaTuple] Points a meta tuple, ours or another's, at a tuple. Abstract: the target is not
+  /// one tuple.
+  [[nodiscard]] outputs set_meta_tuple(peer_id meta_owner, std::string_view meta_key,
+                                       peer_id target_owner, std::string_view target_key,
+                                       request_id request, instant now);
+
+  /// [subscribeIndirectly] Subscribes to the meta tuple, and always to just the tuple that it
+  /// points at: when it is rewritten, the outputs for `id` are those of the new target from that
+  /// moment on (META-02). While it points nowhere or is no meta tuple there are none.
+  [[nodiscard]] outputs subscribe_indirectly(peer_id meta_owner, std::string_view meta_key,
+                                             subscription_id id, instant now,
+                                             request_id request = no_request);
+  /// [registerMetaTupleCallback] The same without asking anybody for either tuple.
+  [[nodiscard]] outputs register_indirect_callback(peer_id meta_owner, std::string_view meta_key,
+                                                   subscription_id id, instant now,
+                                                   request_id request = no_request);
+
+  /// [setTupleIndirectly] Sets what the meta tuple, as we hold it, points at. bad_meta_tuple if we
+  /// hold none or it points nowhere.
+  [[nodiscard]] outputs set_indirectly(peer_id meta_owner, std::string_view meta_key,
+                                       tuple_content content, request_id request, instant now);
 
   // Messages.
 
@@ -147,9 +205,20 @@ public:
   [[nodiscard]] outputs broadcast(std::uint16_t port, payload octets, request_id request,
                                   instant now);
 
+  /// Asks for the way that packages take to a host and back (API-12): `traced` follows, with an
+  /// empty way if nothing came back within 5 s.
+  [[nodiscard]] outputs trace(peer_id destination, request_id request, instant now);
+
   /// Messages for this port become outputs from now on; without this they are counted and dropped.
   /// @returns false unless the port is 20..49 (API-09)
   bool hook_port(std::uint16_t port);
+
+  /// The local clock was set to another time, by so much: tuples carry it from now on; no timer of
+  /// ours moves (SCH-07).
+  [[nodiscard]] outputs step_clock(duration by, instant now);
+
+  /// The owner's main loop has made a step of this length, for kernel.step-time (SCH-06).
+  void note_step(duration length) { statistics_.note_step(length); }
 
   /// Tells everybody that this peer exits (KH-04). Commands fail from then on; close the links when
   /// the octets are out.
@@ -159,22 +228,50 @@ public:
 
   [[nodiscard]] peer_id id() const;
 
-  /// The tuple of that owner and full key, own or held because of a subscription; nullptr if none.
-  /// Valid until the next call that is not const.
-  [[nodiscard]] const tuple* find_tuple(peer_id owner, std::string_view key) const;
+  /// [getTuple] The tuple of that owner and full key, own or held because of a subscription, unless
+  /// it has expired; it counts as read then (TUP-12). Abstract: owner or key is a wildcard.
+  [[nodiscard]] reading get_tuple(peer_id owner, std::string_view key, read_mode mode, instant now);
+  /// [getTupleByAbstract] Nothing also if the other fields of the prototype do not match.
+  [[nodiscard]] reading get_tuple(const prototype& wanted, read_mode mode, instant now);
+
+  /// [getTuples, getTuplesByAbstract] Appends all that match, ascending by key, then owner; each
+  /// counts as read then (TUP-13).
+  void get_tuples(const prototype& wanted, result_set& into, instant now,
+                  read_mode mode = read_mode::keep_old);
+
+  /// [getTupleIndirectly] What the meta tuple, as we hold it, points at; nothing if it points
+  /// nowhere. bad_meta_tuple if we hold none.
+  [[nodiscard]] reading get_indirectly(peer_id meta_owner, std::string_view meta_key,
+                                       read_mode mode, instant now);
+
+  /// [isMetaTuple] Do we hold such a tuple, and does it say where it points (META-03)?
+  [[nodiscard]] bool is_meta_tuple(peer_id owner, std::string_view key) const;
+
+  /// As get_tuple(), without the marks of reading; null if there is none. kernel.* tuples that
+  /// nobody watches may be older than their period.
+  [[nodiscard]] tuple_pointer find_tuple(peer_id owner, std::string_view key) const;
 
   /// Own tuples, ascending by key without letter case.
-  [[nodiscard]] std::vector<const tuple*> own_tuples() const;
+  [[nodiscard]] std::vector<tuple_pointer> own_tuples() const;
 
   /// All tuples held that match, ascending by key, then owner; any_peer matches every owner.
-  [[nodiscard]] std::vector<const tuple*> find_tuples(peer_id owner,
-                                                      std::string_view pattern) const;
+  [[nodiscard]] std::vector<tuple_pointer> find_tuples(peer_id owner,
+                                                       std::string_view pattern) const;
 
   /// Does anyone subscribe to our tuple of this key (TUP-23)? Local subscriptions count too.
   [[nodiscard]] bool has_subscriber(std::string_view key) const;
 
   /// Known hosts, ourselves included, ascending by id (API-01).
   [[nodiscard]] std::vector<const host_record*> hosts() const;
+
+  /// The links there are, ascending by number.
+  [[nodiscard]] std::vector<link_view> links() const { return network_.links(); }
+
+  /// The way to every host that is known, lost ones included (RTE-01).
+  [[nodiscard]] const routing_table& routing() const { return network_.routing(); }
+
+  /// The clock of the ecology as we see it (CLK-06).
+  [[nodiscard]] const network_clock& clock() const { return network_.clock(); }
 
   /// Can a message be sent to that peer now?
   [[nodiscard]] bool reachable(peer_id host) const;
@@ -193,21 +290,46 @@ private:
   void handle(host_appeared& x, instant now);
   void handle(host_vanished& x, instant now);
   void handle(forgotten_by& x, instant now);
+  void handle(traced& x, instant now);
   void handle(arrived& x, instant now);
   void handle(delivered& x, instant now);
   void handle(undelivered& x, instant now);
-  void on_set(peer_id source, bytes octets, instant now);
+  void on_set(peer_id source, const payload& octets, instant now);
   [[nodiscard]] bool may_stop_us(peer_id source) const;
-  void perform(tuple_events todo);
+  void perform(tuple_events todo, instant now);
   void report(request_id request, cause why);
-  [[nodiscard]] outputs ask(peer_id owner, std::string_view name,
-                            std::optional<tuple_content> content, request_id request, instant now);
+
+  // kernel_tuples.cpp
+  [[nodiscard]] outputs ask(std::pair<cause, transmit> question, request_id request, instant now);
+  void refuse(request_id request, cause why);
+  [[nodiscard]] outputs watch(const prototype& wanted, tuple_space::interest kind,
+                              subscription_id id, request_id request, instant now);
+  void publish(const kernel_statistics::texts& values, instant now);
+  void refresh_statistics(const key& looked_at, instant now);
+
+  // kernel_meta.cpp
+  /// Follows a meta tuple for one subscription of the user.
+  struct indirection {
+    tuple_space::interest kind = tuple_space::interest::subscription;
+    subscription_id meta_watch; ///< ours, of the meta tuple
+    meta_reference target;      ///< what the user's id subscribes to now
+  };
+  [[nodiscard]] outputs watch_indirectly(peer_id owner, std::string_view name,
+                                         tuple_space::interest kind, subscription_id id,
+                                         request_id request, instant now);
+  void on_meta_tuple(subscription_id meta_watch, const tuple* content, instant now);
+  [[nodiscard]] result<meta_reference> look_up(peer_id meta_owner, std::string_view meta_key,
+                                               instant now);
   [[nodiscard]] static bool is_user_port(std::uint16_t port);
   [[nodiscard]] cause refusal(const result<key>& name);
 
   kernel_config config_;
   p2p network_;
   tuple_space tuples_;
+  kernel_statistics statistics_;
+  std::map<subscription_id, indirection> indirections_;     ///< by the user's id
+  std::map<subscription_id, subscription_id> meta_watches_; ///< ours, to the user's
+  std::uint64_t meta_watches_made_ = 0;
   std::bitset<port::count> hooked_;
   std::uint64_t unhooked_ = 0;
   std::uint64_t refused_ = 0;

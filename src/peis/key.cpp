@@ -22,11 +22,23 @@ std::size_t count_parts(std::string_view text) {
   return text.empty() ? 0 : 1 + static_cast<std::size_t>(std::count(text.begin(), text.end(), '.'));
 }
 
-/// Walks over all parts, those that a trailing dot leaves empty too.
-template <class Predicate>
-bool any_part(std::string_view text, std::size_t parts, Predicate predicate) {
-  for (std::size_t i = 0; i < parts; ++i) {
-    if (predicate(next_part(text)))
+bool ends_part(std::string_view text, std::size_t at) {
+  return at == text.size() || text[at] == '.';
+}
+
+/// Where the next part stands that is only `*`.
+std::size_t find_wildcard(std::string_view text) {
+  for (auto at = text.find('*'); at != std::string_view::npos; at = text.find('*', at + 1)) {
+    if ((at == 0 || text[at - 1] == '.') && ends_part(text, at + 1))
+      return at;
+  }
+  return std::string_view::npos;
+}
+
+/// Has any part a `*` beside other characters?
+bool has_stray_star(std::string_view text) {
+  for (auto at = text.find('*'); at != std::string_view::npos; at = text.find('*', at + 1)) {
+    if ((at > 0 && text[at - 1] != '.') || !ends_part(text, at + 1))
       return true;
   }
   return false;
@@ -34,21 +46,28 @@ bool any_part(std::string_view text, std::size_t parts, Predicate predicate) {
 
 } // namespace
 
-key::key(std::string_view text) : text_(text), folded_(text), parts_(count_parts(text)) {
-  std::transform(folded_.begin(), folded_.end(), folded_.begin(), lower);
-  pattern_ =
-      parts_ == 0 || any_part(text, parts_, [](std::string_view part) { return part == "*"; });
+key::key(std::string_view text) {
+  if (text.empty())
+    return;
+  const auto x = std::make_shared<parsed>();
+  x->text = text;
+  x->folded = text;
+  std::transform(text.begin(), text.end(), x->folded.begin(), lower);
+  x->parts = count_parts(text);
+  x->wild_at = find_wildcard(text);
+  content_ = x;
+}
+
+const key::parsed& key::content() const {
+  static const parsed empty;
+  return content_ ? *content_ : empty;
 }
 
 result<key> key::parse(std::string_view text) {
   if (text.size() > key_length_max)
     return errc::too_long;
-  const auto parts = count_parts(text);
-  const auto illegal = [](std::string_view part) {
-    return part.size() > 1 && part.find('*') != std::string_view::npos;
-  };
-  if (parts > key_parts_max || text.find('\0') != std::string_view::npos ||
-      any_part(text, parts, illegal))
+  if (count_parts(text) > key_parts_max || text.find('\0') != std::string_view::npos ||
+      has_stray_star(text))
     return errc::bad_value;
   return key(text);
 }
@@ -70,18 +89,27 @@ std::string_view key::first_parts(std::string_view text, std::size_t count) {
 bool key::matches(const key& other) const {
   if (any())
     return true;
-  if (parts_ != other.parts_)
+  if (!is_pattern())
+    return *this == other;
+  std::string_view mine = folded();
+  std::string_view theirs = other.folded();
+  if (parts() != other.parts() || !theirs.starts_with(literal_prefix()))
     return false;
-  if (!pattern_)
-    return folded_ == other.folded_;
-  std::string_view mine = folded_;
-  std::string_view theirs = other.folded_;
-  for (std::size_t i = 0; i < parts_; ++i) {
+  for (std::size_t i = 0; i < parts(); ++i) {
     const auto part = next_part(mine);
     if (const auto counterpart = next_part(theirs); part != "*" && part != counterpart)
       return false;
   }
   return true;
+}
+
+bool is_reserved(const key& name) {
+  return name.folded() == "kernel" || name.folded().starts_with("kernel.");
+}
+
+bool equal_without_case(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](char x, char y) { return lower(x) == lower(y); });
 }
 
 } // namespace rubicon::peis

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -14,6 +15,7 @@ inline constexpr std::size_t key_length_max = 127;
 inline constexpr std::size_t key_parts_max = 7;
 
 /// A key or a pattern. The part `*` stands for exactly one part; the empty key matches every key.
+/// Copies share their text.
 class key {
 public:
   key() = default;
@@ -26,27 +28,47 @@ public:
   /// (peis-wire.md 15.7). too_long above 127 characters.
   [[nodiscard]] static result<key> from_wire(std::string_view text);
 
-  [[nodiscard]] const std::string& text() const { return text_; }
+  [[nodiscard]] const std::string& text() const { return content().text; }
   /// In lower case: equal for equal keys.
-  [[nodiscard]] const std::string& folded() const { return folded_; }
-  [[nodiscard]] std::size_t parts() const { return parts_; } ///< 0 for the empty key
-  [[nodiscard]] bool is_pattern() const { return pattern_; }
-  [[nodiscard]] bool any() const { return parts_ == 0; }
+  [[nodiscard]] const std::string& folded() const { return content().folded; }
+  [[nodiscard]] std::size_t parts() const { return content_ ? content_->parts : 0; } ///< 0: empty
+  [[nodiscard]] bool is_pattern() const { return !content_ || content_->wild_at != npos; }
+  [[nodiscard]] bool any() const { return parts() == 0; }
+
+  /// The folded characters before the first wildcard: all keys that match begin with them.
+  [[nodiscard]] std::string_view literal_prefix() const {
+    return std::string_view(folded()).substr(0, content_ ? content_->wild_at : 0);
+  }
 
   /// Does this pattern cover `other`? Wildcards count on this side only.
   [[nodiscard]] bool matches(const key& other) const;
 
-  friend bool operator==(const key& a, const key& b) { return a.folded_ == b.folded_; }
+  friend bool operator==(const key& a, const key& b) {
+    return a.content_ == b.content_ || a.folded() == b.folded();
+  }
 
 private:
+  static constexpr std::size_t npos = std::string_view::npos;
+
+  struct parsed {
+    std::string text;
+    std::string folded;
+    std::size_t parts = 0;
+    std::size_t wild_at = npos; ///< where the first wildcard stands
+  };
+
   explicit key(std::string_view text);
 
+  [[nodiscard]] const parsed& content() const;
   [[nodiscard]] static std::string_view first_parts(std::string_view text, std::size_t count);
 
-  std::string text_;
-  std::string folded_;
-  std::size_t parts_ = 0;
-  bool pattern_ = true;
+  std::shared_ptr<const parsed> content_; ///< unset for the empty key
 };
+
+/// Does it name what describes a kernel, which others may not write (TUP-22)?
+[[nodiscard]] bool is_reserved(const key& name);
+
+/// Equal up to letter case of the 26 ASCII letters.
+[[nodiscard]] bool equal_without_case(std::string_view a, std::string_view b);
 
 } // namespace rubicon::peis

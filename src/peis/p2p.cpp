@@ -24,6 +24,9 @@ lane lane_of(const package_header& header) {
 p2p::p2p(p2p_config config, random_stream dice, instant now)
     : config_(std::move(config)), dice_(dice), assembly_(config_.assembly),
       acknowledger_(config_.ack_delay), delivery_(config_.reliable),
+      clock_({config_.time_master, config_.clock_period, config_.clock_offset}, config_.id, now),
+      next_manager_(now + config_.connections.manager_period), next_merge_(now),
+      next_announcement_(now), last_measured_(now),
       next_period_(now + dice_.between(config_.routing_period / 2, config_.routing_period)),
       last_trigger_(now - config_.trigger_gap) {
   self_.id = config_.id;
@@ -35,21 +38,28 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
   self_.cluster = self_.id.value;
   self_.marked = true;
   routing_ = routing_table(self_.id, self_.magic, config_.metric_limit);
+  const auto& wanted = config_.connections;
+  for (const auto* urls : {&wanted.always, &wanted.seeds}) {
+    for (const auto& url : *urls)
+      standing_.push_back({url, urls == &wanted.seeds, wanted.always_retry, now, false, {}, {}});
+  }
 }
 
 void p2p::on_time(instant now) {
   if (!left_ && now >= next_period_)
     on_period(now);
-  for (const auto& [to, ids] : acknowledger_.take(now))
-    send_acknowledgements(to, ids);
   counters_.messages_incomplete += assembly_.on_time(now);
   check_silence(now);
+  watch_life(now);
+  tend_connections(now);
 }
 
 std::optional<instant> p2p::deadline() const {
   auto next = earliest(acknowledger_.deadline(), delivery_.deadline());
   next = earliest(next, assembly_.deadline());
   next = earliest(next, next_silence_check_);
+  next = earliest(next, life_deadline());
+  next = earliest(next, connections_deadline());
   if (left_)
     return next;
   return earliest(earliest(next, next_trigger_), next_period_);
@@ -66,6 +76,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
     ++counters_.own;
     return;
   }
+  probes_.erase(header.source);
   if (!seen_.insert(header.id)) {
     ++counters_.seen;
     return;
@@ -83,6 +94,11 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
   }
   if (mine && header.seqlen > 0) {
     on_fragment(header, data, now);
+    return;
+  }
+  const bool is_trace = header.port == port::trace || header.port == port::trace_reply;
+  if (header.type == package_type::direct && header.seqlen == 0 && is_trace) {
+    on_trace(header, data);
     return;
   }
   if (header.type == package_type::direct && !mine) {
@@ -157,6 +173,19 @@ void p2p::serve(link_id from, const package_header& header, byte_view data, inst
     else
       ++counters_.malformed;
     return;
+  case port::trace: // a direct one has been handled
+  case port::trace_reply:
+    ++counters_.malformed;
+    return;
+  case port::heartbeat:
+    if (header.type == package_type::link)
+      on_heartbeat(connections_.at(from), data, now);
+    else
+      ++counters_.malformed;
+    return;
+  case port::clock:
+    on_clock(from, header, data, now);
+    return;
   case port::acknowledgements:
     on_acknowledgement(data);
     return;
@@ -181,7 +210,10 @@ void p2p::forward(link_id from, package_header header, byte_view data) {
     return;
   }
   ++header.hops;
-  auto content = std::make_shared<const message_octets>(message_octets{to_bytes(data), {}});
+  const bool timed =
+      header.type == package_type::broadcast && header.port == port::clock && measures_way(header);
+  auto content = std::make_shared<const message_octets>(
+      message_octets{timed ? clock_after(from, data) : to_bytes(data), {}});
   if (header.type == package_type::broadcast) {
     ++counters_.packages_forwarded;
     flood(header, content, from);
@@ -193,6 +225,7 @@ void p2p::forward(link_id from, package_header header, byte_view data) {
     return;
   }
   ++counters_.packages_forwarded;
+  count_traffic(header);
   count_drop(enqueue(connections_.at(*way), lane_of(header), {header, std::move(content), 0}));
 }
 
@@ -220,15 +253,25 @@ void p2p::count_drop(cause why) {
     ++counters_.early_drop;
 }
 
-/// To every open link but one. Services of the kernel go before those of users.
+/// To every open link but one, or to those that want all and some others at random. Services
+/// of the kernel go before those of users.
 cause p2p::flood(const package_header& header, const std::shared_ptr<const message_octets>& content,
                  std::optional<link_id> except) {
   const auto where = header.port < port::user_first ? lane::high : lane::normal;
-  cause worst = cause::none;
+  std::vector<connection*> chosen;
+  std::vector<connection*> others;
   for (auto& [link, x] : connections_) {
-    if (!x.open || link == except)
-      continue;
-    const auto verdict = enqueue(x, where, {header, content, 0});
+    if (x.open && link != except)
+      (config_.broadcast_fanout == 0 || x.always() ? chosen : others).push_back(&x);
+  }
+  for (unsigned i = 0; i < config_.broadcast_fanout && !others.empty(); ++i) {
+    const auto lot = others.begin() + static_cast<std::ptrdiff_t>(dice_.below(others.size()));
+    chosen.push_back(*lot);
+    others.erase(lot);
+  }
+  cause worst = cause::none;
+  for (auto* x : chosen) {
+    const auto verdict = enqueue(*x, where, {header, content, 0});
     count_drop(verdict);
     worst = verdict == cause::none ? worst : verdict;
   }
@@ -305,6 +348,7 @@ cause p2p::send_unreliable(const posting& x, link_id way) {
       header.seqid = seqid;
       header.seqnum = static_cast<std::uint16_t>(i);
     }
+    count_traffic(header);
     queue.push(where, {header, content, offset});
   }
   return cause::none;
@@ -327,6 +371,7 @@ void p2p::pump(peer_id destination) {
       return;
     }
     auto x = delivery_.next(destination, dice_);
+    count_traffic(x->second.header);
     queue.push(x->first, std::move(x->second));
   }
 }

@@ -14,37 +14,23 @@
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "peis/acknowledger.hpp"
+#include "peis/announcement.hpp"
+#include "peis/connection_manager.hpp"
 #include "peis/dead_host.hpp"
 #include "peis/delivery.hpp"
+#include "peis/heartbeat.hpp"
 #include "peis/host_query.hpp"
 #include "peis/host_record.hpp"
 #include "peis/link.hpp"
+#include "peis/network_clock.hpp"
 #include "peis/outgoing_queue.hpp"
 #include "peis/p2p_events.hpp"
 #include "peis/reassembly.hpp"
 #include "peis/routing_table.hpp"
 #include "peis/seen_ids.hpp"
+#include "peis/trace.hpp"
 
 namespace rubicon::peis {
-
-/// Who connects to whom (A9).
-struct connection_config {
-  /// Links to these addresses are always kept (AUT-01): `tcp://host:port`, `inproc://id`, ...
-  std::vector<std::string> always;
-  bool leaf = false;     ///< only these and links within the host (LEA-01)
-  bool manager = true;   ///< false: no other links than these (CM-12)
-  bool announces = true; ///< says every second on the group of announcements that we are there
-  std::size_t links_min = 3;
-  std::size_t links_suitable = 7;
-  std::size_t links_max = 20; ///< not counting those of `always` and of cluster merges (CM-09)
-  duration manager_period = 3s;
-  duration cluster_period = 2s;
-  duration announce_period = 1s;
-  duration connect_timeout = 5s;
-  duration always_retry = 5s; ///< grows to always_retry_max while it fails
-  duration always_retry_max = 30s;
-  double forced_octets_per_second = 2000; ///< to one host: a direct link is forced (CM-03)
-};
 
 struct p2p_config {
   peer_id id;
@@ -55,9 +41,12 @@ struct p2p_config {
   std::vector<low_level_address> addresses; ///< where we listen; up to 16, told to others
   /// Network time minus ecology time. In wall mode the Unix time of the ecology's start.
   duration clock_offset = 1'000'000'000s;
+  duration clock_period = 2s;
+  bool time_master = false; ///< our clock is everybody's (CLK-06)
   connection_config connections;
+  unsigned broadcast_fanout = 0; ///< links a broadcast goes to beside those that want all; 0: all
 
-  std::size_t links_max = 64;
+  std::size_t links_max = 64; ///< a request beyond it is answered with whom else to ask (TCP-07)
   std::size_t queue_capacity = 1024; ///< packages per link and class
   /// Octets handed out per link that the owner has not reported with on_link_sent(). 0: the owner
   /// takes everything at once and never reports.
@@ -68,6 +57,11 @@ struct p2p_config {
   duration routing_period = 10s;
   duration trigger_gap = 500ms; ///< least time between two triggered routing sendings
   duration link_timeout = 30s;  ///< a link on which nothing arrives is closed
+  // Between peers of our kind:
+  duration heartbeat_period = 1s;
+  duration heartbeat_timeout = 4s; ///< in place of link_timeout
+  duration lost_timeout = 3s;      ///< a host without any way is forgotten, in place of ageing
+  duration probe_timeout = 2s;     ///< of a way that may lead in circles
   duration handshake_timeout = 5s;
   std::uint8_t metric_limit = 30;
   std::uint8_t cost_same_host = 1;
@@ -90,6 +84,12 @@ struct p2p_counters {
   std::uint64_t messages_delivered = 0; ///< reliable ones, acknowledged in full
   std::uint64_t messages_failed = 0;    ///< reliable ones, after they had been accepted
   std::uint64_t routing_sendings = 0;
+  std::uint64_t attempts = 0;        ///< to get a link
+  std::uint64_t attempts_failed = 0; ///< nobody answered, or refused
+  std::uint64_t announcements_sent = 0;
+  std::uint64_t announcements_received = 0; ///< of other peers of our network
+  std::uint64_t heartbeats_sent = 0;
+  std::uint64_t ways_disproved = 0; ///< led in circles (peis-wire.md 9.4)
   // Dropped on receipt.
   std::uint64_t illegal = 0;   ///< port 50 and above, bad type, source or fragment numbers
   std::uint64_t malformed = 0; ///< our own services could not decode it
@@ -150,6 +150,14 @@ public:
 
   /// The exit broadcast (peis-wire.md 11). No routing is sent from then on.
   void leave();
+
+  /// Which way packages take to that host and back. Told as `traced`, within trace_timeout.
+  void trace(peer_id destination, request_id id, instant now);
+
+  /// The local clock was set: by so much more than time has passed.
+  void step_clock(duration by) { clock_.step(by); }
+  [[nodiscard]] const network_clock& clock() const { return clock_; }
+
   [[nodiscard]] bool has_left() const { return left_; }
 
   /// What has happened since the last call; without to_link.
@@ -188,12 +196,78 @@ private:
     bytes preamble; ///< goes out before any package
     std::uint32_t counter = 0;
     std::size_t unreported = 0; ///< octets handed out, not yet reported as sent
+    instant opened;
     instant last_heard;
+    instant last_written;
+    std::uint32_t request_flags = 0;
+    std::optional<std::uint32_t> counter_heard; ///< of the neighbour's last package
+    double loss = 0;
+    std::uint64_t octets_in = 0;
+    std::uint64_t octets_out = 0;
+    std::optional<heartbeat> beat; ///< the neighbour's last
+    instant beat_heard;
+    instant beat_sent;
+    std::optional<duration> one_way; ///< half a round trip, little disturbed by waiting
+
+    /// Kept up by one of its ends (AUT-01).
+    [[nodiscard]] bool always() const {
+      return (request_flags & connect_request::all_broadcasts) != 0;
+    }
+  };
+
+  /// A link that has been asked for.
+  struct attempt {
+    std::uint32_t flags = 0;
+    std::optional<peer_id> host;
+    std::optional<std::size_t> standing;
+    instant deadline;
+  };
+
+  /// An address to which a link is always kept, or that is asked for others.
+  struct standing_address {
+    std::string url;
+    bool seed = false;
+    duration wait; ///< before the next try
+    instant next;  ///< try
+    bool trying = false;
+    std::optional<link_id> link;
+    std::optional<peer_id> host; ///< who answered there last
+  };
+
+  /// How connecting to a host has gone.
+  struct contact {
+    unsigned tries = 0;
+    instant next_try;
+    unsigned runs_foreign = 0; ///< cluster runs that saw it in a higher cluster (CLU-02)
+  };
+
+  using attempts_node = std::map<attempt_id, attempt>::node_type;
+
+  struct former_host {
+    host_record record;
+    instant lost;
+  };
+
+  struct traffic {
+    std::uint64_t octets = 0; ///< since the last run of the manager
+    double per_second = 0;
+  };
+
+  struct open_probe {
+    instant deadline;
+    instant next; ///< try
+  };
+
+  struct open_trace {
+    peer_id destination;
+    request_id id;
+    instant deadline;
   };
 
   struct acquaintance {
     host_record record;
     bool announced = false; ///< host_appeared was told
+    instant heard;          ///< its last announcement
   };
 
   // p2p_links.cpp: links, greeting, writing
@@ -205,6 +279,8 @@ private:
   void check_silence(instant now);
   void watch_silence(const connection& x);
   [[nodiscard]] duration patience(const connection& x) const;
+  [[nodiscard]] bool has_room_for(const connect_request& request, instant now);
+  static void note_counter(connection& x, std::uint32_t counter);
   [[nodiscard]] bool write(connection& to, instant now);
   void count_drop(cause why);
 
@@ -244,6 +320,57 @@ private:
   void delete_host(peer_id id, dead_host_message::reason why, instant now);
   void close_links_to(peer_id id, close_cause why, std::optional<link_id> except, instant now);
 
+  // p2p_connections.cpp: whom to connect to
+  void tend_connections(instant now);
+  [[nodiscard]] std::optional<instant> connections_deadline() const;
+  void connect(const std::string& url, attempt x, instant now);
+  bool connect_host(const host_record& record, std::uint32_t flags, instant now);
+  void on_attempt_ended(const attempt& x, bool success, instant now);
+  void check_attempts(instant now);
+  void tend_standing(instant now);
+  [[nodiscard]] bool is_served(const standing_address& x) const;
+  void note_contact(peer_id host, instant now);
+  [[nodiscard]] bool may_try(peer_id host, instant now) const;
+  void merge_clusters(instant now);
+  void hasten_merge(instant now);
+  void update_cluster(instant now);
+  void remember(const host_record& record, instant now);
+  [[nodiscard]] bool manages() const;
+  [[nodiscard]] bool manager_wanted() const;
+  [[nodiscard]] bool merge_wanted() const;
+  void manage(instant now);
+  void measure_traffic(instant now);
+  void count_traffic(const package_header& header);
+  [[nodiscard]] bool busy_with(peer_id host) const;
+  void close_doubles(instant now);
+  [[nodiscard]] bool force_by_traffic(instant now);
+  [[nodiscard]] std::vector<link_option> link_options(instant now) const;
+  [[nodiscard]] std::vector<host_option> host_options(instant now) const;
+  [[nodiscard]] std::uint8_t own_connections() const;
+  void announce_by_rule(instant now, bool extra);
+  void refer_elsewhere(connection& to, instant now);
+
+  // p2p_liveness.cpp: signs of life, proof of ways, traces, the clock
+  void watch_life(instant now);
+  [[nodiscard]] std::optional<instant> life_deadline() const;
+  [[nodiscard]] bool is_marked(const connection& x) const;
+  [[nodiscard]] instant next_beat_of(const connection& x) const;
+  void expect_beat(const connection& x);
+  void beat(instant now);
+  void send_beat(connection& x, instant now);
+  void on_heartbeat(connection& x, byte_view data, instant now);
+  void probe_unsound(instant now);
+  void check_probes(instant now);
+  void check_losses(instant now);
+  void send_trace(peer_id destination);
+  void check_traces(instant now);
+  void on_trace(const package_header& header, byte_view data);
+  [[nodiscard]] bool measures_way(const package_header& header) const;
+  void on_clock(link_id from, const package_header& header, byte_view data, instant now);
+  [[nodiscard]] bytes clock_after(link_id from, byte_view data) const;
+  void tell_time(instant now);
+  void note_duplicate();
+
   p2p_config config_;
   random_stream dice_;
   host_record self_;
@@ -262,6 +389,25 @@ private:
   acknowledger acknowledger_;
   delivery delivery_;
   std::set<peer_id> stalled_; ///< destinations whose next package found its queue half full
+
+  std::uint64_t next_attempt_ = 1;
+  std::map<attempt_id, attempt> attempts_;
+  std::vector<standing_address> standing_;
+  std::map<peer_id, contact> contacts_;
+  std::map<peer_id, former_host> former_; ///< lost for want of a way: may be found again
+  std::map<peer_id, traffic> traffic_;    ///< by destination
+  std::map<peer_id, open_probe> probes_;  ///< hosts that are to give a sign of life
+  std::vector<open_trace> traces_;
+  network_clock clock_;
+  instant next_manager_;
+  instant next_merge_;
+  instant next_announcement_;
+  instant last_measured_;              ///< traffic
+  unsigned first_announcements_ = 0;   ///< made, of those at the start
+  unsigned unheard_announcements_ = 0; ///< periods since a better announcer was heard
+  std::size_t welcomed_ = 0;           ///< hosts that are announced
+  std::optional<instant> next_beat_;
+  std::optional<instant> next_probe_;
 
   instant next_period_;
   std::optional<instant> next_trigger_;

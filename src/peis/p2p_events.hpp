@@ -67,13 +67,21 @@ struct undelivered {
   cause why = cause::none;
 };
 
+/// The peers that a package has passed to a host and back, ourselves first; empty if nothing came
+/// back in time.
+struct traced {
+  request_id request;
+  peer_id destination;
+  std::vector<peer_id> way;
+};
+
 /// That host says it has forgotten us, subscriptions included (peis-wire.md 11, reason 2).
 struct forgotten_by {
   peer_id host;
 };
 
 using event = std::variant<to_link, close_link, connect_to, announce, host_appeared, host_vanished,
-                           arrived, delivered, undelivered, forgotten_by>;
+                           arrived, delivered, undelivered, forgotten_by, traced>;
 using events = std::vector<event>;
 
 } // namespace rubicon::peis

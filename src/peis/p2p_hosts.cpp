@@ -52,6 +52,12 @@ void p2p::apply(const routing_changes& changes, instant now) {
   }
   if (!changes.empty())
     trigger_routing(now);
+  probe_unsound(now);
+  update_cluster(now);
+}
+
+void p2p::note_duplicate() {
+  ++counters_.duplicate_id;
 }
 
 void p2p::note_stranger(peer_id id) {
@@ -78,8 +84,7 @@ void p2p::send_routing(instant now) {
 
 void p2p::send_routing_to(connection& to) {
   ++counters_.routing_sendings;
-  const auto open = static_cast<std::uint8_t>(std::min<std::size_t>(connections_.size(), 254));
-  const auto entries = routing_.table_for(to.id, open);
+  const auto entries = routing_.table_for(to.id, own_connections());
   for (const auto& page : paginate(entries, entries.front().seqno)) {
     auto content = std::make_shared<const message_octets>(message_octets{encode(page), {}});
     const auto header = fresh_header(package_type::link, port::routing, content->size());
@@ -144,11 +149,17 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
   const auto& record = message->record;
   if (record.id == self_.id) {
     if (record.magic != self_.magic)
-      ++counters_.duplicate_id;
+      note_duplicate();
     return;
   }
   // The first to describe itself over a link is the neighbour there, for good.
   auto& x = connections_.at(from);
+  for (auto& address : standing_) {
+    if (address.link == from && (!message->cached || !x.neighbour)) {
+      address.host = x.neighbour.value_or(record.id); // a referral begins with who refers
+      address.wait = message->cached ? address.wait : config_.connections.always_retry;
+    }
+  }
   if (header.hops == 1 && !message->cached && x.neighbour.value_or(record.id) == record.id) {
     x.cost = record.host_name == self_.host_name ? config_.cost_same_host : config_.cost_other_host;
     bind_neighbour(x, record.id);
@@ -169,17 +180,29 @@ void p2p::store_record(link_id from, const host_record_message& message, instant
   } else if (message.cached && !fits_route) {
     return;
   }
-  hosts_[record.id].record = record;
+  auto& stored = hosts_[record.id];
+  stored.record = record;
+  stored.heard = now;
+  former_.erase(record.id);
   strangers_.erase(record.id);
+  if (const auto direct = neighbours_.find(record.id); direct != neighbours_.end())
+    expect_beat(connections_.at(direct->second));
   welcome(record.id);
+  if (!reachable(record.id))
+    hasten_merge(now);
 }
 
 /// Tells the kernel above once both a way to a host and its record are there.
 void p2p::welcome(peer_id id) {
   const auto known = hosts_.find(id);
-  if (known == hosts_.end() || known->second.announced || !reachable(id))
+  if (known == hosts_.end() || !reachable(id))
+    return;
+  if (known->second.record.marked)
+    routing_.mark(id);
+  if (known->second.announced)
     return;
   known->second.announced = true;
+  ++welcomed_;
   events_.push_back(host_appeared{id});
 }
 
@@ -220,7 +243,15 @@ void p2p::delete_host(peer_id id, dead_host_message::reason why, instant now) {
   assembly_.drop(id);
   strangers_.erase(id);
   stalled_.erase(id);
-  hosts_.erase(id);
+  if (known != hosts_.end()) {
+    welcomed_ -= known->second.announced ? 1 : 0;
+    if (why == reason::route)
+      remember(known->second.record, now);
+    hosts_.erase(known);
+  }
+  contacts_.erase(id);
+  traffic_.erase(id);
+  probes_.erase(id);
   if (why != reason::route)
     routing_.bury(id, magic, now + burial_periods * config_.routing_period);
   if (why != reason::reborn || way == nullptr || way->magic == magic)

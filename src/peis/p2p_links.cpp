@@ -1,17 +1,30 @@
 // Links: request, greeting, writing, closing (peis-wire.md 3).
+#include <algorithm>
 #include <utility>
 
 #include "peis/p2p.hpp"
 
 namespace rubicon::peis {
 
-void p2p::on_link_open(link_id link, link_role role, instant now, std::optional<attempt_id>) {
+namespace {
+
+/// Slots above links_max, for those that are refused with a referral.
+constexpr std::size_t referral_slots = 16;
+constexpr duration retry_after_loss = 1s; // a real kernel cuts a reborn peer off once (25.8)
+
+} // namespace
+
+void p2p::on_link_open(link_id link, link_role role, instant now,
+                       std::optional<attempt_id> attempt_made) {
   if (connections_.contains(link))
     return;
-  if (connections_.size() >= config_.links_max || left_) {
+  const auto asked = attempt_made ? attempts_.extract(*attempt_made) : attempts_node();
+  const bool too_late = attempt_made && asked.empty();
+  if (connections_.size() >= config_.links_max + referral_slots || left_ || too_late) {
     ++counters_.links_refused;
-    events_.push_back(
-        close_link{link, left_ ? close_cause::host_left : close_cause::too_many_links});
+    events_.push_back(close_link{link, left_      ? close_cause::host_left
+                                       : too_late ? close_cause::unneeded
+                                                  : close_cause::too_many_links});
     return;
   }
   ++counters_.links_opened;
@@ -19,25 +32,28 @@ void p2p::on_link_open(link_id link, link_role role, instant now, std::optional<
   x.id = link;
   x.cost = config_.cost_other_host;
   x.queue = outgoing_queue(config_.queue_capacity);
-  x.last_heard = now;
+  x.opened = x.last_heard = now;
+  x.beat_sent = now - 1h; // never yet
+  if (!asked.empty()) {
+    on_attempt_ended(asked.mapped(), true, now);
+    if (asked.mapped().standing)
+      standing_[*asked.mapped().standing].link = link;
+  }
   if (role == link_role::initiator) {
     x.open = true;
-    x.preamble = encode(connect_request{
-        protocol_version, self_.id, connect_request::all_broadcasts | connect_request::for_merge,
-        config_.network});
+    x.request_flags = asked.empty() ? connect_request::all_broadcasts | connect_request::for_merge
+                                    : asked.mapped().flags;
+    x.preamble =
+        encode(connect_request{protocol_version, self_.id, x.request_flags, config_.network});
     greet(x, now);
   }
   watch_silence(x);
 }
 
-void p2p::on_attempt_failed(attempt_id, instant) {}
-
-void p2p::on_announcement(byte_view, instant) {}
-
 std::vector<link_view> p2p::links() const {
   std::vector<link_view> all;
   for (const auto& [link, x] : connections_)
-    all.push_back({link, x.neighbour, 0, 0, 0, x.queue.size()});
+    all.push_back({link, x.neighbour, x.octets_in, x.octets_out, x.loss, x.queue.size()});
   return all;
 }
 
@@ -46,6 +62,7 @@ void p2p::on_link_octets(link_id link, byte_view octets, instant now) {
   if (at == connections_.end())
     return;
   counters_.octets_received += octets.size();
+  at->second.octets_in += octets.size();
   // What is decoded must outlive the connection, which a package may close.
   auto decoder = std::move(at->second.decoder);
   decoder.feed(octets);
@@ -62,6 +79,7 @@ void p2p::on_link_octets(link_id link, byte_view octets, instant now) {
     if (!package)
       break;
     at->second.last_heard = now;
+    note_counter(at->second, package->header.counter);
     on_package(link, package->header, package->data, now);
   }
   const bool broken = decoder.broken();
@@ -86,15 +104,52 @@ void p2p::accept(connection& from, byte_view request, instant now) {
     why = close_cause::own_id;
   else if (decoded->id.value <= 0)
     why = close_cause::bad_id;
+  if (!why && !has_room_for(*decoded, now)) {
+    why = close_cause::too_many_links;
+    refer_elsewhere(from, now);
+  }
   if (why) {
     ++counters_.links_refused;
     close(from.id, *why, now);
     return;
   }
+  from.request_flags = decoded->flags;
   from.open = true;
   from.last_heard = now;
   bind_neighbour(from, decoded->id);
   greet(from, now);
+}
+
+/// May the peer that asks have a link? Closes another for it if that is worth less (CM-09).
+bool p2p::has_room_for(const connect_request& request, instant now) {
+  const auto open = std::count_if(connections_.begin(), connections_.end(),
+                                  [](const auto& x) { return x.second.open; });
+  if (static_cast<std::size_t>(open) >= config_.links_max)
+    return false;
+  const auto options = link_options(now);
+  switch (admit(request.flags, options, config_.connections)) {
+  case admission::accept:
+    return true;
+  case admission::refuse:
+    return false;
+  case admission::replace_worst:
+    close(worst_of(options)->link, close_cause::unneeded, now);
+    return true;
+  }
+  return false;
+}
+
+/// Share of packages missed, as real kernels average it, here over packages instead of time.
+void p2p::note_counter(connection& x, std::uint32_t counter) {
+  constexpr double smoothing = 0.01;
+  const auto expected = x.counter_heard ? *x.counter_heard + 1 : counter;
+  const auto missed = std::min<std::uint32_t>(counter - expected, 100);
+  if (counter - expected < 0x80000000U) {
+    for (std::uint32_t i = 0; i < missed; ++i)
+      x.loss += smoothing * (1 - x.loss);
+    x.loss -= smoothing * x.loss;
+    x.counter_heard = counter;
+  }
 }
 
 /// Our record, our record again for all if this is our first contact, our routes
@@ -116,6 +171,7 @@ void p2p::bind_neighbour(connection& x, peer_id neighbour) {
   const auto [at, is_first] = neighbours_.try_emplace(neighbour, x.id);
   if (!is_first && !connections_.contains(at->second))
     at->second = x.id;
+  expect_beat(x);
   welcome(neighbour);
 }
 
@@ -140,6 +196,14 @@ void p2p::forget_link(link_id link, instant now) {
     return;
   auto gone = std::move(at->second);
   connections_.erase(at);
+  if (gone.neighbour)
+    note_contact(*gone.neighbour, now);
+  for (auto& x : standing_) {
+    if (x.link == link) {
+      x.link.reset();
+      x.next = now + retry_after_loss;
+    }
+  }
   while (const auto x = gone.queue.pop()) {
     if (x->header.reliable() && x->header.source == self_.id)
       delivery_.on_dropped(x->header.ack_id, now);
@@ -153,11 +217,13 @@ void p2p::forget_link(link_id link, instant now) {
         neighbours_.try_emplace(*gone.neighbour, other);
     }
   }
-  apply(routing_.on_link_closed(link), now);
+  apply(routing_.on_link_closed(link, now), now);
 }
 
 duration p2p::patience(const connection& x) const {
-  return x.open ? config_.link_timeout : config_.handshake_timeout;
+  if (!x.open)
+    return config_.handshake_timeout;
+  return x.beat && is_marked(x) ? config_.heartbeat_timeout : config_.link_timeout;
 }
 
 void p2p::watch_silence(const connection& x) {
@@ -183,6 +249,8 @@ void p2p::check_silence(instant now) {
 
 void p2p::flush(instant now) {
   repeat_due(now);
+  for (const auto& [to, ids] : acknowledger_.take(now))
+    send_acknowledgements(to, ids);
   for (const auto id : std::exchange(newcomers_, {}))
     ask_about(id);
   if (next_trigger_ && *next_trigger_ <= now)
@@ -221,6 +289,8 @@ bool p2p::write(connection& to, instant now) {
   if (out.empty())
     return false;
   counters_.octets_sent += out.size();
+  to.octets_out += out.size();
+  to.last_written = now;
   to.unreported += config_.link_window == 0 ? 0 : out.size();
   events_.push_back(to_link{to.id, std::move(out)});
   return true;

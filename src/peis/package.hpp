@@ -22,14 +22,20 @@ enum class package_type : std::uint8_t { link, broadcast, direct };
 /// Names of services. Real kernels index arrays of 50 entries with a package's port (API-09).
 namespace port {
 inline constexpr std::uint16_t routing = 0;
+inline constexpr std::uint16_t trace = 1;
+inline constexpr std::uint16_t trace_reply = 2;
 inline constexpr std::uint16_t subscribe = 5;
 inline constexpr std::uint16_t unsubscribe = 6;
 inline constexpr std::uint16_t push = 7;
+inline constexpr std::uint16_t heartbeat = 8; ///< ours, between marked neighbours
 inline constexpr std::uint16_t dead_host = 9;
 inline constexpr std::uint16_t set = 10;
+inline constexpr std::uint16_t clock = 11;
 inline constexpr std::uint16_t host_query = 12;
 inline constexpr std::uint16_t host_record = 13;
 inline constexpr std::uint16_t acknowledgements = 14;
+inline constexpr std::uint16_t append_request = 15;
+inline constexpr std::uint16_t append_notice = 16;
 inline constexpr std::uint16_t user_first = 20;
 inline constexpr std::uint16_t count = 50;
 } // namespace port

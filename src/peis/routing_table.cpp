@@ -1,5 +1,7 @@
 #include "peis/routing_table.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace rubicon::peis {
@@ -9,28 +11,66 @@ namespace {
 constexpr std::uint8_t lost_first = 250;
 constexpr std::uint8_t lost_last = 254; // three periods later (RTE-07)
 
+/// Can the offered way not lead through us, given what the last way was?
+bool is_sound(const route& last, std::uint8_t last_hops, const route& offered) {
+  return offered.magic != last.magic || offered.seqno > last.seqno ||
+         (offered.seqno == last.seqno && offered.told < last_hops);
+}
+
 } // namespace
+
+const route* routing_table::offer_in(const link_table& table, peer_id host) {
+  const auto at = std::lower_bound(table.begin(), table.end(), host,
+                                   [](const auto& x, peer_id id) { return x.first < id; });
+  return at != table.end() && at->first == host ? &at->second : nullptr;
+}
+
+void routing_table::erase_from(link_table& table, peer_id host) {
+  std::erase_if(table, [host](const auto& x) { return x.first == host; });
+}
 
 routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
                                         std::span<const routing_entry> entries, instant now) {
   link_table fresh;
+  fresh.reserve(entries.size());
   for (const auto& entry : entries) {
     if (entry.id == self_) {
       note_own(entry);
     } else if (entry.id.value > 0 && entry.hops + cost < metric_limit_ && !buried(entry, now)) {
-      fresh[entry.id] = {entry.seqno, entry.magic, static_cast<std::uint8_t>(entry.hops + cost),
-                         entry.connections, link};
+      fresh.emplace_back(entry.id, route{entry.seqno, entry.magic,
+                                         static_cast<std::uint8_t>(entry.hops + cost),
+                                         entry.connections, link, entry.hops});
     }
   }
-  by_link_[link] = std::move(fresh);
-  const auto& table = by_link_[link];
+  const auto by_host = [](const auto& a, const auto& b) { return a.first < b.first; };
+  if (!std::is_sorted(fresh.begin(), fresh.end(), by_host))
+    std::stable_sort(fresh.begin(), fresh.end(), by_host);
+  fresh.erase(std::unique(fresh.begin(), fresh.end(),
+                          [](const auto& a, const auto& b) { return a.first == b.first; }),
+              fresh.end());
+  auto& table = by_link_[link];
+  table = std::move(fresh);
+
+  // Both are sorted: one walk finds new hosts, other ways, and ways that are told no more.
   routing_changes changes;
-  for (const auto& [host, offered] : table)
-    merge(link, host, offered, changes);
-  for (auto& [host, known] : routes_) {
-    if (known.via == link && !table.contains(host))
-      lose(host, known, changes);
+  auto known = routes_.begin();
+  const auto pass = [&](peer_id until) {
+    for (; known != routes_.end() && known->first < until; ++known) {
+      if (known->second.via == link)
+        lose(known->first, known->second, now, changes);
+    }
+  };
+  for (const auto& [host, offered] : table) {
+    pass(host);
+    if (known == routes_.end() || known->first != host) {
+      routes_.emplace_hint(known, host, offered);
+      changes.push_back({host, routing_change::kind::appeared});
+    } else {
+      merge(link, host, known->second, offered, changes);
+      ++known;
+    }
   }
+  pass(peer_id{std::numeric_limits<std::int32_t>::max()});
   return changes;
 }
 
@@ -55,18 +95,12 @@ bool routing_table::buried(const routing_entry& entry, instant now) {
     graves_.erase(grave);
     return false;
   }
-  return grave->second.magic == entry.magic;
+  return grave->second.magic == entry.magic && entry.seqno <= grave->second.seqno;
 }
 
-void routing_table::merge(link_id link, peer_id host, const route& offered,
+void routing_table::merge(link_id link, peer_id host, route& known, const route& offered,
                           routing_changes& changes) {
-  const auto [at, is_new] = routes_.try_emplace(host, offered);
-  auto& known = at->second;
   using kind = routing_change::kind;
-  if (is_new) {
-    changes.push_back({host, kind::appeared});
-    return;
-  }
   const bool better = known.lost() || offered.merit() > known.merit();
   if (known.via != link && !better)
     return;
@@ -74,34 +108,75 @@ void routing_table::merge(link_id link, peer_id host, const route& offered,
     changes.push_back({host, kind::appeared});
   else if (known.magic != offered.magic)
     changes.push_back({host, kind::reborn});
-  known = offered;
+  else if (marked_.contains(host) && known.via == link && !is_sound(known, known.hops, offered) &&
+           offered.hops > known.hops)
+    changes.push_back({host, kind::moved}); // the neighbour has had to take a longer way
+  take(host, known, offered);
 }
 
-void routing_table::lose(peer_id host, route& lost, routing_changes& changes) {
+/// Takes a way in place of the one that is, or was, there.
+void routing_table::take(peer_id host, route& known, const route& offered) {
+  const auto last_hops = known.lost() ? known.told : known.hops;
+  const bool worse = known.lost() || offered.hops > known.hops;
+  if (worse && marked_.contains(host) && !is_sound(known, last_hops, offered))
+    unsound_.insert(host);
+  known = offered;
+  lost_at_.erase(host);
+}
+
+void routing_table::lose(peer_id host, route& lost, instant now, routing_changes& changes) {
   const route* best = nullptr;
   for (const auto& [link, table] : by_link_) {
-    const auto other = table.find(host);
-    if (other != table.end() && link != lost.via &&
-        (best == nullptr || other->second.merit() > best->merit()))
-      best = &other->second;
+    const auto* other = link == lost.via ? nullptr : offer_in(table, host);
+    if (other != nullptr && (best == nullptr || other->merit() > best->merit()))
+      best = other;
   }
-  if (best != nullptr) {
-    lost = *best;
-    changes.push_back({host, routing_change::kind::moved});
+  if (best == nullptr) {
+    let_go(host, lost, now, changes);
     return;
   }
+  take(host, lost, *best);
+  changes.push_back({host, routing_change::kind::moved});
+}
+
+void routing_table::let_go(peer_id host, route& lost, instant now, routing_changes& changes) {
   lost.via.reset();
+  lost.told = lost.hops; // what soundness is measured against
   lost.hops = lost_first;
+  unsound_.erase(host);
+  if (marked_.contains(host))
+    lost_at_.try_emplace(host, now);
   changes.push_back({host, routing_change::kind::lost});
 }
 
-routing_changes routing_table::on_link_closed(link_id link) {
+routing_changes routing_table::on_link_closed(link_id link, instant now) {
   by_link_.erase(link);
   routing_changes changes;
   for (auto& [host, known] : routes_) {
     if (known.via == link)
-      lose(host, known, changes);
+      lose(host, known, now, changes);
   }
+  return changes;
+}
+
+void routing_table::mark(peer_id host) {
+  marked_.insert(host);
+}
+
+routing_changes routing_table::unanswered(peer_id host, instant now, instant until) {
+  routing_changes changes;
+  const auto at = routes_.find(host);
+  if (at == routes_.end() || at->second.lost())
+    return changes;
+  auto newest = at->second.seqno;
+  for (auto& [link, table] : by_link_) {
+    if (const auto* other = offer_in(table, host)) {
+      newest = std::max(newest, other->seqno);
+      erase_from(table, host);
+    }
+  }
+  graves_[host] = {at->second.magic, newest, until};
+  let_go(host, at->second, now, changes);
   return changes;
 }
 
@@ -109,20 +184,39 @@ std::vector<peer_id> routing_table::age(instant now) {
   std::erase_if(graves_, [now](const auto& grave) { return grave.second.until <= now; });
   std::vector<peer_id> outdated;
   for (auto& [host, known] : routes_) {
-    if (known.lost() && ++known.hops >= lost_last)
+    if (known.lost() && !lost_at_.contains(host) && ++known.hops >= lost_last)
       outdated.push_back(host);
   }
   return outdated;
 }
 
+std::vector<peer_id> routing_table::lost_since(instant then) const {
+  std::vector<peer_id> hosts;
+  for (const auto& [host, when] : lost_at_) {
+    if (when <= then)
+      hosts.push_back(host);
+  }
+  return hosts;
+}
+
+std::optional<instant> routing_table::first_loss() const {
+  std::optional<instant> first;
+  for (const auto& [host, when] : lost_at_)
+    first = earliest(first, when);
+  return first;
+}
+
 void routing_table::erase(peer_id host) {
   routes_.erase(host);
+  marked_.erase(host);
+  unsound_.erase(host);
+  lost_at_.erase(host);
   for (auto& [link, table] : by_link_)
-    table.erase(host);
+    erase_from(table, host);
 }
 
 void routing_table::bury(peer_id host, std::int32_t magic, instant until) {
-  graves_[host] = {magic, until};
+  graves_[host] = {magic, std::numeric_limits<std::int32_t>::max(), until};
 }
 
 const route* routing_table::find(peer_id host) const {
@@ -133,6 +227,24 @@ const route* routing_table::find(peer_id host) const {
 std::optional<link_id> routing_table::way_to(peer_id host) const {
   const auto* known = find(host);
   return known != nullptr ? known->via : std::nullopt;
+}
+
+std::optional<unsigned> routing_table::loss_without(link_id link) const {
+  unsigned worst = 0;
+  for (const auto& [host, known] : routes_) {
+    if (known.via != link)
+      continue;
+    std::optional<unsigned> best;
+    for (const auto& [other, table] : by_link_) {
+      const auto* offered = other == link ? nullptr : offer_in(table, host);
+      if (offered != nullptr)
+        best = std::min<unsigned>(best.value_or(offered->hops), offered->hops);
+    }
+    if (!best)
+      return std::nullopt;
+    worst = std::max(worst, std::max<unsigned>(*best, known.hops) - known.hops);
+  }
+  return worst;
 }
 
 std::vector<routing_entry> routing_table::table_for(link_id link, std::uint8_t connections) const {

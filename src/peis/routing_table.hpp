@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/address.hpp"
@@ -21,6 +23,7 @@ struct route {
   std::uint8_t hops = 0; ///< metric below the limit; 250..253 while lost
   std::uint8_t connections = connections_unknown;
   std::optional<link_id> via; ///< unset while lost
+  std::uint8_t told = 0;      ///< the neighbour's own metric
 
   [[nodiscard]] bool lost() const { return !via; }
   /// What is maximised when ways are compared (RTE-06): newer information, fewer hops.
@@ -42,6 +45,12 @@ using routing_changes = std::vector<routing_change>;
 
 /// The main table and one table per link: the neighbour's, with the cost of the link added. Our own
 /// entry is not in the tables; it is added when they are sent.
+///
+/// When a way is lost, what neighbours still tell may lead back to us, in ever longer circles
+/// (count to infinity, peis-wire.md 9.4). A way is sound if it is told by newer information than
+/// the last one had, or by as new and from nearer to the host than we were. A real kernel takes
+/// any; we take an unsound one to a marked host on probation: the owner probes the host and reports
+/// it unanswered(), or not.
 class routing_table {
 public:
   routing_table() = default;
@@ -54,10 +63,26 @@ public:
   [[nodiscard]] routing_changes on_table(link_id link, std::uint8_t cost,
                                          std::span<const routing_entry> entries, instant now);
 
-  [[nodiscard]] routing_changes on_link_closed(link_id link);
+  [[nodiscard]] routing_changes on_link_closed(link_id link, instant now);
 
-  /// One period has passed. @returns hosts lost for too long, which the owner then erases
+  /// The host is of our kind: it answers probes, and is given up sooner.
+  void mark(peer_id host);
+
+  /// Marked hosts to which an unsound way was taken since the last call.
+  [[nodiscard]] std::set<peer_id> take_unsound() { return std::exchange(unsound_, {}); }
+
+  /// No sign of life came over the unsound way: it counts as lost, and so does all that is told of
+  /// the host until `until` unless it is newer.
+  [[nodiscard]] routing_changes unanswered(peer_id host, instant now, instant until);
+
+  /// One period has passed. @returns unmarked hosts lost for too long, which the owner then erases
   [[nodiscard]] std::vector<peer_id> age(instant now);
+
+  /// @returns marked hosts that have been lost for as long as this
+  [[nodiscard]] std::vector<peer_id> lost_since(instant then) const;
+
+  /// When the first of the marked hosts that are lost now was lost.
+  [[nodiscard]] std::optional<instant> first_loss() const;
 
   /// Removes every trace of a host.
   void erase(peer_id host);
@@ -69,6 +94,10 @@ public:
   [[nodiscard]] const route* find(peer_id host) const;
   [[nodiscard]] std::optional<link_id> way_to(peer_id host) const;
   [[nodiscard]] const std::map<peer_id, route>& routes() const { return routes_; }
+
+  /// The largest growth of the metric to any host if the link is closed: V(c) of D1.1 3.1.6.4 in
+  /// metric. Unset if a host can be reached over this link alone.
+  [[nodiscard]] std::optional<unsigned> loss_without(link_id link) const;
 
   /// Our own sequence number, one larger than at the last call (RTE-03).
   std::int32_t next_seqno() { return ++seqno_; }
@@ -82,12 +111,18 @@ public:
   [[nodiscard]] std::vector<routing_entry> table_for(link_id link, std::uint8_t connections) const;
 
 private:
-  using link_table = std::map<peer_id, route>;
+  using link_table = std::vector<std::pair<peer_id, route>>; ///< ascending by host
+
+  [[nodiscard]] static const route* offer_in(const link_table& table, peer_id host);
+  static void erase_from(link_table& table, peer_id host);
 
   void note_own(const routing_entry& entry);
   [[nodiscard]] bool buried(const routing_entry& entry, instant now);
-  void merge(link_id link, peer_id host, const route& offered, routing_changes& changes);
-  void lose(peer_id host, route& lost, routing_changes& changes);
+  void merge(link_id link, peer_id host, route& known, const route& offered,
+             routing_changes& changes);
+  void lose(peer_id host, route& lost, instant now, routing_changes& changes);
+  void let_go(peer_id host, route& lost, instant now, routing_changes& changes);
+  void take(peer_id host, route& known, const route& offered);
 
   peer_id self_;
   std::int32_t magic_ = 0;
@@ -98,9 +133,13 @@ private:
   std::map<link_id, link_table> by_link_;
   struct burial {
     std::int32_t magic;
+    std::int32_t seqno; ///< newer news are believed
     instant until;
   };
   std::map<peer_id, burial> graves_;
+  std::set<peer_id> marked_;
+  std::set<peer_id> unsound_;
+  std::map<peer_id, instant> lost_at_; ///< marked ones
 };
 
 } // namespace rubicon::peis

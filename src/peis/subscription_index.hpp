@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <iterator>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -15,7 +16,8 @@
 namespace rubicon::peis {
 
 /// Records under the key or pattern they ask for: exact keys in a hash table, patterns by their
-/// number of parts (0 for those that match every key). Within each, in the order of insertion.
+/// number of parts (0 for those that match every key) and, in another table, by their first part
+/// unless that is a wildcard. Within each, in the order of insertion.
 template <class Record>
 class subscription_index {
 public:
@@ -32,6 +34,8 @@ public:
         entries, [&](const entry& x) { return x.wanted == wanted && predicate(x.record); });
     if (entries.empty() && !wanted.is_pattern())
       exact_.erase(wanted.folded());
+    else if (entries.empty() && !wanted.literal_prefix().empty())
+      prefixed_.erase(prefix_of(wanted));
     size_ -= erased;
     return erased;
   }
@@ -53,24 +57,49 @@ public:
       for (const auto& x : at->second)
         visit(x.record);
     }
-    for (const auto& entries : {&patterns_[name.parts()], &patterns_[0]}) {
-      for (const auto& x : *entries) {
+    const auto visit_matches = [&](const bucket& entries) {
+      for (const auto& x : entries) {
         if (x.wanted.matches(name))
           visit(x.record);
       }
+    };
+    if (!prefixed_.empty()) {
+      if (const auto at = prefixed_.find(prefix_of(name)); at != prefixed_.end())
+        visit_matches(at->second);
+    }
+    visit_matches(patterns_[name.parts()]);
+    visit_matches(patterns_[0]);
+  }
+
+  /// Calls `visit(const Record&)` with each record, in no order to rely on.
+  template <class Visitor>
+  void for_all(Visitor visit) const {
+    for (const auto* table : {&exact_, &prefixed_}) {
+      for (const auto& [name, entries] : *table) {
+        for (const auto& x : entries)
+          visit(x.record);
+      }
+    }
+    for (const auto& entries : patterns_) {
+      for (const auto& x : entries)
+        visit(x.record);
     }
   }
 
-  /// Removes all records that satisfy the predicate.
+  /// Removes all records that satisfy the predicate. @returns how many
   template <class Predicate>
-  void erase_everywhere(Predicate predicate) {
+  std::size_t erase_everywhere(Predicate predicate) {
+    const auto before = size_;
     const auto gone = [&](const entry& x) { return predicate(x.record); };
-    for (auto at = exact_.begin(); at != exact_.end();) {
-      size_ -= std::erase_if(at->second, gone);
-      at = at->second.empty() ? exact_.erase(at) : std::next(at);
+    for (auto* table : {&exact_, &prefixed_}) {
+      for (auto at = table->begin(); at != table->end();) {
+        size_ -= std::erase_if(at->second, gone);
+        at = at->second.empty() ? table->erase(at) : std::next(at);
+      }
     }
     for (auto& entries : patterns_)
       size_ -= std::erase_if(entries, gone);
+    return before - size_;
   }
 
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -85,9 +114,10 @@ private:
   template <class Self, class Visitor>
   static void visit_equal(Self& self, const key& wanted, Visitor& visit) {
     auto* entries = &self.patterns_[wanted.parts()];
-    if (!wanted.is_pattern()) {
-      const auto at = self.exact_.find(wanted.folded());
-      if (at == self.exact_.end())
+    if (!wanted.literal_prefix().empty()) {
+      auto& table = wanted.is_pattern() ? self.prefixed_ : self.exact_;
+      const auto at = table.find(wanted.is_pattern() ? prefix_of(wanted) : wanted.folded());
+      if (at == table.end())
         return;
       entries = &at->second;
     }
@@ -97,11 +127,22 @@ private:
     }
   }
 
-  bucket& bucket_of(const key& wanted) {
-    return wanted.is_pattern() ? patterns_[wanted.parts()] : exact_[wanted.folded()];
+  /// First part and number of parts. @pre the first part is not a wildcard
+  static std::string prefix_of(const key& x) {
+    const auto first = std::string_view(x.folded()).substr(0, x.folded().find('.'));
+    return static_cast<char>('0' + x.parts()) + std::string(first);
   }
 
-  std::unordered_map<std::string, bucket> exact_; ///< never walked in an order that shows
+  bucket& bucket_of(const key& wanted) {
+    if (!wanted.is_pattern())
+      return exact_[wanted.folded()];
+    return wanted.literal_prefix().empty() ? patterns_[wanted.parts()]
+                                           : prefixed_[prefix_of(wanted)];
+  }
+
+  // The tables are never walked in an order that shows.
+  std::unordered_map<std::string, bucket> exact_;
+  std::unordered_map<std::string, bucket> prefixed_;
   std::array<bucket, key_parts_max + 1> patterns_;
   std::size_t size_ = 0;
 };

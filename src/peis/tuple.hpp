@@ -3,6 +3,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -52,16 +53,47 @@ struct tuple {
   peer_id creator; ///< last writer
   key name;
   payload value; ///< as on the wire: text has its trailing NUL; may be empty
-  std::string mimetype;
+  std::string mimetype{text_mimetype};
   encoding form = encoding::text;
   timestamp written;   ///< set by the owner
   timestamp user_time; ///< free for applications
   timestamp expiry = never;
-  std::int32_t seqno = 0; ///< grows with each set by the owner
-  bool is_new = true;
+  std::int32_t seqno = 0;        ///< grows with each set by the owner
+  std::int32_t append_seqno = 0; ///< appends since the last set; garbage from real kernels
+  bool stale = false; ///< last value known of an owner that is gone (TUP-19); not on the wire
 
   /// The value as characters up to the first NUL.
   [[nodiscard]] std::string_view text() const;
 };
+
+/// Tuples never change once they are stored: every reader may keep one.
+using tuple_pointer = std::shared_ptr<const tuple>;
+
+/// Which tuples somebody wants: what is unset, any_peer, any_time and wildcard parts match
+/// everything. Made by default it is D1.1's initAbstractTuple().
+struct prototype {
+  peer_id owner = any_peer;
+  key name;
+  peer_id creator = any_peer;
+  timestamp written = any_time; ///< seconds and microseconds are wildcards one by one
+  timestamp user_time = any_time;
+  timestamp expiry = any_time;
+  encoding form = encoding::any;
+  std::optional<std::string> mimetype; ///< up to mimetype_length_max octets
+  std::optional<payload> value; ///< compared by length, then without letter case to the first NUL
+
+  /// All fields must agree; with real kernels, different MIME types match (peis-wire.md 15.7).
+  [[nodiscard]] bool matches(const tuple& x) const;
+  /// Owner and key alone.
+  [[nodiscard]] bool names(const tuple& x) const {
+    return (owner == any_peer || owner == x.owner) && name.matches(x.name);
+  }
+
+  /// The same subscription, whoever repeats it (peis-wire.md 15.6).
+  friend bool operator==(const prototype& a, const prototype& b);
+};
+
+/// The prototype of all tuples of an owner (or any_peer) under a key or pattern.
+[[nodiscard]] prototype prototype_of(peer_id owner, key pattern);
 
 } // namespace rubicon::peis

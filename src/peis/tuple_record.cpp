@@ -11,6 +11,7 @@ namespace {
 constexpr std::size_t key_at = 84;
 constexpr std::size_t key_size = 128;
 constexpr std::size_t force_size = 4;
+constexpr std::size_t length_size = 4;
 
 using record_writer = layout_writer<tuple_record_size>;
 
@@ -34,30 +35,67 @@ std::size_t mimetype_length(const layout_reader& from) {
 record_writer prototype_record(const prototype& x) {
   record_writer to;
   to.big(0, x.owner.value).big(4, x.creator.value);
-  for (const std::size_t offset : {8U, 16U, 24U})
-    write_time(to, offset, any_time);
+  write_time(to, 8, x.written);
+  write_time(to, 16, x.user_time);
+  write_time(to, 24, x.expiry);
   to.big(32, static_cast<std::int32_t>(x.form));
+  if (x.mimetype)
+    to.octet(36, static_cast<std::uint8_t>(x.mimetype->size()));
+  if (x.value)
+    to.octet(43, 1).big(44, static_cast<std::uint32_t>(x.value->size()));
   to.text(key_at, key_size, x.name.text());
   to.big(212, std::int32_t{-1}).big(216, std::int32_t{-1}).big(220, std::int32_t{-1});
   return to;
 }
 
-std::string_view up_to_nul(byte_view octets) {
-  const std::string_view all(reinterpret_cast<const char*>(octets.data()), octets.size());
-  return all.substr(0, all.find('\0'));
+/// Without MIME type and value.
+result<prototype> read_prototype(byte_view record) {
+  auto name = decode_record_key(record);
+  if (!name)
+    return name.error();
+  const layout_reader from(record);
+  prototype x;
+  x.owner = peer_id{from.big<std::int32_t>(0)};
+  x.creator = peer_id{from.big<std::int32_t>(4)};
+  x.written = read_time(from, 8);
+  x.user_time = read_time(from, 16);
+  x.expiry = read_time(from, 24);
+  x.form = static_cast<encoding>(from.big<std::int32_t>(32));
+  x.name = std::move(*name);
+  if (x.form < encoding::any || x.form > encoding::binary)
+    return errc::bad_value;
+  return x;
 }
 
-bool equal_without_case(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [&](char x, char y) { return lower(x) == lower(y); });
+record_writer tuple_record(const tuple& x, tuple_message_kind kind) {
+  record_writer to;
+  to.big(0, x.owner.value).big(4, x.creator.value);
+  write_time(to, 8, x.written);
+  write_time(to, 16, x.user_time);
+  write_time(to, 24, x.expiry);
+  to.big(32, static_cast<std::int32_t>(x.form));
+  to.octet(36, static_cast<std::uint8_t>(x.mimetype.size()));
+  to.octet(kind == tuple_message_kind::push ? 40 : 43, 1);
+  to.big(44, static_cast<std::uint32_t>(std::max<std::size_t>(1, x.value.size())));
+  to.text(key_at, key_size, x.name.text());
+  to.big(212, std::int32_t{1}).big(216, x.seqno).big(220, x.append_seqno);
+  return to;
 }
 
-/// Values compare by length and then without case up to the first NUL (peis-wire.md 15.7).
-bool equal_values(const payload& a, const payload& b) {
-  return a.size() == b.size() && equal_without_case(up_to_nul(a.view()), up_to_nul(b.view()));
+void append_length(bytes& out, std::size_t length) {
+  for (int shift = 24; shift >= 0; shift -= 8)
+    out.push_back(static_cast<std::uint8_t>(length >> static_cast<unsigned>(shift)));
+}
+
+/// The octets that a length after the record and `skipped` others announces: all that is left.
+result<payload> read_added(const payload& octets, std::size_t skipped) {
+  const auto at = tuple_record_size + length_size;
+  if (octets.size() < at || octets.size() - at < skipped)
+    return errc::truncated;
+  const auto count = layout_reader(octets.view()).big<std::uint32_t>(tuple_record_size);
+  if (count != octets.size() - at - skipped)
+    return errc::bad_value;
+  return octets.part(at + skipped, count);
 }
 
 result<std::string> mimetype_after_record(byte_view octets) {
@@ -69,34 +107,10 @@ result<std::string> mimetype_after_record(byte_view octets) {
 
 } // namespace
 
-bool prototype::matches(const tuple& x) const {
-  return (owner == any_peer || owner == x.owner) && (creator == any_peer || creator == x.creator) &&
-         (form == encoding::any || form == x.form) && (!mimetype || *mimetype == x.mimetype) &&
-         (!value || equal_values(*value, x.value)) && name.matches(x.name);
-}
-
-bool operator==(const prototype& a, const prototype& b) {
-  const bool values =
-      a.value.has_value() == b.value.has_value() && (!a.value || equal_values(*a.value, *b.value));
-  return values && a.owner == b.owner && a.name == b.name && a.creator == b.creator &&
-         a.form == b.form && a.mimetype == b.mimetype;
-}
-
 bytes encode_tuple_head(const tuple& x, tuple_message_kind kind) {
-  record_writer to;
-  to.big(0, x.owner.value).big(4, x.creator.value);
-  write_time(to, 8, x.written);
-  write_time(to, 16, x.user_time);
-  write_time(to, 24, x.expiry);
-  to.big(32, static_cast<std::int32_t>(x.form));
-  to.octet(36, static_cast<std::uint8_t>(x.mimetype.size()));
-  to.octet(kind == tuple_message_kind::push ? 40 : 43, 1);
-  to.big(44, static_cast<std::uint32_t>(std::max<std::size_t>(1, x.value.size())));
-  to.text(key_at, key_size, x.name.text());
-  to.big(212, std::int32_t{1}).big(216, x.seqno);
   bytes out;
   out.reserve(tuple_record_size + x.mimetype.size());
-  to.append_to(out);
+  tuple_record(x, kind).append_to(out);
   out.insert(out.end(), x.mimetype.begin(), x.mimetype.end());
   return out;
 }
@@ -114,14 +128,14 @@ result<key> decode_record_key(byte_view record) {
   return key::from_wire(*text);
 }
 
-result<tuple> decode_tuple_message(bytes octets) {
-  auto name = decode_record_key(octets);
+result<tuple> decode_tuple_message(const payload& octets) {
+  auto name = decode_record_key(octets.view());
   if (!name)
     return name.error();
-  auto mimetype = mimetype_after_record(octets);
+  auto mimetype = mimetype_after_record(octets.view());
   if (!mimetype)
     return mimetype.error();
-  const layout_reader from(octets);
+  const layout_reader from(octets.view());
   tuple x;
   x.owner = peer_id{from.big<std::int32_t>(0)};
   x.creator = peer_id{from.big<std::int32_t>(4)};
@@ -130,6 +144,7 @@ result<tuple> decode_tuple_message(bytes octets) {
   x.expiry = read_time(from, 24);
   x.form = static_cast<encoding>(from.big<std::int32_t>(32));
   x.seqno = from.big<std::int32_t>(216);
+  x.append_seqno = from.big<std::int32_t>(220);
   const auto head = tuple_record_size + mimetype->size();
   if (x.owner.value <= 0 || x.creator.value <= 0 || wildcard(x.user_time) || wildcard(x.expiry) ||
       (x.form != encoding::text && x.form != encoding::binary) || name->is_pattern() ||
@@ -137,23 +152,65 @@ result<tuple> decode_tuple_message(bytes octets) {
     return errc::bad_value;
   x.name = std::move(*name);
   x.mimetype = std::move(*mimetype);
-  if (x.mimetype != empty_mimetype) {
-    octets.erase(octets.begin(), octets.begin() + static_cast<std::ptrdiff_t>(head));
-    x.value = payload(std::move(octets));
-  }
+  if (x.mimetype != empty_mimetype)
+    x.value = octets.part(head, octets.size() - head);
+  return x;
+}
+
+bytes encode_append_request_head(const append_request& message) {
+  auto out = to_bytes(prototype_record(message.wanted).view());
+  append_length(out, message.added.size());
+  if (const auto& value = message.wanted.value)
+    out.insert(out.end(), value->view().begin(), value->view().end());
+  return out;
+}
+
+result<append_request> decode_append_request(const payload& octets) {
+  auto wanted = read_prototype(octets.view());
+  if (!wanted)
+    return wanted.error();
+  const layout_reader from(octets.view());
+  const auto value_size = from.big<std::uint32_t>(44);
+  auto added = read_added(octets, value_size);
+  if (!added)
+    return added.error();
+  if (from.big<std::uint32_t>(40) != 0)
+    wanted->value = octets.part(tuple_record_size + length_size, value_size);
+  return append_request{std::move(*wanted), std::move(*added)};
+}
+
+bytes encode_append_notice_head(const tuple& before, std::size_t added) {
+  auto out = to_bytes(tuple_record(before, tuple_message_kind::push).view());
+  append_length(out, added);
+  return out;
+}
+
+result<append_notice> decode_append_notice(const payload& octets) {
+  auto name = decode_record_key(octets.view());
+  if (!name)
+    return name.error();
+  auto added = read_added(octets, 0);
+  if (!added)
+    return added.error();
+  const layout_reader from(octets.view());
+  append_notice x;
+  x.owner = peer_id{from.big<std::int32_t>(0)};
+  x.name = std::move(*name);
+  x.seqno = from.big<std::int32_t>(216);
+  x.append_seqno = from.big<std::int32_t>(220);
+  x.length = from.big<std::uint32_t>(44);
+  x.added = std::move(*added);
+  if (x.name.is_pattern() || x.owner.value <= 0)
+    return errc::bad_value;
   return x;
 }
 
 bytes encode(const subscribe_message& message) {
   const auto& x = message.wanted;
-  auto record = prototype_record(x);
-  record.octet(36, x.mimetype ? static_cast<std::uint8_t>(x.mimetype->size()) : 0);
-  if (x.value)
-    record.octet(43, 1).big(44, static_cast<std::uint32_t>(x.value->size()));
   bytes out{1, 0, 0, 0}; // "force resend", in little-endian order
   if (message.lifetime)
     out = {'R', 'L', std::uint8_t{message.lifetime->refresh}, message.lifetime->seconds};
-  record.append_to(out);
+  prototype_record(x).append_to(out);
   if (x.mimetype)
     out.insert(out.end(), x.mimetype->begin(), x.mimetype->end());
   if (x.value)
@@ -166,20 +223,14 @@ result<subscribe_message> decode_subscribe(byte_view octets) {
     return errc::truncated;
   const auto force = octets.first(force_size);
   const auto body = octets.subspan(force_size);
-  auto name = decode_record_key(body);
-  if (!name)
-    return name.error();
+  auto wanted = read_prototype(body);
+  if (!wanted)
+    return wanted.error();
   auto mimetype = mimetype_after_record(body);
   if (!mimetype)
     return mimetype.error();
   const layout_reader from(body);
-  subscribe_message x;
-  x.wanted.owner = peer_id{from.big<std::int32_t>(0)};
-  x.wanted.name = std::move(*name);
-  x.wanted.creator = peer_id{from.big<std::int32_t>(4)};
-  x.wanted.form = static_cast<encoding>(from.big<std::int32_t>(32));
-  if (x.wanted.form < encoding::any || x.wanted.form > encoding::binary)
-    return errc::bad_value;
+  subscribe_message x{std::move(*wanted), std::nullopt};
   const auto value = body.subspan(tuple_record_size + mimetype->size());
   if (from.big<std::uint32_t>(40) != 0)
     x.wanted.value = payload(to_bytes(value));
@@ -191,7 +242,7 @@ result<subscribe_message> decode_subscribe(byte_view octets) {
 }
 
 bytes encode_unsubscribe(const prototype& unwanted) {
-  auto record = prototype_record(unwanted);
+  auto record = prototype_record(prototype_of(unwanted.owner, unwanted.name));
   record.octet(36, 255);
   return to_bytes(record.view());
 }
@@ -200,10 +251,7 @@ result<prototype> decode_unsubscribe(byte_view octets) {
   auto name = decode_record_key(octets);
   if (!name)
     return name.error();
-  prototype x;
-  x.owner = peer_id{layout_reader(octets).big<std::int32_t>(0)};
-  x.name = std::move(*name);
-  return x;
+  return prototype_of(peer_id{layout_reader(octets).big<std::int32_t>(0)}, std::move(*name));
 }
 
 } // namespace rubicon::peis

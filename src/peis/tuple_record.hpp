@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
+#include <string_view>
 
 #include "core/bytes.hpp"
 #include "core/error.hpp"
@@ -13,21 +13,6 @@
 namespace rubicon::peis {
 
 inline constexpr std::size_t tuple_record_size = 224;
-
-/// Which tuples somebody wants: unset fields, any_peer and patterns match everything.
-struct prototype {
-  peer_id owner = any_peer;
-  key name;
-  peer_id creator = any_peer;
-  encoding form = encoding::any;
-  std::optional<std::string> mimetype;
-  std::optional<payload> value; ///< compared without letter case up to the first NUL
-
-  [[nodiscard]] bool matches(const tuple& x) const;
-
-  /// The same subscription, whoever repeats it (peis-wire.md 15.6).
-  friend bool operator==(const prototype& a, const prototype& b);
-};
 
 /// How long a subscription lives without being repeated. Our own kind says so in the word that real
 /// kernels fill with "force resend" and ignore: `R` `L`, refresh 1, seconds 1.
@@ -51,10 +36,36 @@ enum class tuple_message_kind : std::uint8_t { push, set };
 /// The octets after the head: the value, or one zero octet for an empty one (TUP-02).
 [[nodiscard]] payload encode_tuple_value(const tuple& x);
 
-/// Decodes a push or set message, whose octets become the value. Refused as bad_value unless it is
+/// Decodes a push or set message; the value shares its octets. Refused as bad_value unless it is
 /// concrete: owner, creator, times, encoding and key without wildcards, MIME type and value present
 /// (peis-wire.md 15.3).
-[[nodiscard]] result<tuple> decode_tuple_message(bytes octets);
+[[nodiscard]] result<tuple> decode_tuple_message(const payload& octets);
+
+/// Asks an owner to append to those of its tuples that match (peis-wire.md 15.2, 15.5).
+struct append_request {
+  prototype wanted; ///< a MIME type cannot travel
+  payload added;
+};
+
+/// Record, length and prototype's value of a request, to which the added octets are to be appended.
+/// @pre no MIME type
+[[nodiscard]] bytes encode_append_request_head(const append_request& message);
+[[nodiscard]] result<append_request> decode_append_request(const payload& octets);
+
+/// Tells a subscriber what an owner has appended.
+struct append_notice {
+  peer_id owner;
+  key name;
+  std::int32_t seqno = 0;        ///< of the tuple, before and after
+  std::int32_t append_seqno = 0; ///< before
+  std::size_t length = 0;        ///< of the value before
+  payload added;
+};
+
+/// Record and length of a notice, to which `added` octets are to be appended.
+/// @param before the tuple before the change
+[[nodiscard]] bytes encode_append_notice_head(const tuple& before, std::size_t added);
+[[nodiscard]] result<append_notice> decode_append_notice(const payload& octets);
 
 [[nodiscard]] bytes encode(const subscribe_message& message);
 [[nodiscard]] result<subscribe_message> decode_subscribe(byte_view octets);

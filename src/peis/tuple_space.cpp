@@ -21,19 +21,15 @@ std::optional<timestamp> to_timestamp(instant x, duration offset) {
                    static_cast<std::int32_t>(rest.count())};
 }
 
-/// Does a pushed tuple replace the one held? A number restarts at zero when a real owner restarts
-/// or creates the tuple anew, hence the time (peis-wire.md 15.3); a deletion that was overtaken by
-/// a newer value must not remove it.
-bool supersedes(const tuple& x, const tuple& held, bool deletion) {
-  if (x.written > held.written)
-    return true;
-  return x.seqno > held.seqno && (!deletion || x.written == held.written);
+bool wildcard(timestamp x) {
+  return x.seconds == any_time.seconds || x.microseconds == any_time.microseconds;
 }
 
 } // namespace
 
 tuple_space::tuple_space(tuple_space_config config, peer_id self, duration clock_offset)
-    : config_(config), self_(self), clock_offset_(clock_offset) {}
+    : config_(config), self_(self), clock_offset_(clock_offset),
+      channels_(config.appends_waiting_max) {}
 
 timestamp tuple_space::network_time(instant now) const {
   return to_timestamp(now, clock_offset_).value_or(never);
@@ -49,96 +45,135 @@ std::optional<instant> tuple_space::expiry_of(const tuple& x) const {
 }
 
 bool tuple_space::full(const key& name, peer_id owner) const {
-  return store_.size() >= config_.tuples_max && store_.find(name, owner) == nullptr;
+  return store_.size() >= config_.tuples_max && store_.find(owner, name) == nullptr;
 }
 
-result<tuple> tuple_space::draft(peer_id owner, const key& name, tuple_content content,
-                                 instant now) const {
+std::optional<tuple> tuple_space::draft(peer_id owner, const key& name,
+                                        tuple_content content) const {
   tuple x;
   x.owner = owner;
-  x.creator = self_;
   x.name = name;
   x.form = content.form;
-  x.written = network_time(now);
-  x.mimetype = content.value.empty() ? std::string(empty_mimetype) : std::move(content.mimetype);
+  x.mimetype = std::move(content.mimetype);
   x.value = std::move(content.value);
-  if (x.mimetype.empty() || x.mimetype.size() > mimetype_length_max || x.form == encoding::any)
-    return errc::bad_value;
   if (content.expiry) {
     const auto expiry = to_timestamp(*content.expiry, clock_offset_);
     if (!expiry)
-      return errc::bad_value;
+      return std::nullopt;
     x.expiry = *expiry;
   }
   return x;
 }
 
+/// Checks what a user has filled in and fills in the rest.
+cause tuple_space::prepare(tuple& x, instant now) const {
+  if (x.owner == any_peer || x.name.is_pattern() || wildcard(x.user_time) || wildcard(x.expiry) ||
+      x.form == encoding::any || x.mimetype.empty())
+    return cause::abstract;
+  if (x.owner.value <= 0 || x.mimetype.size() > mimetype_length_max)
+    return cause::bad_value;
+  if (x.value.size() > tuple_value_max)
+    return cause::too_long;
+  if (x.value.empty())
+    x.mimetype = empty_mimetype;
+  x.creator = self_;
+  x.written = network_time(now);
+  x.seqno = x.append_seqno = 0;
+  x.stale = false;
+  return cause::none;
+}
+
 std::pair<cause, tuple_events> tuple_space::set(const key& name, tuple_content content,
                                                 instant now) {
-  auto x = draft(self_, name, std::move(content), now);
-  cause why = cause::none;
-  if (name.is_pattern())
-    why = cause::bad_key;
-  else if (!x)
-    why = cause::bad_value;
-  else if (full(name, self_))
-    why = cause::refused;
+  auto x = draft(self_, name, std::move(content));
+  if (x && !name.is_pattern())
+    return insert(std::move(*x), now);
+  ++counters_.refused;
+  return {x ? cause::bad_key : cause::bad_value, {}};
+}
+
+std::pair<cause, tuple_events> tuple_space::insert(tuple x, instant now) {
+  auto why = prepare(x, now);
+  if (why == cause::none && full(x.name, self_))
+    why = cause::space_full;
   if (why != cause::none) {
     ++counters_.refused;
     return {why, {}};
   }
-  return {cause::none, store_own(std::move(*x))};
+  if (x.expiry == deleted)
+    return {why, remove(x.name, now)};
+  return {why, store_own(std::move(x))};
+}
+
+tuple_pointer tuple_space::put_own(tuple x) {
+  const auto held = store_.size();
+  const auto expiry = expiry_of(x);
+  auto stored = store_.put(std::move(x), expiry);
+  own_keys_version_ += store_.size() != held ? 1 : 0;
+  return stored;
 }
 
 tuple_events tuple_space::store_own(tuple x) {
   ++counters_.sets;
-  const auto* held = store_.find(x.name, self_);
-  x.seqno = held != nullptr ? held->seqno + 1 : first_seqno_;
-  const auto expiry = expiry_of(x);
-  const auto& stored = store_.put(std::move(x), expiry);
+  const auto* held = store_.find(self_, x.name);
+  x.seqno = held != nullptr ? held->content->seqno + 1 : first_seqno_;
+  x.append_seqno = 0;
+  static_cast<void>(channels_.abandon(x.name)); // the whole value goes to everybody
+  const auto stored = put_own(std::move(x));
   tuple_events out;
-  push(stored, out);
+  push(*stored, out);
   tell_changed(stored, out);
   return out;
+}
+
+void tuple_space::forget_own(const tuple& gone) {
+  first_seqno_ = std::max(first_seqno_, gone.seqno + 2); // a deletion may have had one of its own
+  ++own_keys_version_;
+  static_cast<void>(channels_.abandon(gone.name));
 }
 
 /// Deleting is setting with an expiry in the past and a value of one octet (peis-wire.md 15.4).
 tuple_events tuple_space::remove(const key& name, instant now) {
   tuple_events out;
-  auto gone = store_.remove(name, self_);
+  const auto gone = store_.remove(self_, name);
   if (!gone)
     return out;
+  forget_own(*gone);
   auto last = *gone;
   last.seqno = gone->seqno + 1;
   last.written = network_time(now);
   last.expiry = deleted;
   last.value = payload(bytes{0});
-  first_seqno_ = std::max(first_seqno_, last.seqno + 1);
   push(last, out);
-  tell_deleted(*gone, out);
+  tell_deleted(gone, out);
   return out;
 }
 
-std::pair<cause, transmit> tuple_space::ask_owner(peer_id owner, const key& name,
-                                                  std::optional<tuple_content> content,
-                                                  request_id request, instant now) const {
-  if (name.is_pattern())
-    return {cause::bad_key, {}};
-  const bool deletion = !content;
-  auto x = draft(owner, name, deletion ? text_content("") : std::move(*content), now);
-  if (!x)
-    return {cause::bad_value, {}};
-  if (deletion)
-    x->expiry = deleted;
+std::pair<cause, transmit> tuple_space::ask_to_set(tuple x, request_id request, instant now) const {
+  const auto why = prepare(x, now);
+  if (why != cause::none)
+    return {why, {}};
   return {cause::none,
-          {owner,
+          {x.owner,
            port::set,
-           {encode_tuple_head(*x, tuple_message_kind::set), encode_tuple_value(*x)},
+           {encode_tuple_head(x, tuple_message_kind::set), encode_tuple_value(x)},
            request}};
 }
 
-std::optional<tuple> tuple_space::decode_set(bytes octets) {
-  auto x = decode_tuple_message(std::move(octets));
+std::pair<cause, transmit> tuple_space::ask_to_delete(peer_id owner, const key& name,
+                                                      request_id request, instant now) const {
+  if (name.is_pattern())
+    return {cause::bad_key, {}};
+  tuple x;
+  x.owner = owner;
+  x.name = name;
+  x.expiry = deleted;
+  x.value = payload(bytes{0});
+  return ask_to_set(std::move(x), request, now);
+}
+
+std::optional<tuple> tuple_space::decode_set(const payload& octets) {
+  auto x = decode_tuple_message(octets);
   if (!x || x->owner != self_) {
     ++counters_.malformed;
     return std::nullopt;
@@ -163,69 +198,96 @@ tuple_events tuple_space::on_set(const tuple& x, bool may_write, instant now) {
   return store_own(std::move(own));
 }
 
-tuple_events tuple_space::on_push(peer_id source, bytes octets, instant now) {
+/// Does a pushed tuple replace the one held? A number restarts at zero when a real owner restarts
+/// or creates the tuple anew, hence the time (peis-wire.md 15.3); a deletion that was overtaken by
+/// a newer value must not remove it. What was asked for because ours is incomplete or stale has
+/// the same number and time.
+bool tuple_space::replaces(const tuple& x, const tuple& held, bool deletion) const {
+  if (x.written > held.written)
+    return true;
+  if (x.seqno > held.seqno)
+    return !deletion || x.written == held.written;
+  const bool asked_for = held.stale || incomplete_.contains({held.owner, held.name.folded()});
+  return asked_for && x.seqno == held.seqno && x.written == held.written;
+}
+
+tuple_events tuple_space::on_push(peer_id source, const payload& octets, instant now) {
   ++counters_.pushes_received;
-  auto x = decode_tuple_message(std::move(octets));
+  auto x = decode_tuple_message(octets);
   if (!x || x->owner != source || source == self_) {
     ++counters_.malformed;
     return {};
   }
-  if (!wanted(*x)) {
+  const auto expiry = expiry_of(*x);
+  const bool deletion = expiry && *expiry <= now;
+  const auto* held = store_.find(source, x->name);
+  if (!wanted(deletion && held != nullptr ? *held->content : *x)) {
     ++counters_.unwanted;
     return {};
   }
-  const auto expiry = expiry_of(*x);
-  const bool deletion = expiry && *expiry <= now;
-  const auto* held = store_.find(x->name, source);
-  if (held == nullptr ? deletion : !supersedes(*x, *held, deletion)) {
+  if (held == nullptr ? deletion : !replaces(*x, *held->content, deletion)) {
     ++counters_.outdated;
     return {};
   }
   tuple_events out;
   if (deletion) {
-    tell_deleted(*store_.remove(x->name, source), out);
+    incomplete_.erase({source, x->name.folded()});
+    tell_deleted(store_.remove(source, x->name), out);
   } else if (full(x->name, source)) {
     ++counters_.overflow;
   } else {
+    check_completeness(*x);
     tell_changed(store_.put(std::move(*x), expiry), out);
   }
   return out;
 }
 
-/// Local subscriptions that a tuple concerns, in the order of their ids.
+/// Local subscriptions and callbacks that a tuple concerns, in the order of their ids.
 std::vector<subscription_id> tuple_space::interested(const tuple& x) const {
   std::vector<subscription_id> ids;
-  wanted_.for_matching(x.name, [&](const subscription& wanted) {
-    if (wanted.owner == any_peer || wanted.owner == x.owner)
-      ids.push_back(wanted.id);
+  wanted_.for_matching(x.name, [&](const subscription& s) {
+    if (s.wanted.matches(x))
+      ids.push_back(s.id);
   });
   std::sort(ids.begin(), ids.end());
   return ids;
 }
 
 bool tuple_space::wanted(const tuple& x) const {
-  return !interested(x).empty();
+  bool found = false;
+  wanted_.for_matching(x.name, [&](const subscription& s) {
+    found = found || (s.kind == interest::subscription && s.wanted.matches(x));
+  });
+  return found;
 }
 
-void tuple_space::tell_changed(const tuple& x, tuple_events& out) const {
-  for (const auto id : interested(x))
+void tuple_space::tell_changed(const tuple_pointer& x, tuple_events& out) const {
+  for (const auto id : interested(*x))
     out.push_back(tuple_changed{id, x});
 }
 
-void tuple_space::tell_deleted(const tuple& x, tuple_events& out) const {
-  for (const auto id : interested(x))
+void tuple_space::tell_deleted(const tuple_pointer& x, tuple_events& out) const {
+  for (const auto id : interested(*x))
     out.push_back(tuple_deleted{id, x});
 }
 
 tuple_events tuple_space::on_host_vanished(peer_id host) {
   tuple_events out;
-  std::vector<key> names;
-  for (const auto* x : store_.find_all(host, key()))
-    names.push_back(x->name);
-  for (const auto& name : names)
-    tell_deleted(*store_.remove(name, host), out);
-  subscribers_.erase_everywhere([host](const subscriber& x) { return x.host == host; });
+  for (const auto& x : store_.find_all(prototype_of(host, key()))) {
+    if (config_.keep_values_of_dead_hosts) {
+      auto last = *x;
+      last.stale = true;
+      const auto expiry = expiry_of(last);
+      tell_changed(store_.put(std::move(last), expiry), out);
+    } else {
+      tell_deleted(store_.remove(host, x->name), out);
+    }
+  }
+  if (subscribers_.erase_everywhere([host](const subscriber& x) { return x.host == host; }) > 0)
+    ++subscribers_version_;
   std::erase_if(failed_, [host](const auto& x) { return x.first.first == host; });
+  std::erase_if(incomplete_, [host](const auto& x) { return x.first.first == host; });
+  channels_.drop_subscriber(host);
   renewals_.erase(host);
   hosts_.erase(host);
   return out;
@@ -236,26 +298,27 @@ tuple_events tuple_space::on_time(instant now) {
   while (const auto gone = store_.take_expired(now)) {
     ++counters_.expired;
     if (gone->owner == self_)
-      first_seqno_ = std::max(first_seqno_, gone->seqno + 1);
-    tell_deleted(*gone, out);
+      forget_own(*gone);
+    else
+      incomplete_.erase({gone->owner, gone->name.folded()});
+    tell_deleted(gone, out);
   }
   if (next_retry_ && *next_retry_ <= now)
     retry_pushes(now, out);
   if (next_refresh_ && *next_refresh_ <= now)
     refresh(now, out);
+  if (next_repair_ && *next_repair_ <= now)
+    repair_appends(now, out);
   return out;
 }
 
 std::optional<instant> tuple_space::deadline() const {
-  return earliest(store_.deadline(), earliest(next_retry_, next_refresh_));
+  return earliest(earliest(store_.deadline(), next_repair_), earliest(next_retry_, next_refresh_));
 }
 
-const tuple* tuple_space::find(peer_id owner, const key& name) const {
-  return store_.find(name, owner);
-}
-
-std::vector<const tuple*> tuple_space::find_all(peer_id owner, const key& pattern) const {
-  return store_.find_all(owner, pattern);
+tuple_pointer tuple_space::find(peer_id owner, const key& name) const {
+  const auto* x = store_.find(owner, name);
+  return x != nullptr ? x->content : nullptr;
 }
 
 tuple_counters tuple_space::counters() const {

@@ -1,75 +1,105 @@
 #include "peis/tuple_store.hpp"
 
+#include <utility>
+
 namespace rubicon::peis {
 
-const tuple* tuple_store::find(const key& name, peer_id owner) const {
-  const auto at = tuples_.find(name.folded());
-  if (at == tuples_.end())
-    return nullptr;
-  const auto which = at->second.find(owner);
-  return which == at->second.end() ? nullptr : &which->second.content;
+namespace {
+
+/// Calls `visit` with what stands in an ordered map under keys that a pattern may match.
+template <class Map, class Visitor>
+void walk(const Map& map, const key& pattern, Visitor visit) {
+  if (!pattern.is_pattern()) {
+    if (const auto at = map.find(pattern.folded()); at != map.end())
+      visit(at->first, at->second);
+    return;
+  }
+  const auto prefix = pattern.literal_prefix();
+  for (auto at = map.lower_bound(prefix); at != map.end() && at->first.starts_with(prefix); ++at)
+    visit(at->first, at->second);
 }
 
-const tuple& tuple_store::put(tuple x, std::optional<instant> expiry) {
-  auto& same_key = tuples_[x.name.folded()];
+} // namespace
+
+const tuple_store::entry* tuple_store::find(peer_id owner, const key& name) const {
+  const auto of_owner = owners_.find(owner);
+  if (of_owner == owners_.end())
+    return nullptr;
+  const auto at = of_owner->second.find(name.folded());
+  return at == of_owner->second.end() ? nullptr : &at->second;
+}
+
+void tuple_store::remember(const entry& x) {
+  if (x.expiry)
+    expiries_.emplace(*x.expiry, x.content->owner, x.content->name.folded());
+}
+
+void tuple_store::forget(const entry& x) {
+  if (x.expiry)
+    expiries_.erase({*x.expiry, x.content->owner, x.content->name.folded()});
+}
+
+tuple_pointer tuple_store::put(tuple x, std::optional<instant> expiry) {
   const auto owner = x.owner;
-  const auto [at, is_new] = same_key.try_emplace(owner);
-  auto& slot = at->second;
-  if (is_new)
+  auto& slot = owners_[owner][x.name.folded()];
+  if (slot.content) {
+    forget(slot);
+    x.name = slot.content->name;
+  } else {
+    keys_[x.name.folded()].insert(owner);
     ++size_;
-  else
-    x.name = std::move(slot.content.name);
-  if (slot.expiry)
-    expiries_.erase({*slot.expiry, x.name.folded(), owner});
-  if (expiry)
-    expiries_.emplace(*expiry, x.name.folded(), owner);
-  slot = {std::move(x), expiry};
+  }
+  slot = {std::make_shared<const tuple>(std::move(x)), expiry, true};
+  remember(slot);
   return slot.content;
 }
 
-tuple tuple_store::take(std::map<std::string, owners>::iterator at, owners::iterator which) {
-  auto taken = std::move(which->second);
-  if (taken.expiry)
-    expiries_.erase({*taken.expiry, at->first, which->first});
-  at->second.erase(which);
-  if (at->second.empty())
-    tuples_.erase(at);
+tuple_pointer tuple_store::remove(peer_id owner, const key& name) {
+  const auto of_owner = owners_.find(owner);
+  if (of_owner == owners_.end())
+    return nullptr;
+  const auto at = of_owner->second.find(name.folded());
+  if (at == of_owner->second.end())
+    return nullptr;
+  forget(at->second);
+  const auto same_key = keys_.find(at->first);
+  same_key->second.erase(owner);
+  if (same_key->second.empty())
+    keys_.erase(same_key);
+  auto taken = std::move(at->second.content);
+  of_owner->second.erase(at);
+  if (of_owner->second.empty())
+    owners_.erase(of_owner);
   --size_;
-  return std::move(taken.content);
+  return taken;
 }
 
-std::optional<tuple> tuple_store::remove(const key& name, peer_id owner) {
-  const auto at = tuples_.find(name.folded());
-  if (at == tuples_.end())
-    return std::nullopt;
-  const auto which = at->second.find(owner);
-  if (which == at->second.end())
-    return std::nullopt;
-  return take(at, which);
-}
-
-std::optional<tuple> tuple_store::take_expired(instant now) {
+tuple_pointer tuple_store::take_expired(instant now) {
   if (expiries_.empty() || std::get<instant>(*expiries_.begin()) > now)
-    return std::nullopt;
-  const auto [when, name, owner] = *expiries_.begin();
-  const auto at = tuples_.find(name);
-  return take(at, at->second.find(owner));
+    return nullptr;
+  const auto& [when, owner, name] = *expiries_.begin();
+  const auto content = owners_.at(owner).at(name).content;
+  return remove(content->owner, content->name);
 }
 
-std::vector<const tuple*> tuple_store::find_all(peer_id owner, const key& pattern) const {
-  std::vector<const tuple*> found;
-  const auto add = [&](const owners& same_key) {
-    for (const auto& [id, x] : same_key) {
-      if ((owner == any_peer || owner == id) && pattern.matches(x.content.name))
-        found.push_back(&x.content);
-    }
-  };
-  if (pattern.is_pattern()) {
-    for (const auto& [name, same_key] : tuples_)
-      add(same_key);
-  } else if (const auto at = tuples_.find(pattern.folded()); at != tuples_.end()) {
-    add(at->second);
+std::vector<const tuple_store::entry*> tuple_store::candidates(peer_id owner,
+                                                               const key& pattern) const {
+  std::vector<const entry*> found;
+  if (owner != any_peer) {
+    if (const auto at = owners_.find(owner); at != owners_.end())
+      walk(at->second, pattern, [&](const std::string&, const entry& x) { found.push_back(&x); });
+    return found;
   }
+  walk(keys_, pattern, [&](const std::string& name, const std::set<peer_id>& holders) {
+    for (const auto id : holders)
+      found.push_back(&owners_.at(id).at(name));
+  });
+  return found;
+}
+
+std::vector<tuple_pointer> tuple_store::find_all(const prototype& wanted) const {
+  std::vector<tuple_pointer> found;
+  for_matching(wanted, [&](const entry& x) { found.push_back(x.content); });
   return found;
 }
 

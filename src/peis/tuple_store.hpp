@@ -1,4 +1,4 @@
-// Tuples held, own and others', by key and owner, and when each vanishes (TUP-01, TUP-15).
+// Tuples held, own and others', by owner and key, and when each vanishes (TUP-01, TUP-15, TUP-20).
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "core/time.hpp"
@@ -15,37 +15,53 @@
 
 namespace rubicon::peis {
 
-/// Ordered, so that every walk over it is the same on every machine.
+/// Ordered, so that every walk over it is the same on every machine. A walk for an owner looks at
+/// no other owner's tuples, one for a pattern at no tuple that differs before the first wildcard.
 class tuple_store {
 public:
-  [[nodiscard]] const tuple* find(const key& name, peer_id owner) const;
+  struct entry {
+    tuple_pointer content;
+    std::optional<instant> expiry;
+    mutable bool is_new = true; ///< not read since it was stored (TUP-12)
+  };
 
-  /// Stores or replaces; the letter case of a known key stays. @returns the tuple stored
-  const tuple& put(tuple x, std::optional<instant> expiry);
+  [[nodiscard]] const entry* find(peer_id owner, const key& name) const;
 
-  /// Takes a tuple out.
-  std::optional<tuple> remove(const key& name, peer_id owner);
+  /// Stores or replaces as something new; the letter case of a known key stays.
+  /// @returns the tuple stored
+  tuple_pointer put(tuple x, std::optional<instant> expiry);
 
-  /// Takes out the next tuple whose time has come; to be called until it returns nothing.
-  std::optional<tuple> take_expired(instant now);
+  /// Takes a tuple out; null if there is none.
+  tuple_pointer remove(peer_id owner, const key& name);
+
+  /// Takes out the next tuple whose time has come; to be called until it returns null.
+  tuple_pointer take_expired(instant now);
+
+  /// Calls `visit(const entry&)` for what matches, ascending by key, then owner.
+  template <class Visitor>
+  void for_matching(const prototype& wanted, Visitor visit) const {
+    for (const auto* x : candidates(wanted.owner, wanted.name)) {
+      if (wanted.matches(*x->content))
+        visit(*x);
+    }
+  }
 
   /// Matches ascending by key, then owner.
-  [[nodiscard]] std::vector<const tuple*> find_all(peer_id owner, const key& pattern) const;
+  [[nodiscard]] std::vector<tuple_pointer> find_all(const prototype& wanted) const;
 
   [[nodiscard]] std::optional<instant> deadline() const;
   [[nodiscard]] std::size_t size() const { return size_; }
 
 private:
-  struct entry {
-    tuple content;
-    std::optional<instant> expiry;
-  };
-  using owners = std::map<peer_id, entry>;
+  using tuples_of_owner = std::map<std::string, entry, std::less<>>;
 
-  tuple take(std::map<std::string, owners>::iterator at, owners::iterator which);
+  [[nodiscard]] std::vector<const entry*> candidates(peer_id owner, const key& pattern) const;
+  void remember(const entry& x);
+  void forget(const entry& x);
 
-  std::map<std::string, owners> tuples_; ///< by folded key
-  std::set<std::tuple<instant, std::string, peer_id>> expiries_;
+  std::map<peer_id, tuples_of_owner> owners_; ///< by folded key; no owner without tuples
+  std::map<std::string, std::set<peer_id>, std::less<>> keys_; ///< whose tuples have this key
+  std::set<std::tuple<instant, peer_id, std::string>> expiries_;
   std::size_t size_ = 0;
 };
 

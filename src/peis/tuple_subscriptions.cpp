@@ -1,5 +1,7 @@
 // Who wants what: subscriptions of ours at others and of others here (peis-wire.md 15.6, TUP-10).
 #include <algorithm>
+#include <iterator>
+#include <tuple>
 
 #include "peis/package.hpp"
 #include "peis/tuple_space.hpp"
@@ -12,50 +14,64 @@ constexpr int refreshes_per_lifetime = 3;
 /// After this long without news, a repeated push has arrived (peis-wire.md 8.2: 11.6 s at most).
 constexpr duration settled_after = 15s;
 
-prototype prototype_of(peer_id owner, const key& pattern) {
-  prototype x;
-  x.owner = owner;
-  x.name = pattern;
-  return x;
+transmit push_message(const tuple& x, peer_id subscriber) {
+  return {subscriber,
+          port::push,
+          {encode_tuple_head(x, tuple_message_kind::push), encode_tuple_value(x)},
+          no_request};
 }
 
 } // namespace
 
-std::pair<cause, tuple_events> tuple_space::subscribe(peer_id owner, const key& pattern,
-                                                      subscription_id id, instant now) {
-  if (subscriptions_.contains(id) || subscriptions_.size() >= config_.subscriptions_max) {
+std::pair<cause, tuple_events> tuple_space::subscribe(const prototype& wanted, subscription_id id,
+                                                      interest kind, instant now) {
+  auto why = cause::none;
+  if (subscriptions_.contains(id))
+    why = cause::bad_handle;
+  else if (subscriptions_.size() >= config_.subscriptions_max)
+    why = cause::space_full;
+  else if (wanted.mimetype && wanted.mimetype->size() > mimetype_length_max)
+    why = cause::bad_value;
+  else if (wanted.value && wanted.value->size() > tuple_value_max)
+    why = cause::too_long;
+  if (why != cause::none) {
     ++counters_.refused;
-    return {cause::refused, {}};
+    return {why, {}};
   }
-  const subscription x{id, owner, pattern};
+  const subscription x{id, wanted, kind};
   subscriptions_.emplace(id, x);
-  wanted_.insert(pattern, x);
+  wanted_.insert(wanted.name, x);
+  ++subscribers_version_;
+  if (kind == interest::callback)
+    return {};
   if (!next_refresh_)
     next_refresh_ = now + config_.lifetime / refreshes_per_lifetime;
   tuple_events out;
-  for (const auto* held : store_.find_all(owner, pattern))
-    out.push_back(tuple_changed{id, *held});
+  for (auto& held : store_.find_all(wanted))
+    out.push_back(tuple_changed{id, std::move(held)});
   if (!first_with(x))
     return {cause::none, std::move(out)};
   for (const auto& [host, known] : hosts_) {
-    if (owner == any_peer || owner == host)
-      out.push_back(subscribe_message_to(host, known, x, false));
+    if (wanted.owner == any_peer || wanted.owner == host)
+      out.push_back(subscribe_message_to(host, known, wanted, false));
   }
   return {cause::none, std::move(out)};
 }
 
-/// Equal subscriptions of ours send one message, which that with the lowest id stands for.
+/// Equal subscriptions of ours send one message, which that with the lowest id stands for. None is
+/// sent for callbacks.
 bool tuple_space::first_with(const subscription& x) const {
-  bool first = true;
-  wanted_.for_equal(x.pattern, [&](const subscription& other) {
-    first = first && (other.owner != x.owner || other.id >= x.id);
+  bool first = x.kind == interest::subscription;
+  wanted_.for_equal(x.wanted.name, [&](const subscription& other) {
+    first = first &&
+            (other.kind == interest::callback || other.id >= x.id || !(other.wanted == x.wanted));
   });
   return first;
 }
 
 transmit tuple_space::subscribe_message_to(peer_id host, const known_host& known,
-                                           const subscription& x, bool refresh) const {
-  subscribe_message message{prototype_of(x.owner, x.pattern), std::nullopt};
+                                           const prototype& wanted, bool refresh) const {
+  subscribe_message message{wanted, std::nullopt};
   if (known.marked) {
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(config_.lifetime).count();
     message.lifetime = lifetime_tag{refresh, static_cast<std::uint8_t>(seconds)};
@@ -63,32 +79,37 @@ transmit tuple_space::subscribe_message_to(peer_id host, const known_host& known
   return {host, port::subscribe, {encode(message), {}}, no_request};
 }
 
-tuple_events tuple_space::unsubscribe(subscription_id id) {
+std::pair<cause, tuple_events> tuple_space::unsubscribe(subscription_id id) {
   tuple_events out;
   const auto at = subscriptions_.find(id);
   if (at == subscriptions_.end())
-    return out;
+    return {cause::bad_handle, {}};
   const auto gone = at->second;
   subscriptions_.erase(at);
-  wanted_.erase_if(gone.pattern, [id](const subscription& x) { return x.id == id; });
+  wanted_.erase_if(gone.wanted.name, [id](const subscription& x) { return x.id == id; });
+  ++subscribers_version_;
+  if (gone.kind == interest::callback)
+    return {};
+  // The message names owner and key only: it would end the others of that name too.
   bool shared = false;
-  wanted_.for_equal(gone.pattern,
-                    [&](const subscription& x) { shared = shared || x.owner == gone.owner; });
-  if (shared)
-    return out;
-  auto message = encode_unsubscribe(prototype_of(gone.owner, gone.pattern));
-  if (gone.owner == any_peer)
-    out.push_back(transmit_all{port::unsubscribe, std::move(message)});
-  else if (hosts_.contains(gone.owner))
-    out.push_back(transmit{gone.owner, port::unsubscribe, {std::move(message), {}}, no_request});
-  std::vector<std::pair<key, peer_id>> unwanted;
-  for (const auto* x : store_.find_all(gone.owner, gone.pattern)) {
-    if (x->owner != self_ && !wanted(*x))
-      unwanted.emplace_back(x->name, x->owner);
+  wanted_.for_equal(gone.wanted.name, [&](const subscription& x) {
+    shared = shared || (x.kind == interest::subscription && x.wanted.owner == gone.wanted.owner);
+  });
+  if (!shared) {
+    auto message = encode_unsubscribe(gone.wanted);
+    const auto owner = gone.wanted.owner;
+    if (owner == any_peer)
+      out.push_back(transmit_all{port::unsubscribe, std::move(message)});
+    else if (hosts_.contains(owner))
+      out.push_back(transmit{owner, port::unsubscribe, {std::move(message), {}}, no_request});
   }
-  for (const auto& [name, owner] : unwanted)
-    static_cast<void>(store_.remove(name, owner));
-  return out;
+  for (const auto& x : store_.find_all(prototype_of(gone.wanted.owner, gone.wanted.name))) {
+    if (x->owner != self_ && !wanted(*x)) {
+      incomplete_.erase({x->owner, x->name.folded()});
+      static_cast<void>(store_.remove(x->owner, x->name));
+    }
+  }
+  return {cause::none, std::move(out)};
 }
 
 tuple_events tuple_space::on_host_appeared(peer_id host, bool marked) {
@@ -102,8 +123,8 @@ tuple_events tuple_space::renew(peer_id host) const {
   if (known == hosts_.end())
     return out;
   for (const auto& [id, x] : subscriptions_) {
-    if ((x.owner == any_peer || x.owner == host) && first_with(x))
-      out.push_back(subscribe_message_to(host, known->second, x, false));
+    if ((x.wanted.owner == any_peer || x.wanted.owner == host) && first_with(x))
+      out.push_back(subscribe_message_to(host, known->second, x.wanted, false));
   }
   return out;
 }
@@ -116,6 +137,7 @@ tuple_events tuple_space::on_subscribe(peer_id source, byte_view octets, instant
     return {};
   }
   auto& wanted = message->wanted;
+  const auto owner = wanted.owner;
   std::optional<instant> expiry;
   if (message->lifetime) {
     expiry = now + std::chrono::seconds(message->lifetime->seconds);
@@ -136,18 +158,22 @@ tuple_events tuple_space::on_subscribe(peer_id source, byte_view octets, instant
     return {};
   }
   tuple_events out;
-  for (const auto* x : store_.find_all(self_, wanted.name)) {
-    if (!wanted.matches(*x))
-      continue;
+  wanted.owner = self_; // for the search only
+  for (const auto& x : store_.find_all(wanted)) {
     ++counters_.pushes_sent;
-    out.push_back(
-        transmit{source,
-                 port::push,
-                 {encode_tuple_head(*x, tuple_message_kind::push), encode_tuple_value(*x)},
-                 no_request});
+    if (channels_.busy(x->name, source))
+      collapse(x->name, now); // what is under way would be applied to a value that has it already
+    auto push_now = push_message(*store_.find(self_, x->name)->content, source);
+    if (channels_.follows(x->name))
+      transmit_in_order(x->name, std::move(push_now), out);
+    else
+      out.push_back(std::move(push_now));
   }
-  if (!known)
+  if (!known) {
+    wanted.owner = owner;
     subscribers_.insert(wanted.name, {source, wanted, expiry});
+    ++subscribers_version_;
+  }
   return out;
 }
 
@@ -158,29 +184,36 @@ tuple_events tuple_space::on_unsubscribe(peer_id source, byte_view octets) {
     return {};
   }
   // Only owner and key of the message mean anything (peis-wire.md 15.2).
-  subscribers_.erase_if(unwanted->name, [&](const subscriber& x) {
+  const auto erased = subscribers_.erase_if(unwanted->name, [&](const subscriber& x) {
     return x.host == source && x.wanted.owner == unwanted->owner;
   });
+  subscribers_version_ += erased > 0 ? 1 : 0;
   return {};
 }
 
-/// To each subscriber once, however many of its subscriptions match.
-void tuple_space::push(const tuple& x, tuple_events& out) {
+/// Each once, however many of its subscriptions match. A deletion concerns those too who asked for
+/// a certain value.
+std::vector<peer_id> tuple_space::subscribers_of(const tuple& x) const {
   std::vector<peer_id> hosts;
-  const bool deletion = x.expiry == deleted; // tell them too who asked for a certain value
   subscribers_.for_matching(x.name, [&](const subscriber& s) {
-    if (deletion || s.wanted.matches(x))
+    if (x.expiry == deleted || s.wanted.matches(x))
       hosts.push_back(s.host);
   });
-  if (hosts.empty())
-    return;
   std::sort(hosts.begin(), hosts.end());
   hosts.erase(std::unique(hosts.begin(), hosts.end()), hosts.end());
-  const message_octets content{encode_tuple_head(x, tuple_message_kind::push),
-                               encode_tuple_value(x)};
+  return hosts;
+}
+
+void tuple_space::push(const tuple& x, tuple_events& out) {
+  const auto hosts = subscribers_of(x);
+  if (hosts.empty())
+    return;
+  auto message = push_message(x, hosts.front());
   counters_.pushes_sent += hosts.size();
-  for (const auto host : hosts)
-    out.push_back(transmit{host, port::push, content, no_request});
+  for (const auto host : hosts) {
+    message.destination = host;
+    out.push_back(message);
+  }
 }
 
 bool tuple_space::has_subscribed(peer_id host, const tuple& x) const {
@@ -195,9 +228,28 @@ bool tuple_space::has_subscriber(const key& name) const {
   bool found = false;
   subscribers_.for_matching(name, [&](const subscriber&) { found = true; });
   wanted_.for_matching(name, [&](const subscription& x) {
-    found = found || x.owner == any_peer || x.owner == self_;
+    found = found || (x.kind == interest::subscription &&
+                      (x.wanted.owner == any_peer || x.wanted.owner == self_));
   });
   return found;
+}
+
+bool tuple_space::is_watched(const key& name) const {
+  bool found = has_subscriber(name);
+  wanted_.for_matching(name, [&](const subscription& x) {
+    found = found || x.wanted.owner == any_peer || x.wanted.owner == self_;
+  });
+  return found;
+}
+
+std::vector<std::pair<peer_id, prototype>> tuple_space::subscribers() const {
+  std::vector<std::pair<peer_id, prototype>> all;
+  subscribers_.for_all([&](const subscriber& x) { all.emplace_back(x.host, x.wanted); });
+  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.first, a.second.owner, a.second.name.folded()) <
+           std::tie(b.first, b.second.owner, b.second.name.folded());
+  });
+  return all;
 }
 
 void tuple_space::schedule_retry(instant now) {
@@ -205,21 +257,26 @@ void tuple_space::schedule_retry(instant now) {
     next_retry_ = now + config_.retry_push;
 }
 
-tuple_events tuple_space::on_undelivered(peer_id destination, std::uint16_t port, byte_view head,
-                                         instant now) {
+void tuple_space::add_failed_push(peer_id host, const key& name, instant now) {
+  failed_.try_emplace({host, name.folded()}, failed_push{now, std::nullopt})
+      .first->second.tried.reset();
+  schedule_retry(now);
+}
+
+void tuple_space::on_undelivered(peer_id destination, std::uint16_t port, byte_view head,
+                                 request_id request, instant now) {
+  const bool concerns_tuple = port == port::push || port == port::append_notice;
+  const auto name = concerns_tuple ? decode_record_key(head) : result<key>(errc::unsupported);
+  if (name && channels_.knows(request))
+    collapse(*name, now);
   if (!hosts_.contains(destination))
-    return {};
-  if (port == port::subscribe) {
+    return;
+  if (name) {
+    add_failed_push(destination, *name, now);
+  } else if (port == port::subscribe) {
     renewals_.insert(destination);
     schedule_retry(now);
-  } else if (port == port::push) {
-    if (const auto name = decode_record_key(head)) {
-      failed_.try_emplace({destination, name->folded()}, failed_push{now, std::nullopt})
-          .first->second.tried.reset();
-      schedule_retry(now);
-    }
   }
-  return {};
 }
 
 /// The newest value only (TUP-18).
@@ -229,10 +286,11 @@ void tuple_space::retry_pushes(instant now, tuple_events& out) {
     const auto& [host, text] = at->first;
     auto& x = at->second;
     const auto name = key::from_wire(text);
-    const auto* content = name ? store_.find(*name, self_) : nullptr;
+    const auto content = name ? find(self_, *name) : nullptr;
+    const bool overtaken = name && channels_.busy(*name, host); // by a whole value, with appends
     const bool given_up = now - x.first > config_.give_up_push;
     const bool settled = x.tried && now - *x.tried > settled_after;
-    if (content == nullptr || !has_subscribed(host, *content) || given_up || settled) {
+    if (!content || !has_subscribed(host, *content) || overtaken || given_up || settled) {
       counters_.pushes_given_up += given_up ? 1 : 0;
       at = failed_.erase(at);
       continue;
@@ -240,11 +298,7 @@ void tuple_space::retry_pushes(instant now, tuple_events& out) {
     if (!x.tried) {
       x.tried = now;
       ++counters_.pushes_retried;
-      out.push_back(transmit{
-          host,
-          port::push,
-          {encode_tuple_head(*content, tuple_message_kind::push), encode_tuple_value(*content)},
-          no_request});
+      out.push_back(push_message(*content, host));
     }
     ++at;
   }
@@ -260,14 +314,15 @@ void tuple_space::retry_pushes(instant now, tuple_events& out) {
 void tuple_space::refresh(instant now, tuple_events& out) {
   next_refresh_.reset();
   bool mortal = false;
-  subscribers_.erase_everywhere([&](const subscriber& x) {
+  const auto erased = subscribers_.erase_everywhere([&](const subscriber& x) {
     mortal = mortal || (x.expiry && *x.expiry > now);
     return x.expiry && *x.expiry <= now;
   });
+  subscribers_version_ += erased > 0 ? 1 : 0;
   for (const auto& [id, x] : subscriptions_) {
     for (const auto& [host, known] : hosts_) {
-      if (known.marked && (x.owner == any_peer || x.owner == host) && first_with(x))
-        out.push_back(subscribe_message_to(host, known, x, true));
+      if (known.marked && (x.wanted.owner == any_peer || x.wanted.owner == host) && first_with(x))
+        out.push_back(subscribe_message_to(host, known, x.wanted, true));
     }
   }
   if (mortal || !subscriptions_.empty())

@@ -26,8 +26,16 @@ std::string_view to_string(cause x) {
     return "bad_key";
   case cause::bad_value:
     return "bad_value";
-  case cause::refused:
-    return "refused";
+  case cause::abstract:
+    return "abstract";
+  case cause::space_full:
+    return "space_full";
+  case cause::bad_handle:
+    return "bad_handle";
+  case cause::bad_index:
+    return "bad_index";
+  case cause::bad_meta_tuple:
+    return "bad_meta_tuple";
   case cause::left:
     return "left";
   }

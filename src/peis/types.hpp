@@ -28,6 +28,9 @@ using subscription_id = strong_id<subscription_tag, std::uint64_t>;
 
 inline constexpr request_id no_request{0};
 
+/// Request and subscription ids from here on are the kernel's own; callers use smaller ones.
+inline constexpr std::uint64_t own_ids_first = std::uint64_t{1} << 63U;
+
 /// Who opened the link: the initiator speaks first (peis-wire.md 3.2).
 enum class link_role : std::uint8_t { initiator, acceptor };
 
@@ -35,7 +38,7 @@ enum class link_role : std::uint8_t { initiator, acceptor };
 /// Messages of more than one package always travel as bulk.
 enum class priority : std::uint8_t { high, normal, bulk };
 
-/// How a request ended (ACK-05).
+/// How a request ended (ACK-05, TUP-24).
 enum class cause : std::uint8_t {
   none,             ///< it succeeded
   no_route,         ///< nobody knows a way to the destination
@@ -44,11 +47,15 @@ enum class cause : std::uint8_t {
   early_drop,      ///< given up at random because the queue was more than half full (P2P-03)
   connection_dead, ///< the last route was lost and did not return before the retries ended
   host_gone,       ///< the destination has left, was restarted or has been lost for too long
-  too_long,        ///< above 16 MiB, or a broadcast above 1024 octets (API-08)
+  too_long,        ///< message or value above 16 MiB, broadcast above 1024 octets (API-08)
   bad_port,        ///< not one of the ports 20..49 (API-09)
   bad_key,         ///< TUP-03
   bad_value,       ///< MIME type longer than 254 octets, or a time that the wire cannot carry
-  refused,         ///< reserved key, or the tuple space is full
+  abstract,        ///< a wildcard where one tuple must be named in full (TUP-06, A-30)
+  space_full,      ///< no room for another tuple or subscription
+  bad_handle,      ///< subscription id that is in use already, or unknown
+  bad_index,       ///< the cursor of a result set stands on no tuple
+  bad_meta_tuple,  ///< not a meta tuple, or one that points nowhere and is to be written through
   left,            ///< this kernel has left the network
 };
 

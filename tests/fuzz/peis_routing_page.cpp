@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     assert(*peis::decode_routing_page(peis::encode(*x)) == *x);
     peis::routing_table routes(peer_id{10}, 1, 30);
     static_cast<void>(routes.on_table(peis::link_id{1}, 2, x->entries, instant{}));
-    static_cast<void>(routes.on_link_closed(peis::link_id{1}));
+    static_cast<void>(routes.on_link_closed(peis::link_id{1}, instant{}));
   }
   if (const auto x = peis::decode_host_record_message(octets)) {
     const auto again = peis::decode_host_record_message(peis::encode(*x));

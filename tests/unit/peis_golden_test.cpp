@@ -13,6 +13,7 @@
 #include "peis/reassembly.hpp"
 #include "peis/routing_page.hpp"
 #include "peis/tuple_record.hpp"
+#include "peis/tuple_space.hpp"
 #include "support/catch.hpp"
 #include "support/vectors.hpp"
 
@@ -223,6 +224,7 @@ TEST_CASE("pushed and set tuples of real kernels decode and encode back", "[peis
           {{"push-first-value", "foo", "hello", kind::push},
            {"push-update", "foo", "world", kind::push},
            {"push-expiring", "temp", "short lived", kind::push},
+           {"push-kernel-connections", "kernel.connections", "((20 250 250 0 0.00))", kind::push},
            {"push-metatuple", "mi-in", "(META 20 kernel.name)", kind::push},
            {"set-remote", "bar", "remote value", kind::set},
            {"set-delete", "bar", "", kind::set},
@@ -239,6 +241,57 @@ TEST_CASE("pushed and set tuples of real kernels decode and encode back", "[peis
   again.insert(again.end(), value.begin(), value.end());
   CHECK(without(again, record_garbage(0, name.size() + 1)) ==
         without(data, record_garbage(0, name.size() + 1)));
+}
+
+TEST_CASE("append requests of real kernels decode and encode back", "[peis][TUP-07]") {
+  const auto data = only("append-request").data;
+  const auto x = decode_append_request(data);
+  REQUIRE(x);
+  CHECK(x->wanted == prototype_of(peer_id{10}, *key::parse("foo")));
+  CHECK(rubicon::to_string(x->added.view()) == std::string("remotely", 9));
+  auto again = encode_append_request_head(*x);
+  again.insert(again.end(), x->added.view().begin(), x->added.view().end());
+  CHECK(without(again, record_garbage(0, 4)) == without(data, record_garbage(0, 4)));
+}
+
+TEST_CASE("append notices of real kernels decode and encode back", "[peis][TUP-07]") {
+  const auto notices = packages("push-appended");
+  REQUIRE(notices.size() == 2);
+  const std::size_t lengths[] = {6, 14};
+  for (std::size_t i = 0; i < notices.size(); ++i) {
+    CHECK(notices[i].header.port == port::append_notice);
+    const auto& data = notices[i].data;
+    const auto x = decode_append_notice(data);
+    REQUIRE(x);
+    CHECK(x->owner == peer_id{10});
+    CHECK(x->name.text() == "foo");
+    CHECK(x->seqno == 1);
+    CHECK(x->append_seqno == static_cast<std::int32_t>(i));
+    CHECK(x->length == lengths[i]);
+    tuple before;
+    before.owner = before.creator = peer_id{10};
+    before.name = x->name;
+    before.value = bytes(x->length);
+    before.seqno = x->seqno;
+    before.append_seqno = x->append_seqno;
+    auto again = encode_append_notice_head(before, x->added.size());
+    again.insert(again.end(), x->added.view().begin(), x->added.view().end());
+    auto garbage = record_garbage(0, 4);
+    garbage.pop_back();         // the append number is none in a notice
+    garbage.emplace_back(8, 8); // the time of writing
+    CHECK(without(again, garbage) == without(data, garbage));
+  }
+}
+
+TEST_CASE("appends of a real kernel extend what its pushes gave", "[peis][TUP-07]") {
+  tuple_space x({}, peer_id{20}, 1'000'000'000s);
+  static_cast<void>(x.on_host_appeared(peer_id{10}, false));
+  static_cast<void>(x.subscribe(prototype_of(peer_id{10}, *key::parse("foo")), subscription_id{1},
+                                tuple_space::interest::subscription, instant{}));
+  CHECK(x.on_push(peer_id{10}, only("push-update").data, instant{}).size() == 1);
+  for (const auto& notice : packages("push-appended"))
+    CHECK(x.on_append_notice(peer_id{10}, notice.data, instant{}).size() == 1);
+  CHECK(x.find(peer_id{10}, *key::parse("foo"))->text().starts_with("worldand more"));
 }
 
 TEST_CASE("an expiring and a deleted tuple say so", "[peis][TUP-15][TUP-16]") {

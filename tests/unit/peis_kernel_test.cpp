@@ -25,7 +25,7 @@ struct pair_of_peers {
   [[nodiscard]] std::string changes(peer_id who) const {
     std::string all;
     for (const auto& x : w.all<tuple_changed>(who))
-      all += std::string(x.content.text()) + ' ';
+      all += std::string(x.content->text()) + ' ';
     return all;
   }
 };
@@ -43,7 +43,7 @@ TEST_CASE("a late subscriber gets the current value, then updates", "[peis][TUP-
   p.set(p.a, "room.light", "9");
   p.w.run_for(100ms);
   CHECK(p.changes(p.b) == "20 21 21 ");
-  const auto* held = p.w.at(p.b).find_tuple(p.a, "room.temp");
+  const auto held = p.w.at(p.b).find_tuple(p.a, "room.temp");
   REQUIRE(held != nullptr);
   CHECK(held->name.text() == "room.Temp"); // the letter case of the first stays
   CHECK(held->owner == p.a);
@@ -58,7 +58,7 @@ TEST_CASE("each subscription is told once of each change, in order of id", "[pei
   p.subscribe(p.b, any_peer, "a.*", 3);
   p.subscribe(p.b, p.a, "a.b", 2);
   p.subscribe(p.b, p.a, "a.b", 4);
-  p.subscribe(p.b, any_peer, "", 1);
+  p.subscribe(p.b, any_peer, "*.b", 1);
   p.w.run_for(100ms);
   p.w.clear_logs();
   p.set(p.a, "a.b", "x");
@@ -80,12 +80,12 @@ TEST_CASE("all fields survive the journey, empty values included", "[peis][TUP-0
   p.w.perform(p.a, p.w.at(p.a).set_tuple("bin", binary_content(bytes{0, 1, 0, 255}), p.w.now()));
   p.w.perform(p.a, p.w.at(p.a).set_tuple("none", binary_content({}), p.w.now()));
   p.w.run_for(100ms);
-  const auto* x = p.w.at(p.b).find_tuple(p.a, "bin");
+  const auto x = p.w.at(p.b).find_tuple(p.a, "bin");
   REQUIRE(x != nullptr);
   CHECK(to_hex(x->value.view()) == "000100ff");
   CHECK(x->form == encoding::binary);
   CHECK(x->mimetype == binary_mimetype);
-  const auto* none = p.w.at(p.b).find_tuple(p.a, "none");
+  const auto none = p.w.at(p.b).find_tuple(p.a, "none");
   REQUIRE(none != nullptr);
   CHECK(none->value.empty());
   CHECK(none->mimetype == empty_mimetype);
@@ -100,7 +100,7 @@ TEST_CASE("a remote set reaches owner and subscribers and reports success", "[pe
   REQUIRE(p.w.all<outcome>(p.b).size() == 1);
   CHECK(p.w.all<outcome>(p.b)[0].success);
   CHECK(p.changes(p.a) == "on ");
-  const auto* x = p.w.at(p.a).find_tuple(p.a, "lamp");
+  const auto x = p.w.at(p.a).find_tuple(p.a, "lamp");
   REQUIRE(x != nullptr);
   CHECK(x->creator == p.b);
   p.w.perform(p.b, p.w.at(p.b).delete_remote_tuple(p.a, "lamp", request_id{4}, p.w.now()));
@@ -121,7 +121,9 @@ TEST_CASE("a remote set to an unknown owner fails at once", "[peis][API-02]") {
 
 TEST_CASE("kernel tuples are there and cannot be written by others", "[peis][TUP-22]") {
   pair_of_peers p;
-  const auto value = [&](const char* name) { return p.w.at(p.a).find_tuple(p.a, name)->text(); };
+  const auto value = [&](const char* name) {
+    return std::string(p.w.at(p.a).find_tuple(p.a, name)->text());
+  };
   CHECK(value("kernel.id") == "1");
   CHECK(value("kernel.name") == "peer1");
   CHECK(value("kernel.hostname") == "host1");
@@ -170,7 +172,7 @@ TEST_CASE("deletion frees caches and tells subscribers; a new value follows", "[
   p.w.run_for(100ms);
   CHECK(p.w.at(p.b).find_tuple(p.a, "x") == nullptr);
   REQUIRE(p.w.all<tuple_deleted>(p.b).size() == 1);
-  CHECK(p.w.all<tuple_deleted>(p.b)[0].content.text() == "2");
+  CHECK(p.w.all<tuple_deleted>(p.b)[0].content->text() == "2");
   p.set(p.a, "x", "3");
   p.w.run_for(100ms);
   CHECK(p.changes(p.b) == "1 2 3 ");
@@ -240,7 +242,7 @@ TEST_CASE("illegal commands change nothing and say why", "[peis][TUP-24]") {
   CHECK(why(kernel.set_tuple("a", content, now, r)) == cause::bad_value);
   CHECK(why(kernel.subscribe(any_peer, "b*", subscription_id{1}, now, r)) == cause::bad_key);
   CHECK(why(kernel.subscribe(any_peer, "b", subscription_id{1}, now, r)) == cause::none);
-  CHECK(why(kernel.subscribe(any_peer, "c", subscription_id{1}, now, r)) == cause::refused);
+  CHECK(why(kernel.subscribe(any_peer, "c", subscription_id{1}, now, r)) == cause::bad_handle);
   CHECK(kernel.find_tuples(p.a, "a").empty());
 }
 

@@ -23,7 +23,7 @@ std::vector<peer_id> ring(world& w, int count) {
 }
 
 std::string last_text(world& w, peer_id at, peer_id owner, std::string_view name) {
-  const auto* x = w.at(at).find_tuple(owner, name);
+  const auto x = w.at(at).find_tuple(owner, name);
   return x == nullptr ? "none" : std::string(x->text());
 }
 

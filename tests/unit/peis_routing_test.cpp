@@ -61,16 +61,16 @@ TEST_CASE("an absent entry loses the way or moves it", "[peis][RTE-06]") {
   CHECK(!routes.way_to(far));
   CHECK(kinds(routes.on_table(left, 1, entries, instant{})) == "a");
   static_cast<void>(routes.on_table(right, 2, entries, instant{}));
-  CHECK(kinds(routes.on_link_closed(left)) == "m");
+  CHECK(kinds(routes.on_link_closed(left, instant{})) == "m");
   CHECK(routes.way_to(far) == right);
-  CHECK(kinds(routes.on_link_closed(right)) == "l");
+  CHECK(kinds(routes.on_link_closed(right, instant{})) == "l");
 }
 
 TEST_CASE("a lost host is outdated after four periods at most", "[peis][RTE-07]") {
   auto routes = empty_table();
   const routing_entry entries[] = {entry(10, 1)};
   static_cast<void>(routes.on_table(left, 1, entries, instant{}));
-  static_cast<void>(routes.on_link_closed(left));
+  static_cast<void>(routes.on_link_closed(left, instant{}));
   for (int i = 0; i < 3; ++i)
     CHECK(routes.age(instant{}).empty());
   CHECK(routes.age(instant{}) == std::vector<peer_id>{far});

@@ -35,12 +35,17 @@ bytes subscription(std::string_view pattern, std::optional<lifetime_tag> lifetim
   return encode(message);
 }
 
+void subscribe(tuple_space& x, std::string_view pattern) {
+  static_cast<void>(x.subscribe(prototype_of(any_peer, *key::parse(pattern)), subscription_id{1},
+                                tuple_space::interest::subscription, start));
+}
+
 } // namespace
 
 TEST_CASE("an older value never replaces a newer one", "[peis][TUP-17]") {
   auto x = space();
-  static_cast<void>(x.subscribe(any_peer, *key::parse("x"), subscription_id{1}, start));
-  const auto text = [&] { return x.find(other, *key::parse("x"))->text(); };
+  subscribe(x, "x");
+  const auto text = [&] { return std::string(x.find(other, *key::parse("x"))->text()); };
   static_cast<void>(x.on_push(other, pushed(5, 1000, "five"), start));
   static_cast<void>(x.on_push(other, pushed(4, 999, "four"), start));
   CHECK(text() == "five");
@@ -53,7 +58,7 @@ TEST_CASE("an older value never replaces a newer one", "[peis][TUP-17]") {
 
 TEST_CASE("a late deletion does not remove a newer value", "[peis][TUP-16][TUP-17]") {
   auto x = space();
-  static_cast<void>(x.subscribe(any_peer, *key::parse("x"), subscription_id{1}, start));
+  subscribe(x, "x");
   static_cast<void>(x.on_push(other, pushed(0, 1001, "created anew"), start));
   CHECK(x.on_push(other, pushed(9, 1000, "", deleted), start).empty());
   CHECK(x.find(other, *key::parse("x")) != nullptr);
@@ -65,7 +70,7 @@ TEST_CASE("pushes of nobody's interest or in somebody's name are dropped", "[pei
   auto x = space();
   CHECK(x.on_push(other, pushed(0, 1, "v"), start).empty());
   CHECK(x.counters().unwanted == 1);
-  static_cast<void>(x.subscribe(any_peer, key(), subscription_id{1}, start));
+  subscribe(x, "");
   CHECK(x.on_push(peer_id{3}, pushed(0, 1, "v"), start).empty());
   CHECK(x.counters().malformed == 1);
   CHECK(x.on_push(other, pushed(0, 1, "v"), start).size() == 1);
@@ -96,7 +101,7 @@ TEST_CASE("a refresh of an unknown subscription counts as a new one", "[peis][TU
 
 TEST_CASE("real kernels are told nothing of lifetimes and nothing twice", "[peis][A-76]") {
   auto x = space();
-  static_cast<void>(x.subscribe(any_peer, *key::parse("a"), subscription_id{1}, start));
+  subscribe(x, "a");
   const auto check = [&](peer_id host, bool marked) {
     const auto sent = x.on_host_appeared(host, marked);
     REQUIRE(sent.size() == 1);
@@ -125,22 +130,22 @@ TEST_CASE("a full tuple space refuses new tuples, not new values", "[peis][TUP-2
   tuple_space x({.tuples_max = 2}, me, 1'000'000'000s);
   CHECK(x.set(*key::parse("a"), text_content("1"), start).first == cause::none);
   CHECK(x.set(*key::parse("b"), text_content("1"), start).first == cause::none);
-  CHECK(x.set(*key::parse("c"), text_content("1"), start).first == cause::refused);
+  CHECK(x.set(*key::parse("c"), text_content("1"), start).first == cause::space_full);
   CHECK(x.set(*key::parse("b"), text_content("2"), start).first == cause::none);
 }
 
 TEST_CASE("everything held is found in order of key and owner", "[peis][TUP-13]") {
   auto x = space();
-  static_cast<void>(x.subscribe(any_peer, key(), subscription_id{1}, start));
+  subscribe(x, "");
   static_cast<void>(x.on_push(other, pushed(0, 1, "v"), start));
   for (const auto* name : {"x", "b.c", "A.z"})
     static_cast<void>(x.set(*key::parse(name), text_content("1"), start));
   std::string order;
-  for (const auto* t : x.find_all(any_peer, key()))
+  for (const auto& t : x.find_all(prototype()))
     order += t->name.text() + to_string(t->owner) + ' ';
   CHECK(order == "A.z1 b.c1 x1 x2 ");
-  CHECK(x.find_all(any_peer, *key::parse("*.*")).size() == 2);
-  CHECK(x.find_all(other, *key::parse("X")).size() == 1);
+  CHECK(x.find_all(prototype_of(any_peer, *key::parse("*.*"))).size() == 2);
+  CHECK(x.find_all(prototype_of(other, *key::parse("X"))).size() == 1);
 }
 
 } // namespace rubicon::peis

@@ -1,6 +1,9 @@
 #include "peis_world.hpp"
 
 #include <algorithm>
+#include <charconv>
+
+#include "peis/link_url.hpp"
 
 namespace rubicon::peis::test {
 
@@ -10,6 +13,14 @@ kernel_config config_of(std::int32_t id) {
   config.network.name = "peer" + std::to_string(id);
   config.network.host_name = "host" + std::to_string(id);
   config.network.network = "test";
+  config.network.connections.announces = false;
+  return config;
+}
+
+kernel_config lan_config_of(std::int32_t id) {
+  auto config = config_of(id);
+  config.network.connections.announces = true;
+  config.network.addresses = {inproc_address(1, peer_id{id})};
   return config;
 }
 
@@ -28,27 +39,109 @@ peer_id world::add(kernel_config config) {
 void world::start(peer& x) {
   const auto path = to_string(x.config.network.id) + '/' + std::to_string(x.lives++);
   x.kernel = rubicon::peis::kernel(x.config, random_stream(seed_, path), now_);
+  note_deadline(x.config.network.id);
 }
 
 void world::restart(peer_id id) {
-  start(peers_.at(id));
+  auto& x = peers_.at(id);
+  x.alive = true;
+  start(x);
+}
+
+void world::kill(peer_id id) {
+  std::vector<link_id> links;
+  for (const auto& [link, x] : cables_) {
+    if (x.a == id || x.b == id)
+      links.push_back(link);
+  }
+  power_off(id);
+  for (const auto link : links)
+    cut(link);
+}
+
+void world::power_off(peer_id id) {
+  peers_.at(id).alive = false;
+  note_deadline(id);
+}
+
+void world::note_deadline(peer_id id) {
+  auto& x = peers_.at(id);
+  if (x.due)
+    due_.erase({*x.due, id});
+  x.due = x.alive ? x.kernel.deadline() : std::nullopt;
+  if (x.due)
+    due_.emplace(*x.due, id);
+}
+
+std::vector<peer_id> world::peers() const {
+  std::vector<peer_id> ids;
+  for (const auto& [id, x] : peers_)
+    ids.push_back(id);
+  return ids;
+}
+
+bool world::joined(peer_id a, peer_id b) const {
+  return alive(a) && alive(b) && !(separated && separated(a, b));
+}
+
+void world::later(std::function<void()> what, duration delay) {
+  under_way_.emplace(now_ + delay, std::move(what));
 }
 
 link_id world::connect(peer_id a, peer_id b, duration delay) {
+  return open(a, b, delay, std::nullopt);
+}
+
+link_id world::open(peer_id a, peer_id b, duration delay, std::optional<attempt_id> attempt) {
   const link_id link{next_link_++};
   auto& x = cables_[link];
   x = {a, b, delay, {}, {}};
   x.from_a.request_due = true;
   perform(b, at(b).on_link_open(link, link_role::acceptor, now_));
-  perform(a, at(a).on_link_open(link, link_role::initiator, now_));
+  perform(a, at(a).on_link_open(link, link_role::initiator, now_, attempt));
   return link;
+}
+
+void world::answer(peer_id from, const connect_to& x) {
+  const auto url = parse_link_url(x.url);
+  std::int32_t id = 0;
+  if (url)
+    std::from_chars(url->host.data(), url->host.data() + url->host.size(), id);
+  const peer_id to{id};
+  const auto lives = peers_.at(from).lives;
+  later(
+      [=, this, attempt = x.attempt] {
+        if (!alive(from) || peers_.at(from).lives != lives || !peers_.contains(to))
+          return;
+        if (separated && separated(from, to))
+          return; // nobody answers
+        if (alive(to))
+          open(from, to, 1ms, attempt);
+        else
+          perform(from, at(from).on_attempt_failed(attempt, now_));
+      },
+      1ms);
+}
+
+void world::spread(peer_id from, const announce& x) {
+  for (const auto& [to, other] : peers_) {
+    if (other.config.network.connections.announces && !other.config.network.addresses.empty())
+      later(
+          [=, this, to = to] {
+            if (joined(from, to))
+              perform(to, at(to).on_announcement(x.octets.view(), now_));
+          },
+          1ms);
+  }
 }
 
 void world::cut(link_id link) {
   const auto x = cables_.at(link);
   cables_.erase(link);
-  perform(x.a, at(x.a).on_link_closed(link, now_));
-  perform(x.b, at(x.b).on_link_closed(link, now_));
+  for (const auto end : {x.a, x.b}) {
+    if (alive(end))
+      perform(end, at(end).on_link_closed(link, now_));
+  }
 }
 
 void world::perform(peer_id id, outputs todo) {
@@ -56,18 +149,30 @@ void world::perform(peer_id id, outputs todo) {
   for (auto& output : todo) {
     if (const auto* octets = std::get_if<to_link>(&output)) {
       carry(id, *octets);
+    } else if (const auto* wish = std::get_if<connect_to>(&output)) {
+      answer(id, *wish);
+    } else if (const auto* news = std::get_if<announce>(&output)) {
+      spread(id, *news);
     } else {
       if (const auto* closed = std::get_if<close_link>(&output)) {
         const auto cable = cables_.find(closed->link);
         if (cable != cables_.end()) {
           const auto other = cable->second.a == id ? cable->second.b : cable->second.a;
-          cables_.erase(cable);
-          perform(other, at(other).on_link_closed(closed->link, now_));
+          const bool told = joined(id, other);
+          const auto link = closed->link;
+          later(
+              [=, this] {
+                cables_.erase(link);
+                if (told && alive(other))
+                  perform(other, at(other).on_link_closed(link, now_));
+              },
+              cable->second.delay);
         }
       }
       x.log.emplace_back(now_, std::move(output));
     }
   }
+  note_deadline(id);
 }
 
 /// Cuts the stream into packages, so that single ones can be lost.
@@ -95,45 +200,35 @@ void world::carry(peer_id from, const to_link& x) {
     kept.insert(kept.end(), package->data.begin(), package->data.end());
   }
   const auto to = is_a ? cable.b : cable.a;
-  const auto delay = cable.delay;
-  under_way_.emplace(now_ + delay, shipment{x.link, to, std::move(kept)});
+  const auto link = x.link;
+  const auto arrive = [=, this, octets = std::move(kept)] {
+    if (cables_.contains(link) && joined(from, to))
+      perform(to, at(to).on_link_octets(link, octets, now_));
+  };
+  const auto sent = [=, this] {
+    if (cables_.contains(link) && alive(from))
+      perform(from, at(from).on_link_sent(link, SIZE_MAX, now_));
+  };
+  later(arrive, cable.delay);
   if (drains)
-    under_way_.emplace(now_ + delay, shipment{x.link, from, {}});
-}
-
-void world::deliver(const shipment& x) {
-  if (!cables_.contains(x.link))
-    return;
-  if (x.octets.empty())
-    perform(x.to, at(x.to).on_link_sent(x.link, SIZE_MAX, now_));
-  else
-    perform(x.to, at(x.to).on_link_octets(x.link, x.octets, now_));
+    later(sent, cable.delay);
 }
 
 void world::run_for(duration length) {
   const auto end = now_ + length;
   for (;;) {
-    auto next = end;
-    peer* due = nullptr;
-    peer_id who;
-    for (auto& [id, x] : peers_) {
-      const auto deadline = x.kernel.deadline();
-      if (deadline && *deadline < next) {
-        next = std::max(*deadline, now_);
-        due = &x;
-        who = id;
-      }
-    }
-    if (!under_way_.empty() && under_way_.begin()->first <= next) {
+    const auto alarm = due_.empty() ? end : std::max(due_.begin()->first, now_);
+    const auto arrival = under_way_.empty() ? end : under_way_.begin()->first;
+    if (arrival < end && arrival <= alarm) {
       const auto x = under_way_.extract(under_way_.begin());
       now_ = std::max(now_, x.key());
-      if (now_ > end)
-        break;
-      deliver(x.mapped());
-    } else if (due != nullptr) {
-      now_ = next;
-      ++due->wakeups;
-      perform(who, due->kernel.on_time(now_));
+      x.mapped()();
+    } else if (alarm < end) {
+      now_ = alarm;
+      const auto who = due_.begin()->second;
+      auto& x = peers_.at(who);
+      ++x.wakeups;
+      perform(who, x.kernel.on_time(now_));
     } else {
       break;
     }

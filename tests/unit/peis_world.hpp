@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <variant>
@@ -35,6 +36,18 @@ public:
 
   /// Starts a peer again, all forgotten; its links must be cut before.
   void restart(peer_id id);
+
+  /// Ends a peer's process: its links are closed, as an operating system does.
+  void kill(peer_id id);
+
+  /// Nothing that this peer sends, and nothing sent to it, arrives any more; nobody is told.
+  void power_off(peer_id id);
+
+  /// Can octets, announcements and attempts pass between these two? They can if it is empty.
+  std::function<bool(peer_id, peer_id)> separated;
+
+  [[nodiscard]] bool alive(peer_id id) const { return peers_.at(id).alive; }
+  [[nodiscard]] std::vector<peer_id> peers() const;
 
   kernel& at(peer_id id) { return peers_.at(id).kernel; }
 
@@ -77,6 +90,8 @@ private:
     std::vector<std::pair<instant, output>> log;
     std::size_t wakeups = 0;
     std::uint64_t lives = 0;
+    bool alive = true;
+    std::optional<instant> due; ///< its entry in due_
   };
   struct direction {
     stream_decoder decoder;
@@ -89,24 +104,27 @@ private:
     direction from_a;
     direction from_b;
   };
-  struct shipment {
-    link_id link;
-    peer_id to;
-    bytes octets;
-  };
-
   void start(peer& x);
+  link_id open(peer_id a, peer_id b, duration delay, std::optional<attempt_id> attempt);
   void carry(peer_id from, const to_link& x);
-  void deliver(const shipment& x);
+  void answer(peer_id from, const connect_to& x);
+  void spread(peer_id from, const announce& x);
+  void later(std::function<void()> what, duration delay);
+  [[nodiscard]] bool joined(peer_id a, peer_id b) const;
+  void note_deadline(peer_id id);
 
   std::uint64_t seed_;
   instant now_{};
   std::map<peer_id, peer> peers_;
   std::map<link_id, joint> cables_;
   std::uint64_t next_link_ = 1;
-  std::multimap<instant, shipment> under_way_;
+  std::multimap<instant, std::function<void()>> under_way_;
+  std::set<std::pair<instant, peer_id>> due_; ///< deadlines of those alive
 };
 
 [[nodiscard]] kernel_config config_of(std::int32_t id);
+
+/// A peer that others can find and connect to.
+[[nodiscard]] kernel_config lan_config_of(std::int32_t id);
 
 } // namespace rubicon::peis::test

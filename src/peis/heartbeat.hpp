@@ -1,0 +1,40 @@
+// What marked neighbours tell each other on port 8 (A-76, KH-05): a sign of life, and what the
+// round trip is measured with. Real kernels have no use for this port.
+#pragma once
+
+#include <cstdint>
+
+#include "core/bytes.hpp"
+#include "core/codec.hpp"
+#include "core/error.hpp"
+#include "core/time.hpp"
+
+namespace rubicon::peis {
+
+/// Times are of the clocks of those who took them, in nanoseconds; only differences mean anything.
+struct heartbeat {
+  instant sent;    ///< by the sender's clock
+  instant echoed;  ///< `sent` of the last one that came, by the receiver's clock; zero: none came
+  duration held{}; ///< between its arrival and this sending
+};
+
+/// 24 octets.
+[[nodiscard]] inline bytes encode(const heartbeat& x) {
+  byte_writer to;
+  to.big(std::int64_t{x.sent.time_since_epoch().count()});
+  to.big(std::int64_t{x.echoed.time_since_epoch().count()});
+  to.big(std::int64_t{x.held.count()});
+  return to.finish();
+}
+
+[[nodiscard]] inline result<heartbeat> decode_heartbeat(byte_view octets) {
+  byte_reader from(octets);
+  const instant sent{duration(from.big<std::int64_t>())};
+  const instant echoed{duration(from.big<std::int64_t>())};
+  const duration held{from.big<std::int64_t>()};
+  if (!from.ok())
+    return errc::truncated;
+  return heartbeat{sent, echoed, held};
+}
+
+} // namespace rubicon::peis

@@ -1,0 +1,68 @@
+// The clock that all peers share (peis-wire.md 12, CLK-06, CLK-07).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/error.hpp"
+#include "core/time.hpp"
+
+namespace rubicon::peis {
+
+/// The message of port 11. Real kernels leave garbage in the last three octets; between marked
+/// peers they hold the microseconds that the message has been under way, which each link's end adds
+/// up.
+struct clock_message {
+  duration network_time{}; ///< since 1970, whole microseconds
+  bool master = false;
+  duration under_way{}; ///< 0 to 16.7 s; only marked peers' means anything
+};
+
+[[nodiscard]] bytes encode(const clock_message& x);
+
+/// truncated, or bad_value for microseconds beyond a second or a time before 1970.
+[[nodiscard]] result<clock_message> decode_clock(byte_view octets);
+
+struct clock_config {
+  bool master = false;  ///< its time is everybody's, forwards and backwards
+  duration period = 2s; ///< between two broadcasts (part C)
+  duration offset{};    ///< of the local clock: network time at ecology time zero
+  duration quiet = 7s;  ///< no broadcast for so long after a better one was heard
+};
+
+/// Network time as one peer sees it. Between equals the fastest clock wins; the highest id keeps
+/// broadcasting and the others are quiet while they agree with it. Only tuples' times use it: all
+/// timers run on ecology time, so that a step fires none of them (SCH-07).
+class network_clock {
+public:
+  network_clock() = default;
+  network_clock(clock_config config, peer_id self, instant now);
+
+  /// What is added to ecology time.
+  [[nodiscard]] duration offset() const { return offset_; }
+  /// How far the last broadcast heard was from our time, after it was corrected for its way.
+  [[nodiscard]] duration last_error() const { return last_error_; }
+
+  /// @param on_the_way how long the message was under way; 0 if not known
+  /// @param marked the sender is of our kind: its way is measured, so a millisecond counts
+  void on_message(const clock_message& x, peer_id source, duration on_the_way, bool marked,
+                  instant now);
+
+  /// The broadcast that is due.
+  [[nodiscard]] std::optional<clock_message> on_time(instant now);
+  [[nodiscard]] instant deadline() const { return next_; }
+
+  /// The local clock was set to another time: what others will see of us from now on.
+  void step(duration by) { offset_ += by; }
+
+private:
+  clock_config config_;
+  peer_id self_;
+  duration offset_{};
+  duration last_error_{};
+  instant next_;
+};
+
+} // namespace rubicon::peis

@@ -1,0 +1,389 @@
+// Whom to connect to: kept addresses, clusters, the connection manager, announcements (A9,
+// peis-wire.md 4 and 14).
+#include <algorithm>
+#include <utility>
+
+#include "peis/p2p.hpp"
+
+namespace rubicon::peis {
+
+namespace {
+
+constexpr duration merge_soon = 500ms;    // after an attempt, while others wait
+constexpr duration news_jitter = 50ms;    // peers that start together do not all call at once
+constexpr duration young_for = 10s;       // a link is not judged before (peis-wire.md 14)
+constexpr duration unreachable_for = 60s; // an announced host that is heard no more is forgotten
+constexpr duration former_for = 10min;    // a lost host is looked for as long as this
+constexpr std::size_t former_max = 256;
+constexpr unsigned tries_max = 30;       // seconds between two tries of a host, at most
+constexpr unsigned foreign_runs_max = 3; // CLU-02
+constexpr unsigned first_announcements = 3;
+constexpr unsigned quiet_periods = 3; // after these without a better announcer we announce
+constexpr std::size_t referrals = 8;
+constexpr double smoothing = 0.3;             // of the traffic, a run of the manager
+constexpr std::uint8_t connections_max = 254; // 255 means unknown
+
+} // namespace
+
+void p2p::connect(const std::string& url, attempt x, instant now) {
+  const attempt_id id{next_attempt_++};
+  x.deadline = now + config_.connections.connect_timeout;
+  ++counters_.attempts;
+  if (x.host)
+    note_contact(*x.host, now);
+  if (x.standing)
+    standing_[*x.standing].trying = true;
+  attempts_.emplace(id, x);
+  events_.push_back(connect_to{id, url});
+}
+
+/// One of the addresses that can be reached from here, at random.
+bool p2p::connect_host(const host_record& record, std::uint32_t flags, instant now) {
+  const auto urls = connectable_urls(self_, record);
+  if (urls.empty() || connections_.size() + attempts_.size() >= config_.links_max)
+    return false;
+  const auto& url = urls[urls.size() == 1 ? 0 : dice_.below(urls.size())];
+  connect(url, {flags, record.id, std::nullopt, {}}, now);
+  return true;
+}
+
+void p2p::note_contact(peer_id host, instant now) {
+  auto& x = contacts_[host];
+  x.tries = std::min(x.tries + 1, tries_max);
+  x.next_try = now + std::chrono::seconds(x.tries);
+}
+
+/// No link, none asked for, and the time to try again has come (CM-10).
+bool p2p::may_try(peer_id host, instant now) const {
+  if (neighbours_.contains(host))
+    return false;
+  const auto known = contacts_.find(host);
+  if (known != contacts_.end() && known->second.next_try > now)
+    return false;
+  return std::none_of(attempts_.begin(), attempts_.end(),
+                      [host](const auto& x) { return x.second.host == host; });
+}
+
+void p2p::on_attempt_failed(attempt_id id, instant now) {
+  const auto at = attempts_.find(id);
+  if (at == attempts_.end())
+    return;
+  const auto gone = at->second;
+  attempts_.erase(at);
+  on_attempt_ended(gone, false, now);
+}
+
+void p2p::on_attempt_ended(const attempt& x, bool success, instant now) {
+  counters_.attempts_failed += success ? 0 : 1;
+  if (!x.standing)
+    return;
+  auto& address = standing_[*x.standing];
+  address.trying = false;
+  if (!success) {
+    address.next = now + address.wait;
+    address.wait = std::min(2 * address.wait, config_.connections.always_retry_max);
+  }
+}
+
+void p2p::check_attempts(instant now) {
+  std::vector<attempt_id> late;
+  for (const auto& [id, x] : attempts_) {
+    if (x.deadline <= now)
+      late.push_back(id);
+  }
+  for (const auto id : late)
+    on_attempt_failed(id, now);
+}
+
+bool p2p::is_served(const standing_address& x) const {
+  if (x.trying || x.link)
+    return true;
+  return x.host && (x.seed ? reachable(*x.host) : neighbours_.contains(*x.host));
+}
+
+void p2p::tend_standing(instant now) {
+  for (std::size_t i = 0; i < standing_.size(); ++i) {
+    const auto& x = standing_[i];
+    if (is_served(x) || x.next > now)
+      continue;
+    const auto flags = x.seed ? connect_request::for_merge
+                              : connect_request::all_broadcasts | connect_request::for_merge;
+    connect(x.url, {flags, std::nullopt, i, {}}, now);
+  }
+}
+
+/// D1.1 3.1.6.5: force a connection to a host in a lower cluster; to one in a higher cluster only
+/// if that side does not manage it, and to one that was lost whatever its cluster was.
+void p2p::merge_clusters(instant now) {
+  next_merge_ = now + config_.connections.cluster_period;
+  std::erase_if(former_, [&](const auto& x) { return x.second.lost + former_for <= now; });
+  std::erase_if(hosts_, [&](const auto& x) {
+    return !x.second.announced && !reachable(x.first) && x.second.heard + unreachable_for <= now;
+  });
+  std::vector<const host_record*> foreign;
+  const auto consider = [&](const host_record& record, bool at_once) {
+    if (reachable(record.id) || !may_try(record.id, now) || connectable_urls(self_, record).empty())
+      return;
+    if (at_once || record.cluster < self_.cluster ||
+        ++contacts_[record.id].runs_foreign >= foreign_runs_max)
+      foreign.push_back(&record);
+  };
+  for (const auto& [id, x] : hosts_)
+    consider(x.record, false);
+  for (const auto& [id, x] : former_)
+    consider(x.record, true);
+  if (foreign.empty())
+    return;
+  const auto& chosen = *foreign[dice_.below(foreign.size())];
+  static_cast<void>(connect_host(chosen, connect_request::for_merge, now));
+  next_merge_ = now + merge_soon;
+}
+
+void p2p::hasten_merge(instant now) {
+  next_merge_ = std::min(next_merge_, now + dice_.between(duration(0), news_jitter));
+}
+
+/// CLU-01, CLU-03.
+void p2p::update_cluster(instant now) {
+  auto lowest = self_.id;
+  for (const auto& [host, way] : routing_.routes()) {
+    if (host > lowest)
+      break;
+    if (!way.lost()) {
+      lowest = host;
+      break;
+    }
+  }
+  if (std::exchange(self_.cluster, lowest.value) != lowest.value)
+    announce_by_rule(now, true);
+}
+
+void p2p::measure_traffic(instant now) {
+  const auto elapsed = seconds(now - std::exchange(last_measured_, now));
+  for (auto at = traffic_.begin(); at != traffic_.end();) {
+    auto& x = at->second;
+    const auto rate = elapsed > 0 ? static_cast<double>(std::exchange(x.octets, 0)) / elapsed : 0;
+    x.per_second += smoothing * (rate - x.per_second);
+    at = x.per_second < 1 ? traffic_.erase(at) : std::next(at);
+  }
+}
+
+bool p2p::busy_with(peer_id host) const {
+  const auto x = traffic_.find(host);
+  return x != traffic_.end() && x->second.per_second > config_.connections.forced_octets_per_second;
+}
+
+/// What goes to one peer, whoever sent it, without the network's own services (CM-02).
+void p2p::count_traffic(const package_header& header) {
+  switch (header.port) {
+  case port::trace:
+  case port::trace_reply:
+  case port::dead_host:
+  case port::host_query:
+  case port::host_record:
+  case port::acknowledgements:
+    return;
+  }
+  traffic_[header.destination].octets += header_size + header.length;
+}
+
+void p2p::manage(instant now) {
+  next_manager_ = now + config_.connections.manager_period;
+  measure_traffic(now);
+  close_doubles(now);
+  if (force_by_traffic(now))
+    return;
+  const auto decision = decide(link_options(now), host_options(now), config_.connections, dice_);
+  if (const auto* open = std::get_if<open_link_to>(&decision)) {
+    static_cast<void>(connect_host(hosts_.at(open->host).record, 0, now));
+  } else if (const auto* worst = std::get_if<close_worst>(&decision)) {
+    close(worst->link, close_cause::unneeded, now);
+  }
+}
+
+/// One of two links between the same peers goes (CM-11). Of two marked ones the lower id decides,
+/// so that they do not close both; a real one decides for itself, too.
+void p2p::close_doubles(instant now) {
+  std::map<peer_id, const connection*> kept;
+  std::vector<link_id> doubles;
+  const auto better = [](const connection& a, const connection& b) {
+    return a.always() != b.always() ? a.always() : a.opened < b.opened;
+  };
+  for (const auto& [link, x] : connections_) {
+    if (!x.open || !x.neighbour || (is_marked(x) && *x.neighbour < self_.id))
+      continue;
+    auto& best = kept[*x.neighbour];
+    if (best == nullptr) {
+      best = &x;
+    } else if (better(x, *best)) {
+      doubles.push_back(std::exchange(best, &x)->id);
+    } else {
+      doubles.push_back(link);
+    }
+  }
+  for (const auto link : doubles)
+    close(link, close_cause::double_link, now);
+}
+
+/// CM-03.
+bool p2p::force_by_traffic(instant now) {
+  for (const auto& [id, x] : hosts_) {
+    if (busy_with(id) && may_try(id, now) &&
+        connect_host(x.record, connect_request::for_bandwidth, now))
+      return true;
+  }
+  return false;
+}
+
+std::vector<link_option> p2p::link_options(instant now) const {
+  std::vector<link_option> options;
+  for (const auto& [link, x] : connections_) {
+    if (!x.open || x.always())
+      continue;
+    link_option option{link, std::nullopt};
+    if (x.neighbour && x.opened + young_for <= now && !busy_with(*x.neighbour))
+      option.loss = routing_.loss_without(link);
+    options.push_back(option);
+  }
+  return options;
+}
+
+std::vector<host_option> p2p::host_options(instant now) const {
+  std::vector<host_option> options;
+  for (const auto& [id, x] : hosts_) {
+    const auto* way = routing_.find(id);
+    if (way == nullptr || way->lost() || !may_try(id, now) ||
+        connectable_urls(self_, x.record).empty())
+      continue;
+    const auto direct =
+        x.record.host_name == self_.host_name ? config_.cost_same_host : config_.cost_other_host;
+    const unsigned connections =
+        way->connections == connections_unknown ? config_.connections.links_min : way->connections;
+    options.push_back({id, way->hops, direct, connections});
+  }
+  return options;
+}
+
+std::uint8_t p2p::own_connections() const {
+  return static_cast<std::uint8_t>(std::min<std::size_t>(connections_.size(), connections_max));
+}
+
+/// Every peer says three times that it has come. From then on only the one with the lowest id of
+/// each machine goes on (peis-wire.md 4, A-16).
+void p2p::announce_by_rule(instant now, bool extra) {
+  if (!config_.connections.announces || left_)
+    return;
+  const bool first = first_announcements_ < first_announcements;
+  if (!extra) {
+    next_announcement_ = now + config_.connections.announce_period;
+    unheard_announcements_ = std::min(unheard_announcements_ + 1, quiet_periods);
+    first_announcements_ += first ? 1 : 0;
+  }
+  if (!first && unheard_announcements_ < quiet_periods)
+    return;
+  ++counters_.announcements_sent;
+  events_.push_back(announce{encode(announcement{protocol_version, config_.network, self_})});
+}
+
+void p2p::on_announcement(byte_view octets, instant now) {
+  const auto x = decode_announcement(octets);
+  if (!x) {
+    ++counters_.malformed;
+    return;
+  }
+  const auto& sender = x->sender;
+  if (x->version != protocol_version || x->network != config_.network || left_)
+    return;
+  if (sender.id == self_.id) {
+    if (sender.magic != self_.magic)
+      note_duplicate();
+    return;
+  }
+  ++counters_.announcements_received;
+  if (sender.host_name == self_.host_name && sender.id < self_.id)
+    unheard_announcements_ = 0;
+  const auto [known, is_new] = hosts_.try_emplace(sender.id);
+  known->second.heard = now;
+  const bool fits = known->second.record.magic == sender.magic;
+  if (is_new || fits || !reachable(sender.id))
+    known->second.record = sender;
+  former_.erase(sender.id);
+  if (is_new && !reachable(sender.id))
+    hasten_merge(now);
+}
+
+/// There is no room for this peer: it is told who we are and whom else it may ask (TCP-07).
+void p2p::refer_elsewhere(connection& to, instant now) {
+  std::vector<const host_record*> known{&self_};
+  for (const auto& [id, x] : hosts_) {
+    if (reachable(id) && !x.record.addresses.empty())
+      known.push_back(&x.record);
+  }
+  for (std::size_t i = 1; i < known.size() && i <= referrals; ++i)
+    std::swap(known[i], known[i + dice_.below(known.size() - i)]);
+  known.resize(std::min(known.size(), referrals + 1));
+  for (const auto* record : known) {
+    auto content = std::make_shared<const message_octets>(
+        message_octets{encode(host_record_message{*record, true}), {}});
+    const auto header = fresh_header(package_type::link, port::host_record, content->size());
+    count_drop(enqueue(to, lane::control, {header, std::move(content), 0}));
+  }
+  to.open = true;
+  static_cast<void>(write(to, now));
+}
+
+/// The host cannot be reached any more, but it may be found again where it was.
+void p2p::remember(const host_record& record, instant now) {
+  if (former_.size() < former_max || former_.contains(record.id))
+    former_[record.id] = {record, now};
+}
+
+bool p2p::manages() const {
+  return config_.connections.manager && !config_.connections.leaf && !left_;
+}
+
+/// Is there anything that the manager could change?
+bool p2p::manager_wanted() const {
+  return hosts_.size() > neighbours_.size() || connections_.size() > neighbours_.size() ||
+         connections_.size() > config_.connections.links_suitable;
+}
+
+bool p2p::merge_wanted() const {
+  return !former_.empty() || hosts_.size() > welcomed_;
+}
+
+void p2p::tend_connections(instant now) {
+  if (left_)
+    return;
+  check_attempts(now);
+  tend_standing(now);
+  if (config_.connections.announces && next_announcement_ <= now)
+    announce_by_rule(now, false);
+  if (!manages())
+    return;
+  if (merge_wanted() && next_merge_ <= now)
+    merge_clusters(now);
+  if (manager_wanted() && next_manager_ <= now)
+    manage(now);
+}
+
+std::optional<instant> p2p::connections_deadline() const {
+  std::optional<instant> next;
+  if (left_)
+    return next;
+  for (const auto& [id, x] : attempts_)
+    next = earliest(next, x.deadline);
+  for (const auto& x : standing_) {
+    if (!is_served(x))
+      next = earliest(next, x.next);
+  }
+  if (config_.connections.announces)
+    next = earliest(next, next_announcement_);
+  if (manages() && merge_wanted())
+    next = earliest(next, next_merge_);
+  if (manages() && manager_wanted())
+    next = earliest(next, next_manager_);
+  return next;
+}
+
+} // namespace rubicon::peis

@@ -1,0 +1,46 @@
+#include "peis/package_walk.hpp"
+
+#include <algorithm>
+
+#include "peis/package.hpp"
+
+namespace rubicon::peis {
+
+namespace {
+
+/// The size of the package that `octets` begins with; 0 if there is no whole one.
+std::size_t package_size(byte_view octets) {
+  const auto header = decode_header(octets);
+  if (!header || header_size + header->length > octets.size())
+    return 0;
+  return header_size + header->length;
+}
+
+} // namespace
+
+thinned without_lost_packages(byte_view octets, std::size_t kept,
+                              const std::function<bool()>& is_lost) {
+  thinned out;
+  out.octets.reserve(octets.size());
+  const auto copy = [&](std::size_t count) {
+    const auto part = octets.subspan(0, count);
+    out.octets.insert(out.octets.end(), part.begin(), part.end());
+  };
+  copy(std::min(kept, octets.size()));
+  octets = octets.subspan(std::min(kept, octets.size()));
+  while (!octets.empty()) {
+    const auto size = package_size(octets);
+    if (size == 0) {
+      copy(octets.size());
+      break;
+    }
+    if (is_lost())
+      ++out.lost;
+    else
+      copy(size);
+    octets = octets.subspan(size);
+  }
+  return out;
+}
+
+} // namespace rubicon::peis

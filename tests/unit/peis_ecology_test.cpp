@@ -1,0 +1,342 @@
+// Many kernels on one network: they find each other, stay together and notice who is gone.
+#include <algorithm>
+#include <set>
+
+#include "peis_world.hpp"
+#include "support/catch.hpp"
+
+namespace rubicon::peis::test {
+namespace {
+
+std::size_t links_of(world& w, peer_id id) {
+  std::set<peer_id> neighbours;
+  for (const auto& x : w.at(id).links()) {
+    if (x.neighbour)
+      neighbours.insert(*x.neighbour);
+  }
+  return neighbours.size();
+}
+
+bool all_reachable(world& w) {
+  const auto ids = w.peers();
+  return std::all_of(ids.begin(), ids.end(), [&](peer_id a) {
+    return !w.alive(a) || std::all_of(ids.begin(), ids.end(), [&](peer_id b) {
+      return !w.alive(b) || w.at(a).reachable(b);
+    });
+  });
+}
+
+bool all_known(world& w) {
+  const auto ids = w.peers();
+  return std::all_of(ids.begin(), ids.end(), [&](peer_id a) {
+    std::set<peer_id> known;
+    for (const auto* host : w.at(a).hosts())
+      known.insert(host->id);
+    return !w.alive(a) || std::all_of(ids.begin(), ids.end(),
+                                      [&](peer_id b) { return !w.alive(b) || known.contains(b); });
+  });
+}
+
+/// Runs until `done`, at most as long. @returns how long it took
+template <class Condition>
+duration run_until(world& w, duration at_most, Condition done) {
+  const auto start = w.now();
+  while (!done() && w.now() - start < at_most)
+    w.run_for(100ms);
+  return w.now() - start;
+}
+
+/// Longest way in links between any two peers.
+std::size_t diameter(world& w) {
+  std::size_t longest = 0;
+  for (const auto start : w.peers()) {
+    std::map<peer_id, std::size_t> distance{{start, 0}};
+    std::vector<peer_id> open{start};
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      for (const auto& x : w.at(open[i]).links()) {
+        if (x.neighbour && distance.emplace(*x.neighbour, distance[open[i]] + 1).second)
+          open.push_back(*x.neighbour);
+      }
+    }
+    for (const auto& [id, hops] : distance)
+      longest = std::max(longest, hops);
+  }
+  return longest;
+}
+
+std::uint64_t opened(world& w) {
+  std::uint64_t sum = 0;
+  for (const auto id : w.peers())
+    sum += w.at(id).counters().network.links_opened;
+  return sum / 2;
+}
+
+} // namespace
+
+TEST_CASE("thirty peers on one network settle into a small, stable mesh",
+          "[peis][CM-01][CM-06][CM-07][CM-08][CLU-01]") {
+  const auto seed = GENERATE(1, 2);
+  world w(static_cast<std::uint64_t>(seed));
+  for (int i = 1; i <= 30; ++i)
+    w.add(lan_config_of(i));
+  const auto joined = run_until(w, 60s, [&] { return all_reachable(w) && all_known(w); });
+  CHECK(joined < 5s);
+  w.run_for(60s - joined);
+  CHECK(diameter(w) <= 3);
+  for (const auto id : w.peers()) {
+    INFO("peer " << id.value);
+    CHECK(links_of(w, id) >= 3);
+    CHECK(links_of(w, id) <= 7);
+    CHECK(w.at(id).hosts().front()->cluster == 1);
+  }
+  const auto before = opened(w);
+  w.run_for(3min);
+  CHECK(opened(w) - before < 3); // less than one change a minute
+}
+
+TEST_CASE("twenty peers of one host know each other within three seconds", "[peis][TCP-03][A-16]") {
+  world w;
+  for (int i = 1; i <= 20; ++i) {
+    auto config = lan_config_of(i);
+    config.network.host_name = "pc";
+    w.add(config);
+  }
+  CHECK(run_until(w, 10s, [&] { return all_reachable(w) && all_known(w); }) < 3s);
+  std::uint64_t announced = 0;
+  w.run_for(20s);
+  for (const auto id : w.peers())
+    announced += w.at(id).counters().network.announcements_sent;
+  CHECK(announced < 20 * (3 + 2) + 23); // after three, one of them speaks for all
+}
+
+TEST_CASE("a parted network comes together again", "[peis][CLU-02]") {
+  const auto seed = GENERATE(1, 2, 3);
+  world w(static_cast<std::uint64_t>(seed));
+  for (int i = 1; i <= 12; ++i)
+    w.add(lan_config_of(i));
+  w.run_for(20s);
+  REQUIRE(all_reachable(w));
+  w.separated = [](peer_id a, peer_id b) { return (a.value <= 6) != (b.value <= 6); };
+  w.run_for(30s);
+  CHECK(w.at(peer_id{8}).hosts().size() == 6); // the others are gone
+  CHECK(w.at(peer_id{8}).hosts().front()->cluster != w.at(peer_id{1}).hosts().front()->cluster);
+  w.separated = nullptr;
+  CHECK(run_until(w, 20s, [&] { return all_reachable(w) && all_known(w); }) < 10s);
+}
+
+TEST_CASE("a parted network without announcements comes together again", "[peis][CLU-02][TCP-07]") {
+  world w;
+  for (int i = 1; i <= 6; ++i) {
+    auto config = lan_config_of(i);
+    config.network.connections.announces = false;
+    if (i > 1)
+      config.network.connections.seeds = {"inproc://1"};
+    w.add(config);
+  }
+  CHECK(run_until(w, 20s, [&] { return all_reachable(w) && all_known(w); }) < 10s);
+  w.run_for(10s);
+  w.separated = [](peer_id a, peer_id b) { return (a.value <= 3) != (b.value <= 3); };
+  w.run_for(30s);
+  CHECK(w.at(peer_id{4}).hosts().size() == 3);
+  w.separated = nullptr;
+  CHECK(run_until(w, 60s, [&] { return all_reachable(w) && all_known(w); }) < 20s);
+}
+
+TEST_CASE("leaves keep to their master and come back to it", "[peis][LEA-01][LEA-03][AUT-01]") {
+  world w;
+  w.add(lan_config_of(1));
+  for (int i = 2; i <= 21; ++i) {
+    auto config = config_of(i);
+    config.network.connections.leaf = true;
+    config.network.connections.always = {"inproc://1"};
+    w.add(config);
+  }
+  w.run_for(30s);
+  CHECK(all_reachable(w));
+  CHECK(all_known(w));
+  for (const auto id : w.peers())
+    CHECK(links_of(w, id) == (id == peer_id{1} ? 20U : 1U));
+  w.kill(peer_id{1});
+  w.run_for(7s);
+  CHECK(!w.at(peer_id{2}).reachable(peer_id{3}));
+  w.restart(peer_id{1});
+  CHECK(run_until(w, 60s, [&] { return all_reachable(w); }) < 32s);
+}
+
+TEST_CASE("a silent death is noticed by neighbours and far away", "[peis][KH-05][RTE-07]") {
+  world w;
+  for (int i = 1; i <= 7; ++i) {
+    auto config = config_of(i);
+    config.network.connections.manager = false;
+    w.add(config);
+  }
+  for (int i = 1; i < 7; ++i)
+    w.connect(peer_id{i}, peer_id{i + 1});
+  w.connect(peer_id{4}, peer_id{6}); // a cycle, in which stale ways could go round
+  w.connect(peer_id{4}, peer_id{7});
+  w.run_for(20s);
+  REQUIRE(all_reachable(w));
+  w.power_off(peer_id{7});
+  w.run_for(5s);
+  CHECK(!w.at(peer_id{6}).reachable(peer_id{7}));
+  w.run_for(10s);
+  for (int i = 1; i <= 6; ++i) {
+    INFO("peer " << i);
+    CHECK(!w.at(peer_id{i}).reachable(peer_id{7}));
+    CHECK(w.at(peer_id{i}).hosts().size() == 6);
+  }
+}
+
+TEST_CASE("a closed link does not cut off what another way leads to", "[peis][RTE-05]") {
+  world w;
+  for (int i = 1; i <= 6; ++i) {
+    auto config = config_of(i);
+    config.network.connections.manager = false;
+    w.add(config);
+  }
+  std::map<int, link_id> ring;
+  for (int i = 1; i <= 6; ++i)
+    ring[i] = w.connect(peer_id{i}, peer_id{i % 6 + 1});
+  w.run_for(25s);
+  w.clear_logs();
+  w.cut(ring[3]);
+  w.run_for(60s);
+  CHECK(all_reachable(w));
+  for (const auto id : w.peers())
+    CHECK(w.all<host_vanished>(id).empty());
+}
+
+TEST_CASE("five hundred peers that know one of them know each other soon", "[peis][TCP-07][.large]") {
+  world w;
+  for (int i = 1; i <= 500; ++i) {
+    auto config = lan_config_of(i);
+    config.network.connections.announces = false;
+    if (i > 1)
+      config.network.connections.seeds = {"inproc://1"};
+    w.add(config);
+  }
+  CHECK(run_until(w, 60s, [&] { return all_reachable(w) && all_known(w); }) < 30s);
+}
+
+TEST_CASE("a referral leads on when a peer is full", "[peis][TCP-07]") {
+  world w;
+  for (int i = 1; i <= 20; ++i) {
+    auto config = lan_config_of(i);
+    config.network.connections.announces = false;
+    config.network.links_max = 6;
+    if (i > 1)
+      config.network.connections.seeds = {"inproc://1"};
+    w.add(config);
+  }
+  CHECK(run_until(w, 60s, [&] { return all_reachable(w) && all_known(w); }) < 30s);
+  for (const auto id : w.peers())
+    CHECK(links_of(w, id) <= 6);
+}
+
+TEST_CASE("two links between the same peers become one, and stay one", "[peis][CM-11]") {
+  world w;
+  w.add(lan_config_of(1));
+  w.add(lan_config_of(2));
+  w.connect(peer_id{1}, peer_id{2});
+  w.connect(peer_id{2}, peer_id{1});
+  w.run_for(10s);
+  CHECK(w.at(peer_id{1}).links().size() == 1);
+  const auto link = w.at(peer_id{1}).links().front().link;
+  w.run_for(2min);
+  REQUIRE(w.at(peer_id{1}).links().size() == 1);
+  CHECK(w.at(peer_id{1}).links().front().link == link);
+}
+
+TEST_CASE("much traffic to a host forces a link to it", "[peis][CM-03][CM-02]") {
+  world w;
+  for (int i = 1; i <= 4; ++i) {
+    auto config = i == 2 || i == 3 ? config_of(i) : lan_config_of(i);
+    config.network.connections.announces = false;
+    config.network.connections.announces = false;
+    config.network.connections.links_min = 0;
+    config.network.connections.links_suitable = 0;
+    w.add(config);
+  }
+  for (int i = 1; i < 4; ++i)
+    w.connect(peer_id{i}, peer_id{i + 1});
+  w.separated = [](peer_id a, peer_id b) { return std::abs(a.value - b.value) > 1; };
+  w.run_for(5s);
+  w.separated = nullptr;
+  REQUIRE(w.at(peer_id{1}).routing().find(peer_id{4})->hops == 6);
+  for (int i = 0; i < 150; ++i) {
+    w.perform(peer_id{1}, w.at(peer_id{1})
+                              .send_message(peer_id{4}, 30, bytes(600), true, priority::normal,
+                                            no_request, w.now()));
+    w.run_for(100ms);
+  }
+  CHECK(w.at(peer_id{1}).routing().find(peer_id{4})->hops == 2);
+}
+
+TEST_CASE("a trace names the peers on the way and back", "[peis][API-12]") {
+  world w;
+  for (int i = 1; i <= 5; ++i) {
+    auto config = config_of(i);
+    config.network.connections.manager = false;
+    w.add(config);
+  }
+  for (int i = 1; i < 5; ++i)
+    w.connect(peer_id{i}, peer_id{i + 1});
+  w.run_for(5s);
+  w.perform(peer_id{1}, w.at(peer_id{1}).trace(peer_id{5}, request_id{7}, w.now()));
+  w.perform(peer_id{1}, w.at(peer_id{1}).trace(peer_id{99}, request_id{8}, w.now()));
+  w.run_for(1s);
+  const auto told = w.all<traced>(peer_id{1});
+  REQUIRE(told.size() == 2);
+  CHECK(told[0].request == request_id{8});
+  CHECK(told[0].way.empty());
+  CHECK(told[1].request == request_id{7});
+  std::vector<peer_id> expected;
+  for (const int i : {1, 2, 3, 4, 5, 4, 3, 2, 1})
+    expected.emplace_back(i);
+  CHECK(told[1].way == expected);
+}
+
+TEST_CASE("clocks of peers agree after three periods, however far the way",
+          "[peis][CLK-06][CLK-07]") {
+  world w;
+  for (int i = 1; i <= 10; ++i) {
+    auto config = config_of(i);
+    config.network.connections.manager = false;
+    config.network.clock_offset += (i * 7 % 11 - 5) * 1s;
+    w.add(config);
+  }
+  for (int i = 1; i < 10; ++i)
+    w.connect(peer_id{i}, peer_id{i + 1}, 3ms);
+  w.run_for(16s);
+  auto least = w.at(peer_id{1}).clock().offset();
+  auto most = least;
+  for (const auto id : w.peers()) {
+    least = std::min(least, w.at(id).clock().offset());
+    most = std::max(most, w.at(id).clock().offset());
+  }
+  CHECK(most - least < 1ms);
+  CHECK(least > 1'000'000'004s + 999ms); // the fastest clock's
+  CHECK(most < 1'000'000'005s + 5ms);
+  std::uint64_t told = 0;
+  w.clear_logs();
+  w.run_for(60s);
+  for (const auto& x : w.packages)
+    told += x.header.port == port::clock && x.header.hops == 1;
+  CHECK(told <= 31); // one of them speaks, to one neighbour
+}
+
+TEST_CASE("a step of the clock moves no deadline", "[peis][SCH-07]") {
+  world w;
+  w.add(lan_config_of(1));
+  w.add(lan_config_of(2));
+  w.run_for(5s);
+  w.perform(peer_id{2}, w.at(peer_id{2}).subscribe(peer_id{1}, "a", subscription_id{1}, w.now()));
+  w.run_for(1s);
+  w.perform(peer_id{1}, w.at(peer_id{1}).step_clock(60s, w.now()));
+  w.run_for(10s);
+  CHECK(w.at(peer_id{1}).has_subscriber("a"));
+  CHECK(w.at(peer_id{1}).counters().network.links_broken == 0);
+  CHECK(w.at(peer_id{2}).clock().offset() > 1'000'000'059s + 990ms);
+}
+
+} // namespace rubicon::peis::test
