@@ -24,9 +24,10 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
        "service_time, propagation, range, noise, sensitivity, cca_threshold, ..."},
       {"[radios]\n", "6:2: unknown key `radios` in the file: did you mean `radio`?"},
       {"[colour]\n", "6:2: unknown key `colour` in the file: there is ecology, radio, host, "
-                     "mote_type, island, air, peer, proxy, fault"},
+                     "mote_type, island, air, peis, peer, proxy, fault"},
       {"nick = \"x\"\n",
-       "6:1: unknown key `nick` in [[peer]]: there is id, name, host, links, apps"},
+       "6:1: unknown key `nick` in [[peer]]: there is id, name, count, host, links, connect, tcp, "
+       "lan, leaf, manager, ..."},
       {"[island]\nid = 1\n", "6:1: `island` must be tables under headers [[island]], not a table"},
       {"[[radio]]\nloss = 0\n", "6:1: `radio` must be a table, not an array of 1"},
       {"[[peer]]\nname = \"pc2\"\n", "6:1: `id` is missing in [[peer]]"},
@@ -58,8 +59,9 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
       {"[[fault]]\nat = \"1s\"\nkind = \"unplug\"\n",
        "6:1: `island` is missing in kind = \"unplug\""},
       {"[[fault]]\nat = \"1s\"\nkind = \"unplugged\"\n",
-       "8:8: `kind` must be \"battery_end\", \"crash\" or \"unplug\", not \"unplugged\"; did you "
-       "mean \"unplug\"?"},
+       "8:8: `kind` must be \"battery_end\", \"crash\", \"unplug\", \"kill\", \"power_off\", "
+       "\"pause\", \"partition\", \"link_loss\", \"duplicate_id\" or \"clock_step\", not "
+       "\"unplugged\"; did you mean \"unplug\"?"},
       {"[[host]]\n", "6:1: `address` is missing in [[host]]\n6:1: `name` is missing in [[host]]"},
   }));
   CAPTURE(x.toml);

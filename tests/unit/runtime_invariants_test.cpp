@@ -161,3 +161,31 @@ TEST_CASE("a device list is compared as a set in which nothing stands twice",
   CHECK(details({a}, {b}) == "island 3: not listed: 7; listed in error: 8");
   CHECK(details({a}, {a, a}) == "island 3: listed in error: 7");
 }
+
+TEST_CASE("a peer must know exactly those whom it can reach", "[runtime][KH-05][RTE-07]") {
+  const auto id = [](std::int32_t x) { return peer_id{x}; };
+  const auto of = [](std::vector<peer_view> peers) {
+    std::vector<std::string> details;
+    for (const auto& each : check_peers({}, peers)) {
+      CHECK(each.invariant == "peers know whom they reach");
+      details.push_back(each.detail);
+    }
+    return details;
+  };
+  CHECK(of({}).empty());
+  CHECK(of({{id(1), "a", {id(1)}, {}}}).empty());
+  const peer_view a{id(1), "a", {id(3), id(1), id(2)}, {id(2)}};
+  const peer_view b{id(2), "b", {id(1), id(2), id(3)}, {}}; // its end of the link is not there yet
+  const peer_view c{id(3), "c", {id(1), id(2), id(3)}, {id(2)}};
+  CHECK(of({a, b, c}).empty());
+  auto forgetful = c;
+  forgetful.hosts = {id(3)};
+  CHECK(of({a, b, forgetful}) == std::vector<std::string>{"c: does not know 1 2"});
+  auto haunted = c;
+  haunted.hosts.push_back(id(7));
+  CHECK(of({a, b, haunted}) == std::vector<std::string>{"c: cannot reach 7"});
+  haunted.neighbours.push_back(id(7)); // a peer of another process
+  CHECK(of({a, b, haunted}).empty());
+  const peer_view alone{id(9), "d", {id(9), id(1)}, {}};
+  CHECK(of({a, b, c, alone}) == std::vector<std::string>{"d: cannot reach 1"});
+}

@@ -1,0 +1,162 @@
+#include <string>
+
+#include "config/summary.hpp"
+#include "config_sample.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::config;
+using namespace rubicon::test;
+
+namespace {
+
+/// Three peers `p-1` to `p-3`, ids 11 to 13, and `q` with the id 20; what follows stands from
+/// line 11.
+constexpr std::string_view peers_head = "[ecology]\nname = \"t\"\nduration = \"1h\"\n"
+                                        "[[peer]]\nname = \"p\"\nid = 11\ncount = 3\n"
+                                        "[[peer]]\nname = \"q\"\nid = 20\n";
+
+fault_description fault_of(std::string_view keys) {
+  return good(std::string(peers_head) + "[[fault]]\n" + std::string(keys)).faults.at(0);
+}
+
+template <class Fault>
+Fault what(std::string_view keys) {
+  return std::get<Fault>(fault_of("at = \"1s\"\n" + std::string(keys)).what);
+}
+
+std::vector<peer_id> ids(std::initializer_list<std::int32_t> numbers) {
+  std::vector<peer_id> out;
+  for (const auto each : numbers)
+    out.emplace_back(each);
+  return out;
+}
+
+} // namespace
+
+TEST_CASE("faults of peers arrive with their keys", "[config][ACT-04]") {
+  CHECK(what<kill_fault>("kind = \"kill\"\npeer = \"p-2\"\n").peer == peer_id{12});
+  CHECK_FALSE(what<kill_fault>("kind = \"kill\"\npeer = \"q\"\n").length);
+  CHECK(what<kill_fault>("kind = \"kill\"\npeer = \"*\"\nfor = \"5s\"\n").length == 5s);
+  CHECK(what<kill_fault>("kind = \"kill\"\npeer = \"*\"\n").peer == any_peer);
+  CHECK(what<power_off_fault>("kind = \"power_off\"\npeer = \"q\"\nfor = \"1min\"\n").length ==
+        1min);
+  CHECK(what<pause_fault>("kind = \"pause\"\npeer = \"q\"\n").length == 10s);
+  CHECK(what<duplicate_id_fault>("kind = \"duplicate_id\"\npeer = \"q\"\n").peer == peer_id{20});
+  CHECK(what<clock_step_fault>("kind = \"clock_step\"\npeer = \"q\"\nby = \"-1min30s\"\n").by ==
+        -90s);
+  CHECK(what<clock_step_fault>("kind = \"clock_step\"\npeer = \"q\"\nby = \"5ms\"\n").by == 5ms);
+}
+
+TEST_CASE("faults of the network name single peers and tables of them", "[config][ACT-04]") {
+  const auto parts =
+      what<partition_fault>("kind = \"partition\"\ngroups = [[\"p\"], [\"q\"]]\nfor = \"10s\"\n");
+  CHECK(parts.groups == std::vector{ids({11, 12, 13}), ids({20})});
+  CHECK(parts.length == 10s);
+  const auto one = what<partition_fault>("kind = \"partition\"\ngroups = [[\"p-1\", \"q\"]]\n");
+  CHECK(one.groups == std::vector<std::vector<peer_id>>{ids({11, 20})});
+  CHECK(one.length == 30s);
+  const auto all = what<link_loss_fault>("kind = \"link_loss\"\nloss = \"20%\"\n");
+  CHECK(all.loss == 0.2);
+  CHECK(all.peers.empty());
+  const auto some =
+      what<link_loss_fault>("kind = \"link_loss\"\nloss = 1\npeers = [\"q\", \"p\"]\n");
+  CHECK(some.peers == ids({20, 11, 12, 13}));
+}
+
+TEST_CASE("a fault may happen often", "[config][ACT-04]") {
+  CHECK_FALSE(fault_of("at = \"1s\"\nkind = \"kill\"\npeer = \"q\"\n").repeated);
+  const auto every =
+      fault_of("every = \"30s\"\nfrom = \"1min\"\nuntil = \"5min\"\nkind = \"pause\"\n"
+               "peer = \"q\"\n");
+  CHECK(every.at == 1min);
+  REQUIRE(every.repeated);
+  CHECK(every.repeated->every == 30s);
+  CHECK(every.repeated->count == 0);
+  CHECK(every.repeated->from == 1min);
+  CHECK(every.repeated->until == 5min);
+  const auto random = fault_of("random = 7\nkind = \"kill\"\npeer = \"*\"\n");
+  CHECK(random.at == 0s);
+  REQUIRE(random.repeated);
+  CHECK(random.repeated->every == 0s);
+  CHECK(random.repeated->count == 7);
+  CHECK_FALSE(random.repeated->until);
+}
+
+TEST_CASE("a mote or an island may be drawn", "[config][ACT-04]") {
+  const auto x = good(mote_head + "[[fault]]\nrandom = 2\nkind = \"crash\"\nmote = \"*\"\n"
+                                  "[[fault]]\nrandom = 2\nkind = \"battery_end\"\nmote = \"*\"\n"
+                                  "[[fault]]\nrandom = 2\nkind = \"unplug\"\nisland = \"*\"\n")
+                     .faults;
+  CHECK(std::get<crash_fault>(x.at(0).what).mote == any_mote);
+  CHECK(std::get<battery_end_fault>(x.at(1).what).mote == any_mote);
+  CHECK(std::get<unplug_fault>(x.at(2).what).island == any_island);
+  CHECK(problem_after(mote_head, "[[island.mote.apps]]\napp = \"messenger\"\nto = \"*\"\n"
+                                 "text = \"a\"\n") ==
+        "21:6: `to` must be the island and the name of a mote, as in \"kitchen/climate-7\", not "
+        "\"*\"");
+}
+
+TEST_CASE("faults that cannot be are refused", "[config][GEN-06][ACT-04]") {
+  const auto x = GENERATE(values<row>({
+      {"at = \"1s\"\nkind = \"kill\"\npeer = \"p\"\n",
+       "14:8: no peer or gateway is called `p`: did you mean `q`?"},
+      {"at = \"1s\"\nkind = \"kill\"\npeer = 7\n",
+       "14:8: `peer` must be the name of a peer or gateway, or \"*\", not 7"},
+      {"at = \"1s\"\nkind = \"kill\"\npeer = \"q\"\nfor = \"0s\"\n",
+       "15:7: `for` must be a time from 1 ms to 3650 d, not \"0s\""},
+      {"at = \"1s\"\nkind = \"pause\"\npeer = \"q\"\nfor = \"61min\"\n",
+       "15:7: `for` must be a time from 1 ms to 1 h, not \"61min\""},
+      {"at = \"1s\"\nkind = \"clock_step\"\npeer = \"q\"\nby = \"0s\"\n",
+       "15:6: `by` must be a time with its unit, forward or back, as in \"5s\" or \"-5s\", not "
+       "\"0s\""},
+      {"at = \"1s\"\nkind = \"clock_step\"\npeer = \"q\"\nby = \"--5s\"\n",
+       "15:6: `by` must be a time with its unit, forward or back, as in \"5s\" or \"-5s\", not "
+       "\"--5s\""},
+      {"at = \"1s\"\nkind = \"partition\"\ngroups = []\n",
+       "14:10: `groups` must be an array of at least 1, not an array of 0"},
+      {"at = \"1s\"\nkind = \"partition\"\ngroups = [[]]\n",
+       "14:11: `groups` must be an array of at least 1, not an array of 0"},
+      {"at = \"1s\"\nkind = \"partition\"\ngroups = [[\"p\"], [\"p-2\"]]\n",
+       "14:19: the peer with the id 12 is already in a group (line 14, column 12)"},
+      {"at = \"1s\"\nkind = \"link_loss\"\nloss = 0.1\npeers = [\"q\"]\n",
+       "15:9: a link has two ends: name another peer"},
+      {"at = \"1s\"\nevery = \"1s\"\nkind = \"pause\"\npeer = \"q\"\n",
+       "12:6: `at` means nothing with `every` or `random`"},
+      {"every = \"1s\"\nrandom = 2\nkind = \"pause\"\npeer = \"q\"\n",
+       "13:10: `random` means nothing with `every`"},
+      {"at = \"1s\"\nfrom = \"1s\"\nuntil = \"2s\"\nkind = \"pause\"\npeer = \"q\"\n",
+       "13:8: `from` means nothing without `every` or `random`\n"
+       "14:9: `until` means nothing without `every` or `random`"},
+      {"random = 1\nfrom = \"2s\"\nuntil = \"1s\"\nkind = \"pause\"\npeer = \"q\"\n",
+       "14:9: `until` must not be before `from`, which is 2 s"},
+      {"random = 1\nuntil = \"2h\"\nkind = \"pause\"\npeer = \"q\"\n",
+       "13:9: `until` is after the end of the run, which is at 1 h"},
+      {"random = 0\nkind = \"pause\"\npeer = \"q\"\n",
+       "12:10: `random` must be a whole number from 1 to 100000, not 0"},
+      {"every = \"36ms\"\nkind = \"pause\"\npeer = \"q\"\n",
+       "12:9: that is more than 100000 times"},
+      {"every = \"37ms\"\nkind = \"pause\"\npeer = \"q\"\n", "none"},
+  }));
+  CAPTURE(x.toml);
+  CHECK(problem_after(peers_head, "[[fault]]\n" + std::string(x.toml)) == x.problem);
+}
+
+TEST_CASE("a summary shows when faults happen, and to whom", "[config]") {
+  const auto x = good(std::string(peers_head) +
+                      "[[fault]]\nat = \"2s\"\nkind = \"power_off\"\npeer = \"q\"\n"
+                      "[[fault]]\nrandom = 3\nkind = \"kill\"\npeer = \"*\"\nfor = \"9s\"\n"
+                      "[[fault]]\nevery = \"1min\"\nfrom = \"3s\"\nuntil = \"5min\"\n"
+                      "kind = \"clock_step\"\npeer = \"p-3\"\nby = \"-2s\"\n"
+                      "[[fault]]\nat = \"4s\"\nkind = \"partition\"\n"
+                      "groups = [[\"p\"], [\"q\"]]\n"
+                      "[[fault]]\nat = \"5s\"\nkind = \"link_loss\"\nloss = 0.1\n");
+  const auto text = summary(x);
+  CHECK(text.substr(text.find("faults")) == R"(faults
+  3 times from 0 s                 kill        any peer for 9 s
+  2 s                              power_off   q
+  every 1 min from 3 s to 5 min    clock_step  p-3 by -2 s
+  4 s                              partition   p-1, p-2, p-3 | q for 30 s
+  5 s                              link_loss   10 % for 30 s
+)");
+}

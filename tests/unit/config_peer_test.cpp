@@ -1,0 +1,199 @@
+#include <string>
+
+#include "config/summary.hpp"
+#include "config_sample.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::config;
+using namespace rubicon::test;
+
+namespace {
+
+constexpr std::string_view wall_head = "[ecology]\nname = \"t\"\nmode = \"wall\"\n";
+
+/// The first peer of a file in wall time whose keys these are.
+peer_description wall_peer(const std::string& keys) {
+  return good(std::string(wall_head) + "[[peer]]\nname = \"pc\"\nid = 300\n" + keys).peers.at(0);
+}
+
+} // namespace
+
+TEST_CASE("a peer without links finds others by itself", "[config][CM-12][LEA-01][A-78]") {
+  const auto x = good(std::string(head)).peers.at(0);
+  CHECK(x.discovery);
+  CHECK(x.manager);
+  CHECK_FALSE(x.leaf);
+  CHECK_FALSE(x.lan);
+  CHECK_FALSE(x.tcp);
+  CHECK(x.connect.empty());
+  CHECK(x.managers.empty());
+}
+
+TEST_CASE("a peer with links does not announce itself unless it is to", "[config][AUT-01]") {
+  const auto with = [](const std::string& keys) {
+    return good(std::string(head) + keys + "[[peer]]\nname = \"b\"\nid = 301\n").peers.at(0);
+  };
+  CHECK_FALSE(with("links = [\"inproc://b\"]\n").discovery);
+  CHECK(with("links = [\"inproc://b\"]\ndiscovery = true\n").discovery);
+  CHECK_FALSE(with("discovery = false\n").discovery);
+  CHECK_FALSE(wall_peer("connect = [\"tcp://a:1\"]\n").discovery);
+}
+
+TEST_CASE("the keys of a peer arrive", "[config][AUT-01][CM-12][LEA-01][TUP-22]") {
+  const auto x = wall_peer("connect = [\"tcp://10.0.0.7\", \"tcp://pc.lan:9000\"]\n"
+                           "tcp = { port = 8100 }\nlan = true\nleaf = true\nmanager = false\n"
+                           "managers = [7, 65535]\n");
+  CHECK(x.connect == std::vector<std::string>{"tcp://10.0.0.7:8000", "tcp://pc.lan:9000"});
+  REQUIRE(x.tcp);
+  CHECK(x.tcp->port == 8100);
+  CHECK(x.lan);
+  CHECK(x.leaf);
+  CHECK_FALSE(x.manager);
+  CHECK(x.managers == std::vector{peer_id{7}, peer_id{65535}});
+  CHECK(wall_peer("tcp = true\n").tcp);
+  CHECK_FALSE(wall_peer("tcp = true\n").tcp->port);
+  CHECK_FALSE(wall_peer("tcp = false\n").tcp);
+  CHECK_FALSE(wall_peer("tcp = {}\n").tcp->port);
+}
+
+TEST_CASE("a table with a count makes peers with numbers", "[config][GEN-04]") {
+  const auto x =
+      good("[ecology]\nname = \"t\"\nmode = \"wall\"\n"
+           "[[peer]]\nname = \"m\"\nid = 1\nlinks = [\"inproc://leaf-3\"]\n"
+           "[[peer]]\nname = \"leaf\"\nid = 10\ncount = 3\nlinks = [\"inproc://m\"]\n"
+           "leaf = true\ntcp = { port = 9000 }\napps = [{ app = \"collector\", keys = [\"a\"] }]\n")
+          .peers;
+  REQUIRE(x.size() == 4);
+  CHECK(x[0].links == std::vector<std::string>{"leaf-3"});
+  for (std::size_t i = 1; i <= 3; ++i) {
+    CHECK(x[i].id.value == static_cast<std::int32_t>(9 + i));
+    CHECK(x[i].name == "leaf-" + std::to_string(i));
+    CHECK(x[i].leaf);
+    CHECK(x[i].links == std::vector<std::string>{"m"});
+    CHECK(x[i].tcp->port == 8999 + i);
+    CHECK(x[i].apps.size() == 1);
+  }
+  const auto one = good("[ecology]\nname = \"t\"\n[[peer]]\nname = \"m\"\nid = 1\ncount = 1\n");
+  CHECK(one.peers.at(0).name == "m-1");
+}
+
+TEST_CASE("peers that cannot be are refused", "[config][GEN-06]") {
+  const auto x = GENERATE(values<row>({
+      {"count = 0\n", "6:9: `count` must be a whole number from 1 to 1000, not 0"},
+      {"count = 1001\n", "6:9: `count` must be a whole number from 1 to 1000, not 1001"},
+      {"[[peer]]\nname = \"b\"\nid = 298\ncount = 3\n",
+       "8:6: PEIS id 300 is already taken (line 5, column 6)"},
+      {"[[peer]]\nname = \"b\"\nid = 65000\ncount = 537\n",
+       "9:9: PEIS ids from 65000 to 65536 are more than 65535"},
+      {"[[peer]]\nname = \"b\"\nid = 65000\ncount = 536\n", "none"},
+      {"[[peer]]\nname = \"b\"\nid = 1\ncount = 2\n[[peer]]\nname = \"B-2\"\nid = 9\n",
+       "11:8: peer or gateway name `B-2` is already taken (line 7, column 8)"},
+      {"[[peer]]\nname = \"a2345678901234567890123456789x\"\nid = 1\ncount = 10\n",
+       "7:8: `a2345678901234567890123456789x-10` would be longer than 32 characters"},
+      {"[[peer]]\nname = \"b\"\nid = 1\ncount = 2\nlinks = [\"inproc://b-2\"]\n",
+       "10:10: `b-2` cannot have a link to itself"},
+      {"[[peer]]\nname = \"b\"\nid = 1\ncount = 2\nlinks = [\"inproc://b\"]\n",
+       "10:10: no peer or gateway is called `b`: did you mean `b-1`?"},
+      {"count = 2\napps = [{ app = \"proxy_manager\" }]\n",
+       "7:17: an island has one proxy manager, not 2"},
+      {"managers = [0]\n", "6:13: `managers` must be a whole number from 1 to 65535, not 0"},
+      {"leaf = 1\n", "6:8: `leaf` must be true or false, not 1"},
+      {"connect = [\"tcp://a:1\"]\n",
+       "6:11: `connect` needs mode = \"wall\": in virtual time there is no real network"},
+      {"tcp = true\n",
+       "6:7: `tcp` needs mode = \"wall\": in virtual time there is no real network"},
+      {"lan = true\n",
+       "6:7: `lan` needs mode = \"wall\": in virtual time there is no real network"},
+      {"tcp = false\nlan = false\nconnect = []\n", "none"},
+  }));
+  CAPTURE(x.toml);
+  CHECK(problem_after(head, x.toml) == x.problem);
+}
+
+TEST_CASE("real links that cannot be are refused", "[config][GEN-06][LNK-05]") {
+  const auto x = GENERATE(values<row>({
+      {"connect = [\"inproc://b\"]\n",
+       "6:12: `connect` must be the address of a peer, as in \"tcp://192.168.1.7:8000\", not "
+       "\"inproc://b\""},
+      {"connect = [\"tcp://b:0\"]\n",
+       "6:12: `connect` must be the address of a peer, as in \"tcp://192.168.1.7:8000\", not "
+       "\"tcp://b:0\""},
+      {"connect = [\"udp://b\"]\n",
+       "6:12: `connect` must be the address of a peer, as in \"tcp://192.168.1.7:8000\", not "
+       "\"udp://b\""},
+      {"connect = [7]\n", "6:12: `connect` must be the address of a peer, as in "
+                          "\"tcp://192.168.1.7:8000\", not 7"},
+      {"tcp = 8000\n",
+       "6:7: `tcp` must be true, false or a table, as in { port = 8000 }, not 8000"},
+      {"tcp = { prot = 8000 }\n", "6:9: unknown key `prot` in [peer.tcp]: did you mean `port`?"},
+      {"tcp = { port = 0 }\n", "6:16: `port` must be a whole number from 1 to 65535, not 0"},
+      {"count = 2\ntcp = { port = 65535 }\n", "7:16: ports from 65535 on are too few for 2 peers"},
+      {"tcp = { port = 9001 }\n[[peer]]\nname = \"b\"\nid = 1\ncount = 2\n"
+       "tcp = { port = 9000 }\n",
+       "11:16: TCP port 9001 is already taken (line 6, column 16)"},
+  }));
+  CAPTURE(x.toml);
+  CHECK(problem_in(std::string(wall_head) + "[[peer]]\nid = 300\n" + "name = \"pc\"\n" + x.toml) ==
+        x.problem);
+}
+
+TEST_CASE("a mode given beside the file decides what may be real", "[config][GEN-06]") {
+  const auto text = std::string(head) + "tcp = true\n";
+  overrides wall;
+  wall.mode = run_mode::wall;
+  CHECK(load_text(text, "t", wall).problems.empty());
+  overrides virtual_time;
+  virtual_time.mode = run_mode::virtual_time;
+  CHECK(load_text(std::string(wall_head) + "[[peer]]\nname = \"pc\"\nid = 1\ntcp = true\n", "t",
+                  virtual_time)
+            .problems.size() == 1);
+}
+
+TEST_CASE("the network between hosts arrives with its keys", "[config]") {
+  const auto none = good(std::string(head)).peis;
+  CHECK(none.delay == 200us);
+  CHECK(none.loss == 0);
+  CHECK(none.bandwidth_bps == 0);
+  const auto x =
+      good(std::string(head) + "[peis]\ndelay = \"2ms\"\nloss = \"5%\"\nbandwidth = \"10Mbit/s\"\n")
+          .peis;
+  CHECK(x.delay == 2ms);
+  CHECK(x.loss == 0.05);
+  CHECK(x.bandwidth_bps == 10'000'000);
+  CHECK(good(std::string(head) + "[peis]\nbandwidth = 0\n").peis.bandwidth_bps == 0);
+  CHECK(good(std::string(head) + "[peis]\nbandwidth = \"1.5kbit/s\"\n").peis.bandwidth_bps == 1500);
+  const auto bad = GENERATE(values<row>({
+      {"[peis]\ndelay = \"11s\"\n", "7:9: `delay` must be a time from 0 s to 10 s, not \"11s\""},
+      {"[peis]\nloss = 2\n",
+       "7:8: `loss` must be a ratio from 0 to 1, or from \"0%\" to \"100%\", not 2"},
+      {"[peis]\nbandwidth = 999\n",
+       "7:13: `bandwidth` must be a rate from 1 kbit/s to 1000 Gbit/s with its unit (bit/s, "
+       "kbit/s, "
+       "Mbit/s or Gbit/s), as in \"10Mbit/s\", or 0 for no limit, not 999"},
+      {"[peis]\nbandwidth = \"10MB/s\"\n",
+       "7:13: `bandwidth` must be a rate from 1 kbit/s to 1000 Gbit/s with its unit (bit/s, "
+       "kbit/s, "
+       "Mbit/s or Gbit/s), as in \"10Mbit/s\", or 0 for no limit, not \"10MB/s\""},
+  }));
+  CHECK(problem_after(head, bad.toml) == bad.problem);
+}
+
+TEST_CASE("a summary shows how peers meet", "[config]") {
+  const auto x = good("[ecology]\nname = \"t\"\nmode = \"wall\"\n"
+                      "[peis]\nloss = 0.1\nbandwidth = \"10Mbit/s\"\n"
+                      "[[peer]]\nname = \"a\"\nid = 1\n"
+                      "[[peer]]\nname = \"b\"\nid = 2\nlinks = [\"inproc://a\"]\n"
+                      "connect = [\"tcp://c\"]\ntcp = true\nlan = true\nleaf = true\n"
+                      "manager = false\ndiscovery = true\n"
+                      "[[peer]]\nname = \"c\"\nid = 3\ndiscovery = false\ntcp.port = 9000\n");
+  CHECK(summary(x) == R"(t: 10 min of wall time, seed 1, network rubicon
+0 islands, 0 motes, 3 peers
+peers: delay 200 us; loss 10 %; 10 Mbit/s
+
+peers and gateways
+  1  a
+  2  b  -> a, tcp://c:8000; tcp 8000 or above; lan; leaf; no manager; discovery
+  3  c  tcp 9000; no discovery
+)");
+}
