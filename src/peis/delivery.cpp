@@ -7,21 +7,16 @@ namespace rubicon::peis {
 
 namespace {
 
-constexpr std::uint64_t seqid_max = 32767;
 /// Places of the window that bulk leaves free, so that a long message delays no short one.
 constexpr std::size_t reserve_divisor = 8;
 
 } // namespace
 
-std::int32_t draw_id(random_stream& dice) {
-  return static_cast<std::int32_t>(1 + dice.below(0x7fffffff));
-}
-
 std::uint16_t delivery::packages_of(const transfer& x) {
   return std::max<std::uint16_t>(1, x.fragments);
 }
 
-bool delivery::add(reliable_message message, random_stream& dice) {
+bool delivery::add(reliable_message message, id_source& ids) {
   auto& to = flows_[message.destination];
   if (to.waiting >= config_.waiting_max)
     return false;
@@ -29,7 +24,7 @@ bool delivery::add(reliable_message message, random_stream& dice) {
   const auto size = message.content->size();
   if (size > data_max) {
     x.fragments = static_cast<std::uint16_t>((size + data_max - 1) / data_max);
-    x.seqid = static_cast<std::uint16_t>(1 + dice.below(seqid_max));
+    x.seqid = ids.next_group();
   }
   const auto id = next_transfer_++;
   to.queues[static_cast<std::size_t>(message.class_of_service)].push_back(id);
@@ -41,7 +36,7 @@ bool delivery::add(reliable_message message, random_stream& dice) {
 
 /// The queue of the highest priority that has a message and may use the window.
 const std::deque<std::uint64_t>* delivery::open_queue(const flow& x) const {
-  if (x.in_flight >= config_.window)
+  if (x.in_flight >= config_.window || x.order.size() >= config_.span_max)
     return nullptr;
   const auto bulk_window = config_.window - config_.window / reserve_divisor;
   for (std::size_t i = 0; i < x.queues.size(); ++i) {
@@ -63,7 +58,7 @@ std::optional<lane> delivery::next_lane(peer_id destination) const {
 }
 
 std::optional<std::pair<lane, outgoing_package>> delivery::next(peer_id destination,
-                                                                random_stream& dice) {
+                                                                id_source& ids) {
   const auto where = next_lane(destination);
   if (!where)
     return std::nullopt;
@@ -71,11 +66,10 @@ std::optional<std::pair<lane, outgoing_package>> delivery::next(peer_id destinat
   auto& queue = to.queues[static_cast<std::size_t>(*where) - static_cast<std::size_t>(lane::high)];
   const auto id = queue.front();
   auto& x = transfers_.at(id);
-  auto ack_id = draw_id(dice);
-  while (in_flight_.contains(ack_id))
-    ack_id = draw_id(dice);
-  auto package = package_of(x, x.begun, ack_id, dice);
+  const auto ack_id = ids.next();
+  auto package = package_of(x, x.begun, ack_id, ids);
   in_flight_.emplace(ack_id, pending{id, x.begun, 1, std::nullopt});
+  to.order.push_back(ack_id);
   ++x.begun;
   ++x.unacknowledged;
   ++to.in_flight;
@@ -87,10 +81,10 @@ std::optional<std::pair<lane, outgoing_package>> delivery::next(peer_id destinat
 }
 
 outgoing_package delivery::package_of(const transfer& x, std::uint16_t fragment,
-                                      std::int32_t ack_id, random_stream& dice) const {
+                                      std::int32_t ack_id, id_source& ids) const {
   outgoing_package package;
   auto& header = package.header;
-  header.id = draw_id(dice);
+  header.id = ids.next();
   header.ack_id = ack_id;
   header.flags = package_flag::reliable;
   if (x.fragments > 0)
@@ -133,6 +127,11 @@ delivery::forget(std::unordered_map<std::int32_t, pending>::iterator at) {
   return in_flight_.erase(at);
 }
 
+void delivery::shorten(flow& x) const {
+  while (!x.order.empty() && !in_flight_.contains(x.order.front()))
+    x.order.pop_front();
+}
+
 std::optional<delivery::acknowledged> delivery::acknowledge(std::int32_t ack_id) {
   const auto at = in_flight_.find(ack_id);
   if (at == in_flight_.end())
@@ -144,6 +143,7 @@ std::optional<delivery::acknowledged> delivery::acknowledge(std::int32_t ack_id)
   acknowledged done{x.message.destination, std::nullopt};
   const auto to = flows_.find(x.message.destination);
   --to->second.in_flight;
+  shorten(to->second);
   if (--x.unacknowledged == 0 && x.begun == packages_of(x)) {
     done.finished = std::move(x.message);
     transfers_.erase(owner);
@@ -153,7 +153,7 @@ std::optional<delivery::acknowledged> delivery::acknowledge(std::int32_t ack_id)
   return done;
 }
 
-std::optional<delivery::due> delivery::take_due(instant now, random_stream& dice) {
+std::optional<delivery::due> delivery::take_due(instant now, id_source& ids) {
   if (due_.empty() || due_.begin()->first > now)
     return std::nullopt;
   const auto ack_id = due_.begin()->second;
@@ -168,7 +168,7 @@ std::optional<delivery::due> delivery::take_due(instant now, random_stream& dice
     result.failed = fail(x.transfer);
   } else {
     ++x.attempts;
-    result.again = package_of(owner, x.fragment, ack_id, dice);
+    result.again = package_of(owner, x.fragment, ack_id, ids);
   }
   return result;
 }
@@ -192,6 +192,7 @@ reliable_message delivery::fail(std::uint64_t id) {
     queue.erase(std::find(queue.begin(), queue.end(), id));
     --to->second.waiting;
   }
+  shorten(to->second);
   if (to->second.idle())
     flows_.erase(to);
   auto message = std::move(x.message);

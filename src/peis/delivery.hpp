@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/random.hpp"
 #include "core/time.hpp"
+#include "peis/id_source.hpp"
 #include "peis/outgoing_queue.hpp"
 #include "peis/package.hpp"
 #include "peis/types.hpp"
@@ -22,9 +22,12 @@
 namespace rubicon::peis {
 
 struct delivery_config {
-  duration retry_time = 400ms;    ///< T: attempt k is followed by a wait of k T (ACK-02)
-  std::size_t window = 256;       ///< unacknowledged packages per destination (P2P-05)
+  duration retry_time = 400ms; ///< T: attempt k is followed by a wait of k T (ACK-02)
+  std::size_t window = 256;    ///< unacknowledged packages per destination (P2P-05)
   std::size_t waiting_max = 1024; ///< messages per destination that have not begun to leave
+  /// How far the newest may be ahead of the oldest unacknowledged one, in packages: a repeat must
+  /// find its first transmission in the memory of a real kernel, 4096 ids (ACK-08).
+  std::size_t span_max = 2048;
 };
 
 /// A message on its way, also as the owner gets it back when it has ended.
@@ -53,11 +56,11 @@ public:
   explicit delivery(delivery_config config) : config_(config) {}
 
   /// @returns false if too many messages wait for that destination
-  [[nodiscard]] bool add(reliable_message message, random_stream& dice);
+  [[nodiscard]] bool add(reliable_message message, id_source& ids);
 
   /// The next package for a destination whose window is open, and the lane it belongs to.
   [[nodiscard]] std::optional<std::pair<lane, outgoing_package>> next(peer_id destination,
-                                                                      random_stream& dice);
+                                                                      id_source& ids);
 
   /// Where next() would put its package; nothing if there is none to send.
   [[nodiscard]] std::optional<lane> next_lane(peer_id destination) const;
@@ -87,7 +90,7 @@ public:
     std::int32_t ack_id = 0;
   };
   /// The next one due; to be called until it returns nothing.
-  [[nodiscard]] std::optional<due> take_due(instant now, random_stream& dice);
+  [[nodiscard]] std::optional<due> take_due(instant now, id_source& ids);
 
   /// A repeat could not be sent for want of a route: wait as if it had been.
   void on_unsendable(std::int32_t ack_id, instant now) { on_transmitted(ack_id, now); }
@@ -116,6 +119,7 @@ private:
     std::size_t in_flight = 0;
     std::size_t waiting = 0;
     std::array<std::deque<std::uint64_t>, 3> queues; ///< transfers by priority
+    std::deque<std::int32_t> order; ///< ack ids as they left; those acknowledged go from the front
 
     [[nodiscard]] bool idle() const { return in_flight == 0 && waiting == 0; }
   };
@@ -129,11 +133,12 @@ private:
 
   [[nodiscard]] static std::uint16_t packages_of(const transfer& x);
   [[nodiscard]] outgoing_package package_of(const transfer& x, std::uint16_t fragment,
-                                            std::int32_t ack_id, random_stream& dice) const;
+                                            std::int32_t ack_id, id_source& ids) const;
   [[nodiscard]] const std::deque<std::uint64_t>* open_queue(const flow& x) const;
   std::unordered_map<std::int32_t, pending>::iterator
   forget(std::unordered_map<std::int32_t, pending>::iterator at);
   reliable_message fail(std::uint64_t id);
+  void shorten(flow& x) const;
 
   delivery_config config_;
   std::uint64_t next_transfer_ = 0;
@@ -143,8 +148,5 @@ private:
       in_flight_; ///< by ack id; looked up, never walked in order
   std::set<std::pair<instant, std::int32_t>> due_;
 };
-
-/// A fresh id: random, positive.
-[[nodiscard]] std::int32_t draw_id(random_stream& dice);
 
 } // namespace rubicon::peis

@@ -22,7 +22,7 @@ lane lane_of(const package_header& header) {
 } // namespace
 
 p2p::p2p(p2p_config config, random_stream dice, instant now)
-    : config_(std::move(config)), dice_(dice), assembly_(config_.assembly),
+    : config_(std::move(config)), dice_(dice), ids_(dice_), assembly_(config_.assembly),
       acknowledger_(config_.ack_delay), delivery_(config_.reliable),
       clock_({config_.time_master, config_.clock_period, config_.clock_offset}, config_.id, now),
       next_manager_(now + config_.connections.manager_period), next_merge_(now),
@@ -30,7 +30,7 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
       next_period_(now + dice_.between(config_.routing_period / 2, config_.routing_period)),
       last_trigger_(now - config_.trigger_gap) {
   self_.id = config_.id;
-  self_.magic = draw_id(dice_);
+  self_.magic = ids_.next();
   self_.host_name = config_.host_name;
   self_.full_name = config_.name + '@' + config_.host_name + '!' + std::to_string(config_.process);
   self_.addresses = config_.addresses;
@@ -77,7 +77,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
     return;
   }
   probes_.erase(header.source);
-  if (!seen_.insert(header.id)) {
+  if (!seen_.insert(header.source, header.id)) {
     ++counters_.seen;
     return;
   }
@@ -88,7 +88,8 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
   }
   if (mine && header.reliable() && header.port != port::acknowledgements)
     acknowledge(header, now);
-  if (mine && header.ack_id != header.id && header.ack_id != 0 && !seen_.insert(header.ack_id)) {
+  if (mine && header.ack_id != header.id && header.ack_id != 0 &&
+      !seen_.insert(header.source, header.ack_id)) {
     ++counters_.repeated;
     return;
   }
@@ -231,7 +232,7 @@ void p2p::forward(link_id from, package_header header, byte_view data) {
 
 package_header p2p::fresh_header(package_type type, std::uint16_t port, std::size_t length) {
   package_header header;
-  header.id = header.ack_id = draw_id(dice_);
+  header.id = header.ack_id = ids_.next();
   header.type = type;
   header.source = self_.id;
   header.port = port;
@@ -311,7 +312,7 @@ void p2p::send(posting x) {
     const auto head = x.content.head;
     if (delivery_.add({self_.id, destination, x.port, service, x.id,
                        std::make_shared<const message_octets>(std::move(x.content))},
-                      dice_)) {
+                      ids_)) {
       pump(destination);
       return;
     }
@@ -335,7 +336,7 @@ cause p2p::send_unreliable(const posting& x, link_id way) {
   if (const auto verdict = queue.admission(where, count, dice_); verdict != cause::none)
     return verdict;
   const auto content = std::make_shared<const message_octets>(x.content);
-  const auto seqid = static_cast<std::uint16_t>(1 + dice_.below(0x7fff));
+  const auto seqid = ids_.next_group();
   for (std::size_t i = 0; i < count; ++i) {
     const auto offset = i * data_max;
     auto header = fresh_header(package_type::direct, x.port, std::min(data_max, size - offset));
@@ -370,14 +371,14 @@ void p2p::pump(peer_id destination) {
       stalled_.insert(destination);
       return;
     }
-    auto x = delivery_.next(destination, dice_);
+    auto x = delivery_.next(destination, ids_);
     count_traffic(x->second.header);
     queue.push(x->first, std::move(x->second));
   }
 }
 
 void p2p::repeat_due(instant now) {
-  while (auto due = delivery_.take_due(now, dice_)) {
+  while (auto due = delivery_.take_due(now, ids_)) {
     const auto way = way_to(due->destination);
     if (due->failed) {
       fail(*due->failed, way ? cause::too_many_retries : cause::connection_dead);

@@ -373,6 +373,7 @@ private:
 
   p2p_config config_;
   random_stream dice_;
+  id_source ids_;
   host_record self_;
   bool left_ = false;
 

@@ -5,30 +5,34 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/address.hpp"
+
 namespace rubicon::peis {
 
 /// Remembers at least the newest `memory` ids and at most twice as many: two generations of hash
 /// tables, of which the older is dropped when the newer is full.
 class seen_ids {
 public:
-  explicit seen_ids(std::size_t memory = 8192) : memory_(memory) {}
+  explicit seen_ids(std::size_t memory = 32768) : memory_(memory) {}
 
-  /// @returns false if the id was remembered already
-  bool insert(std::int32_t id);
+  /// Ids of different sources are different: real kernels, which compare ids alone, lose a package
+  /// now and then.
+  /// @returns false if it was remembered already. @pre id > 0
+  bool insert(peer_id source, std::int32_t id);
 
 private:
-  /// Open addressing; 0 marks a free slot, so id 0 must not be stored.
+  /// Open addressing over source and id in one word; 0 marks a free slot.
   class table {
   public:
-    [[nodiscard]] bool contains(std::int32_t id) const;
-    void insert(std::int32_t id);
+    [[nodiscard]] bool contains(std::uint64_t x) const;
+    void insert(std::uint64_t x);
     [[nodiscard]] std::size_t size() const { return size_; }
 
   private:
-    [[nodiscard]] std::size_t slot_of(std::int32_t id) const;
+    [[nodiscard]] std::size_t slot_of(std::uint64_t x) const;
     void grow();
 
-    std::vector<std::int32_t> slots_;
+    std::vector<std::uint64_t> slots_;
     std::size_t size_ = 0;
   };
 

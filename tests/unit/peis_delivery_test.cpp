@@ -23,15 +23,16 @@ reliable_message message_of(std::size_t size, priority service = priority::norma
 TEST_CASE("an unacknowledged package is sent at 0, T, 3T, 6T, 10T, 15T, 21T and fails at 28T",
           "[peis][ACK-02][ACK-03][ACK-04]") {
   random_stream dice(1);
+  id_source numbers(dice);
   delivery reliable{delivery_config{}};
-  REQUIRE(reliable.add(message_of(10), dice));
-  auto package = reliable.next(there, dice)->second;
+  REQUIRE(reliable.add(message_of(10), numbers));
+  auto package = reliable.next(there, numbers)->second;
   reliable.on_transmitted(package.header.ack_id, instant{});
   std::vector<int> sent_at{0};
   std::optional<instant> failed_at;
   auto last_id = package.header.id;
   while (const auto deadline = reliable.deadline()) {
-    const auto due = reliable.take_due(*deadline, dice);
+    const auto due = reliable.take_due(*deadline, numbers);
     REQUIRE(due);
     if (due->failed) {
       failed_at = deadline;
@@ -51,10 +52,11 @@ TEST_CASE("an unacknowledged package is sent at 0, T, 3T, 6T, 10T, 15T, 21T and 
 
 TEST_CASE("a long message succeeds when all its fragments have, and once", "[peis][ACK-07]") {
   random_stream dice(2);
+  id_source numbers(dice);
   delivery reliable{delivery_config{}};
-  REQUIRE(reliable.add(message_of(3000, priority::bulk), dice));
+  REQUIRE(reliable.add(message_of(3000, priority::bulk), numbers));
   std::vector<std::int32_t> ids;
-  while (const auto x = reliable.next(there, dice)) {
+  while (const auto x = reliable.next(there, numbers)) {
     CHECK(x->first == lane::bulk);
     CHECK(x->second.header.seqlen == 3);
     CHECK((x->second.header.flags & package_flag::bulk) != 0);
@@ -69,10 +71,11 @@ TEST_CASE("a long message succeeds when all its fragments have, and once", "[pei
 
 TEST_CASE("one lost fragment fails the whole message once", "[peis][ACK-07]") {
   random_stream dice(3);
+  id_source numbers(dice);
   delivery reliable{delivery_config{}};
-  REQUIRE(reliable.add(message_of(5000, priority::bulk), dice));
+  REQUIRE(reliable.add(message_of(5000, priority::bulk), numbers));
   std::vector<std::int32_t> ids;
-  while (const auto x = reliable.next(there, dice)) {
+  while (const auto x = reliable.next(there, numbers)) {
     ids.push_back(x->second.header.ack_id);
     reliable.on_transmitted(ids.back(), instant{});
   }
@@ -80,7 +83,7 @@ TEST_CASE("one lost fragment fails the whole message once", "[peis][ACK-07]") {
     CHECK(!reliable.acknowledge(ids[i])->finished);
   int failures = 0;
   while (const auto deadline = reliable.deadline()) {
-    const auto due = reliable.take_due(*deadline, dice);
+    const auto due = reliable.take_due(*deadline, numbers);
     failures += due->failed ? 1 : 0;
     if (!due->failed)
       reliable.on_transmitted(due->ack_id, *deadline);
@@ -92,16 +95,17 @@ TEST_CASE("one lost fragment fails the whole message once", "[peis][ACK-07]") {
 TEST_CASE("at most 256 packages are under way to a destination, and bulk leaves room",
           "[peis][P2P-05][API-03]") {
   random_stream dice(4);
+  id_source numbers(dice);
   delivery reliable{delivery_config{}};
-  REQUIRE(reliable.add(message_of(1 << 20, priority::bulk), dice));
+  REQUIRE(reliable.add(message_of(1 << 20, priority::bulk), numbers));
   std::size_t bulk = 0;
-  while (reliable.next(there, dice))
+  while (reliable.next(there, numbers))
     ++bulk;
   CHECK(bulk == 224);
   for (int i = 0; i < 50; ++i)
-    REQUIRE(reliable.add(message_of(10), dice));
+    REQUIRE(reliable.add(message_of(10), numbers));
   std::size_t normal = 0;
-  while (const auto x = reliable.next(there, dice)) {
+  while (const auto x = reliable.next(there, numbers)) {
     CHECK(x->first == lane::normal);
     ++normal;
   }
@@ -110,14 +114,35 @@ TEST_CASE("at most 256 packages are under way to a destination, and bulk leaves 
 
 TEST_CASE("messages that cannot begin wait up to a limit", "[peis][P2P-03]") {
   random_stream dice(5);
+  id_source numbers(dice);
   delivery reliable{delivery_config{400ms, 1, 3}};
   for (int i = 0; i < 3; ++i)
-    CHECK(reliable.add(message_of(1), dice));
-  CHECK(!reliable.add(message_of(1), dice));
-  CHECK(reliable.next(there, dice));
-  CHECK(reliable.add(message_of(1), dice));
+    CHECK(reliable.add(message_of(1), numbers));
+  CHECK(!reliable.add(message_of(1), numbers));
+  CHECK(reliable.next(there, numbers));
+  CHECK(reliable.add(message_of(1), numbers));
   CHECK(reliable.fail_all(there).size() == 4);
   CHECK(!reliable.next_lane(there));
+}
+
+TEST_CASE("nothing leaves that is too far ahead of what is not acknowledged", "[peis][ACK-08]") {
+  random_stream dice(6);
+  id_source numbers(dice);
+  delivery reliable({.span_max = 50});
+  std::optional<std::int32_t> oldest;
+  std::size_t left = 0;
+  for (int i = 0; i < 100; ++i)
+    REQUIRE(reliable.add(message_of(1), numbers));
+  while (const auto x = reliable.next(there, numbers)) {
+    ++left;
+    if (!oldest)
+      oldest = x->second.header.ack_id;
+    else
+      static_cast<void>(reliable.acknowledge(x->second.header.ack_id));
+  }
+  CHECK(left == 50);
+  static_cast<void>(reliable.acknowledge(*oldest));
+  CHECK(reliable.next(there, numbers));
 }
 
 } // namespace rubicon::peis

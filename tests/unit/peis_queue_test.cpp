@@ -1,5 +1,6 @@
 #include <string>
 
+#include "peis/id_source.hpp"
 #include "peis/outgoing_queue.hpp"
 #include "peis/reassembly.hpp"
 #include "peis/seen_ids.hpp"
@@ -90,10 +91,28 @@ TEST_CASE("a message in two parts is read across the seam", "[peis]") {
 TEST_CASE("ids are remembered for as many as promised", "[peis][P2P-07]") {
   seen_ids seen(4096);
   for (std::int32_t id = 1; id <= 20000; ++id) {
-    REQUIRE(seen.insert(id));
-    REQUIRE(!seen.insert(id));
+    REQUIRE(seen.insert(peer_id{1}, id));
+    REQUIRE(!seen.insert(peer_id{1}, id));
     if (id > 4096)
-      REQUIRE(!seen.insert(id - 4095));
+      REQUIRE(!seen.insert(peer_id{1}, id - 4095));
+  }
+  CHECK(seen.insert(peer_id{2}, 20000)); // of another source
+}
+
+TEST_CASE("no id comes again before all others have", "[peis][P2P-06]") {
+  random_stream dice(1);
+  id_source ids(dice);
+  std::vector<bool> used(1U << 31);
+  for (std::int64_t i = 1; i < 1'000'000; ++i) {
+    const auto id = ids.next();
+    REQUIRE(id > 0);
+    REQUIRE(!used[static_cast<std::size_t>(id)]);
+    used[static_cast<std::size_t>(id)] = true;
+  }
+  for (int i = 0; i < 40000; ++i) {
+    const auto group = ids.next_group();
+    CHECK(group >= 1);
+    CHECK(group <= 32767);
   }
 }
 
