@@ -1,13 +1,9 @@
 #include "actors/assembly.hpp"
 
 #include <algorithm>
-#include <set>
 
 #include "actors/air.hpp"
-#include "actors/apps/peer_apps.hpp"
-#include "actors/gateway.hpp"
-#include "actors/peis_peer.hpp"
-#include "actors/proxy_manager.hpp"
+#include "actors/peis_lan.hpp"
 #include "actors/serial_line.hpp"
 #include "actors/sink.hpp"
 #include "scheduler/spawn.hpp"
@@ -18,16 +14,6 @@ namespace {
 
 /// Sinks are fed by their basestation's USB port.
 constexpr double mains_mah = 1e9;
-
-/// Spawns a monitored child that reports to the ecology.
-template <class Fun, class... Args>
-auto spawn_child(ecology_pointer self, std::string path, Fun fun, Args&&... args) {
-  auto handle = scheduler::spawn_at<caf::monitored>(self, path, fun, std::forward<Args>(args)...);
-  ++self->state.report.actors.spawned;
-  self->state.names.emplace(handle.address(), std::move(path));
-  self->state.reporters.emplace_back([self, handle](status_request x) { self->send(handle, x); });
-  return handle;
-}
 
 ecology_actor handle_of(ecology_pointer self) {
   return caf::actor_cast<ecology_actor>(self);
@@ -76,7 +62,7 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   return x;
 }
 
-/// The serial line, sink, gateway and gateway's kernel of an island.
+/// The serial line, sink and gateway of an island.
 void spawn_bridge(ecology_pointer self, const config::island_description& island,
                   radio::radio_index radio, const air_actor& air) {
   const auto seed = self->state.description.seed;
@@ -103,14 +89,7 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   at_sink.seed = seed;
   at_sink.ecology = ecology;
   spawn_child(self, "sink/" + island.name, sink, std::move(at_sink));
-
-  gateway_arguments gateway;
-  gateway.config.island = island.id;
-  gateway.seed = seed;
-  gateway.peer = self->state.peers.at(island.gateway_name).second;
-  gateway.line = line;
-  gateway.ecology = ecology;
-  spawn_child(self, "gateway/" + island.name, gateway_behavior, std::move(gateway));
+  spawn_programs(self, self->state.peers.at(island.gateway_name));
 }
 
 /// The sink of an island that only measures: a mote like the others, but fed by its cable.
@@ -195,88 +174,34 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
   }
 }
 
-void spawn_peer(ecology_pointer self, peer_id id, const std::string& name,
-                const std::string& host) {
+/// All peers are known before the first kernel starts: its links name others.
+void spawn_kernels(ecology_pointer self) {
   const auto& description = self->state.description;
-  peis_peer_arguments x;
-  x.config.network.id = id;
-  x.config.network.name = name;
-  x.config.network.host_name = host.empty() ? name : host; // unplaced: a machine of its own
-  x.config.network.network = description.network;
-  x.name = name;
-  x.seed = description.seed;
-  x.ecology = handle_of(self);
-  self->state.peers[name] = {id, spawn_child(self, "peis_peer/" + name, peis_peer, std::move(x))};
-}
-
-void open_link(ecology_pointer self, const std::string& from, const std::string& to) {
-  const auto& [from_id, initiator] = self->state.peers.at(from);
-  const auto& [to_id, acceptor] = self->state.peers.at(to);
-  const auto link = self->state.next_link++;
-  // The acceptor first: it must know the link before the initiator's first octets arrive.
-  self->send(acceptor, link_opened{link, {caf::actor_cast<link_end_actor>(initiator)}, false});
-  self->send(initiator, link_opened{link, {caf::actor_cast<link_end_actor>(acceptor)}, true});
-}
-
-void open_links(ecology_pointer self) {
-  const auto& description = self->state.description;
-  std::set<std::pair<std::string, std::string>> open;
-  const auto connect = [&](const std::string& from, const std::vector<std::string>& links) {
-    for (const auto& to : links) {
-      if (open.contains({to, from}) || !open.emplace(from, to).second)
-        continue; // declared at both ends, or twice
-      open_link(self, from, to);
-    }
+  std::vector<std::string> names; // in the order of the description
+  const auto add = [&](peer_id id, const std::string& name, std::optional<island_id> island) {
+    auto& peer = self->state.peers[name];
+    peer.id = id;
+    peer.name = name;
+    peer.island = island;
+    names.push_back(name);
   };
   for (const auto& island : description.islands)
     if (island.stack == config::stack::full)
-      connect(island.gateway_name, island.gateway_links);
+      add(gateway_of(island.id), island.gateway_name, island.id);
   for (const auto& peer : description.peers)
-    connect(peer.name, peer.links);
+    add(peer.id, peer.name, {});
+  for (const auto& name : names)
+    spawn_kernel(self, self->state.peers.at(name), "peis_peer/" + name);
 }
 
-/// Spawns one app of a peer, whichever kind it is.
-struct peer_app_spawner {
-  ecology_pointer self;
-  const config::peer_description& peer;
-  std::size_t number;
-
-  void operator()(const config::proxy_manager_app& x) const {
-    proxy_manager_arguments arguments;
-    arguments.classes = self->state.description.proxies;
-    for (const auto id : x.islands)
-      arguments.islands.push_back(managed(id));
-    arguments.peer_number = peer.id;
-    arguments.peer = handle();
-    arguments.ecology = handle_of(self);
-    spawn_child(self, "proxy_manager/" + peer.name, proxy_manager, std::move(arguments));
-  }
-
-  void operator()(const config::rules_app& x) const {
-    std::vector<proxy::rule> rules;
-    for (const auto& rule : x.rules)
-      rules.push_back(rule_of(rule));
-    spawn_child(self, path("rules"), rules_program, std::move(rules), handle(), handle_of(self));
-  }
-
-  void operator()(const config::collector_app& x) const {
-    spawn_child(self, path("collector"), collector, x.keys, handle());
-  }
-
-  [[nodiscard]] managed_island managed(island_id id) const {
-    const auto& island = described(self, id);
-    managed_island x{id, island.name, {}};
-    for (const auto& mote : island.motes)
-      x.mote_names[mote.id] = mote.name;
-    return x;
-  }
-
-  [[nodiscard]] std::string path(const std::string& kind) const {
-    return "peer_app/" + peer.name + '/' + kind + '-' + std::to_string(number);
-  }
-
-  [[nodiscard]] peis_peer_actor handle() const { return self->state.peers.at(peer.name).second; }
-};
+/// The simulated network: it has nothing to report.
+void spawn_lan(ecology_pointer self) {
+  const auto& description = self->state.description;
+  self->state.lan = scheduler::spawn_at<caf::monitored>(self, "peis_lan", peis_lan,
+                                                        description.peis, description.seed);
+  ++self->state.report.actors.spawned;
+  self->state.names.emplace(self->state.lan.address(), "peis_lan");
+}
 
 } // namespace
 
@@ -291,19 +216,12 @@ void spawn_mote(ecology_pointer self, supervised_mote& mote) {
 
 void assemble(ecology_pointer self) {
   const auto& description = self->state.description;
-  for (const auto& island : description.islands)
-    if (island.stack == config::stack::full)
-      spawn_peer(self, gateway_of(island.id), island.gateway_name, island.host);
-  for (const auto& peer : description.peers)
-    spawn_peer(self, peer.id, peer.name, peer.host);
-  open_links(self);
+  spawn_lan(self);
+  spawn_kernels(self);
   for (const auto& air : description.airs)
     spawn_place(self, air);
-  for (const auto& peer : description.peers) {
-    std::size_t number = 0;
-    for (const auto& app : peer.apps)
-      std::visit(peer_app_spawner{self, peer, ++number}, app);
-  }
+  for (const auto& peer : description.peers)
+    spawn_programs(self, self->state.peers.at(peer.name));
 }
 
 } // namespace rubicon

@@ -1,7 +1,11 @@
 // From the description of an ecology to its actors.
 #pragma once
 
+#include <string>
+#include <utility>
+
 #include "actors/ecology.hpp"
+#include "scheduler/spawn.hpp"
 
 namespace rubicon {
 
@@ -10,6 +14,30 @@ using ecology_pointer = scheduler::traced_pointer<ecology_state, root_actor>;
 /// Spawns everything that the description in the ecology's state places here, in an order that
 /// depends on the description alone.
 void assemble(ecology_pointer self);
+
+/// Spawns the kernel of a peer, for the first time or again.
+/// @param path `peis_peer/NAME`, or another one for a second kernel of the same peer
+void spawn_kernel(ecology_pointer self, supervised_peer& peer, const std::string& path);
+
+/// Spawns the programs of a peer: its apps, or its gateway. @pre its kernel runs
+void spawn_programs(ecology_pointer self, supervised_peer& peer);
+
+/// Keeps a child that is monitored: by its name, and as one that has something to report.
+template <class Handle>
+void adopt(ecology_pointer self, std::string path, const Handle& handle) {
+  ++self->state.report.actors.spawned;
+  self->state.names.emplace(handle.address(), std::move(path));
+  self->state.reporters.emplace_back(handle.address(),
+                                     [self, handle](status_request x) { self->send(handle, x); });
+}
+
+/// Spawns a monitored child that reports to the ecology.
+template <class Fun, class... Args>
+auto spawn_child(ecology_pointer self, std::string path, Fun fun, Args&&... args) {
+  auto handle = scheduler::spawn_at<caf::monitored>(self, path, fun, std::forward<Args>(args)...);
+  adopt(self, std::move(path), handle);
+  return handle;
+}
 
 /// Spawns a mote, for the first time or again after a failure.
 void spawn_mote(ecology_pointer self, supervised_mote& mote);

@@ -4,6 +4,7 @@
 
 #include "actors/assembly.hpp"
 #include "actors/log.hpp"
+#include "actors/peer_supervision.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
@@ -68,6 +69,7 @@ void on_down(ecology_pointer self, const caf::down_msg& x) {
   const auto named = self->state.names.find(x.source);
   if (named == self->state.names.end())
     return;
+  static_cast<void>(on_kernel_down(self, x.source));
   if (x.reason && x.reason != caf::exit_reason::user_shutdown)
     record_failure(self, named->second, x.reason);
   tell_story(self, named->second, "ended");
@@ -98,11 +100,33 @@ void on_flat(ecology_pointer self, supervised_mote& mote) {
   mote.changed = now(self);
 }
 
-struct fault_applier {
-  ecology_pointer self;
+/// Any of the elements that `fits`; nullptr if none does.
+template <class Map, class Predicate>
+auto* draw(ecology_pointer self, Map& all, Predicate fits) {
+  std::vector<typename Map::mapped_type*> found;
+  for (auto& [key, x] : all) {
+    if (fits(x))
+      found.push_back(&x);
+  }
+  return found.empty() ? nullptr : found[self->state.dice.below(found.size())];
+}
+
+/// The mote that a fault names, or one that is drawn.
+supervised_mote* find_mote(ecology_pointer self, const mote_address& x) {
+  auto& motes = self->state.motes;
+  if (x == config::any_mote)
+    return draw(self, motes, [](const supervised_mote& mote) { return !mote.flat && mote.handle; });
+  return &motes.at(x);
+}
+
+struct fault_applier : peer_fault_applier {
+  using peer_fault_applier::operator();
 
   void operator()(const config::battery_end_fault& x) const {
-    auto& mote = self->state.motes.at(x.mote);
+    auto* found = find_mote(self, x.mote);
+    if (found == nullptr || found->flat)
+      return;
+    auto& mote = *found;
     if (mote.handle) {
       self->send(mote.handle, end_battery{});
       return;
@@ -113,23 +137,33 @@ struct fault_applier {
   }
 
   void operator()(const config::crash_fault& x) const {
-    const auto& mote = self->state.motes.at(x.mote);
-    self->state.crashes_requested.push_back("mote/" + mote.arguments->name);
-    if (mote.handle)
-      self->send(mote.handle, crash_now{});
+    const auto* mote = find_mote(self, x.mote);
+    if (mote == nullptr)
+      return;
+    self->state.crashes_requested.push_back("mote/" + mote->arguments->name);
+    if (mote->handle)
+      self->send(mote->handle, crash_now{});
   }
 
   void operator()(const config::unplug_fault& x) const {
-    const auto& line = self->state.lines.at(x.island);
-    self->send(line, plug_serial{false});
-    self->delayed_send(line, x.length, plug_serial{true});
+    auto& lines = self->state.lines;
+    const auto* line = x.island == config::any_island
+                           ? draw(self, lines, [](const serial_line_actor&) { return true; })
+                           : &lines.at(x.island);
+    if (line == nullptr)
+      return;
+    self->send(*line, plug_serial{false});
+    self->delayed_send(*line, x.length, plug_serial{true});
   }
 };
 
-void schedule_faults(ecology_pointer self) {
-  std::uint32_t index = 0;
-  for (const auto& fault : self->state.description.faults)
-    self->scheduled_send(self, caf::actor_clock::time_point(fault.at), apply_fault{index++});
+/// The next fault of the plan; the plan may be long.
+void schedule_fault(ecology_pointer self) {
+  auto& state = self->state;
+  if (state.next_fault == state.plan.size())
+    return;
+  const auto& next = state.plan[state.next_fault++];
+  self->scheduled_send(self, caf::actor_clock::time_point(next.at), apply_fault{next.index});
 }
 
 runtime::island_report& island_of(ecology_pointer self, island_id id) {
@@ -165,7 +199,17 @@ void begin_collecting(ecology_pointer self) {
     if (mote.handle)
       self->send(mote.handle, status_request{});
   }
-  for (const auto& ask : state.reporters)
+  for (const auto& [name, peer] : state.peers) {
+    if (!peer.handle) {
+      runtime::peer_report x;
+      x.id = peer.id;
+      x.name = name;
+      x.alive = false;
+      x.incarnations = peer.incarnation + 1;
+      state.report.peers.push_back(std::move(x));
+    }
+  }
+  for (const auto& [who, ask] : state.reporters)
     ask(status_request{});
 }
 
@@ -183,6 +227,37 @@ void on_energy(ecology_pointer self, const energy_status& x) {
   found->radio_listen = x.radio_listen;
   found->radio_receive = x.radio_receive;
   found->radio_transmit = x.radio_transmit;
+}
+
+/// Whether an island's gateway runs, and has done so for long enough to know its motes again.
+bool has_settled_gateway(ecology_pointer self, island_id island) {
+  const auto& peers = self->state.peers;
+  const auto found =
+      std::ranges::find_if(peers, [island](const auto& x) { return x.second.island == island; });
+  return found != peers.end() && found->second.handle &&
+         (found->second.incarnation == 0 || now(self) - found->second.changed >= 1min);
+}
+
+/// Whether nothing has happened for a while to any peer, nor to the network between them.
+bool has_settled_peers(ecology_pointer self) {
+  constexpr duration settling = 2min;
+  const auto& state = self->state;
+  auto last = state.last_lan_fault;
+  for (const auto& [name, peer] : state.peers)
+    last = std::max(last, peer.changed);
+  return state.duplicates.empty() && state.description.peis.loss == 0 &&
+         now(self) - last >= settling;
+}
+
+std::vector<runtime::peer_view> views_of(ecology_pointer self) {
+  std::vector<runtime::peer_view> views;
+  const auto& state = self->state;
+  for (const auto& [name, peer] : state.peers) {
+    const auto hosts = state.known_hosts.find(peer.id);
+    if (peer.handle && hosts != state.known_hosts.end())
+      views.push_back({peer.id, name, hosts->second, state.neighbours.at(peer.id)});
+  }
+  return views;
 }
 
 /// What the invariants compare the report with.
@@ -207,8 +282,12 @@ runtime::run_truth truth_of(ecology_pointer self) {
     if (mote.flat || !settled)
       truth.ended_by_fault.push_back(address);
   }
-  for (auto& [island, list] : lists)
-    truth.device_lists.push_back(std::move(list));
+  for (auto& [island, list] : lists) {
+    if (has_settled_gateway(self, island))
+      truth.device_lists.push_back(std::move(list));
+  }
+  if (has_settled_peers(self))
+    truth.peers = views_of(self);
   return truth;
 }
 
@@ -259,16 +338,20 @@ void deliver(ecology_pointer self) {
 } // namespace
 
 root_actor::behavior_type ecology(ecology_pointer self, config::ecology_description description,
-                                  report_receiver on_report, frame_observer observe_frames) {
+                                  report_receiver on_report, frame_observer observe_frames,
+                                  process_facts process) {
   self->state.description = std::move(description);
   self->state.on_report = std::move(on_report);
   self->state.observe_frames = std::move(observe_frames);
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
+  self->state.process = process;
+  self->state.plan = runtime::plan_faults(self->state.description);
+  self->state.dice = random_stream(self->state.description.seed, self->path() + "/faults");
   prepare_report(self);
   assemble(self);
   for (auto& island : self->state.description.islands)
     island.motes = {}; // what they were made from; ten thousand of them weigh something
-  schedule_faults(self);
+  schedule_fault(self);
   return {
       [self](const story& x) { tell_story(self, x.who, x.what); },
       [self](const mote_flat& x) { on_flat(self, self->state.motes.at(x.mote)); },
@@ -282,15 +365,28 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const message_status& x) { island_of(self, x.island).messages += x.messages; },
       [self](const serial_status& x) { island_of(self, x.island).serial += x.serial; },
       [self](const devices_status& x) { self->state.listed[x.island] = x.listed; },
-      [self](const peer_status& x) { self->state.report.peers.push_back(x.peer); },
+      [self](const peer_status& x) {
+        self->state.report.peers.push_back(x.peer);
+        self->state.known_hosts[x.peer.id] = x.hosts;
+        self->state.neighbours[x.peer.id] = x.neighbours;
+      },
       [self](const proxy_status& x) { self->state.report.proxies.push_back(x.proxy); },
       [self](const apply_fault& x) {
-        std::visit(fault_applier{self}, self->state.description.faults.at(x.index).what);
+        schedule_fault(self);
+        std::visit(fault_applier{{self}}, self->state.description.faults.at(x.index).what);
       },
       [self](const restart_mote& x) {
         auto& mote = self->state.motes.at(x.mote);
         if (!mote.flat)
           spawn_mote(self, mote);
+      },
+      [self](const restart_peer& x) { restart(self, self->state.peers.at(x.name)); },
+      [self](const end_duplicate& x) { end_duplicate_peer(self, x.name); },
+      [self](end_run) {
+        for (const auto& [name, peer] : self->state.peers) {
+          if (peer.handle)
+            self->send(peer.handle, leave_network{});
+        }
       },
       [self](collect_report) { begin_collecting(self); },
       [self](deliver_report) { deliver(self); },

@@ -13,6 +13,9 @@
 #include "actors/messages.hpp"
 #include "actors/mote.hpp"
 #include "config/ecology.hpp"
+#include "core/random.hpp"
+#include "io/loop.hpp"
+#include "runtime/fault_plan.hpp"
 #include "runtime/invariants.hpp"
 #include "runtime/report.hpp"
 
@@ -32,27 +35,59 @@ struct supervised_mote {
   instant changed; ///< when it was last started, flat, listed or unlisted
 };
 
+/// A peer, or an island's gateway, as its supervisor knows it.
+struct supervised_peer {
+  peer_id id;
+  std::string name;
+  std::optional<island_id> island; ///< whose gateway it is
+  peis_peer_actor handle;          ///< its kernel; nullptr while it does not run
+  std::vector<caf::actor> programs;
+  std::uint64_t station = 0; ///< of the kernel in the simulated network
+  std::uint32_t incarnation = 0;
+  bool powered = true;
+  instant changed; ///< when it was last started or ended
+};
+
+/// What the process tells its peers about itself.
+struct process_facts {
+  std::string machine;                    ///< its name
+  io::loop* loop = nullptr;               ///< of the real network; nullptr: there is none
+  std::uint32_t number = 1;               ///< in-process addresses of other processes are not ours
+  duration clock_offset = 1'000'000'000s; ///< network time minus ecology time
+};
+
 struct ecology_state {
   config::ecology_description description;
   report_receiver on_report;
+  process_facts process;
   frame_observer observe_frames; ///< may be empty
   std::map<mote_address, supervised_mote> motes;
   std::map<island_id, serial_line_actor> lines;
-  std::map<std::string, std::pair<peer_id, peis_peer_actor>> peers; ///< by name
+  peis_lan_actor lan;
+  std::map<std::string, supervised_peer> peers;        ///< by name
+  std::map<std::string, supervised_peer> duplicates;   ///< from the fault plan
+  std::map<peer_id, std::vector<peer_id>> known_hosts; ///< as the peers say at the end
+  std::map<peer_id, std::vector<peer_id>> neighbours;  ///< the same
   /// Everything spawned here that answers a status_request with messages to the ecology.
-  std::vector<std::function<void(status_request)>> reporters;
+  std::vector<std::pair<caf::actor_addr, std::function<void(status_request)>>> reporters;
   std::map<caf::actor_addr, std::string> names; ///< of monitored actors other than motes
   runtime::report report;
   std::map<std::pair<mote_address, mote_address>, flow::part> flows; ///< by origin and target
   std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
   std::vector<std::string> crashes_requested;
-  std::uint64_t next_link = 1;
+  std::vector<runtime::planned_fault> plan;
+  std::size_t next_fault = 0;   ///< in `plan`
+  std::uint64_t lan_faults = 0; ///< so far
+  std::uint64_t stations = 0;   ///< so far
+  random_stream dice;           ///< draws whom a fault hits
+  instant last_lan_fault;       ///< when the simulated network last changed
 };
 
 /// @param on_report called once, from the actor, when deliver_report comes
 /// @param observe_frames told of every frame on the air; may be empty
 root_actor::behavior_type ecology(scheduler::traced_pointer<ecology_state, root_actor> self,
                                   config::ecology_description description,
-                                  report_receiver on_report, frame_observer observe_frames);
+                                  report_receiver on_report, frame_observer observe_frames,
+                                  process_facts process);
 
 } // namespace rubicon

@@ -99,6 +99,8 @@ struct devices_status {
 
 struct peer_status {
   runtime::peer_report peer;
+  std::vector<peer_id> hosts;      ///< known ones, itself included
+  std::vector<peer_id> neighbours; ///< at the other ends of its links
 };
 
 struct proxy_status {
@@ -122,6 +124,17 @@ struct restart_mote {
   mote_address mote;
 };
 
+/// To itself: a peer that was ended starts again, or a second one with its id ends.
+struct restart_peer {
+  std::string name;
+};
+struct end_duplicate {
+  std::string name;
+};
+
+/// From whoever runs the ecology: the run is over, everybody leaves in good order.
+struct end_run {};
+
 /// From whoever runs the ecology: ask everybody for their part of the report.
 struct collect_report {};
 
@@ -131,7 +144,9 @@ struct deliver_report {};
 /// The root supervisor itself.
 using root_actor =
     ecology_actor::extend<caf::reacts_to<apply_fault>, caf::reacts_to<restart_mote>,
-                          caf::reacts_to<collect_report>, caf::reacts_to<deliver_report>>;
+                          caf::reacts_to<restart_peer>, caf::reacts_to<end_duplicate>,
+                          caf::reacts_to<collect_report>, caf::reacts_to<deliver_report>,
+                          caf::reacts_to<end_run>>;
 
 // ------------------------------------------------------------------------------------------ radio
 
@@ -322,12 +337,102 @@ struct link_closed {
 /// The far end of an in-process link.
 using link_end_actor = caf::typed_actor<caf::reacts_to<link_octets>, caf::reacts_to<link_closed>>;
 
-/// A link to `other` is up. Both ends know it by the same number.
+/// What the simulated network does to a link.
+struct link_condition {
+  bool cut = false; ///< nothing gets through
+  double loss = 0;  ///< chance that a package is lost, 0..1
+};
+
+/// A link is up. Both ends of a simulated one know it by the same number; a real one has no
+/// `other`.
 struct link_opened {
   std::uint64_t link = 0;
   carried<link_end_actor> other;
   bool initiator = false;
+  std::uint64_t attempt = 0; ///< the initiator's; 0 if nobody asked
+  link_condition condition = {};
 };
+
+/// From the simulated network: the condition of an open link is another from now on.
+struct condition_changed {
+  std::uint64_t link = 0;
+  link_condition condition = {};
+};
+
+/// Nobody took the link that was asked for.
+struct attempt_failed {
+  std::uint64_t attempt = 0;
+};
+
+/// A datagram for all peers.
+struct announcement {
+  payload octets;
+};
+
+/// A link's medium has taken so many octets; also to itself, when a simulated link has sent them.
+struct link_sent {
+  std::uint64_t link = 0;
+  std::uint64_t octets = 0;
+};
+
+/// A peer, as the simulated network sees it.
+using lan_user_actor =
+    link_end_actor::extend<caf::reacts_to<link_opened>, caf::reacts_to<condition_changed>,
+                           caf::reacts_to<attempt_failed>, caf::reacts_to<announcement>>;
+
+/// A peer has started: others reach it at `inproc://id` from now on, until it ends. `station` is
+/// its own, no other has or had it.
+struct join_lan {
+  std::uint64_t station = 0;
+  peer_id id;
+  bool hears = true; ///< announcements
+  carried<lan_user_actor> user;
+};
+
+/// A station asks for a link to a peer. link_opened or attempt_failed follows, or nothing if the
+/// network carries nothing between them.
+struct lan_connect {
+  std::uint64_t station = 0;
+  std::uint64_t attempt = 0;
+  peer_id to;
+};
+
+/// An announcement of a station, for all others that hear.
+struct lan_announce {
+  std::uint64_t station = 0;
+  payload octets;
+};
+
+/// One end has closed a link, and tells the other end itself.
+struct lan_link_ended {
+  std::uint64_t link = 0;
+};
+
+/// From the fault plan: a station's computer is off, or on again.
+struct set_lan_power {
+  std::uint64_t station = 0;
+  bool on = false;
+};
+
+/// From the fault plan: peers of two different groups do not hear each other; and between any two
+/// of `lossy`, or between all if it is empty, packages are lost.
+struct begin_lan_fault {
+  std::uint64_t fault = 0; ///< its name
+  std::vector<std::vector<peer_id>> groups;
+  double loss = 0;
+  std::vector<peer_id> lossy;
+};
+
+struct end_lan_fault {
+  std::uint64_t fault = 0;
+};
+
+/// The simulated network between the hosts of peers.
+using peis_lan_actor =
+    caf::typed_actor<caf::reacts_to<join_lan>, caf::reacts_to<lan_connect>,
+                     caf::reacts_to<lan_announce>, caf::reacts_to<lan_link_ended>,
+                     caf::reacts_to<set_lan_power>, caf::reacts_to<begin_lan_fault>,
+                     caf::reacts_to<end_lan_fault>>;
 
 // ------------------------------------------------------------------- PEIS, components of a kernel
 
@@ -405,13 +510,29 @@ struct send_peis_message {
   bool reliable = false;
 };
 
+/// From the fault plan: the kernel's process stands still for so long.
+struct pause_peer {
+  duration length{};
+};
+
+/// To itself: a pause is over.
+struct resume_peer {};
+
+/// From the fault plan: the kernel's clock is set.
+struct step_clock {
+  duration by{};
+};
+
+/// The run is over: say goodbye to the others.
+struct leave_network {};
+
 /// One PEIS kernel.
-using peis_peer_actor =
-    link_end_actor::extend<caf::reacts_to<link_opened>, caf::reacts_to<set_tuple>,
-                           caf::reacts_to<delete_tuple>, caf::reacts_to<set_remote_tuple>,
-                           caf::reacts_to<watch_tuples>, caf::reacts_to<hook_port>,
-                           caf::reacts_to<send_peis_message>, caf::reacts_to<timer_expired>,
-                           caf::reacts_to<status_request>>;
+using peis_peer_actor = lan_user_actor::extend<
+    caf::reacts_to<link_sent>, caf::reacts_to<set_tuple>, caf::reacts_to<delete_tuple>,
+    caf::reacts_to<set_remote_tuple>, caf::reacts_to<watch_tuples>, caf::reacts_to<hook_port>,
+    caf::reacts_to<send_peis_message>, caf::reacts_to<pause_peer>, caf::reacts_to<resume_peer>,
+    caf::reacts_to<step_clock>, caf::reacts_to<leave_network>, caf::reacts_to<timer_expired>,
+    caf::reacts_to<status_request>>;
 
 /// The gateway between an island and the PEIS network.
 using gateway_actor =

@@ -42,8 +42,9 @@ auto inspect(F& f, proxy_report& x) {
 
 template <class F>
 auto inspect(F& f, peer_report& x) {
-  return f(caf::meta::type_name("peer_report"), x.id, x.name, x.links, x.hosts_known, x.tuples,
-           x.peis);
+  return f(caf::meta::type_name("peer_report"), x.id, x.name, x.alive, x.incarnations, x.links,
+           x.links_opened, x.links_closed, x.attempts, x.attempts_failed, x.hosts_known, x.cluster,
+           x.tuples, x.peis);
 }
 
 } // namespace runtime
@@ -115,7 +116,7 @@ auto inspect(F& f, devices_status& x) {
 
 template <class F>
 auto inspect(F& f, peer_status& x) {
-  return f(caf::meta::type_name("peer_status"), x.peer);
+  return f(caf::meta::type_name("peer_status"), x.peer, x.hosts, x.neighbours);
 }
 
 template <class F>
@@ -252,8 +253,104 @@ auto inspect(F& f, link_closed& x) {
 }
 
 template <class F>
+auto inspect(F& f, link_condition& x) {
+  return f(caf::meta::type_name("link_condition"), x.cut, x.loss);
+}
+
+template <class F>
 auto inspect(F& f, link_opened& x) {
-  return f(caf::meta::type_name("link_opened"), x.link, x.other, x.initiator);
+  return f(caf::meta::type_name("link_opened"), x.link, x.other, x.initiator, x.attempt,
+           x.condition);
+}
+
+template <class F>
+auto inspect(F& f, condition_changed& x) {
+  return f(caf::meta::type_name("condition_changed"), x.link, x.condition);
+}
+
+template <class F>
+auto inspect(F& f, attempt_failed& x) {
+  return f(caf::meta::type_name("attempt_failed"), x.attempt);
+}
+
+template <class F>
+auto inspect(F& f, announcement& x) {
+  return f(caf::meta::type_name("announcement"), x.octets);
+}
+
+template <class F>
+auto inspect(F& f, link_sent& x) {
+  return f(caf::meta::type_name("link_sent"), x.link, x.octets);
+}
+
+template <class F>
+auto inspect(F& f, join_lan& x) {
+  return f(caf::meta::type_name("join_lan"), x.station, x.id, x.hears, x.user);
+}
+
+template <class F>
+auto inspect(F& f, lan_connect& x) {
+  return f(caf::meta::type_name("lan_connect"), x.station, x.attempt, x.to);
+}
+
+template <class F>
+auto inspect(F& f, lan_announce& x) {
+  return f(caf::meta::type_name("lan_announce"), x.station, x.octets);
+}
+
+template <class F>
+auto inspect(F& f, lan_link_ended& x) {
+  return f(caf::meta::type_name("lan_link_ended"), x.link);
+}
+
+template <class F>
+auto inspect(F& f, set_lan_power& x) {
+  return f(caf::meta::type_name("set_lan_power"), x.station, x.on);
+}
+
+template <class F>
+auto inspect(F& f, begin_lan_fault& x) {
+  return f(caf::meta::type_name("begin_lan_fault"), x.fault, x.groups, x.loss, x.lossy);
+}
+
+template <class F>
+auto inspect(F& f, end_lan_fault& x) {
+  return f(caf::meta::type_name("end_lan_fault"), x.fault);
+}
+
+template <class F>
+auto inspect(F& f, pause_peer& x) {
+  return f(caf::meta::type_name("pause_peer"), x.length);
+}
+
+template <class F>
+auto inspect(F& f, resume_peer&) {
+  return f(caf::meta::type_name("resume_peer"));
+}
+
+template <class F>
+auto inspect(F& f, step_clock& x) {
+  return f(caf::meta::type_name("step_clock"), x.by);
+}
+
+template <class F>
+auto inspect(F& f, leave_network&) {
+  return f(caf::meta::type_name("leave_network"));
+}
+
+template <class F>
+auto inspect(F& f, restart_peer& x) {
+  return f(caf::meta::type_name("restart_peer"), x.name);
+}
+
+template <class F>
+auto inspect(F& f, end_duplicate& x) {
+  return f(caf::meta::type_name("end_duplicate"), x.name);
+}
+
+template <class F>
+auto inspect(F& f, end_run&) {
+  return f(caf::meta::type_name("end_run"));
 }
 
 template <class F>
@@ -379,6 +476,24 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::end_battery))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::link_octets))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::link_closed))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::link_opened))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::condition_changed))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::attempt_failed))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::announcement))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::link_sent))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::join_lan))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::lan_connect))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::lan_announce))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::lan_link_ended))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::set_lan_power))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::begin_lan_fault))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::end_lan_fault))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::pause_peer))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::resume_peer))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::step_clock))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::leave_network))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::restart_peer))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::end_duplicate))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::end_run))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::tuple_event))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::peis_message))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::peis_outcome))

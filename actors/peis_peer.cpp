@@ -1,13 +1,16 @@
 #include "actors/peis_peer.hpp"
 
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
 #include "actors/log.hpp"
+#include "peis/link_url.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
-
-using peer_pointer = scheduler::traced_pointer<peis_peer_state, peis_peer_actor>;
 
 /// A value as components see it: text without its trailing NUL.
 payload shown(const peis::tuple& x) {
@@ -22,31 +25,86 @@ peis::tuple_content content_of(const payload& value, bool text) {
 
 void perform(peer_pointer self, peis::outputs todo);
 
+/// Says goodbye and closes all links.
+void leave(peer_pointer self) {
+  auto& state = self->state;
+  if (std::exchange(state.left, true))
+    return;
+  perform(self, state.kernel.leave(now(self)));
+  for (const auto& [id, link] : state.links)
+    tell_closed(self, id, link);
+  state.links.clear();
+  state.tcp_links.clear();
+  if (state.real != nullptr)
+    state.real->links().close_all();
+}
+
+/// Whom `inproc://id` names.
+std::optional<peer_id> inproc_peer(const peis::link_url& url) {
+  std::int32_t id = 0;
+  const auto end = url.host.data() + url.host.size();
+  const auto [stop, error] = std::from_chars(url.host.data(), end, id);
+  if (url.medium != peis::link_url::scheme::inproc || error != std::errc{} || stop != end)
+    return std::nullopt;
+  return peer_id{id};
+}
+
+/// Whether links are closed so while all is well.
+bool is_everyday(peis::close_cause x) {
+  using peis::close_cause;
+  return x == close_cause::double_link || x == close_cause::unneeded || x == close_cause::host_left;
+}
+
 struct performer {
   peer_pointer self;
 
   void operator()(peis::to_link& x) const {
-    const auto found = self->state.links.find(x.link);
-    if (found != self->state.links.end())
-      self->delayed_send(found->second, inproc_delay,
-                         link_octets{x.link.value, std::move(x.octets)});
+    if (x.link.value < first_real_link)
+      transmit(self, x.link, std::move(x.octets));
+    else if (self->state.real != nullptr)
+      self->state.real->links().carry_out(std::move(x));
   }
 
   void operator()(const peis::close_link& x) const {
-    const auto found = self->state.links.find(x.link);
-    if (found == self->state.links.end())
+    auto& state = self->state;
+    log(self, is_everyday(x.why) ? spdlog::level::info : spdlog::level::warn,
+        "event=link_closed link={} cause={}", x.link.value, peis::to_string(x.why));
+    ++state.links_closed[std::string(peis::to_string(x.why))];
+    if (state.tcp_links.erase(x.link) > 0 && state.real != nullptr)
+      state.real->links().carry_out(x);
+    const auto found = state.links.find(x.link);
+    if (found == state.links.end())
       return;
-    log(self, spdlog::level::warn, "event=link_closed link={} cause={}", x.link.value,
-        peis::to_string(x.why));
-    self->delayed_send(found->second, inproc_delay, link_closed{x.link.value});
-    self->state.links.erase(found);
+    tell_closed(self, x.link, found->second);
+    state.links.erase(found);
+    if (state.arguments.lan)
+      self->send(state.arguments.lan, lan_link_ended{x.link.value});
   }
 
-  void operator()(const peis::connect_to&) const {}
-  void operator()(const peis::announce&) const {}
+  void operator()(const peis::connect_to& x) const {
+    const auto url = peis::parse_link_url(x.url);
+    const auto& arguments = self->state.arguments;
+    const auto peer = url ? inproc_peer(*url) : std::nullopt;
+    if (peer && arguments.lan)
+      self->send(arguments.lan, lan_connect{arguments.station, x.attempt.value, *peer});
+    else if (!peer && self->state.real != nullptr)
+      self->state.real->links().carry_out(x);
+    else
+      self->send(self, attempt_failed{x.attempt.value});
+  }
 
-  void operator()(const peis::tuple_changed& x) const { tell(x.subscription, x.content, false); }
-  void operator()(const peis::tuple_deleted& x) const { tell(x.subscription, x.content, true); }
+  void operator()(const peis::announce& x) const {
+    const auto& arguments = self->state.arguments;
+    if (arguments.discovery && arguments.lan)
+      self->send(arguments.lan, lan_announce{arguments.station, x.octets});
+    if (self->state.real != nullptr)
+      self->state.real->links().carry_out(x);
+  }
+
+  void operator()(const peis::traced&) const {} // nobody here asks
+
+  void operator()(const peis::tuple_changed& x) const { tell(x.subscription, *x.content, false); }
+  void operator()(const peis::tuple_deleted& x) const { tell(x.subscription, *x.content, true); }
 
   void operator()(peis::message& x) const {
     const auto found = self->state.ports.find(x.port);
@@ -72,9 +130,7 @@ struct performer {
   }
   void operator()(const peis::quit_requested& x) const {
     log(self, spdlog::level::info, "event=quit_requested by={}", x.by.value);
-    perform(self, self->state.kernel.leave(now(self)));
-    for (const auto& [link, other] : self->state.links)
-      self->delayed_send(other, inproc_delay, link_closed{link.value});
+    leave(self);
     self->quit(caf::exit_reason::user_shutdown);
   }
 
@@ -146,8 +202,22 @@ void report(peer_pointer self) {
   auto& peer = status.peer;
   peer.id = state.kernel.id();
   peer.name = state.arguments.name;
-  peer.links = state.links.size();
-  peer.hosts_known = state.kernel.hosts().size();
+  peer.incarnations = state.arguments.incarnation + 1;
+  peer.links = state.links.size() + state.tcp_links.size();
+  peer.links_opened = counted.links_opened;
+  peer.links_closed = state.links_closed;
+  peer.attempts = counted.attempts;
+  peer.attempts_failed = counted.attempts_failed;
+  for (const auto* host : state.kernel.hosts()) {
+    status.hosts.push_back(host->id);
+    if (host->id == peer.id)
+      peer.cluster = host->cluster;
+  }
+  for (const auto& link : state.kernel.links()) {
+    if (link.neighbour)
+      status.neighbours.push_back(*link.neighbour);
+  }
+  peer.hosts_known = status.hosts.size();
   peer.tuples = state.kernel.own_tuples().size();
   peer.peis.packages = counted.packages_sent;
   peer.peis.tuples = peer.tuples;
@@ -155,16 +225,98 @@ void report(peer_pointer self) {
       {"queue_full", counted.queue_full},   {"early_drop", counted.early_drop},
       {"no_route", counted.no_route},       {"hops", counted.hops},
       {"queued_lost", counted.queued_lost}, {"illegal", counted.illegal},
-      {"malformed", counted.malformed},     {"incomplete", counted.messages_incomplete}};
+      {"malformed", counted.malformed},     {"incomplete", counted.messages_incomplete},
+      {"network", state.packages_lost},     {"paused", state.held_lost}};
   self->send(state.arguments.ecology, std::move(status));
 }
 
 void on_opened(peer_pointer self, const link_opened& x) {
-  self->state.links[peis::link_id{x.link}] = x.other.actor;
-  perform(self, self->state.kernel.on_link_open(peis::link_id{x.link},
-                                                x.initiator ? peis::link_role::initiator
-                                                            : peis::link_role::acceptor,
-                                                now(self)));
+  auto& state = self->state;
+  const peis::link_id id{x.link};
+  if (state.left)
+    return;
+  if (x.link >= first_real_link)
+    state.tcp_links.insert(id);
+  else
+    state.links[id] = {x.other.actor, x.condition, x.initiator, {}};
+  const auto role = x.initiator ? peis::link_role::initiator : peis::link_role::acceptor;
+  const auto attempt = x.attempt == 0 ? std::nullopt : std::optional(peis::attempt_id{x.attempt});
+  perform(self, state.kernel.on_link_open(id, role, now(self), attempt));
+}
+
+void on_closed(peer_pointer self, const link_closed& x) {
+  auto& state = self->state;
+  const peis::link_id id{x.link};
+  if (state.links.erase(id) + state.tcp_links.erase(id) > 0)
+    ++state.links_closed["far_end"];
+  perform(self, state.kernel.on_link_closed(id, now(self)));
+}
+
+void on_pause(peer_pointer self, const pause_peer& x) {
+  if (std::exchange(self->state.paused, true))
+    return;
+  self->send(self->state.arguments.ecology, story{self->path(), "paused"});
+  self->delayed_send(self, x.length, resume_peer{});
+}
+
+void on_resume(peer_pointer self) {
+  self->state.paused = false;
+  self->send(self->state.arguments.ecology, story{self->path(), "goes on"});
+  for (const auto& serve : std::exchange(self->state.held, {}))
+    serve();
+}
+
+/// A handler that waits while the kernel stands still.
+template <class Message, class Handler>
+auto served(peer_pointer self, Handler handle) {
+  return [self, handle](const Message& x) {
+    auto& state = self->state;
+    if (!state.paused)
+      handle(x);
+    else if (state.held.size() < held_max)
+      state.held.emplace_back([handle, x] { handle(x); });
+    else
+      ++state.held_lost;
+  };
+}
+
+/// Opens the real links, if any. Without them the peer goes on in the simulated network.
+void open_real_links(peer_pointer self) {
+  auto& state = self->state;
+  if (!state.arguments.real)
+    return;
+  auto opened = real_links::open(*state.arguments.real, caf::actor_cast<peis_peer_actor>(self));
+  if (const auto* why = std::get_if<std::string>(&opened)) {
+    log(self, spdlog::level::err, "event=not_listening reason=\"{}\"", *why);
+    self->send(state.arguments.ecology, story{self->path(), "cannot listen: " + *why});
+    return;
+  }
+  state.real = std::get<std::unique_ptr<real_links>>(std::move(opened));
+  auto& links = state.real->links();
+  if (!links.warning().empty())
+    log(self, spdlog::level::warn, "event=real_links warning=\"{}\"", links.warning());
+  auto& network = state.arguments.config.network;
+  for (auto& address : links.addresses())
+    network.addresses.push_back(std::move(address));
+  network.link_window = peer::tcp_links::window;
+}
+
+void start(peer_pointer self) {
+  auto& state = self->state;
+  const auto& arguments = state.arguments;
+  state.dice = random_stream(arguments.seed, self->path() + "/network");
+  open_real_links(self);
+  const auto dice_path =
+      self->path() +
+      (arguments.incarnation == 0 ? std::string() : '#' + std::to_string(arguments.incarnation));
+  state.kernel =
+      peis::kernel(arguments.config, random_stream(arguments.seed, dice_path), now(self));
+  if (arguments.lan)
+    self->send(arguments.lan, join_lan{arguments.station,
+                                       arguments.config.network.id,
+                                       arguments.discovery,
+                                       {caf::actor_cast<lan_user_actor>(self)}});
+  state.wake.follow(self, state.kernel.deadline());
 }
 
 } // namespace
@@ -173,42 +325,72 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
   scheduler::tell_monitors_of_exceptions(self);
   self->set_down_handler([self](const caf::down_msg& x) { forget(self, x.source); });
   self->state.arguments = std::move(arguments);
-  self->state.kernel =
-      peis::kernel(self->state.arguments.config,
-                   random_stream(self->state.arguments.seed, self->path()), now(self));
-  self->state.wake.follow(self, self->state.kernel.deadline());
+  start(self);
   return {
-      [self](const link_octets& x) {
-        perform(self, self->state.kernel.on_link_octets(peis::link_id{x.link}, x.octets.view(),
-                                                        now(self)));
+      served<link_octets>(self,
+                          [self](const link_octets& x) {
+                            perform(self, self->state.kernel.on_link_octets(
+                                              peis::link_id{x.link}, x.octets.view(), now(self)));
+                          }),
+      served<link_closed>(self, [self](const link_closed& x) { on_closed(self, x); }),
+      served<link_opened>(self, [self](const link_opened& x) { on_opened(self, x); }),
+      [self](const condition_changed& x) {
+        const auto found = self->state.links.find(peis::link_id{x.link});
+        if (found != self->state.links.end())
+          found->second.condition = x.condition;
       },
-      [self](const link_closed& x) {
-        self->state.links.erase(peis::link_id{x.link});
-        perform(self, self->state.kernel.on_link_closed(peis::link_id{x.link}, now(self)));
-      },
-      [self](const link_opened& x) { on_opened(self, x); },
-      [self](const set_tuple& x) {
-        perform(self, self->state.kernel.set_tuple(x.key, content_of(x.value, x.text), now(self)));
-      },
-      [self](const delete_tuple& x) {
-        perform(self, self->state.kernel.delete_tuple(x.key, now(self)));
-      },
-      [self](const set_remote_tuple& x) {
-        const auto request = remember(self, x.client, x.token);
-        perform(self, self->state.kernel.set_remote_tuple(
-                          x.owner, x.key, content_of(x.value, x.text), request, now(self)));
-      },
-      [self](const watch_tuples& x) { on_watch(self, x); },
-      [self](const hook_port& x) { on_hook(self, x); },
-      [self](const send_peis_message& x) {
-        const auto request = remember(self, x.client, x.token);
-        perform(self, self->state.kernel.send_message(x.destination, x.port, x.octets, x.reliable,
-                                                      peis::priority::normal, request, now(self)));
-      },
-      [self](const timer_expired& x) {
-        if (self->state.wake.accepts(x))
-          perform(self, self->state.kernel.on_time(now(self)));
-      },
+      served<attempt_failed>(self,
+                             [self](const attempt_failed& x) {
+                               perform(self, self->state.kernel.on_attempt_failed(
+                                                 peis::attempt_id{x.attempt}, now(self)));
+                             }),
+      served<announcement>(self,
+                           [self](const announcement& x) {
+                             perform(self, self->state.kernel.on_announcement(x.octets.view(),
+                                                                              now(self)));
+                           }),
+      served<link_sent>(self,
+                        [self](const link_sent& x) {
+                          perform(self, self->state.kernel.on_link_sent(peis::link_id{x.link},
+                                                                        x.octets, now(self)));
+                        }),
+      served<set_tuple>(self,
+                        [self](const set_tuple& x) {
+                          perform(self, self->state.kernel.set_tuple(
+                                            x.key, content_of(x.value, x.text), now(self)));
+                        }),
+      served<delete_tuple>(self,
+                           [self](const delete_tuple& x) {
+                             perform(self, self->state.kernel.delete_tuple(x.key, now(self)));
+                           }),
+      served<set_remote_tuple>(self,
+                               [self](const set_remote_tuple& x) {
+                                 const auto request = remember(self, x.client, x.token);
+                                 perform(self, self->state.kernel.set_remote_tuple(
+                                                   x.owner, x.key, content_of(x.value, x.text),
+                                                   request, now(self)));
+                               }),
+      served<watch_tuples>(self, [self](const watch_tuples& x) { on_watch(self, x); }),
+      served<hook_port>(self, [self](const hook_port& x) { on_hook(self, x); }),
+      served<send_peis_message>(self,
+                                [self](const send_peis_message& x) {
+                                  const auto request = remember(self, x.client, x.token);
+                                  perform(self, self->state.kernel.send_message(
+                                                    x.destination, x.port, x.octets, x.reliable,
+                                                    peis::priority::normal, request, now(self)));
+                                }),
+      [self](const pause_peer& x) { on_pause(self, x); },
+      [self](resume_peer) { on_resume(self); },
+      served<step_clock>(self,
+                         [self](const step_clock& x) {
+                           perform(self, self->state.kernel.step_clock(x.by, now(self)));
+                         }),
+      [self](leave_network) { leave(self); },
+      served<timer_expired>(self,
+                            [self](const timer_expired& x) {
+                              if (self->state.wake.accepts(x))
+                                perform(self, self->state.kernel.on_time(now(self)));
+                            }),
       [self](status_request) { report(self); },
   };
 }

@@ -2,14 +2,21 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "actors/messages.hpp"
+#include "actors/real_links.hpp"
 #include "actors/timer.hpp"
+#include "config/ecology.hpp"
+#include "core/random.hpp"
 #include "peis/kernel.hpp"
+#include "runtime/report.hpp"
 
 namespace rubicon {
 
@@ -17,12 +24,15 @@ namespace rubicon {
 struct peis_peer_arguments {
   peis::kernel_config config;
   std::string name;
-  std::uint64_t seed = 0; ///< of the ecology
+  std::uint64_t seed = 0;    ///< of the ecology
+  std::uint64_t station = 0; ///< in the simulated network: one of a kind, never used before
+  std::uint32_t incarnation = 0;
+  config::peis_description network;
+  bool discovery = true; ///< takes part in the announcements of the simulated network
+  std::optional<real_links_config> real; ///< links of the real network, in wall time only
+  peis_lan_actor lan;                    ///< nullptr: there is no simulated network
   ecology_actor ecology;
 };
-
-/// How long octets take over an in-process link: that of a switched LAN [estimate].
-inline constexpr duration inproc_delay = 200us;
 
 struct peis_peer_state {
   /// Who hears of a subscription or a request, and under which name of its own.
@@ -31,20 +41,49 @@ struct peis_peer_state {
     std::uint64_t name = 0;
   };
 
+  /// Our end of a simulated link.
+  struct link_end {
+    link_end_actor other;
+    link_condition condition;
+    bool request_is_next = false; ///< the next octets begin with a connect request
+    instant free_at;              ///< when what was handed out has left
+  };
+
   peis_peer_arguments arguments;
   peis::kernel kernel;
-  std::map<peis::link_id, link_end_actor> links;
+  random_stream dice;
+  std::map<peis::link_id, link_end> links;
+  std::set<peis::link_id> tcp_links; ///< open ones
+  std::unique_ptr<real_links> real;  ///< nullptr: none
   std::map<peis::subscription_id, interest> watches;
   std::map<peis::request_id, interest> requests;
   std::map<std::uint16_t, peis_client_actor> ports;
   std::set<caf::actor_addr> clients; ///< monitored: one that ends leaves nothing behind
   std::uint64_t next_watch = 1;
   std::uint64_t next_request = 1;
+  bool paused = false;
+  bool left = false;
+  std::vector<std::function<void()>> held; ///< what has come during a pause
+  std::uint64_t held_lost = 0;
+  std::uint64_t packages_lost = 0; ///< on the simulated network, sent by us
+  std::uint64_t octets_cut = 0;    ///< sent into links that carried nothing
+  runtime::cause_counts links_closed;
   timer wake;
 };
 
-peis_peer_actor::behavior_type
-peis_peer(scheduler::traced_pointer<peis_peer_state, peis_peer_actor> self,
-          peis_peer_arguments arguments);
+using peer_pointer = scheduler::traced_pointer<peis_peer_state, peis_peer_actor>;
+
+// actors/lan_link.cpp
+
+/// Sends octets over a simulated link, as its condition allows.
+void transmit(peer_pointer self, peis::link_id id, payload octets);
+
+/// Tells the far end of a simulated link that it is closed, after all that was sent.
+void tell_closed(peer_pointer self, peis::link_id id, const peis_peer_state::link_end& link);
+
+/// Messages that wait while a kernel stands still; more are lost.
+inline constexpr std::size_t held_max = 65536;
+
+peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments arguments);
 
 } // namespace rubicon

@@ -123,6 +123,11 @@ proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
   state.arguments = std::move(arguments);
   state.manager = proxy::manager(proxy::class_table(state.arguments.classes));
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
+  self->set_exit_handler([self](const caf::exit_msg& x) {
+    for (const auto& [mote, handle] : self->state.proxies)
+      self->send_exit(handle, x.reason); // they are of the same process
+    self->quit(x.reason);
+  });
   for (const auto& island : state.arguments.islands)
     watch_gateway(self, island.id);
   return {

@@ -4,10 +4,12 @@
 #include <chrono>
 
 #include <caf/send.hpp>
+#include <unistd.h>
 
 #include "actors/debug_log.hpp"
 #include "actors/ecology.hpp"
 #include "actors/frame_captures.hpp"
+#include "io/machine.hpp"
 #include "io/signal_watch.hpp"
 #include "scheduler/world.hpp"
 
@@ -16,6 +18,9 @@ namespace rubicon {
 namespace {
 
 using steady = std::chrono::steady_clock;
+
+/// How long what peers say at the end may take to leave (ACT-11).
+constexpr duration goodbye_time = 200ms;
 
 scheduler::world_options world_options_of(config::run_mode mode, double speed) {
   scheduler::world_options x;
@@ -41,6 +46,24 @@ scheduler::stop_cause run_with_progress(scheduler::world& world, instant end,
     if (cause != scheduler::stop_cause::reached_end || world.now() >= end)
       return cause;
   }
+}
+
+/// In wall time peers may meet those of other processes, and must be told apart from them.
+process_facts facts_of(scheduler::world& world, bool wall) {
+  process_facts x;
+  if (!wall)
+    return x;
+  x.machine = io::machine_name();
+  x.loop = &world.loop();
+  x.number = static_cast<std::uint32_t>(::getpid());
+  x.clock_offset =
+      std::chrono::duration_cast<duration>(std::chrono::system_clock::now().time_since_epoch());
+  return x;
+}
+
+bool has_real_links(const config::ecology_description& x) {
+  return std::ranges::any_of(
+      x.peers, [](const auto& peer) { return peer.tcp || peer.lan || !peer.connect.empty(); });
 }
 
 } // namespace
@@ -76,13 +99,17 @@ runtime::report run_ecology(const config::ecology_description& file, const run_o
   const auto path = "ecology/" + description.name;
   const auto root = world.spawn(
       path, ecology, std::move(description),
-      [&report](runtime::report x) { report = std::move(x); }, observe);
+      [&report](runtime::report x) { report = std::move(x); }, observe, facts_of(world, wall));
   const auto cause = run_with_progress(world, end, options, speed);
 
   caf::anon_send(root, collect_report{});
   world.drain();
   caf::anon_send(root, deliver_report{});
   world.drain();
+  caf::anon_send(root, end_run{});
+  world.drain();
+  if (wall && has_real_links(file))
+    static_cast<void>(world.run_for(goodbye_time));
   if (captures)
     captures->finish();
   report.mode = wall ? "wall" : "virtual";

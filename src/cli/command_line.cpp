@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <functional>
 #include <sstream>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 
+#include "cli/network_command_line.hpp"
 #include "config/units.hpp"
 
 namespace rubicon::cli {
@@ -29,13 +31,13 @@ constexpr const char* roles =
     "  proxy          speaks for one mote through tuples with meaning and units\n"
     "  proxy manager  starts and ends proxies as motes join and leave\n"
     "\n"
-    "Exit status: 0 good; 1 the run ended with violations, or equal runs differed; 2 the command\n"
-    "line or the file was refused.";
+    "Exit status: 0 good; 1 the run ended with violations, equal runs differed, or nobody\n"
+    "answered; 2 the command line or the file was refused; 130 Ctrl-C ended a swarm.";
 
-duration parse_length(const std::string& text) {
+duration parse_length(const std::string& text, const char* option = "--for") {
   const auto length = config::parse_duration(text);
   if (!length || *length <= 0s)
-    throw CLI::ValidationError("--for", "not a length of time: '" + text + "' (say 90s or 10min)");
+    throw CLI::ValidationError(option, "not a length of time: '" + text + "' (say 90s or 10min)");
   return *length;
 }
 
@@ -46,13 +48,34 @@ double parse_speed(const std::string& text) {
   return speed;
 }
 
+std::optional<std::uint64_t> parse_whole(std::string_view text) {
+  std::uint64_t x = 0;
+  const auto* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, x);
+  return error == std::errc{} && stop == end ? std::optional(x) : std::nullopt;
+}
+
 std::uint64_t parse_seed(const std::string& text) {
-  std::uint64_t seed = 0;
-  const auto end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, seed);
-  if (error != std::errc{} || stop != end)
-    throw CLI::ValidationError("--seed", "not a number from 0 to 2^64 - 1: '" + text + "'");
-  return seed;
+  if (const auto seed = parse_whole(text))
+    return *seed;
+  throw CLI::ValidationError("--seed", "not a number from 0 to 2^64 - 1: '" + text + "'");
+}
+
+seed_range parse_seeds(const std::string& text) {
+  const auto dots = text.find("..");
+  const auto first = parse_whole(std::string_view(text).substr(0, dots));
+  const auto last =
+      dots == std::string::npos ? first : parse_whole(std::string_view(text).substr(dots + 2));
+  if (!first || !last || *last < *first)
+    throw CLI::ValidationError("--seeds", "not a range of seeds: '" + text + "' (say 1..100)");
+  return {*first, *last};
+}
+
+std::uint64_t parse_jobs(const std::string& text) {
+  const auto jobs = parse_whole(text);
+  if (!jobs || *jobs < 1 || *jobs > 1024)
+    throw CLI::ValidationError("--jobs", "not a number from 1 to 1024: '" + text + "'");
+  return *jobs;
 }
 
 void add_file(CLI::App& app, std::string& file) {
@@ -115,6 +138,27 @@ void add_run(CLI::App& app, run_command& x) {
   run.footer("What is not given here is as the file says; LEVEL is warn.");
 }
 
+CLI::App& add_swarm(CLI::App& app, swarm_command& x) {
+  auto& swarm = *app.add_subcommand("swarm", "Run an ecology once per seed, in virtual time");
+  add_file(swarm, x.file);
+  add_parsed(swarm, "--seeds", "A..B", "The seeds, both ends included", [&](const auto& text) {
+    x.seeds = parse_seeds(text);
+  })->required();
+  add_parsed(swarm, "--jobs", "N", "Runs at a time; one per core if not given",
+             [&](const auto& text) { x.jobs = parse_jobs(text); });
+  add_parsed(swarm, "--for", "TIME", "Ecology time of each run; as the file says if not given",
+             [&](const auto& text) {
+               static_cast<void>(parse_length(text));
+               x.length = text;
+             });
+  add_parsed(swarm, "--timeout", "TIME",
+             "Real time after which a run is given up; 5min if not given",
+             [&](const auto& text) { x.timeout = parse_length(text, "--timeout"); });
+  swarm.add_flag("--json", x.json, "Print one JSON object and nothing else");
+  swarm.footer("Ctrl-C ends it with what it has found so far, and status 130.");
+  return swarm;
+}
+
 void check_combination(const run_command& x) {
   if (x.check_determinism && x.options.mode == config::run_mode::wall)
     throw CLI::ValidationError("--check-determinism", "only virtual runs repeat, not --mode wall");
@@ -136,11 +180,15 @@ command parse_command_line(std::span<const char* const> arguments) {
   auto& check_app = *app.add_subcommand("check", "Check a file without running it, and sum it up");
   add_file(check_app, check.file);
   add_overrides(check_app, check.instead);
+  swarm_command swarm;
+  const auto& swarm_app = add_swarm(app, swarm);
+  const network_command_line network(app);
   app.footer(roles); // last: subcommands would inherit it
   try {
     app.parse(static_cast<int>(arguments.size()), arguments.data());
     check_combination(run);
     run.instead.seed = run.options.seed;
+    run.instead.mode = run.options.mode;
   } catch (const CLI::ParseError& error) {
     std::ostringstream out;
     std::ostringstream err;
@@ -150,6 +198,10 @@ command parse_command_line(std::span<const char* const> arguments) {
   }
   if (check_app.parsed())
     return check;
+  if (swarm_app.parsed())
+    return swarm;
+  if (auto asked = network.parsed())
+    return *std::move(asked);
   return run;
 }
 

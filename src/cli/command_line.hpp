@@ -1,11 +1,15 @@
 // From the words of the command line to one typed command.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
 
 #include "actors/run.hpp"
+#include "cli/network_command.hpp"
+#include "cli/swarm.hpp"
 #include "config/load.hpp"
 
 namespace rubicon::cli {
@@ -26,6 +30,16 @@ struct check_command {
   config::overrides instead;
 };
 
+/// `rubicon swarm FILE`
+struct swarm_command {
+  std::string file;
+  seed_range seeds;
+  std::optional<std::uint64_t> jobs; ///< runs at a time, 1 to 1024; unset: one a core
+  std::string length;      ///< as given, understood by `run --for`; empty: as the file says
+  duration timeout = 5min; ///< of real time, for each run
+  bool json = false;
+};
+
 /// `--help` and `--version`: text for standard output.
 struct show_command {
   std::string text;
@@ -36,7 +50,8 @@ struct refused_command {
   std::string text;
 };
 
-using command = std::variant<run_command, check_command, show_command, refused_command>;
+using command = std::variant<run_command, check_command, swarm_command, network_command,
+                             show_command, refused_command>;
 
 /// @param arguments the program's name first
 [[nodiscard]] command parse_command_line(std::span<const char* const> arguments);

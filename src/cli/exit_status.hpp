@@ -5,8 +5,10 @@ namespace rubicon::cli {
 
 enum class exit_status : int {
   good = 0,
-  violated = 1, ///< the run ended with violations, or two equal runs differed
-  refused = 2,  ///< bad command line or file, or output that cannot be written
+  failed = 1,        ///< nobody answered, or not in time
+  violated = 1,      ///< the run ended with violations, or two equal runs differed
+  refused = 2,       ///< bad command line or file, or output that cannot be written
+  interrupted = 130, ///< Ctrl-C came before the end; as shells tell SIGINT
 };
 
 } // namespace rubicon::cli

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "config/ecology.hpp"
 #include "config/near.hpp"
 
 namespace rubicon::config {
@@ -87,6 +88,31 @@ struct island_walk {
   }
 };
 
+/// Fills the directory's ends with the peers.
+struct peer_walk {
+  directory& out;
+
+  void add(const node& x) const {
+    auto name = text_at(x, "name");
+    if (!name)
+      return;
+    const auto first = id_at<peer_id>(x, peer_id_max);
+    if (x.find("count") == nullptr) {
+      out.ends.emplace(*std::move(name), first);
+      return;
+    }
+    const auto count = number_at(x, "count", peer_count_max).value_or(0);
+    if (out.ends.size() > static_cast<std::size_t>(peer_id_max))
+      return; // more than there are ids: the reader complains
+    auto& group = out.peer_groups[*name];
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const peer_id id(first.value + static_cast<std::int32_t>(i));
+      out.ends.emplace(counted_peer_name(*name, i + 1), id);
+      group.push_back(id);
+    }
+  }
+};
+
 std::string gateway_at(const node& island, std::string_view island_name) {
   const auto* gateway = island.find("gateway");
   const auto given = gateway == nullptr ? std::nullopt : text_at(*gateway, "name");
@@ -150,19 +176,20 @@ std::string default_gateway_name(std::string_view island) {
   return std::string(island) + "-gateway";
 }
 
+std::string counted_peer_name(std::string_view name, std::uint32_t number) {
+  return std::string(name) + '-' + std::to_string(number);
+}
+
 directory::directory(const node& root) {
   island_walk walk;
   each_table(root, "island", [&](const node& x) {
     if (const auto name = text_at(x, "name")) {
       const auto& added = islands.emplace(*name, walk.island_at(x)).first->second;
       if (added.has_gateway)
-        ends.insert(gateway_at(x, *name));
+        ends.emplace(gateway_at(x, *name), gateway_of(added.id));
     }
   });
-  each_table(root, "peer", [this](const node& x) {
-    if (auto name = text_at(x, "name"))
-      ends.insert(*std::move(name));
-  });
+  each_table(root, "peer", [this](const node& x) { peer_walk{*this}.add(x); });
   each_table(root, "host", [this](const node& x) {
     if (auto name = text_at(x, "name"))
       hosts.insert(*std::move(name));
@@ -184,13 +211,41 @@ std::optional<island_id> island_name::read(const node& x, const asker& who) cons
   const auto* name = x.as<std::string>();
   if (name == nullptr)
     return who.refuse(x, "the name of an island");
+  if (any && *name == "*")
+    return any_island;
   const auto found = names.islands.find(*name);
   if (found == names.islands.end())
     return unknown(x, who, "island", *name, keys_of(names.islands));
   return found->second.id;
 }
 
+std::optional<peer_id> peer_name::read(const node& x, const asker& who) const {
+  const auto* name = x.as<std::string>();
+  if (name == nullptr)
+    return who.refuse(x, "the name of a peer or gateway, or \"*\"");
+  if (*name == "*")
+    return any_peer;
+  const auto found = names.ends.find(*name);
+  if (found == names.ends.end())
+    return unknown(x, who, "peer or gateway", *name, keys_of(names.ends));
+  return found->second;
+}
+
+std::optional<peer_group_name::type> peer_group_name::read(const node& x, const asker& who) const {
+  const auto* name = x.as<std::string>();
+  if (name == nullptr)
+    return who.refuse(x, "the name of a peer or gateway");
+  if (const auto group = names.peer_groups.find(*name); group != names.peer_groups.end())
+    return group->second;
+  const auto found = names.ends.find(*name);
+  if (found == names.ends.end())
+    return unknown(x, who, "peer or gateway", *name, keys_of(names.ends));
+  return std::vector{found->second};
+}
+
 std::optional<mote_address> mote_name::read(const node& x, const asker& who) const {
+  if (const auto* star = x.as<std::string>(); any && star != nullptr && *star == "*")
+    return any_mote;
   const auto* text = text_with_slash(x);
   if (text == nullptr)
     return who.refuse(x, "the island and the name of a mote, as in \"kitchen/climate-7\"");

@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "config/document.hpp"
 #include "config/values.hpp"
@@ -22,6 +23,12 @@ namespace rubicon::config {
 
 /// What a reference calls every island's sink; no mote has this name.
 inline constexpr std::string_view sink_name = "sink";
+
+/// Name of one of several peers of a table: `robot-2`; numbers begin with 1.
+[[nodiscard]] std::string counted_peer_name(std::string_view name, std::uint32_t number);
+
+/// Peers that one table may have.
+inline constexpr std::uint32_t peer_count_max = 1000;
 
 /// Motes that all groups of a file may have together.
 inline constexpr std::uint32_t group_motes_max = 100'000;
@@ -43,22 +50,40 @@ struct directory {
   [[nodiscard]] const island* find(island_id id) const;
 
   std::map<std::string, island, std::less<>> islands;
-  std::set<std::string, std::less<>> ends; ///< of links: peers and gateways
+  std::map<std::string, peer_id, std::less<>> ends; ///< of links: peers and gateways
+  /// Peers of one table with a `count`, under its name.
+  std::map<std::string, std::vector<peer_id>, std::less<>> peer_groups;
   std::set<std::string, std::less<>> hosts;
   std::set<std::string, std::less<>> mote_types;
 };
 
-/// An island by its name.
+/// An island by its name, or "*" for any_island where that is allowed.
 struct island_name {
   using type = island_id;
   const directory& names;
+  bool any = false;
   [[nodiscard]] std::optional<island_id> read(const node& x, const asker& who) const;
 };
 
-/// A mote as "island/mote".
+/// A peer or gateway by its name, or "*" for any_peer.
+struct peer_name {
+  using type = peer_id;
+  const directory& names;
+  [[nodiscard]] std::optional<peer_id> read(const node& x, const asker& who) const;
+};
+
+/// A peer or gateway by its name, or all peers of a table with a `count` by its name.
+struct peer_group_name {
+  using type = std::vector<peer_id>;
+  const directory& names;
+  [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const;
+};
+
+/// A mote as "island/mote", or "*" for any_mote where that is allowed.
 struct mote_name {
   using type = mote_address;
   const directory& names;
+  bool any = false;
   [[nodiscard]] std::optional<mote_address> read(const node& x, const asker& who) const;
 };
 

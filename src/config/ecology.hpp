@@ -135,12 +135,31 @@ struct collector_app {
 
 using peer_app = std::variant<proxy_manager_app, rules_app, collector_app>;
 
+/// Where a peer takes links over real TCP.
+struct tcp_listener {
+  std::optional<std::uint16_t> port; ///< unset: the first free one from 8000 on
+};
+
 struct peer_description {
   peer_id id;
   std::string name;
   std::string host;
-  std::vector<std::string> links; ///< names of peers or gateways
+  std::vector<std::string> links;   ///< names of peers or gateways; always kept (AUT-01)
+  std::vector<std::string> connect; ///< `tcp://host:port`, always kept, over the real network
+  std::optional<tcp_listener> tcp;  ///< wall time only, as are `connect` and `lan`
+  bool lan = false;                 ///< meets whoever the computer's real LAN has (A-78)
+  bool leaf = false;                ///< has no other links than those above (LEA-01)
+  bool manager = true;              ///< makes and closes links as it sees fit (CM-12)
+  bool discovery = true;            ///< takes part in the announcements of the simulated network
+  std::vector<peer_id> managers;    ///< may stop it by its tuple kernel.do-quit (TUP-22)
   std::vector<peer_app> apps;
+};
+
+/// The simulated network between the hosts of peers.
+struct peis_description {
+  duration delay = 200us;          ///< of a switched LAN [estimate]
+  double loss = 0;                 ///< of packages and announcements, each link and way alike
+  std::uint64_t bandwidth_bps = 0; ///< of each link, each way; 0: unlimited
 };
 
 struct host_description {
@@ -162,9 +181,64 @@ struct unplug_fault {
   duration length = 30s;
 };
 
+/// A peer's process, its programs included, ends at once. Its links are reset, as an operating
+/// system does.
+struct kill_fault {
+  peer_id peer;                   ///< any_peer: drawn each time, as in the next ones
+  std::optional<duration> length; ///< until it is started again; unset: never
+};
+/// A peer's computer loses its power: nobody is told anything.
+struct power_off_fault {
+  peer_id peer;
+  std::optional<duration> length;
+};
+/// A peer's process stands still; what comes for it waits.
+struct pause_fault {
+  peer_id peer;
+  duration length = 10s;
+};
+/// Peers of two different groups cannot hear each other.
+struct partition_fault {
+  std::vector<std::vector<peer_id>> groups; ///< those in none make one more
+  duration length = 30s;
+};
+/// Packages are lost, beside those of [peis].
+struct link_loss_fault {
+  double loss = 0;
+  std::vector<peer_id> peers; ///< on links between two of them; empty: on all
+  duration length = 30s;
+};
+/// A second peer with the same id appears.
+struct duplicate_id_fault {
+  peer_id peer;
+  std::optional<duration> length; ///< until it ends; unset: at the end of the run
+};
+/// A peer's clock is set.
+struct clock_step_fault {
+  peer_id peer;
+  duration by{}; ///< negative: back
+};
+
+using fault = std::variant<battery_end_fault, crash_fault, unplug_fault, kill_fault,
+                           power_off_fault, pause_fault, partition_fault, link_loss_fault,
+                           duplicate_id_fault, clock_step_fault>;
+
+/// Stands for a mote, or an island, that is drawn when the fault happens; any_peer for a peer.
+inline constexpr mote_address any_mote{{}, broadcast_mote};
+inline constexpr island_id any_island{};
+
+/// When a fault happens that happens more than once.
+struct fault_times {
+  duration every{};        ///< from `from` on; 0: at random moments
+  std::uint32_t count = 0; ///< of random moments, uniform from `from` to `until`
+  duration from{};
+  std::optional<duration> until; ///< unset: the end of the run
+};
+
 struct fault_description {
-  duration at{};
-  std::variant<battery_end_fault, crash_fault, unplug_fault> what;
+  duration at{}; ///< if it happens more than once, the same as its `from`
+  fault what;
+  std::optional<fault_times> repeated = std::nullopt;
 };
 
 struct ecology_description {
@@ -175,6 +249,7 @@ struct ecology_description {
   std::string network =
       "rubicon"; ///< PEIS network string: ecologies that differ never meet (LNK-06)
   radio::channel_config radio;
+  peis_description peis;
   std::vector<air_description> airs;       ///< every island is in exactly one
   std::vector<island_description> islands; ///< ascending by id
   std::vector<peer_description> peers;     ///< ascending by id; gateways are not among them

@@ -33,6 +33,7 @@ struct surroundings {
   bool radio_is_known = true; ///< [radio] is free of mistakes
   std::vector<bool> nodes;    ///< of a topology: whether a gain leads from or to it
   std::uint64_t seed = 1;
+  run_mode mode = run_mode::virtual_time;
   mote_types types;
   std::set<std::string> types_used;
   name_claims end_names; ///< of peers and gateways (ADR-02)
@@ -67,13 +68,16 @@ void check_links(const placed_links& links, const radio::channel_config& config,
 read_airs(table_reader& root, const directory& names,
           const std::vector<island_description>& islands);
 
+[[nodiscard]] peis_description read_peis(table_reader& root);
+
 /// [[peer]], ascending by id. `islands` are those that a proxy manager serves by default.
 [[nodiscard]] std::vector<peer_description>
 read_peers(table_reader& root, surroundings& with, const std::vector<island_description>& islands);
 
 /// links = ["inproc://NAME"]
+/// @param own_names of the peers whose links they are
 [[nodiscard]] std::vector<std::string> read_links(table_reader& in, const directory& names,
-                                                  const std::string& own_name);
+                                                  const std::vector<std::string>& own_names);
 
 [[nodiscard]] std::vector<proxy::proxy_class> read_proxies(table_reader& root);
 

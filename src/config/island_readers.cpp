@@ -41,7 +41,7 @@ void read_serial(table_reader& in, serial::line_config& out) {
 
 void read_gateway(table_reader& in, surroundings& with, island_description& out) {
   in.optional("name", name_text{}, out.gateway_name);
-  out.gateway_links = read_links(in, with.names, out.gateway_name);
+  out.gateway_links = read_links(in, with.names, {out.gateway_name});
 }
 
 /// The cable and the gateway of an island.

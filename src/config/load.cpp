@@ -27,11 +27,13 @@ ecology_description read_file_tables(const node& root, const named_files& files,
   const auto links = read_radio(in, names, files, out.radio);
   out.hosts = read_hosts(in);
   surroundings with(shared, names, out.radio, files.instead.seed.value_or(out.seed));
+  with.mode = files.instead.mode.value_or(out.mode);
   with.radio_is_known = links.sound;
   with.types = read_mote_types(in, names);
   out.islands = read_islands(in, with);
   out.airs = read_airs(in, names, out.islands);
   check_links(links, out.radio, out.airs, shared.problems);
+  out.peis = read_peis(in);
   out.peers = read_peers(in, with, out.islands);
   out.proxies = read_proxies(in);
   out.faults = read_faults(in, names, end);

@@ -23,9 +23,10 @@ struct loaded {
 
 /// What a command line may say in the place of the TOML file.
 struct overrides {
-  std::string topology;              ///< path; empty: [radio.propagation] topology
-  std::string noise_trace;           ///< path; empty: [radio.noise] file
-  std::optional<std::uint64_t> seed; ///< it decides where the motes of a disk are
+  std::string topology;                        ///< path; empty: [radio.propagation] topology
+  std::string noise_trace;                     ///< path; empty: [radio.noise] file
+  std::optional<std::uint64_t> seed;           ///< it decides where the motes of a disk are
+  std::optional<run_mode> mode = std::nullopt; ///< it decides what may be real
 };
 
 /// The text of a file, or why there is none: `cannot be opened: No such file or directory`.

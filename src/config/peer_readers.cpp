@@ -9,14 +9,15 @@ namespace {
 
 constexpr std::size_t links_max = 16;
 
-/// What the apps of all peers need.
-struct peer_apps {
+/// What all peers have in common.
+struct peer_surroundings {
   const directory& names;
   const std::vector<island_description>& islands;
   claims<island_id> managed; ///< proxies map one-to-one to motes, so managers to islands (PXY-15)
+  claims<std::pair<std::string, std::uint32_t>> ports; ///< by host
 };
 
-proxy_manager_app read_manager(table_reader& in, peer_apps& with) {
+proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
   std::vector<located<island_id>> found;
   in.optional("islands", list_of<island_name>{{with.names}, 1}, found);
   if (!in.has("islands")) {
@@ -68,45 +69,172 @@ collector_app read_collector(table_reader& in) {
   return {values_of(std::move(keys))};
 }
 
-peer_description read_peer(table_reader& in, surroundings& with, peer_apps& apps) {
-  peer_description out;
-  if (in.required("id", whole<std::int32_t>{1, peer_id_max}, out.id))
-    with.end_ids.claim(out.id.value, "PEIS id " + to_string(out.id), in.at("id"), in.problems());
-  if (in.required("name", name_text{}, out.name))
-    with.end_names.claim(out.name, "peer or gateway name", in.at("name"), in.problems());
-  in.optional("host", host_name{with.names}, out.host);
-  out.links = read_links(in, with.names, out.name);
+/// The peers of one table.
+struct peer_table {
+  std::uint32_t count = 1;
+  bool counted = false; ///< the names have numbers
+  peer_description like;
+
+  [[nodiscard]] std::string name(std::uint32_t i) const {
+    return counted ? counted_peer_name(like.name, i + 1) : like.name;
+  }
+  [[nodiscard]] peer_id id(std::uint32_t i) const {
+    return peer_id(like.id.value + static_cast<std::int32_t>(i));
+  }
+};
+
+/// id, name and count: who they are. Of a table that is not good no more than one peer is left.
+void read_identity(table_reader& in, surroundings& with, peer_table& out) {
+  const bool has_id = in.required("id", whole<std::int32_t>{1, peer_id_max}, out.like.id);
+  const bool has_name = in.required("name", name_text{}, out.like.name);
+  out.counted = in.optional("count", whole<std::uint32_t>{1, peer_count_max}, out.count);
+  if (out.id(out.count - 1).value > peer_id_max) {
+    in.problems().add(in.at("count"), "PEIS ids from " + to_string(out.like.id) + " to " +
+                                          to_string(out.id(out.count - 1)) + " are more than " +
+                                          std::to_string(peer_id_max));
+    out.count = 1;
+  }
+  if (has_name && !is_name(out.name(out.count - 1))) {
+    in.problems().add(in.at("name"),
+                      "`" + out.name(out.count - 1) + "` would be longer than 32 characters");
+    out.count = 1;
+  }
+  bool free = true;
+  for (std::uint32_t i = 0; i < out.count && free; ++i) { // the first mistake will do
+    free = !has_id || with.end_ids.claim(out.id(i).value, "PEIS id " + to_string(out.id(i)),
+                                         in.at("id"), in.problems());
+    free = (!has_name || with.end_names.claim(out.name(i), "peer or gateway name", in.at("name"),
+                                              in.problems())) &&
+           free;
+  }
+}
+
+/// tcp = true, or tcp = { port = 8000 }
+void read_tcp(table_reader& in, const peer_table& peers, peer_surroundings& all,
+              std::optional<tcp_listener>& out) {
+  const auto* given = in.value("tcp");
+  if (given != nullptr && given->as<node_table>() == nullptr) {
+    in.expect("tcp");
+    const auto* on = given->as<bool>();
+    if (on == nullptr)
+      asker{"tcp", in.problems()}.refuse(*given, "true, false or a table, as in { port = 8000 }");
+    else if (*on)
+      out.emplace();
+    return;
+  }
+  in.table("tcp", "[peer.tcp]", [&](table_reader& x) {
+    std::uint16_t port = 0;
+    out.emplace();
+    if (!x.optional("port", whole<std::uint16_t>{1, 65535}, port))
+      return;
+    out->port = port;
+    if (port + peers.count - 1 > 65535) {
+      x.problems().add(x.at("port"), "ports from " + std::to_string(port) + " on are too few for " +
+                                         std::to_string(peers.count) + " peers");
+      return;
+    }
+    bool free = true;
+    for (std::uint32_t i = 0; i < peers.count && free; ++i)
+      free = all.ports.claim({peers.like.host, port + i}, "TCP port " + std::to_string(port + i),
+                             x.at("port"), x.problems());
+  });
+}
+
+/// What only the real network has.
+void refuse_in_virtual_time(const table_reader& in, std::string_view key, bool used) {
+  if (used)
+    in.problems().add(in.at(key), '`' + std::string(key) +
+                                      "` needs mode = \"wall\": in virtual time there is no real "
+                                      "network");
+}
+
+/// How the peers meet others.
+void read_connections(table_reader& in, surroundings& with, const peer_table& peers,
+                      peer_surroundings& all, peer_description& out) {
+  std::vector<std::string> own;
+  for (std::uint32_t i = 0; i < peers.count; ++i)
+    own.push_back(peers.name(i));
+  out.links = read_links(in, with.names, own);
+  std::vector<located<std::string>> urls;
+  in.optional("connect", list_of<tcp_url>{{}, 0, links_max}, urls);
+  out.connect = values_of(std::move(urls));
+  read_tcp(in, peers, all, out.tcp);
+  in.optional("lan", flag{}, out.lan);
+  if (with.mode == run_mode::virtual_time) {
+    refuse_in_virtual_time(in, "connect", !out.connect.empty());
+    refuse_in_virtual_time(in, "tcp", out.tcp.has_value());
+    refuse_in_virtual_time(in, "lan", out.lan);
+  }
+  in.optional("leaf", flag{}, out.leaf);
+  in.optional("manager", flag{}, out.manager);
+  out.discovery = out.links.empty() && out.connect.empty();
+  in.optional("discovery", flag{}, out.discovery);
+  std::vector<located<std::int32_t>> managers;
+  in.optional("managers", list_of<whole<std::int32_t>>{{1, peer_id_max}}, managers);
+  for (const auto& each : managers)
+    out.managers.emplace_back(each.value);
+}
+
+void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
+               std::vector<peer_description>& out) {
+  peer_table peers;
+  read_identity(in, with, peers);
+  auto& like = peers.like;
+  in.optional("host", host_name{with.names}, like.host);
+  read_connections(in, with, peers, apps, like);
   in.tables("apps", "apps of a peer", [&](table_reader& x) {
-    const auto add = [&out](peer_app app) { out.apps.push_back(std::move(app)); };
-    x.one_of("app", {{"proxy_manager", [&](table_reader& y) { add(read_manager(y, apps)); }},
+    const auto add = [&like](peer_app app) { like.apps.push_back(std::move(app)); };
+    x.one_of("app", {{"proxy_manager",
+                      [&](table_reader& y) {
+                        if (peers.count > 1)
+                          y.problems().add(y.at("app"), "an island has one proxy manager, not " +
+                                                            std::to_string(peers.count));
+                        add(read_manager(y, apps));
+                      }},
                      {"rules", [&](table_reader& y) { add(read_rules(y)); }},
                      {"collector", [&](table_reader& y) { add(read_collector(y)); }}});
   });
-  return out;
+  for (std::uint32_t i = 0; i < peers.count; ++i) {
+    auto peer = like;
+    peer.id = peers.id(i);
+    peer.name = peers.name(i);
+    if (peer.tcp && peer.tcp->port)
+      peer.tcp->port = static_cast<std::uint16_t>(*peer.tcp->port + i);
+    out.push_back(std::move(peer));
+  }
 }
 
 } // namespace
 
 std::vector<std::string> read_links(table_reader& in, const directory& names,
-                                    const std::string& own_name) {
+                                    const std::vector<std::string>& own_names) {
   std::vector<located<std::string>> found;
   in.optional("links", list_of<link_end>{{names}, 0, links_max}, found);
   claims<std::string> listed;
   for (const auto& each : found) {
-    if (each.value == own_name)
-      in.problems().add(each.at, "`" + own_name + "` cannot have a link to itself");
+    if (std::find(own_names.begin(), own_names.end(), each.value) != own_names.end())
+      in.problems().add(each.at, "`" + each.value + "` cannot have a link to itself");
     listed.claim(each.value, "the link to `" + each.value + '`', each.at, in.problems(),
                  "is already listed");
   }
   return values_of(std::move(found));
 }
 
+peis_description read_peis(table_reader& root) {
+  peis_description out;
+  root.table("peis", "[peis]", [&out](table_reader& in) {
+    in.optional("delay", time_span{0s, 10s}, out.delay);
+    in.optional("loss", ratio{}, out.loss);
+    in.optional("bandwidth", bit_rate{}, out.bandwidth_bps);
+  });
+  return out;
+}
+
 std::vector<peer_description> read_peers(table_reader& root, surroundings& with,
                                          const std::vector<island_description>& islands) {
   std::vector<peer_description> out;
-  peer_apps apps{with.names, islands, {}};
-  root.tables("peer", "[[peer]]",
-              [&](table_reader& x) { out.push_back(read_peer(x, with, apps)); });
+  peer_surroundings apps{with.names, islands, {}, {}};
+  root.tables("peer", "[[peer]]", [&](table_reader& x) { read_peer(x, with, apps, out); });
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   return out;
 }

@@ -1,13 +1,13 @@
 #include "config/summary.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "config/document.hpp"
+#include "config/summary_parts.hpp"
 #include "radio/noise.hpp"
 #include "radio/tossim_files.hpp"
 
@@ -16,19 +16,6 @@ namespace rubicon::config {
 namespace {
 
 constexpr std::size_t rows_max = 20; ///< of one section: the whole stays on a screen
-
-using row = std::vector<std::string>;
-
-std::string joined(const std::vector<std::string>& words, std::string_view between = ", ") {
-  std::string text;
-  for (const auto& each : words)
-    text += (text.empty() ? std::string() : std::string(between)) + each;
-  return text;
-}
-
-std::string counted(std::size_t count, const std::string& what) {
-  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
-}
 
 /// A heading and its rows in columns; nothing without rows.
 std::string section(const std::string& heading, std::vector<row> rows) {
@@ -80,6 +67,27 @@ std::string arrow(const std::vector<std::string>& links) {
   return links.empty() ? "" : "-> " + joined(links);
 }
 
+/// `-> pc, tcp://10.0.0.7:8000; leaf`: whom a peer has links to, and what is unusual about it.
+std::string connections(const peer_description& x) {
+  auto ends = x.links;
+  ends.insert(ends.end(), x.connect.begin(), x.connect.end());
+  std::vector<std::string> words;
+  if (!ends.empty())
+    words.push_back(arrow(ends));
+  if (x.tcp)
+    words.push_back("tcp " +
+                    (x.tcp->port ? std::to_string(*x.tcp->port) : std::string("8000 or above")));
+  if (x.lan)
+    words.emplace_back("lan");
+  if (x.leaf)
+    words.emplace_back("leaf");
+  if (!x.manager)
+    words.emplace_back("no manager");
+  if (x.discovery != ends.empty())
+    words.emplace_back(x.discovery ? "discovery" : "no discovery");
+  return joined(words, "; ");
+}
+
 std::string placed(const std::string& host) {
   return host.empty() ? "" : "on " + host;
 }
@@ -112,15 +120,6 @@ std::vector<row> air_rows(const ecology_description& x) {
   return rows;
 }
 
-std::string island_names(const ecology_description& x, const std::vector<island_id>& ids) {
-  std::vector<std::string> names;
-  for (const auto& island : x.islands) {
-    if (std::find(ids.begin(), ids.end(), island.id) != ids.end())
-      names.push_back(island.name);
-  }
-  return joined(names);
-}
-
 struct app_text {
   const ecology_description& all;
 
@@ -150,7 +149,7 @@ std::vector<row> peer_rows(const ecology_description& x) {
       apps.push_back(std::visit(app_text{x}, app));
     found.push_back(
         {each.id.value,
-         {to_string(each.id), each.name, arrow(each.links), placed(each.host), joined(apps)}});
+         {to_string(each.id), each.name, connections(each), placed(each.host), joined(apps)}});
   }
   std::sort(found.begin(), found.end());
   std::vector<row> rows;
@@ -175,47 +174,11 @@ std::vector<row> proxy_rows(const ecology_description& x) {
   return rows;
 }
 
-std::string mote_text(const ecology_description& x, const mote_address& address) {
-  for (const auto& island : x.islands) {
-    for (const auto& mote : island.motes) {
-      if (mote_address{island.id, mote.id} == address)
-        return island.name + '/' + mote.name;
-    }
-  }
-  return to_string(address);
-}
-
-struct fault_cells {
-  const ecology_description& all;
-
-  row operator()(const battery_end_fault& x) const {
-    return {"battery_end", mote_text(all, x.mote)};
-  }
-  row operator()(const crash_fault& x) const { return {"crash", mote_text(all, x.mote)}; }
-  row operator()(const unplug_fault& x) const {
-    return {"unplug", island_names(all, {x.island}) + " for " + to_text(x.length)};
-  }
-};
-
-std::vector<row> fault_rows(const ecology_description& x) {
-  std::vector<row> rows;
-  for (const auto& each : x.faults) {
-    auto cells = std::visit(fault_cells{x}, each.what);
-    cells.insert(cells.begin(), to_text(each.at));
-    rows.push_back(std::move(cells));
-  }
-  return rows;
-}
-
 std::vector<row> host_rows(const ecology_description& x) {
   std::vector<row> rows;
   for (const auto& each : x.hosts)
     rows.push_back({each.name, each.address});
   return rows;
-}
-
-std::string percent(double ratio) {
-  return shown(std::round(ratio * 1e6) / 1e4) + " %"; // 0.07 * 100 is not 7
 }
 
 struct propagation_text {
@@ -341,6 +304,18 @@ std::string flows_line(const ecology_description& x) {
          counted(counts.relays, "relay") + ", " + counted(counts.receivers, "receiver") + '\n';
 }
 
+/// The network between the hosts of peers, where it is unlike a plain LAN.
+std::string peis_line(const peis_description& x) {
+  const peis_description plain;
+  if (x.delay == plain.delay && x.loss == plain.loss && x.bandwidth_bps == plain.bandwidth_bps)
+    return {};
+  return "peers: delay " + to_text(x.delay) + "; loss " + percent(x.loss) +
+         (x.bandwidth_bps == 0
+              ? std::string()
+              : "; " + shown(static_cast<double>(x.bandwidth_bps) / 1e6) + " Mbit/s") +
+         '\n';
+}
+
 std::string first_lines(const ecology_description& x) {
   std::size_t motes = 0;
   for (const auto& island : x.islands)
@@ -350,7 +325,8 @@ std::string first_lines(const ecology_description& x) {
          std::to_string(x.seed) + ", network " + x.network + '\n' +
          counted(x.islands.size(), "island") + ", " + counted(motes, "mote") + ", " +
          counted(x.peers.size(), "peer") + '\n' +
-         (x.islands.empty() ? "" : radio_line(x.radio) + mac_line(x) + flows_line(x));
+         (x.islands.empty() ? "" : radio_line(x.radio) + mac_line(x) + flows_line(x)) +
+         peis_line(x.peis);
 }
 
 } // namespace

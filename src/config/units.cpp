@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 #include <system_error>
+#include <utility>
 
 namespace rubicon::config {
 
@@ -36,6 +37,9 @@ constexpr std::array<time_unit, 7> time_units{{{"d", 86'400'000'000'000},
                                                {"ms", 1'000'000},
                                                {"us", 1'000},
                                                {"ns", 1}}};
+
+constexpr std::array<std::pair<std::string_view, double>, 4> bit_rate_units{
+    {{"bit/s", 1}, {"kbit/s", 1e3}, {"Mbit/s", 1e6}, {"Gbit/s", 1e9}}};
 
 constexpr auto longest = std::numeric_limits<std::int64_t>::max();
 
@@ -175,6 +179,17 @@ std::optional<double> parse_frequency_mhz(std::string_view text) {
     return x->number;
   if (x->unit == "GHz")
     return x->number * 1000;
+  return std::nullopt;
+}
+
+std::optional<double> parse_bit_rate_bps(std::string_view text) {
+  const auto x = measure(text);
+  if (!x)
+    return std::nullopt;
+  for (const auto& [unit, factor] : bit_rate_units) {
+    if (x->unit == unit)
+      return x->number * factor;
+  }
   return std::nullopt;
 }
 

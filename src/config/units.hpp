@@ -32,6 +32,9 @@ namespace rubicon::config {
 /// Megahertz, of MHz or GHz.
 [[nodiscard]] std::optional<double> parse_frequency_mhz(std::string_view text);
 
+/// Bits a second, of bit/s, kbit/s, Mbit/s or Gbit/s.
+[[nodiscard]] std::optional<double> parse_bit_rate_bps(std::string_view text);
+
 /// Bits a second, of a whole number of baud.
 [[nodiscard]] std::optional<std::int64_t> parse_baud(std::string_view text);
 

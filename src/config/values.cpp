@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "config/units.hpp"
+#include "peis/link_url.hpp"
 
 namespace rubicon::config {
 
@@ -156,6 +157,17 @@ std::optional<duration> time_span::read(const node& x, const asker& who) const {
                        "\"1min30s\"");
 }
 
+std::optional<duration> time_step::read(const node& x, const asker& who) {
+  constexpr duration longest = 24h * 3650;
+  const auto* found = x.as<std::string>();
+  const bool back = found != nullptr && found->starts_with('-');
+  const auto size =
+      found == nullptr ? std::nullopt : parse_duration(std::string_view(*found).substr(back));
+  if (!size || *size == 0s || *size > longest)
+    return who.refuse(x, "a time with its unit, forward or back, as in \"5s\" or \"-5s\"");
+  return back ? -*size : *size;
+}
+
 std::optional<double> ratio::read(const node& x, const asker& who) {
   auto found = parsed(x, parse_ratio);
   if (!found)
@@ -218,6 +230,27 @@ std::optional<std::uint32_t> baud::read(const node& x, const asker& who) {
   if (!found || *found < min || *found > max)
     return who.refuse(x, "a rate from 300 to 4000000 baud, as in 57600 or \"57600baud\"");
   return static_cast<std::uint32_t>(*found);
+}
+
+std::optional<std::uint64_t> bit_rate::read(const node& x, const asker& who) {
+  constexpr double min_bps = 1000;
+  constexpr double max_bps = 1e12;
+  auto found = parsed(x, parse_bit_rate_bps);
+  if (const auto* plain = x.as<std::int64_t>())
+    found = static_cast<double>(*plain);
+  if (!found || (*found != 0 && (*found < min_bps || *found > max_bps)))
+    return who.refuse(x, "a rate from 1 kbit/s to 1000 Gbit/s with its unit (bit/s, kbit/s, Mbit/s "
+                         "or Gbit/s), as in \"10Mbit/s\", or 0 for no limit");
+  return static_cast<std::uint64_t>(*found);
+}
+
+std::optional<std::string> tcp_url::read(const node& x, const asker& who) {
+  const auto* found = x.as<std::string>();
+  const auto url =
+      found == nullptr ? result<peis::link_url>(errc::bad_value) : peis::parse_link_url(*found);
+  if (!url || url->medium != peis::link_url::scheme::tcp)
+    return who.refuse(x, "the address of a peer, as in \"tcp://192.168.1.7:8000\"");
+  return to_string(*url);
 }
 
 std::optional<position> place::read(const node& x, const asker& who) {

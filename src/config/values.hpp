@@ -114,6 +114,12 @@ struct time_span {
   [[nodiscard]] std::optional<duration> read(const node& x, const asker& who) const;
 };
 
+/// "-5s" or "5s", but not 0
+struct time_step {
+  using type = duration;
+  [[nodiscard]] static std::optional<duration> read(const node& x, const asker& who);
+};
+
 /// 0.02 or "2%"
 struct ratio {
   using type = double;
@@ -163,6 +169,18 @@ struct frequency {
 struct baud {
   using type = std::uint32_t;
   [[nodiscard]] static std::optional<std::uint32_t> read(const node& x, const asker& who);
+};
+
+/// "10Mbit/s" or 10000000; 0 for no limit
+struct bit_rate {
+  using type = std::uint64_t;
+  [[nodiscard]] static std::optional<std::uint64_t> read(const node& x, const asker& who);
+};
+
+/// The URL of a TCP link, "tcp://host:port"
+struct tcp_url {
+  using type = std::string;
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who);
 };
 
 /// [x, y] or [x, y, z] in metres

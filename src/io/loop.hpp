@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <memory>
 
 namespace rubicon::io {
@@ -32,6 +33,9 @@ public:
   /// Ends the current wait_until(), or the next if there is none. From any thread, not from a
   /// handler of the C signal() kind.
   void wake();
+
+  /// Calls `f` once, from the next poll() or wait_until(), with the callbacks that are ready.
+  void post(std::function<void()> f);
 
   /// What the other files of this room work with.
   struct impl;

@@ -35,10 +35,11 @@ bool delivery::add(reliable_message message, id_source& ids) {
 }
 
 /// The queue of the highest priority that has a message and may use the window.
-const std::deque<std::uint64_t>* delivery::open_queue(const flow& x) const {
-  if (x.in_flight >= config_.window || x.order.size() >= config_.span_max)
+const std::deque<std::uint64_t>* delivery::open_queue(const flow& x,
+                                                      const delivery_window& window) const {
+  if (x.in_flight >= window.packages || x.order.size() >= window.span)
     return nullptr;
-  const auto bulk_window = config_.window - config_.window / reserve_divisor;
+  const auto bulk_window = window.packages - window.packages / reserve_divisor;
   for (std::size_t i = 0; i < x.queues.size(); ++i) {
     const bool bulk = i == static_cast<std::size_t>(priority::bulk);
     if (!x.queues[i].empty() && (!bulk || x.in_flight < bulk_window))
@@ -47,9 +48,10 @@ const std::deque<std::uint64_t>* delivery::open_queue(const flow& x) const {
   return nullptr;
 }
 
-std::optional<lane> delivery::next_lane(peer_id destination) const {
+std::optional<lane> delivery::next_lane(peer_id destination, bool wide) const {
   const auto at = flows_.find(destination);
-  const auto* queue = at == flows_.end() ? nullptr : open_queue(at->second);
+  const auto* queue =
+      at == flows_.end() ? nullptr : open_queue(at->second, wide ? config_.wide : config_.window);
   if (queue == nullptr)
     return std::nullopt;
   const auto& message = transfers_.at(queue->front()).message;
@@ -57,9 +59,9 @@ std::optional<lane> delivery::next_lane(peer_id destination) const {
                            static_cast<std::size_t>(message.class_of_service));
 }
 
-std::optional<std::pair<lane, outgoing_package>> delivery::next(peer_id destination,
-                                                                id_source& ids) {
-  const auto where = next_lane(destination);
+std::optional<std::pair<lane, outgoing_package>> delivery::next(peer_id destination, id_source& ids,
+                                                                bool wide) {
+  const auto where = next_lane(destination, wide);
   if (!where)
     return std::nullopt;
   auto& to = flows_.at(destination);

@@ -21,13 +21,20 @@
 
 namespace rubicon::peis {
 
-struct delivery_config {
-  duration retry_time = 400ms; ///< T: attempt k is followed by a wait of k T (ACK-02)
-  std::size_t window = 256;    ///< unacknowledged packages per destination (P2P-05)
-  std::size_t waiting_max = 1024; ///< messages per destination that have not begun to leave
+/// How much may be under way to one destination.
+struct delivery_window {
+  std::size_t packages = 256; ///< unacknowledged (P2P-05)
   /// How far the newest may be ahead of the oldest unacknowledged one, in packages: a repeat must
   /// find its first transmission in the memory of a real kernel, 4096 ids (ACK-08).
-  std::size_t span_max = 2048;
+  std::size_t span = 2048;
+};
+
+struct delivery_config {
+  duration retry_time = 400ms; ///< T: attempt k is followed by a wait of k T (ACK-02)
+  delivery_window window;
+  /// For a neighbour of our own kind: no relay of limited memory is between.
+  delivery_window wide = {1024, 8192};
+  std::size_t waiting_max = 1024; ///< messages per destination that have not begun to leave
 };
 
 /// A message on its way, also as the owner gets it back when it has ended.
@@ -59,11 +66,12 @@ public:
   [[nodiscard]] bool add(reliable_message message, id_source& ids);
 
   /// The next package for a destination whose window is open, and the lane it belongs to.
-  [[nodiscard]] std::optional<std::pair<lane, outgoing_package>> next(peer_id destination,
-                                                                      id_source& ids);
+  [[nodiscard]] std::optional<std::pair<lane, outgoing_package>>
+  next(peer_id destination, id_source& ids, bool wide = false);
 
   /// Where next() would put its package; nothing if there is none to send.
-  [[nodiscard]] std::optional<lane> next_lane(peer_id destination) const;
+  /// @param wide the destination is a neighbour of our own kind
+  [[nodiscard]] std::optional<lane> next_lane(peer_id destination, bool wide = false) const;
 
   /// Is a queued package still wanted? Not after its message has failed.
   [[nodiscard]] bool wanted(std::int32_t ack_id) const { return in_flight_.contains(ack_id); }
@@ -134,7 +142,8 @@ private:
   [[nodiscard]] static std::uint16_t packages_of(const transfer& x);
   [[nodiscard]] outgoing_package package_of(const transfer& x, std::uint16_t fragment,
                                             std::int32_t ack_id, id_source& ids) const;
-  [[nodiscard]] const std::deque<std::uint64_t>* open_queue(const flow& x) const;
+  [[nodiscard]] const std::deque<std::uint64_t>* open_queue(const flow& x,
+                                                            const delivery_window& window) const;
   std::unordered_map<std::int32_t, pending>::iterator
   forget(std::unordered_map<std::int32_t, pending>::iterator at);
   reliable_message fail(std::uint64_t id);

@@ -365,13 +365,15 @@ void p2p::pump(peer_id destination) {
     }
     return;
   }
-  auto& queue = connections_.at(*way).queue;
-  while (const auto where = delivery_.next_lane(destination)) {
+  auto& link = connections_.at(*way);
+  auto& queue = link.queue;
+  const bool wide = link.neighbour == destination && link.beat.has_value();
+  while (const auto where = delivery_.next_lane(destination, wide)) {
     if (!queue.has_room(*where)) {
       stalled_.insert(destination);
       return;
     }
-    auto x = delivery_.next(destination, ids_);
+    auto x = delivery_.next(destination, ids_, wide);
     count_traffic(x->second.header);
     queue.push(x->first, std::move(x->second));
   }

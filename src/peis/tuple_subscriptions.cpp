@@ -269,11 +269,9 @@ void tuple_space::on_undelivered(peer_id destination, std::uint16_t port, byte_v
   const auto name = concerns_tuple ? decode_record_key(head) : result<key>(errc::unsupported);
   if (name && channels_.knows(request))
     collapse(*name, now);
-  if (!hosts_.contains(destination))
-    return;
   if (name) {
-    add_failed_push(destination, *name, now);
-  } else if (port == port::subscribe) {
+    add_failed_push(destination, *name, now); // also to a host whose way is not known yet
+  } else if (port == port::subscribe && hosts_.contains(destination)) {
     renewals_.insert(destination);
     schedule_retry(now);
   }

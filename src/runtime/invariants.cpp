@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
+#include <optional>
+#include <set>
 #include <utility>
 
 namespace rubicon::runtime {
@@ -27,7 +30,8 @@ bool contains(std::span<const mote_address> list, const mote_address& x) {
   return std::find(list.begin(), list.end(), x) != list.end();
 }
 
-std::string text_of(const std::vector<mote_id>& ids) {
+template <class Id>
+std::string text_of(const std::vector<Id>& ids) {
   std::string text;
   for (const auto id : ids)
     text += (text.empty() ? "" : " ") + to_string(id);
@@ -35,11 +39,48 @@ std::string text_of(const std::vector<mote_id>& ids) {
 }
 
 /// The elements of `a` that `b` lacks, repetitions counted; both sorted.
-std::vector<mote_id> missing_from(const std::vector<mote_id>& b, const std::vector<mote_id>& a) {
-  std::vector<mote_id> rest;
+template <class Id>
+std::vector<Id> missing_from(const std::vector<Id>& b, const std::vector<Id>& a) {
+  std::vector<Id> rest;
   std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(rest));
   return rest;
 }
+
+/// Who can reach whom over links, from what both ends say.
+class reach_map {
+public:
+  explicit reach_map(std::span<const peer_view> peers) {
+    for (const auto& peer : peers)
+      neighbours_[peer.id]; // known, even without links
+    for (const auto& peer : peers) {
+      for (const auto other : peer.neighbours) {
+        neighbours_[peer.id].insert(other);
+        if (neighbours_.contains(other))
+          neighbours_[other].insert(peer.id);
+      }
+    }
+  }
+
+  /// Ascending, `from` included; nothing if it can reach somebody who is no view.
+  [[nodiscard]] std::optional<std::vector<peer_id>> of(peer_id from) const {
+    std::set<peer_id> seen{from};
+    std::vector<peer_id> open{from};
+    while (!open.empty()) {
+      const auto at = neighbours_.find(open.back());
+      open.pop_back();
+      if (at == neighbours_.end())
+        return std::nullopt;
+      for (const auto next : at->second) {
+        if (seen.insert(next).second)
+          open.push_back(next);
+      }
+    }
+    return std::vector<peer_id>(seen.begin(), seen.end());
+  }
+
+private:
+  std::map<peer_id, std::set<peer_id>> neighbours_;
+};
 
 void append(violations& all, violations part) {
   std::move(part.begin(), part.end(), std::back_inserter(all));
@@ -168,6 +209,27 @@ violations check_device_lists(const report& x, std::span<const device_list> list
   return found;
 }
 
+violations check_peers(const report& x, std::span<const peer_view> peers) {
+  violations found;
+  reach_map reach(peers);
+  for (const auto& peer : peers) {
+    const auto expected = reach.of(peer.id);
+    auto actual = peer.hosts;
+    std::sort(actual.begin(), actual.end());
+    if (!expected || actual == *expected)
+      continue;
+    const auto absent = missing_from(actual, *expected);
+    const auto surplus = missing_from(*expected, actual);
+    auto detail = peer.name + ':';
+    if (!absent.empty())
+      detail += " does not know " + text_of(absent);
+    if (!surplus.empty())
+      detail += (absent.empty() ? "" : ";") + std::string(" cannot reach ") + text_of(surplus);
+    found.push_back(at_end(x, "peers know whom they reach", std::move(detail)));
+  }
+  return found;
+}
+
 violations check_all(const report& x, const run_truth& truth) {
   auto all = check_radio(x);
   append(all, check_messages(x));
@@ -177,6 +239,7 @@ violations check_all(const report& x, const run_truth& truth) {
   append(all, check_joined(x, truth.ended_by_fault));
   append(all, check_actors(x, truth.crashes_requested));
   append(all, check_device_lists(x, truth.device_lists));
+  append(all, check_peers(x, truth.peers));
   return all;
 }
 

@@ -48,11 +48,25 @@ struct device_list {
 /// Every gateway lists exactly the motes it should, each once.
 [[nodiscard]] violations check_device_lists(const report& x, std::span<const device_list> lists);
 
+/// What a running peer knows.
+struct peer_view {
+  peer_id id;
+  std::string name;
+  std::vector<peer_id> hosts;      ///< itself included, in any order
+  std::vector<peer_id> neighbours; ///< at the other ends of its links; some may be in no view
+};
+
+/// Every peer knows exactly the hosts that it can reach over links (KH-05, RTE-07). Those that can
+/// reach a peer of another process are left out. To be asked only when nothing has changed for a
+/// while.
+[[nodiscard]] violations check_peers(const report& x, std::span<const peer_view> peers);
+
 /// What the checks above need to know beside the report.
 struct run_truth {
   std::vector<mote_address> ended_by_fault;
   std::vector<std::string> crashes_requested;
   std::vector<device_list> device_lists;
+  std::vector<peer_view> peers = {}; ///< empty if they have not settled
 };
 
 /// All checks, in the order above.

@@ -114,10 +114,17 @@ struct proxy_report {
 struct peer_report {
   peer_id id;
   std::string name;
-  std::uint64_t links = 0;
+  std::uint64_t links = 0; ///< open at the end
   std::uint64_t hosts_known = 0;
-  std::uint64_t tuples = 0; ///< its own, at the end
-  peis_report peis;         ///< `packages` and `lost` of this peer
+  std::uint64_t tuples = 0;       ///< its own, at the end
+  peis_report peis;               ///< `packages` and `lost` of this peer
+  bool alive = true;              ///< at the end; if not, the figures are 0
+  std::uint32_t incarnations = 1; ///< times it was started; the figures are of the last
+  std::uint64_t links_opened = 0;
+  cause_counts links_closed = {}; ///< far_end, or why it closed them: silent, double_link, ...
+  std::uint64_t attempts = 0;     ///< to open a link
+  std::uint64_t attempts_failed = 0;
+  std::int32_t cluster = 0; ///< lowest id that it can reach
 };
 
 /// Packets of the measuring apps from one mote to another, counted from the origin's request to its

@@ -97,8 +97,19 @@ json to_json(const island_report& x) {
 }
 
 json to_json(const peer_report& x) {
-  return {{"peer", x.id.value},           {"name", x.name},     {"links", x.links},
-          {"hosts_known", x.hosts_known}, {"tuples", x.tuples}, {"packages", x.peis.packages},
+  return {{"peer", x.id.value},
+          {"name", x.name},
+          {"alive", x.alive},
+          {"incarnations", x.incarnations},
+          {"links", x.links},
+          {"links_opened", x.links_opened},
+          {"links_closed", counts(x.links_closed)},
+          {"attempts", x.attempts},
+          {"attempts_failed", x.attempts_failed},
+          {"hosts_known", x.hosts_known},
+          {"cluster", x.cluster},
+          {"tuples", x.tuples},
+          {"packages", x.peis.packages},
           {"lost", counts(x.peis.lost)}};
 }
 

@@ -307,9 +307,10 @@ void add_peers(report_page& page, const report& x) {
   const auto shown = std::min(rows_max, x.peers.size());
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& peer = x.peers[i];
-    rows.add({peer.name, to_string(peer.id), with_thousands(peer.links),
-              with_thousands(peer.hosts_known), with_thousands(peer.tuples),
-              with_thousands(peer.peis.packages), causes(peer.peis.lost)});
+    rows.add({peer.alive ? peer.name : peer.name + " (ended)", to_string(peer.id),
+              with_thousands(peer.links), with_thousands(peer.hosts_known),
+              with_thousands(peer.tuples), with_thousands(peer.peis.packages),
+              causes(peer.peis.lost)});
   }
   add_rest(rows, x.peers.size(), shown);
   page.add(rows);

@@ -107,7 +107,8 @@ struct rig {
     auto description = described(faults);
     description.seed = seed;
     const report_receiver keep = [this](runtime::report x) { report = std::move(x); };
-    root = world.spawn_at("ecology/small", ecology, std::move(description), keep, frame_observer{});
+    root = world.spawn_at("ecology/small", ecology, std::move(description), keep, frame_observer{},
+                          process_facts{});
   }
 
   /// Runs on to that time and collects the report.

@@ -1,4 +1,6 @@
+#include "actors/peis_lan.hpp"
 #include "actors/peis_peer.hpp"
+#include "peis/link_url.hpp"
 #include "support/catch.hpp"
 #include "support/fakes.hpp"
 
@@ -142,7 +144,7 @@ TEST_CASE("a port that users may not have is refused", "[actors][peis_peer][API-
 }
 
 TEST_CASE("a port has one owner, and is free again when that component has ended",
-          "[actors][peis_peer][API-05]") {
+          "[actors][peis_peer]") {
   rig x;
   x.world.send(x.pc_peer, hook_port{x.on_pc, 30});
   x.world.send(x.pc_peer, hook_port{x.on_robot, 30});
@@ -204,4 +206,146 @@ TEST_CASE("a peer that is asked to quit says so and ends", "[actors][peis_peer][
   const auto report = x.report(x.robot_peer);
   CHECK(report.links == 0);
   CHECK(report.hosts_known == 1);
+}
+
+namespace {
+
+/// A robot that keeps a link to a PC over a simulated network, and a component on each.
+struct network_rig {
+  virtual_world world;
+  fake<ecology_actor> ecology{world};
+  fake<peis_client_actor> on_robot{world};
+  fake<peis_client_actor> on_pc{world};
+  peis_lan_actor lan;
+  peis_peer_actor robot_peer;
+  peis_peer_actor pc_peer;
+  config::peis_description network;
+  std::uint64_t stations = 0;
+
+  explicit network_rig(config::peis_description with = {}) : network(with) {
+    lan = world.spawn_at("peis_lan", peis_lan, network, std::uint64_t{1});
+    pc_peer = spawn(pc, "pc", {});
+    robot_peer = spawn(robot, "robot", {"inproc://" + to_string(pc)});
+    world.run_for(5s);
+    world.send(robot_peer, watch_tuples{on_robot, 1, pc, "kitchen.lamp"});
+    world.run_for(1s);
+  }
+
+  peis_peer_actor spawn(peer_id id, const std::string& name, std::vector<std::string> always) {
+    peis_peer_arguments x;
+    x.config.network.id = id;
+    x.config.network.name = name;
+    x.config.network.host_name = name;
+    x.config.network.addresses = {peis::inproc_address(1, id)};
+    x.config.network.connections.always = std::move(always);
+    x.config.network.connections.announces = false;
+    x.config.network.link_window = network.bandwidth_bps > 0 ? 8192 : 0;
+    x.name = name;
+    x.station = ++stations;
+    x.network = network;
+    x.discovery = false;
+    x.lan = lan;
+    x.ecology = ecology.handle();
+    return world.spawn_at("peis_peer/" + name, peis_peer, std::move(x));
+  }
+
+  void set_lamp(std::string_view to) {
+    world.send(pc_peer, set_tuple{"kitchen.lamp", text(to), true});
+  }
+
+  [[nodiscard]] std::size_t seen() const { return on_robot.count<tuple_event>(); }
+
+  runtime::peer_report report(const peis_peer_actor& who) {
+    world.send(who, status_request{});
+    return ecology.all<peer_status>().back().peer;
+  }
+};
+
+} // namespace
+
+TEST_CASE("a peer gets the link that it is to keep", "[actors][peis_peer][AUT-01]") {
+  network_rig x;
+  CHECK(x.report(x.robot_peer).links == 1);
+  CHECK(x.report(x.pc_peer).links == 1);
+  CHECK(x.report(x.robot_peer).cluster == pc.value);
+  x.set_lamp("on");
+  CHECK(x.seen() == 0);
+  x.world.run_for(1ms);
+  CHECK(x.seen() == 1);
+}
+
+TEST_CASE("a cut link carries nothing, and what it missed is repeated",
+          "[actors][peis_peer][ACT-04]") {
+  network_rig x;
+  x.world.send(x.lan, begin_lan_fault{1, {{pc}}, 0, {}});
+  x.set_lamp("on");
+  x.world.run_for(2s);
+  CHECK(x.seen() == 0);
+  x.world.send(x.lan, end_lan_fault{1});
+  x.world.run_for(30s);
+  CHECK(x.seen() >= 1);
+}
+
+TEST_CASE("a lossy link loses packages and repeats what must arrive",
+          "[actors][peis_peer][ACT-04][ACK-03]") {
+  config::peis_description network;
+  network.loss = 0.3;
+  network_rig x(network);
+  for (int i = 0; i < 50; ++i) {
+    x.set_lamp(i % 2 == 0 ? "on" : "off");
+    x.world.run_for(1s);
+  }
+  CHECK(x.report(x.pc_peer).peis.lost.at("network") > 5);
+  CHECK(x.report(x.robot_peer).peis.lost.at("illegal") == 0);
+  CHECK(x.report(x.robot_peer).links_opened <= 3); // the stream stays in step
+  CHECK(x.seen() > 30);
+}
+
+TEST_CASE("a slow link takes its time", "[actors][peis_peer]") {
+  config::peis_description network;
+  network.bandwidth_bps = 80'000; // 10 octets a millisecond
+  network_rig x(network);
+  x.world.send(x.pc_peer, hook_port{x.on_pc, 30});
+  x.world.send(x.robot_peer, send_peis_message{x.on_robot, 1, pc, 30, bytes(30'000, 7), true});
+  x.world.run_for(2900ms);
+  CHECK(x.on_pc.count<peis_message>() == 0);
+  x.world.run_for(10s);
+  CHECK(x.on_pc.count<peis_message>() == 1);
+}
+
+TEST_CASE("a kernel that stands still serves afterwards what has waited",
+          "[actors][peis_peer][ACT-04]") {
+  network_rig x;
+  x.world.send(x.robot_peer, pause_peer{2s});
+  x.set_lamp("on");
+  x.world.run_for(1999ms);
+  CHECK(x.seen() == 0);
+  x.world.run_for(1ms);
+  CHECK(x.seen() == 1);
+  CHECK(x.report(x.robot_peer).links == 1);
+}
+
+TEST_CASE("a peer whose neighbour's process ends loses its link and gets it back",
+          "[actors][peis_peer][AUT-01][KH-04]") {
+  network_rig x;
+  caf::anon_send_exit(x.pc_peer, caf::exit_reason::user_shutdown);
+  x.world.run_for(1ms);
+  CHECK(x.report(x.robot_peer).links == 0);
+  CHECK(x.report(x.robot_peer).links_closed.at("far_end") == 1);
+  x.world.run_for(10s);
+  CHECK(x.report(x.robot_peer).attempts_failed >= 1);
+  x.pc_peer = x.spawn(pc, "pc", {});
+  x.set_lamp("on");
+  x.world.run_for(40s);
+  CHECK(x.report(x.robot_peer).links == 1);
+  CHECK(x.seen() == 1);
+}
+
+TEST_CASE("a peer that leaves is forgotten by the others at once", "[actors][peis_peer][KH-04]") {
+  network_rig x;
+  CHECK(x.report(x.robot_peer).hosts_known == 2);
+  x.world.send(x.pc_peer, leave_network{});
+  x.world.run_for(1ms);
+  CHECK(x.report(x.robot_peer).hosts_known == 1);
+  CHECK(x.report(x.robot_peer).links == 0);
 }

@@ -180,3 +180,79 @@ TEST_CASE("output that cannot be written is not passed over", "[cli]") {
         2);
   CHECK(shell('"' + binary + "\" check " + file + " >/dev/full 2>/dev/null").status == 2);
 }
+
+TEST_CASE("a swarm of good runs says so", "[cli][GEN-07]") {
+  const auto x =
+      standard_output("swarm --seeds 3..6 --jobs 2 --for 20s '" + fixture("small.toml") + '\'');
+  CHECK(x.status == 0);
+  CHECK(x.out.starts_with("4 runs in "));
+  CHECK(x.out.find("no violations") != std::string::npos);
+}
+
+TEST_CASE("a swarm finds the seeds whose runs end with violations", "[cli]") {
+  const auto file = '\'' + fixture("far.toml") + '\'';
+  std::vector<int> bad;
+  for (int seed = 1; seed <= 6; ++seed) {
+    if (standard_output("run --seed " + std::to_string(seed) + ' ' + file).status != 0)
+      bad.push_back(seed);
+  }
+  REQUIRE(!bad.empty());
+  REQUIRE(bad.size() < 6);
+
+  const auto json = standard_output("swarm --json --seeds 1..6 --jobs 3 " + file);
+  CHECK(json.status == 1);
+  const auto object = nlohmann::json::parse(json.out);
+  CHECK(object.at("runs") == 6);
+  CHECK(object.at("failed_seeds") == bad);
+  CHECK(object.at("interrupted") == false);
+  CHECK(object.at("events") > 0);
+  const auto& first = object.at("violations").at(0);
+  CHECK(first.at("seed") == bad[0]);
+  CHECK(first.at("invariant") == "every mote is joined");
+
+  // Text: the lines come in the order of seeds, and the last words of a line are a command.
+  const auto text = standard_output("swarm --seeds 1..6 --jobs 2 " + file);
+  CHECK(text.status == 1);
+  const auto line = lines_of(text.out).at(0);
+  CHECK(line.starts_with("seed " + std::to_string(bad[0]) + "  every mote is joined  room/far: "));
+  const std::string mark = "  replay: rubicon ";
+  const auto at = line.find(mark);
+  REQUIRE(at != std::string::npos);
+  CHECK(standard_output(line.substr(at + mark.size())).status == 1);
+}
+
+TEST_CASE("a run that does not end is a violation of its seed", "[cli]") {
+  // Ten years cannot be done in a tenth of a second.
+  const auto x = standard_output("swarm --seeds 1..2 --for 3650d --timeout 100ms '" +
+                                 fixture("small.toml") + '\'');
+  CHECK(x.status == 1);
+  const auto lines = lines_of(x.out);
+  REQUIRE(lines.size() >= 2);
+  CHECK(lines[0].starts_with("seed 1  no end  the run had not ended after 100 ms  replay: "));
+  CHECK(lines[1].starts_with("seed 2  no end  "));
+}
+
+TEST_CASE("an interrupted swarm ends with what it knows", "[cli][ACT-11]") {
+  // Its first line says that it is under way; then it is interrupted, and the rest is kept.
+  const std::string script =
+      "pid=$(mktemp); "
+      "{ echo $BASHPID >\"$pid\"; exec \"$0\" swarm --seeds 1..1000000 \"$1\"; } "
+      "| { read -r line; kill -INT \"$(cat \"$pid\")\"; rm \"$pid\"; cat; }";
+  const auto x = shell("bash -o pipefail -c '" + script + "' '" + binary + "' '" +
+                       fixture("far.toml") + "' 2>/dev/null");
+  CHECK(x.status == 130);
+  const auto lines = lines_of(x.out);
+  REQUIRE(!lines.empty());
+  CHECK(lines.back().starts_with("interrupted: 999,"));
+  CHECK(lines.back().ends_with(" runs missing"));
+}
+
+TEST_CASE("a swarm refuses what a run refuses", "[cli][GEN-06]") {
+  const auto file = '\'' + fixture("three_mistakes.toml") + '\'';
+  const auto x = standard_error("swarm --seeds 1..3 " + file);
+  CHECK(x.status == 2);
+  CHECK(x.out == standard_error("check " + file).out);
+  CHECK(shell('"' + binary + "\" swarm --seeds 1..2 --for 1s '" + fixture("small.toml") +
+              "' >/dev/full 2>/dev/null")
+            .status == 2);
+}

@@ -79,6 +79,44 @@ TEST_CASE("check takes the files that run takes", "[cli]") {
   CHECK(std::get<check_command>(x).instead.noise_trace == "m.txt");
 }
 
+TEST_CASE("each option of swarm reaches the swarm", "[cli]") {
+  const auto parse_swarm = [](std::vector<const char*> words) {
+    words.insert(words.begin(), {"swarm", "home.toml"});
+    const auto x = parse(words);
+    REQUIRE(std::holds_alternative<swarm_command>(x));
+    return std::get<swarm_command>(x);
+  };
+  const auto x = parse_swarm({"--seeds", "3..10"});
+  CHECK(x.file == "home.toml");
+  CHECK(x.seeds.first == 3);
+  CHECK(x.seeds.last == 10);
+  CHECK(!x.jobs);
+  CHECK(x.length.empty());
+  CHECK(x.timeout == 300s);
+  CHECK(!x.json);
+  const auto y = parse_swarm({"--seeds", "0..18446744073709551615", "--jobs", "3", "--for", "10min",
+                              "--timeout", "90s", "--json"});
+  CHECK(y.seeds.last == 18446744073709551615U);
+  CHECK(y.jobs == 3U);
+  CHECK(y.length == "10min");
+  CHECK(y.timeout == 90s);
+  CHECK(y.json);
+  CHECK(parse_swarm({"--seeds", "7"}).seeds.last == 7); // one seed is a range too
+}
+
+TEST_CASE("a swarm without sensible seeds, jobs or times is refused", "[cli]") {
+  CHECK(contains(refusal({"swarm", "a.toml"}), "--seeds"));
+  const auto seeds = GENERATE(as<const char*>{}, "", "..", "1..", "..3", "3..1", "1-3", "1..3..5",
+                              "1...3", "0..18446744073709551616", " 1..2");
+  CAPTURE(seeds);
+  CHECK(contains(refusal({"swarm", "a.toml", "--seeds", seeds}), "--seeds"));
+  CHECK(contains(refusal({"swarm", "a.toml", "--seeds", "1..2", "--jobs", "0"}), "--jobs: not"));
+  CHECK(contains(refusal({"swarm", "a.toml", "--seeds", "1..2", "--jobs", "1025"}), "1025"));
+  CHECK(contains(refusal({"swarm", "a.toml", "--seeds", "1..2", "--for", "soon"}), "--for: not"));
+  CHECK(contains(refusal({"swarm", "a.toml", "--seeds", "1..2", "--timeout", "0s"}),
+                 "--timeout: not a length of time: '0s'"));
+}
+
 TEST_CASE("options may stand before the file", "[cli]") {
   const auto x = parse({"run", "--json", "--seed", "3", "home.toml"});
   REQUIRE(std::holds_alternative<run_command>(x));

@@ -114,9 +114,9 @@ TEST_CASE("faults that cannot be are refused", "[config][GEN-06][ACT-04]") {
        "15:6: `by` must be a time with its unit, forward or back, as in \"5s\" or \"-5s\", not "
        "\"--5s\""},
       {"at = \"1s\"\nkind = \"partition\"\ngroups = []\n",
-       "14:10: `groups` must be an array of at least 1, not an array of 0"},
+       "14:10: `groups` must be an array of at least 1, not an empty array"},
       {"at = \"1s\"\nkind = \"partition\"\ngroups = [[]]\n",
-       "14:11: `groups` must be an array of at least 1, not an array of 0"},
+       "14:11: `groups` must be an array of at least 1, not an empty array"},
       {"at = \"1s\"\nkind = \"partition\"\ngroups = [[\"p\"], [\"p-2\"]]\n",
        "14:19: the peer with the id 12 is already in a group (line 14, column 12)"},
       {"at = \"1s\"\nkind = \"link_loss\"\nloss = 0.1\npeers = [\"q\"]\n",
@@ -153,10 +153,10 @@ TEST_CASE("a summary shows when faults happen, and to whom", "[config]") {
                       "[[fault]]\nat = \"5s\"\nkind = \"link_loss\"\nloss = 0.1\n");
   const auto text = summary(x);
   CHECK(text.substr(text.find("faults")) == R"(faults
-  3 times from 0 s                 kill        any peer for 9 s
-  2 s                              power_off   q
-  every 1 min from 3 s to 5 min    clock_step  p-3 by -2 s
-  4 s                              partition   p-1, p-2, p-3 | q for 30 s
-  5 s                              link_loss   10 % for 30 s
+  3 times                        kill        any peer for 9 s
+  2 s                            power_off   q
+  every 1 min from 3 s to 5 min  clock_step  p-3 by -2 s
+  4 s                            partition   p-1, p-2, p-3 | q for 30 s
+  5 s                            link_loss   10 % for 30 s
 )");
 }

@@ -161,16 +161,18 @@ TEST_CASE("an input for a mote that is not there, or for no AM type, fails visib
   CHECK(pick<to_sink>(out).empty());
 }
 
-TEST_CASE("messages between islands change only their header", "[gateway][RTG-02][WIR-02]") {
+TEST_CASE("messages between islands change only their header, and stay as reliable as they were",
+          "[gateway][RTG-02][WIR-02][ACK-09]") {
+  const bool reliable = GENERATE(true, false);
   auto x = make();
   join(x, fan);
-  const transport::segment segment{fan, 9, 10, true, false, bytes{'h', 'i'}};
+  const transport::segment segment{fan, 9, 10, reliable, false, bytes{'h', 'i'}};
   const auto out =
       x.on_packet(network::am::to_gateway, up({island_id{2}, mote_id{5}}, segment), {});
   REQUIRE(pick<to_gateway>(out).size() == 1);
   const auto across = pick<to_gateway>(out)[0];
   CHECK(across.peer == peer_id{2});
-  CHECK(across.reliable);
+  CHECK(across.reliable == reliable);
   CHECK(to_hex(across.octets) == "0005000a" + to_hex(encode(segment)));
 
   auto other = make();

@@ -115,7 +115,7 @@ TEST_CASE("at most 256 packages are under way to a destination, and bulk leaves 
 TEST_CASE("messages that cannot begin wait up to a limit", "[peis][P2P-03]") {
   random_stream dice(5);
   id_source numbers(dice);
-  delivery reliable{delivery_config{400ms, 1, 3}};
+  delivery reliable{delivery_config{.window = {1, 2048}, .waiting_max = 3}};
   for (int i = 0; i < 3; ++i)
     CHECK(reliable.add(message_of(1), numbers));
   CHECK(!reliable.add(message_of(1), numbers));
@@ -128,7 +128,7 @@ TEST_CASE("messages that cannot begin wait up to a limit", "[peis][P2P-03]") {
 TEST_CASE("nothing leaves that is too far ahead of what is not acknowledged", "[peis][ACK-08]") {
   random_stream dice(6);
   id_source numbers(dice);
-  delivery reliable({.span_max = 50});
+  delivery reliable({.window = {256, 50}});
   std::optional<std::int32_t> oldest;
   std::size_t left = 0;
   for (int i = 0; i < 100; ++i)

@@ -264,7 +264,8 @@ TEST_CASE("the main table holds what is known of the way to each host", "[peis][
 
 TEST_CASE("each link has a table of its own", "[peis][RTE-02]") {
   routing_table routes(here, 111, 30);
-  const std::array over_left{routing_entry{stranger, 40, 7, 3, 5}, routing_entry{peer_id{8}, 1, 8, 1, 1}};
+  const std::array over_left{routing_entry{stranger, 40, 7, 3, 5},
+                             routing_entry{peer_id{8}, 1, 8, 1, 1}};
   const std::array over_right{routing_entry{stranger, 40, 7, 6, 5}};
   static_cast<void>(routes.on_table(left, 1, over_left, instant{}));
   static_cast<void>(routes.on_table(right, 2, over_right, instant{}));

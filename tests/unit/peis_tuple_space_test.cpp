@@ -126,6 +126,20 @@ TEST_CASE("subscribers of a vanished host are forgotten", "[peis][TUP-19]") {
   CHECK(!x.has_subscriber(*key::parse("a")));
 }
 
+TEST_CASE("a subscriber to whom no way is known yet gets its values later", "[peis][TUP-18]") {
+  auto x = space();
+  static_cast<void>(x.set(*key::parse("x"), text_content("1"), start));
+  auto sent = x.on_subscribe(other, subscription("x"), start);
+  REQUIRE(sent.size() == 1);
+  const auto& push = std::get<transmit>(sent[0]);
+  x.on_undelivered(other, push.port, push.content.head.view(), push.request, start);
+  REQUIRE(x.deadline() == start + 1s);
+  const auto again = x.on_time(start + 1s);
+  REQUIRE(again.size() == 1);
+  CHECK(std::get<transmit>(again[0]).destination == other);
+  CHECK(std::get<transmit>(again[0]).port == port::push);
+}
+
 TEST_CASE("a full tuple space refuses new tuples, not new values", "[peis][TUP-24]") {
   tuple_space x({.tuples_max = 2}, me, 1'000'000'000s);
   CHECK(x.set(*key::parse("a"), text_content("1"), start).first == cause::none);

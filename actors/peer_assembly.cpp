@@ -1,0 +1,183 @@
+// The part of the assembly that makes peers: kernels and the programs that use them.
+#include <algorithm>
+
+#include "actors/apps/peer_apps.hpp"
+#include "actors/assembly.hpp"
+#include "actors/gateway.hpp"
+#include "actors/peis_peer.hpp"
+#include "actors/proxy_manager.hpp"
+#include "peis/host_record.hpp"
+#include "peis/link_url.hpp"
+
+namespace rubicon {
+
+namespace {
+
+/// Of a link of limited bandwidth: what is urgent overtakes all but these octets.
+constexpr std::size_t slow_link_window = 8192;
+
+ecology_actor ecology_handle(ecology_pointer self) {
+  return caf::actor_cast<ecology_actor>(self);
+}
+
+/// @pre the description has an island with this id
+const config::island_description& island_of(ecology_pointer self, island_id id) {
+  return *std::ranges::find(self->state.description.islands, id, &config::island_description::id);
+}
+
+/// The peer's part of the description; a gateway has what is there by default.
+config::peer_description description_of(ecology_pointer self, const supervised_peer& peer) {
+  if (!peer.island)
+    return *std::ranges::find(self->state.description.peers, peer.id,
+                              &config::peer_description::id);
+  const auto& island = island_of(self, *peer.island);
+  config::peer_description x;
+  x.id = peer.id;
+  x.name = peer.name;
+  x.host = island.host;
+  x.links = island.gateway_links;
+  x.discovery = x.links.empty();
+  return x;
+}
+
+/// Whether a peer has anything to do with the real network; never in virtual time.
+bool is_real(ecology_pointer self, const config::peer_description& peer) {
+  return self->state.process.loop != nullptr && (peer.tcp || !peer.connect.empty() || peer.lan);
+}
+
+/// Unplaced peers have a machine of their own, unless they can be met on this one.
+std::string host_of(ecology_pointer self, const config::peer_description& peer) {
+  if (!peer.host.empty())
+    return peer.host;
+  return is_real(self, peer) ? self->state.process.machine : peer.name;
+}
+
+peis::kernel_config kernel_of(ecology_pointer self, const config::peer_description& peer) {
+  const auto& state = self->state;
+  peis::kernel_config x;
+  x.managers = peer.managers;
+  auto& network = x.network;
+  network.id = peer.id;
+  network.name = peer.name;
+  network.host_name = host_of(self, peer);
+  network.network = state.description.network;
+  network.process = state.process.number;
+  network.clock_offset = state.process.clock_offset;
+  network.addresses = {peis::inproc_address(state.process.number, peer.id)};
+  if (state.description.peis.bandwidth_bps > 0)
+    network.link_window = slow_link_window;
+  auto& connections = network.connections;
+  for (const auto& name : peer.links)
+    connections.always.push_back("inproc://" + to_string(state.peers.at(name).id));
+  connections.always.insert(connections.always.end(), peer.connect.begin(), peer.connect.end());
+  connections.leaf = peer.leaf;
+  connections.manager = peer.manager;
+  connections.announces = peer.discovery || peer.lan;
+  return x;
+}
+
+/// What a peer has of the real network; nothing in virtual time.
+std::optional<real_links_config> real_links_of(ecology_pointer self,
+                                               const config::peer_description& peer) {
+  if (!is_real(self, peer))
+    return std::nullopt;
+  real_links_config x;
+  x.loop = self->state.process.loop;
+  x.links.lan = peer.lan;
+  x.links.first_link = peis::link_id{first_real_link};
+  if (peer.tcp && peer.tcp->port)
+    x.links.first_port = peer.tcp->port;
+  else if (!peer.tcp && !peer.lan)
+    x.links.first_port.reset();
+  x.port_is_given = peer.tcp && peer.tcp->port;
+  return x;
+}
+
+/// Spawns one app of a peer, whichever kind it is.
+struct peer_app_spawner {
+  ecology_pointer self;
+  supervised_peer& peer;
+  std::size_t number;
+
+  void operator()(const config::proxy_manager_app& x) const {
+    proxy_manager_arguments arguments;
+    arguments.classes = self->state.description.proxies;
+    for (const auto id : x.islands)
+      arguments.islands.push_back(managed(id));
+    arguments.peer_number = peer.id;
+    arguments.peer = peer.handle;
+    arguments.ecology = ecology_handle(self);
+    add(spawn_child(self, "proxy_manager/" + peer.name, proxy_manager, std::move(arguments)));
+  }
+
+  void operator()(const config::rules_app& x) const {
+    std::vector<proxy::rule> rules;
+    for (const auto& rule : x.rules)
+      rules.push_back(rule_of(rule));
+    add(spawn_child(self, path("rules"), rules_program, std::move(rules), peer.handle,
+                    ecology_handle(self)));
+  }
+
+  void operator()(const config::collector_app& x) const {
+    add(spawn_child(self, path("collector"), collector, x.keys, peer.handle));
+  }
+
+  [[nodiscard]] managed_island managed(island_id id) const {
+    const auto& island = island_of(self, id);
+    managed_island x{id, island.name, {}};
+    for (const auto& [address, mote] : self->state.motes) {
+      if (address.island == id)
+        x.mote_names[address.mote] = mote.arguments->name.substr(island.name.size() + 1);
+    }
+    return x;
+  }
+
+  [[nodiscard]] std::string path(const std::string& kind) const {
+    return "peer_app/" + peer.name + '/' + kind + '-' + std::to_string(number);
+  }
+
+  template <class Handle>
+  void add(const Handle& program) const {
+    peer.programs.push_back(caf::actor_cast<caf::actor>(program));
+  }
+};
+
+} // namespace
+
+void spawn_kernel(ecology_pointer self, supervised_peer& peer, const std::string& path) {
+  const auto description = description_of(self, peer);
+  peis_peer_arguments x;
+  x.config = kernel_of(self, description);
+  x.name = peer.name;
+  x.seed = self->state.description.seed;
+  x.station = peer.station = ++self->state.stations;
+  x.incarnation = peer.incarnation;
+  x.network = self->state.description.peis;
+  x.discovery = description.discovery;
+  x.real = real_links_of(self, description);
+  x.lan = self->state.lan;
+  x.ecology = ecology_handle(self);
+  peer.handle = spawn_child(self, path, peis_peer, std::move(x));
+  peer.changed = now(self);
+  peer.powered = true;
+}
+
+void spawn_programs(ecology_pointer self, supervised_peer& peer) {
+  if (!peer.island) {
+    std::size_t number = 0;
+    for (const auto& app : description_of(self, peer).apps)
+      std::visit(peer_app_spawner{self, peer, ++number}, app);
+    return;
+  }
+  const auto& island = island_of(self, *peer.island);
+  gateway_arguments gateway;
+  gateway.config.island = island.id;
+  gateway.seed = self->state.description.seed;
+  gateway.peer = peer.handle;
+  gateway.line = self->state.lines.at(island.id);
+  gateway.ecology = ecology_handle(self);
+  peer.programs.push_back(caf::actor_cast<caf::actor>(
+      spawn_child(self, "gateway/" + island.name, gateway_behavior, std::move(gateway))));
+}
+
+} // namespace rubicon

@@ -1,0 +1,163 @@
+#include "actors/peer_supervision.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace rubicon {
+
+namespace {
+
+void tell(ecology_pointer self, const supervised_peer& peer, std::string what) {
+  self->send(self, story{"peis_peer/" + peer.name, std::move(what)});
+}
+
+/// Ends an actor that we have spawned, without a word about it.
+void end_quietly(ecology_pointer self, const caf::actor& who) {
+  auto& state = self->state;
+  state.names.erase(who.address());
+  std::erase_if(state.reporters, [&who](const auto& x) { return x.first == who.address(); });
+  self->send_exit(who, caf::exit_reason::user_shutdown);
+}
+
+/// Ends a peer's process: kernel and programs.
+void end_process(ecology_pointer self, supervised_peer& peer) {
+  for (const auto& program : std::exchange(peer.programs, {}))
+    end_quietly(self, program);
+  if (peer.handle)
+    end_quietly(self, caf::actor_cast<caf::actor>(peer.handle));
+  peer.handle = nullptr;
+  peer.changed = now(self);
+}
+
+void restart_after(ecology_pointer self, const supervised_peer& peer,
+                   std::optional<duration> length) {
+  if (length)
+    self->delayed_send(self, *length, restart_peer{peer.name});
+}
+
+std::string lasting(std::optional<duration> length) {
+  return length ? " for " + to_text(*length) : std::string();
+}
+
+void disturb(ecology_pointer self, begin_lan_fault x, duration length) {
+  auto& state = self->state;
+  x.fault = ++state.lan_faults;
+  state.last_lan_fault = std::max(state.last_lan_fault, now(self) + length);
+  self->delayed_send(state.lan, length, end_lan_fault{x.fault});
+  self->send(state.lan, std::move(x));
+}
+
+} // namespace
+
+supervised_peer* find_running(ecology_pointer self, peer_id id) {
+  std::vector<supervised_peer*> peers;
+  std::vector<supervised_peer*> gateways;
+  for (auto& [name, peer] : self->state.peers) {
+    if (peer.handle && (id == any_peer || peer.id == id))
+      (peer.island && id == any_peer ? gateways : peers).push_back(&peer);
+  }
+  const auto& all = peers.empty() ? gateways : peers;
+  if (all.empty())
+    return nullptr;
+  return all.size() == 1 ? all.front() : all[self->state.dice.below(all.size())];
+}
+
+void restart(ecology_pointer self, supervised_peer& peer) {
+  if (peer.handle)
+    return;
+  if (!peer.powered)
+    self->send(self->state.lan, set_lan_power{peer.station, true});
+  ++peer.incarnation;
+  ++self->state.report.actors.restarted;
+  spawn_kernel(self, peer, "peis_peer/" + peer.name);
+  spawn_programs(self, peer);
+  tell(self, peer, "started again, life " + std::to_string(peer.incarnation + 1));
+}
+
+bool on_kernel_down(ecology_pointer self, const caf::actor_addr& kernel) {
+  for (auto& [name, peer] : self->state.peers) {
+    if (!peer.handle || peer.handle.address() != kernel)
+      continue;
+    std::erase_if(self->state.reporters, [&](const auto& x) { return x.first == kernel; });
+    peer.handle = nullptr;
+    end_process(self, peer);
+    return true;
+  }
+  return false;
+}
+
+void end_duplicate_peer(ecology_pointer self, const std::string& name) {
+  const auto found = self->state.duplicates.find(name);
+  if (found == self->state.duplicates.end())
+    return;
+  end_process(self, found->second);
+  self->state.duplicates.erase(found);
+}
+
+void peer_fault_applier::operator()(const config::kill_fault& x) const {
+  auto* peer = find_running(self, x.peer);
+  if (peer == nullptr)
+    return;
+  end_process(self, *peer);
+  tell(self, *peer, "killed" + lasting(x.length));
+  restart_after(self, *peer, x.length);
+}
+
+void peer_fault_applier::operator()(const config::power_off_fault& x) const {
+  auto* peer = find_running(self, x.peer);
+  if (peer == nullptr)
+    return;
+  peer->powered = false;
+  self->send(self->state.lan, set_lan_power{peer->station, false}); // before it is seen to end
+  end_process(self, *peer);
+  tell(self, *peer, "power off" + lasting(x.length));
+  restart_after(self, *peer, x.length);
+}
+
+void peer_fault_applier::operator()(const config::pause_fault& x) const {
+  if (auto* peer = find_running(self, x.peer); peer != nullptr) {
+    peer->changed = now(self) + x.length;
+    self->send(peer->handle, pause_peer{x.length});
+  }
+}
+
+void peer_fault_applier::operator()(const config::partition_fault& x) const {
+  disturb(self, {0, x.groups, 0, {}}, x.length);
+  self->send(self, story{self->path(), "network in parts" + lasting(x.length)});
+}
+
+void peer_fault_applier::operator()(const config::link_loss_fault& x) const {
+  disturb(self, {0, {}, x.loss, x.peers}, x.length);
+  self->send(self, story{self->path(), "network loses packages" + lasting(x.length)});
+}
+
+void peer_fault_applier::operator()(const config::duplicate_id_fault& x) const {
+  auto& state = self->state;
+  auto* peer = find_running(self, x.peer);
+  if (peer == nullptr)
+    return;
+  auto copy = *peer;
+  copy.programs = {};
+  copy.incarnation = 0;
+  const auto name = peer->name + "-double-" + std::to_string(state.stations + 1);
+  auto& added = state.duplicates[name] = std::move(copy);
+  spawn_kernel(self, added, "peis_peer/" + name);
+  std::erase_if(state.reporters,
+                [&](const auto& each) { return each.first == added.handle.address(); });
+  peer->changed = now(self) + x.length.value_or(state.description.length);
+  tell(self, *peer, "a second one with its id appears" + lasting(x.length));
+  if (x.length)
+    self->delayed_send(self, *x.length, end_duplicate{name});
+}
+
+void peer_fault_applier::operator()(const config::clock_step_fault& x) const {
+  auto* peer = find_running(self, x.peer);
+  if (peer == nullptr)
+    return;
+  self->send(peer->handle, step_clock{x.by});
+  tell(self, *peer,
+       "clock set " + std::string(x.by < 0s ? "back by " : "forward by ") +
+           to_text(x.by < 0s ? -x.by : x.by));
+}
+
+} // namespace rubicon

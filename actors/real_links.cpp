@@ -1,0 +1,49 @@
+#include "actors/real_links.hpp"
+
+#include <utility>
+
+#include <caf/send.hpp>
+
+namespace rubicon {
+
+std::variant<std::unique_ptr<real_links>, std::string>
+real_links::open(const real_links_config& config, peis_peer_actor user) {
+  auto out = std::unique_ptr<real_links>(new real_links(std::move(user)));
+  auto links = peer::tcp_links::open(*config.loop, config.links, *out);
+  if (auto* why = std::get_if<std::string>(&links))
+    return std::move(*why);
+  out->links_ = std::get<std::unique_ptr<peer::tcp_links>>(std::move(links));
+  if (config.port_is_given && out->links_->port() != config.links.first_port)
+    return "port " + std::to_string(*config.links.first_port) + " is in use";
+  return out;
+}
+
+void real_links::on_link_open(peis::link_id link, peis::link_role role,
+                              std::optional<peis::attempt_id> attempt) {
+  caf::anon_send(
+      user_,
+      link_opened{
+          link.value, {}, role == peis::link_role::initiator, attempt ? attempt->value : 0, {}});
+}
+
+void real_links::on_attempt_failed(peis::attempt_id attempt, const std::string&) {
+  caf::anon_send(user_, attempt_failed{attempt.value});
+}
+
+void real_links::on_link_octets(peis::link_id link, byte_view octets) {
+  caf::anon_send(user_, link_octets{link.value, to_bytes(octets)});
+}
+
+void real_links::on_link_sent(peis::link_id link, std::size_t octets) {
+  caf::anon_send(user_, link_sent{link.value, octets});
+}
+
+void real_links::on_link_closed(peis::link_id link, const std::string&) {
+  caf::anon_send(user_, link_closed{link.value});
+}
+
+void real_links::on_announcement(byte_view datagram) {
+  caf::anon_send(user_, announcement{to_bytes(datagram)});
+}
+
+} // namespace rubicon

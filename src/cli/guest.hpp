@@ -1,0 +1,45 @@
+// A peer that joins a network for the length of one command.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "cli/network_command.hpp"
+#include "io/loop.hpp"
+#include "peer/standalone.hpp"
+
+namespace rubicon::cli {
+
+/// Nobody can connect to it and it is no way between others. It leaves when it is destroyed.
+class guest {
+public:
+  /// Connects and waits until the other peer has introduced itself.
+  /// @returns why that failed
+  [[nodiscard]] static std::variant<std::unique_ptr<guest>, std::string>
+  join(io::loop& where, const network_options& options);
+
+  ~guest();
+  guest(const guest&) = delete;
+  guest& operator=(const guest&) = delete;
+
+  [[nodiscard]] peer::standalone& peer() { return *peer_; }
+
+  /// Waits until a peer can be reached. @returns false if it cannot within the timeout
+  [[nodiscard]] bool await_host(peer_id host);
+
+  /// Waits until `found`, and then until nothing new has come for a while.
+  /// @param news grows with everything that comes
+  [[nodiscard]] bool await_quiet(const std::function<bool()>& found,
+                                 const std::function<std::size_t()>& news);
+
+private:
+  guest() = default;
+
+  network_options options_;
+  std::string last_failure_;
+  std::unique_ptr<peer::standalone> peer_;
+};
+
+} // namespace rubicon::cli

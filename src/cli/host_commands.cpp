@@ -1,0 +1,177 @@
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/console.hpp"
+#include "cli/network_text.hpp"
+#include "cli/visit.hpp"
+#include "peis/link_url.hpp"
+#include "runtime/figures.hpp"
+#include "runtime/text_layout.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+constexpr duration ping_gap = 200ms;
+constexpr duration ask_again_after = 1s;
+
+struct known_host {
+  const peis::host_record* record = nullptr; ///< nullptr: it has not described itself
+  std::optional<unsigned> metric;            ///< unset: no way to it
+};
+
+/// Everybody but ourselves.
+std::map<peer_id, known_host> known_hosts(const peer::standalone& peer) {
+  std::map<peer_id, known_host> all;
+  for (const auto* x : peer.hosts())
+    all[x->id].record = x;
+  for (const auto& [host, way] : peer.kernel().routing().routes()) {
+    if (!way.lost())
+      all[host].metric = way.hops;
+  }
+  all.erase(peer.kernel().id());
+  return all;
+}
+
+std::vector<std::string> urls_of(const peis::host_record* x) {
+  std::vector<std::string> all;
+  if (x != nullptr) {
+    for (const auto& address : x->addresses)
+      all.push_back(to_string(peis::url_of(address)));
+  }
+  return all;
+}
+
+std::string joined(const std::vector<std::string>& all) {
+  std::string text;
+  for (const auto& x : all)
+    text += (text.empty() ? "" : " ") + x;
+  return text;
+}
+
+std::string hosts_json(const std::map<peer_id, known_host>& all) {
+  std::vector<nlohmann::ordered_json> rows;
+  for (const auto& [host, x] : all) {
+    nlohmann::ordered_json row;
+    row["id"] = host.value;
+    if (x.record != nullptr) {
+      row["name"] = x.record->full_name;
+      row["host"] = x.record->host_name;
+      row["addresses"] = urls_of(x.record);
+    }
+    if (x.metric)
+      row["metric"] = *x.metric;
+    rows.push_back(std::move(row));
+  }
+  return lines_of(rows);
+}
+
+std::string hosts_table(const std::map<peer_id, known_host>& all) {
+  runtime::table table({{"id", runtime::align::right},
+                        {"component"},
+                        {"host"},
+                        {"metric", runtime::align::right},
+                        {"addresses"}});
+  for (const auto& [host, x] : all) {
+    const auto* record = x.record;
+    table.add({to_string(host), record ? runtime::printable(record->full_name) : "?",
+               record ? runtime::printable(record->host_name) : "?",
+               x.metric ? std::to_string(*x.metric) : "lost", joined(urls_of(record))});
+  }
+  const auto output = console_of(stdout);
+  return table.render(output.width, output.colour);
+}
+
+std::string name_of(const visit& at, peer_id host) {
+  for (const auto* x : at.peer().hosts()) {
+    if (x->id == host)
+      return runtime::printable(x->full_name);
+  }
+  return {};
+}
+
+/// The first answers of a peer that has only just heard of us may find no way back: asks again.
+std::optional<std::vector<peer_id>> first_trace(const visit& at, peer_id host) {
+  const auto end = at.peer().now() + at.with.timeout;
+  std::optional<std::vector<peer_id>> way;
+  while (!way && at.peer().now() < end)
+    way = at.peer().trace(host, std::min<duration>(ask_again_after, end - at.peer().now()));
+  return way;
+}
+
+std::string no_answer(const visit& at, peer_id host) {
+  return (at.peer().reachable(host) ? "no answer from peer " : "no way to peer ") + to_string(host);
+}
+
+} // namespace
+
+exit_status perform(const visit& at, const list_hosts&) {
+  static_cast<void>(at.self.await_quiet(
+      [&] {
+        const auto all = known_hosts(at.peer());
+        return std::all_of(all.begin(), all.end(),
+                           [](const auto& x) { return x.second.record != nullptr; });
+      },
+      [&] { return at.peer().hosts().size(); }));
+  const auto all = known_hosts(at.peer());
+  return answer(at.with.json ? hosts_json(all) : hosts_table(all));
+}
+
+exit_status perform(const visit& at, const trace_route& x) {
+  if (!at.self.await_host(x.host))
+    return fail(no_answer(at, x.host));
+  const auto way = first_trace(at, x.host);
+  if (!way)
+    return fail(no_answer(at, x.host));
+  if (at.with.json) {
+    nlohmann::ordered_json out{{"host", x.host.value}, {"way", nlohmann::ordered_json::array()}};
+    for (const auto& host : *way)
+      out["way"].push_back(host.value);
+    return answer(line_of(out));
+  }
+  runtime::table table({{"", runtime::align::right}, {"id", runtime::align::right}, {"component"}});
+  for (std::size_t i = 0; i < way->size(); ++i)
+    table.add({std::to_string(i), to_string((*way)[i]), name_of(at, (*way)[i])});
+  const auto output = console_of(stdout);
+  return answer(table.render(output.width, output.colour));
+}
+
+exit_status perform(const visit& at, const ping_host& x) {
+  if (!at.self.await_host(x.host) || !first_trace(at, x.host))
+    return fail(no_answer(at, x.host));
+  std::vector<double> all_ms;
+  for (std::uint64_t i = 0; i < x.count; ++i) {
+    if (i > 0)
+      at.peer().run_until([] { return false; }, ping_gap);
+    const auto begun = at.peer().now();
+    const auto way = at.peer().trace(x.host, at.with.timeout);
+    const auto ms = 1e3 * seconds(at.peer().now() - begun);
+    if (way)
+      all_ms.push_back(ms);
+    std::string text;
+    if (at.with.json)
+      continue;
+    if (way)
+      text = "peer " + to_string(x.host) + ": " + runtime::fixed(ms, 3) + " ms, " +
+             runtime::counted(way->size() - 1, "hop") + " there and back\n";
+    else
+      text = "peer " + to_string(x.host) + ": no answer\n";
+    if (!print(stdout, text))
+      return exit_status::refused;
+  }
+  if (at.with.json) {
+    const auto written = answer(line_of(
+        {{"host", x.host.value}, {"sent", x.count}, {"answered", all_ms.size()}, {"ms", all_ms}}));
+    if (written != exit_status::good)
+      return written;
+  }
+  return all_ms.size() == x.count ? exit_status::good : exit_status::failed;
+}
+
+} // namespace rubicon::cli

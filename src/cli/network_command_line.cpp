@@ -1,0 +1,161 @@
+#include "cli/network_command_line.hpp"
+
+#include <charconv>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include "config/units.hpp"
+#include "peis/key.hpp"
+#include "peis/link_url.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+/// An option or word whose text `take` turns into a value or refuses with a ValidationError.
+CLI::Option* add_parsed(CLI::App& app, const char* name, const char* type, const char* text,
+                        std::function<void(const std::string&)> take) {
+  return app.add_option_function<std::string>(name, std::move(take), text)->type_name(type);
+}
+
+duration parse_time(const char* name, const std::string& text) {
+  const auto length = config::parse_duration(text);
+  if (!length || *length <= 0s)
+    throw CLI::ValidationError(name, "not a length of time: '" + text + "' (say 90s or 10min)");
+  return *length;
+}
+
+std::uint64_t parse_number(const char* name, const std::string& text, std::uint64_t max) {
+  std::uint64_t x = 0;
+  const auto end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, x);
+  if (error != std::errc{} || stop != end || x < 1 || x > max)
+    throw CLI::ValidationError(name, "not a number from 1 to " + std::to_string(max) + ": '" +
+                                         text + '\'');
+  return x;
+}
+
+peer_id parse_id(const char* name, const std::string& text) {
+  return peer_id{static_cast<std::int32_t>(parse_number(name, text, peer_id_max))};
+}
+
+std::string parse_peer(const std::string& text) {
+  const auto whole = text.find("://") == std::string::npos ? "tcp://" + text : text;
+  const auto url = peis::parse_link_url(whole);
+  if (!url || url->medium != peis::link_url::scheme::tcp)
+    throw CLI::ValidationError("--connect", "not HOST:PORT: '" + text + '\'');
+  return peis::to_string(*url);
+}
+
+std::string parse_key(const char* name, const std::string& text, bool pattern) {
+  const auto key = peis::key::parse(text);
+  if (!key || (key->is_pattern() && !pattern))
+    throw CLI::ValidationError(name, "not a key: '" + text +
+                                         "' (up to 7 parts and 127 characters, as in lamp.state" +
+                                         (pattern ? "; * stands for a part)" : ")"));
+  return text;
+}
+
+void add_owner(CLI::App& app, std::optional<peer_id>& owner) {
+  add_parsed(app, "--owner", "ID", "Only tuples of this peer",
+             [&](const auto& text) { owner = parse_id("--owner", text); });
+}
+
+void add_host(CLI::App& app, peer_id& host) {
+  add_parsed(app, "ID", "", "The peer", [&](const auto& text) {
+    host = parse_id("ID", text);
+  })->required();
+}
+
+void add_write(CLI::App& app, write_tuple& x) {
+  add_parsed(app, "KEY", "", "Name of the tuple", [&](const auto& text) {
+    x.key = parse_key("KEY", text, false);
+  })->required();
+  app.add_option("VALUE", x.value, "Text")->required()->type_name("");
+  add_parsed(app, "--owner", "ID", "The peer whose tuple it is", [&](const auto& text) {
+    x.owner = parse_id("--owner", text);
+  })->required();
+}
+
+} // namespace
+
+template <class What>
+What& network_command_line::add(CLI::App& below, const char* name, const char* text) {
+  auto& app = *below.add_subcommand(name, text);
+  const auto x = std::make_shared<What>();
+  all_.push_back({&app, [this, x] { return network_command{with_, *x}; }});
+  add_parsed(app, "--connect", "HOST:PORT", "A peer of the network", [this](const auto& words) {
+    with_.peer = parse_peer(words);
+  })->required();
+  app.add_option("--network", with_.network, "The network's name; rubicon if not given")
+      ->type_name("NAME")
+      ->check([](const std::string& words) {
+        return words.size() > 62 ? std::string("longer than 62 characters") : std::string();
+      });
+  add_parsed(app, "--id", "ID", "Our own id; a high one by chance if not given",
+             [this](const auto& words) { with_.id = parse_id("--id", words); });
+  add_parsed(app, "--timeout", "TIME", "How long to wait for answers; 5s if not given",
+             [this](const auto& words) { with_.timeout = parse_time("--timeout", words); });
+  app.add_flag("--json", with_.json, "Print JSON");
+  return *x;
+}
+
+network_command_line::network_command_line(CLI::App& app) {
+  auto& tuples = *app.add_subcommand("tuples", "Read and write tuples of a running network");
+  tuples.require_subcommand(1);
+  const auto last = [this]() -> CLI::App& { return *all_.back().app; };
+
+  auto& got = add<get_tuple>(tuples, "get", "Print the value of a tuple");
+  add_parsed(last(), "KEY", "", "Name of the tuple", [&](const auto& text) {
+    got.key = parse_key("KEY", text, false);
+  })->required();
+  add_owner(last(), got.owner);
+
+  add_write(last(), add<write_tuple>(tuples, "set", "Set a tuple at its owner"));
+  auto& appended = add<write_tuple>(tuples, "append", "Add to the end of a tuple at its owner");
+  appended.append = true;
+  add_write(last(), appended);
+
+  auto& watched = add<watch_tuples>(tuples, "watch", "Print tuples as they change");
+  last()
+      .add_option("KEY", watched.patterns, "Names of tuples; * stands for a part")
+      ->required()
+      ->type_name("")
+      ->check([](const std::string& text) {
+        const auto key = peis::key::parse(text);
+        return key ? std::string() : "not a key: '" + text + '\'';
+      });
+  add_owner(last(), watched.owner);
+  add_parsed(last(), "--for", "TIME", "End after this time; at Ctrl-C if not given",
+             [&](const auto& text) { watched.length = parse_time("--for", text); });
+  add_parsed(last(), "--count", "N", "End after so many changes",
+             [&](const auto& text) { watched.count = parse_number("--count", text, UINT64_MAX); });
+
+  auto& listed = add<list_tuples>(tuples, "ls", "List tuples");
+  add_parsed(last(), "KEY", "", "Names of tuples; * stands for a part",
+             [&](const auto& text) { listed.pattern = parse_key("KEY", text, true); });
+  add_owner(last(), listed.owner);
+  last().add_flag("--all", listed.all, "Also kernel.*, with which peers describe themselves");
+
+  add<list_hosts>(app, "hosts", "List the peers of a running network");
+  add_host(last(), add<trace_route>(app, "route", "Show the way to a peer and back").host);
+  auto& pinged = add<ping_host>(app, "ping", "Measure the time to a peer and back");
+  add_host(last(), pinged.host);
+  add_parsed(last(), "--count", "N", "How often; 4 if not given",
+             [&](const auto& text) { pinged.count = parse_number("--count", text, UINT64_MAX); });
+}
+
+std::optional<network_command> network_command_line::parsed() const {
+  for (const auto& x : all_) {
+    if (x.app->parsed())
+      return x.make();
+  }
+  return std::nullopt;
+}
+
+} // namespace rubicon::cli

@@ -1,0 +1,28 @@
+#include "cli/network_commands.hpp"
+
+#include <memory>
+
+#include "cli/console.hpp"
+#include "cli/visit.hpp"
+
+namespace rubicon::cli {
+
+exit_status fail(const std::string& why) {
+  static_cast<void>(print(stderr, "rubicon: " + why + '\n'));
+  return exit_status::failed;
+}
+
+exit_status answer(const std::string& text) {
+  return print(stdout, text) ? exit_status::good : exit_status::refused;
+}
+
+exit_status perform(const network_command& x) {
+  io::loop loop;
+  auto joined = guest::join(loop, x.with);
+  if (const auto* why = std::get_if<std::string>(&joined))
+    return fail(*why);
+  const visit at{loop, x.with, *std::get<std::unique_ptr<guest>>(joined)};
+  return std::visit([&](const auto& what) { return perform(at, what); }, x.what);
+}
+
+} // namespace rubicon::cli

@@ -1,0 +1,120 @@
+#include "cli/swarm.hpp"
+
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+namespace rubicon::cli {
+
+namespace {
+
+using nlohmann::json;
+
+std::string last_line(const std::string& text) {
+  const auto end = text.find_last_not_of("\r\n");
+  if (end == std::string::npos)
+    return {};
+  const auto before = text.find_last_of('\n', end);
+  const auto from = before == std::string::npos ? 0 : before + 1;
+  return text.substr(from, end + 1 - from);
+}
+
+/// `what`, with the last thing the run said.
+std::string with_reason(std::string what, const child_end& how) {
+  const auto line = last_line(how.err);
+  return line.empty() ? what : what + ": " + line;
+}
+
+/// @throws json::exception if the report is not as docs/report.md says
+void take_report(seed_outcome& x, const json& report) {
+  x.events = report.at("events").get<std::uint64_t>();
+  x.simulated_s = report.at("simulated_s").get<double>();
+  for (const auto& found : report.at("violations")) {
+    const auto at = duration(static_cast<std::int64_t>(found.at("at_s").get<double>() * 1e9));
+    x.violations.push_back({instant(at), found.at("invariant").get<std::string>(),
+                            found.at("detail").get<std::string>()});
+  }
+}
+
+} // namespace
+
+std::optional<seed_outcome> judge(std::uint64_t seed, const child_end& how, duration real,
+                                  bool overran) {
+  seed_outcome x{seed, {}, real};
+  const auto fail = [&](const char* invariant, std::string detail) {
+    x.violations = {{instant{}, invariant, std::move(detail)}};
+    return x;
+  };
+  if (overran)
+    return fail("no end", "the run had not ended after " + to_text(real));
+  if (how.overlong)
+    return fail("a report", "the report of the run is too long");
+  if (how.signal != 0)
+    return fail("no crash",
+                with_reason("the run ended with signal " + std::to_string(how.signal), how));
+  try {
+    const auto report = json::parse(how.out);
+    if (report.at("interrupted").get<bool>())
+      return std::nullopt;
+    take_report(x, report);
+  } catch (const json::exception&) {
+    return fail("a report", with_reason("the run ended with status " + std::to_string(how.status) +
+                                            " and without a report",
+                                        how));
+  }
+  if (how.status != (x.violations.empty() ? 0 : 1))
+    return fail("a report", "the run ended with status " + std::to_string(how.status) + " and " +
+                                std::to_string(x.violations.size()) + " violations");
+  return x;
+}
+
+std::optional<std::uint64_t> swarm::next() {
+  if (all_given_ || next_ - due_ >= ahead_max)
+    return std::nullopt;
+  const auto seed = next_;
+  all_given_ = seed == seeds_.last;
+  ++next_;
+  return seed;
+}
+
+std::vector<seed_outcome> swarm::ended(seed_outcome x) {
+  const auto seed = x.seed;
+  waiting_.emplace(seed, std::move(x));
+  std::vector<seed_outcome> told;
+  for (auto i = waiting_.begin(); i != waiting_.end() && i->first == due_; ++due_) {
+    count(i->second);
+    told.push_back(std::move(i->second));
+    i = waiting_.erase(i);
+  }
+  return told;
+}
+
+std::vector<seed_outcome> swarm::give_up() {
+  std::vector<seed_outcome> told;
+  for (auto& [seed, x] : waiting_) {
+    count(x);
+    told.push_back(std::move(x));
+  }
+  waiting_.clear();
+  all_given_ = true;
+  return told;
+}
+
+void swarm::count(const seed_outcome& x) {
+  ++totals_.runs;
+  totals_.events += x.events;
+  totals_.simulated_s += x.simulated_s;
+  if (!totals_.slowest_seed || x.real > totals_.slowest) {
+    totals_.slowest_seed = x.seed;
+    totals_.slowest = x.real;
+  }
+  if (x.violations.empty())
+    return;
+  ++totals_.failures;
+  if (totals_.failed_seeds.size() < listed_max)
+    totals_.failed_seeds.push_back(x.seed);
+  for (const auto& found : x.violations)
+    ++totals_.violations[found.invariant];
+}
+
+} // namespace rubicon::cli

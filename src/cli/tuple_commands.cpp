@@ -1,0 +1,208 @@
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/console.hpp"
+#include "cli/network_text.hpp"
+#include "cli/visit.hpp"
+#include "io/signal_watch.hpp"
+#include "runtime/figures.hpp"
+#include "runtime/text_layout.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+using found_tuples = std::vector<peis::tuple_pointer>;
+
+std::string unreachable(const visit& at, peer_id host) {
+  return "no peer " + to_string(host) + " in the network `" + at.with.network + '`';
+}
+
+std::string refused(peis::cause why) {
+  return "refused: " + std::string(peis::to_string(why));
+}
+
+/// What others hold under a pattern now; ours describe only this command.
+found_tuples held(const visit& at, peer_id owner, const std::string& pattern) {
+  auto all = at.peer().kernel().find_tuples(owner, pattern);
+  std::erase_if(all, [&](const auto& x) { return x->owner == at.peer().kernel().id(); });
+  return all;
+}
+
+/// Subscribes, and waits until what is there has come.
+found_tuples gather(const visit& at, std::optional<peer_id> owner, const std::string& pattern) {
+  const auto whose = owner.value_or(any_peer);
+  std::size_t news = 0;
+  const auto watch = at.peer().subscribe(whose, pattern, [&](const auto&) { ++news; });
+  if (!std::holds_alternative<peis::subscription_id>(watch))
+    return {};
+  static_cast<void>(at.self.await_quiet([&] { return !held(at, whose, pattern).empty(); },
+                                        [&] { return news + at.peer().hosts().size(); }));
+  return held(at, whose, pattern);
+}
+
+bool is_of_kernel(const peis::tuple& x) {
+  return x.name.folded().starts_with("kernel.");
+}
+
+std::string as_json(const found_tuples& all) {
+  std::vector<nlohmann::ordered_json> rows;
+  for (const auto& x : all)
+    rows.push_back(to_json(*x));
+  return lines_of(rows);
+}
+
+std::string as_table(const found_tuples& all) {
+  runtime::table table(
+      {{"owner", runtime::align::right}, {"key"}, {"size", runtime::align::point}, {"value"}});
+  for (const auto& x : all)
+    table.add({to_string(x->owner), runtime::printable(x->name.text()),
+               runtime::octet_size(x->value.size()), value_text(*x)});
+  const auto output = console_of(stdout);
+  return table.render(output.width, output.colour);
+}
+
+std::string time_of_day() {
+  const auto now = std::chrono::system_clock::now();
+  const auto whole = std::chrono::system_clock::to_time_t(now);
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch());
+  std::tm parts{};
+  localtime_r(&whole, &parts);
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%02d:%02d:%02d.%03d", parts.tm_hour, parts.tm_min,
+                parts.tm_sec, static_cast<int>(ms.count() % 1000));
+  return text.data();
+}
+
+/// Prints changes; columns grow with what has been seen.
+class change_printer {
+public:
+  explicit change_printer(bool json) : json_(json) {}
+
+  [[nodiscard]] bool operator()(const peis::tuple& x, bool deleted) {
+    ++count_;
+    return print(stdout, json_ ? as_line(x, deleted) : as_row(x, deleted));
+  }
+
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+
+private:
+  [[nodiscard]] static std::string as_line(const peis::tuple& x, bool deleted) {
+    auto out = to_json(x);
+    if (deleted)
+      out["deleted"] = true;
+    return line_of(out);
+  }
+
+  [[nodiscard]] std::string as_row(const peis::tuple& x, bool deleted) {
+    const auto padded = [](std::string text, std::size_t& width, bool left) {
+      const auto used = runtime::display_width(text);
+      width = std::max(width, used);
+      const std::string blanks(width - used, ' ');
+      return left ? text + blanks : blanks + text;
+    };
+    return time_of_day() + "  " + padded(to_string(x.owner), owner_width_, false) + "  " +
+           padded(runtime::printable(x.name.text()), key_width_, true) + "  " +
+           (deleted ? "(deleted)" : value_text(x)) + '\n';
+  }
+
+  bool json_;
+  std::size_t owner_width_ = 5;
+  std::size_t key_width_ = 20;
+  std::uint64_t count_ = 0;
+};
+
+} // namespace
+
+exit_status perform(const visit& at, const get_tuple& x) {
+  if (!x.owner) {
+    const auto all = gather(at, std::nullopt, x.key);
+    if (all.empty())
+      return fail("nobody has a tuple `" + x.key + '`');
+    return answer(at.with.json ? as_json(all) : as_table(all));
+  }
+  const auto watch = at.peer().subscribe(*x.owner, x.key);
+  if (const auto* why = std::get_if<peis::cause>(&watch))
+    return fail(refused(*why));
+  if (!at.self.await_host(*x.owner))
+    return fail(unreachable(at, *x.owner));
+  const auto found =
+      at.peer().get_tuple(*x.owner, x.key, peis::read_mode::keep_old, at.with.timeout);
+  if (!found)
+    return fail("peer " + to_string(*x.owner) + " has no tuple `" + x.key + '`');
+  return answer(at.with.json ? line_of(to_json(*found.content))
+                             : value_text(*found.content) + '\n');
+}
+
+exit_status perform(const visit& at, const write_tuple& x) {
+  if (!at.self.await_host(x.owner))
+    return fail(unreachable(at, x.owner));
+  const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
+    if (x.append)
+      at.peer().append_tuple(peis::prototype_of(x.owner, *peis::key::parse(x.key)),
+                             to_bytes(x.value), std::move(then));
+    else
+      at.peer().set_remote_tuple(x.owner, x.key, peis::text_content(x.value), std::move(then));
+  });
+  if (!ended)
+    return fail("peer " + to_string(x.owner) + " has not acknowledged it");
+  if (*ended != peis::cause::none)
+    return fail(refused(*ended));
+  if (!at.with.json)
+    return exit_status::good;
+  return answer(line_of({{"owner", x.owner.value}, {"key", x.key}, {"acknowledged", true}}));
+}
+
+exit_status perform(const visit& at, const list_tuples& x) {
+  if (x.owner && !at.self.await_host(*x.owner))
+    return fail(unreachable(at, *x.owner));
+  auto all = gather(at, x.owner, x.pattern);
+  if (x.pattern.empty() && !x.all)
+    std::erase_if(all, [](const auto& y) { return is_of_kernel(*y); });
+  if (all.empty())
+    return fail(x.pattern.empty() ? "no tuples" : "nobody has a tuple `" + x.pattern + '`');
+  return answer(at.with.json ? as_json(all) : as_table(all));
+}
+
+exit_status perform(const visit& at, const watch_tuples& x) {
+  change_printer tell(at.with.json);
+  bool written = true;
+  bool over = false;
+  const auto on_change = [&](const peis::tuple& y, bool deleted) {
+    if (over || y.owner == at.peer().kernel().id())
+      return;
+    written = tell(y, deleted) && written;
+    over = !written || tell.count() == x.count;
+  };
+  for (const auto& pattern : x.patterns) {
+    const auto watch = at.peer().subscribe(
+        x.owner.value_or(any_peer), pattern, [&](const auto& y) { on_change(*y, false); },
+        [&](const auto& y) { on_change(*y, true); });
+    if (const auto* why = std::get_if<peis::cause>(&watch))
+      return fail(refused(*why));
+  }
+  const io::signal_watch interrupted(at.loop, [&](int) { over = true; });
+  const auto end = at.peer().now() + x.length.value_or(0s);
+  while (!over && at.peer().links().open_links() > 0) {
+    if (x.length && at.peer().now() >= end)
+      break;
+    at.peer().step(x.length ? std::min<duration>(end - at.peer().now(), 1s) : 1s);
+  }
+  if (!written)
+    return exit_status::refused;
+  if (at.peer().links().open_links() == 0)
+    return fail("the link to " + at.with.peer + " is gone");
+  return x.count && tell.count() < *x.count && x.length
+             ? fail("only " + runtime::counted(tell.count(), "change"))
+             : exit_status::good;
+}
+
+} // namespace rubicon::cli

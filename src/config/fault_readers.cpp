@@ -1,0 +1,176 @@
+// [[fault]]: what goes wrong, and when.
+#include <algorithm>
+#include <utility>
+
+#include "config/file_readers.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+/// Of one fault; all of them are known before the run begins.
+constexpr std::int64_t times_max = 100'000;
+constexpr duration span_min = 1ms;
+
+/// What a reader of one kind needs, and what it fills.
+struct kind_reader {
+  const directory& names;
+  fault& out;
+
+  void battery_end(table_reader& in) const {
+    battery_end_fault x;
+    in.required("mote", mote_name{names, true}, x.mote);
+    out = x;
+  }
+
+  void crash(table_reader& in) const {
+    crash_fault x;
+    in.required("mote", mote_name{names, true}, x.mote);
+    out = x;
+  }
+
+  void unplug(table_reader& in) const {
+    unplug_fault x;
+    in.required("island", island_name{names, true}, x.island);
+    if (const auto* island = names.find(x.island); island != nullptr && !island->has_gateway)
+      in.problems().add(in.at("island"), "an island with stack = \"mac\" has no serial cable");
+    in.optional("for", time_span{span_min}, x.length);
+    out = x;
+  }
+
+  /// A peer that is away, or one too many, for a while or for good.
+  template <class Fault>
+  void absence(table_reader& in) const {
+    Fault x;
+    in.required("peer", peer_name{names}, x.peer);
+    in.optional("for", time_span{span_min}, x.length);
+    out = x;
+  }
+
+  void pause(table_reader& in) const {
+    pause_fault x;
+    in.required("peer", peer_name{names}, x.peer);
+    in.optional("for", time_span{span_min, 1h}, x.length);
+    out = x;
+  }
+
+  void clock_step(table_reader& in) const {
+    clock_step_fault x;
+    in.required("peer", peer_name{names}, x.peer);
+    in.required("by", time_step{}, x.by);
+    out = x;
+  }
+
+  void partition(table_reader& in) const {
+    partition_fault x;
+    std::vector<located<std::vector<located<std::vector<peer_id>>>>> groups;
+    in.required("groups", list_of<list_of<peer_group_name>>{{{names}, 1}, 1}, groups);
+    claims<peer_id> placed;
+    for (const auto& group : groups) {
+      auto& peers = x.groups.emplace_back();
+      for (const auto& each : group.value)
+        for (const auto id : each.value) {
+          placed.claim(id, "the peer with the id " + to_string(id), each.at, in.problems(),
+                       "is already in a group");
+          peers.push_back(id);
+        }
+    }
+    in.optional("for", time_span{span_min}, x.length);
+    out = std::move(x);
+  }
+
+  void link_loss(table_reader& in) const {
+    link_loss_fault x;
+    std::vector<located<std::vector<peer_id>>> peers;
+    in.required("loss", ratio{}, x.loss);
+    if (in.optional("peers", list_of<peer_group_name>{{names}, 1}, peers)) {
+      for (const auto& each : peers)
+        x.peers.insert(x.peers.end(), each.value.begin(), each.value.end());
+      if (x.peers.size() < 2)
+        in.problems().add(in.at("peers"), "a link has two ends: name another peer");
+    }
+    in.optional("for", time_span{span_min}, x.length);
+    out = std::move(x);
+  }
+};
+
+void read_kind(table_reader& in, const directory& names, fault& out) {
+  const kind_reader read{names, out};
+  in.one_of("kind",
+            {{"battery_end", [&](table_reader& x) { read.battery_end(x); }},
+             {"crash", [&](table_reader& x) { read.crash(x); }},
+             {"unplug", [&](table_reader& x) { read.unplug(x); }},
+             {"kill", [&](table_reader& x) { read.absence<kill_fault>(x); }},
+             {"power_off", [&](table_reader& x) { read.absence<power_off_fault>(x); }},
+             {"pause", [&](table_reader& x) { read.pause(x); }},
+             {"partition", [&](table_reader& x) { read.partition(x); }},
+             {"link_loss", [&](table_reader& x) { read.link_loss(x); }},
+             {"duplicate_id", [&](table_reader& x) { read.absence<duplicate_id_fault>(x); }},
+             {"clock_step", [&](table_reader& x) { read.clock_step(x); }}});
+}
+
+/// A time of a fault; not after the end of the run.
+bool read_time(table_reader& in, std::string_view key, duration length, duration& out) {
+  if (!in.optional(key, time_span{}, out))
+    return false;
+  if (out > length)
+    in.problems().add(in.at(key), '`' + std::string(key) +
+                                      "` is after the end of the run, which is at " +
+                                      to_text(length));
+  return true;
+}
+
+/// every or random, from, until
+void read_repetition(table_reader& in, duration length, fault_description& out) {
+  fault_times x;
+  duration until = length;
+  const bool is_periodic = in.optional("every", time_span{span_min}, x.every);
+  in.optional("random", whole<std::uint32_t>{1, times_max}, x.count);
+  read_time(in, "from", length, x.from);
+  if (read_time(in, "until", length, until))
+    x.until = until;
+  if (!in.has("every") && !in.has("random")) {
+    for (const auto* key : {"from", "until"}) {
+      if (in.has(key))
+        in.problems().add(in.at(key),
+                          '`' + std::string(key) + "` means nothing without `every` or `random`");
+    }
+    return;
+  }
+  if (in.has("every") && in.has("random"))
+    in.problems().add(in.at("random"), "`random` means nothing with `every`");
+  if (in.sound() && until < x.from)
+    in.problems().add(in.at("until"),
+                      "`until` must not be before `from`, which is " + to_text(x.from));
+  else if (in.sound() && is_periodic && (until - x.from) / x.every >= times_max)
+    in.problems().add(in.at("every"), "that is more than " + std::to_string(times_max) + " times");
+  out.at = x.from;
+  out.repeated = x;
+}
+
+fault_description read_fault(table_reader& in, const directory& names, duration length) {
+  fault_description out;
+  const bool repeated = in.has("every") || in.has("random");
+  if (!repeated && !in.has("at")) {
+    in.required("at", time_span{}, out.at); // is missing
+  } else if (read_time(in, "at", length, out.at) && repeated) {
+    in.problems().add(in.at("at"), "`at` means nothing with `every` or `random`");
+  }
+  read_repetition(in, length, out);
+  read_kind(in, names, out.what);
+  return out;
+}
+
+} // namespace
+
+std::vector<fault_description> read_faults(table_reader& root, const directory& names,
+                                           duration length) {
+  std::vector<fault_description> out;
+  root.tables("fault", "[[fault]]",
+              [&](table_reader& x) { out.push_back(read_fault(x, names, length)); });
+  std::stable_sort(out.begin(), out.end(),
+                   [](const auto& a, const auto& b) { return a.at < b.at; });
+  return out;
+}
+
+} // namespace rubicon::config

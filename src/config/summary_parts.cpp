@@ -1,0 +1,138 @@
+#include "config/summary_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "config/document.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+std::string mote_text(const ecology_description& x, const mote_address& address) {
+  for (const auto& island : x.islands) {
+    for (const auto& mote : island.motes) {
+      if (mote_address{island.id, mote.id} == address)
+        return island.name + '/' + mote.name;
+    }
+  }
+  return to_string(address);
+}
+
+struct fault_cells {
+  const ecology_description& all;
+
+  row operator()(const battery_end_fault& x) const { return {"battery_end", mote(x.mote)}; }
+  row operator()(const crash_fault& x) const { return {"crash", mote(x.mote)}; }
+  row operator()(const unplug_fault& x) const {
+    return {"unplug", (x.island == any_island ? "any island" : island_names(all, {x.island})) +
+                          lasting(x.length)};
+  }
+  row operator()(const kill_fault& x) const { return {"kill", peer(x.peer) + lasting(x.length)}; }
+  row operator()(const power_off_fault& x) const {
+    return {"power_off", peer(x.peer) + lasting(x.length)};
+  }
+  row operator()(const pause_fault& x) const { return {"pause", peer(x.peer) + lasting(x.length)}; }
+  row operator()(const partition_fault& x) const {
+    std::vector<std::string> groups;
+    for (const auto& each : x.groups)
+      groups.push_back(peers(each));
+    return {"partition", joined(groups, " | ") + lasting(x.length)};
+  }
+  row operator()(const link_loss_fault& x) const {
+    return {"link_loss", percent(x.loss) + (x.peers.empty() ? "" : " between " + peers(x.peers)) +
+                             lasting(x.length)};
+  }
+  row operator()(const duplicate_id_fault& x) const {
+    return {"duplicate_id", peer(x.peer) + lasting(x.length)};
+  }
+  row operator()(const clock_step_fault& x) const {
+    return {"clock_step",
+            peer(x.peer) + " by " + (x.by < 0s ? "-" + to_text(-x.by) : to_text(x.by))};
+  }
+
+  static std::string lasting(std::optional<duration> length) {
+    return length ? " for " + to_text(*length) : std::string();
+  }
+  [[nodiscard]] std::string mote(const mote_address& x) const {
+    return x == any_mote ? "any mote" : mote_text(all, x);
+  }
+  [[nodiscard]] std::string peer(peer_id id) const {
+    if (id == any_peer)
+      return "any peer";
+    for (const auto& each : all.peers) {
+      if (each.id == id)
+        return each.name;
+    }
+    return island_of_gateway(id);
+  }
+  [[nodiscard]] std::string island_of_gateway(peer_id id) const {
+    for (const auto& each : all.islands) {
+      if (gateway_of(each.id) == id)
+        return each.gateway_name;
+    }
+    return to_string(id);
+  }
+  [[nodiscard]] std::string peers(const std::vector<peer_id>& ids) const {
+    constexpr std::size_t peers_shown_max = 4;
+    if (ids.size() > peers_shown_max)
+      return counted(ids.size(), "peer");
+    std::vector<std::string> names;
+    for (const auto id : ids)
+      names.push_back(peer(id));
+    return joined(names);
+  }
+};
+
+/// `8 min`, `every 30 s from 1 min to 5 min`, `3 times`
+std::string time_text(const fault_description& x) {
+  if (!x.repeated)
+    return to_text(x.at);
+  const auto& times = *x.repeated;
+  return (times.every > 0s
+              ? "every " + to_text(times.every)
+              : std::to_string(times.count) + (times.count == 1 ? " time" : " times")) +
+         (times.from > 0s || times.until ? " from " + to_text(times.from) : "") +
+         (times.until ? " to " + to_text(*times.until) : "");
+}
+
+} // namespace
+
+std::string joined(const std::vector<std::string>& words, std::string_view between) {
+  std::string text;
+  for (const auto& each : words)
+    text += (text.empty() ? std::string() : std::string(between)) + each;
+  return text;
+}
+
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
+}
+
+std::string percent(double ratio) {
+  return shown(std::round(ratio * 1e6) / 1e4) + " %"; // 0.07 * 100 is not 7
+}
+
+std::string island_names(const ecology_description& x, const std::vector<island_id>& ids) {
+  std::vector<std::string> names;
+  for (const auto& island : x.islands) {
+    if (std::find(ids.begin(), ids.end(), island.id) != ids.end())
+      names.push_back(island.name);
+  }
+  return joined(names);
+}
+
+std::vector<row> fault_rows(const ecology_description& x) {
+  std::vector<row> rows;
+  for (const auto& each : x.faults) {
+    auto cells = std::visit(fault_cells{x}, each.what);
+    cells.insert(cells.begin(), time_text(each));
+    rows.push_back(std::move(cells));
+  }
+  return rows;
+}
+
+} // namespace rubicon::config

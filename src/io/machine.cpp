@@ -1,0 +1,39 @@
+#include "io/machine.hpp"
+
+#include <cstring>
+
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <unistd.h>
+
+namespace rubicon::io {
+
+std::vector<network_interface> network_interfaces() {
+  std::vector<network_interface> found;
+  ifaddrs* first = nullptr;
+  if (::getifaddrs(&first) != 0)
+    return found;
+  for (const auto* x = first; x != nullptr; x = x->ifa_next) {
+    if (x->ifa_addr == nullptr || x->ifa_addr->sa_family != AF_INET || (x->ifa_flags & IFF_UP) == 0)
+      continue;
+    sockaddr_in address{};
+    std::memcpy(&address, x->ifa_addr, sizeof address);
+    network_interface next{x->ifa_name, {}, (x->ifa_flags & IFF_LOOPBACK) != 0};
+    std::memcpy(next.ipv4.data(), &address.sin_addr, next.ipv4.size());
+    found.push_back(std::move(next));
+  }
+  ::freeifaddrs(first);
+  return found;
+}
+
+std::string machine_name() {
+  std::array<char, 256> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0)
+    name.front() = '\0';
+  const std::string whole(name.data());
+  const auto label = whole.substr(0, whole.find('.'));
+  return label.empty() ? "localhost" : label;
+}
+
+} // namespace rubicon::io

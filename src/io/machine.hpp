@@ -1,0 +1,25 @@
+// What the machine says of itself: its name and its network interfaces (LNK-03).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace rubicon::io {
+
+/// An IPv4 address of an interface that is up.
+struct network_interface {
+  std::string device;                 ///< `eth0`
+  std::array<std::uint8_t, 4> ipv4{}; ///< a.b.c.d, first one first
+  bool loopback = false;
+};
+
+/// In the system's order; one entry an address. Empty if the system does not tell.
+[[nodiscard]] std::vector<network_interface> network_interfaces();
+
+/// The first label of the machine's name: `kitchen` of `kitchen.example.org`; `localhost` if it has
+/// none.
+[[nodiscard]] std::string machine_name();
+
+} // namespace rubicon::io

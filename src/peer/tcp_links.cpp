@@ -1,0 +1,177 @@
+#include "peer/tcp_links.hpp"
+
+#include <utility>
+
+#include "io/machine.hpp"
+
+namespace rubicon::peer {
+
+namespace {
+
+const std::string everywhere = "0.0.0.0";
+const std::string here = "127.0.0.1";
+
+std::string dotted(const std::array<std::uint8_t, 4>& x) {
+  auto text = std::to_string(x[0]);
+  for (std::size_t i = 1; i < x.size(); ++i)
+    text += '.' + std::to_string(x[i]);
+  return text;
+}
+
+} // namespace
+
+tcp_links::tcp_links(io::loop& where, links_config config, link_user& user)
+    : loop_(&where), config_(std::move(config)), user_(&user),
+      next_link_(config_.first_link.value) {}
+
+std::variant<std::unique_ptr<tcp_links>, std::string>
+tcp_links::open(io::loop& where, links_config config, link_user& user) {
+  std::unique_ptr<tcp_links> x(new tcp_links(where, std::move(config), user));
+  if (auto refusal = x->listen())
+    return *std::move(refusal);
+  if (x->config_.lan)
+    x->join_group();
+  return x;
+}
+
+const std::string& tcp_links::listen_address() const {
+  if (!config_.listen_address.empty())
+    return config_.listen_address;
+  return config_.lan ? everywhere : here;
+}
+
+std::optional<std::string> tcp_links::listen() {
+  if (!config_.first_port)
+    return std::nullopt;
+  auto x = io::tcp_listener::open(*loop_, listen_address(), *config_.first_port,
+                                  [this](io::tcp_stream y) { on_connection(std::move(y)); });
+  if (auto* refusal = std::get_if<std::string>(&x))
+    return std::move(*refusal);
+  listener_ = std::move(std::get<io::tcp_listener>(x));
+  return std::nullopt;
+}
+
+void tcp_links::join_group() {
+  auto x = io::udp_group::join(*loop_, config_.group,
+                               [this](byte_view datagram) { user_->on_announcement(datagram); });
+  if (auto* refusal = std::get_if<std::string>(&x))
+    warning_ = "no announcements: " + *refusal;
+  else
+    group_ = std::move(std::get<io::udp_group>(x));
+}
+
+std::vector<peis::low_level_address> tcp_links::addresses() const {
+  std::vector<peis::low_level_address> all;
+  if (!listener_)
+    return all;
+  for (auto& x : io::network_interfaces()) {
+    const bool is_listened_on =
+        listen_address() == everywhere || listen_address() == dotted(x.ipv4);
+    if (is_listened_on && all.size() < peis::low_level_addresses_max)
+      all.push_back(peis::tcp_address(std::move(x.device), x.loopback, x.ipv4, listener_->port()));
+  }
+  return all;
+}
+
+std::optional<std::uint16_t> tcp_links::port() const {
+  return listener_ ? std::optional(listener_->port()) : std::nullopt;
+}
+
+void tcp_links::on_connection(io::tcp_stream x) {
+  if (streams_.size() + *closing_ >= streams_max)
+    ++counters_.refused; // dropped
+  else
+    add(std::move(x), peis::link_role::acceptor, std::nullopt);
+}
+
+void tcp_links::add(io::tcp_stream x, peis::link_role role,
+                    std::optional<peis::attempt_id> attempt) {
+  const peis::link_id link{next_link_++};
+  auto& stream = streams_[link] = std::move(x);
+  stream.start({[this, link](byte_view octets) { user_->on_link_octets(link, octets); },
+                [this, link](std::size_t octets) { user_->on_link_sent(link, octets); },
+                [this, link](const std::string& why) {
+                  streams_.erase(link);
+                  user_->on_link_closed(link, why);
+                }});
+  user_->on_link_open(link, role, attempt);
+}
+
+void tcp_links::carry_out(peis::to_link x) {
+  const auto found = streams_.find(x.link);
+  if (found != streams_.end())
+    found->second.send(std::move(x.octets));
+}
+
+void tcp_links::carry_out(const peis::close_link& x) {
+  auto found = streams_.extract(x.link);
+  if (!found.empty())
+    close(std::move(found.mapped()));
+}
+
+void tcp_links::close(io::tcp_stream x) {
+  ++*closing_;
+  x.close([closing = closing_] { --*closing; });
+}
+
+void tcp_links::carry_out(const peis::connect_to& x) {
+  if (over_)
+    return;
+  const auto url = peis::parse_link_url(x.url);
+  if (!url || url->medium != peis::link_url::scheme::tcp) {
+    fail_soon(x.attempt, x.url + ": not a TCP address");
+  } else if (attempts_.size() >= attempts_max) {
+    ++counters_.too_many;
+    fail_soon(x.attempt, x.url + ": too many attempts at a time");
+  } else {
+    const auto attempt = x.attempt;
+    attempts_.emplace(
+        attempt, io::tcp_connect(*loop_, url->host, url->port, config_.connect_timeout,
+                                 [this, attempt](auto y) { on_attempt(attempt, std::move(y)); }));
+  }
+}
+
+void tcp_links::on_attempt(peis::attempt_id attempt, std::variant<io::tcp_stream, std::string> x) {
+  const auto ended = attempts_.extract(attempt); // lives until this call is over
+  if (auto* why = std::get_if<std::string>(&x))
+    user_->on_attempt_failed(attempt, *why);
+  else
+    add(std::move(std::get<io::tcp_stream>(x)), peis::link_role::initiator, attempt);
+}
+
+void tcp_links::fail_soon(peis::attempt_id attempt, std::string why) {
+  loop_->post([this, attempt, why = std::move(why), alive = std::weak_ptr(alive_)] {
+    if (!alive.expired() && !over_)
+      user_->on_attempt_failed(attempt, why);
+  });
+}
+
+void tcp_links::carry_out(const peis::announce& x) {
+  if (group_)
+    group_->send(x.octets.view());
+}
+
+void tcp_links::close_all() {
+  over_ = true;
+  listener_.reset();
+  group_.reset();
+  attempts_.clear();
+  for (auto& [link, x] : streams_)
+    close(std::move(x));
+  streams_.clear();
+}
+
+std::size_t tcp_links::unsent() const {
+  std::size_t sum = 0;
+  for (const auto& [link, x] : streams_)
+    sum += x.unsent();
+  return sum;
+}
+
+links_counters tcp_links::counters() const {
+  auto all = counters_;
+  all.unsent = group_ ? group_->unsent() : 0;
+  return all;
+}
+
+} // namespace rubicon::peer

@@ -1,0 +1,126 @@
+// Real links for a PEIS kernel: TCP connections and multicast announcements (peis-wire.md 3 and 4).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "io/loop.hpp"
+#include "io/tcp_connect.hpp"
+#include "io/tcp_listener.hpp"
+#include "io/tcp_stream.hpp"
+#include "io/udp_group.hpp"
+#include "peis/host_record.hpp"
+#include "peis/link_url.hpp"
+#include "peis/p2p_events.hpp"
+#include "peis/types.hpp"
+
+namespace rubicon::peer {
+
+struct links_config {
+  /// Others on the network may find us and connect. Otherwise nothing leaves the machine unasked:
+  /// we listen on loopback and do not announce.
+  bool lan = false;
+  /// Counted up until one is free; unset: nobody can connect to us.
+  std::optional<std::uint16_t> first_port = peis::tcp_port_default;
+  std::string listen_address; ///< IPv4; empty: 127.0.0.1, with lan 0.0.0.0
+  io::udp_group_config group; ///< of announcements, with lan only (TCP-02)
+  duration connect_timeout = 5s;
+  peis::link_id first_link{1}; ///< links are numbered from here on
+};
+
+/// Hears what happens to links, on the loop's thread, never from within a call of tcp_links. Named
+/// like the kernel's inputs, which an owner passes it on to. May call tcp_links, not destroy it.
+class link_user {
+public:
+  virtual ~link_user() = default;
+  virtual void on_link_open(peis::link_id link, peis::link_role role,
+                            std::optional<peis::attempt_id> attempt) = 0;
+  virtual void on_attempt_failed(peis::attempt_id attempt, const std::string& why) = 0;
+  virtual void on_link_octets(peis::link_id link, byte_view octets) = 0; ///< valid in the call
+  virtual void on_link_sent(peis::link_id link, std::size_t octets) = 0;
+  virtual void on_link_closed(peis::link_id link, const std::string& why) = 0;
+  virtual void on_announcement(byte_view datagram) = 0; ///< valid in the call
+};
+
+struct links_counters {
+  std::uint64_t refused = 0;  ///< accepted and closed at once, there being too many
+  std::uint64_t unsent = 0;   ///< announcements that the network did not take
+  std::uint64_t too_many = 0; ///< attempts that failed at once, there being too many
+};
+
+/// Carries out what one kernel asks of its links. Holds no queue of its own: what waits to leave is
+/// bounded by p2p_config::link_window, which must be set.
+class tcp_links {
+public:
+  /// A good p2p_config::link_window: fills a fast link in one write, yet what is urgent overtakes
+  /// all that is behind it.
+  static constexpr std::size_t window = 512 * 1024;
+  /// Twice the links a kernel takes: one more than it takes is told why (close_link), a crowd is
+  /// not.
+  static constexpr std::size_t streams_max = 128;
+  static constexpr std::size_t attempts_max = 64;
+
+  /// Listens, and joins the group. Whether the group could be joined is told by warning(): peers
+  /// find each other also through those they are told of (TCP-07).
+  /// @param where, user must outlive the links
+  /// @returns why it cannot listen, if it cannot
+  [[nodiscard]] static std::variant<std::unique_ptr<tcp_links>, std::string>
+  open(io::loop& where, links_config config, link_user& user);
+
+  tcp_links(const tcp_links&) = delete;
+  tcp_links& operator=(const tcp_links&) = delete;
+
+  /// Where others reach us, for the host record (LNK-03); as the interfaces are now.
+  [[nodiscard]] std::vector<peis::low_level_address> addresses() const;
+
+  [[nodiscard]] std::optional<std::uint16_t> port() const;              ///< listened on
+  [[nodiscard]] const std::string& warning() const { return warning_; } ///< empty: all is well
+
+  void carry_out(peis::to_link x); ///< for a link that is gone: nothing
+  void carry_out(const peis::close_link& x);
+  void carry_out(const peis::connect_to& x);
+  void carry_out(const peis::announce& x);
+
+  /// Takes no more links and closes those that are there when their octets have left; attempts are
+  /// given up. The user hears nothing any more.
+  void close_all();
+
+  [[nodiscard]] std::size_t open_links() const { return streams_.size(); }
+  [[nodiscard]] std::size_t closing_links() const { return *closing_; }
+  [[nodiscard]] std::size_t unsent() const; ///< octets that wait to leave, of open links
+  [[nodiscard]] links_counters counters() const;
+
+private:
+  tcp_links(io::loop& where, links_config config, link_user& user);
+
+  [[nodiscard]] std::optional<std::string> listen();
+  void join_group();
+  void on_connection(io::tcp_stream x);
+  void on_attempt(peis::attempt_id attempt, std::variant<io::tcp_stream, std::string> x);
+  void add(io::tcp_stream x, peis::link_role role, std::optional<peis::attempt_id> attempt);
+  void fail_soon(peis::attempt_id attempt, std::string why);
+  void close(io::tcp_stream x);
+  [[nodiscard]] const std::string& listen_address() const;
+
+  io::loop* loop_;
+  links_config config_;
+  link_user* user_;
+  std::string warning_;
+  std::optional<io::tcp_listener> listener_;
+  std::optional<io::udp_group> group_;
+  std::map<peis::link_id, io::tcp_stream> streams_;
+  std::map<peis::attempt_id, io::tcp_connect> attempts_;
+  std::shared_ptr<std::size_t> closing_ = std::make_shared<std::size_t>(0);
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true); ///< for what is posted
+  std::uint64_t next_link_;
+  bool over_ = false;
+  links_counters counters_;
+};
+
+} // namespace rubicon::peer
