@@ -133,6 +133,10 @@ struct performer {
     leave(self);
     self->quit(caf::exit_reason::user_shutdown);
   }
+  void operator()(const peis::id_taken& x) const {
+    log(self, spdlog::level::err, "event=id_taken by={}", x.by);
+    self->send(self->state.arguments.ecology, story{self->path(), "its id is used by " + x.by});
+  }
 
   void tell(peis::subscription_id subscription, const peis::tuple& x, bool deleted) const {
     const auto found = self->state.watches.find(subscription);

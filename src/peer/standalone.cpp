@@ -240,6 +240,10 @@ void standalone::handle(peis::quit_requested&) {
   quit_requested_ = true;
 }
 
+void standalone::handle(peis::id_taken& x) {
+  warn(taken_id_, "another peer uses our id: " + x.by);
+}
+
 void standalone::handle(peis::traced& x) {
   const auto found = traces_.find(x.request);
   if (found != traces_.end())

@@ -206,6 +206,7 @@ private:
   void handle(peis::quit_requested& x);
 
   void handle(peis::traced& x);
+  void handle(peis::id_taken& x);
 
   using watch_command =
       std::function<peis::outputs(peis::subscription_id, peis::request_id, instant)>;
@@ -240,6 +241,7 @@ private:
   muffler rare_steps_;
   muffler slow_callback_;
   muffler failed_attempt_;
+  muffler taken_id_;
 };
 
 } // namespace rubicon::peer

@@ -73,8 +73,7 @@ outputs kernel::on_time(instant now) {
 }
 
 std::optional<instant> kernel::deadline() const {
-  return earliest(earliest(network_.deadline(), tuples_.deadline()),
-                  statistics_.deadline(tuples_));
+  return earliest(earliest(network_.deadline(), tuples_.deadline()), statistics_.deadline(tuples_));
 }
 
 /// Works off what the layers tell each other until both are quiet, then writes to the links.
@@ -127,6 +126,10 @@ void kernel::handle(forgotten_by& x, instant now) {
 }
 
 void kernel::handle(traced& x, instant) {
+  out_.emplace_back(std::move(x));
+}
+
+void kernel::handle(id_taken& x, instant) {
   out_.emplace_back(std::move(x));
 }
 

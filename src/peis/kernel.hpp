@@ -56,8 +56,9 @@ struct quit_requested {
   peer_id by;
 };
 
-using output = std::variant<to_link, close_link, connect_to, announce, tuple_changed, tuple_deleted,
-                            message, outcome, host_appeared, host_vanished, quit_requested, traced>;
+using output =
+    std::variant<to_link, close_link, connect_to, announce, tuple_changed, tuple_deleted, message,
+                 outcome, host_appeared, host_vanished, quit_requested, traced, id_taken>;
 using outputs = std::vector<output>;
 
 /// Everything counted; nothing is dropped without appearing here.
@@ -291,6 +292,7 @@ private:
   void handle(host_vanished& x, instant now);
   void handle(forgotten_by& x, instant now);
   void handle(traced& x, instant now);
+  void handle(id_taken& x, instant now);
   void handle(arrived& x, instant now);
   void handle(delivered& x, instant now);
   void handle(undelivered& x, instant now);

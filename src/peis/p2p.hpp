@@ -272,7 +272,7 @@ private:
 
   // p2p_links.cpp: links, greeting, writing
   void accept(connection& from, byte_view request, instant now);
-  void greet(connection& to, instant now);
+  void greet(connection& to);
   void bind_neighbour(connection& x, peer_id neighbour);
   void close(link_id link, close_cause why, instant now);
   void forget_link(link_id link, instant now);
@@ -369,7 +369,7 @@ private:
   void on_clock(link_id from, const package_header& header, byte_view data, instant now);
   [[nodiscard]] bytes clock_after(link_id from, byte_view data) const;
   void tell_time(instant now);
-  void note_duplicate();
+  void note_duplicate(const host_record& other);
 
   p2p_config config_;
   random_stream dice_;
@@ -403,10 +403,11 @@ private:
   instant next_manager_;
   instant next_merge_;
   instant next_announcement_;
-  instant last_measured_;              ///< traffic
-  unsigned first_announcements_ = 0;   ///< made, of those at the start
-  unsigned unheard_announcements_ = 0; ///< periods since a better announcer was heard
-  std::size_t welcomed_ = 0;           ///< hosts that are announced
+  instant last_measured_;                 ///< traffic
+  unsigned first_announcements_ = 0;      ///< made, of those at the start
+  unsigned unheard_announcements_ = 0;    ///< periods since a better announcer was heard
+  std::optional<std::int32_t> duplicate_; ///< magic of the last peer that was seen using our id
+  std::size_t welcomed_ = 0;              ///< hosts that are announced
   std::optional<instant> next_beat_;
   std::optional<instant> next_probe_;
 

@@ -296,7 +296,7 @@ void p2p::on_announcement(byte_view octets, instant now) {
     return;
   if (sender.id == self_.id) {
     if (sender.magic != self_.magic)
-      note_duplicate();
+      note_duplicate(sender);
     return;
   }
   ++counters_.announcements_received;

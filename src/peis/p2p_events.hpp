@@ -75,13 +75,18 @@ struct traced {
   std::vector<peer_id> way;
 };
 
+/// Another live peer uses our id (RTE-08). Told once for each incarnation of it.
+struct id_taken {
+  std::string by; ///< its full name, program@host!process
+};
+
 /// That host says it has forgotten us, subscriptions included (peis-wire.md 11, reason 2).
 struct forgotten_by {
   peer_id host;
 };
 
 using event = std::variant<to_link, close_link, connect_to, announce, host_appeared, host_vanished,
-                           arrived, delivered, undelivered, forgotten_by, traced>;
+                           arrived, delivered, undelivered, forgotten_by, traced, id_taken>;
 using events = std::vector<event>;
 
 } // namespace rubicon::peis

@@ -56,8 +56,10 @@ void p2p::apply(const routing_changes& changes, instant now) {
   update_cluster(now);
 }
 
-void p2p::note_duplicate() {
+void p2p::note_duplicate(const host_record& other) {
   ++counters_.duplicate_id;
+  if (std::exchange(duplicate_, other.magic) != other.magic)
+    events_.push_back(id_taken{other.full_name});
 }
 
 void p2p::note_stranger(peer_id id) {
@@ -149,7 +151,7 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
   const auto& record = message->record;
   if (record.id == self_.id) {
     if (record.magic != self_.magic)
-      note_duplicate();
+      note_duplicate(record);
     return;
   }
   // The first to describe itself over a link is the neighbour there, for good.

@@ -45,7 +45,7 @@ void p2p::on_link_open(link_id link, link_role role, instant now,
                                     : asked.mapped().flags;
     x.preamble =
         encode(connect_request{protocol_version, self_.id, x.request_flags, config_.network});
-    greet(x, now);
+    greet(x);
   }
   watch_silence(x);
 }
@@ -117,7 +117,7 @@ void p2p::accept(connection& from, byte_view request, instant now) {
   from.open = true;
   from.last_heard = now;
   bind_neighbour(from, decoded->id);
-  greet(from, now);
+  greet(from);
 }
 
 /// May the peer that asks have a link? Closes another for it if that is worth less (CM-09).
@@ -154,7 +154,7 @@ void p2p::note_counter(connection& x, std::uint32_t counter) {
 
 /// Our record, our record again for all if this is our first contact, our routes
 /// (peis-wire.md 3.3).
-void p2p::greet(connection& to, instant now) {
+void p2p::greet(connection& to) {
   const auto content = std::make_shared<const message_octets>(
       message_octets{encode(host_record_message{self_, false}), {}});
   enqueue(to, lane::control,
@@ -163,7 +163,6 @@ void p2p::greet(connection& to, instant now) {
     flood(fresh_header(package_type::broadcast, port::host_record, content->size()), content, {});
   routing_.next_seqno();
   send_routing_to(to);
-  last_trigger_ = now;
 }
 
 void p2p::bind_neighbour(connection& x, peer_id neighbour) {

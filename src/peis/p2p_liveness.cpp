@@ -164,13 +164,13 @@ void p2p::on_trace(const package_header& header, byte_view data) {
   const bool mine = header.destination == self_.id;
   if (mine && header.port == port::trace_reply) {
     message->hosts.push_back(self_.id);
-    const auto asked = std::find_if(traces_.begin(), traces_.end(), [&](const open_trace& x) {
-      return x.destination == header.source;
+    // The message names no question: it answers all that were asked about its source.
+    std::erase_if(traces_, [&](const open_trace& x) {
+      if (x.destination != header.source)
+        return false;
+      events_.push_back(traced{x.id, x.destination, message->hosts});
+      return true;
     });
-    if (asked != traces_.end()) {
-      events_.push_back(traced{asked->id, asked->destination, std::move(message->hosts)});
-      traces_.erase(asked);
-    }
     return;
   }
   const auto destination = mine ? header.source : header.destination;

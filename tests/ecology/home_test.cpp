@@ -66,7 +66,7 @@ TEST_CASE("the trace of the home is the same on every machine and in every build
   auto home = example("home.toml");
   home.length = 5min;
   const auto report = run(home);
-  CHECK(report.trace_hash == "dffbf1c25e018e68");
+  CHECK(report.trace_hash == "2a5e49fb2e27a2a7");
 }
 
 TEST_CASE("an ecology can be stopped after any time", "[ecology]") {

@@ -206,7 +206,8 @@ TEST_CASE("a closed link does not cut off what another way leads to", "[peis][RT
     CHECK(w.all<host_vanished>(id).empty());
 }
 
-TEST_CASE("five hundred peers that know one of them know each other soon", "[peis][TCP-07][.large]") {
+TEST_CASE("five hundred peers that know one of them know each other soon",
+          "[peis][TCP-07][.large]") {
   world w;
   for (int i = 1; i <= 500; ++i) {
     auto config = lan_config_of(i);
@@ -294,6 +295,44 @@ TEST_CASE("a trace names the peers on the way and back", "[peis][API-12]") {
   for (const int i : {1, 2, 3, 4, 5, 4, 3, 2, 1})
     expected.emplace_back(i);
   CHECK(told[1].way == expected);
+}
+
+TEST_CASE("an answer is for every question about its peer", "[peis][API-12]") {
+  world w;
+  w.add(config_of(1));
+  w.add(config_of(2));
+  w.connect(peer_id{1}, peer_id{2});
+  w.run_for(2s);
+  bool lossy = true;
+  w.keep = [&](const package_header& x) { return !lossy || x.port != port::trace; };
+  w.perform(peer_id{1}, w.at(peer_id{1}).trace(peer_id{2}, request_id{1}, w.now()));
+  w.run_for(1s);
+  lossy = false;
+  w.perform(peer_id{1}, w.at(peer_id{1}).trace(peer_id{2}, request_id{2}, w.now()));
+  w.run_for(1s);
+  const auto told = w.all<traced>(peer_id{1});
+  REQUIRE(told.size() == 2);
+  CHECK(told[1].request == request_id{2});
+  CHECK(told[1].way.size() == 3);
+}
+
+TEST_CASE("a peer hears once that another one has its id", "[peis][RTE-08]") {
+  world w;
+  w.add(lan_config_of(1));
+  w.run_for(1s);
+  auto twin = lan_config_of(1);
+  twin.network.name = "twin";
+  kernel other(twin, random_stream(9, "twin"), w.now());
+  for (int i = 0; i < 3; ++i) {
+    for (const auto& x : other.on_time(w.now() + i * 1s)) {
+      if (const auto* news = std::get_if<announce>(&x))
+        w.perform(peer_id{1}, w.at(peer_id{1}).on_announcement(news->octets.view(), w.now()));
+    }
+  }
+  const auto told = w.all<id_taken>(peer_id{1});
+  REQUIRE(told.size() == 1);
+  CHECK(told[0].by.starts_with("twin@"));
+  CHECK(w.at(peer_id{1}).counters().network.duplicate_id == 3);
 }
 
 TEST_CASE("clocks of peers agree after three periods, however far the way",
