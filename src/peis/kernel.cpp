@@ -94,22 +94,6 @@ outputs kernel::finish(instant now) {
   return std::exchange(out_, {});
 }
 
-void kernel::handle(to_link& x, instant) {
-  out_.emplace_back(std::move(x));
-}
-
-void kernel::handle(close_link& x, instant) {
-  out_.emplace_back(x);
-}
-
-void kernel::handle(connect_to& x, instant) {
-  out_.emplace_back(std::move(x));
-}
-
-void kernel::handle(announce& x, instant) {
-  out_.emplace_back(std::move(x));
-}
-
 void kernel::handle(host_appeared& x, instant now) {
   const auto* record = network_.find_host(x.host);
   out_.emplace_back(x);
@@ -123,14 +107,6 @@ void kernel::handle(host_vanished& x, instant now) {
 
 void kernel::handle(forgotten_by& x, instant now) {
   perform(tuples_.renew(x.host), now);
-}
-
-void kernel::handle(traced& x, instant) {
-  out_.emplace_back(std::move(x));
-}
-
-void kernel::handle(id_taken& x, instant) {
-  out_.emplace_back(std::move(x));
 }
 
 void kernel::handle(delivered& x, instant now) {

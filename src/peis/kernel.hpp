@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -284,15 +285,14 @@ public:
 
 private:
   outputs finish(instant now);
-  void handle(to_link& x, instant now);
-  void handle(close_link& x, instant now);
-  void handle(connect_to& x, instant now);
-  void handle(announce& x, instant now);
+  /// What the network says that only the owner can act on.
+  template <class T>
+  void handle(T& x, instant) {
+    out_.emplace_back(std::move(x));
+  }
   void handle(host_appeared& x, instant now);
   void handle(host_vanished& x, instant now);
   void handle(forgotten_by& x, instant now);
-  void handle(traced& x, instant now);
-  void handle(id_taken& x, instant now);
   void handle(arrived& x, instant now);
   void handle(delivered& x, instant now);
   void handle(undelivered& x, instant now);

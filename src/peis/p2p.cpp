@@ -132,12 +132,22 @@ void p2p::send_acknowledgements(peer_id to, const std::vector<std::int32_t>& ids
   }
   counters_.acks_sent += ids.size();
   ++counters_.ack_packages_sent;
-  auto content =
-      std::make_shared<const message_octets>(message_octets{encode_acknowledgement(ids), {}});
-  auto header = fresh_header(package_type::direct, port::acknowledgements, content->size());
+  tell_host(to, *way, lane::acknowledgements, port::acknowledgements, encode_acknowledgement(ids));
+}
+
+/// A package of the network's own for the other end of a link.
+void p2p::tell_neighbour(connection& to, std::uint16_t port, bytes data) {
+  auto content = std::make_shared<const message_octets>(message_octets{std::move(data), {}});
+  const auto header = fresh_header(package_type::link, port, content->size());
+  count_drop(enqueue(to, lane::control, {header, std::move(content), 0}));
+}
+
+/// A package of the network's own for one host, which nobody waits for.
+void p2p::tell_host(peer_id to, link_id way, lane where, std::uint16_t port, bytes data) {
+  auto content = std::make_shared<const message_octets>(message_octets{std::move(data), {}});
+  auto header = fresh_header(package_type::direct, port, content->size());
   header.destination = to;
-  count_drop(
-      enqueue(connections_.at(*way), lane::acknowledgements, {header, std::move(content), 0}));
+  count_drop(enqueue(connections_.at(way), where, {header, std::move(content), 0}));
 }
 
 void p2p::on_acknowledgement(byte_view data) {

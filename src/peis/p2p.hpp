@@ -288,6 +288,8 @@ private:
   void on_package(link_id from, const package_header& header, byte_view data, instant now);
   void on_fragment(const package_header& header, byte_view data, instant now);
   void acknowledge(const package_header& header, instant now);
+  void tell_neighbour(connection& to, std::uint16_t port, bytes data);
+  void tell_host(peer_id to, link_id way, lane where, std::uint16_t port, bytes data);
   void send_acknowledgements(peer_id to, const std::vector<std::int32_t>& ids);
   void on_acknowledgement(byte_view data);
   void serve(link_id from, const package_header& header, byte_view data, instant now);

@@ -322,12 +322,8 @@ void p2p::refer_elsewhere(connection& to, instant now) {
   for (std::size_t i = 1; i < known.size() && i <= referrals; ++i)
     std::swap(known[i], known[i + dice_.below(known.size() - i)]);
   known.resize(std::min(known.size(), referrals + 1));
-  for (const auto* record : known) {
-    auto content = std::make_shared<const message_octets>(
-        message_octets{encode(host_record_message{*record, true}), {}});
-    const auto header = fresh_header(package_type::link, port::host_record, content->size());
-    count_drop(enqueue(to, lane::control, {header, std::move(content), 0}));
-  }
+  for (const auto* record : known)
+    tell_neighbour(to, port::host_record, encode(host_record_message{*record, true}));
   to.open = true;
   static_cast<void>(write(to, now));
 }

@@ -87,11 +87,8 @@ void p2p::send_routing(instant now) {
 void p2p::send_routing_to(connection& to) {
   ++counters_.routing_sendings;
   const auto entries = routing_.table_for(to.id, own_connections());
-  for (const auto& page : paginate(entries, entries.front().seqno)) {
-    auto content = std::make_shared<const message_octets>(message_octets{encode(page), {}});
-    const auto header = fresh_header(package_type::link, port::routing, content->size());
-    count_drop(enqueue(to, lane::control, {header, std::move(content), 0}));
-  }
+  for (const auto& page : paginate(entries, entries.front().seqno))
+    tell_neighbour(to, port::routing, encode(page));
 }
 
 void p2p::on_period(instant now) {
@@ -113,11 +110,8 @@ void p2p::ask_about(peer_id stranger) {
     return;
   const auto* known = routing_.find(stranger);
   const bool by_magic = known != nullptr && hosts_.contains(stranger) && questions_++ % 2 == 0;
-  auto content = std::make_shared<const message_octets>(
-      message_octets{encode(host_query{self_.id, by_magic ? known->magic : any_magic}), {}});
-  auto header = fresh_header(package_type::direct, port::host_query, content->size());
-  header.destination = stranger;
-  count_drop(enqueue(connections_.at(*way), lane::high, {header, std::move(content), 0}));
+  tell_host(stranger, *way, lane::high, port::host_query,
+            encode(host_query{self_.id, by_magic ? known->magic : any_magic}));
 }
 
 /// Answers for ourselves or, from what we know, for the destination of a passing question.

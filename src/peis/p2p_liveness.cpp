@@ -54,9 +54,7 @@ void p2p::send_beat(connection& x, instant now) {
     message.echoed = x.beat->sent;
     message.held = now - x.beat_heard;
   }
-  auto content = std::make_shared<const message_octets>(message_octets{encode(message), {}});
-  const auto header = fresh_header(package_type::link, port::heartbeat, content->size());
-  count_drop(enqueue(x, lane::control, {header, std::move(content), 0}));
+  tell_neighbour(x, port::heartbeat, encode(message));
   ++counters_.heartbeats_sent;
   x.beat_sent = now;
 }
@@ -126,11 +124,7 @@ void p2p::send_trace(peer_id destination) {
   const auto way = way_to(destination);
   if (!way)
     return;
-  auto content =
-      std::make_shared<const message_octets>(message_octets{encode(trace_message{{self_.id}}), {}});
-  auto header = fresh_header(package_type::direct, port::trace, content->size());
-  header.destination = destination;
-  count_drop(enqueue(connections_.at(*way), lane::high, {header, std::move(content), 0}));
+  tell_host(destination, *way, lane::high, port::trace, encode(trace_message{{self_.id}}));
 }
 
 void p2p::trace(peer_id destination, request_id id, instant now) {

@@ -48,6 +48,17 @@ record_writer prototype_record(const prototype& x) {
   return to;
 }
 
+/// The fields that a tuple and a prototype share.
+template <class T>
+void read_fields(const layout_reader& from, T& x) {
+  x.owner = peer_id{from.big<std::int32_t>(0)};
+  x.creator = peer_id{from.big<std::int32_t>(4)};
+  x.written = read_time(from, 8);
+  x.user_time = read_time(from, 16);
+  x.expiry = read_time(from, 24);
+  x.form = static_cast<encoding>(from.big<std::int32_t>(32));
+}
+
 /// Without MIME type and value.
 result<prototype> read_prototype(byte_view record) {
   auto name = decode_record_key(record);
@@ -55,12 +66,7 @@ result<prototype> read_prototype(byte_view record) {
     return name.error();
   const layout_reader from(record);
   prototype x;
-  x.owner = peer_id{from.big<std::int32_t>(0)};
-  x.creator = peer_id{from.big<std::int32_t>(4)};
-  x.written = read_time(from, 8);
-  x.user_time = read_time(from, 16);
-  x.expiry = read_time(from, 24);
-  x.form = static_cast<encoding>(from.big<std::int32_t>(32));
+  read_fields(from, x);
   x.name = std::move(*name);
   if (x.form < encoding::any || x.form > encoding::binary)
     return errc::bad_value;
@@ -137,12 +143,7 @@ result<tuple> decode_tuple_message(const payload& octets) {
     return mimetype.error();
   const layout_reader from(octets.view());
   tuple x;
-  x.owner = peer_id{from.big<std::int32_t>(0)};
-  x.creator = peer_id{from.big<std::int32_t>(4)};
-  x.written = read_time(from, 8);
-  x.user_time = read_time(from, 16);
-  x.expiry = read_time(from, 24);
-  x.form = static_cast<encoding>(from.big<std::int32_t>(32));
+  read_fields(from, x);
   x.seqno = from.big<std::int32_t>(216);
   x.append_seqno = from.big<std::int32_t>(220);
   const auto head = tuple_record_size + mimetype->size();

@@ -1,40 +1,20 @@
-#include <array>
-#include <cstdio>
 #include <string>
 #include <vector>
-
-#include <sys/wait.h>
 
 #include <nlohmann/json.hpp>
 
 #include "support/catch.hpp"
+#include "support/shell.hpp"
+
+using rubicon::test::outcome;
+using rubicon::test::shell;
 
 namespace {
-
-struct outcome {
-  int status = -1;
-  std::string out; ///< standard output, or standard error where that was asked for
-};
 
 const std::string binary = RUBICON_BINARY;
 
 std::string fixture(const std::string& file) {
   return RUBICON_FIXTURES "/" + file;
-}
-
-/// Runs a shell command to its end.
-outcome shell(const std::string& command) {
-  auto* const pipe = popen(command.c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  outcome x;
-  std::array<char, 4096> block{};
-  for (auto size = fread(block.data(), 1, block.size(), pipe); size > 0;
-       size = fread(block.data(), 1, block.size(), pipe))
-    x.out.append(block.data(), size);
-  const auto ended = pclose(pipe);
-  REQUIRE(WIFEXITED(ended)); // no signal, whatever the input
-  x.status = WEXITSTATUS(ended);
-  return x;
 }
 
 outcome standard_output(const std::string& arguments) {

@@ -1,41 +1,21 @@
 // The commands that look into a network, as a user meets them, against two peers on loopback.
-#include <array>
 #include <atomic>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <thread>
 #include <variant>
 
-#include <sys/wait.h>
-
 #include <nlohmann/json.hpp>
 
 #include "peer/standalone.hpp"
 #include "support/catch.hpp"
+#include "support/shell.hpp"
 
 using namespace rubicon;
+using rubicon::test::outcome;
+using rubicon::test::shell;
 
 namespace {
-
-struct outcome {
-  int status = -1;
-  std::string out;
-};
-
-outcome shell(const std::string& command) {
-  auto* const pipe = popen(command.c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  outcome x;
-  std::array<char, 4096> block{};
-  for (auto size = fread(block.data(), 1, block.size(), pipe); size > 0;
-       size = fread(block.data(), 1, block.size(), pipe))
-    x.out.append(block.data(), size);
-  const auto ended = pclose(pipe);
-  REQUIRE(WIFEXITED(ended));
-  x.status = WEXITSTATUS(ended);
-  return x;
-}
 
 /// Peer 7 with a few tuples, driven on a thread of its own from first to last.
 class lonely_peer {

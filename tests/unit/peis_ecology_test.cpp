@@ -165,13 +165,7 @@ TEST_CASE("leaves keep to their master and come back to it", "[peis][LEA-01][LEA
 
 TEST_CASE("a silent death is noticed by neighbours and far away", "[peis][KH-05][RTE-07]") {
   world w;
-  for (int i = 1; i <= 7; ++i) {
-    auto config = config_of(i);
-    config.network.connections.manager = false;
-    w.add(config);
-  }
-  for (int i = 1; i < 7; ++i)
-    w.connect(peer_id{i}, peer_id{i + 1});
+  w.add_line(7);
   w.connect(peer_id{4}, peer_id{6}); // a cycle, in which stale ways could go round
   w.connect(peer_id{4}, peer_id{7});
   w.run_for(20s);
@@ -275,13 +269,7 @@ TEST_CASE("much traffic to a host forces a link to it", "[peis][CM-03][CM-02]") 
 
 TEST_CASE("a trace names the peers on the way and back", "[peis][API-12]") {
   world w;
-  for (int i = 1; i <= 5; ++i) {
-    auto config = config_of(i);
-    config.network.connections.manager = false;
-    w.add(config);
-  }
-  for (int i = 1; i < 5; ++i)
-    w.connect(peer_id{i}, peer_id{i + 1});
+  w.add_line(5);
   w.run_for(5s);
   w.perform(peer_id{1}, w.at(peer_id{1}).trace(peer_id{5}, request_id{7}, w.now()));
   w.perform(peer_id{1}, w.at(peer_id{1}).trace(peer_id{99}, request_id{8}, w.now()));

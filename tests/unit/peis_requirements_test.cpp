@@ -197,13 +197,7 @@ TEST_CASE("all known hosts can be walked, each with a usable address", "[peis][A
 
 TEST_CASE("whoever answers a broadcast need not have known who asks", "[peis][API-10][P2P-09]") {
   world w;
-  for (int i = 1; i <= 4; ++i) {
-    auto config = config_of(i);
-    config.network.connections.manager = false;
-    w.add(config);
-  }
-  for (int i = 1; i < 4; ++i)
-    w.connect(peer_id{i}, peer_id{i + 1});
+  w.add_line(4);
   w.run_for(5s);
   const peer_id far{4};
   w.at(far).hook_port(30);

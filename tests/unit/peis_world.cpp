@@ -36,6 +36,16 @@ peer_id world::add(kernel_config config) {
   return id;
 }
 
+void world::add_line(int count) {
+  for (int i = 1; i <= count; ++i) {
+    auto config = config_of(i);
+    config.network.connections.manager = false;
+    add(config);
+  }
+  for (int i = 1; i < count; ++i)
+    connect(peer_id{i}, peer_id{i + 1});
+}
+
 void world::start(peer& x) {
   const auto path = to_string(x.config.network.id) + '/' + std::to_string(x.lives++);
   x.kernel = rubicon::peis::kernel(x.config, random_stream(seed_, path), now_);

@@ -34,6 +34,9 @@ public:
   peer_id add(std::int32_t id);
   peer_id add(kernel_config config);
 
+  /// Adds peers 1 to `count`, each with a link to the next, that open no others.
+  void add_line(int count);
+
   /// Starts a peer again, all forgotten; its links must be cut before.
   void restart(peer_id id);
 
