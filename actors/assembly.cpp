@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "actors/air.hpp"
+#include "actors/peis_bluetooth.hpp"
 #include "actors/peis_lan.hpp"
 #include "actors/serial_line.hpp"
 #include "actors/sink.hpp"
@@ -203,6 +204,18 @@ void spawn_lan(ecology_pointer self) {
   self->state.names.emplace(self->state.lan.address(), "peis_lan");
 }
 
+/// Simulated Bluetooth, if any peer has it; it has nothing to report either.
+void spawn_bluetooth(ecology_pointer self) {
+  const auto& description = self->state.description;
+  if (std::ranges::all_of(description.peers,
+                          [](const auto& peer) { return peer.bluetooth.empty(); }))
+    return;
+  self->state.bluetooth = scheduler::spawn_at<caf::monitored>(
+      self, "peis_bluetooth", peis_bluetooth, description.peis, description.bluetooth_devices);
+  ++self->state.report.actors.spawned;
+  self->state.names.emplace(self->state.bluetooth.address(), "peis_bluetooth");
+}
+
 } // namespace
 
 void spawn_mote(ecology_pointer self, supervised_mote& mote) {
@@ -217,6 +230,7 @@ void spawn_mote(ecology_pointer self, supervised_mote& mote) {
 void assemble(ecology_pointer self) {
   const auto& description = self->state.description;
   spawn_lan(self);
+  spawn_bluetooth(self);
   spawn_kernels(self);
   for (const auto& air : description.airs)
     spawn_place(self, air);

@@ -43,6 +43,7 @@ struct supervised_peer {
   peis_peer_actor handle;          ///< its kernel; nullptr while it does not run
   std::vector<caf::actor> programs;
   std::uint64_t station = 0; ///< of the kernel in the simulated network
+  std::string machine;       ///< host name of the kernel
   std::uint32_t incarnation = 0;
   bool powered = true;
   instant changed; ///< when it was last started or ended
@@ -64,6 +65,7 @@ struct ecology_state {
   std::map<mote_address, supervised_mote> motes;
   std::map<island_id, serial_line_actor> lines;
   peis_lan_actor lan;
+  peis_bluetooth_actor bluetooth;                      ///< nullptr: no peer has an adapter
   std::map<std::string, supervised_peer> peers;        ///< by name
   std::map<std::string, supervised_peer> duplicates;   ///< from the fault plan
   std::map<peer_id, std::vector<peer_id>> known_hosts; ///< as the peers say at the end

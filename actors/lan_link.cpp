@@ -1,24 +1,60 @@
-// A peer's end of its links over the simulated network.
+// A peer's end of its simulated links.
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
 #include "actors/peis_peer.hpp"
 #include "peis/link.hpp"
+#include "peis/link_url.hpp"
 #include "peis/package_walk.hpp"
 
 namespace rubicon {
 
 namespace {
 
+/// Whom `inproc://id` names.
+std::optional<peer_id> inproc_peer(const peis::link_url& url) {
+  std::int32_t id = 0;
+  const auto end = url.host.data() + url.host.size();
+  const auto [stop, error] = std::from_chars(url.host.data(), end, id);
+  if (url.medium != peis::link_url::scheme::inproc || error != std::errc{} || stop != end)
+    return std::nullopt;
+  return peer_id{id};
+}
+
+/// Whom `bt://address;port` names.
+std::optional<peis::bluetooth_address> bluetooth_device(const peis::link_url& url) {
+  if (url.medium != peis::link_url::scheme::bluetooth)
+    return std::nullopt;
+  const auto address = peis::parse_bluetooth_address(url.host);
+  return address ? std::optional(*address) : std::nullopt;
+}
+
 /// How long a simulated link needs to send so many octets.
-duration sending_time(const config::peis_description& network, std::size_t octets) {
-  if (network.bandwidth_bps == 0)
+duration sending_time(std::uint64_t rate_bps, std::size_t octets) {
+  if (rate_bps == 0)
     return 0s;
-  return duration(static_cast<std::int64_t>(8e9 * static_cast<double>(octets) /
-                                            static_cast<double>(network.bandwidth_bps)));
+  return duration(
+      static_cast<std::int64_t>(8e9 * static_cast<double>(octets) / static_cast<double>(rate_bps)));
 }
 
 } // namespace
+
+void ask_for_link(peer_pointer self, const peis::connect_to& x) {
+  const auto url = peis::parse_link_url(x.url);
+  const auto& arguments = self->state.arguments;
+  const auto peer = url ? inproc_peer(*url) : std::nullopt;
+  const auto device = url ? bluetooth_device(*url) : std::nullopt;
+  if (peer && arguments.lan)
+    self->send(arguments.lan, lan_connect{arguments.station, x.attempt.value, *peer});
+  else if (device && arguments.bluetooth)
+    self->send(arguments.bluetooth,
+               bluetooth_connect{arguments.station, x.attempt.value, *device, url->port});
+  else if (!peer && self->state.real != nullptr)
+    self->state.real->links().carry_out(x);
+  else
+    self->send(self, attempt_failed{x.attempt.value});
+}
 
 void transmit(peer_pointer self, peis::link_id id, payload octets) {
   auto& state = self->state;
@@ -27,7 +63,7 @@ void transmit(peer_pointer self, peis::link_id id, payload octets) {
     return;
   auto& link = found->second;
   const auto& network = state.arguments.network;
-  link.free_at = std::max(link.free_at, now(self)) + sending_time(network, octets.size());
+  link.free_at = std::max(link.free_at, now(self)) + sending_time(link.rate_bps, octets.size());
   if (state.arguments.config.network.link_window > 0)
     self->scheduled_send(self, caf::actor_clock::time_point(link.free_at.time_since_epoch()),
                          link_sent{id.value, octets.size()});

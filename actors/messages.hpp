@@ -15,6 +15,7 @@
 #include "flow/part.hpp"
 #include "mote/transducer.hpp"
 #include "network/sink_event.hpp"
+#include "peis/bluetooth.hpp"
 #include "radio/channel.hpp"
 #include "runtime/report.hpp"
 #include "scheduler/trace.hpp"
@@ -434,6 +435,88 @@ using peis_lan_actor =
                      caf::reacts_to<set_lan_power>, caf::reacts_to<begin_lan_fault>,
                      caf::reacts_to<end_lan_fault>>;
 
+// ------------------------------------------------------------------------- PEIS, simulated
+// Bluetooth
+
+/// What an adapter of a peer sees.
+struct bluetooth_seen {
+  std::string adapter;
+  std::vector<peis::seen_device> devices; ///< ascending by address
+};
+
+/// One of the peers behind a device says who it is; nobody has, if `octets` is empty.
+struct hello_answer {
+  std::string adapter; ///< of the peer that has asked
+  peis::bluetooth_address device;
+  payload octets;
+};
+
+/// Who has sent a HELLO.
+using hello_sender_actor = caf::typed_actor<caf::reacts_to<hello_answer>>;
+
+/// A HELLO has come to an adapter of this peer: a hello_answer is to go back. `question` is one
+/// with the sender's octets.
+struct hello_arrived {
+  hello_answer question;
+  carried<hello_sender_actor> sender;
+};
+
+/// A link over Bluetooth is up.
+struct bluetooth_opened {
+  link_opened link;
+  std::uint64_t rate_bps = 0; ///< 0: unlimited
+};
+
+/// A peer, as Bluetooth sees it.
+using bluetooth_user_actor =
+    link_end_actor::extend<caf::reacts_to<bluetooth_seen>, caf::reacts_to<hello_answer>,
+                           caf::reacts_to<hello_arrived>, caf::reacts_to<bluetooth_opened>,
+                           caf::reacts_to<attempt_failed>>;
+
+/// A peer has started, and opens adapters of its machine. They stay where they are if others have
+/// opened them before.
+struct join_bluetooth {
+  std::uint64_t station = 0;
+  std::string machine;
+  std::vector<std::string> adapters;
+  position place;
+  std::uint16_t port = 0; ///< where it takes links
+  carried<bluetooth_user_actor> user;
+};
+
+/// A station looks who is there. bluetooth_seen follows.
+struct scan_bluetooth {
+  std::uint64_t station = 0;
+  std::string adapter;
+};
+
+/// A station's HELLO to a device. A hello_answer follows from each peer there.
+struct send_hello {
+  std::uint64_t station = 0;
+  hello_answer question; ///< with the sender's octets
+};
+
+/// A station asks for a link. bluetooth_opened or attempt_failed follows.
+struct bluetooth_connect {
+  std::uint64_t station = 0;
+  std::uint64_t attempt = 0;
+  peis::bluetooth_address to;
+  std::uint16_t port = 0;
+};
+
+/// From the fault plan: a machine, with all its adapters, is somewhere else from now on.
+struct move_machine {
+  std::string machine;
+  position place;
+};
+
+/// Simulated Bluetooth.
+using peis_bluetooth_actor =
+    caf::typed_actor<caf::reacts_to<join_bluetooth>, caf::reacts_to<scan_bluetooth>,
+                     caf::reacts_to<send_hello>, caf::reacts_to<bluetooth_connect>,
+                     caf::reacts_to<lan_link_ended>, caf::reacts_to<set_lan_power>,
+                     caf::reacts_to<move_machine>>;
+
 // ------------------------------------------------------------------- PEIS, components of a kernel
 
 /// A tuple that the component watches was set (also to an equal value), or deleted.
@@ -528,11 +611,12 @@ struct leave_network {};
 
 /// One PEIS kernel.
 using peis_peer_actor = lan_user_actor::extend<
-    caf::reacts_to<link_sent>, caf::reacts_to<set_tuple>, caf::reacts_to<delete_tuple>,
-    caf::reacts_to<set_remote_tuple>, caf::reacts_to<watch_tuples>, caf::reacts_to<hook_port>,
-    caf::reacts_to<send_peis_message>, caf::reacts_to<pause_peer>, caf::reacts_to<resume_peer>,
-    caf::reacts_to<step_clock>, caf::reacts_to<leave_network>, caf::reacts_to<timer_expired>,
-    caf::reacts_to<status_request>>;
+    caf::reacts_to<bluetooth_seen>, caf::reacts_to<hello_answer>, caf::reacts_to<hello_arrived>,
+    caf::reacts_to<bluetooth_opened>, caf::reacts_to<link_sent>, caf::reacts_to<set_tuple>,
+    caf::reacts_to<delete_tuple>, caf::reacts_to<set_remote_tuple>, caf::reacts_to<watch_tuples>,
+    caf::reacts_to<hook_port>, caf::reacts_to<send_peis_message>, caf::reacts_to<pause_peer>,
+    caf::reacts_to<resume_peer>, caf::reacts_to<step_clock>, caf::reacts_to<leave_network>,
+    caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// The gateway between an island and the PEIS network.
 using gateway_actor =

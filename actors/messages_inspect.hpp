@@ -49,6 +49,20 @@ auto inspect(F& f, peer_report& x) {
 
 } // namespace runtime
 
+namespace peis {
+
+template <class F>
+auto inspect(F& f, bluetooth_address& x) {
+  return f(caf::meta::type_name("bluetooth_address"), x.octets);
+}
+
+template <class F>
+auto inspect(F& f, seen_device& x) {
+  return f(caf::meta::type_name("seen_device"), x.address, x.strength_dbm);
+}
+
+} // namespace peis
+
 namespace flow {
 
 template <class F>
@@ -319,6 +333,52 @@ auto inspect(F& f, end_lan_fault& x) {
 }
 
 template <class F>
+auto inspect(F& f, bluetooth_seen& x) {
+  return f(caf::meta::type_name("bluetooth_seen"), x.adapter, x.devices);
+}
+
+template <class F>
+auto inspect(F& f, hello_answer& x) {
+  return f(caf::meta::type_name("hello_answer"), x.adapter, x.device, x.octets);
+}
+
+template <class F>
+auto inspect(F& f, hello_arrived& x) {
+  return f(caf::meta::type_name("hello_arrived"), x.question, x.sender);
+}
+
+template <class F>
+auto inspect(F& f, bluetooth_opened& x) {
+  return f(caf::meta::type_name("bluetooth_opened"), x.link, x.rate_bps);
+}
+
+template <class F>
+auto inspect(F& f, join_bluetooth& x) {
+  return f(caf::meta::type_name("join_bluetooth"), x.station, x.machine, x.adapters, x.place,
+           x.port, x.user);
+}
+
+template <class F>
+auto inspect(F& f, scan_bluetooth& x) {
+  return f(caf::meta::type_name("scan_bluetooth"), x.station, x.adapter);
+}
+
+template <class F>
+auto inspect(F& f, send_hello& x) {
+  return f(caf::meta::type_name("send_hello"), x.station, x.question);
+}
+
+template <class F>
+auto inspect(F& f, bluetooth_connect& x) {
+  return f(caf::meta::type_name("bluetooth_connect"), x.station, x.attempt, x.to, x.port);
+}
+
+template <class F>
+auto inspect(F& f, move_machine& x) {
+  return f(caf::meta::type_name("move_machine"), x.machine, x.place);
+}
+
+template <class F>
 auto inspect(F& f, pause_peer& x) {
   return f(caf::meta::type_name("pause_peer"), x.length);
 }
@@ -505,4 +565,13 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::hook_port))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::send_peis_message))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::mote_presence))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::restart_proxy))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::bluetooth_seen))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::hello_answer))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::hello_arrived))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::bluetooth_opened))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::join_bluetooth))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::scan_bluetooth))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::send_hello))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::bluetooth_connect))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::move_machine))
 CAF_END_TYPE_ID_BLOCK(rubicon)

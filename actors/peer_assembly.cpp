@@ -1,13 +1,16 @@
 // The part of the assembly that makes peers: kernels and the programs that use them.
 #include <algorithm>
+#include <cmath>
 
 #include "actors/apps/peer_apps.hpp"
 #include "actors/assembly.hpp"
 #include "actors/gateway.hpp"
+#include "actors/peis_bluetooth.hpp"
 #include "actors/peis_peer.hpp"
 #include "actors/proxy_manager.hpp"
 #include "peis/host_record.hpp"
 #include "peis/link_url.hpp"
+#include "peis/package.hpp"
 
 namespace rubicon {
 
@@ -15,6 +18,7 @@ namespace {
 
 /// Of a link of limited bandwidth: what is urgent overtakes all but these octets.
 constexpr std::size_t slow_link_window = 8192;
+constexpr std::size_t bluetooth_link_window = 512; ///< a quarter of a second at 2 kB/s
 
 ecology_actor ecology_handle(ecology_pointer self) {
   return caf::actor_cast<ecology_actor>(self);
@@ -52,6 +56,39 @@ std::string host_of(ecology_pointer self, const config::peer_description& peer) 
   return is_real(self, peer) ? self->state.process.machine : peer.name;
 }
 
+/// Where a peer takes links over Bluetooth: each of a machine has a port of its own.
+std::uint16_t bluetooth_port_of(ecology_pointer self, const config::peer_description& peer) {
+  const auto machine = host_of(self, peer);
+  std::size_t before = 0;
+  for (const auto& each : self->state.description.peers)
+    before += each.id < peer.id && host_of(self, each) == machine ? 1 : 0;
+  return bluetooth_port(before);
+}
+
+/// What a full package takes: its acknowledgement cannot come sooner.
+duration full_package_time(const config::bluetooth_description& x) {
+  constexpr std::int64_t bits = 8 * (peis::header_size + peis::data_max);
+  return duration(bits * 1'000'000'000 / static_cast<std::int64_t>(x.rate_bps));
+}
+
+void add_bluetooth(ecology_pointer self, const config::peer_description& peer,
+                   peis::p2p_config& network) {
+  if (peer.bluetooth.empty())
+    return;
+  const auto& given = self->state.description.peis.bluetooth;
+  network.bluetooth.adapters = peer.bluetooth;
+  network.bluetooth.scan_period = given.scan_period;
+  network.bluetooth.threshold_dbm = static_cast<int>(std::ceil(given.threshold_dbm));
+  const auto port = bluetooth_port_of(self, peer);
+  for (const auto& adapter : peer.bluetooth)
+    network.addresses.push_back(
+        peis::bluetooth_interface(adapter, address_of_adapter(network.host_name, adapter), port));
+  if (given.rate_bps == 0)
+    return;
+  network.link_window = bluetooth_link_window;
+  network.reliable.retry_time = std::max(network.reliable.retry_time, 2 * full_package_time(given));
+}
+
 peis::kernel_config kernel_of(ecology_pointer self, const config::peer_description& peer) {
   const auto& state = self->state;
   peis::kernel_config x;
@@ -63,9 +100,11 @@ peis::kernel_config kernel_of(ecology_pointer self, const config::peer_descripti
   network.network = state.description.network;
   network.process = state.process.number;
   network.clock_offset = state.process.clock_offset;
-  network.addresses = {peis::inproc_address(state.process.number, peer.id)};
+  if (peer.wired)
+    network.addresses = {peis::inproc_address(state.process.number, peer.id)};
   if (state.description.peis.bandwidth_bps > 0)
     network.link_window = slow_link_window;
+  add_bluetooth(self, peer, network);
   auto& connections = network.connections;
   for (const auto& name : peer.links)
     connections.always.push_back("inproc://" + to_string(state.peers.at(name).id));
@@ -148,6 +187,7 @@ void spawn_kernel(ecology_pointer self, supervised_peer& peer, const std::string
   const auto description = description_of(self, peer);
   peis_peer_arguments x;
   x.config = kernel_of(self, description);
+  peer.machine = x.config.network.host_name;
   x.name = peer.name;
   x.seed = self->state.description.seed;
   x.station = peer.station = ++self->state.stations;
@@ -155,7 +195,13 @@ void spawn_kernel(ecology_pointer self, supervised_peer& peer, const std::string
   x.network = self->state.description.peis;
   x.discovery = description.discovery;
   x.real = real_links_of(self, description);
-  x.lan = self->state.lan;
+  if (description.wired)
+    x.lan = self->state.lan;
+  if (!description.bluetooth.empty()) {
+    x.bluetooth = self->state.bluetooth;
+    x.adapters = {x.station,         x.config.network.host_name,           description.bluetooth,
+                  description.place, bluetooth_port_of(self, description), {}};
+  }
   x.ecology = ecology_handle(self);
   peer.handle = spawn_child(self, path, peis_peer, std::move(x));
   peer.changed = now(self);

@@ -1,6 +1,7 @@
 #include "actors/peer_supervision.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace rubicon {
@@ -39,6 +40,13 @@ std::string lasting(std::optional<duration> length) {
   return length ? " for " + to_text(*length) : std::string();
 }
 
+/// A peer's computer loses its power or has it again.
+void set_power(ecology_pointer self, std::uint64_t station, bool on) {
+  self->send(self->state.lan, set_lan_power{station, on});
+  if (self->state.bluetooth)
+    self->send(self->state.bluetooth, set_lan_power{station, on});
+}
+
 void disturb(ecology_pointer self, begin_lan_fault x, duration length) {
   auto& state = self->state;
   x.fault = ++state.lan_faults;
@@ -66,7 +74,7 @@ void restart(ecology_pointer self, supervised_peer& peer) {
   if (peer.handle)
     return;
   if (!peer.powered)
-    self->send(self->state.lan, set_lan_power{peer.station, true});
+    set_power(self, peer.station, true);
   ++peer.incarnation;
   ++self->state.report.actors.restarted;
   spawn_kernel(self, peer, "peis_peer/" + peer.name);
@@ -108,7 +116,7 @@ void peer_fault_applier::operator()(const config::power_off_fault& x) const {
   if (peer == nullptr)
     return;
   peer->powered = false;
-  self->send(self->state.lan, set_lan_power{peer->station, false}); // before it is seen to end
+  set_power(self, peer->station, false); // before it is seen to end
   end_process(self, *peer);
   tell(self, *peer, "power off" + lasting(x.length));
   restart_after(self, *peer, x.length);
@@ -158,6 +166,19 @@ void peer_fault_applier::operator()(const config::clock_step_fault& x) const {
   tell(self, *peer,
        "clock set " + std::string(x.by < 0s ? "back by " : "forward by ") +
            to_text(x.by < 0s ? -x.by : x.by));
+}
+
+void peer_fault_applier::operator()(const config::move_fault& x) const {
+  auto& state = self->state;
+  auto* peer = find_running(self, x.peer);
+  if (peer == nullptr)
+    return;
+  state.last_lan_fault = std::max(state.last_lan_fault, now(self));
+  if (state.bluetooth)
+    self->send(state.bluetooth, move_machine{peer->machine, x.to});
+  tell(self, *peer,
+       "carried to " + std::to_string(std::lround(x.to.x_m)) + ", " +
+           std::to_string(std::lround(x.to.y_m)));
 }
 
 } // namespace rubicon

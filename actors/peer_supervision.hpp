@@ -21,6 +21,7 @@ struct peer_fault_applier {
   void operator()(const config::link_loss_fault& x) const;
   void operator()(const config::duplicate_id_fault& x) const;
   void operator()(const config::clock_step_fault& x) const;
+  void operator()(const config::move_fault& x) const;
 };
 
 /// Starts a peer again that was ended.

@@ -1,11 +1,10 @@
 #include "actors/peis_peer.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
 
 #include "actors/log.hpp"
-#include "peis/link_url.hpp"
+#include "actors/peis_bluetooth.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
@@ -39,16 +38,6 @@ void leave(peer_pointer self) {
     state.real->links().close_all();
 }
 
-/// Whom `inproc://id` names.
-std::optional<peer_id> inproc_peer(const peis::link_url& url) {
-  std::int32_t id = 0;
-  const auto end = url.host.data() + url.host.size();
-  const auto [stop, error] = std::from_chars(url.host.data(), end, id);
-  if (url.medium != peis::link_url::scheme::inproc || error != std::errc{} || stop != end)
-    return std::nullopt;
-  return peer_id{id};
-}
-
 /// Whether links are closed so while all is well.
 bool is_everyday(peis::close_cause x) {
   using peis::close_cause;
@@ -77,21 +66,13 @@ struct performer {
       return;
     tell_closed(self, x.link, found->second);
     state.links.erase(found);
-    if (state.arguments.lan)
+    if (x.link.value >= first_bluetooth_link)
+      self->send(state.arguments.bluetooth, lan_link_ended{x.link.value});
+    else if (state.arguments.lan)
       self->send(state.arguments.lan, lan_link_ended{x.link.value});
   }
 
-  void operator()(const peis::connect_to& x) const {
-    const auto url = peis::parse_link_url(x.url);
-    const auto& arguments = self->state.arguments;
-    const auto peer = url ? inproc_peer(*url) : std::nullopt;
-    if (peer && arguments.lan)
-      self->send(arguments.lan, lan_connect{arguments.station, x.attempt.value, *peer});
-    else if (!peer && self->state.real != nullptr)
-      self->state.real->links().carry_out(x);
-    else
-      self->send(self, attempt_failed{x.attempt.value});
-  }
+  void operator()(const peis::connect_to& x) const { ask_for_link(self, x); }
 
   void operator()(const peis::announce& x) const {
     const auto& arguments = self->state.arguments;
@@ -99,6 +80,19 @@ struct performer {
       self->send(arguments.lan, lan_announce{arguments.station, x.octets});
     if (self->state.real != nullptr)
       self->state.real->links().carry_out(x);
+  }
+
+  void operator()(peis::scan_adapter& x) const {
+    const auto& arguments = self->state.arguments;
+    if (arguments.bluetooth)
+      self->send(arguments.bluetooth, scan_bluetooth{arguments.station, std::move(x.adapter)});
+  }
+
+  void operator()(peis::say_hello& x) const {
+    const auto& arguments = self->state.arguments;
+    if (arguments.bluetooth)
+      self->send(arguments.bluetooth,
+                 send_hello{arguments.station, {std::move(x.adapter), x.to, std::move(x.octets)}});
   }
 
   void operator()(const peis::traced&) const {} // nobody here asks
@@ -132,6 +126,10 @@ struct performer {
     log(self, spdlog::level::info, "event=quit_requested by={}", x.by.value);
     leave(self);
     self->quit(caf::exit_reason::user_shutdown);
+  }
+  void operator()(const peis::intercepted& x) const {
+    log(self, spdlog::level::info, "event=intercepted port={} source={} destination={}", x.port,
+        x.source.value, x.destination.value);
   }
   void operator()(const peis::id_taken& x) const {
     log(self, spdlog::level::err, "event=id_taken by={}", x.by);
@@ -234,7 +232,8 @@ void report(peer_pointer self) {
   self->send(state.arguments.ecology, std::move(status));
 }
 
-void on_opened(peer_pointer self, const link_opened& x) {
+/// @param rate_bps of a simulated link
+void on_opened(peer_pointer self, const link_opened& x, std::uint64_t rate_bps) {
   auto& state = self->state;
   const peis::link_id id{x.link};
   if (state.left)
@@ -242,7 +241,7 @@ void on_opened(peer_pointer self, const link_opened& x) {
   if (x.link >= first_real_link)
     state.tcp_links.insert(id);
   else
-    state.links[id] = {x.other.actor, x.condition, x.initiator, {}};
+    state.links[id] = {x.other.actor, x.condition, x.initiator, {}, rate_bps};
   const auto role = x.initiator ? peis::link_role::initiator : peis::link_role::acceptor;
   const auto attempt = x.attempt == 0 ? std::nullopt : std::optional(peis::attempt_id{x.attempt});
   perform(self, state.kernel.on_link_open(id, role, now(self), attempt));
@@ -254,6 +253,16 @@ void on_closed(peer_pointer self, const link_closed& x) {
   if (state.links.erase(id) + state.tcp_links.erase(id) > 0)
     ++state.links_closed["far_end"];
   perform(self, state.kernel.on_link_closed(id, now(self)));
+}
+
+/// Tells who asks that we are a peer, and learns who that is.
+void on_hello(peer_pointer self, const hello_arrived& x) {
+  auto& state = self->state;
+  if (state.left)
+    return;
+  perform(self, state.kernel.on_hello(x.question.octets.view(), now(self)));
+  self->delayed_send(x.sender.actor, state.arguments.network.delay,
+                     hello_answer{x.question.adapter, x.question.device, state.kernel.hello()});
 }
 
 void on_pause(peer_pointer self, const pause_peer& x) {
@@ -320,6 +329,11 @@ void start(peer_pointer self) {
                                        arguments.config.network.id,
                                        arguments.discovery,
                                        {caf::actor_cast<lan_user_actor>(self)}});
+  if (arguments.bluetooth) {
+    auto joining = arguments.adapters;
+    joining.user = {caf::actor_cast<bluetooth_user_actor>(self)};
+    self->send(arguments.bluetooth, std::move(joining));
+  }
   state.wake.follow(self, state.kernel.deadline());
 }
 
@@ -337,7 +351,23 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
                                               peis::link_id{x.link}, x.octets.view(), now(self)));
                           }),
       served<link_closed>(self, [self](const link_closed& x) { on_closed(self, x); }),
-      served<link_opened>(self, [self](const link_opened& x) { on_opened(self, x); }),
+      served<link_opened>(self,
+                          [self](const link_opened& x) {
+                            on_opened(self, x, self->state.arguments.network.bandwidth_bps);
+                          }),
+      served<bluetooth_opened>(
+          self, [self](const bluetooth_opened& x) { on_opened(self, x.link, x.rate_bps); }),
+      served<bluetooth_seen>(self,
+                             [self](const bluetooth_seen& x) {
+                               perform(self, self->state.kernel.on_bluetooth_scan(
+                                                 x.adapter, x.devices, now(self)));
+                             }),
+      served<hello_arrived>(self, [self](const hello_arrived& x) { on_hello(self, x); }),
+      served<hello_answer>(self,
+                           [self](const hello_answer& x) {
+                             perform(self, self->state.kernel.on_hello_answer(
+                                               x.adapter, x.device, x.octets.view(), now(self)));
+                           }),
       [self](const condition_changed& x) {
         const auto found = self->state.links.find(peis::link_id{x.link});
         if (found != self->state.links.end())

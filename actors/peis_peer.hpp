@@ -31,6 +31,8 @@ struct peis_peer_arguments {
   bool discovery = true; ///< takes part in the announcements of the simulated network
   std::optional<real_links_config> real; ///< links of the real network, in wall time only
   peis_lan_actor lan;                    ///< nullptr: there is no simulated network
+  peis_bluetooth_actor bluetooth;        ///< nullptr: no adapters
+  join_bluetooth adapters;               ///< without `user`
   ecology_actor ecology;
 };
 
@@ -47,6 +49,7 @@ struct peis_peer_state {
     link_condition condition;
     bool request_is_next = false; ///< the next octets begin with a connect request
     instant free_at;              ///< when what was handed out has left
+    std::uint64_t rate_bps = 0;   ///< 0: unlimited
   };
 
   peis_peer_arguments arguments;
@@ -74,6 +77,9 @@ struct peis_peer_state {
 using peer_pointer = scheduler::traced_pointer<peis_peer_state, peis_peer_actor>;
 
 // actors/lan_link.cpp
+
+/// Asks the medium of the address for a link.
+void ask_for_link(peer_pointer self, const peis::connect_to& x);
 
 /// Sends octets over a simulated link, as its condition allows.
 void transmit(peer_pointer self, peis::link_id id, payload octets);

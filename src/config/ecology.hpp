@@ -15,6 +15,7 @@
 #include "flow/flow_config.hpp"
 #include "mote/transducer_config.hpp"
 #include "mote/way_point.hpp"
+#include "peis/link_url.hpp"
 #include "proxy/proxy_class.hpp"
 #include "radio/parameters.hpp"
 #include "serial/line_config.hpp"
@@ -144,15 +145,35 @@ struct peer_description {
   peer_id id;
   std::string name;
   std::string host;
-  std::vector<std::string> links;   ///< names of peers or gateways; always kept (AUT-01)
-  std::vector<std::string> connect; ///< `tcp://host:port`, always kept, over the real network
-  std::optional<tcp_listener> tcp;  ///< wall time only, as are `connect` and `lan`
-  bool lan = false;                 ///< meets whoever the computer's real LAN has (A-78)
-  bool leaf = false;                ///< has no other links than those above (LEA-01)
-  bool manager = true;              ///< makes and closes links as it sees fit (CM-12)
-  bool discovery = true;            ///< takes part in the announcements of the simulated network
-  std::vector<peer_id> managers;    ///< may stop it by its tuple kernel.do-quit (TUP-22)
+  std::vector<std::string> links;     ///< names of peers or gateways; always kept (AUT-01)
+  std::vector<std::string> connect;   ///< `tcp://host:port`, always kept, over the real network
+  std::optional<tcp_listener> tcp;    ///< wall time only, as are `connect` and `lan`
+  bool lan = false;                   ///< meets whoever the computer's real LAN has (A-78)
+  bool leaf = false;                  ///< has no other links than those above (LEA-01)
+  bool manager = true;                ///< makes and closes links as it sees fit (CM-12)
+  bool discovery = true;              ///< takes part in the announcements of the simulated network
+  std::vector<std::string> bluetooth; ///< adapters, which peers of one host share (BT-01, BT-03)
+  position place;                     ///< means something if it has adapters
+  bool wired = true;             ///< is in the simulated network; false: links over Bluetooth only
+  std::vector<peer_id> managers; ///< may stop it by its tuple kernel.do-quit (TUP-22)
   std::vector<peer_app> apps;
+};
+
+/// Simulated Bluetooth. Received strength falls with distance as radio::log_distance has it
+/// by default, from 0 dBm sent.
+struct bluetooth_description {
+  double range_m = 10;             ///< of class 2; scans, HELLOs and links reach as far
+  std::uint64_t rate_bps = 16'000; ///< of each link, each way (BT-02); 0: unlimited
+  duration scan_period = 10s;
+  double threshold_dbm = -67; ///< no link is begun with what is weaker (BT-06); reached at 7.9 m
+  bool takeover = false;      ///< another peer announces when the one that does has ended (BT-03)
+};
+
+/// What has Bluetooth and is no peer.
+struct bluetooth_device {
+  std::string name;
+  peis::bluetooth_address address;
+  position place;
 };
 
 /// The simulated network between the hosts of peers.
@@ -160,6 +181,7 @@ struct peis_description {
   duration delay = 200us;          ///< of a switched LAN [estimate]
   double loss = 0;                 ///< of packages and announcements, each link and way alike
   std::uint64_t bandwidth_bps = 0; ///< of each link, each way; 0: unlimited
+  bluetooth_description bluetooth;
 };
 
 struct host_description {
@@ -219,9 +241,15 @@ struct clock_step_fault {
   duration by{}; ///< negative: back
 };
 
+/// A peer's computer is carried to another place; peers of its host go with it.
+struct move_fault {
+  peer_id peer;
+  position to;
+};
+
 using fault = std::variant<battery_end_fault, crash_fault, unplug_fault, kill_fault,
                            power_off_fault, pause_fault, partition_fault, link_loss_fault,
-                           duplicate_id_fault, clock_step_fault>;
+                           duplicate_id_fault, clock_step_fault, move_fault>;
 
 /// Stands for a mote, or an island, that is drawn when the fault happens; any_peer for a peer.
 inline constexpr mote_address any_mote{{}, broadcast_mote};
@@ -253,6 +281,7 @@ struct ecology_description {
   std::vector<air_description> airs;       ///< every island is in exactly one
   std::vector<island_description> islands; ///< ascending by id
   std::vector<peer_description> peers;     ///< ascending by id; gateways are not among them
+  std::vector<bluetooth_device> bluetooth_devices;
   std::vector<proxy::proxy_class> proxies;
   std::vector<fault_description> faults; ///< ascending by time
   std::vector<host_description> hosts;

@@ -61,6 +61,13 @@ struct kind_reader {
     out = x;
   }
 
+  void move(table_reader& in) const {
+    move_fault x;
+    in.required("peer", peer_name{names}, x.peer);
+    in.required("to_m", place{}, x.to);
+    out = x;
+  }
+
   void partition(table_reader& in) const {
     partition_fault x;
     std::vector<located<std::vector<located<std::vector<peer_id>>>>> groups;
@@ -106,7 +113,8 @@ void read_kind(table_reader& in, const directory& names, fault& out) {
              {"partition", [&](table_reader& x) { read.partition(x); }},
              {"link_loss", [&](table_reader& x) { read.link_loss(x); }},
              {"duplicate_id", [&](table_reader& x) { read.absence<duplicate_id_fault>(x); }},
-             {"clock_step", [&](table_reader& x) { read.clock_step(x); }}});
+             {"clock_step", [&](table_reader& x) { read.clock_step(x); }},
+             {"move", [&](table_reader& x) { read.move(x); }}});
 }
 
 /// A time of a fault; not after the end of the run.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -69,6 +70,17 @@ read_airs(table_reader& root, const directory& names,
           const std::vector<island_description>& islands);
 
 [[nodiscard]] peis_description read_peis(table_reader& root);
+
+/// [peis.bluetooth], in the table [peis].
+void read_bluetooth(table_reader& in, bluetooth_description& out);
+
+[[nodiscard]] std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root);
+
+/// Where the hosts are that peers with adapters share.
+using machine_places = std::map<std::string, position>;
+
+/// bluetooth, position and wired of a peer whose other connections are read.
+void read_adapters(table_reader& in, machine_places& places, peer_description& out);
 
 /// [[peer]], ascending by id. `islands` are those that a proxy manager serves by default.
 [[nodiscard]] std::vector<peer_description>

@@ -37,6 +37,7 @@ ecology_description read_file_tables(const node& root, const named_files& files,
   out.peers = read_peers(in, with, out.islands);
   out.proxies = read_proxies(in);
   out.faults = read_faults(in, names, end);
+  out.bluetooth_devices = read_bluetooth_devices(in);
   in.finish();
   if (!in.has("island") && !in.has("peer"))
     in.problems().add(in.at(), "the file has neither an [[island]] nor a [[peer]]");

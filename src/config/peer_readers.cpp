@@ -15,6 +15,7 @@ struct peer_surroundings {
   const std::vector<island_description>& islands;
   claims<island_id> managed; ///< proxies map one-to-one to motes, so managers to islands (PXY-15)
   claims<std::pair<std::string, std::uint32_t>> ports; ///< by host
+  machine_places places{};
 };
 
 proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
@@ -182,6 +183,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
   auto& like = peers.like;
   in.optional("host", host_name{with.names}, like.host);
   read_connections(in, with, peers, apps, like);
+  read_adapters(in, apps.places, like);
   in.tables("apps", "apps of a peer", [&](table_reader& x) {
     const auto add = [&like](peer_app app) { like.apps.push_back(std::move(app)); };
     x.one_of("app", {{"proxy_manager",
@@ -226,6 +228,7 @@ peis_description read_peis(table_reader& root) {
     in.optional("delay", time_span{0s, 10s}, out.delay);
     in.optional("loss", ratio{}, out.loss);
     in.optional("bandwidth", bit_rate{}, out.bandwidth_bps);
+    read_bluetooth(in, out.bluetooth);
   });
   return out;
 }

@@ -79,11 +79,15 @@ std::string connections(const peer_description& x) {
                     (x.tcp->port ? std::to_string(*x.tcp->port) : std::string("8000 or above")));
   if (x.lan)
     words.emplace_back("lan");
+  if (!x.bluetooth.empty())
+    words.push_back("bluetooth " + joined(x.bluetooth));
+  if (!x.wired)
+    words.emplace_back("not wired");
   if (x.leaf)
     words.emplace_back("leaf");
   if (!x.manager)
     words.emplace_back("no manager");
-  if (x.discovery != ends.empty())
+  if (x.wired && x.discovery != ends.empty())
     words.emplace_back(x.discovery ? "discovery" : "no discovery");
   return joined(words, "; ");
 }
@@ -304,6 +308,23 @@ std::string flows_line(const ecology_description& x) {
          counted(counts.relays, "relay") + ", " + counted(counts.receivers, "receiver") + '\n';
 }
 
+/// Bluetooth, if any peer has it.
+std::string bluetooth_line(const ecology_description& x) {
+  const auto& given = x.peis.bluetooth;
+  if (std::all_of(x.peers.begin(), x.peers.end(),
+                  [](const auto& each) { return each.bluetooth.empty(); }))
+    return {};
+  return "bluetooth: range " + shown(given.range_m) + " m; " +
+         (given.rate_bps == 0 ? std::string("no limit")
+                              : shown(static_cast<double>(given.rate_bps) / 1e3) + " kbit/s") +
+         "; scan every " + to_text(given.scan_period) + "; links from " +
+         shown(given.threshold_dbm) + " dBm" + (given.takeover ? "; takeover" : "") +
+         (x.bluetooth_devices.empty()
+              ? ""
+              : "; " + counted(x.bluetooth_devices.size(), "other device")) +
+         '\n';
+}
+
 /// The network between the hosts of peers, where it is unlike a plain LAN.
 std::string peis_line(const peis_description& x) {
   const peis_description plain;
@@ -326,7 +347,7 @@ std::string first_lines(const ecology_description& x) {
          counted(x.islands.size(), "island") + ", " + counted(motes, "mote") + ", " +
          counted(x.peers.size(), "peer") + '\n' +
          (x.islands.empty() ? "" : radio_line(x.radio) + mac_line(x) + flows_line(x)) +
-         peis_line(x.peis);
+         peis_line(x.peis) + bluetooth_line(x);
 }
 
 } // namespace

@@ -53,7 +53,13 @@ struct fault_cells {
     return {"clock_step",
             peer(x.peer) + " by " + (x.by < 0s ? "-" + to_text(-x.by) : to_text(x.by))};
   }
+  row operator()(const move_fault& x) const {
+    return {"move", peer(x.peer) + " to " + place_text(x.to)};
+  }
 
+  static std::string place_text(const position& x) {
+    return '[' + shown(x.x_m) + ", " + shown(x.y_m) + (x.z_m == 0 ? "" : ", " + shown(x.z_m)) + ']';
+  }
   static std::string lasting(std::optional<duration> length) {
     return length ? " for " + to_text(*length) : std::string();
   }

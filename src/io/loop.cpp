@@ -1,5 +1,7 @@
 #include "io/loop.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <utility>
 
@@ -8,11 +10,22 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "core/time.hpp"
 #include "io/context.hpp"
 
 namespace rubicon::io {
 
 namespace asio = boost::asio;
+
+namespace {
+
+using clock = std::chrono::steady_clock;
+
+/// Going to sleep and being woken costs about as much.
+constexpr auto asking_max = 50us;
+constexpr int gap_smoothing = 8;
+
+} // namespace
 
 struct loop::impl {
   asio::io_context context{1}; // one thread runs it; any may post
@@ -23,6 +36,27 @@ struct loop::impl {
   bool armed = false;
   bool too_early = false;   ///< the handler that just ran was the timer's, before `wanted`
   std::size_t own_runs = 0; ///< handlers run that are ours, not the users'
+  clock::time_point last_ran;
+  duration mean_gap = 1s; ///< between two turns that ran something
+
+  /// All handlers that are ready, ours included.
+  std::size_t run_ready() {
+    own_runs = 0;
+    return context.poll();
+  }
+
+  void note_ran(clock::time_point now) {
+    mean_gap += (std::min<duration>(now - last_ran, 1ms) - mean_gap) / gap_smoothing;
+    last_ran = now;
+  }
+
+  /// When to stop asking whether something is ready, and to sleep: at once, unless what comes is
+  /// near.
+  [[nodiscard]] clock::time_point asking_end(clock::time_point now, clock::time_point until) const {
+    if (until - now <= asking_max)
+      return until;
+    return mean_gap < asking_max ? now + asking_max : now;
+  }
 
   /// A timer that is set for earlier stays: deadlines mostly move away, and setting costs more than
   /// a wake-up now and then.
@@ -35,7 +69,7 @@ struct loop::impl {
       ++own_runs;
       if (error != asio::error::operation_aborted)
         armed = false;
-      too_early = std::chrono::steady_clock::now() < wanted;
+      too_early = clock::now() < wanted;
     });
     armed_for = until;
     armed = true;
@@ -47,13 +81,22 @@ loop::loop() : impl_(std::make_unique<impl>()) {}
 loop::~loop() = default;
 
 std::size_t loop::poll() {
-  impl_->own_runs = 0;
-  return impl_->context.poll() - impl_->own_runs;
+  const auto all = impl_->run_ready();
+  return all - impl_->own_runs;
 }
 
 std::size_t loop::wait_until(time_point until) {
-  if (until <= std::chrono::steady_clock::now())
+  auto now = clock::now();
+  if (until <= now)
     return poll();
+  for (const auto end = impl_->asking_end(now, until); now < end; now = clock::now()) {
+    if (const auto all = impl_->run_ready()) {
+      impl_->note_ran(now);
+      return all - impl_->own_runs;
+    }
+  }
+  if (until <= now)
+    return 0;
   impl_->own_runs = 0;
   std::size_t runs = 0;
   do {
@@ -62,6 +105,7 @@ std::size_t loop::wait_until(time_point until) {
     runs += impl_->context.run_one();
   } while (impl_->too_early);
   runs += impl_->context.poll();
+  impl_->note_ran(clock::now());
   return runs - impl_->own_runs;
 }
 

@@ -142,6 +142,12 @@ public:
   /// @returns false unless the port is 20..49
   [[nodiscard]] bool register_hook(std::uint16_t port, message_callback hook);
 
+  /// [registerHook] The same for packages that pass through here on the way to others (API-06): one
+  /// hook a port, which may consume them.
+  [[nodiscard]] bool register_transit_hook(std::uint16_t port, peis::transit_hook hook) {
+    return kernel_.hook_transit(port, std::move(hook));
+  }
+
   // Hosts.
 
   /// [hostInfoHT] All known hosts, ourselves included, ascending by id; valid until the next call
@@ -207,6 +213,9 @@ private:
 
   void handle(peis::traced& x);
   void handle(peis::id_taken& x);
+  static void handle(const peis::intercepted&) {} // by a hook of the program itself
+  static void handle(const peis::scan_adapter&) {}
+  static void handle(const peis::say_hello&) {} // without adapters
 
   using watch_command =
       std::function<peis::outputs(peis::subscription_id, peis::request_id, instant)>;

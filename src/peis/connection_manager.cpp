@@ -83,7 +83,8 @@ admission admit(std::uint32_t request_flags, std::span<const link_option> links,
   return admission::accept;
 }
 
-std::vector<std::string> connectable_urls(const host_record& self, const host_record& other) {
+std::vector<std::string> connectable_urls(const host_record& self, const host_record& other,
+                                          const bluetooth& near) {
   const bool same_host = self.host_name == other.host_name;
   const bool networked = std::any_of(self.addresses.begin(), self.addresses.end(), is_network);
   std::vector<std::string> urls;
@@ -91,6 +92,12 @@ std::vector<std::string> connectable_urls(const host_record& self, const host_re
     const bool local = x.type == kind::tcp_ipv4 && x.loopback && same_host;
     const bool remote = is_network(x) && networked && !same_host;
     if (local || remote || (x.type == kind::inproc && same_process(self, x)))
+      urls.push_back(to_string(url_of(x)));
+  }
+  if (!urls.empty())
+    return urls;
+  for (const auto& x : other.addresses) {
+    if (x.type == kind::bluetooth && near.is_connectable(bluetooth_address_of(x)))
       urls.push_back(to_string(url_of(x)));
   }
   return urls;

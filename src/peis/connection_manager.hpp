@@ -11,6 +11,7 @@
 
 #include "core/random.hpp"
 #include "core/time.hpp"
+#include "peis/bluetooth.hpp"
 #include "peis/host_record.hpp"
 #include "peis/types.hpp"
 
@@ -84,8 +85,9 @@ enum class admission : std::uint8_t { accept, replace_worst, refuse };
                               const connection_config& config);
 
 /// Addresses in `other` that `self` can connect to: loopback ones for peers of one machine, other
-/// ones only if `self` has such an address too, in-process ones for peers of one process.
-[[nodiscard]] std::vector<std::string> connectable_urls(const host_record& self,
-                                                        const host_record& other);
+/// ones only if `self` has such an address too, in-process ones for peers of one process. Bluetooth
+/// ones, slow as they are, only if there are no others and what is `near` is connectable (BT-06).
+[[nodiscard]] std::vector<std::string>
+connectable_urls(const host_record& self, const host_record& other, const bluetooth& near = {});
 
 } // namespace rubicon::peis

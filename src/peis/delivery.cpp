@@ -18,10 +18,11 @@ std::uint16_t delivery::packages_of(const transfer& x) {
 
 bool delivery::add(reliable_message message, id_source& ids) {
   auto& to = flows_[message.destination];
-  if (to.waiting >= config_.waiting_max)
+  const auto size = message.content->size();
+  if (to.waiting >= config_.waiting_max ||
+      (to.waiting > 0 && to.waiting_octets + size > config_.waiting_octets_max))
     return false;
   transfer x;
-  const auto size = message.content->size();
   if (size > data_max) {
     x.fragments = static_cast<std::uint16_t>((size + data_max - 1) / data_max);
     x.seqid = ids.next_group();
@@ -29,6 +30,7 @@ bool delivery::add(reliable_message message, id_source& ids) {
   const auto id = next_transfer_++;
   to.queues[static_cast<std::size_t>(message.class_of_service)].push_back(id);
   ++to.waiting;
+  to.waiting_octets += size;
   x.message = std::move(message);
   transfers_.emplace_hint(transfers_.end(), id, std::move(x));
   return true;
@@ -77,7 +79,7 @@ std::optional<std::pair<lane, outgoing_package>> delivery::next(peer_id destinat
   ++to.in_flight;
   if (x.begun == packages_of(x)) {
     queue.pop_front();
-    --to.waiting;
+    on_begun(to, x);
   }
   return std::pair{*where, std::move(package)};
 }
@@ -110,8 +112,9 @@ void delivery::on_transmitted(std::int32_t ack_id, instant now) {
   const auto at = in_flight_.find(ack_id);
   if (at == in_flight_.end())
     return;
-  at->second.due = now + at->second.attempts * config_.retry_time;
-  due_.emplace(*at->second.due, ack_id);
+  auto& x = at->second;
+  x.due = now + x.attempts * config_.retry_time;
+  waits_[x.attempts].push_back({*x.due, ack_id});
 }
 
 void delivery::on_dropped(std::int32_t ack_id, instant now) {
@@ -119,14 +122,25 @@ void delivery::on_dropped(std::int32_t ack_id, instant now) {
   if (at == in_flight_.end() || at->second.due)
     return;
   at->second.due = now;
-  due_.emplace(now, ack_id);
+  waits_[0].push_back({now, ack_id});
 }
 
-std::unordered_map<std::int32_t, delivery::pending>::iterator
-delivery::forget(std::unordered_map<std::int32_t, pending>::iterator at) {
-  if (at->second.due)
-    due_.erase({*at->second.due, at->first});
-  return in_flight_.erase(at);
+bool delivery::is_current(const wait& x) const {
+  const auto at = in_flight_.find(x.ack_id);
+  return at != in_flight_.end() && at->second.due == x.until;
+}
+
+void delivery::shorten_waits() {
+  for (auto& queue : waits_) {
+    while (!queue.empty() && !is_current(queue.front()))
+      queue.pop_front();
+  }
+}
+
+/// A transfer waits no more for its first package to leave.
+void delivery::on_begun(flow& x, const transfer& which) const {
+  --x.waiting;
+  x.waiting_octets -= which.message.content->size();
 }
 
 void delivery::shorten(flow& x) const {
@@ -140,7 +154,8 @@ std::optional<delivery::acknowledged> delivery::acknowledge(std::int32_t ack_id)
     return std::nullopt;
   const auto owner = transfers_.find(at->second.transfer);
   assert(owner != transfers_.end());
-  forget(at);
+  in_flight_.erase(at);
+  shorten_waits();
   auto& x = owner->second;
   acknowledged done{x.message.destination, std::nullopt};
   const auto to = flows_.find(x.message.destination);
@@ -156,10 +171,15 @@ std::optional<delivery::acknowledged> delivery::acknowledge(std::int32_t ack_id)
 }
 
 std::optional<delivery::due> delivery::take_due(instant now, id_source& ids) {
-  if (due_.empty() || due_.begin()->first > now)
+  std::deque<wait>* first = nullptr;
+  for (auto& queue : waits_) {
+    if (!queue.empty() && (first == nullptr || queue.front().until < first->front().until))
+      first = &queue;
+  }
+  if (first == nullptr || first->front().until > now)
     return std::nullopt;
-  const auto ack_id = due_.begin()->second;
-  due_.erase(due_.begin());
+  const auto ack_id = first->front().ack_id;
+  first->pop_front();
   auto& x = in_flight_.at(ack_id);
   x.due.reset();
   const auto& owner = transfers_.at(x.transfer);
@@ -172,6 +192,7 @@ std::optional<delivery::due> delivery::take_due(instant now, id_source& ids) {
     ++x.attempts;
     result.again = package_of(owner, x.fragment, ack_id, ids);
   }
+  shorten_waits();
   return result;
 }
 
@@ -182,7 +203,7 @@ reliable_message delivery::fail(std::uint64_t id) {
   const auto to = flows_.find(x.message.destination);
   for (auto at = in_flight_.begin(); x.unacknowledged > 0 && at != in_flight_.end();) {
     if (at->second.transfer == id) {
-      at = forget(at);
+      at = in_flight_.erase(at);
       --x.unacknowledged;
       --to->second.in_flight;
     } else {
@@ -192,9 +213,10 @@ reliable_message delivery::fail(std::uint64_t id) {
   if (x.begun < packages_of(x)) {
     auto& queue = to->second.queues[static_cast<std::size_t>(x.message.class_of_service)];
     queue.erase(std::find(queue.begin(), queue.end(), id));
-    --to->second.waiting;
+    on_begun(to->second, x);
   }
   shorten(to->second);
+  shorten_waits();
   if (to->second.idle())
     flows_.erase(to);
   auto message = std::move(x.message);
@@ -222,9 +244,12 @@ bool delivery::only_waiting(peer_id destination) const {
 }
 
 std::optional<instant> delivery::deadline() const {
-  if (due_.empty())
-    return std::nullopt;
-  return due_.begin()->first;
+  std::optional<instant> next;
+  for (const auto& queue : waits_) {
+    if (!queue.empty())
+      next = earliest(next, queue.front().until);
+  }
+  return next;
 }
 
 } // namespace rubicon::peis

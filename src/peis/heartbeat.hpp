@@ -34,6 +34,11 @@ struct heartbeat {
   const duration held{from.big<std::int64_t>()};
   if (!from.ok())
     return errc::truncated;
+  constexpr duration century = 24h * 365 * 100; // beyond it sums could overflow
+  for (const auto x : {sent.time_since_epoch(), echoed.time_since_epoch(), held}) {
+    if (x < 0s || x > century)
+      return errc::bad_value;
+  }
   return heartbeat{sent, echoed, held};
 }
 

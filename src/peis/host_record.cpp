@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "core/codec.hpp"
 #include "peis/layout.hpp"
 
 namespace rubicon::peis {
@@ -22,8 +23,8 @@ low_level_address decode_address(byte_view octets) {
   x.device.resize(std::min(x.device.find('\0'), x.device.size())); // no NUL if 8 characters
   x.loopback = octets[8] != 0;
   // The only integer of the record in little-endian order (peis-wire.md 5).
-  x.type = static_cast<low_level_address::kind>(octets[12] | octets[13] << 8 | octets[14] << 16 |
-                                                static_cast<std::uint32_t>(octets[15]) << 24);
+  x.type = static_cast<low_level_address::kind>(
+      byte_reader(octets.subspan(12, 4)).little<std::uint32_t>());
   std::copy_n(octets.begin() + 16, x.address.size(), x.address.begin());
   return x;
 }

@@ -51,6 +51,18 @@ outputs kernel::on_announcement(byte_view octets, instant now) {
   return finish(now);
 }
 
+outputs kernel::on_bluetooth_scan(std::string_view adapter, std::span<const seen_device> seen,
+                                  instant now) {
+  network_.on_bluetooth_scan(adapter, seen, now);
+  return finish(now);
+}
+
+outputs kernel::on_hello_answer(std::string_view adapter, const bluetooth_address& address,
+                                byte_view octets, instant now) {
+  network_.on_hello_answer(adapter, address, octets, now);
+  return finish(now);
+}
+
 outputs kernel::on_link_octets(link_id link, byte_view octets, instant now) {
   network_.on_link_octets(link, octets, now);
   return finish(now);
@@ -107,6 +119,14 @@ void kernel::handle(host_vanished& x, instant now) {
 
 void kernel::handle(forgotten_by& x, instant now) {
   perform(tuples_.renew(x.host), now);
+}
+
+void kernel::handle(device_noted& x, instant now) {
+  const auto name = key::parse(x.key);
+  if (name && x.value)
+    publish({{*name, *x.value}}, now);
+  else if (name)
+    perform(tuples_.remove(*name, now), now);
 }
 
 void kernel::handle(delivered& x, instant now) {
@@ -231,6 +251,13 @@ bool kernel::hook_port(std::uint16_t port) {
   if (!is_user_port(port))
     return false;
   hooked_.set(port);
+  return true;
+}
+
+bool kernel::hook_transit(std::uint16_t port, transit_hook hook) {
+  if (!is_user_port(port))
+    return false;
+  network_.set_transit_hook(port, std::move(hook));
   return true;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -57,9 +58,9 @@ struct quit_requested {
   peer_id by;
 };
 
-using output =
-    std::variant<to_link, close_link, connect_to, announce, tuple_changed, tuple_deleted, message,
-                 outcome, host_appeared, host_vanished, quit_requested, traced, id_taken>;
+using output = std::variant<to_link, close_link, connect_to, announce, tuple_changed, tuple_deleted,
+                            message, outcome, host_appeared, host_vanished, quit_requested, traced,
+                            id_taken, intercepted, scan_adapter, say_hello>;
 using outputs = std::vector<output>;
 
 /// Everything counted; nothing is dropped without appearing here.
@@ -97,6 +98,20 @@ public:
 
   /// A datagram of the group of announcements, our own included.
   [[nodiscard]] outputs on_announcement(byte_view octets, instant now);
+
+  /// What an adapter sees now, strengths in dBm: its devices become tuples (BT-04), and those that
+  /// are strong enough are asked who they are.
+  [[nodiscard]] outputs on_bluetooth_scan(std::string_view adapter,
+                                          std::span<const seen_device> seen, instant now);
+
+  /// One of the peers at a device has answered a HELLO; nobody has, if `octets` is empty.
+  [[nodiscard]] outputs on_hello_answer(std::string_view adapter, const bluetooth_address& address,
+                                        byte_view octets, instant now);
+
+  /// A HELLO has come: who asks. The answer is hello().
+  [[nodiscard]] outputs on_hello(byte_view octets, instant now) {
+    return on_announcement(octets, now);
+  }
 
   /// Octets have arrived, in any pieces. Ignored for links that are not open.
   [[nodiscard]] outputs on_link_octets(link_id link, byte_view octets, instant now);
@@ -215,6 +230,12 @@ public:
   /// @returns false unless the port is 20..49 (API-09)
   bool hook_port(std::uint16_t port);
 
+  /// The hook sees what passes through this host on a port, and may stop it:
+  /// p2p::set_transit_hook(). What it stops is told as `intercepted`. Messages for us are for
+  /// hook_port().
+  /// @returns false unless the port is 20..49 (API-09)
+  bool hook_transit(std::uint16_t port, transit_hook hook);
+
   /// The local clock was set to another time, by so much: tuples carry it from now on; no timer of
   /// ours moves (SCH-07).
   [[nodiscard]] outputs step_clock(duration by, instant now);
@@ -275,6 +296,14 @@ public:
   /// The clock of the ecology as we see it (CLK-06).
   [[nodiscard]] const network_clock& clock() const { return network_.clock(); }
 
+  /// Who we are, as a HELLO and its answer tell it (BT-05).
+  [[nodiscard]] bytes hello() const { return network_.hello(); }
+
+  /// [bluetoothIsConnectable] BT-06.
+  [[nodiscard]] bool bluetooth_is_connectable(const bluetooth_address& address) const {
+    return network_.adapters().is_connectable(address);
+  }
+
   /// Can a message be sent to that peer now?
   [[nodiscard]] bool reachable(peer_id host) const;
 
@@ -295,6 +324,7 @@ private:
   void handle(forgotten_by& x, instant now);
   void handle(arrived& x, instant now);
   void handle(delivered& x, instant now);
+  void handle(device_noted& x, instant now);
   void handle(undelivered& x, instant now);
   void on_set(peer_id source, const payload& octets, instant now);
   [[nodiscard]] bool may_stop_us(peer_id source) const;

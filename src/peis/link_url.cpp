@@ -37,18 +37,6 @@ void put_big_endian(std::array<std::uint8_t, 8>& x, std::size_t from, std::uint3
     x[from + i] = static_cast<std::uint8_t>(value >> (8 * (3 - i)));
 }
 
-bool is_bluetooth_address(std::string_view x) {
-  if (x.size() != 17)
-    return false;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const bool digit = (x[i] >= '0' && x[i] <= '9') || (x[i] >= 'a' && x[i] <= 'f') ||
-                       (x[i] >= 'A' && x[i] <= 'F');
-    if (i % 3 == 2 ? x[i] != ':' : !digit)
-      return false;
-  }
-  return true;
-}
-
 bool is_host(std::string_view x) {
   return !x.empty() && std::all_of(x.begin(), x.end(), [](char c) {
     return c > ' ' && c < 127 && c != '/' && c != ':' && c != ';';
@@ -56,6 +44,30 @@ bool is_host(std::string_view x) {
 }
 
 } // namespace
+
+std::string to_string(const bluetooth_address& x) {
+  constexpr std::string_view digits = "0123456789ABCDEF";
+  std::string text;
+  for (const auto octet : x.octets) {
+    text += text.empty() ? "" : ":";
+    text += digits[octet >> 4];
+    text += digits[octet & 15];
+  }
+  return text;
+}
+
+result<bluetooth_address> parse_bluetooth_address(std::string_view text) {
+  bluetooth_address x;
+  if (text.size() != std::string_view("02:4B:00:1F:A0:07").size())
+    return errc::bad_value;
+  for (std::size_t i = 0; i < x.octets.size(); ++i) {
+    const auto* begin = text.data() + 3 * i;
+    const auto [end, error] = std::from_chars(begin, begin + 2, x.octets[i], 16);
+    if (error != std::errc() || end != begin + 2 || (i > 0 && begin[-1] != ':'))
+      return errc::bad_value;
+  }
+  return x;
+}
 
 result<link_url> parse_link_url(std::string_view text) {
   const auto found = std::find_if(forms.begin(), forms.end(),
@@ -72,7 +84,7 @@ result<link_url> parse_link_url(std::string_view text) {
       return errc::bad_value;
     host = host.substr(0, at);
   }
-  if (found->medium == scheme::bluetooth ? !is_bluetooth_address(host) : !is_host(host))
+  if (found->medium == scheme::bluetooth ? !parse_bluetooth_address(host) : !is_host(host))
     return errc::bad_value;
   return link_url{found->medium, std::string(host), port};
 }
@@ -93,14 +105,8 @@ link_url url_of(const low_level_address& x) {
   if (x.type == kind::inproc)
     return {scheme::inproc, std::to_string(big_endian(a, 4, 4)), 0};
   if (x.type == kind::bluetooth) {
-    constexpr std::string_view digits = "0123456789ABCDEF";
-    std::string host;
-    for (std::size_t i = 0; i < 6; ++i) {
-      host += i == 0 ? "" : ":";
-      host += digits[a[i] >> 4];
-      host += digits[a[i] & 15];
-    }
-    return {scheme::bluetooth, host, static_cast<std::uint16_t>(big_endian(a, 6, 2))};
+    return {scheme::bluetooth, to_string(bluetooth_address_of(x)),
+            static_cast<std::uint16_t>(big_endian(a, 6, 2))};
   }
   auto host = std::to_string(a[0]);
   for (std::size_t i = 1; i < 4; ++i)
@@ -122,6 +128,21 @@ low_level_address inproc_address(std::uint32_t process, peer_id id) {
   put_big_endian(x.address, 0, process);
   put_big_endian(x.address, 4, static_cast<std::uint32_t>(id.value));
   return x;
+}
+
+low_level_address bluetooth_interface(std::string adapter, const bluetooth_address& address,
+                                      std::uint16_t port) {
+  low_level_address x{std::move(adapter), false, low_level_address::kind::bluetooth, {}};
+  std::copy(address.octets.begin(), address.octets.end(), x.address.begin());
+  x.address[6] = static_cast<std::uint8_t>(port >> 8);
+  x.address[7] = static_cast<std::uint8_t>(port);
+  return x;
+}
+
+bluetooth_address bluetooth_address_of(const low_level_address& x) {
+  bluetooth_address address;
+  std::copy_n(x.address.begin(), address.octets.size(), address.octets.begin());
+  return address;
 }
 
 } // namespace rubicon::peis

@@ -2,6 +2,8 @@
 // `bt://AA:BB:CC:DD:EE:FF;port`, `inproc://name`.
 #pragma once
 
+#include <array>
+#include <compare>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -13,6 +15,18 @@ namespace rubicon::peis {
 
 inline constexpr std::uint16_t tcp_port_default = 8000;
 inline constexpr std::uint16_t bluetooth_port_default = 7315;
+
+struct bluetooth_address {
+  std::array<std::uint8_t, 6> octets{};
+
+  friend auto operator<=>(const bluetooth_address&, const bluetooth_address&) = default;
+};
+
+/// `02:4B:00:1F:A0:07`
+[[nodiscard]] std::string to_string(const bluetooth_address& x);
+
+/// bad_value unless it is six pairs of hexadecimal digits with colons in between.
+[[nodiscard]] result<bluetooth_address> parse_bluetooth_address(std::string_view text);
 
 struct link_url {
   enum class scheme : std::uint8_t { tcp, udp, bluetooth, inproc };
@@ -40,5 +54,12 @@ struct link_url {
 /// An in-process link: every process has a number of its own, so that peers of two processes do not
 /// try it.
 [[nodiscard]] low_level_address inproc_address(std::uint32_t process, peer_id id);
+
+/// An adapter in a host record. @param port where links are taken
+[[nodiscard]] low_level_address
+bluetooth_interface(std::string adapter, const bluetooth_address& address, std::uint16_t port);
+
+/// @pre x.type is bluetooth
+[[nodiscard]] bluetooth_address bluetooth_address_of(const low_level_address& x);
 
 } // namespace rubicon::peis

@@ -10,6 +10,8 @@ namespace rubicon::peis {
 
 namespace {
 
+constexpr std::size_t heard_over_max = 1024;
+
 /// The class in which a package of somebody else goes on.
 lane lane_of(const package_header& header) {
   if (header.port == port::acknowledgements)
@@ -24,6 +26,7 @@ lane lane_of(const package_header& header) {
 p2p::p2p(p2p_config config, random_stream dice, instant now)
     : config_(std::move(config)), dice_(dice), ids_(dice_), assembly_(config_.assembly),
       acknowledger_(config_.ack_delay), delivery_(config_.reliable),
+      bluetooth_(config_.bluetooth, now),
       clock_({config_.time_master, config_.clock_period, config_.clock_offset}, config_.id, now),
       next_manager_(now + config_.connections.manager_period), next_merge_(now),
       next_announcement_(now), last_measured_(now),
@@ -81,6 +84,8 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
     ++counters_.seen;
     return;
   }
+  if (header.type == package_type::direct)
+    note_heard(header.source, from);
   const bool mine = header.type == package_type::direct && header.destination == self_.id;
   if (mine && header.seqlen > 0 && !assembly_.accepts(header)) {
     ++counters_.fragments_refused; // not acknowledged: it comes again
@@ -108,7 +113,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
   } else {
     serve(from, header, data, now);
   }
-  if (header.type != package_type::link && !mine)
+  if (header.type != package_type::link && !mine && !intercepts(header, data))
     forward(from, header, data);
 }
 
@@ -125,7 +130,7 @@ void p2p::acknowledge(const package_header& header, instant now) {
 }
 
 void p2p::send_acknowledgements(peer_id to, const std::vector<std::int32_t>& ids) {
-  const auto way = way_to(to);
+  const auto way = any_way_to(to);
   if (!way) {
     ++counters_.no_route;
     return;
@@ -230,7 +235,7 @@ void p2p::forward(link_id from, package_header header, byte_view data) {
     flood(header, content, from);
     return;
   }
-  const auto way = way_to(header.destination);
+  const auto way = any_way_to(header.destination);
   if (!way) {
     ++counters_.no_route;
     return;
@@ -303,8 +308,27 @@ std::optional<link_id> p2p::way_to(peer_id destination) const {
   return direct != neighbours_.end() ? direct->second : routing_.way_to(destination);
 }
 
+/// The way, or where the peer was last heard: an answer does not wait for routes to somebody who
+/// has just come (P2P-09).
+std::optional<link_id> p2p::any_way_to(peer_id destination) const {
+  if (const auto way = way_to(destination))
+    return way;
+  const auto heard = heard_over_.find(destination);
+  return heard == heard_over_.end() ? std::nullopt : std::optional(heard->second);
+}
+
+void p2p::note_heard(peer_id source, link_id over) {
+  if (way_to(source)) {
+    heard_over_.erase(source);
+    return;
+  }
+  if (heard_over_.size() >= heard_over_max)
+    heard_over_.clear();
+  heard_over_[source] = over;
+}
+
 void p2p::send(posting x) {
-  const auto way = way_to(x.destination);
+  const auto way = any_way_to(x.destination);
   auto why = cause::none;
   if (left_)
     why = cause::left;
@@ -367,7 +391,7 @@ cause p2p::send_unreliable(const posting& x, link_id way) {
 
 /// Queues what the window to a destination and the queue on its way have room for.
 void p2p::pump(peer_id destination) {
-  const auto way = way_to(destination);
+  const auto way = any_way_to(destination);
   if (!way) {
     if (delivery_.only_waiting(destination)) {
       for (const auto& x : delivery_.fail_all(destination))
@@ -391,7 +415,7 @@ void p2p::pump(peer_id destination) {
 
 void p2p::repeat_due(instant now) {
   while (auto due = delivery_.take_due(now, ids_)) {
-    const auto way = way_to(due->destination);
+    const auto way = any_way_to(due->destination);
     if (due->failed) {
       fail(*due->failed, way ? cause::too_many_retries : cause::connection_dead);
       pump(due->destination);

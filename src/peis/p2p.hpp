@@ -4,10 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -15,6 +18,7 @@
 #include "core/time.hpp"
 #include "peis/acknowledger.hpp"
 #include "peis/announcement.hpp"
+#include "peis/bluetooth.hpp"
 #include "peis/connection_manager.hpp"
 #include "peis/dead_host.hpp"
 #include "peis/delivery.hpp"
@@ -44,6 +48,7 @@ struct p2p_config {
   duration clock_period = 2s;
   bool time_master = false; ///< our clock is everybody's (CLK-06)
   connection_config connections;
+  bluetooth_config bluetooth;
   unsigned broadcast_fanout = 0; ///< links a broadcast goes to beside those that want all; 0: all
 
   std::size_t links_max = 64; ///< a request beyond it is answered with whom else to ask (TCP-07)
@@ -61,7 +66,7 @@ struct p2p_config {
   duration heartbeat_period = 1s;
   duration heartbeat_timeout = 4s; ///< in place of link_timeout
   duration lost_timeout = 3s;      ///< a host without any way is forgotten, in place of ageing
-  duration probe_timeout = 2s;     ///< of a way that may lead in circles
+  duration probe_timeout = 1500ms; ///< of a way that may lead in circles
   duration handshake_timeout = 5s;
   std::uint8_t metric_limit = 30;
   std::uint8_t cost_same_host = 1;
@@ -77,6 +82,7 @@ struct p2p_counters {
   std::uint64_t packages_received = 0;
   std::uint64_t packages_sent = 0; ///< all, forwarded ones and repeats included
   std::uint64_t packages_forwarded = 0;
+  std::uint64_t intercepted = 0; ///< not passed on, a hook has consumed them
   std::uint64_t retransmissions = 0;
   std::uint64_t acks_sent = 0; ///< ids, not packages
   std::uint64_t ack_packages_sent = 0;
@@ -117,6 +123,12 @@ struct link_view {
   std::size_t queued = 0; ///< packages that wait to leave
 };
 
+/// What a hook makes of a package that passes through.
+enum class verdict : std::uint8_t { ignore, consume };
+
+/// Must not call the kernel. The octets are valid during the call only.
+using transit_hook = std::function<verdict(const package_header&, byte_view)>;
+
 /// Works on links that the owner names and carries octets for. Calls collect events; take_events()
 /// and flush() hand them out, so that packages of one occasion leave each link in one piece.
 class p2p {
@@ -128,6 +140,9 @@ public:
                     std::optional<attempt_id> attempt = std::nullopt);
   void on_attempt_failed(attempt_id attempt, instant now);
   void on_announcement(byte_view octets, instant now);
+  void on_bluetooth_scan(std::string_view adapter, std::span<const seen_device> seen, instant now);
+  void on_hello_answer(std::string_view adapter, const bluetooth_address& address, byte_view octets,
+                       instant now);
   void on_link_octets(link_id link, byte_view octets, instant now);
   void on_link_sent(link_id link, std::size_t octets);
   void on_link_closed(link_id link, instant now);
@@ -148,6 +163,11 @@ public:
   /// To every peer that can be reached; up to 1024 octets.
   [[nodiscard]] cause broadcast(std::uint16_t port, payload octets);
 
+  /// Shows packages of others that pass through, broadcasts included, but no parts of longer
+  /// messages (API-06). What is consumed goes no further; if somebody waits for its
+  /// acknowledgement, it comes again. An empty hook ends it.
+  void set_transit_hook(std::uint16_t port, transit_hook hook);
+
   /// The exit broadcast (peis-wire.md 11). No routing is sent from then on.
   void leave();
 
@@ -159,6 +179,10 @@ public:
   [[nodiscard]] const network_clock& clock() const { return clock_; }
 
   [[nodiscard]] bool has_left() const { return left_; }
+
+  /// What a HELLO connection carries from us: an announcement.
+  [[nodiscard]] bytes hello() const;
+  [[nodiscard]] const bluetooth& adapters() const { return bluetooth_; }
 
   /// What has happened since the last call; without to_link.
   [[nodiscard]] events take_events() { return std::exchange(events_, {}); }
@@ -294,6 +318,7 @@ private:
   void on_acknowledgement(byte_view data);
   void serve(link_id from, const package_header& header, byte_view data, instant now);
   void forward(link_id from, package_header header, byte_view data);
+  [[nodiscard]] bool intercepts(const package_header& header, byte_view data); // p2p_transit.cpp
   [[nodiscard]] cause send_unreliable(const posting& x, link_id way);
   void pump(peer_id destination);
   void repeat_due(instant now);
@@ -304,6 +329,8 @@ private:
   cause flood(const package_header& header, const std::shared_ptr<const message_octets>& content,
               std::optional<link_id> except);
   [[nodiscard]] std::optional<link_id> way_to(peer_id destination) const;
+  [[nodiscard]] std::optional<link_id> any_way_to(peer_id destination) const;
+  void note_heard(peer_id source, link_id over);
 
   // p2p_hosts.cpp: routing and hosts
   void on_routing(link_id from, byte_view data, instant now);
@@ -352,6 +379,11 @@ private:
   void announce_by_rule(instant now, bool extra);
   void refer_elsewhere(connection& to, instant now);
 
+  // p2p_bluetooth.cpp: who is near
+  void tell(bluetooth::outputs todo);
+  void tend_bluetooth(instant now);
+  [[nodiscard]] std::vector<std::string> urls_to(const host_record& other) const;
+
   // p2p_liveness.cpp: signs of life, proof of ways, traces, the clock
   void watch_life(instant now);
   [[nodiscard]] std::optional<instant> life_deadline() const;
@@ -387,6 +419,8 @@ private:
   std::vector<peer_id> newcomers_; ///< of them, not asked about yet
   std::uint64_t questions_ = 0;    ///< alternates the two ways of asking (KH-02)
 
+  std::map<peer_id, link_id> heard_over_; ///< where sources without a way were last heard
+  std::map<std::uint16_t, transit_hook> transit_hooks_; ///< by port
   seen_ids seen_;
   reassembly assembly_;
   acknowledger acknowledger_;
@@ -396,6 +430,7 @@ private:
   std::uint64_t next_attempt_ = 1;
   std::map<attempt_id, attempt> attempts_;
   std::vector<standing_address> standing_;
+  bluetooth bluetooth_;
   std::map<peer_id, contact> contacts_;
   std::map<peer_id, former_host> former_; ///< lost for want of a way: may be found again
   std::map<peer_id, traffic> traffic_;    ///< by destination

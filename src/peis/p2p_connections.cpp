@@ -39,7 +39,7 @@ void p2p::connect(const std::string& url, attempt x, instant now) {
 
 /// One of the addresses that can be reached from here, at random.
 bool p2p::connect_host(const host_record& record, std::uint32_t flags, instant now) {
-  const auto urls = connectable_urls(self_, record);
+  const auto urls = urls_to(record);
   if (urls.empty() || connections_.size() + attempts_.size() >= config_.links_max)
     return false;
   const auto& url = urls[urls.size() == 1 ? 0 : dice_.below(urls.size())];
@@ -122,7 +122,7 @@ void p2p::merge_clusters(instant now) {
   });
   std::vector<const host_record*> foreign;
   const auto consider = [&](const host_record& record, bool at_once) {
-    if (reachable(record.id) || !may_try(record.id, now) || connectable_urls(self_, record).empty())
+    if (reachable(record.id) || !may_try(record.id, now) || urls_to(record).empty())
       return;
     if (at_once || record.cluster < self_.cluster ||
         ++contacts_[record.id].runs_foreign >= foreign_runs_max)
@@ -252,8 +252,7 @@ std::vector<host_option> p2p::host_options(instant now) const {
   std::vector<host_option> options;
   for (const auto& [id, x] : hosts_) {
     const auto* way = routing_.find(id);
-    if (way == nullptr || way->lost() || !may_try(id, now) ||
-        connectable_urls(self_, x.record).empty())
+    if (way == nullptr || way->lost() || !may_try(id, now) || urls_to(x.record).empty())
       continue;
     const auto direct =
         x.record.host_name == self_.host_name ? config_.cost_same_host : config_.cost_other_host;
@@ -352,6 +351,7 @@ void p2p::tend_connections(instant now) {
   if (left_)
     return;
   check_attempts(now);
+  tend_bluetooth(now);
   tend_standing(now);
   if (config_.connections.announces && next_announcement_ <= now)
     announce_by_rule(now, false);
@@ -364,9 +364,9 @@ void p2p::tend_connections(instant now) {
 }
 
 std::optional<instant> p2p::connections_deadline() const {
-  std::optional<instant> next;
   if (left_)
-    return next;
+    return std::nullopt;
+  auto next = bluetooth_.deadline();
   for (const auto& [id, x] : attempts_)
     next = earliest(next, x.deadline);
   for (const auto& x : standing_) {

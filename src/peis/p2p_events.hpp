@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "peis/bluetooth.hpp"
 #include "peis/types.hpp"
 
 namespace rubicon::peis {
@@ -80,13 +81,29 @@ struct id_taken {
   std::string by; ///< its full name, program@host!process
 };
 
+/// A HELLO connection is wanted, to hello_port of a device seen by an adapter of ours. It carries
+/// who we are and brings who is there: on_hello_answer() tells, for each peer that answers.
+struct say_hello {
+  std::string adapter;
+  bluetooth_address to;
+  payload octets;
+};
+
+/// A hook has consumed a package that was on its way through here (API-06).
+struct intercepted {
+  std::uint16_t port = 0;
+  peer_id source;
+  peer_id destination; ///< any_peer: it was a broadcast, which goes no further from here
+};
+
 /// That host says it has forgotten us, subscriptions included (peis-wire.md 11, reason 2).
 struct forgotten_by {
   peer_id host;
 };
 
 using event = std::variant<to_link, close_link, connect_to, announce, host_appeared, host_vanished,
-                           arrived, delivered, undelivered, forgotten_by, traced, id_taken>;
+                           arrived, delivered, undelivered, forgotten_by, traced, id_taken,
+                           intercepted, scan_adapter, say_hello, device_noted>;
 using events = std::vector<event>;
 
 } // namespace rubicon::peis

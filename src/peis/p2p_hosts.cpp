@@ -42,6 +42,7 @@ void p2p::apply(const routing_changes& changes, instant now) {
   for (const auto& [host, what] : changes) {
     if (what == routing_change::kind::lost) {
       strangers_.erase(host);
+      heard_over_.erase(host);
       continue;
     }
     const auto known = hosts_.find(host);
@@ -245,6 +246,7 @@ void p2p::delete_host(peer_id id, dead_host_message::reason why, instant now) {
       remember(known->second.record, now);
     hosts_.erase(known);
   }
+  heard_over_.erase(id);
   contacts_.erase(id);
   traffic_.erase(id);
   probes_.erase(id);

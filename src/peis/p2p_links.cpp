@@ -216,6 +216,7 @@ void p2p::forget_link(link_id link, instant now) {
         neighbours_.try_emplace(*gone.neighbour, other);
     }
   }
+  std::erase_if(heard_over_, [link](const auto& x) { return x.second == link; });
   apply(routing_.on_link_closed(link, now), now);
 }
 

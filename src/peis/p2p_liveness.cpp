@@ -168,7 +168,7 @@ void p2p::on_trace(const package_header& header, byte_view data) {
     return;
   }
   const auto destination = mine ? header.source : header.destination;
-  const auto way = way_to(destination);
+  const auto way = any_way_to(destination);
   if (!way || message->hosts.size() >= trace_hosts_max) {
     ++(way ? counters_.hops : counters_.no_route);
     return;

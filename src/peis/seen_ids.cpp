@@ -1,5 +1,6 @@
 #include "peis/seen_ids.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -14,11 +15,12 @@ constexpr std::size_t slots_at_first = 64;
 bool seen_ids::insert(peer_id source, std::int32_t id) {
   const auto x = static_cast<std::uint64_t>(static_cast<std::uint32_t>(source.value)) << 32 |
                  static_cast<std::uint32_t>(id);
-  if (newer_.contains(x) || older_.contains(x))
+  if (older_.contains(x) || !newer_.insert(x))
     return false;
-  if (newer_.size() >= memory_)
-    older_ = std::exchange(newer_, {});
-  newer_.insert(x);
+  if (newer_.size() >= memory_) {
+    std::swap(newer_, older_);
+    newer_.clear();
+  }
   return true;
 }
 
@@ -35,12 +37,21 @@ bool seen_ids::table::contains(std::uint64_t x) const {
   return !slots_.empty() && slots_[slot_of(x)] == x;
 }
 
-void seen_ids::table::insert(std::uint64_t x) {
+bool seen_ids::table::insert(std::uint64_t x) {
   assert(x != 0);
   if (2 * (size_ + 1) > slots_.size())
     grow();
-  slots_[slot_of(x)] = x;
+  auto& slot = slots_[slot_of(x)];
+  if (slot == x)
+    return false;
+  slot = x;
   ++size_;
+  return true;
+}
+
+void seen_ids::table::clear() {
+  std::fill(slots_.begin(), slots_.end(), 0);
+  size_ = 0;
 }
 
 void seen_ids::table::grow() {

@@ -25,7 +25,8 @@ private:
   class table {
   public:
     [[nodiscard]] bool contains(std::uint64_t x) const;
-    void insert(std::uint64_t x);
+    bool insert(std::uint64_t x); ///< false: it was there
+    void clear();                 ///< keeps the slots for those to come
     [[nodiscard]] std::size_t size() const { return size_; }
 
   private:

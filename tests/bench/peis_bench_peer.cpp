@@ -6,9 +6,14 @@
 //                                             DEAD ID
 //   echo OWNER IN OUT                         sets OUT to each value of OWNER.IN
 //   ping OWNER IN OUT COUNT SIZE GAP          PING n GOT of COUNT min_ms .. p50 .. p95 .. p99 ..
-//   max watch OWNER KEY, reset, stats             STATS n .. bytes .. gaps .. last .. secs ..
-//   lat_min_ms .. flood KEY SIZE COUNT RATE                 FLOODDONE n COUNT secs S; RATE 0: one
-//   each turn quit                                      BYE
+//                                             max ..
+//   watch OWNER KEY, reset
+//   stats                                     STATS n .. bytes .. gaps .. last .. secs ..
+//                                             lat_min_ms .. p50 .. p95 .. p99 .. max ..
+//                                             repeats ..; gaps: values skipped
+//   count                                     COUNT n .., cheaper than stats
+//   flood KEY SIZE COUNT RATE                 FLOODDONE n COUNT secs S; RATE 0: one each turn
+//   quit                                      BYE
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -136,7 +141,8 @@ struct ping {
 struct watched {
   std::uint64_t values = 0;
   std::uint64_t octets = 0;
-  std::uint64_t gaps = 0;
+  std::uint64_t gaps = 0;    ///< values skipped
+  std::uint64_t repeats = 0; ///< values that came after one as new
   std::int64_t last = -1;
   double first_s = 0;
   double last_s = 0;
@@ -148,7 +154,9 @@ struct watched {
     char* rest = nullptr;
     const auto number = std::strtoll(head.c_str(), &rest, 10);
     const auto written_s = std::strtod(rest, nullptr);
-    gaps += last >= 0 && number > last + 1 ? 1 : 0;
+    if (last >= 0 && number > last + 1)
+      gaps += static_cast<std::uint64_t>(number - last - 1);
+    repeats += number <= last ? 1 : 0;
     last = number;
     first_s = values == 0 ? now : first_s;
     last_s = now;
@@ -208,6 +216,8 @@ private:
       watched_ = {};
     } else if (what == "stats") {
       stats();
+    } else if (what == "count") {
+      tell("COUNT n " + std::to_string(watched_.values));
     } else if (what == "echo") {
       std::int32_t owner = 0;
       std::string in;
@@ -293,7 +303,8 @@ private:
     const auto& x = watched_;
     tell("STATS n " + std::to_string(x.values) + " bytes " + std::to_string(x.octets) + " gaps " +
          std::to_string(x.gaps) + " last " + std::to_string(x.last) + " secs " +
-         fixed(x.last_s - x.first_s, 6) + ' ' + quantiles(x.ms, "lat_min_ms"));
+         fixed(x.last_s - x.first_s, 6) + ' ' + quantiles(x.ms, "lat_min_ms") + " repeats " +
+         std::to_string(x.repeats));
   }
 
   void monitor() {

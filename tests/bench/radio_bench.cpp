@@ -7,12 +7,10 @@
 //
 // A calibration loop in the same run makes figures of different machines comparable.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 #include <vector>
 
@@ -20,7 +18,7 @@
 
 #include "actors/messages.hpp"
 #include "actors/run.hpp"
-#include "core/hash.hpp"
+#include "calibration.hpp"
 #include "core/math.hpp"
 #include "core/random.hpp"
 #include "scheduler/world.hpp"
@@ -28,31 +26,11 @@
 namespace {
 
 using namespace rubicon;
-
-/// Processor time of this thread: a shared machine's other work is not in it.
-double cpu_s() {
-  timespec x{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &x);
-  return static_cast<double>(x.tv_sec) + 1e-9 * static_cast<double>(x.tv_nsec);
-}
-
-double wall_s() {
-  return seconds(std::chrono::steady_clock::now().time_since_epoch());
-}
+using bench::cpu_s;
+using bench::wall_s;
 
 double allocated() {
   return static_cast<double>(mallinfo2().uordblks);
-}
-
-/// Million steps of integer work a second of processor time.
-double calibrate() {
-  constexpr std::uint64_t steps = 100'000'000;
-  const auto start = cpu_s();
-  fold64 fold;
-  for (std::uint64_t i = 0; i < steps; ++i)
-    fold.add(i);
-  const auto rate = static_cast<double>(steps) / 1e6 / (cpu_s() - start);
-  return fold.value() == 0 ? 0 : rate; // uses the result, so that the loop stays
 }
 
 /// Uniform in a disk around `centre`.
@@ -258,7 +236,7 @@ void print_json(const std::vector<figures>& all, double calibration) {
 } // namespace
 
 int main() {
-  const auto calibration = calibrate();
+  const auto calibration = bench::calibrate();
   std::vector<figures> all;
   for (const std::string layout : {"islands", "field"}) {
     all.push_back(measure(layout, 100, 2000s, calibration));

@@ -2,7 +2,6 @@
 // delayed messages with a shared payload, without and with trace. A calibration loop in the same
 // run makes the numbers of different machines comparable: the ratio is messages per thousand
 // calibration steps.
-#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -14,6 +13,7 @@
 #include <caf/all.hpp>
 
 #include "actors/inspect.hpp"
+#include "calibration.hpp"
 #include "core/bytes.hpp"
 #include "core/hash.hpp"
 #include "core/random.hpp"
@@ -68,23 +68,8 @@ station_actor::behavior_type station(station_pointer self, std::uint16_t index,
   }};
 }
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return seconds(std::chrono::steady_clock::now() - start);
-}
-
-/// Million steps of integer work a second.
-double calibrate() {
-  constexpr std::uint64_t steps = 100'000'000;
-  const auto start = std::chrono::steady_clock::now();
-  fold64 fold;
-  for (std::uint64_t i = 0; i < steps; ++i)
-    fold.add(i);
-  const auto rate = static_cast<double>(steps) / 1e6 / seconds_since(start);
-  return fold.value() == 0 ? 0 : rate; // uses the result, so that the loop stays
-}
-
 struct outcome {
-  double rate = 0; ///< timed messages a second
+  double rate = 0; ///< timed messages a second of processor time
   std::uint64_t hash = 0;
 };
 
@@ -99,10 +84,10 @@ outcome measure(std::size_t stations, std::size_t parcels, std::uint64_t message
     caf::anon_send(all[i % stations], parcel{0, 0, octets});
   world.run_for(20ms); // every station has had its turn
   const auto before = world.stats().timeouts;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = cpu_s();
   while (world.stats().timeouts < before + messages)
     world.run_for(10ms);
-  const auto rate = static_cast<double>(world.stats().timeouts - before) / seconds_since(start);
+  const auto rate = static_cast<double>(world.stats().timeouts - before) / (cpu_s() - start);
   all.clear();
   return {rate, world.trace().hash()};
 }

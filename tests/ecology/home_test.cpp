@@ -66,7 +66,7 @@ TEST_CASE("the trace of the home is the same on every machine and in every build
   auto home = example("home.toml");
   home.length = 5min;
   const auto report = run(home);
-  CHECK(report.trace_hash == "2a5e49fb2e27a2a7");
+  CHECK(report.trace_hash == "9bfc2b458c6c4428");
 }
 
 TEST_CASE("an ecology can be stopped after any time", "[ecology]") {

@@ -1,23 +1,19 @@
-// A whole kernel fed with arbitrary octets by the other end of a link: first as an acceptor, then
-// after a good handshake. What decodes as packages must encode back.
+// The peer-to-peer layer fed with arbitrary octets by the other end of a link: first as an
+// acceptor, then after a good handshake. What decodes as packages must encode back.
 #include <cassert>
 #include <cstdint>
 
-#include "peis/kernel.hpp"
 #include "peis/link.hpp"
+#include "peis/p2p.hpp"
 
 using namespace rubicon;
 
 namespace {
 
-peis::kernel fresh_kernel() {
-  peis::kernel_config config;
-  config.network.id = peer_id{20};
-  config.network.network = "default";
-  peis::kernel x(config, random_stream(1), instant{});
-  static_cast<void>(x.subscribe(any_peer, "", peis::subscription_id{1}, instant{}));
-  x.hook_port(20);
-  return x;
+peis::p2p fresh_peer() {
+  peis::p2p_config config;
+  config.id = peer_id{20};
+  return {config, random_stream(1), instant{}};
 }
 
 void check_round_trip(byte_view octets) {
@@ -38,22 +34,24 @@ void check_round_trip(byte_view octets) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const byte_view octets(data, size);
   check_round_trip(octets);
-  auto kernel = fresh_kernel();
+  auto peer = fresh_peer();
   const peis::link_id first{1};
   const peis::link_id second{2};
-  static_cast<void>(kernel.on_link_open(first, peis::link_role::acceptor, instant{}));
-  static_cast<void>(kernel.on_link_octets(first, octets, instant{}));
-  static_cast<void>(kernel.on_link_open(second, peis::link_role::acceptor, instant{}));
+  peer.on_link_open(first, peis::link_role::acceptor, instant{});
+  peer.on_link_octets(first, octets, instant{});
+  peer.on_link_open(second, peis::link_role::acceptor, instant{});
   const auto request = peis::encode(peis::connect_request{500, peer_id{10}, 4, "default"});
-  static_cast<void>(kernel.on_link_octets(second, request, instant{}));
+  peer.on_link_octets(second, request, instant{});
   const auto half = size / 2;
-  static_cast<void>(kernel.on_link_octets(second, octets.first(half), instant{}));
-  static_cast<void>(kernel.on_link_octets(second, octets.subspan(half), instant{1s}));
-  for (int i = 0; i < 40; ++i) {
-    const auto deadline = kernel.deadline();
+  peer.on_link_octets(second, octets.first(half), instant{});
+  peer.on_link_octets(second, octets.subspan(half), instant{1s});
+  peer.flush(instant{1s});
+  for (int i = 0; i < 4; ++i) {
+    const auto deadline = peer.deadline();
     assert(deadline);
-    static_cast<void>(kernel.on_time(*deadline));
+    peer.on_time(*deadline);
+    peer.flush(*deadline);
   }
-  static_cast<void>(kernel.on_link_closed(second, instant{1h}));
+  peer.on_link_closed(second, instant{1h});
   return 0;
 }

@@ -24,7 +24,7 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
        "service_time, propagation, range, noise, sensitivity, cca_threshold, ..."},
       {"[radios]\n", "6:2: unknown key `radios` in the file: did you mean `radio`?"},
       {"[colour]\n", "6:2: unknown key `colour` in the file: there is ecology, radio, host, "
-                     "mote_type, island, air, peis, peer, proxy, fault"},
+                     "mote_type, island, air, peis, peer, proxy, fault, ..."},
       {"nick = \"x\"\n",
        "6:1: unknown key `nick` in [[peer]]: there is id, name, count, host, links, connect, tcp, "
        "lan, leaf, manager, ..."},
@@ -60,7 +60,7 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
        "6:1: `island` is missing in kind = \"unplug\""},
       {"[[fault]]\nat = \"1s\"\nkind = \"unplugged\"\n",
        "8:8: `kind` must be \"battery_end\", \"crash\", \"unplug\", \"kill\", \"power_off\", "
-       "\"pause\", \"partition\", \"link_loss\", \"duplicate_id\" or \"clock_step\", not "
+       "\"pause\", \"partition\", \"link_loss\", \"duplicate_id\", \"clock_step\" or \"move\", not "
        "\"unplugged\"; did you mean \"unplug\"?"},
       {"[[host]]\n", "6:1: `address` is missing in [[host]]\n6:1: `name` is missing in [[host]]"},
   }));

@@ -1,5 +1,11 @@
 rubicon_test(unit.network SOURCES unit/network_packet_test.cpp unit/network_star_test.cpp
-             unit/network_event_test.cpp
+             unit/network_event_test.cpp unit/network_clock_test.cpp
+             unit/network_collection_test.cpp
              NEEDS rubicon_network)
 rubicon_fuzz(island_packet SOURCE fuzz/island_packet.cpp NEEDS rubicon_network)
 rubicon_fuzz(sink_event SOURCE fuzz/sink_event.cpp NEEDS rubicon_network)
+rubicon_test(unit.network_beacon SOURCES unit/network_beacon_test.cpp unit/network_coordinates_test.cpp
+             unit/network_gradient_test.cpp unit/network_neighbours_test.cpp
+             unit/network_tree_test.cpp
+             NEEDS rubicon_network)
+rubicon_fuzz(network_beacon SOURCE fuzz/network_beacon.cpp NEEDS rubicon_network)

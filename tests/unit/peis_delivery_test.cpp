@@ -125,6 +125,35 @@ TEST_CASE("messages that cannot begin wait up to a limit", "[peis][P2P-03]") {
   CHECK(!reliable.next_lane(there));
 }
 
+TEST_CASE("long messages that cannot begin wait up to a limit of octets", "[peis][P2P-03]") {
+  random_stream dice(5);
+  id_source numbers(dice);
+  delivery reliable{delivery_config{.window = {1, 2048}, .waiting_octets_max = 1000}};
+  CHECK(reliable.add(message_of(2000), numbers)); // alone, any length
+  CHECK(!reliable.add(message_of(1), numbers));
+  while (const auto x = reliable.next(there, numbers))
+    static_cast<void>(reliable.acknowledge(x->second.header.ack_id));
+  CHECK(reliable.add(message_of(600), numbers));
+  CHECK(!reliable.add(message_of(401), numbers));
+  CHECK(reliable.add(message_of(400), numbers));
+}
+
+TEST_CASE("an acknowledged package wakes nobody", "[peis][ACK-02]") {
+  random_stream dice(7);
+  id_source numbers(dice);
+  delivery reliable{delivery_config{}};
+  for (int i = 0; i < 2; ++i)
+    REQUIRE(reliable.add(message_of(1), numbers));
+  const auto first = reliable.next(there, numbers)->second.header.ack_id;
+  const auto second = reliable.next(there, numbers)->second.header.ack_id;
+  reliable.on_transmitted(first, instant{});
+  reliable.on_transmitted(second, instant{10ms});
+  static_cast<void>(reliable.acknowledge(first));
+  CHECK(reliable.deadline() == instant{410ms});
+  static_cast<void>(reliable.acknowledge(second));
+  CHECK(!reliable.deadline());
+}
+
 TEST_CASE("nothing leaves that is too far ahead of what is not acknowledged", "[peis][ACK-08]") {
   random_stream dice(6);
   id_source numbers(dice);

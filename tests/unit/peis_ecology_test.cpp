@@ -323,6 +323,24 @@ TEST_CASE("a peer hears once that another one has its id", "[peis][RTE-08]") {
   CHECK(w.at(peer_id{1}).counters().network.duplicate_id == 3);
 }
 
+TEST_CASE("who has just come is answered before there are routes to it", "[peis][P2P-09]") {
+  world w;
+  for (int i = 1; i <= 4; ++i)
+    w.add(config_of(i));
+  w.connect(peer_id{1}, peer_id{2});
+  w.run_for(5s);
+  w.perform(peer_id{1}, w.at(peer_id{1}).set_tuple("x", text_content("1"), w.now()));
+  w.connect(peer_id{4}, peer_id{2}); // routes are told: those to the next one wait a while
+  w.run_for(50ms);
+  w.connect(peer_id{3}, peer_id{2});
+  w.run_for(50ms);
+  REQUIRE(w.at(peer_id{3}).reachable(peer_id{1}));
+  w.perform(peer_id{3}, w.at(peer_id{3}).subscribe(peer_id{1}, "x", subscription_id{1}, w.now()));
+  w.run_for(50ms);
+  CHECK_FALSE(w.at(peer_id{1}).reachable(peer_id{3}));
+  CHECK(w.all<tuple_changed>(peer_id{3}).size() == 1);
+}
+
 TEST_CASE("clocks of peers agree after three periods, however far the way",
           "[peis][CLK-06][CLK-07]") {
   world w;

@@ -1,3 +1,4 @@
 rubicon_test(unit.transport SOURCES unit/transport_segment_test.cpp unit/transport_endpoint_test.cpp
+             unit/transport_pieces_test.cpp
              NEEDS rubicon_transport)
 rubicon_fuzz(transport_segment SOURCE fuzz/transport_segment.cpp NEEDS rubicon_transport)

@@ -1,0 +1,101 @@
+// [peis.bluetooth], [[bluetooth_device]], and what a peer has of Bluetooth.
+#include <algorithm>
+#include <utility>
+
+#include "config/file_readers.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+constexpr std::size_t adapters_max = 4;
+constexpr std::size_t adapter_name_max = 8; // peis-wire.md 5
+
+/// "hci0"
+struct adapter_name {
+  using type = std::string;
+
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
+    constexpr std::string_view prefix = "hci";
+    const auto* found = x.as<std::string>();
+    const bool good = found != nullptr && found->size() > prefix.size() &&
+                      found->size() <= adapter_name_max && found->starts_with(prefix) &&
+                      std::all_of(found->begin() + prefix.size(), found->end(),
+                                  [](char c) { return c >= '0' && c <= '9'; });
+    return good ? std::optional(*found)
+                : who.refuse(x, "the name of a Bluetooth adapter, as in \"hci0\"");
+  }
+};
+
+/// "00:1B:44:11:3A:B7"
+struct device_address {
+  using type = peis::bluetooth_address;
+
+  [[nodiscard]] static std::optional<peis::bluetooth_address> read(const node& x,
+                                                                   const asker& who) {
+    const auto* found = x.as<std::string>();
+    const auto address = peis::parse_bluetooth_address(found == nullptr ? "" : *found);
+    if (!address)
+      return who.refuse(x, "the address of a Bluetooth device, as in \"00:1B:44:11:3A:B7\"");
+    return *address;
+  }
+};
+
+} // namespace
+
+void read_bluetooth(table_reader& in, bluetooth_description& out) {
+  in.table("bluetooth", "[peis.bluetooth]", [&out](table_reader& x) {
+    x.optional("range", metres{0.1, 1000}, out.range_m);
+    x.optional("rate", bit_rate{}, out.rate_bps);
+    x.optional("scan_period", time_span{1s, 30s}, out.scan_period);
+    x.optional("rssi_threshold", power_level{}, out.threshold_dbm);
+    x.optional("takeover", flag{}, out.takeover);
+  });
+}
+
+std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root) {
+  std::vector<bluetooth_device> out;
+  name_claims names;
+  claims<peis::bluetooth_address> addresses;
+  root.tables("bluetooth_device", "[[bluetooth_device]]", [&](table_reader& in) {
+    bluetooth_device x;
+    if (in.required("name", name_text{}, x.name))
+      names.claim(x.name, "device name", in.at("name"), in.problems());
+    if (in.required("address", device_address{}, x.address))
+      addresses.claim(x.address, "Bluetooth address " + to_string(x.address), in.at("address"),
+                      in.problems());
+    in.required("position_m", place{}, x.place);
+    out.push_back(std::move(x));
+  });
+  return out;
+}
+
+void read_adapters(table_reader& in, machine_places& places, peer_description& out) {
+  std::vector<located<std::string>> adapters;
+  in.optional("bluetooth", list_of<adapter_name>{{}, 1, adapters_max}, adapters);
+  claims<std::string> named;
+  for (const auto& each : adapters)
+    named.claim(each.value, "the adapter `" + each.value + '`', each.at, in.problems(),
+                "is already listed");
+  out.bluetooth = values_of(std::move(adapters));
+  const bool placed = in.optional("position_m", place{}, out.place);
+  in.optional("wired", flag{}, out.wired);
+  if (in.has("bluetooth") && !in.has("position_m"))
+    in.problems().add(in.at("bluetooth"), "`bluetooth` needs a `position_m`");
+  if (in.has("position_m") && !in.has("bluetooth"))
+    in.problems().add(in.at("position_m"), "`position_m` means nothing without `bluetooth`");
+  const bool meets_others = in.has("bluetooth") || !out.connect.empty() || out.tcp || out.lan;
+  if (!out.wired && !meets_others)
+    in.problems().add(in.at("wired"), "without `bluetooth` it would have no links at all");
+  if (!out.wired && !out.links.empty())
+    in.problems().add(in.at("links"), "`links` need `wired = true`");
+  out.discovery = out.discovery && out.wired;
+  if (!placed || out.host.empty())
+    return;
+  const auto [known, is_new] = places.emplace(out.host, out.place);
+  if (!is_new && known->second != out.place)
+    in.problems().add(in.at("position_m"), "the peers of host `" + out.host +
+                                               "` share its adapters: they have one position");
+}
+
+} // namespace rubicon::config

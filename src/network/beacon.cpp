@@ -1,0 +1,60 @@
+#include "network/beacon.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "core/codec.hpp"
+
+namespace rubicon::network {
+
+std::uint8_t quarters(duration x) {
+  const auto rounded_up = (x + 250ms - 1ns) / duration(250ms);
+  return static_cast<std::uint8_t>(std::clamp<duration::rep>(rounded_up, 0, 255));
+}
+
+link_report beacon::report(mote_id source, mote_id self, bool has_route) const {
+  link_report x;
+  x.source = source;
+  x.sequence = sequence;
+  x.next = next_quarters * 250ms;
+  const auto ours = std::ranges::find(heard, self, &neighbours::heard_entry::mote);
+  if (ours != heard.end())
+    x.hears_us = ours->quality;
+  x.matters = has_route != (gradient.cost != etx_infinite);
+  return x;
+}
+
+bytes encode(const beacon& x) {
+  assert(x.heard.size() <= beacon::heard_max);
+  byte_writer out;
+  out.big(x.sequence).octet(x.next_quarters);
+  x.gradient.write(out);
+  x.coordinates.write(out);
+  out.append(x.clock);
+  for (const auto& entry : x.heard)
+    out.big(entry.mote.value).octet(entry.quality);
+  return out.finish();
+}
+
+result<beacon> decode_beacon(byte_view octets) {
+  if (octets.size() > beacon_size_max)
+    return errc::too_long;
+  byte_reader in(octets);
+  beacon x;
+  x.sequence = in.big<std::uint16_t>();
+  x.next_quarters = in.octet();
+  x.gradient = gradient_part::read(in);
+  x.coordinates = coordinates_part::read(in);
+  std::ranges::copy(in.take(x.clock.size()), x.clock.begin());
+  while (in.ok() && in.remaining() > 0) {
+    const mote_id mote{in.big<std::uint16_t>()};
+    x.heard.push_back({mote, in.octet()});
+    if (in.ok() && (mote.value == 0 || mote.value > mote_id_max))
+      return errc::bad_value;
+  }
+  if (!in.ok())
+    return errc::truncated;
+  return x;
+}
+
+} // namespace rubicon::network

@@ -1,0 +1,53 @@
+// The one broadcast frame that keeps an island together: links, tree, coordinates, clock.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/bytes.hpp"
+#include "core/error.hpp"
+#include "core/time.hpp"
+#include "network/coordinates.hpp"
+#include "network/gradient.hpp"
+#include "network/neighbours.hpp"
+
+namespace rubicon::network {
+
+/// Octets that fit the payload of a radio frame beside its headers (NET-14).
+inline constexpr std::size_t beacon_size_max = 114;
+
+/// What clock synchronisation sends along.
+using clock_part = std::array<std::uint8_t, 24>;
+
+/// uint16 sequence, uint8 next, gradient (9 octets), coordinates (26), clock (24), then for each
+/// neighbour heard uint16 mote, uint8 quality; network byte order.
+struct beacon {
+  std::uint16_t sequence = 0;
+  std::uint8_t next_quarters = 0; ///< the next beacon comes within so many quarters of a second
+  gradient_part gradient;
+  coordinates_part coordinates;
+  clock_part clock{};
+  std::vector<neighbours::heard_entry> heard; ///< at most heard_max
+
+  static constexpr std::size_t header_size =
+      3 + gradient_part::size + coordinates_part::size + std::tuple_size_v<clock_part>;
+  static constexpr std::size_t heard_max = (beacon_size_max - header_size) / 3;
+
+  /// What this beacon says of its sender's link to `self`, which has a route to the sink or not.
+  [[nodiscard]] link_report report(mote_id source, mote_id self, bool has_route) const;
+
+  friend bool operator==(const beacon&, const beacon&) = default;
+};
+
+/// @returns `x` in quarters of a second, rounded up, 255 at most
+[[nodiscard]] std::uint8_t quarters(duration x);
+
+/// @pre x.heard.size() <= beacon::heard_max
+[[nodiscard]] bytes encode(const beacon& x);
+
+/// Errors: truncated (also within the list), too_long, bad_value (a mote in the list whose id no
+/// mote has).
+[[nodiscard]] result<beacon> decode_beacon(byte_view octets);
+
+} // namespace rubicon::network

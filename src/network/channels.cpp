@@ -1,0 +1,401 @@
+#include "network/channels.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace rubicon::network {
+
+namespace {
+
+constexpr duration flood_retry_room = 5s; ///< an offer that nobody has taken up by then is void
+
+bool is_data(const channel_message& x) {
+  return std::holds_alternative<data_message>(x.content);
+}
+
+} // namespace
+
+channels::channels(channels_config config, random_stream dice)
+    : config_(config), dice_(dice), next_number_(static_cast<std::uint16_t>(dice_.next())) {}
+
+std::optional<std::pair<channel_id, channels_outputs>>
+channels::connect(mote_id destination, std::optional<virtual_coordinates> place,
+                  const channel_schedule& schedule, duration expiry, const surroundings& around,
+                  instant now) {
+  if (entries_.size() >= config_.entries_max || destination == config_.self) {
+    ++counters_.refused;
+    return std::nullopt;
+  }
+  ++counters_.connects;
+  const channel_id id{config_.self, next_number_++};
+  auto& x = entries_[id];
+  x.wish.destination = destination;
+  x.wish.place = place;
+  x.wish.schedule = schedule;
+  x.wish.expiry_s = static_cast<std::uint16_t>(expiry / 1s);
+  x.last_packet = now;
+  x.setup_end = now + config_.connect_timeout;
+  channels_outputs out;
+  go_on(id, x, around, out, now);
+  pump(out, now);
+  return std::pair{id, std::move(out)};
+}
+
+/// The good neighbour nearest to the destination that is nearer than we are; the destination itself
+/// if it is one.
+std::optional<mote_id> channels::nearer(const entry& x, const surroundings& around) {
+  const auto is_destination = [&](const nearby_mote& y) { return y.mote == x.wish.destination; };
+  if (std::ranges::any_of(around.motes, is_destination) && x.second_try != x.wish.destination)
+    return x.wish.destination;
+  if (!x.wish.place || !around.own_place)
+    return std::nullopt;
+  std::optional<mote_id> best;
+  auto least = squared_distance(*around.own_place, *x.wish.place);
+  for (const auto& y : around.motes) {
+    if (!y.place || y.mote == x.second_try || y.mote == x.previous)
+      continue;
+    const auto distance = squared_distance(*y.place, *x.wish.place);
+    if (distance < least) {
+      least = distance;
+      best = y.mote;
+    }
+  }
+  return best;
+}
+
+/// Sends the connect message on: to a neighbour that is nearer, else back, else to everybody.
+void channels::go_on(channel_id id, entry& x, const surroundings& around, channels_outputs& out,
+                     instant now) {
+  reserve(id, x, out);
+  if (const auto next = nearer(x, around)) {
+    x.next = next;
+    auto wish = x.wish;
+    ++wish.hops;
+    wish.delay_us += static_cast<std::uint32_t>(around.hop_delay.count());
+    queue(*next, {id, wish}, now);
+    return;
+  }
+  if (x.previous && !x.second_try && x.wish.place && around.own_place) {
+    ++counters_.backtracks;
+    const auto previous = *x.previous;
+    entries_.erase(id);
+    out.emplace_back(channel_reserved{id, {}});
+    queue(previous, {id, dead_end_message{}}, now);
+    return;
+  }
+  flood(id, x, around, now);
+}
+
+void channels::flood(channel_id id, entry& x, const surroundings& around, instant now) {
+  ++counters_.floods;
+  x.next.reset();
+  auto wish = x.wish;
+  wish.flooded = true;
+  ++wish.hops;
+  wish.delay_us += static_cast<std::uint32_t>(around.hop_delay.count());
+  queue(broadcast_mote, {id, wish}, now);
+}
+
+std::optional<channels_outputs> channels::send(channel_id channel, bytes content, instant now) {
+  assert(content.size() <= channel_packet_max);
+  const auto found = entries_.find(channel);
+  if (found == entries_.end() || !found->second.open || found->second.previous ||
+      queue_.size() >= config_.queue_max)
+    return std::nullopt;
+  ++counters_.packets_sent;
+  found->second.last_packet = now;
+  queue(*found->second.next, {channel, data_message{std::move(content)}}, now);
+  channels_outputs out;
+  pump(out, now);
+  return out;
+}
+
+channels_outputs channels::disconnect(channel_id channel, instant now) {
+  channels_outputs out;
+  free(channel, channel_end::disconnected, config_.self, out, now);
+  pump(out, now);
+  return out;
+}
+
+channels_outputs channels::refuse(channel_id channel, instant now) {
+  channels_outputs out;
+  ++counters_.refused;
+  free(channel, channel_end::no_room, config_.self, out, now);
+  pump(out, now);
+  return out;
+}
+
+channels_outputs channels::on_frame(mote_id from, byte_view octets, const surroundings& around,
+                                    instant now) {
+  channels_outputs out;
+  auto message = decode_channel_message(octets);
+  if (!message) {
+    ++counters_.malformed;
+    return out;
+  }
+  std::visit([&](auto& x) { take(from, message->channel, x, around, out, now); }, message->content);
+  pump(out, now);
+  return out;
+}
+
+void channels::take(mote_id from, channel_id id, connect_message& x, const surroundings& around,
+                    channels_outputs& out, instant now) {
+  if (x.flooded) {
+    take_flooded(from, id, x, around, out, now);
+    return;
+  }
+  const auto known = entries_.find(id);
+  if (known != entries_.end()) { // a repeat, or it came round in a circle
+    if (known->second.previous != from)
+      queue(from, {id, dead_end_message{}}, now);
+    else if (known->second.open)
+      queue(from, {id, connect_ack_message{}}, now);
+    return;
+  }
+  if (entries_.size() >= config_.entries_max || x.hops > config_.hops_max) {
+    ++counters_.refused;
+    queue(from, {id, end_message{channel_end::no_room}}, now);
+    return;
+  }
+  auto& here = entries_[id];
+  here.previous = from;
+  here.wish = x;
+  here.last_packet = now;
+  here.setup_end = now + config_.setup_timeout;
+  if (x.destination != config_.self) {
+    go_on(id, here, around, out, now);
+    return;
+  }
+  here.open = true;
+  ++counters_.accepted;
+  reserve(id, here, out);
+  queue(from, {id, connect_ack_message{}}, now);
+  out.emplace_back(channel_accepted{id});
+}
+
+/// The first copy came the quickest way. Nothing is reserved before the destination has answered.
+void channels::take_flooded(mote_id from, channel_id id, const connect_message& x,
+                            const surroundings& around, channels_outputs& out, instant now) {
+  const bool is_known = entries_.contains(id) || offers_.contains(id) || id.source == config_.self;
+  if (is_known)
+    return;
+  if (x.destination == config_.self) {
+    auto plain = x;
+    plain.flooded = false;
+    take(from, id, plain, around, out, now);
+    return;
+  }
+  if (offers_.size() >= config_.offers_max || entries_.size() >= config_.entries_max ||
+      x.hops > config_.hops_max)
+    return;
+  offers_[id] = {from, x, now + flood_retry_room};
+  auto wish = x;
+  ++wish.hops;
+  wish.delay_us += static_cast<std::uint32_t>(around.hop_delay.count());
+  queue(broadcast_mote, {id, wish}, now + dice_.between(0s, config_.flood_spread));
+}
+
+void channels::take(mote_id from, channel_id id, connect_ack_message&, const surroundings&,
+                    channels_outputs& out, instant now) {
+  auto found = entries_.find(id);
+  if (found == entries_.end()) {
+    const auto offered = offers_.extract(id);
+    if (offered.empty() || entries_.size() >= config_.entries_max) {
+      ++counters_.strays;
+      queue(from, {id, end_message{channel_end::no_room}}, now);
+      return;
+    }
+    found = entries_.emplace(id, entry{}).first;
+    found->second.previous = offered.mapped().previous;
+    found->second.wish = offered.mapped().wish;
+    found->second.last_packet = now;
+  }
+  auto& x = found->second;
+  if (x.next && *x.next != from && !x.open && !x.second_try)
+    x.next.reset();
+  if (x.open && x.next != from) { // two of the flood's copies have come to the destination
+    queue(from, {id, end_message{channel_end::disconnected}}, now);
+    return;
+  }
+  x.next = from;
+  if (std::exchange(x.open, true))
+    return;
+  reserve(id, x, out);
+  if (x.previous) {
+    queue(*x.previous, {id, connect_ack_message{}}, now);
+  } else {
+    ++counters_.connected;
+    out.emplace_back(channel_connected{id});
+  }
+}
+
+void channels::take(mote_id from, channel_id id, end_message& x, const surroundings&,
+                    channels_outputs& out, instant now) {
+  const auto found = entries_.find(id);
+  const bool concerns_us =
+      found != entries_.end() && (found->second.previous == from || found->second.next == from);
+  if (concerns_us)
+    free(id, x.why, from, out, now);
+  else
+    ++counters_.strays;
+}
+
+void channels::take(mote_id from, channel_id id, dead_end_message&, const surroundings& around,
+                    channels_outputs& out, instant now) {
+  const auto found = entries_.find(id);
+  if (found == entries_.end() || found->second.next != from || found->second.open) {
+    ++counters_.strays;
+    return;
+  }
+  auto& x = found->second;
+  if (x.second_try) { // its other neighbour led nowhere either
+    flood(id, x, around, now);
+    return;
+  }
+  x.second_try = from;
+  go_on(id, x, around, out, now);
+}
+
+void channels::take(mote_id from, channel_id id, data_message& x, const surroundings&,
+                    channels_outputs& out, instant now) {
+  const auto found = entries_.find(id);
+  if (found == entries_.end() || found->second.previous != from) {
+    ++counters_.strays;
+    queue(from, {id, end_message{channel_end::broken}}, now);
+    return;
+  }
+  auto& here = found->second;
+  here.last_packet = now;
+  if (here.wish.destination == config_.self) {
+    ++counters_.packets_received;
+    out.emplace_back(channel_received{id, std::move(x.content)});
+  } else if (here.open) {
+    ++counters_.packets_forwarded;
+    queue(*here.next, {id, std::move(x)}, now);
+  } else {
+    ++counters_.packets_lost;
+  }
+}
+
+/// Frees what the channel holds here and tells its neighbours on the path, but not `told_by`.
+void channels::free(channel_id id, channel_end why, std::optional<mote_id> told_by,
+                    channels_outputs& out, instant now) {
+  const auto gone = entries_.extract(id);
+  if (gone.empty())
+    return;
+  const auto& x = gone.mapped();
+  std::erase_if(queue_, [id](const waiting& y) { return y.message.channel == id; });
+  for (const auto& side : {x.previous, x.next}) {
+    if (side && side != told_by)
+      queue(*side, {id, end_message{why}}, now);
+  }
+  out.emplace_back(channel_reserved{id, {}});
+  const bool is_end = !x.previous || x.wish.destination == config_.self;
+  if (is_end && told_by != config_.self)
+    out.emplace_back(channel_ended{id, why});
+}
+
+/// A packet is due here as much later as its way to us takes (NRG-03).
+void channels::reserve(channel_id id, const entry& x, channels_outputs& out) const {
+  auto schedule = x.wish.schedule;
+  schedule.first += std::chrono::microseconds(x.wish.delay_us);
+  out.emplace_back(channel_reserved{id, schedule});
+}
+
+void channels::queue(mote_id next, channel_message message, instant due) {
+  if (queue_.size() >= config_.queue_max && is_data(message))
+    ++counters_.packets_lost;
+  else if (queue_.size() < 2 * config_.queue_max) // control messages are few, and matter more
+    queue_.push_back({next, std::move(message), 0, due});
+}
+
+void channels::pump(channels_outputs& out, instant now) {
+  if (under_way_)
+    return;
+  const auto due = std::ranges::find_if(queue_, [now](const waiting& x) { return x.due <= now; });
+  if (due == queue_.end())
+    return;
+  under_way_ = std::move(*due);
+  queue_.erase(due);
+  out.emplace_back(channel_hop{under_way_->next, encode(under_way_->message)});
+}
+
+channels_outputs channels::on_sent(bool acked, instant now) {
+  channels_outputs out;
+  if (!under_way_)
+    return out;
+  auto x = *std::exchange(under_way_, std::nullopt);
+  const auto rounds_max = is_data(x.message)         ? config_.data_rounds_max
+                          : x.next == broadcast_mote ? 2
+                                                     : config_.rounds_max;
+  ++x.rounds;
+  if (!acked || x.next == broadcast_mote) {
+    if (x.rounds < rounds_max) {
+      x.due = now + dice_.between(config_.round_pause, 2 * config_.round_pause);
+      queue_.push_front(std::move(x));
+    } else if (x.next != broadcast_mote) {
+      on_lost(x, out, now);
+    }
+  }
+  pump(out, now);
+  return out;
+}
+
+/// The mote at the other end of a hop does not answer: the path is broken there (NET-09).
+void channels::on_lost(const waiting& x, channels_outputs& out, instant now) {
+  if (is_data(x.message))
+    ++counters_.packets_lost;
+  const auto found = entries_.find(x.message.channel);
+  const bool is_on_path =
+      found != entries_.end() && (found->second.next == x.next || found->second.previous == x.next);
+  if (!is_on_path)
+    return;
+  ++counters_.broken;
+  const bool was_open = found->second.open;
+  free(x.message.channel, was_open ? channel_end::broken : channel_end::unreachable, x.next, out,
+       now);
+}
+
+channels_outputs channels::on_time(instant now) {
+  channels_outputs out;
+  std::vector<std::pair<channel_id, channel_end>> over;
+  for (const auto& [id, x] : entries_) {
+    if (!x.open && x.setup_end <= now)
+      over.emplace_back(id, channel_end::unreachable);
+    else if (x.open && x.wish.expiry_s > 0 && x.last_packet + x.wish.expiry_s * 1s <= now)
+      over.emplace_back(id, channel_end::expired);
+  }
+  for (const auto& [id, why] : over) {
+    counters_.expired += why == channel_end::expired ? 1 : 0;
+    free(id, why, std::nullopt, out, now);
+  }
+  std::erase_if(offers_, [now](const auto& x) { return x.second.end <= now; });
+  pump(out, now);
+  return out;
+}
+
+std::optional<instant> channels::deadline() const {
+  std::optional<instant> next;
+  for (const auto& [id, x] : entries_) {
+    if (!x.open)
+      next = earliest(next, x.setup_end);
+    else if (x.wish.expiry_s > 0)
+      next = earliest(next, x.last_packet + x.wish.expiry_s * 1s);
+  }
+  for (const auto& [id, x] : offers_)
+    next = earliest(next, x.end);
+  if (!under_way_) {
+    for (const auto& x : queue_)
+      next = earliest(next, x.due);
+  }
+  return next;
+}
+
+std::vector<channel_id> channels::table() const {
+  std::vector<channel_id> all;
+  for (const auto& [id, x] : entries_)
+    all.push_back(id);
+  return all;
+}
+
+} // namespace rubicon::network

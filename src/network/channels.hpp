@@ -1,0 +1,210 @@
+// Channels: connections over several hops that reserve what they need at each mote on their path
+// (D1.1 3.3.3.1; NET-01..10, NET-12, NRG-01).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/random.hpp"
+#include "core/time.hpp"
+#include "network/channel_message.hpp"
+
+namespace rubicon::network {
+
+struct channels_config {
+  mote_id self;
+  std::size_t entries_max = 12;   ///< channels that begin, pass or end here
+  std::size_t offers_max = 6;     ///< floods of connect messages that we may come to be part of
+  std::size_t queue_max = 12;     ///< frames that wait for the radio
+  unsigned rounds_max = 6;        ///< times a control message is handed to the radio
+  unsigned data_rounds_max = 2;   ///< and a packet; the radio itself tries four times (NET-05)
+  duration round_pause = 30ms;    ///< between rounds, up to twice as long
+  duration connect_timeout = 10s; ///< until the source gives up
+  duration setup_timeout = 12s;   ///< until a mote on the path does
+  duration flood_spread = 60ms;
+  std::uint8_t hops_max = 32;
+};
+
+struct channels_counters {
+  std::uint64_t connects = 0; ///< as source
+  std::uint64_t connected = 0;
+  std::uint64_t accepted = 0; ///< as destination
+  std::uint64_t backtracks = 0;
+  std::uint64_t floods = 0; ///< begun here; over connects: the share of fallbacks (NET-12)
+  std::uint64_t broken = 0; ///< next or previous mote did not answer
+  std::uint64_t expired = 0;
+  std::uint64_t refused = 0;      ///< no room here
+  std::uint64_t packets_sent = 0; ///< as source
+  std::uint64_t packets_forwarded = 0;
+  std::uint64_t packets_received = 0; ///< as destination
+  std::uint64_t packets_lost = 0;     ///< here: no more rounds, or the queue was full
+  std::uint64_t strays = 0;           ///< for channels that do not pass here
+  std::uint64_t malformed = 0;
+};
+
+/// A good neighbour, and where it is if that is known.
+struct nearby_mote {
+  mote_id mote;
+  std::optional<virtual_coordinates> place;
+};
+
+/// What greedy forwarding knows of the surroundings.
+struct surroundings {
+  std::optional<virtual_coordinates> own_place;
+  std::vector<nearby_mote> motes; ///< good neighbours (NET-10)
+  std::chrono::microseconds hop_delay{
+      10'000}; ///< medium access and transmission, on average (NRG-03)
+};
+
+/// Hand this frame of AM type am::channel to the radio and tell on_sent() how it ended.
+struct channel_hop {
+  mote_id next; ///< broadcast_mote: to all
+  bytes octets;
+};
+
+/// As source: the channel is open.
+struct channel_connected {
+  channel_id channel;
+};
+
+/// As destination: somebody has opened a channel to us.
+struct channel_accepted {
+  channel_id channel;
+};
+
+struct channel_received {
+  channel_id channel;
+  bytes content;
+};
+
+/// The channel is gone, at source or destination; also when it never came to be.
+struct channel_ended {
+  channel_id channel;
+  channel_end why = channel_end::broken;
+};
+
+/// At any mote on the path: the radio is needed at these times, or no longer (schedule.interval 0).
+struct channel_reserved {
+  channel_id channel;
+  channel_schedule schedule; ///< `first` is when a packet is due here
+};
+
+using channels_output = std::variant<channel_hop, channel_connected, channel_accepted,
+                                     channel_received, channel_ended, channel_reserved>;
+using channels_outputs = std::vector<channels_output>;
+
+/// The connect message goes greedily towards the destination's coordinates, back one mote at a dead
+/// end, and from there to everybody. Each mote on the path keeps previous and next hop.
+///
+///   source: connecting --connect-ack--> open --disconnect--> gone
+///              |                          |
+///              +--refused, time-out-------+--broken, expired--> ended
+class channels {
+public:
+  channels() = default;
+  channels(channels_config config, random_stream dice);
+
+  /// The id, at once (NET-01); channel_connected or channel_ended comes later. Nothing: no room
+  /// here.
+  /// @param place of the destination; nothing: it is looked for everywhere
+  /// @param expiry the channel ends if no packet comes for so long, whole seconds; 0: never
+  [[nodiscard]] std::optional<std::pair<channel_id, channels_outputs>>
+  connect(mote_id destination, std::optional<virtual_coordinates> place,
+          const channel_schedule& schedule, duration expiry, const surroundings& around,
+          instant now);
+
+  /// @pre content.size() <= channel_packet_max. @returns nothing: not the source of such an open
+  /// channel, or no room in the queue
+  [[nodiscard]] std::optional<channels_outputs> send(channel_id channel, bytes content,
+                                                     instant now);
+
+  /// From either end; the other end hears of it.
+  [[nodiscard]] channels_outputs disconnect(channel_id channel, instant now);
+
+  /// The destination wants no such channel: the source hears no_room.
+  [[nodiscard]] channels_outputs refuse(channel_id channel, instant now);
+
+  [[nodiscard]] channels_outputs on_frame(mote_id from, byte_view octets,
+                                          const surroundings& around, instant now);
+
+  /// The last channel_hop has ended.
+  [[nodiscard]] channels_outputs on_sent(bool acked, instant now);
+
+  [[nodiscard]] channels_outputs on_time(instant now); ///< harmless before deadline()
+  [[nodiscard]] std::optional<instant> deadline() const;
+
+  /// Channels that begin, pass or end here, ascending (NET-02).
+  [[nodiscard]] std::vector<channel_id> table() const;
+  [[nodiscard]] const channels_counters& counters() const { return counters_; }
+  [[nodiscard]] std::size_t footprint() const {
+    return config_.entries_max * 34 + config_.offers_max * 12 + config_.queue_max * 122 + 16;
+  }
+
+private:
+  struct entry {
+    std::optional<mote_id> previous; ///< nothing at the source
+    std::optional<mote_id> next;     ///< nothing at the destination, and while it is looked for
+    bool open = false;
+    connect_message wish;              ///< as it came to us
+    std::optional<mote_id> second_try; ///< the neighbour that a dead end was tried with before
+    instant last_packet;
+    instant setup_end;
+  };
+
+  /// A flooded connect message that we have heard first from `previous`.
+  struct offer {
+    mote_id previous;
+    connect_message wish;
+    instant end;
+  };
+
+  struct waiting {
+    mote_id next;
+    channel_message message;
+    unsigned rounds = 0;
+    instant due;
+  };
+
+  void queue(mote_id next, channel_message message, instant due);
+  void pump(channels_outputs& out, instant now);
+  void go_on(channel_id id, entry& x, const surroundings& around, channels_outputs& out,
+             instant now);
+  [[nodiscard]] static std::optional<mote_id> nearer(const entry& x, const surroundings& around);
+  void flood(channel_id id, entry& x, const surroundings& around, instant now);
+  void free(channel_id id, channel_end why, std::optional<mote_id> told_by, channels_outputs& out,
+            instant now);
+  void reserve(channel_id id, const entry& x, channels_outputs& out) const;
+  void on_lost(const waiting& x, channels_outputs& out, instant now);
+
+  void take(mote_id from, channel_id id, connect_message& x, const surroundings& around,
+            channels_outputs& out, instant now);
+  void take_flooded(mote_id from, channel_id id, const connect_message& x,
+                    const surroundings& around, channels_outputs& out, instant now);
+  void take(mote_id from, channel_id id, connect_ack_message& x, const surroundings& around,
+            channels_outputs& out, instant now);
+  void take(mote_id from, channel_id id, end_message& x, const surroundings& around,
+            channels_outputs& out, instant now);
+  void take(mote_id from, channel_id id, dead_end_message& x, const surroundings& around,
+            channels_outputs& out, instant now);
+  void take(mote_id from, channel_id id, data_message& x, const surroundings& around,
+            channels_outputs& out, instant now);
+
+  channels_config config_;
+  random_stream dice_;
+  std::uint16_t next_number_ = 0;
+  std::map<channel_id, entry> entries_;
+  std::map<channel_id, offer> offers_;
+  std::deque<waiting> queue_;
+  std::optional<waiting> under_way_;
+  channels_counters counters_;
+};
+
+} // namespace rubicon::network

@@ -1,0 +1,179 @@
+#include "network/clock_sync.hpp"
+
+#include <cassert>
+#include <cmath>
+
+namespace rubicon::network {
+
+namespace {
+
+using std::chrono::microseconds;
+
+constexpr int stale_periods = 3; ///< without news of it: a root may have begun anew
+constexpr std::uint64_t mask_48 = (std::uint64_t{1} << 48) - 1;
+
+std::int64_t us_of(instant x) {
+  return std::chrono::floor<microseconds>(x.time_since_epoch()).count();
+}
+
+bool is_newer(std::uint16_t a, std::uint16_t b) {
+  return static_cast<std::int16_t>(a - b) > 0;
+}
+
+void write_48(byte_writer& to, island_time x) {
+  const auto us = static_cast<std::uint64_t>(x.time_since_epoch().count()) & mask_48;
+  to.big(static_cast<std::uint16_t>(us >> 32)).big(static_cast<std::uint32_t>(us));
+}
+
+island_time read_48(byte_reader& from) {
+  const auto high = std::uint64_t{from.big<std::uint16_t>()};
+  return island_time(
+      microseconds(static_cast<std::int64_t>(high << 32 | from.big<std::uint32_t>())));
+}
+
+} // namespace
+
+void write(byte_writer& to, const clock_stamp& x) {
+  to.big(x.root.value).big(x.sequence);
+  write_48(to, x.time);
+  to.big(x.age_us).big(x.tick.first);
+  write_48(to, x.tick.from);
+  to.big(static_cast<std::uint16_t>(x.tick.period.count()));
+}
+
+clock_stamp read_clock_stamp(byte_reader& from) {
+  clock_stamp x;
+  x.root = mote_id{from.big<std::uint16_t>()};
+  x.sequence = from.big<std::uint16_t>();
+  x.time = read_48(from);
+  x.age_us = from.big<std::uint32_t>();
+  x.tick.first = from.big<std::uint32_t>();
+  x.tick.from = read_48(from);
+  x.tick.period = std::chrono::milliseconds(from.big<std::uint16_t>());
+  return x;
+}
+
+clock_sync::clock_sync(clock_sync_config config, instant now) : config_(config) {
+  if (!config_.is_root)
+    return;
+  root_ = config_.self;
+  learn(config_.tick);
+  listening_until_ = now + config_.resume_wait;
+  next_round_ = listening_until_;
+}
+
+bool clock_sync::on_stamp(const clock_stamp& x, instant sfd) {
+  if (is_running_root() || x.tick.period.count() == 0)
+    return false;
+  if (config_.is_root && x.root != config_.self)
+    return false;
+  const bool is_stale = !heard_ || sfd - *heard_ > stale_periods * config_.period;
+  if (!is_stale && x.root == root_ && !is_newer(x.sequence, sequence_))
+    return false;
+  heard_ = sfd;
+  root_ = x.root;
+  sequence_ = x.sequence;
+  learn(x.tick);
+  const point here{sfd, x.time.time_since_epoch().count() + x.age_us - us_of(sfd)};
+  const auto is_near = [](std::int64_t a, std::int64_t b) {
+    return std::abs(a - b) <= outlier.count();
+  };
+  if (!points_.empty() && !is_near(here.ahead_us, ahead_us(sfd))) {
+    if (!doubtful_ || !is_near(here.ahead_us, doubtful_->ahead_us)) {
+      doubtful_ = here;
+      return true;
+    }
+    points_.assign(1, *doubtful_);
+    ++steps_;
+  }
+  doubtful_.reset();
+  points_.push_back(here);
+  if (points_.size() > points_max)
+    points_.pop_front();
+  fit();
+  return true;
+}
+
+void clock_sync::fit() {
+  const auto count = static_cast<double>(points_.size());
+  const auto first = points_.front();
+  double sum_own = 0;
+  double sum_ahead = 0;
+  for (const auto& x : points_) {
+    sum_own += static_cast<double>(us_of(x.own) - us_of(first.own));
+    sum_ahead += static_cast<double>(x.ahead_us - first.ahead_us);
+  }
+  const auto mean_own = std::floor(sum_own / count);
+  middle_ = first.own + microseconds(static_cast<std::int64_t>(mean_own));
+  middle_ahead_us_ = static_cast<double>(first.ahead_us) + sum_ahead / count;
+  double covariance = 0;
+  double variance = 0;
+  for (const auto& x : points_) {
+    const auto own = static_cast<double>(us_of(x.own) - us_of(middle_));
+    covariance += own * (static_cast<double>(x.ahead_us) - middle_ahead_us_);
+    variance += own * own;
+  }
+  slope_ = points_.size() > 1 && variance > 0 ? covariance / variance : slope_;
+}
+
+std::int64_t clock_sync::ahead_us(instant x) const {
+  const auto from_middle = static_cast<double>(us_of(x) - us_of(middle_));
+  return static_cast<std::int64_t>(std::floor(middle_ahead_us_ + slope_ * from_middle + 0.5));
+}
+
+island_time clock_sync::at(instant x) const {
+  assert(synchronised());
+  return island_time(microseconds(us_of(x) + ahead_us(x)));
+}
+
+/// The line is so flat that one correction suffices: drift squared is below a billionth.
+instant clock_sync::when(island_time x) const {
+  assert(synchronised());
+  const auto about = instant(x.time_since_epoch() - microseconds(ahead_us(middle_)));
+  return instant(x.time_since_epoch() - microseconds(ahead_us(about)));
+}
+
+std::optional<clock_stamp> clock_sync::stamp(instant now) const {
+  if (!synchronised())
+    return std::nullopt;
+  return clock_stamp{root_, sequence_, at(now), 0,
+                     next_tick_ ? *next_tick_ : tick_.value_or(tick_setting{})};
+}
+
+bool clock_sync::on_time(instant now) {
+  if (!next_round_ || now < *next_round_)
+    return false;
+  if (listening_until_ && !points_.empty())
+    set_time(at(now), now); // the time goes on, at our own pace
+  listening_until_.reset();
+  ++sequence_;
+  ++rounds_;
+  next_round_ = now + (rounds_ < config_.first_rounds ? config_.period_first : config_.period);
+  return true;
+}
+
+void clock_sync::set_time(island_time x, instant now) {
+  assert(config_.is_root);
+  points_.clear();
+  slope_ = 0;
+  middle_ = now;
+  middle_ahead_us_ = static_cast<double>(x.time_since_epoch().count() - us_of(now));
+}
+
+std::optional<tick_setting> clock_sync::tick(instant now) const {
+  const bool has_changed = next_tick_ && synchronised() && at(now) >= next_tick_->from;
+  return has_changed ? next_tick_ : tick_;
+}
+
+/// Settings follow each other by the tick they begin with.
+void clock_sync::learn(const tick_setting& x) {
+  if (!tick_) {
+    tick_ = x;
+  } else if (x.first > (next_tick_ ? next_tick_ : tick_)->first) {
+    if (next_tick_)
+      tick_ = next_tick_;
+    next_tick_ = x;
+  }
+}
+
+} // namespace rubicon::network

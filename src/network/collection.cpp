@@ -1,0 +1,258 @@
+#include "network/collection.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "network/am.hpp"
+
+namespace rubicon::network {
+
+namespace {
+
+template <class... F>
+struct overloaded : F... {
+  using F::operator()...;
+};
+
+} // namespace
+
+collection::collection(collection_config config, random_stream dice)
+    : config_(config), dice_(dice), routes_(config.self),
+      sequence_(static_cast<std::uint16_t>(dice_.next())) {
+  if (config_.is_root)
+    cost_ = 0;
+}
+
+std::optional<std::size_t> collection::room_down(mote_id to) const {
+  const auto hops = routes_.route_to(to);
+  if (!hops || hops->empty())
+    return std::nullopt;
+  return frame_max - header_size(*hops);
+}
+
+collection_outputs collection::send_up(bytes content, instant now) {
+  assert(!config_.is_root && content.size() <= room_up());
+  ++counters_.originated;
+  enqueue({up_packet{config_.self, parent_, sequence_++, cost_, 0, std::move(content)}, 0, now});
+  collection_outputs out;
+  pump(out, now);
+  return out;
+}
+
+collection_outputs collection::send_down(mote_id to, bytes content, instant now) {
+  ++counters_.originated;
+  auto hops = routes_.route_to(to);
+  collection_outputs out;
+  if (!hops || hops->empty() || content.size() + header_size(*hops) > frame_max) {
+    ++counters_.no_route;
+    return out;
+  }
+  enqueue({down_packet{sequence_++, 0, *std::move(hops), std::move(content)}, 0, now});
+  pump(out, now);
+  return out;
+}
+
+collection_outputs collection::send_to_all(bytes content, instant now) {
+  assert(content.size() <= room_flood());
+  ++counters_.originated;
+  const auto sequence = sequence_++;
+  static_cast<void>(is_new({am::flood, config_.self, sequence, 0}));
+  enqueue({flood_packet{config_.self, sequence, 0, std::move(content)}, 0, now});
+  collection_outputs out;
+  pump(out, now);
+  return out;
+}
+
+collection_outputs collection::on_frame(mote_id, std::uint8_t am_type, byte_view octets,
+                                        instant now) {
+  collection_outputs out;
+  const auto handle = [&](auto decoded) {
+    if (decoded)
+      take(*std::move(decoded), out, now);
+    else
+      ++counters_.malformed;
+  };
+  if (am_type == am::up)
+    handle(decode_up(octets));
+  else if (am_type == am::down)
+    handle(decode_down(octets));
+  else if (am_type == am::flood)
+    handle(decode_flood(octets));
+  pump(out, now);
+  return out;
+}
+
+void collection::take(up_packet x, collection_outputs& out, instant now) {
+  if (!is_new({am::up, x.origin, x.sequence, x.hops})) {
+    ++counters_.duplicates;
+    return;
+  }
+  ++x.hops;
+  if (config_.is_root) {
+    routes_.learn(x.origin, x.parent);
+    ++counters_.arrived;
+    out.emplace_back(collected{x.origin, false, std::move(x.content)});
+    return;
+  }
+  if (x.cost <= cost_ && cost_ != etx_infinite) {
+    ++counters_.loops;
+    loop_seen_ = true;
+  }
+  if (x.hops >= config_.hops_max) {
+    ++counters_.too_far;
+    return;
+  }
+  ++counters_.forwarded;
+  enqueue({std::move(x), 0, now});
+}
+
+void collection::take(down_packet x, collection_outputs& out, instant now) {
+  if (x.hops[x.at] != config_.self) {
+    ++counters_.malformed;
+    return;
+  }
+  if (!is_new({am::down, x.hops.back(), x.sequence, x.at})) {
+    ++counters_.duplicates;
+    return;
+  }
+  if (x.at + 1U == x.hops.size()) {
+    ++counters_.arrived;
+    out.emplace_back(collected{mote_id{}, false, std::move(x.content)});
+    return;
+  }
+  ++x.at;
+  ++counters_.forwarded;
+  enqueue({std::move(x), 0, now});
+}
+
+void collection::take(flood_packet x, collection_outputs& out, instant now) {
+  if (!is_new({am::flood, x.origin, x.sequence, 0})) {
+    ++counters_.duplicates;
+    return;
+  }
+  ++counters_.arrived;
+  out.emplace_back(collected{x.origin, true, x.content});
+  if (++x.hops >= config_.hops_max) {
+    ++counters_.too_far;
+    return;
+  }
+  ++counters_.forwarded;
+  enqueue({std::move(x), 0, now + dice_.between(0s, config_.flood_spread)});
+}
+
+void collection::enqueue(waiting x) {
+  if (queue_.size() >= config_.queue_max)
+    ++counters_.queue_full;
+  else
+    queue_.push_back(std::move(x));
+}
+
+/// Remembers it. @returns false if it was remembered already
+bool collection::is_new(const mark& x) {
+  if (std::ranges::find(seen_, x) != seen_.end())
+    return false;
+  seen_.push_back(x);
+  if (seen_.size() > config_.seen_max)
+    seen_.pop_front();
+  return true;
+}
+
+/// The next frame of a packet as things are now; nothing while there is no way up.
+std::optional<hop> collection::hop_of(waiting& x) const {
+  return std::visit(overloaded{
+                        [&](up_packet& packet) -> std::optional<hop> {
+                          if (parent_ == no_mote)
+                            return std::nullopt;
+                          packet.cost = cost_;
+                          if (packet.origin == config_.self)
+                            packet.parent = parent_;
+                          return hop{parent_, am::up, encode(packet)};
+                        },
+                        [](const down_packet& packet) -> std::optional<hop> {
+                          return hop{packet.hops[packet.at], am::down, encode(packet)};
+                        },
+                        [](const flood_packet& packet) -> std::optional<hop> {
+                          return hop{broadcast_mote, am::flood, encode(packet)};
+                        },
+                    },
+                    x.packet);
+}
+
+/// Hands out the first packet that is due, unless one is under way.
+void collection::pump(collection_outputs& out, instant now) {
+  for (auto x = queue_.begin(); x != queue_.end() && !under_way_;) {
+    if (x->due > now) {
+      ++x;
+      continue;
+    }
+    if (auto frame = hop_of(*x)) {
+      under_way_ = std::move(*x);
+      queue_.erase(x);
+      out.emplace_back(*std::move(frame));
+      return;
+    }
+    if (++x->rounds >= config_.rounds_max) {
+      ++counters_.no_route;
+      x = queue_.erase(x);
+    } else {
+      x->due = now + config_.route_wait;
+      ++x;
+    }
+  }
+}
+
+duration collection::pause_after(unsigned rounds) {
+  return dice_.between(config_.pause, 2 * config_.pause) * rounds;
+}
+
+collection_outputs collection::on_sent(bool acked, instant now) {
+  collection_outputs out;
+  if (!under_way_)
+    return out;
+  auto x = *std::exchange(under_way_, std::nullopt);
+  ++x.rounds;
+  const bool is_flood = std::holds_alternative<flood_packet>(x.packet);
+  const auto rounds_max = is_flood ? config_.flood_copies : config_.rounds_max;
+  const bool over = is_flood ? x.rounds >= rounds_max : acked || x.rounds >= rounds_max;
+  if (!over) {
+    ++counters_.repeated;
+    x.due = now + (is_flood ? config_.flood_spread + dice_.between(0s, config_.flood_spread)
+                            : pause_after(x.rounds));
+    queue_.push_front(std::move(x));
+  } else if (!is_flood && !acked) {
+    ++counters_.gave_up;
+  }
+  pump(out, now);
+  return out;
+}
+
+collection_outputs collection::on_route(mote_id parent, etx_cost cost, instant now) {
+  collection_outputs out;
+  if (config_.is_root)
+    return out;
+  parent_ = parent;
+  cost_ = cost;
+  for (auto& x : queue_) {
+    if (parent_ != no_mote && std::holds_alternative<up_packet>(x.packet))
+      x.due = std::min(x.due, now);
+  }
+  pump(out, now);
+  return out;
+}
+
+collection_outputs collection::on_time(instant now) {
+  collection_outputs out;
+  pump(out, now);
+  return out;
+}
+
+std::optional<instant> collection::deadline() const {
+  if (under_way_)
+    return std::nullopt;
+  std::optional<instant> next;
+  for (const auto& x : queue_)
+    next = earliest(next, x.due);
+  return next;
+}
+
+} // namespace rubicon::network

@@ -1,0 +1,45 @@
+// Which routes to a destination cannot lead back to us: the condition of Babel (RFC 8966 2.4).
+#pragma once
+
+#include <cstdint>
+
+namespace rubicon::network {
+
+/// Serial number arithmetic (RFC 1982) on 16 bits.
+[[nodiscard]] constexpr bool is_newer(std::uint16_t a, std::uint16_t b) {
+  return static_cast<std::int16_t>(static_cast<std::uint16_t>(a - b)) > 0;
+}
+
+/// The best route to one destination that this node has ever told others about. The destination
+/// counts a sequence number up; who is told (sequence, cost) may only use it if it is newer, or
+/// nearer at the same sequence number, than all the node itself has told. Along a path of such
+/// choices that pair gets strictly better, so no path is a loop and nobody counts to infinity; a
+/// node without such a route waits for the next sequence number.
+class feasibility {
+public:
+  [[nodiscard]] bool admits(std::uint16_t sequence, std::uint16_t cost) const {
+    return !told_ || is_newer(sequence, sequence_) || (sequence == sequence_ && cost < cost_);
+  }
+
+  /// This node tells others (sequence, cost).
+  void tell(std::uint16_t sequence, std::uint16_t cost) {
+    if (admits(sequence, cost))
+      *this = feasibility(sequence, cost);
+  }
+
+  /// @returns whether anything has been told
+  [[nodiscard]] bool told() const { return told_; }
+  [[nodiscard]] std::uint16_t sequence() const { return sequence_; }
+
+  feasibility() = default;
+
+private:
+  feasibility(std::uint16_t sequence, std::uint16_t cost)
+      : told_(true), sequence_(sequence), cost_(cost) {}
+
+  bool told_ = false;
+  std::uint16_t sequence_ = 0;
+  std::uint16_t cost_ = 0;
+};
+
+} // namespace rubicon::network

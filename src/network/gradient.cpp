@@ -1,0 +1,154 @@
+#include "network/gradient.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace rubicon::network {
+
+void gradient_part::write(byte_writer& out) const {
+  out.big(root.value).big(root_sequence).big(parent.value).big(cost).octet(hops);
+}
+
+gradient_part gradient_part::read(byte_reader& in) {
+  gradient_part x;
+  x.root = mote_id{in.big<std::uint16_t>()};
+  x.root_sequence = in.big<std::uint16_t>();
+  x.parent = mote_id{in.big<std::uint16_t>()};
+  x.cost = in.big<etx_cost>();
+  x.hops = in.octet();
+  return x;
+}
+
+gradient::gradient(gradient_config config) : config_(config) {
+  if (!config_.is_root)
+    return;
+  root_ = config_.self;
+  cost_ = 0;
+}
+
+bool gradient::on_beacon(mote_id source, const gradient_part& x, const neighbours& links) {
+  prune(links);
+  if (!links.find(source))
+    return false;
+  const auto at = std::ranges::lower_bound(rows_, source, {}, &row::mote);
+  if (at != rows_.end() && at->mote == source)
+    at->part = x;
+  else
+    rows_.insert(at, row{source, x});
+  if (root_ != no_mote && x.root != no_mote && x.root != root_)
+    ++counters_.foreign_roots;
+  // A root that has restarted goes on where its earlier life ended.
+  if (config_.is_root && x.root == config_.self && is_newer(x.root_sequence, sequence_))
+    sequence_ = x.root_sequence;
+  return has_route() && x.cost == etx_infinite && links.etx(source);
+}
+
+void gradient::prune(const neighbours& links) {
+  std::erase_if(rows_, [&](const row& x) { return !links.find(x.mote); });
+}
+
+gradient::offer gradient::offer_of(const row& x, const neighbours& links, mote_id root,
+                                   instant now) const {
+  const auto& part = x.part;
+  if (part.root != root || part.cost == etx_infinite || part.parent == config_.self ||
+      part.hops >= config_.hops_max)
+    return {};
+  if (root == root_ && !told_.admits(part.root_sequence, part.cost))
+    return {};
+  const bool is_stale = root == root_ && told_.told() && now - progressed_ > config_.root_patience;
+  if (is_stale && !is_newer(part.root_sequence, sequence_))
+    return {};
+  const auto link = links.etx(x.mote);
+  if (!link || *link >= etx_infinite - part.cost)
+    return {};
+  return {&x, static_cast<etx_cost>(part.cost + *link)};
+}
+
+gradient::offer gradient::best_offer(const neighbours& links, mote_id root, instant now) const {
+  offer best;
+  for (const auto& x : rows_) {
+    const auto offered = offer_of(x, links, root, now);
+    if (offered.from && (!best.from || std::tuple(offered.cost, x.part.hops) <
+                                           std::tuple(best.cost, best.from->part.hops)))
+      best = offered;
+  }
+  return best;
+}
+
+/// Keeps the parent unless another is better by the hysteresis; turns to another root only when
+/// there is no way to ours.
+gradient::offer gradient::choose(const neighbours& links, instant now) {
+  auto best = best_offer(links, root_, now);
+  for (const auto& x : rows_) {
+    if (best.from || x.part.root == root_ || x.part.root == no_mote)
+      continue;
+    best = best_offer(links, x.part.root, now);
+    if (best.from) {
+      root_ = x.part.root;
+      told_ = {};
+      parent_ = no_mote;
+      sequence_ = x.part.root_sequence;
+      progressed_ = now;
+    }
+  }
+  for (const auto& x : rows_) {
+    if (x.mote != parent_)
+      continue;
+    const auto kept = offer_of(x, links, root_, now);
+    if (kept.from && kept.cost <= best.cost + config_.hysteresis)
+      return kept;
+  }
+  return best;
+}
+
+void gradient::follow(const offer& chosen, instant now) {
+  const auto& part = chosen.from->part;
+  parent_ = chosen.from->mote;
+  cost_ = chosen.cost;
+  hops_ = static_cast<std::uint8_t>(part.hops + 1);
+  if (is_newer(part.root_sequence, sequence_) || !told_.told())
+    progressed_ = now;
+  sequence_ = part.root_sequence;
+}
+
+gradient_change gradient::update(const neighbours& links, instant now) {
+  prune(links);
+  if (config_.is_root)
+    return gradient_change::none;
+  const auto before = parent_;
+  const auto chosen = choose(links, now);
+  if (!chosen.from) {
+    parent_ = no_mote;
+    cost_ = etx_infinite;
+    hops_ = 0;
+    if (before == no_mote)
+      return gradient_change::none;
+    ++counters_.losses;
+    return gradient_change::lost;
+  }
+  follow(chosen, now);
+  if (parent_ == before)
+    return gradient_change::none;
+  if (before != no_mote)
+    ++counters_.parent_changes;
+  return gradient_change::parent;
+}
+
+gradient_part gradient::advertise() {
+  if (config_.is_root)
+    ++sequence_;
+  else if (has_route())
+    told_.tell(sequence_, cost_);
+  return {root_, sequence_, parent_, cost_, hops_};
+}
+
+std::vector<mote_id> gradient::children() const {
+  std::vector<mote_id> found;
+  for (const auto& x : rows_) {
+    if (x.part.parent == config_.self)
+      found.push_back(x.mote);
+  }
+  return found;
+}
+
+} // namespace rubicon::network

@@ -1,0 +1,237 @@
+#include "network/neighbours.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace rubicon::network {
+
+namespace {
+
+constexpr int weight_max = 16; ///< of the past against one sample
+
+/// Moves `x` one sample towards all or nothing. `samples` are behind it; half a sample stood at the
+/// beginning.
+quality moved(quality x, bool success, int samples) {
+  const int divisor = std::min(samples + 2, weight_max);
+  const int target = success ? quality_max : 0;
+  return static_cast<quality>(x + (target - x) / divisor);
+}
+
+quality product(quality a, quality b) {
+  return static_cast<quality>(static_cast<std::uint32_t>(a) * b / quality_max);
+}
+
+constexpr quality start_quality = quality_max / 2;
+
+} // namespace
+
+neighbour* neighbours::entry(mote_id mote) {
+  const auto at = std::ranges::lower_bound(table_, mote, {}, &neighbour::mote);
+  return at != table_.end() && at->mote == mote ? &*at : nullptr;
+}
+
+const neighbour* neighbours::find(mote_id mote) const {
+  const auto at = std::ranges::lower_bound(table_, mote, {}, &neighbour::mote);
+  return at != table_.end() && at->mote == mote ? &*at : nullptr;
+}
+
+quality neighbours::both_ways(const neighbour& x) const {
+  const std::uint32_t beacons = x.out ? product(x.in, *x.out) : 0U;
+  const std::uint32_t weight = x.data_weight;
+  return static_cast<quality>((beacons * (weight_max - weight) + x.data * weight) / weight_max);
+}
+
+/// Whether more beacons in a row are overdue than such a link loses by chance.
+bool neighbours::is_silent(const neighbour& x) const {
+  const int allowance = (x.in < quality_of(0.75) ? 1 : 0) + (x.in < quality_of(0.5) ? 1 : 0);
+  return x.missed >= config_.unusable_missed + allowance;
+}
+
+void neighbours::sample(neighbour& x, bool heard) const {
+  x.in = moved(x.in, heard, x.samples);
+  if (x.samples < 255)
+    ++x.samples;
+}
+
+/// Decides whether the link is good, with hysteresis.
+void neighbours::judge(neighbour& x) const {
+  const auto limit = x.good ? config_.bad_below : config_.good_from;
+  x.good = x.samples >= config_.good_samples && x.missed < config_.bad_missed && x.in >= limit &&
+           x.out && *x.out >= limit && both_ways(x) >= product(limit, limit);
+}
+
+void neighbours::take_report(neighbour& x, const link_report& report, instant now) const {
+  sample(x, true);
+  x.sequence = report.sequence;
+  x.missed = 0;
+  x.heard = now;
+  x.period = std::min(report.next, config_.beacon_gap_max);
+  x.due = now + x.period + config_.beacon_slack;
+  if (x.data_weight > 0)
+    --x.data_weight; // a link that fell into disuse gets its chance again
+  if (report.hears_us) {
+    x.out = static_cast<quality>(*report.hears_us * 257);
+    x.unmentioned = 0;
+  } else if (++x.unmentioned >= config_.unmentioned_max) {
+    x.out.reset();
+    x.unmentioned = config_.unmentioned_max;
+  }
+  judge(x);
+}
+
+admission neighbours::on_beacon(const link_report& x, instant now) {
+  auto* known = entry(x.source);
+  if (!known)
+    return admit(x, now);
+  const auto gap = static_cast<std::uint16_t>(x.sequence - known->sequence);
+  if (gap == 0) {
+    ++counters_.repeated;
+    return admission::repeated;
+  }
+  if (gap > config_.sequence_gap_max) {
+    ++counters_.restarted;
+    const neighbour old = *known;
+    *known = neighbour{};
+    known->mote = old.mote;
+    known->pinned = old.pinned;
+    known->in = start_quality;
+    take_report(*known, x, now);
+    return admission::restarted;
+  }
+  for (int lost = gap - 1 - known->missed; lost > 0; --lost)
+    sample(*known, false); // the overdue ones are in already
+  take_report(*known, x, now);
+  return admission::known;
+}
+
+admission neighbours::admit(const link_report& x, instant now) {
+  const bool is_full = table_.size() >= config_.capacity;
+  if (is_full && !make_room(x.matters, now)) {
+    ++counters_.refused;
+    return admission::refused;
+  }
+  neighbour fresh;
+  fresh.mote = x.source;
+  fresh.in = start_quality;
+  take_report(fresh, x, now);
+  table_.insert(std::ranges::lower_bound(table_, x.source, {}, &neighbour::mote), fresh);
+  return is_full && !x.matters ? admission::replaced : admission::added;
+}
+
+bool neighbours::evict(std::vector<neighbour>::iterator x) {
+  if (x == table_.end())
+    return false;
+  table_.erase(x);
+  ++counters_.evicted;
+  return true;
+}
+
+bool neighbours::make_room(bool matters, instant now) {
+  if (!matters && replaced_ && now < *replaced_ + config_.replacement_gap)
+    return false;
+  // The last of the worst: the table ascends by id.
+  const auto worst = [this](auto matches, auto badness) {
+    auto found = table_.end();
+    for (auto at = table_.begin(); at != table_.end(); ++at) {
+      if (!at->pinned && matches(*at) && (found == table_.end() || badness(*at) >= badness(*found)))
+        found = at;
+    }
+    return found;
+  };
+  const auto settled = [this](const neighbour& x) { return x.samples >= config_.good_samples; };
+  const auto weakness = [this](const neighbour& x) { return quality_max - both_ways(x); };
+  const bool is_done =
+      evict(worst([this](const neighbour& x) { return is_silent(x); },
+                  [](const neighbour& x) { return x.missed; })) ||
+      evict(worst([&](const neighbour& x) { return settled(x) && !x.out; }, weakness)) ||
+      evict(worst([&](const neighbour& x) { return settled(x) && !x.good; }, weakness)) ||
+      (matters && evict(worst(settled, weakness)));
+  if (is_done && !matters)
+    replaced_ = now;
+  return is_done;
+}
+
+void neighbours::on_sent(mote_id to, bool acked, unsigned transmissions) {
+  auto* x = entry(to);
+  if (!x)
+    return;
+  for (unsigned i = 1; i <= std::min(transmissions, 255U); ++i) {
+    if (x->data_weight == 0)
+      x->data = start_quality;
+    x->data = moved(x->data, acked && i == transmissions, x->data_weight);
+    x->data_weight = static_cast<std::uint8_t>(std::min(x->data_weight + 1, weight_max));
+  }
+  judge(*x);
+}
+
+std::vector<mote_id> neighbours::on_time(instant now) {
+  std::vector<mote_id> gone;
+  for (auto& x : table_) {
+    while (now >= x.due && x.missed < config_.dropped_missed) {
+      sample(x, false);
+      ++x.missed;
+      // Its intervals double; when the first is overdue, nobody knows where it is in them.
+      x.period = std::clamp(3 * x.period, duration(config_.beacon_slack), config_.beacon_gap_max);
+      x.due += x.period;
+    }
+    judge(x);
+    if (x.missed >= config_.dropped_missed)
+      gone.push_back(x.mote);
+  }
+  counters_.dropped += gone.size();
+  std::erase_if(table_, [this](const neighbour& x) { return x.missed >= config_.dropped_missed; });
+  return gone;
+}
+
+std::optional<instant> neighbours::deadline() const {
+  std::optional<instant> due;
+  for (const auto& x : table_)
+    due = earliest(due, x.due);
+  return due;
+}
+
+void neighbours::pin(mote_id mote, bool pinned) {
+  if (auto* x = entry(mote))
+    x->pinned = pinned;
+}
+
+std::vector<neighbours::heard_entry> neighbours::heard(std::size_t count) {
+  std::vector<heard_entry> listed;
+  auto at = std::ranges::upper_bound(table_, told_last_, {}, &neighbour::mote);
+  for (std::size_t i = 0; i < table_.size() && listed.size() < count; ++i, ++at) {
+    if (at == table_.end())
+      at = table_.begin();
+    if (at->missed >= config_.bad_missed)
+      continue;
+    listed.push_back({at->mote, static_cast<std::uint8_t>(at->in / 257)});
+    told_last_ = at->mote;
+  }
+  return listed;
+}
+
+std::optional<etx_cost> neighbours::etx(mote_id mote) const {
+  const auto* x = find(mote);
+  return x ? etx(*x) : std::nullopt;
+}
+
+std::optional<etx_cost> neighbours::etx(const neighbour& x) const {
+  const auto arrives = both_ways(x);
+  if (!x.out || x.samples < config_.usable_samples || is_silent(x) || arrives == 0 ||
+      arrives < config_.usable_from)
+    return {};
+  const auto cost = static_cast<std::uint32_t>(etx_one) * quality_max / arrives;
+  return static_cast<etx_cost>(std::min<std::uint32_t>(cost, etx_infinite - 1));
+}
+
+bool neighbours::good(mote_id mote) const {
+  const auto* x = find(mote);
+  return x && x->good;
+}
+
+std::size_t neighbours::footprint() const {
+  // id, sequence, in, data, samples, out, unmentioned, missed and data_weight in one octet, flags;
+  // last heard and due as milliseconds of 32 bits, the period in quarters of a second
+  return config_.capacity * (2 + 2 + 2 + 2 + 1 + 1 + 1 + 1 + 1 + 4 + 4 + 1) + 2 + 4;
+}
+
+} // namespace rubicon::network

@@ -1,0 +1,34 @@
+#include "network/trickle.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace rubicon::network {
+
+trickle::trickle(trickle_config config, random_stream dice, instant now)
+    : config_(config), dice_(dice) {
+  assert(config.interval_min > 0ns && config.interval_min <= config.interval_max);
+  begin(config_.interval_min, now);
+}
+
+void trickle::begin(duration interval, instant at) {
+  interval_ = interval;
+  start_ = at;
+  due_ = at + dice_.between(interval / 2, interval);
+}
+
+bool trickle::on_time(instant now) {
+  if (now < due_)
+    return false;
+  // An owner that comes late is not made to fire for all it has missed.
+  const auto end = std::max(start_ + interval_, now);
+  begin(std::min(2 * interval_, config_.interval_max), end);
+  return true;
+}
+
+void trickle::reset(instant now) {
+  if (interval_ > config_.interval_min)
+    begin(config_.interval_min, now);
+}
+
+} // namespace rubicon::network

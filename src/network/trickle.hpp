@@ -1,0 +1,45 @@
+// When a mote sends its beacons: often while something changes, seldom otherwise (RFC 6206, without
+// suppression).
+#pragma once
+
+#include "core/random.hpp"
+#include "core/time.hpp"
+
+namespace rubicon::network {
+
+struct trickle_config {
+  duration interval_min = 500ms;
+  duration interval_max = 16s;
+};
+
+/// Fires once in each interval, at a random time in its second half; each interval is twice as long
+/// as the one before it, up to interval_max.
+class trickle {
+public:
+  trickle() = default;
+
+  /// The first interval begins `now`. @pre 0 < interval_min <= interval_max
+  trickle(trickle_config config, random_stream dice, instant now);
+
+  /// @returns whether it fires; then deadline() is already that of the next firing
+  [[nodiscard]] bool on_time(instant now);
+
+  /// Something is inconsistent: a shortest interval begins, unless one is under way.
+  void reset(instant now);
+
+  [[nodiscard]] instant deadline() const { return due_; }
+
+  /// Octets of its state on a mote.
+  [[nodiscard]] static std::size_t footprint() { return 12; }
+
+private:
+  void begin(duration interval, instant at);
+
+  trickle_config config_;
+  random_stream dice_;
+  duration interval_{};
+  instant start_; ///< of the interval in which it fires next
+  instant due_;
+};
+
+} // namespace rubicon::network

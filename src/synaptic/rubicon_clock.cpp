@@ -1,0 +1,43 @@
+#include "synaptic/rubicon_clock.hpp"
+
+#include <algorithm>
+
+namespace rubicon::synaptic {
+
+namespace {
+
+using std::chrono::microseconds;
+
+/// Ticks since `first` that have passed at a time; -1 just before it.
+std::int64_t ticks_passed(microseconds since, microseconds period) {
+  const auto whole = since / period;
+  return since % period < microseconds{0} ? whole - 1 : whole;
+}
+
+} // namespace
+
+std::optional<rubicon_clock::tick> rubicon_clock::update(instant now, island_time shared,
+                                                         const tick_setting& setting) {
+  const microseconds period = setting.period;
+  const auto since = shared - setting.from;
+  const auto first = std::int64_t{setting.first};
+  const auto time_until = [&](std::int64_t number) { return (number - first) * period - since; };
+  if (!last_)
+    last_ = std::max(first + ticks_passed(since - microseconds{1}, period), first - 1);
+  auto next = *last_ + 1;
+  const auto wait = time_until(next);
+  const bool leaps = next != first && (wait < -period / 2 || wait > period + period / 2);
+  if (!leaps && wait > microseconds{0}) {
+    due_ = now + wait;
+    return std::nullopt;
+  }
+  if (leaps) {
+    ++leaps_;
+    next = std::max(first + ticks_passed(since, period), first);
+  }
+  last_ = next;
+  due_ = now + std::max<duration>(time_until(next + 1), 0s);
+  return tick{static_cast<std::uint32_t>(next), leaps};
+}
+
+} // namespace rubicon::synaptic

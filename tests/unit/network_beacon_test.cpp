@@ -1,0 +1,136 @@
+#include "network/beacon.hpp"
+#include "network/trickle.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::network;
+
+namespace {
+
+beacon sample() {
+  beacon x;
+  x.sequence = 0x0102;
+  x.next_quarters = 0x03;
+  x.gradient = {mote_id{0x0405}, 0x0607, mote_id{0x0809}, 0x0a0b, 0x0c};
+  x.coordinates.epoch = 0x0d0e;
+  x.coordinates.anchors[anchor_w] = {mote_id{0x0f10}, 0x1112, 0x13};
+  x.coordinates.anchors[anchor_x] = {mote_id{0x1415}, 0x1617, 0x18};
+  x.coordinates.anchors[anchor_y] = {mote_id{0x191a}, 0x1b1c, 0x1d};
+  x.coordinates.candidate = {mote_id{0x1e1f}, 0x20, 0x21};
+  x.clock[0] = 0x22;
+  x.clock[23] = 0x23;
+  x.heard = {{mote_id{0x2425}, 0x26}, {mote_id{0x2728}, 0x29}};
+  return x;
+}
+
+} // namespace
+
+TEST_CASE("a beacon has the octets that its header tells", "[network][NET-14]") {
+  const std::string text = "0102"
+                           "03"
+                           "04050607"
+                           "08090a0b"
+                           "0c"
+                           "0d0e"
+                           "0f10111213"
+                           "1415161718"
+                           "191a1b1c1d"
+                           "fffd0000ff"
+                           "1e1f2021"
+                           "22"
+                           "00000000000000000000000000000000000000000000"
+                           "23"
+                           "242526"
+                           "272829";
+  CHECK(to_hex(encode(sample())) == text);
+  const auto read = decode_beacon(*from_hex(text));
+  REQUIRE(read);
+  CHECK(*read == sample());
+}
+
+TEST_CASE("a beacon with a full list fits a frame, and each wrong length is refused",
+          "[network][NET-14]") {
+  auto x = sample();
+  x.heard.assign(beacon::heard_max, {mote_id{1}, 255});
+  const auto octets = encode(x);
+  CHECK(octets.size() <= beacon_size_max);
+  CHECK(beacon::heard_max == 17);
+  for (std::size_t size = 0; size < octets.size(); ++size) {
+    const auto cut = decode_beacon(byte_view(octets).first(size));
+    const bool is_whole = size >= beacon::header_size && (size - beacon::header_size) % 3 == 0;
+    CHECK(static_cast<bool>(cut) == is_whole);
+    if (!cut)
+      CHECK(cut.error() == errc::truncated);
+  }
+  CHECK(decode_beacon(bytes(beacon_size_max + 1)).error() == errc::too_long);
+}
+
+TEST_CASE("a list with the id of no mote is refused", "[network][NET-14]") {
+  for (const auto id : {mote_id{}, no_mote, own_mote, broadcast_mote}) {
+    auto x = sample();
+    x.heard[1].mote = id;
+    CHECK(decode_beacon(encode(x)).error() == errc::bad_value);
+  }
+}
+
+TEST_CASE("a beacon says how well it hears us, and whether the link matters for a route",
+          "[network][NET-10]") {
+  auto x = sample();
+  const auto listed = x.report(mote_id{7}, mote_id{0x2728}, true);
+  CHECK(listed.source == mote_id{7});
+  CHECK(listed.sequence == 0x0102);
+  CHECK(listed.next == 750ms);
+  CHECK(listed.hears_us == 0x29);
+  CHECK(!listed.matters);
+  CHECK(!x.report(mote_id{7}, mote_id{3}, true).hears_us);
+  CHECK(x.report(mote_id{7}, mote_id{3}, false).matters);
+  x.gradient.cost = etx_infinite;
+  CHECK(x.report(mote_id{7}, mote_id{3}, true).matters);
+  CHECK(!x.report(mote_id{7}, mote_id{3}, false).matters);
+}
+
+TEST_CASE("the time until the next beacon is rounded up to quarters", "[network]") {
+  CHECK(quarters(0ns) == 0);
+  CHECK(quarters(1ns) == 1);
+  CHECK(quarters(250ms) == 1);
+  CHECK(quarters(24s) == 96);
+  CHECK(quarters(1h) == 255);
+  CHECK(quarters(-1s) == 0);
+}
+
+TEST_CASE("trickle fires once in the second half of intervals that double up to the longest",
+          "[network][NET-11]") {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    trickle timer({}, random_stream(seed), instant{} + 1s);
+    auto begin = instant{} + 1s;
+    for (auto interval = duration(500ms); begin < instant{} + 2min;) {
+      const auto due = timer.deadline();
+      CHECK(due >= begin + interval / 2);
+      CHECK(due < begin + interval);
+      CHECK(!timer.on_time(due - 1ns));
+      CHECK(timer.on_time(due));
+      CHECK(timer.deadline() > due);
+      begin += interval;
+      interval = std::min<duration>(2 * interval, 16s);
+    }
+  }
+}
+
+TEST_CASE("a reset begins a shortest interval unless one is under way", "[network][NET-11]") {
+  trickle timer({}, random_stream(3), instant{});
+  const auto first = timer.deadline();
+  timer.reset(instant{} + 100ms);
+  CHECK(timer.deadline() == first);
+  for (int i = 0; i < 8; ++i)
+    static_cast<void>(timer.on_time(timer.deadline()));
+  const auto now = timer.deadline() - 8s;
+  timer.reset(now);
+  CHECK(timer.deadline() >= now + 250ms);
+  CHECK(timer.deadline() < now + 500ms);
+}
+
+TEST_CASE("a trickle that is served late fires once, not for all it has missed", "[network]") {
+  trickle timer({}, random_stream(3), instant{});
+  CHECK(timer.on_time(instant{} + 1h));
+  CHECK(timer.deadline() > instant{} + 1h);
+}

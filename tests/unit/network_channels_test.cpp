@@ -1,0 +1,439 @@
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <queue>
+#include <set>
+#include <vector>
+
+#include "network/channels.hpp"
+#include "support/catch.hpp"
+
+namespace rubicon::network {
+
+namespace {
+
+/// A grid of motes that hear the four next to them, with the coordinates that VCap would give them.
+class grid {
+public:
+  grid(int width, int height, double delivery, std::uint64_t seed = 1, std::set<int> holes = {},
+       channels_config config = {})
+      : width_(width), delivery_(delivery), dice_(seed), config_(config) {
+    for (int i = 0; i < width * height; ++i) {
+      if (!holes.contains(i))
+        start(id(i));
+    }
+    const auto x = hops_from(motes_.begin()->first);
+    const auto y = hops_from(motes_.rbegin()->first);
+    const auto z = hops_from(id(width - 1));
+    for (const auto& [mote, unused] : motes_)
+      places_[mote] = {hop(x, mote), hop(y, mote), hop(z, mote)};
+  }
+
+  [[nodiscard]] static mote_id id(int i) { return mote_id{static_cast<std::uint16_t>(i + 1)}; }
+  channels& at(mote_id x) { return motes_.at(x); }
+  [[nodiscard]] instant now() const { return now_; }
+  [[nodiscard]] virtual_coordinates place(mote_id x) const { return places_.at(x); }
+
+  [[nodiscard]] std::vector<mote_id> motes() const {
+    std::vector<mote_id> all;
+    for (const auto& [mote, unused] : motes_)
+      all.push_back(mote);
+    return all;
+  }
+
+  void start(mote_id x) {
+    auto config = config_;
+    config.self = x;
+    motes_[x] = channels(config, random_stream(dice_.next()));
+  }
+
+  void kill(mote_id x) { motes_.erase(x); }
+
+  /// Opens a channel and waits. @returns its id; whether it opened tells `connected`
+  channel_id connect(mote_id from, mote_id to, duration expiry = 0s, channel_schedule when = {}) {
+    auto begun = motes_.at(from).connect(to, places_.at(to), when, expiry, around(from), now_);
+    REQUIRE(begun);
+    perform(from, std::move(begun->second));
+    run_for(12s);
+    return begun->first;
+  }
+
+  void perform(mote_id from, channels_outputs todo) {
+    for (auto& x : todo) {
+      if (auto* frame = std::get_if<channel_hop>(&x))
+        put_on_air(from, std::move(*frame));
+      else if (const auto* open = std::get_if<channel_connected>(&x))
+        connected.insert(open->channel);
+      else if (const auto* open = std::get_if<channel_accepted>(&x))
+        accepted[open->channel] = from;
+      else if (auto* packet = std::get_if<channel_received>(&x))
+        received[packet->channel].push_back(std::move(packet->content));
+      else if (const auto* over = std::get_if<channel_ended>(&x))
+        ended[{over->channel, from}] = over->why;
+      else if (const auto* need = std::get_if<channel_reserved>(&x))
+        reserved[{need->channel, from}] = need->schedule;
+    }
+  }
+
+  void run_for(duration length) {
+    const auto end = now_ + length;
+    while (true) {
+      auto next = end;
+      for (const auto& [mote, x] : motes_)
+        next = std::min(next, x.deadline().value_or(end));
+      if (!events_.empty() && events_.begin()->first <= next) {
+        auto event = events_.extract(events_.begin());
+        now_ = std::max(now_, event.key());
+        event.mapped()();
+      } else if (next < end) {
+        now_ = std::max(now_, next);
+        for (auto& [mote, x] : motes_)
+          perform(mote, x.on_time(now_));
+      } else {
+        now_ = end;
+        return;
+      }
+    }
+  }
+
+  /// Motes whose table has the channel, ascending.
+  [[nodiscard]] std::vector<mote_id> path(channel_id x) const {
+    std::vector<mote_id> all;
+    for (const auto& [mote, y] : motes_) {
+      const auto table = y.table();
+      if (std::ranges::find(table, x) != table.end())
+        all.push_back(mote);
+    }
+    return all;
+  }
+
+  [[nodiscard]] std::size_t entries() const {
+    std::size_t all = 0;
+    for (const auto& [mote, x] : motes_)
+      all += x.table().size();
+    return all;
+  }
+
+  [[nodiscard]] std::uint64_t sum(std::uint64_t channels_counters::*which) const {
+    std::uint64_t all = 0;
+    for (const auto& [mote, x] : motes_)
+      all += x.counters().*which;
+    return all;
+  }
+
+  [[nodiscard]] std::map<mote_id, int> hops_from(mote_id from) const {
+    std::map<mote_id, int> hops{{from, 0}};
+    std::queue<mote_id> next({from});
+    for (; !next.empty(); next.pop()) {
+      for (const auto x : next_to(next.front())) {
+        if (hops.emplace(x, hops.at(next.front()) + 1).second)
+          next.push(x);
+      }
+    }
+    return hops;
+  }
+
+  std::set<channel_id> connected;
+  std::map<channel_id, mote_id> accepted;
+  std::map<channel_id, std::vector<bytes>> received;
+  std::map<std::pair<channel_id, mote_id>, channel_end> ended;
+  std::map<std::pair<channel_id, mote_id>, channel_schedule> reserved;
+
+private:
+  [[nodiscard]] static hop_distance hop(const std::map<mote_id, int>& hops, mote_id x) {
+    const auto found = hops.find(x);
+    return found == hops.end() ? hops_unknown : static_cast<hop_distance>(found->second);
+  }
+
+  [[nodiscard]] std::vector<mote_id> next_to(mote_id x) const {
+    const auto i = x.value - 1;
+    std::vector<mote_id> all;
+    for (const auto j : {i - 1, i + 1, i - width_, i + width_}) {
+      const bool same_row = j / width_ == i / width_ || j % width_ == i % width_;
+      if (j >= 0 && same_row && motes_.contains(id(j)))
+        all.push_back(id(j));
+    }
+    return all;
+  }
+
+  [[nodiscard]] surroundings around(mote_id x) const {
+    surroundings all;
+    all.own_place = places_.at(x);
+    for (const auto y : next_to(x))
+      all.motes.push_back({y, places_.at(y)});
+    return all;
+  }
+
+  void put_on_air(mote_id from, channel_hop frame) {
+    std::vector<mote_id> heard;
+    bool acked = false;
+    const auto near = next_to(from);
+    if (frame.next == broadcast_mote) {
+      for (const auto x : near) {
+        if (dice_.chance(delivery_))
+          heard.push_back(x);
+      }
+    }
+    const bool reachable = std::ranges::find(near, frame.next) != near.end();
+    for (int attempt = 0; attempt < 4 && reachable && !acked; ++attempt) {
+      if (!dice_.chance(delivery_))
+        continue;
+      if (heard.empty())
+        heard.push_back(frame.next);
+      acked = dice_.chance(delivery_);
+    }
+    const auto when = now_ + 5ms;
+    for (const auto to : heard) {
+      events_.emplace(when, [this, from, to, frame] {
+        if (motes_.contains(to))
+          perform(to, motes_.at(to).on_frame(from, frame.octets, around(to), now_));
+      });
+    }
+    events_.emplace(when, [this, from, acked] {
+      if (motes_.contains(from))
+        perform(from, motes_.at(from).on_sent(acked, now_));
+    });
+  }
+
+  int width_;
+  double delivery_;
+  random_stream dice_;
+  channels_config config_;
+  instant now_;
+  std::map<mote_id, channels> motes_;
+  std::map<mote_id, virtual_coordinates> places_;
+  std::multimap<instant, std::function<void()>> events_;
+};
+
+/// A wall with a gap at one end: greedy forwarding runs against it.
+const std::set<int> wall{42, 43, 44, 45, 46, 47, 48, 52, 62, 72, 58};
+
+} // namespace
+
+TEST_CASE("a channel reserves at the motes of its path and nowhere else",
+          "[network][NET-02][NET-03]") {
+  grid x(5, 5, 1);
+  const auto id = x.connect(grid::id(0), grid::id(14));
+  CHECK(x.connected.contains(id));
+  CHECK(x.accepted.at(id) == grid::id(14));
+  const auto path = x.path(id);
+  CHECK(path.size() == 7); // 6 hops, greedily straight
+  CHECK(path.front() == grid::id(0));
+  CHECK(path.back() == grid::id(14));
+  CHECK(x.entries() == 7);
+  CHECK(x.sum(&channels_counters::floods) == 0);
+}
+
+TEST_CASE("packets go over a channel, in one direction", "[network][NET-05][NET-06]") {
+  grid x(5, 5, 1);
+  const auto id = x.connect(grid::id(0), grid::id(24));
+  for (std::uint8_t i = 0; i < 50; ++i) {
+    auto out = x.at(grid::id(0)).send(id, {i}, x.now());
+    REQUIRE(out);
+    x.perform(grid::id(0), *std::move(out));
+    x.run_for(20ms);
+  }
+  x.run_for(1s);
+  CHECK(x.received.at(id).size() == 50);
+  CHECK(x.received.at(id).back() == bytes{49});
+  CHECK_FALSE(x.at(grid::id(24)).send(id, {1}, x.now()));
+  CHECK_FALSE(x.at(grid::id(1)).send(id, {1}, x.now()));
+}
+
+TEST_CASE("sending says nothing of delivery: on bad links packets are lost and counted",
+          "[network][NET-05]") {
+  grid x(6, 1, 0.7);
+  const auto id = x.connect(grid::id(0), grid::id(5));
+  REQUIRE(x.connected.contains(id));
+  int sent = 0;
+  for (int i = 0; i < 300; ++i) {
+    if (auto out = x.at(grid::id(0)).send(id, {1}, x.now())) {
+      ++sent;
+      x.perform(grid::id(0), *std::move(out));
+    }
+    x.run_for(200ms);
+  }
+  CHECK(sent > 200);
+  CHECK(x.received.at(id).size() + x.sum(&channels_counters::packets_lost) >=
+        static_cast<std::size_t>(sent));
+}
+
+TEST_CASE("disconnecting frees all of the path, from either end", "[network][NET-07]") {
+  grid x(5, 5, 1);
+  const auto a = x.connect(grid::id(0), grid::id(24));
+  const auto b = x.connect(grid::id(4), grid::id(20));
+  x.perform(grid::id(0), x.at(grid::id(0)).disconnect(a, x.now()));
+  x.perform(grid::id(20), x.at(grid::id(20)).disconnect(b, x.now()));
+  x.run_for(1s);
+  CHECK(x.entries() == 0);
+  CHECK(x.ended.size() == 2);
+  CHECK(x.ended.at({a, grid::id(24)}) == channel_end::disconnected);
+  CHECK(x.ended.at({b, grid::id(4)}) == channel_end::disconnected);
+}
+
+TEST_CASE("a full table on the way refuses, and nothing stays reserved", "[network][NET-04]") {
+  channels_config config;
+  config.entries_max = 1;
+  grid x(6, 1, 1, 1, {}, config);
+  const auto first = x.connect(grid::id(3), grid::id(4));
+  const auto second = x.connect(grid::id(0), grid::id(5));
+  CHECK(x.connected.contains(first));
+  CHECK_FALSE(x.connected.contains(second));
+  CHECK(x.ended.at({second, grid::id(0)}) == channel_end::no_room);
+  CHECK(x.path(second).empty());
+  CHECK(x.entries() == 2);
+}
+
+TEST_CASE("a destination may refuse", "[network][NET-04]") {
+  grid x(3, 1, 1);
+  const auto id = x.connect(grid::id(0), grid::id(2));
+  x.perform(grid::id(2), x.at(grid::id(2)).refuse(id, x.now()));
+  x.run_for(1s);
+  CHECK(x.ended.at({id, grid::id(0)}) == channel_end::no_room);
+  CHECK(x.entries() == 0);
+}
+
+TEST_CASE("a destination that is not there is reported", "[network][NET-04]") {
+  grid x(4, 4, 1);
+  x.kill(grid::id(15));
+  const auto id = x.connect(grid::id(0), grid::id(15));
+  CHECK(x.ended.at({id, grid::id(0)}) == channel_end::unreachable);
+  x.run_for(20s);
+  CHECK(x.entries() == 0);
+}
+
+TEST_CASE("channel ids of all motes are distinct", "[network][NET-01]") {
+  grid x(10, 10, 1);
+  std::set<channel_id> ids;
+  for (int i = 0; i < 100; ++i) {
+    for (int k = 0; k < 3; ++k)
+      CHECK(ids.insert(x.connect(grid::id(i), grid::id((i + 1) % 100))).second);
+    for (const auto id : x.at(grid::id(i)).table())
+      x.perform(grid::id(i), x.at(grid::id(i)).disconnect(id, x.now()));
+    x.run_for(1s);
+  }
+  CHECK(ids.size() == 300);
+}
+
+TEST_CASE("greedy forwarding takes the neighbour nearest to the destination", "[network][NET-10]") {
+  grid x(9, 9, 1);
+  random_stream dice(2);
+  for (int i = 0; i < 40; ++i) {
+    const auto from = grid::id(static_cast<int>(dice.below(81)));
+    const auto to = grid::id(static_cast<int>(dice.below(81)));
+    if (from == to)
+      continue;
+    const auto id = x.connect(from, to);
+    REQUIRE(x.connected.contains(id));
+    CHECK(x.path(id).size() == static_cast<std::size_t>(x.hops_from(from).at(to)) + 1);
+    x.perform(from, x.at(from).disconnect(id, x.now()));
+    x.run_for(1s);
+  }
+  CHECK(x.sum(&channels_counters::floods) == 0);
+}
+
+TEST_CASE("behind a wall every pair still connects, and fallbacks are counted",
+          "[network][NET-12]") {
+  grid x(10, 10, 0.95, 3, wall);
+  random_stream dice(4);
+  const auto motes = x.motes();
+  int pairs = 0;
+  for (int i = 0; i < 150; ++i) {
+    const auto from = motes[dice.below(motes.size())];
+    const auto to = motes[dice.below(motes.size())];
+    if (from == to || !x.hops_from(from).contains(to))
+      continue;
+    ++pairs;
+    const auto id = x.connect(from, to);
+    REQUIRE(x.connected.contains(id));
+    x.perform(from, x.at(from).disconnect(id, x.now()));
+    x.run_for(15s);
+    REQUIRE(x.entries() == 0);
+  }
+  CHECK(pairs > 100);
+  CHECK(x.sum(&channels_counters::backtracks) > 0);
+  CHECK(x.sum(&channels_counters::floods) > 0);
+  CHECK(x.sum(&channels_counters::floods) < static_cast<std::uint64_t>(pairs) / 2);
+}
+
+TEST_CASE("a mote that dies on the path is noticed and the source told", "[network][NET-09]") {
+  grid x(5, 1, 1);
+  const auto id = x.connect(grid::id(0), grid::id(4));
+  x.kill(grid::id(2));
+  x.perform(grid::id(0), *x.at(grid::id(0)).send(id, {1}, x.now()));
+  x.run_for(5s);
+  CHECK(x.ended.at({id, grid::id(0)}) == channel_end::broken);
+  CHECK(x.sum(&channels_counters::broken) == 1);
+}
+
+TEST_CASE("channels that nobody uses any more expire on all of the path", "[network][NET-08]") {
+  grid x(5, 1, 1);
+  const auto id = x.connect(grid::id(0), grid::id(4), 30s);
+  x.kill(grid::id(0));
+  x.run_for(40s);
+  CHECK(x.entries() == 0);
+  CHECK(x.ended.at({id, grid::id(4)}) == channel_end::expired);
+}
+
+TEST_CASE("each mote of the path knows when packets are due, later ones later",
+          "[network][NRG-01][NRG-03]") {
+  grid x(5, 1, 1);
+  const channel_schedule when{island_time(std::chrono::seconds(60)),
+                              std::chrono::milliseconds(1000), 20};
+  const auto id = x.connect(grid::id(0), grid::id(4), 0s, when);
+  for (int i = 0; i < 5; ++i) {
+    const auto here = x.reserved.at({id, grid::id(i)});
+    CHECK(here.interval == when.interval);
+    CHECK(here.size == 20);
+    CHECK(here.first == when.first + i * std::chrono::microseconds(10'000));
+  }
+  x.perform(grid::id(0), x.at(grid::id(0)).disconnect(id, x.now()));
+  x.run_for(1s);
+  CHECK(x.reserved.at({id, grid::id(3)}).interval == std::chrono::milliseconds(0));
+}
+
+TEST_CASE("over bad links all connects end, and no table keeps anything", "[network][NET-04]") {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    grid x(6, 6, 0.6, seed);
+    random_stream dice(seed);
+    std::vector<std::pair<mote_id, channel_id>> all;
+    for (int i = 0; i < 8; ++i) {
+      const auto from = grid::id(static_cast<int>(dice.below(36)));
+      const auto to = grid::id(static_cast<int>(dice.below(36)));
+      if (from != to)
+        all.emplace_back(from, x.connect(from, to));
+    }
+    for (const auto& [from, id] : all) {
+      CHECK((x.connected.contains(id) || x.ended.contains({id, from})));
+      x.perform(from, x.at(from).disconnect(id, x.now()));
+    }
+    x.run_for(60s);
+    CHECK(x.entries() <= 2); // whose end message was lost on all rounds; they would expire
+  }
+}
+
+TEST_CASE("channel messages keep their layout", "[network][golden]") {
+  connect_message wish;
+  wish.destination = mote_id{0x0708};
+  wish.place = {9, 10, 11};
+  wish.hops = 12;
+  wish.expiry_s = 0x0d0e;
+  wish.schedule = {island_time(std::chrono::microseconds(0x0f1011121314)),
+                   std::chrono::milliseconds(0x15161718), 0x19};
+  wish.delay_us = 0x1a1b1c1d;
+  const channel_message x{{mote_id{0x0102}, 0x0304}, wish};
+  const auto octets = encode(x);
+  CHECK(octets == bytes{1,    1,    2,    3,    4,    7,    8,    1,    9,    10,
+                        11,   12,   0x0d, 0x0e, 0x0f, 0x10, 0x11, 0x12, 0x13, 0x14,
+                        0x15, 0x16, 0x17, 0x18, 0x19, 0x1a, 0x1b, 0x1c, 0x1d});
+  CHECK(*decode_channel_message(octets) == x);
+  const channel_message data{{mote_id{1}, 2}, data_message{{0xaa}}};
+  CHECK(encode(data) == bytes{5, 0, 1, 0, 2, 0xaa});
+  CHECK(*decode_channel_message(encode(data)) == data);
+  CHECK(decode_channel_message(bytes{3, 0, 1, 0, 2, 9}).error() == errc::bad_value);
+  CHECK(decode_channel_message(bytes{2, 0, 1, 0, 2, 9}).error() == errc::too_long);
+  CHECK(decode_channel_message(bytes{6, 0, 1, 0, 2}).error() == errc::unsupported);
+  CHECK(decode_channel_message(bytes{1, 0, 1, 0, 2}).error() == errc::truncated);
+}
+
+} // namespace rubicon::network

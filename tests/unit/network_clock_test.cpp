@@ -1,0 +1,186 @@
+#include <cmath>
+#include <vector>
+
+#include "core/random.hpp"
+#include "network/clock_sync.hpp"
+#include "support/catch.hpp"
+
+namespace rubicon::network {
+
+namespace {
+
+using std::chrono::microseconds;
+
+/// A mote's own clock: starts at some time and runs too fast by some parts per million.
+struct crystal {
+  double ppm = 0;
+  duration start{};
+
+  [[nodiscard]] instant read(duration real) const {
+    const auto extra = static_cast<double>(real.count()) * ppm * 1e-6;
+    return instant(start + real + duration(static_cast<duration::rep>(extra)));
+  }
+};
+
+/// A line of motes that each hear the one before. The first is the root.
+struct line {
+  std::vector<crystal> crystals;
+  std::vector<clock_sync> clocks;
+  duration now{};
+  random_stream dice{7};
+
+  line(std::size_t length, double ppm) {
+    for (std::size_t i = 0; i < length; ++i) {
+      crystals.push_back({dice.unit() * 2 * ppm - ppm, duration(dice.below(1'000'000'000'000))});
+      clock_sync_config config;
+      config.self = mote_id{static_cast<std::uint16_t>(i + 1)};
+      config.is_root = i == 0;
+      clocks.emplace_back(config, crystals[i].read(0s));
+    }
+  }
+
+  /// A beacon of `from` for its successor: handed to the radio now, on the air after a while.
+  void pass(std::size_t from) {
+    auto x = clocks[from].stamp(crystals[from].read(now));
+    if (!x)
+      return;
+    const auto wait = duration(dice.below(8'000'000));
+    x->age_us = static_cast<std::uint32_t>(wait / 1us);
+    clocks[from + 1].on_stamp(*x, crystals[from + 1].read(now + wait));
+  }
+
+  /// The root's rounds, each of which walks down the line, a little while at each mote.
+  void run_for(duration length) {
+    for (const auto end = now + length; now < end; now += 50ms) {
+      clocks[0].on_time(crystals[0].read(now));
+      for (std::size_t i = 0; i + 1 < clocks.size(); ++i)
+        pass(i);
+    }
+  }
+
+  [[nodiscard]] microseconds error(std::size_t i) const {
+    return clocks[i].at(crystals[i].read(now)) - clocks[0].at(crystals[0].read(now));
+  }
+};
+
+} // namespace
+
+TEST_CASE("clocks five hops from the root err by less than a millisecond after three rounds",
+          "[network][CLK-01]") {
+  line x(6, 50);
+  x.run_for(6s);
+  microseconds worst{};
+  for (int i = 0; i < 600; ++i) {
+    x.run_for(1s);
+    for (std::size_t mote = 1; mote < 6; ++mote)
+      worst = std::max(worst, std::chrono::abs(x.error(mote)));
+  }
+  CHECK(worst < microseconds{1000});
+  CHECK(worst > microseconds{0});
+  for (std::size_t mote = 1; mote < 6; ++mote)
+    CHECK(std::abs(x.clocks[mote].drift() * 1e6 - (x.crystals[0].ppm - x.crystals[mote].ppm)) < 1);
+}
+
+TEST_CASE("a mote knows the time from the first beacon on", "[network][CLK-04]") {
+  line x(2, 50);
+  CHECK_FALSE(x.clocks[1].synchronised());
+  CHECK_FALSE(x.clocks[1].tick(x.crystals[1].read(0s)));
+  x.run_for(3100ms);
+  REQUIRE(x.clocks[1].synchronised());
+  CHECK(std::chrono::abs(x.error(1)) < microseconds{50});
+  CHECK(x.clocks[1].tick(x.crystals[1].read(x.now))->period == std::chrono::milliseconds{500});
+}
+
+TEST_CASE("own time and island time are inverse to each other", "[network][CLK-01]") {
+  line x(2, 50);
+  x.run_for(60s);
+  const auto own = x.crystals[1].read(x.now);
+  for (const auto ahead : {0s, 1s, 100s}) {
+    const auto there = x.clocks[1].at(own + ahead);
+    CHECK(std::chrono::abs(x.clocks[1].when(there) - (own + ahead)) < 3us);
+  }
+}
+
+TEST_CASE("one bad point is ignored, a step of the root is followed", "[network][CLK-05]") {
+  line x(2, 0);
+  x.run_for(30s);
+  const auto sfd = x.crystals[1].read(x.now);
+  auto wrong = *x.clocks[0].stamp(x.crystals[0].read(x.now));
+  wrong.sequence = static_cast<std::uint16_t>(wrong.sequence + 1);
+  wrong.time += microseconds{5000};
+  CHECK(x.clocks[1].on_stamp(wrong, sfd));
+  CHECK(std::chrono::abs(x.error(1)) < microseconds{50});
+  CHECK(x.clocks[1].steps() == 0);
+  x.clocks[0].set_time(x.clocks[0].at(x.crystals[0].read(x.now)) + microseconds{10'000},
+                       x.crystals[0].read(x.now));
+  x.run_for(40s);
+  CHECK(std::chrono::abs(x.error(1)) < microseconds{50});
+  CHECK(x.clocks[1].steps() == 1);
+}
+
+TEST_CASE("a root that restarts goes on with the island's time", "[network][CLK-04]") {
+  line x(3, 20);
+  x.run_for(100s);
+  const auto before = x.clocks[2].at(x.crystals[2].read(x.now));
+  x.crystals[0].start = -x.now; // its clock is at zero again
+  clock_sync_config config;
+  config.self = mote_id{1};
+  config.is_root = true;
+  x.clocks[0] = clock_sync(config, x.crystals[0].read(x.now));
+  auto heard = *x.clocks[1].stamp(x.crystals[1].read(x.now));
+  x.clocks[0].on_stamp(heard, x.crystals[0].read(x.now));
+  x.run_for(60s);
+  const auto after = x.clocks[2].at(x.crystals[2].read(x.now));
+  CHECK(std::chrono::abs(after - before - 60s) < 1ms);
+  CHECK(std::chrono::abs(x.error(2)) < microseconds{1000});
+  CHECK(x.clocks[2].steps() == 0);
+}
+
+TEST_CASE("a root that restarts and hears nobody is believed after a while", "[network][CLK-04]") {
+  line x(2, 0);
+  x.run_for(100s);
+  clock_sync_config config;
+  config.self = mote_id{1};
+  config.is_root = true;
+  config.tick.period = std::chrono::milliseconds{100};
+  x.clocks[0] = clock_sync(config, x.crystals[0].read(x.now));
+  x.clocks[0].set_time(island_time{}, x.crystals[0].read(x.now));
+  x.run_for(60s);
+  CHECK(std::chrono::abs(x.error(1)) < microseconds{50});
+}
+
+TEST_CASE("all motes change the tick at the same tick", "[network][CLK-03]") {
+  line x(4, 50);
+  x.run_for(30s);
+  const auto now = x.clocks[0].at(x.crystals[0].read(x.now));
+  const tick_setting next{1000, now + 20s, std::chrono::milliseconds{200}};
+  x.clocks[0].set_tick(next);
+  x.run_for(19s);
+  for (std::size_t i = 0; i < 4; ++i)
+    CHECK(x.clocks[i].tick(x.crystals[i].read(x.now))->period == std::chrono::milliseconds{500});
+  x.run_for(2s);
+  for (std::size_t i = 0; i < 4; ++i)
+    CHECK(x.clocks[i].tick(x.crystals[i].read(x.now)) == next);
+}
+
+TEST_CASE("a clock stamp keeps its layout", "[network][golden]") {
+  clock_stamp x{mote_id{0x0102}, 0x0304, island_time(microseconds(0x050607080910)), 0x11121314, {}};
+  x.tick = {0x15161718, island_time(microseconds(0x192021222324)), std::chrono::milliseconds(500)};
+  byte_writer to;
+  write(to, x);
+  const auto octets = to.finish();
+  REQUIRE(octets.size() == clock_stamp_size);
+  CHECK(octets == bytes{0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07, 0x08, 0x09,
+                        0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x16, 0x17, 0x18,
+                        0x19, 0x20, 0x21, 0x22, 0x23, 0x24, 0x01, 0xf4});
+  byte_reader from(octets);
+  const auto again = read_clock_stamp(from);
+  CHECK(again.root == x.root);
+  CHECK(again.sequence == x.sequence);
+  CHECK(again.time == x.time);
+  CHECK(again.age_us == x.age_us);
+  CHECK(again.tick == x.tick);
+  CHECK(octets[clock_stamp_age_at] == 0x11);
+}
+
+} // namespace rubicon::network

@@ -1,0 +1,260 @@
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "network/am.hpp"
+#include "network/collection.hpp"
+#include "support/catch.hpp"
+
+namespace rubicon::network {
+
+namespace {
+
+constexpr mote_id sink{1};
+
+mote_id mote(int x) {
+  return mote_id{static_cast<std::uint16_t>(x)};
+}
+
+/// Motes with given parents, over links that lose frames and acks; each unicast is tried four
+/// times.
+class island {
+public:
+  explicit island(double delivery, std::uint64_t seed = 1) : delivery_(delivery), dice_(seed) {
+    add(sink, no_mote, 0);
+  }
+
+  void add(mote_id id, mote_id parent, int depth) {
+    collection_config config;
+    config.self = id;
+    config.is_root = id == sink;
+    motes_[id] = collection(config, random_stream(dice_.next()));
+    parents_[id] = parent;
+    if (!config.is_root)
+      perform(id, motes_[id].on_route(parent, static_cast<etx_cost>(depth * etx_one), now_));
+  }
+
+  collection& at(mote_id id) { return motes_.at(id); }
+  [[nodiscard]] instant now() const { return now_; }
+
+  void perform(mote_id from, collection_outputs todo) {
+    for (auto& x : todo) {
+      if (auto* frame = std::get_if<hop>(&x))
+        put_on_air(from, std::move(*frame));
+      else
+        arrived.emplace_back(from, std::move(std::get<collected>(x)));
+    }
+  }
+
+  void run_for(duration length) {
+    const auto end = now_ + length;
+    while (true) {
+      auto next = end;
+      for (const auto& [id, x] : motes_)
+        next = std::min(next, x.deadline().value_or(end));
+      if (!events_.empty() && events_.begin()->first <= next) {
+        auto event = events_.extract(events_.begin());
+        now_ = std::max(now_, event.key());
+        event.mapped()();
+      } else if (next < end) {
+        now_ = std::max(now_, next);
+        for (auto& [id, x] : motes_)
+          perform(id, x.on_time(now_));
+      } else {
+        now_ = end;
+        return;
+      }
+    }
+  }
+
+  [[nodiscard]] std::uint64_t sum(std::uint64_t collection_counters::*which) const {
+    std::uint64_t all = 0;
+    for (const auto& [id, x] : motes_)
+      all += x.counters().*which;
+    return all;
+  }
+
+  std::vector<std::pair<mote_id, collected>> arrived; ///< where, what
+  std::set<std::pair<mote_id, mote_id>> cut;
+
+private:
+  void put_on_air(mote_id from, hop frame) {
+    std::vector<mote_id> heard;
+    bool acked = false;
+    for (auto& [id, parent] : parents_) {
+      const bool near = parent == from || parents_.at(from) == id;
+      if (near && frame.next == broadcast_mote && reaches(from, id))
+        heard.push_back(id);
+    }
+    for (int attempt = 0; attempt < 4 && frame.next != broadcast_mote && !acked; ++attempt) {
+      if (!reaches(from, frame.next))
+        continue;
+      heard.push_back(frame.next);
+      acked = reaches(frame.next, from);
+    }
+    const auto at = now_ + 5ms;
+    for (const auto to : heard) {
+      events_.emplace(at, [this, from, to, frame] {
+        perform(to, motes_.at(to).on_frame(from, frame.am_type, frame.octets, now_));
+      });
+    }
+    events_.emplace(at,
+                    [this, from, acked] { perform(from, motes_.at(from).on_sent(acked, now_)); });
+  }
+
+  [[nodiscard]] bool reaches(mote_id from, mote_id to) {
+    return motes_.contains(to) && !cut.contains({from, to}) && dice_.chance(delivery_);
+  }
+
+  double delivery_;
+  random_stream dice_;
+  instant now_;
+  std::map<mote_id, collection> motes_;
+  std::map<mote_id, mote_id> parents_;
+  std::multimap<instant, std::function<void()>> events_;
+};
+
+island line(int length, double delivery, std::uint64_t seed = 1) {
+  island x(delivery, seed);
+  for (int i = 2; i <= length; ++i)
+    x.add(mote(i), mote(i - 1), i - 1);
+  return x;
+}
+
+} // namespace
+
+TEST_CASE("a packet goes up ten hops of bad links and arrives once", "[network][NET-05]") {
+  auto x = line(11, 0.9);
+  for (std::uint8_t i = 0; i < 200; ++i) {
+    x.perform(mote(11), x.at(mote(11)).send_up({i}, x.now()));
+    x.run_for(500ms);
+  }
+  x.run_for(10s);
+  std::multiset<std::uint8_t> seen;
+  for (const auto& [where, what] : x.arrived) {
+    CHECK(where == sink);
+    CHECK(what.origin == mote(11));
+    seen.insert(what.content.at(0));
+  }
+  CHECK(seen.size() == 200);
+  CHECK(std::set(seen.begin(), seen.end()).size() == 200);
+  CHECK(x.sum(&collection_counters::repeated) > 0);
+  CHECK(x.sum(&collection_counters::duplicates) > 0);
+}
+
+TEST_CASE("a sink reaches every mote that it has heard", "[network][NET-05]") {
+  auto x = line(11, 0.9);
+  CHECK_FALSE(x.at(sink).room_down(mote(11)));
+  for (int i = 2; i <= 11; ++i)
+    x.perform(mote(i), x.at(mote(i)).send_up({0}, x.now()));
+  x.run_for(5s);
+  x.arrived.clear();
+  CHECK(x.at(sink).room_down(mote(11)) == 114 - 4 - 10);
+  for (std::uint8_t i = 0; i < 100; ++i) {
+    x.perform(sink, x.at(sink).send_down(mote(11), {i}, x.now()));
+    x.run_for(500ms);
+  }
+  x.run_for(5s);
+  CHECK(x.arrived.size() == 100);
+  for (const auto& [where, what] : x.arrived)
+    CHECK(where == mote(11));
+}
+
+TEST_CASE("everybody hears what is sent to all, once", "[network][ADR-05]") {
+  auto x = line(6, 1);
+  x.perform(mote(4), x.at(mote(4)).send_to_all({7}, x.now()));
+  x.run_for(5s);
+  std::set<mote_id> heard;
+  for (const auto& [where, what] : x.arrived) {
+    CHECK(what.by_flood);
+    CHECK(what.origin == mote(4));
+    heard.insert(where);
+  }
+  CHECK(x.arrived.size() == 5);
+  CHECK(heard == std::set{mote(1), mote(2), mote(3), mote(5), mote(6)});
+}
+
+TEST_CASE("packets wait for a way up, then for a while only", "[network][NET-09]") {
+  island x(1);
+  x.add(mote(2), no_mote, 511);
+  x.perform(mote(2), x.at(mote(2)).send_up({1}, x.now()));
+  x.run_for(3s);
+  CHECK(x.arrived.empty());
+  x.perform(mote(2), x.at(mote(2)).on_route(sink, etx_one, x.now()));
+  x.run_for(1s);
+  CHECK(x.arrived.size() == 1);
+  x.perform(mote(2), x.at(mote(2)).on_route(no_mote, etx_infinite, x.now()));
+  x.perform(mote(2), x.at(mote(2)).send_up({2}, x.now()));
+  x.run_for(20s);
+  CHECK(x.at(mote(2)).counters().no_route == 1);
+  CHECK(x.at(mote(2)).queued() == 0);
+}
+
+TEST_CASE("a packet that nobody takes is given up and counted", "[network][NET-09]") {
+  auto x = line(3, 1);
+  x.cut.insert({mote(2), sink});
+  x.perform(mote(3), x.at(mote(3)).send_up({1}, x.now()));
+  x.run_for(60s);
+  CHECK(x.arrived.empty());
+  CHECK(x.at(mote(2)).counters().gave_up == 1);
+  CHECK(x.at(mote(2)).counters().repeated == 7);
+}
+
+TEST_CASE("a full queue drops what comes and counts it", "[network][NET-05]") {
+  auto x = line(2, 1);
+  for (std::uint8_t i = 0; i < 20; ++i)
+    x.perform(mote(2), x.at(mote(2)).send_up({i}, x.now()));
+  CHECK(x.at(mote(2)).counters().queue_full == 20 - 1 - 12);
+  x.run_for(5s);
+  CHECK(x.arrived.size() == 13);
+}
+
+TEST_CASE("a loop is seen and left", "[network][NET-09]") {
+  island x(1);
+  x.add(mote(2), mote(3), 5);
+  x.add(mote(3), mote(2), 2);
+  x.perform(mote(3), x.at(mote(3)).send_up({1}, x.now()));
+  x.run_for(100ms);
+  CHECK(x.at(mote(2)).take_loop_seen());
+  CHECK_FALSE(x.at(mote(2)).take_loop_seen());
+  x.run_for(20s);
+  CHECK(x.sum(&collection_counters::too_far) == 1);
+  CHECK(x.at(mote(2)).queued() + x.at(mote(3)).queued() == 0);
+}
+
+TEST_CASE("a sink knows no route where parents form a circle", "[network][NET-04]") {
+  source_routes x(sink);
+  x.learn(mote(2), mote(3));
+  x.learn(mote(3), mote(2));
+  CHECK_FALSE(x.route_to(mote(2)));
+  x.learn(mote(3), sink);
+  CHECK(x.route_to(mote(2)) == std::vector{mote(3), mote(2)});
+  for (int i = 4; i < 40; ++i)
+    x.learn(mote(i), mote(i - 1));
+  CHECK(x.route_to(mote(34))->size() == 32);
+  CHECK_FALSE(x.route_to(mote(35)));
+}
+
+TEST_CASE("packets of the tree keep their layout", "[network][golden]") {
+  const up_packet up{mote_id{0x0102}, mote_id{0x0304}, 0x0506, 0x0708, 9, {0xaa}};
+  CHECK(encode(up) == bytes{1, 2, 3, 4, 5, 6, 7, 8, 9, 0xaa});
+  CHECK(*decode_up(encode(up)) == up);
+  const down_packet narrow{0x0102, 1, {mote(3), mote(255)}, {0xaa}};
+  CHECK(encode(narrow) == bytes{1, 2, 0x82, 1, 3, 255, 0xaa});
+  CHECK(*decode_down(encode(narrow)) == narrow);
+  const down_packet wide{0x0102, 0, {mote(3), mote(256)}, {0xaa}};
+  CHECK(encode(wide) == bytes{1, 2, 2, 0, 0, 3, 1, 0, 0xaa});
+  CHECK(*decode_down(encode(wide)) == wide);
+  CHECK(header_size(wide.hops) == 8);
+  const flood_packet flood{mote_id{0x0102}, 0x0304, 5, {0xaa}};
+  CHECK(encode(flood) == bytes{1, 2, 3, 4, 5, 0xaa});
+  CHECK(*decode_flood(encode(flood)) == flood);
+  CHECK(decode_down(bytes{0, 0, 0, 0}).error() == errc::bad_value);
+  CHECK(decode_down(bytes{0, 0, 2, 2, 0, 1, 0, 2}).error() == errc::bad_value);
+  CHECK(decode_down(bytes{0, 0, 2, 0, 0, 1, 0}).error() == errc::truncated);
+  CHECK(decode_up(bytes{0, 0}).error() == errc::truncated);
+}
+
+} // namespace rubicon::network

@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <numeric>
+
+#include "core/random.hpp"
+#include "support/catch.hpp"
+#include "transport/pieces.hpp"
+
+namespace rubicon::transport {
+
+namespace {
+
+bytes packet_of(std::size_t size) {
+  bytes x(size);
+  std::iota(x.begin(), x.end(), std::uint8_t{0});
+  return x;
+}
+
+constexpr mote_id origin{7};
+
+} // namespace
+
+TEST_CASE("a packet of any length comes together from pieces in any order", "[transport][NET-14]") {
+  random_stream dice(1);
+  for (std::size_t size = 0; size <= 270; ++size) {
+    auto pieces = cut(packet_of(size), 40, 9);
+    REQUIRE(pieces);
+    for (std::size_t i = pieces->size(); i > 1; --i)
+      std::swap((*pieces)[i - 1], (*pieces)[dice.below(i)]);
+    assembly x;
+    for (std::size_t i = 0; i < pieces->size(); ++i) {
+      CHECK((*pieces)[i].size() <= 40);
+      const auto whole = x.on_piece(origin, (*pieces)[i], instant{});
+      REQUIRE(whole.has_value() == (i + 1 == pieces->size()));
+      if (whole)
+        CHECK(*whole == packet_of(size));
+    }
+  }
+}
+
+TEST_CASE("a packet that takes too many pieces is not cut", "[transport][NET-14]") {
+  CHECK(cut(packet_of(160), 12, 0)->size() == pieces_max);
+  CHECK_FALSE(cut(packet_of(161), 12, 0));
+}
+
+TEST_CASE("pieces of several packets and origins do not mix", "[transport][NET-14]") {
+  assembly x;
+  const auto a = *cut(bytes(30, 'a'), 20, 1);
+  const auto b = *cut(bytes(30, 'b'), 20, 2);
+  const auto c = *cut(bytes(30, 'c'), 20, 1);
+  CHECK_FALSE(x.on_piece(origin, a[0], instant{}));
+  CHECK_FALSE(x.on_piece(origin, b[0], instant{}));
+  CHECK_FALSE(x.on_piece(mote_id{8}, c[0], instant{}));
+  CHECK(x.on_piece(origin, a[1], instant{}) == bytes(30, 'a'));
+  CHECK(x.on_piece(mote_id{8}, c[1], instant{}) == bytes(30, 'c'));
+  CHECK(x.on_piece(origin, b[1], instant{}) == bytes(30, 'b'));
+}
+
+TEST_CASE("packets whose pieces stop coming are given up and counted", "[transport][NET-14]") {
+  assembly x;
+  const auto a = *cut(bytes(30, 'a'), 20, 1);
+  CHECK_FALSE(x.on_piece(origin, a[0], instant{}));
+  CHECK_FALSE(x.on_piece(origin, a[1], instant{11s})); // begins anew
+  CHECK(x.counters().incomplete == 1);
+  for (std::uint16_t i = 0; i < 4; ++i)
+    CHECK_FALSE(x.on_piece(mote_id{i}, a[0], instant{12s}));
+  CHECK(x.counters().incomplete == 2); // the oldest made room
+  CHECK_FALSE(x.on_piece(origin, bytes{}, instant{12s}));
+  CHECK_FALSE(x.on_piece(origin, bytes{0x21, 1, 1}, instant{12s}));
+  CHECK_FALSE(x.on_piece(origin, bytes{0x01, 1}, instant{12s}));
+  CHECK(x.counters().malformed == 3);
+}
+
+} // namespace rubicon::transport
