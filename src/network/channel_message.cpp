@@ -38,7 +38,7 @@ struct writer {
   void operator()(const connect_ack_message&) const {}
   void operator()(const end_message& x) const { to.octet(static_cast<std::uint8_t>(x.why)); }
   void operator()(const dead_end_message&) const {}
-  void operator()(const data_message& x) const { to.append(x.content); }
+  void operator()(const data_message& x) const { to.octet(x.sequence).append(x.content); }
 };
 
 connect_message read_connect(byte_reader& from) {
@@ -112,9 +112,11 @@ result<channel_message> decode_channel_message(byte_view octets) {
   case 4:
     x.content = dead_end_message{};
     break;
-  case 5:
-    x.content = data_message{to_bytes(from.rest())};
+  case 5: {
+    const auto sequence = from.octet();
+    x.content = data_message{sequence, to_bytes(from.rest())};
     break;
+  }
   default:
     return from.ok() ? errc::unsupported : errc::truncated;
   }

@@ -79,6 +79,7 @@ struct dead_end_message {
 
 /// 5: a packet (NET-05).
 struct data_message {
+  std::uint8_t sequence = 0; ///< by the source; tells a packet from the one before
   bytes content;
 
   friend bool operator==(const data_message&, const data_message&) = default;
@@ -94,8 +95,8 @@ struct channel_message {
 
 inline constexpr std::size_t channel_header_size = 5;
 
-/// The longest packet: what a radio frame holds beside the header.
-inline constexpr std::size_t channel_packet_max = 114 - channel_header_size;
+/// The longest packet: what a radio frame holds beside header and sequence number.
+inline constexpr std::size_t channel_packet_max = 114 - channel_header_size - 1;
 
 [[nodiscard]] bytes encode(const channel_message& x);
 

@@ -103,8 +103,10 @@ std::optional<channels_outputs> channels::send(channel_id channel, bytes content
       queue_.size() >= config_.queue_max)
     return std::nullopt;
   ++counters_.packets_sent;
-  found->second.last_packet = now;
-  queue(*found->second.next, {channel, data_message{std::move(content)}}, now);
+  auto& x = found->second;
+  x.last_packet = now;
+  x.sequence = static_cast<std::uint8_t>(x.sequence.value_or(0) + 1);
+  queue(*x.next, {channel, data_message{*x.sequence, std::move(content)}}, now);
   channels_outputs out;
   pump(out, now);
   return out;
@@ -266,6 +268,10 @@ void channels::take(mote_id from, channel_id id, data_message& x, const surround
   }
   auto& here = found->second;
   here.last_packet = now;
+  if (std::exchange(here.sequence, x.sequence) == x.sequence) {
+    ++counters_.duplicates;
+    return;
+  }
   if (here.wish.destination == config_.self) {
     ++counters_.packets_received;
     out.emplace_back(channel_received{id, std::move(x.content)});
@@ -329,6 +335,8 @@ channels_outputs channels::on_sent(bool acked, instant now) {
                           : x.next == broadcast_mote ? 2
                                                      : config_.rounds_max;
   ++x.rounds;
+  if (const auto found = entries_.find(x.message.channel); acked && found != entries_.end())
+    found->second.losses = 0;
   if (!acked || x.next == broadcast_mote) {
     if (x.rounds < rounds_max) {
       x.due = now + dice_.between(config_.round_pause, 2 * config_.round_pause);
@@ -343,9 +351,12 @@ channels_outputs channels::on_sent(bool acked, instant now) {
 
 /// The mote at the other end of a hop does not answer: the path is broken there (NET-09).
 void channels::on_lost(const waiting& x, channels_outputs& out, instant now) {
-  if (is_data(x.message))
-    ++counters_.packets_lost;
   const auto found = entries_.find(x.message.channel);
+  if (is_data(x.message)) {
+    ++counters_.packets_lost;
+    if (found != entries_.end() && ++found->second.losses < config_.losses_max)
+      return;
+  }
   const bool is_on_path =
       found != entries_.end() && (found->second.next == x.next || found->second.previous == x.next);
   if (!is_on_path)

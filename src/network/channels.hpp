@@ -21,11 +21,13 @@ namespace rubicon::network {
 
 struct channels_config {
   mote_id self;
-  std::size_t entries_max = 12;   ///< channels that begin, pass or end here
-  std::size_t offers_max = 6;     ///< floods of connect messages that we may come to be part of
-  std::size_t queue_max = 12;     ///< frames that wait for the radio
-  unsigned rounds_max = 6;        ///< times a control message is handed to the radio
-  unsigned data_rounds_max = 2;   ///< and a packet; the radio itself tries four times (NET-05)
+  std::size_t entries_max = 12; ///< channels that begin, pass or end here
+  std::size_t offers_max = 6;   ///< floods of connect messages that we may come to be part of
+  std::size_t queue_max = 12;   ///< frames that wait for the radio
+  unsigned rounds_max = 6;      ///< times a control message is handed to the radio
+  unsigned data_rounds_max = 2; ///< and a packet; the radio itself tries four times (NET-05)
+  unsigned losses_max =
+      4; ///< packets in a row that the next mote does not take: the path is broken
   duration round_pause = 30ms;    ///< between rounds, up to twice as long
   duration connect_timeout = 10s; ///< until the source gives up
   duration setup_timeout = 12s;   ///< until a mote on the path does
@@ -46,6 +48,7 @@ struct channels_counters {
   std::uint64_t packets_forwarded = 0;
   std::uint64_t packets_received = 0; ///< as destination
   std::uint64_t packets_lost = 0;     ///< here: no more rounds, or the queue was full
+  std::uint64_t duplicates = 0;       ///< packets again, their acknowledgement was lost
   std::uint64_t strays = 0;           ///< for channels that do not pass here
   std::uint64_t malformed = 0;
 };
@@ -153,8 +156,10 @@ private:
     std::optional<mote_id> previous; ///< nothing at the source
     std::optional<mote_id> next;     ///< nothing at the destination, and while it is looked for
     bool open = false;
-    connect_message wish;              ///< as it came to us
-    std::optional<mote_id> second_try; ///< the neighbour that a dead end was tried with before
+    connect_message wish;                 ///< as it came to us
+    std::optional<mote_id> second_try;    ///< the neighbour that a dead end was tried with before
+    unsigned losses = 0;                  ///< packets in a row that `next` has not acknowledged
+    std::optional<std::uint8_t> sequence; ///< of the last packet
     instant last_packet;
     instant setup_end;
   };
