@@ -105,6 +105,7 @@ peis::kernel_config kernel_of(ecology_pointer self, const config::peer_descripti
   if (state.description.peis.bandwidth_bps > 0)
     network.link_window = slow_link_window;
   add_bluetooth(self, peer, network);
+  network.time_master = peer.time_master;
   auto& connections = network.connections;
   for (const auto& name : peer.links)
     connections.always.push_back("inproc://" + to_string(state.peers.at(name).id));

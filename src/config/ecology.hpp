@@ -152,6 +152,7 @@ struct peer_description {
   bool leaf = false;                  ///< has no other links than those above (LEA-01)
   bool manager = true;                ///< makes and closes links as it sees fit (CM-12)
   bool discovery = true;              ///< takes part in the announcements of the simulated network
+  bool time_master = false;           ///< its clock is everybody's (CLK-06)
   std::vector<std::string> bluetooth; ///< adapters, which peers of one host share (BT-01, BT-03)
   position place;                     ///< means something if it has adapters
   bool wired = true;             ///< is in the simulated network; false: links over Bluetooth only

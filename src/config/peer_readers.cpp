@@ -170,6 +170,7 @@ void read_connections(table_reader& in, surroundings& with, const peer_table& pe
   in.optional("manager", flag{}, out.manager);
   out.discovery = out.links.empty() && out.connect.empty();
   in.optional("discovery", flag{}, out.discovery);
+  in.optional("time_master", flag{}, out.time_master);
   std::vector<located<std::int32_t>> managers;
   in.optional("managers", list_of<whole<std::int32_t>>{{1, peer_id_max}}, managers);
   for (const auto& each : managers)

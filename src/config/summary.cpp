@@ -89,6 +89,8 @@ std::string connections(const peer_description& x) {
     words.emplace_back("no manager");
   if (x.wired && x.discovery != ends.empty())
     words.emplace_back(x.discovery ? "discovery" : "no discovery");
+  if (x.time_master)
+    words.emplace_back("time master");
   return joined(words, "; ");
 }
 

@@ -89,12 +89,14 @@ std::size_t loop::wait_until(time_point until) {
   auto now = clock::now();
   if (until <= now)
     return poll();
-  for (const auto end = impl_->asking_end(now, until); now < end; now = clock::now()) {
+  const auto end = impl_->asking_end(now, until);
+  do {
     if (const auto all = impl_->run_ready()) {
       impl_->note_ran(now);
       return all - impl_->own_runs;
     }
-  }
+    now = clock::now();
+  } while (now < end);
   if (until <= now)
     return 0;
   impl_->own_runs = 0;

@@ -82,13 +82,13 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
       fail(error);
       return;
     }
-#ifdef TCP_QUICKACK
-    set_option(socket, TCP_QUICKACK, 1); // the system forgets it by itself
-#endif
     if (now == phase::open)
       to_owner.on_octets(byte_view(input).first(size));
     if (now == phase::over)
       return;
+#ifdef TCP_QUICKACK
+    set_option(socket, TCP_QUICKACK, 1); // the system forgets it by itself
+#endif
     if (size == input.size() && size < input_max)
       input.resize(2 * size);
     receive();

@@ -79,7 +79,7 @@ struct dead_end_message {
 
 /// 5: a packet (NET-05).
 struct data_message {
-  std::uint8_t sequence = 0; ///< by the source; tells a packet from the one before
+  std::uint8_t sequence = 0; ///< by the sending end; tells a packet from the one before
   bytes content;
 
   friend bool operator==(const data_message&, const data_message&) = default;

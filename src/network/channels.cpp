@@ -99,14 +99,15 @@ void channels::flood(channel_id id, entry& x, const surroundings& around, instan
 std::optional<channels_outputs> channels::send(channel_id channel, bytes content, instant now) {
   assert(content.size() <= channel_packet_max);
   const auto found = entries_.find(channel);
-  if (found == entries_.end() || !found->second.open || found->second.previous ||
-      queue_.size() >= config_.queue_max)
+  const bool is_open = found != entries_.end() && found->second.open;
+  const bool is_end = is_open && (!found->second.previous || !found->second.next);
+  if (!is_end || queue_.size() >= config_.queue_max)
     return std::nullopt;
-  ++counters_.packets_sent;
   auto& x = found->second;
+  ++counters_.packets_sent;
   x.last_packet = now;
-  x.sequence = static_cast<std::uint8_t>(x.sequence.value_or(0) + 1);
-  queue(*x.next, {channel, data_message{*x.sequence, std::move(content)}}, now);
+  ++x.sent;
+  queue(x.next ? *x.next : *x.previous, {channel, data_message{x.sent, std::move(content)}}, now);
   channels_outputs out;
   pump(out, now);
   return out;
@@ -261,25 +262,29 @@ void channels::take(mote_id from, channel_id id, dead_end_message&, const surrou
 void channels::take(mote_id from, channel_id id, data_message& x, const surroundings&,
                     channels_outputs& out, instant now) {
   const auto found = entries_.find(id);
-  if (found == entries_.end() || found->second.previous != from) {
+  const bool concerns_us =
+      found != entries_.end() && (found->second.previous == from || found->second.next == from);
+  if (!concerns_us) {
     ++counters_.strays;
     queue(from, {id, end_message{channel_end::broken}}, now);
     return;
   }
   auto& here = found->second;
   here.last_packet = now;
-  if (std::exchange(here.sequence, x.sequence) == x.sequence) {
+  const bool is_forward = here.previous == from;
+  if (std::exchange(is_forward ? here.from_previous : here.from_next, x.sequence) == x.sequence) {
     ++counters_.duplicates;
     return;
   }
-  if (here.wish.destination == config_.self) {
+  const auto& onwards = is_forward ? here.next : here.previous;
+  if (!here.open) {
+    ++counters_.packets_lost;
+  } else if (onwards) {
+    ++counters_.packets_forwarded;
+    queue(*onwards, {id, std::move(x)}, now);
+  } else {
     ++counters_.packets_received;
     out.emplace_back(channel_received{id, std::move(x.content)});
-  } else if (here.open) {
-    ++counters_.packets_forwarded;
-    queue(*here.next, {id, std::move(x)}, now);
-  } else {
-    ++counters_.packets_lost;
   }
 }
 

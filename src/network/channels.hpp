@@ -44,9 +44,9 @@ struct channels_counters {
   std::uint64_t broken = 0; ///< next or previous mote did not answer
   std::uint64_t expired = 0;
   std::uint64_t refused = 0;      ///< no room here
-  std::uint64_t packets_sent = 0; ///< as source
+  std::uint64_t packets_sent = 0; ///< from this end
   std::uint64_t packets_forwarded = 0;
-  std::uint64_t packets_received = 0; ///< as destination
+  std::uint64_t packets_received = 0; ///< at this end
   std::uint64_t packets_lost = 0;     ///< here: no more rounds, or the queue was full
   std::uint64_t duplicates = 0;       ///< packets again, their acknowledgement was lost
   std::uint64_t strays = 0;           ///< for channels that do not pass here
@@ -124,8 +124,9 @@ public:
           const channel_schedule& schedule, duration expiry, const surroundings& around,
           instant now);
 
-  /// @pre content.size() <= channel_packet_max. @returns nothing: not the source of such an open
-  /// channel, or no room in the queue
+  /// From source to destination, or from destination to source: streams are answered that way.
+  /// @pre content.size() <= channel_packet_max. @returns nothing: no end of such an open channel is
+  /// here, or there is no room in the queue
   [[nodiscard]] std::optional<channels_outputs> send(channel_id channel, bytes content,
                                                      instant now);
 
@@ -156,10 +157,12 @@ private:
     std::optional<mote_id> previous; ///< nothing at the source
     std::optional<mote_id> next;     ///< nothing at the destination, and while it is looked for
     bool open = false;
-    connect_message wish;                 ///< as it came to us
-    std::optional<mote_id> second_try;    ///< the neighbour that a dead end was tried with before
-    unsigned losses = 0;                  ///< packets in a row that `next` has not acknowledged
-    std::optional<std::uint8_t> sequence; ///< of the last packet
+    connect_message wish;              ///< as it came to us
+    std::optional<mote_id> second_try; ///< the neighbour that a dead end was tried with before
+    unsigned losses = 0;               ///< packets in a row that `next` has not acknowledged
+    std::uint8_t sent = 0;             ///< sequence number of our last packet, at an end
+    std::optional<std::uint8_t> from_previous; ///< sequence number of the last packet from there
+    std::optional<std::uint8_t> from_next;
     instant last_packet;
     instant setup_end;
   };

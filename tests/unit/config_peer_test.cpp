@@ -40,16 +40,18 @@ TEST_CASE("a peer with links does not announce itself unless it is to", "[config
   CHECK_FALSE(wall_peer("connect = [\"tcp://a:1\"]\n").discovery);
 }
 
-TEST_CASE("the keys of a peer arrive", "[config][AUT-01][CM-12][LEA-01][TUP-22]") {
+TEST_CASE("the keys of a peer arrive", "[config][AUT-01][CM-12][LEA-01][TUP-22][CLK-06]") {
   const auto x = wall_peer("connect = [\"tcp://10.0.0.7\", \"tcp://pc.lan:9000\"]\n"
                            "tcp = { port = 8100 }\nlan = true\nleaf = true\nmanager = false\n"
-                           "managers = [7, 65535]\n");
+                           "time_master = true\nmanagers = [7, 65535]\n");
   CHECK(x.connect == std::vector<std::string>{"tcp://10.0.0.7:8000", "tcp://pc.lan:9000"});
   REQUIRE(x.tcp);
   CHECK(x.tcp->port == 8100);
   CHECK(x.lan);
   CHECK(x.leaf);
   CHECK_FALSE(x.manager);
+  CHECK(x.time_master);
+  CHECK_FALSE(wall_peer("").time_master);
   CHECK(x.managers == std::vector{peer_id{7}, peer_id{65535}});
   CHECK(wall_peer("tcp = true\n").tcp);
   CHECK_FALSE(wall_peer("tcp = true\n").tcp->port);
@@ -186,7 +188,8 @@ TEST_CASE("a summary shows how peers meet", "[config]") {
                       "[[peer]]\nname = \"b\"\nid = 2\nlinks = [\"inproc://a\"]\n"
                       "connect = [\"tcp://c\"]\ntcp = true\nlan = true\nleaf = true\n"
                       "manager = false\ndiscovery = true\n"
-                      "[[peer]]\nname = \"c\"\nid = 3\ndiscovery = false\ntcp.port = 9000\n");
+                      "[[peer]]\nname = \"c\"\nid = 3\ndiscovery = false\ntcp.port = 9000\n"
+                      "time_master = true\n");
   CHECK(summary(x) == R"(t: 10 min of wall time, seed 1, network rubicon
 0 islands, 0 motes, 3 peers
 peers: delay 200 us; loss 10 %; 10 Mbit/s
@@ -194,6 +197,6 @@ peers: delay 200 us; loss 10 %; 10 Mbit/s
 peers and gateways
   1  a
   2  b  -> a, tcp://c:8000; tcp 8000 or above; lan; leaf; no manager; discovery
-  3  c  tcp 9000; no discovery
+  3  c  tcp 9000; no discovery; time master
 )");
 }

@@ -10,3 +10,4 @@ rubicon_test(unit.network_beacon SOURCES unit/network_beacon_test.cpp unit/netwo
              unit/network_tree_test.cpp
              NEEDS rubicon_network)
 rubicon_fuzz(network_beacon SOURCE fuzz/network_beacon.cpp NEEDS rubicon_network)
+rubicon_fuzz(network_messages SOURCE fuzz/network_messages.cpp NEEDS rubicon_network)

@@ -224,7 +224,7 @@ TEST_CASE("a channel reserves at the motes of its path and nowhere else",
   CHECK(x.sum(&channels_counters::floods) == 0);
 }
 
-TEST_CASE("packets go over a channel, in one direction", "[network][NET-05][NET-06]") {
+TEST_CASE("packets go over a channel, in either direction", "[network][NET-05][NET-06]") {
   grid x(5, 5, 1);
   const auto id = x.connect(grid::id(0), grid::id(24));
   for (std::uint8_t i = 0; i < 50; ++i) {
@@ -236,7 +236,10 @@ TEST_CASE("packets go over a channel, in one direction", "[network][NET-05][NET-
   x.run_for(1s);
   CHECK(x.received.at(id).size() == 50);
   CHECK(x.received.at(id).back() == bytes{49});
-  CHECK_FALSE(x.at(grid::id(24)).send(id, {1}, x.now()).has_value());
+  x.received.clear();
+  x.perform(grid::id(24), *x.at(grid::id(24)).send(id, {77}, x.now()));
+  x.run_for(1s);
+  CHECK(x.received.at(id) == std::vector<bytes>{{77}});
   CHECK_FALSE(x.at(grid::id(1)).send(id, {1}, x.now()).has_value());
 }
 

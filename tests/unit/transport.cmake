@@ -2,3 +2,4 @@ rubicon_test(unit.transport SOURCES unit/transport_segment_test.cpp unit/transpo
              unit/transport_pieces_test.cpp
              NEEDS rubicon_transport)
 rubicon_fuzz(transport_segment SOURCE fuzz/transport_segment.cpp NEEDS rubicon_transport)
+rubicon_fuzz(transport_pieces SOURCE fuzz/transport_pieces.cpp NEEDS rubicon_transport)

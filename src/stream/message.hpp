@@ -1,0 +1,48 @@
+// What the Stream Systems at the two ends of a remote stream say to each other over its channel
+// (D1.1 3.3.3.2; STR-13, STR-16): one octet of kind first, network byte order.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <variant>
+
+#include "core/bytes.hpp"
+#include "core/error.hpp"
+
+namespace rubicon::stream {
+
+/// 1, SS_OPEN: from the write end; repeated until it is acknowledged.
+struct open_message {
+  std::uint16_t name = 0; ///< symbolic, the same at both ends
+
+  friend bool operator==(const open_message&, const open_message&) = default;
+};
+
+/// 2, SS_OPEN_ACK: from the read end, whether or not its application has opened the stream.
+struct open_ack_message {
+  std::uint16_t name = 0;
+
+  friend bool operator==(const open_ack_message&, const open_ack_message&) = default;
+};
+
+/// 3, SS_WRITE: one record. Deviation: D1.1 has no sequence number; with it the read end counts
+/// records that were lost and drops those that come twice or late.
+struct write_message {
+  std::uint16_t sequence = 0; ///< 0 for the first record of the channel
+  bytes record;
+
+  friend bool operator==(const write_message&, const write_message&) = default;
+};
+
+using message = std::variant<open_message, open_ack_message, write_message>;
+
+/// Octets of SS_WRITE before the record.
+inline constexpr std::size_t write_header_size = 3;
+
+[[nodiscard]] bytes encode(const message& x);
+
+/// Errors: truncated, too_long (octets after an SS_OPEN or SS_OPEN_ACK), unsupported (unknown
+/// kind). How long a record may be the read end decides.
+[[nodiscard]] result<message> decode_message(byte_view octets);
+
+} // namespace rubicon::stream

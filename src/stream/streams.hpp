@@ -1,0 +1,174 @@
+// The Stream System of one node (D1.1 3.3.2, 5.3.2).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/bounded_queue.hpp"
+#include "core/bytes.hpp"
+#include "core/time.hpp"
+#include "stream/events.hpp"
+#include "stream/message.hpp"
+#include "stream/sensor_record.hpp"
+
+namespace rubicon::stream {
+
+struct streams_config {
+  std::size_t streams_max = 8;
+  std::size_t early_max = 4; ///< accepted channels whose stream is not open here yet
+  std::size_t queue_max = 32;
+  std::size_t record_max = 106;    ///< what a channel packet holds beside SS_WRITE's header
+  std::uint8_t transducers = 0;    ///< they are numbered from 0 (STR-09)
+  duration open_repeat = 2s;       ///< from one SS_OPEN to the next
+  duration writer_patience = 30s;  ///< from open_remote() to SS_OPEN_ACK (STR-19)
+  duration reader_patience = 2min; ///< from open_remote() to SS_OPEN, or the other way round
+};
+
+struct streams_counters {
+  std::uint64_t opened = 0; ///< remote streams, ends at this node
+  std::uint64_t open_failed = 0;
+  std::uint64_t stored = 0;        ///< records put into a queue
+  std::uint64_t read = 0;          ///< records given to the application
+  std::uint64_t dropped = 0;       ///< oldest records of full queues (STR-03)
+  std::uint64_t excess_octets = 0; ///< of records longer than what was read (A-55)
+  std::uint64_t oversized = 0;     ///< arrived records longer than the read end's buffer size
+  std::uint64_t unclaimed = 0;     ///< arrived records of streams that are not open here
+  std::uint64_t lost = 0;          ///< records missing between two that arrived
+  std::uint64_t repeated = 0;      ///< records that arrived twice or late
+  std::uint64_t missed = 0;        ///< times of sampling that on_time() came too late for
+  std::uint64_t refused = 0;       ///< accepted channels given back: no room, or the name is taken
+  std::uint64_t expired = 0;       ///< accepted channels whose stream nobody opened
+  std::uint64_t malformed = 0;
+  std::uint64_t strays = 0; ///< well-formed, but nothing that its channel or stream waits for
+};
+
+/// Sensor, local and remote streams of one mote or PC. Records wait in bounded queues that drop
+/// their oldest (STR-03). Opens and reads are split-phase (STR-02). A remote stream at its two
+/// ends:
+///
+///   writer: connecting --channel--> asking --SS_OPEN_ACK--> open --channel closed--> ended
+///   reader: waiting --SS_OPEN--> open --channel closed--> ended
+///
+/// Before open, time-outs and refusals end in open_done(failure) and the entry is free. An ended
+/// stream keeps its entry, and a reader its queue, until its application closes it.
+class streams {
+public:
+  streams() = default;
+  explicit streams(streams_config config) : config_(config) {}
+
+  /// Open at once. Failures: bad_argument (transducer, period, queue size), already_open (an equal
+  /// one is), no_room.
+  [[nodiscard]] answer open_sensor(const sensor_request& x, instant now);
+
+  /// Open at once. Records of up to record_max octets. Failures: bad_argument, no_room.
+  [[nodiscard]] answer open_local(std::size_t queue_size = queue_size_default);
+
+  /// One end of a remote stream: the read end if `x.destination` is this node (STR-11). open_done
+  /// follows. Failures: bad_argument (broadcast, sizes, rate), already_open (this end of a stream
+  /// of that name is), no_room.
+  /// @param self this node's address; no_mote in the mote part for a PC
+  [[nodiscard]] answer open_remote(mote_address self, const remote_request& x, instant now);
+
+  /// Failures: bad_descriptor, illegal_operation, not_open_yet, ended, too_long.
+  [[nodiscard]] answer write(descriptor stream, byte_view record);
+
+  /// Takes one record, of which read_done shows the first `nbytes`. Failures:
+  /// bad_descriptor, illegal_operation, not_open_yet, busy, bad_argument (nothing to read), ended.
+  [[nodiscard]] answer read(descriptor stream, std::size_t nbytes);
+
+  /// Pending opens and reads fail, the channel is closed. Failure: bad_descriptor.
+  [[nodiscard]] answer close(descriptor stream);
+
+  /// Answers `sample`. One that was not asked for is ignored.
+  [[nodiscard]] outputs on_sample(descriptor stream, const sensor_record& x);
+
+  [[nodiscard]] outputs on_connected(descriptor stream, channel_handle channel, instant now);
+  [[nodiscard]] outputs on_connect_failed(descriptor stream);
+
+  /// Somebody has opened a channel to this node.
+  [[nodiscard]] outputs on_accepted(channel_handle channel, mote_address source, instant now);
+  [[nodiscard]] outputs on_channel_octets(channel_handle channel, byte_view octets, instant now);
+  [[nodiscard]] outputs on_channel_closed(channel_handle channel);
+
+  [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
+  [[nodiscard]] std::optional<instant> deadline() const;
+
+  [[nodiscard]] std::size_t open_streams() const { return rows_.size(); } ///< table entries in use
+  [[nodiscard]] std::size_t early_channels() const { return early_.size(); }
+  [[nodiscard]] const streams_counters& counters() const { return counters_; }
+
+  /// Octets on a mote, all streams with queues of the default sizes.
+  [[nodiscard]] std::size_t footprint() const;
+
+private:
+  enum class kind : std::uint8_t { sensor, local, writer, reader };
+  enum class phase : std::uint8_t { connecting, asking, waiting, open, ended };
+
+  struct row {
+    descriptor id{};
+    kind what = kind::local;
+    phase at = phase::open;
+    std::size_t record_max = 0;
+    bounded_queue<bytes> queue{};
+    std::optional<std::size_t> reading{}; ///< octets that the pending read wants
+    std::optional<instant> due{};
+    sensor_request sensor{};
+    bool sampling = false; ///< on_sample() is to come
+    std::uint16_t name = 0;
+    bool loops = false; ///< both ends are here: there is no channel
+    std::optional<channel_handle> channel{};
+    mote_address source{};      ///< of the channel, at the read end
+    std::uint16_t sequence = 0; ///< of the next record
+    instant gives_up{};         ///< asking, and connecting
+  };
+
+  /// A channel that was accepted and is not a stream's yet.
+  struct early {
+    channel_handle channel;
+    mote_address source;
+    std::optional<std::uint16_t> name; ///< nothing before SS_OPEN
+    std::uint16_t sequence = 0;
+    instant due;
+  };
+
+  [[nodiscard]] static bool is_opening(const row& x) {
+    return x.at != phase::open && x.at != phase::ended;
+  }
+  [[nodiscard]] bool queue_fits(std::size_t size) const {
+    return size > 0 && size <= config_.queue_max;
+  }
+
+  [[nodiscard]] row* find(descriptor stream);
+  [[nodiscard]] row* find(kind what, std::uint16_t name);
+  [[nodiscard]] row* find(channel_handle channel);
+  [[nodiscard]] row& add(kind what, std::size_t record_max, std::size_t queue_size);
+
+  void start_writer(row& x, const remote_request& wish, mote_address destination, outputs& todo,
+                    instant now);
+  void start_reader(row& x, outputs& todo, instant now);
+  void ask(row& x, outputs& todo, instant now);
+  void opened(row& x, outputs& todo);
+  void take_channel(row& x, const early& from, outputs& todo);
+  void end(row& x, outputs& todo);
+  void drop(row& x, outputs& todo); ///< `x` and later rows are not where they were afterwards
+  [[nodiscard]] bool on_due(row& x, outputs& todo, instant now);
+
+  void store(row& x, bytes record, outputs& todo);
+  void serve(row& x, outputs& todo);
+  void deliver(row& x, byte_view record, outputs& todo);
+
+  void on_open(early x, std::uint16_t name, outputs& todo, instant now);
+  [[nodiscard]] bool make_way(const early& x, std::uint16_t name, outputs& todo);
+  void on_row_message(row& x, const message& content, outputs& todo);
+  void on_record(row& x, const write_message& content, outputs& todo);
+
+  streams_config config_;
+  std::vector<row> rows_; ///< in order of opening
+  std::vector<early> early_;
+  descriptor last_;
+  streams_counters counters_;
+};
+
+} // namespace rubicon::stream

@@ -1,0 +1,246 @@
+// Remote streams: set-up, records and end of their channels (D1.1 3.3.3.2, Figures 6 and 7).
+#include "stream/streams.hpp"
+
+#include <algorithm>
+
+namespace rubicon::stream {
+
+answer streams::open_remote(mote_address self, const remote_request& x, instant now) {
+  auto destination = x.destination;
+  if (destination.island == own_island)
+    destination.island = self.island;
+  if (destination.mote == own_mote)
+    destination.mote = self.mote;
+  if (destination.mote == broadcast_mote || x.rate.count() < 0 || !queue_fits(x.queue_size) ||
+      x.buffer_size == 0 || x.buffer_size > config_.record_max)
+    return {.refused = failure::bad_argument};
+  const bool reads = destination == self && !x.writes_to_self;
+  const auto what = reads ? kind::reader : kind::writer;
+  if (find(what, x.name) != nullptr)
+    return {.refused = failure::already_open};
+  if (rows_.size() >= config_.streams_max)
+    return {.refused = failure::no_room};
+  auto& added = add(what, x.buffer_size, reads ? x.queue_size : 0);
+  added.name = x.name;
+  added.loops = !reads && destination == self;
+  answer done{.stream = added.id};
+  if (reads)
+    start_reader(added, done.todo, now);
+  else
+    start_writer(added, x, destination, done.todo, now);
+  return done;
+}
+
+void streams::start_writer(row& x, const remote_request& wish, mote_address destination,
+                           outputs& todo, instant now) {
+  if (x.loops) {
+    opened(x, todo);
+    if (auto* reader = find(kind::reader, x.name); reader && reader->at == phase::waiting) {
+      reader->loops = true;
+      opened(*reader, todo);
+    }
+    return;
+  }
+  x.at = phase::connecting;
+  x.gives_up = now + config_.writer_patience;
+  x.due = x.gives_up;
+  todo.emplace_back(connect_channel{x.id, destination, wish.rate,
+                                    write_header_size + wish.buffer_size, wish.qos});
+}
+
+/// The read end is passive: it finds that the write end has been here, or waits for it.
+void streams::start_reader(row& x, outputs& todo, instant now) {
+  const auto here =
+      std::find_if(early_.begin(), early_.end(), [&](const early& y) { return y.name == x.name; });
+  if (here != early_.end()) {
+    take_channel(x, *here, todo);
+    early_.erase(here);
+  } else if (auto* writer = find(kind::writer, x.name); writer && writer->loops) {
+    x.loops = true;
+    opened(x, todo);
+  } else {
+    x.at = phase::waiting;
+    x.due = now + config_.reader_patience;
+  }
+}
+
+void streams::take_channel(row& x, const early& from, outputs& todo) {
+  x.channel = from.channel;
+  x.source = from.source;
+  x.sequence = from.sequence;
+  opened(x, todo);
+}
+
+void streams::opened(row& x, outputs& todo) {
+  ++counters_.opened;
+  x.at = phase::open;
+  x.due.reset();
+  todo.emplace_back(open_done{x.id, x.name, true});
+}
+
+void streams::ask(row& x, outputs& todo, instant now) {
+  x.at = phase::asking;
+  x.due = std::min(now + config_.open_repeat, x.gives_up);
+  todo.emplace_back(send_on_channel{*x.channel, encode(open_message{x.name})});
+}
+
+outputs streams::on_connected(descriptor stream, channel_handle channel, instant now) {
+  outputs todo;
+  auto* x = find(stream);
+  if (x == nullptr || x->at != phase::connecting) {
+    todo.emplace_back(disconnect{channel}); // closed or given up in the meantime
+    return todo;
+  }
+  x->channel = channel;
+  ask(*x, todo, now);
+  return todo;
+}
+
+outputs streams::on_connect_failed(descriptor stream) {
+  outputs todo;
+  if (auto* x = find(stream); x != nullptr && x->at == phase::connecting)
+    drop(*x, todo);
+  return todo;
+}
+
+outputs streams::on_accepted(channel_handle channel, mote_address source, instant now) {
+  if (early_.size() < config_.early_max) {
+    early_.push_back({channel, source, std::nullopt, 0, now + config_.writer_patience});
+    return {};
+  }
+  ++counters_.refused;
+  return {disconnect{channel}};
+}
+
+outputs streams::on_channel_closed(channel_handle channel) {
+  outputs todo;
+  std::erase_if(early_, [&](const early& x) { return x.channel == channel; });
+  if (auto* x = find(channel)) {
+    x->channel.reset();
+    if (is_opening(*x))
+      drop(*x, todo);
+    else
+      end(*x, todo);
+  }
+  return todo;
+}
+
+outputs streams::on_channel_octets(channel_handle channel, byte_view octets, instant now) {
+  outputs todo;
+  const auto content = decode_message(octets);
+  if (!content) {
+    ++counters_.malformed;
+    return todo;
+  }
+  if (auto* x = find(channel)) {
+    on_row_message(*x, *content, todo);
+    return todo;
+  }
+  const auto found = std::find_if(early_.begin(), early_.end(),
+                                  [&](const early& x) { return x.channel == channel; });
+  const auto* open = std::get_if<open_message>(&*content);
+  const auto* record = std::get_if<write_message>(&*content);
+  if (found != early_.end() && open != nullptr) {
+    const auto x = *found;
+    early_.erase(found);
+    on_open(x, open->name, todo, now);
+  } else if (found != early_.end() && found->name && record != nullptr) {
+    found->sequence = static_cast<std::uint16_t>(record->sequence + 1);
+    ++counters_.unclaimed;
+  } else {
+    ++counters_.strays;
+  }
+  return todo;
+}
+
+/// SS_OPEN over a channel that is no stream's yet. It is acknowledged whether or not the
+/// application has opened (STR-13); if it has, it hears of it now (STR-14).
+void streams::on_open(early x, std::uint16_t name, outputs& todo, instant now) {
+  const bool repeated = x.name == name;
+  if (!repeated && !make_way(x, name, todo)) {
+    ++counters_.refused;
+    todo.emplace_back(disconnect{x.channel});
+    return;
+  }
+  todo.emplace_back(send_on_channel{x.channel, encode(open_ack_message{name})});
+  if (auto* reader = find(kind::reader, name); reader && reader->at == phase::waiting) {
+    take_channel(*reader, x, todo);
+    return;
+  }
+  if (!repeated)
+    x.due = now + config_.reader_patience;
+  x.name = name;
+  early_.push_back(x);
+}
+
+/// A node that opens a stream anew has lost its old channel, which we may not know yet. Another
+/// node must not use the same name.
+/// @returns whether `x` may have the name
+bool streams::make_way(const early& x, std::uint16_t name, outputs& todo) {
+  if (x.name)
+    return false;
+  const auto rival =
+      std::find_if(early_.begin(), early_.end(), [&](const early& y) { return y.name == name; });
+  if (rival != early_.end()) {
+    if (rival->source != x.source)
+      return false;
+    todo.emplace_back(disconnect{rival->channel});
+    early_.erase(rival);
+  }
+  auto* reader = find(kind::reader, name);
+  if (reader == nullptr || reader->at != phase::open)
+    return true;
+  if (reader->loops || reader->source != x.source)
+    return false;
+  todo.emplace_back(disconnect{*reader->channel});
+  end(*reader, todo);
+  return true;
+}
+
+void streams::on_row_message(row& x, const message& content, outputs& todo) {
+  const auto* open = std::get_if<open_message>(&content);
+  const auto* ack = std::get_if<open_ack_message>(&content);
+  const auto* record = std::get_if<write_message>(&content);
+  if (x.what == kind::reader && record != nullptr) {
+    on_record(x, *record, todo);
+  } else if (x.what == kind::reader && open != nullptr && open->name == x.name) {
+    todo.emplace_back(send_on_channel{*x.channel, encode(open_ack_message{x.name})});
+  } else if (x.what == kind::writer && ack != nullptr && ack->name == x.name) {
+    if (x.at == phase::asking)
+      opened(x, todo);
+  } else {
+    ++counters_.strays;
+  }
+}
+
+void streams::on_record(row& x, const write_message& content, outputs& todo) {
+  const auto ahead = static_cast<std::int16_t>(content.sequence - x.sequence);
+  if (ahead < 0) {
+    ++counters_.repeated;
+    return;
+  }
+  counters_.lost += static_cast<std::uint64_t>(ahead);
+  x.sequence = static_cast<std::uint16_t>(content.sequence + 1);
+  deliver(x, content.record, todo);
+}
+
+void streams::deliver(row& x, byte_view record, outputs& todo) {
+  if (record.size() > x.record_max)
+    ++counters_.oversized;
+  else
+    store(x, to_bytes(record), todo);
+}
+
+streams::row* streams::find(kind what, std::uint16_t name) {
+  const auto found = std::find_if(rows_.begin(), rows_.end(),
+                                  [&](const row& x) { return x.what == what && x.name == name; });
+  return found == rows_.end() ? nullptr : &*found;
+}
+
+streams::row* streams::find(channel_handle channel) {
+  const auto found =
+      std::find_if(rows_.begin(), rows_.end(), [&](const row& x) { return x.channel == channel; });
+  return found == rows_.end() ? nullptr : &*found;
+}
+
+} // namespace rubicon::stream
