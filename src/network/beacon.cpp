@@ -30,7 +30,7 @@ bytes encode(const beacon& x) {
   out.big(x.sequence).octet(x.next_quarters);
   x.gradient.write(out);
   x.coordinates.write(out);
-  out.append(x.clock);
+  write(out, x.clock);
   for (const auto& entry : x.heard)
     out.big(entry.mote.value).octet(entry.quality);
   return out.finish();
@@ -45,7 +45,7 @@ result<beacon> decode_beacon(byte_view octets) {
   x.next_quarters = in.octet();
   x.gradient = gradient_part::read(in);
   x.coordinates = coordinates_part::read(in);
-  std::ranges::copy(in.take(x.clock.size()), x.clock.begin());
+  x.clock = read_clock_stamp(in);
   while (in.ok() && in.remaining() > 0) {
     const mote_id mote{in.big<std::uint16_t>()};
     x.heard.push_back({mote, in.octet()});

@@ -1,13 +1,13 @@
 // The one broadcast frame that keeps an island together: links, tree, coordinates, clock.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "core/bytes.hpp"
 #include "core/error.hpp"
 #include "core/time.hpp"
+#include "network/clock_sync.hpp"
 #include "network/coordinates.hpp"
 #include "network/gradient.hpp"
 #include "network/neighbours.hpp"
@@ -17,21 +17,21 @@ namespace rubicon::network {
 /// Octets that fit the payload of a radio frame beside its headers (NET-14).
 inline constexpr std::size_t beacon_size_max = 114;
 
-/// What clock synchronisation sends along.
-using clock_part = std::array<std::uint8_t, 24>;
-
-/// uint16 sequence, uint8 next, gradient (9 octets), coordinates (26), clock (24), then for each
+/// uint16 sequence, uint8 next, gradient (9 octets), coordinates (26), clock (26), then for each
 /// neighbour heard uint16 mote, uint8 quality; network byte order.
 struct beacon {
   std::uint16_t sequence = 0;
   std::uint8_t next_quarters = 0; ///< the next beacon comes within so many quarters of a second
   gradient_part gradient;
   coordinates_part coordinates;
-  clock_part clock{};
+  clock_stamp clock{};                        ///< of root 0: none
   std::vector<neighbours::heard_entry> heard; ///< at most heard_max
 
   static constexpr std::size_t header_size =
-      3 + gradient_part::size + coordinates_part::size + std::tuple_size_v<clock_part>;
+      3 + gradient_part::size + coordinates_part::size + clock_stamp_size;
+  /// Where the clock's age lies, for the radio.
+  static constexpr std::size_t age_at =
+      3 + gradient_part::size + coordinates_part::size + clock_stamp_age_at;
   static constexpr std::size_t heard_max = (beacon_size_max - header_size) / 3;
 
   /// What this beacon says of its sender's link to `self`, which has a route to the sink or not.

@@ -18,27 +18,28 @@ bool is_data(const channel_message& x) {
 channels::channels(channels_config config, random_stream dice)
     : config_(config), dice_(dice), next_number_(static_cast<std::uint16_t>(dice_.next())) {}
 
-std::optional<std::pair<channel_id, channels_outputs>>
-channels::connect(mote_id destination, std::optional<virtual_coordinates> place,
-                  const channel_schedule& schedule, duration expiry, const surroundings& around,
-                  instant now) {
+channels_outputs channels::connect(channel_id channel, mote_id destination,
+                                   std::optional<virtual_coordinates> place,
+                                   const channel_schedule& schedule, duration expiry,
+                                   const surroundings& around, instant now) {
+  channels_outputs out;
+  ++counters_.connects;
   if (entries_.size() >= config_.entries_max || destination == config_.self) {
     ++counters_.refused;
-    return std::nullopt;
+    out.emplace_back(channel_ended{channel, destination == config_.self ? channel_end::unreachable
+                                                                        : channel_end::no_room});
+    return out;
   }
-  ++counters_.connects;
-  const channel_id id{config_.self, next_number_++};
-  auto& x = entries_[id];
+  auto& x = entries_[channel];
   x.wish.destination = destination;
   x.wish.place = place;
   x.wish.schedule = schedule;
   x.wish.expiry_s = static_cast<std::uint16_t>(expiry / 1s);
   x.last_packet = now;
   x.setup_end = now + config_.connect_timeout;
-  channels_outputs out;
-  go_on(id, x, around, out, now);
+  go_on(channel, x, around, out, now);
   pump(out, now);
-  return std::pair{id, std::move(out)};
+  return out;
 }
 
 /// The good neighbour nearest to the destination that is nearer than we are; the destination itself

@@ -23,7 +23,7 @@ struct channels_config {
   mote_id self;
   std::size_t entries_max = 12; ///< channels that begin, pass or end here
   std::size_t offers_max = 6;   ///< floods of connect messages that we may come to be part of
-  std::size_t queue_max = 12;   ///< frames that wait for the radio
+  std::size_t queue_max = 4;    ///< frames that wait for the radio
   unsigned rounds_max = 6;      ///< times a control message is handed to the radio
   unsigned data_rounds_max = 2; ///< and a packet; the radio itself tries four times (NET-05)
   unsigned losses_max =
@@ -115,14 +115,17 @@ public:
   channels() = default;
   channels(channels_config config, random_stream dice);
 
-  /// The id, at once (NET-01); channel_connected or channel_ended comes later. Nothing: no room
-  /// here.
+  /// A name for a channel that this mote will open (NET-01).
+  [[nodiscard]] channel_id next_id() { return {config_.self, next_number_++}; }
+
+  /// channel_connected or channel_ended comes later; at once, if there is no room here.
+  /// @param channel of next_id()
   /// @param place of the destination; nothing: it is looked for everywhere
   /// @param expiry the channel ends if no packet comes for so long, whole seconds; 0: never
-  [[nodiscard]] std::optional<std::pair<channel_id, channels_outputs>>
-  connect(mote_id destination, std::optional<virtual_coordinates> place,
-          const channel_schedule& schedule, duration expiry, const surroundings& around,
-          instant now);
+  [[nodiscard]] channels_outputs connect(channel_id channel, mote_id destination,
+                                         std::optional<virtual_coordinates> place,
+                                         const channel_schedule& schedule, duration expiry,
+                                         const surroundings& around, instant now);
 
   /// From source to destination, or from destination to source: streams are answered that way.
   /// @pre content.size() <= channel_packet_max. @returns nothing: no end of such an open channel is

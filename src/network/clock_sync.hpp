@@ -24,6 +24,8 @@ struct clock_stamp {
   /// From then to its start-of-frame delimiter on the air, microseconds: the radio writes it.
   std::uint32_t age_us = 0;
   tick_setting tick;
+
+  friend bool operator==(const clock_stamp&, const clock_stamp&) = default;
 };
 
 inline constexpr std::size_t clock_stamp_size = 26;

@@ -22,8 +22,8 @@ namespace rubicon::network {
 struct collection_config {
   mote_id self;
   bool is_root = false;
-  std::size_t queue_max = 12; ///< packets that wait for their hop, others' and our own
-  std::size_t seen_max = 48;  ///< packets remembered, so that a repeat is not sent on again
+  std::size_t queue_max = 8; ///< packets that wait for their hop, others' and our own
+  std::size_t seen_max = 32; ///< packets remembered, so that a repeat is not sent on again
   /// Times a packet is handed to the radio, which itself tries four times, before it is given up.
   unsigned rounds_max = 8;
   duration pause = 40ms; ///< before the second round, up to twice as long; more before each further

@@ -206,9 +206,9 @@ TEST_CASE("a full queue drops what comes and counts it", "[network][NET-05]") {
   auto x = line(2, 1);
   for (std::uint8_t i = 0; i < 20; ++i)
     x.perform(mote(2), x.at(mote(2)).send_up({i}, x.now()));
-  CHECK(x.at(mote(2)).counters().queue_full == 20 - 1 - 12);
+  CHECK(x.at(mote(2)).counters().queue_full == 20 - 1 - 8);
   x.run_for(5s);
-  CHECK(x.arrived.size() == 13);
+  CHECK(x.arrived.size() == 9);
 }
 
 TEST_CASE("a loop is seen and left", "[network][NET-09]") {

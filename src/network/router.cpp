@@ -1,0 +1,392 @@
+#include "network/router.hpp"
+
+#include <algorithm>
+
+#include "network/am.hpp"
+
+namespace rubicon::network {
+
+namespace {
+
+constexpr std::size_t frame_payload_max = 114; // NET-14
+constexpr int delay_smoothing = 16;
+constexpr unsigned purpose_bits = 2;
+
+} // namespace
+
+router::router(router_config config, random_stream dice, instant now)
+    : config_(config), dice_(dice), tree_({.self = config.self, .is_root = config.is_sink}),
+      place_({.self = config.self, .is_sink = config.is_sink}, now),
+      timer_(config.beacons, random_stream(dice_.next()), now), reported_(now) {
+  clock_sync_config timing;
+  timing.self = config_.self;
+  timing.is_root = config_.is_sink;
+  timing.tick = config_.tick;
+  clock_ = clock_sync(timing, now);
+  collection_config packets;
+  packets.self = config_.self;
+  packets.is_root = config_.is_sink;
+  packets_ = collection(packets, random_stream(dice_.next()));
+  channels_config paths;
+  paths.self = config_.self;
+  paths_ = channels(paths, random_stream(dice_.next()));
+}
+
+bool router::owns(std::uint8_t am_type) {
+  return am_type == am::local || (am_type >= am::beacon && am_type <= am::channel);
+}
+
+frame_out router::frame_for(purpose why, mote_id to, std::uint8_t am_type, bytes payload) {
+  const auto token = frames_++ << purpose_bits | static_cast<std::uint64_t>(why);
+  return {token, to, am_type, std::move(payload), std::nullopt};
+}
+
+// Content.
+
+std::optional<std::size_t> router::room_to(mote_id destination) const {
+  if (!config_.is_sink)
+    return collection::room_up() - 1;
+  const auto room = packets_.room_down(destination);
+  return room ? std::optional(*room - 1) : std::nullopt;
+}
+
+std::size_t router::room_to_all() {
+  return collection::room_flood() - 1;
+}
+
+router_outputs router::send(mote_id destination, bytes content, instant now) {
+  router_outputs out;
+  const bool is_near = destination != tree_.root() && links_.good(destination) &&
+                       directs_.size() < config_.direct_max;
+  if (config_.is_sink || !is_near) {
+    send_router_message(destination, user_content{std::move(content)}, out, now);
+    return out;
+  }
+  auto frame = frame_for(purpose::direct, destination, am::local, content);
+  directs_[frame.token] = {destination, std::move(content)};
+  handed_[frame.token] = {destination, now};
+  out.emplace_back(std::move(frame));
+  return out;
+}
+
+router_outputs router::send_to_all(bytes content, instant now) {
+  router_outputs out;
+  take(packets_.send_to_all(encode(user_content{std::move(content)}), now), out, now);
+  return out;
+}
+
+/// Up, or from the sink down.
+void router::send_router_message(mote_id to, const router_message& x, router_outputs& out,
+                                 instant now) {
+  take(config_.is_sink ? packets_.send_down(to, encode(x), now) : packets_.send_up(encode(x), now),
+       out, now);
+}
+
+void router::take(collection_outputs todo, router_outputs& out, instant now) {
+  for (auto& x : todo) {
+    if (auto* packet = std::get_if<collected>(&x)) {
+      on_content(std::move(*packet), out, now);
+      continue;
+    }
+    auto& next = std::get<hop>(x);
+    auto frame = frame_for(purpose::packet, next.next, next.am_type, std::move(next.octets));
+    if (next.next != broadcast_mote)
+      handed_[frame.token] = {next.next, now};
+    out.emplace_back(std::move(frame));
+  }
+  if (packets_.take_loop_seen())
+    timer_.reset(now);
+}
+
+void router::on_content(collected x, router_outputs& out, instant now) {
+  auto message = decode_router_message(x.content);
+  if (!message) {
+    ++counters_.malformed;
+    return;
+  }
+  const auto origin = x.by_flood || config_.is_sink ? std::optional(x.origin) : std::nullopt;
+  if (auto* content = std::get_if<user_content>(&*message)) {
+    out.emplace_back(content_in{origin, x.by_flood, std::move(content->content)});
+  } else if (const auto* report = std::get_if<place_report>(&*message)) {
+    if (report->place && config_.is_sink)
+      places_[x.origin] = *report->place;
+  } else if (const auto* asked = std::get_if<place_question>(&*message)) {
+    if (config_.is_sink)
+      send_router_message(x.origin, place_answer{asked->mote, known_place(asked->mote)}, out, now);
+  } else {
+    const auto& answer = std::get<place_answer>(*message);
+    for (auto q = questions_.begin(); q != questions_.end();) {
+      if (q->destination != answer.mote) {
+        ++q;
+        continue;
+      }
+      const auto settled = *q;
+      q = questions_.erase(q);
+      begin(settled, answer.place, out, now);
+    }
+  }
+}
+
+std::optional<virtual_coordinates> router::known_place(mote_id x) const {
+  if (x == config_.self)
+    return place_.place();
+  const auto found = places_.find(x);
+  return found == places_.end() ? place_.place_of(x) : std::optional(found->second);
+}
+
+// Channels.
+
+std::pair<channel_id, router_outputs> router::connect(mote_id destination,
+                                                      const channel_schedule& schedule,
+                                                      duration expiry, instant now) {
+  router_outputs out;
+  const question x{paths_.next_id(), destination, schedule, expiry, now + config_.question_timeout};
+  const bool must_ask = !config_.is_sink && !links_.good(destination) &&
+                        questions_.size() < config_.questions_max && has_route();
+  if (must_ask) {
+    ++counters_.questions;
+    questions_.push_back(x);
+    send_router_message(tree_.root(), place_question{destination}, out, now);
+  } else {
+    begin(x, known_place(destination), out, now);
+  }
+  return {x.channel, std::move(out)};
+}
+
+void router::begin(const question& x, std::optional<virtual_coordinates> place, router_outputs& out,
+                   instant now) {
+  take(paths_.connect(x.channel, x.destination, place, x.schedule, x.expiry, around(), now), out,
+       now);
+}
+
+std::optional<router_outputs> router::send_on(channel_id channel, bytes content, instant now) {
+  auto todo = paths_.send(channel, std::move(content), now);
+  if (!todo)
+    return std::nullopt;
+  router_outputs out;
+  take(*std::move(todo), out, now);
+  return out;
+}
+
+router_outputs router::disconnect(channel_id channel, instant now) {
+  router_outputs out;
+  std::erase_if(questions_, [channel](const question& x) { return x.channel == channel; });
+  take(paths_.disconnect(channel, now), out, now);
+  return out;
+}
+
+surroundings router::around() const {
+  surroundings x;
+  x.own_place = place_.place();
+  x.hop_delay = std::chrono::duration_cast<std::chrono::microseconds>(hop_delay_);
+  for (const auto& each : links_.all()) {
+    if (each.good)
+      x.motes.push_back({each.mote, place_.place_of(each.mote)});
+  }
+  return x;
+}
+
+void router::take(channels_outputs todo, router_outputs& out, instant now) {
+  for (auto& x : todo) {
+    if (auto* next = std::get_if<channel_hop>(&x)) {
+      auto frame = frame_for(purpose::channel, next->next, am::channel, std::move(next->octets));
+      if (next->next != broadcast_mote)
+        handed_[frame.token] = {next->next, now};
+      out.emplace_back(std::move(frame));
+      continue;
+    }
+    std::visit(
+        [&out](auto& y) {
+          if constexpr (!std::is_same_v<std::decay_t<decltype(y)>, channel_hop>)
+            out.emplace_back(std::move(y));
+        },
+        x);
+  }
+}
+
+// Beacons.
+
+void router::send_beacon(router_outputs& out, instant now) {
+  relay_due_.reset();
+  if (beacon_under_way_)
+    return;
+  beacon x;
+  x.sequence = ++beacon_sequence_;
+  x.next_quarters = quarters(timer_.deadline() - now);
+  x.gradient = tree_.advertise();
+  x.coordinates = place_.advertise();
+  x.heard = links_.heard(beacon::heard_max);
+  const auto stamp = clock_.stamp(now);
+  x.clock = stamp.value_or(clock_stamp{});
+  auto frame = frame_for(purpose::beacon, broadcast_mote, am::beacon, encode(x));
+  if (stamp)
+    frame.age_at = beacon::age_at;
+  beacon_under_way_ = true;
+  ++counters_.beacons;
+  out.emplace_back(std::move(frame));
+}
+
+void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_outputs& out,
+                       instant now) {
+  const auto x = decode_beacon(payload);
+  if (!x) {
+    ++counters_.malformed;
+    return;
+  }
+  const auto what = links_.on_beacon(x->report(source, config_.self, has_route()), now);
+  if (what == admission::repeated)
+    return;
+  if (what == admission::added || what == admission::restarted)
+    timer_.reset(now);
+  place_.on_beacon(source, x->coordinates, links_);
+  if (x->clock.root != mote_id{} && clock_.on_stamp(x->clock, sfd)) {
+    out.emplace_back(clock_corrected{});
+    if (!relay_due_)
+      relay_due_ = now + dice_.between(0s, config_.relay_spread);
+  }
+  if (what == admission::refused)
+    return;
+  if (tree_.on_beacon(source, x->gradient, links_))
+    timer_.reset(now);
+  settle(out, now);
+}
+
+/// What is known of links has changed: so may the tree and the coordinates.
+void router::settle(router_outputs& out, instant now) {
+  links_.pin(tree_.parent(), false);
+  const auto change = tree_.update(links_, now);
+  links_.pin(tree_.parent(), true);
+  if (change == gradient_change::lost)
+    timer_.reset(now);
+  if (place_.update(links_, now))
+    timer_.reset(now);
+  take(packets_.on_route(tree_.parent(), tree_.cost(), now), out, now);
+}
+
+/// The sink has to know where everybody is, and whose child.
+std::optional<instant> router::report_due() const {
+  if (config_.is_sink || !tree_.has_route())
+    return std::nullopt;
+  const bool has_changed = place_.place() != told_place_ || tree_.parent() != told_parent_;
+  return reported_ + (has_changed ? config_.report_gap : config_.report_period);
+}
+
+void router::report(router_outputs& out, instant now) {
+  const auto due = report_due();
+  if (!due || *due > now)
+    return;
+  told_place_ = place_.place();
+  told_parent_ = tree_.parent();
+  reported_ = now;
+  send_router_message(tree_.root(), place_report{told_place_}, out, now);
+}
+
+// What comes.
+
+router_outputs router::on_frame(mote_id source, std::uint8_t am_type, byte_view payload,
+                                instant sfd, instant now) {
+  router_outputs out;
+  switch (am_type) {
+  case am::beacon:
+    on_beacon(source, payload, sfd, out, now);
+    break;
+  case am::up:
+  case am::down:
+  case am::flood:
+    take(packets_.on_frame(source, am_type, payload, now), out, now);
+    break;
+  case am::channel:
+    take(paths_.on_frame(source, payload, around(), now), out, now);
+    break;
+  case am::local:
+    out.emplace_back(content_in{source, false, to_bytes(payload)});
+    break;
+  default:
+    ++counters_.unknown_type;
+  }
+  report(out, now);
+  return out;
+}
+
+router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmissions,
+                               instant now) {
+  router_outputs out;
+  if (const auto unicast = handed_.extract(token); !unicast.empty()) {
+    const auto [to, when] = unicast.mapped();
+    links_.on_sent(to, acked, transmissions);
+    if (acked)
+      hop_delay_ += (now - when - hop_delay_) / delay_smoothing;
+    settle(out, now);
+  }
+  switch (static_cast<purpose>(token & ((1U << purpose_bits) - 1))) {
+  case purpose::beacon:
+    beacon_under_way_ = false;
+    break;
+  case purpose::packet:
+    take(packets_.on_sent(acked, now), out, now);
+    break;
+  case purpose::channel:
+    take(paths_.on_sent(acked, now), out, now);
+    break;
+  case purpose::direct:
+    if (auto sent = directs_.extract(token); !sent.empty() && !acked) {
+      ++counters_.detours;
+      auto& x = sent.mapped();
+      send_router_message(x.to, user_content{std::move(x.content)}, out, now);
+    }
+    break;
+  }
+  return out;
+}
+
+router_outputs router::on_time(instant now) {
+  router_outputs out;
+  links_.on_time(now);
+  settle(out, now);
+  const bool round = clock_.on_time(now);
+  if (round)
+    out.emplace_back(clock_corrected{});
+  if (timer_.on_time(now) || round || (relay_due_ && *relay_due_ <= now))
+    send_beacon(out, now);
+  take(packets_.on_time(now), out, now);
+  take(paths_.on_time(now), out, now);
+  for (auto q = questions_.begin(); q != questions_.end();) {
+    if (q->due > now) {
+      ++q;
+      continue;
+    }
+    ++counters_.unanswered;
+    const auto unanswered = *q;
+    q = questions_.erase(q);
+    begin(unanswered, std::nullopt, out, now);
+  }
+  report(out, now);
+  return out;
+}
+
+instant router::deadline() const {
+  auto next = timer_.deadline();
+  const auto consider = [&next](std::optional<instant> x) {
+    if (x)
+      next = std::min(next, *x);
+  };
+  consider(links_.deadline());
+  consider(place_.deadline());
+  consider(clock_.deadline());
+  consider(relay_due_);
+  consider(packets_.deadline());
+  consider(paths_.deadline());
+  consider(report_due());
+  for (const auto& x : questions_)
+    consider(x.due);
+  return next;
+}
+
+std::size_t router::footprint() const {
+  const auto motes = links_.config().capacity;
+  return links_.footprint() + gradient::footprint(motes) + coordinates::footprint(motes) +
+         trickle::footprint() + clock_sync::footprint() + packets_.footprint() +
+         paths_.footprint() + config_.direct_max * 12 + config_.questions_max * 24 + 32;
+}
+
+} // namespace rubicon::network

@@ -1,0 +1,178 @@
+// The Network module of one node: what links there are, the tree, coordinates, the clock, packets
+// up, down and to all, and channels (D1.1 3.3.3.1, GEN-08).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/random.hpp"
+#include "core/time.hpp"
+#include "network/beacon.hpp"
+#include "network/channels.hpp"
+#include "network/clock_sync.hpp"
+#include "network/collection.hpp"
+#include "network/coordinates.hpp"
+#include "network/gradient.hpp"
+#include "network/neighbours.hpp"
+#include "network/router_message.hpp"
+#include "network/trickle.hpp"
+
+namespace rubicon::network {
+
+struct router_config {
+  mote_id self;
+  bool is_sink = false;
+  trickle_config beacons;
+  tick_setting tick;              ///< the sink's (CLK-03)
+  duration report_period = 60s;   ///< a mote tells the sink where it is,
+  duration report_gap = 5s;       ///< also when that has changed, not more often
+  duration question_timeout = 3s; ///< for the sink's answer where a mote is
+  std::size_t questions_max = 4;  ///< under way
+  std::size_t direct_max = 8;     ///< packets for neighbours under way
+  duration relay_spread = 150ms;  ///< a clock round is passed on within this time
+};
+
+/// Put this frame on the radio and tell on_sent() how it ended.
+struct frame_out {
+  std::uint64_t token = 0;
+  mote_id next_hop; ///< broadcast_mote: to all, nobody acknowledges
+  std::uint8_t am_type = 0;
+  bytes payload;
+  std::optional<std::size_t> age_at; ///< as in radio::request
+};
+
+/// For the user of Network at this node.
+struct content_in {
+  std::optional<mote_id> origin; ///< a mote of the island; nothing: what came down says itself
+  bool to_all = false;
+  bytes content;
+};
+
+/// The island's clock has been corrected, or is known now.
+struct clock_corrected {};
+
+using router_output =
+    std::variant<frame_out, content_in, clock_corrected, channel_connected, channel_accepted,
+                 channel_received, channel_ended, channel_reserved>;
+using router_outputs = std::vector<router_output>;
+
+struct router_counters {
+  std::uint64_t beacons = 0;
+  std::uint64_t malformed = 0;    ///< frames that could not be decoded
+  std::uint64_t unknown_type = 0; ///< frames of an AM type that is not Network's
+  std::uint64_t questions = 0;    ///< where a mote is
+  std::uint64_t unanswered = 0;
+  std::uint64_t detours = 0; ///< packets for a neighbour that went by the sink after all
+};
+
+/// One frame of each kind is under way at a time: beacon, packet, channel message; packets for
+/// neighbours several.
+class router {
+public:
+  router() = default;
+  router(router_config config, random_stream dice, instant now);
+
+  /// Longest content for a destination: what its way leaves room for. Nothing: no way is known.
+  [[nodiscard]] std::optional<std::size_t> room_to(mote_id destination) const;
+  [[nodiscard]] static std::size_t room_to_all();
+
+  /// Towards a mote of the island, or the sink. A mote that is no neighbour is reached by way of
+  /// the sink, which gets the content and must send it down.
+  /// @pre room_to() is given and content fits
+  [[nodiscard]] router_outputs send(mote_id destination, bytes content, instant now);
+  [[nodiscard]] router_outputs send_to_all(bytes content, instant now);
+
+  /// D1.1 3.3.3.1 connect: the id at once, channel_connected or channel_ended later.
+  [[nodiscard]] std::pair<channel_id, router_outputs>
+  connect(mote_id destination, const channel_schedule& schedule, duration expiry, instant now);
+  /// @returns nothing if the channel is not open here or its queue is full
+  [[nodiscard]] std::optional<router_outputs> send_on(channel_id channel, bytes content,
+                                                      instant now);
+  [[nodiscard]] router_outputs disconnect(channel_id channel, instant now);
+
+  /// @param sfd when the frame's start-of-frame delimiter was received
+  [[nodiscard]] router_outputs on_frame(mote_id source, std::uint8_t am_type, byte_view payload,
+                                        instant sfd, instant now);
+  [[nodiscard]] router_outputs on_sent(std::uint64_t token, bool acked, unsigned transmissions,
+                                       instant now);
+  [[nodiscard]] router_outputs on_time(instant now); ///< harmless before deadline()
+  [[nodiscard]] instant deadline() const;
+
+  [[nodiscard]] static bool owns(std::uint8_t am_type);
+
+  [[nodiscard]] bool has_route() const { return config_.is_sink || tree_.has_route(); }
+  [[nodiscard]] const clock_sync& clock() const { return clock_; }
+  [[nodiscard]] clock_sync& clock() { return clock_; }
+  [[nodiscard]] const neighbours& links() const { return links_; }
+  [[nodiscard]] const gradient& tree() const { return tree_; }
+  [[nodiscard]] const coordinates& place() const { return place_; }
+  [[nodiscard]] const collection& packets() const { return packets_; }
+  [[nodiscard]] const channels& paths() const { return paths_; }
+  [[nodiscard]] const router_counters& counters() const { return counters_; }
+
+  /// Octets of all state on a mote with the default tables (SMP-30).
+  [[nodiscard]] std::size_t footprint() const;
+
+private:
+  enum class purpose : std::uint8_t { beacon, packet, channel, direct };
+
+  struct question {
+    channel_id channel;
+    mote_id destination;
+    channel_schedule schedule;
+    duration expiry{};
+    instant due;
+  };
+
+  struct direct {
+    mote_id to;
+    bytes content;
+  };
+
+  void on_beacon(mote_id source, byte_view payload, instant sfd, router_outputs& out, instant now);
+  void settle(router_outputs& out, instant now);
+  void send_beacon(router_outputs& out, instant now);
+  [[nodiscard]] std::optional<instant> report_due() const;
+  void report(router_outputs& out, instant now);
+  void take(collection_outputs todo, router_outputs& out, instant now);
+  void take(channels_outputs todo, router_outputs& out, instant now);
+  void on_content(collected x, router_outputs& out, instant now);
+  void send_router_message(mote_id to, const router_message& x, router_outputs& out, instant now);
+  void begin(const question& x, std::optional<virtual_coordinates> place, router_outputs& out,
+             instant now);
+  [[nodiscard]] surroundings around() const;
+  [[nodiscard]] std::optional<virtual_coordinates> known_place(mote_id x) const;
+  [[nodiscard]] frame_out frame_for(purpose why, mote_id to, std::uint8_t am_type, bytes payload);
+
+  router_config config_;
+  random_stream dice_;
+  neighbours links_;
+  gradient tree_;
+  coordinates place_;
+  trickle timer_;
+  clock_sync clock_;
+  collection packets_;
+  channels paths_;
+
+  std::uint16_t beacon_sequence_ = 0;
+  bool beacon_under_way_ = false;
+  std::optional<instant> relay_due_; ///< of a beacon that passes a clock round on
+  std::uint64_t frames_ = 0;
+  std::map<std::uint64_t, direct> directs_;                     ///< by token
+  std::map<std::uint64_t, std::pair<mote_id, instant>> handed_; ///< unicasts: to whom, when
+  std::vector<question> questions_;
+  std::map<mote_id, virtual_coordinates> places_; ///< at the sink
+  std::optional<virtual_coordinates> told_place_;
+  mote_id told_parent_ = no_mote;
+  instant reported_; ///< when it told the sink last
+  duration hop_delay_ = 10ms;
+  router_counters counters_;
+};
+
+} // namespace rubicon::network

@@ -1,0 +1,52 @@
+// What the Network modules of an island say to each other by way of the tree: the first octet of
+// everything that goes up, down or to all says what follows.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <variant>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/error.hpp"
+#include "network/coordinates.hpp"
+
+namespace rubicon::network {
+
+/// 0: for the user of Network.
+struct user_content {
+  bytes content;
+
+  friend bool operator==(const user_content&, const user_content&) = default;
+};
+
+/// 1, up: where its origin is. The packet's header says its parent.
+struct place_report {
+  std::optional<virtual_coordinates> place;
+
+  friend bool operator==(const place_report&, const place_report&) = default;
+};
+
+/// 2, up: where is this mote?
+struct place_question {
+  mote_id mote;
+
+  friend bool operator==(const place_question&, const place_question&) = default;
+};
+
+/// 3, down: there, if the sink knows.
+struct place_answer {
+  mote_id mote;
+  std::optional<virtual_coordinates> place;
+
+  friend bool operator==(const place_answer&, const place_answer&) = default;
+};
+
+using router_message = std::variant<user_content, place_report, place_question, place_answer>;
+
+[[nodiscard]] bytes encode(const router_message& x);
+
+/// Errors: truncated, too_long (octets after the message), unsupported (unknown kind).
+[[nodiscard]] result<router_message> decode_router_message(byte_view octets);
+
+} // namespace rubicon::network

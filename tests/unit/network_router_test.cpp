@@ -1,0 +1,322 @@
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "core/codec.hpp"
+#include "network/am.hpp"
+#include "network/router.hpp"
+#include "support/catch.hpp"
+
+namespace rubicon::network {
+
+namespace {
+
+constexpr mote_id sink{1};
+
+mote_id mote(int x) {
+  return mote_id{static_cast<std::uint16_t>(x)};
+}
+
+/// Routers on a grid whose radios reach the eight motes around them, with a crystal each that runs
+/// too fast or too slow. A unicast is tried four times.
+class island {
+public:
+  island(int width, int height, double delivery, std::uint64_t seed = 1)
+      : width_(width), height_(height), delivery_(delivery), dice_(seed) {
+    for (int i = 1; i <= width * height; ++i)
+      start(mote(i));
+  }
+
+  void start(mote_id x) {
+    router_config config;
+    config.self = x;
+    config.is_sink = x == sink;
+    auto& here = nodes_[x];
+    here.ppm = dice_.unit() * 100 - 50;
+    here.ahead = duration(dice_.below(100'000'000'000));
+    here.life = router(config, random_stream(dice_.next()), own_time(x));
+  }
+
+  void kill(mote_id x) { nodes_.erase(x); }
+
+  router& at(mote_id x) { return nodes_.at(x).life; }
+
+  [[nodiscard]] instant own_time(mote_id x) const { return own(nodes_.at(x), now_); }
+
+  [[nodiscard]] std::vector<mote_id> motes() const {
+    std::vector<mote_id> all;
+    for (const auto& [id, x] : nodes_)
+      all.push_back(id);
+    return all;
+  }
+
+  void send(mote_id from, mote_id to, bytes content) {
+    perform(from, at(from).send(to, std::move(content), own_time(from)));
+  }
+
+  channel_id connect(mote_id from, mote_id to) {
+    auto [id, todo] = at(from).connect(to, {}, 5min, own_time(from));
+    perform(from, std::move(todo));
+    return id;
+  }
+
+  void perform(mote_id from, router_outputs todo) {
+    for (auto& x : todo) {
+      if (auto* frame = std::get_if<frame_out>(&x))
+        put_on_air(from, std::move(*frame));
+      else if (auto* content = std::get_if<content_in>(&x))
+        arrived.emplace_back(from, std::move(*content));
+      else if (const auto* open = std::get_if<channel_connected>(&x))
+        connected.insert(open->channel);
+      else if (const auto* over = std::get_if<channel_ended>(&x))
+        ended[over->channel] = over->why;
+      else if (auto* packet = std::get_if<channel_received>(&x))
+        received[packet->channel].push_back(std::move(packet->content));
+    }
+  }
+
+  void run_for(duration length) {
+    const auto end = now_ + length;
+    while (true) {
+      auto next = end;
+      for (auto& [id, x] : nodes_)
+        next = std::min(next, real(x, x.life.deadline()));
+      if (!events_.empty() && events_.begin()->first <= next) {
+        auto event = events_.extract(events_.begin());
+        now_ = std::max(now_, event.key());
+        event.mapped()();
+      } else if (next < end) {
+        now_ = std::max(now_, next);
+        for (const auto id : motes()) {
+          if (at(id).deadline() <= own_time(id))
+            perform(id, at(id).on_time(own_time(id)));
+        }
+      } else {
+        now_ = end;
+        return;
+      }
+    }
+  }
+
+  std::vector<std::pair<mote_id, content_in>> arrived;
+  std::set<channel_id> connected;
+  std::map<channel_id, channel_end> ended;
+  std::map<channel_id, std::vector<bytes>> received;
+
+private:
+  struct node {
+    router life;
+    double ppm = 0;
+    duration ahead{};
+  };
+
+  [[nodiscard]] static instant own(const node& x, instant real) {
+    const auto since = real.time_since_epoch();
+    return instant(
+        since + x.ahead +
+        duration(static_cast<duration::rep>(static_cast<double>(since.count()) * x.ppm * 1e-6)));
+  }
+
+  /// The first real time at which a mote's own clock shows `x`, to the microsecond.
+  [[nodiscard]] static instant real(const node& x, instant shown) {
+    const auto since = static_cast<double>((shown.time_since_epoch() - x.ahead).count());
+    auto guess = instant(duration(static_cast<duration::rep>(since / (1 + x.ppm * 1e-6))));
+    while (own(x, guess) < shown)
+      guess += 1us;
+    return guess;
+  }
+
+  [[nodiscard]] bool near(mote_id a, mote_id b) const {
+    const int ia = a.value - 1;
+    const int ib = b.value - 1;
+    return a != b && std::abs(ia % width_ - ib % width_) <= 1 &&
+           std::abs(ia / width_ - ib / width_) <= 1;
+  }
+
+  void put_on_air(mote_id from, frame_out frame) {
+    const auto wait = dice_.between(1ms, 6ms);
+    std::vector<mote_id> heard;
+    bool acked = false;
+    unsigned tries = 0;
+    for (const auto& [id, x] : nodes_) {
+      if (frame.next_hop == broadcast_mote && near(from, id) && dice_.chance(delivery_))
+        heard.push_back(id);
+    }
+    while (frame.next_hop != broadcast_mote && tries < 4 && !acked) {
+      ++tries;
+      if (!nodes_.contains(frame.next_hop) || !near(from, frame.next_hop) ||
+          !dice_.chance(delivery_))
+        continue;
+      if (heard.empty())
+        heard.push_back(frame.next_hop);
+      acked = dice_.chance(delivery_);
+    }
+    if (frame.age_at) {
+      byte_writer age;
+      age.big(static_cast<std::uint32_t>(wait / 1us));
+      std::ranges::copy(age.finish(),
+                        frame.payload.begin() + static_cast<std::ptrdiff_t>(*frame.age_at));
+    }
+    const auto when = now_ + wait;
+    for (const auto to : heard) {
+      events_.emplace(when, [this, from, to, frame] {
+        if (nodes_.contains(to))
+          perform(to,
+                  at(to).on_frame(from, frame.am_type, frame.payload, own_time(to), own_time(to)));
+      });
+    }
+    events_.emplace(when, [this, from, acked, tries, token = frame.token] {
+      if (nodes_.contains(from))
+        perform(from, at(from).on_sent(token, acked, tries, own_time(from)));
+    });
+  }
+
+  int width_;
+  int height_;
+  double delivery_;
+  random_stream dice_;
+  instant now_;
+  std::map<mote_id, node> nodes_;
+  std::multimap<instant, std::function<void()>> events_;
+};
+
+} // namespace
+
+TEST_CASE("an island organises itself: ways up and down, places, one clock",
+          "[network][NET-11][CLK-01]") {
+  island x(5, 5, 0.95);
+  x.run_for(5min);
+  std::chrono::microseconds worst{};
+  for (const auto id : x.motes()) {
+    CHECK(x.at(id).has_route());
+    CHECK(x.at(id).place().place().has_value());
+    REQUIRE(x.at(id).clock().synchronised());
+    const auto error =
+        x.at(id).clock().at(x.own_time(id)) - x.at(sink).clock().at(x.own_time(sink));
+    worst = std::max(worst, std::chrono::abs(error));
+  }
+  CHECK(worst < std::chrono::microseconds{1000});
+}
+
+TEST_CASE("packets go up from everybody and down to everybody", "[network][NET-05]") {
+  island x(5, 5, 0.9);
+  x.run_for(2min);
+  x.arrived.clear();
+  for (std::uint8_t i = 2; i <= 25; ++i) {
+    x.send(mote(i), sink, {i});
+    x.run_for(200ms);
+  }
+  x.run_for(20s);
+  std::set<mote_id> origins;
+  for (const auto& [where, what] : x.arrived) {
+    CHECK(where == sink);
+    CHECK(what.content == bytes{static_cast<std::uint8_t>(what.origin->value)});
+    origins.insert(*what.origin);
+  }
+  CHECK(origins.size() == 24);
+  CHECK(x.arrived.size() == 24);
+  x.arrived.clear();
+  for (std::uint8_t i = 2; i <= 25; ++i) {
+    REQUIRE(x.at(sink).room_to(mote(i)));
+    x.send(sink, mote(i), {i});
+    x.run_for(200ms);
+  }
+  x.run_for(20s);
+  CHECK(x.arrived.size() == 24);
+  for (const auto& [where, what] : x.arrived) {
+    CHECK_FALSE(what.origin);
+    CHECK(what.content == bytes{static_cast<std::uint8_t>(where.value)});
+  }
+}
+
+TEST_CASE("neighbours reach each other directly, others by way of the sink", "[network][ADR-01]") {
+  island x(5, 1, 1);
+  x.run_for(2min);
+  x.arrived.clear();
+  x.send(mote(4), mote(5), {1});
+  x.send(mote(5), mote(3), {2});
+  x.run_for(5s);
+  REQUIRE(x.arrived.size() == 2);
+  CHECK(x.arrived[0].first == mote(5));
+  CHECK(x.arrived[0].second.origin == mote(4));
+  CHECK(x.arrived[1].first == sink); // whose user sends it down
+  x.kill(mote(5));
+  x.send(mote(4), mote(5), {3});
+  x.run_for(5s);
+  CHECK(x.arrived.size() == 3);
+  CHECK(x.at(mote(4)).counters().detours == 1);
+}
+
+TEST_CASE("everybody hears what is sent to all", "[network][ADR-05]") {
+  island x(4, 4, 0.9);
+  x.run_for(1min);
+  x.arrived.clear();
+  x.perform(mote(6), x.at(mote(6)).send_to_all({9}, x.own_time(mote(6))));
+  x.run_for(5s);
+  CHECK(x.arrived.size() == 15);
+}
+
+TEST_CASE("channels open between any two motes of an island", "[network][NET-10][STR-18]") {
+  island x(5, 5, 0.95, 2);
+  x.run_for(6min);
+  random_stream dice(5);
+  for (int i = 0; i < 30; ++i) {
+    const auto from = mote(1 + static_cast<int>(dice.below(25)));
+    const auto to = mote(1 + static_cast<int>(dice.below(25)));
+    if (from == to)
+      continue;
+    const auto id = x.connect(from, to);
+    x.run_for(15s);
+    REQUIRE(x.connected.contains(id));
+    auto sent = x.at(from).send_on(id, {42}, x.own_time(from));
+    REQUIRE(sent.has_value());
+    x.perform(from, *std::move(sent));
+    x.run_for(2s);
+    CHECK(x.received[id] == std::vector<bytes>{{42}});
+    x.perform(from, x.at(from).disconnect(id, x.own_time(from)));
+    x.run_for(2s);
+    for (const auto each : x.motes())
+      CHECK(x.at(each).paths().table().empty());
+  }
+}
+
+TEST_CASE("a relay that dies is replaced", "[network][NET-09]") {
+  island x(3, 3, 1);
+  x.run_for(2min);
+  x.arrived.clear();
+  const auto relay = x.at(mote(9)).tree().parent();
+  x.kill(relay);
+  for (int i = 0; i < 20; ++i) {
+    x.send(mote(9), sink, {1});
+    x.run_for(5s);
+  }
+  CHECK(x.arrived.size() >= 18);
+  CHECK(x.at(mote(9)).tree().parent() != relay);
+}
+
+TEST_CASE("the state of a mote's Network module fits its budget", "[network][SMP-30]") {
+  island x(2, 2, 1);
+  CHECK(x.at(mote(2)).footprint() < 4096);
+}
+
+TEST_CASE("messages of the Network modules keep their layout", "[network][golden]") {
+  const std::vector<std::pair<router_message, bytes>> all{
+      {user_content{{7, 8}}, {0, 7, 8}},
+      {place_report{virtual_coordinates{1, 2, 3}}, {1, 1, 2, 3}},
+      {place_report{}, {1, 255, 255, 255}},
+      {place_question{mote_id{0x0102}}, {2, 1, 2}},
+      {place_answer{mote_id{0x0102}, virtual_coordinates{3, 4, 5}}, {3, 1, 2, 3, 4, 5}},
+  };
+  for (const auto& [message, octets] : all) {
+    CHECK(encode(message) == octets);
+    CHECK(*decode_router_message(octets) == message);
+  }
+  CHECK(decode_router_message({}).error() == errc::truncated);
+  CHECK(decode_router_message(bytes{4}).error() == errc::unsupported);
+  CHECK(decode_router_message(bytes{2, 1}).error() == errc::truncated);
+  CHECK(decode_router_message(bytes{2, 1, 2, 3}).error() == errc::too_long);
+}
+
+} // namespace rubicon::network
