@@ -3,17 +3,12 @@
 
 #include "ecology_files.hpp"
 #include "support/catch.hpp"
+#include "support/seeds.hpp"
 
 using namespace rubicon;
 using namespace rubicon::test;
 
 namespace {
-
-#ifdef __SANITIZE_ADDRESS__
-constexpr std::uint64_t seeds = 1; // twenty times as slow
-#else
-constexpr std::uint64_t seeds = 4;
-#endif
 
 runtime::report run_scenario(const std::string& name, std::uint64_t seed,
                              std::optional<duration> length = std::nullopt) {
@@ -62,7 +57,7 @@ std::uint64_t links_opened(const runtime::report& x) {
 
 TEST_CASE("thirty peers on one LAN find each other and keep 3 to 7 links each",
           "[ecology][peis][CM-01][CLU-01]") {
-  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= seeds(4); ++seed) {
     CAPTURE(seed);
     const auto x = run_scenario("lan", seed);
     CHECK(hosts_known_min(x) == 30);
@@ -81,7 +76,7 @@ TEST_CASE("thirty peers on one LAN find each other and keep 3 to 7 links each",
 
 TEST_CASE("a network in two parts has two clusters and is one again when it heals",
           "[ecology][peis][CLU-01][CLU-02]") {
-  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= seeds(4); ++seed) {
     CAPTURE(seed);
     const auto before = run_scenario("partition", seed, 59s);
     CHECK(clusters(before) == std::set<std::int32_t>{11});
@@ -95,7 +90,7 @@ TEST_CASE("a network in two parts has two clusters and is one again when it heal
 }
 
 TEST_CASE("without managers a line stays a line", "[ecology][peis][CM-12]") {
-  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= seeds(4); ++seed) {
     CAPTURE(seed);
     const auto x = run_scenario("line", seed);
     CHECK(hosts_known_min(x) == 6);
@@ -107,7 +102,7 @@ TEST_CASE("without managers a line stays a line", "[ecology][peis][CM-12]") {
 }
 
 TEST_CASE("every leaf has exactly one link", "[ecology][peis][LEA-01]") {
-  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= seeds(4); ++seed) {
     CAPTURE(seed);
     const auto x = run_scenario("star", seed);
     CHECK(hosts_known_min(x) == 21);
@@ -119,7 +114,7 @@ TEST_CASE("every leaf has exactly one link", "[ecology][peis][LEA-01]") {
 }
 
 TEST_CASE("a ring that loses every tenth package stays together", "[ecology][peis]") {
-  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= seeds(4); ++seed) {
     CAPTURE(seed);
     const auto x = run_scenario("ring", seed);
     CHECK(hosts_known_min(x) == 8);
@@ -135,7 +130,7 @@ TEST_CASE("a ring that loses every tenth package stays together", "[ecology][pei
 
 TEST_CASE("who is killed is forgotten, and known again when it is back",
           "[ecology][peis][KH-05][RTE-07][RTE-08]") {
-  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= seeds(4); ++seed) {
     CAPTURE(seed);
     const auto gone = run_scenario("restart", seed, 79s); // pc-1 is down since 60 s
     CHECK(!peer_of(gone, "pc-1").alive);
@@ -260,7 +255,7 @@ kind = "clock_step"
 peer = "*"
 by = "-5s"
 )");
-  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= seeds(4); ++seed) {
     CAPTURE(seed);
     const auto x = run(what, seed);
     for (const auto& each : x.violations)

@@ -3,6 +3,7 @@
 
 #include "support/beacon_world.hpp"
 #include "support/catch.hpp"
+#include "support/seeds.hpp"
 
 using namespace rubicon;
 using namespace rubicon::network;
@@ -106,7 +107,7 @@ TEST_CASE("on a 15 x 15 grid the coordinates are the true hop distances to the a
 
 TEST_CASE("on a lossy 15 x 15 grid the coordinates are exact but for moments",
           "[network][NET-11]") {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  for (std::uint64_t seed = 1; seed <= test::seeds(3); ++seed) {
     auto world = grid_world(15, 0.95, 0.3, seed);
     CHECK(converges(world, 300s));
     CHECK(are_anchors_right(world));

@@ -4,6 +4,7 @@
 
 #include "support/beacon_world.hpp"
 #include "support/catch.hpp"
+#include "support/seeds.hpp"
 
 using namespace rubicon;
 using namespace rubicon::network;
@@ -90,7 +91,7 @@ beacon_world uneven_world(std::uint64_t seed) {
 } // namespace
 
 TEST_CASE("the tree costs about what the shortest paths cost", "[network][NET-02]") {
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+  for (std::uint64_t seed = 1; seed <= test::seeds(5); ++seed) {
     auto world = uneven_world(seed);
     world.run_for(15min);
     REQUIRE(all_reach_sink(world));
@@ -129,7 +130,7 @@ TEST_CASE("every mote of a lossy 15 x 15 grid gets a route and keeps it, without
 
 TEST_CASE("without traffic a dead parent is replaced within two rounds of beacons",
           "[network][NET-09]") {
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+  for (std::uint64_t seed = 1; seed <= test::seeds(5); ++seed) {
     auto world = grid_world(5, 1, 0.9, seed);
     world.run_for(5min);
     REQUIRE(all_reach_sink(world));
@@ -184,7 +185,7 @@ TEST_CASE("when the sink dies every mote knows that it has no route, and again h
 }
 
 TEST_CASE("motes die and come back, links fade: no loop lasts", "[network][NET-09]") {
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+  for (std::uint64_t seed = 1; seed <= test::seeds(4); ++seed) {
     auto world = grid_world(6, 0.8, 0.3, seed);
     random_stream dice(seed, "faults");
     std::size_t looping = 0;
