@@ -41,8 +41,7 @@ TEST_CASE("a throwing mote is restarted, alone, and the report says so", "[ecolo
 
 TEST_CASE("a mote that dies just before the end may still be listed", "[ecology][DIS-06]") {
   auto home = example("home.toml");
-  home.faults.push_back(
-      {home.length - 2s, config::battery_end_fault{{island_id{1}, mote_id{6}}}});
+  home.faults.push_back({home.length - 2s, config::battery_end_fault{{island_id{1}, mote_id{6}}}});
   const auto report = run(home);
   CHECK(report.violations.empty());
   CHECK(report.motes_alive() == report.motes_configured() - 2);

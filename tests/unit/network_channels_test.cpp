@@ -52,7 +52,8 @@ public:
   /// Opens a channel and waits. @returns its id; whether it opened tells `connected`
   channel_id connect(mote_id from, mote_id to, duration expiry = 0s, channel_schedule when = {}) {
     const auto id = motes_.at(from).next_id();
-    perform(from, motes_.at(from).connect(id, to, places_.at(to), when, expiry, around(from), now_));
+    perform(from,
+            motes_.at(from).connect(id, to, places_.at(to), when, expiry, around(from), now_));
     run_for(12s);
     return id;
   }
