@@ -37,7 +37,7 @@ bytes encode(const beacon& x) {
 }
 
 result<beacon> decode_beacon(byte_view octets) {
-  if (octets.size() > beacon_size_max)
+  if (octets.size() > frame_payload_max)
     return errc::too_long;
   byte_reader in(octets);
   beacon x;

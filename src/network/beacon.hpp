@@ -11,11 +11,9 @@
 #include "network/coordinates.hpp"
 #include "network/gradient.hpp"
 #include "network/neighbours.hpp"
+#include "network/wire.hpp"
 
 namespace rubicon::network {
-
-/// Octets that fit the payload of a radio frame beside its headers (NET-14).
-inline constexpr std::size_t beacon_size_max = 114;
 
 /// uint16 sequence, uint8 next, gradient (9 octets), coordinates (26), clock (26), then for each
 /// neighbour heard uint16 mote, uint8 quality; network byte order.
@@ -32,7 +30,7 @@ struct beacon {
   /// Where the clock's age lies, for the radio.
   static constexpr std::size_t age_at =
       3 + gradient_part::size + coordinates_part::size + clock_stamp_age_at;
-  static constexpr std::size_t heard_max = (beacon_size_max - header_size) / 3;
+  static constexpr std::size_t heard_max = (frame_payload_max - header_size) / 3;
 
   /// What this beacon says of its sender's link to `self`, which has a route to the sink or not.
   [[nodiscard]] link_report report(mote_id source, mote_id self, bool has_route) const;

@@ -1,26 +1,14 @@
 #include "network/channel_message.hpp"
 
 #include "core/codec.hpp"
+#include "network/wire.hpp"
 
 namespace rubicon::network {
 
 namespace {
 
-using std::chrono::microseconds;
-
 constexpr std::uint8_t flag_place = 1;
 constexpr std::uint8_t flag_flooded = 2;
-
-void write_48(byte_writer& to, island_time x) {
-  const auto us = static_cast<std::uint64_t>(x.time_since_epoch().count());
-  to.big(static_cast<std::uint16_t>(us >> 32)).big(static_cast<std::uint32_t>(us));
-}
-
-island_time read_48(byte_reader& from) {
-  const auto high = std::uint64_t{from.big<std::uint16_t>()};
-  const auto low = std::uint64_t{from.big<std::uint32_t>()};
-  return island_time(microseconds(static_cast<std::int64_t>(high << 32 | low)));
-}
 
 struct writer {
   byte_writer& to;
@@ -31,7 +19,7 @@ struct writer {
     to.octet(
         static_cast<std::uint8_t>((x.place ? flag_place : 0) | (x.flooded ? flag_flooded : 0)));
     to.octet(place.x).octet(place.y).octet(place.z).octet(x.hops).big(x.expiry_s);
-    write_48(to, x.schedule.first);
+    write(to, x.schedule.first);
     to.big(static_cast<std::uint32_t>(x.schedule.interval.count())).octet(x.schedule.size);
     to.big(x.delay_us);
   }
@@ -54,7 +42,7 @@ connect_message read_connect(byte_reader& from) {
   x.flooded = (flags & flag_flooded) != 0;
   x.hops = from.octet();
   x.expiry_s = from.big<std::uint16_t>();
-  x.schedule.first = read_48(from);
+  x.schedule.first = read_island_time(from);
   x.schedule.interval = std::chrono::milliseconds(from.big<std::uint32_t>());
   x.schedule.size = from.octet();
   x.delay_us = from.big<std::uint32_t>();

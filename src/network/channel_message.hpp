@@ -14,6 +14,7 @@
 #include "core/error.hpp"
 #include "core/island_time.hpp"
 #include "network/coordinates.hpp"
+#include "network/wire.hpp"
 
 namespace rubicon::network {
 
@@ -96,7 +97,7 @@ struct channel_message {
 inline constexpr std::size_t channel_header_size = 5;
 
 /// The longest packet: what a radio frame holds beside header and sequence number.
-inline constexpr std::size_t channel_packet_max = 114 - channel_header_size - 1;
+inline constexpr std::size_t channel_packet_max = frame_payload_max - channel_header_size - 1;
 
 [[nodiscard]] bytes encode(const channel_message& x);
 

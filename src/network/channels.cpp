@@ -7,10 +7,18 @@ namespace rubicon::network {
 
 namespace {
 
-constexpr duration flood_retry_room = 5s; ///< an offer that nobody has taken up by then is void
+constexpr duration offer_lifetime = 5s; ///< what nobody has taken up by then is void
+constexpr unsigned flood_rounds = 2;    ///< nobody acknowledges: each mote says it so often
 
 bool is_data(const channel_message& x) {
   return std::holds_alternative<data_message>(x.content);
+}
+
+/// As the next mote is to hear it.
+connect_message one_hop_on(connect_message x, const surroundings& around) {
+  ++x.hops;
+  x.delay_us += static_cast<std::uint32_t>(around.hop_delay.count());
+  return x;
 }
 
 } // namespace
@@ -70,10 +78,7 @@ void channels::go_on(channel_id id, entry& x, const surroundings& around, channe
   reserve(id, x, out);
   if (const auto next = nearer(x, around)) {
     x.next = next;
-    auto wish = x.wish;
-    ++wish.hops;
-    wish.delay_us += static_cast<std::uint32_t>(around.hop_delay.count());
-    queue(*next, {id, wish}, now);
+    queue(*next, {id, one_hop_on(x.wish, around)}, now);
     return;
   }
   if (x.previous && !x.second_try && x.wish.place && around.own_place) {
@@ -90,10 +95,8 @@ void channels::go_on(channel_id id, entry& x, const surroundings& around, channe
 void channels::flood(channel_id id, entry& x, const surroundings& around, instant now) {
   ++counters_.floods;
   x.next.reset();
-  auto wish = x.wish;
+  auto wish = one_hop_on(x.wish, around);
   wish.flooded = true;
-  ++wish.hops;
-  wish.delay_us += static_cast<std::uint32_t>(around.hop_delay.count());
   queue(broadcast_mote, {id, wish}, now);
 }
 
@@ -192,11 +195,8 @@ void channels::take_flooded(mote_id from, channel_id id, const connect_message& 
   if (offers_.size() >= config_.offers_max || entries_.size() >= config_.entries_max ||
       x.hops > config_.hops_max)
     return;
-  offers_[id] = {from, x, now + flood_retry_room};
-  auto wish = x;
-  ++wish.hops;
-  wish.delay_us += static_cast<std::uint32_t>(around.hop_delay.count());
-  queue(broadcast_mote, {id, wish}, now + dice_.between(0s, config_.flood_spread));
+  offers_[id] = {from, x, now + offer_lifetime};
+  queue(broadcast_mote, {id, one_hop_on(x, around)}, now + dice_.between(0s, config_.flood_spread));
 }
 
 void channels::take(mote_id from, channel_id id, connect_ack_message&, const surroundings&,
@@ -215,8 +215,6 @@ void channels::take(mote_id from, channel_id id, connect_ack_message&, const sur
     found->second.last_packet = now;
   }
   auto& x = found->second;
-  if (x.next && *x.next != from && !x.open && !x.second_try)
-    x.next.reset();
   if (x.open && x.next != from) { // two of the flood's copies have come to the destination
     queue(from, {id, end_message{channel_end::disconnected}}, now);
     return;
@@ -338,7 +336,7 @@ channels_outputs channels::on_sent(bool acked, instant now) {
     return out;
   auto x = *std::exchange(under_way_, std::nullopt);
   const auto rounds_max = is_data(x.message)         ? config_.data_rounds_max
-                          : x.next == broadcast_mote ? 2
+                          : x.next == broadcast_mote ? flood_rounds
                                                      : config_.rounds_max;
   ++x.rounds;
   if (const auto found = entries_.find(x.message.channel); acked && found != entries_.end())

@@ -3,6 +3,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "network/wire.hpp"
+
 namespace rubicon::network {
 
 namespace {
@@ -10,34 +12,18 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr int stale_periods = 3; ///< without news of it: a root may have begun anew
-constexpr std::uint64_t mask_48 = (std::uint64_t{1} << 48) - 1;
 
 std::int64_t us_of(instant x) {
   return std::chrono::floor<microseconds>(x.time_since_epoch()).count();
-}
-
-bool is_newer(std::uint16_t a, std::uint16_t b) {
-  return static_cast<std::int16_t>(a - b) > 0;
-}
-
-void write_48(byte_writer& to, island_time x) {
-  const auto us = static_cast<std::uint64_t>(x.time_since_epoch().count()) & mask_48;
-  to.big(static_cast<std::uint16_t>(us >> 32)).big(static_cast<std::uint32_t>(us));
-}
-
-island_time read_48(byte_reader& from) {
-  const auto high = std::uint64_t{from.big<std::uint16_t>()};
-  return island_time(
-      microseconds(static_cast<std::int64_t>(high << 32 | from.big<std::uint32_t>())));
 }
 
 } // namespace
 
 void write(byte_writer& to, const clock_stamp& x) {
   to.big(x.root.value).big(x.sequence);
-  write_48(to, x.time);
+  write(to, x.time);
   to.big(x.age_us).big(x.tick.first);
-  write_48(to, x.tick.from);
+  write(to, x.tick.from);
   to.big(static_cast<std::uint16_t>(x.tick.period.count()));
 }
 
@@ -45,10 +31,10 @@ clock_stamp read_clock_stamp(byte_reader& from) {
   clock_stamp x;
   x.root = mote_id{from.big<std::uint16_t>()};
   x.sequence = from.big<std::uint16_t>();
-  x.time = read_48(from);
+  x.time = read_island_time(from);
   x.age_us = from.big<std::uint32_t>();
   x.tick.first = from.big<std::uint32_t>();
-  x.tick.from = read_48(from);
+  x.tick.from = read_island_time(from);
   x.tick.period = std::chrono::milliseconds(from.big<std::uint16_t>());
   return x;
 }

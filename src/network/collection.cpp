@@ -27,7 +27,7 @@ std::optional<std::size_t> collection::room_down(mote_id to) const {
   const auto hops = routes_.route_to(to);
   if (!hops || hops->empty())
     return std::nullopt;
-  return frame_max - header_size(*hops);
+  return frame_payload_max - header_size(*hops);
 }
 
 collection_outputs collection::send_up(bytes content, instant now) {
@@ -43,7 +43,7 @@ collection_outputs collection::send_down(mote_id to, bytes content, instant now)
   ++counters_.originated;
   auto hops = routes_.route_to(to);
   collection_outputs out;
-  if (!hops || hops->empty() || content.size() + header_size(*hops) > frame_max) {
+  if (!hops || hops->empty() || content.size() + header_size(*hops) > frame_payload_max) {
     ++counters_.no_route;
     return out;
   }

@@ -16,6 +16,7 @@
 #include "core/time.hpp"
 #include "network/collection_packet.hpp"
 #include "network/source_routes.hpp"
+#include "network/wire.hpp"
 
 namespace rubicon::network {
 
@@ -73,8 +74,10 @@ public:
   collection(collection_config config, random_stream dice);
 
   /// How much content fits one packet to the sink, or down such a route, or for everybody.
-  [[nodiscard]] static std::size_t room_up() { return frame_max - up_packet::header_size; }
-  [[nodiscard]] static std::size_t room_flood() { return frame_max - flood_packet::header_size; }
+  [[nodiscard]] static std::size_t room_up() { return frame_payload_max - up_packet::header_size; }
+  [[nodiscard]] static std::size_t room_flood() {
+    return frame_payload_max - flood_packet::header_size;
+  }
   /// Nothing if the mote is not known. @pre is_root
   [[nodiscard]] std::optional<std::size_t> room_down(mote_id to) const;
 
@@ -105,12 +108,10 @@ public:
   [[nodiscard]] std::size_t queued() const { return queue_.size(); }
   [[nodiscard]] const collection_counters& counters() const { return counters_; }
   [[nodiscard]] std::size_t footprint() const {
-    return config_.queue_max * (frame_max + 8) + config_.seen_max * 6 + 40;
+    return config_.queue_max * (frame_payload_max + 8) + config_.seen_max * 6 + 40;
   }
 
 private:
-  static constexpr std::size_t frame_max = 114; ///< a radio frame's payload (NET-14)
-
   /// Tells a packet from all others for a while. A packet that went round a loop is another one.
   struct mark {
     std::uint8_t am_type = 0;

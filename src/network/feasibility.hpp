@@ -3,12 +3,9 @@
 
 #include <cstdint>
 
-namespace rubicon::network {
+#include "network/wire.hpp"
 
-/// Serial number arithmetic (RFC 1982) on 16 bits.
-[[nodiscard]] constexpr bool is_newer(std::uint16_t a, std::uint16_t b) {
-  return static_cast<std::int16_t>(static_cast<std::uint16_t>(a - b)) > 0;
-}
+namespace rubicon::network {
 
 /// The best route to one destination that this node has ever told others about. The destination
 /// counts a sequence number up; who is told (sequence, cost) may only use it if it is newer, or

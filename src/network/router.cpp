@@ -8,7 +8,6 @@ namespace rubicon::network {
 
 namespace {
 
-constexpr std::size_t frame_payload_max = 114; // NET-14
 constexpr int delay_smoothing = 16;
 constexpr unsigned purpose_bits = 2;
 

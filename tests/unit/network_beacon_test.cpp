@@ -60,7 +60,7 @@ TEST_CASE("a beacon with a full list fits a frame, and each wrong length is refu
   auto x = sample();
   x.heard.assign(beacon::heard_max, {mote_id{1}, 255});
   const auto octets = encode(x);
-  CHECK(octets.size() <= beacon_size_max);
+  CHECK(octets.size() <= frame_payload_max);
   CHECK(beacon::heard_max == 16);
   for (std::size_t size = 0; size < octets.size(); ++size) {
     const auto cut = decode_beacon(byte_view(octets).first(size));
@@ -69,7 +69,7 @@ TEST_CASE("a beacon with a full list fits a frame, and each wrong length is refu
     if (!cut)
       CHECK(cut.error() == errc::truncated);
   }
-  CHECK(decode_beacon(bytes(beacon_size_max + 1)).error() == errc::too_long);
+  CHECK(decode_beacon(bytes(frame_payload_max + 1)).error() == errc::too_long);
 }
 
 TEST_CASE("a list with the id of no mote is refused", "[network][NET-14]") {

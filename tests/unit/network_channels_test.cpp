@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <queue>
 #include <set>
 #include <vector>
 
 #include "network/channels.hpp"
+#include "support/agenda.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::network {
@@ -77,23 +77,16 @@ public:
 
   void run_for(duration length) {
     const auto end = now_ + length;
-    while (true) {
-      auto next = end;
-      for (const auto& [mote, x] : motes_)
-        next = std::min(next, x.deadline().value_or(end));
-      if (!events_.empty() && events_.begin()->first <= next) {
-        auto event = events_.extract(events_.begin());
-        now_ = std::max(now_, event.key());
-        event.mapped()();
-      } else if (next < end) {
-        now_ = std::max(now_, next);
-        for (auto& [mote, x] : motes_)
-          perform(mote, x.on_time(now_));
-      } else {
-        now_ = end;
-        return;
-      }
-    }
+    const auto next = [&] {
+      auto due = end;
+      for (const auto& [id, x] : motes_)
+        due = std::min(due, x.deadline().value_or(end));
+      return due;
+    };
+    agenda_.run(now_, end, next, [this] {
+      for (auto& [id, x] : motes_)
+        perform(id, x.on_time(now_));
+    });
   }
 
   /// Motes whose table has the channel, ascending.
@@ -184,12 +177,12 @@ private:
     }
     const auto when = now_ + 5ms;
     for (const auto to : heard) {
-      events_.emplace(when, [this, from, to, frame] {
+      agenda_.add(when, [this, from, to, frame] {
         if (motes_.contains(to))
           perform(to, motes_.at(to).on_frame(from, frame.octets, around(to), now_));
       });
     }
-    events_.emplace(when, [this, from, acked] {
+    agenda_.add(when, [this, from, acked] {
       if (motes_.contains(from))
         perform(from, motes_.at(from).on_sent(acked, now_));
     });
@@ -202,7 +195,7 @@ private:
   instant now_;
   std::map<mote_id, channels> motes_;
   std::map<mote_id, virtual_coordinates> places_;
-  std::multimap<instant, std::function<void()>> events_;
+  test::agenda agenda_;
 };
 
 /// A wall with a gap at one end: greedy forwarding runs against it.

@@ -1,4 +1,3 @@
-#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -6,6 +5,7 @@
 
 #include "network/am.hpp"
 #include "network/collection.hpp"
+#include "support/agenda.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::network {
@@ -50,23 +50,16 @@ public:
 
   void run_for(duration length) {
     const auto end = now_ + length;
-    while (true) {
-      auto next = end;
+    const auto next = [&] {
+      auto due = end;
       for (const auto& [id, x] : motes_)
-        next = std::min(next, x.deadline().value_or(end));
-      if (!events_.empty() && events_.begin()->first <= next) {
-        auto event = events_.extract(events_.begin());
-        now_ = std::max(now_, event.key());
-        event.mapped()();
-      } else if (next < end) {
-        now_ = std::max(now_, next);
-        for (auto& [id, x] : motes_)
-          perform(id, x.on_time(now_));
-      } else {
-        now_ = end;
-        return;
-      }
-    }
+        due = std::min(due, x.deadline().value_or(end));
+      return due;
+    };
+    agenda_.run(now_, end, next, [this] {
+      for (auto& [id, x] : motes_)
+        perform(id, x.on_time(now_));
+    });
   }
 
   [[nodiscard]] std::uint64_t sum(std::uint64_t collection_counters::*which) const {
@@ -96,12 +89,11 @@ private:
     }
     const auto at = now_ + 5ms;
     for (const auto to : heard) {
-      events_.emplace(at, [this, from, to, frame] {
+      agenda_.add(at, [this, from, to, frame] {
         perform(to, motes_.at(to).on_frame(from, frame.am_type, frame.octets, now_));
       });
     }
-    events_.emplace(at,
-                    [this, from, acked] { perform(from, motes_.at(from).on_sent(acked, now_)); });
+    agenda_.add(at, [this, from, acked] { perform(from, motes_.at(from).on_sent(acked, now_)); });
   }
 
   [[nodiscard]] bool reaches(mote_id from, mote_id to) {
@@ -113,7 +105,7 @@ private:
   instant now_;
   std::map<mote_id, collection> motes_;
   std::map<mote_id, mote_id> parents_;
-  std::multimap<instant, std::function<void()>> events_;
+  test::agenda agenda_;
 };
 
 island line(int length, double delivery, std::uint64_t seed = 1) {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <set>
 #include <vector>
@@ -7,6 +6,7 @@
 #include "core/codec.hpp"
 #include "network/am.hpp"
 #include "network/router.hpp"
+#include "support/agenda.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::network {
@@ -79,25 +79,18 @@ public:
 
   void run_for(duration length) {
     const auto end = now_ + length;
-    while (true) {
-      auto next = end;
+    const auto next = [&] {
+      auto due = end;
       for (auto& [id, x] : nodes_)
-        next = std::min(next, real(x, x.life.deadline()));
-      if (!events_.empty() && events_.begin()->first <= next) {
-        auto event = events_.extract(events_.begin());
-        now_ = std::max(now_, event.key());
-        event.mapped()();
-      } else if (next < end) {
-        now_ = std::max(now_, next);
-        for (const auto id : motes()) {
-          if (at(id).deadline() <= own_time(id))
-            perform(id, at(id).on_time(own_time(id)));
-        }
-      } else {
-        now_ = end;
-        return;
+        due = std::min(due, real(x, x.life.deadline()));
+      return due;
+    };
+    agenda_.run(now_, end, next, [this] {
+      for (const auto id : motes()) {
+        if (at(id).deadline() <= own_time(id))
+          perform(id, at(id).on_time(own_time(id)));
       }
-    }
+    });
   }
 
   std::vector<std::pair<mote_id, content_in>> arrived;
@@ -161,13 +154,13 @@ private:
     }
     const auto when = now_ + wait;
     for (const auto to : heard) {
-      events_.emplace(when, [this, from, to, frame] {
+      agenda_.add(when, [this, from, to, frame] {
         if (nodes_.contains(to))
           perform(to,
                   at(to).on_frame(from, frame.am_type, frame.payload, own_time(to), own_time(to)));
       });
     }
-    events_.emplace(when, [this, from, acked, tries, token = frame.token] {
+    agenda_.add(when, [this, from, acked, tries, token = frame.token] {
       if (nodes_.contains(from))
         perform(from, at(from).on_sent(token, acked, tries, own_time(from)));
     });
@@ -179,7 +172,7 @@ private:
   random_stream dice_;
   instant now_;
   std::map<mote_id, node> nodes_;
-  std::multimap<instant, std::function<void()>> events_;
+  test::agenda agenda_;
 };
 
 } // namespace
