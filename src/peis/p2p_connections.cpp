@@ -281,7 +281,7 @@ void p2p::announce_by_rule(instant now, bool extra) {
   if (!first && unheard_announcements_ < quiet_periods)
     return;
   ++counters_.announcements_sent;
-  events_.push_back(announce{encode(announcement{protocol_version, config_.network, self_})});
+  events_.push_back(announce{hello()});
 }
 
 void p2p::on_announcement(byte_view octets, instant now) {
