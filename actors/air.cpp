@@ -104,9 +104,10 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
         perform(self, self->state.channel.set_power(x.radio, radio::power::on, now(self)));
       },
       [self](const radio_send& x) {
-        perform(self, self->state.channel.send(x.radio,
-                                               {x.token, x.destination, x.am_type, x.octets, x.ack},
-                                               now(self)));
+        radio::request what{x.token, x.destination, x.am_type, x.octets, x.ack};
+        if (x.age_at != no_age)
+          what.age_at = x.age_at;
+        perform(self, self->state.channel.send(x.radio, std::move(what), now(self)));
       },
       [self](const radio_power& x) {
         perform(self, self->state.channel.set_power(x.radio, x.state, now(self)));

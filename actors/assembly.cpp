@@ -41,12 +41,26 @@ duration keep_alive_of(const config::island_description& island,
   return period;
 }
 
+/// @param who names a mote or a sink
+mote::crystal crystal_of(ecology_pointer self, const config::island_description& island,
+                         const std::string& who) {
+  random_stream dice(self->state.description.seed, "crystal/" + who);
+  const auto bound = static_cast<std::uint64_t>(island.crystal_ppm * 1000);
+  return mote::crystal(static_cast<std::int64_t>(dice.below(2 * bound + 1)) -
+                       static_cast<std::int64_t>(bound));
+}
+
 mote_arguments arguments_of(ecology_pointer self, const config::island_description& island,
                             const config::mote_description& mote, radio::radio_index radio,
                             const air_actor& air) {
   mote_arguments x;
   x.address = {island.id, mote.id};
   x.name = island.name + '/' + mote.name;
+  x.crystal = crystal_of(self, island, x.name);
+  x.node.duty = island.duty;
+  x.node.place = mote.place;
+  x.node.transducer_seed =
+      random_stream(self->state.description.seed, x.name + "/transducers").next();
   x.node.id = mote.id;
   x.node.type = mote.type;
   x.node.keep_alive = keep_alive_of(island, mote);
@@ -87,6 +101,8 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   at_sink.air = air;
   at_sink.line = line;
   at_sink.apps = island.sink.apps;
+  at_sink.duty = island.duty;
+  at_sink.crystal = crystal_of(self, island, island.name + "/sink");
   at_sink.seed = seed;
   at_sink.ecology = ecology;
   spawn_child(self, "sink/" + island.name, sink, std::move(at_sink));

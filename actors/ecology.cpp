@@ -330,6 +330,7 @@ void deliver(ecology_pointer self) {
   report.simulated = now(self).time_since_epoch();
   std::ranges::sort(report.peers, {}, &runtime::peer_report::id);
   std::ranges::sort(report.proxies, {}, &runtime::proxy_report::name);
+  std::ranges::stable_sort(report.programs, {}, &runtime::program_report::who);
   for (auto& x : runtime::check_all(report, truth_of(self)))
     report.violations.push_back(std::move(x));
   self->state.on_report(std::move(report));
@@ -371,6 +372,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
         self->state.neighbours[x.peer.id] = x.neighbours;
       },
       [self](const proxy_status& x) { self->state.report.proxies.push_back(x.proxy); },
+      [self](const program_status& x) { self->state.report.programs.push_back(x.program); },
       [self](const apply_fault& x) {
         schedule_fault(self);
         std::visit(fault_applier{{self}}, self->state.description.faults.at(x.index).what);

@@ -66,7 +66,8 @@ struct performer {
   void operator()(const serial::received& x) const {
     const auto packet = serial::decode_am_packet(x.packet);
     if (packet)
-      perform(self, self->state.gateway.on_packet(packet->am_type, packet->payload, now(self)));
+      perform(self, self->state.gateway.on_packet(mote_id(packet->source), packet->am_type,
+                                                  packet->payload, now(self)));
     else
       ++self->state.bad_packets;
   }

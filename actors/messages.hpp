@@ -108,12 +108,17 @@ struct proxy_status {
   runtime::proxy_report proxy;
 };
 
+/// What a program on a mote or PC has counted.
+struct program_status {
+  runtime::program_report program;
+};
+
 /// The root supervisor, as those below it see it.
 using ecology_actor = caf::typed_actor<
     caf::reacts_to<story>, caf::reacts_to<mote_flat>, caf::reacts_to<listing_changed>,
     caf::reacts_to<radio_status>, caf::reacts_to<energy_status>, caf::reacts_to<flow_status>,
     caf::reacts_to<message_status>, caf::reacts_to<serial_status>, caf::reacts_to<devices_status>,
-    caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>>;
+    caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>, caf::reacts_to<program_status>>;
 
 /// To itself: this fault of the description's plan is due.
 struct apply_fault {
@@ -179,6 +184,8 @@ struct attach_radio {
   carried<radio_user_actor> user;
 };
 
+inline constexpr std::uint8_t no_age = 0xff;
+
 struct radio_send {
   radio::radio_index radio;
   std::uint64_t token = 0;
@@ -186,6 +193,7 @@ struct radio_send {
   std::uint8_t am_type = 0;
   payload octets;
   bool ack = true;
+  std::uint8_t age_at = no_age; ///< as in radio::request
 };
 
 struct radio_power {
@@ -644,6 +652,9 @@ using proxy_manager_actor =
 
 /// Control programs on peers: rules, collector.
 using peer_app_actor = peis_client_actor::extend<caf::reacts_to<status_request>>;
+
+/// A peer's Communication Layer, and the programs that use it.
+using pc_actor = peer_app_actor::extend<caf::reacts_to<timer_expired>>;
 
 } // namespace rubicon
 

@@ -41,6 +41,11 @@ auto inspect(F& f, proxy_report& x) {
 }
 
 template <class F>
+auto inspect(F& f, program_report& x) {
+  return f(caf::meta::type_name("program_report"), x.who, x.kind, x.figures);
+}
+
+template <class F>
 auto inspect(F& f, peer_report& x) {
   return f(caf::meta::type_name("peer_report"), x.id, x.name, x.alive, x.incarnations, x.links,
            x.links_opened, x.links_closed, x.attempts, x.attempts_failed, x.hosts_known, x.cluster,
@@ -134,6 +139,11 @@ auto inspect(F& f, peer_status& x) {
 }
 
 template <class F>
+auto inspect(F& f, program_status& x) {
+  return f(caf::meta::type_name("program_status"), x.program);
+}
+
+template <class F>
 auto inspect(F& f, proxy_status& x) {
   return f(caf::meta::type_name("proxy_status"), x.proxy);
 }
@@ -162,7 +172,7 @@ auto inspect(F& f, attach_radio& x) {
 template <class F>
 auto inspect(F& f, radio_send& x) {
   return f(caf::meta::type_name("radio_send"), x.radio, x.token, x.destination, x.am_type, x.octets,
-           x.ack);
+           x.ack, x.age_at);
 }
 
 template <class F>
@@ -506,6 +516,7 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::serial_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::devices_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::peer_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::proxy_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::program_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::apply_fault))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::restart_mote))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::collect_report))

@@ -1,9 +1,11 @@
 #include "actors/mote.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "actors/apps/mote_apps.hpp"
 #include "actors/log.hpp"
+#include "actors/network_radio.hpp"
 #include "actors/statuses.hpp"
 #include "scheduler/spawn.hpp"
 #include "scheduler/supervision.hpp"
@@ -16,14 +18,33 @@ using mote_pointer = scheduler::traced_pointer<mote_state, mote_actor>;
 
 void perform(mote_pointer self, mote::node_outputs todo);
 
+void tell_state(mote_pointer self, const std::string& actuator, std::uint8_t state) {
+  const auto how = state == 0 ? " off" : state == 1 ? " on" : " at " + std::to_string(state);
+  self->send(self->state.arguments->ecology, story{self->path(), actuator + how});
+}
+
+instant own_time(mote_pointer self) {
+  return self->state.arguments->crystal.own(now(self));
+}
+
 struct performer {
   mote_pointer self;
 
-  void operator()(network::transmit& x) const {
-    const bool unicast = x.next_hop != broadcast_mote;
-    self->send(self->state.arguments->air,
-               radio_send{self->state.arguments->radio, 0, x.next_hop, x.am_type,
-                          payload(std::move(x.payload)), unicast});
+  void operator()(network::frame_out& x) const {
+    self->send(self->state.arguments->air, request_of(self->state.arguments->radio, std::move(x)));
+  }
+
+  void operator()(const mote::actuator_arrived& x) const {
+    tell_state(self, x.name, x.state);
+    const auto mover = self->state.movers.find(x.name);
+    if (mover != self->state.movers.end())
+      self->send(mover->second, actuator_changed{x.name, x.state, true});
+  }
+
+  void operator()(const mote::radio_switch& x) const {
+    self->send(
+        self->state.arguments->air,
+        radio_power{self->state.arguments->radio, x.on ? radio::power::on : radio::power::off});
   }
 
   void operator()(const mote::membership& x) const {
@@ -31,29 +52,15 @@ struct performer {
     for (const auto& app : self->state.apps)
       self->send(app, membership_changed{x.joined, x.island});
   }
-
-  void operator()(transport::received& x) const {
-    const auto owner = self->state.owners.find(x.am_type);
-    if (owner == self->state.owners.end()) {
-      ++self->state.unowned;
-      return;
-    }
-    self->send(owner->second, message_received{x.source, x.am_type, payload(std::move(x.payload))});
-  }
-
-  void operator()(const transport::outcome& x) const {
-    const auto found = self->state.waiting.find(x.id);
-    if (found == self->state.waiting.end())
-      return;
-    self->send(found->second.app, send_ended{found->second.token, false, x.acked});
-    self->state.waiting.erase(found);
-  }
 };
 
 void perform(mote_pointer self, mote::node_outputs todo) {
   for (auto& output : todo)
     std::visit(performer{self}, output);
-  self->state.wake.follow(self, self->state.node->deadline());
+  auto& state = self->state;
+  state.programs.tell(self, state.arguments->ecology);
+  const auto due = earliest(state.node->deadline(), state.programs.deadline());
+  state.wake.follow(self, state.arguments->crystal.real(*due));
 }
 
 void on_frame(mote_pointer self, byte_view psdu) {
@@ -62,61 +69,84 @@ void on_frame(mote_pointer self, byte_view psdu) {
       self->state.flows.take(self, *frame))
     return;
   if (const auto& node = self->state.node; node && !self->state.flat)
-    perform(self, node->on_frame(frame->source, frame->am_type, frame->payload, now(self)));
+    perform(self, node->on_frame(frame->source, frame->am_type, frame->payload,
+                                 self->state.arguments->crystal.own(sfd_of(psdu, now(self))),
+                                 own_time(self)));
+}
+
+void on_done(mote_pointer self, const radio_done& x) {
+  const auto token = token_of(x);
+  if (!token)
+    self->state.flows.on_done(self, x);
+  else if (!self->state.flat)
+    perform(self, self->state.node->on_sent(*token, x.status == radio::send_status::sent,
+                                            x.transmissions, own_time(self)));
+}
+
+void move_to(mote_pointer self, position place) {
+  auto& state = self->state;
+  if (state.node)
+    state.node->move(place);
+  self->send(state.arguments->air, move_radio{state.arguments->radio, place});
 }
 
 void go(mote_pointer self) {
   auto& state = self->state;
   if (state.walk.empty())
     return;
-  self->send(state.arguments->air, move_radio{state.arguments->radio, state.walk.at(now(self))});
+  move_to(self, state.walk.at(now(self)));
   state.walk_wake.follow(self, state.walk.next(now(self)));
 }
 
 void on_timer(mote_pointer self, const timer_expired& x) {
   auto& state = self->state;
   state.flows.on_timer(self, x);
-  if (state.wake.accepts(x) && !state.flat)
-    perform(self, state.node->on_time(now(self)));
+  if (state.wake.accepts(x) && !state.flat) {
+    perform(self, state.node->on_time(own_time(self)));
+    state.node->begin(own_time(self));
+    state.programs.on_time(own_time(self));
+    perform(self, state.node->settle(own_time(self)));
+  }
   if (state.walk_wake.accepts(x)) // a mote is carried on even if its battery is flat
     go(self);
 }
 
+app_port& port_of(mote_pointer self, const mote_app_actor& app) {
+  auto& ports = self->state.ports;
+  const auto found = std::ranges::find(ports, app, [](const auto& x) { return x->app(); });
+  if (found != ports.end())
+    return **found;
+  ports.push_back(std::make_unique<app_port>(self, app));
+  return *ports.back();
+}
+
 void on_send(mote_pointer self, const send_message& x) {
-  const auto ticket = self->state.next_ticket++;
-  auto accepted = self->state.node->send(ticket, x.destination, x.am_type,
-                                         to_bytes(x.octets.view()), x.reliable, now(self));
-  if (accepted && x.reliable)
-    self->state.waiting[ticket] = {x.app.actor, x.token};
-  else
-    self->send(x.app.actor, send_ended{x.token, !accepted, false});
-  if (accepted)
-    perform(self, *std::move(accepted));
+  self->state.node->begin(own_time(self));
+  port_of(self, x.app.actor).send(x);
+  perform(self, self->state.node->settle(own_time(self)));
 }
 
 void on_claim(mote_pointer self, const claim_am_type& x) {
-  const auto [owner, claimed] = self->state.owners.emplace(x.am_type, x.app.actor);
-  if (!claimed && owner->second != x.app.actor)
+  if (self->state.node && !port_of(self, x.app.actor).claim(x.am_type))
     log(self, spdlog::level::err, "event=claim_refused am_type={}", x.am_type);
 }
 
 void on_read(mote_pointer self, const read_transducers& x) {
   transducers_read answer;
   for (const auto kind : x.kinds) {
-    if (const auto count = self->state.node->read(kind, now(self)))
+    if (const auto count = self->state.node->read(kind, own_time(self)))
       answer.counts.push_back(*count);
   }
   self->send(x.app.actor, std::move(answer));
 }
 
 void on_set(mote_pointer self, const set_actuator& x) {
-  const bool obeyed = self->state.node->actuate(x.name, x.state);
-  const auto state = self->state.node->actuator_state(x.name).value_or(0);
-  if (obeyed)
-    self->send(self->state.arguments->ecology,
-               story{self->path(), x.name + (state == 0   ? " off"
-                                             : state == 1 ? " on"
-                                                          : " at " + std::to_string(state))});
+  const bool obeyed = self->state.node->actuate(x.name, x.state, own_time(self));
+  const auto state = self->state.node->actuator_state(x.name, own_time(self)).value_or(0);
+  self->state.movers[x.name] = x.app.actor;
+  perform(self, {});
+  if (obeyed && state == x.state)
+    tell_state(self, x.name, state);
   self->send(x.app.actor, actuator_changed{x.name, state, obeyed});
 }
 
@@ -146,8 +176,8 @@ void report_failures(mote_pointer self) {
   self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
     self->state.flows.report(self, self->state.arguments->ecology);
     if (const auto& node = self->state.node) {
-      auto counted = node->messages();
-      counted.reliable_failed += node->outstanding();
+      auto counted = node->above().messages().counters();
+      counted.reliable_failed += node->above().messages().outstanding();
       report_messages(self, counted, 0);
     }
     return scheduler::failure_of(x);
@@ -160,19 +190,47 @@ void start(mote_pointer self) {
   const auto life = "mote/" + arguments.name + '#' + std::to_string(state.incarnation);
   self->send(arguments.air,
              attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
-  state.walk = mote::walk(arguments.path, arguments.step);
-  go(self);
   if (arguments.stack == config::stack::full)
     state.node = std::make_unique<mote::node>(arguments.node, state.incarnation,
-                                              random_stream(arguments.seed, life));
+                                              random_stream(arguments.seed, life), own_time(self));
+  state.walk = mote::walk(arguments.path, arguments.step);
+  go(self);
   state.apps = spawn_mote_apps(self);
-  if (state.node)
-    perform(self, state.node->start(now(self)));
+  if (state.node) {
+    state.programs.start(*state.node, programs_among(arguments.apps), life, arguments.seed,
+                         own_time(self));
+    perform(self, state.node->start(own_time(self)));
+  }
   state.flows.start(self, arguments.apps, arguments.address, arguments.radio, arguments.air,
                     random_stream(arguments.seed, life + "/flows"));
 }
 
 } // namespace
+
+app_port::app_port(mote_pointer self, mote_app_actor app)
+    : self_(self), app_(std::move(app)), layer_(self->state.node->attach(*this)) {}
+
+bool app_port::claim(std::uint8_t am_type) {
+  return layer_.provide(am_type) == mote::SUCCESS;
+}
+
+void app_port::send(const send_message& x) {
+  const auto number = layer_.send_numbered(x.destination, x.octets.view(), x.reliable, x.am_type);
+  if (number && x.reliable)
+    tokens_[*number] = x.token;
+  else
+    self_->send(app_, send_ended{x.token, !number, false});
+}
+
+void app_port::receiveFrom(mote_address source, byte_view octets, std::uint8_t am_type) {
+  self_->send(app_, message_received{source, am_type, payload(to_bytes(octets))});
+}
+
+void app_port::ackOf(std::uint32_t number, mote::status success) {
+  const auto token = tokens_.extract(number);
+  if (!token.empty())
+    self_->send(app_, send_ended{token.mapped(), false, success == mote::SUCCESS});
+}
 
 mote_actor::behavior_type mote_behavior(mote_pointer self,
                                         std::shared_ptr<const mote_arguments> arguments,
@@ -183,7 +241,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
   start(self);
   return {
       [self](const frame_received& x) { on_frame(self, x.psdu.view()); },
-      [self](const radio_done& x) { self->state.flows.on_done(self, x); },
+      [self](const radio_done& x) { on_done(self, x); },
       [self](battery_flat) { die(self); },
       [self](const claim_am_type& x) { on_claim(self, x); },
       [self](const send_message& x) {
@@ -200,7 +258,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
       },
       [self](const move_mote& x) {
         self->state.walk_wake.stop();
-        self->send(self->state.arguments->air, move_radio{self->state.arguments->radio, x.place});
+        move_to(self, x.place);
       },
       [self](crash_now) {
         if (!self->state.flat)
@@ -214,8 +272,12 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
       [self](const timer_expired& x) { on_timer(self, x); },
       [self](status_request) {
         self->state.flows.report(self, self->state.arguments->ecology);
-        if (const auto& node = self->state.node)
-          report_messages(self, node->messages(), node->outstanding());
+        if (const auto& node = self->state.node) {
+          report_messages(self, node->above().messages().counters(),
+                          node->above().messages().outstanding());
+          self->state.programs.report(self, self->state.arguments->ecology,
+                                      self->state.arguments->name);
+        }
       },
   };
 }

@@ -8,8 +8,10 @@
 
 #include "actors/flow_host.hpp"
 #include "actors/messages.hpp"
+#include "actors/program_host.hpp"
 #include "actors/timer.hpp"
 #include "config/ecology.hpp"
+#include "mote/crystal.hpp"
 #include "mote/node.hpp"
 #include "mote/walk.hpp"
 
@@ -21,6 +23,7 @@ struct mote_arguments {
   std::string name; ///< `kitchen/climate-7`
   config::stack stack = config::stack::full;
   mote::node_config node; ///< full stack only
+  mote::crystal crystal;
   std::vector<config::mote_app> apps;
   std::vector<mote::way_point> path; ///< empty: it does not move
   duration step = 1s;                ///< of its moves
@@ -30,13 +33,32 @@ struct mote_arguments {
   ecology_actor ecology;
 };
 
-struct mote_state {
-  /// Which app is to hear about a reliable send.
-  struct waiting_app {
-    mote_app_actor app;
-    std::uint64_t token = 0;
-  };
+struct mote_state;
 
+/// An app that is an actor of its own, as the mote's layer sees it.
+class app_port final : public mote::communication_events {
+public:
+  using mote_pointer = scheduler::traced_pointer<mote_state, mote_actor>;
+
+  /// @param self has a node
+  app_port(mote_pointer self, mote_app_actor app);
+
+  [[nodiscard]] bool claim(std::uint8_t am_type); ///< false: it is another's
+  void send(const send_message& x);
+
+  void receiveFrom(mote_address source, byte_view octets, std::uint8_t am_type) override;
+  void ackOf(std::uint32_t number, mote::status success) override;
+
+  [[nodiscard]] const mote_app_actor& app() const { return app_; }
+
+private:
+  mote_pointer self_;
+  mote_app_actor app_;
+  mote::communication layer_;
+  std::map<std::uint32_t, std::uint64_t> tokens_; ///< of reliable sends
+};
+
+struct mote_state {
   static constexpr std::uint8_t walk_timer = 2;
 
   std::shared_ptr<const mote_arguments> arguments;
@@ -47,10 +69,9 @@ struct mote_state {
   timer wake;
   timer walk_wake{walk_timer};
   std::vector<mote_app_actor> apps;
-  std::map<std::uint8_t, mote_app_actor> owners; ///< of AM types
-  std::map<transport::ticket, waiting_app> waiting;
-  transport::ticket next_ticket = 1;
-  std::uint64_t unowned = 0; ///< messages of an AM type that no app has claimed
+  std::vector<std::unique_ptr<app_port>> ports;
+  program_host programs;
+  std::map<std::string, mote_app_actor> movers; ///< who has set which actuator last
   bool flat = false;
 };
 

@@ -5,6 +5,7 @@
 #include "actors/apps/peer_apps.hpp"
 #include "actors/assembly.hpp"
 #include "actors/gateway.hpp"
+#include "actors/pc.hpp"
 #include "actors/peis_bluetooth.hpp"
 #include "actors/peis_peer.hpp"
 #include "actors/proxy_manager.hpp"
@@ -158,6 +159,8 @@ struct peer_app_spawner {
                     ecology_handle(self)));
   }
 
+  void operator()(const apps::app_config&) const {} // all in one actor
+
   void operator()(const config::collector_app& x) const {
     add(spawn_child(self, path("collector"), collector, x.keys, peer.handle));
   }
@@ -209,16 +212,37 @@ void spawn_kernel(ecology_pointer self, supervised_peer& peer, const std::string
   peer.powered = true;
 }
 
+namespace {
+
+void spawn_pc(ecology_pointer self, supervised_peer& peer, std::vector<apps::app_config> programs) {
+  pc_arguments x;
+  x.config.self = peer.id;
+  x.config.incarnation = peer.incarnation;
+  x.name = peer.name;
+  x.programs = std::move(programs);
+  x.seed = self->state.description.seed;
+  x.peer = peer.handle;
+  x.ecology = ecology_handle(self);
+  peer.programs.push_back(
+      caf::actor_cast<caf::actor>(spawn_child(self, "pc/" + peer.name, pc, std::move(x))));
+}
+
+} // namespace
+
 void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   if (!peer.island) {
     std::size_t number = 0;
-    for (const auto& app : description_of(self, peer).apps)
+    const auto& apps = description_of(self, peer).apps;
+    for (const auto& app : apps)
       std::visit(peer_app_spawner{self, peer, ++number}, app);
+    if (auto programs = programs_among(apps); !programs.empty())
+      spawn_pc(self, peer, std::move(programs));
     return;
   }
   const auto& island = island_of(self, *peer.island);
   gateway_arguments gateway;
   gateway.config.island = island.id;
+  gateway.config.incarnation = peer.incarnation;
   gateway.seed = self->state.description.seed;
   gateway.peer = peer.handle;
   gateway.line = self->state.lines.at(island.id);

@@ -1,6 +1,7 @@
 #include "actors/sink.hpp"
 
 #include "actors/log.hpp"
+#include "actors/network_radio.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
@@ -12,14 +13,15 @@ using sink_pointer = scheduler::traced_pointer<sink_state, sink_actor>;
 void perform(sink_pointer self, mote::sink_outputs todo);
 void perform(sink_pointer self, serial::mote_port_outputs todo);
 
+instant own_time(sink_pointer self) {
+  return self->state.arguments.crystal.own(now(self));
+}
+
 struct performer {
   sink_pointer self;
 
-  void operator()(network::transmit& x) const {
-    const bool unicast = x.next_hop != broadcast_mote;
-    self->send(self->state.arguments.air,
-               radio_send{self->state.arguments.radio, 0, x.next_hop, x.am_type,
-                          payload(std::move(x.payload)), unicast});
+  void operator()(network::frame_out& x) const {
+    self->send(self->state.arguments.air, request_of(self->state.arguments.radio, std::move(x)));
   }
 
   void operator()(mote::to_gateway& x) const {
@@ -39,12 +41,13 @@ struct performer {
 
   void operator()(const serial::received& x) const {
     if (const auto packet = serial::decode_am_packet(x.packet))
-      perform(self, self->state.sink.on_packet(packet->am_type, packet->payload, now(self)));
+      perform(self, self->state.sink.on_packet(packet->am_type, packet->payload, own_time(self)));
   }
 };
 
 void follow(sink_pointer self) {
-  self->state.wake.follow(self, earliest(self->state.sink.deadline(), self->state.port.deadline()));
+  const auto due = self->state.arguments.crystal.real(self->state.sink.deadline());
+  self->state.wake.follow(self, earliest(due, self->state.port.deadline()));
 }
 
 void perform(sink_pointer self, mote::sink_outputs todo) {
@@ -57,6 +60,11 @@ void perform(sink_pointer self, serial::mote_port_outputs todo) {
   for (auto& output : todo)
     std::visit(performer{self}, output);
   follow(self);
+}
+
+void on_frame(sink_pointer self, const radio::frame& x, instant sfd) {
+  perform(self, self->state.sink.on_frame(x.source, x.am_type, x.payload,
+                                          self->state.arguments.crystal.own(sfd), own_time(self)));
 }
 
 void report(sink_pointer self) {
@@ -77,12 +85,15 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
   scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.arguments = std::move(arguments);
-  state.sink = mote::sink(state.arguments.address.mote, state.arguments.registrar);
+  network::router_config network;
+  network.self = state.arguments.address.mote;
+  state.sink = mote::sink(network, state.arguments.registrar, state.arguments.duty,
+                          random_stream(state.arguments.seed, self->path()), own_time(self));
   state.port = serial::mote_port(state.arguments.port);
   const auto handle = caf::actor_cast<sink_actor>(self);
   self->send(state.arguments.air, attach_radio{state.arguments.radio, {handle}});
   self->send(state.arguments.line, attach_serial{serial::direction::to_mote, {handle}});
-  perform(self, state.sink.start(now(self)));
+  perform(self, state.sink.start(own_time(self)));
   state.flows.start(self, state.arguments.apps, state.arguments.address, state.arguments.radio,
                     state.arguments.air,
                     random_stream(state.arguments.seed, self->path() + "/flows"));
@@ -92,10 +103,15 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
         if (!frame || !is_for(*frame, self->state.arguments.address))
           return;
         if (!self->state.flows.take(self, *frame))
-          perform(self, self->state.sink.on_frame(frame->source, frame->am_type, frame->payload,
-                                                  now(self)));
+          on_frame(self, *frame, sfd_of(x.psdu.view(), now(self)));
       },
-      [self](const radio_done& x) { self->state.flows.on_done(self, x); },
+      [self](const radio_done& x) {
+        if (const auto token = token_of(x))
+          perform(self, self->state.sink.on_sent(*token, x.status == radio::send_status::sent,
+                                                 x.transmissions, own_time(self)));
+        else
+          self->state.flows.on_done(self, x);
+      },
       [self](battery_flat) {
         self->send(self->state.arguments.ecology, story{self->path(), "sink's battery flat"});
       },
@@ -106,7 +122,7 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
         self->state.flows.on_timer(self, x);
         if (!self->state.wake.accepts(x))
           return;
-        perform(self, self->state.sink.on_time(now(self)));
+        perform(self, self->state.sink.on_time(own_time(self)));
         perform(self, self->state.port.on_time(now(self)));
       },
       [self](status_request) {

@@ -7,6 +7,7 @@
 #include "actors/flow_host.hpp"
 #include "actors/messages.hpp"
 #include "actors/timer.hpp"
+#include "mote/crystal.hpp"
 #include "mote/sink.hpp"
 #include "serial/mote_port.hpp"
 
@@ -21,7 +22,9 @@ struct sink_arguments {
   air_actor air;
   serial_line_actor line;
   std::vector<config::mote_app> apps; ///< that measure
-  std::uint64_t seed = 0;             ///< of the ecology
+  mote::crystal crystal;
+  mote::duty_config duty;
+  std::uint64_t seed = 0; ///< of the ecology
   ecology_actor ecology;
 };
 

@@ -192,7 +192,7 @@ struct spawner {
   }
 
   mote_app_actor operator()(const config::actuator_app& x) const {
-    const auto initial = mote->state.node->actuator_state(x.actuator).value_or(0);
+    const auto initial = mote->state.node->actuator_state(x.actuator, {}).value_or(0);
     return scheduler::spawn_at<caf::linked>(mote, path + "/actuator-" + x.actuator, actuator, x,
                                             handle(), initial);
   }
@@ -206,6 +206,9 @@ struct spawner {
     return scheduler::spawn_at<caf::linked>(mote, path + "/listener-" + std::to_string(x.am_type),
                                             listener, x, handle(), mote->state.arguments->ecology);
   }
+
+  // Programs that use the Mockup interface are in the mote itself.
+  mote_app_actor operator()(const apps::app_config&) const { return {}; }
 
   // Flows run in the mote itself: there is no layer between them and the radio.
   mote_app_actor operator()(const flow::sender_config&) const { return {}; }

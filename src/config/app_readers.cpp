@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "config/application_readers.hpp"
 #include "config/mote_readers.hpp"
 
 namespace rubicon::config {
@@ -9,13 +10,6 @@ namespace {
 constexpr duration every_min = 10ms;
 constexpr duration every_max = 24h * 10;
 constexpr std::uint16_t flow_channel = 0xf0; // flow::am_type
-
-std::vector<std::pair<std::string_view, mote::quantity>> quantities() {
-  std::vector<std::pair<std::string_view, mote::quantity>> words;
-  for (unsigned i = 0; i <= static_cast<unsigned>(mote::quantity::sound); ++i)
-    words.emplace_back(word_of(static_cast<mote::quantity>(i)), static_cast<mote::quantity>(i));
-  return words;
-}
 
 /// Channels and AM types are free but for that of the measuring apps.
 template <class Channel>
@@ -152,17 +146,25 @@ std::vector<placed_app> read_mote_apps(table_reader& in, const directory& names)
     app.channel_at = x.at(channel_key);
     out.push_back(std::move(app));
   };
+  const auto add_program = [&add](const table_reader& x, placed_program app) {
+    add(x, "app", {std::move(app.app), {}, std::move(app.needs_at), {}});
+  };
   in.tables("apps", "apps of a mote", [&](table_reader& x) {
-    x.one_of("app",
-             {{"sampler", [&](table_reader& y) { add(y, "channel", read_sampler(y)); }},
-              {"actuator", [&](table_reader& y) { add(y, "channel", read_actuator_app(y)); }},
-              {"messenger", [&](table_reader& y) { add(y, "am_type", read_messenger(y, names)); }},
-              {"listener", [&](table_reader& y) { add(y, "am_type", read_listener(y)); }},
-              {"sender", [&](table_reader& y) { add(y, "app", read_sender(y, names)); }},
-              {"relay", [&](table_reader& y) { add(y, "app", read_relay(y, names)); }},
-              {"receiver", [&](table_reader& y) {
-                 add(y, "app", {flow::receiver_config{}, {}, {}, {}});
-               }}});
+    x.one_of(
+        "app",
+        {{"sampler", [&](table_reader& y) { add(y, "channel", read_sampler(y)); }},
+         {"actuator", [&](table_reader& y) { add(y, "channel", read_actuator_app(y)); }},
+         {"messenger", [&](table_reader& y) { add(y, "am_type", read_messenger(y, names)); }},
+         {"listener", [&](table_reader& y) { add(y, "am_type", read_listener(y)); }},
+         {"stream_writer", [&](table_reader& y) { add_program(y, read_stream_writer(y, names)); }},
+         {"stream_reader", [&](table_reader& y) { add_program(y, read_stream_reader(y)); }},
+         {"reservoir", [&](table_reader& y) { add_program(y, read_reservoir(y, names, true)); }},
+         {"readout", [&](table_reader& y) { add_program(y, read_readout(y, names)); }},
+         {"sender", [&](table_reader& y) { add(y, "app", read_sender(y, names)); }},
+         {"relay", [&](table_reader& y) { add(y, "app", read_relay(y, names)); }},
+         {"receiver", [&](table_reader& y) {
+            add(y, "app", {flow::receiver_config{}, {}, {}, {}});
+          }}});
   });
   return out;
 }

@@ -9,10 +9,12 @@
 #include <variant>
 #include <vector>
 
+#include "apps/app_config.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
 #include "flow/flow_config.hpp"
+#include "mote/duty_config.hpp"
 #include "mote/transducer_config.hpp"
 #include "mote/way_point.hpp"
 #include "peis/link_url.hpp"
@@ -53,8 +55,9 @@ struct listener_app {
   std::uint8_t am_type = 10;
 };
 
-using mote_app = std::variant<sampler_app, actuator_app, messenger_app, listener_app,
-                              flow::sender_config, flow::relay_config, flow::receiver_config>;
+using mote_app =
+    std::variant<sampler_app, actuator_app, messenger_app, listener_app, apps::app_config,
+                 flow::sender_config, flow::relay_config, flow::receiver_config>;
 
 /// In between it moves in a straight line, after the last it stays.
 using mote::way_point;
@@ -101,6 +104,8 @@ struct island_description {
   std::vector<std::string> gateway_links; ///< names of peers or gateways it connects to
   duration keep_alive = 10s;              ///< a silent mote is gone after this (DIS-06); motes that
                                           ///< report more rarely get three of their periods
+  mote::duty_config duty;                 ///< of its motes' radios
+  double crystal_ppm = 40;                ///< each mote's clock is off by up to this, drawn
   std::vector<mote_description> motes;
 };
 
@@ -134,7 +139,7 @@ struct collector_app {
   std::vector<std::string> keys; ///< may hold `*` parts
 };
 
-using peer_app = std::variant<proxy_manager_app, rules_app, collector_app>;
+using peer_app = std::variant<proxy_manager_app, rules_app, collector_app, apps::app_config>;
 
 /// Where a peer takes links over real TCP.
 struct tcp_listener {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "config/layouts.hpp"
-#include "core/math.hpp"
+#include "config/reach.hpp"
 #include "radio/tossim_files.hpp"
 
 namespace rubicon::config {
@@ -142,13 +142,14 @@ void island_motes::read_mote(table_reader& in) {
   read_path(in, has_place, out);
   copy_profile(profile, out);
   if (has_id) {
+    static_cast<void>(settle_traces(out.transducers, out.id, in.at("id"), in.problems()));
     const bool id_is_free = claim_id(out.id, in.at("id"), in.problems());
     if (id_is_free || in.has("name")) // a default name is taken together with its id
       names_.claim(out.name, "mote name", in.at("name"), in.problems());
     static_cast<void>(check_node(out.id, out.name, in.at("id"), in.problems()));
   }
   if (has_place)
-    static_cast<void>(check_range(out, in.at("position_m"), in.problems()));
+    placed_at_[out.id] = in.at("position_m");
   note_flows(out.id, profile.apps, in.problems());
   island_.motes.push_back(std::move(out));
 }
@@ -221,8 +222,8 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
   if (positions_matter_ || in.has("layout") || in.walks())
     places = read_layout(in, count, dice);
   bool ids_are_free = true;
-  bool in_range = true;
   bool has_node = true;
+  bool has_traces = true;
   for (std::uint32_t i = 0; i < count && ids_are_free; ++i) {
     auto mote = like;
     mote.id = mote_id(static_cast<std::uint16_t>(first + i));
@@ -235,8 +236,9 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
                    names_.claim(mote.name, "mote name",
                                 in.at(in.has("prefix") ? "prefix" : "count"), in.problems());
     has_node = has_node && check_node(mote.id, mote.name, id_at, in.problems());
+    has_traces = has_traces && settle_traces(mote.transducers, mote.id, id_at, in.problems());
     if (i < places.size())
-      in_range = in_range && check_range(mote, in.at("layout"), in.problems());
+      placed_at_[mote.id] = in.at("layout");
     island_.motes.push_back(std::move(mote));
   }
 }
@@ -248,16 +250,22 @@ bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
   return ids_.claim(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id;
 }
 
-/// An island is a star: its sink must hear every mote, and be heard.
-bool island_motes::check_range(const mote_description& x, mark at, complaints& problems) const {
-  const auto& sink = island_.sink.place;
-  const auto distance =
-      math::length(x.place.x_m - sink.x_m, x.place.y_m - sink.y_m, x.place.z_m - sink.z_m);
-  if (distance <= range_m_)
-    return true;
-  problems.add(at, "mote `" + x.name + "` is " + metres_text(distance) +
-                       " from its sink, but a radio reaches only " + metres_text(range_m_));
-  return false;
+/// Each mote that stands still must have a way to the sink, over others if need be.
+void island_motes::check_reach(complaints& problems) const {
+  if (!range_m_ || is_mac())
+    return;
+  std::vector<position> places;
+  for (const auto& mote : island_.motes)
+    places.push_back(mote.place);
+  std::set<mark> told; // one mote of a group will do
+  for (const auto i : out_of_reach(island_.sink.place, places, *range_m_)) {
+    const auto& mote = island_.motes[i];
+    const auto at = placed_at_.find(mote.id);
+    if (mote.path.empty() && at != placed_at_.end() && told.insert(at->second).second)
+      problems.add(at->second, "mote `" + mote.name +
+                                   "` is out of reach: no chain of motes at most " +
+                                   metres_text(*range_m_) + " apart leads to its sink");
+  }
 }
 
 bool island_motes::check_node(mote_id id, const std::string& name, mark at,
@@ -319,6 +327,7 @@ void island_motes::finish(complaints& problems) {
   constexpr unsigned hops_max = 1024;
   std::sort(island_.motes.begin(), island_.motes.end(),
             [](const auto& a, const auto& b) { return a.id < b.id; });
+  check_reach(problems);
   for (const auto& [flow, from] : flows_) {
     if (flow.to != broadcast_mote && !receivers_.contains(flow.to))
       problems.add(flow.to_at, "mote `" + name_of(flow.to) + "` has no app = \"receiver\"");

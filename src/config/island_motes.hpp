@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -25,7 +24,7 @@ public:
   void read_mote(table_reader& in);  ///< [[island.mote]]
   void read_group(table_reader& in); ///< [[island.group]], after all single motes
 
-  /// Puts the motes in order and checks that flows have both ends.
+  /// Puts the motes in order, checks that flows have both ends and that radios connect the island.
   void finish(complaints& problems);
 
 private:
@@ -47,7 +46,7 @@ private:
   void add_group(table_reader& in, std::uint32_t first, std::uint32_t count,
                  const mote_description& like, const std::string& prefix);
   [[nodiscard]] bool claim_id(mote_id id, mark at, complaints& problems);
-  [[nodiscard]] bool check_range(const mote_description& x, mark at, complaints& problems) const;
+  void check_reach(complaints& problems) const;
   [[nodiscard]] bool check_node(mote_id id, const std::string& name, mark at,
                                 complaints& problems) const;
   void note_flows(mote_id from, const std::vector<placed_app>& apps, complaints& problems);
@@ -57,7 +56,8 @@ private:
   island_description& island_;
   claims<std::uint16_t> ids_;
   name_claims names_;
-  double range_m_ = std::numeric_limits<double>::infinity(); ///< from the sink
+  std::optional<double> range_m_;     ///< of all radios, if a disk
+  std::map<mote_id, mark> placed_at_; ///< where the file says where each mote stands
   bool positions_matter_ = true;
   std::uint32_t highest_ = 0;            ///< id so far
   std::map<placed_flow, mote_id> flows_; ///< and the first mote that sends so

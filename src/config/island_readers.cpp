@@ -39,6 +39,20 @@ void read_serial(table_reader& in, serial::line_config& out) {
   in.optional("buffer", whole<std::size_t>{64, 1U << 24U}, out.buffer);
 }
 
+void read_duty_cycle(table_reader& island, mote::duty_config& out) {
+  island.table("duty_cycle", "[island.duty_cycle]", [&out](table_reader& in) {
+    out.enabled = true;
+    in.optional("period", time_span{100ms, 1h}, out.period);
+    in.optional("window", time_span{10ms, 1h}, out.window);
+    in.optional("settling", time_span{0s, 24h}, out.settling);
+    if (in.sound() && 2 * out.window > out.period)
+      in.problems().add(in.at("window"),
+                        "`window` must not be longer than half the `period`, which "
+                        "is " +
+                            to_text(out.period));
+  });
+}
+
 void read_gateway(table_reader& in, surroundings& with, island_description& out) {
   in.optional("name", name_text{}, out.gateway_name);
   out.gateway_links = read_links(in, with.names, {out.gateway_name});
@@ -64,7 +78,7 @@ void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_
 
 /// An island with the medium access only has none of what joins it to the PEIS network.
 void refuse_parts(table_reader& in) {
-  for (const auto* key : {"keep_alive", "serial", "gateway"}) {
+  for (const auto* key : {"keep_alive", "crystal_ppm", "duty_cycle", "serial", "gateway"}) {
     in.expect(key);
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) +
@@ -100,6 +114,8 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
     refuse_parts(in);
   } else {
     in.optional("keep_alive", time_span{1s, 24h}, out.keep_alive);
+    in.optional("crystal_ppm", real{0, 500}, out.crystal_ppm);
+    read_duty_cycle(in, out.duty);
     read_parts(in, with, name_is_free, out);
   }
   const auto before_motes = in.problems().size();

@@ -13,6 +13,7 @@
 
 #include "config/document.hpp"
 #include "config/file_readers.hpp"
+#include "config/trace_files.hpp"
 
 namespace rubicon::config {
 
@@ -82,6 +83,8 @@ loaded load_text(std::string_view toml, const std::string& file_name, const over
     return {std::nullopt, {*wrong}};
   reading shared;
   const named_files files{file_name, instead, read ? read : no_file};
+  trace_files traces(files);
+  shared.traces = &traces;
   auto ecology = read_file_tables(std::get<node>(parsed), files, shared);
   if (!shared.problems.empty())
     return {std::nullopt, shared.problems.of_file(file_name)};

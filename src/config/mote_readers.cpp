@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "config/application_readers.hpp"
+
 namespace rubicon::config {
 
 namespace {
@@ -53,17 +55,11 @@ struct app_check {
   complaints& problems;
 
   void operator()(const sampler_app& x) const {
-    std::vector<std::string> present;
-    for (const auto& each : on.transducers)
-      present.emplace_back(word_of(each.kind));
-    for (std::size_t i = 0; i < x.transducers.size(); ++i) {
-      const std::string wanted(word_of(x.transducers[i]));
-      if (std::find(present.begin(), present.end(), wanted) == present.end())
-        problems.add(app.needs_at[i],
-                     "the mote has no transducer `" + wanted + "`; it has: " + listing(present));
-    }
+    check_transducers(x.transducers);
     claim(outputs, "output", x.channel);
   }
+
+  void operator()(const apps::app_config& x) const { check_transducers(needs(x)); }
 
   void operator()(const actuator_app& x) const {
     std::vector<std::string> present;
@@ -88,6 +84,18 @@ struct app_check {
   void operator()(const flow::receiver_config&) const { claim_single("receiver"); }
 
 private:
+  void check_transducers(const std::vector<mote::quantity>& wanted) const {
+    std::vector<std::string> present;
+    for (const auto& each : on.transducers)
+      present.emplace_back(word_of(each.kind));
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      const std::string name(word_of(wanted[i]));
+      if (std::find(present.begin(), present.end(), name) == present.end())
+        problems.add(app.needs_at[i],
+                     "the mote has no transducer `" + name + "`; it has: " + listing(present));
+    }
+  }
+
   void claim(claims<std::uint16_t>& among, std::string_view kind, std::uint16_t channel) const {
     among.claim(channel, std::string(kind) + " channel " + std::to_string(channel) + " of the mote",
                 app.channel_at, problems);

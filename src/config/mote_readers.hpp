@@ -63,6 +63,12 @@ void settle_flows(std::vector<placed_app>& apps, island_id island, mote_id sink,
 /// transducers.QUANTITY, into `out`.
 void read_transducers(table_reader& in, std::vector<mote::transducer_config>& out);
 
+/// Lets traces without a `mote` of their own replay what they have of `mote`; complains at `at` if
+/// they have nothing.
+/// @returns whether they have it
+[[nodiscard]] bool settle_traces(std::vector<mote::transducer_config>& transducers, mote_id mote,
+                                 mark at, complaints& problems);
+
 /// actuators = [{ ... }], into `out`.
 void read_actuators(table_reader& in, std::vector<mote::actuator_config>& out);
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "config/application_readers.hpp"
 #include "config/file_readers.hpp"
 
 namespace rubicon::config {
@@ -195,7 +196,11 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
                         add(read_manager(y, apps));
                       }},
                      {"rules", [&](table_reader& y) { add(read_rules(y)); }},
-                     {"collector", [&](table_reader& y) { add(read_collector(y)); }}});
+                     {"collector", [&](table_reader& y) { add(read_collector(y)); }},
+                     {"stream_reader", [&](table_reader& y) { add(read_stream_reader(y).app); }},
+                     {"reservoir",
+                      [&](table_reader& y) { add(read_reservoir(y, with.names, false).app); }},
+                     {"readout", [&](table_reader& y) { add(read_readout(y, with.names).app); }}});
   });
   for (std::uint32_t i = 0; i < peers.count; ++i) {
     auto peer = like;

@@ -138,6 +138,7 @@ struct app_text {
     return "collector (" +
            (x.keys.size() > keys_shown_max ? counted(x.keys.size(), "key") : joined(x.keys)) + ')';
   }
+  std::string operator()(const apps::app_config& x) const { return std::string(kind_of(x)); }
 };
 
 /// Peers and gateways: every PEIS kernel, ascending by id.

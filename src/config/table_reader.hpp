@@ -18,12 +18,15 @@ namespace rubicon::config {
 /// A table as documentation and complaints call it, `[radio]`, and one of its keys.
 using accepted_key = std::pair<std::string, std::string>;
 
+class trace_files;
+
 /// What the readers of one file share.
 struct reading {
   complaints problems;
   /// Set: nothing is read; every reader walks through all the tables it might meet, and the keys it
   /// would ask for are collected here.
   std::set<accepted_key>* accepted = nullptr;
+  trace_files* traces = nullptr; ///< set unless `accepted` is
 };
 
 class table_reader {

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include "config/model_readers.hpp"
 #include "config/mote_readers.hpp"
 
 namespace rubicon::config {
@@ -41,19 +42,61 @@ void read_points(table_reader& in, mote::transducer_model& out) {
   out = std::move(model);
 }
 
-/// The value farthest from zero.
+void read_random_walk(table_reader& in, mote::transducer_model& out) {
+  mote::random_walk_model model;
+  in.required("start", real{}, model.start);
+  in.required("step", real{0, 1e9}, model.step);
+  in.required("min", real{}, model.min);
+  in.required("max", real{}, model.max);
+  if (in.sound() && model.min >= model.max)
+    in.problems().add(in.at("max"), "`max` must be more than `min`, which is " + shown(model.min));
+  else if (in.sound() && (model.start < model.min || model.start > model.max))
+    in.problems().add(in.at("start"), "`start` must be from `min` to `max`, from " +
+                                          shown(model.min) + " to " + shown(model.max));
+  out = model;
+}
+
+double farthest(const mote::time_series& series) {
+  double most = 0;
+  for (const auto& [at, value] : series)
+    most = std::max(most, std::abs(value));
+  return most;
+}
+
+/// The value farthest from zero; of a field, as far as its author decides it: a gradient has no
+/// end.
 struct extreme {
   double operator()(const mote::constant_model& x) const { return std::abs(x.value); }
   double operator()(const mote::sine_model& x) const {
     return std::abs(x.mean) + std::abs(x.amplitude);
   }
-  double operator()(const mote::points_model& x) const {
+  double operator()(const mote::points_model& x) const { return farthest(x.points); }
+  double operator()(const mote::random_walk_model& x) const {
+    return std::max(std::abs(x.min), std::abs(x.max));
+  }
+  double operator()(const mote::field_model& x) const {
+    auto most = std::abs(x.base);
+    for (const auto& each : x.sources)
+      most += std::abs(each.strength) * (each.schedule.empty() ? 1 : farthest(each.schedule));
+    return most;
+  }
+  double operator()(const mote::trace_model& x) const {
     double most = 0;
-    for (const auto& [at, value] : x.points)
-      most = std::max(most, std::abs(value));
+    for (const auto& [mote, series] : x.table->of_mote) {
+      if (x.mote.value_or(mote) != mote)
+        continue;
+      for (const auto& [at, value] : series)
+        most = std::max(most, std::abs(x.offset + x.scale * value));
+    }
     return most;
   }
 };
+
+/// Whether there is a model: a trace whose mistakes another mote has told of already is none.
+bool has_model(const mote::transducer_model& x) {
+  const auto* trace = std::get_if<mote::trace_model>(&x);
+  return trace == nullptr || trace->table != nullptr;
+}
 
 void read_transducer(table_reader& in, mote::transducer_config& out) {
   constexpr double count_max = 32767;
@@ -61,21 +104,18 @@ void read_transducer(table_reader& in, mote::transducer_config& out) {
   in.optional("resolution", real{1e-9, 1e9}, out.resolution);
   in.one_of("model", {{"constant", [&](table_reader& x) { read_constant(x, out.model); }},
                       {"sine", [&](table_reader& x) { read_sine(x, out.model); }},
-                      {"points", [&](table_reader& x) { read_points(x, out.model); }}});
+                      {"points", [&](table_reader& x) { read_points(x, out.model); }},
+                      {"random_walk", [&](table_reader& x) { read_random_walk(x, out.model); }},
+                      {"field", [&](table_reader& x) { out.model = read_field(x); }},
+                      {"trace", [&](table_reader& x) { out.model = read_trace(x, out.kind); }}});
+  if (!in.sound() || in.walks() || !has_model(out.model))
+    return;
   const auto most = std::visit(extreme{}, out.model);
-  if (in.sound() && most / out.resolution > count_max)
+  if (most / out.resolution > count_max)
     in.problems().add(in.at("resolution"), "a value of " + shown(most) + " is more than " +
                                                shown(count_max) + " counts of `resolution` " +
                                                shown(out.resolution) +
                                                ", which a message cannot carry: use a coarser one");
-}
-
-void read_relay(table_reader& in, mote::actuator_config& out) {
-  in.optional("initial", word<std::uint8_t>{{{"off", 0}, {"on", 1}}}, out.initial);
-}
-
-void read_dimmer(table_reader& in, mote::actuator_config& out) {
-  in.optional("initial", whole<std::uint8_t>{}, out.initial);
 }
 
 } // namespace
@@ -92,31 +132,12 @@ void read_transducers(table_reader& in, std::vector<mote::transducer_config>& ou
       const auto read = [&config](table_reader& x) { read_transducer(x, config); };
       if (!all.table(name, "transducers.QUANTITY", read))
         continue;
-      std::erase_if(out, [&config](const auto& x) { return x.kind == config.kind; });
-      out.push_back(std::move(config));
+      const auto at = std::ranges::lower_bound(out, kind, {}, &mote::transducer_config::kind);
+      if (at != out.end() && at->kind == kind)
+        *at = std::move(config);
+      else
+        out.insert(at, std::move(config));
     }
-  });
-  std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.kind < b.kind; });
-}
-
-void read_actuators(table_reader& in, std::vector<mote::actuator_config>& out) {
-  name_claims names;
-  in.tables("actuators", "actuators", [&](table_reader& x) {
-    mote::actuator_config config;
-    x.required("name", name_text{}, config.name);
-    x.one_of("kind", {{"relay",
-                       [&config](table_reader& y) {
-                         config.kind = mote::actuator_kind::relay;
-                         read_relay(y, config);
-                       }},
-                      {"dimmer", [&config](table_reader& y) {
-                         config.kind = mote::actuator_kind::dimmer;
-                         read_dimmer(y, config);
-                       }}});
-    if (!config.name.empty())
-      names.claim(config.name, "actuator", x.at("name"), x.problems());
-    std::erase_if(out, [&config](const auto& y) { return y.name == config.name; });
-    out.push_back(std::move(config));
   });
 }
 

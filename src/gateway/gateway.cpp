@@ -2,12 +2,14 @@
 
 #include "core/device_keys.hpp"
 #include "network/am.hpp"
-#include "network/island_packet.hpp"
+#include "network/wire.hpp"
 #include "transport/segment.hpp"
 
 namespace rubicon::gateway {
 
 namespace {
+
+constexpr std::size_t assemblies_max = 64; ///< long packets that come up at the same time
 
 publish text_tuple(std::string key, std::string_view text) {
   return {std::move(key), to_bytes(text), true};
@@ -23,26 +25,34 @@ publish status_tuple(mote_id mote, std::uint16_t channel, std::uint64_t sequence
 /// acknowledgement goes unreliably, since a lost one is asked for again end to end.
 bool wants_reliable(byte_view segment) {
   const auto decoded = transport::decode_segment(segment);
-  return decoded && decoded->reliable;
+  return decoded && decoded->what == transport::segment::kind::reliable;
 }
 
 } // namespace
 
-gateway::gateway(gateway_config config, random_stream dice) : config_(config) {
+gateway::gateway(gateway_config config, random_stream dice)
+    : config_(config), pieces_({.packets_max = assemblies_max}) {
   transport::endpoint_config messages;
   messages.self = no_mote;
+  messages.incarnation = config.incarnation;
   messages.outstanding_max = config.inputs_outstanding_max;
   messages.sources_max = 1024;
+  messages.sessions_max = 1024;
   endpoint_ = transport::endpoint(messages, dice);
+  endpoint_.join(config.island);
 }
 
 outputs gateway::start() {
   return {device_list()};
 }
 
-outputs gateway::on_packet(std::uint8_t am_type, byte_view payload, instant now) {
+outputs gateway::on_packet(mote_id source, std::uint8_t am_type, byte_view payload, instant now) {
   if (am_type == network::am::to_gateway)
     return on_island_packet(payload, now);
+  if (am_type == network::am::packet) {
+    const auto whole = pieces_.on_piece(source, payload, now);
+    return whole ? on_island_packet(*whole, now) : outputs{};
+  }
   if (am_type != network::am::sink_event) {
     ++counters_.unknown_type;
     return {};
@@ -64,8 +74,12 @@ outputs gateway::on_island_packet(byte_view payload, instant now) {
   const bool here = packet->island == config_.island || packet->island == own_island;
   if (here && packet->mote == no_mote)
     return on_segment_for_us(packet->body, now);
-  if (here)
-    return {down(config_.island, packet->mote, packet->channel, std::move(packet->body))};
+  if (here) { // a sink sends these on itself; one of another make may not
+    outputs out;
+    packet->island = config_.island;
+    down(*packet, out);
+    return out;
+  }
   ++counters_.forwarded_out;
   const bool reliable = wants_reliable(packet->body);
   return {to_gateway{
@@ -98,7 +112,9 @@ outputs gateway::on_message(peer_id source, byte_view octets, instant now) {
     return {};
   }
   ++counters_.forwarded_in;
-  return {down(island, packet->mote, packet->channel, std::move(packet->body))};
+  outputs out;
+  down({island, packet->mote, packet->channel, std::move(packet->body)}, out);
+  return out;
 }
 
 outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets, instant now) {
@@ -138,6 +154,8 @@ outputs gateway::on_time(instant now) {
 
 outputs gateway::on_event(const network::mote_joined& x) {
   auto& entry = devices_[x.mote];
+  if (entry.incarnation != x.incarnation)
+    endpoint_.forget_incarnation({config_.island, x.mote});
   entry.incarnation = x.incarnation;
   return {publish{device_type_key(x.mote), device_type_octets(x.type), false},
           publish{device_descriptor_key(x.mote), x.descriptor, false}, device_list(),
@@ -183,7 +201,7 @@ outputs gateway::take(transport::outputs from_transport) {
     if (auto* packet = std::get_if<transport::to_network>(&x)) {
       const auto [island, mote] = packet->destination;
       if (island == config_.island)
-        out.emplace_back(down(island, mote, packet->channel, std::move(packet->segment)));
+        down({island, mote, packet->channel, std::move(packet->segment)}, out);
       else
         out.emplace_back(to_gateway{
             gateway_of(island),
@@ -241,9 +259,16 @@ to_sink gateway::ask_about(mote_id mote) {
   return {mote, network::am::sink_event, network::encode(network::describe{mote})};
 }
 
-to_sink gateway::down(island_id source, mote_id mote, std::uint16_t channel, bytes segment) const {
-  return {mote, network::am::from_gateway,
-          encode(network::island_packet{source, mote, channel, std::move(segment)})};
+/// Whole if it fits one serial packet, or in pieces. @param x its island is where it comes from
+void gateway::down(const network::island_packet& x, outputs& out) {
+  auto octets = encode(x);
+  if (octets.size() <= network::frame_payload_max) {
+    out.emplace_back(to_sink{x.mote, network::am::from_gateway, std::move(octets)});
+    return;
+  }
+  const auto pieces = transport::cut(octets, network::frame_payload_max, tag_++);
+  for (const auto& piece : *pieces) // packet_max octets never are too many
+    out.emplace_back(to_sink{x.mote, network::am::packet, piece});
 }
 
 std::vector<mote_id> gateway::devices() const {

@@ -14,8 +14,10 @@
 #include "core/bytes.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
+#include "network/island_packet.hpp"
 #include "network/sink_event.hpp"
 #include "transport/endpoint.hpp"
+#include "transport/pieces.hpp"
 
 namespace rubicon::gateway {
 
@@ -35,7 +37,7 @@ struct erase {
 struct to_sink {
   mote_id mote; ///< whom it is for in the end
   std::uint8_t am_type = 0;
-  bytes payload;
+  bytes payload; ///< at most network::frame_payload_max octets
 };
 
 /// Send this message (WIR-02) to another gateway, PEIS port 21.
@@ -58,6 +60,7 @@ using outputs = std::vector<output>;
 
 struct gateway_config {
   island_id island;
+  std::uint32_t incarnation = 0;           ///< how often it was started before
   std::size_t inputs_outstanding_max = 64; ///< further inputs fail at once
   std::size_t input_channels_max = 4096;   ///< channels of motes ever written to; further ones are
                                            ///< refused without a status
@@ -86,7 +89,9 @@ public:
   [[nodiscard]] outputs start();
 
   /// The serial line has delivered a packet from the sink.
-  [[nodiscard]] outputs on_packet(std::uint8_t am_type, byte_view payload, instant now);
+  /// @param source mote that it comes from, as the packet says
+  [[nodiscard]] outputs on_packet(mote_id source, std::uint8_t am_type, byte_view payload,
+                                  instant now);
 
   /// Somebody has written a message for a mote (`devices.$ID.input.$CH`). Its status tuple says
   /// `N pending` and then, at once or later, how write N ended.
@@ -130,11 +135,12 @@ private:
   [[nodiscard]] outputs remove(mote_id mote, network::leave_cause cause);
   [[nodiscard]] publish device_list() const;
   [[nodiscard]] static to_sink ask_about(mote_id mote);
-  [[nodiscard]] to_sink down(island_id source, mote_id mote, std::uint16_t channel,
-                             bytes segment) const;
+  void down(const network::island_packet& x, outputs& out);
 
   gateway_config config_;
   transport::endpoint endpoint_;
+  transport::assembly pieces_; ///< of packets from the sink
+  std::uint8_t tag_ = 0;
   std::map<mote_id, device> devices_;
   std::map<std::pair<mote_id, std::uint16_t>, std::uint64_t> input_sequences_;
   std::map<transport::ticket, pending_input> pending_;

@@ -9,11 +9,13 @@ join_client::join_client(join_config config, bytes descriptor, std::uint32_t inc
     : config_(config), descriptor_(std::move(descriptor)), incarnation_(incarnation), dice_(dice),
       pause_(config.pause) {}
 
-join_outputs join_client::start(instant now) {
+join_outputs join_client::start(unsigned hops, instant now) {
+  hops_ = std::max(hops, 1U);
   state_ = state::requesting;
   attempts_ = 0;
   pause_ = config_.pause;
-  deadline_ = now + dice_.between(0s, config_.start_jitter);
+  deadline_ =
+      now + dice_.between(0s, config_.start_jitter + config_.start_jitter_hop * (hops_ - 1));
   return {};
 }
 
@@ -23,18 +25,18 @@ join_outputs join_client::leave() {
   deadline_.reset();
   if (!told)
     return {};
-  return {to_radio{sink_, leave_notice{}}};
+  return {to_registrar{leave_notice{}}};
 }
 
 join_outputs join_client::on_message(mote_id source, const management& message, instant now) {
   if (const auto* reply = std::get_if<join_reply>(&message)) {
     if (state_ == state::off || reply->sequence != sequence_)
       return {};
-    join_outputs out{to_radio{source, join_confirm{sequence_, incarnation_, descriptor_}}};
+    join_outputs out{to_registrar{join_confirm{sequence_, incarnation_, descriptor_}}};
     if (state_ == state::requesting) {
       state_ = state::joined;
       sink_ = source;
-      out.emplace_back(island_joined{reply->island, source});
+      out.emplace_back(island_joined{reply->island, source, reply->slot});
     }
     deadline_ = now + config_.keep_alive;
     return out;
@@ -42,7 +44,7 @@ join_outputs join_client::on_message(mote_id source, const management& message, 
   if (std::holds_alternative<rejoin_prompt>(message) && state_ == state::joined &&
       source == sink_) {
     join_outputs out{island_lost{}};
-    std::ranges::move(start(now), std::back_inserter(out));
+    std::ranges::move(start(hops_, now), std::back_inserter(out));
     return out;
   }
   return {};
@@ -58,7 +60,7 @@ join_outputs join_client::on_time(instant now) {
     return {};
   if (state_ == state::joined) {
     deadline_ = now + config_.keep_alive;
-    return {to_radio{sink_, keep_alive{incarnation_}}};
+    return {to_registrar{keep_alive{incarnation_}}};
   }
   return request(now);
 }
@@ -67,8 +69,8 @@ join_outputs join_client::request(instant now) {
   if (attempts_ < config_.attempts_max) {
     ++attempts_;
     ++sequence_;
-    deadline_ = now + config_.reply_wait;
-    return {to_radio{broadcast_mote, join_request{sequence_, incarnation_, descriptor_}}};
+    deadline_ = now + config_.reply_wait * hops_ + config_.reply_slack;
+    return {to_registrar{join_request{sequence_, incarnation_, descriptor_}}};
   }
   attempts_ = 0;
   deadline_ = now + pause_ + dice_.between(0s, pause_ / 2);

@@ -14,9 +14,8 @@
 
 namespace rubicon::mote {
 
-/// Send this component management message.
-struct to_radio {
-  mote_id destination; ///< broadcast_mote while the sink is unknown
+/// Send this component management message to the sink.
+struct to_registrar {
   management message;
 };
 
@@ -24,19 +23,22 @@ struct to_radio {
 struct island_joined {
   island_id island;
   mote_id sink;
+  std::uint16_t slot = 0; ///< as in join_reply
 };
 
 /// The sink has forgotten us; joining starts again.
 struct island_lost {};
 
-using join_output = std::variant<to_radio, island_joined, island_lost>;
+using join_output = std::variant<to_registrar, island_joined, island_lost>;
 using join_outputs = std::vector<join_output>;
 
 struct join_config {
-  duration start_jitter = 1s; ///< the first request leaves uniformly within this
-  duration reply_wait = 500ms;
-  unsigned attempts_max = 5; ///< then a pause, and again without end
-  duration pause = 2s;       ///< doubles each time, jittered by half
+  duration start_jitter = 250ms;  ///< the first request leaves uniformly within this,
+  duration start_jitter_hop = 1s; ///< and this more for each hop of the way after the first
+  duration reply_wait = 500ms;    ///< for each hop of the way,
+  duration reply_slack{};         ///< and this, where frames wait for their turn
+  unsigned attempts_max = 5;      ///< then a pause, and again without end
+  duration pause = 2s;            ///< doubles each time, jittered by half
   duration pause_max = 30s;
   duration keep_alive = 3s; ///< send a keep-alive when nothing else was sent for this long
 };
@@ -51,7 +53,8 @@ public:
   join_client() = default;
   join_client(join_config config, bytes descriptor, std::uint32_t incarnation, random_stream dice);
 
-  [[nodiscard]] join_outputs start(instant now);
+  /// @param hops of the way to the sink
+  [[nodiscard]] join_outputs start(unsigned hops, instant now);
   [[nodiscard]] join_outputs leave(); ///< tells the sink, then off
 
   /// A component management message from `source`.
@@ -72,7 +75,8 @@ private:
   std::uint32_t incarnation_ = 0;
   random_stream dice_;
   state state_ = state::off;
-  mote_id sink_ = broadcast_mote;
+  mote_id sink_;
+  unsigned hops_ = 1;
   std::uint16_t sequence_ = 0;
   unsigned attempts_ = 0;
   duration pause_{};

@@ -13,7 +13,7 @@ struct encoder {
     out.octet(1).big(x.sequence).big(x.incarnation).append(x.descriptor);
   }
   void operator()(const join_reply& x) const {
-    out.octet(2).big(x.sequence).big(x.island.value).big(x.mote.value).big(x.time_ms);
+    out.octet(2).big(x.sequence).big(x.island.value).big(x.mote.value).big(x.time_ms).big(x.slot);
   }
   void operator()(const join_confirm& x) const {
     out.octet(3).big(x.sequence).big(x.incarnation).append(x.descriptor);
@@ -40,6 +40,7 @@ join_reply read_reply(byte_reader& in) {
   x.island = island_id{in.big<std::uint32_t>()};
   x.mote = mote_id{in.big<std::uint16_t>()};
   x.time_ms = in.big<std::uint32_t>();
+  x.slot = in.big<std::uint16_t>();
   return x;
 }
 

@@ -26,6 +26,7 @@ struct join_reply {
   island_id island;
   mote_id mote;              ///< the address the mote is to use
   std::uint32_t time_ms = 0; ///< the sink's clock
+  std::uint16_t slot = 0;    ///< in which the mote sends its synaptic vectors (SYN-16)
 
   friend bool operator==(const join_reply&, const join_reply&) = default;
 };

@@ -3,11 +3,15 @@
 #include <algorithm>
 
 #include "mote/transducer.hpp"
-#include "network/am.hpp"
+#include "network/island_packet.hpp"
 
 namespace rubicon::mote {
 
 namespace {
+
+constexpr duration expiry_min = 5min; ///< of a channel without packets,
+constexpr int expiry_intervals = 10;  ///< or so many of its intervals
+constexpr duration slot_length = 5ms; ///< SYN-16
 
 descriptor describe(const node_config& config) {
   descriptor x;
@@ -21,138 +25,334 @@ descriptor describe(const node_config& config) {
   return x;
 }
 
-void append(node_outputs& to, node_outputs from) {
-  std::ranges::move(from, std::back_inserter(to));
+/// What frames there and back may wait for their turns.
+duration slack_of(const duty_config& x) {
+  return x.enabled ? 3 * x.period : duration{};
+}
+
+/// A channel of Network, as the layer knows it.
+stream::channel_handle handle_of(network::channel_id x) {
+  return stream::channel_handle(static_cast<std::uint32_t>(x.source.value) << 16U | x.number);
+}
+
+network::channel_id channel_of(stream::channel_handle x) {
+  return {mote_id(static_cast<std::uint16_t>(x.value >> 16U)),
+          static_cast<std::uint16_t>(x.value & 0xffff)};
 }
 
 } // namespace
 
-node::node(node_config config, std::uint32_t incarnation, random_stream dice)
-    : config_(std::move(config)), dice_(dice), star_(config_.id) {
-  join_config join;
-  join.keep_alive = config_.keep_alive;
-  join_ = join_client(join, encode(describe(config_)), incarnation, random_stream(dice_.next()));
-  transport::endpoint_config messages;
-  messages.self = config_.id;
-  endpoint_ = transport::endpoint(messages, random_stream(dice_.next()));
-  for (const auto& actuator : config_.actuators)
-    actuator_states_[actuator.name] = actuator.initial;
+node::node(node_config config, std::uint32_t incarnation, random_stream dice, instant now)
+    : config_(std::move(config)), dice_(dice), incarnation_(incarnation) {
+  auto above = config_.layer;
+  above.messages.ack_wait += slack_of(config_.duty);
+  above.streams.open_repeat += slack_of(config_.duty);
+  above.streams.writer_patience += 5 * slack_of(config_.duty);
+  above.synaptic.open_repeat += slack_of(config_.duty);
+  above.synaptic.writer_patience += 5 * slack_of(config_.duty);
+  above.self = config_.id;
+  above.incarnation = incarnation;
+  above.transducer_mask = describe(config_).transducer_mask;
+  layer_ = std::make_unique<layer>(above, random_stream(dice_.next()));
+  network::router_config network;
+  network.self = config_.id;
+  network.beacon_delay_max = config_.duty.enabled ? config_.duty.period : duration{};
+  packets_ = packet_service(network, random_stream(dice_.next()), now);
+  duty_ = duty_cycle(config_.duty, false, random_stream(dice_.next()));
+  for (const auto& x : config_.actuators)
+    actuators_.emplace(x.name, actuator(x));
 }
+
+communication node::attach(communication_events& events) {
+  return layer_->attach(events);
+}
+
+// Joining.
 
 node_outputs node::start(instant now) {
-  return take(join_.start(now));
-}
-
-node_outputs node::leave() {
-  auto out = take(join_.leave());
-  star_.leave();
-  for (auto& x : endpoint_.fail_all())
-    out.emplace_back(std::get<transport::outcome>(x));
+  node_outputs out;
+  layer_->on_initialised(true, now);
+  if (config_.joins_alone)
+    ask_to_join(encode(describe(config_)), out, now);
+  settle(out, now);
   return out;
 }
 
-std::optional<node_outputs> node::send(transport::ticket id, mote_address destination,
-                                       std::uint8_t am_type, bytes payload, bool reliable,
-                                       instant now) {
-  if (!joined())
-    return std::nullopt;
-  auto accepted = endpoint_.send(id, destination, am_type, std::move(payload), reliable, now);
-  if (!accepted)
-    return std::nullopt;
-  return take(*std::move(accepted), now);
+void node::ask_to_join(bytes description, node_outputs& out, instant now) {
+  join_config config;
+  config.keep_alive = config_.keep_alive;
+  config.reply_slack = slack_of(config_.duty);
+  join_ = join_client(config, std::move(description), incarnation_, random_stream(dice_.next()));
+  wants_to_join_ = true;
+  take(packet_service_outputs{}, out, now);
 }
+
+node_outputs node::leave(instant now) {
+  node_outputs out;
+  wants_to_join_ = false;
+  take(join_.leave(), out, now);
+  layer_->on_left(now);
+  settle(out, now);
+  return out;
+}
+
+void node::take(join_outputs from_join, node_outputs& out, instant now) {
+  for (auto& x : from_join) {
+    if (const auto* message = std::get_if<to_registrar>(&x)) {
+      take(packets_.send_management(packets_.router().tree().root(), encode(message->message), now),
+           out, now);
+    } else if (const auto* joined = std::get_if<island_joined>(&x)) {
+      island_ = joined->island;
+      slot_ = joined->slot;
+      layer_->on_joined(joined->island, now);
+      duty_.set_member(true);
+      out.emplace_back(membership{true, joined->island});
+    } else {
+      layer_->on_left(now);
+      duty_.set_member(false);
+      out.emplace_back(membership{});
+    }
+  }
+}
+
+void node::on_management(const management_in& x, node_outputs& out, instant now) {
+  const auto message = decode_management(x.octets);
+  if (message)
+    take(join_.on_message(x.origin, *message, now), out, now);
+  else
+    ++counters_.malformed;
+}
+
+// What comes.
+
+node_outputs node::on_frame(mote_id source, std::uint8_t am_type, byte_view payload, instant sfd,
+                            instant now) {
+  node_outputs out;
+  take(packets_.on_frame(source, am_type, payload, sfd, now), out, now);
+  settle(out, now);
+  return out;
+}
+
+node_outputs node::on_sent(std::uint64_t token, bool acked, unsigned transmissions, instant now) {
+  node_outputs out;
+  duty_.on_sent(token, now);
+  take(packets_.on_sent(token, acked, transmissions, now), out, now);
+  settle(out, now);
+  return out;
+}
+
+node_outputs node::on_time(instant now) {
+  node_outputs out;
+  take(packets_.on_time(now), out, now);
+  take(join_.on_time(now), out, now);
+  tick(now);
+  layer_->on_time(now);
+  for (auto& [name, x] : actuators_) {
+    if (x.on_time(now))
+      out.emplace_back(actuator_arrived{name, x.target()});
+  }
+  for (auto x = paced_.begin(); x != paced_.end();) {
+    auto& [channel, waiting] = *x;
+    if (waiting.first <= now) {
+      send_on({channel, std::move(waiting.second)}, out, now);
+      x = paced_.erase(x);
+    } else {
+      ++x;
+    }
+  }
+  settle(out, now);
+  return out;
+}
+
+instant node::deadline() const {
+  auto due = *earliest(packets_.deadline(), earliest(join_.deadline(), clock_.deadline()));
+  due = *earliest(due, earliest(layer_->deadline(), duty_.deadline()));
+  for (const auto& [channel, waiting] : paced_)
+    due = std::min(due, waiting.first);
+  for (const auto& [name, x] : actuators_)
+    due = *earliest(due, x.deadline());
+  return due;
+}
+
+/// The RUBICON clock (CLK-01..05).
+void node::tick(instant now) {
+  const auto& shared = packets_.router().clock();
+  const auto setting = shared.tick(now);
+  if (!shared.synchronised() || !setting)
+    return;
+  const auto slots = std::max<duration::rep>(setting->period / slot_length, 1);
+  layer_->set_slot(slot_length * (slot_ % slots));
+  if (const auto next = clock_.update(now, shared.at(now), *setting))
+    layer_->on_tick(next->number, now);
+}
+
+void node::take(packet_service_outputs from_packets, node_outputs& out, instant now) {
+  for (auto& x : from_packets) {
+    if (auto* frame = std::get_if<network::frame_out>(&x)) {
+      duty_.submit(std::move(*frame), now);
+    } else if (const auto* message = std::get_if<management_in>(&x)) {
+      on_management(*message, out, now);
+    } else if (const auto* packet = std::get_if<packet_in>(&x)) {
+      on_packet(packet->packet, now);
+    } else if (std::holds_alternative<network::clock_corrected>(x)) {
+      tick(now);
+    } else if (const auto* open = std::get_if<network::channel_connected>(&x)) {
+      if (const auto who = connecting_.extract(open->channel); !who.empty())
+        layer_->on_connected(who.mapped(), handle_of(open->channel), now);
+    } else if (const auto* offered = std::get_if<network::channel_accepted>(&x)) {
+      if (joined()) // before that nobody here knows our address
+        layer_->on_accepted(handle_of(offered->channel), {island_, offered->channel.source}, now);
+      else
+        take(packets_.router().refuse(offered->channel, now), out, now);
+    } else if (const auto* reserved = std::get_if<network::channel_reserved>(&x)) {
+      duty_.reserve(*reserved);
+    } else if (const auto* content = std::get_if<network::channel_received>(&x)) {
+      duty_.on_received(content->channel, now);
+      layer_->on_channel_octets(handle_of(content->channel), content->content, now);
+    } else if (const auto* over = std::get_if<network::channel_ended>(&x)) {
+      if (const auto who = connecting_.extract(over->channel); !who.empty())
+        layer_->on_connect_failed(who.mapped(), now);
+      else
+        layer_->on_channel_closed(handle_of(over->channel), now);
+    }
+  }
+  if (wants_to_join_ && packets_.router().has_route()) {
+    wants_to_join_ = false;
+    take(join_.start(packets_.router().tree().hops(), now), out, now);
+  }
+}
+
+void node::take(network::router_outputs from_router, node_outputs& out, instant now) {
+  take(packets_.carry(std::move(from_router), now), out, now);
+}
+
+void node::on_packet(const network::island_packet& x, instant now) {
+  const bool is_ours = x.mote == config_.id || x.mote == broadcast_mote;
+  if (joined() && is_ours)
+    layer_->on_packet(x.island, x.channel, x.body, now);
+  else
+    ++counters_.misdirected;
+}
+
+// What programs want.
+
+node_outputs node::settle(instant now) {
+  node_outputs out;
+  settle(out, now);
+  return out;
+}
+
+void node::settle(node_outputs& out, instant now) {
+  for (auto wanted = layer_->take_outputs(); !wanted.empty(); wanted = layer_->take_outputs()) {
+    for (auto& x : wanted)
+      perform(x, out, now);
+  }
+  for (auto& x : duty_.update(now, packets_.router().clock()))
+    std::visit([&out](auto& y) { out.emplace_back(std::move(y)); }, x);
+}
+
+void node::perform(layer_output& x, node_outputs& out, instant now) {
+  if (auto* packet = std::get_if<transport::to_network>(&x)) {
+    route(*packet, out, now);
+  } else if (const auto* wanted = std::get_if<channel_wanted>(&x)) {
+    connect(*wanted, out, now);
+  } else if (auto* content = std::get_if<channel_packet>(&x)) {
+    const auto turn = duty_.next_turn(channel_of(content->channel), now, packets_.router().clock());
+    if (turn)
+      counters_.paced_out +=
+          paced_.insert_or_assign(content->channel, std::pair(*turn, std::move(content->octets)))
+                  .second
+              ? 0
+              : 1;
+    else
+      send_on(std::move(*content), out, now);
+  } else if (const auto* over = std::get_if<channel_unwanted>(&x)) {
+    take(packets_.router().disconnect(channel_of(over->channel), now), out, now);
+  } else if (const auto* sample = std::get_if<sample_wanted>(&x)) {
+    const auto count = read(static_cast<quantity>(sample->transducer), now);
+    const auto& shared = packets_.router().clock();
+    const auto time =
+        shared.synchronised()
+            ? shared.at(now).time_since_epoch()
+            : std::chrono::duration_cast<island_clock::duration>(now.time_since_epoch());
+    layer_->on_sample(sample->stream,
+                      {{island_, config_.id},
+                       static_cast<std::uint32_t>(time / std::chrono::milliseconds(1)),
+                       count.value_or(0)},
+                      now);
+  } else if (std::holds_alternative<init_wanted>(x)) {
+    layer_->on_initialised(true, now);
+  } else {
+    ask_to_join(std::get<join_wanted>(x).description, out, now);
+  }
+}
+
+void node::send_on(channel_packet x, node_outputs& out, instant now) {
+  auto sent = packets_.router().send_on(channel_of(x.channel), std::move(x.octets), now);
+  if (sent)
+    take(*std::move(sent), out, now);
+  else
+    ++counters_.channel_full;
+}
+
+/// To a mote of the own island, or by way of the sink (RTG-04).
+void node::route(transport::to_network& x, node_outputs& out, instant now) {
+  const bool is_local = x.destination.island == island_ && x.destination.mote != no_mote;
+  const network::island_packet packet{x.destination.island, x.destination.mote, x.channel,
+                                      std::move(x.segment)};
+  if (is_local && packet.mote == config_.id) {
+    on_packet(packet, now);
+    return;
+  }
+  if (is_local && packet.mote == broadcast_mote) {
+    take(packets_.send_to_all(packet, now), out, now);
+    return;
+  }
+  const auto sink = packets_.router().tree().root();
+  if (!is_local || packet.mote == sink)
+    join_.on_sent(now);
+  take(packets_.send(is_local ? packet.mote : sink, packet, now), out, now);
+}
+
+void node::connect(const channel_wanted& x, node_outputs& out, instant now) {
+  auto& router = packets_.router();
+  network::channel_schedule schedule;
+  schedule.interval = x.interval;
+  schedule.size = static_cast<std::uint8_t>(std::min(x.size, network::channel_packet_max));
+  if (router.clock().synchronised())
+    schedule.first = router.clock().at(now + x.interval);
+  const auto expiry = std::max<duration>(expiry_min, expiry_intervals * x.interval);
+  auto [id, todo] = router.connect(x.destination, schedule, expiry, now);
+  connecting_[id] = x.request;
+  take(std::move(todo), out, now);
+}
+
+// Transducers and actuators.
 
 std::optional<std::int16_t> node::read(quantity kind, instant now) {
   const auto found = std::ranges::find(config_.transducers, kind, &transducer_config::kind);
   if (found == config_.transducers.end())
     return std::nullopt;
-  return sample(*found, now, dice_);
+  return sample(*found, now, dice_, {config_.place, config_.transducer_seed});
 }
 
-bool node::actuate(const std::string& name, std::uint8_t state) {
-  const auto found = std::ranges::find(config_.actuators, name, &actuator_config::name);
-  if (found == config_.actuators.end() || (found->kind == actuator_kind::relay && state > 1))
-    return false;
-  actuator_states_[name] = state;
-  return true;
+bool node::actuate(const std::string& name, std::uint8_t state, instant now) {
+  const auto found = actuators_.find(name);
+  return found != actuators_.end() && found->second.set(state, now);
 }
 
-std::optional<std::uint8_t> node::actuator_state(const std::string& name) const {
-  const auto found = actuator_states_.find(name);
-  if (found == actuator_states_.end())
+std::optional<std::uint8_t> node::actuator_state(const std::string& name, instant now) const {
+  const auto found = actuators_.find(name);
+  if (found == actuators_.end())
     return std::nullopt;
-  return found->second;
+  return found->second.state(now);
 }
 
-node_outputs node::on_frame(mote_id source, std::uint8_t am_type, byte_view payload, instant now) {
-  if (am_type == network::am::component_management) {
-    const auto message = decode_management(payload);
-    if (!message) {
-      ++counters_.malformed;
-      return {};
-    }
-    return take(join_.on_message(source, *message, now));
-  }
-  if (network::star::owns(am_type) && joined())
-    return take(star_.on_frame(am_type, payload), now);
-  ++counters_.unknown_type;
-  return {};
-}
-
-node_outputs node::on_time(instant now) {
-  auto out = take(join_.on_time(now));
-  append(out, take(endpoint_.on_time(now), now));
-  return out;
-}
-
-std::optional<instant> node::deadline() const {
-  return earliest(join_.deadline(), endpoint_.deadline());
-}
-
-node_outputs node::take(join_outputs from_join) {
-  node_outputs out;
-  for (auto& x : from_join) {
-    if (auto* frame = std::get_if<to_radio>(&x)) {
-      out.emplace_back(network::transmit{frame->destination, network::am::component_management,
-                                         encode(frame->message)});
-    } else if (const auto* joined = std::get_if<island_joined>(&x)) {
-      star_.join(joined->island, joined->sink);
-      out.emplace_back(membership{true, joined->island});
-    } else {
-      star_.leave();
-      out.emplace_back(membership{});
-    }
-  }
-  return out;
-}
-
-node_outputs node::take(network::outputs from_network, instant now) {
-  node_outputs out;
-  for (auto& x : from_network) {
-    if (auto* frame = std::get_if<network::transmit>(&x)) {
-      if (frame->next_hop == star_.sink())
-        join_.on_sent(now);
-      out.emplace_back(std::move(*frame));
-    } else {
-      const auto& segment = std::get<network::arrived>(x);
-      append(out, take(endpoint_.on_segment(segment.source_island, segment.segment, now), now));
-    }
-  }
-  return out;
-}
-
-node_outputs node::take(transport::outputs from_transport, instant now) {
-  node_outputs out;
-  for (auto& x : from_transport) {
-    if (auto* packet = std::get_if<transport::to_network>(&x))
-      append(out, take(star_.send(packet->destination, packet->channel, std::move(packet->segment)),
-                       now));
-    else if (auto* message = std::get_if<transport::received>(&x))
-      out.emplace_back(std::move(*message));
-    else
-      out.emplace_back(std::get<transport::outcome>(x));
-  }
-  return out;
+std::size_t node::footprint() const {
+  constexpr std::size_t join_octets = 32;
+  constexpr std::size_t clock_octets = 12;
+  return packets_.footprint() + layer_->footprint() + join_octets + clock_octets +
+         duty_cycle::footprint(network::channels_config{}.entries_max);
 }
 
 } // namespace rubicon::mote

@@ -1,8 +1,10 @@
-// The communication layer of one mote: join, Network and Transport over whatever carries frames.
+// The communication layer of one mote: join, Network, and the layer its programs use, over whatever
+// carries frames.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -12,11 +14,14 @@
 #include "core/bytes.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
+#include "mote/actuator.hpp"
 #include "mote/descriptor.hpp"
+#include "mote/duty_cycle.hpp"
 #include "mote/join_client.hpp"
+#include "mote/layer.hpp"
+#include "mote/packet_service.hpp"
 #include "mote/transducer_config.hpp"
-#include "network/star.hpp"
-#include "transport/endpoint.hpp"
+#include "synaptic/rubicon_clock.hpp"
 
 namespace rubicon::mote {
 
@@ -24,8 +29,13 @@ struct node_config {
   mote_id id;
   std::uint32_t type = 0;
   duration keep_alive = 3s; ///< promised in the descriptor: heard at least this often
+  bool joins_alone = true;  ///< else its programs call initCommunications and joinIsland
   std::vector<transducer_config> transducers;
   std::vector<actuator_config> actuators;
+  position place;                    ///< for what its transducers measure
+  std::uint64_t transducer_seed = 0; ///< of random walks: the same in all lives of a mote
+  layer_config layer;                ///< sizes of tables
+  duty_config duty;
 };
 
 /// The mote is a member of its island, or is one no longer.
@@ -34,69 +44,109 @@ struct membership {
   island_id island;
 };
 
-using node_output =
-    std::variant<network::transmit, membership, transport::received, transport::outcome>;
+/// An actuator has come to where it was sent.
+struct actuator_arrived {
+  std::string name;
+  std::uint8_t state = 0;
+};
+
+using node_output = std::variant<network::frame_out, radio_switch, membership, actuator_arrived>;
 using node_outputs = std::vector<node_output>;
 
 struct node_counters {
-  std::uint64_t malformed = 0;    ///< frames of a known AM type that could not be decoded
-  std::uint64_t unknown_type = 0; ///< frames of an AM type nobody owns here (AM-01)
+  std::uint64_t malformed = 0;    ///< component management that could not be decoded
+  std::uint64_t misdirected = 0;  ///< packets for another mote, or before the join
+  std::uint64_t channel_full = 0; ///< packets that found no room in their channel's queue
+  std::uint64_t paced_out = 0;    ///< packets that newer ones have replaced before their turn
 };
 
-/// Everything a mote does that needs no radio chip and no application. Send and read need no
-/// completion to be waited for: results come as outputs.
+/// Everything a mote does that needs no radio chip. All times are by the mote's own clock
+/// (mote::crystal).
 class node {
 public:
   node() = default;
 
+  /// Starts, and looks for its island.
   /// @param incarnation how often this mote has been started before (DIS-07)
-  node(node_config config, std::uint32_t incarnation, random_stream dice);
+  node(node_config config, std::uint32_t incarnation, random_stream dice, instant now);
 
-  /// Starts to join (D1.1 5.3.4 joinIsland).
+  /// A program on this mote. Commands that are not given from within an event are followed by
+  /// settle(). @param events outlives this
+  [[nodiscard]] communication attach(communication_events& events);
+
+  /// Carries out commands that programs have given at `now`; begin() sets the time they see.
+  void begin(instant now) { layer_->set_time(now); }
+  [[nodiscard]] node_outputs settle(instant now);
+
+  /// Radio and, at a sink, serial line are up (D1.1 5.3.4). A mote that joins alone begins to, and
+  /// does as soon as there is a way to the sink.
   [[nodiscard]] node_outputs start(instant now);
 
   /// Says goodbye and ends every outstanding send as failed.
-  [[nodiscard]] node_outputs leave();
-
-  /// D1.1 5.3.3 send. Nothing: refused (FAIL), because not joined (MCK-16), because of the
-  /// destination or the length, or because too many reliable sends are outstanding.
-  [[nodiscard]] std::optional<node_outputs> send(transport::ticket id, mote_address destination,
-                                                 std::uint8_t am_type, bytes payload, bool reliable,
-                                                 instant now);
+  [[nodiscard]] node_outputs leave(instant now);
 
   /// One reading, as a count; nothing if the mote has no such transducer.
   [[nodiscard]] std::optional<std::int16_t> read(quantity kind, instant now);
 
-  /// @returns false if there is no such actuator, or it has no such state
-  bool actuate(const std::string& name, std::uint8_t state);
+  /// The mote is somewhere else from now on.
+  void move(position x) { config_.place = x; }
 
-  [[nodiscard]] std::optional<std::uint8_t> actuator_state(const std::string& name) const;
+  /// @returns false if there is no such actuator, or it has no such state
+  bool actuate(const std::string& name, std::uint8_t state, instant now);
+
+  /// Where it is; nothing: there is no such actuator.
+  [[nodiscard]] std::optional<std::uint8_t> actuator_state(const std::string& name,
+                                                           instant now) const;
 
   /// The radio has delivered a frame for this mote.
+  /// @param sfd when its start-of-frame delimiter was received
   [[nodiscard]] node_outputs on_frame(mote_id source, std::uint8_t am_type, byte_view payload,
-                                      instant now);
+                                      instant sfd, instant now);
+
+  /// A network::frame_out has ended.
+  [[nodiscard]] node_outputs on_sent(std::uint64_t token, bool acked, unsigned transmissions,
+                                     instant now);
 
   [[nodiscard]] node_outputs on_time(instant now); ///< harmless before deadline()
-  [[nodiscard]] std::optional<instant> deadline() const;
+  [[nodiscard]] instant deadline() const;
 
-  [[nodiscard]] bool joined() const { return star_.joined(); }
-  [[nodiscard]] const transport::endpoint_counters& messages() const {
-    return endpoint_.counters();
-  }
-  [[nodiscard]] std::size_t outstanding() const { return endpoint_.outstanding(); }
+  [[nodiscard]] bool joined() const { return join_.current() == join_client::state::joined; }
+  [[nodiscard]] const layer& above() const { return *layer_; }
+  [[nodiscard]] const packet_service& packets() const { return packets_; }
   [[nodiscard]] const node_counters& counters() const { return counters_; }
 
+  /// Octets of protocol state on a mote with these tables (SMP-30).
+  [[nodiscard]] std::size_t footprint() const;
+
 private:
-  [[nodiscard]] node_outputs take(join_outputs from_join);
-  [[nodiscard]] node_outputs take(network::outputs from_network, instant now);
-  [[nodiscard]] node_outputs take(transport::outputs from_transport, instant now);
+  void take(join_outputs from_join, node_outputs& out, instant now);
+  void take(packet_service_outputs from_packets, node_outputs& out, instant now);
+  void take(network::router_outputs from_router, node_outputs& out, instant now);
+  void perform(layer_output& x, node_outputs& out, instant now);
+  void on_management(const management_in& x, node_outputs& out, instant now);
+  void on_packet(const network::island_packet& x, instant now);
+  void route(transport::to_network& x, node_outputs& out, instant now);
+  void connect(const channel_wanted& x, node_outputs& out, instant now);
+  void ask_to_join(bytes description, node_outputs& out, instant now);
+  void tick(instant now);
+  void send_on(channel_packet x, node_outputs& out, instant now);
+  void settle(node_outputs& out, instant now);
 
   node_config config_;
   random_stream dice_;
+  packet_service packets_;
   join_client join_;
-  network::star star_;
-  transport::endpoint endpoint_;
-  std::map<std::string, std::uint8_t> actuator_states_;
+  std::uint32_t incarnation_ = 0;
+  bool wants_to_join_ = false; ///< there is no way to the sink yet
+  island_id island_;
+  std::uint16_t slot_ = 0;
+  std::unique_ptr<layer> layer_; ///< programs point to it
+  synaptic::rubicon_clock clock_;
+  duty_cycle duty_;
+  /// Packets that wait for their channel's turn, one for each.
+  std::map<stream::channel_handle, std::pair<instant, bytes>> paced_;
+  std::map<network::channel_id, channel_request> connecting_;
+  std::map<std::string, actuator> actuators_;
   node_counters counters_;
 };
 

@@ -51,7 +51,9 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
     ++counters_.refused;
     return {};
   }
+  const auto slot = found == members_.end() ? free_slot() : found->second.slot;
   auto& entry = members_[source];
+  entry.slot = slot;
   const bool same_life = entry.confirmed && entry.incarnation == x.incarnation;
   entry.confirmed = same_life; // a reboot is announced again once it is confirmed
   entry.sequence = x.sequence;
@@ -117,10 +119,8 @@ registrar_outputs registrar::on_time(instant now) {
   registrar_outputs out;
   if (next_expiry_ && *next_expiry_ <= now)
     out = expire(now);
-  if (roster_due_ && *roster_due_ <= now) {
-    roster_due_ = now + config_.roster_period;
-    append_roster(out);
-  }
+  if (roster_due_ && *roster_due_ <= now)
+    out.emplace_back(next_roster_page(now));
   return out;
 }
 
@@ -151,7 +151,21 @@ registrar_outputs registrar::expire(instant now) {
   return out;
 }
 
-void registrar::append_roster(registrar_outputs& out) {
+network::sink_event registrar::next_roster_page(instant now) {
+  if (roster_pages_.empty()) {
+    roster_pages_ = compile_roster();
+    roster_began_ = now;
+  }
+  auto page = std::move(roster_pages_.front());
+  roster_pages_.pop_front();
+  const auto next = now + config_.roster_page_gap;
+  roster_due_ =
+      roster_pages_.empty() ? std::max(next, roster_began_ + config_.roster_period) : next;
+  return page;
+}
+
+std::deque<network::roster> registrar::compile_roster() {
+  std::deque<network::roster> all;
   std::vector<network::roster_entry> entries;
   for (const auto& [mote, entry] : members_) {
     if (entry.announced)
@@ -169,15 +183,25 @@ void registrar::append_roster(registrar_outputs& out) {
     x.pages = static_cast<std::uint8_t>(pages);
     x.entries.assign(entries.begin() + static_cast<std::ptrdiff_t>(first),
                      entries.begin() + static_cast<std::ptrdiff_t>(last));
-    out.emplace_back(std::move(x));
+    all.push_back(std::move(x));
   }
+  return all;
 }
 
 to_mote registrar::reply_to(mote_id mote, const member& x, instant now) const {
   const auto since_start =
       std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch());
   return {mote, join_reply{x.sequence, config_.island, mote,
-                           static_cast<std::uint32_t>(since_start.count())}};
+                           static_cast<std::uint32_t>(since_start.count()), x.slot}};
+}
+
+std::uint16_t registrar::free_slot() const {
+  std::vector<bool> taken(members_.size() + 1);
+  for (const auto& [mote, entry] : members_) {
+    if (entry.slot < taken.size())
+      taken[entry.slot] = true;
+  }
+  return static_cast<std::uint16_t>(std::ranges::find(taken, false) - taken.begin());
 }
 
 void registrar::wake_at(instant t) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <variant>
@@ -32,6 +33,7 @@ struct registrar_config {
   std::size_t members_max = 1000;   ///< further requests get no answer and are counted
   duration prompt_pause = 1s;       ///< between two rejoin prompts to one mote
   duration roster_period = 10s;
+  duration roster_page_gap = 250ms; ///< between two pages: a serial queue is short
 };
 
 struct registrar_counters {
@@ -71,6 +73,7 @@ private:
     std::uint16_t sequence = 0;
     std::uint32_t incarnation = 0;
     std::uint32_t type = 0;
+    std::uint16_t slot = 0; ///< the lowest that no other member has
     bytes descriptor;
     duration window{};
     instant heard;
@@ -83,15 +86,19 @@ private:
   [[nodiscard]] registrar_outputs expire(instant now);
   [[nodiscard]] static network::mote_joined event_of(mote_id mote, const member& x);
   [[nodiscard]] registrar_outputs announce(mote_id mote, member& entry);
-  void append_roster(registrar_outputs& out);
+  [[nodiscard]] std::deque<network::roster> compile_roster();
+  [[nodiscard]] network::sink_event next_roster_page(instant now);
   [[nodiscard]] to_mote reply_to(mote_id mote, const member& x, instant now) const;
+  [[nodiscard]] std::uint16_t free_slot() const;
   void wake_at(instant t);
 
   registrar_config config_;
   std::map<mote_id, member> members_;
   std::map<mote_id, instant> prompted_; ///< when an unknown mote was last asked to join
   std::uint16_t roster_number_ = 0;
-  std::optional<instant> roster_due_;
+  std::deque<network::roster> roster_pages_; ///< that are still to be sent
+  instant roster_began_;
+  std::optional<instant> roster_due_;  ///< the next page, or the next roster
   std::optional<instant> next_expiry_; ///< no member needs attention before this
   registrar_counters counters_;
 };

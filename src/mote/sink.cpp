@@ -1,42 +1,63 @@
 #include "mote/sink.hpp"
 
+#include <algorithm>
+
 #include "network/am.hpp"
-#include "network/island_packet.hpp"
+#include "network/wire.hpp"
 
 namespace rubicon::mote {
 
-sink_outputs sink::start(instant now) {
-  return take(registrar_.start(now));
+namespace {
+
+void append(sink_outputs& to, sink_outputs from) {
+  std::ranges::move(from, std::back_inserter(to));
 }
 
-sink_outputs sink::on_frame(mote_id source, std::uint8_t am_type, byte_view payload, instant now) {
-  if (am_type == network::am::component_management)
-    return take(registrar_.on_frame(source, payload, now));
-  auto out = take(registrar_.on_heard(source, now));
-  if (am_type == network::am::to_gateway) {
-    ++counters_.up;
-    out.emplace_back(to_gateway{source, am_type, to_bytes(payload)});
-  } else {
-    ++counters_.unknown_type;
-  }
-  return out;
+} // namespace
+
+sink::sink(network::router_config network, registrar_config members, const duty_config& duty,
+           random_stream dice, instant now)
+    : self_(network.self), island_(members.island), duty_(duty, true, random_stream(dice.next())) {
+  network.is_sink = true;
+  network.beacon_delay_max = duty.enabled ? duty.period : duration{};
+  members.confirm_wait += 3 * network.beacon_delay_max;
+  registrar_ = registrar(members);
+  packets_ = packet_service(network, dice, now);
+}
+
+sink_outputs sink::start(instant now) {
+  return finish(take(registrar_.start(now), now), now);
+}
+
+sink_outputs sink::on_frame(mote_id source, std::uint8_t am_type, byte_view payload, instant sfd,
+                            instant now) {
+  return finish(take(packets_.on_frame(source, am_type, payload, sfd, now), now), now);
+}
+
+sink_outputs sink::on_sent(std::uint64_t token, bool acked, unsigned transmissions, instant now) {
+  duty_.on_sent(token, now);
+  return finish(take(packets_.on_sent(token, acked, transmissions, now), now), now);
 }
 
 sink_outputs sink::on_packet(std::uint8_t am_type, byte_view payload, instant now) {
-  if (am_type == network::am::from_gateway) {
-    const auto packet = network::decode_island_packet(payload);
+  auto whole = am_type == network::am::packet ? pieces_.on_piece(self_, payload, now)
+                                              : std::optional(to_bytes(payload));
+  if (!whole)
+    return {};
+  if (am_type == network::am::from_gateway || am_type == network::am::packet) {
+    const auto packet = network::decode_island_packet(*whole);
     if (!packet) {
       ++counters_.malformed;
       return {};
     }
     ++counters_.down;
-    return {network::transmit{packet->mote, am_type, to_bytes(payload)}};
+    return finish(to_island(*packet, now), now);
   }
   if (am_type == network::am::sink_event) {
-    const auto event = network::decode_sink_event(payload);
+    const auto event = network::decode_sink_event(*whole);
     const auto* wanted = event ? std::get_if<network::describe>(&*event) : nullptr;
     if (wanted != nullptr)
-      return take(registrar_.on_describe(wanted->mote, now));
+      return finish(take(registrar_.on_describe(wanted->mote, now), now), now);
     ++counters_.malformed;
     return {};
   }
@@ -45,15 +66,81 @@ sink_outputs sink::on_packet(std::uint8_t am_type, byte_view payload, instant no
 }
 
 sink_outputs sink::on_time(instant now) {
-  return take(registrar_.on_time(now));
+  auto out = take(registrar_.on_time(now), now);
+  append(out, take(packets_.on_time(now), now));
+  return finish(std::move(out), now);
 }
 
-sink_outputs sink::take(registrar_outputs from_registrar) const {
+instant sink::deadline() const {
+  return *earliest(packets_.deadline(), earliest(registrar_.deadline(), duty_.deadline()));
+}
+
+/// Lets the frames go that may.
+sink_outputs sink::finish(sink_outputs out, instant now) {
+  for (auto& x : duty_.update(now, packets_.router().clock())) {
+    if (auto* frame = std::get_if<network::frame_out>(&x))
+      out.emplace_back(std::move(*frame));
+  }
+  return out;
+}
+
+sink_outputs sink::take(packet_service_outputs from_packets, instant now) {
+  sink_outputs out;
+  for (auto& x : from_packets) {
+    if (auto* frame = std::get_if<network::frame_out>(&x)) {
+      duty_.submit(std::move(*frame), now);
+    } else if (const auto* message = std::get_if<management_in>(&x)) {
+      append(out, take(registrar_.on_frame(message->origin, message->octets, now), now));
+    } else if (const auto* packet = std::get_if<packet_in>(&x)) {
+      append(out, from_island(*packet, now));
+    } else if (const auto* offered = std::get_if<network::channel_accepted>(&x)) {
+      auto refused = packets_.router().refuse(offered->channel, now); // no app runs on a sink
+      append(out, take(packets_.carry(std::move(refused), now), now));
+    }
+  }
+  return out;
+}
+
+/// A packet says where it is to go, in which island; `own_island` is ours.
+sink_outputs sink::from_island(const packet_in& x, instant now) {
+  const auto origin = x.origin.value_or(self_);
+  auto out = take(registrar_.on_heard(origin, now), now);
+  const auto& packet = x.packet;
+  const bool is_local = packet.island == island_ || packet.island == own_island;
+  if (!is_local || packet.mote == no_mote) {
+    ++counters_.up;
+    append(out, to_line(origin, packet));
+  } else if (packet.mote == self_) {
+    ++counters_.for_sink;
+  } else if (!x.to_all) { // a flood reaches everybody without us
+    ++counters_.turned;
+    append(out, to_island({island_, packet.mote, packet.channel, packet.body}, now));
+  }
+  return out;
+}
+
+sink_outputs sink::to_island(const network::island_packet& x, instant now) {
+  return take(
+      x.mote == broadcast_mote ? packets_.send_to_all(x, now) : packets_.send(x.mote, x, now), now);
+}
+
+sink_outputs sink::to_line(mote_id origin, const network::island_packet& x) {
+  auto octets = encode(x);
+  if (octets.size() <= network::frame_payload_max)
+    return {to_gateway{origin, network::am::to_gateway, std::move(octets)}};
+  sink_outputs out;
+  const auto pieces = transport::cut(octets, network::frame_payload_max, tag_++);
+  for (const auto& piece : *pieces) // packet_max octets never are too many
+    out.emplace_back(to_gateway{origin, network::am::packet, piece});
+  return out;
+}
+
+sink_outputs sink::take(registrar_outputs from_registrar, instant now) {
   sink_outputs out;
   for (auto& x : from_registrar) {
     if (const auto* message = std::get_if<to_mote>(&x))
-      out.emplace_back(network::transmit{message->mote, network::am::component_management,
-                                         encode(message->message)});
+      append(out,
+             take(packets_.send_management(message->mote, encode(message->message), now), now));
     else
       out.emplace_back(
           to_gateway{self_, network::am::sink_event, encode(std::get<network::sink_event>(x))});

@@ -1,62 +1,82 @@
-// The sink's half of the bridge between an island and its gateway (GW-01, RTG-02): radio on one
-// side, serial packets on the other, the list of members in between.
+// The sink's half of the bridge between an island and its gateway (GW-01, RTG-02): the root of the
+// island's Network on one side, serial packets on the other, the list of members in between.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <variant>
 #include <vector>
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/random.hpp"
 #include "core/time.hpp"
+#include "mote/duty_cycle.hpp"
+#include "mote/packet_service.hpp"
 #include "mote/registrar.hpp"
-#include "network/star.hpp"
+#include "transport/pieces.hpp"
 
 namespace rubicon::mote {
 
 /// Send this packet up the serial line.
 struct to_gateway {
-  mote_id source; ///< whose radio frame it was; the sink itself for its own events
+  mote_id source; ///< where in the island it comes from; the sink itself for its own events
   std::uint8_t am_type = 0;
-  bytes payload;
+  bytes payload; ///< at most network::frame_payload_max octets
 };
 
-using sink_output = std::variant<network::transmit, to_gateway>;
+using sink_output = std::variant<network::frame_out, to_gateway>;
 using sink_outputs = std::vector<sink_output>;
 
 struct sink_counters {
   std::uint64_t malformed = 0;    ///< serial packets that could not be decoded
-  std::uint64_t unknown_type = 0; ///< frames or packets of a type that has no business here
+  std::uint64_t unknown_type = 0; ///< serial packets of a type that has no business here
   std::uint64_t up = 0;           ///< island packets passed to the gateway
   std::uint64_t down = 0;         ///< island packets passed to the island
+  std::uint64_t turned = 0;       ///< island packets from a mote of the island to another (RTG-01)
+  std::uint64_t for_sink = 0;     ///< island packets for the sink, on which no app runs
 };
 
 class sink {
 public:
   sink() = default;
-  sink(mote_id self, registrar_config config) : self_(self), registrar_(config) {}
+  sink(network::router_config network, registrar_config members, const duty_config& duty,
+       random_stream dice, instant now);
 
   [[nodiscard]] sink_outputs start(instant now);
 
-  /// The radio has delivered a frame.
+  /// The radio has delivered a frame. @param sfd when its start-of-frame delimiter was received
   [[nodiscard]] sink_outputs on_frame(mote_id source, std::uint8_t am_type, byte_view payload,
-                                      instant now);
+                                      instant sfd, instant now);
+
+  /// A network::frame_out has ended.
+  [[nodiscard]] sink_outputs on_sent(std::uint64_t token, bool acked, unsigned transmissions,
+                                     instant now);
 
   /// The serial line has delivered a packet from the gateway.
   [[nodiscard]] sink_outputs on_packet(std::uint8_t am_type, byte_view payload, instant now);
 
   [[nodiscard]] sink_outputs on_time(instant now); ///< harmless before deadline()
-  [[nodiscard]] std::optional<instant> deadline() const { return registrar_.deadline(); }
+  [[nodiscard]] instant deadline() const;
 
   [[nodiscard]] std::size_t members() const { return registrar_.members(); }
   [[nodiscard]] const sink_counters& counters() const { return counters_; }
+  [[nodiscard]] const packet_service& packets() const { return packets_; }
 
 private:
-  [[nodiscard]] sink_outputs take(registrar_outputs from_registrar) const;
+  [[nodiscard]] sink_outputs finish(sink_outputs out, instant now);
+  [[nodiscard]] sink_outputs take(packet_service_outputs from_packets, instant now);
+  [[nodiscard]] sink_outputs take(registrar_outputs from_registrar, instant now);
+  [[nodiscard]] sink_outputs from_island(const packet_in& x, instant now);
+  [[nodiscard]] sink_outputs to_island(const network::island_packet& x, instant now);
+  [[nodiscard]] sink_outputs to_line(mote_id origin, const network::island_packet& x);
 
   mote_id self_;
+  island_id island_;
   registrar registrar_;
+  packet_service packets_;
+  duty_cycle duty_;
+  transport::assembly pieces_; ///< of packets from the gateway
+  std::uint8_t tag_ = 0;
   sink_counters counters_;
 };
 

@@ -6,7 +6,7 @@
 namespace rubicon::network::am {
 
 inline constexpr std::uint8_t component_management = 0x10; ///< join, leave, keep-alive
-inline constexpr std::uint8_t local = 0x11;        ///< a segment between two motes of one island
+inline constexpr std::uint8_t local = 0x11;                ///< between two neighbours of one island
 inline constexpr std::uint8_t to_gateway = 0x12;   ///< an island packet on its way up (WIR-01)
 inline constexpr std::uint8_t from_gateway = 0x13; ///< an island packet on its way down
 inline constexpr std::uint8_t sink_event = 0x14;   ///< between a sink and its gateway only
@@ -15,5 +15,7 @@ inline constexpr std::uint8_t up = 0x16;           ///< along the tree to the si
 inline constexpr std::uint8_t down = 0x17;         ///< from the sink along a route
 inline constexpr std::uint8_t flood = 0x18;        ///< to every mote of the island
 inline constexpr std::uint8_t channel = 0x19;      ///< one hop of a channel (NET-01..09)
+inline constexpr std::uint8_t packet = 0x1a; ///< a piece of an island packet, inside the tree or on
+                                             ///< the serial line
 
 } // namespace rubicon::network::am

@@ -309,7 +309,7 @@ void channels::free(channel_id id, channel_end why, std::optional<mote_id> told_
 void channels::reserve(channel_id id, const entry& x, channels_outputs& out) const {
   auto schedule = x.wish.schedule;
   schedule.first += std::chrono::microseconds(x.wish.delay_us);
-  out.emplace_back(channel_reserved{id, schedule});
+  out.emplace_back(channel_reserved{id, schedule, x.previous});
 }
 
 void channels::queue(mote_id next, channel_message message, instant due) {

@@ -97,7 +97,8 @@ struct channel_ended {
 /// At any mote on the path: the radio is needed at these times, or no longer (schedule.interval 0).
 struct channel_reserved {
   channel_id channel;
-  channel_schedule schedule; ///< `first` is when a packet is due here
+  channel_schedule schedule;            ///< `first` is when a packet is due here
+  std::optional<mote_id> previous = {}; ///< who it comes from; nothing at the source
 };
 
 using channels_output = std::variant<channel_hop, channel_connected, channel_accepted,

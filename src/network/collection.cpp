@@ -230,8 +230,9 @@ collection_outputs collection::on_route(mote_id parent, etx_cost cost, instant n
   collection_outputs out;
   if (config_.is_root)
     return out;
-  parent_ = parent;
   cost_ = cost;
+  if (parent == std::exchange(parent_, parent))
+    return out;
   for (auto& x : queue_) {
     if (parent_ != no_mote && std::holds_alternative<up_packet>(x.packet))
       x.due = std::min(x.due, now);

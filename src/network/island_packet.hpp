@@ -13,6 +13,9 @@ namespace rubicon::network {
 /// (WIR-03, WIR-04).
 inline constexpr std::size_t body_max = 256 + 6;
 
+/// Octets of the longest packet.
+inline constexpr std::size_t packet_max = 8 + body_max;
+
 /// WIR-01, mote to gateway: uint32 island, uint16 mote, uint16 channel, body; network byte order.
 /// The same layout carries a message from its gateway down to its mote; there `island` is where it
 /// comes from, since 5.4 has no field for that.

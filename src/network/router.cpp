@@ -11,12 +11,21 @@ namespace {
 constexpr int delay_smoothing = 16;
 constexpr unsigned purpose_bits = 2;
 
+neighbours_config links_of(const router_config& config) {
+  neighbours_config x;
+  x.beacon_slack += config.beacon_delay_max;
+  x.beacon_gap_max += config.beacon_delay_max;
+  return x;
+}
+
 } // namespace
 
 router::router(router_config config, random_stream dice, instant now)
-    : config_(config), dice_(dice), tree_({.self = config.self, .is_root = config.is_sink}),
+    : config_(config), dice_(dice), links_(links_of(config)),
+      tree_({.self = config.self, .is_root = config.is_sink}),
       place_({.self = config.self, .is_sink = config.is_sink}, now),
-      timer_(config.beacons, random_stream(dice_.next()), now), reported_(now) {
+      timer_(config.beacons, random_stream(dice_.next()), now), reported_(now),
+      report_gap_(config.report_gap), helped_(now - config.help_gap) {
   clock_sync_config timing;
   timing.self = config_.self;
   timing.is_root = config_.is_sink;
@@ -28,6 +37,8 @@ router::router(router_config config, random_stream dice, instant now)
   packets_ = collection(packets, random_stream(dice_.next()));
   channels_config paths;
   paths.self = config_.self;
+  paths.connect_timeout += 5 * config_.beacon_delay_max;
+  paths.setup_timeout += 5 * config_.beacon_delay_max;
   paths_ = channels(paths, random_stream(dice_.next()));
 }
 
@@ -77,6 +88,8 @@ router_outputs router::send_to_all(bytes content, instant now) {
 /// Up, or from the sink down.
 void router::send_router_message(mote_id to, const router_message& x, router_outputs& out,
                                  instant now) {
+  if (!config_.is_sink)
+    told_parent_ = tree_.parent(); // the header says it
   take(config_.is_sink ? packets_.send_down(to, encode(x), now) : packets_.send_up(encode(x), now),
        out, now);
 }
@@ -139,7 +152,8 @@ std::pair<channel_id, router_outputs> router::connect(mote_id destination,
                                                       const channel_schedule& schedule,
                                                       duration expiry, instant now) {
   router_outputs out;
-  const question x{paths_.next_id(), destination, schedule, expiry, now + config_.question_timeout};
+  const question x{paths_.next_id(), destination, schedule, expiry,
+                   now + config_.question_timeout + 3 * config_.beacon_delay_max};
   const bool must_ask = !config_.is_sink && !links_.good(destination) &&
                         questions_.size() < config_.questions_max && has_route();
   if (must_ask) {
@@ -171,6 +185,12 @@ router_outputs router::disconnect(channel_id channel, instant now) {
   router_outputs out;
   std::erase_if(questions_, [channel](const question& x) { return x.channel == channel; });
   take(paths_.disconnect(channel, now), out, now);
+  return out;
+}
+
+router_outputs router::refuse(channel_id channel, instant now) {
+  router_outputs out;
+  take(paths_.refuse(channel, now), out, now);
   return out;
 }
 
@@ -245,8 +265,10 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   }
   if (what == admission::refused)
     return;
-  if (tree_.on_beacon(source, x->gradient, links_))
+  if (tree_.on_beacon(source, x->gradient, links_) && now - helped_ >= config_.help_gap) {
+    helped_ = now;
     timer_.reset(now);
+  }
   settle(out, now);
 }
 
@@ -258,7 +280,7 @@ void router::settle(router_outputs& out, instant now) {
   if (change == gradient_change::lost)
     timer_.reset(now);
   if (place_.update(links_, now))
-    timer_.reset(now);
+    timer_.shorten(now, config_.change_beacon);
   take(packets_.on_route(tree_.parent(), tree_.cost(), now), out, now);
 }
 
@@ -267,15 +289,16 @@ std::optional<instant> router::report_due() const {
   if (config_.is_sink || !tree_.has_route())
     return std::nullopt;
   const bool has_changed = place_.place() != told_place_ || tree_.parent() != told_parent_;
-  return reported_ + (has_changed ? config_.report_gap : config_.report_period);
+  return reported_ + (has_changed ? report_gap_ : config_.report_period);
 }
 
 void router::report(router_outputs& out, instant now) {
   const auto due = report_due();
   if (!due || *due > now)
     return;
+  const bool is_restless = now - reported_ < config_.report_period;
+  report_gap_ = is_restless ? std::min(2 * report_gap_, config_.report_period) : config_.report_gap;
   told_place_ = place_.place();
-  told_parent_ = tree_.parent();
   reported_ = now;
   send_router_message(tree_.root(), place_report{told_place_}, out, now);
 }

@@ -30,12 +30,16 @@ struct router_config {
   bool is_sink = false;
   trickle_config beacons;
   tick_setting tick;              ///< the sink's (CLK-03)
-  duration report_period = 60s;   ///< a mote tells the sink where it is,
-  duration report_gap = 5s;       ///< also when that has changed, not more often
+  duration report_period = 60s;   ///< a mote tells the sink where it is, at least so often;
+  duration report_gap = 5s;       ///< when that has changed, so long after it said anything; twice
+                                  ///< as long with each time that it goes on changing
   duration question_timeout = 3s; ///< for the sink's answer where a mote is
   std::size_t questions_max = 4;  ///< under way
   std::size_t direct_max = 8;     ///< packets for neighbours under way
   duration relay_spread = 150ms;  ///< a clock round is passed on within this time
+  duration beacon_delay_max{};    ///< by which motes may hold their frames back
+  duration change_beacon = 1s;    ///< a beacon comes within this time of a change of coordinates,
+  duration help_gap = 2s;         ///< and for those without a route not more often than this
 };
 
 /// Put this frame on the radio and tell on_sent() how it ended.
@@ -95,6 +99,8 @@ public:
   [[nodiscard]] std::optional<router_outputs> send_on(channel_id channel, bytes content,
                                                       instant now);
   [[nodiscard]] router_outputs disconnect(channel_id channel, instant now);
+  /// A channel that was accepted is not wanted: the source hears no_room.
+  [[nodiscard]] router_outputs refuse(channel_id channel, instant now);
 
   /// @param sfd when the frame's start-of-frame delimiter was received
   [[nodiscard]] router_outputs on_frame(mote_id source, std::uint8_t am_type, byte_view payload,
@@ -170,7 +176,9 @@ private:
   std::map<mote_id, virtual_coordinates> places_; ///< at the sink
   std::optional<virtual_coordinates> told_place_;
   mote_id told_parent_ = no_mote;
-  instant reported_; ///< when it told the sink last
+  instant reported_;      ///< when it told the sink last
+  duration report_gap_{}; ///< from then to the next report of a change
+  instant helped_;        ///< when it last sent a beacon soon for those without a route
   duration hop_delay_ = 10ms;
   router_counters counters_;
 };

@@ -26,9 +26,9 @@ bool trickle::on_time(instant now) {
   return true;
 }
 
-void trickle::reset(instant now) {
-  if (interval_ > config_.interval_min)
-    begin(config_.interval_min, now);
+void trickle::shorten(instant now, duration interval) {
+  if (interval_ > interval)
+    begin(interval, now);
 }
 
 } // namespace rubicon::network

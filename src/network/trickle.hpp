@@ -8,7 +8,7 @@
 namespace rubicon::network {
 
 struct trickle_config {
-  duration interval_min = 500ms;
+  duration interval_min = 125ms;
   duration interval_max = 16s;
 };
 
@@ -25,7 +25,10 @@ public:
   [[nodiscard]] bool on_time(instant now);
 
   /// Something is inconsistent: a shortest interval begins, unless one is under way.
-  void reset(instant now);
+  void reset(instant now) { shorten(now, config_.interval_min); }
+
+  /// Something has changed: an interval of this length begins, unless one so short is under way.
+  void shorten(instant now, duration interval);
 
   [[nodiscard]] instant deadline() const { return due_; }
 

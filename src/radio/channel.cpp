@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <chrono>
+#include <span>
 #include <utility>
+
+#include "core/codec.hpp"
 
 namespace rubicon::radio {
 
@@ -30,6 +34,24 @@ outgoing pack(std::uint64_t token, const frame& header) {
   x.psdu = encode(header);
   x.content.payload = x.psdu.view().subspan(header_size, header.payload.size());
   return x;
+}
+
+/// The frame as it goes on the air from `begin` on.
+transmission stamped(radio_index from, const outgoing& x, instant begin) {
+  transmission sent{
+      .from = from, .content = x.content, .psdu = x.psdu, .length = air_time(x.psdu.size())};
+  if (!x.age_at)
+    return sent;
+  auto octets = to_bytes(x.content.payload);
+  const auto field = std::span(octets).subspan(*x.age_at, 4);
+  const auto waited = std::chrono::floor<std::chrono::microseconds>(begin + sfd_delay - x.asked);
+  byte_writer age;
+  age.big(byte_reader(field).big<std::uint32_t>() + static_cast<std::uint32_t>(waited.count()));
+  std::ranges::copy(age.finish(), field.begin());
+  sent.content.payload = octets;
+  sent.psdu = encode(sent.content);
+  sent.content.payload = sent.psdu.view().subspan(header_size, octets.size());
+  return sent;
 }
 
 const mac_rules* rules_for(const platform& kind, const channel_config& config) {
@@ -139,7 +161,10 @@ outputs channel::send(radio_index radio, request what, instant now) {
   header.source = x.address;
   header.am_type = what.am_type;
   header.payload = what.payload.view();
-  x.sender.submit(pack(what.token, header), now, dice_);
+  auto frame = pack(what.token, header);
+  frame.age_at = what.age_at;
+  frame.asked = now;
+  x.sender.submit(std::move(frame), now, dice_);
   follow(radio, {}, now, out);
   return out;
 }
@@ -371,11 +396,7 @@ void channel::send_current(radio_index radio, instant now) {
   const auto& current = x.sender.current();
   if (current.transmissions == 1) // a repeat costs the MCU nothing: the frame is still in the chip
     medium_.meter(radio).work(x.service_time, now);
-  put_on_air({.from = radio,
-              .content = current.content,
-              .psdu = current.psdu,
-              .length = air_time(current.psdu.size())},
-             now);
+  put_on_air(stamped(radio, current, now), now);
 }
 
 void channel::put_on_air(transmission x, instant now) {

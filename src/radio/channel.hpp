@@ -42,6 +42,10 @@ struct request {
   std::uint8_t am_type = 0;
   rubicon::payload payload; ///< at most payload_max octets
   bool ack = true;          ///< unicast only: wait for an ack and repeat without one
+  /// Where in the payload a uint32 in network byte order lies, to which each transmission adds the
+  /// microseconds from this request to its start-of-frame delimiter (CLK-01; chips with a frame
+  /// buffer can do it while they send). @pre four octets of payload follow
+  std::optional<std::size_t> age_at = {};
 };
 
 /// What became of a mote's power.

@@ -50,6 +50,10 @@ inline constexpr std::size_t ack_size = 5; ///< PSDU of an ack
 /// @returns a frame whose payload views `psdu`
 [[nodiscard]] result<frame> decode(byte_view psdu);
 
+/// From the begin of a frame on the air to the end of its start-of-frame delimiter: the moment that
+/// sender and receivers can all tell (tinyos.md 4.1).
+inline constexpr duration sfd_delay = 32us * 5;
+
 /// How long a frame occupies the air: 32 us an octet, 6 octets of preamble, SFD and length before
 /// the PSDU (tinyos.md 4.1). A PSDU of 100 octets takes 3392 us (NET-15).
 [[nodiscard]] constexpr duration air_time(std::size_t psdu_size) {

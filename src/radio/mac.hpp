@@ -35,6 +35,8 @@ struct outgoing {
   std::uint64_t token = 0;
   payload psdu;
   frame content;                            ///< views `psdu`
+  std::optional<std::size_t> age_at = {};   ///< as in radio::request
+  instant asked;                            ///< for it
   unsigned transmissions = 0;               ///< so far
   bool arrived = false;                     ///< a copy of it was accepted by its destination
   copy_fate last = copy_fate::out_of_reach; ///< of the copy at its destination

@@ -150,6 +150,13 @@ struct flow_report {
   std::uint64_t open = 0;
 };
 
+/// What a program on a mote or PC has counted or measured.
+struct program_report {
+  std::string who; ///< its node, `kitchen/climate-7` or `robot`
+  std::string kind;
+  std::vector<std::pair<std::string, double>> figures; ///< in the program's order
+};
+
 /// Something a person following the run would want to hear.
 struct story_line {
   instant at;
@@ -179,11 +186,12 @@ struct report {
   std::string trace_hash;   ///< 16 hexadecimal digits
   bool interrupted = false; ///< ended by a signal before its time
   actor_report actors;
-  std::vector<island_report> islands; ///< ascending by id
-  std::vector<peer_report> peers;     ///< ascending by id, gateways included
-  std::vector<proxy_report> proxies;  ///< ascending by name
-  std::vector<flow_report> flows;     ///< ascending by from, then to
-  std::vector<story_line> story;      ///< in order of time, at most story_lines_max
+  std::vector<island_report> islands;   ///< ascending by id
+  std::vector<peer_report> peers;       ///< ascending by id, gateways included
+  std::vector<proxy_report> proxies;    ///< ascending by name
+  std::vector<flow_report> flows;       ///< ascending by from, then to
+  std::vector<program_report> programs; ///< ascending by node
+  std::vector<story_line> story;        ///< in order of time, at most story_lines_max
   std::uint64_t story_left_out = 0;
   std::vector<violation> violations;
 

@@ -146,6 +146,13 @@ json to_json(const flow_report& x) {
           {"open", x.open}};
 }
 
+json to_json(const program_report& x) {
+  json figures = json::object();
+  for (const auto& [name, value] : x.figures)
+    figures[name] = value;
+  return {{"node", x.who}, {"program", x.kind}, {"figures", std::move(figures)}};
+}
+
 json to_json(const story_line& x) {
   return {{"at_s", at_s(x.at)}, {"who", x.who}, {"what", x.what}};
 }
@@ -193,6 +200,7 @@ std::string to_json(const report& x) {
       {"peers", array_of(x.peers)},
       {"proxies", array_of(x.proxies)},
       {"flows", array_of(x.flows)},
+      {"programs", array_of(x.programs)},
       {"story", array_of(x.story)},
       {"story_left_out", x.story_left_out},
       {"violations", array_of(x.violations)},

@@ -64,6 +64,12 @@ void add_flow_row(table& rows, const flow_report& x) {
             x.sent == 0 ? "–" : fixed(x.tx_per_packet, 2), causes(lost)});
 }
 
+std::string amount(double x) {
+  const bool is_whole =
+      x >= 0 && x < 1e15 && x == static_cast<double>(static_cast<std::uint64_t>(x));
+  return is_whole ? with_thousands(static_cast<std::uint64_t>(x)) : fixed(x, 3);
+}
+
 } // namespace
 
 std::string causes(const cause_counts& x) {
@@ -108,6 +114,24 @@ void add_flows(report_page& page, const report& x) {
     rows.add(rest.row({with_thousands(x.flows.size() - shown) + " more", look::faint}));
   if (x.flows.size() > 1)
     rows.add(all.row({"all", look::strong}));
+  page.add(rows);
+}
+
+void add_programs(report_page& page, const report& x) {
+  if (x.programs.empty())
+    return;
+  page.heading("Programs");
+  table rows({{"node"}, {"program"}, {"figures"}});
+  const auto shown = std::min(rows_max, x.programs.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& program = x.programs[i];
+    std::string text;
+    for (const auto& [name, value] : program.figures)
+      text += (text.empty() ? "" : ", ") + name + ' ' + amount(value);
+    rows.add({program.who, program.kind, text});
+  }
+  if (shown < x.programs.size())
+    rows.add({{with_thousands(x.programs.size() - shown) + " more", look::faint}, "", ""});
   page.add(rows);
 }
 

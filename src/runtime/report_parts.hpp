@@ -21,4 +21,7 @@ inline constexpr std::size_t rows_max = 20; ///< of islands, flows, peers, proxi
 /// Packets of the measuring apps; nothing without any.
 void add_flows(report_page& page, const report& x);
 
+/// Figures of programs that use the Mockup interface; nothing without any.
+void add_programs(report_page& page, const report& x);
+
 } // namespace rubicon::runtime

@@ -351,6 +351,7 @@ std::string to_text(const report& x, std::size_t width, bool colour) {
   add_story(page, x);
   add_islands(page, x);
   add_flows(page, x);
+  add_programs(page, x);
   add_energy(page, x);
   add_proxies(page, x);
   add_actuations(page, x);

@@ -19,7 +19,7 @@ struct streams_config {
   std::size_t streams_max = 8;
   std::size_t early_max = 4; ///< accepted channels whose stream is not open here yet
   std::size_t queue_max = 32;
-  std::size_t record_max = 106;    ///< what a channel packet holds beside SS_WRITE's header
+  std::size_t record_max = 105;    ///< what a channel packet holds beside SS_WRITE's header
   std::uint8_t transducers = 0;    ///< they are numbered from 0 (STR-09)
   duration open_repeat = 2s;       ///< from one SS_OPEN to the next
   duration writer_patience = 30s;  ///< from open_remote() to SS_OPEN_ACK (STR-19)

@@ -4,86 +4,270 @@
 
 namespace rubicon::transport {
 
+namespace {
+
+/// Is `a` ahead of `b`, of numbers that wrap at `modulus`?
+bool is_ahead(unsigned a, unsigned b, unsigned modulus) {
+  const auto distance = (a + modulus - b) % modulus;
+  return distance != 0 && distance < modulus / 2;
+}
+
+bool is_later(std::uint16_t a, std::uint16_t b) {
+  return is_ahead(a, b, counter_max + 1U);
+}
+
+std::uint16_t after(std::uint16_t counter) {
+  return static_cast<std::uint16_t>((counter + 1) & counter_max);
+}
+
+/// Removes the entry of a map that was used longest ago, of those that may go.
+template <class Map, class MayGo>
+void forget_oldest(Map& entries, MayGo may_go) {
+  auto oldest = entries.end();
+  for (auto x = entries.begin(); x != entries.end(); ++x) {
+    if (may_go(x->second) && (oldest == entries.end() || x->second.used < oldest->second.used))
+      oldest = x;
+  }
+  if (oldest != entries.end())
+    entries.erase(oldest);
+}
+
+} // namespace
+
 endpoint::endpoint(endpoint_config config, random_stream dice)
-    : config_(config), next_sequence_(static_cast<std::uint16_t>(dice.next())) {}
+    : config_(config), next_counter_(static_cast<std::uint16_t>(dice.next() & counter_max)) {}
+
+mote_address endpoint::resolved(mote_address x) const {
+  if (x.island == own_island)
+    x.island = island_;
+  if (x.mote == own_mote)
+    x.mote = config_.self;
+  return x;
+}
 
 std::optional<outputs> endpoint::send(ticket id, mote_address destination, std::uint8_t am_type,
                                       bytes payload, bool reliable, instant now) {
-  if (destination.mote == own_mote)
-    destination.mote = config_.self;
-  const bool refused = payload.size() > payload_max ||
+  destination = resolved(destination);
+  const bool refused = payload.size() > config_.payload_max ||
                        (reliable && destination.mote == broadcast_mote) ||
-                       (reliable && waiting_.size() >= config_.outstanding_max);
+                       (reliable && outstanding_ >= config_.outstanding_max);
   if (refused) {
     ++counters_.refused;
     return std::nullopt;
   }
-  segment content{config_.self, next_sequence_++, am_type, reliable, false, std::move(payload)};
-  outputs out{wrap(destination, content)};
-  if (reliable) {
-    ++counters_.reliable_sent;
-    waiting_.push_back({id, destination, std::move(content), 1, now + config_.ack_wait});
-  } else {
+  outputs out;
+  if (!reliable) {
     ++counters_.unreliable_sent;
+    segment x;
+    x.source = config_.self;
+    x.am_type = am_type;
+    x.payload = std::move(payload);
+    out.emplace_back(to_network{destination, am_type, encode(x)});
+    return out;
   }
+  ++counters_.reliable_sent;
+  ++outstanding_;
+  auto& to = session_with(destination);
+  to.messages.push_back({id, am_type, std::move(payload)});
+  if (!to.due)
+    begin(destination, to, out, now);
   return out;
 }
 
-outputs endpoint::on_segment(island_id source_island, byte_view octets, instant) {
+endpoint::session& endpoint::session_with(mote_address destination) {
+  auto found = sessions_.find(destination);
+  if (found == sessions_.end()) {
+    if (sessions_.size() >= config_.sessions_max)
+      forget_oldest(sessions_, [](const session& x) { return x.messages.empty(); });
+    found = sessions_.emplace(destination, session{}).first;
+    found->second.counter = next_counter_;
+  }
+  found->second.used = ++uses_;
+  return found->second;
+}
+
+void endpoint::forget_incarnation(mote_address destination) {
+  const auto found = sessions_.find(resolved(destination));
+  if (found != sessions_.end() && !found->second.due)
+    found->second.receiver.reset();
+}
+
+/// The first message of a session, or the greeting before it, begins its attempts.
+void endpoint::begin(mote_address destination, session& x, outputs& out, instant now) {
+  x.counter = after(x.counter);
+  if (is_later(x.counter, next_counter_))
+    next_counter_ = x.counter;
+  x.attempts = 0;
+  attempt(destination, x, out, now);
+}
+
+void endpoint::attempt(mote_address destination, session& x, outputs& out, instant now) {
+  const auto& first = x.messages.front();
+  segment content;
+  content.source = config_.self;
+  content.counter = x.counter;
+  content.sender = static_cast<incarnation>(config_.incarnation % sender_incarnations);
+  content.am_type = first.am_type;
+  if (x.receiver) {
+    content.what = segment::kind::reliable;
+    content.receiver = *x.receiver;
+    content.payload = first.payload;
+  } else {
+    content.what = segment::kind::hello;
+    ++counters_.hellos;
+  }
+  out.emplace_back(to_network{destination, first.am_type, encode(content)});
+  x.due = now + config_.ack_wait * (1U << x.attempts);
+  ++x.attempts;
+}
+
+outputs endpoint::on_segment(island_id source_island, byte_view octets, instant now) {
+  outputs out;
   auto decoded = decode_segment(octets);
   if (!decoded) {
     ++counters_.malformed;
-    return {};
+    return out;
   }
   segment& x = *decoded;
-  const mote_address source{source_island, x.source};
-  if (x.acknowledgement)
-    return on_acknowledgement(source, x.sequence);
-  outputs out;
-  if (x.reliable) {
-    segment ack{config_.self, x.sequence, x.am_type, false, true, {}};
-    out.emplace_back(wrap(source, ack));
-    if (seen_before(source, x.sequence)) {
-      ++counters_.duplicates;
-      return out;
-    }
+  const mote_address from{source_island, x.source};
+  switch (x.what) {
+  case segment::kind::plain:
+    ++counters_.received;
+    out.emplace_back(received{from, x.am_type, std::move(x.payload)});
+    break;
+  case segment::kind::reliable:
+    on_reliable(from, std::move(x), out, now);
+    break;
+  case segment::kind::hello:
+    on_hello(from, x, out, now);
+    break;
+  case segment::kind::acknowledgement:
+  case segment::kind::busy:
+  case segment::kind::refused:
+    on_answer(from, x, out, now);
+    break;
   }
-  ++counters_.received;
-  out.emplace_back(received{source, x.am_type, std::move(x.payload)});
   return out;
 }
 
-outputs endpoint::on_acknowledgement(mote_address source, std::uint16_t sequence) {
-  // An own_island destination is answered with the island's real number: the mote part and the
-  // sequence number, both unique among what is outstanding, decide.
-  const auto found = std::find_if(waiting_.begin(), waiting_.end(), [&](const waiting& x) {
-    return x.content.sequence == sequence && x.destination.mote == source.mote;
-  });
-  if (found == waiting_.end()) {
-    ++counters_.stray_acks;
-    return {};
+void endpoint::answer(mote_address to, const segment& x, segment::kind what, outputs& out) const {
+  segment content;
+  content.source = config_.self;
+  content.counter = x.counter;
+  content.sender = x.sender;
+  content.am_type = x.am_type;
+  content.what = what;
+  content.receiver = static_cast<incarnation>(config_.incarnation % receiver_incarnations);
+  out.emplace_back(to_network{to, x.am_type, encode(content)});
+}
+
+/// One of an earlier incarnation, or of before other messages, may have been under way for long.
+void endpoint::on_hello(mote_address from, const segment& x, outputs& out, instant now) {
+  const auto known = sources_.find(from);
+  const bool is_again = known != sources_.end() && x.sender == known->second.sender &&
+                        x.counter == known->second.counter;
+  const bool is_old = known != sources_.end() && !is_again &&
+                      now - known->second.heard < config_.lifetime &&
+                      (x.sender == known->second.sender
+                           ? !is_later(x.counter, known->second.counter)
+                           : !is_ahead(x.sender, known->second.sender, sender_incarnations));
+  if (is_old) {
+    ++counters_.duplicates;
+    return;
   }
-  ++counters_.reliable_acked;
-  const outcome done{found->id, true};
-  waiting_.erase(found);
-  return {done};
+  if (known == sources_.end() && sources_.size() >= config_.sources_max)
+    forget_oldest(sources_, [](const source&) { return true; });
+  sources_[from] = {x.sender, x.counter, now, ++uses_};
+  answer(from, x, segment::kind::acknowledgement, out);
+}
+
+void endpoint::on_reliable(mote_address from, segment x, outputs& out, instant now) {
+  const auto known = sources_.find(from);
+  const auto self = static_cast<incarnation>(config_.incarnation % receiver_incarnations);
+  if (x.receiver != self || known == sources_.end() || x.sender != known->second.sender) {
+    ++counters_.strangers;
+    answer(from, x, segment::kind::refused, out);
+    return;
+  }
+  auto& history = known->second;
+  history.used = ++uses_;
+  history.heard = now;
+  if (!is_later(x.counter, history.counter)) {
+    ++counters_.duplicates;
+    if (x.counter == history.counter) // its acknowledgement may have been lost
+      answer(from, x, segment::kind::acknowledgement, out);
+    return;
+  }
+  if (held_.contains(x.am_type)) {
+    ++counters_.throttled;
+    answer(from, x, segment::kind::busy, out);
+    return;
+  }
+  history.counter = x.counter;
+  ++counters_.received;
+  answer(from, x, segment::kind::acknowledgement, out);
+  out.emplace_back(received{from, x.am_type, std::move(x.payload)});
+}
+
+void endpoint::on_answer(mote_address from, const segment& x, outputs& out, instant now) {
+  const auto found = sessions_.find(from);
+  const bool is_ours = found != sessions_.end() && found->second.due &&
+                       x.counter == found->second.counter &&
+                       x.sender == config_.incarnation % sender_incarnations;
+  if (!is_ours) {
+    ++counters_.stray_answers;
+    return;
+  }
+  auto& to = found->second;
+  if (!to.receiver) {
+    if (x.what == segment::kind::acknowledgement) {
+      to.receiver = x.receiver;
+      begin(from, to, out, now);
+    }
+  } else if (x.what == segment::kind::acknowledgement) {
+    end_first(from, to, true, out, now);
+  } else if (x.what == segment::kind::busy) { // so no copy has been passed up
+    to.attempts = 0;
+    to.due = now + config_.busy_wait;
+  } else {
+    const bool is_same = x.receiver == to.receiver; // it has only forgotten us
+    to.receiver.reset();
+    if (is_same && to.attempts == 1)
+      begin(from, to, out, now);
+    else
+      end_first(from, to, false, out, now);
+  }
+}
+
+/// The first message of a session has ended; the next one begins.
+void endpoint::end_first(mote_address destination, session& x, bool acked, outputs& out,
+                         instant now) {
+  ++(acked ? counters_.reliable_acked : counters_.reliable_failed);
+  --outstanding_;
+  out.emplace_back(outcome{x.messages.front().id, acked});
+  x.messages.pop_front();
+  x.due.reset();
+  if (!x.messages.empty())
+    begin(destination, x, out, now);
+  else if (sessions_.size() > config_.sessions_max)
+    sessions_.erase(destination);
 }
 
 outputs endpoint::on_time(instant now) {
   outputs out;
-  for (auto x = waiting_.begin(); x != waiting_.end();) {
-    if (x->due > now) {
-      ++x;
-    } else if (x->attempts >= config_.attempts_max) {
-      ++counters_.reliable_failed;
-      out.emplace_back(outcome{x->id, false});
-      x = waiting_.erase(x);
+  std::vector<mote_address> due;
+  for (const auto& [destination, x] : sessions_) {
+    if (x.due && *x.due <= now)
+      due.push_back(destination);
+  }
+  for (const auto destination : due) {
+    auto& x = sessions_.at(destination);
+    if (x.attempts >= config_.attempts_max) {
+      x.receiver.reset(); // perhaps it has been replaced by another incarnation
+      end_first(destination, x, false, out, now);
     } else {
-      ++counters_.retries;
-      out.emplace_back(wrap(x->destination, x->content));
-      x->due = now + config_.ack_wait * (1U << x->attempts);
-      ++x->attempts;
-      ++x;
+      counters_.retries += x.attempts > 0 ? 1 : 0;
+      attempt(destination, x, out, now);
     }
   }
   return out;
@@ -91,43 +275,21 @@ outputs endpoint::on_time(instant now) {
 
 std::optional<instant> endpoint::deadline() const {
   std::optional<instant> next;
-  for (const auto& x : waiting_)
+  for (const auto& [destination, x] : sessions_)
     next = earliest(next, x.due);
   return next;
 }
 
 outputs endpoint::fail_all() {
   outputs out;
-  for (const auto& x : waiting_)
-    out.emplace_back(outcome{x.id, false});
-  counters_.reliable_failed += waiting_.size();
-  waiting_.clear();
+  for (const auto& [destination, to] : sessions_) {
+    for (const auto& x : to.messages)
+      out.emplace_back(outcome{x.id, false});
+  }
+  counters_.reliable_failed += outstanding_;
+  outstanding_ = 0;
+  sessions_.clear();
   return out;
-}
-
-to_network endpoint::wrap(mote_address destination, const segment& x) const {
-  return {destination, x.am_type, encode(x)};
-}
-
-bool endpoint::seen_before(mote_address source, std::uint16_t sequence) {
-  auto found = std::find_if(heard_.begin(), heard_.end(),
-                            [&](const history& x) { return x.source == source; });
-  history entry{source, {}};
-  if (found != heard_.end()) {
-    entry = std::move(*found);
-    heard_.erase(found);
-  } else if (heard_.size() >= config_.sources_max) {
-    heard_.pop_front();
-  }
-  auto& sequences = entry.sequences;
-  const bool seen = std::find(sequences.begin(), sequences.end(), sequence) != sequences.end();
-  if (!seen) {
-    sequences.push_back(sequence);
-    if (sequences.size() > config_.sequences_per_source)
-      sequences.pop_front();
-  }
-  heard_.push_back(std::move(entry));
-  return seen;
 }
 
 } // namespace rubicon::transport

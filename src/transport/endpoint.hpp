@@ -1,10 +1,13 @@
-// Connectionless messages end to end: acknowledgement, retries, duplicate suppression (MCK-09..12).
+// Connectionless messages end to end: order, acknowledgement, repeats, suppression of duplicates,
+// flow control (MCK-09..12, MCK-18).
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -43,12 +46,16 @@ using output = std::variant<to_network, received, outcome>;
 using outputs = std::vector<output>;
 
 struct endpoint_config {
-  mote_id self;                    ///< no_mote for the PC side
-  duration ack_wait = 500ms;       ///< after the first attempt; doubles with each further one
-  unsigned attempts_max = 5;       ///< failure after 31 times ack_wait
-  std::size_t outstanding_max = 8; ///< reliable sends waiting for their acknowledgement
-  std::size_t sources_max = 64;    ///< senders remembered for duplicate suppression
-  std::size_t sequences_per_source = 16;
+  mote_id self;                  ///< no_mote for the PC side
+  std::uint32_t incarnation = 0; ///< how often this node has been started before
+  duration ack_wait = 500ms;     ///< after the first attempt; doubles with each further one
+  unsigned attempts_max = 5;     ///< failure after 31 times ack_wait
+  duration busy_wait = 500ms;    ///< before a receiver without room is asked again
+  std::size_t payload_max = transport::payload_max; ///< of a message
+  std::size_t outstanding_max = 8;                  ///< reliable sends that have not ended
+  std::size_t sessions_max = 16;                    ///< receivers whose incarnation is remembered
+  std::size_t sources_max = 32; ///< senders remembered for suppression of duplicates
+  duration lifetime = 60s; ///< nothing is under way for longer; then numbers prove nothing any more
 };
 
 struct endpoint_counters {
@@ -56,29 +63,44 @@ struct endpoint_counters {
   std::uint64_t reliable_acked = 0;
   std::uint64_t reliable_failed = 0;
   std::uint64_t unreliable_sent = 0;
-  std::uint64_t refused = 0; ///< bad destination, too long, or too many outstanding
+  std::uint64_t refused = 0; ///< sends: bad destination, too long, or too many outstanding
   std::uint64_t retries = 0;
+  std::uint64_t hellos = 0;
   std::uint64_t received = 0;
-  std::uint64_t duplicates = 0; ///< acknowledged again, not passed up
+  std::uint64_t duplicates = 0; ///< not passed up
+  std::uint64_t throttled = 0;  ///< answered with busy
+  std::uint64_t strangers =
+      0; ///< answered with refused: for another incarnation, or from nobody known
   std::uint64_t malformed = 0;
-  std::uint64_t stray_acks = 0; ///< for nothing that is outstanding
+  std::uint64_t stray_answers = 0; ///< to nothing that is under way
 };
 
-/// One end of connectionless messaging, on a mote or on the PC side of a gateway. A reliable
-/// message is repeated with its sequence number until the other end's endpoint acknowledges it.
+/// One end of connectionless messaging, on a mote or on the PC side of a gateway.
+///
+/// To each receiver one reliable message is under way at a time, so they arrive in order. The first
+/// one to a receiver is preceded by a hello, which tells the receiver's incarnation; the message
+/// names it, and another incarnation refuses it: then it has failed, since the one before may have
+/// had it. So a message is passed up at most once, whatever restarts, repeats or overtakes.
 class endpoint {
 public:
   endpoint() = default;
-
-  /// The first sequence number comes from `dice`, so that a rebooted node's messages are not taken
-  /// for repeats of its earlier life.
   endpoint(endpoint_config config, random_stream dice);
 
-  /// Accepts a message of at most payload_max octets, or refuses it (nothing) at once: too long,
-  /// reliable to broadcast, or outstanding_max reached.
+  /// Where own_island is.
+  void join(island_id island) { island_ = island; }
+
+  /// Accepts a message of at most config.payload_max octets, or refuses it (nothing) at once: too
+  /// long, reliable to broadcast, or outstanding_max reached.
   [[nodiscard]] std::optional<outputs> send(ticket id, mote_address destination,
                                             std::uint8_t am_type, bytes payload, bool reliable,
                                             instant now);
+
+  /// This node has been started again, we hear: greet it before the next message.
+  void forget_incarnation(mote_address destination);
+
+  /// Whoever owns this AM type has no room for reliable messages: their senders wait (MCK-18).
+  void hold(std::uint8_t am_type) { held_.insert(am_type); }
+  void release(std::uint8_t am_type) { held_.erase(am_type); }
 
   /// A segment from `source_island` has arrived.
   [[nodiscard]] outputs on_segment(island_id source_island, byte_view octets, instant now);
@@ -89,31 +111,59 @@ public:
   /// Ends every outstanding send as failed, as when the node leaves its island.
   [[nodiscard]] outputs fail_all();
 
-  [[nodiscard]] std::size_t outstanding() const { return waiting_.size(); }
+  [[nodiscard]] std::size_t outstanding() const { return outstanding_; }
   [[nodiscard]] const endpoint_counters& counters() const { return counters_; }
 
+  /// Octets of its state on a mote; payloads belong to their senders (AM-03).
+  [[nodiscard]] std::size_t footprint() const {
+    return config_.outstanding_max * 16 + config_.sessions_max * 10 + config_.sources_max * 9 + 48;
+  }
+
 private:
-  struct waiting {
+  struct message {
     ticket id = 0;
-    mote_address destination;
-    segment content;
-    unsigned attempts = 1;
-    instant due;
+    std::uint8_t am_type = 0;
+    bytes payload;
   };
 
-  struct history {
-    mote_address source;
-    std::deque<std::uint16_t> sequences;
+  /// What is on its way to one receiver.
+  ///
+  ///   greeting --acknowledged--> idle --message--> asking --acknowledged, failed--> idle
+  ///      ^-------------------------+--refused---------+
+  struct session {
+    std::optional<incarnation> receiver; ///< nothing: it is being greeted
+    std::uint16_t counter = 0;           ///< of the segment under way, or of the last one
+    std::deque<message> messages; ///< the first is under way, unless it waits for the greeting
+    unsigned attempts = 0; ///< more than one: an earlier copy may have arrived, without our knowing
+    std::optional<instant> due; ///< of the next attempt; nothing: idle
+    std::uint64_t used = 0;
   };
 
-  [[nodiscard]] to_network wrap(mote_address destination, const segment& x) const;
-  [[nodiscard]] bool seen_before(mote_address source, std::uint16_t sequence);
-  [[nodiscard]] outputs on_acknowledgement(mote_address source, std::uint16_t sequence);
+  struct source {
+    incarnation sender = 0;
+    std::uint16_t counter = 0; ///< of the last message passed up, or of the hello
+    instant heard;
+    std::uint64_t used = 0;
+  };
+
+  [[nodiscard]] mote_address resolved(mote_address x) const;
+  session& session_with(mote_address destination);
+  void attempt(mote_address destination, session& x, outputs& out, instant now);
+  void begin(mote_address destination, session& x, outputs& out, instant now);
+  void end_first(mote_address destination, session& x, bool acked, outputs& out, instant now);
+  void on_answer(mote_address from, const segment& x, outputs& out, instant now);
+  void on_hello(mote_address from, const segment& x, outputs& out, instant now);
+  void on_reliable(mote_address from, segment x, outputs& out, instant now);
+  void answer(mote_address to, const segment& x, segment::kind what, outputs& out) const;
 
   endpoint_config config_;
-  std::uint16_t next_sequence_ = 0;
-  std::deque<waiting> waiting_; ///< in order of sending
-  std::deque<history> heard_;   ///< most recently heard last
+  island_id island_ = own_island;
+  std::uint16_t next_counter_ = 0; ///< of a new session: above those of sessions forgotten
+  std::uint64_t uses_ = 0;
+  std::size_t outstanding_ = 0;
+  std::map<mote_address, session> sessions_;
+  std::map<mote_address, source> sources_;
+  std::set<std::uint8_t> held_;
   endpoint_counters counters_;
 };
 

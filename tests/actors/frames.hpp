@@ -8,6 +8,8 @@
 #include "actors/messages.hpp"
 #include "mote/management.hpp"
 #include "network/am.hpp"
+#include "network/collection_packet.hpp"
+#include "network/router_message.hpp"
 #include "radio/frame.hpp"
 #include "serial/frame.hpp"
 #include "serial/packet.hpp"
@@ -16,9 +18,10 @@ namespace rubicon::test {
 
 /// What the air hands to a radio's owner.
 [[nodiscard]] inline frame_received radio_frame(mote_id source, mote_id destination,
-                                                std::uint8_t am_type, const bytes& octets) {
+                                                std::uint8_t am_type, const bytes& octets,
+                                                std::uint8_t island = 5) {
   radio::frame x;
-  x.pan = 5; // the island of all tests here
+  x.pan = island; // that of all tests here
   x.source = source;
   x.destination = destination;
   x.am_type = am_type;
@@ -26,18 +29,19 @@ namespace rubicon::test {
   return {payload(radio::encode(x)), -60};
 }
 
-/// The same with a component management message.
-[[nodiscard]] inline frame_received radio_frame(mote_id source, mote_id destination,
-                                                const mote::management& message) {
-  return radio_frame(source, destination, network::am::component_management, mote::encode(message));
-}
-
-/// The component management message in a frame that an actor wants to send.
+/// The component management message in a frame on its way up to the sink.
 template <class Message>
 [[nodiscard]] std::optional<Message> management_in(const radio_send& x) {
-  if (x.am_type != network::am::component_management)
+  if (x.am_type != network::am::up)
     return std::nullopt;
-  const auto message = mote::decode_management(x.octets.view());
+  const auto packet = network::decode_up(x.octets.view());
+  if (!packet)
+    return std::nullopt;
+  const auto content = network::decode_router_message(packet->content);
+  const auto* octets = content ? std::get_if<network::user_content>(&*content) : nullptr;
+  if (octets == nullptr || octets->content.at(0) != network::am::component_management)
+    return std::nullopt;
+  const auto message = mote::decode_management(byte_view(octets->content).subspan(1));
   if (!message || !std::holds_alternative<Message>(*message))
     return std::nullopt;
   return std::get<Message>(*message);

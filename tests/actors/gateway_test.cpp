@@ -4,6 +4,7 @@
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
 #include "support/fakes.hpp"
+#include "support/segments.hpp"
 #include "transport/segment.hpp"
 
 using namespace rubicon;
@@ -77,8 +78,8 @@ struct rig {
   }
 };
 
-const bytes message_for_fan = encode(network::gateway_packet{
-    fan, 10, encode(transport::segment{mote_id{9}, 1, 10, true, false, bytes{0x64}})});
+const bytes message_for_fan = encode(
+    network::gateway_packet{fan, 10, encode(test::reliable(mote_id{9}, 1, 10, bytes{0x64}))});
 
 } // namespace
 
@@ -119,7 +120,7 @@ TEST_CASE("a mote that has joined becomes tuples and goes to the list",
 TEST_CASE("a mote's message becomes an output tuple", "[actors][gateway][GW-09]") {
   rig x;
   x.join_fan();
-  const transport::segment segment{fan, 1, 2, false, false, bytes{0x01}};
+  const auto segment = test::plain(fan, 2, bytes{0x01});
   x.from_sink(network::am::to_gateway,
               encode(network::island_packet{own_island, no_mote, 2, encode(segment)}));
   CHECK(x.tuple("devices.7.output.2") == "01");
@@ -144,13 +145,22 @@ TEST_CASE("an input tuple goes down the line and its status tells how it ended",
   const auto segment = transport::decode_segment(packet->body);
   REQUIRE(segment);
   CHECK(segment->source == no_mote);
-  CHECK(segment->reliable);
-  CHECK(segment->payload == bytes{0x01});
+  CHECK(segment->what == transport::segment::kind::hello);
 
-  x.ack_frame();
-  const transport::segment ack{fan, segment->sequence, 2, false, true, {}};
-  x.from_sink(network::am::to_gateway,
-              encode(network::island_packet{kitchen, no_mote, 2, encode(ack)}));
+  const auto accept = [&x](const transport::segment& sent) {
+    x.ack_frame();
+    x.line.forget();
+    x.from_sink(network::am::to_gateway,
+                encode(network::island_packet{kitchen, no_mote, 2,
+                                              encode(test::acknowledgement(fan, sent))}));
+  };
+  accept(*segment);
+  const auto command =
+      transport::decode_segment(network::decode_island_packet(x.packet_down().payload)->body);
+  REQUIRE(command);
+  CHECK(command->what == transport::segment::kind::reliable);
+  CHECK(command->payload == bytes{0x01});
+  accept(*command);
   CHECK(x.tuple("devices.7.input.2.status") == "1 acknowledged");
 }
 
@@ -183,7 +193,7 @@ TEST_CASE("a message of another island goes down with its source island",
 
 TEST_CASE("a message for another island goes to its gateway", "[actors][gateway][WIR-02]") {
   rig x;
-  const transport::segment segment{fan, 1, 10, true, false, bytes{0x64}};
+  const auto segment = test::reliable(fan, 1, 10, bytes{0x64});
   x.from_sink(network::am::to_gateway,
               encode(network::island_packet{island_id{2}, mote_id{9}, 10, encode(segment)}));
   const auto sent = x.peer.all<send_peis_message>();

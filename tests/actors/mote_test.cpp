@@ -1,9 +1,11 @@
 #include "actors/frames.hpp"
+#include "actors/island_partner.hpp"
 #include "actors/mote.hpp"
 #include "core/codec.hpp"
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
 #include "support/fakes.hpp"
+#include "support/segments.hpp"
 #include "transport/segment.hpp"
 
 using namespace rubicon;
@@ -12,9 +14,9 @@ using test::virtual_world;
 
 namespace {
 
-constexpr mote_address stove{island_id{5}, mote_id{7}};
+constexpr mote_address stove{island_id{5}, mote_id{2}};
 constexpr mote_id sink{1};
-constexpr mote_id neighbour{9};
+constexpr mote_id neighbour{3};
 constexpr radio::radio_index stove_radio{3};
 
 struct rig {
@@ -23,6 +25,8 @@ struct rig {
   fake<ecology_actor> ecology{world};
   fake<mote_app_actor> app{world};
   mote_actor mote;
+  test::island_partner<mote_actor> island{
+      world, air, mote, stove.mote, {.width = 2, .height = 2, .island = stove.island}};
 
   explicit rig(std::vector<config::mote_app> apps = {}, std::vector<mote::way_point> path = {}) {
     world.follow("mote_app/");
@@ -43,71 +47,98 @@ struct rig {
                           std::make_shared<const mote_arguments>(x), 0U);
   }
 
-  void hear(mote_id source, std::uint8_t am_type, const bytes& octets) {
-    world.send(mote, test::radio_frame(source, stove.mote, am_type, octets));
+  [[nodiscard]] bool is_member() {
+    for (const auto& x : island.cores.up) {
+      const auto event = network::decode_sink_event(x.payload);
+      const auto* joined = event ? std::get_if<network::mote_joined>(&*event) : nullptr;
+      if (joined != nullptr && joined->mote == stove.mote)
+        return true;
+    }
+    return false;
   }
 
-  /// Lets the mote ask and answers as its sink.
+  /// Everybody is a member, and neighbours know each other.
   void join() {
-    world.run_for(1s);
-    const auto request = test::management_in<mote::join_request>(air.all<radio_send>().at(0));
-    hear(
-        sink, network::am::component_management,
-        encode(mote::management(mote::join_reply{request->sequence, stove.island, stove.mote, 0})));
+    REQUIRE(island.run_until([this] { return is_member(); }, 1min));
+    island.run_for(30s);
+    island.sent.clear();
+    island.cores.up.clear();
   }
 
-  void hear_local(const transport::segment& x) {
-    byte_writer out;
-    out.big(std::uint16_t{x.am_type}).append(encode(x));
-    hear(neighbour, network::am::local, out.finish());
+  /// A frame of the neighbour with this segment.
+  void hear_local(const transport::segment& x, std::uint8_t of_island = 5) {
+    const auto packet =
+        encode(network::island_packet{stove.island, stove.mote, x.am_type, encode(x)});
+    bytes octets{network::am::packet, 0}; // the only piece
+    octets.insert(octets.end(), packet.begin(), packet.end());
+    world.send(mote,
+               test::radio_frame(neighbour, stove.mote, network::am::local, octets, of_island));
   }
 
-  /// Segments that the mote has sent up to its sink.
+  /// Segments that the mote has sent up to its gateway.
   std::vector<transport::segment> sent_up() const {
     std::vector<transport::segment> found;
-    for (const auto& x : air.all<radio_send>()) {
-      if (x.am_type == network::am::to_gateway)
-        found.push_back(
-            *transport::decode_segment(network::decode_island_packet(x.octets.view())->body));
+    for (const auto& x : island.cores.up) {
+      if (x.am_type == network::am::to_gateway && x.source == stove.mote)
+        found.push_back(*transport::decode_segment(network::decode_island_packet(x.payload)->body));
     }
     return found;
   }
 
+  /// The gateway acknowledges what the mote has sent up.
+  void accept(const transport::segment& x) {
+    const auto answer = encode(test::acknowledgement(no_mote, x));
+    island.cores.down(network::am::from_gateway,
+                      encode(network::island_packet{stove.island, stove.mote, 10, answer}));
+    island.run_for(200ms);
+  }
+
   void send(std::uint64_t token, mote_address to, bool reliable) {
     world.send(mote, send_message{app, token, to, 10, bytes{1, 2}, reliable});
+    island.run_for(200ms);
   }
 };
 
 } // namespace
 
-TEST_CASE("a mote asks everybody to take it in, and confirms the answer",
+TEST_CASE("a mote asks its sink to take it in once it knows a way, and confirms the answer",
           "[actors][mote][DIS-08][MCK-14]") {
   rig x;
   CHECK(x.air.all<attach_radio>().at(0).radio == stove_radio);
-  x.world.run_for(1s);
-  REQUIRE(x.air.count<radio_send>() == 1);
-  const auto sent = x.air.all<radio_send>()[0];
-  CHECK(sent.radio == stove_radio);
-  CHECK(sent.destination == broadcast_mote);
-  CHECK(!sent.ack);
-  const auto request = test::management_in<mote::join_request>(sent);
-  REQUIRE(request);
-  CHECK(request->incarnation == 0);
-
-  x.hear(
-      sink, network::am::component_management,
-      encode(mote::management(mote::join_reply{request->sequence, stove.island, stove.mote, 0})));
-  REQUIRE(x.air.count<radio_send>() == 2);
-  const auto confirm = x.air.all<radio_send>()[1];
-  CHECK(confirm.destination == sink);
-  CHECK(confirm.ack);
-  CHECK(test::management_in<mote::join_confirm>(confirm));
+  REQUIRE(x.island.run_until([&x] { return x.is_member(); }, 1min));
+  std::size_t requests = 0;
+  std::size_t confirms = 0;
+  for (const auto& sent : x.island.sent) {
+    CHECK(sent.radio == stove_radio);
+    CHECK(sent.destination == sink);
+    CHECK(sent.ack);
+    if (const auto request = test::management_in<mote::join_request>(sent)) {
+      CHECK(request->incarnation == 0);
+      ++requests;
+    }
+    confirms += test::management_in<mote::join_confirm>(sent) ? 1 : 0;
+  }
+  CHECK(requests == 1);
+  CHECK(confirms == 1);
 }
 
 TEST_CASE("a mote that nobody answers goes on asking", "[actors][mote][DIS-08]") {
   rig x;
-  x.world.run_for(10min);
-  CHECK(x.air.count<radio_send>() > 20);
+  x.island.only_beacons = true;
+  x.island.run_for(10min);
+  const auto requests = std::ranges::count_if(x.island.sent, [](const auto& sent) {
+    return test::management_in<mote::join_request>(sent).has_value();
+  });
+  CHECK(requests > 20);
+  CHECK_FALSE(x.is_member());
+}
+
+TEST_CASE("a mote that hears no one has nobody to ask, but tells that it is there",
+          "[actors][mote][DIS-08][NET-11]") {
+  rig x;
+  x.world.run_for(1min);
+  CHECK(x.air.count<radio_send>() == 1); // the air has not said yet what has become of it
+  CHECK(x.air.all<radio_send>()[0].am_type == network::am::beacon);
 }
 
 TEST_CASE("a send before the join is refused", "[actors][mote][MCK-16]") {
@@ -123,21 +154,24 @@ TEST_CASE("a message to a mote of the island goes out as one frame to that mote"
           "[actors][mote][MCK-09]") {
   rig x;
   x.join();
-  x.air.forget();
   x.send(5, {own_island, neighbour}, false);
   const auto ended = x.app.all<send_ended>();
   REQUIRE(ended.size() == 1);
   CHECK((ended[0].token == 5 && !ended[0].refused && !ended[0].acked));
-  REQUIRE(x.air.count<radio_send>() == 1);
-  const auto sent = x.air.all<radio_send>()[0];
-  CHECK(sent.destination == neighbour);
-  CHECK(sent.am_type == network::am::local);
-  CHECK(sent.ack);
-  const auto segment = transport::decode_segment(sent.octets.view().subspan(2));
-  REQUIRE(segment);
-  CHECK(segment->source == stove.mote);
-  CHECK(segment->am_type == 10);
-  CHECK(segment->payload == bytes{1, 2});
+  std::vector<radio_send> local;
+  for (const auto& sent : x.island.sent) {
+    if (sent.am_type == network::am::local)
+      local.push_back(sent);
+  }
+  REQUIRE(local.size() == 1);
+  CHECK(local[0].destination == neighbour);
+  CHECK(local[0].ack);
+  REQUIRE(x.island.cores.received.size() == 1);
+  const auto& [who, message] = x.island.cores.received[0];
+  CHECK(who == neighbour);
+  CHECK(message.source == stove);
+  CHECK(message.am_type == 10);
+  CHECK(message.payload == bytes{1, 2});
 }
 
 TEST_CASE("two reliable sends end when and as each of them is acknowledged",
@@ -147,22 +181,18 @@ TEST_CASE("two reliable sends end when and as each of them is acknowledged",
   x.send(5, {own_island, no_mote}, true);
   x.send(6, {own_island, no_mote}, true);
   CHECK(x.app.count<send_ended>() == 0);
-  const auto sent = x.sent_up();
-  REQUIRE(sent.size() == 2);
-  transport::segment ack;
-  ack.source = no_mote;
-  ack.sequence = sent[1].sequence;
-  ack.am_type = 10;
-  ack.acknowledgement = true;
-  x.hear(sink, network::am::from_gateway,
-         encode(network::island_packet{stove.island, stove.mote, 10, encode(ack)}));
+  REQUIRE(x.sent_up().size() == 1);
+  CHECK(x.sent_up()[0].what == transport::segment::kind::hello);
+  x.accept(x.sent_up()[0]);
+  REQUIRE(x.sent_up().size() == 2);
+  x.accept(x.sent_up()[1]);
   REQUIRE(x.app.count<send_ended>() == 1);
-  CHECK(x.app.all<send_ended>()[0].token == 6);
+  CHECK(x.app.all<send_ended>()[0].token == 5);
   CHECK(x.app.all<send_ended>()[0].acked);
 
-  x.world.run_for(1min);
+  x.island.run_for(1min);
   REQUIRE(x.app.count<send_ended>() == 2);
-  CHECK(x.app.all<send_ended>()[1].token == 5);
+  CHECK(x.app.all<send_ended>()[1].token == 6);
   CHECK(!x.app.all<send_ended>()[1].acked);
   CHECK(!x.app.all<send_ended>()[1].refused);
   x.world.send(x.mote, status_request{});
@@ -182,13 +212,23 @@ TEST_CASE("an AM type belongs to the app that claimed it first", "[actors][mote]
   x.world.send(x.mote, claim_am_type{late, 10});
   CHECK(x.world.logged("claim_refused am_type=10") == 1);
   x.join();
-  x.hear_local({neighbour, 1, 10, false, false, bytes{3}});
+  x.hear_local(test::plain(neighbour, 10, bytes{3}));
   CHECK(late.count<message_received>() == 0);
   REQUIRE(x.app.count<message_received>() == 1);
   const auto got = x.app.all<message_received>()[0];
   CHECK(got.source == mote_address{stove.island, neighbour});
   CHECK(got.am_type == 10);
   CHECK(got.octets == payload(bytes{3}));
+}
+
+TEST_CASE("a mote takes no frames of another island", "[actors][mote][RTG-06][GEN-11]") {
+  rig x;
+  x.world.send(x.mote, claim_am_type{x.app, 10});
+  x.join();
+  x.hear_local(test::plain(neighbour, 10, bytes{3}), 6);
+  CHECK(x.app.count<message_received>() == 0);
+  x.hear_local(test::plain(neighbour, 10, bytes{3}));
+  CHECK(x.app.count<message_received>() == 1);
 }
 
 TEST_CASE("two apps hear their own AM types only, whatever burst the other gets",
@@ -199,9 +239,9 @@ TEST_CASE("two apps hear their own AM types only, whatever burst the other gets"
   x.world.send(x.mote, claim_am_type{other, 11});
   x.join();
   for (std::uint16_t i = 0; i < 1000; ++i)
-    x.hear_local({neighbour, i, 10, false, false, bytes{1}});
-  x.hear_local({neighbour, 1000, 11, false, false, bytes{2}});
-  x.hear_local({neighbour, 1001, 12, false, false, bytes{3}}); // nobody's
+    x.hear_local(test::plain(neighbour, 10, bytes{1}));
+  x.hear_local(test::plain(neighbour, 11, bytes{2}));
+  x.hear_local(test::plain(neighbour, 12, bytes{3})); // nobody's
   CHECK(x.app.count<message_received>() == 1000);
   REQUIRE(other.count<message_received>() == 1);
   CHECK(other.all<message_received>()[0].octets == payload(bytes{2}));
@@ -239,7 +279,7 @@ TEST_CASE("a mote whose battery is flat tells it once and is silent from then on
   const bool by_fault = GENERATE(true, false);
   rig x({config::sampler_app{{mote::quantity::temperature}, 1s}});
   x.join();
-  x.world.run_for(10s);
+  x.island.run_for(10s);
   CHECK(x.sent_up().size() >= 9);
   x.air.forget();
   if (by_fault)
@@ -264,7 +304,7 @@ TEST_CASE("a mote whose battery is flat tells it once and is silent from then on
   x.send(5, {own_island, no_mote}, true);
   x.world.send(x.mote, read_transducers{x.app, {mote::quantity::temperature}});
   x.world.send(x.mote, set_actuator{x.app, "switch", 0});
-  x.hear(sink, network::am::component_management, encode(mote::management(mote::rejoin_prompt{})));
+  x.hear_local(test::hello(neighbour, 1, 10));
   x.world.send(x.mote, crash_now{});
   x.world.run_for(5min);
   CHECK(x.air.size() == 0);

@@ -1,9 +1,11 @@
 #include "actors/frames.hpp"
+#include "actors/island_partner.hpp"
 #include "actors/sink.hpp"
 #include "mote/descriptor.hpp"
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
 #include "support/fakes.hpp"
+#include "support/segments.hpp"
 
 using namespace rubicon;
 using test::fake;
@@ -12,7 +14,7 @@ using test::virtual_world;
 namespace {
 
 constexpr mote_address sink_address{island_id{5}, mote_id{1}};
-constexpr mote_id stove{7};
+constexpr mote_id stove{2};
 constexpr radio::radio_index sink_radio{3};
 
 struct rig {
@@ -21,31 +23,28 @@ struct rig {
   fake<serial_line_actor> line{world};
   fake<ecology_actor> ecology{world};
   sink_actor sink;
+  test::island_partner<sink_actor> island{
+      world, air, sink, sink_address.mote, {.width = 2, .island = sink_address.island}};
 
   rig() {
     mote::registrar_config registrar;
     registrar.island = sink_address.island;
-    sink = world.spawn_at("sink/kitchen", rubicon::sink,
-                          sink_arguments{sink_address,
-                                         registrar,
-                                         {},
-                                         sink_radio,
-                                         air.handle(),
-                                         line.handle(),
-                                         {},
-                                         1,
-                                         ecology.handle()});
-  }
-
-  void hear(const mote::management& x) {
-    world.send(sink, test::radio_frame(stove, sink_address.mote, x));
+    sink_arguments x;
+    x.address = sink_address;
+    x.registrar = registrar;
+    x.radio = sink_radio;
+    x.air = air.handle();
+    x.line = line.handle();
+    x.seed = 1;
+    x.ecology = ecology.handle();
+    sink = world.spawn_at("sink/kitchen", rubicon::sink, std::move(x));
   }
 
   void join() {
-    const auto descriptor = mote::encode(mote::descriptor{101, 1, 0, 3000});
-    hear(mote::join_request{77, 2, descriptor});
-    hear(mote::join_confirm{77, 2, descriptor});
-    world.run_for(50ms);
+    REQUIRE(island.run_until([this] { return !events().empty(); }, 1min));
+    island.run_for(1s);
+    island.sent.clear();
+    line.forget();
   }
 
   std::vector<network::sink_event> events() const {
@@ -62,7 +61,8 @@ serial::am_packet packet_down() {
   serial::am_packet x;
   x.destination = stove.value;
   x.am_type = network::am::from_gateway;
-  x.payload = encode(network::island_packet{sink_address.island, stove, 2, bytes{9, 8}});
+  x.payload = encode(network::island_packet{island_id{2}, stove, 2,
+                                            encode(test::plain(mote_id{9}, 2, bytes{9, 8}))});
   return x;
 }
 
@@ -79,37 +79,36 @@ TEST_CASE("a sink takes its radio and its end of the line", "[actors][sink][GW-0
 TEST_CASE("a join on the radio ends in a mote_joined event on the line",
           "[actors][sink][DIS-08][MCK-15]") {
   rig x;
-  const auto descriptor = mote::encode(mote::descriptor{101, 1, 0, 3000});
-  x.hear(mote::join_request{77, 2, descriptor});
-  REQUIRE(x.air.count<radio_send>() == 1);
-  const auto sent = x.air.all<radio_send>()[0];
-  CHECK(sent.radio == sink_radio);
-  CHECK(sent.destination == stove);
-  CHECK(sent.ack);
-  const auto reply = test::management_in<mote::join_reply>(sent);
-  REQUIRE(reply);
-  CHECK(reply->sequence == 77);
-  CHECK(reply->island == sink_address.island);
-  CHECK(reply->mote == stove);
-  x.world.run_for(50ms);
-  CHECK(x.events().empty()); // it has not confirmed yet
+  REQUIRE(x.island.run_until([&x] { return x.island.cores.joined() == 1; }, 1min));
+  REQUIRE(!x.island.sent.empty());
+  const auto& reply = x.island.sent[0];
+  CHECK(reply.radio == sink_radio);
+  CHECK(reply.destination == stove);
+  CHECK(reply.am_type == network::am::down);
+  CHECK(reply.ack);
+  REQUIRE(x.island.cores.memberships.size() == 1);
+  CHECK(x.island.cores.memberships[0].second.island == sink_address.island);
 
-  x.hear(mote::join_confirm{77, 2, descriptor});
-  x.world.run_for(50ms);
+  x.island.run_for(1s); // and it confirms
   const auto packets = test::packets_in(x.line.all<serial_write>());
   REQUIRE(packets.size() == 1);
   CHECK(packets[0].source == sink_address.mote.value);
   CHECK(packets[0].group == sink_address.island.value);
   CHECK(packets[0].am_type == network::am::sink_event);
   REQUIRE(x.events().size() == 1);
-  CHECK(x.events()[0] == network::sink_event(network::mote_joined{stove, 2, 101, descriptor}));
+  const auto joined = std::get<network::mote_joined>(x.events()[0]);
+  CHECK(joined.mote == stove);
+  CHECK(joined.incarnation == 0);
+  CHECK(joined.type == 301);
+  CHECK(mote::decode_descriptor(joined.descriptor)->type == 301);
   CHECK(x.line.all<serial_write>()[0].towards == serial::direction::to_pc);
 }
 
 TEST_CASE("a mote that falls silent leaves the island", "[actors][sink][DIS-06]") {
   rig x;
   x.join();
-  x.world.run_for(11s);
+  x.island.cores.kill(stove);
+  x.island.run_for(11s);
   bool left = false;
   for (const auto& event : x.events())
     left = left ||
@@ -121,40 +120,38 @@ TEST_CASE("a sink carries island packets both ways and acks what the PC sends",
           "[actors][sink][RTG-02][GW-16]") {
   rig x;
   x.join();
-  x.air.forget();
-  x.line.forget();
   x.world.send(x.sink, test::serial_frame(packet_down(), serial::frame_type::packet_with_ack, 42));
-  x.world.run_for(50ms);
-  REQUIRE(x.air.count<radio_send>() == 1);
-  const auto sent = x.air.all<radio_send>()[0];
-  CHECK(sent.destination == stove);
-  CHECK(sent.am_type == network::am::from_gateway);
-  CHECK(to_bytes(sent.octets.view()) == packet_down().payload);
+  x.island.run_for(200ms);
+  REQUIRE(x.island.cores.received.size() == 1);
+  CHECK(x.island.cores.received[0].first == stove);
+  CHECK(x.island.cores.received[0].second.source == mote_address{island_id{2}, mote_id{9}});
+  CHECK(x.island.cores.received[0].second.payload == bytes{9, 8});
   const auto frames = test::frames_in(x.line.all<serial_write>());
   REQUIRE(frames.size() == 1);
   CHECK(frames[0].type == serial::frame_type::ack);
   CHECK(frames[0].sequence == 42);
 
   x.line.forget();
-  const auto up = encode(network::island_packet{sink_address.island, no_mote, 1, bytes{1, 2}});
-  x.world.send(x.sink, test::radio_frame(stove, sink_address.mote, network::am::to_gateway, up));
-  x.world.run_for(50ms);
+  REQUIRE(x.island.cores.send(stove, {own_island, no_mote}, 1, bytes{1, 2}, false));
+  x.island.run_for(200ms);
   const auto packets = test::packets_in(x.line.all<serial_write>());
   REQUIRE(packets.size() == 1);
   CHECK(packets[0].source == stove.value);
   CHECK(packets[0].am_type == network::am::to_gateway);
-  CHECK(packets[0].payload == up);
+  CHECK(packets[0].payload ==
+        encode(network::island_packet{sink_address.island, no_mote, 1,
+                                      encode(test::plain(stove, 1, bytes{1, 2}))}));
 }
 
 TEST_CASE("octets with a bad CRC do nothing but count", "[actors][sink][GW-16]") {
   rig x;
+  x.join();
   auto octets = to_bytes(
       test::serial_frame(packet_down(), serial::frame_type::packet_with_ack, 42).octets.view());
   octets[octets.size() - 4] ^= 1; // in the payload
-  x.air.forget();
   x.world.send(x.sink, serial_octets{octets});
-  x.world.run_for(1s);
-  CHECK(x.air.size() == 0);
+  x.island.run_for(1s);
+  CHECK(x.island.cores.received.empty());
   CHECK(x.line.count<serial_write>() == 0);
   x.world.send(x.sink, status_request{});
   REQUIRE(x.ecology.count<serial_status>() == 1);
@@ -166,13 +163,15 @@ TEST_CASE("octets with a bad CRC do nothing but count", "[actors][sink][GW-16]")
 
 TEST_CASE("a radio frame that is no frame does nothing", "[actors][sink]") {
   rig x;
-  auto frame = test::radio_frame(stove, sink_address.mote, mote::leave_notice{});
+  const auto lost = encode(network::up_packet{stove, sink_address.mote, 1, 0, 0, bytes{1}});
+  auto frame = test::radio_frame(stove, sink_address.mote, network::am::up, lost);
   auto octets = to_bytes(frame.psdu.view());
   octets[12] ^= 1;
   x.air.forget();
   x.world.send(x.sink, frame_received{octets, -60});
   x.world.send(x.sink, frame_received{bytes{}, -60});
   x.world.run_for(1s);
-  CHECK(x.air.size() == 0);
+  CHECK(std::ranges::all_of(x.air.all<radio_send>(),
+                            [](const auto& sent) { return sent.am_type == network::am::beacon; }));
   CHECK(x.world.ends().empty());
 }

@@ -66,7 +66,7 @@ TEST_CASE("the trace of the home is the same on every machine and in every build
   auto home = example("home.toml");
   home.length = 5min;
   const auto report = run(home);
-  CHECK(report.trace_hash == "9bfc2b458c6c4428");
+  CHECK(report.trace_hash == "8dadde99f775a4f9");
 }
 
 TEST_CASE("an ecology can be stopped after any time", "[ecology]") {

@@ -66,6 +66,12 @@ public:
 
   void forget() { heard_->clear(); }
 
+  /// Every message of that kind.
+  template <class Message>
+  void forget() {
+    std::erase_if(*heard_, [](const auto& x) { return std::holds_alternative<Message>(x.second); });
+  }
+
 private:
   using heard_messages = std::vector<std::pair<instant, std::variant<Messages...>>>;
 

@@ -37,8 +37,8 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
       {"apps = [1]\n", "6:9: `apps` must be an array of tables, as in [{ ... }], not 1"},
       {"apps = [{ keys = [\"a\"] }]\n", "6:9: `app` is missing in apps of a peer"},
       {"apps = [{ app = \"colector\", keys = [\"a\"] }]\n",
-       "6:17: `app` must be \"proxy_manager\", \"rules\" or \"collector\", not \"colector\"; did "
-       "you mean \"collector\"?"},
+       "6:17: `app` must be \"proxy_manager\", \"rules\", \"collector\", \"stream_reader\", "
+       "\"reservoir\" or \"readout\", not \"colector\"; did you mean \"collector\"?"},
       {"apps = [{ app = \"collector\", keys = [\"a\"], every = \"1s\" }]\n",
        "6:44: unknown key `every` in app = \"collector\": there is app, keys"},
       {"apps = [{ app = \"collector\" }]\n", "6:9: `keys` is missing in app = \"collector\""},
@@ -140,7 +140,7 @@ TEST_CASE("every mistake of a file is told in one go, in order of place", "[conf
 
 TEST_CASE("a mistake is not told again by what depends on it", "[config][GEN-06]") {
   const std::string far = "[[island.mote]]\nid = 2\ntype = \"c\"\nposition_m = [99, 0]\n";
-  CHECK(problem_after(island_head, far).starts_with("18:14: mote `c-2` is 99 m from its sink"));
+  CHECK(problem_after(island_head, far).starts_with("18:14: mote `c-2` is out of reach"));
   const auto bad_range = problem_after(island_head, far + "[radio]\nrange = 200\n");
   CHECK(bad_range.starts_with("20:9: `range` must be a length"));
   const auto bad_key = problem_after(island_head, far + "[radio]\nrnage = \"200m\"\n");

@@ -77,13 +77,19 @@ TEST_CASE("a mote has the type of a table or a number", "[config][GEN-06][PXY-13
   CHECK(problem_after(island_head, x.toml) == x.problem);
 }
 
-TEST_CASE("a mote beyond the reach of its sink is told", "[config][GEN-06]") {
+TEST_CASE("a mote to which no chain of motes leads from its sink is told", "[config][GEN-06]") {
   const auto x = GENERATE(values<row>({
       {"[[island.mote]]\nid = 2\ntype = \"c\"\nposition_m = [30, 1]\n",
-       "18:14: mote `c-2` is 30.02 m from its sink, but a radio reaches only 30 m"},
+       "18:14: mote `c-2` is out of reach: no chain of motes at most 30 m apart leads to its sink"},
       {"[[island.mote]]\nid = 2\ntype = \"c\"\nposition_m = [30, 0]\n", "none"},
       {"[[island.mote]]\nid = 2\ntype = \"c\"\nposition_m = [0, 30, 5]\n",
-       "18:14: mote `c-2` is 30.42 m from its sink, but a radio reaches only 30 m"},
+       "18:14: mote `c-2` is out of reach: no chain of motes at most 30 m apart leads to its sink"},
+      {"[[island.mote]]\nid = 2\ntype = \"c\"\nposition_m = [55, 0]\n"
+       "[[island.mote]]\nid = 3\ntype = \"c\"\nposition_m = [28, 0]\n",
+       "none"},
+      {"[[island.mote]]\nid = 2\ntype = \"c\"\nposition_m = [59, 0]\n"
+       "[[island.mote]]\nid = 3\ntype = \"c\"\nposition_m = [28, 0]\n",
+       "18:14: mote `c-2` is out of reach: no chain of motes at most 30 m apart leads to its sink"},
   }));
   CAPTURE(x.toml);
   CHECK(problem_after(island_head, x.toml) == x.problem);

@@ -2,8 +2,11 @@
 #include "gateway/gateway.hpp"
 #include "network/am.hpp"
 #include "network/island_packet.hpp"
+#include "network/wire.hpp"
 #include "support/catch.hpp"
 #include "support/pick.hpp"
+#include "support/segments.hpp"
+#include "transport/pieces.hpp"
 #include "transport/segment.hpp"
 
 using namespace rubicon;
@@ -13,12 +16,18 @@ using gateway::member_changed;
 using gateway::publish;
 using gateway::to_gateway;
 using gateway::to_sink;
+using kind = transport::segment::kind;
+using test::acknowledgement;
+using test::hello;
 using test::pick;
+using test::plain;
+using test::reliable;
 
 namespace {
 
 constexpr island_id kitchen{1};
 constexpr mote_id fan{7};
+constexpr mote_id the_sink{1};
 
 gateway::gateway make() {
   gateway_config config;
@@ -27,7 +36,7 @@ gateway::gateway make() {
 }
 
 gateway::outputs tell(gateway::gateway& x, const network::sink_event& event) {
-  return x.on_packet(network::am::sink_event, encode(event), {});
+  return x.on_packet(the_sink, network::am::sink_event, encode(event), {});
 }
 
 void join(gateway::gateway& x, mote_id mote, std::uint32_t incarnation = 0) {
@@ -57,6 +66,18 @@ transport::segment segment_down(const gateway::outputs& out) {
   return *transport::decode_segment(packet->body);
 }
 
+/// A mote says hello, so that it may send reliable segments from counter 1 on.
+void greet(gateway::gateway& x, mote_id mote, std::uint8_t am_type) {
+  static_cast<void>(x.on_packet(mote, network::am::to_gateway,
+                                up({kitchen, no_mote}, hello(mote, 0, am_type)), {}));
+}
+
+/// A mote accepts what the gateway has sent it.
+gateway::outputs accept(gateway::gateway& x, mote_id mote, const transport::segment& sent) {
+  return x.on_packet(mote, network::am::to_gateway,
+                     up({kitchen, no_mote}, acknowledgement(mote, sent)), instant{50ms});
+}
+
 } // namespace
 
 TEST_CASE("a gateway publishes its devices as D1.1 5.4 says", "[gateway][GW-03][GW-04][GW-09]") {
@@ -74,8 +95,8 @@ TEST_CASE("a gateway publishes its devices as D1.1 5.4 says", "[gateway][GW-03][
 TEST_CASE("a leaving mote takes its tuples with it", "[gateway][DIS-06]") {
   auto x = make();
   join(x, fan);
-  static_cast<void>(x.on_packet(network::am::to_gateway,
-                                up({kitchen, no_mote}, {fan, 1, 2, false, false, bytes{1}}), {}));
+  static_cast<void>(x.on_packet(fan, network::am::to_gateway,
+                                up({kitchen, no_mote}, plain(fan, 2, bytes{1})), {}));
   static_cast<void>(x.on_input(fan, 2, bytes{1}, {}));
   const auto out = tell(x, network::mote_left{fan, network::leave_cause::silence});
   CHECK(published(out, "devices") == "{}");
@@ -92,27 +113,30 @@ TEST_CASE("what a mote sends to its gateway becomes an output tuple, each messag
           "[gateway][GW-06][GW-08][RTG-03]") {
   auto x = make();
   join(x, fan);
-  const auto message = up({kitchen, no_mote}, {fan, 1, 2, true, false, bytes{0x01, 0x56}});
-  const auto out = x.on_packet(network::am::to_gateway, message, {});
+  greet(x, fan, 2);
+  const auto message = up({kitchen, no_mote}, reliable(fan, 1, 2, bytes{0x01, 0x56}));
+  const auto out = x.on_packet(fan, network::am::to_gateway, message, {});
   CHECK(published(out, "devices.7.output.2") == "0156");
-  CHECK(segment_down(out).acknowledgement);
-  const auto again = x.on_packet(network::am::to_gateway, message, {});
+  CHECK(segment_down(out).what == kind::acknowledgement);
+  const auto again = x.on_packet(fan, network::am::to_gateway, message, {});
   CHECK(pick<publish>(again).empty());
-  CHECK(segment_down(again).acknowledgement);
+  CHECK(segment_down(again).what == kind::acknowledgement);
   CHECK(x.counters().outputs == 1);
 }
 
 TEST_CASE("a message of a mote whose join was lost is not acknowledged; the sink is asked",
           "[gateway][GW-15]") {
   auto x = make();
-  const auto message = up({kitchen, no_mote}, {fan, 1, 2, true, false, bytes{1}});
-  const auto out = x.on_packet(network::am::to_gateway, message, {});
+  const auto message = up({kitchen, no_mote}, reliable(fan, 1, 2, bytes{1}));
+  const auto out = x.on_packet(fan, network::am::to_gateway, message, {});
   CHECK(pick<publish>(out).empty());
   REQUIRE(pick<to_sink>(out).size() == 1);
   CHECK(pick<to_sink>(out)[0].am_type == network::am::sink_event);
   CHECK(to_hex(pick<to_sink>(out)[0].payload) == "040007");
   join(x, fan);
-  CHECK(published(x.on_packet(network::am::to_gateway, message, {}), "devices.7.output.2") == "01");
+  greet(x, fan, 2);
+  CHECK(published(x.on_packet(fan, network::am::to_gateway, message, {}), "devices.7.output.2") ==
+        "01");
 }
 
 TEST_CASE("an input is sent reliably and its status told", "[gateway][GW-05][GW-12][IF-07]") {
@@ -120,16 +144,16 @@ TEST_CASE("an input is sent reliably and its status told", "[gateway][GW-05][GW-
   join(x, fan);
   const auto out = x.on_input(fan, 2, bytes{1}, {});
   CHECK(published(out, "devices.7.input.2.status") == "1 pending");
-  const auto command = segment_down(out);
+  const auto question = segment_down(out);
+  CHECK(question.what == kind::hello);
+  const auto command = segment_down(accept(x, fan, question));
   CHECK(command.source == no_mote);
   CHECK(command.am_type == 2);
-  CHECK(command.reliable);
+  CHECK(command.what == kind::reliable);
   CHECK(command.payload == bytes{1});
 
   SECTION("acknowledged") {
-    const transport::segment ack{fan, command.sequence, 2, false, true, {}};
-    const auto done =
-        x.on_packet(network::am::to_gateway, up({kitchen, no_mote}, ack), instant{50ms});
+    const auto done = accept(x, fan, command);
     CHECK(published(done, "devices.7.input.2.status") == "1 acknowledged");
     CHECK_FALSE(x.deadline().has_value());
   }
@@ -145,7 +169,9 @@ TEST_CASE("an input is sent reliably and its status told", "[gateway][GW-05][GW-
   SECTION("equal writes are sent each") {
     const auto second = x.on_input(fan, 2, bytes{1}, {});
     CHECK(published(second, "devices.7.input.2.status") == "2 pending");
-    CHECK(segment_down(second).sequence != command.sequence);
+    const auto next = segment_down(accept(x, fan, command));
+    CHECK(next.what == kind::reliable);
+    CHECK(next.counter != command.counter);
   }
 }
 
@@ -163,16 +189,17 @@ TEST_CASE("an input for a mote that is not there, or for no AM type, fails visib
 
 TEST_CASE("messages between islands change only their header, and stay as reliable as they were",
           "[gateway][RTG-02][WIR-02][ACK-09]") {
-  const bool reliable = GENERATE(true, false);
+  const bool is_reliable = GENERATE(true, false);
   auto x = make();
   join(x, fan);
-  const transport::segment segment{fan, 9, 10, reliable, false, bytes{'h', 'i'}};
+  const auto segment =
+      is_reliable ? reliable(fan, 9, 10, bytes{'h', 'i'}) : plain(fan, 10, bytes{'h', 'i'});
   const auto out =
-      x.on_packet(network::am::to_gateway, up({island_id{2}, mote_id{5}}, segment), {});
+      x.on_packet(fan, network::am::to_gateway, up({island_id{2}, mote_id{5}}, segment), {});
   REQUIRE(pick<to_gateway>(out).size() == 1);
   const auto across = pick<to_gateway>(out)[0];
   CHECK(across.peer == peer_id{2});
-  CHECK(across.reliable == reliable);
+  CHECK(across.reliable == is_reliable);
   CHECK(to_hex(across.octets) == "0005000a" + to_hex(encode(segment)));
 
   auto other = make();
@@ -215,10 +242,10 @@ TEST_CASE("a roster brings a gateway's list back to the truth", "[gateway][GW-15
 
 TEST_CASE("what a gateway cannot read it drops and counts", "[gateway]") {
   auto x = make();
-  CHECK(x.on_packet(network::am::to_gateway, bytes{0}, {}).empty());
-  CHECK(x.on_packet(network::am::sink_event, bytes{9}, {}).empty());
+  CHECK(x.on_packet(fan, network::am::to_gateway, bytes{0}, {}).empty());
+  CHECK(x.on_packet(the_sink, network::am::sink_event, bytes{9}, {}).empty());
   CHECK(x.counters().malformed == 2);
-  CHECK(x.on_packet(0x77, {}, {}).empty());
+  CHECK(x.on_packet(the_sink, 0x77, {}, {}).empty());
   CHECK(tell(x, network::describe{fan}).empty());
   CHECK(x.counters().unknown_type == 2);
 }
@@ -245,4 +272,35 @@ TEST_CASE("no more channels are remembered than there is room for", "[gateway]")
   CHECK_FALSE(x.on_input(fan, 3, bytes{1}, {}).empty());
   CHECK(x.counters().inputs == 3);
   CHECK(x.counters().inputs_refused == 1);
+}
+
+TEST_CASE("packets longer than a serial packet go up and down in pieces",
+          "[gateway][NET-14][WIR-04]") {
+  auto x = make();
+  join(x, fan);
+  const bytes reading(256, 0x5a);
+  const auto octets = up({kitchen, no_mote}, plain(fan, 2, reading));
+  const auto pieces = transport::cut(octets, network::frame_payload_max, 9);
+  REQUIRE(pieces->size() == 3);
+  CHECK(x.on_packet(fan, network::am::packet, pieces->at(2), {}).empty());
+  CHECK(x.on_packet(mote_id{8}, network::am::packet, pieces->at(1), {}).empty()); // of another mote
+  CHECK(x.on_packet(fan, network::am::packet, pieces->at(0), {}).empty());
+  const auto out = x.on_packet(fan, network::am::packet, pieces->at(1), {});
+  CHECK(published(out, "devices.7.output.2") == to_hex(reading));
+
+  const auto message = encode(network::gateway_packet{fan, 10, encode(plain(fan, 10, reading))});
+  const auto down = pick<to_sink>(x.on_message(peer_id{2}, message, {}));
+  REQUIRE(down.size() == 3);
+  transport::assembly sink;
+  std::optional<bytes> whole;
+  for (const auto& piece : down) {
+    CHECK(piece.am_type == network::am::packet);
+    CHECK(piece.payload.size() <= network::frame_payload_max);
+    CHECK_FALSE(whole);
+    whole = sink.on_piece(the_sink, piece.payload, {});
+  }
+  REQUIRE(whole);
+  const auto packet = network::decode_island_packet(*whole);
+  CHECK(packet->island == island_id{2});
+  CHECK(transport::decode_segment(packet->body)->payload == reading);
 }

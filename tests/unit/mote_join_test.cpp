@@ -23,8 +23,8 @@ join_outputs wait(join_client& client, instant& now) {
 }
 
 join_request request_in(const join_outputs& out) {
-  REQUIRE(pick<to_radio>(out).size() == 1);
-  return std::get<join_request>(pick<to_radio>(out)[0].message);
+  REQUIRE(pick<to_registrar>(out).size() == 1);
+  return std::get<join_request>(pick<to_registrar>(out)[0].message);
 }
 
 } // namespace
@@ -32,10 +32,9 @@ join_request request_in(const join_outputs& out) {
 TEST_CASE("a mote asks, is answered, confirms and is in", "[mote][DIS-08]") {
   auto client = make();
   instant now{};
-  CHECK(client.start(now).empty());
+  CHECK(client.start(1, now).empty());
   const auto out = wait(client, now);
   const auto request = request_in(out);
-  CHECK(pick<to_radio>(out)[0].destination == broadcast_mote);
   CHECK(request.incarnation == 3);
   CHECK(request.descriptor == bytes{0xaa});
 
@@ -44,21 +43,20 @@ TEST_CASE("a mote asks, is answered, confirms and is in", "[mote][DIS-08]") {
   REQUIRE(pick<island_joined>(in).size() == 1);
   CHECK(pick<island_joined>(in)[0].island == island_id{1});
   CHECK(pick<island_joined>(in)[0].sink == the_sink);
-  CHECK(std::get<join_confirm>(pick<to_radio>(in)[0].message) ==
+  CHECK(std::get<join_confirm>(pick<to_registrar>(in)[0].message) ==
         join_confirm{request.sequence, 3, bytes{0xaa}});
   CHECK(client.current() == join_client::state::joined);
 
   SECTION("a repeated reply is confirmed again, without joining twice") {
     const auto again = client.on_message(the_sink, reply, now);
     CHECK(pick<island_joined>(again).empty());
-    CHECK(pick<to_radio>(again).size() == 1);
+    CHECK(pick<to_registrar>(again).size() == 1);
   }
   SECTION("a silent mote says that it is still there") {
     const auto before = now;
     const auto alive = wait(client, now);
     CHECK(now - before == 3s);
-    CHECK(std::get<keep_alive>(pick<to_radio>(alive)[0].message).incarnation == 3);
-    CHECK(pick<to_radio>(alive)[0].destination == the_sink);
+    CHECK(std::get<keep_alive>(pick<to_registrar>(alive)[0].message).incarnation == 3);
     client.on_sent(now + 1s);
     CHECK(*client.deadline() == now + 4s);
   }
@@ -69,7 +67,7 @@ TEST_CASE("a mote asks, is answered, confirms and is in", "[mote][DIS-08]") {
   }
   SECTION("a leaving mote tells its sink and falls silent") {
     const auto bye = client.leave();
-    CHECK(std::holds_alternative<leave_notice>(pick<to_radio>(bye).at(0).message));
+    CHECK(std::holds_alternative<leave_notice>(pick<to_registrar>(bye).at(0).message));
     CHECK_FALSE(client.deadline().has_value());
     CHECK(client.on_message(the_sink, reply, now).empty());
     CHECK(client.leave().empty());
@@ -80,7 +78,7 @@ TEST_CASE("an unanswered mote asks five times, pauses longer and longer, and nev
           "[mote][DIS-08]") {
   auto client = make();
   instant now{};
-  static_cast<void>(client.start(now));
+  static_cast<void>(client.start(1, now));
   std::vector<duration> pauses;
   for (int round = 0; round < 7; ++round) {
     for (int attempt = 0; attempt < 5; ++attempt) {
@@ -100,7 +98,7 @@ TEST_CASE("an unanswered mote asks five times, pauses longer and longer, and nev
 TEST_CASE("a reply to an older request is ignored", "[mote][DIS-08]") {
   auto client = make();
   instant now{};
-  static_cast<void>(client.start(now));
+  static_cast<void>(client.start(1, now));
   const auto first = request_in(wait(client, now));
   static_cast<void>(wait(client, now));
   CHECK(client.on_message(the_sink, join_reply{first.sequence, island_id{1}, mote_id{7}, 0}, now)
@@ -111,8 +109,17 @@ TEST_CASE("motes that start together do not all ask at once", "[mote][DIS-05]") 
   join_config config;
   join_client a(config, {}, 0, random_stream(1));
   join_client b(config, {}, 0, random_stream(2));
-  static_cast<void>(a.start({}));
-  static_cast<void>(b.start({}));
+  static_cast<void>(a.start(1, {}));
+  static_cast<void>(b.start(1, {}));
   CHECK(*a.deadline() != *b.deadline());
   CHECK(*a.deadline() < instant{1s});
+}
+
+TEST_CASE("a mote many hops away waits longer for its answer", "[mote][DIS-08][NET-11]") {
+  auto client = make();
+  instant now{};
+  static_cast<void>(client.start(4, now));
+  CHECK(*client.deadline() <= instant{3s}); // spread over a second for each further hop
+  static_cast<void>(request_in(wait(client, now)));
+  CHECK(*client.deadline() - now == 2s);
 }

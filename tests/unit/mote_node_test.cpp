@@ -1,119 +1,233 @@
+#include "mote/communication.hpp"
 #include "mote/node.hpp"
 #include "network/am.hpp"
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
+#include "support/island_world.hpp"
 #include "support/pick.hpp"
+#include "support/segments.hpp"
 
 using namespace rubicon;
 using namespace rubicon::mote;
+using test::island_world;
 using test::pick;
 
 namespace {
 
-constexpr mote_id self{7};
-constexpr mote_id the_sink{1};
+constexpr mote_id self{2};
+constexpr mote_id neighbour{3};
 constexpr island_id island{1};
 
-node make() {
+/// A sink, a mote and its neighbour, each in reach of the others, who have joined.
+std::unique_ptr<island_world> joined_island() {
+  auto world = std::make_unique<island_world>(
+      test::island_world_config{.width = 2, .height = 2, .island = island});
+  auto& x = *world;
+  REQUIRE(x.run_until([&x] { return x.joined() == 3; }, 1min));
+  x.run_for(30s); // neighbours know each other
+  x.up.clear();
+  x.received.clear();
+  return world;
+}
+
+node lonely() {
   node_config config;
   config.id = self;
   config.type = 301;
   config.transducers = {{quantity::light, constant_model{100}, 0, 1}};
   config.actuators = {{"fan", actuator_kind::relay, 0}, {"lamp", actuator_kind::dimmer, 9}};
-  return {config, 0, random_stream(1)};
+  return {config, 0, random_stream(1), {}};
 }
 
-void join(node& x, instant& now) {
-  static_cast<void>(x.start(now));
-  now = *x.deadline();
-  const auto frames = pick<network::transmit>(x.on_time(now));
-  REQUIRE(frames.size() == 1);
-  CHECK(frames[0].am_type == network::am::component_management);
-  const auto request = std::get<join_request>(*decode_management(frames[0].payload));
-  const auto in = x.on_frame(the_sink, network::am::component_management,
-                             encode(join_reply{request.sequence, island, self, 0}), now);
-  REQUIRE(pick<membership>(in).size() == 1);
-  CHECK(pick<membership>(in)[0].joined);
-  REQUIRE(x.joined());
+/// What has come up to the gateway, whole.
+std::vector<network::island_packet> packets_up(const island_world& x) {
+  std::vector<network::island_packet> found;
+  for (const auto& each : x.up) {
+    if (each.am_type == network::am::to_gateway)
+      found.push_back(*network::decode_island_packet(each.payload));
+  }
+  return found;
+}
+
+void send_down(island_world& x, island_id from, const transport::segment& segment) {
+  x.down(network::am::from_gateway,
+         encode(network::island_packet{from, self, segment.am_type, encode(segment)}));
 }
 
 } // namespace
 
 TEST_CASE("before it has joined a mote refuses to send", "[mote][MCK-16]") {
-  auto x = make();
-  CHECK_FALSE(x.send(1, {own_island, mote_id{8}}, 10, {}, false, {}).has_value());
+  auto x = lonely();
+  communication_events nobody;
+  auto program = x.attach(nobody);
+  CHECK_FALSE(program.send_numbered({own_island, neighbour}, bytes{1}, false, 10).has_value());
+  CHECK(program.send(255, neighbour.value, bytes{1}, true, 10) == FAIL);
+  CHECK(x.above().counters().before_join == 2);
+  CHECK(x.settle({}).empty());
+}
+
+TEST_CASE("a mote without a way to a sink goes on looking for one and asks nobody",
+          "[mote][DIS-08][NET-11]") {
+  auto x = lonely();
+  CHECK(x.start({}).empty());
+  int beacons = 0;
+  for (instant now{}; now < instant{10min}; now = x.deadline()) {
+    for (const auto& frame : pick<network::frame_out>(x.on_time(now))) {
+      CHECK(frame.am_type == network::am::beacon);
+      ++beacons;
+      CHECK(x.on_sent(frame.token, false, 1, now).empty());
+    }
+  }
+  CHECK(beacons > 30);
+  CHECK_FALSE(x.joined());
+}
+
+TEST_CASE("a mote joins the island whose sink it hears and tells so", "[mote][DIS-08][MCK-14]") {
+  const auto world = joined_island();
+  const auto& x = *world;
+  REQUIRE(x.memberships.size() == 3);
+  for (const auto& [who, what] : x.memberships) {
+    CHECK(what.joined);
+    CHECK(what.island == island);
+  }
 }
 
 TEST_CASE("a joined mote sends readings to its gateway by way of the sink", "[mote][RTG-03]") {
-  auto x = make();
-  instant now{};
-  join(x, now);
-  const auto out = x.send(1, {own_island, no_mote}, 1, bytes{0, 5}, false, now);
-  REQUIRE(out.has_value());
-  const auto frames = pick<network::transmit>(*out);
-  REQUIRE(frames.size() == 1);
-  CHECK(frames[0].next_hop == the_sink);
-  CHECK(frames[0].am_type == network::am::to_gateway);
-  const auto packet = network::decode_island_packet(frames[0].payload);
-  REQUIRE(packet);
-  CHECK(packet->island == island);
-  CHECK(packet->mote == no_mote);
-  CHECK(packet->channel == 1);
+  const auto world = joined_island();
+  auto& x = *world;
+  REQUIRE(x.send(self, {own_island, no_mote}, 1, bytes{0, 5}, false));
+  x.run_for(1s);
+  const auto packets = packets_up(x);
+  REQUIRE(packets.size() == 1);
+  CHECK(packets[0].island == island);
+  CHECK(packets[0].mote == no_mote);
+  CHECK(packets[0].channel == 1);
+  CHECK(transport::decode_segment(packets[0].body)->payload == bytes{0, 5});
+  CHECK(x.up[0].source == self);
+}
+
+TEST_CASE("a mote decides by the address: own island, else its sink", "[mote][RTG-04][ADR-03]") {
+  const auto to = GENERATE(mote_address{island_id{2}, neighbour}, mote_address{own_island, no_mote},
+                           mote_address{island, no_mote}, mote_address{own_island, neighbour},
+                           mote_address{island, neighbour}, mote_address{own_island, own_mote},
+                           mote_address{island, self});
+  const auto world = joined_island();
+  auto& x = *world;
+  REQUIRE(x.send(self, to, 10, bytes{1}, false));
+  x.run_for(1s);
+  const bool is_here = (to.island == own_island || to.island == island) && to.mote != no_mote;
+  CHECK(packets_up(x).size() == (is_here ? 0 : 1));
+  REQUIRE(x.received.size() == (is_here ? 1 : 0));
+  if (is_here)
+    CHECK(x.received[0].first == (to.mote == neighbour ? neighbour : self));
+}
+
+TEST_CASE("what a mote sends to itself touches no radio", "[mote][ADR-06]") {
+  const auto world = joined_island();
+  auto& x = *world;
+  const bool reliable = GENERATE(true, false);
+  for (const auto to : {own_mote, self}) {
+    x.received.clear();
+    x.outcomes.clear();
+    const auto frames = x.frames;
+    REQUIRE(x.send(self, {own_island, to}, 10, bytes{1}, reliable));
+    CHECK(x.frames == frames);
+    REQUIRE(x.received.size() == 1);
+    CHECK(x.received[0].second.source == mote_address{island, self});
+    CHECK(x.outcomes == std::vector(reliable ? 1 : 0, std::pair(self, true)));
+  }
 }
 
 TEST_CASE("a message from another island is passed up and acknowledged back there",
           "[mote][MCK-11][MCK-12]") {
-  auto x = make();
-  instant now{};
-  join(x, now);
-  const auto segment = encode(transport::segment{mote_id{5}, 99, 10, true, false, bytes{'h'}});
-  const auto out = x.on_frame(the_sink, network::am::from_gateway,
-                              encode(network::island_packet{island_id{2}, self, 10, segment}), now);
-  REQUIRE(pick<transport::received>(out).size() == 1);
-  CHECK(pick<transport::received>(out)[0].source == mote_address{island_id{2}, mote_id{5}});
-  const auto frames = pick<network::transmit>(out);
-  REQUIRE(frames.size() == 1);
-  const auto back = network::decode_island_packet(frames[0].payload);
-  REQUIRE(back);
-  CHECK(back->island == island_id{2});
-  CHECK(back->mote == mote_id{5});
-  CHECK(transport::decode_segment(back->body)->acknowledgement);
+  const auto world = joined_island();
+  auto& x = *world;
+  constexpr island_id other{2};
+  send_down(x, other, test::hello(mote_id{5}, 98, 10));
+  x.run_for(1s);
+  x.up.clear();
+  send_down(x, other, test::reliable(mote_id{5}, 99, 10, bytes{'h'}));
+  x.run_for(1s);
+  REQUIRE(x.received.size() == 1);
+  CHECK(x.received[0].first == self);
+  CHECK(x.received[0].second.source == mote_address{other, mote_id{5}});
+  const auto back = packets_up(x);
+  REQUIRE(back.size() == 1);
+  CHECK(back[0].island == other);
+  CHECK(back[0].mote == mote_id{5});
+  CHECK(transport::decode_segment(back[0].body)->what == transport::segment::kind::acknowledgement);
 }
 
 TEST_CASE("a mote reads only the transducers and moves only the actuators it has",
           "[mote][STR-09][DIS-02]") {
-  auto x = make();
+  auto x = lonely();
   CHECK(x.read(quantity::light, {}) == std::int16_t{100});
   CHECK_FALSE(x.read(quantity::sound, {}).has_value());
-  CHECK(x.actuator_state("lamp") == std::uint8_t{9});
-  CHECK(x.actuate("fan", 1));
-  CHECK(x.actuator_state("fan") == std::uint8_t{1});
-  CHECK_FALSE(x.actuate("fan", 2)); // a relay is on or off
-  CHECK(x.actuate("lamp", 200));
-  CHECK_FALSE(x.actuate("door", 1));
-  CHECK_FALSE(x.actuator_state("door").has_value());
+  CHECK(x.actuator_state("lamp", {}) == std::uint8_t{9});
+  CHECK(x.actuate("fan", 1, {}));
+  CHECK(x.actuator_state("fan", {}) == std::uint8_t{1});
+  CHECK_FALSE(x.actuate("fan", 2, {})); // a relay is on or off
+  CHECK(x.actuate("lamp", 200, {}));
+  CHECK_FALSE(x.actuate("door", 1, {}));
+  CHECK_FALSE(x.actuator_state("door", {}).has_value());
 }
 
 TEST_CASE("a leaving mote says goodbye and fails what it was waiting for", "[mote][DIS-06]") {
-  auto x = make();
-  instant now{};
-  join(x, now);
-  REQUIRE(x.send(5, {own_island, no_mote}, 1, {}, true, now).has_value());
-  const auto out = x.leave();
-  REQUIRE(pick<transport::outcome>(out).size() == 1);
-  CHECK_FALSE(pick<transport::outcome>(out)[0].acked);
-  CHECK(pick<network::transmit>(out).size() == 1);
-  CHECK_FALSE(x.joined());
-  CHECK_FALSE(x.deadline().has_value());
+  const auto world = joined_island();
+  auto& x = *world;
+  REQUIRE(x.send(self, {own_island, no_mote}, 1, {}, true));
+  x.run_for(1s);
+  x.up.clear();
+  x.perform(self, x.at(self).leave(x.own_time(self)));
+  REQUIRE(x.outcomes.size() == 1);
+  CHECK(x.outcomes[0] == std::pair(self, false));
+  CHECK_FALSE(x.at(self).joined());
+  x.run_for(1min);
+  REQUIRE(!x.up.empty());
+  CHECK(*network::decode_sink_event(x.up[0].payload) ==
+        network::sink_event(network::mote_left{self, network::leave_cause::notice}));
+  CHECK_FALSE(x.at(self).joined()); // and it stays away
+  CHECK(x.outcomes.size() == 1);
 }
 
 TEST_CASE("frames nobody owns or nobody can read are counted and dropped", "[mote][AM-01]") {
-  auto x = make();
-  instant now{};
-  CHECK(x.on_frame(mote_id{8}, network::am::local, bytes{0, 1}, now).empty()); // not joined
-  join(x, now);
-  CHECK(x.on_frame(mote_id{8}, 0x77, {}, now).empty());
-  CHECK(x.counters().unknown_type == 2);
-  CHECK(x.on_frame(mote_id{8}, network::am::component_management, bytes{0x77}, now).empty());
-  CHECK(x.counters().malformed == 1);
+  const auto world = joined_island();
+  auto& x = *world;
+  auto& here = x.at(self);
+  const auto hear = [&](mote_id from, std::uint8_t am_type, const bytes& octets) {
+    const auto t = x.own_time(self);
+    CHECK(here.on_frame(from, am_type, octets, t, t).empty());
+  };
+  hear(neighbour, 0x77, {});
+  CHECK(here.packets().router().counters().unknown_type == 1);
+  hear(neighbour, network::am::local, {});
+  hear(neighbour, network::am::local, bytes{0x77});
+  CHECK(here.packets().counters().malformed == 2);
+  hear(neighbour, network::am::local, bytes{network::am::component_management, 0x77});
+  CHECK(here.counters().malformed == 1);
+  hear(neighbour, network::am::beacon, bytes{1});
+  CHECK(here.packets().router().counters().malformed == 1);
+}
+
+TEST_CASE("a mote takes no packet that is for another, and none before it has joined",
+          "[mote][RTG-06]") {
+  const auto frame_for = [](mote_id to) {
+    const auto octets =
+        encode(network::island_packet{island, to, 10, encode(test::plain(neighbour, 10, {}))});
+    bytes frame{network::am::packet, 0}; // the only piece
+    frame.insert(frame.end(), octets.begin(), octets.end());
+    return network::frame_out{0, self, network::am::local, frame, {}};
+  };
+  const auto world = joined_island();
+  world->hear(self, neighbour, frame_for(mote_id{9}));
+  CHECK(world->at(self).counters().misdirected == 1);
+  CHECK(world->received.empty());
+  world->hear(self, neighbour, frame_for(self));
+  CHECK(world->at(self).counters().misdirected == 1);
+  CHECK(world->received.size() == 1);
+
+  auto apart = lonely();
+  CHECK(apart.on_frame(neighbour, network::am::local, frame_for(self).payload, {}, {}).empty());
+  CHECK(apart.counters().misdirected == 1);
+  CHECK(apart.above().messages().counters().received == 0);
 }

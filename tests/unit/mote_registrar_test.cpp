@@ -1,3 +1,6 @@
+#include <map>
+#include <set>
+
 #include "mote/descriptor.hpp"
 #include "mote/registrar.hpp"
 #include "support/catch.hpp"
@@ -150,8 +153,16 @@ TEST_CASE("the roster names every member, in pages that fit", "[mote][GW-15]") {
     static_cast<void>(request(x, instant{}, 0, mote_id{i}));
     static_cast<void>(confirm(x, instant{9s}, 0, mote_id{i}));
   }
-  const auto pages = events<network::roster>(x.on_time(instant{10s}));
-  REQUIRE(pages.size() == 3);
+  std::vector<network::roster> pages;
+  for (const auto t : {10'000ms, 10'250ms, 10'500ms}) {
+    CHECK(x.on_time(instant{t - 1ns}).empty());
+    const auto page = events<network::roster>(x.on_time(instant{t}));
+    REQUIRE(page.size() == 1); // a serial line holds few packets
+    CHECK(page[0].page == pages.size());
+    pages.push_back(page[0]);
+  }
+  CHECK(events<network::roster>(x.on_time(instant{20s - 1ns})).empty());
+  CHECK(events<network::roster>(x.on_time(instant{20s})).size() == 1);
   std::vector<mote_id> named;
   for (const auto& page : pages) {
     CHECK(page.pages == 3);
@@ -163,6 +174,34 @@ TEST_CASE("the roster names every member, in pages that fit", "[mote][GW-15]") {
   CHECK(std::is_sorted(named.begin(), named.end()));
 }
 
+TEST_CASE("a roster that takes longer than its period is completed before the next begins",
+          "[mote][GW-15]") {
+  auto x = make();
+  static_cast<void>(x.start(instant{}));
+  for (std::uint16_t i = 2; i < 1002; ++i) {
+    static_cast<void>(request(x, instant{}, 0, mote_id{i}));
+    static_cast<void>(confirm(x, instant{9s}, 0, mote_id{i}));
+  }
+  std::map<std::uint16_t, std::set<mote_id>> named;
+  std::map<std::uint16_t, unsigned> pages;
+  instant now{9s};
+  while (named.size() < 3) {
+    const auto before = now;
+    now = *x.deadline();
+    for (std::uint16_t i = 2; i < 1002; ++i)
+      static_cast<void>(x.on_heard(mote_id{i}, now));
+    for (const auto& page : events<network::roster>(x.on_time(now))) {
+      CHECK((pages.empty() || now - before >= 250ms));
+      ++pages[page.number];
+      for (const auto& entry : page.entries)
+        named[page.number].insert(entry.mote);
+    }
+  }
+  CHECK(pages[1] == 56);
+  CHECK(named[1].size() == 1000);
+  CHECK(named[2].size() == 1000);
+}
+
 TEST_CASE("the gateway's question about a mote is answered either way", "[mote][GW-15]") {
   auto x = make();
   CHECK(events<mote_left>(x.on_describe(lamp, instant{})).size() == 1);
@@ -170,6 +209,21 @@ TEST_CASE("the gateway's question about a mote is answered either way", "[mote][
   CHECK(x.on_describe(lamp, instant{}).empty());
   static_cast<void>(confirm(x, instant{}));
   CHECK(events<mote_joined>(x.on_describe(lamp, instant{})).size() == 1);
+}
+
+TEST_CASE("each member has a slot of its own, the lowest that is free", "[mote][SYN-16]") {
+  auto x = make();
+  const auto slot_of = [&x](std::uint16_t mote) {
+    const auto out = request(x, instant{}, 0, mote_id{mote});
+    return std::get<join_reply>(test::pick<to_mote>(out).at(0).message).slot;
+  };
+  CHECK(slot_of(9) == 0);
+  CHECK(slot_of(4) == 1);
+  CHECK(slot_of(5) == 2);
+  CHECK(slot_of(4) == 1); // asks again
+  static_cast<void>(x.on_frame(mote_id{9}, encode(leave_notice{}), instant{}));
+  CHECK(slot_of(6) == 0);
+  CHECK(slot_of(9) == 3);
 }
 
 TEST_CASE("a sink takes no more members than it has room for", "[mote]") {

@@ -1,37 +1,95 @@
 #include "mote/sink.hpp"
 #include "network/am.hpp"
 #include "network/island_packet.hpp"
+#include "network/wire.hpp"
 #include "support/catch.hpp"
+#include "support/island_world.hpp"
 #include "support/pick.hpp"
+#include "support/segments.hpp"
+#include "transport/pieces.hpp"
 
 using namespace rubicon;
 using namespace rubicon::mote;
+using test::island_world;
 using test::pick;
 
 namespace {
 
+constexpr island_id island{1};
+constexpr mote_id lamp{2};
+
 sink make() {
   registrar_config config;
-  config.island = island_id{1};
-  return {mote_id{1}, config};
+  config.island = island;
+  network::router_config network;
+  network.self = island_world::sink_id;
+  return {network, config, duty_config{}, random_stream(1), {}};
+}
+
+std::unique_ptr<island_world> with_lamp() {
+  auto world =
+      std::make_unique<island_world>(test::island_world_config{.width = 2, .island = island});
+  auto& x = *world;
+  REQUIRE(x.run_until([&x] { return x.root().members() == 1; }, 1min));
+  x.run_for(5s);
+  x.up.clear();
+  return world;
 }
 
 } // namespace
 
 TEST_CASE("a sink passes island packets up and down as they are", "[mote][RTG-02]") {
-  auto x = make();
-  const auto packet = encode(network::island_packet{island_id{2}, mote_id{5}, 10, bytes{'h', 'i'}});
-  const auto up = pick<to_gateway>(x.on_frame(mote_id{7}, network::am::to_gateway, packet, {}));
-  REQUIRE(up.size() == 1);
-  CHECK(up[0].source == mote_id{7});
-  CHECK(up[0].am_type == network::am::to_gateway);
-  CHECK(up[0].payload == packet);
-  const auto down = pick<network::transmit>(x.on_packet(network::am::from_gateway, packet, {}));
-  REQUIRE(down.size() == 1);
-  CHECK(down[0].next_hop == mote_id{5});
-  CHECK(down[0].payload == packet);
-  CHECK(x.counters().up == 1);
-  CHECK(x.counters().down == 1);
+  const auto world = with_lamp();
+  auto& x = *world;
+  REQUIRE(x.send(lamp, {island_id{2}, mote_id{5}}, 10, bytes{'h', 'i'}, false));
+  x.run_for(1s);
+  REQUIRE(x.up.size() == 1);
+  CHECK(x.up[0].source == lamp);
+  CHECK(x.up[0].am_type == network::am::to_gateway);
+  const auto packet = network::decode_island_packet(x.up[0].payload);
+  REQUIRE(packet);
+  CHECK(*packet == network::island_packet{island_id{2}, mote_id{5}, 10,
+                                          encode(test::plain(lamp, 10, bytes{'h', 'i'}))});
+  x.down(network::am::from_gateway,
+         encode(network::island_packet{island_id{2}, lamp, 11,
+                                       encode(test::plain(mote_id{5}, 11, bytes{'j', 'o'}))}));
+  x.run_for(1s);
+  REQUIRE(x.received.size() == 1);
+  CHECK(x.received[0].first == lamp);
+  CHECK(x.received[0].second.source == mote_address{island_id{2}, mote_id{5}});
+  CHECK(x.received[0].second.am_type == 11);
+  CHECK(x.received[0].second.payload == bytes{'j', 'o'});
+  CHECK(x.root().counters().up == 1);
+  CHECK(x.root().counters().down == 1);
+}
+
+TEST_CASE("long packets cross the serial line in pieces that fit it", "[mote][NET-14][WIR-04]") {
+  const auto world = with_lamp();
+  auto& x = *world;
+  const bytes text(256, 'x');
+  REQUIRE(x.send(lamp, {island_id{2}, mote_id{5}}, 10, text, false));
+  x.run_for(1s);
+  REQUIRE(x.up.size() == 3);
+  transport::assembly gateway;
+  std::optional<bytes> whole;
+  for (const auto& piece : x.up) {
+    CHECK(piece.am_type == network::am::packet);
+    CHECK(piece.source == lamp);
+    CHECK(piece.payload.size() <= network::frame_payload_max);
+    whole = gateway.on_piece(piece.source, piece.payload, x.now());
+  }
+  REQUIRE(whole);
+  CHECK(transport::decode_segment(network::decode_island_packet(*whole)->body)->payload == text);
+
+  const auto down = encode(
+      network::island_packet{island_id{2}, lamp, 10, encode(test::plain(mote_id{5}, 10, text))});
+  const auto pieces = transport::cut(down, network::frame_payload_max, 3);
+  for (const auto& piece : *pieces)
+    x.down(network::am::packet, piece);
+  x.run_for(1s);
+  REQUIRE(x.received.size() == 1);
+  CHECK(x.received[0].second.payload == text);
+  CHECK(x.longest <= network::frame_payload_max);
 }
 
 TEST_CASE("a sink drops and counts what it cannot read", "[mote]") {
@@ -41,8 +99,27 @@ TEST_CASE("a sink drops and counts what it cannot read", "[mote]") {
   CHECK(x.on_packet(network::am::sink_event, encode(network::sink_event(network::roster{})), {})
             .empty());
   CHECK(x.on_packet(0x77, {}, {}).empty());
-  CHECK(x.counters().malformed == 3);
+  CHECK(x.on_packet(network::am::packet, bytes{0, 1, 2}, {}).empty());
+  CHECK(x.counters().malformed == 4);
   CHECK(x.counters().unknown_type == 1);
+}
+
+TEST_CASE("a packet for a mote to which a sink knows no way is dropped and counted",
+          "[mote][RTG-05]") {
+  auto x = make();
+  CHECK(x.on_packet(network::am::from_gateway,
+                    encode(network::island_packet{island_id{2}, mote_id{9}, 10, bytes{1}}), {})
+            .empty());
+  CHECK(x.packets().counters().unroutable == 1);
+}
+
+TEST_CASE("what is for the sink itself goes no further", "[mote]") {
+  const auto world = with_lamp();
+  auto& x = *world;
+  REQUIRE(x.send(lamp, {own_island, island_world::sink_id}, 10, bytes{1}, false));
+  x.run_for(1s);
+  CHECK(x.up.empty());
+  CHECK(x.root().counters().for_sink == 1);
 }
 
 TEST_CASE("a sink answers its gateway's question about a mote", "[mote][GW-15]") {

@@ -1,4 +1,4 @@
-rubicon_test(unit.network SOURCES unit/network_packet_test.cpp unit/network_star_test.cpp
+rubicon_test(unit.network SOURCES unit/network_packet_test.cpp
              unit/network_event_test.cpp unit/network_clock_test.cpp
              unit/network_channels_test.cpp unit/network_collection_test.cpp
              unit/network_router_test.cpp unit/network_schedule_test.cpp

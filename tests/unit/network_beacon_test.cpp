@@ -110,7 +110,7 @@ TEST_CASE("trickle fires once in the second half of intervals that double up to 
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     trickle timer({}, random_stream(seed), instant{} + 1s);
     auto begin = instant{} + 1s;
-    for (auto interval = duration(500ms); begin < instant{} + 2min;) {
+    for (auto interval = duration(125ms); begin < instant{} + 2min;) {
       const auto due = timer.deadline();
       CHECK(due >= begin + interval / 2);
       CHECK(due < begin + interval);
@@ -132,8 +132,28 @@ TEST_CASE("a reset begins a shortest interval unless one is under way", "[networ
     static_cast<void>(timer.on_time(timer.deadline()));
   const auto now = timer.deadline() - 8s;
   timer.reset(now);
-  CHECK(timer.deadline() >= now + 250ms);
-  CHECK(timer.deadline() < now + 500ms);
+  CHECK(timer.deadline() >= now + 62500us);
+  CHECK(timer.deadline() < now + 125ms);
+}
+
+TEST_CASE("a trickle is shortened to an interval unless one so short is under way",
+          "[network][NET-11]") {
+  trickle timer({}, random_stream(3), instant{});
+  const auto first = timer.deadline();
+  timer.shorten(instant{} + 10ms, 1s);
+  CHECK(timer.deadline() == first); // 125 ms is shorter
+  for (int i = 0; i < 8; ++i)
+    static_cast<void>(timer.on_time(timer.deadline()));
+  const auto now = timer.deadline() - 8s;
+  timer.shorten(now, 1s);
+  const auto soon = timer.deadline();
+  CHECK(soon >= now + 500ms);
+  CHECK(soon < now + 1s);
+  timer.shorten(now + 100ms, 1s); // is under way
+  CHECK(timer.deadline() == soon);
+  CHECK(timer.on_time(soon));
+  CHECK(timer.deadline() >= now + 2s); // and it doubles from there
+  CHECK(timer.deadline() < now + 3s);
 }
 
 TEST_CASE("a trickle that is served late fires once, not for all it has missed", "[network]") {

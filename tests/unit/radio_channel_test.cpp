@@ -1,3 +1,4 @@
+#include "core/codec.hpp"
 #include "radio_world.hpp"
 #include "support/catch.hpp"
 
@@ -75,6 +76,29 @@ TEST_CASE("what is delivered is the frame as TinyOS writes it", "[radio][channel
   CHECK(to_hex(all[1].psdu.view().first(2)) == "4188"); // a broadcast asks for no ack
   CHECK(all[1].content.dsn == static_cast<std::uint8_t>(all[0].content.dsn + 1));
   CHECK(all[1].content.payload.empty());
+}
+
+TEST_CASE("a frame can say how long it waited for the air, anew with each transmission",
+          "[radio][channel][CLK-01]") {
+  radio_world x;
+  const auto a = x.add(3, 0);
+  const auto b = x.add(1, 10);
+  request wish{1, mote_id{1}, 6, bytes{0xaa, 0, 0, 0, 5, 0xbb}, true};
+  wish.age_at = 1;
+  x.channel.set_loss(a, b, 1); // it is repeated
+  x.channel.watch();
+  x.note(x.channel.send(a, wish, x.now));
+  x.run_until(instant(1s));
+  const auto all = x.all<overheard>();
+  CHECK(all.size() == 4);
+  for (const auto& seen : all) {
+    const auto frame = decode(seen.psdu.view());
+    REQUIRE(frame);
+    CHECK(frame->payload[0] == 0xaa);
+    CHECK(frame->payload[5] == 0xbb);
+    const auto age = byte_reader(frame->payload.subspan(1)).big<std::uint32_t>();
+    CHECK(std::chrono::microseconds(age) == seen.begin + sfd_delay - instant{} + 5us);
+  }
 }
 
 TEST_CASE("all receivers share one object", "[radio][channel]") {

@@ -133,9 +133,9 @@ TEST_CASE("an open that makes no sense is refused", "[stream][MCK-01]") {
   CHECK(refused({.destination = to_b, .rate = std::chrono::milliseconds(-1)}) ==
         failure::bad_argument);
   CHECK(refused({.destination = to_b, .buffer_size = 0}) == failure::bad_argument);
-  CHECK(refused({.destination = to_b, .buffer_size = 107}) == failure::bad_argument);
+  CHECK(refused({.destination = to_b, .buffer_size = 106}) == failure::bad_argument);
   CHECK(refused({.destination = to_b, .queue_size = 0}) == failure::bad_argument);
-  CHECK_FALSE(refused({.destination = to_b, .name = 1, .buffer_size = 106}));
+  CHECK_FALSE(refused({.destination = to_b, .name = 1, .buffer_size = 105}));
   CHECK(refused({.destination = to_b, .name = 1}) == failure::already_open);
   CHECK_FALSE(refused({.destination = to_b, .name = 2}));
   CHECK_FALSE(refused({.destination = address(a), .name = 1})); // the other role

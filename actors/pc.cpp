@@ -1,0 +1,65 @@
+#include "actors/pc.hpp"
+
+#include "actors/gateway.hpp"
+#include "scheduler/supervision.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using pc_pointer = scheduler::traced_pointer<pc_state, pc_actor>;
+
+void perform(pc_pointer self, endpoint::outputs todo) {
+  auto& state = self->state;
+  for (auto& x : todo) // Transport repeats what is lost
+    self->send(state.arguments.peer, send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
+                                                       0,
+                                                       x.peer,
+                                                       island_message_port,
+                                                       payload(std::move(x.octets)),
+                                                       false});
+  state.programs.tell(self, state.arguments.ecology);
+  state.wake.follow(self, earliest(state.pc.deadline(), state.programs.deadline()));
+}
+
+void on_timer(pc_pointer self) {
+  auto& state = self->state;
+  perform(self, state.pc.on_time(now(self)));
+  state.pc.begin(now(self));
+  state.programs.on_time(now(self));
+  perform(self, state.pc.settle());
+}
+
+} // namespace
+
+pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
+  scheduler::tell_monitors_of_exceptions(self);
+  auto& state = self->state;
+  state.arguments = std::move(arguments);
+  state.pc = endpoint::pc(
+      state.arguments.config,
+      random_stream(state.arguments.seed,
+                    self->path() + '#' + std::to_string(state.arguments.config.incarnation)));
+  self->send(state.arguments.peer,
+             hook_port{{caf::actor_cast<peis_client_actor>(self)}, island_message_port});
+  state.programs.start(state.pc, state.arguments.programs, self->path(), state.arguments.seed,
+                       now(self));
+  perform(self, state.pc.start(now(self)));
+  return {
+      [](const tuple_event&) {},
+      [self](const peis_message& x) {
+        perform(self, self->state.pc.on_message(x.source, x.octets.view(), now(self)));
+      },
+      [](const peis_outcome&) {},
+      [self](status_request) {
+        self->state.programs.report(self, self->state.arguments.ecology,
+                                    self->state.arguments.name);
+      },
+      [self](const timer_expired& x) {
+        if (self->state.wake.accepts(x))
+          on_timer(self);
+      },
+  };
+}
+
+} // namespace rubicon

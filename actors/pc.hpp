@@ -1,0 +1,33 @@
+// The Communication Layer of a peer, and the programs that use it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "actors/messages.hpp"
+#include "actors/program_host.hpp"
+#include "actors/timer.hpp"
+#include "endpoint/pc.hpp"
+
+namespace rubicon {
+
+struct pc_arguments {
+  endpoint::pc_config config;
+  std::string name; ///< the peer's
+  std::vector<apps::app_config> programs;
+  std::uint64_t seed = 0; ///< of the ecology
+  peis_peer_actor peer;
+  ecology_actor ecology;
+};
+
+struct pc_state {
+  pc_arguments arguments;
+  endpoint::pc pc;
+  program_host programs;
+  timer wake;
+};
+
+pc_actor::behavior_type pc(scheduler::traced_pointer<pc_state, pc_actor> self,
+                           pc_arguments arguments);
+
+} // namespace rubicon

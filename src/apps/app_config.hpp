@@ -1,0 +1,65 @@
+// What the programs that use the Mockup interface are told.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/time.hpp"
+#include "mote/transducer_config.hpp"
+
+namespace rubicon::apps {
+
+/// Samples a transducer and streams the records to another node (STR-07, STR-16).
+struct stream_writer_config {
+  mote::quantity transducer = mote::quantity::temperature;
+  duration every = 1s;
+  mote_address to; ///< no_mote in the mote part: a PC
+  std::uint16_t stream = 1;
+};
+
+/// The read end: counts what comes, and what does not.
+struct stream_reader_config {
+  std::uint16_t stream = 1;
+  duration every = 1s; ///< as the writer's
+};
+
+/// One end of a synaptic channel.
+struct synapse {
+  mote_address other; ///< no_mote in the mote part: a PC
+  std::uint8_t size = 1;
+};
+
+/// A part of an echo-state network: at each tick of the RUBICON clock it takes its transducer and
+/// its in channels into its units and sends their states out (D1.1 4.2.2).
+struct reservoir_config {
+  std::vector<mote::quantity> transducers; ///< each scaled by its own range so far
+  std::vector<synapse> from;
+  std::vector<synapse> to; ///< element 0 is the first transducer, if there is one; then the units
+  std::uint8_t units = 8;
+  double leak = 0.5;   ///< share of the new state, 0..1
+  double radius = 0.9; ///< bound of the spectral radius of the units' own weights
+};
+
+/// Learns to say one tick ahead what element 0 of its first in channel will be, from all elements
+/// of all its in channels.
+struct readout_config {
+  std::vector<synapse> from;
+  std::uint32_t warm_up = 100; ///< ticks before errors count
+  double forgetting = 0.9995;  ///< weight of one tick's past, up to 1
+};
+
+using app_config =
+    std::variant<stream_writer_config, stream_reader_config, reservoir_config, readout_config>;
+
+/// What files and reports call it: `stream_writer`.
+[[nodiscard]] constexpr std::string_view kind_of(const app_config& x) {
+  constexpr std::array<std::string_view, std::variant_size_v<app_config>> kinds{
+      "stream_writer", "stream_reader", "reservoir", "readout"};
+  return kinds[x.index()];
+}
+
+} // namespace rubicon::apps

@@ -1,0 +1,35 @@
+#include "apps/application.hpp"
+
+#include "apps/readout.hpp"
+#include "apps/reservoir.hpp"
+#include "apps/stream_reader.hpp"
+#include "apps/stream_writer.hpp"
+
+namespace rubicon::apps {
+
+namespace {
+
+struct maker {
+  random_stream dice;
+
+  std::unique_ptr<application> operator()(const stream_writer_config& x) const {
+    return std::make_unique<stream_writer>(x);
+  }
+  std::unique_ptr<application> operator()(const stream_reader_config& x) const {
+    return std::make_unique<stream_reader>(x);
+  }
+  std::unique_ptr<application> operator()(const reservoir_config& x) const {
+    return std::make_unique<reservoir>(x, dice);
+  }
+  std::unique_ptr<application> operator()(const readout_config& x) const {
+    return std::make_unique<readout>(x);
+  }
+};
+
+} // namespace
+
+std::unique_ptr<application> make_application(const app_config& config, random_stream dice) {
+  return std::visit(maker{dice}, config);
+}
+
+} // namespace rubicon::apps

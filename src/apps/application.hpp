@@ -1,0 +1,58 @@
+// A program that uses its node through mote/communication.hpp alone, so that it runs on motes and
+// on PCs alike (PAR-05).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/app_config.hpp"
+#include "core/random.hpp"
+#include "core/time.hpp"
+#include "mote/communication.hpp"
+
+namespace rubicon::apps {
+
+/// Something a program has counted or measured, for the report.
+struct figure {
+  std::string name; ///< with its unit, if it has one: `records lost`
+  double value = 0;
+
+  friend bool operator==(const figure&, const figure&) = default;
+};
+
+/// Whoever hosts a program attaches it, starts it, calls on_time() at its deadline, and settles the
+/// layer after each of these.
+class application : public mote::communication_events {
+public:
+  /// @param layer of the node this program was attached to
+  void start(mote::communication layer, instant now) {
+    layer_ = layer;
+    on_start(now);
+  }
+
+  virtual void on_time(instant /*now*/) {} ///< harmless before deadline()
+  [[nodiscard]] virtual std::optional<instant> deadline() const { return std::nullopt; }
+
+  [[nodiscard]] virtual std::vector<figure> figures() const { return {}; }
+
+  /// What people following the run would want to hear, since the last call.
+  [[nodiscard]] std::vector<std::string> take_stories() { return std::exchange(stories_, {}); }
+
+protected:
+  virtual void on_start(instant now) = 0;
+  [[nodiscard]] mote::communication& layer() { return *layer_; }
+  void tell(std::string what) { stories_.push_back(std::move(what)); }
+
+private:
+  std::optional<mote::communication> layer_;
+  std::vector<std::string> stories_;
+};
+
+[[nodiscard]] std::unique_ptr<application> make_application(const app_config& config,
+                                                            random_stream dice);
+
+} // namespace rubicon::apps

@@ -1,0 +1,79 @@
+#include "apps/stream_writer.hpp"
+
+#include "stream/sensor_record.hpp"
+
+namespace rubicon::apps {
+
+namespace {
+
+constexpr duration pause = 10s; ///< before a stream that could not be opened is tried again
+
+} // namespace
+
+void stream_writer::joined(mote::island_octet, std::uint16_t, mote::status success) {
+  stop();
+  is_member_ = success == mote::SUCCESS;
+  if (is_member_)
+    open();
+}
+
+void stream_writer::open() {
+  retry_.reset();
+  const auto period = static_cast<std::uint32_t>(config_.every / 1ms);
+  const auto accepted = layer().open_remote(
+      static_cast<mote::island_octet>(config_.to.island.value), config_.to.mote.value,
+      config_.stream, period, 0, stream::sensor_record::size);
+  if (accepted == mote::FAIL)
+    retry_ = layer().now() + pause;
+}
+
+/// Whatever is open is closed.
+void stream_writer::stop() {
+  retry_.reset();
+  if (sensor_ > 0)
+    layer().close(sensor_);
+  if (remote_ > 0)
+    layer().close(remote_);
+  sensor_ = remote_ = -1;
+}
+
+void stream_writer::openRemoteDone(int stream, std::uint16_t, mote::status success) {
+  if (success == mote::FAIL) {
+    ++opens_failed_;
+    if (is_member_)
+      retry_ = layer().now() + pause;
+    return;
+  }
+  remote_ = stream;
+  sensor_ = layer().open_sensor(static_cast<std::uint8_t>(config_.transducer),
+                                static_cast<std::uint32_t>(config_.every / 1ms),
+                                stream::sampling::periodic);
+  if (sensor_ > 0)
+    layer().read(sensor_, stream::sensor_record::size);
+}
+
+void stream_writer::readDone(int stream, byte_view record, mote::status success) {
+  if (stream != sensor_ || success == mote::FAIL)
+    return;
+  if (layer().write(remote_, record) > 0) {
+    ++written_;
+    layer().read(sensor_, stream::sensor_record::size);
+    return;
+  }
+  ++unwritten_;
+  stop();
+  retry_ = layer().now() + pause;
+}
+
+void stream_writer::on_time(instant now) {
+  if (retry_ && *retry_ <= now)
+    open();
+}
+
+std::vector<figure> stream_writer::figures() const {
+  return {{"records written", static_cast<double>(written_)},
+          {"records not written", static_cast<double>(unwritten_)},
+          {"opens failed", static_cast<double>(opens_failed_)}};
+}
+
+} // namespace rubicon::apps

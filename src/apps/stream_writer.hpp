@@ -1,0 +1,36 @@
+// Streams a transducer's records to another node: a sensor stream read into a remote stream.
+#pragma once
+
+#include "apps/application.hpp"
+
+namespace rubicon::apps {
+
+/// off --joined--> opening --openRemoteDone--> streaming --write fails--> a pause, then opening
+class stream_writer final : public application {
+public:
+  explicit stream_writer(stream_writer_config config) : config_(config) {}
+
+  void on_time(instant now) override;
+  [[nodiscard]] std::optional<instant> deadline() const override { return retry_; }
+  [[nodiscard]] std::vector<figure> figures() const override;
+
+  void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
+  void openRemoteDone(int stream, std::uint16_t name, mote::status success) override;
+  void readDone(int stream, byte_view record, mote::status success) override;
+
+private:
+  void on_start(instant) override {}
+  void open();
+  void stop();
+
+  stream_writer_config config_;
+  bool is_member_ = false;
+  int sensor_ = -1;
+  int remote_ = -1;
+  std::optional<instant> retry_;
+  std::uint64_t written_ = 0;
+  std::uint64_t unwritten_ = 0;
+  std::uint64_t opens_failed_ = 0;
+};
+
+} // namespace rubicon::apps

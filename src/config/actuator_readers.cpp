@@ -1,0 +1,46 @@
+#include <algorithm>
+
+#include "config/mote_readers.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+constexpr time_span way_time{0s, 24h};
+
+void read_relay(table_reader& in, mote::actuator_config& out) {
+  out.kind = mote::actuator_kind::relay;
+  in.optional("initial", word<std::uint8_t>{{{"off", 0}, {"on", 1}}}, out.initial);
+}
+
+void read_dimmer(table_reader& in, mote::actuator_config& out) {
+  out.kind = mote::actuator_kind::dimmer;
+  in.optional("initial", whole<std::uint8_t>{}, out.initial);
+  in.optional("fade", way_time, out.travel);
+}
+
+void read_level(table_reader& in, mote::actuator_config& out) {
+  out.kind = mote::actuator_kind::level;
+  out.travel = 20s;
+  in.optional("initial", whole<std::uint8_t>{}, out.initial);
+  in.optional("travel", way_time, out.travel);
+}
+
+} // namespace
+
+void read_actuators(table_reader& in, std::vector<mote::actuator_config>& out) {
+  name_claims names;
+  in.tables("actuators", "actuators", [&](table_reader& x) {
+    mote::actuator_config config;
+    x.required("name", name_text{}, config.name);
+    x.one_of("kind", {{"relay", [&config](table_reader& y) { read_relay(y, config); }},
+                      {"dimmer", [&config](table_reader& y) { read_dimmer(y, config); }},
+                      {"level", [&config](table_reader& y) { read_level(y, config); }}});
+    if (!config.name.empty())
+      names.claim(config.name, "actuator", x.at("name"), x.problems());
+    std::erase_if(out, [&config](const auto& y) { return y.name == config.name; });
+    out.push_back(std::move(config));
+  });
+}
+
+} // namespace rubicon::config

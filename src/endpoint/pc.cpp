@@ -1,0 +1,103 @@
+#include "endpoint/pc.hpp"
+
+#include "network/island_packet.hpp"
+
+namespace rubicon::endpoint {
+
+namespace {
+
+island_id island_of(peer_id x) {
+  return island_id(static_cast<std::uint32_t>(x.value));
+}
+
+mote::layer_config layer_of(const pc_config& config) {
+  mote::layer_config x;
+  x.self = no_mote;
+  x.incarnation = config.incarnation;
+  x.messages.outstanding_max = config.channels_max;
+  x.messages.sessions_max = 1024;
+  x.messages.sources_max = 1024;
+  x.tunnels.tunnels_max = 4 * config.channels_max;
+  x.streams.streams_max = config.channels_max;
+  x.streams.early_max = config.channels_max;
+  x.synaptic.channels_max = config.channels_max;
+  x.synaptic.early_max = config.channels_max;
+  x.synaptic.size_max = config.vector_max;
+  x.synaptic.tick_period = config.tick_period;
+  x.unclaimed_max = config.channels_max;
+  return x;
+}
+
+} // namespace
+
+pc::pc(pc_config config, random_stream dice)
+    : config_(config), layer_(std::make_unique<mote::layer>(layer_of(config), dice)) {}
+
+mote::communication pc::attach(mote::communication_events& events) {
+  return layer_->attach(events);
+}
+
+outputs pc::start(instant now) {
+  now_ = now;
+  layer_->on_initialised(true, now);
+  layer_->on_joined(island_of(config_.self), now);
+  tick(now);
+  return settle();
+}
+
+outputs pc::on_message(peer_id source, byte_view octets, instant now) {
+  now_ = now;
+  const auto packet = network::decode_gateway_packet(octets);
+  if (!packet || source.value <= 0)
+    ++counters_.malformed;
+  else if (packet->mote != no_mote)
+    ++counters_.misdirected;
+  else
+    layer_->on_packet(island_of(source), packet->channel, packet->body, now);
+  return settle();
+}
+
+outputs pc::on_time(instant now) {
+  now_ = now;
+  tick(now);
+  layer_->on_time(now);
+  return settle();
+}
+
+std::optional<instant> pc::deadline() const {
+  return earliest(clock_.deadline(), layer_->deadline());
+}
+
+void pc::tick(instant now) {
+  const auto since = std::chrono::floor<island_clock::duration>(now.time_since_epoch());
+  if (const auto next = clock_.update(now, island_time(since), {0, {}, config_.tick_period}))
+    layer_->on_tick(next->number, now);
+}
+
+outputs pc::settle() {
+  outputs out;
+  for (auto wanted = layer_->take_outputs(); !wanted.empty(); wanted = layer_->take_outputs()) {
+    for (auto& x : wanted)
+      perform(x, out);
+  }
+  return out;
+}
+
+void pc::perform(mote::layer_output& x, outputs& out) {
+  if (auto* packet = std::get_if<transport::to_network>(&x)) {
+    const auto to = packet->destination;
+    if (to == mote_address{island_of(config_.self), no_mote})
+      layer_->on_packet(to.island, packet->channel, packet->segment, now_);
+    else
+      out.push_back(
+          {gateway_of(to.island),
+           encode(network::gateway_packet{to.mote, packet->channel, std::move(packet->segment)})});
+  } else if (const auto* wanted = std::get_if<mote::sample_wanted>(&x)) {
+    ++counters_.no_transducer; // open_sensor() refuses: a PC has none
+    layer_->on_sample(wanted->stream, {}, now_);
+  } else if (const auto* channel = std::get_if<mote::channel_wanted>(&x)) {
+    layer_->on_connect_failed(channel->request, now_); // a PC is in no island
+  }
+}
+
+} // namespace rubicon::endpoint

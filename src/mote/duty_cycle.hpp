@@ -1,0 +1,97 @@
+// When a mote's radio is on, and when its frames may go so that the others' are too (D1.1 3.3.3.1;
+// NRG-01..04).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/random.hpp"
+#include "core/time.hpp"
+#include "mote/duty_config.hpp"
+#include "network/channels.hpp"
+#include "network/clock_sync.hpp"
+#include "network/radio_schedule.hpp"
+#include "network/router.hpp"
+
+namespace rubicon::mote {
+
+struct radio_switch {
+  bool on = true;
+};
+
+using duty_output = std::variant<network::frame_out, radio_switch>;
+using duty_outputs = std::vector<duty_output>;
+
+struct duty_counters {
+  std::uint64_t held = 0;     ///< frames that had to wait
+  std::uint64_t overflow = 0; ///< of them, sent at once for want of room
+};
+
+/// The radio is on in the common window and around each packet that a channel through this mote
+/// expects; before the island's time is known it is always on, as a sink's is.
+class duty_cycle {
+public:
+  duty_cycle() = default;
+  duty_cycle(duty_config config, bool is_sink, random_stream dice)
+      : config_(config), is_sink_(is_sink), dice_(dice) {}
+
+  /// A channel needs the radio at these times; no longer, if the interval is 0.
+  void reserve(const network::channel_reserved& x);
+
+  /// A frame for the radio: it comes out at once, or in a later update().
+  void submit(network::frame_out x, instant now) { held_.push_back({std::move(x), now, {}}); }
+
+  /// A frame that came out has ended.
+  void on_sent(std::uint64_t token, instant now);
+
+  /// A packet of this channel has come to its end here.
+  void on_received(network::channel_id channel, instant now);
+
+  /// A mote sleeps only while it is a member.
+  void set_member(bool x) { is_member_ = x; }
+
+  /// To be called after each of these, at deadline(), and when the clock was corrected.
+  [[nodiscard]] duty_outputs update(instant now, const network::clock_sync& clock);
+  [[nodiscard]] std::optional<instant> deadline() const { return due_; }
+
+  /// When the next packet of a channel may go at its source; nothing: at any time.
+  [[nodiscard]] std::optional<instant> next_turn(network::channel_id channel, instant now,
+                                                 const network::clock_sync& clock) const;
+
+  [[nodiscard]] bool is_on() const { return on_; }
+  [[nodiscard]] const duty_counters& counters() const { return counters_; }
+  [[nodiscard]] static std::size_t footprint(std::size_t channels) { return 24 + channels * 16; }
+
+private:
+  struct held {
+    network::frame_out frame;
+    instant since;
+    std::optional<instant> due; ///< nothing: not looked at yet
+  };
+
+  [[nodiscard]] bool has_turns(instant now, const network::clock_sync& clock) const;
+  [[nodiscard]] bool has_schedule(const network::frame_out& x) const;
+  [[nodiscard]] instant turn_of(instant now, const network::clock_sync& clock);
+  void release(held x, duty_outputs& out, instant now);
+  void switch_radio(bool sends, duty_outputs& out, instant now, const network::clock_sync& clock);
+
+  duty_config config_;
+  bool is_sink_ = false;
+  random_stream dice_;
+  network::radio_schedule schedule_;
+  std::map<network::channel_id, network::channel_reserved> channels_;
+  std::vector<held> held_;
+  std::map<std::uint64_t, std::optional<network::channel_id>> under_way_; ///< by token
+  std::vector<std::pair<instant, network::channel_id>> served_; ///< to be told to the schedule
+  bool is_member_ = false;
+  std::optional<instant> due_;
+  bool on_ = true;
+  duty_counters counters_;
+};
+
+} // namespace rubicon::mote

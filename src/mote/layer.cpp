@@ -1,0 +1,440 @@
+#include "mote/layer.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace rubicon::mote {
+
+namespace {
+
+/// Handles of tunnels: no channel of Network begins at everybody.
+constexpr std::uint32_t tunnel_handles = 0xffff'0000;
+
+stream::channel_handle handle_of(transport::tunnel_id x) {
+  return stream::channel_handle(tunnel_handles | (x.value & 0xffff));
+}
+
+bool is_tunnel(stream::channel_handle x) {
+  return x.value >= tunnel_handles;
+}
+
+transport::tunnel_id tunnel_of(stream::channel_handle x) {
+  return transport::tunnel_id(x.value & 0xffff);
+}
+
+status status_of(bool success) {
+  return success ? SUCCESS : FAIL;
+}
+
+} // namespace
+
+layer::layer(layer_config config, random_stream dice) : config_(std::move(config)) {
+  config_.messages.self = config_.self;
+  config_.messages.incarnation = config_.incarnation;
+  messages_ = transport::endpoint(config_.messages, dice);
+  config_.tunnels.self = config_.self;
+  config_.tunnels.incarnation = config_.incarnation;
+  tunnels_ = transport::tunnels(config_.tunnels);
+  config_.streams.transducers = 32;
+  streams_ = stream::streams(config_.streams);
+  synaptic_ = synaptic::channels(config_.synaptic);
+}
+
+communication layer::attach(communication_events& events) {
+  programs_.push_back({&events, {}});
+  return {*this, programs_.size() - 1};
+}
+
+layer_outputs layer::take_outputs() {
+  dispatch();
+  return std::exchange(outputs_, {});
+}
+
+/// Tells programs what has happened, and what comes of that.
+void layer::dispatch() {
+  if (std::exchange(dispatching_, true))
+    return;
+  while (!events_.empty()) {
+    auto [process, what] = std::move(events_.front());
+    events_.pop_front();
+    what(*programs_[process].events);
+  }
+  dispatching_ = false;
+}
+
+void layer::tell(std::size_t process, event x) {
+  events_.emplace_back(process, std::move(x));
+}
+
+void layer::tell_all(const event& x) {
+  for (std::size_t i = 0; i < programs_.size(); ++i)
+    tell(i, x);
+}
+
+void layer::tell_owner(stream::descriptor of, event x) {
+  const auto owner = stream_owners_.find(of);
+  if (owner != stream_owners_.end())
+    tell(owner->second, std::move(x));
+}
+
+void layer::tell_owner(synaptic::descriptor of, event x) {
+  const auto owner = synaptic_owners_.find(of);
+  if (owner != synaptic_owners_.end())
+    tell(owner->second, std::move(x));
+}
+
+// Membership.
+
+mote_address layer::self() const {
+  return {island_.value_or(own_island), config_.self};
+}
+
+status layer::refuse() {
+  ++counters_.refused;
+  return FAIL;
+}
+
+bool layer::owns(std::size_t process, std::uint8_t am_type) const {
+  const auto owner = owners_.find(am_type);
+  return owner != owners_.end() && owner->second == process;
+}
+
+bool layer::may_talk() {
+  if (island_)
+    return true;
+  ++counters_.before_join;
+  return false;
+}
+
+void layer::on_initialised(bool success, instant now) {
+  now_ = now;
+  initialised_ = success;
+  tell_all([success](auto& x) { x.initCommunicationsDone(status_of(success)); });
+}
+
+void layer::on_joined(island_id island, instant now) {
+  now_ = now;
+  island_ = island;
+  messages_.join(island);
+  tunnels_.join(island);
+  const auto at = self();
+  tell_all([at](auto& x) { x.joined(octet_of(at.island), at.mote.value, SUCCESS); });
+}
+
+void layer::on_left(instant now) {
+  now_ = now;
+  const auto at = self();
+  island_.reset();
+  take(messages_.fail_all());
+  tell_all([at](auto& x) { x.joined(octet_of(at.island), at.mote.value, FAIL); });
+}
+
+void layer::on_mote_joined(mote_id mote, byte_view description, instant now) {
+  now_ = now;
+  tell_all([mote, octets = to_bytes(description)](auto& x) { x.moteJoined(mote.value, octets); });
+}
+
+// Messages.
+
+std::optional<std::uint32_t> layer::send(std::size_t process, mote_address to, byte_view buf,
+                                         bool reliable, std::uint8_t am_type) {
+  const bool is_valid = to.island.value > 0 && to.mote != mote_id{};
+  if (!may_talk() || !is_valid) {
+    static_cast<void>(refuse());
+    return std::nullopt;
+  }
+  const auto number = ++last_number_;
+  auto accepted = messages_.send(number, to, am_type, to_bytes(buf), reliable, now_);
+  if (!accepted) {
+    static_cast<void>(refuse());
+    return std::nullopt;
+  }
+  if (reliable) {
+    senders_[number] = process;
+    programs_[process].sends.push_back({number, {}});
+  }
+  take(*std::move(accepted));
+  return number;
+}
+
+void layer::take(transport::outputs todo) {
+  for (auto& x : todo) {
+    if (auto* packet = std::get_if<transport::to_network>(&x))
+      outputs_.emplace_back(std::move(*packet));
+    else if (auto* message = std::get_if<transport::received>(&x))
+      on_received(*message);
+    else
+      on_outcome(std::get<transport::outcome>(x));
+  }
+}
+
+void layer::on_received(transport::received& x) {
+  const auto owner = owners_.find(x.am_type);
+  if (owner == owners_.end()) {
+    ++counters_.unowned;
+    return;
+  }
+  tell(owner->second, [message = std::move(x)](auto& events) {
+    events.receiveFrom(message.source, message.payload, message.am_type);
+  });
+}
+
+void layer::on_outcome(const transport::outcome& x) {
+  const auto sender = senders_.extract(x.id);
+  if (sender.empty())
+    return;
+  const auto process = sender.mapped();
+  const auto number = static_cast<std::uint32_t>(x.id);
+  const auto result = status_of(x.acked);
+  tell(process, [number, result](auto& events) { events.ackOf(number, result); });
+  auto& sends = programs_[process].sends;
+  std::ranges::find(sends, x.id, &unsettled::number)->acked = x.acked;
+  for (; !sends.empty() && sends.front().acked; sends.pop_front())
+    tell(process, [acked = status_of(*sends.front().acked)](auto& events) { events.ack(acked); });
+}
+
+void layer::on_packet(island_id source, std::uint16_t channel, byte_view body, instant now) {
+  now_ = now;
+  if (channel <= 0xff)
+    take(messages_.on_segment(source, body, now));
+  else if (channel == transport::tunnel_channel)
+    take(tunnels_.on_packet(source, body, now));
+  else
+    ++counters_.unknown_channel;
+}
+
+// Channels: Network's inside the island, tunnels to elsewhere.
+
+void layer::connect(channel_request who, mote_address destination,
+                    std::chrono::milliseconds interval, std::size_t size) {
+  const bool is_near =
+      destination.island == self().island && destination.mote != no_mote && config_.self != no_mote;
+  if (is_near) {
+    outputs_.emplace_back(channel_wanted{who, destination.mote, interval, size});
+    return;
+  }
+  auto [id, todo] = tunnels_.connect(destination, now_);
+  connecting_[id] = who;
+  take(std::move(todo));
+}
+
+void layer::take(transport::tunnels_outputs todo) {
+  for (auto& x : todo) {
+    if (auto* packet = std::get_if<transport::packet_out>(&x)) {
+      outputs_.emplace_back(transport::to_network{packet->destination, transport::tunnel_channel,
+                                                  std::move(packet->octets)});
+    } else if (const auto* open = std::get_if<transport::tunnel_connected>(&x)) {
+      if (const auto who = connecting_.extract(open->id); !who.empty())
+        on_connected(who.mapped(), handle_of(open->id), now_);
+    } else if (const auto* offered = std::get_if<transport::tunnel_accepted>(&x)) {
+      on_accepted(handle_of(offered->id), offered->source, now_);
+    } else if (auto* content = std::get_if<transport::tunnel_received>(&x)) {
+      on_channel_octets(handle_of(content->id), content->content, now_);
+    } else {
+      const auto id = std::get<transport::tunnel_ended>(x).id;
+      if (const auto who = connecting_.extract(id); !who.empty())
+        on_connect_failed(who.mapped(), now_);
+      else
+        on_channel_closed(handle_of(id), now_);
+    }
+  }
+}
+
+void layer::send_on(stream::channel_handle channel, bytes octets) {
+  if (!is_tunnel(channel))
+    outputs_.emplace_back(channel_packet{channel, std::move(octets)});
+  else if (auto todo = tunnels_.send(tunnel_of(channel), octets, now_))
+    take(*std::move(todo));
+}
+
+void layer::disconnect(stream::channel_handle channel) {
+  is_synaptic_.erase(channel);
+  if (is_tunnel(channel))
+    take(tunnels_.close(tunnel_of(channel)));
+  else
+    outputs_.emplace_back(channel_unwanted{channel});
+}
+
+void layer::on_connected(channel_request who, stream::channel_handle channel, instant now) {
+  now_ = now;
+  is_synaptic_[channel] = who.is_synaptic;
+  if (who.is_synaptic)
+    take(synaptic_.on_connected(synaptic::descriptor(who.descriptor), channel, now));
+  else
+    take(streams_.on_connected(stream::descriptor(who.descriptor), channel, now));
+}
+
+void layer::on_connect_failed(channel_request who, instant now) {
+  now_ = now;
+  if (who.is_synaptic)
+    take(synaptic_.on_connect_failed(synaptic::descriptor(who.descriptor)));
+  else
+    take(streams_.on_connect_failed(stream::descriptor(who.descriptor)));
+}
+
+/// Whose it is the first packet says.
+void layer::on_accepted(stream::channel_handle channel, mote_address source, instant now) {
+  now_ = now;
+  unclaimed_.emplace_back(channel, source);
+  if (unclaimed_.size() <= config_.unclaimed_max)
+    return;
+  ++counters_.unclaimed;
+  const auto oldest = unclaimed_.front().first;
+  unclaimed_.pop_front();
+  disconnect(oldest);
+}
+
+void layer::on_channel_octets(stream::channel_handle channel, byte_view octets, instant now) {
+  now_ = now;
+  const auto fresh = std::ranges::find(unclaimed_, channel,
+                                       &std::pair<stream::channel_handle, mote_address>::first);
+  if (fresh != unclaimed_.end()) {
+    const auto source = fresh->second;
+    unclaimed_.erase(fresh);
+    const bool learns = synaptic::is_synaptic(octets);
+    is_synaptic_[channel] = learns;
+    if (learns)
+      take(synaptic_.on_accepted(channel, source, now));
+    else
+      take(streams_.on_accepted(channel, source, now));
+  }
+  const auto user = is_synaptic_.find(channel);
+  if (user == is_synaptic_.end())
+    return;
+  if (user->second)
+    take(synaptic_.on_channel_octets(channel, octets));
+  else
+    take(streams_.on_channel_octets(channel, octets, now));
+}
+
+void layer::on_channel_closed(stream::channel_handle channel, instant now) {
+  now_ = now;
+  std::erase_if(unclaimed_, [channel](const auto& x) { return x.first == channel; });
+  const auto user = is_synaptic_.extract(channel);
+  if (user.empty())
+    return;
+  if (user.mapped())
+    take(synaptic_.on_channel_closed(channel));
+  else
+    take(streams_.on_channel_closed(channel));
+}
+
+// Streams.
+
+int layer::take_open(std::size_t process, stream::answer x) {
+  if (x.refused) {
+    static_cast<void>(refuse());
+    return -1;
+  }
+  stream_owners_[x.stream] = process;
+  take(std::move(x.todo));
+  return x.stream.value;
+}
+
+void layer::take(stream::outputs todo) {
+  for (auto& each : todo) {
+    if (const auto* wish = std::get_if<stream::connect_channel>(&each)) {
+      connect({false, wish->stream.value}, wish->destination, wish->interval, wish->size);
+    } else if (auto* packet = std::get_if<stream::send_on_channel>(&each)) {
+      send_on(packet->channel, std::move(packet->octets));
+    } else if (const auto* over = std::get_if<stream::disconnect>(&each)) {
+      disconnect(over->channel);
+    } else if (const auto* wanted = std::get_if<stream::sample>(&each)) {
+      outputs_.emplace_back(sample_wanted{wanted->stream, wanted->transducer});
+    } else if (const auto* opened = std::get_if<stream::open_done>(&each)) {
+      tell_owner(opened->stream, [x = *opened](auto& events) {
+        events.openRemoteDone(x.stream.value, x.name, status_of(x.success));
+      });
+      if (!opened->success)
+        stream_owners_.erase(opened->stream);
+    } else {
+      auto& done = std::get<stream::read_done>(each);
+      tell_owner(done.stream, [x = std::move(done)](auto& events) {
+        events.readDone(x.stream.value, x.content, status_of(x.success));
+      });
+    }
+  }
+}
+
+void layer::on_sample(stream::descriptor stream, const stream::sensor_record& x, instant now) {
+  now_ = now;
+  take(streams_.on_sample(stream, x));
+}
+
+// Synaptic channels.
+
+int layer::create(std::size_t process, bool is_out, mote_address other, std::uint8_t size,
+                  const synaptic::parameters& params) {
+  if (!may_talk()) {
+    static_cast<void>(refuse());
+    return -1;
+  }
+  auto x = is_out ? synaptic_.create_out(self(), other, size, params, now_)
+                  : synaptic_.create_in(self(), other, size, params, now_);
+  if (x.refused) {
+    static_cast<void>(refuse());
+    return -1;
+  }
+  synaptic_owners_[x.channel] = process;
+  take(std::move(x.todo));
+  return x.channel.value;
+}
+
+void layer::take(synaptic::outputs todo) {
+  for (auto& each : todo) {
+    if (const auto* wish = std::get_if<synaptic::connect_channel>(&each)) {
+      connect({true, wish->channel.value}, wish->destination, wish->interval, wish->size);
+    } else if (auto* packet = std::get_if<synaptic::send_on_channel>(&each)) {
+      send_on(packet->channel, std::move(packet->octets));
+    } else if (const auto* over = std::get_if<synaptic::disconnect>(&each)) {
+      disconnect(over->channel);
+    } else if (const auto* done = std::get_if<synaptic::create_done>(&each)) {
+      tell_owner(done->channel, [x = *done](auto& events) {
+        if (x.is_out)
+          events.createSynChannelOutDone(x.channel.value, status_of(x.success));
+        else
+          events.createSynChannelInDone(x.channel.value, status_of(x.success));
+      });
+      if (!done->success)
+        synaptic_owners_.erase(done->channel);
+    } else if (const auto* update = std::get_if<synaptic::input_update>(&each)) {
+      tell_owner(update->channel, [x = *update](auto& events) {
+        events.syn_input_update(x.channel.value, x.index, x.status);
+      });
+    } else {
+      const auto failed = std::get<synaptic::channel_failed>(each).channel;
+      tell_owner(failed, [failed](auto& events) { events.synChannelFailed(failed.value); });
+    }
+  }
+}
+
+/// Inputs are told before the tick: who computes at the tick has them. Programs hear of it before
+/// anything is sent: what they write leaves at this tick, in any slot.
+void layer::on_tick(std::uint32_t tick, instant now) {
+  now_ = now;
+  take(synaptic_.on_tick(tick, now));
+  tell_all([tick](auto& x) { x.clock_tick(tick); });
+  dispatch();
+}
+
+// Time.
+
+void layer::on_time(instant now) {
+  now_ = now;
+  take(messages_.on_time(now));
+  take(tunnels_.on_time(now));
+  take(streams_.on_time(now));
+  take(synaptic_.on_time(now));
+}
+
+std::optional<instant> layer::deadline() const {
+  return earliest(earliest(messages_.deadline(), tunnels_.deadline()),
+                  earliest(streams_.deadline(), synaptic_.deadline()));
+}
+
+std::size_t layer::footprint() const {
+  return messages_.footprint() + tunnels_.footprint() + streams_.footprint() +
+         synaptic_.footprint() + config_.unclaimed_max * 8;
+}
+
+} // namespace rubicon::mote

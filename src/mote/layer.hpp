@@ -1,0 +1,212 @@
+// The Communication Layer of one node above Network: Transport, streams, synaptic channels, and the
+// programs that use them (GEN-08, D1.1 5.1). The same on a mote and on a PC; what differs is below
+// it, and is its owner's.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/random.hpp"
+#include "core/time.hpp"
+#include "mote/communication.hpp"
+#include "stream/sensor_record.hpp"
+#include "stream/streams.hpp"
+#include "synaptic/channels.hpp"
+#include "transport/endpoint.hpp"
+#include "transport/tunnels.hpp"
+
+namespace rubicon::mote {
+
+/// Who waits for a channel.
+struct channel_request {
+  bool is_synaptic = false;
+  std::uint16_t descriptor = 0;
+
+  friend auto operator<=>(const channel_request&, const channel_request&) = default;
+};
+
+/// Open a channel of the island's Network; answered by on_connected() or on_connect_failed().
+struct channel_wanted {
+  channel_request request;
+  mote_id destination;
+  std::chrono::milliseconds interval{0}; ///< between two packets; 0: at any time
+  std::size_t size = 0;                  ///< octets of a packet at most
+};
+
+/// Send this over a channel of Network.
+struct channel_packet {
+  stream::channel_handle channel;
+  bytes octets;
+};
+
+struct channel_unwanted {
+  stream::channel_handle channel;
+};
+
+/// Read this transducer; answered by on_sample().
+struct sample_wanted {
+  stream::descriptor stream;
+  std::uint8_t transducer = 0;
+};
+
+/// A program wants radio and serial line up; answered by on_initialised().
+struct init_wanted {};
+
+/// A program wants to join; answered by on_joined().
+struct join_wanted {
+  bytes description;
+};
+
+using layer_output = std::variant<transport::to_network, channel_wanted, channel_packet,
+                                  channel_unwanted, sample_wanted, init_wanted, join_wanted>;
+using layer_outputs = std::vector<layer_output>;
+
+struct layer_config {
+  mote_id self;                  ///< no_mote: a PC
+  std::uint32_t incarnation = 0; ///< how often this node has been started before
+  transport::endpoint_config messages;
+  transport::tunnels_config tunnels;
+  stream::streams_config streams;
+  synaptic::channels_config synaptic;
+  std::uint32_t transducer_mask = 0; ///< bit n: there is a transducer n
+  std::size_t unclaimed_max = 4;     ///< accepted channels that have carried nothing yet
+};
+
+struct layer_counters {
+  std::uint64_t unowned = 0;         ///< messages of an AM type that no program provides (AM-01)
+  std::uint64_t refused = 0;         ///< commands that returned FAIL
+  std::uint64_t before_join = 0;     ///< of them, for want of a join (MCK-16)
+  std::uint64_t unknown_channel = 0; ///< packets on a channel number that is nobody's
+  std::uint64_t unclaimed = 0;       ///< accepted channels given up
+};
+
+/// Programs are called back from within the on_ functions, and may give commands then. What all
+/// that leads to is fetched by the owner with take_outputs(), after each on_ function and after
+/// each command given from outside.
+class layer {
+public:
+  layer() = default;
+  layer(layer_config config, random_stream dice);
+  layer(const layer&) = delete; // programs point to it
+  layer& operator=(const layer&) = delete;
+
+  /// @param events a program's, which outlives this
+  [[nodiscard]] communication attach(communication_events& events);
+
+  /// Commands given from outside an event happen now.
+  void set_time(instant now) { now_ = now; }
+
+  void on_initialised(bool success, instant now);
+  void on_joined(island_id island, instant now); ///< a PC: at once
+  void on_left(instant now);                     ///< reliable sends have failed
+  void on_mote_joined(mote_id mote, byte_view description, instant now);
+
+  /// A packet with the header of D1.1 5.4 for this node.
+  void on_packet(island_id source, std::uint16_t channel, byte_view body, instant now);
+
+  // Channels of Network.
+  void on_connected(channel_request who, stream::channel_handle channel, instant now);
+  void on_connect_failed(channel_request who, instant now);
+  void on_accepted(stream::channel_handle channel, mote_address source, instant now);
+  void on_channel_octets(stream::channel_handle channel, byte_view octets, instant now);
+  void on_channel_closed(stream::channel_handle channel, instant now);
+
+  void on_sample(stream::descriptor stream, const stream::sensor_record& x, instant now);
+  void on_tick(std::uint32_t tick, instant now);
+  void set_slot(duration offset) { synaptic_.set_slot(offset); }
+
+  void on_time(instant now); ///< harmless before deadline()
+  [[nodiscard]] std::optional<instant> deadline() const;
+
+  [[nodiscard]] layer_outputs take_outputs();
+
+  [[nodiscard]] bool joined() const { return island_.has_value(); }
+  [[nodiscard]] const transport::endpoint& messages() const { return messages_; }
+  [[nodiscard]] const stream::streams& streams() const { return streams_; }
+  [[nodiscard]] const synaptic::channels& synaptic() const { return synaptic_; }
+  [[nodiscard]] const transport::tunnels& tunnels() const { return tunnels_; }
+  [[nodiscard]] const layer_counters& counters() const { return counters_; }
+
+  /// Octets of all state on a mote with the default tables (SMP-30).
+  [[nodiscard]] std::size_t footprint() const;
+
+private:
+  friend class communication;
+
+  /// Something to tell a program, once the command or input that led to it is over.
+  using event = std::function<void(communication_events&)>;
+
+  /// A reliable send that its program has not heard of by ack().
+  struct unsettled {
+    transport::ticket number = 0;
+    std::optional<bool> acked; ///< nothing: it has not ended
+  };
+
+  struct program {
+    communication_events* events = nullptr;
+    std::deque<unsettled> sends; ///< ack() keeps their order (A-56)
+  };
+
+  [[nodiscard]] mote_address self() const;
+  [[nodiscard]] status refuse();
+  [[nodiscard]] bool may_talk();
+  [[nodiscard]] bool owns(std::size_t process, std::uint8_t am_type) const;
+
+  std::optional<std::uint32_t> send(std::size_t process, mote_address to, byte_view buf,
+                                    bool reliable, std::uint8_t am_type);
+  int create(std::size_t process, bool is_out, mote_address other, std::uint8_t size,
+             const synaptic::parameters& params);
+  template <class Answer>
+  status take_answer(Answer x);
+  int take_open(std::size_t process, stream::answer x);
+
+  void take(transport::outputs todo);
+  void take(transport::tunnels_outputs todo);
+  void take(stream::outputs todo);
+  void take(synaptic::outputs todo);
+  void connect(channel_request who, mote_address destination, std::chrono::milliseconds interval,
+               std::size_t size);
+  void send_on(stream::channel_handle channel, bytes octets);
+  void disconnect(stream::channel_handle channel);
+  void tell(std::size_t process, event x);
+  void tell_all(const event& x);
+  void tell_owner(stream::descriptor of, event x);
+  void tell_owner(synaptic::descriptor of, event x);
+  void on_outcome(const transport::outcome& x);
+  void on_received(transport::received& x);
+  void dispatch();
+
+  layer_config config_;
+  transport::endpoint messages_;
+  transport::tunnels tunnels_;
+  stream::streams streams_;
+  synaptic::channels synaptic_;
+  bool initialised_ = false;
+  std::optional<island_id> island_;
+  instant now_;
+
+  std::vector<program> programs_;
+  std::map<std::uint8_t, std::size_t> owners_; ///< of AM types
+  std::map<stream::descriptor, std::size_t> stream_owners_;
+  std::map<synaptic::descriptor, std::size_t> synaptic_owners_;
+  std::map<transport::ticket, std::size_t> senders_; ///< of reliable sends under way
+  std::uint32_t last_number_ = 0;
+  std::map<transport::tunnel_id, channel_request> connecting_;
+  std::map<stream::channel_handle, bool> is_synaptic_; ///< of channels in use
+  std::deque<std::pair<stream::channel_handle, mote_address>> unclaimed_;
+
+  std::deque<std::pair<std::size_t, event>> events_;
+  bool dispatching_ = false;
+  layer_outputs outputs_;
+  layer_counters counters_;
+};
+
+} // namespace rubicon::mote

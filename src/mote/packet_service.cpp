@@ -1,0 +1,109 @@
+#include "mote/packet_service.hpp"
+
+#include <algorithm>
+
+#include "core/codec.hpp"
+#include "network/am.hpp"
+
+namespace rubicon::mote {
+
+namespace {
+
+/// What is carried begins with its AM type.
+bytes content(std::uint8_t am_type, byte_view octets) {
+  byte_writer out;
+  out.big(am_type).append(octets);
+  return out.finish();
+}
+
+void append(packet_service_outputs& to, packet_service_outputs from) {
+  std::ranges::move(from, std::back_inserter(to));
+}
+
+} // namespace
+
+packet_service::packet_service(network::router_config config, random_stream dice, instant now)
+    : router_(config, dice, now) {}
+
+packet_service_outputs packet_service::send(mote_id to, const network::island_packet& x,
+                                            instant now) {
+  const auto room = router_.room_to(to);
+  const auto pieces = room ? transport::cut(encode(x), *room - 1, tag_++) : std::nullopt;
+  if (!pieces) {
+    ++counters_.unroutable;
+    return {};
+  }
+  packet_service_outputs out;
+  for (const auto& piece : *pieces)
+    append(out, carry(router_.send(to, content(network::am::packet, piece), now), now));
+  return out;
+}
+
+packet_service_outputs packet_service::send_to_all(const network::island_packet& x, instant now) {
+  packet_service_outputs out;
+  const auto pieces = transport::cut(encode(x), network::router::room_to_all() - 1, tag_++);
+  for (const auto& piece : *pieces) // a flood's room does not vary: they always suffice
+    append(out, carry(router_.send_to_all(content(network::am::packet, piece), now), now));
+  return out;
+}
+
+packet_service_outputs packet_service::send_management(mote_id to, byte_view message, instant now) {
+  const auto room = router_.room_to(to);
+  if (!room || message.size() + 1 > *room) {
+    ++counters_.unroutable;
+    return {};
+  }
+  return carry(router_.send(to, content(network::am::component_management, message), now), now);
+}
+
+packet_service_outputs packet_service::on_frame(mote_id source, std::uint8_t am_type,
+                                                byte_view payload, instant sfd, instant now) {
+  return carry(router_.on_frame(source, am_type, payload, sfd, now), now);
+}
+
+packet_service_outputs packet_service::on_sent(std::uint64_t token, bool acked,
+                                               unsigned transmissions, instant now) {
+  return carry(router_.on_sent(token, acked, transmissions, now), now);
+}
+
+packet_service_outputs packet_service::on_time(instant now) {
+  return carry(router_.on_time(now), now);
+}
+
+packet_service_outputs packet_service::carry(network::router_outputs from_router, instant now) {
+  packet_service_outputs out;
+  for (auto& each : from_router) {
+    std::visit(
+        [&](auto& x) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(x)>, network::content_in>)
+            take(std::move(x), out, now);
+          else
+            out.emplace_back(std::move(x));
+        },
+        each);
+  }
+  return out;
+}
+
+void packet_service::take(network::content_in x, packet_service_outputs& out, instant now) {
+  const auto octets = byte_view(x.content);
+  const auto origin = x.origin.value_or(router_.tree().root());
+  if (!octets.empty() && octets[0] == network::am::component_management) {
+    out.emplace_back(management_in{origin, to_bytes(octets.subspan(1))});
+    return;
+  }
+  if (octets.empty() || octets[0] != network::am::packet) {
+    ++counters_.malformed;
+    return;
+  }
+  const auto whole = pieces_.on_piece(origin, octets.subspan(1), now);
+  if (!whole)
+    return;
+  auto packet = network::decode_island_packet(*whole);
+  if (packet)
+    out.emplace_back(packet_in{x.origin, x.to_all, *std::move(packet)});
+  else
+    ++counters_.malformed;
+}
+
+} // namespace rubicon::mote

@@ -1,0 +1,194 @@
+// All synaptic channels of one node, the Learning Layer's way to talk (D1.1 4.2.2, 5.3.1).
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/time.hpp"
+#include "synaptic/arrivals.hpp"
+#include "synaptic/events.hpp"
+#include "synaptic/message.hpp"
+#include "synaptic/parameters.hpp"
+
+namespace rubicon::synaptic {
+
+/// What fits a mote; a PC has room for more.
+struct channels_config {
+  std::size_t channels_max = 4;               ///< each way
+  std::size_t early_max = 2;                  ///< accepted channels not created here yet
+  std::uint8_t size_max = 16;                 ///< elements of a vector
+  std::size_t packet_max = 108;               ///< octets, >= 10
+  std::chrono::milliseconds tick_period{500}; ///< what connect_channel asks for (CLK-03)
+  unsigned silence_max = 20;                  ///< vectors due in a row; > 0 (SYN-17)
+  std::uint8_t stop_repeats = 20;             ///< ticks, until SYN_STOP is acknowledged
+  duration open_repeat = 2s;                  ///< from one SYN_OPEN to the next
+  duration writer_patience = 30s;             ///< from create_out() to SYN_OPEN_ACK
+  duration reader_patience = 2min;            ///< from create_in() to SYN_OPEN
+};
+
+struct channels_counters {
+  std::uint64_t created = 0; ///< ends at this node
+  std::uint64_t create_failed = 0;
+  std::uint64_t failed = 0;   ///< ends whose other end is gone
+  std::uint64_t sent = 0;     ///< vectors
+  std::uint64_t updated = 0;  ///< vectors
+  std::uint64_t missed = 0;   ///< vectors
+  std::uint64_t repeated = 0; ///< arrived packets of vectors; the next two too
+  std::uint64_t late = 0;
+  std::uint64_t untimely = 0;
+  std::uint64_t bad_reads = 0; ///< read_input() without a value (A-07)
+  std::uint64_t leaps = 0;     ///< ticks that did not follow the one before
+  std::uint64_t refused = 0;   ///< accepted channels given back: no room, or another is there
+  std::uint64_t expired = 0;   ///< accepted channels that nobody has created here
+  std::uint64_t malformed = 0;
+  std::uint64_t strays = 0; ///< well-formed, but nothing that its channel waits for
+};
+
+/// The synaptic channels of a mote or PC. At each tick of the RUBICON clock the out end of a
+/// started channel sends its vector ChOut; at the next tick the in end tells for each index whether
+/// it has come, and shows it. A channel is known by the two nodes it joins (SYN-01), and both
+/// create it:
+///
+///   out: connecting --channel--> asking --SYN_OPEN_ACK--> open --channel closed--> ended
+///   in:  waiting --SYN_OPEN--> open --channel closed, or silence--> ended
+///
+/// Sizes or divisors that differ (SYN-15), and time-outs, end in create_done(failure), and the
+/// entry is free. An ended channel keeps its entry until it is disposed of; its other end may be
+/// created anew at once. start() and stop() are the out end's; the in end reports from the first
+/// vector that arrives until its out end stops.
+///
+/// A node's channel to itself needs no channel service (SYN-14): what is sent in a tick is shown
+/// and told in that tick, and nothing is ever missed.
+///
+/// The owner hands over those accepted channels whose first packet is_synaptic().
+class channels {
+public:
+  channels() = default;
+  explicit channels(channels_config config) : config_(config) {}
+
+  /// create_done follows. Failures: bad_argument (broadcast, size), already_open, no_room.
+  /// @param self this node's address; no_mote in the mote part for a PC
+  /// @param destination own_island: the island that `x` says
+  [[nodiscard]] answer create_out(mote_address self, mote_address destination, std::size_t size,
+                                  const parameters& x, instant now);
+  [[nodiscard]] answer create_in(mote_address self, mote_address source, std::size_t size,
+                                 const parameters& x, instant now);
+
+  /// Stops it, closes it. Failure: bad_descriptor.
+  [[nodiscard]] answer dispose(descriptor channel);
+
+  /// Vectors are sent from the next tick on. Once more does nothing. Failures: bad_descriptor,
+  /// illegal_operation, not_open_yet, ended.
+  [[nodiscard]] answer start(descriptor channel);
+
+  /// Failures: as start(), not_active.
+  [[nodiscard]] answer stop(descriptor channel);
+
+  /// Sets element `k` of ChOut. Failures: as start(), bad_argument.
+  [[nodiscard]] std::optional<failure> write_output(descriptor channel, std::size_t k, float value);
+
+  /// Element `index` of ChIn, 0 before the first vector. Nothing, and counted, for what is not an
+  /// element of an open in end.
+  [[nodiscard]] std::optional<float> read_input(descriptor channel, std::size_t index);
+
+  [[nodiscard]] outputs on_connected(descriptor channel, channel_handle handle, instant now);
+  [[nodiscard]] outputs on_connect_failed(descriptor channel);
+
+  /// Somebody has opened a channel to this node.
+  [[nodiscard]] outputs on_accepted(channel_handle handle, mote_address source, instant now);
+  [[nodiscard]] outputs on_channel_octets(channel_handle handle, byte_view octets);
+  [[nodiscard]] outputs on_channel_closed(channel_handle handle);
+
+  /// How long after the tick vectors are sent (SYN-16); from the next tick on.
+  void set_slot(duration offset) { slot_ = offset; }
+
+  /// The RUBICON clock ticks. A T that does not follow the last one is a leap (CLK-05): nothing is
+  /// told missed at it. Vectors leave in on_time().
+  [[nodiscard]] outputs on_tick(std::uint32_t tick, instant now);
+
+  [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
+  [[nodiscard]] std::optional<instant> deadline() const;
+
+  [[nodiscard]] std::size_t open_channels() const { return rows_.size(); } ///< entries in use
+  [[nodiscard]] std::size_t early_channels() const { return early_.size(); }
+  [[nodiscard]] const channels_counters& counters() const { return counters_; }
+
+  /// Octets on a mote, all channels of the largest size.
+  [[nodiscard]] std::size_t footprint() const;
+
+private:
+  enum class phase : std::uint8_t { connecting, asking, waiting, open, ended };
+
+  struct row {
+    descriptor id{};
+    bool is_out = false;
+    bool loops = false; ///< both ends are here: there is no channel
+    phase at = phase::waiting;
+    mote_address other{};
+    open_message shape{};
+    std::optional<channel_handle> channel{};
+    std::optional<instant> due{};
+    instant gives_up{}; ///< asking, and connecting
+
+    std::vector<float> values{}; ///< ChOut
+    bool is_active = false;
+    bool sends = false;                       ///< at this tick
+    std::optional<std::uint32_t> last_tick{}; ///< of a vector sent
+    std::uint8_t stops_left = 0;              ///< SYN_STOPs
+
+    arrivals input{};
+  };
+
+  /// A channel that was accepted and is not in use yet.
+  struct early {
+    channel_handle channel;
+    mote_address source;
+    std::optional<open_message> wish; ///< nothing before SYN_OPEN
+    instant due;
+  };
+
+  [[nodiscard]] static bool is_opening(const row& x) {
+    return x.at != phase::open && x.at != phase::ended;
+  }
+
+  [[nodiscard]] row* find(descriptor channel);
+  [[nodiscard]] row* find(channel_handle handle);
+  [[nodiscard]] row* find(bool is_out, mote_address other); ///< not an ended one
+  [[nodiscard]] std::optional<failure> refusal(const row* x, bool wants_out) const;
+
+  [[nodiscard]] answer create(mote_address self, mote_address other, row wish, std::size_t size,
+                              const parameters& x);
+  void join_own(row& x, outputs& todo);
+  void join_early(row& x, outputs& todo);
+  void opened(row& x, outputs& todo);
+  void end(row& x, outputs& todo);
+  void drop(descriptor id, outputs& todo);
+  void ask(row& x, outputs& todo, instant now);
+
+  void on_open(const early& x, outputs& todo);
+  void on_out_message(row& x, const message& content, outputs& todo);
+  void on_in_message(row& x, const message& content, outputs& todo);
+  void on_vector(row& x, const vector_message& content);
+
+  void report(row& x, std::uint32_t tick, outputs& todo);
+  void tell(const row& x, input_status status, outputs& todo);
+  void send_all(outputs& todo);
+  void send_vector(row& x, outputs& todo);
+  void send_stop(row& x, outputs& todo);
+
+  channels_config config_;
+  std::vector<row> rows_; ///< in order of creation
+  std::vector<early> early_;
+  descriptor last_;
+  std::optional<std::uint32_t> tick_; ///< T
+  duration slot_{};
+  std::optional<instant> sends_at_;
+  channels_counters counters_;
+};
+
+} // namespace rubicon::synaptic

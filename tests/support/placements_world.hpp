@@ -1,0 +1,204 @@
+// Two islands with their gateways, and two PCs: every place where a program of the Communication
+// Layer can be.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "endpoint/pc.hpp"
+#include "gateway/gateway.hpp"
+#include "mote/communication.hpp"
+#include "support/agenda.hpp"
+#include "support/island_world.hpp"
+#include "support/recorder.hpp"
+
+namespace rubicon::test {
+
+struct placements_config {
+  double frame_delivery = 1;
+  double message_delivery = 1; ///< of messages between peers
+  std::uint64_t seed = 1;
+};
+
+/// Island 1 is a line of seven motes, island 2 one of three; the sinks are the first. The PCs are
+/// the peers 20 and 21.
+class placements_world {
+public:
+  explicit placements_world(placements_config config = {})
+      : config_(config),
+        dice_(config.seed), islands_{std::make_unique<island_world>(
+                                         island_world_config{.width = 7,
+                                                             .delivery = config.frame_delivery,
+                                                             .seed = config.seed,
+                                                             .island = island_id{1}}),
+                                     std::make_unique<island_world>(
+                                         island_world_config{.width = 3,
+                                                             .delivery = config.frame_delivery,
+                                                             .seed = config.seed + 1,
+                                                             .island = island_id{2}})} {
+    for (std::uint32_t i = 1; i <= 2; ++i) {
+      gateways_.emplace(peer_id(static_cast<std::int32_t>(i)),
+                        gateway::gateway({.island = island_id(i)}, random_stream(dice_.next())));
+      perform(island_id(i), gateway_at(island_id(i)).start());
+    }
+    for (const auto id : {20, 21})
+      start_pc(peer_id(id));
+  }
+
+  /// The first or, after kill(), the next life of a PC.
+  void start_pc(peer_id id) {
+    endpoint::pc_config config;
+    config.self = id;
+    config.incarnation = lives_[id]++;
+    pcs_[id] = endpoint::pc(config, random_stream(dice_.next()));
+    perform(id, pcs_[id].start(now_));
+  }
+
+  /// All are members and have the time; everybody knows where everybody is.
+  [[nodiscard]] bool settle() {
+    const bool all_joined = run_until(
+        [this] { return islands_[0]->root().members() == 6 && islands_[1]->root().members() == 2; },
+        3min);
+    run_for(1min);
+    return all_joined;
+  }
+
+  [[nodiscard]] instant now() const { return now_; }
+  [[nodiscard]] island_world& island(island_id x) { return *islands_[x.value - 1]; }
+  [[nodiscard]] endpoint::pc& pc(island_id x) { return pcs_.at(gateway_of(x)); }
+  [[nodiscard]] gateway::gateway& gateway_at(island_id x) { return gateways_.at(gateway_of(x)); }
+
+  /// A program at a mote or, with no_mote, at a PC. @param x outlives this world
+  void attach(mote_address where, recorder& x) {
+    x.layer =
+        is_pc(where) ? pc(where.island).attach(x) : island(where.island).at(where.mote).attach(x);
+  }
+
+  [[nodiscard]] const mote::layer& layer_of(mote_address x) {
+    return is_pc(x) ? pc(x.island).above() : island(x.island).at(x.mote).above();
+  }
+
+  /// A program there gives commands now. @returns what `commands` does
+  template <class Commands>
+  auto act(mote_address where, Commands commands) {
+    if (is_pc(where)) {
+      auto& here = pc(where.island);
+      here.begin(now_);
+      const auto result = commands();
+      perform(gateway_of(where.island), here.settle());
+      return result;
+    }
+    auto& around = island(where.island);
+    auto& here = around.at(where.mote);
+    here.begin(around.own_time(where.mote));
+    const auto result = commands();
+    around.perform(where.mote, here.settle(around.own_time(where.mote)));
+    return result;
+  }
+
+  /// No goodbye. Its programs must not give commands any more.
+  void kill(mote_address x) {
+    if (is_pc(x))
+      pcs_.erase(gateway_of(x.island));
+    else
+      island(x.island).kill(x.mote);
+  }
+
+  void run_for(duration length) {
+    for (const auto end = now_ + length; now_ < end;)
+      step();
+  }
+
+  bool run_until(const std::function<bool()>& done, duration limit) {
+    for (const auto end = now_ + limit; !done() && now_ < end;)
+      run_for(100ms);
+    return done();
+  }
+
+  std::size_t messages_between_peers = 0;
+
+private:
+  static constexpr duration step_length = 4ms;
+
+  [[nodiscard]] static bool is_pc(mote_address x) { return x.mote == no_mote; }
+
+  void step() {
+    for (std::uint32_t i = 1; i <= 2; ++i) {
+      auto& here = island(island_id(i));
+      here.run_for(step_length);
+      for (auto& x : std::exchange(here.up, {}))
+        perform(island_id(i),
+                gateway_at(island_id(i)).on_packet(x.source, x.am_type, x.payload, here.now()));
+    }
+    const auto end = now_ + step_length;
+    agenda_.run(
+        now_, end, [end] { return end; }, [] {});
+    for (auto& [id, x] : gateways_)
+      perform(island_id(static_cast<std::uint32_t>(id.value)), x.on_time(now_));
+    for (auto& [id, x] : pcs_)
+      perform(id, x.on_time(now_));
+  }
+
+  void perform(island_id from, gateway::outputs todo) {
+    for (auto& x : todo) {
+      if (auto* packet = std::get_if<gateway::to_sink>(&x)) {
+        agenda_.add(now_ + 1ms, [this, from, y = std::move(*packet)] {
+          island(from).down(y.am_type, y.payload);
+        });
+      } else if (auto* message = std::get_if<gateway::to_gateway>(&x)) {
+        post(gateway_of(from), message->peer, std::move(message->octets));
+      }
+    }
+  }
+
+  void perform(peer_id from, endpoint::outputs todo) {
+    for (auto& x : todo)
+      post(from, x.peer, std::move(x.octets));
+  }
+
+  void post(peer_id from, peer_id to, bytes octets) {
+    ++messages_between_peers;
+    if (!dice_.chance(config_.message_delivery))
+      return;
+    agenda_.add(now_ + 3ms, [this, from, to, x = std::move(octets)] {
+      if (const auto gate = gateways_.find(to); gate != gateways_.end())
+        perform(island_id(static_cast<std::uint32_t>(to.value)),
+                gate->second.on_message(from, x, now_));
+      else if (const auto pc = pcs_.find(to); pc != pcs_.end())
+        perform(to, pc->second.on_message(from, x, now_));
+    });
+  }
+
+  placements_config config_;
+  random_stream dice_;
+  instant now_;
+  std::array<std::unique_ptr<island_world>, 2> islands_;
+  std::map<peer_id, gateway::gateway> gateways_;
+  std::map<peer_id, endpoint::pc> pcs_;
+  std::map<peer_id, std::uint32_t> lives_; ///< of PCs
+  agenda agenda_;
+};
+
+/// Where the two ends of a test are (PAR-01..03).
+struct placement {
+  const char* name;
+  mote_address from;
+  mote_address to;
+};
+
+inline constexpr std::array placements{
+    placement{"two motes of an island, five hops apart",
+              {island_id{1}, mote_id{7}},
+              {island_id{1}, mote_id{2}}},
+    placement{"motes of two islands", {island_id{1}, mote_id{6}}, {island_id{2}, mote_id{3}}},
+    placement{"a PC and a mote", {island_id{20}, no_mote}, {island_id{1}, mote_id{4}}},
+    placement{"a mote and a PC", {island_id{2}, mote_id{3}}, {island_id{21}, no_mote}},
+    placement{"two PCs", {island_id{20}, no_mote}, {island_id{21}, no_mote}},
+};
+
+} // namespace rubicon::test

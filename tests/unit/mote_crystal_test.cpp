@@ -1,0 +1,31 @@
+#include "core/random.hpp"
+#include "mote/crystal.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using mote::crystal;
+
+TEST_CASE("a crystal gains or loses its parts per million", "[mote][CLK-01]") {
+  CHECK(crystal().own(instant{1h}) == instant{1h});
+  CHECK(crystal(40'000).own(instant{1000s}) == instant{1000s + 40ms});
+  CHECK(crystal(-40'000).own(instant{1000s}) == instant{1000s - 40ms});
+  CHECK(crystal(1).own(instant{1s}) == instant{1s + 1ns});
+  CHECK(crystal(40'000).own(instant{24h * 365}) == instant{24h * 365 + 1'261'440ms});
+}
+
+TEST_CASE("a crystal never goes back, and real() is the first time that shows a moment",
+          "[mote][CLK-01]") {
+  const auto ppb = GENERATE(std::int64_t{0}, 1, -1, 40'000, -40'000, 1'000'000, -1'000'000);
+  const crystal x(ppb);
+  random_stream dice(static_cast<std::uint64_t>(ppb + 2'000'000));
+  const auto check = [&x](instant t) {
+    CHECK(x.own(t) <= x.own(t + 1ns));
+    const auto real = x.real(t);
+    CHECK(x.own(real) >= t);
+    CHECK(x.own(real - 1ns) < t);
+  };
+  for (std::int64_t i = 0; i < 200; ++i)
+    check(instant{1s - 100ns + i * 1ns}); // where whole seconds meet
+  for (int i = 0; i < 1000; ++i)
+    check(instant{duration(dice.below(1'000'000'000'000'000))});
+}

@@ -1,0 +1,197 @@
+// The Mockup interface on motes: streams, synaptic channels, clock (D1.1 5.3.1, 5.3.2).
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "stream/sensor_record.hpp"
+#include "support/catch.hpp"
+#include "support/programs.hpp"
+
+using namespace rubicon;
+using mote::FAIL;
+using mote::SUCCESS;
+using test::act;
+using test::count;
+using test::island_world;
+using test::lone_layer;
+using test::recorder;
+
+namespace {
+
+mote_id id(int x) {
+  return mote_id{static_cast<std::uint16_t>(x)};
+}
+
+} // namespace
+
+TEST_CASE("a local stream joins two programs; bad calls fail", "[mote][MCK-04][MCK-05][MCK-06]"
+                                                               "[MCK-07][MCK-08][STR-03][STR-10]") {
+  lone_layer x;
+  const auto local = x.api().open_local();
+  REQUIRE(local > 0);
+  for (std::uint8_t i = 1; i <= 7; ++i)
+    CHECK(x.api().write(local, bytes(4, i)) == 4);
+  CHECK(x.api().read(local, 0) == FAIL);
+  for (int i = 0; i < 6; ++i) {
+    CHECK(x.api().read(local, 3) == SUCCESS);
+    static_cast<void>(x.core.take_outputs());
+  }
+  CHECK(x.api().read(local, 3) == FAIL); // one is pending
+  REQUIRE(x.program.readings.size() == 5);
+  for (std::uint8_t i = 0; i < 5; ++i)
+    CHECK(x.program.readings[i].record == bytes(3, static_cast<std::uint8_t>(i + 3)));
+  CHECK(x.api().close(local) == SUCCESS);
+  static_cast<void>(x.core.take_outputs());
+  REQUIRE(x.program.readings.size() == 6);
+  CHECK_FALSE(x.program.readings[5].success);
+  CHECK(x.api().close(local) == FAIL);
+  for (const int bad : {local, 0, -1, 32768, 65536 + local}) {
+    CHECK(x.api().close(bad) == FAIL);
+    CHECK(x.api().read(bad, 1) == FAIL);
+    CHECK(x.api().write(bad, bytes{1}) == -1);
+    CHECK(x.api().dispose_syn_channel(bad) == FAIL);
+    CHECK(x.api().start_syn_channel(bad) == FAIL);
+    CHECK(x.api().stop_syn_channel(bad) == FAIL);
+    CHECK(x.api().write_output(bad, 0, 1) == FAIL);
+    CHECK(std::isnan(x.api().read_input(bad, 0)));
+  }
+}
+
+TEST_CASE("tables are bounded, and free again after a close", "[mote][MCK-01][MCK-04][SYN-01]"
+                                                              "[SYN-03][SYN-05][STR-20]") {
+  lone_layer x;
+  join(x);
+  std::vector<int> streams;
+  for (int i = 0; i < 8; ++i)
+    streams.push_back(x.api().open_local());
+  CHECK(std::set(streams.begin(), streams.end()).size() == 8);
+  CHECK(x.api().open_local() == -1);
+  CHECK(x.api().open_remote(3, 8, 1, 0, 0) == FAIL);
+  CHECK(x.api().close(streams[3]) == SUCCESS);
+  CHECK(x.api().open_remote(3, 8, 1, 0, 0) == SUCCESS);
+
+  const synaptic::parameters params;
+  std::vector<int> outs;
+  for (std::uint16_t i = 0; i < 4; ++i)
+    outs.push_back(x.api().create_syn_channel_out({own_island, id(10 + i)}, 3, params));
+  CHECK(std::set(outs.begin(), outs.end()).size() == 4);
+  CHECK(x.api().create_syn_channel_out({own_island, id(20)}, 3, params) == -1);
+  CHECK(x.api().create_syn_channel_in({own_island, id(20)}, 3, params) > 0); // each way
+  CHECK(x.api().dispose_syn_channel(outs[1]) == SUCCESS);
+  CHECK(x.api().dispose_syn_channel(outs[1]) == FAIL);
+  CHECK(x.api().create_syn_channel_out({own_island, id(20)}, 0, params) == -1);
+  CHECK(x.api().create_syn_channel_out({own_island, id(20)}, 17, params) == -1);
+  CHECK(x.api().create_syn_channel_out({own_island, broadcast_mote}, 3, params) == -1);
+  CHECK(x.api().create_syn_channel_out({own_island, id(20)}, 16, params) > 0);
+}
+
+TEST_CASE("a remote stream is not opened towards nowhere or twice", "[mote][MCK-01][MCK-02]") {
+  lone_layer x;
+  join(x);
+  CHECK(x.api().open_remote(0, 8, 1, 0, 0) == FAIL);
+  CHECK(x.api().open_remote(3, broadcast_mote.value, 1, 0, 0) == FAIL);
+  CHECK(x.api().open_remote(3, 8, 1, 86'400'001, 0) == FAIL);
+  CHECK(x.api().open_remote(3, 8, 1, 0, 0, 0) == FAIL);
+  CHECK(x.api().open_remote(3, 8, 1, 0, 0, 106) == FAIL);
+  CHECK(x.core.take_outputs().empty());
+  CHECK(x.api().open_remote(3, 8, 1, 500, 0, 105) == SUCCESS);
+  const auto wanted = x.core.take_outputs();
+  REQUIRE(wanted.size() == 1);
+  const auto& channel = std::get<mote::channel_wanted>(wanted[0]);
+  CHECK(channel.destination == mote_id{8});
+  CHECK(channel.interval == 500ms);
+  CHECK(x.api().open_remote(3, 8, 1, 500, 0) == FAIL);
+  CHECK(x.api().open_remote(3, 8, 2, 500, 0) == SUCCESS);
+  x.core.on_connect_failed(channel.request, x.now);
+  static_cast<void>(x.core.take_outputs());
+  REQUIRE(x.program.openings.size() == 1);
+  CHECK(x.program.openings[0].name == 1);
+  CHECK_FALSE(x.program.openings[0].success);
+  CHECK(x.api().open_remote(3, 8, 1, 500, 0) == SUCCESS);
+}
+
+TEST_CASE("accepted channels that carry nothing are bounded", "[mote][STR-19]") {
+  lone_layer x;
+  join(x);
+  for (std::uint32_t i = 1; i <= 6; ++i)
+    x.core.on_accepted(stream::channel_handle(i), {island_id{3}, mote_id{8}}, x.now);
+  const auto given_up = x.core.take_outputs();
+  REQUIRE(given_up.size() == 2);
+  CHECK(std::get<mote::channel_unwanted>(given_up[0]).channel == stream::channel_handle(1));
+  CHECK(x.core.counters().unclaimed == 2);
+  x.core.on_channel_octets(stream::channel_handle(1), bytes{1, 2}, x.now); // late
+  CHECK(x.core.take_outputs().empty());
+}
+
+TEST_CASE("a sensor stream needs its transducer", "[mote][MCK-03][STR-06][STR-07][STR-08]"
+                                                  "[STR-09]") {
+  recorder program;
+  mote::transducer_config light;
+  light.kind = mote::quantity::light;
+  light.model = mote::constant_model{12.5};
+  island_world x({.width = 2, .transducers = {light}});
+  settle(x, 1);
+  program.layer = x.at(id(2)).attach(program);
+  auto& api = *program.layer;
+  const auto open = [&](mote::quantity what, std::uint32_t rate, stream::sampling kind) {
+    return act(x, id(2),
+               [&] { return api.open_sensor(static_cast<std::uint8_t>(what), rate, kind); });
+  };
+  CHECK(open(mote::quantity::sound, 100, stream::sampling::periodic) == -1);
+  CHECK(open(mote::quantity{32}, 100, stream::sampling::periodic) == -1);
+  CHECK(open(mote::quantity::light, 0, stream::sampling::periodic) == -1);
+  CHECK(open(mote::quantity::light, 86'400'001, stream::sampling::periodic) == -1);
+  const auto on_demand = open(mote::quantity::light, 0, stream::sampling::on_demand);
+  REQUIRE(on_demand > 0);
+  CHECK(act(x, id(2), [&] { return api.write(on_demand, bytes{1}); }) == -1);
+  CHECK(program.readings.empty());
+  CHECK(act(x, id(2), [&] { return api.read(on_demand, 256); }) == SUCCESS);
+  REQUIRE(program.readings.size() == 1);
+  const auto record = stream::decode_sensor_record(program.readings[0].record);
+  REQUIRE(record);
+  CHECK(record->source == mote_address{island_id{1}, id(2)});
+  CHECK(record->value == 125);
+
+  program.readings.clear();
+  program.reads_all = true;
+  const auto periodic = open(mote::quantity::light, 100, stream::sampling::periodic);
+  REQUIRE(periodic > 0);
+  CHECK(act(x, id(2), [&] { return api.read(periodic, 256); }) == SUCCESS);
+  x.run_for(10'050ms);
+  REQUIRE(program.readings.size() == 100);
+  const auto first = stream::decode_sensor_record(program.readings[0].record);
+  for (std::size_t i = 1; i < 100; ++i) {
+    const auto next = stream::decode_sensor_record(program.readings[i].record);
+    const auto wanted = first->time_ms + 100 * i;
+    CHECK(next->time_ms <= wanted + 2); // corrections of the island's time
+    CHECK(next->time_ms + 2 >= wanted);
+  }
+}
+
+TEST_CASE("all motes of an island see the same tick at the same time", "[mote][SYN-11][CLK-02]") {
+  std::array<recorder, 5> programs;
+  island_world x({.width = 6, .delivery = 0.95});
+  settle(x, 5);
+  using seen = std::map<std::uint32_t, std::vector<instant>>;
+  seen ticks;
+  for (int i = 0; i < 5; ++i) {
+    auto& each = programs[static_cast<std::size_t>(i)];
+    each.layer = x.at(id(i + 2)).attach(each);
+    each.on_tick = [&](std::uint32_t tick) { ticks[tick].push_back(x.now()); };
+  }
+  x.run_for(60s);
+  CHECK(ticks.size() >= 120);
+  CHECK(ticks.size() <= 122);
+  auto last = ticks.begin()->first - 1;
+  int whole = 0;
+  for (const auto& [tick, times] : ticks) {
+    CHECK(tick == last + 1);
+    last = tick;
+    whole += times.size() == 5 ? 1 : 0;
+    const auto [low, high] = std::ranges::minmax(times);
+    CHECK(high - low < 5ms);
+  }
+  CHECK(whole >= 119); // at either end not all may have ticked yet
+}
