@@ -1,6 +1,7 @@
 #include "mote/node.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "mote/transducer.hpp"
 #include "network/island_packet.hpp"
@@ -23,6 +24,15 @@ descriptor describe(const node_config& config) {
   x.keep_alive_ms = static_cast<std::uint32_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(config.keep_alive).count());
   return x;
+}
+
+/// Where in a tick of so many slots a mote with this number sends: whoever is numbered one after the
+/// other is far apart, so that few motes have all the room there is, and no two share a slot.
+duration::rep slot_of(std::uint16_t number, duration::rep slots) {
+  auto stride = slots * 3 / 8;
+  while (std::gcd(stride, slots) != 1)
+    ++stride;
+  return number % slots * stride % slots;
 }
 
 /// What frames there and back may wait for their turns.
@@ -181,7 +191,7 @@ void node::tick(instant now) {
   if (!shared.synchronised() || !setting)
     return;
   const auto slots = std::max<duration::rep>(setting->period / slot_length, 1);
-  layer_->set_slot(slot_length * (slot_ % slots));
+  layer_->set_slot(slot_length * slot_of(slot_, slots));
   if (const auto next = clock_.update(now, shared.at(now), *setting))
     layer_->on_tick(next->number, now);
 }

@@ -56,16 +56,12 @@ TEST_CASE("a learning network over two islands and a PC says what comes next",
   CHECK(report.violations.empty());
   CHECK(report.motes_joined() == 16);
   REQUIRE(report.programs.size() == 17);
-  double updated = 0;
-  double missed = 0;
   for (const auto& program : report.programs) {
     CAPTURE(program.who);
     CHECK(figure(report, program.who, "ticks") >= 1000);
-    updated += figure(report, program.who, "vectors updated");
-    missed += figure(report, program.who, "vectors missed");
+    CHECK(figure(report, program.who, "vectors updated") >= 990);
+    CHECK(figure(report, program.who, "vectors missed") == 0);
   }
-  CHECK(updated > 20'000);
-  CHECK(missed < updated / 5000); // nothing is lost on the way, but frames may collide
   CHECK(figure(report, "learner", "prediction error") <
         0.6 * figure(report, "learner", "error of the last value"));
 }
