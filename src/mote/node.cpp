@@ -26,8 +26,8 @@ descriptor describe(const node_config& config) {
   return x;
 }
 
-/// Where in a tick of so many slots a mote with this number sends: whoever is numbered one after the
-/// other is far apart, so that few motes have all the room there is, and no two share a slot.
+/// Where in a tick of so many slots a mote with this number sends: whoever is numbered one after
+/// the other is far apart, so that few motes have all the room there is, and no two share a slot.
 duration::rep slot_of(std::uint16_t number, duration::rep slots) {
   auto stride = slots * 3 / 8;
   while (std::gcd(stride, slots) != 1)
