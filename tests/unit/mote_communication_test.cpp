@@ -319,3 +319,19 @@ TEST_CASE("a mote reaches itself without radio", "[mote][ADR-06][SYN-14][STR-11]
   CHECK(program.outs[0].second);
   CHECK(program.ins[0].second);
 }
+
+TEST_CASE("commands return at once, and events that a program does not handle do nothing",
+          "[mote][AM-02][STR-02]") {
+  struct deaf final : mote::communication_events {};
+  lone_layer x;
+  deaf program;
+  auto api = x.core.attach(program);
+  join(x);
+  x.core.on_tick(1, x.now);
+  CHECK(api.provide(am_type) == SUCCESS);
+  CHECK(api.send(255, 65534, bytes{1}, true, am_type) == SUCCESS);
+  CHECK(x.core.messages().counters().received == 0); // the command has only begun it
+  loop_back(x);
+  CHECK(x.core.messages().counters().received == 1);
+  CHECK(x.core.messages().counters().reliable_acked == 1);
+}
