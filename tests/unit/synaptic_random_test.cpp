@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "support/catch.hpp"
+#include "support/seeds.hpp"
 #include "synaptic_world.hpp"
 
 using namespace rubicon;
@@ -176,7 +177,7 @@ private:
 
 TEST_CASE("exactly the vectors that are lost are told missed", "[synaptic][SYN-10]") {
   for (const double loss : {0.0, 0.05, 0.3, 0.7}) {
-    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    for (std::uint64_t seed = 1; seed <= test::seeds(5); ++seed) {
       INFO("loss " << loss << ", seed " << seed);
       synaptic_world x(2, {.silence_max = 100, .stop_repeats = 255}, seed);
       x.delay_max = 200ms;
@@ -205,7 +206,7 @@ TEST_CASE("exactly the vectors that are lost are told missed", "[synaptic][SYN-1
 }
 
 TEST_CASE("after a stop nothing is missed but what was lost", "[synaptic][SYN-07][SYN-10]") {
-  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+  for (std::uint64_t seed = 1; seed <= test::seeds(30); ++seed) {
     INFO("seed " << seed);
     synaptic_world x(2, {}, seed);
     x.delay_max = 200ms;
@@ -232,7 +233,7 @@ TEST_CASE("under any faults each create is answered once, values are right, and 
   } services[] = {{0, 5ms}, {0.2, 200ms}, {0.4, 3s}};
   for (const auto& service : services) {
     std::uint64_t created = 0, failed = 0, updated = 0, missed = 0, lost_channels = 0;
-    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    for (std::uint64_t seed = 1; seed <= test::seeds(20); ++seed) {
       INFO("loss " << service.loss << ", seed " << seed);
       applications x(seed, service.loss, service.delay_max);
       x.run(600);
@@ -245,6 +246,8 @@ TEST_CASE("under any faults each create is answered once, values are right, and 
     }
     INFO("loss " << service.loss << ": created " << created << ", failed " << failed << ", updated "
                  << updated << ", missed " << missed << ", lost channels " << lost_channels);
+    if (test::seeds(20) < 20) // too few to happen often
+      continue;
     CHECK(created > 500);
     CHECK(failed > 50);
     CHECK(updated > 1000);
