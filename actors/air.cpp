@@ -107,6 +107,7 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
         radio::request what{x.token, x.destination, x.am_type, x.octets, x.ack};
         if (x.age_at != no_age)
           what.age_at = x.age_at;
+        what.in_slot = x.in_slot;
         perform(self, self->state.channel.send(x.radio, std::move(what), now(self)));
       },
       [self](const radio_power& x) {

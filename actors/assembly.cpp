@@ -5,8 +5,10 @@
 #include "actors/air.hpp"
 #include "actors/peis_bluetooth.hpp"
 #include "actors/peis_lan.hpp"
+#include "actors/program_host.hpp"
 #include "actors/serial_line.hpp"
 #include "actors/sink.hpp"
+#include "apps/tables.hpp"
 #include "scheduler/spawn.hpp"
 
 namespace rubicon {
@@ -70,6 +72,7 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.node.transducers = mote.transducers;
   x.node.actuators = mote.actuators;
   x.apps = mote.apps;
+  apps::make_room(x.node.layer, programs_among(mote.apps));
   x.seed = self->state.description.seed;
   x.radio = radio;
   x.air = air;

@@ -170,6 +170,28 @@ runtime::island_report& island_of(ecology_pointer self, island_id id) {
   return *std::ranges::find(self->state.report.islands, id, &runtime::island_report::id);
 }
 
+/// The clocks are compared when all have told theirs.
+void on_network(ecology_pointer self, const network_status& x) {
+  island_of(self, x.address.island).network += x.network;
+  if (!x.has_clock)
+    return;
+  auto& clocks = self->state.clocks[x.address.island];
+  if (x.is_sink)
+    clocks.sink_ahead_us = x.clock_ahead_us;
+  else
+    clocks.motes_ahead_us.push_back(x.clock_ahead_us);
+}
+
+void compare_clocks(ecology_pointer self) {
+  for (const auto& [island, clocks] : self->state.clocks) {
+    auto& error = island_of(self, island).network.clock_error_max;
+    for (const auto ahead : clocks.motes_ahead_us) {
+      const auto apart = std::chrono::microseconds(std::abs(ahead - clocks.sink_ahead_us));
+      error = std::max<duration>(error, apart);
+    }
+  }
+}
+
 void prepare_report(ecology_pointer self) {
   auto& state = self->state;
   state.report.ecology = state.description.name;
@@ -327,6 +349,7 @@ void deliver(ecology_pointer self) {
   auto& report = self->state.report;
   for (const auto& [ends, part] : self->state.flows)
     report.flows.push_back(report_of(self, part));
+  compare_clocks(self);
   report.simulated = now(self).time_since_epoch();
   std::ranges::sort(report.peers, {}, &runtime::peer_report::id);
   std::ranges::sort(report.proxies, {}, &runtime::proxy_report::name);
@@ -364,6 +387,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
           self->state.flows[{part.from, part.to}] += part;
       },
       [self](const message_status& x) { island_of(self, x.island).messages += x.messages; },
+      [self](const network_status& x) { on_network(self, x); },
       [self](const serial_status& x) { island_of(self, x.island).serial += x.serial; },
       [self](const devices_status& x) { self->state.listed[x.island] = x.listed; },
       [self](const peer_status& x) {

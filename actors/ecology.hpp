@@ -57,6 +57,12 @@ struct process_facts {
   duration clock_offset = 1'000'000'000s; ///< network time minus ecology time
 };
 
+/// How far the clocks of an island's motes and its sink are ahead of real time, at the end.
+struct island_clocks {
+  std::int64_t sink_ahead_us = 0;
+  std::vector<std::int64_t> motes_ahead_us;
+};
+
 struct ecology_state {
   config::ecology_description description;
   report_receiver on_report;
@@ -70,6 +76,7 @@ struct ecology_state {
   std::map<std::string, supervised_peer> duplicates;   ///< from the fault plan
   std::map<peer_id, std::vector<peer_id>> known_hosts; ///< as the peers say at the end
   std::map<peer_id, std::vector<peer_id>> neighbours;  ///< the same
+  std::map<island_id, island_clocks> clocks;
   /// Everything spawned here that answers a status_request with messages to the ecology.
   std::vector<std::pair<caf::actor_addr, std::function<void(status_request)>>> reporters;
   std::map<caf::actor_addr, std::string> names; ///< of monitored actors other than motes

@@ -82,13 +82,15 @@ struct performer {
 };
 
 void follow(gateway_pointer self) {
-  self->state.wake.follow(self,
-                          earliest(self->state.gateway.deadline(), self->state.port.deadline()));
+  const auto& state = self->state;
+  const auto due = earliest(state.gateway.deadline(), state.programs.deadline());
+  self->state.wake.follow(self, earliest(due, state.port.deadline()));
 }
 
 void perform(gateway_pointer self, gateway::outputs todo) {
   for (auto& output : todo)
     std::visit(performer{self}, output);
+  self->state.programs.tell(self, self->state.arguments.ecology);
   follow(self);
 }
 
@@ -104,6 +106,15 @@ void on_tuple(gateway_pointer self, const tuple_event& x) {
   const auto key = parse_device_key(x.key);
   if (key && key->what == device_tuple::input)
     perform(self, self->state.gateway.on_input(key->mote, key->channel, x.value.view(), now(self)));
+}
+
+void on_timer(gateway_pointer self) {
+  auto& state = self->state;
+  perform(self, state.gateway.on_time(now(self)));
+  state.gateway.begin(now(self));
+  state.programs.on_time(now(self));
+  perform(self, state.gateway.settle());
+  perform(self, state.port.on_time(now(self)));
 }
 
 void report(gateway_pointer self) {
@@ -145,7 +156,9 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
                           watch_inputs,
                           peer_id{static_cast<std::int32_t>(state.arguments.config.island.value)},
                           "devices.*.input.*"});
-  perform(self, state.gateway.start());
+  state.programs.start(state.gateway, state.arguments.programs, self->path(), state.arguments.seed,
+                       state.arguments.config.incarnation > 0, now(self));
+  perform(self, state.gateway.start(now(self)));
   return {
       [self](const tuple_event& x) { on_tuple(self, x); },
       [self](const peis_message& x) {
@@ -159,12 +172,14 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
         perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));
       },
       [self](const timer_expired& x) {
-        if (!self->state.wake.accepts(x))
-          return;
-        perform(self, self->state.gateway.on_time(now(self)));
-        perform(self, self->state.port.on_time(now(self)));
+        if (self->state.wake.accepts(x))
+          on_timer(self);
       },
-      [self](status_request) { report(self); },
+      [self](status_request) {
+        report(self);
+        self->state.programs.report(self, self->state.arguments.ecology,
+                                    self->state.arguments.name);
+      },
   };
 }
 

@@ -1,8 +1,12 @@
 // The gateway of one island: a component of a PEIS kernel on one side, the serial line on the
-// other.
+// other; and the programs of its PC.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "actors/messages.hpp"
+#include "actors/program_host.hpp"
 #include "actors/timer.hpp"
 #include "gateway/gateway.hpp"
 #include "serial/endpoint.hpp"
@@ -12,6 +16,8 @@ namespace rubicon {
 /// What a gateway actor is made of.
 struct gateway_arguments {
   gateway::gateway_config config;
+  std::string name; ///< of its kernel
+  std::vector<apps::app_config> programs;
   serial::endpoint_config port;
   std::uint64_t seed = 0; ///< of the ecology
   peis_peer_actor peer;   ///< the kernel whose id is the island's
@@ -26,6 +32,7 @@ struct gateway_state {
   std::uint64_t next_packet = 1;
   std::uint64_t bad_packets = 0;   ///< from the line, not serial active messages
   std::uint64_t messages_lost = 0; ///< that another gateway did not acknowledge
+  program_host programs;
   timer wake;
 };
 

@@ -87,6 +87,15 @@ struct message_status {
   runtime::message_report messages;
 };
 
+/// What a mote's or sink's Network has counted.
+struct network_status {
+  mote_address address;
+  bool is_sink = false;
+  bool has_clock = false;          ///< it knows the island's time
+  std::int64_t clock_ahead_us = 0; ///< island time minus real time
+  runtime::network_report network;
+};
+
 /// What a sink, a serial line or a gateway's serial port has counted.
 struct serial_status {
   island_id island;
@@ -117,8 +126,9 @@ struct program_status {
 using ecology_actor = caf::typed_actor<
     caf::reacts_to<story>, caf::reacts_to<mote_flat>, caf::reacts_to<listing_changed>,
     caf::reacts_to<radio_status>, caf::reacts_to<energy_status>, caf::reacts_to<flow_status>,
-    caf::reacts_to<message_status>, caf::reacts_to<serial_status>, caf::reacts_to<devices_status>,
-    caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>, caf::reacts_to<program_status>>;
+    caf::reacts_to<message_status>, caf::reacts_to<network_status>, caf::reacts_to<serial_status>,
+    caf::reacts_to<devices_status>, caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>,
+    caf::reacts_to<program_status>>;
 
 /// To itself: this fault of the description's plan is due.
 struct apply_fault {
@@ -193,7 +203,8 @@ struct radio_send {
   std::uint8_t am_type = 0;
   payload octets;
   bool ack = true;
-  std::uint8_t age_at = no_age; ///< as in radio::request
+  std::uint8_t age_at = no_age; ///< as in radio::request; the next too
+  bool in_slot = false;
 };
 
 struct radio_power {

@@ -30,6 +30,14 @@ auto inspect(F& f, message_report& x) {
 }
 
 template <class F>
+auto inspect(F& f, network_report& x) {
+  return f(caf::meta::type_name("network_report"), x.beacons, x.packets, x.arrived, x.forwarded,
+           x.repeated, x.channels_asked, x.channels_opened, x.channels_flooded, x.channels_broken,
+           x.channel_packets, x.channel_packets_arrived, x.lost, x.hops_max, x.synchronised,
+           x.clock_error_max, x.state_octets);
+}
+
+template <class F>
 auto inspect(F& f, actuation_report& x) {
   return f(caf::meta::type_name("actuation_report"), x.requested, x.acknowledged, x.failed);
 }
@@ -119,6 +127,12 @@ auto inspect(F& f, flow_status& x) {
 }
 
 template <class F>
+auto inspect(F& f, network_status& x) {
+  return f(caf::meta::type_name("network_status"), x.address, x.is_sink, x.has_clock,
+           x.clock_ahead_us, x.network);
+}
+
+template <class F>
 auto inspect(F& f, message_status& x) {
   return f(caf::meta::type_name("message_status"), x.island, x.messages);
 }
@@ -172,7 +186,7 @@ auto inspect(F& f, attach_radio& x) {
 template <class F>
 auto inspect(F& f, radio_send& x) {
   return f(caf::meta::type_name("radio_send"), x.radio, x.token, x.destination, x.am_type, x.octets,
-           x.ack, x.age_at);
+           x.ack, x.age_at, x.in_slot);
 }
 
 template <class F>
@@ -512,6 +526,7 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::energy_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::flow_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::message_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::network_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::serial_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::devices_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::peer_status))

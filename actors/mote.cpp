@@ -170,6 +170,17 @@ void report_messages(mote_pointer self, const transport::endpoint_counters& coun
   self->send(arguments.ecology, message_status{arguments.address.island, report_of(counted, open)});
 }
 
+/// The clock of a life that has ended is compared with nothing.
+void report_network(mote_pointer self, bool is_alive) {
+  const auto& arguments = *self->state.arguments;
+  auto status = status_of(arguments.address, *self->state.node, own_time(self), now(self));
+  if (!is_alive) {
+    status.has_clock = false;
+    status.network.synchronised = 0;
+  }
+  self->send(arguments.ecology, std::move(status));
+}
+
 /// An exception ends the mote. What this life has counted must not go with it. Reliable messages
 /// that were still open have failed; nobody will know about flows' requests, so they stay open.
 void report_failures(mote_pointer self) {
@@ -179,6 +190,7 @@ void report_failures(mote_pointer self) {
       auto counted = node->above().messages().counters();
       counted.reliable_failed += node->above().messages().outstanding();
       report_messages(self, counted, 0);
+      report_network(self, false);
     }
     return scheduler::failure_of(x);
   });
@@ -198,7 +210,7 @@ void start(mote_pointer self) {
   state.apps = spawn_mote_apps(self);
   if (state.node) {
     state.programs.start(*state.node, programs_among(arguments.apps), life, arguments.seed,
-                         own_time(self));
+                         state.incarnation > 0, own_time(self));
     perform(self, state.node->start(own_time(self)));
   }
   state.flows.start(self, arguments.apps, arguments.address, arguments.radio, arguments.air,
@@ -275,6 +287,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
         if (const auto& node = self->state.node) {
           report_messages(self, node->above().messages().counters(),
                           node->above().messages().outstanding());
+          report_network(self, !self->state.flat);
           self->state.programs.report(self, self->state.arguments->ecology,
                                       self->state.arguments->name);
         }

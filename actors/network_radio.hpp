@@ -21,7 +21,8 @@ inline constexpr std::uint64_t network_token = 1ULL << 63U;
           x.am_type,
           payload(std::move(x.payload)),
           unicast,
-          x.age_at ? static_cast<std::uint8_t>(*x.age_at) : no_age};
+          x.age_at ? static_cast<std::uint8_t>(*x.age_at) : no_age,
+          x.in_slot};
 }
 
 /// Network's own token of a request that has ended; nothing if it was not Network's.

@@ -11,13 +11,15 @@ using pc_pointer = scheduler::traced_pointer<pc_state, pc_actor>;
 
 void perform(pc_pointer self, endpoint::outputs todo) {
   auto& state = self->state;
-  for (auto& x : todo) // Transport repeats what is lost
+  for (auto& packet : todo) { // Transport repeats what is lost
+    auto x = endpoint::message_of(std::move(packet));
     self->send(state.arguments.peer, send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
                                                        0,
                                                        x.peer,
                                                        island_message_port,
                                                        payload(std::move(x.octets)),
                                                        false});
+  }
   state.programs.tell(self, state.arguments.ecology);
   state.wake.follow(self, earliest(state.pc.deadline(), state.programs.deadline()));
 }
@@ -43,7 +45,7 @@ pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
   self->send(state.arguments.peer,
              hook_port{{caf::actor_cast<peis_client_actor>(self)}, island_message_port});
   state.programs.start(state.pc, state.arguments.programs, self->path(), state.arguments.seed,
-                       now(self));
+                       state.arguments.config.incarnation > 0, now(self));
   perform(self, state.pc.start(now(self)));
   return {
       [](const tuple_event&) {},

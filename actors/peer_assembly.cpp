@@ -243,6 +243,8 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   gateway_arguments gateway;
   gateway.config.island = island.id;
   gateway.config.incarnation = peer.incarnation;
+  gateway.name = island.gateway_name;
+  gateway.programs = island.gateway_apps;
   gateway.seed = self->state.description.seed;
   gateway.peer = peer.handle;
   gateway.line = self->state.lines.at(island.id);

@@ -2,6 +2,7 @@
 
 #include "actors/log.hpp"
 #include "actors/network_radio.hpp"
+#include "actors/statuses.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
@@ -77,6 +78,8 @@ void report(sink_pointer self) {
                         {"sink_acks_lost", counted.acks_lost},
                         {"sink_no_buffer", counted.no_buffer}};
   self->send(self->state.arguments.ecology, std::move(status));
+  self->send(self->state.arguments.ecology,
+             status_of(self->state.arguments.address, self->state.sink, own_time(self), now(self)));
 }
 
 } // namespace

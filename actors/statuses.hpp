@@ -3,6 +3,9 @@
 
 #include <cstddef>
 
+#include "actors/messages.hpp"
+#include "mote/node.hpp"
+#include "mote/sink.hpp"
 #include "runtime/report.hpp"
 #include "transport/endpoint.hpp"
 
@@ -21,5 +24,15 @@ namespace rubicon {
   r.duplicates = x.duplicates;
   return r;
 }
+
+/// @param own what the clock of this mote or sink shows `now`
+[[nodiscard]] network_status status_of(mote_address address, const mote::packet_service& x,
+                                       instant own, instant now);
+
+[[nodiscard]] network_status status_of(mote_address address, const mote::node& x, instant own,
+                                       instant now);
+
+[[nodiscard]] network_status status_of(mote_address address, const mote::sink& x, instant own,
+                                       instant now);
 
 } // namespace rubicon

@@ -1,10 +1,23 @@
+# What most files include of the standard library: reading it takes longer than most files' own code.
+set(standard_headers
+  <algorithm> <array> <charconv> <chrono> <cmath> <deque> <functional> <map> <memory> <optional>
+  <ranges> <set> <span> <string> <string_view> <utility> <variant> <vector>)
+
 # rubicon_room(NAME SOURCES file... NEEDS target...): one room, one library, one list of what it may
-# include. A room without sources of its own is an interface library.
+# include. A room without sources of its own is an interface library. Without `PRECOMPILE header...`
+# a room shares the core's precompiled headers.
 function(rubicon_room name)
-  cmake_parse_arguments(room "" "" "SOURCES;NEEDS" ${ARGN})
+  cmake_parse_arguments(room "" "" "SOURCES;NEEDS;PRECOMPILE" ${ARGN})
   if(room_SOURCES)
     add_library(rubicon_${name} STATIC ${room_SOURCES})
     target_link_libraries(rubicon_${name} PUBLIC rubicon_options ${room_NEEDS})
+    if(room_PRECOMPILE)
+      target_precompile_headers(rubicon_${name} PRIVATE ${standard_headers} ${room_PRECOMPILE})
+    elseif(name STREQUAL "core")
+      target_precompile_headers(rubicon_core PRIVATE ${standard_headers})
+    else()
+      target_precompile_headers(rubicon_${name} REUSE_FROM rubicon_core)
+    endif()
   else()
     add_library(rubicon_${name} INTERFACE)
     target_link_libraries(rubicon_${name} INTERFACE rubicon_options ${room_NEEDS})

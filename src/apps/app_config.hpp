@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -52,13 +53,47 @@ struct readout_config {
   double forgetting = 0.9995;  ///< weight of one tick's past, up to 1
 };
 
+/// Where a stream leads to.
+struct stream_output {
+  mote_address to; ///< no_mote in the mote part: a PC
+  std::uint16_t stream = 1;
+};
+
+/// Makes one stream of several: the mean of their newest values (STR-22).
+struct average_config {
+  std::vector<std::uint16_t> streams; ///< at least one; they end here
+  duration every = 1s;                ///< as the writers', and from one mean to the next
+  std::vector<stream_output>
+      outputs; ///< at least one; numbers differ, also from those of `streams`
+};
+
+/// Commands the app `actuator` of a mote. on_at < off_at: on at that value or less, off at the
+/// other or more; on_at > off_at: the other way round.
+struct stream_switch_config {
+  std::uint16_t stream = 1;
+  duration every = 1s; ///< as the writer's
+  double on_at = 0;    ///< in counts, as the next one; never equal to it
+  double off_at = 1;
+  mote_address to;
+  std::uint8_t channel = 2; ///< AM type that the actuator's app obeys
+};
+
+/// Writes the records of streams to a file, on a PC.
+struct recorder_config {
+  std::vector<std::uint16_t> streams; ///< at least one; they end here
+  duration every = 1s;                ///< as the writers'
+  std::string file;
+};
+
 using app_config =
-    std::variant<stream_writer_config, stream_reader_config, reservoir_config, readout_config>;
+    std::variant<stream_writer_config, stream_reader_config, reservoir_config, readout_config,
+                 average_config, stream_switch_config, recorder_config>;
 
 /// What files and reports call it: `stream_writer`.
 [[nodiscard]] constexpr std::string_view kind_of(const app_config& x) {
   constexpr std::array<std::string_view, std::variant_size_v<app_config>> kinds{
-      "stream_writer", "stream_reader", "reservoir", "readout"};
+      "stream_writer", "stream_reader", "reservoir", "readout",
+      "average",       "stream_switch", "recorder"};
   return kinds[x.index()];
 }
 

@@ -1,8 +1,11 @@
 #include "apps/application.hpp"
 
+#include "apps/average.hpp"
 #include "apps/readout.hpp"
+#include "apps/recorder.hpp"
 #include "apps/reservoir.hpp"
 #include "apps/stream_reader.hpp"
+#include "apps/stream_switch.hpp"
 #include "apps/stream_writer.hpp"
 
 namespace rubicon::apps {
@@ -23,6 +26,15 @@ struct maker {
   }
   std::unique_ptr<application> operator()(const readout_config& x) const {
     return std::make_unique<readout>(x);
+  }
+  std::unique_ptr<application> operator()(const average_config& x) const {
+    return std::make_unique<average>(x);
+  }
+  std::unique_ptr<application> operator()(const stream_switch_config& x) const {
+    return std::make_unique<stream_switch>(x);
+  }
+  std::unique_ptr<application> operator()(const recorder_config& x) const {
+    return std::make_unique<recorder>(x);
   }
 };
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -41,6 +42,11 @@ public:
 
   /// What people following the run would want to hear, since the last call.
   [[nodiscard]] std::vector<std::string> take_stories() { return std::exchange(stories_, {}); }
+
+  /// Where its lines go; empty: nowhere. Its host begins an empty file with the heading.
+  [[nodiscard]] virtual std::string_view file() const { return {}; }
+  [[nodiscard]] virtual std::string_view file_heading() const { return {}; }
+  [[nodiscard]] virtual std::string take_lines() { return {}; } ///< since the last call
 
 protected:
   virtual void on_start(instant now) = 0;

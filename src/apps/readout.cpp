@@ -10,7 +10,8 @@ constexpr double certainty_at_first = 100; ///< diagonal of the inverse correlat
 
 } // namespace
 
-readout::readout(readout_config config) : config_(std::move(config)), ends_(config_.from, {}) {
+readout::readout(readout_config config)
+    : synaptic_application(config.from, {}), config_(std::move(config)) {
   std::size_t count = 1;
   for (const auto& x : config_.from)
     count += x.size;
@@ -20,40 +21,21 @@ readout::readout(readout_config config) : config_(std::move(config)), ends_(conf
     inverse_[i][i] = certainty_at_first;
 }
 
-void readout::joined(mote::island_octet, std::uint16_t, mote::status success) {
-  ends_.close_all(layer());
-  if (success == mote::SUCCESS)
-    ends_.open_all(layer());
-}
-
-void readout::createSynChannelInDone(int channel, mote::status success) {
-  ends_.on_created(layer(), channel, success == mote::SUCCESS);
-}
-
-void readout::synChannelFailed(int channel) {
-  ends_.on_failed(layer(), channel);
-}
-
-void readout::syn_input_update(int, std::uint8_t index, synaptic::input_status status) {
-  if (index == 0)
-    ++(status == synaptic::input_status::updated ? updated_ : missed_);
-}
-
 void readout::clock_tick(std::uint32_t) {
-  if (!ends_.all_open()) {
+  if (!all_open()) {
     features_.clear();
     return;
   }
-  ++ticks_;
+  count_tick();
   std::vector<double> fresh{1};
-  for (const auto& x : ends_.ends()) {
+  for (const auto& x : ends()) {
     for (std::uint8_t i = 0; i < x.what.size; ++i)
       fresh.push_back(layer().read_input(x.channel, i));
   }
   const auto target = fresh[1];
   if (!features_.empty()) {
     const auto error = target - predicted_;
-    if (ticks_ > config_.warm_up) {
+    if (ticks() > config_.warm_up) {
       ++counted_;
       squared_error_ += error * error;
       squared_step_ += (target - last_) * (target - last_);
@@ -92,12 +74,10 @@ std::vector<figure> readout::figures() const {
   const auto share = [&](double squares) {
     return variance > 0 ? std::sqrt(squares / n / variance) : 0;
   };
-  return {{"ticks", static_cast<double>(ticks_)},
-          {"vectors updated", static_cast<double>(updated_)},
-          {"vectors missed", static_cast<double>(missed_)},
-          {"channels lost", static_cast<double>(ends_.failures())},
-          {"prediction error", share(squared_error_)},
-          {"error of the last value", share(squared_step_)}};
+  auto all = synaptic_application::figures();
+  all.push_back({"prediction error", share(squared_error_)});
+  all.push_back({"error of the last value", share(squared_step_)});
+  return all;
 }
 
 } // namespace rubicon::apps

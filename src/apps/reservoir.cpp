@@ -17,7 +17,7 @@ double tanh(double x) {
 } // namespace
 
 reservoir::reservoir(reservoir_config config, random_stream dice)
-    : config_(std::move(config)), ends_(config_.from, config_.to),
+    : synaptic_application(config.from, config.to), config_(std::move(config)),
       senses_(config_.transducers.size()), states_(config_.units) {
   std::size_t remote = 0;
   for (const auto& x : config_.from)
@@ -34,37 +34,18 @@ reservoir::reservoir(reservoir_config config, random_stream dice)
   }
 }
 
-void reservoir::joined(mote::island_octet, std::uint16_t, mote::status success) {
-  ends_.close_all(layer());
-  if (success == mote::FAIL)
-    return;
-  for (std::size_t i = 0; i < senses_.size(); ++i) {
+void reservoir::joined(mote::island_octet island, std::uint16_t mote, mote::status success) {
+  synaptic_application::joined(island, mote, success);
+  for (std::size_t i = 0; success == mote::SUCCESS && i < senses_.size(); ++i) {
     if (senses_[i].stream < 0)
       senses_[i].stream = layer().open_sensor(static_cast<std::uint8_t>(config_.transducers[i]), 0,
                                               stream::sampling::on_demand);
   }
-  ends_.open_all(layer());
-}
-
-void reservoir::createSynChannelOutDone(int channel, mote::status success) {
-  ends_.on_created(layer(), channel, success == mote::SUCCESS);
-}
-
-void reservoir::createSynChannelInDone(int channel, mote::status success) {
-  ends_.on_created(layer(), channel, success == mote::SUCCESS);
-}
-
-void reservoir::synChannelFailed(int channel) {
-  ends_.on_failed(layer(), channel);
-}
-
-void reservoir::syn_input_update(int, std::uint8_t index, synaptic::input_status status) {
-  if (index == 0)
-    ++(status == synaptic::input_status::updated ? updated_ : missed_);
 }
 
 void reservoir::clock_tick(std::uint32_t) {
-  ticks_ += ends_.all_open() ? 1 : 0;
+  if (all_open())
+    count_tick();
   awaited_ = 0;
   for (const auto& x : senses_) {
     if (x.stream > 0 && layer().read(x.stream, stream::sensor_record::size) == mote::SUCCESS)
@@ -96,7 +77,7 @@ void reservoir::compute() {
   for (const auto& x : senses_)
     inputs.push_back(x.value);
   inputs.insert(inputs.end(), states_.begin(), states_.end());
-  for (const auto& x : ends_.ends()) {
+  for (const auto& x : ends()) {
     for (std::uint8_t i = 0; !x.is_out && i < x.what.size; ++i) {
       const auto value = x.is_open ? layer().read_input(x.channel, i) : 0.0F;
       inputs.push_back(std::isnan(value) ? 0 : value);
@@ -112,18 +93,11 @@ void reservoir::compute() {
   if (!senses_.empty())
     outputs.push_back(senses_.front().value);
   outputs.insert(outputs.end(), states_.begin(), states_.end());
-  for (const auto& x : ends_.ends()) {
+  for (const auto& x : ends()) {
     for (std::uint8_t i = 0; x.is_out && x.is_open && i < x.what.size; ++i)
       layer().write_output(x.channel, i,
                            i < outputs.size() ? static_cast<float>(outputs[i]) : 0.0F);
   }
-}
-
-std::vector<figure> reservoir::figures() const {
-  return {{"ticks", static_cast<double>(ticks_)},
-          {"vectors updated", static_cast<double>(updated_)},
-          {"vectors missed", static_cast<double>(missed_)},
-          {"channels lost", static_cast<double>(ends_.failures())}};
 }
 
 } // namespace rubicon::apps

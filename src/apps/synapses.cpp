@@ -10,68 +10,98 @@ constexpr duration pause = 3s; ///< before a channel is created anew
 
 } // namespace
 
-synapses::synapses(const std::vector<synapse>& from, const std::vector<synapse>& to) {
+synaptic_application::synaptic_application(const std::vector<synapse>& from,
+                                           const std::vector<synapse>& to) {
   for (const auto& x : from)
     ends_.push_back({x, false});
   for (const auto& x : to)
     ends_.push_back({x, true});
 }
 
-void synapses::open_all(mote::communication& layer) {
+void synaptic_application::joined(mote::island_octet, std::uint16_t, mote::status success) {
+  close_all();
+  if (success == mote::SUCCESS)
+    open_all();
+}
+
+void synaptic_application::open_all() {
   retry_.reset();
   for (auto& x : ends_) {
     if (x.channel > 0)
       continue;
-    x.channel = x.is_out ? layer.create_syn_channel_out(x.what.other, x.what.size, {})
-                         : layer.create_syn_channel_in(x.what.other, x.what.size, {});
+    x.channel = x.is_out ? layer().create_syn_channel_out(x.what.other, x.what.size, {})
+                         : layer().create_syn_channel_in(x.what.other, x.what.size, {});
     if (x.channel < 0)
-      retry_ = layer.now() + pause;
+      retry_ = layer().now() + pause;
   }
 }
 
-void synapses::close_all(mote::communication& layer) {
+void synaptic_application::close_all() {
   retry_.reset();
   for (auto& x : ends_) {
     if (x.channel > 0)
-      layer.dispose_syn_channel(x.channel);
+      layer().dispose_syn_channel(x.channel);
     x.channel = -1;
     x.is_open = false;
   }
 }
 
-void synapses::on_created(mote::communication& layer, int channel, bool success) {
+void synaptic_application::createSynChannelOutDone(int channel, mote::status success) {
+  on_created(channel, success == mote::SUCCESS);
+}
+
+void synaptic_application::createSynChannelInDone(int channel, mote::status success) {
+  on_created(channel, success == mote::SUCCESS);
+}
+
+void synaptic_application::on_created(int channel, bool success) {
   const auto x = std::ranges::find(ends_, channel, &end::channel);
   if (x == ends_.end())
     return;
-  x->is_open = success;
-  if (success) {
-    if (x->is_out)
-      layer.start_syn_channel(channel);
+  if (!success) {
+    lose(*x);
     return;
   }
-  ++failures_;
-  x->channel = -1;
-  retry_ = layer.now() + pause;
+  x->is_open = true;
+  if (x->is_out)
+    layer().start_syn_channel(channel);
 }
 
-void synapses::on_failed(mote::communication& layer, int channel) {
+void synaptic_application::synChannelFailed(int channel) {
   const auto x = std::ranges::find(ends_, channel, &end::channel);
   if (x == ends_.end())
     return;
-  ++failures_;
-  layer.dispose_syn_channel(channel);
-  x->channel = -1;
-  x->is_open = false;
-  retry_ = layer.now() + pause;
+  layer().dispose_syn_channel(channel);
+  lose(*x);
 }
 
-void synapses::on_time(mote::communication& layer, instant now) {
+void synaptic_application::lose(end& x) {
+  ++losses_;
+  x.channel = -1;
+  x.is_open = false;
+  retry_ = layer().now() + pause;
+}
+
+void synaptic_application::on_time(instant now) {
   if (retry_ && *retry_ <= now)
-    open_all(layer);
+    open_all();
 }
 
-bool synapses::all_open() const {
+void synaptic_application::syn_input_update(int, std::uint8_t index,
+                                            synaptic::input_status status) {
+  if (index == 0)
+    ++(status == synaptic::input_status::updated ? updated_ : missed_);
+}
+
+bool synaptic_application::all_open() const {
   return std::ranges::all_of(ends_, &end::is_open);
+}
+
+std::vector<figure> synaptic_application::figures() const {
+  return {{"ticks", static_cast<double>(ticks_)},
+          {"vectors updated", static_cast<double>(updated_)},
+          {"vectors missed", static_cast<double>(missed_)},
+          {"channels lost", static_cast<double>(losses_)}};
 }
 
 } // namespace rubicon::apps

@@ -150,21 +150,20 @@ std::vector<placed_app> read_mote_apps(table_reader& in, const directory& names)
     add(x, "app", {std::move(app.app), {}, std::move(app.needs_at), {}});
   };
   in.tables("apps", "apps of a mote", [&](table_reader& x) {
-    x.one_of(
-        "app",
-        {{"sampler", [&](table_reader& y) { add(y, "channel", read_sampler(y)); }},
-         {"actuator", [&](table_reader& y) { add(y, "channel", read_actuator_app(y)); }},
-         {"messenger", [&](table_reader& y) { add(y, "am_type", read_messenger(y, names)); }},
-         {"listener", [&](table_reader& y) { add(y, "am_type", read_listener(y)); }},
-         {"stream_writer", [&](table_reader& y) { add_program(y, read_stream_writer(y, names)); }},
-         {"stream_reader", [&](table_reader& y) { add_program(y, read_stream_reader(y)); }},
-         {"reservoir", [&](table_reader& y) { add_program(y, read_reservoir(y, names, true)); }},
-         {"readout", [&](table_reader& y) { add_program(y, read_readout(y, names)); }},
-         {"sender", [&](table_reader& y) { add(y, "app", read_sender(y, names)); }},
-         {"relay", [&](table_reader& y) { add(y, "app", read_relay(y, names)); }},
-         {"receiver", [&](table_reader& y) {
-            add(y, "app", {flow::receiver_config{}, {}, {}, {}});
-          }}});
+    std::vector<std::pair<std::string_view, table_reader::part_reader>> choices{
+        {"sampler", [&](table_reader& y) { add(y, "channel", read_sampler(y)); }},
+        {"actuator", [&](table_reader& y) { add(y, "channel", read_actuator_app(y)); }},
+        {"messenger", [&](table_reader& y) { add(y, "am_type", read_messenger(y, names)); }},
+        {"listener", [&](table_reader& y) { add(y, "am_type", read_listener(y)); }}};
+    for (const auto& [word, read] : mote_programs(names))
+      choices.emplace_back(word, [&, read](table_reader& y) { add_program(y, read(y)); });
+    choices.insert(choices.end(),
+                   {{"sender", [&](table_reader& y) { add(y, "app", read_sender(y, names)); }},
+                    {"relay", [&](table_reader& y) { add(y, "app", read_relay(y, names)); }},
+                    {"receiver", [&](table_reader& y) {
+                       add(y, "app", {flow::receiver_config{}, {}, {}, {}});
+                     }}});
+    x.one_of("app", choices);
   });
   return out;
 }

@@ -1,5 +1,6 @@
 #include "config/application_readers.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "config/mote_readers.hpp"
@@ -12,6 +13,7 @@ namespace {
 constexpr duration every_min = 10ms;
 constexpr duration every_max = 24h;
 constexpr std::size_t synapses_max = 64;
+constexpr std::size_t streams_max = 32;
 constexpr std::uint8_t vector_max = 64;
 
 std::vector<apps::synapse> read_synapses(table_reader& in, std::string_view key,
@@ -30,39 +32,6 @@ std::vector<apps::synapse> read_synapses(table_reader& in, std::string_view key,
     in.problems().add(in.at(key), '`' + std::string(key) + "` must not have more than " +
                                       std::to_string(synapses_max) + " channels");
   return out;
-}
-
-bool is_gateway(const directory& names, peer_id id) {
-  const auto* island = names.find(island_id(static_cast<std::uint32_t>(id.value)));
-  return island != nullptr && island->has_gateway;
-}
-
-} // namespace
-
-std::optional<mote_address> node_name::read(const node& x, const asker& who) const {
-  const auto* text = x.as<std::string>();
-  if (text != nullptr && text->find('/') != std::string::npos)
-    return mote_name{names}.read(x, who);
-  const auto peer = peer_name{names}.read(x, who);
-  if (!peer)
-    return std::nullopt;
-  if (is_gateway(names, *peer)) {
-    who.complain(x, '`' + *text + "` is a gateway, on which no programs run");
-    return std::nullopt;
-  }
-  if (peer->value > static_cast<std::int32_t>(island_id_max)) {
-    who.complain(x, "peer `" + *text + "` has the id " + to_string(*peer) +
-                        ", but motes and programs address peers up to 254");
-    return std::nullopt;
-  }
-  return mote_address{island_id(static_cast<std::uint32_t>(peer->value)), no_mote};
-}
-
-std::vector<std::pair<std::string_view, mote::quantity>> quantities() {
-  std::vector<std::pair<std::string_view, mote::quantity>> words;
-  for (unsigned i = 0; i <= static_cast<unsigned>(mote::quantity::sound); ++i)
-    words.emplace_back(word_of(static_cast<mote::quantity>(i)), static_cast<mote::quantity>(i));
-  return words;
 }
 
 placed_program read_stream_writer(table_reader& in, const directory& names) {
@@ -108,6 +77,116 @@ placed_program read_readout(table_reader& in, const directory& names) {
   in.optional("warm_up", whole<std::uint32_t>{}, app.warm_up);
   in.optional("forgetting", real{0.5, 1}, app.forgetting);
   return {std::move(app), {}};
+}
+
+std::vector<std::uint16_t> read_streams(table_reader& in) {
+  std::vector<located<std::uint16_t>> found;
+  in.required("streams", list_of<whole<std::uint16_t>>{{}, 1, streams_max}, found);
+  claims<std::uint16_t> listed;
+  for (const auto& each : found)
+    listed.claim(each.value, "stream " + std::to_string(each.value), each.at, in.problems(),
+                 "is already listed");
+  return values_of(std::move(found));
+}
+
+placed_program read_average(table_reader& in, const directory& names) {
+  apps::average_config app;
+  app.streams = read_streams(in);
+  in.optional("every", time_span{every_min, every_max}, app.every);
+  claims<std::uint16_t> listed;
+  in.tables(
+      "outputs", "outputs of an average",
+      [&](table_reader& x) {
+        apps::stream_output to;
+        x.required("to", node_name{names}, to.to);
+        x.optional("stream", whole<std::uint16_t>{}, to.stream);
+        if (std::ranges::find(app.streams, to.stream) != app.streams.end())
+          x.problems().add(x.at("stream"),
+                           "stream " + std::to_string(to.stream) + " is read by this average");
+        listed.claim(to.stream, "stream " + std::to_string(to.stream), x.at("stream"), x.problems(),
+                     "is already listed");
+        app.outputs.push_back(to);
+      },
+      1);
+  return {std::move(app), {}};
+}
+
+placed_program read_stream_switch(table_reader& in, const directory& names) {
+  apps::stream_switch_config app;
+  in.optional("stream", whole<std::uint16_t>{}, app.stream);
+  in.optional("every", time_span{every_min, every_max}, app.every);
+  in.required("on_at", real{}, app.on_at);
+  in.required("off_at", real{}, app.off_at);
+  in.required("to", mote_name{names}, app.to);
+  in.optional("channel", whole<std::uint8_t>{}, app.channel);
+  if (in.sound() && app.on_at == app.off_at)
+    in.problems().add(in.at("off_at"), "`off_at` must not be equal to `on_at`");
+  return {app, {}};
+}
+
+placed_program read_recorder(table_reader& in, claims<std::string>& files) {
+  apps::recorder_config app;
+  app.streams = read_streams(in);
+  in.optional("every", time_span{every_min, every_max}, app.every);
+  if (in.required("file", text{}, app.file))
+    files.claim(app.file, "file `" + app.file + '`', in.at("file"), in.problems(),
+                "is already written by the recorder");
+  return {std::move(app), {}};
+}
+
+} // namespace
+
+std::optional<mote_address> node_name::read(const node& x, const asker& who) const {
+  const auto* text = x.as<std::string>();
+  if (text != nullptr && text->find('/') != std::string::npos)
+    return mote_name{names}.read(x, who);
+  const auto peer = peer_name{names}.read(x, who);
+  if (!peer)
+    return std::nullopt;
+  if (peer->value > static_cast<std::int32_t>(island_id_max)) {
+    who.complain(x, "peer `" + *text + "` has the id " + to_string(*peer) +
+                        ", but motes and programs address peers up to 254");
+    return std::nullopt;
+  }
+  return mote_address{island_id(static_cast<std::uint32_t>(peer->value)), no_mote};
+}
+
+std::vector<std::pair<std::string_view, mote::quantity>> quantities() {
+  std::vector<std::pair<std::string_view, mote::quantity>> words;
+  for (unsigned i = 0; i <= static_cast<unsigned>(mote::quantity::sound); ++i)
+    words.emplace_back(word_of(static_cast<mote::quantity>(i)), static_cast<mote::quantity>(i));
+  return words;
+}
+
+std::vector<program_kind> mote_programs(const directory& names) {
+  return {{"stream_writer", [&](table_reader& x) { return read_stream_writer(x, names); }},
+          {"stream_reader", read_stream_reader},
+          {"reservoir", [&](table_reader& x) { return read_reservoir(x, names, true); }},
+          {"readout", [&](table_reader& x) { return read_readout(x, names); }},
+          {"average", [&](table_reader& x) { return read_average(x, names); }},
+          {"stream_switch", [&](table_reader& x) { return read_stream_switch(x, names); }}};
+}
+
+std::vector<program_kind> pc_programs(const directory& names, claims<std::string>& files) {
+  return {{"stream_reader", read_stream_reader},
+          {"reservoir", [&](table_reader& x) { return read_reservoir(x, names, false); }},
+          {"readout", [&](table_reader& x) { return read_readout(x, names); }},
+          {"average", [&](table_reader& x) { return read_average(x, names); }},
+          {"stream_switch", [&](table_reader& x) { return read_stream_switch(x, names); }},
+          {"recorder", [&](table_reader& x) { return read_recorder(x, files); }}};
+}
+
+std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_view key,
+                                               const std::string& title, const directory& names,
+                                               claims<std::string>& files) {
+  std::vector<apps::app_config> out;
+  in.tables(key, title, [&](table_reader& x) {
+    std::vector<std::pair<std::string_view, table_reader::part_reader>> choices;
+    for (const auto& [word, read] : pc_programs(names, files))
+      choices.emplace_back(word, [&out, read](table_reader& y) { out.push_back(read(y).app); });
+    x.one_of("app", choices);
+  });
+  return out;
 }
 
 std::vector<mote::quantity> needs(const apps::app_config& x) {

@@ -1,10 +1,14 @@
 // Reads the programs that use the Mockup interface, on motes and on peers.
 #pragma once
 
+#include <functional>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "apps/app_config.hpp"
+#include "config/claims.hpp"
 #include "config/directory.hpp"
 #include "config/table_reader.hpp"
 
@@ -23,11 +27,21 @@ struct placed_program {
   std::vector<mark> needs_at;
 };
 
-[[nodiscard]] placed_program read_stream_writer(table_reader& in, const directory& names);
-[[nodiscard]] placed_program read_stream_reader(table_reader& in);
-/// @param senses whether its node can have transducers
-[[nodiscard]] placed_program read_reservoir(table_reader& in, const directory& names, bool senses);
-[[nodiscard]] placed_program read_readout(table_reader& in, const directory& names);
+/// One kind of program: the word for it in a file, and what reads its table.
+using program_kind = std::pair<std::string_view, std::function<placed_program(table_reader&)>>;
+
+/// Programs for motes. @param names outlives what is returned, as in the next one
+[[nodiscard]] std::vector<program_kind> mote_programs(const directory& names);
+
+/// Programs for PCs. @param files those that recorders write so far; outlives what is returned
+[[nodiscard]] std::vector<program_kind> pc_programs(const directory& names,
+                                                    claims<std::string>& files);
+
+/// All programs of a PC. @param key of their array
+[[nodiscard]] std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_view key,
+                                                             const std::string& title,
+                                                             const directory& names,
+                                                             claims<std::string>& files);
 
 /// The transducers that a program needs, in the order of needs_at.
 [[nodiscard]] std::vector<mote::quantity> needs(const apps::app_config& x);

@@ -102,10 +102,11 @@ struct island_description {
   serial::line_config serial;
   std::string gateway_name;               ///< PEIS name of the gateway; default NAME-gateway
   std::vector<std::string> gateway_links; ///< names of peers or gateways it connects to
-  duration keep_alive = 10s;              ///< a silent mote is gone after this (DIS-06); motes that
-                                          ///< report more rarely get three of their periods
-  mote::duty_config duty;                 ///< of its motes' radios
-  double crystal_ppm = 40;                ///< each mote's clock is off by up to this, drawn
+  std::vector<apps::app_config> gateway_apps;
+  duration keep_alive = 10s; ///< a silent mote is gone after this (DIS-06); motes that
+                             ///< report more rarely get three of their periods
+  mote::duty_config duty;    ///< of its motes' radios
+  double crystal_ppm = 40;   ///< each mote's clock is off by up to this, drawn
   std::vector<mote_description> motes;
 };
 

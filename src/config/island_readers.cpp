@@ -2,6 +2,7 @@
 #include <limits>
 #include <utility>
 
+#include "config/application_readers.hpp"
 #include "config/file_readers.hpp"
 #include "config/island_motes.hpp"
 #include "radio/tossim_files.hpp"
@@ -56,6 +57,7 @@ void read_duty_cycle(table_reader& island, mote::duty_config& out) {
 void read_gateway(table_reader& in, surroundings& with, island_description& out) {
   in.optional("name", name_text{}, out.gateway_name);
   out.gateway_links = read_links(in, with.names, {out.gateway_name});
+  out.gateway_apps = read_pc_programs(in, "apps", "apps of a gateway", with.names, with.files);
 }
 
 /// The cable and the gateway of an island.

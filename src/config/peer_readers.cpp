@@ -188,19 +188,24 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
   read_adapters(in, apps.places, like);
   in.tables("apps", "apps of a peer", [&](table_reader& x) {
     const auto add = [&like](peer_app app) { like.apps.push_back(std::move(app)); };
-    x.one_of("app", {{"proxy_manager",
-                      [&](table_reader& y) {
-                        if (peers.count > 1)
-                          y.problems().add(y.at("app"), "an island has one proxy manager, not " +
-                                                            std::to_string(peers.count));
-                        add(read_manager(y, apps));
-                      }},
-                     {"rules", [&](table_reader& y) { add(read_rules(y)); }},
-                     {"collector", [&](table_reader& y) { add(read_collector(y)); }},
-                     {"stream_reader", [&](table_reader& y) { add(read_stream_reader(y).app); }},
-                     {"reservoir",
-                      [&](table_reader& y) { add(read_reservoir(y, with.names, false).app); }},
-                     {"readout", [&](table_reader& y) { add(read_readout(y, with.names).app); }}});
+    std::vector<std::pair<std::string_view, table_reader::part_reader>> choices{
+        {"proxy_manager",
+         [&](table_reader& y) {
+           if (peers.count > 1)
+             y.problems().add(y.at("app"), "an island has one proxy manager, not " +
+                                               std::to_string(peers.count));
+           add(read_manager(y, apps));
+         }},
+        {"rules", [&](table_reader& y) { add(read_rules(y)); }},
+        {"collector", [&](table_reader& y) { add(read_collector(y)); }}};
+    for (const auto& [word, read] : pc_programs(with.names, with.files))
+      choices.emplace_back(word, [&, word, read](table_reader& y) {
+        if (peers.count > 1 && word == "recorder")
+          y.problems().add(y.at("app"),
+                           "a file has one recorder, not " + std::to_string(peers.count));
+        add(read(y).app);
+      });
+    x.one_of("app", choices);
   });
   for (std::uint32_t i = 0; i < peers.count; ++i) {
     auto peer = like;

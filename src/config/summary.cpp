@@ -145,10 +145,14 @@ struct app_text {
 std::vector<row> peer_rows(const ecology_description& x) {
   std::vector<std::pair<std::int64_t, row>> found;
   for (const auto& each : x.islands) {
-    if (each.stack == stack::full)
-      found.push_back({each.id.value,
-                       {to_string(each.id), each.gateway_name, arrow(each.gateway_links),
-                        placed(each.host), "gateway of " + each.name}});
+    if (each.stack != stack::full)
+      continue;
+    std::vector<std::string> apps{"gateway of " + each.name};
+    for (const auto& app : each.gateway_apps)
+      apps.emplace_back(kind_of(app));
+    found.push_back({each.id.value,
+                     {to_string(each.id), each.gateway_name, arrow(each.gateway_links),
+                      placed(each.host), joined(apps)}});
   }
   for (const auto& each : x.peers) {
     std::vector<std::string> apps;

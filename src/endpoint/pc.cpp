@@ -14,7 +14,7 @@ mote::layer_config layer_of(const pc_config& config) {
   mote::layer_config x;
   x.self = no_mote;
   x.incarnation = config.incarnation;
-  x.messages.outstanding_max = config.channels_max;
+  x.messages.outstanding_max = config.sends_max;
   x.messages.sessions_max = 1024;
   x.messages.sources_max = 1024;
   x.tunnels.tunnels_max = 4 * config.channels_max;
@@ -30,10 +30,17 @@ mote::layer_config layer_of(const pc_config& config) {
 
 } // namespace
 
+peer_message message_of(transport::to_network x) {
+  const auto [island, mote] = x.destination;
+  return {gateway_of(island),
+          encode(network::gateway_packet{mote, x.channel, std::move(x.segment)})};
+}
+
 pc::pc(pc_config config, random_stream dice)
     : config_(config), layer_(std::make_unique<mote::layer>(layer_of(config), dice)) {}
 
 mote::communication pc::attach(mote::communication_events& events) {
+  has_programs_ = true;
   return layer_->attach(events);
 }
 
@@ -57,6 +64,18 @@ outputs pc::on_message(peer_id source, byte_view octets, instant now) {
   return settle();
 }
 
+outputs pc::on_packet(island_id source, std::uint16_t channel, byte_view body, instant now) {
+  now_ = now;
+  layer_->on_packet(source, channel, body, now);
+  return settle();
+}
+
+outputs pc::on_mote_joined(mote_id mote, byte_view description, instant now) {
+  now_ = now;
+  layer_->on_mote_joined(mote, description, now);
+  return settle();
+}
+
 outputs pc::on_time(instant now) {
   now_ = now;
   tick(now);
@@ -69,6 +88,8 @@ std::optional<instant> pc::deadline() const {
 }
 
 void pc::tick(instant now) {
+  if (!has_programs_)
+    return;
   const auto since = std::chrono::floor<island_clock::duration>(now.time_since_epoch());
   if (const auto next = clock_.update(now, island_time(since), {0, {}, config_.tick_period}))
     layer_->on_tick(next->number, now);
@@ -89,9 +110,7 @@ void pc::perform(mote::layer_output& x, outputs& out) {
     if (to == mote_address{island_of(config_.self), no_mote})
       layer_->on_packet(to.island, packet->channel, packet->segment, now_);
     else
-      out.push_back(
-          {gateway_of(to.island),
-           encode(network::gateway_packet{to.mote, packet->channel, std::move(packet->segment)})});
+      out.push_back(std::move(*packet));
   } else if (const auto* wanted = std::get_if<mote::sample_wanted>(&x)) {
     ++counters_.no_transducer; // open_sensor() refuses: a PC has none
     layer_->on_sample(wanted->stream, {}, now_);

@@ -1,5 +1,5 @@
 // The Communication Layer of a PC or robot: the same layer as a mote's, with messages between PEIS
-// kernels below it (D1.1 4.1, Table 2; PAR-01..03, PAR-05, ADR-07).
+// kernels below it (D1.1 4.1, Table 2; PAR-01..03, PAR-05, ADR-07). A gateway has one too.
 #pragma once
 
 #include <chrono>
@@ -23,12 +23,16 @@ struct peer_message {
   bytes octets;
 };
 
-using outputs = std::vector<peer_message>;
+using outputs = std::vector<transport::to_network>;
+
+/// What carries a packet to another peer, or to a mote of another's island.
+[[nodiscard]] peer_message message_of(transport::to_network x);
 
 struct pc_config {
   peer_id self;
   std::uint32_t incarnation = 0;              ///< how often it has been started before
   std::chrono::milliseconds tick_period{500}; ///< of the RUBICON clock (CLK-03)
+  std::size_t sends_max = 64;                 ///< reliable messages under way
   std::size_t channels_max = 64;              ///< streams; synaptic channels each way; tunnels
   std::uint8_t vector_max = 64;               ///< elements of a synaptic channel
 };
@@ -40,7 +44,7 @@ struct pc_counters {
 };
 
 /// Its address is its PEIS id as island, no_mote as mote. The RUBICON clock shows the time of the
-/// run: T is 0 when it begins.
+/// run: T is 0 when it begins. Without programs there is no clock.
 class pc {
 public:
   pc() = default;
@@ -49,6 +53,12 @@ public:
   /// A program on this PC. Commands that are not given from within an event are preceded by begin()
   /// and followed by settle(). @param events outlives this
   [[nodiscard]] mote::communication attach(mote::communication_events& events);
+
+  /// Gets the messages of types that no program provides (mote::layer). @param events as above
+  [[nodiscard]] mote::communication attach_for_rest(mote::communication_events& events) {
+    return layer_->attach_for_rest(events);
+  }
+
   void begin(instant now) { layer_->set_time(now); }
   [[nodiscard]] outputs settle();
 
@@ -56,6 +66,14 @@ public:
 
   /// A message on PEIS port 21.
   [[nodiscard]] outputs on_message(peer_id source, byte_view octets, instant now);
+
+  /// A packet for this PC, without its header. @param source island it comes from
+  [[nodiscard]] outputs on_packet(island_id source, std::uint16_t channel, byte_view body,
+                                  instant now);
+
+  /// At a gateway: its island has a member more, or one that has been started again (MCK-15).
+  [[nodiscard]] outputs on_mote_joined(mote_id mote, byte_view description, instant now);
+  void forget_incarnation(mote_address x) { layer_->forget_incarnation(x); }
 
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
@@ -70,6 +88,7 @@ private:
   pc_config config_;
   std::unique_ptr<mote::layer> layer_; ///< programs point to it
   synaptic::rubicon_clock clock_;
+  bool has_programs_ = false;
   instant now_;
   pc_counters counters_;
 };

@@ -1,5 +1,7 @@
 #include "gateway/gateway.hpp"
 
+#include <utility>
+
 #include "core/device_keys.hpp"
 #include "network/am.hpp"
 #include "network/wire.hpp"
@@ -28,22 +30,52 @@ bool wants_reliable(byte_view segment) {
   return decoded && decoded->what == transport::segment::kind::reliable;
 }
 
-} // namespace
-
-gateway::gateway(gateway_config config, random_stream dice)
-    : config_(config), pieces_({.packets_max = assemblies_max}) {
-  transport::endpoint_config messages;
-  messages.self = no_mote;
-  messages.incarnation = config.incarnation;
-  messages.outstanding_max = config.inputs_outstanding_max;
-  messages.sources_max = 1024;
-  messages.sessions_max = 1024;
-  endpoint_ = transport::endpoint(messages, dice);
-  endpoint_.join(config.island);
+endpoint::pc_config pc_of(const gateway_config& config) {
+  endpoint::pc_config x;
+  x.self = gateway_of(config.island);
+  x.incarnation = config.incarnation;
+  x.sends_max = config.inputs_outstanding_max;
+  return x;
 }
 
-outputs gateway::start() {
-  return {device_list()};
+} // namespace
+
+/// The program that exchanges messages between motes and tuples: keeps what it is told until the
+/// gateway takes it.
+class device_messages final : public mote::communication_events {
+public:
+  void receiveFrom(mote_address source, byte_view buf, std::uint8_t am_type) override {
+    received.push_back({source, am_type, to_bytes(buf)});
+  }
+  void ackOf(std::uint32_t number, mote::status success) override {
+    outcomes.push_back({number, success == mote::SUCCESS});
+  }
+
+  std::optional<mote::communication> layer;
+  std::vector<transport::received> received;
+  std::vector<transport::outcome> outcomes;
+};
+
+gateway::gateway() = default;
+gateway::gateway(gateway&& x) noexcept = default;
+gateway& gateway::operator=(gateway&& x) noexcept = default;
+gateway::~gateway() = default;
+
+gateway::gateway(gateway_config config, random_stream dice)
+    : config_(config), pc_(pc_of(config), dice), messages_(std::make_unique<device_messages>()),
+      pieces_({.packets_max = assemblies_max}) {
+  messages_->layer = pc_.attach_for_rest(*messages_);
+}
+
+outputs gateway::start(instant now) {
+  outputs out{device_list()};
+  for (auto& x : take(pc_.start(now)))
+    out.push_back(std::move(x));
+  return out;
+}
+
+mote::communication gateway::attach(mote::communication_events& events) {
+  return pc_.attach(events);
 }
 
 outputs gateway::on_packet(mote_id source, std::uint8_t am_type, byte_view payload, instant now) {
@@ -62,7 +94,7 @@ outputs gateway::on_packet(mote_id source, std::uint8_t am_type, byte_view paylo
     ++counters_.malformed;
     return {};
   }
-  return std::visit([this](const auto& x) { return on_event(x); }, *event);
+  return std::visit([this, now](const auto& x) { return on_event(x, now); }, *event);
 }
 
 outputs gateway::on_island_packet(byte_view payload, instant now) {
@@ -73,7 +105,7 @@ outputs gateway::on_island_packet(byte_view payload, instant now) {
   }
   const bool here = packet->island == config_.island || packet->island == own_island;
   if (here && packet->mote == no_mote)
-    return on_segment_for_us(packet->body, now);
+    return on_packet_for_us(*packet, now);
   if (here) { // a sink sends these on itself; one of another make may not
     outputs out;
     packet->island = config_.island;
@@ -88,14 +120,14 @@ outputs gateway::on_island_packet(byte_view payload, instant now) {
       reliable}};
 }
 
-outputs gateway::on_segment_for_us(byte_view segment, instant now) {
-  const auto decoded = transport::decode_segment(segment);
-  if (decoded && !devices_.contains(decoded->source)) {
+outputs gateway::on_packet_for_us(const network::island_packet& x, instant now) {
+  const auto decoded = transport::decode_segment(x.body);
+  if (x.channel <= 0xff && decoded && !devices_.contains(decoded->source)) {
     // Its join was lost on the serial line. Unacknowledged, a reliable message will come again.
     ++counters_.undeliverable;
     return {ask_about(decoded->source)};
   }
-  return take(endpoint_.on_segment(config_.island, segment, now));
+  return take(pc_.on_packet(config_.island, x.channel, x.body, now));
 }
 
 outputs gateway::on_message(peer_id source, byte_view octets, instant now) {
@@ -106,7 +138,7 @@ outputs gateway::on_message(peer_id source, byte_view octets, instant now) {
   }
   const island_id island{static_cast<std::uint32_t>(source.value)};
   if (packet->mote == no_mote)
-    return take(endpoint_.on_segment(island, packet->body, now));
+    return take(pc_.on_packet(island, packet->channel, packet->body, now));
   if (packet->mote != broadcast_mote && !devices_.contains(packet->mote)) {
     ++counters_.undeliverable;
     return {};
@@ -132,41 +164,47 @@ outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets,
             status_tuple(mote, channel, sequence, input_outcome::unreachable)};
   }
   listed->second.input_channels.insert(channel);
-  const auto ticket = next_ticket_++;
-  auto accepted = channel > 0xff ? std::nullopt // not an AM type: reserved for streams (WIR-01)
-                                 : endpoint_.send(ticket, {config_.island, mote},
-                                                  static_cast<std::uint8_t>(channel),
-                                                  to_bytes(octets), true, now);
+  pc_.begin(now);
+  const auto number = channel > 0xff
+                          ? std::nullopt // not an AM type: reserved for streams (WIR-01)
+                          : messages_->layer->send_numbered({config_.island, mote}, octets, true,
+                                                            static_cast<std::uint8_t>(channel));
   outputs out{status_tuple(mote, channel, sequence, input_outcome::pending)};
-  if (!accepted) {
+  if (!number) {
     out.emplace_back(status_tuple(mote, channel, sequence, input_outcome::failed));
     return out;
   }
-  pending_[ticket] = {mote, channel, sequence};
-  for (auto& x : take(*std::move(accepted)))
+  pending_[*number] = {mote, channel, sequence};
+  for (auto& x : settle())
     out.push_back(std::move(x));
   return out;
 }
 
 outputs gateway::on_time(instant now) {
-  return take(endpoint_.on_time(now));
+  return take(pc_.on_time(now));
 }
 
-outputs gateway::on_event(const network::mote_joined& x) {
-  auto& entry = devices_[x.mote];
-  if (entry.incarnation != x.incarnation)
-    endpoint_.forget_incarnation({config_.island, x.mote});
-  entry.incarnation = x.incarnation;
-  return {publish{device_type_key(x.mote), device_type_octets(x.type), false},
-          publish{device_descriptor_key(x.mote), x.descriptor, false}, device_list(),
-          member_changed{x.mote, true, x.incarnation, {}}};
+outputs gateway::on_event(const network::mote_joined& x, instant now) {
+  const auto [listed, is_new] = devices_.try_emplace(x.mote);
+  const bool restarted = listed->second.incarnation != x.incarnation;
+  if (restarted)
+    pc_.forget_incarnation({config_.island, x.mote});
+  listed->second.incarnation = x.incarnation;
+  outputs out{publish{device_type_key(x.mote), device_type_octets(x.type), false},
+              publish{device_descriptor_key(x.mote), x.descriptor, false}, device_list(),
+              member_changed{x.mote, true, x.incarnation, {}}};
+  if (is_new || restarted) {
+    for (auto& y : take(pc_.on_mote_joined(x.mote, x.descriptor, now)))
+      out.push_back(std::move(y));
+  }
+  return out;
 }
 
-outputs gateway::on_event(const network::mote_left& x) {
+outputs gateway::on_event(const network::mote_left& x, instant) {
   return remove(x.mote, x.cause);
 }
 
-outputs gateway::on_event(const network::roster& x) {
+outputs gateway::on_event(const network::roster& x, instant) {
   if (roster_number_ != x.number) {
     roster_number_ = x.number;
     roster_seen_.clear();
@@ -190,50 +228,47 @@ outputs gateway::on_event(const network::roster& x) {
   return out;
 }
 
-outputs gateway::on_event(const network::describe&) {
+outputs gateway::on_event(const network::describe&, instant) {
   ++counters_.unknown_type; // a question only gateways ask
   return {};
 }
 
-outputs gateway::take(transport::outputs from_transport) {
+outputs gateway::take(endpoint::outputs from_pc) {
   outputs out;
-  for (auto& x : from_transport) {
-    if (auto* packet = std::get_if<transport::to_network>(&x)) {
-      const auto [island, mote] = packet->destination;
-      if (island == config_.island)
-        down({island, mote, packet->channel, std::move(packet->segment)}, out);
-      else
-        out.emplace_back(to_gateway{
-            gateway_of(island),
-            encode(network::gateway_packet{mote, packet->channel, std::move(packet->segment)}),
-            false});
-    } else if (const auto* message = std::get_if<transport::received>(&x)) {
-      for (auto& y : publish_output(*message))
-        out.push_back(std::move(y));
+  for (auto& x : from_pc) {
+    const auto [island, mote] = x.destination;
+    if (island == config_.island) {
+      down({island, mote, x.channel, std::move(x.segment)}, out);
     } else {
-      const auto& done = std::get<transport::outcome>(x);
-      const auto found = pending_.find(done.id);
-      if (found == pending_.end())
-        continue;
-      const auto [mote, channel, sequence] = found->second;
-      pending_.erase(found);
-      out.emplace_back(
-          status_tuple(mote, channel, sequence,
-                       done.acked ? input_outcome::acknowledged : input_outcome::failed));
+      auto message = endpoint::message_of(std::move(x));
+      out.emplace_back(to_gateway{message.peer, std::move(message.octets), false});
     }
   }
+  for (const auto& x : std::exchange(messages_->received, {}))
+    publish_output(x, out);
+  for (const auto& x : std::exchange(messages_->outcomes, {}))
+    publish_outcome(x, out);
   return out;
 }
 
-outputs gateway::publish_output(const transport::received& x) {
+void gateway::publish_output(const transport::received& x, outputs& out) {
   const auto listed = devices_.find(x.source.mote);
   if (x.source.island != config_.island || listed == devices_.end()) {
     ++counters_.undeliverable;
-    return {};
+    return;
   }
   ++counters_.outputs;
   listed->second.output_channels.insert(x.am_type);
-  return {publish{device_output_key(x.source.mote, x.am_type), x.payload, false}};
+  out.emplace_back(publish{device_output_key(x.source.mote, x.am_type), x.payload, false});
+}
+
+void gateway::publish_outcome(const transport::outcome& x, outputs& out) {
+  const auto found = pending_.extract(x.id);
+  if (found.empty())
+    return;
+  const auto [mote, channel, sequence] = found.mapped();
+  out.emplace_back(status_tuple(mote, channel, sequence,
+                                x.acked ? input_outcome::acknowledged : input_outcome::failed));
 }
 
 outputs gateway::remove(mote_id mote, network::leave_cause cause) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -14,9 +15,9 @@
 #include "core/bytes.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
+#include "endpoint/pc.hpp"
 #include "network/island_packet.hpp"
 #include "network/sink_event.hpp"
-#include "transport/endpoint.hpp"
 #include "transport/pieces.hpp"
 
 namespace rubicon::gateway {
@@ -77,16 +78,27 @@ struct gateway_counters {
   std::uint64_t undeliverable = 0;  ///< for motes that are not listed, or for nobody here
 };
 
+class device_messages;
+
 /// The gateway of one island. Motes reach it as the PC of their island (no_mote); its tuples:
 ///   devices, devices.$ID.{type,descriptor,output.$CH,input.$CH.status}   written here
 ///   devices.$ID.input.$CH                                                written by others
+/// Programs on the same PC have the same address; what they do not provide becomes tuples.
 class gateway {
 public:
-  gateway() = default;
+  gateway();
   gateway(gateway_config config, random_stream dice);
+  gateway(gateway&& x) noexcept;
+  gateway& operator=(gateway&& x) noexcept;
+  ~gateway();
 
-  /// Publishes the empty device list.
-  [[nodiscard]] outputs start();
+  /// Publishes the empty device list; programs are joined.
+  [[nodiscard]] outputs start(instant now);
+
+  /// A program, as in endpoint::pc. It hears of motes that join (MCK-15).
+  [[nodiscard]] mote::communication attach(mote::communication_events& events);
+  void begin(instant now) { pc_.begin(now); }
+  [[nodiscard]] outputs settle() { return take(pc_.settle()); }
 
   /// The serial line has delivered a packet from the sink.
   /// @param source mote that it comes from, as the packet says
@@ -102,14 +114,15 @@ public:
   [[nodiscard]] outputs on_message(peer_id source, byte_view octets, instant now);
 
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
-  [[nodiscard]] std::optional<instant> deadline() const { return endpoint_.deadline(); }
+  [[nodiscard]] std::optional<instant> deadline() const { return pc_.deadline(); }
 
   [[nodiscard]] std::vector<mote_id> devices() const; ///< ascending
   [[nodiscard]] const gateway_counters& counters() const { return counters_; }
-  [[nodiscard]] std::size_t outstanding() const { return endpoint_.outstanding(); }
+  [[nodiscard]] std::size_t outstanding() const { return above().messages().outstanding(); }
   [[nodiscard]] const transport::endpoint_counters& messages() const {
-    return endpoint_.counters();
+    return above().messages().counters();
   }
+  [[nodiscard]] const mote::layer& above() const { return pc_.above(); }
 
 private:
   struct device {
@@ -125,26 +138,27 @@ private:
   };
 
   [[nodiscard]] outputs on_island_packet(byte_view payload, instant now);
-  [[nodiscard]] outputs on_segment_for_us(byte_view segment, instant now);
-  [[nodiscard]] outputs on_event(const network::mote_joined& x);
-  [[nodiscard]] outputs on_event(const network::mote_left& x);
-  [[nodiscard]] outputs on_event(const network::roster& x);
-  [[nodiscard]] outputs on_event(const network::describe& x);
-  [[nodiscard]] outputs take(transport::outputs from_transport);
-  [[nodiscard]] outputs publish_output(const transport::received& x);
+  [[nodiscard]] outputs on_packet_for_us(const network::island_packet& x, instant now);
+  [[nodiscard]] outputs on_event(const network::mote_joined& x, instant now);
+  [[nodiscard]] outputs on_event(const network::mote_left& x, instant now);
+  [[nodiscard]] outputs on_event(const network::roster& x, instant now);
+  [[nodiscard]] outputs on_event(const network::describe& x, instant now);
+  [[nodiscard]] outputs take(endpoint::outputs from_pc);
+  void publish_output(const transport::received& x, outputs& out);
+  void publish_outcome(const transport::outcome& x, outputs& out);
   [[nodiscard]] outputs remove(mote_id mote, network::leave_cause cause);
   [[nodiscard]] publish device_list() const;
   [[nodiscard]] static to_sink ask_about(mote_id mote);
   void down(const network::island_packet& x, outputs& out);
 
   gateway_config config_;
-  transport::endpoint endpoint_;
+  endpoint::pc pc_;
+  std::unique_ptr<device_messages> messages_;
   transport::assembly pieces_; ///< of packets from the sink
   std::uint8_t tag_ = 0;
   std::map<mote_id, device> devices_;
   std::map<std::pair<mote_id, std::uint16_t>, std::uint64_t> input_sequences_;
   std::map<transport::ticket, pending_input> pending_;
-  transport::ticket next_ticket_ = 1;
   std::optional<std::uint16_t> roster_number_; ///< of the roster being received
   std::set<mote_id> roster_seen_;
   std::uint8_t roster_pages_seen_ = 0;

@@ -94,14 +94,27 @@ float communication::read_input(int channel, std::uint8_t index) {
 status communication::open_remote(island_octet island_addr, std::uint16_t mote_addr,
                                   std::uint16_t symbolic_name, std::uint32_t stream_rate,
                                   std::uint8_t qos, std::size_t buffer_size) {
-  if (!below_->may_talk() || island_addr == 0 || stream_rate > stream_rate_max_ms)
+  return open_end(false, address_of(island_addr, mote_addr), symbolic_name, stream_rate, qos,
+                  buffer_size);
+}
+
+status communication::open_write_end(mote_address to, std::uint16_t symbolic_name,
+                                     std::uint32_t stream_rate, std::uint8_t qos,
+                                     std::size_t buffer_size) {
+  return open_end(true, to, symbolic_name, stream_rate, qos, buffer_size);
+}
+
+status communication::open_end(bool writes_to_self, mote_address other, std::uint16_t name,
+                               std::uint32_t rate_ms, std::uint8_t qos, std::size_t buffer_size) {
+  if (!below_->may_talk() || other.island.value == 0 || rate_ms > stream_rate_max_ms)
     return below_->refuse();
   stream::remote_request wish;
-  wish.destination = address_of(island_addr, mote_addr);
-  wish.name = symbolic_name;
-  wish.rate = std::chrono::milliseconds(stream_rate);
+  wish.destination = other;
+  wish.name = name;
+  wish.rate = std::chrono::milliseconds(rate_ms);
   wish.qos = qos;
   wish.buffer_size = buffer_size;
+  wish.writes_to_self = writes_to_self;
   auto opened = below_->streams_.open_remote(below_->self(), wish, below_->now_);
   return below_->take_open(process_, std::move(opened)) > 0 ? SUCCESS : FAIL;
 }
@@ -109,16 +122,19 @@ status communication::open_remote(island_octet island_addr, std::uint16_t mote_a
 int communication::open_sensor(std::uint8_t sensor_tid, std::uint32_t stream_rate,
                                stream::sampling sampling_type) {
   const bool is_there =
-      sensor_tid < 32 && (below_->config_.transducer_mask & (1U << sensor_tid)) != 0;
+      sensor_tid < transducers_max && (below_->config_.transducer_mask & (1U << sensor_tid)) != 0;
   if (!is_there || stream_rate > stream_rate_max_ms) {
-    static_cast<void>(below_->refuse());
+    below_->refuse();
     return -1;
   }
   stream::sensor_request wish;
   wish.transducer = sensor_tid;
   wish.kind = sampling_type;
   wish.period = std::chrono::milliseconds(stream_rate);
-  return below_->take_open(process_, below_->streams_.open_sensor(wish, below_->now_));
+  const auto desc = below_->take_open(process_, below_->streams_.open_sensor(wish, below_->now_));
+  if (desc > 0)
+    below_->sensor_streams_.insert(stream_of(desc));
+  return desc;
 }
 
 int communication::open_local() {
@@ -128,8 +144,10 @@ int communication::open_local() {
 status communication::close(int desc) {
   const auto id = stream_of(desc);
   const auto done = below_->take_answer(below_->streams_.close(id));
-  if (done == SUCCESS)
+  if (done == SUCCESS) {
     below_->stream_owners_.erase(id);
+    below_->sensor_streams_.erase(id);
+  }
   return done;
 }
 

@@ -100,6 +100,10 @@ public:
   status open_remote(island_octet island_addr, std::uint16_t mote_addr, std::uint16_t symbolic_name,
                      std::uint32_t stream_rate, std::uint8_t qos,
                      std::size_t buffer_size = stream::buffer_size_default);
+  /// Extension: the write end, also of a stream to this node itself, which the call above cannot
+  /// ask for. The rest as above.
+  status open_write_end(mote_address to, std::uint16_t symbolic_name, std::uint32_t stream_rate,
+                        std::uint8_t qos, std::size_t buffer_size = stream::buffer_size_default);
   /// @param sensor_tid a mote::quantity @returns descriptor or -1
   int open_sensor(std::uint8_t sensor_tid, std::uint32_t stream_rate,
                   stream::sampling sampling_type);
@@ -133,6 +137,8 @@ public:
 private:
   friend class layer;
   communication(layer& below, std::size_t process) : below_(&below), process_(process) {}
+  status open_end(bool writes_to_self, mote_address other, std::uint16_t name,
+                  std::uint32_t rate_ms, std::uint8_t qos, std::size_t buffer_size);
 
   layer* below_;
   std::size_t process_;

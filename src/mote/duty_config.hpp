@@ -17,6 +17,11 @@ struct duty_config {
   duration after = 60ms;   ///< longest wait for one that is late
   duration linger = 6ms;   ///< after a scheduled packet, for its acknowledgement
   std::size_t held_max = 16;
+
+  /// Longest that a frame without a schedule waits for its turn.
+  [[nodiscard]] duration delay_max() const { return enabled ? period : duration{}; }
+  /// What frames there and back may wait, hops included: for time-outs.
+  [[nodiscard]] duration answer_slack() const { return 3 * delay_max(); }
 };
 
 } // namespace rubicon::mote

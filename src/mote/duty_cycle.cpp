@@ -15,10 +15,6 @@ using std::chrono::microseconds;
 constexpr std::uint64_t window_key = std::numeric_limits<std::uint64_t>::max();
 constexpr int window_share = 4; ///< frames set out in the first three quarters of a window
 
-std::uint64_t key_of(network::channel_id x) {
-  return static_cast<std::uint64_t>(x.source.value) << 16U | x.number;
-}
-
 microseconds in_us(duration x) {
   return std::chrono::duration_cast<microseconds>(x);
 }
@@ -44,7 +40,7 @@ std::optional<network::channel_id> channel_in(const network::frame_out& x) {
 } // namespace
 
 void duty_cycle::reserve(const network::channel_reserved& x) {
-  const auto key = key_of(x.channel);
+  const auto key = network::number_of(x.channel);
   const auto interval = in_us(x.schedule.interval);
   if (interval <= in_us(config_.before + config_.after)) { // as good as always
     channels_.erase(x.channel);
@@ -83,11 +79,13 @@ bool duty_cycle::has_turns(instant now, const network::clock_sync& clock) const 
          clock.at(now) >= island_time(in_us(config_.settling));
 }
 
-/// What goes back to a channel's source keeps to no schedule.
-bool duty_cycle::has_schedule(const network::frame_out& x) const {
+/// The channel to whose schedule a frame keeps. What goes back to a channel's source keeps to none.
+std::optional<network::channel_id> duty_cycle::schedule_of(const network::frame_out& x) const {
   const auto channel = channel_in(x);
   const auto found = channel ? channels_.find(*channel) : channels_.end();
-  return found != channels_.end() && found->second.previous != x.next_hop;
+  if (found == channels_.end() || found->second.previous == x.next_hop)
+    return std::nullopt;
+  return channel;
 }
 
 /// When a frame without a schedule may go: now, if all are on.
@@ -105,7 +103,7 @@ instant duty_cycle::turn_of(instant now, const network::clock_sync& clock) {
 void duty_cycle::release(held x, duty_outputs& out, instant now) {
   if (x.frame.age_at)
     grow_older(x.frame, now - x.since);
-  under_way_[x.frame.token] = has_schedule(x.frame) ? channel_in(x.frame) : std::nullopt;
+  under_way_[x.frame.token] = x.channel;
   out.emplace_back(std::move(x.frame));
 }
 
@@ -116,8 +114,9 @@ duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock) {
   std::vector<held> ready;
   for (auto x = held_.begin(); x != held_.end();) {
     if (!x->due) {
-      const bool at_once = !waits || has_schedule(x->frame);
-      x->due = at_once ? now : turn_of(now, clock);
+      if (config_.enabled)
+        x->channel = schedule_of(x->frame);
+      x->due = !waits || x->channel ? now : turn_of(now, clock);
       counters_.held += *x->due > now ? 1 : 0;
     }
     if (*x->due > now && held_.size() > config_.held_max) {
@@ -149,7 +148,7 @@ void duty_cycle::switch_radio(bool sends, duty_outputs& out, instant now,
     std::erase_if(served_, [&](const auto& x) {
       if (x.first > now)
         return false;
-      schedule_.served(key_of(x.second), time);
+      schedule_.served(network::number_of(x.second), time);
       return true;
     });
     on = schedule_.is_on(time) || !under_way_.empty() || sends;

@@ -44,7 +44,7 @@ public:
   void reserve(const network::channel_reserved& x);
 
   /// A frame for the radio: it comes out at once, or in a later update().
-  void submit(network::frame_out x, instant now) { held_.push_back({std::move(x), now, {}}); }
+  void submit(network::frame_out x, instant now) { held_.push_back({std::move(x), now}); }
 
   /// A frame that came out has ended.
   void on_sent(std::uint64_t token, instant now);
@@ -71,11 +71,12 @@ private:
   struct held {
     network::frame_out frame;
     instant since;
-    std::optional<instant> due; ///< nothing: not looked at yet
+    std::optional<instant> due = {};                 ///< nothing: not looked at yet
+    std::optional<network::channel_id> channel = {}; ///< to whose schedule it keeps
   };
 
   [[nodiscard]] bool has_turns(instant now, const network::clock_sync& clock) const;
-  [[nodiscard]] bool has_schedule(const network::frame_out& x) const;
+  [[nodiscard]] std::optional<network::channel_id> schedule_of(const network::frame_out& x) const;
   [[nodiscard]] instant turn_of(instant now, const network::clock_sync& clock);
   void release(held x, duty_outputs& out, instant now);
   void switch_radio(bool sends, duty_outputs& out, instant now, const network::clock_sync& clock);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/codec.hpp"
+
 namespace rubicon::mote {
 
 namespace {
@@ -26,6 +28,14 @@ status status_of(bool success) {
   return success ? SUCCESS : FAIL;
 }
 
+/// Says where a sensor record comes from, if its island was not known when it was taken.
+void set_island(bytes& record, island_id island) {
+  const auto octets = byte_writer().big(island.value).finish();
+  if (record.size() < octets.size() || byte_reader(record).big<std::uint32_t>() != 0)
+    return;
+  std::ranges::copy(octets, record.begin());
+}
+
 } // namespace
 
 layer::layer(layer_config config, random_stream dice) : config_(std::move(config)) {
@@ -35,7 +45,7 @@ layer::layer(layer_config config, random_stream dice) : config_(std::move(config
   config_.tunnels.self = config_.self;
   config_.tunnels.incarnation = config_.incarnation;
   tunnels_ = transport::tunnels(config_.tunnels);
-  config_.streams.transducers = 32;
+  config_.streams.transducers = transducers_max;
   streams_ = stream::streams(config_.streams);
   synaptic_ = synaptic::channels(config_.synaptic);
 }
@@ -43,6 +53,11 @@ layer::layer(layer_config config, random_stream dice) : config_(std::move(config
 communication layer::attach(communication_events& events) {
   programs_.push_back({&events, {}});
   return {*this, programs_.size() - 1};
+}
+
+communication layer::attach_for_rest(communication_events& events) {
+  rest_owner_ = programs_.size();
+  return attach(events);
 }
 
 layer_outputs layer::take_outputs() {
@@ -71,15 +86,10 @@ void layer::tell_all(const event& x) {
     tell(i, x);
 }
 
-void layer::tell_owner(stream::descriptor of, event x) {
-  const auto owner = stream_owners_.find(of);
-  if (owner != stream_owners_.end())
-    tell(owner->second, std::move(x));
-}
-
-void layer::tell_owner(synaptic::descriptor of, event x) {
-  const auto owner = synaptic_owners_.find(of);
-  if (owner != synaptic_owners_.end())
+template <class Owners>
+void layer::tell_owner(const Owners& owners, typename Owners::key_type of, event x) {
+  const auto owner = owners.find(of);
+  if (owner != owners.end())
     tell(owner->second, std::move(x));
 }
 
@@ -140,13 +150,13 @@ std::optional<std::uint32_t> layer::send(std::size_t process, mote_address to, b
                                          bool reliable, std::uint8_t am_type) {
   const bool is_valid = to.island.value > 0 && to.mote != mote_id{};
   if (!may_talk() || !is_valid) {
-    static_cast<void>(refuse());
+    refuse();
     return std::nullopt;
   }
   const auto number = ++last_number_;
   auto accepted = messages_.send(number, to, am_type, to_bytes(buf), reliable, now_);
   if (!accepted) {
-    static_cast<void>(refuse());
+    refuse();
     return std::nullopt;
   }
   if (reliable) {
@@ -169,12 +179,13 @@ void layer::take(transport::outputs todo) {
 }
 
 void layer::on_received(transport::received& x) {
-  const auto owner = owners_.find(x.am_type);
-  if (owner == owners_.end()) {
+  const auto known = owners_.find(x.am_type);
+  const auto owner = known == owners_.end() ? rest_owner_ : known->second;
+  if (!owner) {
     ++counters_.unowned;
     return;
   }
-  tell(owner->second, [message = std::move(x)](auto& events) {
+  tell(*owner, [message = std::move(x)](auto& events) {
     events.receiveFrom(message.source, message.payload, message.am_type);
   });
 }
@@ -240,9 +251,9 @@ void layer::take(transport::tunnels_outputs todo) {
   }
 }
 
-void layer::send_on(stream::channel_handle channel, bytes octets) {
+void layer::send_on(stream::channel_handle channel, bytes octets, bool in_slot) {
   if (!is_tunnel(channel))
-    outputs_.emplace_back(channel_packet{channel, std::move(octets)});
+    outputs_.emplace_back(channel_packet{channel, std::move(octets), in_slot});
   else if (auto todo = tunnels_.send(tunnel_of(channel), octets, now_))
     take(*std::move(todo));
 }
@@ -323,7 +334,7 @@ void layer::on_channel_closed(stream::channel_handle channel, instant now) {
 
 int layer::take_open(std::size_t process, stream::answer x) {
   if (x.refused) {
-    static_cast<void>(refuse());
+    refuse();
     return -1;
   }
   stream_owners_[x.stream] = process;
@@ -342,18 +353,24 @@ void layer::take(stream::outputs todo) {
     } else if (const auto* wanted = std::get_if<stream::sample>(&each)) {
       outputs_.emplace_back(sample_wanted{wanted->stream, wanted->transducer});
     } else if (const auto* opened = std::get_if<stream::open_done>(&each)) {
-      tell_owner(opened->stream, [x = *opened](auto& events) {
+      tell_owner(stream_owners_, opened->stream, [x = *opened](auto& events) {
         events.openRemoteDone(x.stream.value, x.name, status_of(x.success));
       });
       if (!opened->success)
         stream_owners_.erase(opened->stream);
     } else {
-      auto& done = std::get<stream::read_done>(each);
-      tell_owner(done.stream, [x = std::move(done)](auto& events) {
-        events.readDone(x.stream.value, x.content, status_of(x.success));
-      });
+      on_read(std::get<stream::read_done>(each));
     }
   }
+}
+
+/// A sensor stream may be opened before the island is known; its records leave with it (STR-07).
+void layer::on_read(stream::read_done& x) {
+  if (island_ && sensor_streams_.contains(x.stream))
+    set_island(x.content, *island_);
+  tell_owner(stream_owners_, x.stream, [done = std::move(x)](auto& events) {
+    events.readDone(done.stream.value, done.content, status_of(done.success));
+  });
 }
 
 void layer::on_sample(stream::descriptor stream, const stream::sensor_record& x, instant now) {
@@ -366,13 +383,13 @@ void layer::on_sample(stream::descriptor stream, const stream::sensor_record& x,
 int layer::create(std::size_t process, bool is_out, mote_address other, std::uint8_t size,
                   const synaptic::parameters& params) {
   if (!may_talk()) {
-    static_cast<void>(refuse());
+    refuse();
     return -1;
   }
   auto x = is_out ? synaptic_.create_out(self(), other, size, params, now_)
                   : synaptic_.create_in(self(), other, size, params, now_);
   if (x.refused) {
-    static_cast<void>(refuse());
+    refuse();
     return -1;
   }
   synaptic_owners_[x.channel] = process;
@@ -385,11 +402,11 @@ void layer::take(synaptic::outputs todo) {
     if (const auto* wish = std::get_if<synaptic::connect_channel>(&each)) {
       connect({true, wish->channel.value}, wish->destination, wish->interval, wish->size);
     } else if (auto* packet = std::get_if<synaptic::send_on_channel>(&each)) {
-      send_on(packet->channel, std::move(packet->octets));
+      send_on(packet->channel, std::move(packet->octets), true);
     } else if (const auto* over = std::get_if<synaptic::disconnect>(&each)) {
       disconnect(over->channel);
     } else if (const auto* done = std::get_if<synaptic::create_done>(&each)) {
-      tell_owner(done->channel, [x = *done](auto& events) {
+      tell_owner(synaptic_owners_, done->channel, [x = *done](auto& events) {
         if (x.is_out)
           events.createSynChannelOutDone(x.channel.value, status_of(x.success));
         else
@@ -398,12 +415,13 @@ void layer::take(synaptic::outputs todo) {
       if (!done->success)
         synaptic_owners_.erase(done->channel);
     } else if (const auto* update = std::get_if<synaptic::input_update>(&each)) {
-      tell_owner(update->channel, [x = *update](auto& events) {
+      tell_owner(synaptic_owners_, update->channel, [x = *update](auto& events) {
         events.syn_input_update(x.channel.value, x.index, x.status);
       });
     } else {
       const auto failed = std::get<synaptic::channel_failed>(each).channel;
-      tell_owner(failed, [failed](auto& events) { events.synChannelFailed(failed.value); });
+      tell_owner(synaptic_owners_, failed,
+                 [failed](auto& events) { events.synChannelFailed(failed.value); });
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <variant>
 #include <vector>
 
@@ -45,6 +46,7 @@ struct channel_wanted {
 struct channel_packet {
   stream::channel_handle channel;
   bytes octets;
+  bool in_slot = false; ///< of set_slot(): no other mote sends now
 };
 
 struct channel_unwanted {
@@ -68,6 +70,8 @@ struct join_wanted {
 using layer_output = std::variant<transport::to_network, channel_wanted, channel_packet,
                                   channel_unwanted, sample_wanted, init_wanted, join_wanted>;
 using layer_outputs = std::vector<layer_output>;
+
+inline constexpr std::uint8_t transducers_max = 32; ///< bits of a mask
 
 struct layer_config {
   mote_id self;                  ///< no_mote: a PC
@@ -101,13 +105,19 @@ public:
   /// @param events a program's, which outlives this
   [[nodiscard]] communication attach(communication_events& events);
 
+  /// The program that gets messages of types that no other provides; at most one.
+  [[nodiscard]] communication attach_for_rest(communication_events& events);
+
   /// Commands given from outside an event happen now.
   void set_time(instant now) { now_ = now; }
 
   void on_initialised(bool success, instant now);
   void on_joined(island_id island, instant now); ///< a PC: at once
   void on_left(instant now);                     ///< reliable sends have failed
+
+  /// Of the island whose gateway this node is: at first, and after each restart (MCK-15).
   void on_mote_joined(mote_id mote, byte_view description, instant now);
+  void forget_incarnation(mote_address x) { messages_.forget_incarnation(x); }
 
   /// A packet with the header of D1.1 5.4 for this node.
   void on_packet(island_id source, std::uint16_t channel, byte_view body, instant now);
@@ -156,7 +166,7 @@ private:
   };
 
   [[nodiscard]] mote_address self() const;
-  [[nodiscard]] status refuse();
+  status refuse();
   [[nodiscard]] bool may_talk();
   [[nodiscard]] bool owns(std::size_t process, std::uint8_t am_type) const;
 
@@ -174,14 +184,15 @@ private:
   void take(synaptic::outputs todo);
   void connect(channel_request who, mote_address destination, std::chrono::milliseconds interval,
                std::size_t size);
-  void send_on(stream::channel_handle channel, bytes octets);
+  void send_on(stream::channel_handle channel, bytes octets, bool in_slot = false);
   void disconnect(stream::channel_handle channel);
   void tell(std::size_t process, event x);
   void tell_all(const event& x);
-  void tell_owner(stream::descriptor of, event x);
-  void tell_owner(synaptic::descriptor of, event x);
+  template <class Owners>
+  void tell_owner(const Owners& owners, typename Owners::key_type of, event x);
   void on_outcome(const transport::outcome& x);
   void on_received(transport::received& x);
+  void on_read(stream::read_done& x);
   void dispatch();
 
   layer_config config_;
@@ -195,7 +206,9 @@ private:
 
   std::vector<program> programs_;
   std::map<std::uint8_t, std::size_t> owners_; ///< of AM types
+  std::optional<std::size_t> rest_owner_;      ///< of all others
   std::map<stream::descriptor, std::size_t> stream_owners_;
+  std::set<stream::descriptor> sensor_streams_;
   std::map<synaptic::descriptor, std::size_t> synaptic_owners_;
   std::map<transport::ticket, std::size_t> senders_; ///< of reliable sends under way
   std::uint32_t last_number_ = 0;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr duration expiry_min = 5min; ///< of a channel without packets,
 constexpr int expiry_intervals = 10;  ///< or so many of its intervals
-constexpr duration slot_length = 5ms; ///< SYN-16
+constexpr duration slot_length = 4ms; ///< SYN-16: ten values, their acknowledgement, and 0.8 ms
 
 descriptor describe(const node_config& config) {
   descriptor x;
@@ -28,26 +28,30 @@ descriptor describe(const node_config& config) {
 
 /// Where in a tick of so many slots a mote with this number sends: whoever is numbered one after
 /// the other is far apart, so that few motes have all the room there is, and no two share a slot.
+/// The last slots, which leave no time to send a vector again, are given out last.
 duration::rep slot_of(std::uint16_t number, duration::rep slots) {
-  auto stride = slots * 3 / 8;
-  while (std::gcd(stride, slots) != 1)
+  const auto rank = number % slots;
+  const auto early = slots - slots / 5;
+  if (rank >= early)
+    return rank;
+  auto stride = early * 3 / 8;
+  while (std::gcd(stride, early) != 1)
     ++stride;
-  return number % slots * stride % slots;
+  return rank * stride % early;
 }
 
-/// What frames there and back may wait for their turns.
-duration slack_of(const duty_config& x) {
-  return x.enabled ? 3 * x.period : duration{};
+/// Many may find a way to the sink at the same beacon: so long they take to join.
+duration join_spread(const network::neighbours& links) {
+  return links.is_full() ? 5s : static_cast<duration::rep>(links.all().size()) * duration(20ms);
 }
 
 /// A channel of Network, as the layer knows it.
 stream::channel_handle handle_of(network::channel_id x) {
-  return stream::channel_handle(static_cast<std::uint32_t>(x.source.value) << 16U | x.number);
+  return stream::channel_handle(network::number_of(x));
 }
 
 network::channel_id channel_of(stream::channel_handle x) {
-  return {mote_id(static_cast<std::uint16_t>(x.value >> 16U)),
-          static_cast<std::uint16_t>(x.value & 0xffff)};
+  return network::channel_of(x.value);
 }
 
 } // namespace
@@ -55,18 +59,19 @@ network::channel_id channel_of(stream::channel_handle x) {
 node::node(node_config config, std::uint32_t incarnation, random_stream dice, instant now)
     : config_(std::move(config)), dice_(dice), incarnation_(incarnation) {
   auto above = config_.layer;
-  above.messages.ack_wait += slack_of(config_.duty);
-  above.streams.open_repeat += slack_of(config_.duty);
-  above.streams.writer_patience += 5 * slack_of(config_.duty);
-  above.synaptic.open_repeat += slack_of(config_.duty);
-  above.synaptic.writer_patience += 5 * slack_of(config_.duty);
+  const auto slack = config_.duty.answer_slack();
+  above.messages.ack_wait += slack;
+  above.streams.open_repeat += slack;
+  above.streams.writer_patience += 5 * slack;
+  above.synaptic.open_repeat += slack;
+  above.synaptic.writer_patience += 5 * slack;
   above.self = config_.id;
   above.incarnation = incarnation;
   above.transducer_mask = describe(config_).transducer_mask;
   layer_ = std::make_unique<layer>(above, random_stream(dice_.next()));
   network::router_config network;
   network.self = config_.id;
-  network.beacon_delay_max = config_.duty.enabled ? config_.duty.period : duration{};
+  network.beacon_delay_max = config_.duty.delay_max();
   packets_ = packet_service(network, random_stream(dice_.next()), now);
   duty_ = duty_cycle(config_.duty, false, random_stream(dice_.next()));
   for (const auto& x : config_.actuators)
@@ -91,7 +96,7 @@ node_outputs node::start(instant now) {
 void node::ask_to_join(bytes description, node_outputs& out, instant now) {
   join_config config;
   config.keep_alive = config_.keep_alive;
-  config.reply_slack = slack_of(config_.duty);
+  config.reply_slack = config_.duty.answer_slack();
   join_ = join_client(config, std::move(description), incarnation_, random_stream(dice_.next()));
   wants_to_join_ = true;
   take(packet_service_outputs{}, out, now);
@@ -100,6 +105,7 @@ void node::ask_to_join(bytes description, node_outputs& out, instant now) {
 node_outputs node::leave(instant now) {
   node_outputs out;
   wants_to_join_ = false;
+  joins_at_.reset();
   take(join_.leave(), out, now);
   layer_->on_left(now);
   settle(out, now);
@@ -154,6 +160,10 @@ node_outputs node::on_sent(std::uint64_t token, bool acked, unsigned transmissio
 node_outputs node::on_time(instant now) {
   node_outputs out;
   take(packets_.on_time(now), out, now);
+  if (joins_at_ && *joins_at_ <= now) {
+    joins_at_.reset();
+    take(join_.start(packets_.router().tree().hops(), now), out, now);
+  }
   take(join_.on_time(now), out, now);
   tick(now);
   layer_->on_time(now);
@@ -177,6 +187,7 @@ node_outputs node::on_time(instant now) {
 instant node::deadline() const {
   auto due = *earliest(packets_.deadline(), earliest(join_.deadline(), clock_.deadline()));
   due = *earliest(due, earliest(layer_->deadline(), duty_.deadline()));
+  due = *earliest(due, joins_at_);
   for (const auto& [channel, waiting] : paced_)
     due = std::min(due, waiting.first);
   for (const auto& [name, x] : actuators_)
@@ -228,7 +239,7 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
   }
   if (wants_to_join_ && packets_.router().has_route()) {
     wants_to_join_ = false;
-    take(join_.start(packets_.router().tree().hops(), now), out, now);
+    joins_at_ = now + dice_.between(0s, join_spread(packets_.router().links()));
   }
 }
 
@@ -298,7 +309,7 @@ void node::perform(layer_output& x, node_outputs& out, instant now) {
 }
 
 void node::send_on(channel_packet x, node_outputs& out, instant now) {
-  auto sent = packets_.router().send_on(channel_of(x.channel), std::move(x.octets), now);
+  auto sent = packets_.router().send_on(channel_of(x.channel), std::move(x.octets), x.in_slot, now);
   if (sent)
     take(*std::move(sent), out, now);
   else

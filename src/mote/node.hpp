@@ -138,6 +138,7 @@ private:
   join_client join_;
   std::uint32_t incarnation_ = 0;
   bool wants_to_join_ = false; ///< there is no way to the sink yet
+  std::optional<instant> joins_at_;
   island_id island_;
   std::uint16_t slot_ = 0;
   std::unique_ptr<layer> layer_; ///< programs point to it

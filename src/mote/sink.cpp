@@ -19,8 +19,8 @@ sink::sink(network::router_config network, registrar_config members, const duty_
            random_stream dice, instant now)
     : self_(network.self), island_(members.island), duty_(duty, true, random_stream(dice.next())) {
   network.is_sink = true;
-  network.beacon_delay_max = duty.enabled ? duty.period : duration{};
-  members.confirm_wait += 3 * network.beacon_delay_max;
+  network.beacon_delay_max = duty.delay_max();
+  members.confirm_wait += duty.answer_slack();
   registrar_ = registrar(members);
   packets_ = packet_service(network, dice, now);
 }

@@ -20,6 +20,7 @@ link_report beacon::report(mote_id source, mote_id self, bool has_route) const {
   const auto ours = std::ranges::find(heard, self, &neighbours::heard_entry::mote);
   if (ours != heard.end())
     x.hears_us = ours->quality;
+  x.is_crowded = heard.size() >= crowd;
   x.matters = has_route != (gradient.cost != etx_infinite);
   return x;
 }
@@ -46,6 +47,7 @@ result<beacon> decode_beacon(byte_view octets) {
   x.gradient = gradient_part::read(in);
   x.coordinates = coordinates_part::read(in);
   x.clock = read_clock_stamp(in);
+  x.heard.reserve(in.remaining() / 3);
   while (in.ok() && in.remaining() > 0) {
     const mote_id mote{in.big<std::uint16_t>()};
     x.heard.push_back({mote, in.octet()});

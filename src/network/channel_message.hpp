@@ -28,6 +28,15 @@ struct channel_id {
 
 [[nodiscard]] std::string to_string(channel_id x);
 
+/// The same as one number, and back.
+[[nodiscard]] constexpr std::uint32_t number_of(channel_id x) {
+  return static_cast<std::uint32_t>(x.source.value) << 16U | x.number;
+}
+[[nodiscard]] constexpr channel_id channel_of(std::uint32_t number) {
+  return {mote_id(static_cast<std::uint16_t>(number >> 16U)),
+          static_cast<std::uint16_t>(number & 0xffffU)};
+}
+
 /// When packets are to come, for the radios on the path (NRG-01).
 struct channel_schedule {
   island_time first;                     ///< when the source sends the first

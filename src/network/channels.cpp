@@ -14,6 +14,12 @@ bool is_data(const channel_message& x) {
   return std::holds_alternative<data_message>(x.content);
 }
 
+/// Of a packet; control messages take no more than their place in the queue.
+std::size_t data_octets(const channel_message& x) {
+  const auto* data = std::get_if<data_message>(&x.content);
+  return data ? data->content.size() : 0;
+}
+
 /// As the next mote is to hear it.
 connect_message one_hop_on(connect_message x, const surroundings& around) {
   ++x.hops;
@@ -72,11 +78,26 @@ std::optional<mote_id> channels::nearer(const entry& x, const surroundings& arou
   return best;
 }
 
-/// Sends the connect message on: to a neighbour that is nearer, else back, else to everybody.
+/// Neighbours differ by one in each coordinate, at most.
+bool channels::may_be_near(const entry& x, const surroundings& around) {
+  if (!x.wish.place || !around.own_place || x.previous || x.second_try)
+    return false;
+  const auto differ = [](hop_distance a, hop_distance b) { return a > b ? a - b : b - a; };
+  const auto& a = *x.wish.place;
+  const auto& b = *around.own_place;
+  return differ(a.x, b.x) <= 1 && differ(a.y, b.y) <= 1 && differ(a.z, b.z) <= 1;
+}
+
+/// Sends the connect message on: to a neighbour that is nearer, else, from the source, to the
+/// destination itself if that may hear us, in a crowd before all others; else back, else to
+/// everybody.
 void channels::go_on(channel_id id, entry& x, const surroundings& around, channels_outputs& out,
                      instant now) {
   reserve(id, x, out);
-  if (const auto next = nearer(x, around)) {
+  auto next = nearer(x, around);
+  if ((!next || around.is_crowd) && may_be_near(x, around))
+    next = x.wish.destination;
+  if (next) {
     x.next = next;
     queue(*next, {id, one_hop_on(x.wish, around)}, now);
     return;
@@ -100,18 +121,20 @@ void channels::flood(channel_id id, entry& x, const surroundings& around, instan
   queue(broadcast_mote, {id, wish}, now);
 }
 
-std::optional<channels_outputs> channels::send(channel_id channel, bytes content, instant now) {
+std::optional<channels_outputs> channels::send(channel_id channel, bytes content, bool in_slot,
+                                               instant now) {
   assert(content.size() <= channel_packet_max);
   const auto found = entries_.find(channel);
   const bool is_open = found != entries_.end() && found->second.open;
   const bool is_end = is_open && (!found->second.previous || !found->second.next);
-  if (!is_end || queue_.size() >= config_.queue_max)
+  if (!is_end || !has_room(content.size()))
     return std::nullopt;
   auto& x = found->second;
   ++counters_.packets_sent;
   x.last_packet = now;
   ++x.sent;
-  queue(x.next ? *x.next : *x.previous, {channel, data_message{x.sent, std::move(content)}}, now);
+  queue(x.next ? *x.next : *x.previous, {channel, data_message{x.sent, std::move(content)}}, now,
+        in_slot);
   channels_outputs out;
   pump(out, now);
   return out;
@@ -183,8 +206,14 @@ void channels::take(mote_id from, channel_id id, connect_message& x, const surro
 /// The first copy came the quickest way. Nothing is reserved before the destination has answered.
 void channels::take_flooded(mote_id from, channel_id id, const connect_message& x,
                             const surroundings& around, channels_outputs& out, instant now) {
-  const bool is_known = entries_.contains(id) || offers_.contains(id) || id.source == config_.self;
-  if (is_known)
+  if (const auto again = offers_.find(id); again != offers_.end()) {
+    if (++again->second.copies == config_.flood_copies && around.is_crowd)
+      std::erase_if(queue_, [id](const waiting& y) {
+        return y.message.channel == id && y.next == broadcast_mote;
+      });
+    return;
+  }
+  if (entries_.contains(id) || id.source == config_.self)
     return;
   if (x.destination == config_.self) {
     auto plain = x;
@@ -312,11 +341,19 @@ void channels::reserve(channel_id id, const entry& x, channels_outputs& out) con
   out.emplace_back(channel_reserved{id, schedule, x.previous});
 }
 
-void channels::queue(mote_id next, channel_message message, instant due) {
-  if (queue_.size() >= config_.queue_max && is_data(message))
+/// For another packet of so many octets.
+bool channels::has_room(std::size_t octets) const {
+  auto sum = octets + (under_way_ ? data_octets(under_way_->message) : 0);
+  for (const auto& x : queue_)
+    sum += data_octets(x.message);
+  return queue_.size() < config_.queue_max && sum <= config_.octets_max;
+}
+
+void channels::queue(mote_id next, channel_message message, instant due, bool in_slot) {
+  if (is_data(message) && !has_room(data_octets(message)))
     ++counters_.packets_lost;
   else if (queue_.size() < 2 * config_.queue_max) // control messages are few, and matter more
-    queue_.push_back({next, std::move(message), 0, due});
+    queue_.push_back({next, std::move(message), 0, due, in_slot});
 }
 
 void channels::pump(channels_outputs& out, instant now) {
@@ -327,10 +364,11 @@ void channels::pump(channels_outputs& out, instant now) {
     return;
   under_way_ = std::move(*due);
   queue_.erase(due);
-  out.emplace_back(channel_hop{under_way_->next, encode(under_way_->message)});
+  const bool in_slot = under_way_->in_slot && under_way_->rounds == 0;
+  out.emplace_back(channel_hop{under_way_->next, encode(under_way_->message), in_slot});
 }
 
-channels_outputs channels::on_sent(bool acked, instant now) {
+channels_outputs channels::on_sent(bool acked, const surroundings& around, instant now) {
   channels_outputs out;
   if (!under_way_)
     return out;
@@ -346,7 +384,7 @@ channels_outputs channels::on_sent(bool acked, instant now) {
       x.due = now + dice_.between(config_.round_pause, 2 * config_.round_pause);
       queue_.push_front(std::move(x));
     } else if (x.next != broadcast_mote) {
-      on_lost(x, out, now);
+      on_lost(x, around, out, now);
     }
   }
   pump(out, now);
@@ -354,7 +392,8 @@ channels_outputs channels::on_sent(bool acked, instant now) {
 }
 
 /// The mote at the other end of a hop does not answer: the path is broken there (NET-09).
-void channels::on_lost(const waiting& x, channels_outputs& out, instant now) {
+void channels::on_lost(const waiting& x, const surroundings& around, channels_outputs& out,
+                       instant now) {
   const auto found = entries_.find(x.message.channel);
   if (is_data(x.message)) {
     ++counters_.packets_lost;
@@ -365,6 +404,13 @@ void channels::on_lost(const waiting& x, channels_outputs& out, instant now) {
       found != entries_.end() && (found->second.next == x.next || found->second.previous == x.next);
   if (!is_on_path)
     return;
+  auto& path = found->second;
+  const bool asks = std::holds_alternative<connect_message>(x.message.content);
+  if (asks && path.next == x.next && !path.second_try) {
+    path.second_try = std::exchange(path.next, std::nullopt);
+    go_on(x.message.channel, path, around, out, now);
+    return;
+  }
   ++counters_.broken;
   const bool was_open = found->second.open;
   free(x.message.channel, was_open ? channel_end::broken : channel_end::unreachable, x.next, out,

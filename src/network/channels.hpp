@@ -21,9 +21,10 @@ namespace rubicon::network {
 
 struct channels_config {
   mote_id self;
-  std::size_t entries_max = 12; ///< channels that begin, pass or end here
-  std::size_t offers_max = 6;   ///< floods of connect messages that we may come to be part of
-  std::size_t queue_max = 4;    ///< frames that wait for the radio
+  std::size_t entries_max = 8; ///< channels that begin, pass or end here
+  std::size_t offers_max = 3;  ///< floods of connect messages that we may come to be part of
+  std::size_t queue_max = 4;   ///< packets that wait for the radio; control messages: as many again
+  std::size_t octets_max = 216; ///< of the content of packets that wait or are under way
   unsigned rounds_max = 6;      ///< times a control message is handed to the radio
   unsigned data_rounds_max = 2; ///< and a packet; the radio itself tries four times (NET-05)
   unsigned losses_max =
@@ -31,7 +32,8 @@ struct channels_config {
   duration round_pause = 30ms;    ///< between rounds, up to twice as long
   duration connect_timeout = 10s; ///< until the source gives up
   duration setup_timeout = 12s;   ///< until a mote on the path does
-  duration flood_spread = 60ms;
+  duration flood_spread = 60ms;   ///< a flood is passed on within this time,
+  unsigned flood_copies = 3;      ///< in a crowd unless it has been heard so often until then
   std::uint8_t hops_max = 32;
 };
 
@@ -63,6 +65,7 @@ struct nearby_mote {
 struct surroundings {
   std::optional<virtual_coordinates> own_place;
   std::vector<nearby_mote> motes; ///< good neighbours (NET-10)
+  bool is_crowd = false;          ///< there may be more than the table of neighbours holds
   std::chrono::microseconds hop_delay{
       10'000}; ///< medium access and transmission, on average (NRG-03)
 };
@@ -71,6 +74,7 @@ struct surroundings {
 struct channel_hop {
   mote_id next; ///< broadcast_mote: to all
   bytes octets;
+  bool in_slot = false; ///< as in radio::request
 };
 
 /// As source: the channel is open.
@@ -131,8 +135,9 @@ public:
   /// From source to destination, or from destination to source: streams are answered that way.
   /// @pre content.size() <= channel_packet_max. @returns nothing: no end of such an open channel is
   /// here, or there is no room in the queue
+  /// @param in_slot nobody near sends now: the first hop needs no back-off
   [[nodiscard]] std::optional<channels_outputs> send(channel_id channel, bytes content,
-                                                     instant now);
+                                                     bool in_slot, instant now);
 
   /// From either end; the other end hears of it.
   [[nodiscard]] channels_outputs disconnect(channel_id channel, instant now);
@@ -144,7 +149,7 @@ public:
                                           const surroundings& around, instant now);
 
   /// The last channel_hop has ended.
-  [[nodiscard]] channels_outputs on_sent(bool acked, instant now);
+  [[nodiscard]] channels_outputs on_sent(bool acked, const surroundings& around, instant now);
 
   [[nodiscard]] channels_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
@@ -153,7 +158,9 @@ public:
   [[nodiscard]] std::vector<channel_id> table() const;
   [[nodiscard]] const channels_counters& counters() const { return counters_; }
   [[nodiscard]] std::size_t footprint() const {
-    return config_.entries_max * 34 + config_.offers_max * 12 + config_.queue_max * 122 + 16;
+    // one that waits: next hop, kind, channel, sequence, rounds, when it is due
+    return config_.entries_max * 34 + config_.offers_max * 12 + config_.octets_max +
+           (2 * config_.queue_max + 1) * 12 + 16;
   }
 
 private:
@@ -162,7 +169,7 @@ private:
     std::optional<mote_id> next;     ///< nothing at the destination, and while it is looked for
     bool open = false;
     connect_message wish;              ///< as it came to us
-    std::optional<mote_id> second_try; ///< the neighbour that a dead end was tried with before
+    std::optional<mote_id> second_try; ///< who was tried with before, and was a dead end or mute
     unsigned losses = 0;               ///< packets in a row that `next` has not acknowledged
     std::uint8_t sent = 0;             ///< sequence number of our last packet, at an end
     std::optional<std::uint8_t> from_previous; ///< sequence number of the last packet from there
@@ -176,6 +183,7 @@ private:
     mote_id previous;
     connect_message wish;
     instant end;
+    unsigned copies = 1; ///< heard
   };
 
   struct waiting {
@@ -183,18 +191,21 @@ private:
     channel_message message;
     unsigned rounds = 0;
     instant due;
+    bool in_slot = false; ///< in its first round
   };
 
-  void queue(mote_id next, channel_message message, instant due);
+  void queue(mote_id next, channel_message message, instant due, bool in_slot = false);
+  [[nodiscard]] bool has_room(std::size_t octets) const;
   void pump(channels_outputs& out, instant now);
   void go_on(channel_id id, entry& x, const surroundings& around, channels_outputs& out,
              instant now);
   [[nodiscard]] static std::optional<mote_id> nearer(const entry& x, const surroundings& around);
+  [[nodiscard]] static bool may_be_near(const entry& x, const surroundings& around);
   void flood(channel_id id, entry& x, const surroundings& around, instant now);
   void free(channel_id id, channel_end why, std::optional<mote_id> told_by, channels_outputs& out,
             instant now);
   void reserve(channel_id id, const entry& x, channels_outputs& out) const;
-  void on_lost(const waiting& x, channels_outputs& out, instant now);
+  void on_lost(const waiting& x, const surroundings& around, channels_outputs& out, instant now);
 
   void take(mote_id from, channel_id id, connect_message& x, const surroundings& around,
             channels_outputs& out, instant now);

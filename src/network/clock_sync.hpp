@@ -65,6 +65,11 @@ public:
   /// @returns whether it was news, so that our own next beacon should not wait for long
   bool on_stamp(const clock_stamp& x, instant sfd);
 
+  /// Whether a stamp is of the round that we heard of last.
+  [[nodiscard]] bool is_of_last_round(const clock_stamp& x) const {
+    return x.root == root_ && x.sequence == sequence_;
+  }
+
   /// What to say in a beacon handed to the radio now; nothing while we do not know the time.
   [[nodiscard]] std::optional<clock_stamp> stamp(instant now) const;
 

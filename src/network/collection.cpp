@@ -14,6 +14,12 @@ struct overloaded : F... {
   using F::operator()...;
 };
 
+std::size_t octets_of(const std::variant<up_packet, down_packet, flood_packet>& packet) {
+  const auto* down = std::get_if<down_packet>(&packet);
+  const auto route = down ? down->hops.size() * sizeof(mote_id::rep) : 0;
+  return route + std::visit([](const auto& x) { return x.content.size(); }, packet);
+}
+
 } // namespace
 
 collection::collection(collection_config config, random_stream dice)
@@ -140,8 +146,17 @@ void collection::take(flood_packet x, collection_outputs& out, instant now) {
   enqueue({std::move(x), 0, now + dice_.between(0s, config_.flood_spread)});
 }
 
+/// Of all that is kept here, without headers. A route down is content too.
+std::size_t collection::octets() const {
+  const auto of = [](const waiting& x) { return octets_of(x.packet); };
+  auto sum = under_way_ ? of(*under_way_) : 0;
+  for (const auto& x : queue_)
+    sum += of(x);
+  return sum;
+}
+
 void collection::enqueue(waiting x) {
-  if (queue_.size() >= config_.queue_max)
+  if (queue_.size() >= config_.queue_max || octets() + octets_of(x.packet) > config_.octets_max)
     ++counters_.queue_full;
   else
     queue_.push_back(std::move(x));

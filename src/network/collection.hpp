@@ -23,8 +23,10 @@ namespace rubicon::network {
 struct collection_config {
   mote_id self;
   bool is_root = false;
-  std::size_t queue_max = 8; ///< packets that wait for their hop, others' and our own
-  std::size_t seen_max = 32; ///< packets remembered, so that a repeat is not sent on again
+  std::size_t queue_max = 8;    ///< packets that wait for their hop, others' and our own
+  std::size_t octets_max = 352; ///< of the content of these and the one under way: a longest
+                                ///< packet in its pieces, or eight readings
+  std::size_t seen_max = 12;    ///< packets remembered, so that a repeat is not sent on again
   /// Times a packet is handed to the radio, which itself tries four times, before it is given up.
   unsigned rounds_max = 8;
   duration pause = 40ms; ///< before the second round, up to twice as long; more before each further
@@ -108,7 +110,9 @@ public:
   [[nodiscard]] std::size_t queued() const { return queue_.size(); }
   [[nodiscard]] const collection_counters& counters() const { return counters_; }
   [[nodiscard]] std::size_t footprint() const {
-    return config_.queue_max * (frame_payload_max + 8) + config_.seen_max * 6 + 40;
+    // beside its content, a packet has a kind, a header of 9 octets, rounds, and when it is due
+    return config_.octets_max + (config_.queue_max + 1) * (1 + 9 + 1 + 2) + config_.seen_max * 6 +
+           40;
   }
 
 private:
@@ -129,6 +133,7 @@ private:
   };
 
   void enqueue(waiting x);
+  [[nodiscard]] std::size_t octets() const;
   [[nodiscard]] bool is_new(const mark& x);
   void take(up_packet x, collection_outputs& out, instant now);
   void take(down_packet x, collection_outputs& out, instant now);

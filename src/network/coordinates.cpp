@@ -60,11 +60,15 @@ coordinates::coordinates(coordinates_config config, instant now)
 }
 
 void coordinates::prune(const neighbours& links) {
+  if (departures_ == links.departures())
+    return;
+  departures_ = links.departures();
   std::erase_if(rows_, [&](const row& x) { return !links.find(x.mote); });
 }
 
 void coordinates::on_beacon(mote_id source, const coordinates_part& x, const neighbours& links) {
   prune(links);
+  settled_.reset();
   take_decisions(x);
   note_own_sequence(x);
   if (!links.find(source))
@@ -116,6 +120,19 @@ bool coordinates::speaks_of(const row& x, std::size_t anchor) const {
          x.part.anchors[anchor].hops < hops_unknown - 1;
 }
 
+/// Whether the anchor has shown no sign of life for too long.
+bool coordinates::is_stale(const state& x, instant now) const {
+  return x.told.told() && now - x.progressed > config_.sequence_patience;
+}
+
+/// Whether time alone changes nothing: no anchor is stale, and none was reached that nobody was
+/// told of, of which the time is noted.
+bool coordinates::waits(instant now) const {
+  return !config_.is_sink && std::ranges::none_of(states_, [&](const state& x) {
+    return is_stale(x, now) || (!x.told.told() && x.hops != hops_unknown && x.mote != config_.self);
+  });
+}
+
 /// Our distance to one anchor. Tells the oldest sequence number of the nearest neighbours: then
 /// each of them can take another's place at once.
 void coordinates::measure(std::size_t anchor, const neighbours& links, instant now) {
@@ -128,16 +145,17 @@ void coordinates::measure(std::size_t anchor, const neighbours& links, instant n
   }
   if (mine.mote == no_mote)
     return;
-  const bool is_stale = mine.told.told() && now - mine.progressed > config_.sequence_patience;
+  const bool must_be_newer = is_stale(mine, now);
   const auto before = mine.sequence;
   for (const auto& x : rows_) {
     const auto& theirs = x.part.anchors[anchor];
-    if (!speaks_of(x, anchor) || !links.good(x.mote) ||
-        !mine.told.admits(theirs.sequence, theirs.hops) ||
-        (is_stale && !is_newer(theirs.sequence, before)))
+    if (!speaks_of(x, anchor) || !mine.told.admits(theirs.sequence, theirs.hops) ||
+        (must_be_newer && !is_newer(theirs.sequence, before)))
       continue;
     const auto hops = static_cast<hop_distance>(theirs.hops + 1);
-    if (hops < mine.hops || (hops == mine.hops && is_newer(mine.sequence, theirs.sequence))) {
+    const bool is_nearer =
+        hops < mine.hops || (hops == mine.hops && is_newer(mine.sequence, theirs.sequence));
+    if (is_nearer && links.good(x.mote)) {
       mine.hops = hops;
       mine.sequence = theirs.sequence;
     }
@@ -176,7 +194,7 @@ anchor_candidate coordinates::best_candidate(const neighbours& links) const {
   for (const auto& x : rows_) {
     const auto& theirs = x.part.candidate;
     if (w != hops_unknown && x.part.epoch == epoch_ && speaks_of(x, anchor_w) &&
-        x.part.anchors[anchor_w].hops > w && links.good(x.mote) && is_better(theirs, best))
+        x.part.anchors[anchor_w].hops > w && is_better(theirs, best) && links.good(x.mote))
       best = theirs;
   }
   return best;
@@ -184,6 +202,10 @@ anchor_candidate coordinates::best_candidate(const neighbours& links) const {
 
 bool coordinates::update(const neighbours& links, instant now) {
   prune(links);
+  const bool is_waiting = waits(now);
+  if (is_waiting && settled_ == links.changes())
+    return false;
+  settled_ = is_waiting ? std::optional(links.changes()) : std::nullopt;
   const auto states_before = states_;
   for (std::size_t i = 0; i < anchor_count; ++i)
     measure(i, links, now);
@@ -253,6 +275,7 @@ std::optional<instant> coordinates::deadline() const {
 
 coordinates_part coordinates::advertise() {
   coordinates_part x;
+  settled_.reset();
   ++own_sequence_;
   x.epoch = epoch_;
   for (std::size_t i = 0; i < anchor_count; ++i) {
@@ -303,8 +326,9 @@ std::optional<mote_id> coordinates::greedy_step(virtual_coordinates destination,
 }
 
 std::size_t coordinates::footprint(std::size_t capacity) {
-  // a row: id, epoch, which anchors it agrees on with us, sequence and hops of each, candidate
-  constexpr std::size_t row_octets = 2 + 2 + 1 + anchor_count * 3 + 4;
+  // a row, beside the neighbour's own, which has the id: epoch, which anchors it agrees on with us,
+  // sequence and hops of each, candidate
+  constexpr std::size_t row_octets = 2 + 1 + anchor_count * 3 + 4;
   // an anchor: id, hops, sequence, when it progressed in seconds, what was told
   constexpr std::size_t state_octets = 2 + 1 + 2 + 2 + 4;
   return capacity * row_octets + anchor_count * state_octets + 2 + 2 + 4 + 3 * 4;

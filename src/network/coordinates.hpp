@@ -164,6 +164,8 @@ private:
   void note_own_sequence(const coordinates_part& x);
   [[nodiscard]] bool speaks_of(const row& x, std::size_t anchor) const;
   void measure(std::size_t anchor, const neighbours& links, instant now);
+  [[nodiscard]] bool is_stale(const state& x, instant now) const;
+  [[nodiscard]] bool waits(instant now) const;
   [[nodiscard]] anchor_candidate own_candidate() const;
   [[nodiscard]] anchor_candidate best_candidate(const neighbours& links) const;
   [[nodiscard]] bool is_complete() const;
@@ -172,7 +174,10 @@ private:
   void elect(const neighbours& links, instant now);
 
   coordinates_config config_;
-  std::vector<row> rows_; ///< one for each neighbour at most, ascending
+  std::vector<row> rows_;        ///< one for each neighbour at most, ascending
+  std::uint64_t departures_ = 0; ///< of neighbours, when rows_ was pruned
+  /// neighbours::changes() as the last update() saw it, if nothing has changed here since
+  std::optional<std::uint64_t> settled_;
   std::uint16_t epoch_ = 0;
   std::uint16_t own_sequence_ = 0; ///< as an anchor
   std::array<state, anchor_count> states_;

@@ -30,6 +30,7 @@ bool gradient::on_beacon(mote_id source, const gradient_part& x, const neighbour
   prune(links);
   if (!links.find(source))
     return false;
+  settled_.reset();
   const auto at = std::ranges::lower_bound(rows_, source, {}, &row::mote);
   if (at != rows_.end() && at->mote == source)
     at->part = x;
@@ -44,6 +45,9 @@ bool gradient::on_beacon(mote_id source, const gradient_part& x, const neighbour
 }
 
 void gradient::prune(const neighbours& links) {
+  if (departures_ == links.departures())
+    return;
+  departures_ = links.departures();
   std::erase_if(rows_, [&](const row& x) { return !links.find(x.mote); });
 }
 
@@ -55,8 +59,7 @@ gradient::offer gradient::offer_of(const row& x, const neighbours& links, mote_i
     return {};
   if (root == root_ && !told_.admits(part.root_sequence, part.cost))
     return {};
-  const bool is_stale = root == root_ && told_.told() && now - progressed_ > config_.root_patience;
-  if (is_stale && !is_newer(part.root_sequence, sequence_))
+  if (root == root_ && is_stale(now) && !is_newer(part.root_sequence, sequence_))
     return {};
   const auto link = links.etx(x.mote);
   if (!link || *link >= etx_infinite - part.cost)
@@ -64,9 +67,23 @@ gradient::offer gradient::offer_of(const row& x, const neighbours& links, mote_i
   return {&x, static_cast<etx_cost>(part.cost + *link)};
 }
 
-gradient::offer gradient::best_offer(const neighbours& links, mote_id root, instant now) const {
+/// Whether the root has shown no sign of life for too long.
+bool gradient::is_stale(instant now) const {
+  return told_.told() && now - progressed_ > config_.root_patience;
+}
+
+gradient::offer gradient::kept_offer(const neighbours& links, instant now) const {
+  const auto at = std::ranges::lower_bound(rows_, parent_, {}, &row::mote);
+  return at != rows_.end() && at->mote == parent_ ? offer_of(*at, links, root_, now) : offer();
+}
+
+gradient::offer gradient::best_offer(const neighbours& links, mote_id root, int below,
+                                     instant now) const {
   offer best;
   for (const auto& x : rows_) {
+    const int least = x.part.cost + etx_one; // however good its link is
+    if (least >= below || (best.from && least > best.cost))
+      continue;
     const auto offered = offer_of(x, links, root, now);
     if (offered.from && (!best.from || std::tuple(offered.cost, x.part.hops) <
                                            std::tuple(best.cost, best.from->part.hops)))
@@ -78,11 +95,17 @@ gradient::offer gradient::best_offer(const neighbours& links, mote_id root, inst
 /// Keeps the parent unless another is better by the hysteresis; turns to another root only when
 /// there is no way to ours.
 gradient::offer gradient::choose(const neighbours& links, instant now) {
-  auto best = best_offer(links, root_, now);
+  constexpr int any_cost = 2 * etx_infinite;
+  if (const auto kept = kept_offer(links, now); kept.from) {
+    const int below = kept.cost - config_.hysteresis;
+    const auto best = best_offer(links, root_, below, now);
+    return best.from && best.cost < below ? best : kept;
+  }
+  auto best = best_offer(links, root_, any_cost, now);
   for (const auto& x : rows_) {
     if (best.from || x.part.root == root_ || x.part.root == no_mote)
       continue;
-    best = best_offer(links, x.part.root, now);
+    best = best_offer(links, x.part.root, any_cost, now);
     if (best.from) {
       root_ = x.part.root;
       told_ = {};
@@ -90,13 +113,6 @@ gradient::offer gradient::choose(const neighbours& links, instant now) {
       sequence_ = x.part.root_sequence;
       progressed_ = now;
     }
-  }
-  for (const auto& x : rows_) {
-    if (x.mote != parent_)
-      continue;
-    const auto kept = offer_of(x, links, root_, now);
-    if (kept.from && kept.cost <= best.cost + config_.hysteresis)
-      return kept;
   }
   return best;
 }
@@ -113,8 +129,11 @@ void gradient::follow(const offer& chosen, instant now) {
 
 gradient_change gradient::update(const neighbours& links, instant now) {
   prune(links);
-  if (config_.is_root)
+  // Time alone changes something only once the root is stale; while nothing was told it is noted.
+  const bool waits = !is_stale(now) && (told_.told() || !has_route());
+  if (config_.is_root || (waits && settled_ == links.changes()))
     return gradient_change::none;
+  settled_ = waits ? std::optional(links.changes()) : std::nullopt;
   const auto before = parent_;
   const auto chosen = choose(links, now);
   if (!chosen.from) {
@@ -135,6 +154,7 @@ gradient_change gradient::update(const neighbours& links, instant now) {
 }
 
 gradient_part gradient::advertise() {
+  settled_.reset();
   if (config_.is_root)
     ++sequence_;
   else if (has_route())

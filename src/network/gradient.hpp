@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/address.hpp"
@@ -85,8 +86,11 @@ public:
 
   [[nodiscard]] const gradient_counters& counters() const { return counters_; }
 
-  /// Octets of the state on a mote with `capacity` neighbours.
-  [[nodiscard]] static std::size_t footprint(std::size_t capacity) { return 10 * capacity + 24; }
+  /// Octets of the state on a mote with `capacity` neighbours: a row stands beside the neighbour's
+  /// own, whose id it needs not repeat.
+  [[nodiscard]] static std::size_t footprint(std::size_t capacity) {
+    return gradient_part::size * capacity + 24;
+  }
 
 private:
   struct row {
@@ -101,13 +105,20 @@ private:
 
   [[nodiscard]] offer offer_of(const row& x, const neighbours& links, mote_id root,
                                instant now) const;
-  [[nodiscard]] offer best_offer(const neighbours& links, mote_id root, instant now) const;
+  [[nodiscard]] offer kept_offer(const neighbours& links, instant now) const;
+  /// Of offers below that cost; may find others too.
+  [[nodiscard]] offer best_offer(const neighbours& links, mote_id root, int below,
+                                 instant now) const;
   [[nodiscard]] offer choose(const neighbours& links, instant now);
   void follow(const offer& chosen, instant now);
+  [[nodiscard]] bool is_stale(instant now) const;
   void prune(const neighbours& links);
 
   gradient_config config_;
-  std::vector<row> rows_; ///< one for each neighbour at most, ascending
+  std::vector<row> rows_;        ///< one for each neighbour at most, ascending
+  std::uint64_t departures_ = 0; ///< of neighbours, when rows_ was pruned
+  /// neighbours::changes() as the last update() saw it, if nothing has changed here since
+  std::optional<std::uint64_t> settled_;
   mote_id root_ = no_mote;
   mote_id parent_ = no_mote;
   etx_cost cost_ = etx_infinite;

@@ -22,21 +22,38 @@ quality product(quality a, quality b) {
 }
 
 constexpr quality start_quality = quality_max / 2;
+constexpr quality crowd_discount = quality_of(0.75);
 
 } // namespace
 
 neighbour* neighbours::entry(mote_id mote) {
-  const auto at = std::ranges::lower_bound(table_, mote, {}, &neighbour::mote);
-  return at != table_.end() && at->mote == mote ? &*at : nullptr;
+  const auto* found = find(mote);
+  return found ? &table_[static_cast<std::size_t>(found - table_.data())] : nullptr;
 }
 
+/// A binary search without branches that nobody can predict: every frame is looked up several
+/// times.
 const neighbour* neighbours::find(mote_id mote) const {
-  const auto at = std::ranges::lower_bound(table_, mote, {}, &neighbour::mote);
-  return at != table_.end() && at->mote == mote ? &*at : nullptr;
+  const auto* first = table_.data();
+  for (auto count = table_.size(); count > 1;) {
+    const auto half = count / 2;
+    first += first[half].mote <= mote ? half : 0;
+    count -= half;
+  }
+  return !table_.empty() && first->mote == mote ? first : nullptr;
+}
+
+/// Where a neighbour's table has no room for us it cannot say what it hears of us: about as much as
+/// we of it, until unicasts show better.
+std::optional<quality> neighbours::likely_out(const neighbour& x) {
+  if (x.out || !x.crowded)
+    return x.out;
+  return product(x.in, crowd_discount);
 }
 
 quality neighbours::both_ways(const neighbour& x) const {
-  const std::uint32_t beacons = x.out ? product(x.in, *x.out) : 0U;
+  const auto out = likely_out(x);
+  const std::uint32_t beacons = out ? product(x.in, *out) : 0U;
   const std::uint32_t weight = x.data_weight;
   return static_cast<quality>((beacons * (weight_max - weight) + x.data * weight) / weight_max);
 }
@@ -63,6 +80,7 @@ void neighbours::judge(neighbour& x) const {
 void neighbours::take_report(neighbour& x, const link_report& report, instant now) const {
   sample(x, true);
   x.sequence = report.sequence;
+  x.crowded = report.is_crowded;
   x.missed = 0;
   x.heard = now;
   x.period = std::min(report.next, config_.beacon_gap_max);
@@ -80,6 +98,7 @@ void neighbours::take_report(neighbour& x, const link_report& report, instant no
 }
 
 admission neighbours::on_beacon(const link_report& x, instant now) {
+  ++changes_;
   auto* known = entry(x.source);
   if (!known)
     return admit(x, now);
@@ -96,17 +115,21 @@ admission neighbours::on_beacon(const link_report& x, instant now) {
     known->pinned = old.pinned;
     known->in = start_quality;
     take_report(*known, x, now);
+    refresh_deadline();
     return admission::restarted;
   }
   for (int lost = gap - 1 - known->missed; lost > 0; --lost)
     sample(*known, false); // the overdue ones are in already
+  const auto was_due = known->due;
   take_report(*known, x, now);
+  if (was_due == deadline_ || known->due < *deadline_)
+    refresh_deadline();
   return admission::known;
 }
 
 admission neighbours::admit(const link_report& x, instant now) {
-  const bool is_full = table_.size() >= config_.capacity;
-  if (is_full && !make_room(x.matters, now)) {
+  const bool was_full = is_full();
+  if (was_full && !make_room(x.matters, now)) {
     ++counters_.refused;
     return admission::refused;
   }
@@ -115,7 +138,8 @@ admission neighbours::admit(const link_report& x, instant now) {
   fresh.in = start_quality;
   take_report(fresh, x, now);
   table_.insert(std::ranges::lower_bound(table_, x.source, {}, &neighbour::mote), fresh);
-  return is_full && !x.matters ? admission::replaced : admission::added;
+  refresh_deadline();
+  return was_full && !x.matters ? admission::replaced : admission::added;
 }
 
 bool neighbours::evict(std::vector<neighbour>::iterator x) {
@@ -155,6 +179,7 @@ void neighbours::on_sent(mote_id to, bool acked, unsigned transmissions) {
   auto* x = entry(to);
   if (!x)
     return;
+  ++changes_;
   for (unsigned i = 1; i <= std::min(transmissions, 255U); ++i) {
     if (x->data_weight == 0)
       x->data = start_quality;
@@ -166,6 +191,9 @@ void neighbours::on_sent(mote_id to, bool acked, unsigned transmissions) {
 
 std::vector<mote_id> neighbours::on_time(instant now) {
   std::vector<mote_id> gone;
+  if (!deadline_ || now < *deadline_)
+    return gone;
+  ++changes_;
   for (auto& x : table_) {
     while (now >= x.due && x.missed < config_.dropped_missed) {
       sample(x, false);
@@ -180,14 +208,14 @@ std::vector<mote_id> neighbours::on_time(instant now) {
   }
   counters_.dropped += gone.size();
   std::erase_if(table_, [this](const neighbour& x) { return x.missed >= config_.dropped_missed; });
+  refresh_deadline();
   return gone;
 }
 
-std::optional<instant> neighbours::deadline() const {
-  std::optional<instant> due;
-  for (const auto& x : table_)
-    due = earliest(due, x.due);
-  return due;
+void neighbours::refresh_deadline() {
+  deadline_.reset();
+  if (!table_.empty())
+    deadline_ = std::ranges::min(table_, {}, &neighbour::due).due;
 }
 
 void neighbours::pin(mote_id mote, bool pinned) {
@@ -216,7 +244,7 @@ std::optional<etx_cost> neighbours::etx(mote_id mote) const {
 
 std::optional<etx_cost> neighbours::etx(const neighbour& x) const {
   const auto arrives = both_ways(x);
-  if (!x.out || x.samples < config_.usable_samples || is_silent(x) || arrives == 0 ||
+  if (!likely_out(x) || x.samples < config_.usable_samples || is_silent(x) || arrives == 0 ||
       arrives < config_.usable_from)
     return {};
   const auto cost = static_cast<std::uint32_t>(etx_one) * quality_max / arrives;
@@ -230,8 +258,8 @@ bool neighbours::good(mote_id mote) const {
 
 std::size_t neighbours::footprint() const {
   // id, sequence, in, data, samples, out, unmentioned, missed and data_weight in one octet, flags;
-  // last heard and due as milliseconds of 32 bits, the period in quarters of a second
-  return config_.capacity * (2 + 2 + 2 + 2 + 1 + 1 + 1 + 1 + 1 + 4 + 4 + 1) + 2 + 4;
+  // due as milliseconds of 32 bits, the period in quarters of a second (`heard` decides nothing)
+  return config_.capacity * (2 + 2 + 2 + 2 + 1 + 1 + 1 + 1 + 1 + 4 + 1) + 2 + 4;
 }
 
 } // namespace rubicon::network

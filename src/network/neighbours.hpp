@@ -27,7 +27,7 @@ inline constexpr etx_cost etx_one = 128;
 inline constexpr etx_cost etx_infinite = 65535; ///< no route
 
 struct neighbours_config {
-  std::size_t capacity = 24;
+  std::size_t capacity = 12;             ///< what a mote has room for
   std::uint8_t good_samples = 6;         ///< beacons that a link must have shown to be good
   std::uint8_t usable_samples = 3;       ///< beacons from which on it has an ETX
   quality good_from = quality_of(0.85);  ///< in both directions: the link becomes good
@@ -52,6 +52,7 @@ struct link_report {
   std::optional<std::uint8_t> hears_us; ///< in 255ths; nothing: we are not in this beacon's list
   bool matters =
       false; ///< of the two ends of the link one has a route to the sink and one has none
+  bool is_crowded = false; ///< it hears so many that there may be no room for us in its table
 };
 
 struct neighbour {
@@ -66,9 +67,10 @@ struct neighbour {
   std::uint8_t missed = 0;      ///< beacons overdue in a row
   bool good = false;
   bool pinned = false;
-  instant heard;     ///< last
-  instant due;       ///< the next beacon counts as missed from here on
-  duration period{}; ///< that was expected for it
+  bool crowded = false; ///< as in link_report
+  instant heard;        ///< last
+  instant due;          ///< the next beacon counts as missed from here on
+  duration period{};    ///< that was expected for it
 };
 
 /// What has become of a beacon's sender.
@@ -114,7 +116,14 @@ public:
   std::vector<mote_id> on_time(instant now);
 
   /// When on_time() is due; nothing without neighbours.
-  [[nodiscard]] std::optional<instant> deadline() const;
+  [[nodiscard]] std::optional<instant> deadline() const { return deadline_; }
+
+  /// Counts whatever changes what is known of a link.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
+
+  /// Neighbours that have left the table so far, dropped or evicted: who keeps something for each
+  /// neighbour has nothing to forget while this stays as it is.
+  [[nodiscard]] std::uint64_t departures() const { return counters_.evicted + counters_.dropped; }
 
   /// Keeps a neighbour from being evicted for another (parent, children, next hops), or no longer.
   /// It is still dropped if it falls silent.
@@ -138,6 +147,7 @@ public:
 
   [[nodiscard]] const neighbour* find(mote_id mote) const;
   [[nodiscard]] const std::vector<neighbour>& all() const { return table_; }
+  [[nodiscard]] bool is_full() const { return table_.size() >= config_.capacity; }
   [[nodiscard]] const neighbours_config& config() const { return config_; }
   [[nodiscard]] const neighbours_counters& counters() const { return counters_; }
 
@@ -146,17 +156,21 @@ public:
 
 private:
   [[nodiscard]] neighbour* entry(mote_id mote);
+  [[nodiscard]] static std::optional<quality> likely_out(const neighbour& x);
   [[nodiscard]] quality both_ways(const neighbour& x) const;
   [[nodiscard]] bool is_silent(const neighbour& x) const;
   void sample(neighbour& x, bool heard) const;
   void judge(neighbour& x) const;
   void take_report(neighbour& x, const link_report& report, instant now) const;
+  void refresh_deadline();
   [[nodiscard]] bool make_room(bool matters, instant now);
   bool evict(std::vector<neighbour>::iterator x);
   admission admit(const link_report& x, instant now);
 
   neighbours_config config_;
   std::vector<neighbour> table_;
+  std::optional<instant> deadline_; ///< the earliest `due`
+  std::uint64_t changes_ = 0;
   mote_id told_last_;               ///< in the list of our last beacon
   std::optional<instant> replaced_; ///< when the last eviction for a link that does not matter was
   neighbours_counters counters_;

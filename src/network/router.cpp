@@ -13,6 +13,8 @@ constexpr unsigned purpose_bits = 2;
 
 neighbours_config links_of(const router_config& config) {
   neighbours_config x;
+  if (config.is_sink)
+    x.capacity = 24;
   x.beacon_slack += config.beacon_delay_max;
   x.beacon_gap_max += config.beacon_delay_max;
   return x;
@@ -34,9 +36,20 @@ router::router(router_config config, random_stream dice, instant now)
   collection_config packets;
   packets.self = config_.self;
   packets.is_root = config_.is_sink;
+  if (config_.is_sink) { // has a PC's memory and power
+    packets.queue_max = 32;
+    packets.octets_max = 32 * frame_payload_max;
+    packets.seen_max = 64;
+  }
   packets_ = collection(packets, random_stream(dice_.next()));
   channels_config paths;
   paths.self = config_.self;
+  if (config_.is_sink) {
+    paths.entries_max = 32;
+    paths.offers_max = 12;
+    paths.queue_max = 16;
+    paths.octets_max = 16 * channel_packet_max;
+  }
   paths.connect_timeout += 5 * config_.beacon_delay_max;
   paths.setup_timeout += 5 * config_.beacon_delay_max;
   paths_ = channels(paths, random_stream(dice_.next()));
@@ -128,7 +141,11 @@ void router::on_content(collected x, router_outputs& out, instant now) {
   } else {
     const auto& answer = std::get<place_answer>(*message);
     for (auto q = questions_.begin(); q != questions_.end();) {
-      if (q->destination != answer.mote) {
+      const bool is_early = links_.is_full() && (!answer.place || !place_.place());
+      const bool can_wait = is_early && q->asks < config_.asks_max;
+      if (q->destination == answer.mote && can_wait)
+        q->due = now + config_.question_gap;
+      if (q->destination != answer.mote || can_wait) {
         ++q;
         continue;
       }
@@ -152,18 +169,25 @@ std::pair<channel_id, router_outputs> router::connect(mote_id destination,
                                                       const channel_schedule& schedule,
                                                       duration expiry, instant now) {
   router_outputs out;
-  const question x{paths_.next_id(), destination, schedule, expiry,
-                   now + config_.question_timeout + 3 * config_.beacon_delay_max};
+  const question x{paths_.next_id(), destination, schedule, expiry, now + answer_wait()};
   const bool must_ask = !config_.is_sink && !links_.good(destination) &&
                         questions_.size() < config_.questions_max && has_route();
   if (must_ask) {
-    ++counters_.questions;
     questions_.push_back(x);
-    send_router_message(tree_.root(), place_question{destination}, out, now);
+    ask(x, out, now);
   } else {
     begin(x, known_place(destination), out, now);
   }
   return {x.channel, std::move(out)};
+}
+
+duration router::answer_wait() const {
+  return config_.question_timeout + 3 * config_.beacon_delay_max;
+}
+
+void router::ask(const question& x, router_outputs& out, instant now) {
+  ++counters_.questions;
+  send_router_message(tree_.root(), place_question{x.destination}, out, now);
 }
 
 void router::begin(const question& x, std::optional<virtual_coordinates> place, router_outputs& out,
@@ -172,8 +196,9 @@ void router::begin(const question& x, std::optional<virtual_coordinates> place, 
        now);
 }
 
-std::optional<router_outputs> router::send_on(channel_id channel, bytes content, instant now) {
-  auto todo = paths_.send(channel, std::move(content), now);
+std::optional<router_outputs> router::send_on(channel_id channel, bytes content, bool in_slot,
+                                              instant now) {
+  auto todo = paths_.send(channel, std::move(content), in_slot, now);
   if (!todo)
     return std::nullopt;
   router_outputs out;
@@ -197,6 +222,7 @@ router_outputs router::refuse(channel_id channel, instant now) {
 surroundings router::around() const {
   surroundings x;
   x.own_place = place_.place();
+  x.is_crowd = links_.is_full();
   x.hop_delay = std::chrono::duration_cast<std::chrono::microseconds>(hop_delay_);
   for (const auto& each : links_.all()) {
     if (each.good)
@@ -209,6 +235,7 @@ void router::take(channels_outputs todo, router_outputs& out, instant now) {
   for (auto& x : todo) {
     if (auto* next = std::get_if<channel_hop>(&x)) {
       auto frame = frame_for(purpose::channel, next->next, am::channel, std::move(next->octets));
+      frame.in_slot = next->in_slot;
       if (next->next != broadcast_mote)
         handed_[frame.token] = {next->next, now};
       out.emplace_back(std::move(frame));
@@ -231,7 +258,7 @@ void router::send_beacon(router_outputs& out, instant now) {
     return;
   beacon x;
   x.sequence = ++beacon_sequence_;
-  x.next_quarters = quarters(timer_.deadline() - now);
+  x.next_quarters = quarters(timer_.certain() - now);
   x.gradient = tree_.advertise();
   x.coordinates = place_.advertise();
   x.heard = links_.heard(beacon::heard_max);
@@ -255,13 +282,20 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   const auto what = links_.on_beacon(x->report(source, config_.self, has_route()), now);
   if (what == admission::repeated)
     return;
-  if (what == admission::added || what == admission::restarted)
+  if (has_route()) // else nobody does what we do: look for one
+    timer_.hear();
+  // In a crowd neighbours come and go in the table, and a new one finds enough others.
+  const bool is_crowd = 2 * links_.all().size() > links_.config().capacity;
+  if ((what == admission::added && !is_crowd) || what == admission::restarted)
     timer_.reset(now);
   place_.on_beacon(source, x->coordinates, links_);
   if (x->clock.root != mote_id{} && clock_.on_stamp(x->clock, sfd)) {
     out.emplace_back(clock_corrected{});
     if (!relay_due_)
       relay_due_ = now + dice_.between(0s, config_.relay_spread);
+    copies_ = 1;
+  } else if (clock_.is_of_last_round(x->clock) && ++copies_ >= config_.relay_copies) {
+    relay_due_.reset();
   }
   if (what == admission::refused)
     return;
@@ -274,9 +308,12 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
 
 /// What is known of links has changed: so may the tree and the coordinates.
 void router::settle(router_outputs& out, instant now) {
-  links_.pin(tree_.parent(), false);
+  const auto parent = tree_.parent();
   const auto change = tree_.update(links_, now);
-  links_.pin(tree_.parent(), true);
+  if (tree_.parent() != parent) {
+    links_.pin(parent, false);
+    links_.pin(tree_.parent(), true);
+  }
   if (change == gradient_change::lost)
     timer_.reset(now);
   if (place_.update(links_, now))
@@ -348,7 +385,7 @@ router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmi
     take(packets_.on_sent(acked, now), out, now);
     break;
   case purpose::channel:
-    take(paths_.on_sent(acked, now), out, now);
+    take(paths_.on_sent(acked, around(), now), out, now);
     break;
   case purpose::direct:
     if (auto sent = directs_.extract(token); !sent.empty() && !acked) {
@@ -374,6 +411,13 @@ router_outputs router::on_time(instant now) {
   take(paths_.on_time(now), out, now);
   for (auto q = questions_.begin(); q != questions_.end();) {
     if (q->due > now) {
+      ++q;
+      continue;
+    }
+    if (links_.is_full() && q->asks < config_.asks_max) {
+      ++q->asks;
+      q->due = now + answer_wait();
+      ask(*q, out, now);
       ++q;
       continue;
     }

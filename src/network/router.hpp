@@ -33,10 +33,13 @@ struct router_config {
   duration report_period = 60s;   ///< a mote tells the sink where it is, at least so often;
   duration report_gap = 5s;       ///< when that has changed, so long after it said anything; twice
                                   ///< as long with each time that it goes on changing
-  duration question_timeout = 3s; ///< for the sink's answer where a mote is
-  std::size_t questions_max = 4;  ///< under way
-  std::size_t direct_max = 8;     ///< packets for neighbours under way
-  duration relay_spread = 150ms;  ///< a clock round is passed on within this time
+  duration question_timeout = 3s; ///< for the sink's answer where a mote is. In a crowd,
+  duration question_gap = 5s;     ///< where floods cost much, it is asked again while it does not
+  unsigned asks_max = 3;          ///< know, or we do not know where we are; so often at most
+  std::size_t questions_max = 2;  ///< under way
+  std::size_t direct_max = 4;     ///< packets for neighbours under way
+  duration relay_spread = 150ms;  ///< a clock round is passed on within this time,
+  unsigned relay_copies = 3;      ///< unless it has been heard so often until then
   duration beacon_delay_max{};    ///< by which motes may hold their frames back
   duration change_beacon = 1s;    ///< a beacon comes within this time of a change of coordinates,
   duration help_gap = 2s;         ///< and for those without a route not more often than this
@@ -48,7 +51,8 @@ struct frame_out {
   mote_id next_hop; ///< broadcast_mote: to all, nobody acknowledges
   std::uint8_t am_type = 0;
   bytes payload;
-  std::optional<std::size_t> age_at; ///< as in radio::request
+  std::optional<std::size_t> age_at; ///< as in radio::request; the next too
+  bool in_slot = false;
 };
 
 /// For the user of Network at this node.
@@ -97,7 +101,7 @@ public:
   connect(mote_id destination, const channel_schedule& schedule, duration expiry, instant now);
   /// @returns nothing if the channel is not open here or its queue is full
   [[nodiscard]] std::optional<router_outputs> send_on(channel_id channel, bytes content,
-                                                      instant now);
+                                                      bool in_slot, instant now);
   [[nodiscard]] router_outputs disconnect(channel_id channel, instant now);
   /// A channel that was accepted is not wanted: the source hears no_room.
   [[nodiscard]] router_outputs refuse(channel_id channel, instant now);
@@ -134,6 +138,7 @@ private:
     channel_schedule schedule;
     duration expiry{};
     instant due;
+    unsigned asks = 1;
   };
 
   struct direct {
@@ -150,6 +155,8 @@ private:
   void take(channels_outputs todo, router_outputs& out, instant now);
   void on_content(collected x, router_outputs& out, instant now);
   void send_router_message(mote_id to, const router_message& x, router_outputs& out, instant now);
+  [[nodiscard]] duration answer_wait() const;
+  void ask(const question& x, router_outputs& out, instant now);
   void begin(const question& x, std::optional<virtual_coordinates> place, router_outputs& out,
              instant now);
   [[nodiscard]] surroundings around() const;
@@ -169,6 +176,7 @@ private:
   std::uint16_t beacon_sequence_ = 0;
   bool beacon_under_way_ = false;
   std::optional<instant> relay_due_; ///< of a beacon that passes a clock round on
+  unsigned copies_ = 0;              ///< of that round, heard so far
   std::uint64_t frames_ = 0;
   std::map<std::uint64_t, direct> directs_;                     ///< by token
   std::map<std::uint64_t, std::pair<mote_id, instant>> handed_; ///< unicasts: to whom, when

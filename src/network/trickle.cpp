@@ -15,6 +15,7 @@ void trickle::begin(duration interval, instant at) {
   interval_ = interval;
   start_ = at;
   due_ = at + dice_.between(interval / 2, interval);
+  heard_ = 0;
 }
 
 bool trickle::on_time(instant now) {
@@ -22,8 +23,17 @@ bool trickle::on_time(instant now) {
     return false;
   // An owner that comes late is not made to fire for all it has missed.
   const auto end = std::max(start_ + interval_, now);
+  const bool fires = interval_ == config_.interval_max || heard_ < config_.redundancy;
   begin(std::min(2 * interval_, config_.interval_max), end);
-  return true;
+  return fires;
+}
+
+instant trickle::certain() const {
+  auto interval = interval_;
+  auto end = start_ + interval;
+  for (; interval < config_.interval_max; end += interval)
+    interval = std::min(2 * interval, config_.interval_max);
+  return interval_ == config_.interval_max ? due_ : end;
 }
 
 void trickle::shorten(instant now, duration interval) {

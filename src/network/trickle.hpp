@@ -10,10 +10,13 @@ namespace rubicon::network {
 struct trickle_config {
   duration interval_min = 125ms;
   duration interval_max = 16s;
+  unsigned redundancy = 6; ///< others that fire in a shorter interval, which make ours needless
 };
 
 /// Fires once in each interval, at a random time in its second half; each interval is twice as long
-/// as the one before it, up to interval_max.
+/// as the one before it, up to interval_max. In shorter ones it keeps quiet if enough others fire
+/// (Levis et al., RFC 6206): so many that begin at once, or hear of one who does, do not choke the
+/// air.
 class trickle {
 public:
   trickle() = default;
@@ -30,7 +33,13 @@ public:
   /// Something has changed: an interval of this length begins, unless one so short is under way.
   void shorten(instant now, duration interval);
 
+  /// Another has fired that did what we would do.
+  void hear() { ++heard_; }
+
   [[nodiscard]] instant deadline() const { return due_; }
+
+  /// The latest time at which it fires, whoever else does.
+  [[nodiscard]] instant certain() const;
 
   /// Octets of its state on a mote.
   [[nodiscard]] static std::size_t footprint() { return 12; }
@@ -43,6 +52,7 @@ private:
   duration interval_{};
   instant start_; ///< of the interval in which it fires next
   instant due_;
+  unsigned heard_ = 0; ///< in this interval
 };
 
 } // namespace rubicon::network

@@ -2,11 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <chrono>
-#include <span>
 #include <utility>
-
-#include "core/codec.hpp"
 
 namespace rubicon::radio {
 
@@ -36,24 +32,6 @@ outgoing pack(std::uint64_t token, const frame& header) {
   return x;
 }
 
-/// The frame as it goes on the air from `begin` on.
-transmission stamped(radio_index from, const outgoing& x, instant begin) {
-  transmission sent{
-      .from = from, .content = x.content, .psdu = x.psdu, .length = air_time(x.psdu.size())};
-  if (!x.age_at)
-    return sent;
-  auto octets = to_bytes(x.content.payload);
-  const auto field = std::span(octets).subspan(*x.age_at, 4);
-  const auto waited = std::chrono::floor<std::chrono::microseconds>(begin + sfd_delay - x.asked);
-  byte_writer age;
-  age.big(byte_reader(field).big<std::uint32_t>() + static_cast<std::uint32_t>(waited.count()));
-  std::ranges::copy(age.finish(), field.begin());
-  sent.content.payload = octets;
-  sent.psdu = encode(sent.content);
-  sent.content.payload = sent.psdu.view().subspan(header_size, octets.size());
-  return sent;
-}
-
 const mac_rules* rules_for(const platform& kind, const channel_config& config) {
   const auto named =
       std::ranges::find(config.macs, kind.name, &std::pair<std::string, std::string>::first);
@@ -64,24 +42,6 @@ const mac_rules* rules_for(const platform& kind, const channel_config& config) {
 
 mote_address name_of(const radio_config& x) {
   return {island_id{x.pan}, x.address};
-}
-
-copy_fate to_copy_fate(fate x) {
-  switch (x) {
-  case fate::weak:
-    return copy_fate::weak;
-  case fate::collision:
-    return copy_fate::collision;
-  case fate::captured:
-    return copy_fate::captured;
-  case fate::half_duplex:
-    return copy_fate::half_duplex;
-  case fate::off:
-    return copy_fate::off;
-  case fate::intact:
-    break;
-  }
-  return copy_fate::delivered;
 }
 
 } // namespace
@@ -163,6 +123,7 @@ outputs channel::send(radio_index radio, request what, instant now) {
   header.payload = what.payload.view();
   auto frame = pack(what.token, header);
   frame.age_at = what.age_at;
+  frame.in_slot = what.in_slot;
   frame.asked = now;
   x.sender.submit(std::move(frame), now, dice_);
   follow(radio, {}, now, out);
@@ -310,43 +271,6 @@ void channel::watch_battery(radio_index radio, instant now) {
 
 // --------------------------------------------------------------------------------------- reception
 
-copy_fate channel::on_ack(radio_index radio, std::uint8_t dsn, instant now, outputs& out) {
-  auto& x = at(radio);
-  if (!x.sender.awaits(dsn))
-    return copy_fate::filtered;
-  ++x.counted.acks_received;
-  follow(radio, x.sender.on_ack(now, dice_), now, out);
-  return copy_fate::delivered;
-}
-
-copy_fate channel::on_data(const transmission& sent, const hearer& x, instant now, outputs& out) {
-  auto& y = at(x.radio);
-  const bool addressed = medium_.addressed(x.radio, sent.content);
-  auto fate = copy_fate::duplicate;
-  switch (y.inbox.on_frame(sent.content, addressed, y.service_time, medium_.meter(x.radio), now)) {
-  case verdict::overflow:
-    return copy_fate::overflow;
-  case verdict::duplicate:
-    break;
-  case verdict::accepted:
-    fate = copy_fate::delivered;
-    out.emplace_back(delivered{x.radio, sent.psdu, sent.content, x.rssi_dbm, x.lqi});
-    break;
-  }
-  if (sent.content.ack_request && addressed) {
-    y.ack_dsn = sent.content.dsn;
-    const auto begin = now + y.sender.rules().ack_delay;
-    schedule({.at = begin,
-              .told_at = begin + air_time(ack_size),
-              .stamp = ++y.ack_stamp,
-              .subject = x.radio.value,
-              .kind = event_kind::ack_due});
-  }
-  return fate;
-}
-
-// ----------------------------------------------------------------------------------------- sending
-
 void channel::follow(radio_index radio, const mac_action& todo, instant now, outputs& out) {
   if (todo.transmit)
     send_current(radio, now);
@@ -389,90 +313,6 @@ void channel::schedule(const event& x) {
     sure_.reset();
   }
   queue_.push(x);
-}
-
-void channel::send_current(radio_index radio, instant now) {
-  auto& x = at(radio);
-  const auto& current = x.sender.current();
-  if (current.transmissions == 1) // a repeat costs the MCU nothing: the frame is still in the chip
-    medium_.meter(radio).work(x.service_time, now);
-  put_on_air(stamped(radio, current, now), now);
-}
-
-void channel::put_on_air(transmission x, instant now) {
-  const auto from = x.from;
-  x.begin = now;
-  const auto end = now + x.length;
-  ++at(from).counted.transmissions;
-  const auto slot = medium_.start(std::move(x), topology_.around(from));
-  schedule({.at = end,
-            .told_at = end,
-            .stamp = medium_.stamp(slot),
-            .subject = slot,
-            .kind = event_kind::frame_end});
-}
-
-void channel::end_frame(slot_index slot, instant now, outputs& out) {
-  const auto& frame = medium_.content(slot);
-  auto& sender = at(frame.from);
-  const bool is_ack = frame.content.type == frame_type::ack;
-  const bool is_current = !is_ack && sender.sender.now_in() == mac::state::sending;
-  const bool guards = guards_ && frame.content.ack_request;
-  book_frame(slot);
-  overheard seen;
-  if (watched_)
-    seen = describe(frame);
-  // Nearly all copies of a busy place are filtered: that way is short.
-  const auto judge = [&](const transmission& sent, const hearer& x, fate end) {
-    if (end != fate::intact)
-      return to_copy_fate(end);
-    if (x.loss != 0 && dice_.chance(static_cast<double>(x.loss) / 65535))
-      return copy_fate::loss;
-    if (guards)
-      at(x.radio).guarded_until = now + at(x.radio).sender.rules().guard;
-    if (is_ack ? !medium_.awaits_ack(x.radio) : !medium_.wanted(x.radio, sent.content))
-      return copy_fate::filtered;
-    return is_ack ? on_ack(x.radio, sent.content.dsn, now, out) : on_data(sent, x, now, out);
-  };
-  medium_.end(slot, now, dice_,
-              [&](const transmission& sent, std::size_t place, const hearer& x, fate end) {
-                const auto result = judge(sent, x, end);
-                sender.copies.count(place, result);
-                const bool arrived =
-                    result == copy_fate::delivered || result == copy_fate::duplicate;
-                seen.received = seen.received || arrived;
-                if (!is_current || !medium_.addressed(x.radio, sent.content))
-                  return;
-                auto& request = sender.sender.current();
-                request.last = result;
-                request.arrived = request.arrived || arrived;
-              });
-  if (watched_)
-    out.emplace_back(std::move(seen));
-}
-
-/// Makes the sender's book one about the frame's hearers, and counts the frame there.
-void channel::book_frame(slot_index slot) {
-  auto& book = at(medium_.content(slot).from).copies;
-  if (!book.is_about(medium_.heard_by(slot))) {
-    retire(book);
-    book.begin(medium_.heard_by(slot));
-  }
-  book.count_frame();
-}
-
-void channel::retire(const link_books& x) {
-  if (x.to() == nullptr)
-    return;
-  for (std::size_t place = 0; place < x.to()->size(); ++place)
-    at((*x.to())[place].radio).counted.copies += x.link(place);
-}
-
-overheard channel::describe(const transmission& x) const {
-  const bool is_ack = x.content.type == frame_type::ack;
-  return {.pan = at(x.from).pan,
-          .begin = x.begin,
-          .psdu = is_ack ? payload(encode(x.content)) : x.psdu};
 }
 
 void channel::conclude(radio_index radio, const finished& x, outputs& out) {

@@ -16,16 +16,24 @@ constexpr std::uint16_t fcf_ack = 0x0002;
 constexpr std::uint8_t network_octet = 0x3f; ///< "not a LoWPAN frame"
 constexpr std::size_t fcs_size = 2;
 
-// CRC-16/KERMIT, one table entry an octet.
-constexpr auto fcs_table = [] {
-  std::array<std::uint16_t, 256> table{};
-  for (unsigned i = 0; i < table.size(); ++i) {
+constexpr std::size_t fcs_stride = 8; ///< octets taken in one step
+
+// CRC-16/KERMIT: what an octet makes of the checksum, with so many zero octets behind it.
+constexpr auto fcs_tables = [] {
+  std::array<std::array<std::uint16_t, 256>, fcs_stride> tables{};
+  for (unsigned i = 0; i < 256; ++i) {
     unsigned crc = i;
     for (int bit = 0; bit < 8; ++bit)
       crc = (crc & 1) != 0 ? (crc >> 1) ^ 0x8408U : crc >> 1;
-    table[i] = static_cast<std::uint16_t>(crc);
+    tables[0][i] = static_cast<std::uint16_t>(crc);
   }
-  return table;
+  for (std::size_t zeros = 1; zeros < fcs_stride; ++zeros) {
+    for (unsigned i = 0; i < 256; ++i) {
+      const auto before = tables[zeros - 1][i];
+      tables[zeros][i] = static_cast<std::uint16_t>((before >> 8) ^ tables[0][before & 0xff]);
+    }
+  }
+  return tables;
 }();
 
 result<frame> decode_ack(byte_view content) {
@@ -57,10 +65,16 @@ result<frame> decode_data(byte_reader reader, bool ack_request) {
 } // namespace
 
 std::uint16_t fcs(byte_view octets) {
-  std::uint16_t crc = 0;
+  unsigned crc = 0;
+  for (; octets.size() >= fcs_stride; octets = octets.subspan(fcs_stride)) {
+    unsigned next = fcs_tables[7][(crc ^ octets[0]) & 0xff] ^ fcs_tables[6][(crc >> 8) ^ octets[1]];
+    for (std::size_t i = 2; i < fcs_stride; ++i)
+      next ^= fcs_tables[fcs_stride - 1 - i][octets[i]];
+    crc = next;
+  }
   for (const auto octet : octets)
-    crc = static_cast<std::uint16_t>((crc >> 8) ^ fcs_table[(crc ^ octet) & 0xff]);
-  return crc;
+    crc = (crc >> 8) ^ fcs_tables[0][(crc ^ octet) & 0xff];
+  return static_cast<std::uint16_t>(crc);
 }
 
 bytes encode(const frame& x) {

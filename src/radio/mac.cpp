@@ -124,7 +124,14 @@ void mac::leave_space(instant now) {
 void mac::attempt(instant now, random_stream& dice) {
   busy_ = 0;
   rounds_ = 0;
-  back_off(std::max(now, free_from_), dice);
+  const auto from = std::max(now, free_from_);
+  const auto& next = open_.front();
+  if (!next.in_slot || next.transmissions > 0) {
+    back_off(from, dice);
+    return;
+  }
+  state_ = state::backing_off;
+  deadline_ = from + rules_->assessment;
 }
 
 void mac::back_off(instant from, random_stream& dice) {

@@ -34,8 +34,9 @@ enum class send_status : std::uint8_t {
 struct outgoing {
   std::uint64_t token = 0;
   payload psdu;
-  frame content;                            ///< views `psdu`
-  std::optional<std::size_t> age_at = {};   ///< as in radio::request
+  frame content;                          ///< views `psdu`
+  std::optional<std::size_t> age_at = {}; ///< as in radio::request; the next too
+  bool in_slot = false;
   instant asked;                            ///< for it
   unsigned transmissions = 0;               ///< so far
   bool arrived = false;                     ///< a copy of it was accepted by its destination

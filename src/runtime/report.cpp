@@ -49,6 +49,26 @@ radio_report& radio_report::operator+=(const radio_report& x) {
   return *this;
 }
 
+network_report& network_report::operator+=(const network_report& x) {
+  beacons += x.beacons;
+  packets += x.packets;
+  arrived += x.arrived;
+  forwarded += x.forwarded;
+  repeated += x.repeated;
+  channels_asked += x.channels_asked;
+  channels_opened += x.channels_opened;
+  channels_flooded += x.channels_flooded;
+  channels_broken += x.channels_broken;
+  channel_packets += x.channel_packets;
+  channel_packets_arrived += x.channel_packets_arrived;
+  add(lost, x.lost);
+  hops_max = std::max(hops_max, x.hops_max);
+  synchronised += x.synchronised;
+  clock_error_max = std::max(clock_error_max, x.clock_error_max);
+  state_octets = std::max(state_octets, x.state_octets);
+  return *this;
+}
+
 serial_report& serial_report::operator+=(const serial_report& x) {
   octets += x.octets;
   frames_sent += x.frames_sent;

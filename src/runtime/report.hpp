@@ -65,6 +65,30 @@ struct message_report {
   message_report& operator+=(const message_report& x);
 };
 
+/// What the Network modules of an island's motes and its sink have done.
+struct network_report {
+  std::uint64_t beacons = 0;
+  std::uint64_t packets = 0; ///< begun by a mote or the sink
+  std::uint64_t arrived = 0;
+  std::uint64_t forwarded = 0;
+  std::uint64_t repeated = 0; ///< given to the radio again, which had repeated them itself
+  std::uint64_t channels_asked = 0;
+  std::uint64_t channels_opened = 0;
+  std::uint64_t channels_flooded = 0; ///< asked for by a flood: no greedy way was found (NET-12)
+  std::uint64_t channels_broken = 0;
+  std::uint64_t channel_packets = 0;
+  std::uint64_t channel_packets_arrived = 0;
+  cause_counts lost; ///< queue_full, gave_up, no_route, malformed, ...
+
+  // At the end of the run.
+  std::uint64_t hops_max = 0;     ///< from a mote to the sink
+  std::uint64_t synchronised = 0; ///< motes that know the island's time
+  duration clock_error_max{};     ///< of them, against the sink's clock (CLK-01)
+  std::uint64_t state_octets = 0; ///< that a mote needs at most for all its protocols (SMP-30)
+
+  network_report& operator+=(const network_report& x);
+};
+
 struct mote_report {
   mote_address address;
   std::string name;    ///< unique in its island, `climate-7`
@@ -90,7 +114,8 @@ struct island_report {
   std::string name;
   radio_report radio; ///< of radios of this island
   serial_report serial;
-  message_report messages;        ///< of its motes and gateway
+  message_report messages; ///< of its motes and gateway
+  network_report network;
   std::vector<mote_report> motes; ///< ascending by id, the sink excluded
 };
 

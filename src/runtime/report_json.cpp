@@ -52,6 +52,25 @@ json to_json(const message_report& x) {
           {"duplicates", x.duplicates}};
 }
 
+json to_json(const network_report& x) {
+  return {{"beacons", x.beacons},
+          {"packets", x.packets},
+          {"arrived", x.arrived},
+          {"forwarded", x.forwarded},
+          {"repeated", x.repeated},
+          {"channels_asked", x.channels_asked},
+          {"channels_opened", x.channels_opened},
+          {"channels_flooded", x.channels_flooded},
+          {"channels_broken", x.channels_broken},
+          {"channel_packets", x.channel_packets},
+          {"channel_packets_arrived", x.channel_packets_arrived},
+          {"lost", counts(x.lost)},
+          {"hops_max", x.hops_max},
+          {"synchronised", x.synchronised},
+          {"clock_error_max_s", seconds(x.clock_error_max)},
+          {"state_octets", x.state_octets}};
+}
+
 json membership(const mote_report& x) {
   return {{"mote", to_string(x.address)},
           {"name", x.name},
@@ -93,6 +112,7 @@ json to_json(const island_report& x) {
           {"radio", to_json(x.radio)},
           {"serial", to_json(x.serial)},
           {"messages", to_json(x.messages)},
+          {"network", to_json(x.network)},
           {"motes", std::move(motes)}};
 }
 

@@ -162,6 +162,45 @@ void add_islands(report_page& page, const report& x) {
   page.add(rows);
 }
 
+std::string in_us(duration x) {
+  return with_thousands(static_cast<std::uint64_t>(x / 1us)) + " µs";
+}
+
+void add_network(report_page& page, const report& x) {
+  const auto has_network = [](const island_report& island) { return island.network.beacons > 0; };
+  if (std::ranges::none_of(x.islands, has_network))
+    return;
+  page.heading("Network");
+  table rows({{"island"},
+              {"hops", align::right},
+              {"packets", align::right},
+              {"arrived", align::right},
+              {"forwarded", align::right},
+              {"channels", align::right},
+              {"carried", align::right},
+              {"beacons", align::right},
+              {"clock error", align::right},
+              {"mote state", align::right}});
+  const auto shown = std::min(rows_max, x.islands.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& part = x.islands[i].network;
+    rows.add({{x.islands[i].name, look::strong},
+              with_thousands(part.hops_max),
+              with_thousands(part.packets),
+              with_thousands(part.arrived),
+              with_thousands(part.forwarded),
+              with_thousands(part.channels_opened),
+              with_thousands(part.channel_packets_arrived),
+              with_thousands(part.beacons),
+              part.synchronised > 0 ? in_us(part.clock_error_max) : "–",
+              with_thousands(part.state_octets) + " B"});
+    if (const auto lost = causes(part.lost); !lost.empty())
+      rows.add_note("  lost: " + lost);
+  }
+  add_rest(rows, x.islands.size(), shown);
+  page.add(rows);
+}
+
 /// A mote and the island it lives in.
 struct mote_entry {
   const island_report* island;
@@ -350,6 +389,7 @@ std::string to_text(const report& x, std::size_t width, bool colour) {
   add_title(page, x);
   add_story(page, x);
   add_islands(page, x);
+  add_network(page, x);
   add_flows(page, x);
   add_programs(page, x);
   add_energy(page, x);

@@ -1,13 +1,14 @@
 #include "scheduler/fold_serializer.hpp"
 
 #include <bit>
+#include <cstring>
 #include <string_view>
 
 namespace rubicon::scheduler {
 
 namespace {
 
-/// Eight octets, the first in the lowest bits, whatever the machine's byte order.
+/// Up to eight octets, the first in the lowest bits, whatever the machine's byte order.
 std::uint64_t word_at(const unsigned char* octets, std::size_t count) {
   std::uint64_t word = 0;
   for (std::size_t i = 0; i < count; ++i)
@@ -29,9 +30,14 @@ caf::error fold_serializer::begin_sequence(std::size_t& size) {
 caf::error fold_serializer::apply_raw(std::size_t size, void* data) {
   const auto* octets = static_cast<const unsigned char*>(data);
   into_.add(size);
-  // A loop of known length compiles to one load.
-  for (; size >= 8; size -= 8, octets += 8)
-    into_.add(word_at(octets, 8));
+  for (; size >= 8; size -= 8, octets += 8) {
+    std::uint64_t word = 0;
+    if constexpr (std::endian::native == std::endian::little)
+      std::memcpy(&word, octets, 8);
+    else
+      word = word_at(octets, 8);
+    into_.add(word);
+  }
   if (size > 0)
     into_.add(word_at(octets, size));
   return caf::none;

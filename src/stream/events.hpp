@@ -27,7 +27,7 @@ using channel_handle = strong_id<channel_tag, std::uint32_t>;
 
 /// Records that wait to be read, and octets of the longest, when nothing is said.
 inline constexpr std::size_t queue_size_default = 5;
-inline constexpr std::size_t buffer_size_default = 32;
+inline constexpr std::size_t buffer_size_default = 12; ///< a sensor_record fits
 
 /// Bits of open_remote's qos. They are for who provides the channel; streams keep the order
 /// of their records in any case.

@@ -16,8 +16,8 @@
 namespace rubicon::stream {
 
 struct streams_config {
-  std::size_t streams_max = 8;
-  std::size_t early_max = 4; ///< accepted channels whose stream is not open here yet
+  std::size_t streams_max = 5;
+  std::size_t early_max = 2; ///< accepted channels whose stream is not open here yet
   std::size_t queue_max = 32;
   std::size_t record_max = 105;    ///< what a channel packet holds beside SS_WRITE's header
   std::uint8_t transducers = 0;    ///< they are numbered from 0 (STR-09)

@@ -19,9 +19,9 @@ namespace rubicon::synaptic {
 
 /// What fits a mote; a PC has room for more.
 struct channels_config {
-  std::size_t channels_max = 4;               ///< each way
+  std::size_t channels_max = 2;               ///< each way
   std::size_t early_max = 2;                  ///< accepted channels not created here yet
-  std::uint8_t size_max = 16;                 ///< elements of a vector
+  std::uint8_t size_max = 10;                 ///< elements of a vector
   std::size_t packet_max = 108;               ///< octets, >= 10
   std::chrono::milliseconds tick_period{500}; ///< what connect_channel asks for (CLK-03)
   unsigned silence_max = 20;                  ///< vectors due in a row; > 0 (SYN-17)

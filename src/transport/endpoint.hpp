@@ -53,8 +53,8 @@ struct endpoint_config {
   duration busy_wait = 500ms;    ///< before a receiver without room is asked again
   std::size_t payload_max = transport::payload_max; ///< of a message
   std::size_t outstanding_max = 8;                  ///< reliable sends that have not ended
-  std::size_t sessions_max = 16;                    ///< receivers whose incarnation is remembered
-  std::size_t sources_max = 32; ///< senders remembered for suppression of duplicates
+  std::size_t sessions_max = 6;                     ///< receivers whose incarnation is remembered
+  std::size_t sources_max = 8; ///< senders remembered for suppression of duplicates
   duration lifetime = 60s; ///< nothing is under way for longer; then numbers prove nothing any more
 };
 

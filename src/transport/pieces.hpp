@@ -24,7 +24,7 @@ inline constexpr std::size_t pieces_max = 16;
                                                     std::uint8_t tag);
 
 struct assembly_config {
-  std::size_t packets_max = 4; ///< that are incomplete; one more drops the oldest
+  std::size_t packets_max = 1; ///< that are incomplete; one more drops the oldest
   duration patience = 10s;     ///< between two pieces of a packet
 };
 

@@ -66,7 +66,7 @@ TEST_CASE("the trace of the home is the same on every machine and in every build
   auto home = example("home.toml");
   home.length = 5min;
   const auto report = run(home);
-  CHECK(report.trace_hash == "8dadde99f775a4f9");
+  CHECK(report.trace_hash == "9447984933b72c4c");
 }
 
 TEST_CASE("an ecology can be stopped after any time", "[ecology]") {

@@ -1,4 +1,10 @@
 // The Communication Layer's examples: streams over several hops, and a learning network.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string_view>
+
 #include "ecology_files.hpp"
 #include "support/catch.hpp"
 
@@ -22,6 +28,43 @@ double figure(const runtime::report& x, std::string_view who, std::string_view n
 
 double duty_of(const runtime::mote_report& x) {
   return 1 - seconds(x.radio_off) / seconds(x.elapsed);
+}
+
+/// Motes 2 to count + 1 of one island in a ring of synaptic channels, all of them near each other.
+/// @param radio further lines of [radio]
+config::ecology_description ring(int count, int size, std::string_view radio = "") {
+  std::ostringstream toml;
+  toml << "[ecology]\nname = 'ring'\n"
+       << "[mote_type.unit]\ntype = 1\n"
+       << "[radio]\nrange = '100m'\n"
+       << radio << "[[island]]\nname = 'hall'\nid = 1\nkeep_alive = '3min'\n"
+       << "sink.position_m = [0, 0]\n";
+  for (int i = 0; i < count; ++i) {
+    const auto end = [&](int other) {
+      std::ostringstream x;
+      x << "[{ node = 'hall/n-" << 2 + other % count << "', size = " << size << " }]";
+      return x.str();
+    };
+    toml << "[[island.mote]]\nid = " << 2 + i << "\nname = 'n-" << 2 + i << "'\ntype = 'unit'\n"
+         << "position_m = [" << 1 + i % 10 << ", " << 1 + i / 10 << "]\n"
+         << "apps = [{ app = 'reservoir', units = " << size << ", from = " << end(i + count - 1)
+         << ", to = " << end(i + 1) << " }]\n";
+  }
+  return ecology_of(toml.str());
+}
+
+struct vectors {
+  double updated = 0;
+  double missed = 0;
+};
+
+vectors vectors_of(const runtime::report& x) {
+  vectors sum;
+  for (const auto& program : x.programs) {
+    sum.updated += figure(x, program.who, "vectors updated");
+    sum.missed += figure(x, program.who, "vectors missed");
+  }
+  return sum;
 }
 
 } // namespace
@@ -64,4 +107,58 @@ TEST_CASE("a learning network over two islands and a PC says what comes next",
   }
   CHECK(figure(report, "learner", "prediction error") <
         0.6 * figure(report, "learner", "error of the last value"));
+}
+
+TEST_CASE("40 motes in one place send ten values each at every tick, hardly ever in vain",
+          "[ecology][SYN-16]") {
+  auto network = ring(40, 10);
+  network.length = 4min;
+  const auto report = run(network);
+  CHECK(report.motes_joined() == 40);
+  const auto all = vectors_of(report);
+  CHECK(all.updated > 40 * 2 * 60 * 3);
+  CHECK(all.missed < 0.002 * all.updated);
+}
+
+TEST_CASE("the rate of missed vectors is that of the loss injected", "[ecology][SYN-10]") {
+  constexpr double loss = 0.2;
+  constexpr int attempts = 2; // the channel's: the radio makes one of each
+  std::ostringstream radio;
+  radio << "retries = 0\n";
+  for (int i = 0; i < 16; ++i) // the way back stays whole: nothing that has arrived is sent again
+    radio << "[[radio.link]]\nfrom = 'hall/n-" << 2 + i << "'\nto = 'hall/n-" << 2 + (i + 1) % 16
+          << "'\nloss = " << loss << "\n";
+  auto network = ring(16, 3, radio.str());
+  network.length = 20min;
+  const auto report = run(network);
+  const auto all = vectors_of(report);
+  const auto total = all.updated + all.missed;
+  CHECK(total > 16 * 2 * 60 * 15);
+  // Beacons, which know no slots, collide with a few more.
+  CHECK(all.missed / total == Approx(std::pow(loss, attempts)).epsilon(0.15));
+}
+
+TEST_CASE("operators over streams switch a lamp, and each run writes down the same",
+          "[ecology][STR-22][PAR-02]") {
+  auto room = example("operators.toml");
+  auto& recorder = std::get<apps::recorder_config>(room.islands.at(0).gateway_apps.at(0));
+  recorder.file = "operators-test.csv";
+  const auto records_of = [&] {
+    const auto report = run(room);
+    CHECK(report.violations.empty());
+    CHECK(report.motes_joined() == 5);
+    CHECK(figure(report, "room/middle", "records written") > 800);
+    CHECK(figure(report, "room/ceiling", "changes") >= 4); // two in each period of the light
+    CHECK(figure(report, "room/ceiling", "commands failed") == 0);
+    CHECK(figure(report, "room-gateway", "records dropped") == 0);
+    CHECK(figure(report, "room-gateway", "lines not written") == 0);
+    std::ostringstream text;
+    text << std::ifstream(recorder.file).rdbuf();
+    return text.str();
+  };
+  const auto first = records_of();
+  CHECK(first.starts_with("time_s,island,mote,stream,value\n"));
+  CHECK(std::ranges::count(first, '\n') > 400);
+  CHECK(first.find(",1,5,9,") != std::string::npos);
+  CHECK(records_of() == first);
 }

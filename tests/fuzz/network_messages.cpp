@@ -43,7 +43,7 @@ void hear(byte_view octets, std::uint8_t am_type) {
   const surroundings around{virtual_coordinates{1, 2, 3}, {{mote_id{2}, {}}, {mote_id{4}, {}}}, {}};
   for (int i = 0; i < 2; ++i) {
     static_cast<void>(paths.on_frame(mote_id{2}, octets, around, instant{}));
-    static_cast<void>(paths.on_sent(i == 0, instant{1s}));
+    static_cast<void>(paths.on_sent(i == 0, {}, instant{1s}));
   }
   static_cast<void>(paths.on_time(instant{1min}));
 }

@@ -1,5 +1,5 @@
 // Two islands with their gateways, and two PCs: every place where a program of the Communication
-// Layer can be.
+// Layer can be, a gateway's PC among them.
 #pragma once
 
 #include <array>
@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -44,7 +45,7 @@ public:
     for (std::uint32_t i = 1; i <= 2; ++i) {
       gateways_.emplace(peer_id(static_cast<std::int32_t>(i)),
                         gateway::gateway({.island = island_id(i)}, random_stream(dice_.next())));
-      perform(island_id(i), gateway_at(island_id(i)).start());
+      perform(island_id(i), gateway_at(island_id(i)).start(now_));
     }
     for (const auto id : {20, 21})
       start_pc(peer_id(id));
@@ -73,19 +74,31 @@ public:
   [[nodiscard]] endpoint::pc& pc(island_id x) { return pcs_.at(gateway_of(x)); }
   [[nodiscard]] gateway::gateway& gateway_at(island_id x) { return gateways_.at(gateway_of(x)); }
 
-  /// A program at a mote or, with no_mote, at a PC. @param x outlives this world
+  /// A program at a mote or, with no_mote, at a gateway or another PC. @param x outlives this world
   void attach(mote_address where, recorder& x) {
-    x.layer =
-        is_pc(where) ? pc(where.island).attach(x) : island(where.island).at(where.mote).attach(x);
+    if (is_gateway(where))
+      x.layer = gateway_at(where.island).attach(x);
+    else
+      x.layer =
+          is_pc(where) ? pc(where.island).attach(x) : island(where.island).at(where.mote).attach(x);
   }
 
   [[nodiscard]] const mote::layer& layer_of(mote_address x) {
+    if (is_gateway(x))
+      return gateway_at(x.island).above();
     return is_pc(x) ? pc(x.island).above() : island(x.island).at(x.mote).above();
   }
 
   /// A program there gives commands now. @returns what `commands` does
   template <class Commands>
   auto act(mote_address where, Commands commands) {
+    if (is_gateway(where)) {
+      auto& here = gateway_at(where.island);
+      here.begin(now_);
+      const auto result = commands();
+      perform(where.island, here.settle());
+      return result;
+    }
     if (is_pc(where)) {
       auto& here = pc(where.island);
       here.begin(now_);
@@ -103,7 +116,9 @@ public:
 
   /// No goodbye. Its programs must not give commands any more.
   void kill(mote_address x) {
-    if (is_pc(x))
+    if (is_gateway(x))
+      gateways_.erase(gateway_of(x.island));
+    else if (is_pc(x))
       pcs_.erase(gateway_of(x.island));
     else
       island(x.island).kill(x.mote);
@@ -121,19 +136,24 @@ public:
   }
 
   std::size_t messages_between_peers = 0;
+  std::map<std::pair<island_id, std::string>, bytes> tuples; ///< of gateways, by key
 
 private:
   static constexpr duration step_length = 4ms;
 
-  [[nodiscard]] static bool is_pc(mote_address x) { return x.mote == no_mote; }
+  [[nodiscard]] static bool is_gateway(mote_address x) {
+    return x.mote == no_mote && x.island.value <= 2;
+  }
+  [[nodiscard]] static bool is_pc(mote_address x) { return x.mote == no_mote && !is_gateway(x); }
 
   void step() {
     for (std::uint32_t i = 1; i <= 2; ++i) {
       auto& here = island(island_id(i));
       here.run_for(step_length);
-      for (auto& x : std::exchange(here.up, {}))
-        perform(island_id(i),
-                gateway_at(island_id(i)).on_packet(x.source, x.am_type, x.payload, here.now()));
+      for (auto& x : std::exchange(here.up, {})) {
+        if (const auto gate = gateways_.find(gateway_of(island_id(i))); gate != gateways_.end())
+          perform(island_id(i), gate->second.on_packet(x.source, x.am_type, x.payload, here.now()));
+      }
     }
     const auto end = now_ + step_length;
     agenda_.run(
@@ -152,13 +172,19 @@ private:
         });
       } else if (auto* message = std::get_if<gateway::to_gateway>(&x)) {
         post(gateway_of(from), message->peer, std::move(message->octets));
+      } else if (auto* tuple = std::get_if<gateway::publish>(&x)) {
+        tuples[{from, tuple->key}] = std::move(tuple->value);
+      } else if (const auto* gone = std::get_if<gateway::erase>(&x)) {
+        tuples.erase({from, gone->key});
       }
     }
   }
 
   void perform(peer_id from, endpoint::outputs todo) {
-    for (auto& x : todo)
-      post(from, x.peer, std::move(x.octets));
+    for (auto& x : todo) {
+      auto message = endpoint::message_of(std::move(x));
+      post(from, message.peer, std::move(message.octets));
+    }
   }
 
   void post(peer_id from, peer_id to, bytes octets) {
@@ -199,6 +225,11 @@ inline constexpr std::array placements{
     placement{"a PC and a mote", {island_id{20}, no_mote}, {island_id{1}, mote_id{4}}},
     placement{"a mote and a PC", {island_id{2}, mote_id{3}}, {island_id{21}, no_mote}},
     placement{"two PCs", {island_id{20}, no_mote}, {island_id{21}, no_mote}},
+    placement{"a mote and its gateway", {island_id{1}, mote_id{7}}, {island_id{1}, no_mote}},
+    placement{"a gateway and a mote of another island",
+              {island_id{1}, no_mote},
+              {island_id{2}, mote_id{3}}},
+    placement{"a PC and a gateway", {island_id{20}, no_mote}, {island_id{2}, no_mote}},
 };
 
 } // namespace rubicon::test

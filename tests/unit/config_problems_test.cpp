@@ -38,7 +38,8 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
       {"apps = [{ keys = [\"a\"] }]\n", "6:9: `app` is missing in apps of a peer"},
       {"apps = [{ app = \"colector\", keys = [\"a\"] }]\n",
        "6:17: `app` must be \"proxy_manager\", \"rules\", \"collector\", \"stream_reader\", "
-       "\"reservoir\" or \"readout\", not \"colector\"; did you mean \"collector\"?"},
+       "\"reservoir\", \"readout\", \"average\", \"stream_switch\" or \"recorder\", not "
+       "\"colector\"; did you mean \"collector\"?"},
       {"apps = [{ app = \"collector\", keys = [\"a\"], every = \"1s\" }]\n",
        "6:44: unknown key `every` in app = \"collector\": there is app, keys"},
       {"apps = [{ app = \"collector\" }]\n", "6:9: `keys` is missing in app = \"collector\""},

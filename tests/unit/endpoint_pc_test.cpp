@@ -41,10 +41,11 @@ TEST_CASE("a PC is joined when it starts, under its PEIS id",
   CHECK(x.program.joins == std::vector{std::pair(self, true)});
   CHECK(x.program.layer->address() == self);
   CHECK(x.program.layer->send(2, 3, bytes{1}, false, 10) == mote::SUCCESS);
-  const auto sent = x.core.settle();
-  REQUIRE(sent.size() == 1);
-  CHECK(sent[0].peer == peer_id{2});
-  const auto packet = network::decode_gateway_packet(sent[0].octets);
+  const auto packets = x.core.settle();
+  REQUIRE(packets.size() == 1);
+  const auto sent = endpoint::message_of(packets[0]);
+  CHECK(sent.peer == peer_id{2});
+  const auto packet = network::decode_gateway_packet(sent.octets);
   REQUIRE(packet);
   CHECK(packet->mote == mote_id{3});
   CHECK(packet->channel == 10);

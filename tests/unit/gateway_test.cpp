@@ -5,6 +5,7 @@
 #include "network/wire.hpp"
 #include "support/catch.hpp"
 #include "support/pick.hpp"
+#include "support/recorder.hpp"
 #include "support/segments.hpp"
 #include "transport/pieces.hpp"
 #include "transport/segment.hpp"
@@ -32,7 +33,9 @@ constexpr mote_id the_sink{1};
 gateway::gateway make() {
   gateway_config config;
   config.island = kitchen;
-  return {config, random_stream(1)};
+  gateway::gateway x(config, random_stream(1));
+  static_cast<void>(x.start({}));
+  return x;
 }
 
 gateway::outputs tell(gateway::gateway& x, const network::sink_event& event) {
@@ -82,7 +85,7 @@ gateway::outputs accept(gateway::gateway& x, mote_id mote, const transport::segm
 
 TEST_CASE("a gateway publishes its devices as D1.1 5.4 says", "[gateway][GW-03][GW-04][GW-09]") {
   auto x = make();
-  CHECK(published(x.start(), "devices") == "{}");
+  CHECK(published(x.start({}), "devices") == "{}");
   join(x, mote_id{11});
   const auto out = tell(x, network::mote_joined{fan, 0, 42, bytes{0xaa, 0xbb}});
   CHECK(published(out, "devices") == "{7,11}");
@@ -221,6 +224,43 @@ TEST_CASE("messages of other islands for absent motes or nobody are dropped and 
   CHECK(pick<to_sink>(x.on_message(peer_id{2}, *from_hex("ffff000a"), {})).size() == 1);
 }
 
+TEST_CASE("programs of a gateway hear of motes that join, once in each life",
+          "[gateway][MCK-15][DIS-03]") {
+  auto x = make();
+  test::recorder program;
+  program.layer = x.attach(program);
+  const auto joins = [&](mote_id mote, std::uint32_t incarnation, bytes descriptor) {
+    static_cast<void>(tell(x, network::mote_joined{mote, incarnation, 301, std::move(descriptor)}));
+    return program.newcomers.size();
+  };
+  CHECK(joins(fan, 0, bytes{0xaa, 0xbb}) == 1);
+  CHECK(program.newcomers[0] == std::pair(fan.value, bytes{0xaa, 0xbb}));
+  CHECK(joins(fan, 0, bytes{0xaa, 0xbb}) == 1); // the sink has been asked
+  CHECK(joins(mote_id{8}, 0, bytes{0xcc}) == 2);
+  CHECK(joins(fan, 1, bytes{0xaa}) == 3); // it has been started again
+  static_cast<void>(tell(x, network::mote_left{fan, network::leave_cause::notice}));
+  CHECK(joins(fan, 1, bytes{0xaa}) == 4);
+}
+
+TEST_CASE("what a gateway's program provides it gets, and the tuples the rest",
+          "[gateway][GW-06][AM-05]") {
+  auto x = make();
+  test::recorder program;
+  program.layer = x.attach(program);
+  REQUIRE(program.layer->provide(10) == mote::SUCCESS);
+  join(x, fan);
+  const auto hear = [&](std::uint8_t type) {
+    return pick<publish>(x.on_packet(fan, network::am::to_gateway,
+                                     up({kitchen, no_mote}, plain(fan, type, bytes{1})), {}))
+        .size();
+  };
+  CHECK(hear(10) == 0);
+  REQUIRE(program.messages.size() == 1);
+  CHECK(program.messages[0].source == mote_address{kitchen, fan});
+  CHECK(hear(11) == 1);
+  CHECK(program.messages.size() == 1);
+}
+
 TEST_CASE("a roster brings a gateway's list back to the truth", "[gateway][GW-15]") {
   auto x = make();
   join(x, fan);
@@ -255,6 +295,7 @@ TEST_CASE("no more inputs wait than there is room for", "[gateway]") {
   config.island = kitchen;
   config.inputs_outstanding_max = 2;
   gateway::gateway x(config, random_stream(1));
+  static_cast<void>(x.start({}));
   join(x, fan);
   static_cast<void>(x.on_input(fan, 2, bytes{1}, {}));
   static_cast<void>(x.on_input(fan, 2, bytes{0}, {}));

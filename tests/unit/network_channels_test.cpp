@@ -184,7 +184,7 @@ private:
     }
     agenda_.add(when, [this, from, acked] {
       if (motes_.contains(from))
-        perform(from, motes_.at(from).on_sent(acked, now_));
+        perform(from, motes_.at(from).on_sent(acked, around(from), now_));
     });
   }
 
@@ -221,7 +221,7 @@ TEST_CASE("packets go over a channel, in either direction", "[network][NET-05][N
   grid x(5, 5, 1);
   const auto id = x.connect(grid::id(0), grid::id(24));
   for (std::uint8_t i = 0; i < 50; ++i) {
-    auto out = x.at(grid::id(0)).send(id, {i}, x.now());
+    auto out = x.at(grid::id(0)).send(id, {i}, false, x.now());
     REQUIRE(out.has_value());
     x.perform(grid::id(0), *std::move(out));
     x.run_for(20ms);
@@ -230,10 +230,10 @@ TEST_CASE("packets go over a channel, in either direction", "[network][NET-05][N
   CHECK(x.received.at(id).size() == 50);
   CHECK(x.received.at(id).back() == bytes{49});
   x.received.clear();
-  x.perform(grid::id(24), *x.at(grid::id(24)).send(id, {77}, x.now()));
+  x.perform(grid::id(24), *x.at(grid::id(24)).send(id, {77}, false, x.now()));
   x.run_for(1s);
   CHECK(x.received.at(id) == std::vector<bytes>{{77}});
-  CHECK_FALSE(x.at(grid::id(1)).send(id, {1}, x.now()).has_value());
+  CHECK_FALSE(x.at(grid::id(1)).send(id, {1}, false, x.now()).has_value());
 }
 
 TEST_CASE("sending says nothing of delivery: on bad links packets are lost and counted",
@@ -246,7 +246,7 @@ TEST_CASE("sending says nothing of delivery: on bad links packets are lost and c
   REQUIRE(x.connected.contains(id));
   int sent = 0;
   for (int i = 0; i < 300; ++i) {
-    if (auto out = x.at(grid::id(0)).send(id, {1}, x.now())) {
+    if (auto out = x.at(grid::id(0)).send(id, {1}, false, x.now())) {
       ++sent;
       x.perform(grid::id(0), *std::move(out));
     }
@@ -363,7 +363,7 @@ TEST_CASE("a mote that dies on the path is noticed and the source told", "[netwo
   x.kill(grid::id(2));
   for (int i = 0; i < 4; ++i) {
     CHECK(x.ended.empty());
-    x.perform(grid::id(0), *x.at(grid::id(0)).send(id, {1}, x.now()));
+    x.perform(grid::id(0), *x.at(grid::id(0)).send(id, {1}, false, x.now()));
     x.run_for(1s);
   }
   CHECK(x.ended.at({id, grid::id(0)}) == channel_end::broken);

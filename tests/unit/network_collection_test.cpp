@@ -194,6 +194,15 @@ TEST_CASE("a packet that nobody takes is given up and counted", "[network][NET-0
   CHECK(x.at(mote(2)).counters().repeated == 7);
 }
 
+TEST_CASE("a queue with too many octets drops what comes and counts it", "[network][NET-05]") {
+  auto x = line(2, 1);
+  for (std::uint8_t i = 0; i < 20; ++i)
+    x.perform(mote(2), x.at(mote(2)).send_up(bytes(100, i), x.now()));
+  CHECK(x.at(mote(2)).counters().queue_full == 20 - 3); // of 352 octets, one packet under way
+  x.run_for(5s);
+  CHECK(x.arrived.size() == 3);
+}
+
 TEST_CASE("a full queue drops what comes and counts it", "[network][NET-05]") {
   auto x = line(2, 1);
   for (std::uint8_t i = 0; i < 20; ++i)

@@ -263,7 +263,7 @@ TEST_CASE("channels open between any two motes of an island", "[network][NET-10]
     const auto id = x.connect(from, to);
     x.run_for(15s);
     REQUIRE(x.connected.contains(id));
-    auto sent = x.at(from).send_on(id, {42}, x.own_time(from));
+    auto sent = x.at(from).send_on(id, {42}, false, x.own_time(from));
     REQUIRE(sent.has_value());
     x.perform(from, *std::move(sent));
     x.run_for(2s);
@@ -291,7 +291,7 @@ TEST_CASE("a relay that dies is replaced", "[network][NET-09]") {
 
 TEST_CASE("the state of a mote's Network module fits its budget", "[network][SMP-30]") {
   island x(2, 2, 1);
-  CHECK(x.at(mote(2)).footprint() < 4096);
+  CHECK(x.at(mote(2)).footprint() < 2200);
 }
 
 TEST_CASE("messages of the Network modules keep their layout", "[network][golden]") {

@@ -86,6 +86,28 @@ TEST_CASE("the back-off window doubles from 8 to 32 units and the fifth busy ass
         std::vector<duration>{7 * 320us, 15 * 320us, 31 * 320us, 31 * 320us, 31 * 320us});
 }
 
+TEST_CASE("a frame in its slot has no back-off until the channel is busy or it is repeated",
+          "[radio][mac][SYN-16]") {
+  random_stream dice(1);
+  auto same = dice;
+  mac x(standard, 8, 3);
+  instant now = instant{} + 5ms;
+  auto frame = frame_of(1, true);
+  frame.in_slot = true;
+  x.submit(frame, now, dice);
+  CHECK(x.deadline() == now + 128us);
+  put_on_air(x, now, dice);
+  CHECK_FALSE(x.on_sent(now, dice).ended);
+  CHECK_FALSE(step(x, now, true, dice).ended); // no ack
+  const auto later = static_cast<int>(same.below(8));
+  CHECK(x.deadline() == now + later * 320us + 128us);
+
+  mac other(standard, 8, 3);
+  other.submit(frame, now, dice = same);
+  step(other, now, false, dice);
+  CHECK(other.deadline() == now + static_cast<int>(same.below(16)) * 320us + 128us);
+}
+
 TEST_CASE("a frame without ack is repeated, with a fresh back-off, until its attempts are used up",
           "[radio][mac]") {
   for (const unsigned retries : {0U, 1U, 3U, 7U}) {

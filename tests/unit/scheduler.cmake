@@ -2,6 +2,6 @@ rubicon_test(unit.scheduler SOURCES
   unit/scheduler_clock_test.cpp unit/scheduler_order_test.cpp unit/scheduler_queue_test.cpp
   unit/scheduler_run_test.cpp unit/scheduler_shutdown_test.cpp unit/scheduler_supervision_test.cpp
   unit/scheduler_trace_test.cpp unit/scheduler_wall_test.cpp
-  NEEDS rubicon_scheduler)
-target_precompile_headers(test_unit.scheduler PRIVATE <caf/all.hpp> "support/catch.hpp")
+  NEEDS rubicon_scheduler
+  PRECOMPILE <caf/all.hpp> <support/catch.hpp>)
 

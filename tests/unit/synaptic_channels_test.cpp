@@ -63,10 +63,10 @@ TEST_CASE("a vector is told and shown at the tick after", "[synaptic][SYN-06][SY
 }
 
 TEST_CASE("without loss nothing is missed", "[synaptic][SYN-10]") {
-  joined x(16);
+  joined x(10);
   x.start();
   x.world.run_ticks(101);
-  CHECK(x.count(input_status::updated) == 1600);
+  CHECK(x.count(input_status::updated) == 1000);
   CHECK(x.count(input_status::missed) == 0);
 }
 
@@ -321,6 +321,6 @@ TEST_CASE("what is malformed or out of place is counted", "[synaptic][SYN-12]") 
 }
 
 TEST_CASE("all channels fit a mote", "[synaptic][SYN-01]") {
-  CHECK(channels().footprint() < 2000);
+  CHECK(channels().footprint() < 600);
   CHECK(channels(pc).footprint() > channels().footprint());
 }

@@ -43,7 +43,7 @@ TEST_CASE("a packet that takes too many pieces is not cut", "[transport][NET-14]
 }
 
 TEST_CASE("pieces of several packets and origins do not mix", "[transport][NET-14]") {
-  assembly x;
+  assembly x({.packets_max = 4});
   const auto a = *cut(bytes(30, 'a'), 20, 1);
   const auto b = *cut(bytes(30, 'b'), 20, 2);
   const auto c = *cut(bytes(30, 'c'), 20, 1);
@@ -56,7 +56,7 @@ TEST_CASE("pieces of several packets and origins do not mix", "[transport][NET-1
 }
 
 TEST_CASE("packets whose pieces stop coming are given up and counted", "[transport][NET-14]") {
-  assembly x;
+  assembly x({.packets_max = 4});
   const auto a = *cut(bytes(30, 'a'), 20, 1);
   CHECK_FALSE(x.on_piece(origin, a[0], instant{}));
   CHECK_FALSE(x.on_piece(origin, a[1], instant{11s})); // begins anew

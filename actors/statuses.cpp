@@ -1,0 +1,67 @@
+#include "actors/statuses.hpp"
+
+namespace rubicon {
+
+network_status status_of(mote_address address, const mote::packet_service& x, instant own,
+                         instant now) {
+  const auto& router = x.router();
+  const auto& packets = router.packets().counters();
+  const auto& paths = router.paths().counters();
+  network_status status;
+  status.address = address;
+  status.has_clock = router.clock().synchronised();
+  if (status.has_clock) {
+    const auto real = std::chrono::floor<island_clock::duration>(now.time_since_epoch());
+    status.clock_ahead_us = (router.clock().at(own).time_since_epoch() - real).count();
+  }
+  auto& r = status.network;
+  r.beacons = router.counters().beacons;
+  r.packets = packets.originated;
+  r.arrived = packets.arrived;
+  r.forwarded = packets.forwarded;
+  r.repeated = packets.repeated;
+  r.channels_asked = paths.connects;
+  r.channels_opened = paths.connected;
+  r.channels_flooded = paths.floods;
+  r.channels_broken = paths.broken;
+  r.channel_packets = paths.packets_sent;
+  r.channel_packets_arrived = paths.packets_received;
+  r.lost["channel_lost"] = paths.packets_lost;
+  r.lost["channel_no_room"] = paths.refused;
+  r.lost["channel_strays"] = paths.strays;
+  r.lost["gave_up"] = packets.gave_up;
+  r.lost["malformed"] = packets.malformed + paths.malformed + router.counters().malformed +
+                        router.counters().unknown_type + x.counters().malformed;
+  r.lost["no_route"] = packets.no_route + x.counters().unroutable;
+  r.lost["queue_full"] = packets.queue_full;
+  r.lost["too_far"] = packets.too_far;
+  return status;
+}
+
+network_status status_of(mote_address address, const mote::node& x, instant own, instant now) {
+  auto status = status_of(address, x.packets(), own, now);
+  const auto& above = x.above().counters();
+  auto& r = status.network;
+  r.synchronised = status.has_clock ? 1 : 0;
+  if (x.packets().router().has_route())
+    r.hops_max = x.packets().router().tree().hops();
+  r.state_octets = x.footprint();
+  r.lost["channel_full"] = x.counters().channel_full;
+  r.lost["malformed"] += x.counters().malformed;
+  r.lost["misdirected"] = x.counters().misdirected;
+  r.lost["paced_out"] = x.counters().paced_out;
+  r.lost["unclaimed"] = above.unclaimed;
+  r.lost["unknown_channel"] = above.unknown_channel;
+  r.lost["unowned"] = above.unowned;
+  return status;
+}
+
+network_status status_of(mote_address address, const mote::sink& x, instant own, instant now) {
+  auto status = status_of(address, x.packets(), own, now);
+  status.is_sink = true;
+  status.network.lost["malformed"] += x.counters().malformed + x.counters().unknown_type;
+  status.network.lost["unowned"] = x.counters().for_sink;
+  return status;
+}
+
+} // namespace rubicon

@@ -1,0 +1,90 @@
+#include "apps/stream_inputs.hpp"
+
+#include <algorithm>
+
+namespace rubicon::apps {
+
+namespace {
+
+constexpr duration pause = 5s; ///< before a stream is opened again
+
+} // namespace
+
+stream_application::stream_application(const std::vector<std::uint16_t>& streams, duration every)
+    : every_(every) {
+  for (const auto name : streams)
+    inputs_.push_back({.name = name});
+}
+
+void stream_application::joined(mote::island_octet, std::uint16_t, mote::status success) {
+  retry_.reset();
+  for (auto& x : inputs_) {
+    if (x.stream > 0) {
+      layer().close(x.stream);
+      on_lost(static_cast<std::size_t>(&x - inputs_.data()));
+    }
+    x.stream = -1;
+    x.is_wanted = false;
+  }
+  for (auto& x : inputs_) {
+    if (success == mote::SUCCESS)
+      open(x);
+  }
+}
+
+void stream_application::open(read_end& x) {
+  x.is_wanted = false;
+  const auto accepted =
+      layer().open_remote(static_cast<mote::island_octet>(own_island.value), own_mote.value, x.name,
+                          static_cast<std::uint32_t>(every_ / 1ms), 0, stream::sensor_record::size);
+  if (accepted == mote::FAIL)
+    retry(x);
+}
+
+void stream_application::retry(read_end& x) {
+  x.is_wanted = true;
+  retry_ = earliest(retry_, layer().now() + pause);
+}
+
+void stream_application::openRemoteDone(int stream, std::uint16_t name, mote::status success) {
+  const auto x = std::ranges::find(inputs_, name, &read_end::name);
+  if (x == inputs_.end())
+    return;
+  if (success == mote::FAIL) {
+    retry(*x);
+    return;
+  }
+  ++openings_;
+  x->stream = stream;
+  on_opened(static_cast<std::size_t>(x - inputs_.begin()));
+  layer().read(stream, stream::sensor_record::size);
+}
+
+void stream_application::readDone(int stream, byte_view record, mote::status success) {
+  const auto x = std::ranges::find(inputs_, stream, &read_end::stream);
+  if (x == inputs_.end())
+    return;
+  const auto number = static_cast<std::size_t>(x - inputs_.begin());
+  if (success == mote::FAIL) { // the writer is gone
+    layer().close(stream);
+    x->stream = -1;
+    retry(*x);
+    on_lost(number);
+    return;
+  }
+  if (const auto read = stream::decode_sensor_record(record))
+    on_record(number, *read);
+  layer().read(stream, stream::sensor_record::size);
+}
+
+void stream_application::on_time(instant now) {
+  if (!retry_ || *retry_ > now)
+    return;
+  retry_.reset();
+  for (auto& x : inputs_) {
+    if (x.is_wanted)
+      open(x);
+  }
+}
+
+} // namespace rubicon::apps

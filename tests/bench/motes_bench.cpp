@@ -1,0 +1,142 @@
+// What a mote costs: whole ecologies of motes that join their islands and send a reading a minute,
+// from the program's actors down to the medium, in virtual time.
+//
+// All sizes have the same density: islands of 100 motes in a grid of 10 m with a range of 15 m, the
+// sink in the middle, so that most readings go over several hops. Islands stand too far apart to
+// hear each other; all are in one air, and their gateways in one PEIS network.
+//
+// A calibration loop in the same run makes figures of different machines comparable: steps are its.
+#include <chrono>
+#include <cstdio>
+#include <optional>
+#include <ratio>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <malloc.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "actors/run.hpp"
+#include "calibration.hpp"
+#include "config/load.hpp"
+#include "figures.hpp"
+
+namespace {
+
+using namespace rubicon;
+using bench::at_least;
+using bench::at_most;
+
+constexpr unsigned island_motes = 100;
+constexpr duration settled_after = 90s; ///< everybody has joined, beacons are rare
+constexpr duration measured = 1min;
+
+config::ecology_description islands(unsigned motes) {
+  constexpr unsigned columns = 10;
+  constexpr unsigned apart_m = 200;
+  std::ostringstream toml;
+  toml << "[ecology]\nname = 'motes'\n[radio]\nrange = '15m'\n"
+       << "[mote_type.m]\ntype = 1\n"
+       << "transducers = { temperature = { model = 'constant', value = 20 } }\n"
+       << "apps = [{ app = 'sampler', transducers = ['temperature'], every = '60s' }]\n"
+       << "[[air]]\nname = 'field'\nislands = [";
+  const auto count = motes / island_motes;
+  for (unsigned i = 1; i <= count; ++i)
+    toml << "'island-" << i << "', ";
+  toml << "]\n";
+  for (unsigned i = 0; i < count; ++i) {
+    const auto x_m = apart_m * (i % columns);
+    const auto y_m = apart_m * (i / columns);
+    toml << "[[island]]\nid = " << i + 1 << "\nname = 'island-" << i + 1
+         << "'\nkeep_alive = '3min'\nsink.position_m = [" << x_m + 45 << ", " << y_m + 45 << "]\n"
+         << "[[island.group]]\ncount = " << island_motes << "\nfirst = 2\ntype = 'm'\n"
+         << "layout = 'grid'\ncolumns = 10\nspacing = '10m'\norigin = [" << x_m << ", " << y_m
+         << "]\n";
+  }
+  auto loaded = config::load_text(toml.str(), "motes.toml", {}, {});
+  if (!loaded.ecology)
+    throw std::logic_error("the bench's own ecology is refused");
+  return *std::move(loaded.ecology);
+}
+
+/// Octets of memory that the process has resident.
+double resident() {
+  long pages_all = 0;
+  long pages = 0;
+  std::FILE* file = std::fopen("/proc/self/statm", "r");
+  if (file == nullptr || std::fscanf(file, "%ld %ld", &pages_all, &pages) != 2)
+    throw std::runtime_error("/proc/self/statm cannot be read");
+  std::fclose(file);
+  return static_cast<double>(pages) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+struct cost {
+  double cpu_s = 0;   ///< of a simulated minute
+  double wall_s = 0;  ///< the same
+  double octets = 0;  ///< resident, of one mote
+  double events = 0;  ///< between actors, of a mote in the whole run
+  double joined = 0;  ///< share of the motes
+  double arrived = 0; ///< share of the readings sent
+};
+
+cost measure(unsigned motes) {
+  ::malloc_trim(0);
+  const auto before = resident();
+  auto what = islands(motes);
+  what.length = settled_after + measured;
+  cost x;
+  std::optional<std::pair<double, double>> started; // processor time, wall time
+  run_options options;
+  options.progress = [&](instant reached, instant end) {
+    if (!started && reached >= instant(settled_after))
+      started = {bench::cpu_s(), bench::wall_s()};
+    if (reached < end)
+      return;
+    constexpr double minutes = std::chrono::duration<double, std::ratio<60>>(measured).count();
+    x.cpu_s = (bench::cpu_s() - started->first) / minutes;
+    x.wall_s = (bench::wall_s() - started->second) / minutes;
+    x.octets = (resident() - before) / motes;
+  };
+  const auto report = run_ecology(what, options);
+  const auto messages = report.messages();
+  x.events = static_cast<double>(report.events) / motes;
+  x.joined = static_cast<double>(report.motes_joined()) / motes;
+  x.arrived =
+      static_cast<double>(messages.received) / static_cast<double>(messages.unreliable_sent);
+  return x;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  const bool json = argc == 2 && std::string(argv[1]) == "--json";
+  if (argc > 1 && !json) {
+    std::fprintf(stderr, "usage: bench_motes [--json]\n");
+    return 2;
+  }
+  spdlog::set_level(spdlog::level::err);
+  bench::figures out;
+  std::vector<double> each; // steps a mote and minute
+  for (const unsigned motes : {100U, 1000U, 10'000U}) {
+    out.section(std::to_string(motes) + " motes", "joined, a reading a minute each");
+    const auto calibration = bench::calibrate() * 1e6;
+    const auto x = measure(motes);
+    each.push_back(x.cpu_s / motes * calibration);
+    out.add("wall time, a simulated minute", x.wall_s, 3, "s");
+    out.add("processor time, the same", x.cpu_s, 3, "s");
+    out.add("the same, a mote", x.cpu_s / motes * 1e6, 0, "us");
+    out.add("the same in calibration steps", each.back() / 1e3, 0, "k steps");
+    out.add("against 100 motes", each.back() / each.front(), 2, "", at_most(1.5));
+    out.add("resident memory, a mote", x.octets / 1024, 1, "KiB");
+    out.add("messages between actors, a mote", x.events, 0, "");
+    out.add("motes joined", 100 * x.joined, 1, "%", at_least(100));
+    out.add("readings arrived", 100 * x.arrived, 1, "%", at_least(99));
+  }
+  if (json)
+    out.print_json();
+  return out.failures() == 0 ? 0 : 1;
+}

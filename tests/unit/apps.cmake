@@ -1,0 +1,1 @@
+rubicon_test(unit.apps SOURCES unit/apps_operators_test.cpp NEEDS rubicon_apps)

@@ -1,0 +1,241 @@
+// Programs over streams: average, switch, recorder; alone and one after the other (STR-22).
+#include <algorithm>
+#include <string>
+
+#include "apps/average.hpp"
+#include "apps/recorder.hpp"
+#include "apps/stream_switch.hpp"
+#include "support/catch.hpp"
+#include "support/programs.hpp"
+
+using namespace rubicon;
+using test::island_world;
+using test::lone_layer;
+
+namespace {
+
+constexpr std::uint8_t command_type = 64;
+
+mote_address at(std::uint16_t mote) {
+  return {island_id{1}, mote_id{mote}};
+}
+
+double figure(const apps::application& x, std::string_view name) {
+  for (const auto& each : x.figures()) {
+    if (each.name == name)
+      return each.value;
+  }
+  FAIL("no such figure");
+  return 0;
+}
+
+/// Writes one value again and again.
+class fixed_writer final : public apps::application {
+public:
+  fixed_writer(mote_address to, std::uint16_t name, std::int16_t first)
+      : value(first), to_(to), name_(name) {}
+
+  void openRemoteDone(int stream, std::uint16_t, mote::status success) override {
+    is_opening_ = false;
+    if (success == mote::SUCCESS)
+      stream_ = stream;
+  }
+  void on_time(instant now) override {
+    if (is_stopped_ || is_opening_ || now < next_ || !layer().address())
+      return;
+    next_ = now + 500ms;
+    if (stream_ < 0) {
+      is_opening_ = layer().open_write_end(to_, name_, 500, 0, 12) == mote::SUCCESS;
+      return;
+    }
+    ++time_ms_;
+    layer().write(stream_, encode(stream::sensor_record{*layer().address(), time_ms_, value}));
+  }
+  void stop() {
+    layer().close(stream_);
+    stream_ = -1;
+    is_stopped_ = true;
+  }
+
+  std::int16_t value;
+
+private:
+  void on_start(instant) override {}
+
+  mote_address to_;
+  std::uint16_t name_;
+  int stream_ = -1;
+  bool is_opening_ = false;
+  bool is_stopped_ = false;
+  std::uint32_t time_ms_ = 0;
+  instant next_;
+};
+
+/// An island of a sink and motes 2 to 6, all near each other, and the programs on them.
+class hosts {
+public:
+  void start(std::uint16_t mote, apps::application& x) {
+    x.start(world.at(mote_id{mote}).attach(x), world.own_time(mote_id{mote}));
+    hosted_.emplace_back(mote, &x);
+  }
+
+  void run_for(duration length) {
+    for (const auto end = world.now() + length; world.now() < end;) {
+      world.run_for(20ms);
+      for (auto& [mote, program] : hosted_)
+        on(mote, [&, who = mote_id{mote}, x = program] { x->on_time(world.own_time(who)); });
+    }
+  }
+
+  template <class Commands>
+  void on(std::uint16_t mote, Commands commands) {
+    act(world, mote_id{mote}, [&] {
+      commands();
+      return 0;
+    });
+  }
+
+  island_world world{{.width = 2, .height = 3}};
+
+private:
+  std::vector<std::pair<std::uint16_t, apps::application*>> hosted_;
+};
+
+/// The value in the last of some lines; -1 without any.
+int last_value(const std::string& lines) {
+  return lines.empty() ? -1 : std::stoi(lines.substr(lines.rfind(',') + 1));
+}
+
+} // namespace
+
+TEST_CASE("the average of three streams is a stream, at another mote or at its own",
+          "[apps][STR-22][MCK-01]") {
+  const auto reader_at = GENERATE(std::uint16_t{6}, std::uint16_t{5});
+  hosts x;
+  fixed_writer first(at(5), 1, 10);
+  fixed_writer second(at(5), 2, 20);
+  fixed_writer third(at(5), 3, 34);
+  apps::average middle({{1, 2, 3}, 500ms, {{at(reader_at), 8}}});
+  apps::recorder reader({{8}, 500ms, "x.csv"});
+  x.start(2, first);
+  x.start(3, second);
+  x.start(4, third);
+  x.start(5, middle);
+  x.start(reader_at, reader);
+  x.run_for(3min);
+  const auto lines = reader.take_lines();
+  CHECK(last_value(lines) == 21); // 21 1/3
+  CHECK(std::ranges::count(lines, '\n') > 100);
+  const auto last = lines.substr(lines.rfind('\n', lines.size() - 2) + 1);
+  CHECK(last.find(",1,5,8,21\n") != std::string::npos);
+
+  third.value = 36;
+  x.run_for(5s);
+  CHECK(last_value(reader.take_lines()) == 22);
+  x.on(4, [&] { third.stop(); }); // a stream that has ended does not count
+  x.run_for(20s);
+  CHECK(last_value(reader.take_lines()) == 15);
+  CHECK(figure(middle, "records written") > 300);
+}
+
+TEST_CASE("an average rounds to the nearest, halves up", "[apps][STR-22]") {
+  const auto [a, b, wanted] = GENERATE(table<int, int, int>({{1, 2, 2},
+                                                             {-1, -2, -1},
+                                                             {-3, -2, -2},
+                                                             {-4, -4, -4},
+                                                             {32767, 32767, 32767},
+                                                             {-32768, -32768, -32768},
+                                                             {-1, 1, 0}}));
+  hosts x;
+  fixed_writer first(at(5), 1, static_cast<std::int16_t>(a));
+  fixed_writer second(at(5), 2, static_cast<std::int16_t>(b));
+  apps::average middle({{1, 2}, 500ms, {{at(5), 8}}});
+  apps::recorder reader({{8}, 500ms, "x.csv"});
+  x.start(2, first);
+  x.start(3, second);
+  x.start(5, middle);
+  x.start(5, reader);
+  x.run_for(3min);
+  CHECK(last_value(reader.take_lines()) == wanted);
+}
+
+TEST_CASE("a switch commands between two thresholds, and until it is obeyed",
+          "[apps][DIS-02][MCK-09][MCK-10]") {
+  const bool on_when_low = GENERATE(true, false);
+  const int sign = on_when_low ? 1 : -1;
+  const auto level = [&](int value) { return static_cast<std::int16_t>(sign * value); };
+  hosts x;
+  fixed_writer light(at(3), 1, level(300));
+  apps::stream_switch program({1, 500ms, sign * 200.0, sign * 260.0, at(4), command_type});
+  test::recorder lamp;
+  x.start(2, light);
+  x.start(3, program);
+  lamp.layer = x.world.at(mote_id{4}).attach(lamp);
+  REQUIRE(lamp.layer->provide(command_type) == mote::SUCCESS);
+  const auto commands = [&] {
+    std::string all;
+    for (const auto& message : lamp.messages)
+      all += message.octets == bytes{1} ? '1' : '0';
+    return all;
+  };
+  x.run_for(3min);
+  CHECK(commands() == "0"); // it is told once where it begins
+  light.value = level(230);
+  x.run_for(5s);
+  CHECK(commands() == "0");
+  light.value = level(200);
+  x.run_for(5s);
+  CHECK(commands() == "01");
+  light.value = level(259);
+  x.run_for(5s);
+  CHECK(commands() == "01");
+  x.on(4, [&] { lamp.layer->hold(command_type); });
+  light.value = level(260);
+  x.run_for(10s);
+  CHECK(commands() == "01");
+  x.on(4, [&] { lamp.layer->release(command_type); });
+  x.run_for(90s);
+  CHECK(commands() == "010");
+  CHECK(figure(program, "changes") == 3);
+  CHECK(figure(program, "commands acknowledged") == 3);
+
+  x.world.kill(mote_id{4});
+  light.value = level(100);
+  x.run_for(2min);
+  CHECK(figure(program, "commands failed") > 0);
+  CHECK(figure(program, "commands acknowledged") == 3);
+  lamp.messages.clear();
+  x.world.start(mote_id{4});
+  lamp.layer = x.world.at(mote_id{4}).attach(lamp);
+  REQUIRE(lamp.layer->provide(command_type) == mote::SUCCESS);
+  x.run_for(3min);
+  CHECK(commands() == "1");
+}
+
+TEST_CASE("a recorder writes lines, and no more than there is room for", "[apps][STR-07]") {
+  lone_layer x;
+  apps::recorder reader({{4, 5}, 0ms, "out.csv"});
+  reader.start(x.core.attach(reader), x.now);
+  CHECK(reader.file() == "out.csv");
+  CHECK(reader.file_heading() == "time_s,island,mote,stream,value\n");
+  join(x);
+  REQUIRE(x.api().open_write_end({own_island, own_mote}, 5, 0, 0) == mote::SUCCESS);
+  static_cast<void>(x.core.take_outputs());
+  REQUIRE(x.program.openings.size() == 1);
+  const auto writes = [&](const bytes& octets) {
+    CHECK(x.api().write(x.program.openings[0].descriptor, octets) > 0);
+    static_cast<void>(x.core.take_outputs());
+  };
+  writes(encode(stream::sensor_record{at(9), 1'234'005, -7}));
+  writes(bytes{1, 2, 3}); // no sensor record
+  writes(encode(stream::sensor_record{at(9), 7, 8}));
+  CHECK(reader.take_lines() == "1234.005,1,9,5,-7\n0.007,1,9,5,8\n");
+  CHECK(reader.take_lines().empty());
+  for (std::size_t i = 0; i < apps::recorder::lines_max + 3; ++i)
+    writes(encode(stream::sensor_record{at(9), 1, 1}));
+  const auto lines = reader.take_lines();
+  CHECK(std::ranges::count(lines, '\n') == static_cast<std::ptrdiff_t>(apps::recorder::lines_max));
+  CHECK(figure(reader, "records dropped") == 3);
+  writes(encode(stream::sensor_record{at(9), 1, 1}));
+  CHECK(reader.take_lines() == "0.001,1,9,5,1\n");
+}

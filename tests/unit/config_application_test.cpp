@@ -1,0 +1,93 @@
+// Programs that use the Mockup interface, in files.
+#include <string>
+
+#include "config/summary.hpp"
+#include "config_sample.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::config;
+using namespace rubicon::test;
+
+namespace {
+
+/// A mote with one app, in line 19.
+std::string mote_with(const std::string& app) {
+  return mote_head + "apps = [{ app = " + app + " }]\n";
+}
+
+/// A peer, called pc, with one app, in line 6.
+std::string peer_with(const std::string& app) {
+  return std::string(head) + "apps = [{ app = " + app + " }]\n";
+}
+
+template <class App>
+App on_mote(const std::string& text) {
+  return std::get<App>(
+      std::get<apps::app_config>(good(mote_with(text)).islands.at(0).motes.at(0).apps.at(0)));
+}
+
+template <class App>
+App on_peer(const std::string& text) {
+  return std::get<App>(std::get<apps::app_config>(good(peer_with(text)).peers.at(0).apps.at(0)));
+}
+
+} // namespace
+
+TEST_CASE("an average has streams to read and others to write", "[config][STR-22]") {
+  const auto x = on_mote<apps::average_config>("\"average\", streams = [1, 2, 3], every = \"2s\", "
+                                               "outputs = [{ to = \"k/c-2\", stream = 8 }, "
+                                               "{ to = \"k-gateway\", stream = 9 }]");
+  CHECK(x.streams == std::vector<std::uint16_t>{1, 2, 3});
+  CHECK(x.every == 2s);
+  REQUIRE(x.outputs.size() == 2);
+  CHECK(x.outputs[0].to == mote_address{island_id{1}, mote_id{2}});
+  CHECK(x.outputs[0].stream == 8);
+  CHECK(x.outputs[1].to == mote_address{island_id{1}, no_mote}); // programs run there too
+  CHECK(x.outputs[1].stream == 9);
+}
+
+TEST_CASE("a switch has two thresholds and a mote that it commands", "[config][DIS-02]") {
+  const auto x = on_mote<apps::stream_switch_config>(
+      "\"stream_switch\", on_at = 200, off_at = 250.5, to = \"k/c-2\"");
+  CHECK(x.stream == 1);
+  CHECK(x.every == 1s);
+  CHECK(x.on_at == 200);
+  CHECK(x.off_at == 250.5);
+  CHECK(x.to == mote_address{island_id{1}, mote_id{2}});
+  CHECK(x.channel == 2);
+}
+
+TEST_CASE("recorders run on peers and gateways", "[config]") {
+  const auto x = on_peer<apps::recorder_config>("\"recorder\", streams = [4], file = \"out.csv\"");
+  CHECK(x.streams == std::vector<std::uint16_t>{4});
+  CHECK(x.file == "out.csv");
+  const auto all =
+      good(std::string(island_head) +
+           "gateway.apps = [{ app = \"recorder\", streams = [4], file = \"out.csv\" }]\n");
+  REQUIRE(all.islands.at(0).gateway_apps.size() == 1);
+  CHECK(std::get<apps::recorder_config>(all.islands[0].gateway_apps[0]).file == "out.csv");
+  CHECK(summary(all).find("gateway of k, recorder") != std::string::npos);
+}
+
+TEST_CASE("programs that cannot work are told", "[config]") {
+  CHECK(problem_in(mote_with("\"average\", streams = [1], outputs = []")).starts_with("19:"));
+  CHECK(problem_in(mote_with("\"average\", streams = [1, 2, 1], outputs = [{ to = \"pc\", stream = "
+                             "3 }]"))
+            .find("stream 1 is already listed") != std::string::npos);
+  const auto to_self = problem_in(
+      mote_with("\"average\", streams = [1, 2], outputs = [{ to = \"k/c-2\", stream = 2 }]"));
+  CHECK(to_self.find("stream 2 is read by this average") != std::string::npos);
+  CHECK(problem_in(mote_with("\"stream_switch\", on_at = 3, off_at = 3, to = \"k/c-2\""))
+            .find("`off_at` must not be equal to `on_at`") != std::string::npos);
+  CHECK(problem_in(mote_with("\"recorder\", streams = [1], file = \"a.csv\""))
+            .find("not \"recorder\"") != std::string::npos);
+  const std::string twice = "apps = [{ app = \"recorder\", streams = [1], file = \"a.csv\" }, "
+                            "{ app = \"recorder\", streams = [2], file = \"a.csv\" }]\n";
+  CHECK(problem_in(std::string(head) + twice).find("file `a.csv` is already written") !=
+        std::string::npos);
+  const std::string many = "count = 2\napps = [{ app = \"recorder\", streams = [1], file = "
+                           "\"a.csv\" }]\n";
+  CHECK(problem_in(std::string(head) + many).find("a file has one recorder, not 2") !=
+        std::string::npos);
+}
