@@ -5,6 +5,7 @@
 #include "apps/average.hpp"
 #include "apps/recorder.hpp"
 #include "apps/stream_switch.hpp"
+#include "apps/tables.hpp"
 #include "support/catch.hpp"
 #include "support/programs.hpp"
 
@@ -238,4 +239,25 @@ TEST_CASE("a recorder writes lines, and no more than there is room for", "[apps]
   CHECK(figure(reader, "records dropped") == 3);
   writes(encode(stream::sensor_record{at(9), 1, 1}));
   CHECK(reader.take_lines() == "0.001,1,9,5,1\n");
+}
+
+TEST_CASE("tables are as large as the programs need, and never smaller than by default",
+          "[apps][SMP-30]") {
+  const mote::layer_config usual;
+  auto tables = usual;
+  apps::make_room(tables, {apps::stream_switch_config{}});
+  CHECK(tables.streams.streams_max == usual.streams.streams_max);
+  CHECK(tables.synaptic.channels_max == usual.synaptic.channels_max);
+  CHECK(tables.tunnels.tunnels_max == usual.tunnels.tunnels_max);
+
+  apps::reservoir_config units;
+  units.transducers = {mote::quantity::light};
+  units.from = {{at(2), 3}, {at(3), 12}, {at(4), 1}};
+  units.to = {{at(2), 3}};
+  apps::average_config middle{{1, 2, 3, 4}, 1s, {{at(5), 8}}};
+  apps::make_room(tables, {units, middle, apps::stream_writer_config{}});
+  CHECK(tables.streams.streams_max == 8);
+  CHECK(tables.synaptic.channels_max == 3);
+  CHECK(tables.synaptic.size_max == 12);
+  CHECK(tables.tunnels.tunnels_max == 12);
 }

@@ -161,3 +161,36 @@ TEST_CASE("a trickle that is served late fires once, not for all it has missed",
   CHECK(timer.on_time(instant{} + 1h));
   CHECK(timer.deadline() > instant{} + 1h);
 }
+
+TEST_CASE("in short intervals a trickle keeps quiet if enough others fire, in the longest never",
+          "[network][NET-11]") {
+  trickle timer({}, random_stream(3), instant{});
+  const auto fires_after = [&timer](int others) {
+    for (int i = 0; i < others; ++i)
+      timer.hear();
+    return timer.on_time(timer.deadline());
+  };
+  CHECK_FALSE(fires_after(6));
+  CHECK(fires_after(0)); // what others did counts in its interval only
+  CHECK(fires_after(5));
+  CHECK_FALSE(fires_after(7));
+  while (timer.certain() != timer.deadline())
+    static_cast<void>(fires_after(0));
+  CHECK(fires_after(100));
+}
+
+TEST_CASE("a trickle fires in its first longest interval at the latest", "[network][NET-11]") {
+  trickle timer({}, random_stream(3), instant{} + 1s);
+  CHECK(timer.certain() == instant{} + 1s + 31875ms); // 125 ms, doubled up to 16 s
+  while (!timer.on_time(timer.deadline())) {
+  }
+  CHECK(timer.certain() == instant{} + 1s + 31875ms);
+}
+
+TEST_CASE("a beacon that lists as many as a table holds comes from a crowd", "[network][NET-10]") {
+  auto x = sample();
+  x.heard.assign(beacon::crowd - 1, {mote_id{9}, 200});
+  CHECK_FALSE(x.report(mote_id{3}, mote_id{4}, true).is_crowded);
+  x.heard.push_back({mote_id{9}, 200});
+  CHECK(x.report(mote_id{3}, mote_id{4}, true).is_crowded);
+}

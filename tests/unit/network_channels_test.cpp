@@ -416,6 +416,62 @@ TEST_CASE("over bad links all connects end, and no table keeps anything", "[netw
   }
 }
 
+TEST_CASE(
+    "who does not answer is left for another: the destination, in a crowd, or a nearer neighbour",
+    "[network][NET-10][NET-12]") {
+  const bool is_crowd = GENERATE(true, false);
+  channels_config config;
+  config.self = mote_id{1};
+  channels x(config, random_stream(1));
+  const mote_id destination{9};
+  const mote_id nearer{5};
+  surroundings around;
+  around.own_place = virtual_coordinates{1, 1, 1};
+  around.motes = {{nearer, virtual_coordinates{2, 2, 1}}};
+  around.is_crowd = is_crowd;
+  instant now;
+  auto todo =
+      x.connect(x.next_id(), destination, virtual_coordinates{2, 2, 2}, {}, 0s, around, now);
+  std::vector<mote_id> tried;
+  for (bool over = false; !over;) {
+    for (const auto& each : todo) {
+      over = over || std::holds_alternative<channel_ended>(each);
+      if (const auto* hop = std::get_if<channel_hop>(&each); hop && !over)
+        tried.push_back(hop->next);
+    }
+    todo = x.on_sent(false, around, now); // nobody answers
+    if (todo.empty())
+      todo = x.on_time(now = *x.deadline());
+  }
+  tried.erase(std::unique(tried.begin(), tried.end()), tried.end());
+  CHECK(tried == (is_crowd ? std::vector{destination, nearer}
+                           : std::vector{nearer, broadcast_mote})); // a flood
+}
+
+TEST_CASE("in a crowd a flood that has been heard often is not passed on", "[network][NET-12]") {
+  const bool is_crowd = GENERATE(true, false);
+  const int copies = GENERATE(2, 3);
+  channels_config config;
+  config.self = mote_id{1};
+  channels x(config, random_stream(1));
+  surroundings around;
+  around.is_crowd = is_crowd;
+  connect_message wish;
+  wish.destination = mote_id{9};
+  wish.flooded = true;
+  const auto octets = encode(channel_message{{mote_id{7}, 3}, wish});
+  std::size_t passed_on = 0;
+  const auto count = [&](const channels_outputs& todo) {
+    for (const auto& each : todo)
+      passed_on += std::holds_alternative<channel_hop>(each) ? 1 : 0;
+  };
+  for (int i = 0; i < copies; ++i)
+    count(x.on_frame(mote_id{static_cast<std::uint16_t>(20 + i)}, octets, around, instant{}));
+  CHECK(passed_on == 0);
+  count(x.on_time(instant{60ms}));
+  CHECK(passed_on == (is_crowd && copies == 3 ? 0 : 1));
+}
+
 TEST_CASE("channel messages keep their layout", "[network][golden]") {
   connect_message wish;
   wish.destination = mote_id{0x0708};

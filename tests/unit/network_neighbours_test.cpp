@@ -14,6 +14,7 @@ struct sender {
   std::uint16_t sequence = 100;
   instant now = start;
   std::optional<std::uint8_t> hears_us = 255;
+  bool is_crowded = false;
 
   /// One that arrives.
   admission beacon(neighbours& at) {
@@ -23,6 +24,7 @@ struct sender {
     x.sequence = ++sequence;
     x.next = 1s;
     x.hears_us = hears_us;
+    x.is_crowded = is_crowded;
     return at.on_beacon(x, now);
   }
 
@@ -108,6 +110,25 @@ TEST_CASE("a link that works one way only is neither good nor usable", "[network
   CHECK(at.good(a.mote)); // lists take turns
   a.beacons(at, 1);
   CHECK(!at.good(a.mote)); // it has forgotten us
+}
+
+TEST_CASE("a link to a mote that has no room for us in its table is tried, and judged by unicasts",
+          "[network][NET-10]") {
+  neighbours at;
+  sender a{mote_id{7}};
+  a.hears_us.reset();
+  a.is_crowded = true;
+  a.beacons(at, 2);
+  CHECK(!at.etx(a.mote));
+  a.beacons(at, 200);
+  REQUIRE(at.etx(a.mote));
+  CHECK(*at.etx(a.mote) == Approx(etx_one / 0.75).margin(3)); // more than if it heard us well
+  CHECK(!at.good(a.mote));                                    // nothing is proved
+  at.on_sent(a.mote, true, 1);
+  CHECK(at.etx(a.mote));
+  for (int i = 0; i < 4; ++i)
+    at.on_sent(a.mote, false, 4);
+  CHECK(!at.etx(a.mote));
 }
 
 TEST_CASE("ETX is one over the product of both directions", "[network][NET-09]") {
