@@ -17,6 +17,7 @@
 #include "support/agenda.hpp"
 #include "support/island_world.hpp"
 #include "support/recorder.hpp"
+#include "support/seeds.hpp"
 
 namespace rubicon::test {
 
@@ -231,5 +232,8 @@ inline constexpr std::array placements{
               {island_id{2}, mote_id{3}}},
     placement{"a PC and a gateway", {island_id{20}, no_mote}, {island_id{2}, no_mote}},
 };
+
+/// From one that is tested to the next: each third where each run is twenty times as slow.
+inline constexpr unsigned placements_step = seeds(3) == 1 ? 3 : 1;
 
 } // namespace rubicon::test
