@@ -186,7 +186,8 @@ void compare_clocks(ecology_pointer self) {
   for (const auto& [island, clocks] : self->state.clocks) {
     auto& error = island_of(self, island).network.clock_error_max;
     for (const auto ahead : clocks.motes_ahead_us) {
-      const auto apart = std::chrono::microseconds(std::abs(ahead - clocks.sink_ahead_us));
+      const auto apart =
+          std::chrono::microseconds(std::abs(ahead - clocks.sink_ahead_us.value_or(ahead)));
       error = std::max<duration>(error, apart);
     }
   }

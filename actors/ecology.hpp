@@ -59,7 +59,7 @@ struct process_facts {
 
 /// How far the clocks of an island's motes and its sink are ahead of real time, at the end.
 struct island_clocks {
-  std::int64_t sink_ahead_us = 0;
+  std::optional<std::int64_t> sink_ahead_us; ///< nothing: it does not know the time either
   std::vector<std::int64_t> motes_ahead_us;
 };
 

@@ -2,6 +2,9 @@
 
 namespace rubicon {
 
+namespace {
+
+/// What a mote and a sink have in common.
 network_status status_of(mote_address address, const mote::packet_service& x, instant own,
                          instant now) {
   const auto& router = x.router();
@@ -37,6 +40,8 @@ network_status status_of(mote_address address, const mote::packet_service& x, in
   r.lost["too_far"] = packets.too_far;
   return status;
 }
+
+} // namespace
 
 network_status status_of(mote_address address, const mote::node& x, instant own, instant now) {
   auto status = status_of(address, x.packets(), own, now);

@@ -26,9 +26,6 @@ namespace rubicon {
 }
 
 /// @param own what the clock of this mote or sink shows `now`
-[[nodiscard]] network_status status_of(mote_address address, const mote::packet_service& x,
-                                       instant own, instant now);
-
 [[nodiscard]] network_status status_of(mote_address address, const mote::node& x, instant own,
                                        instant now);
 

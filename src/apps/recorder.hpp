@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "apps/stream_inputs.hpp"
+#include "apps/stream_application.hpp"
 
 namespace rubicon::apps {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "apps/synapses.hpp"
+#include "apps/synaptic_application.hpp"
 
 namespace rubicon::apps {
 

@@ -1,7 +1,7 @@
 // The read end of a stream of sensor records: counts what comes, and what does not.
 #pragma once
 
-#include "apps/stream_inputs.hpp"
+#include "apps/stream_application.hpp"
 
 namespace rubicon::apps {
 

@@ -1,7 +1,7 @@
 // Switches an actuator of a mote as the values of a stream say.
 #pragma once
 
-#include "apps/stream_inputs.hpp"
+#include "apps/stream_application.hpp"
 
 namespace rubicon::apps {
 

@@ -131,10 +131,7 @@ int communication::open_sensor(std::uint8_t sensor_tid, std::uint32_t stream_rat
   wish.transducer = sensor_tid;
   wish.kind = sampling_type;
   wish.period = std::chrono::milliseconds(stream_rate);
-  const auto desc = below_->take_open(process_, below_->streams_.open_sensor(wish, below_->now_));
-  if (desc > 0)
-    below_->sensor_streams_.insert(stream_of(desc));
-  return desc;
+  return below_->take_open(process_, below_->streams_.open_sensor(wish, below_->now_));
 }
 
 int communication::open_local() {
@@ -144,10 +141,8 @@ int communication::open_local() {
 status communication::close(int desc) {
   const auto id = stream_of(desc);
   const auto done = below_->take_answer(below_->streams_.close(id));
-  if (done == SUCCESS) {
+  if (done == SUCCESS)
     below_->stream_owners_.erase(id);
-    below_->sensor_streams_.erase(id);
-  }
   return done;
 }
 

@@ -366,7 +366,7 @@ void layer::take(stream::outputs todo) {
 
 /// A sensor stream may be opened before the island is known; its records leave with it (STR-07).
 void layer::on_read(stream::read_done& x) {
-  if (island_ && sensor_streams_.contains(x.stream))
+  if (island_ && streams_.is_sensor(x.stream))
     set_island(x.content, *island_);
   tell_owner(stream_owners_, x.stream, [done = std::move(x)](auto& events) {
     events.readDone(done.stream.value, done.content, status_of(done.success));

@@ -9,7 +9,6 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <set>
 #include <variant>
 #include <vector>
 
@@ -208,7 +207,6 @@ private:
   std::map<std::uint8_t, std::size_t> owners_; ///< of AM types
   std::optional<std::size_t> rest_owner_;      ///< of all others
   std::map<stream::descriptor, std::size_t> stream_owners_;
-  std::set<stream::descriptor> sensor_streams_;
   std::map<synaptic::descriptor, std::size_t> synaptic_owners_;
   std::map<transport::ticket, std::size_t> senders_; ///< of reliable sends under way
   std::uint32_t last_number_ = 0;

@@ -32,7 +32,8 @@ struct beacon {
       3 + gradient_part::size + coordinates_part::size + clock_stamp_age_at;
   static constexpr std::size_t heard_max = (frame_payload_max - header_size) / 3;
 
-  static constexpr std::size_t crowd = 12; ///< neighbours listed: there may be no room for more
+  /// So many neighbours listed fill a mote's table: there may be no room for more.
+  static constexpr std::size_t crowd = neighbours_config{}.capacity;
 
   /// What this beacon says of its sender's link to `self`, which has a route to the sink or not.
   [[nodiscard]] link_report report(mote_id source, mote_id self, bool has_route) const;

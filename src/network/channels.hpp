@@ -148,7 +148,7 @@ public:
   [[nodiscard]] channels_outputs on_frame(mote_id from, byte_view octets,
                                           const surroundings& around, instant now);
 
-  /// The last channel_hop has ended.
+  /// The last channel_hop has ended. @param around matters only if nobody has acknowledged it
   [[nodiscard]] channels_outputs on_sent(bool acked, const surroundings& around, instant now);
 
   [[nodiscard]] channels_outputs on_time(instant now); ///< harmless before deadline()

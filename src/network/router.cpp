@@ -141,11 +141,12 @@ void router::on_content(collected x, router_outputs& out, instant now) {
   } else {
     const auto& answer = std::get<place_answer>(*message);
     for (auto q = questions_.begin(); q != questions_.end();) {
-      const bool is_early = links_.is_full() && (!answer.place || !place_.place());
-      const bool can_wait = is_early && q->asks < config_.asks_max;
-      if (q->destination == answer.mote && can_wait)
+      if (q->destination != answer.mote) {
+        ++q;
+        continue;
+      }
+      if (may_ask_again(*q) && (!answer.place || !place_.place())) {
         q->due = now + config_.question_gap;
-      if (q->destination != answer.mote || can_wait) {
         ++q;
         continue;
       }
@@ -179,6 +180,10 @@ std::pair<channel_id, router_outputs> router::connect(mote_id destination,
     begin(x, known_place(destination), out, now);
   }
   return {x.channel, std::move(out)};
+}
+
+bool router::may_ask_again(const question& x) const {
+  return links_.is_full() && x.asks < config_.asks_max;
 }
 
 duration router::answer_wait() const {
@@ -385,7 +390,7 @@ router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmi
     take(packets_.on_sent(acked, now), out, now);
     break;
   case purpose::channel:
-    take(paths_.on_sent(acked, around(), now), out, now);
+    take(paths_.on_sent(acked, acked ? surroundings() : around(), now), out, now);
     break;
   case purpose::direct:
     if (auto sent = directs_.extract(token); !sent.empty() && !acked) {
@@ -414,7 +419,7 @@ router_outputs router::on_time(instant now) {
       ++q;
       continue;
     }
-    if (links_.is_full() && q->asks < config_.asks_max) {
+    if (may_ask_again(*q)) {
       ++q->asks;
       q->due = now + answer_wait();
       ask(*q, out, now);

@@ -156,6 +156,7 @@ private:
   void on_content(collected x, router_outputs& out, instant now);
   void send_router_message(mote_id to, const router_message& x, router_outputs& out, instant now);
   [[nodiscard]] duration answer_wait() const;
+  [[nodiscard]] bool may_ask_again(const question& x) const;
   void ask(const question& x, router_outputs& out, instant now);
   void begin(const question& x, std::optional<virtual_coordinates> place, router_outputs& out,
              instant now);

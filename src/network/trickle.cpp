@@ -29,11 +29,12 @@ bool trickle::on_time(instant now) {
 }
 
 instant trickle::certain() const {
-  auto interval = interval_;
-  auto end = start_ + interval;
-  for (; interval < config_.interval_max; end += interval)
+  if (interval_ == config_.interval_max)
+    return due_;
+  auto end = start_ + interval_;
+  for (auto interval = interval_; interval < config_.interval_max; end += interval)
     interval = std::min(2 * interval, config_.interval_max);
-  return interval_ == config_.interval_max ? due_ : end;
+  return end;
 }
 
 void trickle::shorten(instant now, duration interval) {

@@ -189,6 +189,11 @@ bool streams::on_due(row& x, outputs& todo, instant now) {
   return false;
 }
 
+bool streams::is_sensor(descriptor stream) const {
+  return std::ranges::any_of(
+      rows_, [stream](const row& x) { return x.id == stream && x.what == kind::sensor; });
+}
+
 streams::row* streams::find(descriptor stream) {
   const auto found =
       std::find_if(rows_.begin(), rows_.end(), [&](const row& x) { return x.id == stream; });

@@ -1,4 +1,4 @@
-#include "apps/synapses.hpp"
+#include "apps/synaptic_application.hpp"
 
 #include <algorithm>
 

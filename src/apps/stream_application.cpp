@@ -1,4 +1,4 @@
-#include "apps/stream_inputs.hpp"
+#include "apps/stream_application.hpp"
 
 #include <algorithm>
 
