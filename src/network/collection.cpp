@@ -9,11 +9,6 @@ namespace rubicon::network {
 
 namespace {
 
-template <class... F>
-struct overloaded : F... {
-  using F::operator()...;
-};
-
 std::size_t octets_of(const std::variant<up_packet, down_packet, flood_packet>& packet) {
   const auto* down = std::get_if<down_packet>(&packet);
   const auto route = down ? down->hops.size() * sizeof(mote_id::rep) : 0;
@@ -174,23 +169,17 @@ bool collection::is_new(const mark& x) {
 
 /// The next frame of a packet as things are now; nothing while there is no way up.
 std::optional<hop> collection::hop_of(waiting& x) const {
-  return std::visit(overloaded{
-                        [&](up_packet& packet) -> std::optional<hop> {
-                          if (parent_ == no_mote)
-                            return std::nullopt;
-                          packet.cost = cost_;
-                          if (packet.origin == config_.self)
-                            packet.parent = parent_;
-                          return hop{parent_, am::up, encode(packet)};
-                        },
-                        [](const down_packet& packet) -> std::optional<hop> {
-                          return hop{packet.hops[packet.at], am::down, encode(packet)};
-                        },
-                        [](const flood_packet& packet) -> std::optional<hop> {
-                          return hop{broadcast_mote, am::flood, encode(packet)};
-                        },
-                    },
-                    x.packet);
+  if (const auto* down = std::get_if<down_packet>(&x.packet))
+    return hop{down->hops[down->at], am::down, encode(*down)};
+  if (const auto* flood = std::get_if<flood_packet>(&x.packet))
+    return hop{broadcast_mote, am::flood, encode(*flood)};
+  if (parent_ == no_mote)
+    return std::nullopt;
+  auto& up = std::get<up_packet>(x.packet);
+  up.cost = cost_;
+  if (up.origin == config_.self)
+    up.parent = parent_;
+  return hop{parent_, am::up, encode(up)};
 }
 
 /// Hands out the first packet that is due, unless one is under way.

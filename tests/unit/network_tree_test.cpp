@@ -90,7 +90,7 @@ beacon_world uneven_world(std::uint64_t seed) {
 
 } // namespace
 
-TEST_CASE("the tree costs about what the shortest paths cost", "[network][NET-02]") {
+TEST_CASE("the tree costs about what the shortest paths cost", "[network][GEN-08][NET-02]") {
   for (std::uint64_t seed = 1; seed <= test::seeds(5); ++seed) {
     auto world = uneven_world(seed);
     world.run_for(15min);

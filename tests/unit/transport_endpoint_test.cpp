@@ -132,7 +132,7 @@ int count_of(const std::vector<std::uint16_t>& all, std::uint16_t x) {
 } // namespace
 
 TEST_CASE("a reliable message is greeted, acknowledged and passed up once",
-          "[transport][MCK-10][MCK-12]") {
+          "[transport][GEN-08][MCK-10][MCK-12]") {
   auto a = make(alice);
   auto b = make(bob, 3, 2);
   const auto asked = a.send(1, {own_island, bob}, 10, bytes{1, 2}, true, start);
