@@ -11,8 +11,9 @@ namespace {
 
 using gateway_pointer = scheduler::traced_pointer<gateway_state, gateway_actor>;
 
-/// The only watch of a gateway: its own tuples `devices.$ID.input.$CH`.
-constexpr std::uint64_t watch_inputs = 1;
+/// What a gateway watches: own tuples that others write.
+constexpr std::uint64_t own_watch = 1;
+constexpr std::string_view written_by_others[] = {"devices.*.input.*", "devices.*.output.*.period"};
 
 void perform(gateway_pointer self, gateway::outputs todo);
 void perform(gateway_pointer self, serial::outputs todo);
@@ -41,11 +42,16 @@ struct performer {
   void operator()(gateway::to_gateway& x) const {
     self->send(self->state.arguments.peer,
                send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
-                                 0,
+                                 static_cast<std::uint64_t>(x.peer.value), // as the outcome's token
                                  x.peer,
-                                 island_message_port,
+                                 endpoint::island_message_port,
                                  payload(std::move(x.octets)),
                                  x.reliable});
+  }
+
+  void operator()(gateway::announce& x) const {
+    self->send(self->state.arguments.peer,
+               broadcast_peis_message{gateway::announcement_port, payload(std::move(x.octets))});
   }
 
   void operator()(const gateway::member_changed& x) const {
@@ -106,6 +112,18 @@ void on_tuple(gateway_pointer self, const tuple_event& x) {
   const auto key = parse_device_key(x.key);
   if (key && key->what == device_tuple::input)
     perform(self, self->state.gateway.on_input(key->mote, key->channel, x.value.view(), now(self)));
+  else if (key && key->what == device_tuple::output_period)
+    self->state.gateway.on_period(key->mote, key->channel, to_string(x.value.view()), now(self));
+  follow(self);
+}
+
+void on_message(gateway_pointer self, const peis_message& x) {
+  auto& gateway = self->state.gateway;
+  if (x.port == gateway::announcement_port)
+    gateway.on_announcement(x.source, x.octets.view(), now(self));
+  else
+    perform(self, gateway.on_message(x.source, x.octets.view(), now(self)));
+  follow(self);
 }
 
 void on_timer(gateway_pointer self) {
@@ -150,23 +168,32 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   const auto client = caf::actor_cast<peis_client_actor>(self);
   self->send(state.arguments.line,
              attach_serial{serial::direction::to_pc, {caf::actor_cast<serial_end_actor>(self)}});
-  self->send(state.arguments.peer, hook_port{{client}, island_message_port});
+  for (const auto port : {gateway::announcement_port, endpoint::island_message_port})
+    self->send(state.arguments.peer, hook_port{{client}, port});
+  for (const auto key : written_by_others)
+    self->send(state.arguments.peer,
+               watch_tuples{{client},
+                            own_watch,
+                            peer_id{static_cast<std::int32_t>(state.arguments.config.island.value)},
+                            std::string(key)});
   self->send(state.arguments.peer,
-             watch_tuples{{client},
-                          watch_inputs,
-                          peer_id{static_cast<std::int32_t>(state.arguments.config.island.value)},
-                          "devices.*.input.*"});
+             watch_subscribers{{caf::actor_cast<subscribers_watcher_actor>(self)},
+                               std::string(devices_key)});
   state.programs.start(state.gateway, state.arguments.programs, self->path(), state.arguments.seed,
                        state.arguments.config.incarnation > 0, now(self));
   perform(self, state.gateway.start(now(self)));
   return {
       [self](const tuple_event& x) { on_tuple(self, x); },
-      [self](const peis_message& x) {
-        perform(self, self->state.gateway.on_message(x.source, x.octets.view(), now(self)));
-      },
+      [self](const peis_message& x) { on_message(self, x); },
       [self](const peis_outcome& x) {
-        if (!x.success)
-          ++self->state.messages_lost;
+        if (x.success)
+          return;
+        ++self->state.messages_lost;
+        self->state.gateway.on_unreachable(peer_id{static_cast<std::int32_t>(x.token)});
+      },
+      [self](const subscribers_changed& x) {
+        self->state.gateway.on_subscribers(x.keys, now(self));
+        follow(self);
       },
       [self](const serial_octets& x) {
         perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));

@@ -36,9 +36,6 @@ struct gateway_state {
   timer wake;
 };
 
-/// PEIS ports of gateways (API-09).
-inline constexpr std::uint16_t island_message_port = 21;
-
 gateway_actor::behavior_type
 gateway_behavior(scheduler::traced_pointer<gateway_state, gateway_actor> self,
                  gateway_arguments arguments);

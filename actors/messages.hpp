@@ -596,6 +596,20 @@ struct watch_tuples {
   std::string key; ///< may hold `*` parts
 };
 
+/// In lower case, ascending, each once.
+struct subscribers_changed {
+  std::vector<std::string> keys;
+};
+
+using subscribers_watcher_actor = caf::typed_actor<caf::reacts_to<subscribers_changed>>;
+
+/// Asks by which keys and patterns anybody subscribes to own tuples with this first part (in lower
+/// case): told now and after each change, to the one who has asked last (TUP-23, GW-10).
+struct watch_subscribers {
+  carried<subscribers_watcher_actor> watcher;
+  std::string first_part;
+};
+
 /// Every package on this port is for the client (D1.1 3.1.3 registerHook).
 struct hook_port {
   carried<peis_client_actor> client;
@@ -610,6 +624,12 @@ struct send_peis_message {
   std::uint16_t port = 0;
   payload octets;
   bool reliable = false;
+};
+
+/// To every peer that can be reached (D1.1 3.1.3 broadcast); not acknowledged.
+struct broadcast_peis_message {
+  std::uint16_t port = 0;
+  payload octets;
 };
 
 /// From the fault plan: the kernel's process stands still for so long.
@@ -633,14 +653,16 @@ using peis_peer_actor = lan_user_actor::extend<
     caf::reacts_to<bluetooth_seen>, caf::reacts_to<hello_answer>, caf::reacts_to<hello_arrived>,
     caf::reacts_to<bluetooth_opened>, caf::reacts_to<link_sent>, caf::reacts_to<set_tuple>,
     caf::reacts_to<delete_tuple>, caf::reacts_to<set_remote_tuple>, caf::reacts_to<watch_tuples>,
-    caf::reacts_to<hook_port>, caf::reacts_to<send_peis_message>, caf::reacts_to<pause_peer>,
+    caf::reacts_to<watch_subscribers>, caf::reacts_to<hook_port>,
+    caf::reacts_to<send_peis_message>, caf::reacts_to<broadcast_peis_message>,
+    caf::reacts_to<pause_peer>,
     caf::reacts_to<resume_peer>, caf::reacts_to<step_clock>, caf::reacts_to<leave_network>,
     caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// The gateway between an island and the PEIS network.
 using gateway_actor =
-    peis_client_actor::extend<caf::reacts_to<serial_octets>, caf::reacts_to<timer_expired>,
-                              caf::reacts_to<status_request>>;
+    peis_client_actor::extend<caf::reacts_to<subscribers_changed>, caf::reacts_to<serial_octets>,
+                              caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// The proxied mote has appeared at its gateway, or has gone.
 struct mote_presence {

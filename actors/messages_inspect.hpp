@@ -474,6 +474,21 @@ auto inspect(F& f, watch_tuples& x) {
 }
 
 template <class F>
+auto inspect(F& f, subscribers_changed& x) {
+  return f(caf::meta::type_name("subscribers_changed"), x.keys);
+}
+
+template <class F>
+auto inspect(F& f, watch_subscribers& x) {
+  return f(caf::meta::type_name("watch_subscribers"), x.watcher, x.first_part);
+}
+
+template <class F>
+auto inspect(F& f, broadcast_peis_message& x) {
+  return f(caf::meta::type_name("broadcast_peis_message"), x.port, x.octets);
+}
+
+template <class F>
 auto inspect(F& f, hook_port& x) {
   return f(caf::meta::type_name("hook_port"), x.client, x.port);
 }
@@ -587,6 +602,9 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::set_tuple))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::delete_tuple))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::set_remote_tuple))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::watch_tuples))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::watch_subscribers))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::subscribers_changed))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::broadcast_peis_message))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::hook_port))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::send_peis_message))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::mote_presence))

@@ -16,7 +16,7 @@ void perform(pc_pointer self, endpoint::outputs todo) {
     self->send(state.arguments.peer, send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
                                                        0,
                                                        x.peer,
-                                                       island_message_port,
+                                                       endpoint::island_message_port,
                                                        payload(std::move(x.octets)),
                                                        false});
   }
@@ -43,7 +43,7 @@ pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
       random_stream(state.arguments.seed,
                     self->path() + '#' + std::to_string(state.arguments.config.incarnation)));
   self->send(state.arguments.peer,
-             hook_port{{caf::actor_cast<peis_client_actor>(self)}, island_message_port});
+             hook_port{{caf::actor_cast<peis_client_actor>(self)}, endpoint::island_message_port});
   state.programs.start(state.pc, state.arguments.programs, self->path(), state.arguments.seed,
                        state.arguments.config.incarnation > 0, now(self));
   perform(self, state.pc.start(now(self)));

@@ -144,13 +144,29 @@ struct performer {
   }
 };
 
+void tell_subscribers(peer_pointer self) {
+  auto& state = self->state;
+  const auto version = state.kernel.subscribers_version();
+  if (!state.subscribers_watcher || state.subscribers_version == version)
+    return;
+  const bool first = !state.subscribers_version;
+  state.subscribers_version = version;
+  const auto keys = state.kernel.subscribed(state.subscribers_first_part);
+  if (!first && std::ranges::equal(keys, state.subscribers_told))
+    return;
+  state.subscribers_told.assign(keys.begin(), keys.end());
+  self->send(state.subscribers_watcher, subscribers_changed{state.subscribers_told});
+}
+
 void perform(peer_pointer self, peis::outputs todo) {
   for (auto& output : todo)
     std::visit(performer{self}, output);
+  tell_subscribers(self);
   self->state.wake.follow(self, self->state.kernel.deadline());
 }
 
-void know(peer_pointer self, const peis_client_actor& client) {
+template <class Handle>
+void know(peer_pointer self, const Handle& client) {
   if (self->state.clients.insert(client.address()).second)
     self->monitor(client);
 }
@@ -159,6 +175,8 @@ void know(peer_pointer self, const peis_client_actor& client) {
 void forget(peer_pointer self, const caf::actor_addr& client) {
   auto& state = self->state;
   state.clients.erase(client);
+  if (state.subscribers_watcher && state.subscribers_watcher.address() == client)
+    state.subscribers_watcher = nullptr;
   std::erase_if(state.ports, [&](const auto& x) { return x.second.address() == client; });
   std::erase_if(state.requests, [&](const auto& x) { return x.second.client.address() == client; });
   for (auto x = state.watches.begin(); x != state.watches.end();) {
@@ -195,6 +213,15 @@ void on_hook(peer_pointer self, const hook_port& x) {
     self->state.ports[x.port] = x.client.actor;
   else
     log(self, spdlog::level::err, "event=hook_refused port={}", x.port);
+}
+
+void on_watch_subscribers(peer_pointer self, const watch_subscribers& x) {
+  auto& state = self->state;
+  know(self, x.watcher.actor);
+  state.subscribers_watcher = x.watcher.actor;
+  state.subscribers_first_part = x.first_part;
+  state.subscribers_version.reset();
+  tell_subscribers(self);
 }
 
 void report(peer_pointer self) {
@@ -405,6 +432,14 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
                                                    request, now(self)));
                                }),
       served<watch_tuples>(self, [self](const watch_tuples& x) { on_watch(self, x); }),
+      served<watch_subscribers>(
+          self, [self](const watch_subscribers& x) { on_watch_subscribers(self, x); }),
+      served<broadcast_peis_message>(self,
+                                     [self](const broadcast_peis_message& x) {
+                                       perform(self, self->state.kernel.broadcast(
+                                                         x.port, x.octets, peis::no_request,
+                                                         now(self)));
+                                     }),
       served<hook_port>(self, [self](const hook_port& x) { on_hook(self, x); }),
       served<send_peis_message>(self,
                                 [self](const send_peis_message& x) {

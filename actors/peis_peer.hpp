@@ -61,6 +61,10 @@ struct peis_peer_state {
   std::map<peis::subscription_id, interest> watches;
   std::map<peis::request_id, interest> requests;
   std::map<std::uint16_t, peis_client_actor> ports;
+  subscribers_watcher_actor subscribers_watcher; ///< of tuples with this first part
+  std::string subscribers_first_part;
+  std::vector<std::string> subscribers_told;
+  std::optional<std::uint64_t> subscribers_version; ///< of what was told
   std::set<caf::actor_addr> clients; ///< monitored: one that ends leaves nothing behind
   std::uint64_t next_watch = 1;
   std::uint64_t next_request = 1;

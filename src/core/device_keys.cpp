@@ -75,6 +75,8 @@ std::optional<device_tuple> kind_of(const std::vector<std::string_view>& parts) 
   case 5:
     if (is_word(parts[2], "input") && is_word(parts[4], "status"))
       return device_tuple::input_status;
+    if (is_word(parts[2], "output") && is_word(parts[4], "period"))
+      return device_tuple::output_period;
     return std::nullopt;
   default:
     return std::nullopt;
@@ -101,6 +103,9 @@ std::string to_string(const device_key& x) {
   case device_tuple::output:
     key += ".output." + std::to_string(x.channel);
     break;
+  case device_tuple::output_period:
+    key += ".output." + std::to_string(x.channel) + ".period";
+    break;
   case device_tuple::input:
     key += ".input." + std::to_string(x.channel);
     break;
@@ -121,6 +126,10 @@ std::string device_descriptor_key(mote_id mote) {
 
 std::string device_output_key(mote_id mote, std::uint16_t channel) {
   return to_string(device_key{device_tuple::output, mote, channel});
+}
+
+std::string device_output_period_key(mote_id mote, std::uint16_t channel) {
+  return to_string(device_key{device_tuple::output_period, mote, channel});
 }
 
 std::string device_input_key(mote_id mote, std::uint16_t channel) {
@@ -191,6 +200,13 @@ result<std::uint32_t> parse_device_type(byte_view octets) {
   if (octets.size() != sizeof(std::uint32_t))
     return octets.size() < sizeof(std::uint32_t) ? errc::truncated : errc::too_long;
   return byte_reader(octets).big<std::uint32_t>();
+}
+
+result<std::chrono::milliseconds> parse_output_period(std::string_view text) {
+  const auto value = parse_decimal<std::uint32_t>(text, 0, UINT32_MAX);
+  if (!value)
+    return errc::bad_value;
+  return std::chrono::milliseconds(*value);
 }
 
 std::string_view to_string(input_outcome x) {

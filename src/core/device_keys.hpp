@@ -1,6 +1,7 @@
 // The tuples between a gateway and its users: keys and values of D1.1 5.4, and nothing about motes.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -23,6 +24,7 @@ enum class device_tuple : std::uint8_t {
   type,         ///< `devices.$ID.type`
   descriptor,   ///< `devices.$ID.descriptor`
   output,       ///< `devices.$ID.output.$CH`
+  output_period, ///< `devices.$ID.output.$CH.period`
   input,        ///< `devices.$ID.input.$CH`
   input_status, ///< `devices.$ID.input.$CH.status`
 };
@@ -43,6 +45,7 @@ struct device_key {
 [[nodiscard]] std::string device_type_key(mote_id mote);
 [[nodiscard]] std::string device_descriptor_key(mote_id mote);
 [[nodiscard]] std::string device_output_key(mote_id mote, std::uint16_t channel);
+[[nodiscard]] std::string device_output_period_key(mote_id mote, std::uint16_t channel);
 [[nodiscard]] std::string device_input_key(mote_id mote, std::uint16_t channel);
 [[nodiscard]] std::string device_input_status_key(mote_id mote, std::uint16_t channel);
 
@@ -64,6 +67,10 @@ struct device_key {
 
 /// @returns errc::truncated or errc::too_long unless there are exactly 4 octets
 [[nodiscard]] result<std::uint32_t> parse_device_type(byte_view octets);
+
+/// Value of `devices.$ID.output.$CH.period`: how far apart the mote's messages on the channel are to
+/// be, in decimal milliseconds; 0: as the mote likes (IF-04). @returns errc::bad_value otherwise
+[[nodiscard]] result<std::chrono::milliseconds> parse_output_period(std::string_view text);
 
 /// What became of a message written to `devices.$ID.input.$CH` (GW-12, IF-07).
 enum class input_outcome : std::uint8_t {

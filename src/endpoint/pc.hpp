@@ -17,6 +17,9 @@
 
 namespace rubicon::endpoint {
 
+/// PEIS port of messages to islands and between PCs (WIR-02).
+inline constexpr std::uint16_t island_message_port = 21;
+
 /// Send this message (WIR-02) to a peer, PEIS port 21: a gateway, or another PC.
 struct peer_message {
   peer_id peer;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/device_keys.hpp"
+#include "gateway/strict.hpp"
 #include "network/am.hpp"
 #include "network/wire.hpp"
 #include "transport/segment.hpp"
@@ -62,13 +63,17 @@ gateway& gateway::operator=(gateway&& x) noexcept = default;
 gateway::~gateway() = default;
 
 gateway::gateway(gateway_config config, random_stream dice)
-    : config_(config), pc_(pc_of(config), dice), messages_(std::make_unique<device_messages>()),
-      pieces_({.packets_max = assemblies_max}) {
+    : config_(config), pc_(pc_of(config), random_stream(dice.next())),
+      messages_(std::make_unique<device_messages>()), pieces_({.packets_max = assemblies_max}),
+      others_(config.others, random_stream(dice.next())) {
   messages_->layer = pc_.attach_for_rest(*messages_);
 }
 
 outputs gateway::start(instant now) {
+  now_ = now;
   outputs out{device_list()};
+  others_.start(now);
+  requests_ = output_requests(config_.requests, config_.incarnation > 0, now);
   for (auto& x : take(pc_.start(now)))
     out.push_back(std::move(x));
   return out;
@@ -79,6 +84,7 @@ mote::communication gateway::attach(mote::communication_events& events) {
 }
 
 outputs gateway::on_packet(mote_id source, std::uint8_t am_type, byte_view payload, instant now) {
+  now_ = now;
   if (am_type == network::am::to_gateway)
     return on_island_packet(payload, now);
   if (am_type == network::am::packet) {
@@ -114,10 +120,24 @@ outputs gateway::on_island_packet(byte_view payload, instant now) {
   }
   ++counters_.forwarded_out;
   const bool reliable = wants_reliable(packet->body);
-  return {to_gateway{
-      gateway_of(packet->island),
-      encode(network::gateway_packet{packet->mote, packet->channel, std::move(packet->body)}),
-      reliable}};
+  outputs out;
+  send_out(packet->island, {packet->mote, packet->channel, std::move(packet->body)}, reliable, out);
+  return out;
+}
+
+wire_form gateway::form_with(peer_id peer) const {
+  return config_.form == wire_form::strict54 ? config_.form : others_.form_of(peer);
+}
+
+void gateway::send_out(island_id island, network::gateway_packet x, bool reliable, outputs& out) {
+  const auto peer = others_.gateway_for(island);
+  auto said = std::optional(std::move(x));
+  if (form_with(peer) == wire_form::strict54)
+    said = to_strict(*std::move(said));
+  if (said)
+    out.emplace_back(to_gateway{peer, encode(*said), reliable});
+  else
+    ++counters_.unsayable;
 }
 
 outputs gateway::on_packet_for_us(const network::island_packet& x, instant now) {
@@ -131,12 +151,21 @@ outputs gateway::on_packet_for_us(const network::island_packet& x, instant now) 
 }
 
 outputs gateway::on_message(peer_id source, byte_view octets, instant now) {
+  now_ = now;
   auto packet = network::decode_gateway_packet(octets);
   if (!packet || source.value <= 0) {
     ++counters_.malformed;
     return {};
   }
-  const island_id island{static_cast<std::uint32_t>(source.value)};
+  if (form_with(source) == wire_form::strict54) {
+    auto said = from_strict(*std::move(packet), ++strict_counter_);
+    if (!said) {
+      ++counters_.unsayable;
+      return {};
+    }
+    packet = *std::move(said);
+  }
+  const auto island = others_.island_of(source);
   if (packet->mote == no_mote)
     return take(pc_.on_packet(island, packet->channel, packet->body, now));
   if (packet->mote != broadcast_mote && !devices_.contains(packet->mote)) {
@@ -150,6 +179,7 @@ outputs gateway::on_message(peer_id source, byte_view octets, instant now) {
 }
 
 outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets, instant now) {
+  begin(now);
   const auto counter = input_sequences_.find({mote, channel});
   if (counter == input_sequences_.end() && input_sequences_.size() >= config_.input_channels_max) {
     ++counters_.inputs_refused;
@@ -164,7 +194,6 @@ outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets,
             status_tuple(mote, channel, sequence, input_outcome::unreachable)};
   }
   listed->second.input_channels.insert(channel);
-  pc_.begin(now);
   const auto number = channel > 0xff
                           ? std::nullopt // not an AM type: reserved for streams (WIR-01)
                           : messages_->layer->send_numbered({config_.island, mote}, octets, true,
@@ -180,8 +209,43 @@ outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets,
   return out;
 }
 
+void gateway::on_period(mote_id mote, std::uint16_t channel, std::string_view text, instant now) {
+  const auto period = parse_output_period(text);
+  if (period && devices_.contains(mote))
+    requests_.on_period(mote, channel, *period, now);
+  else
+    ++(period ? counters_.undeliverable : counters_.bad_periods);
+}
+
 outputs gateway::on_time(instant now) {
-  return take(pc_.on_time(now));
+  now_ = now;
+  auto out = take(pc_.on_time(now));
+  if (others_.on_time(now))
+    out.emplace_back(
+        announce{encode(announcement{config_.island, config_.form, config_.incarnation})});
+  ask_for_outputs(out, now);
+  return out;
+}
+
+std::optional<instant> gateway::deadline() const {
+  return earliest(pc_.deadline(), earliest(others_.deadline(), requests_.deadline()));
+}
+
+void gateway::ask_for_outputs(outputs& out, instant now) {
+  begin(now);
+  for (const auto& [mote, wanted] : requests_.due(now)) {
+    ++counters_.requests;
+    const auto number = messages_->layer->send_numbered({config_.island, mote}, encode(wanted),
+                                                        true, network::am::outputs_wanted);
+    if (number) {
+      asked_[*number] = mote;
+    } else {
+      ++counters_.requests_failed;
+      requests_.on_outcome(mote, false, now);
+    }
+  }
+  for (auto& x : settle())
+    out.push_back(std::move(x));
 }
 
 outputs gateway::on_event(const network::mote_joined& x, instant now) {
@@ -190,6 +254,7 @@ outputs gateway::on_event(const network::mote_joined& x, instant now) {
   if (restarted)
     pc_.forget_incarnation({config_.island, x.mote});
   listed->second.incarnation = x.incarnation;
+  requests_.on_listed(x.mote, x.incarnation, now);
   outputs out{publish{device_type_key(x.mote), device_type_octets(x.type), false},
               publish{device_descriptor_key(x.mote), x.descriptor, false}, device_list(),
               member_changed{x.mote, true, x.incarnation, {}}};
@@ -240,8 +305,7 @@ outputs gateway::take(endpoint::outputs from_pc) {
     if (island == config_.island) {
       down({island, mote, x.channel, std::move(x.segment)}, out);
     } else {
-      auto message = endpoint::message_of(std::move(x));
-      out.emplace_back(to_gateway{message.peer, std::move(message.octets), false});
+      send_out(island, {mote, x.channel, std::move(x.segment)}, false, out);
     }
   }
   for (const auto& x : std::exchange(messages_->received, {}))
@@ -263,6 +327,11 @@ void gateway::publish_output(const transport::received& x, outputs& out) {
 }
 
 void gateway::publish_outcome(const transport::outcome& x, outputs& out) {
+  if (const auto asked = asked_.extract(x.id); !asked.empty()) {
+    counters_.requests_failed += x.acked ? 0 : 1;
+    requests_.on_outcome(asked.mapped(), x.acked, now_);
+    return;
+  }
   const auto found = pending_.extract(x.id);
   if (found.empty())
     return;
@@ -277,6 +346,7 @@ outputs gateway::remove(mote_id mote, network::leave_cause cause) {
     return {};
   const auto entry = std::move(found->second);
   devices_.erase(found);
+  requests_.on_unlisted(mote);
   outputs out{device_list(), erase{device_type_key(mote)}, erase{device_descriptor_key(mote)}};
   for (const auto channel : entry.output_channels)
     out.emplace_back(erase{device_output_key(mote, channel)});

@@ -7,7 +7,9 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -16,6 +18,8 @@
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "endpoint/pc.hpp"
+#include "gateway/directory.hpp"
+#include "gateway/output_requests.hpp"
 #include "network/island_packet.hpp"
 #include "network/sink_event.hpp"
 #include "transport/pieces.hpp"
@@ -48,6 +52,11 @@ struct to_gateway {
   bool reliable = false; ///< as the sending mote asked (ACK-09)
 };
 
+/// Broadcast this on announcement_port.
+struct announce {
+  bytes octets;
+};
+
 /// A mote is listed, listed again after a restart, or no longer listed.
 struct member_changed {
   mote_id mote;
@@ -56,13 +65,16 @@ struct member_changed {
   network::leave_cause cause = network::leave_cause::notice; ///< when no longer listed
 };
 
-using output = std::variant<publish, erase, to_sink, to_gateway, member_changed>;
+using output = std::variant<publish, erase, to_sink, to_gateway, announce, member_changed>;
 using outputs = std::vector<output>;
 
 struct gateway_config {
   island_id island;
   std::uint32_t incarnation = 0;           ///< how often it was started before
   std::size_t inputs_outstanding_max = 64; ///< further inputs fail at once
+  wire_form form = wire_form::segment;     ///< strict54: with every other gateway (WIR-04)
+  directory_config others{};
+  output_requests_config requests{};
   std::size_t input_channels_max = 4096;   ///< channels of motes ever written to; further ones are
                                            ///< refused without a status
 };
@@ -76,13 +88,23 @@ struct gateway_counters {
   std::uint64_t forwarded_out = 0;  ///< messages of the island sent to other gateways
   std::uint64_t forwarded_in = 0;   ///< messages of other islands sent down
   std::uint64_t undeliverable = 0;  ///< for motes that are not listed, or for nobody here
+  std::uint64_t unsayable = 0; ///< messages from or to a gateway of the strict form that it does not
+                               ///< know: reliable ones, streams, synaptic channels
+  std::uint64_t requests = 0;  ///< to motes, of what they are to send
+  std::uint64_t requests_failed = 0;
+  std::uint64_t bad_periods = 0; ///< texts that are no period: dropped
 };
 
 class device_messages;
 
+/// PEIS port on which gateways find each other (D1.1 3.1.3).
+inline constexpr std::uint16_t announcement_port = 20;
+
 /// The gateway of one island. Motes reach it as the PC of their island (no_mote); its tuples:
 ///   devices, devices.$ID.{type,descriptor,output.$CH,input.$CH.status}   written here
-///   devices.$ID.input.$CH                                                written by others
+///   devices.$ID.input.$CH, devices.$ID.output.$CH.period                 written by others
+/// It tells motes which output channels somebody subscribes to (GW-10), and publishes all that comes
+///
 /// Programs on the same PC have the same address; what they do not provide becomes tuples.
 class gateway {
 public:
@@ -97,7 +119,10 @@ public:
 
   /// A program, as in endpoint::pc. It hears of motes that join (MCK-15).
   [[nodiscard]] mote::communication attach(mote::communication_events& events);
-  void begin(instant now) { pc_.begin(now); }
+  void begin(instant now) {
+    now_ = now;
+    pc_.begin(now);
+  }
   [[nodiscard]] outputs settle() { return take(pc_.settle()); }
 
   /// The serial line has delivered a packet from the sink.
@@ -113,11 +138,26 @@ public:
   /// Another gateway has sent a message for this island (WIR-02); its id is the source island.
   [[nodiscard]] outputs on_message(peer_id source, byte_view octets, instant now);
 
+  /// Another gateway has announced itself (GW-13).
+  void on_announcement(peer_id source, byte_view octets, instant now) {
+    others_.on_announcement(source, octets, now);
+  }
+  void on_unreachable(peer_id peer) { others_.on_unreachable(peer); } ///< a to_gateway has failed
+
+  /// Keys and patterns, in lower case, by which others subscribe to own tuples below `devices`.
+  void on_subscribers(std::span<const std::string> keys, instant now) {
+    requests_.on_subscribers(keys, now);
+  }
+
+  /// Somebody has written `devices.$ID.output.$CH.period`.
+  void on_period(mote_id mote, std::uint16_t channel, std::string_view text, instant now);
+
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
-  [[nodiscard]] std::optional<instant> deadline() const { return pc_.deadline(); }
+  [[nodiscard]] std::optional<instant> deadline() const;
 
   [[nodiscard]] std::vector<mote_id> devices() const; ///< ascending
   [[nodiscard]] const gateway_counters& counters() const { return counters_; }
+  [[nodiscard]] const directory& others() const { return others_; }
   [[nodiscard]] std::size_t outstanding() const { return above().messages().outstanding(); }
   [[nodiscard]] const transport::endpoint_counters& messages() const {
     return above().messages().counters();
@@ -149,6 +189,9 @@ private:
   [[nodiscard]] outputs remove(mote_id mote, network::leave_cause cause);
   [[nodiscard]] publish device_list() const;
   [[nodiscard]] static to_sink ask_about(mote_id mote);
+  void ask_for_outputs(outputs& out, instant now);
+  [[nodiscard]] wire_form form_with(peer_id peer) const;
+  void send_out(island_id island, network::gateway_packet x, bool reliable, outputs& out);
   void down(const network::island_packet& x, outputs& out);
 
   gateway_config config_;
@@ -156,9 +199,14 @@ private:
   std::unique_ptr<device_messages> messages_;
   transport::assembly pieces_; ///< of packets from the sink
   std::uint8_t tag_ = 0;
+  instant now_;
   std::map<mote_id, device> devices_;
   std::map<std::pair<mote_id, std::uint16_t>, std::uint64_t> input_sequences_;
   std::map<transport::ticket, pending_input> pending_;
+  directory others_;
+  std::uint16_t strict_counter_ = 0; ///< of what came in the strict form
+  output_requests requests_;
+  std::map<transport::ticket, mote_id> asked_; ///< requests under way
   std::optional<std::uint16_t> roster_number_; ///< of the roster being received
   std::set<mote_id> roster_seen_;
   std::uint8_t roster_pages_seen_ = 0;

@@ -17,5 +17,6 @@ inline constexpr std::uint8_t flood = 0x18;        ///< to every mote of the isl
 inline constexpr std::uint8_t channel = 0x19;      ///< one hop of a channel (NET-01..09)
 inline constexpr std::uint8_t packet = 0x1a; ///< a piece of an island packet, inside the tree or on
                                              ///< the serial line
+inline constexpr std::uint8_t outputs_wanted = 0x1b; ///< from a gateway to a mote, above Transport
 
 } // namespace rubicon::network::am

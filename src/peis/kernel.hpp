@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -283,6 +284,14 @@ public:
 
   /// Does anyone subscribe to our tuple of this key (TUP-23)? Local subscriptions count too.
   [[nodiscard]] bool has_subscriber(std::string_view key) const;
+
+  /// Keys and patterns, in lower case, by which somebody subscribes to our tuples and whose first
+  /// part is this one; catch-all patterns name nothing. @param first_part in lower case
+  [[nodiscard]] std::set<std::string> subscribed(std::string_view first_part) const {
+    return tuples_.subscribed(first_part);
+  }
+  /// Changes whenever subscribed() may.
+  [[nodiscard]] std::uint64_t subscribers_version() const { return tuples_.subscribers_version(); }
 
   /// Known hosts, ourselves included, ascending by id (API-01).
   [[nodiscard]] std::vector<const host_record*> hosts() const;

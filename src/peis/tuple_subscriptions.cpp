@@ -252,6 +252,22 @@ std::vector<std::pair<peer_id, prototype>> tuple_space::subscribers() const {
   return all;
 }
 
+std::set<std::string> tuple_space::subscribed(std::string_view first_part) const {
+  std::set<std::string> all;
+  const auto note = [&](const key& wanted) {
+    const auto& text = wanted.folded();
+    if (text.substr(0, text.find('.')) == first_part)
+      all.insert(text);
+  };
+  subscribers_.for_all([&](const subscriber& x) { note(x.wanted.name); });
+  wanted_.for_all([&](const subscription& x) {
+    if (x.kind == interest::subscription &&
+        (x.wanted.owner == any_peer || x.wanted.owner == self_))
+      note(x.wanted.name);
+  });
+  return all;
+}
+
 void tuple_space::schedule_retry(instant now) {
   if (!next_retry_)
     next_retry_ = now + config_.retry_push;

@@ -183,7 +183,7 @@ TEST_CASE("a message of another island goes down with its source island",
   rig x;
   x.join_fan();
   x.line.forget();
-  x.world.send(x.gateway, peis_message{peer_id{2}, island_message_port, message_for_fan});
+  x.world.send(x.gateway, peis_message{peer_id{2}, endpoint::island_message_port, message_for_fan});
   const auto packet = network::decode_island_packet(x.packet_down().payload);
   REQUIRE(packet);
   CHECK(packet->island == island_id{2});
@@ -199,7 +199,7 @@ TEST_CASE("a message for another island goes to its gateway", "[actors][gateway]
   const auto sent = x.peer.all<send_peis_message>();
   REQUIRE(sent.size() == 1);
   CHECK(sent[0].destination == peer_id{2});
-  CHECK(sent[0].port == island_message_port);
+  CHECK(sent[0].port == endpoint::island_message_port);
   CHECK(sent[0].reliable);
   CHECK(sent[0].octets ==
         payload(encode(network::gateway_packet{mote_id{9}, 10, encode(segment)})));
@@ -209,7 +209,7 @@ TEST_CASE("a gateway reports a packet lost when nobody acks", "[actors][gateway]
   rig x;
   x.join_fan();
   x.line.forget();
-  x.world.send(x.gateway, peis_message{peer_id{2}, island_message_port, message_for_fan});
+  x.world.send(x.gateway, peis_message{peer_id{2}, endpoint::island_message_port, message_for_fan});
   x.world.run_for(399ms);
   CHECK(x.line.times<serial_write>() ==
         std::vector{instant(), instant(100ms), instant(200ms), instant(300ms)});
@@ -225,7 +225,7 @@ TEST_CASE("a packet that is acked is written once", "[actors][gateway][GW-16]") 
   rig x;
   x.join_fan();
   x.line.forget();
-  x.world.send(x.gateway, peis_message{peer_id{2}, island_message_port, message_for_fan});
+  x.world.send(x.gateway, peis_message{peer_id{2}, endpoint::island_message_port, message_for_fan});
   x.ack_frame();
   x.world.run_for(1min);
   CHECK(x.line.count<serial_write>() == 1);
@@ -239,7 +239,7 @@ TEST_CASE("a gateway counts what is no frame and no packet, and goes on", "[acto
   octets[3] ^= 1;
   x.world.send(x.gateway, serial_octets{octets});
   x.from_sink(network::am::sink_event, bytes{0xee});
-  x.world.send(x.gateway, peis_message{peer_id{2}, island_message_port, bytes{1}});
+  x.world.send(x.gateway, peis_message{peer_id{2}, endpoint::island_message_port, bytes{1}});
   CHECK(x.lost("gateway_malformed") == 1);
   CHECK(x.lost("gateway_crc") == 1);
   x.join_fan();

@@ -1,1 +1,2 @@
-rubicon_test(unit.gateway SOURCES unit/gateway_test.cpp NEEDS rubicon_gateway)
+rubicon_test(unit.gateway SOURCES unit/gateway_test.cpp unit/gateway_directory_test.cpp
+             unit/gateway_outputs_test.cpp unit/gateway_strict_test.cpp NEEDS rubicon_gateway)

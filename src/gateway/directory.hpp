@@ -1,0 +1,78 @@
+// The other gateways, as far as they have announced themselves (GW-13, GW-14).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/random.hpp"
+#include "core/time.hpp"
+#include "gateway/announcement.hpp"
+
+namespace rubicon::gateway {
+
+struct directory_config {
+  duration first_gap = 1s;   ///< between our first announcements; each further gap is twice as long,
+  duration period = 10s;     ///< up to this
+  duration answer_max = 500ms; ///< a gateway not heard before gets an answer within this
+  unsigned missed_max = 3;   ///< a gateway not heard for so many periods is gone
+  std::size_t gateways_max = 4096; ///< further ones are not noted
+};
+
+struct directory_counters {
+  std::uint64_t heard = 0;
+  std::uint64_t foreign = 0; ///< broadcasts on the port that are no announcement of our kind
+  std::uint64_t refused = 0; ///< no room for another gateway
+};
+
+struct known_gateway {
+  peer_id peer;
+  announcement said;
+  instant heard;
+};
+
+/// Says when to announce ourselves, and knows who else serves which island.
+class directory {
+public:
+  directory() = default;
+  directory(directory_config config, random_stream dice) : config_(config), dice_(dice) {}
+
+  void start(instant now);
+
+  /// A broadcast on the port. What is no announcement makes its sender a gateway of another make,
+  /// which serves the island of its own PEIS id in the strict form.
+  void on_announcement(peer_id source, byte_view octets, instant now);
+
+  /// A message could not be delivered: another gateway of its island is tried from now on.
+  void on_unreachable(peer_id peer) { known_.erase(peer); }
+
+  /// @returns whether we are to announce ourselves now
+  [[nodiscard]] bool on_time(instant now);
+  [[nodiscard]] std::optional<instant> deadline() const;
+
+  /// The gateway that messages for an island go to: that with the island's id while it is heard, or
+  /// was never heard at all; else the one heard last of those that serve it too.
+  [[nodiscard]] peer_id gateway_for(island_id island) const;
+
+  /// Which island a gateway speaks for: that of its own id unless it says otherwise.
+  [[nodiscard]] island_id island_of(peer_id peer) const;
+
+  /// Form in which a peer speaks; ours unless it says otherwise.
+  [[nodiscard]] wire_form form_of(peer_id peer) const;
+
+  [[nodiscard]] std::vector<known_gateway> known() const; ///< ascending by PEIS id
+  [[nodiscard]] const directory_counters& counters() const { return counters_; }
+
+private:
+  directory_config config_;
+  random_stream dice_;
+  std::map<peer_id, known_gateway> known_;
+  duration gap_{};
+  std::optional<instant> due_; ///< our next announcement
+  directory_counters counters_;
+};
+
+} // namespace rubicon::gateway

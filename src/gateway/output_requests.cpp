@@ -1,0 +1,173 @@
+#include "gateway/output_requests.hpp"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "core/device_keys.hpp"
+
+namespace rubicon::gateway {
+
+namespace {
+
+constexpr std::string_view wildcard = "*";
+
+/// An output tuple's key, or a pattern of such keys, taken apart.
+struct output_key {
+  std::optional<mote_id> mote; ///< nothing: every one
+  std::uint16_t channel = mote::any_channel;
+};
+
+/// The parts between the dots with every wildcard replaced; parse_device_key() does the rest.
+std::optional<output_key> parse_output_key(std::string_view key) {
+  std::string literal;
+  bool any_mote = false;
+  bool any_channel = false;
+  for (std::size_t part = 0; part < 4; ++part) {
+    const auto dot = key.find('.');
+    auto text = key.substr(0, dot);
+    if ((dot == std::string_view::npos) != (part == 3))
+      return std::nullopt;
+    if (text == wildcard && part > 0) {
+      any_mote = any_mote || part == 1;
+      any_channel = any_channel || part == 3;
+      text = part == 2 ? "output" : "1";
+    }
+    literal.append(part == 0 ? "" : ".").append(text);
+    if (part < 3)
+      key.remove_prefix(dot + 1);
+  }
+  const auto parsed = parse_device_key(literal);
+  if (!parsed || parsed->what != device_tuple::output)
+    return std::nullopt;
+  output_key x;
+  if (!any_mote)
+    x.mote = parsed->mote;
+  if (!any_channel)
+    x.channel = parsed->channel;
+  return x;
+}
+
+} // namespace
+
+output_requests::output_requests(output_requests_config config, bool restarted, instant now)
+    : config_(config), restarted_(restarted), settled_(restarted ? now + config.settling : now) {}
+
+void output_requests::on_subscribers(std::span<const std::string> keys, instant now) {
+  channels_.clear();
+  channels_of_all_.clear();
+  for (const auto& text : keys) {
+    if (const auto key = parse_output_key(text)) {
+      auto& channels = key->mote ? channels_[*key->mote] : channels_of_all_;
+      channels.insert(key->channel);
+    }
+  }
+  review_all(now + config_.hesitation);
+}
+
+void output_requests::on_period(mote_id mote, std::uint16_t channel,
+                                std::chrono::milliseconds period, instant now) {
+  const auto found = motes_.find(mote);
+  if (found == motes_.end() || !found->second.listed)
+    return;
+  if (period.count() > 0)
+    periods_[{mote, channel}] = period;
+  else
+    periods_.erase({mote, channel});
+  review(mote, found->second, now + config_.hesitation);
+}
+
+void output_requests::on_listed(mote_id mote, std::uint32_t incarnation, instant now) {
+  const auto [at, is_new] = motes_.try_emplace(mote);
+  auto& x = at->second;
+  x.listed = true;
+  if (x.incarnation != incarnation || (is_new && !restarted_))
+    x.told = wanted{};
+  x.incarnation = incarnation;
+  review(mote, x, now + config_.hesitation);
+}
+
+void output_requests::on_unlisted(mote_id mote) {
+  const auto found = motes_.find(mote);
+  if (found == motes_.end())
+    return;
+  found->second.listed = false;
+  schedule(mote, found->second, std::nullopt);
+}
+
+std::vector<output_requests::request> output_requests::due(instant now) {
+  std::vector<request> all;
+  while (under_way_ < config_.under_way_max && !due_.empty() && due_.begin()->first <= now) {
+    const auto mote = due_.begin()->second;
+    auto& x = motes_.at(mote);
+    schedule(mote, x, std::nullopt);
+    x.under_way = wanted_of(mote);
+    x.asked = x.incarnation;
+    ++under_way_;
+    all.push_back({mote, *x.under_way});
+  }
+  return all;
+}
+
+void output_requests::on_outcome(mote_id mote, bool acked, instant now) {
+  const auto found = motes_.find(mote);
+  if (found == motes_.end() || !found->second.under_way)
+    return;
+  auto& x = found->second;
+  --under_way_;
+  auto sent = std::exchange(x.under_way, std::nullopt);
+  if (acked && x.asked == x.incarnation)
+    x.told = std::move(sent);
+  else if (!acked)
+    x.told.reset();
+  review(mote, x, acked ? now : now + config_.retry);
+}
+
+std::optional<instant> output_requests::deadline() const {
+  if (due_.empty() || under_way_ == config_.under_way_max)
+    return std::nullopt;
+  return due_.begin()->first;
+}
+
+output_requests::wanted output_requests::wanted_of(mote_id mote) const {
+  auto channels = channels_of_all_;
+  if (const auto own = channels_.find(mote); own != channels_.end())
+    channels.insert(own->second.begin(), own->second.end());
+  for (auto x = periods_.lower_bound({mote, 0}); x != periods_.end() && x->first.first == mote; ++x) {
+    if (channels.contains(mote::any_channel))
+      channels.insert(x->first.second); // to say how often
+  }
+  wanted all;
+  for (const auto channel : channels) {
+    const auto period = periods_.find({mote, channel});
+    all.push_back({channel, period == periods_.end() ? std::chrono::milliseconds{} : period->second});
+  }
+  if (all.size() > mote::outputs_wanted_max)
+    all = {{mote::any_channel, {}}};
+  return all;
+}
+
+/// @param at when to ask, unless the mote knows already
+void output_requests::review(mote_id mote, entry& x, instant at) {
+  if (!x.listed || x.under_way)
+    return;
+  if (x.told && *x.told == wanted_of(mote))
+    schedule(mote, x, std::nullopt);
+  else if (!x.due)
+    schedule(mote, x, std::max(at, settled_));
+}
+
+void output_requests::schedule(mote_id mote, entry& x, std::optional<instant> at) {
+  if (x.due)
+    due_.erase({*x.due, mote});
+  x.due = at;
+  if (at)
+    due_.insert({*at, mote});
+}
+
+void output_requests::review_all(instant at) {
+  for (auto& [mote, x] : motes_)
+    review(mote, x, at);
+}
+
+} // namespace rubicon::gateway

@@ -1,0 +1,34 @@
+// What a gateway asks a mote to send, because somebody subscribes to it (GW-10, IF-04).
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include "core/bytes.hpp"
+#include "core/error.hpp"
+
+namespace rubicon::mote {
+
+/// Stands for every output channel.
+inline constexpr std::uint16_t any_channel = 0xffff;
+
+/// Messages on this channel are wanted, this far apart.
+struct output_wanted {
+  std::uint16_t channel = 0;
+  std::chrono::milliseconds period{}; ///< 0: as the mote likes
+
+  friend bool operator==(const output_wanted&, const output_wanted&) = default;
+};
+
+/// Entries that fit a message; who wants more wants any_channel.
+inline constexpr std::size_t outputs_wanted_max = 42;
+
+/// For each: uint16 channel, uint32 period in ms; network byte order. What is not listed is not
+/// wanted. @pre at most outputs_wanted_max; periods below 2^32 ms
+[[nodiscard]] bytes encode(const std::vector<output_wanted>& x);
+
+/// Errors: truncated (no whole entries), too_long (above outputs_wanted_max).
+[[nodiscard]] result<std::vector<output_wanted>> decode_outputs_wanted(byte_view octets);
+
+} // namespace rubicon::mote
