@@ -62,6 +62,16 @@ struct performer {
                listing_changed{mote, x.listed, x.incarnation, x.cause});
   }
 
+  void operator()(const gateway::line_changed& x) const {
+    log(self, x.up ? spdlog::level::info : spdlog::level::warn, "event={}",
+        x.up ? "line_up" : "line_silent");
+    if (!x.up)
+      self->send(self->state.arguments.ecology, story{self->path(), "hears nothing of its sink"});
+    else if (x.silence > duration{})
+      self->send(self->state.arguments.ecology,
+                 story{self->path(), "hears its sink again, after " + to_text(x.silence)});
+  }
+
   // what the serial port wants
 
   void operator()(serial::to_line& x) const {

@@ -16,6 +16,8 @@ constexpr std::array<input_outcome, 4> all_outcomes{
     input_outcome::pending, input_outcome::acknowledged, input_outcome::failed,
     input_outcome::unreachable};
 
+constexpr std::array<std::string_view, 3> presences{"listed", "stale", "left"};
+
 /// A decimal number as we write them: digits only, no leading zero unless it is 0.
 template <class T>
 std::optional<T> parse_decimal(std::string_view text, T min, T max) {
@@ -27,6 +29,24 @@ std::optional<T> parse_decimal(std::string_view text, T min, T max) {
   if (text.size() > 1 && text.front() == '0')
     return std::nullopt;
   return value;
+}
+
+/// Seconds with six decimals, as to_text() writes them.
+std::optional<instant> parse_seconds(std::string_view text) {
+  constexpr std::size_t decimals = 6;
+  const auto point = text.find('.');
+  if (point == std::string_view::npos || text.size() - point - 1 != decimals)
+    return std::nullopt;
+  const auto whole = parse_decimal<std::int64_t>(text.substr(0, point), 0, INT64_MAX / 1'000'000'000);
+  std::int64_t micros = 0;
+  for (const auto digit : text.substr(point + 1)) {
+    if (digit < '0' || digit > '9')
+      return std::nullopt;
+    micros = 10 * micros + (digit - '0');
+  }
+  if (!whole)
+    return std::nullopt;
+  return instant(std::chrono::seconds(*whole) + std::chrono::microseconds(micros));
 }
 
 std::optional<mote_id> parse_mote(std::string_view text) {
@@ -60,7 +80,13 @@ std::optional<device_tuple> kind_of(const std::vector<std::string_view>& parts) 
   switch (parts.size()) {
   case 1:
     return device_tuple::list;
+  case 2:
+    if (is_word(parts[1], "line"))
+      return device_tuple::line;
+    return std::nullopt;
   case 3:
+    if (is_word(parts[2], "status"))
+      return device_tuple::status;
     if (is_word(parts[2], "type"))
       return device_tuple::type;
     if (is_word(parts[2], "descriptor"))
@@ -87,12 +113,16 @@ std::optional<device_tuple> kind_of(const std::vector<std::string_view>& parts) 
 
 std::string to_string(const device_key& x) {
   std::string key(devices_key);
-  if (x.what == device_tuple::list)
-    return key;
+  if (x.what == device_tuple::list || x.what == device_tuple::line)
+    return x.what == device_tuple::list ? key : std::string(device_line_key);
   assert(x.mote.value >= 1 && x.mote.value <= mote_id_max);
   key += '.' + to_string(x.mote);
   switch (x.what) {
   case device_tuple::list:
+  case device_tuple::line:
+    break;
+  case device_tuple::status:
+    key += ".status";
     break;
   case device_tuple::type:
     key += ".type";
@@ -124,6 +154,10 @@ std::string device_descriptor_key(mote_id mote) {
   return to_string(device_key{device_tuple::descriptor, mote, 0});
 }
 
+std::string device_status_key(mote_id mote) {
+  return to_string(device_key{device_tuple::status, mote, 0});
+}
+
 std::string device_output_key(mote_id mote, std::uint16_t channel) {
   return to_string(device_key{device_tuple::output, mote, channel});
 }
@@ -146,7 +180,7 @@ result<device_key> parse_device_key(std::string_view key) {
   if (!kind || !is_word(parts[0], devices_key))
     return errc::bad_value;
   device_key x{*kind, mote_id{}, 0};
-  if (parts.size() > 1) {
+  if (parts.size() > 2) {
     const auto mote = parse_mote(parts[1]);
     if (!mote)
       return errc::bad_value;
@@ -200,6 +234,32 @@ result<std::uint32_t> parse_device_type(byte_view octets) {
   if (octets.size() != sizeof(std::uint32_t))
     return octets.size() < sizeof(std::uint32_t) ? errc::truncated : errc::too_long;
   return byte_reader(octets).big<std::uint32_t>();
+}
+
+std::string to_string(const device_status& x) {
+  std::string text(presences[static_cast<std::size_t>(x.presence)]);
+  if (x.presence == device_presence::left)
+    text += ' ' + x.cause;
+  return text + ' ' + to_text(x.since);
+}
+
+result<device_status> parse_device_status(std::string_view text) {
+  const auto first = text.find(' ');
+  const auto last = text.rfind(' ');
+  const auto word = std::ranges::find(presences, text.substr(0, first));
+  if (last == std::string_view::npos || word == presences.end())
+    return errc::bad_value;
+  device_status x;
+  x.presence = static_cast<device_presence>(word - presences.begin());
+  if ((x.presence == device_presence::left) != (first != last))
+    return errc::bad_value;
+  if (first != last)
+    x.cause = text.substr(first + 1, last - first - 1);
+  const auto since = parse_seconds(text.substr(last + 1));
+  if (!since || x.cause.find(' ') != std::string::npos || (first != last && x.cause.empty()))
+    return errc::bad_value;
+  x.since = *since;
+  return x;
 }
 
 result<std::chrono::milliseconds> parse_output_period(std::string_view text) {

@@ -10,6 +10,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/error.hpp"
+#include "core/time.hpp"
 
 namespace rubicon {
 
@@ -21,6 +22,8 @@ inline constexpr std::string_view all_device_types_key = "devices.*.type";
 /// What a tuple under `devices` says.
 enum class device_tuple : std::uint8_t {
   list,         ///< `devices`
+  line,         ///< `devices.line`
+  status,       ///< `devices.$ID.status`
   type,         ///< `devices.$ID.type`
   descriptor,   ///< `devices.$ID.descriptor`
   output,       ///< `devices.$ID.output.$CH`
@@ -32,18 +35,25 @@ enum class device_tuple : std::uint8_t {
 /// A key under `devices`, taken apart.
 struct device_key {
   device_tuple what = device_tuple::list;
-  mote_id mote;              ///< 1..mote_id_max; 0 for the list
+  mote_id mote;              ///< 1..mote_id_max; 0 for list and line
   std::uint16_t channel = 0; ///< 0 where the key has none
 
   friend bool operator==(const device_key&, const device_key&) = default;
 };
 
 /// The key as D1.1 5.4 writes it, numbers in decimal (GW-07). @pre mote in 1..mote_id_max except
-/// for the list
+/// for list and line
 [[nodiscard]] std::string to_string(const device_key& x);
+
+/// Key of the state of the serial line to the sink: `up 12.345000`, since when in seconds of
+/// ecology time; `silent 337.000000`: nothing has come for a while (GW-15).
+inline constexpr std::string_view device_line_key = "devices.line";
+/// Prototype key of the status tuples of all motes of a gateway.
+inline constexpr std::string_view all_device_statuses_key = "devices.*.status";
 
 [[nodiscard]] std::string device_type_key(mote_id mote);
 [[nodiscard]] std::string device_descriptor_key(mote_id mote);
+[[nodiscard]] std::string device_status_key(mote_id mote);
 [[nodiscard]] std::string device_output_key(mote_id mote, std::uint16_t channel);
 [[nodiscard]] std::string device_output_period_key(mote_id mote, std::uint16_t channel);
 [[nodiscard]] std::string device_input_key(mote_id mote, std::uint16_t channel);
@@ -67,6 +77,29 @@ struct device_key {
 
 /// @returns errc::truncated or errc::too_long unless there are exactly 4 octets
 [[nodiscard]] result<std::uint32_t> parse_device_type(byte_view octets);
+
+/// What a gateway knows of a mote.
+enum class device_presence : std::uint8_t {
+  listed, ///< in the island, as far as anybody can know
+  stale,  ///< it was, but its sink is not heard or has been started again
+  left,
+};
+
+/// Value of `devices.$ID.status`: `listed 12.345000`, since when in seconds of ecology time;
+/// `left silence 345.100000` with the cause. It outlives the mote's other tuples (IF-13).
+struct device_status {
+  device_presence presence = device_presence::listed;
+  std::string cause; ///< one word; empty unless it has left
+  instant since;
+
+  friend bool operator==(const device_status&, const device_status&) = default;
+};
+
+[[nodiscard]] std::string to_string(const device_status& x);
+
+/// What a gateway's watchers need: the presence and the cause; the time is for people.
+/// @returns errc::bad_value for anything that to_string() does not make
+[[nodiscard]] result<device_status> parse_device_status(std::string_view text);
 
 /// Value of `devices.$ID.output.$CH.period`: how far apart the mote's messages on the channel are to
 /// be, in decimal milliseconds; 0: as the mote likes (IF-04). @returns errc::bad_value otherwise

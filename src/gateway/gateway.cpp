@@ -1,5 +1,7 @@
 #include "gateway/gateway.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/device_keys.hpp"
@@ -16,6 +18,14 @@ constexpr std::size_t assemblies_max = 64; ///< long packets that come up at the
 
 publish text_tuple(std::string key, std::string_view text) {
   return {std::move(key), to_bytes(text), true};
+}
+
+std::string line_text(std::string_view state, instant since) {
+  return std::string(state) + ' ' + to_text(since);
+}
+
+publish presence_tuple(mote_id mote, const device_status& x) {
+  return text_tuple(device_status_key(mote), to_string(x));
 }
 
 publish status_tuple(mote_id mote, std::uint16_t channel, std::uint64_t sequence,
@@ -71,7 +81,8 @@ gateway::gateway(gateway_config config, random_stream dice)
 
 outputs gateway::start(instant now) {
   now_ = now;
-  outputs out{device_list()};
+  outputs out{device_list(),
+              text_tuple(std::string(device_line_key), line_text("silent", now))};
   others_.start(now);
   requests_ = output_requests(config_.requests, config_.incarnation > 0, now);
   for (auto& x : take(pc_.start(now)))
@@ -85,22 +96,46 @@ mote::communication gateway::attach(mote::communication_events& events) {
 
 outputs gateway::on_packet(mote_id source, std::uint8_t am_type, byte_view payload, instant now) {
   now_ = now;
-  if (am_type == network::am::to_gateway)
-    return on_island_packet(payload, now);
-  if (am_type == network::am::packet) {
-    const auto whole = pieces_.on_piece(source, payload, now);
-    return whole ? on_island_packet(*whole, now) : outputs{};
-  }
-  if (am_type != network::am::sink_event) {
+  outputs out;
+  on_line_heard(out);
+  refresh(source, out);
+  outputs more;
+  if (am_type == network::am::to_gateway) {
+    more = on_island_packet(payload, now);
+  } else if (am_type == network::am::packet) {
+    if (const auto whole = pieces_.on_piece(source, payload, now))
+      more = on_island_packet(*whole, now);
+  } else if (am_type != network::am::sink_event) {
     ++counters_.unknown_type;
-    return {};
-  }
-  const auto event = network::decode_sink_event(payload);
-  if (!event) {
+  } else if (const auto event = network::decode_sink_event(payload)) {
+    more = std::visit([this, now](const auto& x) { return on_event(x, now); }, *event);
+  } else {
     ++counters_.malformed;
-    return {};
   }
-  return std::visit([this, now](const auto& x) { return on_event(x, now); }, *event);
+  std::ranges::move(more, std::back_inserter(out));
+  return out;
+}
+
+void gateway::on_line_heard(outputs& out) {
+  const auto before = std::exchange(line_heard_, now_);
+  if (std::exchange(line_up_, true))
+    return;
+  out.emplace_back(text_tuple(std::string(device_line_key), line_text("up", now_)));
+  out.emplace_back(line_changed{true, before ? now_ - *before : duration{}});
+}
+
+/// A mote was heard.
+void gateway::refresh(mote_id mote, outputs& out) {
+  const auto listed = devices_.find(mote);
+  if (listed != devices_.end() && std::exchange(listed->second.stale, false))
+    out.emplace_back(presence_tuple(mote, {device_presence::listed, {}, now_}));
+}
+
+void gateway::make_stale(outputs& out) {
+  for (auto& [mote, x] : devices_) {
+    if (!std::exchange(x.stale, true))
+      out.emplace_back(presence_tuple(mote, {device_presence::stale, {}, now_}));
+  }
 }
 
 outputs gateway::on_island_packet(byte_view payload, instant now) {
@@ -220,6 +255,12 @@ void gateway::on_period(mote_id mote, std::uint16_t channel, std::string_view te
 outputs gateway::on_time(instant now) {
   now_ = now;
   auto out = take(pc_.on_time(now));
+  if (line_up_ && *line_heard_ + config_.line_silence_max <= now) {
+    line_up_ = false;
+    out.emplace_back(text_tuple(std::string(device_line_key), line_text("silent", *line_heard_)));
+    out.emplace_back(line_changed{});
+    make_stale(out);
+  }
   if (others_.on_time(now))
     out.emplace_back(
         announce{encode(announcement{config_.island, config_.form, config_.incarnation})});
@@ -228,7 +269,10 @@ outputs gateway::on_time(instant now) {
 }
 
 std::optional<instant> gateway::deadline() const {
-  return earliest(pc_.deadline(), earliest(others_.deadline(), requests_.deadline()));
+  auto due = earliest(pc_.deadline(), earliest(others_.deadline(), requests_.deadline()));
+  if (line_up_)
+    due = earliest(due, *line_heard_ + config_.line_silence_max);
+  return due;
 }
 
 void gateway::ask_for_outputs(outputs& out, instant now) {
@@ -254,9 +298,11 @@ outputs gateway::on_event(const network::mote_joined& x, instant now) {
   if (restarted)
     pc_.forget_incarnation({config_.island, x.mote});
   listed->second.incarnation = x.incarnation;
+  listed->second.stale = false;
   requests_.on_listed(x.mote, x.incarnation, now);
   outputs out{publish{device_type_key(x.mote), device_type_octets(x.type), false},
               publish{device_descriptor_key(x.mote), x.descriptor, false}, device_list(),
+              presence_tuple(x.mote, {device_presence::listed, {}, now}),
               member_changed{x.mote, true, x.incarnation, {}}};
   if (is_new || restarted) {
     for (auto& y : take(pc_.on_mote_joined(x.mote, x.descriptor, now)))
@@ -269,7 +315,7 @@ outputs gateway::on_event(const network::mote_left& x, instant) {
   return remove(x.mote, x.cause);
 }
 
-outputs gateway::on_event(const network::roster& x, instant) {
+outputs gateway::on_event(const network::roster& x, instant now) {
   if (roster_number_ != x.number) {
     roster_number_ = x.number;
     roster_seen_.clear();
@@ -282,11 +328,14 @@ outputs gateway::on_event(const network::roster& x, instant) {
     const auto known = devices_.find(entry.mote);
     if (known == devices_.end() || known->second.incarnation != entry.incarnation)
       out.emplace_back(ask_about(entry.mote));
+    else
+      refresh(entry.mote, out);
   }
   if (roster_pages_seen_ < x.pages)
     return out;
-  for (const auto mote : devices()) {
-    if (!roster_seen_.contains(mote))
+  for (const auto& [mote, listed] : devices_) {
+    const bool may_rejoin = listed.stale && now < rejoin_until_;
+    if (!roster_seen_.contains(mote) && !may_rejoin)
       out.emplace_back(ask_about(mote));
   }
   roster_number_.reset();
@@ -296,6 +345,14 @@ outputs gateway::on_event(const network::roster& x, instant) {
 outputs gateway::on_event(const network::describe&, instant) {
   ++counters_.unknown_type; // a question only gateways ask
   return {};
+}
+
+/// Its motes are there as before, but it will know so only when they have joined again.
+outputs gateway::on_event(const network::sink_started&, instant now) {
+  outputs out;
+  rejoin_until_ = now + config_.rejoin_wait;
+  make_stale(out);
+  return out;
 }
 
 outputs gateway::take(endpoint::outputs from_pc) {
@@ -352,6 +409,7 @@ outputs gateway::remove(mote_id mote, network::leave_cause cause) {
     out.emplace_back(erase{device_output_key(mote, channel)});
   for (const auto channel : entry.input_channels)
     out.emplace_back(erase{device_input_status_key(mote, channel)});
+  out.emplace_back(presence_tuple(mote, {device_presence::left, network::to_string(cause), now_}));
   out.emplace_back(member_changed{mote, false, entry.incarnation, cause});
   return out;
 }

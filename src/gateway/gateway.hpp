@@ -65,7 +65,14 @@ struct member_changed {
   network::leave_cause cause = network::leave_cause::notice; ///< when no longer listed
 };
 
-using output = std::variant<publish, erase, to_sink, to_gateway, announce, member_changed>;
+/// Nothing has come from the sink for a while, or something again (GW-15).
+struct line_changed {
+  bool up = false;
+  duration silence{}; ///< how long it was not heard, when it is up again
+};
+
+using output =
+    std::variant<publish, erase, to_sink, to_gateway, announce, member_changed, line_changed>;
 using outputs = std::vector<output>;
 
 struct gateway_config {
@@ -73,6 +80,8 @@ struct gateway_config {
   std::uint32_t incarnation = 0;           ///< how often it was started before
   std::size_t inputs_outstanding_max = 64; ///< further inputs fail at once
   wire_form form = wire_form::segment;     ///< strict54: with every other gateway (WIR-04)
+  duration line_silence_max = 25s; ///< more than two rosters of its sink without a word
+  duration rejoin_wait = 60s;      ///< a sink that was started again may find its motes until then
   directory_config others{};
   output_requests_config requests{};
   std::size_t input_channels_max = 4096;   ///< channels of motes ever written to; further ones are
@@ -101,7 +110,8 @@ class device_messages;
 inline constexpr std::uint16_t announcement_port = 20;
 
 /// The gateway of one island. Motes reach it as the PC of their island (no_mote); its tuples:
-///   devices, devices.$ID.{type,descriptor,output.$CH,input.$CH.status}   written here
+///   devices, devices.line,
+///   devices.$ID.{status,type,descriptor,output.$CH,input.$CH.status}     written here
 ///   devices.$ID.input.$CH, devices.$ID.output.$CH.period                 written by others
 /// It tells motes which output channels somebody subscribes to (GW-10), and publishes all that comes
 ///
@@ -167,6 +177,7 @@ public:
 private:
   struct device {
     std::uint32_t incarnation = 0;
+    bool stale = false; ///< not heard since the line was lost, or the sink started again
     std::set<std::uint16_t> output_channels; ///< those with a tuple, erased when the mote leaves
     std::set<std::uint16_t> input_channels;
   };
@@ -183,6 +194,10 @@ private:
   [[nodiscard]] outputs on_event(const network::mote_left& x, instant now);
   [[nodiscard]] outputs on_event(const network::roster& x, instant now);
   [[nodiscard]] outputs on_event(const network::describe& x, instant now);
+  [[nodiscard]] outputs on_event(const network::sink_started& x, instant now);
+  void on_line_heard(outputs& out);
+  void refresh(mote_id mote, outputs& out);
+  void make_stale(outputs& out);
   [[nodiscard]] outputs take(endpoint::outputs from_pc);
   void publish_output(const transport::received& x, outputs& out);
   void publish_outcome(const transport::outcome& x, outputs& out);
@@ -207,6 +222,9 @@ private:
   std::uint16_t strict_counter_ = 0; ///< of what came in the strict form
   output_requests requests_;
   std::map<transport::ticket, mote_id> asked_; ///< requests under way
+  std::optional<instant> line_heard_;   ///< nothing: never
+  bool line_up_ = false;
+  instant rejoin_until_; ///< before this the sink, started again, may not know all its motes
   std::optional<std::uint16_t> roster_number_; ///< of the roster being received
   std::set<mote_id> roster_seen_;
   std::uint8_t roster_pages_seen_ = 0;

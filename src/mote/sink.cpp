@@ -26,7 +26,10 @@ sink::sink(network::router_config network, registrar_config members, const duty_
 }
 
 sink_outputs sink::start(instant now) {
-  return finish(take(registrar_.start(now), now), now);
+  sink_outputs out{
+      to_gateway{self_, network::am::sink_event, encode(network::sink_event(network::sink_started{}))}};
+  append(out, take(registrar_.start(now), now));
+  return finish(std::move(out), now);
 }
 
 sink_outputs sink::on_frame(mote_id source, std::uint8_t am_type, byte_view payload, instant sfd,

@@ -8,7 +8,7 @@ namespace rubicon::network {
 
 namespace {
 
-enum class kind : std::uint8_t { joined = 1, left = 2, roster = 3, describe = 4 };
+enum class kind : std::uint8_t { joined = 1, left = 2, roster = 3, describe = 4, started = 5 };
 
 struct encoder {
   byte_writer& out;
@@ -28,6 +28,7 @@ struct encoder {
       out.big(entry.mote.value).big(entry.incarnation);
   }
   void operator()(const describe& x) const { start(kind::describe).big(x.mote.value); }
+  void operator()(const sink_started&) const { start(kind::started); }
 };
 
 result<sink_event> finish(const byte_reader& in, sink_event x) {
@@ -52,8 +53,8 @@ result<sink_event> decode_left(byte_reader& in) {
   mote_left x;
   x.mote = mote_id{in.big<std::uint16_t>()};
   const auto cause = in.octet();
-  if (in.ok() && cause != static_cast<std::uint8_t>(leave_cause::notice) &&
-      cause != static_cast<std::uint8_t>(leave_cause::silence))
+  if (in.ok() && (cause < static_cast<std::uint8_t>(leave_cause::notice) ||
+                  cause > static_cast<std::uint8_t>(leave_cause::out_of_range)))
     return errc::bad_value;
   x.cause = static_cast<leave_cause>(cause);
   return finish(in, x);
@@ -85,6 +86,10 @@ std::string to_string(leave_cause x) {
     return "notice";
   case leave_cause::silence:
     return "silence";
+  case leave_cause::battery:
+    return "battery";
+  case leave_cause::out_of_range:
+    return "out_of_range";
   }
   return "unknown";
 }
@@ -107,6 +112,8 @@ result<sink_event> decode_sink_event(byte_view octets) {
     return decode_left(in);
   case kind::roster:
     return decode_roster(in);
+  case kind::started:
+    return finish(in, sink_started{});
   case kind::describe: {
     const describe x{mote_id{in.big<std::uint16_t>()}};
     return finish(in, x);

@@ -14,7 +14,12 @@
 namespace rubicon::network {
 
 /// Why a mote is no longer in its island.
-enum class leave_cause : std::uint8_t { notice = 1, silence = 2 };
+enum class leave_cause : std::uint8_t {
+  notice = 1,       ///< it has said goodbye
+  silence = 2,      ///< nothing was heard for its keep-alive window
+  battery = 3,      ///< the same, after it had told that its battery was nearly flat
+  out_of_range = 4, ///< the same, after its only links had become weak
+};
 
 [[nodiscard]] std::string to_string(leave_cause x);
 
@@ -60,7 +65,12 @@ struct describe {
   friend bool operator==(const describe&, const describe&) = default;
 };
 
-using sink_event = std::variant<mote_joined, mote_left, roster, describe>;
+/// Up: the sink has been started, and knows nobody yet.
+struct sink_started {
+  friend bool operator==(const sink_started&, const sink_started&) = default;
+};
+
+using sink_event = std::variant<mote_joined, mote_left, roster, describe, sink_started>;
 
 inline constexpr std::size_t roster_entries_max = 18; ///< a page fits 114 octets
 

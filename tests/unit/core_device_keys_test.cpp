@@ -25,6 +25,9 @@ TEST_CASE("device keys read as D1.1 5.4 writes them", "[core][GW-03][GW-04][GW-0
   CHECK(device_input_key(mote_id{7}, 0) == "devices.7.input.0");
   CHECK(device_output_key(mote_id{7}, 65535) == "devices.7.output.65535");
   CHECK(device_input_status_key(mote_id{65532}, 12) == "devices.65532.input.12.status");
+  CHECK(device_output_period_key(mote_id{7}, 2) == "devices.7.output.2.period");
+  CHECK(device_status_key(mote_id{7}) == "devices.7.status");
+  CHECK(to_string(device_key{device_tuple::line, {}, 0}) == "devices.line");
 }
 
 TEST_CASE("every device key comes back from its text", "[core][GW-07]") {
@@ -121,4 +124,26 @@ TEST_CASE("the text of a tuple ends before its NUL", "[core][TUP-02]") {
   CHECK(tuple_text(bytes{'a', 0, 'b', 0}) == "a");
   CHECK(tuple_text(bytes{0}).empty());
   CHECK(tuple_text(bytes{}).empty());
+}
+
+TEST_CASE("a mote's status tells presence, cause and since when", "[core][GW-15][IF-13]") {
+  const device_status listed{device_presence::listed, {}, instant{12s}};
+  const device_status left{device_presence::left, "out_of_range", instant{345100ms}};
+  CHECK(to_string(listed) == "listed 12.000000");
+  CHECK(to_string(left) == "left out_of_range 345.100000");
+  CHECK(*parse_device_status(to_string(listed)) == listed);
+  CHECK(*parse_device_status(to_string(left)) == left);
+  CHECK(*parse_device_status("stale 0.000000") == device_status{device_presence::stale, {}, {}});
+  for (const auto* text :
+       {"", "listed", "listed ", "listed 1", "listed 1.0", "listed  1.000000", "here 1.000000",
+        "left 1.000000", "left  1.000000", "left a b 1.000000", "listed silence 1.000000",
+        "listed -1.000000", "listed 01.000000", "listed 99999999999.000000", "listed 1.00000x"})
+    CHECK(!parse_device_status(text));
+}
+
+TEST_CASE("an output's period is in whole milliseconds", "[core][IF-04]") {
+  CHECK(*parse_output_period("250") == 250ms);
+  CHECK(*parse_output_period("0") == 0ms);
+  for (const auto* text : {"", "-1", "1.5", "250ms", "4294967296", "007"})
+    CHECK(!parse_output_period(text));
 }

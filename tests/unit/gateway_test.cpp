@@ -30,7 +30,7 @@ constexpr island_id kitchen{1};
 constexpr mote_id fan{7};
 constexpr mote_id the_sink{1};
 
-gateway::gateway make() {
+gateway::gateway make_unheard() {
   gateway_config config;
   config.island = kitchen;
   gateway::gateway x(config, random_stream(1));
@@ -40,6 +40,12 @@ gateway::gateway make() {
 
 gateway::outputs tell(gateway::gateway& x, const network::sink_event& event) {
   return x.on_packet(the_sink, network::am::sink_event, encode(event), {});
+}
+
+gateway::gateway make() {
+  auto x = make_unheard();
+  static_cast<void>(tell(x, network::sink_started{}));
+  return x;
 }
 
 void join(gateway::gateway& x, mote_id mote, std::uint32_t incarnation = 0) {
@@ -106,6 +112,7 @@ TEST_CASE("a leaving mote takes its tuples with it", "[gateway][DIS-06]") {
   std::vector<std::string> erased;
   for (const auto& y : pick<erase>(out))
     erased.push_back(y.key);
+  CHECK(published(out, "devices.7.status") == "left silence 0.000000");
   CHECK(erased == std::vector<std::string>{"devices.7.type", "devices.7.descriptor",
                                            "devices.7.output.2", "devices.7.input.2.status"});
   CHECK(pick<member_changed>(out)[0].cause == network::leave_cause::silence);
@@ -344,4 +351,77 @@ TEST_CASE("packets longer than a serial packet go up and down in pieces",
   const auto packet = network::decode_island_packet(*whole);
   CHECK(packet->island == island_id{2});
   CHECK(transport::decode_segment(packet->body)->payload == reading);
+}
+
+TEST_CASE("a silent line makes motes stale, not gone; what is heard again is not", "[gateway][GW-15]") {
+  auto x = make_unheard();
+  const auto hear = [&](mote_id source, instant now) {
+    return x.on_packet(source, network::am::to_gateway, up({kitchen, no_mote}, plain(source, 2, {})),
+                       now);
+  };
+  const auto first = tell(x, network::mote_joined{fan, 0, 301, {}});
+  CHECK(published(first, "devices.line") == "up 0.000000");
+  CHECK(published(first, "devices.7.status") == "listed 0.000000");
+  join(x, mote_id{11});
+  CHECK(published(hear(fan, instant{3s}), "devices.line") == "nothing");
+  CHECK(published(x.on_time(instant{27s}), "devices.line") == "nothing");
+
+  const auto silent = x.on_time(instant{28s});
+  CHECK(published(silent, "devices.line") == "silent 3.000000");
+  CHECK(published(silent, "devices.7.status") == "stale 28.000000");
+  CHECK(published(silent, "devices.11.status") == "stale 28.000000");
+  CHECK(pick<member_changed>(silent).empty());
+  CHECK(published(silent, "devices") == "nothing");
+
+  const auto back = hear(fan, instant{40s});
+  CHECK(published(back, "devices.line") == "up 40.000000");
+  CHECK(published(back, "devices.7.status") == "listed 40.000000");
+  CHECK(published(back, "devices.11.status") == "nothing");
+  REQUIRE(pick<gateway::line_changed>(back).size() == 1);
+  CHECK(pick<gateway::line_changed>(back)[0].silence == 37s);
+  const auto roster = x.on_packet(
+      the_sink, network::am::sink_event,
+      encode(network::sink_event(network::roster{1, 0, 1, {{fan, 0}, {mote_id{11}, 0}}})),
+      instant{41s});
+  CHECK(published(roster, "devices.11.status") == "listed 41.000000");
+  CHECK(pick<to_sink>(roster).empty());
+}
+
+TEST_CASE("a sink that was started again gets time to find its motes", "[gateway][GW-15]") {
+  auto x = make();
+  join(x, fan);
+  join(x, mote_id{11});
+  const auto started = tell(x, network::sink_started{});
+  CHECK(published(started, "devices.7.status") == "stale 0.000000");
+  const auto empty = [&](std::uint16_t number, instant now) {
+    return x.on_packet(the_sink, network::am::sink_event,
+                       encode(network::sink_event(network::roster{number, 0, 1, {}})), now);
+  };
+  CHECK(pick<to_sink>(empty(1, instant{10s})).empty());
+  const auto again = tell(x, network::mote_joined{fan, 0, 301, {}});
+  CHECK(published(again, "devices.7.status") == "listed 0.000000");
+  CHECK(pick<to_sink>(empty(2, instant{59s})).size() == 1); // the fan has been back and is missing
+  CHECK(pick<to_sink>(empty(3, instant{60s})).size() == 2);
+}
+
+TEST_CASE("motes hear which of their outputs somebody subscribes to", "[gateway][GW-10][IF-04]") {
+  auto x = make();
+  join(x, fan);
+  const std::vector<std::string> keys{"devices.*.type", "devices.7.output.2"};
+  x.on_subscribers(keys, {});
+  const auto question = segment_down(x.on_time(instant{100ms}));
+  CHECK(question.what == kind::hello);
+  const auto request = segment_down(accept(x, fan, question));
+  CHECK(request.am_type == network::am::outputs_wanted);
+  CHECK(request.what == kind::reliable);
+  CHECK(to_hex(request.payload) == "000200000000");
+  static_cast<void>(accept(x, fan, request));
+  CHECK(x.counters().requests == 1);
+
+  x.on_period(fan, 2, "250", instant{1s});
+  CHECK(to_hex(segment_down(x.on_time(instant{1100ms})).payload) == "0002000000fa");
+  x.on_period(fan, 2, "fast", instant{2s});
+  x.on_period(mote_id{9}, 2, "250", instant{2s});
+  CHECK(x.counters().bad_periods == 1);
+  CHECK(x.counters().undeliverable == 1);
 }
