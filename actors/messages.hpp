@@ -11,6 +11,7 @@
 #include "actors/inspect.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/device_keys.hpp"
 #include "core/time.hpp"
 #include "flow/part.hpp"
 #include "mote/transducer.hpp"
@@ -653,21 +654,20 @@ using peis_peer_actor = lan_user_actor::extend<
     caf::reacts_to<bluetooth_seen>, caf::reacts_to<hello_answer>, caf::reacts_to<hello_arrived>,
     caf::reacts_to<bluetooth_opened>, caf::reacts_to<link_sent>, caf::reacts_to<set_tuple>,
     caf::reacts_to<delete_tuple>, caf::reacts_to<set_remote_tuple>, caf::reacts_to<watch_tuples>,
-    caf::reacts_to<watch_subscribers>, caf::reacts_to<hook_port>,
-    caf::reacts_to<send_peis_message>, caf::reacts_to<broadcast_peis_message>,
-    caf::reacts_to<pause_peer>,
-    caf::reacts_to<resume_peer>, caf::reacts_to<step_clock>, caf::reacts_to<leave_network>,
-    caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+    caf::reacts_to<watch_subscribers>, caf::reacts_to<hook_port>, caf::reacts_to<send_peis_message>,
+    caf::reacts_to<broadcast_peis_message>, caf::reacts_to<pause_peer>, caf::reacts_to<resume_peer>,
+    caf::reacts_to<step_clock>, caf::reacts_to<leave_network>, caf::reacts_to<timer_expired>,
+    caf::reacts_to<status_request>>;
 
 /// The gateway between an island and the PEIS network.
 using gateway_actor =
     peis_client_actor::extend<caf::reacts_to<subscribers_changed>, caf::reacts_to<serial_octets>,
                               caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
-/// The proxied mote has appeared at its gateway, or has gone.
+/// Whether the proxied mote is there, as its gateway says.
 struct mote_presence {
-  bool present = false;
-  bool gateway_gone = false; ///< it has gone because its gateway has
+  device_presence presence = device_presence::listed;
+  std::string cause; ///< one word, if it has left
 };
 
 /// What speaks for one mote.

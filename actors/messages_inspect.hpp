@@ -501,7 +501,7 @@ auto inspect(F& f, send_peis_message& x) {
 
 template <class F>
 auto inspect(F& f, mote_presence& x) {
-  return f(caf::meta::type_name("mote_presence"), x.present, x.gateway_gone);
+  return f(caf::meta::type_name("mote_presence"), x.presence, x.cause);
 }
 
 template <class F>

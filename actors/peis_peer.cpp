@@ -436,9 +436,9 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
           self, [self](const watch_subscribers& x) { on_watch_subscribers(self, x); }),
       served<broadcast_peis_message>(self,
                                      [self](const broadcast_peis_message& x) {
-                                       perform(self, self->state.kernel.broadcast(
-                                                         x.port, x.octets, peis::no_request,
-                                                         now(self)));
+                                       perform(self, self->state.kernel.broadcast(x.port, x.octets,
+                                                                                  peis::no_request,
+                                                                                  now(self)));
                                      }),
       served<hook_port>(self, [self](const hook_port& x) { on_hook(self, x); }),
       served<send_peis_message>(self,

@@ -90,14 +90,10 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
           log(self, spdlog::level::warn, "event=write_failed cause={}", x.cause);
         }
       },
-      [self](mote_presence x) {
-        auto& core = self->state.arguments.core;
-        log(self, spdlog::level::info, "event={}", x.present ? "appeared" : "disappeared");
-        perform(self, x.present
-                          ? core.on_appeared(now(self))
-                          : core.on_disappeared(x.gateway_gone ? proxy::disappearance::gateway_gone
-                                                               : proxy::disappearance::not_listed,
-                                                now(self)));
+      [self](const mote_presence& x) {
+        perform(self, self->state.arguments.core.on_presence(x.presence, x.cause, now(self)));
+        log(self, spdlog::level::info, "event={} cause={}",
+            proxy::to_string(self->state.arguments.core.status()), x.cause);
       },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))

@@ -59,10 +59,10 @@ struct performer {
     self->state.proxies.erase(found);
   }
 
-  void operator()(const proxy::tell_appeared& x) const { tell(x.mote, {true, false}); }
-
-  void operator()(const proxy::tell_disappeared& x) const {
-    tell(x.mote, {false, x.cause == proxy::disappearance::gateway_gone});
+  void operator()(const proxy::tell_presence& x) const {
+    const auto found = self->state.proxies.find(x.mote);
+    if (found != self->state.proxies.end())
+      self->send(found->second, mote_presence{x.presence, x.cause});
   }
 
   void operator()(const proxy::unknown_type& x) const {
@@ -70,12 +70,6 @@ struct performer {
     self->send(self->state.arguments.ecology,
                story{self->path(), "mote " + to_string(x.mote) + " is of type " +
                                        std::to_string(x.type) + ", which no proxy class claims"});
-  }
-
-  void tell(const mote_address& mote, mote_presence x) const {
-    const auto found = self->state.proxies.find(mote);
-    if (found != self->state.proxies.end())
-      self->send(found->second, x);
   }
 };
 
@@ -86,7 +80,7 @@ void perform(manager_pointer self, proxy::manager::outputs todo) {
 
 /// Watches are named by island, so that a tuple's island is known without parsing anything.
 void watch_gateway(manager_pointer self, island_id island) {
-  for (const auto key : {devices_key, all_device_types_key})
+  for (const auto key : {devices_key, all_device_types_key, all_device_statuses_key})
     self->send(self->state.arguments.peer, watch_tuples{{caf::actor_cast<peis_client_actor>(self)},
                                                         island.value,
                                                         gateway_of(island),

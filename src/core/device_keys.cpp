@@ -37,7 +37,8 @@ std::optional<instant> parse_seconds(std::string_view text) {
   const auto point = text.find('.');
   if (point == std::string_view::npos || text.size() - point - 1 != decimals)
     return std::nullopt;
-  const auto whole = parse_decimal<std::int64_t>(text.substr(0, point), 0, INT64_MAX / 1'000'000'000);
+  const auto whole =
+      parse_decimal<std::int64_t>(text.substr(0, point), 0, INT64_MAX / 1'000'000'000);
   std::int64_t micros = 0;
   for (const auto digit : text.substr(point + 1)) {
     if (digit < '0' || digit > '9')

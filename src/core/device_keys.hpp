@@ -21,15 +21,15 @@ inline constexpr std::string_view all_device_types_key = "devices.*.type";
 
 /// What a tuple under `devices` says.
 enum class device_tuple : std::uint8_t {
-  list,         ///< `devices`
-  line,         ///< `devices.line`
-  status,       ///< `devices.$ID.status`
-  type,         ///< `devices.$ID.type`
-  descriptor,   ///< `devices.$ID.descriptor`
-  output,       ///< `devices.$ID.output.$CH`
+  list,          ///< `devices`
+  line,          ///< `devices.line`
+  status,        ///< `devices.$ID.status`
+  type,          ///< `devices.$ID.type`
+  descriptor,    ///< `devices.$ID.descriptor`
+  output,        ///< `devices.$ID.output.$CH`
   output_period, ///< `devices.$ID.output.$CH.period`
-  input,        ///< `devices.$ID.input.$CH`
-  input_status, ///< `devices.$ID.input.$CH.status`
+  input,         ///< `devices.$ID.input.$CH`
+  input_status,  ///< `devices.$ID.input.$CH.status`
 };
 
 /// A key under `devices`, taken apart.
@@ -101,8 +101,8 @@ struct device_status {
 /// @returns errc::bad_value for anything that to_string() does not make
 [[nodiscard]] result<device_status> parse_device_status(std::string_view text);
 
-/// Value of `devices.$ID.output.$CH.period`: how far apart the mote's messages on the channel are to
-/// be, in decimal milliseconds; 0: as the mote likes (IF-04). @returns errc::bad_value otherwise
+/// Value of `devices.$ID.output.$CH.period`: how far apart the mote's messages on the channel are
+/// to be, in decimal milliseconds; 0: as the mote likes (IF-04). @returns errc::bad_value otherwise
 [[nodiscard]] result<std::chrono::milliseconds> parse_output_period(std::string_view text);
 
 /// What became of a message written to `devices.$ID.input.$CH` (GW-12, IF-07).

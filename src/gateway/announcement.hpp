@@ -26,11 +26,12 @@ struct announcement {
   friend bool operator==(const announcement&, const announcement&) = default;
 };
 
-/// uint32 'RUBG', uint8 version 1, uint8 form, uint32 island, uint32 incarnation; network byte order.
+/// uint32 'RUBG', uint8 version 1, uint8 form, uint32 island, uint32 incarnation; network byte
+/// order.
 [[nodiscard]] bytes encode(const announcement& x);
 
-/// Errors: truncated, bad_value (what other kinds of gateway say, unknown version or form, island 0).
-/// Octets after the known ones are for later versions.
+/// Errors: truncated, bad_value (what other kinds of gateway say, unknown version or form, island
+/// 0). Octets after the known ones are for later versions.
 [[nodiscard]] result<announcement> decode_announcement(byte_view octets);
 
 } // namespace rubicon::gateway

@@ -14,7 +14,8 @@ void directory::on_announcement(peer_id source, byte_view octets, instant now) {
   auto said = decode_announcement(octets);
   if (!said) {
     ++counters_.foreign;
-    said = announcement{island_id{static_cast<std::uint32_t>(source.value)}, wire_form::strict54, 0};
+    said =
+        announcement{island_id{static_cast<std::uint32_t>(source.value)}, wire_form::strict54, 0};
   }
   const auto found = known_.find(source);
   const bool is_new = found == known_.end() || found->second.said.incarnation != said->incarnation;

@@ -15,10 +15,10 @@
 namespace rubicon::gateway {
 
 struct directory_config {
-  duration first_gap = 1s;   ///< between our first announcements; each further gap is twice as long,
-  duration period = 10s;     ///< up to this
-  duration answer_max = 500ms; ///< a gateway not heard before gets an answer within this
-  unsigned missed_max = 3;   ///< a gateway not heard for so many periods is gone
+  duration first_gap = 1s; ///< between our first announcements; each further gap is twice as long,
+  duration period = 10s;   ///< up to this
+  duration answer_max = 500ms;     ///< a gateway not heard before gets an answer within this
+  unsigned missed_max = 3;         ///< a gateway not heard for so many periods is gone
   std::size_t gateways_max = 4096; ///< further ones are not noted
 };
 

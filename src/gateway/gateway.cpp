@@ -81,8 +81,7 @@ gateway::gateway(gateway_config config, random_stream dice)
 
 outputs gateway::start(instant now) {
   now_ = now;
-  outputs out{device_list(),
-              text_tuple(std::string(device_line_key), line_text("silent", now))};
+  outputs out{device_list(), text_tuple(std::string(device_line_key), line_text("silent", now))};
   others_.start(now);
   requests_ = output_requests(config_.requests, config_.incarnation > 0, now);
   for (auto& x : take(pc_.start(now)))
@@ -404,12 +403,12 @@ outputs gateway::remove(mote_id mote, network::leave_cause cause) {
   const auto entry = std::move(found->second);
   devices_.erase(found);
   requests_.on_unlisted(mote);
-  outputs out{device_list(), erase{device_type_key(mote)}, erase{device_descriptor_key(mote)}};
+  outputs out{presence_tuple(mote, {device_presence::left, network::to_string(cause), now_}),
+              device_list(), erase{device_type_key(mote)}, erase{device_descriptor_key(mote)}};
   for (const auto channel : entry.output_channels)
     out.emplace_back(erase{device_output_key(mote, channel)});
   for (const auto channel : entry.input_channels)
     out.emplace_back(erase{device_input_status_key(mote, channel)});
-  out.emplace_back(presence_tuple(mote, {device_presence::left, network::to_string(cause), now_}));
   out.emplace_back(member_changed{mote, false, entry.incarnation, cause});
   return out;
 }

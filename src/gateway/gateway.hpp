@@ -80,12 +80,12 @@ struct gateway_config {
   std::uint32_t incarnation = 0;           ///< how often it was started before
   std::size_t inputs_outstanding_max = 64; ///< further inputs fail at once
   wire_form form = wire_form::segment;     ///< strict54: with every other gateway (WIR-04)
-  duration line_silence_max = 25s; ///< more than two rosters of its sink without a word
-  duration rejoin_wait = 60s;      ///< a sink that was started again may find its motes until then
+  duration line_silence_max = 25s;         ///< more than two rosters of its sink without a word
+  duration rejoin_wait = 60s; ///< a sink that was started again may find its motes until then
   directory_config others{};
   output_requests_config requests{};
-  std::size_t input_channels_max = 4096;   ///< channels of motes ever written to; further ones are
-                                           ///< refused without a status
+  std::size_t input_channels_max = 4096; ///< channels of motes ever written to; further ones are
+                                         ///< refused without a status
 };
 
 struct gateway_counters {
@@ -97,9 +97,9 @@ struct gateway_counters {
   std::uint64_t forwarded_out = 0;  ///< messages of the island sent to other gateways
   std::uint64_t forwarded_in = 0;   ///< messages of other islands sent down
   std::uint64_t undeliverable = 0;  ///< for motes that are not listed, or for nobody here
-  std::uint64_t unsayable = 0; ///< messages from or to a gateway of the strict form that it does not
-                               ///< know: reliable ones, streams, synaptic channels
-  std::uint64_t requests = 0;  ///< to motes, of what they are to send
+  std::uint64_t unsayable = 0; ///< messages from or to a gateway of the strict form that it does
+                               ///< not know: reliable ones, streams, synaptic channels
+  std::uint64_t requests = 0; ///< to motes, of what they are to send
   std::uint64_t requests_failed = 0;
   std::uint64_t bad_periods = 0; ///< texts that are no period: dropped
 };
@@ -113,9 +113,9 @@ inline constexpr std::uint16_t announcement_port = 20;
 ///   devices, devices.line,
 ///   devices.$ID.{status,type,descriptor,output.$CH,input.$CH.status}     written here
 ///   devices.$ID.input.$CH, devices.$ID.output.$CH.period                 written by others
-/// It tells motes which output channels somebody subscribes to (GW-10), and publishes all that comes
-///
-/// Programs on the same PC have the same address; what they do not provide becomes tuples.
+/// It tells motes which output channels somebody subscribes to (GW-10), and publishes all that
+/// comes. Programs on the same PC have the same address; what they do not provide becomes
+/// tuples.
 class gateway {
 public:
   gateway();
@@ -222,7 +222,7 @@ private:
   std::uint16_t strict_counter_ = 0; ///< of what came in the strict form
   output_requests requests_;
   std::map<transport::ticket, mote_id> asked_; ///< requests under way
-  std::optional<instant> line_heard_;   ///< nothing: never
+  std::optional<instant> line_heard_;          ///< nothing: never
   bool line_up_ = false;
   instant rejoin_until_; ///< before this the sink, started again, may not know all its motes
   std::optional<std::uint16_t> roster_number_; ///< of the roster being received

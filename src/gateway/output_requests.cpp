@@ -133,14 +133,16 @@ output_requests::wanted output_requests::wanted_of(mote_id mote) const {
   auto channels = channels_of_all_;
   if (const auto own = channels_.find(mote); own != channels_.end())
     channels.insert(own->second.begin(), own->second.end());
-  for (auto x = periods_.lower_bound({mote, 0}); x != periods_.end() && x->first.first == mote; ++x) {
+  for (auto x = periods_.lower_bound({mote, 0}); x != periods_.end() && x->first.first == mote;
+       ++x) {
     if (channels.contains(mote::any_channel))
       channels.insert(x->first.second); // to say how often
   }
   wanted all;
   for (const auto channel : channels) {
     const auto period = periods_.find({mote, channel});
-    all.push_back({channel, period == periods_.end() ? std::chrono::milliseconds{} : period->second});
+    all.push_back(
+        {channel, period == periods_.end() ? std::chrono::milliseconds{} : period->second});
   }
   if (all.size() > mote::outputs_wanted_max)
     all = {{mote::any_channel, {}}};

@@ -19,8 +19,8 @@
 namespace rubicon::gateway {
 
 struct output_requests_config {
-  duration hesitation = 100ms; ///< after a change: subscriptions come in groups
-  duration retry = 10s;        ///< after a request that failed
+  duration hesitation = 100ms;    ///< after a change: subscriptions come in groups
+  duration retry = 10s;           ///< after a request that failed
   std::size_t under_way_max = 16; ///< motes asked at the same time
   duration settling = 5s; ///< after a restart: subscribers come back before anybody is told to stop
 };
@@ -44,7 +44,8 @@ public:
   void on_subscribers(std::span<const std::string> keys, instant now);
 
   /// @param period 0: as the mote likes
-  void on_period(mote_id mote, std::uint16_t channel, std::chrono::milliseconds period, instant now);
+  void on_period(mote_id mote, std::uint16_t channel, std::chrono::milliseconds period,
+                 instant now);
 
   void on_listed(mote_id mote, std::uint32_t incarnation, instant now);
   void on_unlisted(mote_id mote);

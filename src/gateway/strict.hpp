@@ -8,8 +8,8 @@
 
 namespace rubicon::gateway {
 
-/// The message without what 5.4 does not know. Nothing for what cannot be said: channels above 0xff,
-/// and whatever is not a plain message, since there are no acknowledgements.
+/// The message without what 5.4 does not know. Nothing for what cannot be said: channels above
+/// 0xff, and whatever is not a plain message, since there are no acknowledgements.
 [[nodiscard]] std::optional<network::gateway_packet> to_strict(network::gateway_packet x);
 
 /// The message as our own would have sent it. Its sender within its island is unknown (no_mote).

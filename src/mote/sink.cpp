@@ -26,8 +26,8 @@ sink::sink(network::router_config network, registrar_config members, const duty_
 }
 
 sink_outputs sink::start(instant now) {
-  sink_outputs out{
-      to_gateway{self_, network::am::sink_event, encode(network::sink_event(network::sink_started{}))}};
+  sink_outputs out{to_gateway{self_, network::am::sink_event,
+                              encode(network::sink_event(network::sink_started{}))}};
   append(out, take(registrar_.start(now), now));
   return finish(std::move(out), now);
 }

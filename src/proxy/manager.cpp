@@ -6,6 +6,13 @@
 
 namespace rubicon::proxy {
 
+namespace {
+
+constexpr std::string_view not_listed = "not_listed";
+constexpr std::string_view gateway_gone = "gateway_gone";
+
+} // namespace
+
 manager::outputs manager::on_gateway_tuple(island_id island, std::string_view key, byte_view value,
                                            instant now) {
   const auto parsed = parse_device_key(key);
@@ -13,6 +20,8 @@ manager::outputs manager::on_gateway_tuple(island_id island, std::string_view ke
     return on_devices(island, tuple_text(value), now);
   if (parsed && parsed->what == device_tuple::type)
     return on_type(island, parsed->mote, value, now);
+  if (parsed && parsed->what == device_tuple::status)
+    return on_status(island, parsed->mote, tuple_text(value), now);
   ++counters_.foreign_tuples;
   return {};
 }
@@ -27,7 +36,7 @@ manager::outputs manager::on_devices(island_id island, std::string_view text, in
   const auto from = motes_.lower_bound({island, mote_id{0}});
   for (auto x = from; x != motes_.end() && x->first.island == island; ++x)
     if (!std::binary_search(listed->begin(), listed->end(), x->first.mote))
-      unlist(x->first, x->second, disappearance::not_listed, out);
+      unlist(x->first, x->second, std::string(not_listed), out);
   for (const auto mote : *listed) {
     const mote_address address{island, mote};
     if (auto* const x = know(address)) {
@@ -53,11 +62,31 @@ manager::outputs manager::on_type(island_id island, mote_id mote, byte_view octe
   return out;
 }
 
+manager::outputs manager::on_status(island_id island, mote_id mote, std::string_view text,
+                                    instant) {
+  outputs out;
+  auto status = parse_device_status(text);
+  if (!status) {
+    ++counters_.bad_statuses;
+    return out;
+  }
+  const mote_address address{island, mote};
+  auto* const x = know(address);
+  if (x == nullptr)
+    return out;
+  x->stale = status->presence == device_presence::stale;
+  x->left_cause = std::move(status->cause);
+  if (!x->listed && x->cause == not_listed && !x->left_cause.empty())
+    x->cause = x->left_cause;
+  tell(address, *x, out);
+  return out;
+}
+
 manager::outputs manager::on_gateway_gone(island_id island, instant) {
   outputs out;
   const auto from = motes_.lower_bound({island, mote_id{0}});
   for (auto x = from; x != motes_.end() && x->first.island == island; ++x)
-    unlist(x->first, x->second, disappearance::gateway_gone, out);
+    unlist(x->first, x->second, std::string(gateway_gone), out);
   return out;
 }
 
@@ -101,22 +130,33 @@ manager::known_mote* manager::know(const mote_address& mote) {
   return &motes_[mote];
 }
 
-void manager::unlist(const mote_address& mote, known_mote& x, disappearance cause, outputs& out) {
+void manager::unlist(const mote_address& mote, known_mote& x, std::string cause, outputs& out) {
+  if (x.listed)
+    x.cause = cause == not_listed && !x.left_cause.empty() ? x.left_cause : std::move(cause);
   x.listed = false;
-  if (x.class_name && x.told_present) {
-    x.told_present = false;
-    out.emplace_back(tell_disappeared{mote, cause});
-  }
+  tell(mote, x, out);
 }
 
 void manager::update(const mote_address& mote, known_mote& x, outputs& out) {
   if (!x.listed)
     return;
   follow_type(mote, x, out);
-  if (x.class_name && !x.told_present) {
-    x.told_present = true;
-    out.emplace_back(tell_appeared{mote});
-  }
+  tell(mote, x, out);
+}
+
+/// What has changed since the proxy was told last.
+void manager::tell(const mote_address& mote, known_mote& x, outputs& out) {
+  if (!x.class_name)
+    return;
+  const auto presence = !x.listed ? device_presence::left
+                        : x.stale ? device_presence::stale
+                                  : device_presence::listed;
+  const auto& cause = x.listed ? std::string() : x.cause;
+  if (x.told == presence && x.told_cause == cause)
+    return;
+  x.told = presence;
+  x.told_cause = cause;
+  out.emplace_back(tell_presence{mote, presence, cause});
 }
 
 /// Gives a listed mote the proxy that its type asks for.
@@ -134,7 +174,8 @@ void manager::follow_type(const mote_address& mote, known_mote& x, outputs& out)
   }
   if (wanted != nullptr) {
     x.class_name = wanted->name;
-    x.told_present = true;
+    x.told = device_presence::listed; // it assumes so
+    x.told_cause.clear();
     ++counters_.started;
     out.emplace_back(start_proxy{mote, wanted->name});
   } else if (x.reported != x.type) {

@@ -12,6 +12,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/device_keys.hpp"
 #include "core/time.hpp"
 #include "proxy/class_table.hpp"
 #include "proxy/proxy.hpp"
@@ -30,15 +31,12 @@ struct stop_proxy {
   mote_address mote;
 };
 
-/// Tell the running proxy that its mote is back (PXY-16).
-struct tell_appeared {
+/// Tell the running proxy whether its mote is there (PXY-16).
+struct tell_presence {
   mote_address mote;
-};
-
-/// Tell the running proxy that its mote is gone (PXY-16).
-struct tell_disappeared {
-  mote_address mote;
-  disappearance cause = disappearance::not_listed;
+  device_presence presence = device_presence::listed;
+  std::string cause; ///< one word, of its having left: of the gateway's status tuple, or
+                     ///< `not_listed`, `gateway_gone`
 };
 
 /// No class claims that type of mote (PXY-10); told once per mote and type.
@@ -50,9 +48,10 @@ struct unknown_type {
 struct manager_counters {
   std::uint64_t started = 0;
   std::uint64_t stopped = 0;
-  std::uint64_t bad_lists = 0; ///< `devices` that is no list of motes: dropped
-  std::uint64_t bad_types = 0; ///< types that are not 4 octets, or of no possible mote: dropped
-  std::uint64_t foreign_tuples = 0; ///< tuples that are neither: dropped
+  std::uint64_t bad_lists = 0;    ///< `devices` that is no list of motes: dropped
+  std::uint64_t bad_types = 0;    ///< types that are not 4 octets, or of no possible mote: dropped
+  std::uint64_t bad_statuses = 0; ///< status tuples that are none: dropped
+  std::uint64_t foreign_tuples = 0; ///< tuples that are none of these: dropped
   std::uint64_t motes_refused = 0;  ///< percepts of motes beyond motes_max: dropped
 };
 
@@ -65,14 +64,14 @@ struct manager_counters {
 /// type of another class.
 class manager {
 public:
-  using output =
-      std::variant<start_proxy, stop_proxy, tell_appeared, tell_disappeared, unknown_type>;
+  using output = std::variant<start_proxy, stop_proxy, tell_presence, unknown_type>;
   using outputs = std::vector<output>;
 
   explicit manager(class_table classes = {}, std::size_t motes_max = 65536)
       : classes_(std::move(classes)), motes_max_(motes_max) {}
 
-  /// A tuple of an island's gateway has a new value: on_devices() or on_type(), by its key.
+  /// A tuple of an island's gateway has a new value: on_devices(), on_type() or on_status(), by its
+  /// key.
   [[nodiscard]] outputs on_gateway_tuple(island_id island, std::string_view key, byte_view value,
                                          instant now);
 
@@ -81,6 +80,10 @@ public:
 
   /// A mote's type, 4 octets.
   [[nodiscard]] outputs on_type(island_id island, mote_id mote, byte_view octets, instant now);
+
+  /// What the gateway knows of a mote.
+  [[nodiscard]] outputs on_status(island_id island, mote_id mote, std::string_view text,
+                                  instant now);
 
   /// The gateway has left the ecology, or its list was deleted: its motes are out of reach.
   [[nodiscard]] outputs on_gateway_gone(island_id island, instant now);
@@ -104,12 +107,17 @@ private:
     std::optional<std::uint32_t> reported; ///< newest type told as unknown
     std::optional<std::string> class_name; ///< of its proxy, while it runs
     std::uint32_t class_type = 0;          ///< type for which the class was chosen
-    bool told_present = false;             ///< what its proxy believes
+    bool stale = false;
+    std::string left_cause; ///< as its gateway says, before or after it is no longer listed
+    std::string cause;      ///< why it is not listed
+    device_presence told = device_presence::left; ///< what its proxy believes,
+    std::string told_cause;                       ///< and why
   };
 
   [[nodiscard]] known_mote* know(const mote_address& mote);
-  void unlist(const mote_address& mote, known_mote& x, disappearance cause, outputs& out);
+  void unlist(const mote_address& mote, known_mote& x, std::string cause, outputs& out);
   void update(const mote_address& mote, known_mote& x, outputs& out);
+  void tell(const mote_address& mote, known_mote& x, outputs& out);
   void follow_type(const mote_address& mote, known_mote& x, outputs& out);
 
   class_table classes_;

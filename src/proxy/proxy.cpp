@@ -7,8 +7,6 @@ namespace rubicon::proxy {
 
 namespace {
 
-constexpr std::string_view nothing_word = "none";
-
 /// Longest unknown word that an outcome tuple repeats; anybody may write anything to an input.
 constexpr std::size_t shown_word_max = 64;
 
@@ -33,22 +31,14 @@ std::string words_of(const input& x) {
 
 } // namespace
 
-std::string_view to_string(disappearance x) {
-  switch (x) {
-  case disappearance::not_listed:
-    return "not_listed";
-  case disappearance::gateway_gone:
-    return "gateway_gone";
-  }
-  return "unknown";
-}
-
 std::string_view to_string(proxy::state x) {
   switch (x) {
   case proxy::state::active:
     return "active";
   case proxy::state::inactive:
     return "inactive";
+  case proxy::state::stale:
+    return "stale";
   case proxy::state::lost:
     return "lost";
   }
@@ -66,8 +56,7 @@ proxy::outputs proxy::start(instant now) {
   outputs out;
   last_sensed_ = now;
   say_prior_information(out);
-  say(key_of("status.cause"), std::string(nothing_word), out);
-  say(key_of("status"), std::string(to_string(state_)), out);
+  say_state(now, out);
   return out;
 }
 
@@ -165,25 +154,24 @@ proxy::outputs proxy::on_input(std::string_view name, std::string_view text, ins
   return out;
 }
 
-proxy::outputs proxy::on_appeared(instant now) {
+proxy::outputs proxy::on_presence(device_presence x, std::string_view cause, instant now) {
   outputs out;
+  if (x == device_presence::left) {
+    if (state_ != state::lost)
+      lost_since_ = now;
+    const bool is_news = state_ == state::lost && cause_ != cause;
+    cause_ = cause;
+    enter(state::lost, now, out);
+    if (is_news)
+      say(key_of("status.cause"), cause_, out);
+    for (auto& [channel, requests] : channels_)
+      apply(channel, requests.drop_waiting(), out);
+    return out;
+  }
   last_sensed_ = now;
   retired_ = false;
-  if (state_ == state::lost)
-    say(key_of("status.cause"), std::string(nothing_word), out);
-  enter(state::active, out);
-  return out;
-}
-
-proxy::outputs proxy::on_disappeared(disappearance cause, instant now) {
-  outputs out;
-  if (state_ == state::lost)
-    return out;
-  lost_since_ = now;
-  say(key_of("status.cause"), std::string(to_string(cause)), out);
-  enter(state::lost, out);
-  for (auto& [channel, requests] : channels_)
-    apply(channel, requests.drop_waiting(), out);
+  cause_ = nothing_word;
+  enter(x == device_presence::stale ? state::stale : state::active, now, out);
   return out;
 }
 
@@ -197,7 +185,7 @@ proxy::outputs proxy::on_time(instant now) {
       retired_ = true;
       out.emplace_back(retire{});
     } else {
-      enter(state::inactive, out);
+      enter(state::inactive, now, out);
     }
   }
   return out;
@@ -251,10 +239,16 @@ void proxy::say_prior_information(outputs& out) {
   }
 }
 
-void proxy::enter(state next, outputs& out) {
+void proxy::enter(state next, instant now, outputs& out) {
   if (state_ == next)
     return;
   state_ = next;
+  say_state(now, out);
+}
+
+void proxy::say_state(instant now, outputs& out) {
+  say(key_of("status.cause"), cause_, out);
+  say(key_of("status.since"), to_text(now), out);
   say(key_of("status"), std::string(to_string(state_)), out);
 }
 
@@ -262,7 +256,7 @@ void proxy::enter(state next, outputs& out) {
 void proxy::sensed(instant now, outputs& out) {
   last_sensed_ = now;
   if (state_ == state::inactive)
-    enter(state::active, out);
+    enter(state::active, now, out);
 }
 
 void proxy::apply(std::uint16_t channel, input_channel::outputs todo, outputs& out) {

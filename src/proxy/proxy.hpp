@@ -39,14 +39,6 @@ struct write_device {
 /// The mote has been gone for so long that the proxy should end (PXY-20).
 struct retire {};
 
-/// Why a manager says that a mote is gone.
-enum class disappearance : std::uint8_t {
-  not_listed,   ///< its gateway no longer lists it
-  gateway_gone, ///< its gateway is not in the ecology any more
-};
-
-[[nodiscard]] std::string_view to_string(disappearance x);
-
 /// A tuple the proxy wants to hear of.
 struct watch {
   enum class source : std::uint8_t {
@@ -60,6 +52,9 @@ struct watch {
 
   friend bool operator==(const watch&, const watch&) = default;
 };
+
+/// In tuples: there is nothing to say, or nobody has said anything yet.
+inline constexpr std::string_view nothing_word = "none";
 
 struct proxy_settings {
   duration answer_timeout = 20s;          ///< for the outcome of a request
@@ -86,9 +81,11 @@ struct proxy_counters {
 /// the ecology (PXY-04, 05, 06, 12, 14).
 ///
 /// Own tuples, below the class's prefix:
-///   status                   `active`, `inactive` or `lost` (PXY-16, PXY-20), set last at the
-///   start status.cause             why it is lost; `none` otherwise class, id, island        prior
-///   and indirect information: the class's name, `island/mote`, and
+///   status                   `active`, `inactive`, `stale` or `lost` (PXY-16, PXY-20), set last at
+///                            the start
+///   status.cause             why it is lost, in one word; `none` otherwise
+///   status.since             in seconds of ecology time
+///   class, id, island        prior and indirect information: the class's name, `island/mote`, and
 ///                            the name of the island whose gateway perceives the mote
 ///   PROPERTY                 of the class
 ///   FIELD, FIELD.unit        newest reading, set at each reading even if equal (CB-01)
@@ -98,14 +95,14 @@ struct proxy_counters {
 ///   INPUT.outcome            `on acknowledged`: the word, the last blank, the outcome; once per
 ///                            request; `?` for a refused word that is long or not plain
 ///
-///   active <--sensed-- inactive      active, inactive --on_disappeared--> lost
-///   active --not sensed for inactive_after--> inactive
-///   lost --on_appeared--> active     lost --retire_after--> lost, with retire
+///   active <--sensed-- inactive     active --not sensed for inactive_after--> inactive
+///   any --listed--> active          any --stale--> stale (its gateway does not hear its sink)
+///   any --left--> lost              lost --retire_after--> lost, with retire
 class proxy {
 public:
   using output = std::variant<publish, write_device, retire>;
   using outputs = std::vector<output>;
-  enum class state : std::uint8_t { active, inactive, lost };
+  enum class state : std::uint8_t { active, inactive, stale, lost };
 
   proxy() = default;
   proxy(proxy_class what, proxy_identity who, proxy_settings settings = {});
@@ -133,8 +130,8 @@ public:
   /// unreachable at once, with nothing written.
   [[nodiscard]] outputs on_input(std::string_view name, std::string_view text, instant now);
 
-  [[nodiscard]] outputs on_appeared(instant now);
-  [[nodiscard]] outputs on_disappeared(disappearance cause, instant now);
+  /// What the manager knows of the mote. @param cause one word, if it has left
+  [[nodiscard]] outputs on_presence(device_presence x, std::string_view cause, instant now);
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
 
   [[nodiscard]] std::optional<instant> deadline() const;
@@ -153,7 +150,8 @@ private:
   [[nodiscard]] std::string key_of(std::string_view suffix) const;
   void say(std::string key, std::string text, outputs& out);
   void say_prior_information(outputs& out);
-  void enter(state next, outputs& out);
+  void say_state(instant now, outputs& out);
+  void enter(state next, instant now, outputs& out);
   void sensed(instant now, outputs& out);
   void apply(std::uint16_t channel, input_channel::outputs todo, outputs& out);
   void tell(std::size_t input, std::string_view word, request_outcome outcome, outputs& out);
@@ -165,6 +163,7 @@ private:
   std::string prefix_;
   state state_ = state::active;
   std::optional<instant> last_sensed_; ///< nothing before start()
+  std::string cause_{nothing_word};    ///< of being lost
   instant lost_since_{};
   bool retired_ = false;
   std::map<std::uint16_t, input_channel> channels_;

@@ -156,7 +156,8 @@ TEST_CASE("not all motes are asked at once", "[gateway][GW-10]") {
     CHECK(times == 1);
 }
 
-TEST_CASE("whatever happens, a mote that stays knows in the end what is wanted", "[gateway][GW-10]") {
+TEST_CASE("whatever happens, a mote that stays knows in the end what is wanted",
+          "[gateway][GW-10]") {
   random_stream dice(5);
   for (auto run = 0; run < 200; ++run) {
     fixture x(run % 2 == 1);

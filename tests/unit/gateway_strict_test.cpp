@@ -23,17 +23,17 @@ constexpr island_id bedroom{2};
 gateway::gateway make(wire_form form) {
   gateway::gateway x({.island = island_id{1}, .form = form}, random_stream(1));
   static_cast<void>(x.start({}));
-  static_cast<void>(x.on_packet(
-      mote_id{1}, network::am::sink_event,
-      network::encode(network::sink_event{network::mote_joined{fan, 0, 301, {}}}), {}));
+  static_cast<void>(
+      x.on_packet(mote_id{1}, network::am::sink_event,
+                  network::encode(network::sink_event{network::mote_joined{fan, 0, 301, {}}}), {}));
   return x;
 }
 
 gateway::outputs send_up(gateway::gateway& x, const transport::segment& segment,
                          std::uint16_t channel) {
-  return x.on_packet(
-      fan, network::am::to_gateway,
-      encode(network::island_packet{bedroom, mote_id{5}, channel, encode(segment)}), {});
+  return x.on_packet(fan, network::am::to_gateway,
+                     encode(network::island_packet{bedroom, mote_id{5}, channel, encode(segment)}),
+                     {});
 }
 
 } // namespace

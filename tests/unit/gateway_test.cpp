@@ -353,11 +353,12 @@ TEST_CASE("packets longer than a serial packet go up and down in pieces",
   CHECK(transport::decode_segment(packet->body)->payload == reading);
 }
 
-TEST_CASE("a silent line makes motes stale, not gone; what is heard again is not", "[gateway][GW-15]") {
+TEST_CASE("a silent line makes motes stale, not gone; what is heard again is not",
+          "[gateway][GW-15]") {
   auto x = make_unheard();
   const auto hear = [&](mote_id source, instant now) {
-    return x.on_packet(source, network::am::to_gateway, up({kitchen, no_mote}, plain(source, 2, {})),
-                       now);
+    return x.on_packet(source, network::am::to_gateway,
+                       up({kitchen, no_mote}, plain(source, 2, {})), now);
   };
   const auto first = tell(x, network::mote_joined{fan, 0, 301, {}});
   CHECK(published(first, "devices.line") == "up 0.000000");

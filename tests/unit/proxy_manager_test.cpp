@@ -37,9 +37,11 @@ lines told(const manager::outputs& outputs) {
       return "start " + to_string(x.mote) + ' ' + x.class_name;
     }
     std::string operator()(const stop_proxy& x) const { return "stop " + to_string(x.mote); }
-    std::string operator()(const tell_appeared& x) const { return "there " + to_string(x.mote); }
-    std::string operator()(const tell_disappeared& x) const {
-      return "gone " + to_string(x.mote) + ' ' + std::string(to_string(x.cause));
+    std::string operator()(const tell_presence& x) const {
+      const auto mote = to_string(x.mote);
+      if (x.presence == device_presence::left)
+        return "gone " + mote + ' ' + x.cause;
+      return (x.presence == device_presence::stale ? "stale " : "there ") + mote;
     }
     std::string operator()(const unknown_type& x) const {
       return "unknown " + to_string(x.mote) + ' ' + std::to_string(x.type);
@@ -227,6 +229,32 @@ TEST_CASE("a manager knows a bounded number of motes", "[proxy]") {
   CHECK(aut.counters().motes_refused == 2);
 }
 
+TEST_CASE("proxies hear when a mote is stale, and why it has left",
+          "[proxy][PXY-16][GW-15][IF-13]") {
+  fixture x;
+  const auto status = [&](std::string_view text) {
+    return told(x.aut.on_status(kitchen, mote_id{7}, text, now));
+  };
+  CHECK(status("listed 1.000000").empty());
+  CHECK(x.type(7, 100).empty());
+  CHECK(x.devices("{7}") == lines{"start 5/7 sensor"});
+  CHECK(status("stale 2.000000") == lines{"stale 5/7"});
+  CHECK(status("stale 2.000000").empty());
+  CHECK(status("listed 3.000000") == lines{"there 5/7"});
+  SECTION("cause first") {
+    CHECK(status("left battery 4.000000").empty());
+    CHECK(x.devices("{}") == lines{"gone 5/7 battery"});
+  }
+  SECTION("list first") {
+    CHECK(x.devices("{}") == lines{"gone 5/7 not_listed"});
+    CHECK(status("left battery 4.000000") == lines{"gone 5/7 battery"});
+  }
+  CHECK(status("listed 5.000000").empty());
+  CHECK(x.devices("{7}") == lines{"there 5/7"});
+  CHECK(status("what").empty());
+  CHECK(x.aut.counters().bad_statuses == 1);
+}
+
 TEST_CASE("whatever the order of percepts, proxies match the motes that are there",
           "[proxy][PXY-09][PXY-16]") {
   const auto seed = GENERATE(range(1, 11));
@@ -242,10 +270,9 @@ TEST_CASE("whatever the order of percepts, proxies match the motes that are ther
       } else if (const auto* const stop = std::get_if<stop_proxy>(&x)) {
         REQUIRE(running.erase(stop->mote) == 1);
         believes.erase(stop->mote);
-      } else if (const auto* const there = std::get_if<tell_appeared>(&x)) {
-        REQUIRE(std::exchange(believes.at(there->mote), true) == false);
-      } else if (const auto* const gone = std::get_if<tell_disappeared>(&x)) {
-        REQUIRE(std::exchange(believes.at(gone->mote), false) == true);
+      } else if (const auto* const told = std::get_if<tell_presence>(&x)) {
+        const bool is_there = told->presence != device_presence::left;
+        REQUIRE(std::exchange(believes.at(told->mote), is_there) != is_there);
       }
     }
   };

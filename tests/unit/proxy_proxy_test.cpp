@@ -8,7 +8,6 @@
 #include "support/catch.hpp"
 
 using namespace rubicon;
-using rubicon::proxy::disappearance;
 using rubicon::proxy::encoding;
 using rubicon::proxy::proxy_class;
 using rubicon::proxy::proxy_identity;
@@ -67,6 +66,16 @@ face started(proxy_settings settings = {}) {
 
 const std::string base = "kitchen.climate-7.";
 
+lines became(std::string_view status, std::string_view cause = "none", instant since = start) {
+  return {base + "status.cause = " + std::string(cause), base + "status.since = " + to_text(since),
+          base + "status = " + std::string(status)};
+}
+
+lines operator+(lines a, const lines& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
 } // namespace
 
 TEST_CASE("a proxy starts with what it knows already", "[proxy][PXY-05][PXY-06][PXY-12][PXY-16]") {
@@ -76,8 +85,8 @@ TEST_CASE("a proxy starts with what it knows already", "[proxy][PXY-05][PXY-06][
         lines{base + "class = climate", base + "id = 5/7", base + "island = kitchen",
               base + "colour = white", base + "size.height = 0.1 m", base + "temperature.unit = C",
               base + "humidity.unit = %", base + "switch.words = on off", base + "switch = none",
-              base + "led.words = red", base + "led = none", base + "status.cause = none",
-              base + "status = active"});
+              base + "led.words = red", base + "led = none"} +
+            became("active"));
   CHECK_FALSE(aut.deadline());
 }
 
@@ -193,38 +202,48 @@ TEST_CASE("a request the gateway leaves alone times out", "[proxy][PXY-12][IF-07
 TEST_CASE("a lost mote shows, and the same proxy carries on when it returns",
           "[proxy][PXY-15][PXY-16]") {
   auto aut = started();
-  CHECK(aut.on_appeared(start).empty());
-  const auto cause = GENERATE(disappearance::not_listed, disappearance::gateway_gone);
-  const auto text = cause == disappearance::not_listed ? "not_listed" : "gateway_gone";
+  CHECK(aut.on_presence(device_presence::listed, {}, start).empty());
+  const auto cause = GENERATE("not_listed", "gateway_gone");
   for (int i = 0; i < 3; ++i) {
-    CHECK(told(aut.on_disappeared(cause, start)) ==
-          lines{base + "status.cause = " + text, base + "status = lost"});
-    CHECK(aut.on_disappeared(cause, start).empty());
+    CHECK(told(aut.on_presence(device_presence::left, cause, start)) == became("lost", cause));
+    CHECK(aut.on_presence(device_presence::left, cause, start).empty());
     CHECK(aut.status() == face::state::lost);
-    CHECK(told(aut.on_appeared(start)) ==
-          lines{base + "status.cause = none", base + "status = active"});
-    CHECK(aut.on_appeared(start).empty());
+    CHECK(told(aut.on_presence(device_presence::listed, {}, start)) == became("active"));
+    CHECK(aut.on_presence(device_presence::listed, {}, start).empty());
   }
+}
+
+TEST_CASE("a mote whose sink is not heard is stale, and why it has left may be told later",
+          "[proxy][PXY-16][GW-15]") {
+  auto aut = started();
+  CHECK(told(aut.on_presence(device_presence::stale, {}, start + 5s)) ==
+        became("stale", "none", start + 5s));
+  CHECK(aut.on_presence(device_presence::stale, {}, start + 6s).empty());
+  CHECK(told(aut.on_presence(device_presence::listed, {}, start + 7s)) ==
+        became("active", "none", start + 7s));
+  CHECK(told(aut.on_presence(device_presence::left, "not_listed", start + 8s)) ==
+        became("lost", "not_listed", start + 8s));
+  CHECK(told(aut.on_presence(device_presence::left, "battery", start + 9s)) ==
+        lines{base + "status.cause = battery"});
 }
 
 TEST_CASE("requests to a lost mote are unreachable at once", "[proxy][PXY-12][GW-12]") {
   auto aut = started();
   static_cast<void>(aut.on_input("switch", "on", start));
   static_cast<void>(aut.on_input("switch", "off", start));
-  CHECK(told(aut.on_disappeared(disappearance::not_listed, start)) ==
-        lines{base + "status.cause = not_listed", base + "status = lost",
-              base + "switch.outcome = off unreachable"});
+  CHECK(told(aut.on_presence(device_presence::left, "not_listed", start)) ==
+        became("lost", "not_listed") + lines{base + "switch.outcome = off unreachable"});
   CHECK(told(aut.on_input("led", "red", start)) == lines{base + "led.outcome = red unreachable"});
   CHECK(told(aut.on_input("led", "blue", start)) == lines{base + "led.outcome = blue refused"});
   CHECK(aut.open_requests() == 1); // `on` is with the gateway
   CHECK(told(aut.on_time(start + 20s)) == lines{base + "switch.outcome = on timeout"});
-  static_cast<void>(aut.on_appeared(start + 30s));
+  static_cast<void>(aut.on_presence(device_presence::listed, {}, start + 30s));
   CHECK(aut.on_input("led", "red", start + 30s).size() == 1);
 }
 
 TEST_CASE("a message does not bring a lost mote back, its gateway does", "[proxy][PXY-16]") {
   auto aut = started();
-  static_cast<void>(aut.on_disappeared(disappearance::not_listed, start));
+  static_cast<void>(aut.on_presence(device_presence::left, "not_listed", start));
   CHECK(told(aut.on_output(2, bytes{0}, start)) == lines{base + "state = off"});
   CHECK(aut.status() == face::state::lost);
 }
@@ -238,20 +257,21 @@ TEST_CASE("a silent mote becomes inactive, and active at its next sign of life",
   static_cast<void>(aut.on_output(9, bytes{}, start + 4s)); // unread, and yet it lives
   CHECK(aut.deadline() == start + 14s);
   CHECK(aut.on_time(start + 14s - 1ns).empty());
-  CHECK(told(aut.on_time(start + 14s)) == lines{base + "status = inactive"});
+  CHECK(told(aut.on_time(start + 14s)) == became("inactive", "none", start + 14s));
   CHECK_FALSE(aut.deadline());
   CHECK(aut.on_time(start + 99s).empty());
   SECTION("a message") {
     CHECK(told(aut.on_output(2, bytes{1}, start + 100s)) ==
-          lines{base + "status = active", base + "state = on"});
+          became("active", "none", start + 100s) + lines{base + "state = on"});
   }
   SECTION("an acknowledgement") {
     CHECK(aut.on_input_status(2, "1 pending", start + 100s).empty());
     CHECK(told(aut.on_input_status(2, "1 acknowledged", start + 100s)) ==
-          lines{base + "status = active"});
+          became("active", "none", start + 100s));
   }
   SECTION("the gateway's list") {
-    CHECK(told(aut.on_appeared(start + 100s)) == lines{base + "status = active"});
+    CHECK(told(aut.on_presence(device_presence::listed, {}, start + 100s)) ==
+          became("active", "none", start + 100s));
   }
   CHECK(aut.deadline() == start + 110s);
 }
@@ -261,15 +281,16 @@ TEST_CASE("a proxy whose mote stays away retires once an absence", "[proxy][PXY-
   settings.inactive_after = 10s;
   settings.retire_after = 60s;
   auto aut = started(settings);
-  static_cast<void>(aut.on_disappeared(disappearance::gateway_gone, start + 5s));
+  static_cast<void>(aut.on_presence(device_presence::left, "gateway_gone", start + 5s));
   CHECK(aut.deadline() == start + 65s);
   CHECK(aut.on_time(start + 64s).empty());
   CHECK(told(aut.on_time(start + 65s)) == lines{"retire"});
   CHECK(aut.on_time(start + 66s).empty());
   CHECK_FALSE(aut.deadline());
-  static_cast<void>(aut.on_appeared(start + 70s)); // it was faster than its end
+  static_cast<void>(
+      aut.on_presence(device_presence::listed, {}, start + 70s)); // it was faster than its end
   CHECK(aut.deadline() == start + 80s);
-  static_cast<void>(aut.on_disappeared(disappearance::not_listed, start + 75s));
+  static_cast<void>(aut.on_presence(device_presence::left, "not_listed", start + 75s));
   CHECK(told(aut.on_time(start + 135s)) == lines{"retire"});
 }
 
@@ -301,12 +322,12 @@ TEST_CASE("keys over the limits are counted and not set", "[proxy][TUP-03]") {
   for (const auto& line : told(deep.start(start)))
     CHECK(line.find(".unit") == std::string::npos);
   // Eight parts: status.cause, two units, size.height and two words tuples.
-  CHECK(deep.counters().bad_keys == 6);
+  CHECK(deep.counters().bad_keys == 7);
   auto who = identity();
   who.mote_name = std::string(200, 'n');
   face wide(climate(), who);
   CHECK(wide.start(start).empty());
-  CHECK(wide.counters().bad_keys == 13);
+  CHECK(wide.counters().bad_keys == 14);
 }
 
 TEST_CASE("whatever happens, requests and outcomes balance", "[proxy][PXY-12][IF-07]") {
@@ -333,8 +354,8 @@ TEST_CASE("whatever happens, requests and outcomes balance", "[proxy][PXY-12][IF
                                 std::to_string(sequence) + outcomes[dice.below(5)], now);
       break;
     case 3:
-      out = dice.chance(0.2) ? aut.on_disappeared(disappearance::not_listed, now)
-                             : aut.on_appeared(now);
+      out = dice.chance(0.2) ? aut.on_presence(device_presence::left, "not_listed", now)
+                             : aut.on_presence(device_presence::listed, {}, now);
       break;
     case 4:
       out = aut.on_output(static_cast<std::uint16_t>(dice.below(4)), bytes(dice.below(4)), now);
