@@ -683,11 +683,12 @@ struct restart_proxy {
 using proxy_manager_actor =
     peis_client_actor::extend<caf::reacts_to<restart_proxy>, caf::reacts_to<status_request>>;
 
-/// Control programs on peers: rules, collector.
+/// Control programs on peers: the collector.
 using peer_app_actor = peis_client_actor::extend<caf::reacts_to<status_request>>;
 
-/// A peer's Communication Layer, and the programs that use it.
-using pc_actor = peer_app_actor::extend<caf::reacts_to<timer_expired>>;
+/// The same with deadlines: rules; a peer's Communication Layer and the programs that use it.
+using timed_peer_app_actor = peer_app_actor::extend<caf::reacts_to<timer_expired>>;
+using pc_actor = timed_peer_app_actor;
 
 } // namespace rubicon
 

@@ -9,7 +9,7 @@ namespace rubicon {
 
 namespace {
 
-using rules_pointer = scheduler::traced_pointer<rules_state, peer_app_actor>;
+using rules_pointer = scheduler::traced_pointer<rules_state, timed_peer_app_actor>;
 using collector_pointer = scheduler::traced_pointer<collector_state, peer_app_actor>;
 
 /// Name of the watch on what is read. Watch n + 1 is on the n-th tuple that rules write.
@@ -30,12 +30,16 @@ void write_all(rules_pointer self, const std::vector<proxy::write_tuple>& writes
     self->send(state.peer, set_remote_tuple{handle_of(self), 0, owner->second, x.key,
                                             payload(to_bytes(std::string_view(x.word))), true});
   }
+  state.wake.follow(self, state.rules.deadline());
 }
 
 void on_tuple(rules_pointer self, const tuple_event& x) {
   auto& state = self->state;
-  if (x.deleted)
+  if (x.deleted) {
+    if (x.watch == watch_read)
+      state.rules.on_gone(x.key);
     return;
+  }
   if (x.watch == watch_read) {
     write_all(self, state.rules.on_value(x.key, to_string(x.value.view()), now(self)));
     return;
@@ -60,7 +64,7 @@ void on_tuple(collector_pointer self, const tuple_event& x) {
 
 } // namespace
 
-peer_app_actor::behavior_type rules_program(rules_pointer self, std::vector<proxy::rule> rules,
+timed_peer_app_actor::behavior_type rules_program(rules_pointer self, std::vector<proxy::rule> rules,
                                             peis_peer_actor peer, ecology_actor ecology) {
   scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
@@ -80,6 +84,10 @@ peer_app_actor::behavior_type rules_program(rules_pointer self, std::vector<prox
           return;
         ++self->state.failed_writes;
         log(self, spdlog::level::warn, "event=write_failed cause={}", x.cause);
+      },
+      [self](const timer_expired& x) {
+        if (self->state.wake.accepts(x))
+          write_all(self, self->state.rules.on_time(now(self)));
       },
       [](status_request) {},
   };
@@ -102,7 +110,10 @@ peer_app_actor::behavior_type collector(collector_pointer self, std::vector<std:
 }
 
 proxy::rule rule_of(const config::rule& x) {
-  return {x.when, x.above, x.below, x.write, x.then, x.otherwise};
+  proxy::rule y{x.when, x.above, x.below, x.equals, x.lasting, x.otherwise_lasting, {}};
+  for (const auto& each : x.writes)
+    y.writes.push_back({each.key, each.then, each.otherwise});
+  return y;
 }
 
 } // namespace rubicon

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "actors/messages.hpp"
+#include "actors/timer.hpp"
 #include "config/ecology.hpp"
 #include "proxy/rules.hpp"
 
@@ -17,11 +18,12 @@ struct rules_state {
   peis_peer_actor peer;
   ecology_actor ecology;
   std::uint64_t failed_writes = 0;
+  timer wake;
 };
 
-/// Watches tuples and writes others when thresholds are passed.
-peer_app_actor::behavior_type
-rules_program(scheduler::traced_pointer<rules_state, peer_app_actor> self,
+/// Watches tuples and writes others when conditions come to hold.
+timed_peer_app_actor::behavior_type
+rules_program(scheduler::traced_pointer<rules_state, timed_peer_app_actor> self,
               std::vector<proxy::rule> rules, peis_peer_actor peer, ecology_actor ecology);
 
 struct collector_state {

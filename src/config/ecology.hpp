@@ -121,14 +121,23 @@ struct proxy_manager_app {
   std::vector<island_id> islands; ///< whose gateways it listens to
 };
 
-/// When a tuple passes a threshold, writes another; `below` and `above` give the hysteresis.
-struct rule {
-  std::string when;            ///< key watched, any owner
-  std::optional<double> above; ///< at or above this: write `then`
-  std::optional<double> below; ///< below this: write `otherwise`
-  std::string write;           ///< key to write at its owner
-  std::string then;
+/// Written to one key, at its owner.
+struct rule_write {
+  std::string key;
+  std::string then;      ///< empty: nothing is written
   std::string otherwise; ///< empty: nothing is written
+};
+
+/// When a tuple meets a condition for long enough, writes others; `below` and `above` give the
+/// hysteresis.
+struct rule {
+  std::string when;                ///< key watched, any owner
+  std::optional<double> above;     ///< at or above this,
+  std::optional<double> below;     ///< until it is below this
+  std::vector<std::string> equals; ///< or while it is one of these
+  duration lasting{};
+  duration otherwise_lasting{};
+  std::vector<rule_write> writes; ///< at least one
 };
 
 struct rules_app {

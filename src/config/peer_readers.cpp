@@ -40,18 +40,34 @@ proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
   return {values_of(std::move(found))};
 }
 
+rule_write read_rule_write(table_reader& in) {
+  rule_write out;
+  in.required("write", tuple_key{}, out.key);
+  in.optional("then", text{}, out.then);
+  in.optional("otherwise", text{}, out.otherwise);
+  if (!in.has("then") && !in.has("otherwise"))
+    in.problems().add(in.at(), "a rule needs `then`, `otherwise` or both");
+  return out;
+}
+
 rule read_rule(table_reader& in) {
   rule out;
+  std::vector<located<std::string>> texts;
   in.required("when", tuple_key{}, out.when);
   in.optional("above", real{}, out.above);
   in.optional("below", real{}, out.below);
-  in.required("write", tuple_key{}, out.write);
-  in.optional("then", text{}, out.then);
-  in.optional("otherwise", text{}, out.otherwise);
-  if (!in.has("above") && !in.has("below"))
-    in.problems().add(in.at(), "a rule needs `above`, `below` or both");
-  if (!in.has("then") && !in.has("otherwise"))
-    in.problems().add(in.at(), "a rule needs `then`, `otherwise` or both");
+  in.optional("equals", list_of<text>{text{}, 1}, texts);
+  out.equals = values_of(std::move(texts));
+  in.optional("lasting", time_span{}, out.lasting);
+  in.optional("otherwise_lasting", time_span{}, out.otherwise_lasting);
+  in.tables("writes", "writes",
+            [&out](table_reader& x) { out.writes.push_back(read_rule_write(x)); },
+            in.has("writes") ? 1 : 0);
+  if (!in.has("writes"))
+    out.writes.push_back(read_rule_write(in));
+  const bool has_threshold = in.has("above") || in.has("below");
+  if (has_threshold == in.has("equals"))
+    in.problems().add(in.at(), "a rule needs either `above`, `below` or both, or `equals`");
   if (out.above && out.below && *out.below > *out.above)
     in.problems().add(in.at("below"),
                       "`below` must not be more than `above`, which is " + shown(*out.above));

@@ -34,33 +34,75 @@ rules::rules(std::vector<rule> list) {
     if (!x.below)
       x.below = x.above;
     add_once(watched_, x.when);
-    add_once(written_, x.write);
-    rules_.push_back({std::move(x), level::unknown});
+    for (const auto& write : x.writes)
+      add_once(written_, write.key);
+    rules_.push_back({std::move(x), level::unknown, level::unknown, {}});
   }
 }
 
-std::vector<write_tuple> rules::on_value(std::string_view key, std::string_view text, instant) {
+std::vector<write_tuple> rules::on_value(std::string_view key, std::string_view text, instant now) {
   std::vector<write_tuple> out;
-  const auto watches = [&](const auto& x) { return same_key(x, key); };
-  if (std::none_of(watched_.begin(), watched_.end(), watches)) {
-    ++counters_.unwatched;
-    return out;
+  bool watched = false;
+  for (auto& x : rules_) {
+    if (!same_key(x.what.when, key))
+      continue;
+    watched = true;
+    const auto next = judge(x.what, text);
+    if (next == level::unknown || next == x.is) {
+      x.due.reset();
+    } else if (!x.due || x.next != next) {
+      x.next = next;
+      x.due = now + (next == level::high ? x.what.lasting : x.what.otherwise_lasting);
+    }
+  }
+  counters_.unwatched += watched ? 0 : 1;
+  for (auto& x : on_time(now))
+    out.push_back(std::move(x));
+  return out;
+}
+
+/// @returns unknown: stays what it is
+rules::level rules::judge(const rule& x, std::string_view text) {
+  if (!x.equals.empty()) {
+    ++counters_.values;
+    return std::ranges::find(x.equals, text) == x.equals.end() ? level::low : level::high;
   }
   const auto value = parse_number(text);
   if (!value) {
     ++counters_.bad_values;
-    return out;
+    return level::unknown;
   }
   ++counters_.values;
+  if (!x.above)
+    return level::unknown;
+  if (*value >= *x.above)
+    return level::high;
+  return *value < *x.below ? level::low : level::unknown;
+}
+
+void rules::on_gone(std::string_view key) {
   for (auto& x : rules_) {
-    if (!x.what.above || !same_key(x.what.when, key))
+    if (same_key(x.what.when, key))
+      x.due.reset();
+  }
+}
+
+std::vector<write_tuple> rules::on_time(instant now) {
+  std::vector<write_tuple> out;
+  for (auto& x : rules_) {
+    if (!x.due || *x.due > now)
       continue;
-    if (*value >= *x.what.above)
-      enter(x, level::high, out);
-    else if (*value < *x.what.below)
-      enter(x, level::low, out);
+    x.due.reset();
+    enter(x, x.next, out);
   }
   return out;
+}
+
+std::optional<instant> rules::deadline() const {
+  std::optional<instant> next;
+  for (const auto& x : rules_)
+    next = earliest(next, x.due);
+  return next;
 }
 
 std::vector<write_tuple> rules::on_owner(std::string_view key, instant) {
@@ -74,13 +116,14 @@ std::vector<write_tuple> rules::on_owner(std::string_view key, instant) {
 }
 
 void rules::enter(state& x, level next, std::vector<write_tuple>& out) {
-  if (x.is == next)
-    return;
   x.is = next;
-  const auto& word = next == level::high ? x.what.then : x.what.otherwise;
+  for (const auto& each : x.what.writes)
+    write(each.key, next == level::high ? each.then : each.otherwise, out);
+}
+
+void rules::write(const std::string& to, const std::string& word, std::vector<write_tuple>& out) {
   // The first spelling of a key stands for all.
-  const auto key = *std::find_if(written_.begin(), written_.end(),
-                                 [&](const auto& k) { return same_key(k, x.what.write); });
+  const auto key = *std::ranges::find_if(written_, [&](const auto& k) { return same_key(k, to); });
   if (word.empty()) {
     standing_.erase(key);
     return;

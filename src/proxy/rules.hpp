@@ -1,4 +1,4 @@
-// The smallest control program: thresholds with hysteresis from one tuple to another.
+// The smallest control program: from what a tuple says, and for how long, to other tuples.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,24 @@
 
 namespace rubicon::proxy {
 
-/// When a tuple passes a threshold, writes another. A threshold that is not given is the same as
-/// the other one; with neither the rule never writes. @pre below <= above if both are given
+/// Written to one key at its owner when a rule's condition comes to hold, and when it ends.
+struct rule_write {
+  std::string key;
+  std::string then;      ///< empty: nothing is written
+  std::string otherwise; ///< empty: nothing is written
+};
+
+/// When a tuple meets a condition, and has done so for long enough, writes others. The condition is
+/// a threshold with hysteresis, or one of some texts. A threshold that is not given is the same as
+/// the other one; without any condition the rule never writes. @pre below <= above if both are given
 struct rule {
-  std::string when;            ///< key watched, whoever owns it; keys have no letter case (TUP-03)
-  std::optional<double> above; ///< at or above this: write `then`
-  std::optional<double> below; ///< below this: write `otherwise`
-  std::string write;           ///< key to write at its owner
-  std::string then;            ///< empty: nothing is written
-  std::string otherwise;       ///< empty: nothing is written
+  std::string when;                ///< key watched, whoever owns it; keys have no letter case (TUP-03)
+  std::optional<double> above;     ///< holds at or above this,
+  std::optional<double> below;     ///< ends below this
+  std::vector<std::string> equals; ///< holds while the text is one of these, ends with any other
+  duration lasting{};              ///< holds for so long before `then` is written
+  duration otherwise_lasting{};    ///< has ended for so long before `otherwise` is written
+  std::vector<rule_write> writes;
 };
 
 /// Write the word to the key, at the key's owner.
@@ -38,13 +47,14 @@ struct rules_counters {
   std::uint64_t writes = 0;
 };
 
-/// Each rule is a Schmitt trigger and writes only on a crossing:
+/// Each rule is a Schmitt trigger with delays and writes only on a crossing:
 ///
 ///   unknown --at or above `above`--> high (writes then)
 ///   unknown --below `below`--------> low  (writes otherwise)
 ///   high --below `below`--> low           low --at or above `above`--> high
 ///
-/// Between `below` (inclusive) and `above` (exclusive) a rule stays what it is.
+/// Between `below` (inclusive) and `above` (exclusive) a rule stays what it is. A delay begins anew
+/// when the value leaves the range that the rule is waiting for, or its tuple is deleted.
 class rules {
 public:
   explicit rules(std::vector<rule> list = {});
@@ -54,9 +64,16 @@ public:
   [[nodiscard]] const std::vector<std::string>& watched() const { return watched_; }
   [[nodiscard]] const std::vector<std::string>& written() const { return written_; }
 
-  /// A tuple has a new value: a number as std::from_chars reads it, the whole text, finite.
+  /// A tuple has a new value; for thresholds a number as std::from_chars reads it, the whole text,
+  /// finite.
   [[nodiscard]] std::vector<write_tuple> on_value(std::string_view key, std::string_view text,
                                                   instant now);
+
+  /// A tuple is there no more.
+  void on_gone(std::string_view key);
+
+  [[nodiscard]] std::vector<write_tuple> on_time(instant now); ///< harmless before deadline()
+  [[nodiscard]] std::optional<instant> deadline() const;
 
   /// The owner of `key` has become known, or is another one: repeats the word that stands, for it
   /// may never have reached an owner.
@@ -69,9 +86,13 @@ private:
   struct state {
     rule what;
     level is = level::unknown;
+    level next = level::unknown;  ///< what it becomes at `due`
+    std::optional<instant> due;
   };
 
+  [[nodiscard]] level judge(const rule& x, std::string_view text);
   void enter(state& x, level next, std::vector<write_tuple>& out);
+  void write(const std::string& to, const std::string& word, std::vector<write_tuple>& out);
 
   std::vector<state> rules_;
   std::vector<std::string> watched_;

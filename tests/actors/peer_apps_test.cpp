@@ -17,16 +17,14 @@ struct rig {
   virtual_world world;
   fake<peis_peer_actor> peer{world};
   fake<ecology_actor> ecology{world};
-  peer_app_actor rules;
+  timed_peer_app_actor rules;
 
   rig() {
     proxy::rule rule;
     rule.when = "kitchen.stove.temperature";
     rule.above = 26;
     rule.below = 24;
-    rule.write = "kitchen.fan.switch";
-    rule.then = "on";
-    rule.otherwise = "off";
+    rule.writes = {{"kitchen.fan.switch", "on", "off"}};
     rules = world.spawn_at("peer_app/care-pc/rules-1", rules_program, std::vector{rule},
                            peer.handle(), ecology.handle());
   }

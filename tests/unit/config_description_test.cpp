@@ -255,9 +255,10 @@ TEST_CASE("apps of peers arrive with their keys", "[config]") {
   CHECK(rule.when == "a");
   CHECK(rule.above == 2.0);
   CHECK(rule.below == 1.5);
-  CHECK(rule.write == "b");
-  CHECK(rule.then == "on");
-  CHECK(rule.otherwise == "off");
+  REQUIRE(rule.writes.size() == 1);
+  CHECK(rule.writes[0].key == "b");
+  CHECK(rule.writes[0].then == "on");
+  CHECK(rule.writes[0].otherwise == "off");
 }
 
 TEST_CASE("a proxy class arrives with all its keys", "[config][PXY-11][PXY-13]") {

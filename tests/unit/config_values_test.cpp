@@ -70,7 +70,7 @@ TEST_CASE("a value of the wrong kind or range says what would be right", "[confi
        "and _, not \"*.t\""},
       {"[[peer.apps]]\napp = \"rules\"\n[[peer.apps.rules]]\nwhen = \"t\"\nwrite = \"f\"\nthen = "
        "\"on\"\n",
-       "8:1: a rule needs `above`, `below` or both"},
+       "8:1: a rule needs either `above`, `below` or both, or `equals`"},
       {"[[peer.apps]]\napp = \"rules\"\n[[peer.apps.rules]]\nwhen = \"t\"\nabove = 1\nwrite = "
        "\"f\"\n",
        "8:1: a rule needs `then`, `otherwise` or both"},

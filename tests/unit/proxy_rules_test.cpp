@@ -15,7 +15,12 @@ namespace {
 using writes = std::vector<write_tuple>;
 
 rule heat() {
-  return {"kitchen.climate.temperature", 25.0, 22.0, "kitchen.fan.switch", "on", "off"};
+  rule x;
+  x.when = "kitchen.climate.temperature";
+  x.above = 25.0;
+  x.below = 22.0;
+  x.writes = {{"kitchen.fan.switch", "on", "off"}};
+  return x;
 }
 
 std::string word_at(rules& aut, std::string_view text) {
@@ -71,7 +76,7 @@ TEST_CASE("a missing threshold is the other one, a missing word is not written",
   CHECK(word_at(never, "1000").empty());
   CHECK(word_at(never, "-1000").empty());
   one = heat();
-  one.otherwise.clear();
+  one.writes[0].otherwise.clear();
   rules then_only({one});
   CHECK(word_at(then_only, "25") == "on");
   CHECK(word_at(then_only, "0").empty());
@@ -97,10 +102,9 @@ TEST_CASE("rules share keys, whatever their letter case", "[proxy][rules][TUP-03
   alarm.when = "Kitchen.Climate.Temperature";
   alarm.above = 60;
   alarm.below = 50;
-  alarm.write = "alarm.bell";
-  alarm.then = "ring";
+  alarm.writes = {{"alarm.bell", "ring", {}}};
   auto second = heat();
-  second.write = "KITCHEN.fan.switch";
+  second.writes[0].key = "KITCHEN.fan.switch";
   second.when = "hall.temperature";
   rules aut({heat(), alarm, second});
   CHECK(aut.watched() ==
@@ -123,9 +127,56 @@ TEST_CASE("a new owner is told the word that stands", "[proxy][rules]") {
   CHECK(aut.on_owner("kitchen.fan.switch", instant{}) == writes{{"kitchen.fan.switch", "off"}});
 
   auto one = heat();
-  one.otherwise.clear();
+  one.writes[0].otherwise.clear();
   rules silent({one});
   CHECK(word_at(silent, "30") == "on");
   CHECK(word_at(silent, "0").empty());
   CHECK(silent.on_owner("kitchen.fan.switch", instant{}).empty()); // `on` no longer stands
+}
+
+TEST_CASE("a condition must last before anything is written", "[proxy][rules]") {
+  auto lasting = heat();
+  lasting.lasting = 30s;
+  lasting.otherwise_lasting = 10s;
+  rules aut({lasting});
+  const auto at = [&](duration since, std::string_view value) {
+    return aut.on_value("kitchen.climate.temperature", value, instant(since));
+  };
+  CHECK(at(0s, "26").empty());
+  CHECK(aut.deadline() == instant(30s));
+  CHECK(at(20s, "30").empty()); // still: the delay goes on
+  CHECK(aut.deadline() == instant(30s));
+  CHECK(at(25s, "24").empty()); // between: begins anew
+  CHECK(!aut.deadline());
+  CHECK(at(40s, "26").empty());
+  CHECK(aut.on_time(instant(69s)).empty());
+  CHECK(aut.on_time(instant(70s)) == writes{{"kitchen.fan.switch", "on"}});
+  CHECK(!aut.deadline());
+  CHECK(at(80s, "20").empty());
+  CHECK(aut.deadline() == instant(90s));
+  CHECK(at(85s, "27").empty());
+  CHECK(!aut.deadline());
+  CHECK(at(86s, "20").empty());
+  CHECK(aut.on_time(instant(96s)) == writes{{"kitchen.fan.switch", "off"}});
+  CHECK(at(100s, "26").empty());
+  aut.on_gone("kitchen.climate.temperature");
+  CHECK(!aut.deadline());
+  CHECK(at(130s, "26").empty());
+  CHECK(at(160s, "26") == writes{{"kitchen.fan.switch", "on"}}); // the timer was late
+}
+
+TEST_CASE("a rule may ask for one of some texts, and write several tuples", "[proxy][rules]") {
+  rule night;
+  night.when = "bedroom.bed.presence";
+  night.equals = {"yes", "asleep"};
+  night.writes = {{"bedroom.lamp.switch", "off", "on"}, {"robot.mode", "quiet", {}}};
+  rules aut({night});
+  const auto at = [&](std::string_view value) {
+    return aut.on_value("bedroom.bed.presence", value, instant{});
+  };
+  CHECK(at("no") == writes{{"bedroom.lamp.switch", "on"}});
+  CHECK(at("yes") == writes{{"bedroom.lamp.switch", "off"}, {"robot.mode", "quiet"}});
+  CHECK(at("asleep").empty());
+  CHECK(at("Yes") == writes{{"bedroom.lamp.switch", "on"}});
+  CHECK(aut.counters().bad_values == 0);
 }
