@@ -243,6 +243,7 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   gateway_arguments gateway;
   gateway.config.island = island.id;
   gateway.config.incarnation = peer.incarnation;
+  gateway.config.form = island.gateway_wire;
   gateway.name = island.gateway_name;
   gateway.programs = island.gateway_apps;
   gateway.seed = self->state.description.seed;

@@ -13,6 +13,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
+#include "core/wire_form.hpp"
 #include "flow/flow_config.hpp"
 #include "mote/duty_config.hpp"
 #include "mote/transducer_config.hpp"
@@ -102,6 +103,7 @@ struct island_description {
   serial::line_config serial;
   std::string gateway_name;               ///< PEIS name of the gateway; default NAME-gateway
   std::vector<std::string> gateway_links; ///< names of peers or gateways it connects to
+  wire_form gateway_wire = wire_form::segment;
   std::vector<apps::app_config> gateway_apps;
   duration keep_alive = 10s; ///< a silent mote is gone after this (DIS-06); motes that
                              ///< report more rarely get three of their periods

@@ -57,6 +57,9 @@ void read_duty_cycle(table_reader& island, mote::duty_config& out) {
 void read_gateway(table_reader& in, surroundings& with, island_description& out) {
   in.optional("name", name_text{}, out.gateway_name);
   out.gateway_links = read_links(in, with.names, {out.gateway_name});
+  in.optional("wire",
+              word<wire_form>{{{"segment", wire_form::segment}, {"strict54", wire_form::strict54}}},
+              out.gateway_wire);
   out.gateway_apps = read_pc_programs(in, "apps", "apps of a gateway", with.names, with.files);
 }
 

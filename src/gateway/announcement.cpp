@@ -11,10 +11,6 @@ constexpr std::uint8_t version = 1;
 
 } // namespace
 
-std::string_view to_string(wire_form x) {
-  return x == wire_form::strict54 ? "strict54" : "segment";
-}
-
 bytes encode(const announcement& x) {
   return byte_writer()
       .big(mark)

@@ -2,21 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/error.hpp"
+#include "core/wire_form.hpp"
 
 namespace rubicon::gateway {
-
-/// What stands behind the header of D1.1 5.4 in messages between gateways (WIR-04).
-enum class wire_form : std::uint8_t {
-  strict54 = 0, ///< the user payload: who sent it within its island is unknown (A-51)
-  segment = 1,  ///< a transport::segment, as between our own
-};
-
-[[nodiscard]] std::string_view to_string(wire_form x);
 
 struct announcement {
   island_id island; ///< that it serves; its PEIS id may be another (GW-14)

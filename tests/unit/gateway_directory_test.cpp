@@ -4,7 +4,6 @@
 using namespace rubicon;
 using gateway::announcement;
 using gateway::directory;
-using gateway::wire_form;
 
 namespace {
 

@@ -10,7 +10,6 @@
 using namespace rubicon;
 using gateway::to_gateway;
 using gateway::to_sink;
-using gateway::wire_form;
 using test::pick;
 using test::plain;
 using test::reliable;
