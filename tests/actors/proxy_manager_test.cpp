@@ -47,12 +47,13 @@ struct rig {
 
 } // namespace
 
-TEST_CASE("a manager watches the list and the types of its islands' gateways",
+TEST_CASE("a manager watches the list, types and statuses of its islands' gateways",
           "[actors][proxy_manager][PXY-09]") {
   rig x;
-  REQUIRE(x.peer.count<watch_tuples>() == 2);
+  REQUIRE(x.peer.count<watch_tuples>() == 3);
   CHECK(watch_on(x.peer, "devices").owner == gateway_of(kitchen));
   CHECK(watch_on(x.peer, "devices.*.type").owner == gateway_of(kitchen));
+  CHECK(watch_on(x.peer, "devices.*.status").owner == gateway_of(kitchen));
 }
 
 TEST_CASE("list and type, in any order and however often, lead to one proxy",
@@ -71,7 +72,7 @@ TEST_CASE("list and type, in any order and however often, lead to one proxy",
   CHECK(x.started() == 1);
   CHECK(x.world.logged("event=started proxy=kitchen.heater class=heater") == 1);
   CHECK(tuple_at(x.peer, "kitchen.heater.status") == "active");
-  CHECK(x.peer.count<watch_tuples>() == 2 + 3);
+  CHECK(x.peer.count<watch_tuples>() == 3 + 3);
 }
 
 TEST_CASE("a mote that is no longer listed makes its proxy lost until it is back",

@@ -91,12 +91,13 @@ TEST_CASE("a join on the radio ends in a mote_joined event on the line",
 
   x.island.run_for(1s); // and it confirms
   const auto packets = test::packets_in(x.line.all<serial_write>());
-  REQUIRE(packets.size() == 1);
+  REQUIRE(packets.size() == 2); // the sink has started; the mote has joined
   CHECK(packets[0].source == sink_address.mote.value);
   CHECK(packets[0].group == sink_address.island.value);
   CHECK(packets[0].am_type == network::am::sink_event);
-  REQUIRE(x.events().size() == 1);
-  const auto joined = std::get<network::mote_joined>(x.events()[0]);
+  REQUIRE(x.events().size() == 2);
+  CHECK(std::holds_alternative<network::sink_started>(x.events()[0]));
+  const auto joined = std::get<network::mote_joined>(x.events()[1]);
   CHECK(joined.mote == stove);
   CHECK(joined.incarnation == 0);
   CHECK(joined.type == 301);
