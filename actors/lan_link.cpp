@@ -6,6 +6,7 @@
 #include "actors/peis_peer.hpp"
 #include "peis/link.hpp"
 #include "peis/link_url.hpp"
+#include "peis/package.hpp"
 #include "peis/package_walk.hpp"
 
 namespace rubicon {
@@ -28,6 +29,23 @@ std::optional<peis::bluetooth_address> bluetooth_device(const peis::link_url& ur
     return std::nullopt;
   const auto address = peis::parse_bluetooth_address(url.host);
   return address ? std::optional(*address) : std::nullopt;
+}
+
+/// The packages of `all` that are not in `rest`, which is `all` without some of them.
+bytes lost_packages(byte_view all, byte_view rest) {
+  bytes lost;
+  while (!all.empty()) {
+    const auto header = peis::decode_header(all);
+    const auto size =
+        header ? std::min(all.size(), peis::header_size + header->length) : all.size();
+    const auto package = all.first(size);
+    if (rest.size() >= size && std::ranges::equal(package, rest.first(size)))
+      rest = rest.subspan(size);
+    else
+      lost.insert(lost.end(), package.begin(), package.end());
+    all = all.subspan(size);
+  }
+  return lost;
 }
 
 /// How long a simulated link needs to send so many octets.
@@ -70,6 +88,7 @@ void transmit(peer_pointer self, peis::link_id id, payload octets) {
   const bool begins_with_request = std::exchange(link.request_is_next, false);
   if (link.condition.cut) {
     state.octets_cut += octets.size();
+    self->remark("link_cut", id.value, [&] { return to_bytes(octets.view()); });
     return;
   }
   if (link.condition.loss > 0) {
@@ -77,6 +96,13 @@ void transmit(peer_pointer self, peis::link_id id, payload octets) {
                                             begins_with_request ? peis::connect_request_size : 0,
                                             [&] { return state.dice.chance(link.condition.loss); });
     state.packages_lost += rest.lost;
+    const auto request =
+        std::min(begins_with_request ? peis::connect_request_size : std::size_t{0}, octets.size());
+    if (rest.lost > 0)
+      self->remark("link_lost", id.value, [&] {
+        return lost_packages(octets.view().subspan(request),
+                             byte_view(rest.octets).subspan(request));
+      });
     octets = payload(std::move(rest.octets));
   }
   if (!octets.empty())

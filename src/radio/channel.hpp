@@ -85,10 +85,11 @@ struct exhausted {
 
 /// A frame has ended; only while the channel is watched.
 struct overheard {
-  std::uint16_t pan = 0; ///< of its sender
-  instant begin;         ///< of its preamble
-  payload psdu;          ///< acks included
-  bool received = false; ///< by anybody it was meant for
+  std::uint16_t pan = 0;                    ///< of its sender
+  instant begin;                            ///< of its preamble
+  payload psdu;                             ///< acks included
+  bool received = false;                    ///< by anybody it was meant for
+  copy_fate fate = copy_fate::out_of_reach; ///< of the copy at its destination; unicast data only
 };
 
 using output = std::variant<delivered, done, exhausted, overheard>;

@@ -105,6 +105,7 @@ void channel::end_frame(slot_index slot, instant now, outputs& out) {
                 auto& request = sender.sender.current();
                 request.last = result;
                 request.arrived = request.arrived || arrived;
+                seen.fate = result;
               });
   if (watched_)
     out.emplace_back(std::move(seen));

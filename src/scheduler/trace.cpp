@@ -37,10 +37,8 @@ constexpr auto error_number = caf::type_nr<caf::error>::value;
 /// How the Itanium ABI begins the name of every caf::typed_actor.
 constexpr std::string_view typed_handle_prefix = "N3caf11typed_actorI";
 
-std::string_view path_of(const caf::strong_actor_ptr& x) {
-  const auto* traced =
-      x ? dynamic_cast<const traced_base*>(caf::actor_cast<caf::abstract_actor*>(x)) : nullptr;
-  return traced != nullptr ? std::string_view(traced->path()) : std::string_view();
+const traced_base* traced_in(const caf::strong_actor_ptr& x) {
+  return x ? dynamic_cast<const traced_base*>(caf::actor_cast<caf::abstract_actor*>(x)) : nullptr;
 }
 
 } // namespace
@@ -61,7 +59,7 @@ std::unique_lock<std::mutex> trace_recorder::guard() {
 }
 
 void trace_recorder::record(std::uint64_t path_hash, std::string_view path,
-                            const caf::mailbox_element& x) {
+                            const caf::mailbox_element& x, bool heard) {
   if (!shared_ && std::this_thread::get_id() != home_)
     return;
   const auto lock = guard();
@@ -71,8 +69,29 @@ void trace_recorder::record(std::uint64_t path_hash, std::string_view path,
   ++events_;
   fold_.add(path_hash).add(static_cast<std::uint64_t>(time.time_since_epoch().count()));
   fold(x.content());
-  if (observer_)
-    observer_(delivery{time, path, path_of(x.sender), x.content()});
+  if (!observer_)
+    return;
+  const auto* sender = traced_in(x.sender);
+  const auto cause = sender != nullptr ? number_of(sender->handled()) : 0;
+  numbers_[&x] = events_;
+  observer_(delivery{time, path, sender != nullptr ? std::string_view(sender->path()) : "",
+                     x.content(), events_, cause, heard});
+}
+
+void trace_recorder::note(remark x, const caf::mailbox_element* handled) {
+  if (!shared_ && std::this_thread::get_id() != home_)
+    return;
+  const auto lock = guard();
+  if (clock_ == nullptr)
+    return;
+  x.time = to_instant(clock_->now());
+  x.cause = number_of(handled);
+  remark_observer_(x);
+}
+
+std::uint64_t trace_recorder::number_of(const caf::mailbox_element* x) const {
+  const auto found = x != nullptr ? numbers_.find(x) : numbers_.end();
+  return found != numbers_.end() ? found->second : 0;
 }
 
 void trace_recorder::fold(const caf::type_erased_tuple& content) {

@@ -21,6 +21,7 @@
 #include <caf/type_erased_tuple.hpp>
 #include <caf/typed_event_based_actor.hpp>
 
+#include "core/bytes.hpp"
 #include "core/hash.hpp"
 #include "core/time.hpp"
 
@@ -32,6 +33,20 @@ struct delivery {
   std::string_view path;                 ///< receiver; valid during the call only
   std::string_view sender;               ///< empty for none and for actors without a path
   const caf::type_erased_tuple& content; ///< `content.stringify()` shows it
+  std::uint64_t number = 0;              ///< counts deliveries, from 1
+  std::uint64_t cause = 0; ///< the delivery that its sender handles; 0: none, or sent by a clock
+  bool heard = true;       ///< false: the receiver has ended
+};
+
+/// Something an actor has noticed that no message tells, such as octets that are lost. It is for
+/// observers only and never part of the trace.
+struct remark {
+  instant time;
+  std::string_view path;   ///< whose; valid during the call only, like the next
+  std::string_view what;   ///< its kind
+  std::uint64_t id = 0;    ///< of what it is about
+  byte_view octets;        ///< that it is about
+  std::uint64_t cause = 0; ///< the delivery that is being handled
 };
 
 /// Folds deliveries: receiver's path, ecology time, types and content, in order of delivery.
@@ -43,6 +58,7 @@ struct delivery {
 class trace_recorder {
 public:
   using observer = std::function<void(const delivery&)>;
+  using remark_observer = std::function<void(const remark&)>;
 
   /// @param clock tells the ecology time; must outlive the last delivery
   /// @param shared whether several threads deliver, as they may in wall time; if not, only what the
@@ -55,7 +71,16 @@ public:
   /// Called for every delivery from now on, after it is folded; for debugging. Must not send.
   void observe(observer x) { observer_ = std::move(x); }
 
-  void record(std::uint64_t path_hash, std::string_view path, const caf::mailbox_element& x);
+  /// The same for remarks. Must not send.
+  void observe_remarks(remark_observer x) { remark_observer_ = std::move(x); }
+  [[nodiscard]] bool wants_remarks() const { return static_cast<bool>(remark_observer_); }
+
+  /// @param heard whether the receiver still lives
+  void record(std::uint64_t path_hash, std::string_view path, const caf::mailbox_element& x,
+              bool heard = true);
+
+  /// @param handled what the remarking actor is handling; nullptr for nothing
+  void note(remark x, const caf::mailbox_element* handled);
 
   /// The trace so far: equal for equal runs, on any machine.
   [[nodiscard]] std::uint64_t hash() const { return fold_.value(); }
@@ -73,6 +98,7 @@ private:
   [[nodiscard]] type_entry entry_of(caf::rtti_pair type);
   [[nodiscard]] type_entry entry_of_number(std::uint16_t number);
   [[nodiscard]] std::unique_lock<std::mutex> guard();
+  [[nodiscard]] std::uint64_t number_of(const caf::mailbox_element* x) const;
 
   const caf::actor_clock* clock_ = nullptr;
   bool shared_ = false;
@@ -81,6 +107,10 @@ private:
   fold64 fold_;
   std::uint64_t events_ = 0;
   observer observer_;
+  remark_observer remark_observer_;
+  /// The newest delivery at each address that a mailbox element has had; kept for an observer only,
+  /// and only ever looked up.
+  std::unordered_map<const caf::mailbox_element*, std::uint64_t> numbers_;
   std::vector<type_entry> numbered_types_;
   std::unordered_map<const std::type_info*, type_entry> named_types_;
   const std::type_info* last_type_ = nullptr;
@@ -101,13 +131,26 @@ public:
   /// runs; the spawn helpers in spawn.hpp and world.hpp do it.
   void place(std::string path, trace_recorder* recorder);
 
+  /// What the actor is handling at this moment; nullptr while it has no turn.
+  [[nodiscard]] virtual const caf::mailbox_element* handled() const = 0;
+
+  /// Tells observers; costs nothing without any.
+  /// @param octets made only if somebody observes
+  template <class Octets>
+  void remark(std::string_view what, std::uint64_t id, Octets octets) const {
+    if (recorder_ != nullptr && recorder_->wants_remarks()) {
+      const auto content = octets();
+      recorder_->note({{}, path_, what, id, content}, handled());
+    }
+  }
+
 protected:
   traced_base() = default;
-  ~traced_base() = default;
+  virtual ~traced_base() = default;
 
-  void record(const caf::mailbox_element& x) {
+  void record(const caf::mailbox_element& x, bool heard) {
     if (recorder_ != nullptr)
-      recorder_->record(path_hash_, path_, x);
+      recorder_->record(path_hash_, path_, x, heard);
   }
 
 private:
@@ -125,9 +168,24 @@ public:
   using Base::enqueue;
 
   void enqueue(caf::mailbox_element_ptr x, caf::execution_unit* unit) override {
-    record(*x);
+    record(*x, !this->getf(caf::abstract_actor::is_terminated_flag));
     Base::enqueue(std::move(x), unit);
   }
+
+  caf::resumable::resume_result resume(caf::execution_unit* unit, std::size_t messages) override {
+    has_turn_ = true;
+    const auto result = Base::resume(unit, messages);
+    has_turn_ = false;
+    return result;
+  }
+
+  [[nodiscard]] const caf::mailbox_element* handled() const override {
+    // CAF's accessor is not const
+    return has_turn_ ? const_cast<traced*>(this)->current_mailbox_element() : nullptr;
+  }
+
+private:
+  bool has_turn_ = false;
 };
 
 /// A traced function-based actor with state; its behaviour function is

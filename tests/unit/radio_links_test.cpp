@@ -345,6 +345,8 @@ TEST_CASE("what is overheard tells its beginning and whether it was received", "
   CHECK(decode(seen[1].psdu.view())->dsn == decode(seen[0].psdu.view())->dsn);
   CHECK(seen[1].received);
   CHECK_FALSE(seen[2].received);
+  CHECK(seen[0].fate == copy_fate::delivered);
+  CHECK(seen[2].fate == copy_fate::out_of_reach);
 }
 
 TEST_CASE("an ack that falls due while its radio sends is not sent", "[radio][links]") {

@@ -221,6 +221,62 @@ TEST_CASE("an actor spawned by a handler is traced from its first message", "[sc
   CHECK(world.trace().events() == 3);
 }
 
+TEST_CASE("a delivery tells what its sender was handling, and whether anybody hears it",
+          "[scheduler]") {
+  world world;
+  std::vector<std::vector<std::uint64_t>> seen; // number, cause, heard
+  world.trace().observe([&](const delivery& x) {
+    seen.push_back({x.number, x.cause, x.heard ? 1U : 0U});
+  });
+  const auto to = world.spawn("to", sink);
+  using relay_pointer = traced<caf::event_based_actor>*;
+  const auto relay = world.spawn("relay", [to](relay_pointer self) -> caf::behavior {
+    return {[self, to](mark x) {
+      self->send(to, x);
+      self->delayed_send(to, 1ms, x); // by the clock: nobody is handling anything then
+    }};
+  });
+  caf::anon_send(relay, mark{1});
+  caf::anon_send(relay, mark{2});
+  world.run_for(1s);
+  CHECK(seen == std::vector<std::vector<std::uint64_t>>{
+                    {1, 0, 1}, {2, 0, 1}, {3, 1, 1}, {4, 2, 1}, {5, 0, 1}, {6, 0, 1}});
+  caf::anon_send_exit(to, caf::exit_reason::kill);
+  world.run_for(1s);
+  seen.clear();
+  caf::anon_send(to, mark{3});
+  CHECK(seen == std::vector<std::vector<std::uint64_t>>{{8, 0, 0}});
+}
+
+TEST_CASE("a remark reaches observers and leaves the trace alone", "[scheduler][ACT-05]") {
+  const auto run = [](bool observed) {
+    world world;
+    std::vector<std::string> seen;
+    int made = 0;
+    if (observed)
+      world.trace().observe_remarks([&](const remark& x) {
+        seen.push_back(to_text(x.time) + ' ' + std::string(x.path) + ' ' + std::string(x.what) +
+                       ' ' + std::to_string(x.id) + ' ' + to_hex(x.octets));
+      });
+    using speaker_pointer = traced<caf::event_based_actor>*;
+    const auto speaker = world.spawn("speaker", [&made](speaker_pointer self) -> caf::behavior {
+      return {[self, &made](mark x) {
+        self->remark("heard", static_cast<std::uint64_t>(x.value), [&made] {
+          ++made;
+          return bytes{0xca, 0xfe};
+        });
+      }};
+    });
+    caf::anon_send(speaker, mark{7});
+    world.run_for(1s);
+    CHECK(made == (observed ? 1 : 0));
+    CHECK(seen == (observed ? std::vector<std::string>{"0.000000 speaker heard 7 cafe"}
+                            : std::vector<std::string>{}));
+    return world.trace().hash();
+  };
+  CHECK(run(true) == run(false));
+}
+
 TEST_CASE("every kind of value is folded, each in its own way", "[scheduler][ACT-05]") {
   const auto fold = [](auto... x) {
     fold64 result;
