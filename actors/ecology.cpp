@@ -23,6 +23,7 @@ duration settling_time(const supervised_mote& mote) {
 void tell_story(ecology_pointer self, const std::string& who, std::string what) {
   auto& report = self->state.report;
   log(self, spdlog::level::info, "event=story who={} what=\"{}\"", who, what);
+  self->remark("story", 0, [&] { return to_bytes(who + '\t' + what); });
   if (report.story.size() >= runtime::story_lines_max) {
     ++report.story_left_out;
     return;

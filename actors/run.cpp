@@ -78,20 +78,35 @@ runtime::report run_ecology(const config::ecology_description& file, const run_o
 
   scheduler::world world(world_options_of(description.mode, speed));
   std::optional<debug_log> debug;
-  if (!options.debug_folder.empty()) {
+  if (!options.debug_folder.empty())
     debug.emplace(options.debug_folder, options.debug_file_octets_max);
-    world.trace().observe([&debug](const scheduler::delivery& x) { debug->write(x); });
+  std::optional<run_record> record;
+  if (!options.record_file.empty()) {
+    record.emplace(options.record_file, description, options.source);
+    world.trace().observe_remarks([&record](const scheduler::remark& x) { record->write(x); });
   }
+  if (debug || record)
+    world.trace().observe([&debug, &record](const scheduler::delivery& x) {
+      if (debug)
+        debug->write(x);
+      if (record)
+        record->write(x);
+    });
   std::optional<io::signal_watch> signals;
   if (options.handle_signals)
     signals.emplace(world.loop(), [&world](int) { world.request_stop(); });
 
   std::optional<frame_captures> captures;
   frame_observer observe;
-  if (!options.pcap_folder.empty()) {
+  if (!options.pcap_folder.empty())
     captures.emplace(options.pcap_folder, description, options.pcap_lost);
-    observe = [&captures](const radio::overheard& x) { captures->write(x); };
-  }
+  if (captures || record)
+    observe = [&captures, &record](const radio::overheard& x) {
+      if (captures)
+        captures->write(x);
+      if (record)
+        record->write(x);
+    };
 
   runtime::report report;
   const auto started = steady::now();
@@ -112,6 +127,8 @@ runtime::report run_ecology(const config::ecology_description& file, const run_o
     static_cast<void>(world.run_for(goodbye_time));
   if (captures)
     captures->finish();
+  if (record)
+    record->finish();
   report.mode = wall ? "wall" : "virtual";
   report.interrupted = cause == scheduler::stop_cause::requested;
   report.wall_s = std::chrono::duration<double>(steady::now() - started).count();

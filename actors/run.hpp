@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "actors/run_record.hpp"
 #include "config/ecology.hpp"
 #include "runtime/report.hpp"
 
@@ -22,6 +23,8 @@ struct run_options {
   std::size_t debug_file_octets_max = 16 << 20; ///< a full file is rotated (NFR-03)
   std::string pcap_folder;     ///< ACT-07: a capture of each island's air goes here; empty: none
   bool pcap_lost = false;      ///< with the frames that nobody received
+  std::string record_file;     ///< what `rubicon explain` reads goes here; empty: nowhere
+  run_source source;           ///< told by the record
   bool handle_signals = false; ///< end the run cleanly on SIGINT and SIGTERM (ACT-11)
 
   /// Called now and then with the ecology time reached and the end of the run.
@@ -29,7 +32,7 @@ struct run_options {
 };
 
 /// Runs an ecology to its end and collects the report.
-/// @throws std::runtime_error if the debug folder or a capture cannot be written
+/// @throws std::runtime_error if the debug folder, a capture or the record cannot be written
 [[nodiscard]] runtime::report run_ecology(const config::ecology_description& description,
                                           const run_options& options);
 

@@ -132,6 +132,8 @@ void add_run(CLI::App& app, run_command& x) {
                                   "Write the frames on each air into a capture in this folder");
   run.add_flag("--pcap-lost", options.pcap_lost, "Capture also frames that nobody received")
       ->needs(captures);
+  add_path(run, "--record", "RECORD", options.record_file,
+           "Record the run into this file, for rubicon explain");
   add_overrides(run, x.instead);
   run.add_flag("--check-determinism", x.check_determinism,
                "Run twice and compare the trace hashes");
@@ -159,9 +161,48 @@ CLI::App& add_swarm(CLI::App& app, swarm_command& x) {
   return swarm;
 }
 
+CLI::App& add_explain(CLI::App& app, explain_command& x) {
+  auto& explain = *app.add_subcommand("explain", "Where did my reading go? Ask a recorded run");
+  explain.add_option("RECORD", x.record, "What run --record has written")
+      ->required()
+      ->type_name("");
+  explain
+      .add_option("WHAT", x.what,
+                  "A message such as kitchen/fan#3, or a tuple such as kitchen.fan.state")
+      ->type_name("");
+  add_parsed(explain, "--at", "TIME", "The value that the tuple had at this time, not the newest",
+             [&](const auto& text) { x.at = parse_length(text, "--at"); });
+  explain.add_flag("--all", x.all, "All values of the tuple, a line each");
+  explain.add_flag("--lost", x.list.lost_only, "Only messages that were lost");
+  explain.add_option("--from", x.list.from, "Only messages from this mote, island or PC")
+      ->type_name("WHO");
+  add_parsed(explain, "--limit", "N", "The newest N only; 0 for all, 20 if not given",
+             [&](const auto& text) {
+               const auto limit = parse_whole(text);
+               if (!limit)
+                 throw CLI::ValidationError("--limit", "not a number: '" + text + "'");
+               x.list.limit = *limit;
+             });
+  explain.add_flag("--json", x.json, "Print JSON and nothing else");
+  explain.footer("Without WHAT it lists the messages, what became of them, and the tuples.");
+  return explain;
+}
+
+void check_combination(const explain_command& x) {
+  if (x.what.empty() && (x.at || x.all))
+    throw CLI::ValidationError(x.at ? "--at" : "--all", "of which tuple?");
+  if (x.at && x.all)
+    throw CLI::ValidationError("--at", "says one time, --all says all");
+  if (!x.what.empty() && (x.list.lost_only || !x.list.from.empty()))
+    throw CLI::ValidationError(x.list.lost_only ? "--lost" : "--from",
+                               "chooses from the list, which is there without WHAT");
+}
+
 void check_combination(const run_command& x) {
   if (x.check_determinism && x.options.mode == config::run_mode::wall)
     throw CLI::ValidationError("--check-determinism", "only virtual runs repeat, not --mode wall");
+  if (x.check_determinism && !x.options.record_file.empty())
+    throw CLI::ValidationError("--check-determinism", "runs twice, --record records one run");
 }
 
 } // namespace
@@ -182,11 +223,14 @@ command parse_command_line(std::span<const char* const> arguments) {
   add_overrides(check_app, check.instead);
   swarm_command swarm;
   const auto& swarm_app = add_swarm(app, swarm);
+  explain_command explain;
+  const auto& explain_app = add_explain(app, explain);
   const network_command_line network(app);
   app.footer(roles); // last: subcommands would inherit it
   try {
     app.parse(static_cast<int>(arguments.size()), arguments.data());
     check_combination(run);
+    check_combination(explain);
     run.instead.seed = run.options.seed;
     run.instead.mode = run.options.mode;
   } catch (const CLI::ParseError& error) {
@@ -200,6 +244,8 @@ command parse_command_line(std::span<const char* const> arguments) {
     return check;
   if (swarm_app.parsed())
     return swarm;
+  if (explain_app.parsed())
+    return explain;
   if (auto asked = network.parsed())
     return *std::move(asked);
   return run;

@@ -11,6 +11,7 @@
 #include "cli/network_command.hpp"
 #include "cli/swarm.hpp"
 #include "config/load.hpp"
+#include "explain/tell.hpp"
 
 namespace rubicon::cli {
 
@@ -40,6 +41,16 @@ struct swarm_command {
   bool json = false;
 };
 
+/// `rubicon explain RECORD [WHAT]`
+struct explain_command {
+  std::string record;
+  std::string what;           ///< message or tuple; empty: what is there?
+  std::optional<duration> at; ///< of a tuple: its value at this time
+  bool all = false;           ///< of a tuple: all its values
+  explain::listing list;
+  bool json = false;
+};
+
 /// `--help` and `--version`: text for standard output.
 struct show_command {
   std::string text;
@@ -50,8 +61,8 @@ struct refused_command {
   std::string text;
 };
 
-using command = std::variant<run_command, check_command, swarm_command, network_command,
-                             show_command, refused_command>;
+using command = std::variant<run_command, check_command, swarm_command, explain_command,
+                             network_command, show_command, refused_command>;
 
 /// @param arguments the program's name first
 [[nodiscard]] command parse_command_line(std::span<const char* const> arguments);

@@ -6,6 +6,7 @@
 #include "cli/command_line.hpp"
 #include "cli/console.hpp"
 #include "cli/exit_status.hpp"
+#include "cli/explain_command.hpp"
 #include "cli/network_commands.hpp"
 #include "cli/run_command.hpp"
 #include "cli/swarm_command.hpp"

@@ -1,12 +1,15 @@
 #include "cli/run_command.hpp"
 
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "cli/console.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/logging.hpp"
 #include "cli/progress_bar.hpp"
+#include "core/hash.hpp"
 #include "runtime/figures.hpp"
 
 namespace rubicon::cli {
@@ -37,8 +40,18 @@ exit_status status_of(const runtime::report& x) {
   return x.violations.empty() ? exit_status::good : exit_status::violated;
 }
 
+/// What a record tells about the file it is of.
+run_source source_of(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  return {file, to_hex(fold64().add(std::string_view(text)).value())};
+}
+
 exit_status report_run(const run_command& x, const config::ecology_description& ecology) {
-  const auto report = run_watched(ecology, x.options, console_of(stderr));
+  auto options = x.options;
+  if (!options.record_file.empty())
+    options.source = source_of(x.file);
+  const auto report = run_watched(ecology, std::move(options), console_of(stderr));
   const auto output = console_of(stdout);
   const auto text = x.json ? to_json(report) : to_text(report, output.width, output.colour);
   return print(stdout, text) ? status_of(report) : exit_status::refused;

@@ -79,6 +79,35 @@ TEST_CASE("check takes the files that run takes", "[cli]") {
   CHECK(std::get<check_command>(x).instead.noise_trace == "m.txt");
 }
 
+TEST_CASE("each option of explain reaches it, and none without meaning", "[cli][explain]") {
+  const auto parse_explain = [](std::vector<const char*> words) {
+    words.insert(words.begin(), {"explain", "home.rec"});
+    const auto x = parse(words);
+    REQUIRE(std::holds_alternative<explain_command>(x));
+    return std::get<explain_command>(x);
+  };
+  CHECK(parse_run({"--record", "home.rec"}).options.record_file == "home.rec");
+  CHECK(parse_run({}).options.record_file.empty());
+  const auto list = parse_explain({"--lost", "--from", "kitchen", "--limit", "3", "--json"});
+  CHECK(list.record == "home.rec");
+  CHECK(list.what.empty());
+  CHECK(list.list.lost_only);
+  CHECK(list.list.from == "kitchen");
+  CHECK(list.list.limit == 3);
+  CHECK(list.json);
+  CHECK(parse_explain({}).list.limit == 20);
+  CHECK(parse_explain({"a.b", "--at", "3min12s"}).at == duration(192s));
+  CHECK(parse_explain({"a.b", "--all"}).all);
+  CHECK(contains(refusal({"explain"}), "RECORD"));
+  CHECK(contains(refusal({"explain", "x", "--at", "3s"}), "--at: of which tuple?"));
+  CHECK(contains(refusal({"explain", "x", "--all"}), "--all: of which tuple?"));
+  CHECK(contains(refusal({"explain", "x", "a.b", "--all", "--at", "3s"}), "--at"));
+  CHECK(contains(refusal({"explain", "x", "a.b", "--lost"}), "--lost"));
+  CHECK(contains(refusal({"explain", "x", "--limit", "-1"}), "--limit"));
+  CHECK(contains(refusal({"run", "x.toml", "--check-determinism", "--record", "y"}),
+                 "--check-determinism"));
+}
+
 TEST_CASE("each option of swarm reaches the swarm", "[cli]") {
   const auto parse_swarm = [](std::vector<const char*> words) {
     words.insert(words.begin(), {"swarm", "home.toml"});

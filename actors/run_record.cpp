@@ -1,0 +1,336 @@
+#include "actors/run_record.hpp"
+
+#include <stdexcept>
+
+#include "actors/messages.hpp"
+#include "network/am.hpp"
+#include "peis/link.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using explain::kind;
+using explain::record;
+
+bool is_beacon(std::uint8_t am_type) {
+  return am_type == network::am::beacon;
+}
+
+/// Whether packages on this port carry tuples or messages of components.
+bool carries_content(std::uint16_t port) {
+  namespace of = peis::port;
+  return port == of::push || port == of::set || port == of::append_request ||
+         port == of::append_notice || port >= of::user_first;
+}
+
+/// The packages of a link's octets that carry content; what is no package is left out.
+bytes content_packages(byte_view octets) {
+  bytes kept;
+  if (const auto request = peis::decode_connect_request(octets);
+      request && request->version == peis::protocol_version)
+    octets = octets.subspan(peis::connect_request_size);
+  for (auto header = peis::decode_header(octets); header; header = peis::decode_header(octets)) {
+    const auto size = peis::header_size + header->length;
+    if (size > octets.size())
+      break;
+    const auto package = octets.first(size);
+    if (carries_content(header->port))
+      kept.insert(kept.end(), package.begin(), package.end());
+    octets = octets.subspan(size);
+  }
+  return kept;
+}
+
+// What each message adds to its record. @returns whether it is worth one
+
+bool fill(record& r, const radio_send& x) {
+  r.what = kind::radio_send;
+  r.id = x.token;
+  r.mote.mote = x.destination;
+  r.channel = x.am_type;
+  r.octets = to_bytes(x.octets.view());
+  r.yes = x.ack;
+  return !is_beacon(x.am_type);
+}
+
+bool fill(record& r, const radio_done& x) {
+  r.what = kind::radio_done;
+  r.id = x.token;
+  r.text = radio::to_string(x.status);
+  r.count = x.transmissions;
+  r.yes = x.arrived;
+  return true;
+}
+
+bool fill(record& r, const frame_received& x) {
+  r.what = kind::frame_received;
+  r.octets = to_bytes(x.psdu.view());
+  const auto frame = radio::decode(x.psdu.view());
+  return frame && !is_beacon(frame->am_type);
+}
+
+bool fill(record& r, const serial_write& x) {
+  r.what = kind::serial_write;
+  r.count = x.towards == serial::direction::to_mote ? 1 : 0;
+  r.octets = to_bytes(x.octets.view());
+  return true;
+}
+
+bool fill(record& r, const serial_octets& x) {
+  r.what = kind::serial_octets;
+  r.octets = to_bytes(x.octets.view());
+  return true;
+}
+
+bool fill(record& r, const plug_serial& x) {
+  r.what = kind::plug_serial;
+  r.yes = x.plugged;
+  return true;
+}
+
+bool fill(record& r, const link_opened& x) {
+  r.what = kind::link_opened;
+  r.id = x.link;
+  return true;
+}
+
+bool fill(record& r, const link_octets& x) {
+  r.what = kind::link_octets;
+  r.id = x.link;
+  r.octets = content_packages(x.octets.view());
+  return !r.octets.empty();
+}
+
+bool fill(record& r, const set_tuple& x) {
+  r.what = kind::set_tuple;
+  r.text = x.key;
+  r.octets = to_bytes(x.value.view());
+  r.yes = x.text;
+  return true;
+}
+
+bool fill(record& r, const delete_tuple& x) {
+  r.what = kind::delete_tuple;
+  r.text = x.key;
+  return true;
+}
+
+bool fill(record& r, const set_remote_tuple& x) {
+  r.what = kind::set_remote_tuple;
+  r.id = x.token;
+  r.peer = x.owner.value;
+  r.text = x.key;
+  r.octets = to_bytes(x.value.view());
+  r.yes = x.text;
+  return true;
+}
+
+bool fill(record& r, const tuple_event& x) {
+  r.what = kind::tuple_event;
+  r.id = x.watch;
+  r.peer = x.owner.value;
+  r.text = x.key;
+  r.octets = to_bytes(x.value.view());
+  r.yes = x.deleted;
+  return true;
+}
+
+bool fill(record& r, const watch_tuples& x) {
+  r.what = kind::watch_tuples;
+  r.id = x.watch;
+  r.peer = x.owner.value;
+  r.text = x.key;
+  return true;
+}
+
+bool fill(record& r, const send_peis_message& x) {
+  r.what = kind::send_peis_message;
+  r.id = x.token;
+  r.peer = x.destination.value;
+  r.channel = x.port;
+  r.octets = to_bytes(x.octets.view());
+  r.yes = x.reliable;
+  return true;
+}
+
+bool fill(record& r, const peis_outcome& x) {
+  r.what = kind::peis_outcome;
+  r.id = x.token;
+  r.text = x.cause;
+  r.yes = x.success;
+  return true;
+}
+
+bool fill(record& r, const send_message& x) {
+  r.what = kind::send_message;
+  r.id = x.token;
+  r.mote = x.destination;
+  r.channel = x.am_type;
+  r.octets = to_bytes(x.octets.view());
+  r.yes = x.reliable;
+  return true;
+}
+
+bool fill(record& r, const message_received& x) {
+  r.what = kind::message_received;
+  r.mote = x.source;
+  r.channel = x.am_type;
+  r.octets = to_bytes(x.octets.view());
+  return true;
+}
+
+bool fill(record& r, const send_ended& x) {
+  r.what = kind::send_ended;
+  r.id = x.token;
+  r.yes = x.acked;
+  r.text = x.refused ? "refused" : "";
+  return true;
+}
+
+bool fill(record& r, const actuator_changed& x) {
+  r.what = kind::actuator_changed;
+  r.text = x.name;
+  r.count = x.state;
+  r.yes = x.obeyed;
+  return true;
+}
+
+bool fill(record& r, const story& x) {
+  r.what = kind::story;
+  r.text = x.what;
+  return true;
+}
+
+/// @returns whether the content is a message of this kind; if so and it is worth a record, `done`
+template <class Message>
+bool take(const caf::type_erased_tuple& content, record& r, bool& worth) {
+  if (!content.match_elements<Message>())
+    return false;
+  worth = fill(r, content.get_as<Message>(0));
+  return true;
+}
+
+template <class... Messages>
+bool take_any(const caf::type_erased_tuple& content, record& r) {
+  bool worth = false;
+  static_cast<void>((take<Messages>(content, r, worth) || ...));
+  return worth;
+}
+
+explain::header header_of(const config::ecology_description& ecology, const run_source& source) {
+  explain::header x;
+  x.ecology = ecology.name;
+  x.seed = ecology.seed;
+  x.file = source.file;
+  x.digest = source.digest;
+  for (const auto& island : ecology.islands) {
+    explain::header::island named{
+        island.id.value, island.name, island.sink.id.value, island.gateway_name, {}};
+    for (const auto& mote : island.motes)
+      named.motes[mote.id.value] = mote.name;
+    x.islands.push_back(std::move(named));
+    x.peers[gateway_of(island.id).value] = island.gateway_name;
+  }
+  for (const auto& peer : ecology.peers)
+    x.peers[peer.id.value] = peer.name;
+  return x;
+}
+
+} // namespace
+
+run_record::run_record(const std::string& path, const config::ecology_description& ecology,
+                       const run_source& source)
+    : path_(path), file_(path, std::ios::binary | std::ios::trunc) {
+  if (!file_)
+    throw std::runtime_error("cannot write record " + path);
+  file_ << explain::encoder::encode(header_of(ecology, source));
+}
+
+void run_record::write(const scheduler::delivery& x) {
+  if (x.content.match_elements<timer_expired>())
+    return;
+  record r;
+  const bool worth =
+      take_any<radio_send, radio_done, frame_received, link_octets, set_tuple, tuple_event,
+               serial_write, serial_octets, send_message, send_ended, message_received,
+               watch_tuples, set_remote_tuple, send_peis_message, delete_tuple, peis_outcome,
+               link_opened, actuator_changed, plug_serial, story>(x.content, r);
+  const auto cause = recorded_cause(x.cause);
+  if (!worth) {
+    if (cause != 0)
+      left_out_[x.number] = cause;
+    return;
+  }
+  r.number = x.number;
+  r.time = x.time;
+  r.from = x.sender;
+  r.to = x.path;
+  r.cause = cause;
+  r.unheard = !x.heard;
+  if (r.what == kind::story)
+    last_story_ = r.from + '\t' + r.text;
+  put(r);
+}
+
+/// A delivery that is not in the record stands for its own cause.
+std::uint64_t run_record::recorded_cause(std::uint64_t number) const {
+  const auto found = left_out_.find(number);
+  return found == left_out_.end() ? number : found->second;
+}
+
+void run_record::write(const scheduler::remark& x) {
+  if (x.what == "story") {
+    put_story(x);
+    return;
+  }
+  record r;
+  r.what = kind::link_lost;
+  r.time = x.time;
+  r.from = x.path;
+  r.cause = recorded_cause(x.cause);
+  r.id = x.id;
+  r.text = x.what;
+  r.octets = content_packages(x.octets);
+  if (!r.octets.empty())
+    put(r);
+}
+
+void run_record::put_story(const scheduler::remark& x) {
+  const auto text = to_string(x.octets);
+  if (text == last_story_)
+    return;
+  const auto tab = text.find('\t');
+  record r;
+  r.what = kind::story;
+  r.time = x.time;
+  r.from = text.substr(0, tab);
+  r.text = text.substr(tab + 1);
+  put(r);
+}
+
+void run_record::write(const radio::overheard& x) {
+  const auto frame = radio::decode(x.psdu.view());
+  if (!frame || frame->type != radio::frame_type::data || is_beacon(frame->am_type))
+    return;
+  record r;
+  r.what = kind::frame;
+  r.time = x.begin;
+  r.mote.island = island_id(x.pan);
+  r.text = radio::to_string(x.fate);
+  r.octets = to_bytes(x.psdu.view());
+  r.yes = x.received;
+  put(r);
+}
+
+void run_record::put(const record& x) {
+  file_ << encoder_.encode(x);
+}
+
+void run_record::finish() {
+  file_.flush();
+  if (!file_)
+    throw std::runtime_error("record " + path_ + " could not be written completely");
+}
+
+} // namespace rubicon

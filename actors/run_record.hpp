@@ -1,0 +1,51 @@
+// The record of a run for `rubicon explain`.
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <unordered_map>
+
+#include "config/ecology.hpp"
+#include "explain/record.hpp"
+#include "radio/channel.hpp"
+#include "scheduler/trace.hpp"
+
+namespace rubicon {
+
+/// Which file a run was made of.
+struct run_source {
+  std::string file;   ///< as the user named it
+  std::string digest; ///< of its text
+};
+
+/// Writes what has a part in the delivery of messages and tuples into one file
+/// (explain/record.hpp): not timers, beacons, acks of frames, nor what PEIS kernels say to each
+/// other about themselves.
+class run_record {
+public:
+  /// Makes the file. @throws std::runtime_error if that fails
+  run_record(const std::string& path, const config::ecology_description& ecology,
+             const run_source& source);
+
+  void write(const scheduler::delivery& x);
+  void write(const scheduler::remark& x);
+  void write(const radio::overheard& x);
+
+  /// @throws std::runtime_error if the file could not be written completely
+  void finish();
+
+private:
+  void put(const explain::record& x);
+  void put_story(const scheduler::remark& x);
+  [[nodiscard]] std::uint64_t recorded_cause(std::uint64_t number) const;
+
+  std::string path_;
+  std::ofstream file_;
+  explain::encoder encoder_;
+  /// What a delivery that is not in the record was caused by; only ever looked up.
+  std::unordered_map<std::uint64_t, std::uint64_t> left_out_;
+  std::string last_story_; ///< that came as a message; the ecology remarks it once more
+};
+
+} // namespace rubicon

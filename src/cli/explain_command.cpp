@@ -1,0 +1,94 @@
+#include "cli/explain_command.hpp"
+
+#include <fstream>
+
+#include "cli/console.hpp"
+#include "config/near.hpp"
+#include "runtime/text_layout.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+exit_status refuse(const std::string& text) {
+  static_cast<void>(print(stderr, text + '\n'));
+  return exit_status::refused;
+}
+
+/// Line by line: a record may be much longer than what is kept of it.
+std::optional<explain::bad_line> read_record(std::istream& from, explain::decoder& lines) {
+  std::string line;
+  while (std::getline(from, line)) {
+    if (from.eof()) // without a newline
+      return lines.finish(line);
+    if (auto problem = lines.take(line))
+      return problem;
+  }
+  return lines.finish("");
+}
+
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (const auto& word : words)
+    text += (text.empty() ? "" : " or ") + word;
+  return text;
+}
+
+struct answerer {
+  const explain_command& asked;
+  const explain::journeys& all;
+  explain::paper on;
+
+  exit_status operator()(const explain::nothing_found& x) const {
+    if (x.is_ambiguous)
+      return refuse(asked.record + ": several peers have `" + runtime::printable(asked.what) +
+                    "`: say " + runtime::printable(listed(x.known)));
+    const bool is_message = asked.what.find('#') != std::string::npos;
+    return refuse(asked.record + ": no " + (is_message ? "message" : "tuple") + " `" +
+                  runtime::printable(asked.what) + '`' +
+                  runtime::printable(config::suggestion(asked.what, x.known)));
+  }
+
+  exit_status operator()(const explain::message_found& x) const {
+    return say(asked.json ? message_json(all, x.index) : tell_message(all, x.index, on));
+  }
+
+  exit_status operator()(const explain::tuples_found& x) const {
+    if (asked.all)
+      return say(asked.json ? values_json(all, x.indices, asked.list.limit)
+                            : tell_values(all, x.indices, asked.list.limit, on));
+    auto index = x.indices.back();
+    if (asked.at) {
+      const auto then = value_at(all, x.indices, instant(*asked.at));
+      if (!then)
+        return refuse(asked.record + ": `" + runtime::printable(asked.what) +
+                      "` had no value yet at that time");
+      index = *then;
+    }
+    return say(asked.json ? tuple_json(all, index) : tell_tuple(all, index, on));
+  }
+
+  static exit_status say(const std::string& text) {
+    return print(stdout, text) ? exit_status::good : exit_status::refused;
+  }
+};
+
+} // namespace
+
+exit_status perform(const explain_command& x) {
+  std::ifstream file(x.record, std::ios::binary);
+  if (!file)
+    return refuse(x.record + ": cannot be read");
+  explain::decoder lines;
+  if (const auto problem = read_record(file, lines))
+    return refuse(x.record + ':' + std::to_string(problem->line) + ": " +
+                  runtime::printable(problem->message));
+  const auto all = explain::follow(lines.result());
+  const auto output = console_of(stdout);
+  const explain::paper on{output.width, output.colour};
+  if (!x.what.empty())
+    return std::visit(answerer{x, all, on}, explain::find(all, x.what));
+  return answerer::say(x.json ? list_json(all, x.list) : tell_list(all, x.list, on));
+}
+
+} // namespace rubicon::cli

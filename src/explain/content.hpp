@@ -1,0 +1,83 @@
+// What octets of each leg of the way carry, by the product's own decoders.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "peis/package.hpp"
+#include "peis/tuple.hpp"
+#include "serial/frame.hpp"
+
+namespace rubicon::explain {
+
+/// A packet between two ends, of which pieces may be missing at the end.
+struct envelope {
+  mote_address source; ///< of its island; the mote is what the body says
+  mote_address destination;
+  std::uint16_t channel = 0; ///< AM type, or above 255 a tunnel's
+  bytes body;
+};
+
+/// Which piece of a packet this is; `last` is 0 for a whole one.
+struct piece {
+  std::uint8_t index = 0;
+  std::uint8_t last = 0;
+  std::uint8_t tag = 0;
+  bytes content;
+};
+
+[[nodiscard]] std::optional<piece> piece_of(byte_view octets);
+
+/// A piece of a packet on its way through an island.
+struct carried_piece {
+  bool is_down = false;       ///< its header says where it comes from
+  mote_id origin;             ///< that has cut the packet
+  std::uint32_t sequence = 0; ///< tells it from others of the same way; 0 if nothing does
+  piece part;
+};
+
+/// Something on a channel of an island's Network: a stream's record or a synaptic vector.
+struct channel_content {
+  std::uint32_t channel = 0; ///< source and number
+  std::uint8_t sequence = 0;
+  bytes content;
+};
+
+using frame_content = std::variant<std::monostate, carried_piece, channel_content>;
+
+/// Of a radio frame's payload. @param sender of the frame
+[[nodiscard]] frame_content frame_content_of(std::uint8_t am_type, byte_view payload,
+                                             mote_id sender, mote_id sink);
+
+/// Of the octets of one write to a serial line.
+struct serial_content {
+  serial::frame_type type = serial::frame_type::packet;
+  std::uint8_t sequence = 0;
+  std::optional<carried_piece> part;
+};
+[[nodiscard]] std::optional<serial_content> serial_content_of(byte_view octets, bool to_mote);
+
+/// @param packet a D1.1 5.4 packet of an island, whole or only its beginning
+/// @param is_down whether its island is where it comes from
+/// @returns nothing if not even its header is there
+[[nodiscard]] std::optional<envelope> envelope_of(byte_view packet, bool is_down, island_id here);
+
+/// Of a message between gateways or PCs.
+[[nodiscard]] std::optional<envelope> envelope_of(byte_view message, peer_id source,
+                                                  peer_id destination);
+
+/// A package on a link.
+struct carried_package {
+  peis::package_header header;
+  bytes data;
+};
+[[nodiscard]] std::vector<carried_package> packages_of(byte_view octets);
+
+/// The beginning of a push or set message of several fragments, too: then the value is incomplete.
+[[nodiscard]] std::optional<peis::tuple> tuple_of(const carried_package& x);
+
+} // namespace rubicon::explain

@@ -1,0 +1,229 @@
+#include "explain/outcome.hpp"
+
+#include <algorithm>
+
+#include "peis/key.hpp"
+
+namespace rubicon::explain {
+
+namespace {
+
+/// A message that nobody has carried for so long is lost, even if nobody was told.
+constexpr duration patience = 60s;
+
+/// As people say it.
+std::string words_of(const std::string& fate) {
+  if (fate == "loss")
+    return "lost in the air";
+  if (fate == "weak")
+    return "too weak";
+  if (fate == "off")
+    return "a radio was off";
+  if (fate == "captured")
+    return "the receiver heard another frame";
+  if (fate == "half_duplex")
+    return "the receiver was sending";
+  if (fate == "overflow")
+    return "no receive buffer";
+  if (fate == "out_of_reach")
+    return "out of range";
+  if (fate == "filtered")
+    return "nobody there has this address";
+  if (fate == "nobody")
+    return "heard by nobody";
+  if (fate == "channel_access_failure")
+    return "the channel was busy too often";
+  if (fate == "no_ack")
+    return "no acknowledgement";
+  if (fate == "queue_full")
+    return "the radio's queue was full";
+  if (fate == "aborted")
+    return "the radio was switched off";
+  return fate.empty() ? "not answered" : fate;
+}
+
+retries retries_of(const journeys& all, const message& x) {
+  retries sum;
+  for (const auto n : x.nodes) {
+    const auto& hop = all.nodes[n];
+    if (hop.what != step::hop)
+      continue;
+    if (hop.over == medium::air)
+      sum.radio += repeats(hop);
+    else if (hop.over == medium::serial)
+      sum.serial += repeats(hop);
+    else
+      sum.peis += repeats(hop);
+  }
+  sum.transport = x.sends > 0 ? x.sends - 1 : 0;
+  return sum;
+}
+
+/// The hop of the content, or else of the greeting, that was under way last.
+const node* last_hop_of(const journeys& all, const message& x) {
+  for (const auto of : {cargo::content, cargo::greeting, cargo::greeting_answer}) {
+    const node* last = nullptr;
+    for (const auto n : x.nodes) {
+      const auto& hop = all.nodes[n];
+      if (hop.what == step::hop && hop.of == of)
+        last = &hop;
+    }
+    if (last != nullptr)
+      return last;
+  }
+  return nullptr;
+}
+
+/// Whether nobody will try again.
+bool is_given_up(const node* last) {
+  if (last == nullptr || last->arrived)
+    return false;
+  if (last->over == medium::serial)
+    return !last->attempts.empty() && !last->attempts.back().fate.empty();
+  return !last->failure.empty();
+}
+
+/// Where the last hop that arrived did so, and nothing followed.
+std::string stuck_at(const journeys& all, const node& hop) {
+  const auto place = hop.to.empty() ? names::of(hop.from) : names::of(hop.to);
+  if (hop.over == medium::peis)
+    return place + " has it and passes nothing on: it knows no way, or nobody there wants it";
+  if (all.known.place_of(hop.to) != hop.to)
+    return place + " has it and passes nothing on: the receiver is not listed there, or it gave up";
+  return place + " has it and passes nothing on: a queue was full, or it knows no way";
+}
+
+} // namespace
+
+std::string_view to_string(fate x) {
+  switch (x) {
+  case fate::delivered:
+    return "delivered";
+  case fate::lost:
+    return "lost";
+  case fate::refused:
+    return "refused";
+  case fate::under_way:
+    return "under way";
+  }
+  return "unknown";
+}
+
+std::uint32_t repeats(const node& x) {
+  const auto all = static_cast<std::uint32_t>(x.attempts.size());
+  return all > x.pieces ? all - x.pieces : 0;
+}
+
+std::string failures(const node& x) {
+  std::vector<std::pair<std::string, unsigned>> runs;
+  for (const auto& each : x.attempts) {
+    if (each.arrived)
+      continue;
+    const auto fate = words_of(each.fate);
+    if (!runs.empty() && runs.back().first == fate)
+      ++runs.back().second;
+    else
+      runs.emplace_back(fate, 1);
+  }
+  std::string text;
+  for (const auto& [fate, times] : runs)
+    text += (text.empty() ? "" : ", ") + (times > 1 ? std::to_string(times) + " × " : "") + fate;
+  return text;
+}
+
+std::string obstacle(const node& x) {
+  if (x.arrived)
+    return {};
+  const auto tries = x.attempts.size();
+  const auto what = failures(x);
+  if (x.over == medium::peis && !x.failure.empty()) {
+    auto text = what;
+    for (const auto c : (what.empty() ? "" : ", then ") + x.failure)
+      text += c == '_' ? ' ' : c;
+    return text;
+  }
+  if (tries == 0)
+    return x.failure.empty() ? "never sent" : words_of(x.failure);
+  auto text = tries == 1 ? what : std::to_string(tries) + " tries: " + what;
+  if (what.empty()) // all frames arrived, but not all pieces were sent
+    return "not all pieces were sent";
+  if (x.failure == "channel_access_failure" || x.failure == "aborted")
+    text += ", then " + words_of(x.failure);
+  return text;
+}
+
+std::string route_of(const node& x) {
+  const auto from = names::of(x.from);
+  if (x.to.empty())
+    return from + " → all";
+  const auto to = names::of(x.to);
+  const auto slash = from.find('/');
+  const bool same_island =
+      slash != std::string::npos && to.compare(0, slash + 1, from, 0, slash + 1) == 0;
+  return from + " → " + (same_island ? to.substr(slash + 1) : to);
+}
+
+outcome outcome_of(const journeys& all, const message& x) {
+  outcome y;
+  y.retries = retries_of(all, x);
+  const auto begun = all.nodes[x.root].begin;
+  if (x.delivered) {
+    y.fate = fate::delivered;
+    y.took = *x.delivered - begun;
+    return y;
+  }
+  if (x.refused) {
+    y.fate = fate::refused;
+    y.why = "its mote did not take it: no island joined, or too much waits already";
+    return y;
+  }
+  const auto* last = last_hop_of(all, x);
+  const auto quiet_since = last != nullptr ? last->time() : begun;
+  const bool is_over =
+      x.failed || all.end - quiet_since > patience || (!x.is_reliable && is_given_up(last));
+  y.fate = is_over ? fate::lost : fate::under_way;
+  if (last == nullptr) {
+    y.why = "it never left the sender";
+  } else if (last->of == cargo::greeting_answer && last->arrived) {
+    y.why = "it never left the sender, though the receiver answered its greeting";
+  } else if (x.turned_away) {
+    y.why = all.known.of(x.destination) +
+            " did not take it: it was busy, or one of the two has started again";
+  } else if (last->of == cargo::greeting && last->arrived &&
+             all.known.address_of(last->to) == x.destination) {
+    y.why = all.known.of(x.destination) + " did not answer the greeting";
+  } else if (last->arrived) {
+    y.why = stuck_at(all, *last);
+  } else {
+    y.where = route_of(*last);
+    y.why = obstacle(*last);
+  }
+  return y;
+}
+
+std::vector<audience> audience_of(const journeys& all, const tuple_value& x) {
+  std::vector<audience> out;
+  const auto name = peis::key::from_wire(x.key);
+  if (!name || !x.set)
+    return out;
+  for (const auto& watcher : all.watchers) {
+    const auto pattern = peis::key::from_wire(watcher.pattern);
+    const bool wants = pattern && watcher.since <= *x.set && pattern->matches(*name) &&
+                       (watcher.owner < 0 || watcher.owner == x.owner.value);
+    const auto who = names::of(watcher.who);
+    if (!wants || std::ranges::find(out, who, &audience::who) != out.end())
+      continue;
+    audience one{who, {}};
+    for (const auto n : x.nodes) {
+      const auto& y = all.nodes[n];
+      if (y.what == step::hears && y.from == watcher.who && !one.after)
+        one.after = y.time() - *x.set;
+    }
+    const auto told = all.last_told.find(watcher.who);
+    if (one.after || (told != all.last_told.end() && told->second > *x.set))
+      out.push_back(std::move(one));
+  }
+  return out;
+}
+
+} // namespace rubicon::explain

@@ -1,0 +1,60 @@
+// How it ended with a message or a value, in numbers and in one sentence.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "explain/journeys.hpp"
+
+namespace rubicon::explain {
+
+enum class fate : std::uint8_t {
+  delivered,
+  lost,      ///< not there, and nobody carries it any more
+  refused,   ///< by the sender's own mote, at once
+  under_way, ///< at the end of the record
+};
+
+[[nodiscard]] std::string_view to_string(fate x);
+
+/// Tries beyond the first of each hop or message.
+struct retries {
+  std::uint32_t radio = 0;     ///< frames
+  std::uint32_t serial = 0;    ///< writes to a line
+  std::uint32_t peis = 0;      ///< packages
+  std::uint32_t transport = 0; ///< of the message, end to end
+};
+
+struct outcome {
+  explain::fate fate = explain::fate::under_way;
+  std::optional<duration> took; ///< until it was delivered
+  explain::retries retries;
+  std::string where; ///< it was lost: `kitchen/mote-5 → kitchen/sink`; empty: nowhere special
+  std::string why;   ///< empty unless it was lost or refused
+};
+
+[[nodiscard]] outcome outcome_of(const journeys& all, const message& x);
+
+/// What kept a hop from arriving, such as `4 tries: collision, 3 × out of reach`; empty if it did.
+[[nodiscard]] std::string obstacle(const node& x);
+
+/// `collision, 3 × loss`: fates of those attempts that did not arrive, in order.
+[[nodiscard]] std::string failures(const node& x);
+
+/// Attempts beyond the first of each piece.
+[[nodiscard]] std::uint32_t repeats(const node& x);
+
+/// Between whom: `kitchen/climate-7 → kitchen/sink`.
+[[nodiscard]] std::string route_of(const node& x);
+
+/// Who wants to hear of this value, and when they did. Not those that began later, nor those that
+/// are never told anything again: they have ended.
+struct audience {
+  std::string who;
+  std::optional<duration> after; ///< nothing: not told
+};
+[[nodiscard]] std::vector<audience> audience_of(const journeys& all, const tuple_value& x);
+
+} // namespace rubicon::explain

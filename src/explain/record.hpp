@@ -1,0 +1,145 @@
+// The record of a run: what `rubicon run --record` writes and `rubicon explain` reads, a JSON
+// object a line (docs/explain.md). The first line is the header.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/time.hpp"
+
+namespace rubicon::explain {
+
+inline constexpr int record_version = 1;
+
+/// What happened. Each is a message between actors, or what an actor remarked.
+enum class kind : std::uint8_t {
+  radio_send,        ///< a mote or sink asks its radio for a frame
+  radio_done,        ///< how that ended
+  frame,             ///< a data frame was on the air
+  frame_received,    ///< and reached a mote or sink
+  serial_write,      ///< octets given to a serial line
+  serial_octets,     ///< octets that came out of it
+  plug_serial,       ///< the cable is plugged in, or not
+  link_opened,       ///< a PEIS link between two peers
+  link_octets,       ///< packages that came over it
+  link_lost,         ///< packages that did not
+  set_tuple,         ///< a component sets a tuple of its peer
+  delete_tuple,      ///< or deletes it
+  set_remote_tuple,  ///< or sets one of another peer
+  tuple_event,       ///< a component hears of a tuple
+  watch_tuples,      ///< and wants to
+  send_peis_message, ///< a component sends a message to another peer
+  peis_outcome,      ///< how a request of a component ended
+  send_message,      ///< a program gives its mote a message
+  message_received,  ///< a mote gives a program a message
+  send_ended,        ///< a program learns how its send ended
+  actuator_changed,  ///< an actuator has been asked to change
+  story,             ///< something a person would want to hear
+};
+
+[[nodiscard]] std::string_view to_string(kind x);
+[[nodiscard]] std::optional<kind> parse_kind(std::string_view word);
+
+/// One line. Which fields mean something depends on the kind; the others keep their defaults.
+struct record {
+  std::uint64_t number = 0; ///< of the delivery, ascending; 0: a remark, which no cause names
+  instant time;
+  std::string from; ///< actor path; empty: nobody, or a clock
+  std::string to;   ///< actor path; empty for remarks
+  kind what = kind::story;
+  std::uint64_t cause = 0;   ///< number of what `from` was handling; 0: none, or not recorded
+  std::uint64_t id = 0;      ///< token of a request; link; watch
+  mote_address mote;         ///< the other mote: destination or source
+  std::int32_t peer = 0;     ///< owner of a tuple
+  std::uint16_t channel = 0; ///< AM type
+  std::string text;          ///< key, status, fate, name, story
+  bytes octets;              ///< frame, payload, value
+  std::uint32_t count = 0;   ///< transmissions; 1 to_mote, 0 to_pc; state of an actuator
+  bool yes = false;          ///< acked, received, reliable, deleted, plugged, text
+  bool unheard = false;      ///< the receiver had ended
+
+  friend bool operator==(const record&, const record&) = default;
+};
+
+/// Names of what the ecology has.
+struct header {
+  struct island {
+    std::uint32_t id = 0;
+    std::string name;
+    std::uint16_t sink = 0;
+    std::string gateway;                        ///< name of its peer
+    std::map<std::uint16_t, std::string> motes; ///< without the sink
+
+    friend bool operator==(const island&, const island&) = default;
+  };
+
+  std::string ecology;
+  std::uint64_t seed = 0;
+  std::string file;   ///< that describes the ecology
+  std::string digest; ///< of its text
+  std::vector<island> islands;
+  std::map<std::int32_t, std::string> peers; ///< gateways are peers too
+
+  friend bool operator==(const header&, const header&) = default;
+};
+
+/// Writes lines, each ending in a newline. Actor paths are written once, then as numbers.
+class encoder {
+public:
+  [[nodiscard]] static std::string encode(const header& x);
+  /// @returns one line, or more if an actor is new
+  [[nodiscard]] std::string encode(const record& x);
+
+private:
+  std::uint32_t number_of(const std::string& path, std::string& out);
+
+  std::map<std::string, std::uint32_t, std::less<>> actors_;
+};
+
+/// A whole record.
+struct recording {
+  explain::header about;
+  std::vector<record> records; ///< in the order of the run
+  bool cut_off = false;        ///< its last line was incomplete and left out
+};
+
+/// What is wrong with the first bad line.
+struct bad_line {
+  std::size_t line = 0; ///< from 1
+  std::string message;
+
+  friend bool operator==(const bad_line&, const bad_line&) = default;
+};
+
+/// Takes a record line by line.
+class decoder {
+public:
+  /// @param text without its newline. After a bad line nothing more may be taken.
+  [[nodiscard]] std::optional<bad_line> take(std::string_view text);
+
+  /// The record has ended. @param rest what came after the last newline; a run that was killed
+  /// leaves half a line
+  [[nodiscard]] std::optional<bad_line> finish(std::string_view rest);
+
+  [[nodiscard]] recording& result() { return result_; }
+
+private:
+  std::size_t lines_ = 0;
+  std::map<std::uint64_t, std::string> actors_;
+  recording result_;
+};
+
+/// The whole text at once.
+struct read_result {
+  recording content;
+  std::optional<bad_line> problem;
+};
+[[nodiscard]] read_result read(std::string_view text);
+
+} // namespace rubicon::explain

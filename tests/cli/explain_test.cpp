@@ -1,0 +1,126 @@
+// `rubicon explain` as a user meets it.
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "support/catch.hpp"
+#include "support/shell.hpp"
+
+using rubicon::test::outcome;
+using rubicon::test::shell;
+
+namespace {
+
+const std::string binary = RUBICON_BINARY;
+
+/// Half a minute of the home, recorded once.
+const std::string& home_record() {
+  static const struct scratch {
+    std::string path = (std::filesystem::temp_directory_path() /
+                        ("rubicon-explain-cli-" + std::to_string(getpid())))
+                           .string();
+    scratch() {
+      const auto x =
+          shell('"' + binary + "\" run '" RUBICON_CONFIG_DIR "/home.toml' --for 35s --record " +
+                path + " 2>&1");
+      REQUIRE(x.status == 0);
+    }
+    ~scratch() { std::filesystem::remove(path); }
+  } file;
+  return file.path;
+}
+
+outcome explain(const std::string& words) {
+  return shell('"' + binary + "\" explain " + home_record() + ' ' + words + " 2>/dev/null");
+}
+
+std::string complaint(const std::string& words) {
+  const auto x = shell('"' + binary + "\" explain " + words + " 2>&1 >/dev/null");
+  CHECK(x.status == 2);
+  return x.out;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+} // namespace
+
+TEST_CASE("explain tells the way of a message", "[cli][explain]") {
+  const auto x = explain("kitchen/button#1");
+  CHECK(x.status == 0);
+  CHECK(contains(x.out, "sends 6 octets (\"dinner\")"));
+  CHECK(contains(x.out, "kitchen-gateway → bedroom-gateway"));
+  CHECK(contains(x.out, "\ndelivered after "));
+}
+
+TEST_CASE("explain tells a tuple, its value at a time, and all its values", "[cli][explain]") {
+  CHECK(contains(explain("kitchen.climate-7.temperature").out, "care-pc/rules-1 heard it after"));
+  const auto early = explain("kitchen.climate-7.temperature --at 5s");
+  CHECK(early.status == 0);
+  CHECK(early.out != explain("kitchen.climate-7.temperature").out);
+  CHECK(contains(explain("kitchen.climate-7.temperature --all").out, " values"));
+  CHECK(contains(explain("devices.2.output.1@kitchen-gateway").out, "kitchen/presence-2"));
+}
+
+TEST_CASE("explain lists what can be asked", "[cli][explain]") {
+  const auto x = explain("--limit 0");
+  CHECK(x.status == 0);
+  CHECK(contains(x.out, "kitchen/button#1"));
+  CHECK(contains(x.out, "kitchen.climate-7.temperature"));
+  const auto from = explain("--from kitchen/button");
+  CHECK(contains(from.out, "1 message from kitchen/button, 1 delivered"));
+  CHECK_FALSE(contains(from.out, "climate"));
+  CHECK(contains(explain("--limit 2").out, "before (--limit 0 shows all)"));
+}
+
+TEST_CASE("explain tells the same as JSON", "[cli][explain]") {
+  const auto list = nlohmann::json::parse(explain("--json --limit 0").out);
+  CHECK(list["ecology"] == "home");
+  CHECK(list["messages"].size() > 20);
+  const auto message = nlohmann::json::parse(explain("kitchen/button#1 --json").out);
+  CHECK(message["outcome"] == "delivered");
+  CHECK(message["way"]["step"] == "sends");
+  CHECK(message["way"]["then"][0]["medium"] == "air");
+  const auto tuple = nlohmann::json::parse(explain("kitchen.climate-7.temperature --json").out);
+  CHECK(tuple["heard_by"].size() == 2);
+  CHECK(tuple["caused_by"].size() > 4);
+  const auto values =
+      nlohmann::json::parse(explain("kitchen.climate-7.temperature --all --json").out);
+  CHECK(values.size() > 3);
+}
+
+TEST_CASE("explain answers a mistake by what is near", "[cli][explain]") {
+  const auto& file = home_record();
+  CHECK(complaint(file + " kitchen.climate-7.temperatur") ==
+        file + ": no tuple `kitchen.climate-7.temperatur`: did you mean "
+               "`kitchen.climate-7.temperature`?\n");
+  CHECK(contains(complaint(file + " kitchen/button#9"),
+                 "no message `kitchen/button#9`: did you mean `kitchen/button#1`?"));
+  CHECK(contains(complaint(file + " devices.2.output.1"),
+                 "several peers have `devices.2.output.1`: say "
+                 "devices.2.output.1@bedroom-gateway or devices.2.output.1@kitchen-gateway"));
+  CHECK(contains(complaint(file + " kitchen.climate-7.temperature --at 1ms"),
+                 "had no value yet at that time"));
+}
+
+TEST_CASE("explain refuses what is no record, with its position", "[cli][explain]") {
+  CHECK(complaint("/nowhere/x.rec") == "/nowhere/x.rec: cannot be read\n");
+  const std::string file = RUBICON_CONFIG_DIR "/home.toml";
+  CHECK(complaint('\'' + file + '\'') ==
+        file + ":1: this is no record: the first line is no JSON object\n");
+  CHECK(complaint("/dev/null") == "/dev/null:1: this is no record: it is empty\n");
+}
+
+TEST_CASE("a record that was cut off is explained as far as it goes", "[cli][explain]") {
+  const auto half = home_record() + "-half";
+  std::filesystem::copy_file(home_record(), half);
+  std::filesystem::resize_file(half, std::filesystem::file_size(half) - 7);
+  const auto x = shell('"' + binary + "\" explain " + half + " 2>/dev/null");
+  std::filesystem::remove(half);
+  CHECK(x.status == 0);
+  CHECK(contains(x.out, "The record ends in the middle of a line"));
+}

@@ -1,0 +1,176 @@
+// Whole ecologies, recorded, and what the record tells.
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "ecology_files.hpp"
+#include "explain/outcome.hpp"
+#include "explain/tell.hpp"
+#include "explain/words.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::test;
+
+namespace {
+
+using explain::step;
+
+struct recorded {
+  runtime::report report;
+  explain::journeys all;
+};
+
+/// Runs with a record, which is gone when this returns.
+recorded record_of(config::ecology_description what, duration length) {
+  spdlog::set_level(spdlog::level::err);
+  what.length = length;
+  const auto file =
+      std::filesystem::temp_directory_path() / ("rubicon-explain-test-" + std::to_string(getpid()));
+  run_options options;
+  options.record_file = file.string();
+  recorded x;
+  x.report = run_ecology(what, options);
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  const auto read = explain::read(text);
+  std::filesystem::remove(file);
+  REQUIRE(!read.problem);
+  CHECK(!read.content.cut_off);
+  x.all = explain::follow(read.content);
+  return x;
+}
+
+explain::node_index message_called(const explain::journeys& all, const std::string& name) {
+  const auto found = explain::find(all, name);
+  REQUIRE(std::holds_alternative<explain::message_found>(found));
+  return static_cast<explain::node_index>(std::get<explain::message_found>(found).index);
+}
+
+/// From the first step that led to this one: who, and for hops to whom.
+std::vector<std::string> way_to(const explain::journeys& all, explain::node_index n) {
+  std::vector<std::string> way;
+  for (; n != explain::no_node; n = all.nodes[n].parent)
+    way.insert(way.begin(), explain::where(all, all.nodes[n]));
+  return way;
+}
+
+/// The step of a message or tuple, if it is there.
+explain::node_index step_of(const explain::journeys& all,
+                            const std::vector<explain::node_index>& nodes, step what,
+                            const std::string& who) {
+  for (const auto n : nodes)
+    if (all.nodes[n].what == what && explain::names::of(all.nodes[n].from) == who)
+      return n;
+  FAIL("no such step of " << who);
+  return explain::no_node;
+}
+
+std::size_t value_of(const explain::journeys& all, const std::string& key, std::size_t which) {
+  const auto found = explain::find(all, key);
+  REQUIRE(std::holds_alternative<explain::tuples_found>(found));
+  return std::get<explain::tuples_found>(found).indices.at(which);
+}
+
+using words = std::vector<std::string>;
+
+} // namespace
+
+TEST_CASE("a recorded run is the run without a record", "[ecology][explain][GEN-07]") {
+  auto home = example("home.toml");
+  const auto with = record_of(home, 40s);
+  home.length = 40s;
+  const auto without = run_ecology(home, {});
+  CHECK(with.report.trace_hash == without.trace_hash);
+  CHECK(with.report.events == without.events);
+}
+
+TEST_CASE("a message to another island passes exactly the hops it must",
+          "[ecology][explain][RTG-02]") {
+  const auto all = record_of(example("home.toml"), 40s).all;
+  const auto& m = all.messages[message_called(all, "kitchen/button#1")];
+  const auto end = step_of(all, m.nodes, step::receives, "bedroom/pager/listener-10");
+  CHECK(way_to(all, end) == words{"kitchen/button", "kitchen/button → sink",
+                                  "kitchen/sink → gateway", "kitchen-gateway → bedroom-gateway",
+                                  "bedroom/gateway → sink", "bedroom/sink → pager",
+                                  "bedroom/pager/listener-10"});
+  CHECK(explain::outcome_of(all, m).fate == explain::fate::delivered);
+  CHECK(m.acknowledged.has_value());
+}
+
+TEST_CASE("every message that arrives in the report arrives in the record", "[ecology][explain]") {
+  const auto x = record_of(example("home.toml"), 3min);
+  std::size_t delivered = 0;
+  for (const auto& m : x.all.messages)
+    delivered += m.delivered ? 1 : 0;
+  const auto counted = x.report.messages();
+  CHECK(delivered == counted.received);
+  CHECK(x.all.messages.size() == counted.reliable_sent + counted.unreliable_sent);
+}
+
+TEST_CASE("a proxy's value comes from its mote, and goes to who listens", "[ecology][explain]") {
+  const auto all = record_of(example("home.toml"), 20s).all;
+  const auto& value = all.tuples[value_of(all, "kitchen.climate-7.temperature", 0)];
+  CHECK(way_to(all, step_of(all, value.nodes, step::hears, "care-pc/rules-1")) ==
+        words{"kitchen/climate-7", "kitchen/climate-7 → sink", "kitchen/sink → gateway",
+              "kitchen/gateway", "kitchen-gateway → kitchen-pc", "proxy kitchen.climate-7",
+              "proxy kitchen.climate-7", "kitchen-pc → care-pc", "care-pc/rules-1"});
+  const auto heard = explain::audience_of(all, value);
+  REQUIRE(heard.size() == 2);
+  for (const auto& who : heard)
+    CHECK(who.after.has_value());
+}
+
+TEST_CASE("an actuation is followed from the rules to the relay, and its outcome back",
+          "[ecology][explain]") {
+  const auto all = record_of(example("home.toml"), 20s).all;
+  const auto& told = all.tuples[value_of(all, "devices.4.input.2", 0)];
+  const auto way = way_to(all, told.at_owner);
+  REQUIRE(way.size() > 6);
+  CHECK(way.front() == "kitchen/climate-7"); // whose first reading was below the limit
+  CHECK(words(way.end() - 6, way.end()) ==
+        words{"care-pc → kitchen-pc", "kitchen-pc", "proxy kitchen.fan", "proxy kitchen.fan",
+              "kitchen-pc → kitchen-gateway", "kitchen-gateway"});
+  const auto& outcome = all.tuples[value_of(all, "kitchen.fan.switch.outcome", 0)];
+  const auto back = way_to(all, outcome.root);
+  CHECK(std::ranges::search(back, words{"kitchen/sink → fan", "kitchen/fan → sink",
+                                        "kitchen/sink → gateway", "kitchen/gateway"})
+            .size() == 4);
+}
+
+TEST_CASE("what an unplugged cable keeps back is lost there", "[ecology][explain][GW-16]") {
+  auto home = example("home.toml");
+  home.faults.insert(home.faults.begin(), {25s, config::unplug_fault{island_id{1}, 40s}});
+  const auto all = record_of(home, 60s).all;
+  const auto index = message_called(all, "kitchen/button#1"); // at 31 s
+  const auto& m = all.messages[index];
+  const auto y = explain::outcome_of(all, m);
+  CHECK(y.fate == explain::fate::lost);
+  CHECK(y.where == "kitchen/sink → gateway");
+  CHECK(y.why == "cable unplugged");
+  REQUIRE(m.failed);
+  const auto text = explain::tell_message(all, index, {200, false});
+  CHECK(text.find("greets bedroom/pager first, 5 times: no answer") != std::string::npos);
+  CHECK(text.find("serial cable unplugged") != std::string::npos);
+  CHECK(text.find("reported failed to the sender") != std::string::npos);
+}
+
+TEST_CASE("messages are followed while gateways end and start again", "[ecology][explain]") {
+  auto home = example("home.toml");
+  home.faults.insert(home.faults.begin(), {25s, config::kill_fault{peer_id{2}, 20s}});
+  const auto all = record_of(home, 100s).all;
+  const auto& lost = all.messages[message_called(all, "kitchen/button#1")]; // at 31 s
+  CHECK(explain::outcome_of(all, lost).fate == explain::fate::lost);
+  const auto& there = all.messages[message_called(all, "kitchen/button#2")]; // at 61 s
+  CHECK(explain::outcome_of(all, there).fate == explain::fate::delivered);
+}
+
+TEST_CASE("a record that cannot be written is an error", "[ecology][explain]") {
+  run_options options;
+  options.record_file = "/proc/rubicon/record";
+  CHECK_THROWS_AS(run_ecology(example("home.toml"), options), std::runtime_error);
+}

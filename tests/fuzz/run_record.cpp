@@ -1,0 +1,38 @@
+// Records of runs: no crash on any text, what is read is written back the same, and whatever it
+// tells can be followed and told.
+#include <cstdlib>
+
+#include "explain/tell.hpp"
+
+using namespace rubicon;
+using namespace rubicon::explain;
+
+namespace {
+
+void check_round_trip(const recording& x) {
+  encoder out;
+  auto text = encoder::encode(x.about);
+  for (const auto& r : x.records)
+    text += out.encode(r);
+  const auto back = read(text);
+  if (back.problem || back.content.about != x.about || back.content.records != x.records)
+    std::abort();
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto x = read(std::string_view(reinterpret_cast<const char*>(data), size));
+  if (x.problem)
+    return 0;
+  check_round_trip(x.content);
+  const auto all = follow(x.content);
+  static_cast<void>(tell_list(all, {}, {}));
+  for (std::size_t i = 0; i < all.messages.size(); ++i) {
+    static_cast<void>(tell_message(all, i, {}));
+    static_cast<void>(message_json(all, i));
+  }
+  for (std::size_t i = 0; i < all.tuples.size(); ++i)
+    static_cast<void>(tell_tuple(all, i, {}));
+  return 0;
+}

@@ -1,0 +1,354 @@
+#include "explain/outcome.hpp"
+#include "explain_world.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::explain;
+using namespace rubicon::test;
+
+namespace {
+
+const bytes reading{0x00, 0xd7};
+constexpr paper wide{200, false};
+
+/// The way of one segment from mote 7 to the gateway, and of the answer back.
+struct delivery {
+  explain_world& world;
+  transport::segment segment;
+  std::uint16_t sequence = 1;
+
+  [[nodiscard]] explain_world::frame_of frame_up() const {
+    return {
+        near_mote, sink_actor,      7,
+        1,         network::am::up, world.up(7, sequence, world.whole(world.packet_up(segment))),
+        sequence};
+  }
+  [[nodiscard]] bytes serial_up() const {
+    return world.serial({1, 7, 1, network::am::to_gateway, world.packet_up(segment)}, false);
+  }
+  [[nodiscard]] bytes serial_down(std::uint8_t number) const {
+    return world.serial({7, 0, 1, network::am::from_gateway,
+                         world.packet_down(world.answer_to(segment), mote_id{7})},
+                        true, number);
+  }
+
+  std::uint64_t to_gateway(std::uint64_t cause) {
+    const auto received = world.crosses_air(frame_up(), cause);
+    world.writes(false, serial_up(), received);
+    return world.line_gives(false, serial_up());
+  }
+
+  void answer(std::uint64_t cause) {
+    world.writes(true, serial_down(9), cause);
+    const auto at_sink = world.line_gives(true, serial_down(9));
+    world.crosses_air(
+        {sink_actor, near_mote, 1, 7, network::am::down,
+         world.down(sequence, 7,
+                    world.whole(world.packet_down(world.answer_to(segment), mote_id{7}))),
+         100},
+        at_sink);
+  }
+};
+
+} // namespace
+
+TEST_CASE("a message is followed to the gateway, and its acknowledgement back", "[explain]") {
+  explain_world world;
+  const auto cause = world.program_sends(near_mote, reading, true);
+  delivery way{world, world.reliable(7, 5, reading)};
+  const auto there = way.to_gateway(cause);
+  world.sets(gateway_actor, gateway_kernel, "devices.7.output.2", "x", there);
+  way.answer(there);
+  const auto all = follow(world.x);
+  REQUIRE(all.messages.size() == 1);
+  const auto& m = all.messages.front();
+  CHECK(m.name == "kitchen/near#1");
+  CHECK(m.content == reading);
+  CHECK(m.delivered == instant(6ms)); // 3 ms in the air, 1 ms until the line, 2 ms on it
+  CHECK(m.acknowledged == instant(11ms));
+  CHECK(m.sends == 1);
+  const auto text = tell_message(all, 0, wide);
+  CHECK(contains(text, "sampler-1 sends 2 octets (00d7) to kitchen/gateway: AM type 2, reliable"));
+  CHECK(contains(text, "kitchen/near → sink"));
+  CHECK(contains(text, "kitchen/sink → gateway"));
+  CHECK(contains(text, "sets devices.7.output.2 = x"));
+  CHECK(contains(text, "kitchen/gateway → kitchen/near"));
+  CHECK(contains(text, "delivered after 6.0 ms, acknowledged after 11.0 ms\n"));
+}
+
+TEST_CASE("the value of a tuple is followed back to the message that brought it", "[explain]") {
+  explain_world world;
+  delivery way{world, world.reliable(7, 5, reading)};
+  const auto there = way.to_gateway(world.program_sends(near_mote, reading, true));
+  world.sets(gateway_actor, gateway_kernel, "devices.7.output.2", "x", there);
+  const auto all = follow(world.x);
+  REQUIRE(all.tuples.size() == 1);
+  const auto text = tell_tuple(all, 0, {});
+  CHECK(contains(text, "kitchen/near → sink"));
+  CHECK(contains(text, "kitchen/sink → gateway"));
+  CHECK(contains(text, "set at kitchen-gateway after 6.0 ms; nobody listens"));
+}
+
+TEST_CASE("repeats of a frame are one row with their reasons", "[explain]") {
+  explain_world world;
+  const auto cause = world.program_sends(near_mote, reading, true);
+  const delivery way{world, world.reliable(7, 5, reading)};
+  const auto frame = way.frame_up();
+  world.asks_radio(frame, cause);
+  world.on_air(frame, "collision");
+  world.on_air(frame, "loss");
+  world.on_air(frame, "delivered");
+  world.radio_ends(frame, "sent");
+  const auto all = follow(world.x);
+  const auto y = outcome_of(all, all.messages.front());
+  CHECK(y.retries.radio == 2);
+  CHECK(contains(tell_message(all, 0, wide),
+                 "radio: received after 2 repeats (collision, lost in the air)"));
+}
+
+TEST_CASE("a message that no frame brings to the sink is lost there", "[explain]") {
+  explain_world world;
+  const auto cause = world.program_sends(far_mote, reading, true);
+  const auto segment = world.reliable(8, 5, reading);
+  for (std::uint16_t attempt = 1; attempt <= 2; ++attempt) {
+    const explain_world::frame_of frame{
+        far_mote, sink_actor,      8,
+        1,        network::am::up, world.up(8, attempt, world.whole(world.packet_up(segment))),
+        attempt};
+    world.asks_radio(frame, attempt == 1 ? cause : 0);
+    for (int i = 0; i < 4; ++i)
+      world.on_air(frame, "out_of_reach");
+    world.radio_ends(frame, "no_ack");
+    world.now += 1s;
+  }
+  record failed;
+  failed.id = 1;
+  world.put(kind::send_ended, far_mote, "mote_app/kitchen/far/sampler-1", 0, failed);
+  const auto all = follow(world.x);
+  const auto y = outcome_of(all, all.messages.front());
+  CHECK(y.fate == fate::lost);
+  CHECK(y.where == "kitchen/far → sink");
+  CHECK(y.why == "4 tries: 4 × out of range");
+  CHECK(y.retries.transport == 1);
+  CHECK(y.retries.radio == 6);
+  const auto text = tell_message(all, 0, wide);
+  CHECK(contains(text, "attempt 1 of 2: LOST, 4 tries: 4 × out of range"));
+  CHECK(contains(text, "lost between kitchen/far → sink: 4 tries: 4 × out of range; "
+                       "reported failed to the sender at 2.032 s; 6 radio repeats; "
+                       "2 attempts end to end"));
+  listing asked;
+  asked.lost_only = true;
+  CHECK(contains(tell_list(all, asked, wide), "kitchen/far#1"));
+}
+
+TEST_CASE("an unplugged serial line is where a message ends", "[explain][GW-16]") {
+  explain_world world;
+  const auto cause = world.program_sends(near_mote, reading, true);
+  const delivery way{world, world.reliable(7, 5, reading)};
+  world.plug(false);
+  const auto received = world.crosses_air(way.frame_up(), cause);
+  world.writes(false, way.serial_up(), received);
+  world.now += 90s;
+  world.put(kind::story, "ecology/test", "", 0);
+  const auto all = follow(world.x);
+  const auto y = outcome_of(all, all.messages.front());
+  CHECK(y.fate == fate::lost);
+  CHECK(y.where == "kitchen/sink → gateway");
+  CHECK(y.why == "cable unplugged");
+}
+
+TEST_CASE("octets that a serial line corrupts are not received", "[explain]") {
+  explain_world world;
+  const auto cause = world.program_sends(near_mote, reading, true);
+  const delivery way{world, world.reliable(7, 5, reading)};
+  const auto received = world.crosses_air(way.frame_up(), cause);
+  auto octets = way.serial_up();
+  world.writes(false, octets, received);
+  octets[5] ^= 1;
+  world.line_gives(false, octets);
+  const auto all = follow(world.x);
+  const auto y = outcome_of(all, all.messages.front());
+  CHECK(y.fate == fate::under_way); // it may be sent again
+  CHECK(y.why == "octets corrupted");
+}
+
+TEST_CASE("a write that is repeated on the serial line is one hop", "[explain][GW-16]") {
+  explain_world world;
+  delivery way{world, world.reliable(7, 5, reading)};
+  const auto there = way.to_gateway(world.program_sends(near_mote, reading, true));
+  world.writes(true, way.serial_down(3), there);
+  world.now += 100ms;
+  world.writes(true, way.serial_down(3), 0);
+  world.line_gives(true, way.serial_down(3));
+  const auto all = follow(world.x);
+  CHECK(outcome_of(all, all.messages.front()).retries.serial == 1);
+}
+
+TEST_CASE("a new attempt of Transport is told from a repeat", "[explain]") {
+  explain_world world;
+  delivery way{world, world.reliable(7, 5, reading)};
+  const auto cause = world.program_sends(near_mote, reading, true);
+  const auto there = way.to_gateway(cause);
+  static_cast<void>(there); // its answer never comes
+  way.sequence = 2;
+  way.answer(way.to_gateway(0));
+  const auto all = follow(world.x);
+  const auto& m = all.messages.front();
+  CHECK(m.sends == 2);
+  CHECK(m.delivered == instant(6ms));
+  CHECK(m.acknowledged == instant(17ms));
+  CHECK(contains(tell_message(all, 0, wide), "attempt 2 of 2: there again"));
+}
+
+TEST_CASE("a message in pieces is there when all of them are", "[explain][NET-14]") {
+  const auto lost = GENERATE(false, true);
+  explain_world world;
+  const bytes content(200, 0x5a);
+  const auto cause = world.program_sends(near_mote, content, true);
+  const auto packet = world.packet_up(world.reliable(7, 5, content));
+  const auto pieces = *transport::cut(packet, 100, 4);
+  REQUIRE(pieces.size() == 3);
+  std::uint64_t received = 0;
+  for (std::uint16_t i = 0; i < 3; ++i) {
+    const explain_world::frame_of frame{
+        near_mote, sink_actor,      7,
+        1,         network::am::up, world.up(7, static_cast<std::uint16_t>(i + 1), pieces[i]),
+        i + 1U};
+    if (lost && i == 1) {
+      world.asks_radio(frame, cause);
+      world.on_air(frame, "collision");
+      world.radio_ends(frame, "no_ack");
+    } else {
+      received = world.crosses_air(frame, cause);
+    }
+  }
+  if (!lost) {
+    const auto on_line = *transport::cut(packet, 114, 9);
+    for (const auto& piece : on_line)
+      world.writes(false, world.serial({1, 7, 1, network::am::packet, piece}, false), received);
+    for (const auto& piece : on_line)
+      world.line_gives(false, world.serial({1, 7, 1, network::am::packet, piece}, false));
+  }
+  const auto all = follow(world.x);
+  REQUIRE(all.messages.size() == 1);
+  const auto& m = all.messages.front();
+  CHECK(m.delivered.has_value() == !lost);
+  CHECK(contains(tell_message(all, 0, wide),
+                 lost ? "radio, 3 pieces: LOST, 3 tries: collision" : "serial line, 2 pieces"));
+}
+
+TEST_CASE("unreliable messages of equal content are told apart", "[explain]") {
+  explain_world world;
+  transport::segment plain;
+  plain.source = mote_id{7};
+  plain.am_type = 2;
+  plain.payload = reading;
+  for (std::uint16_t i = 1; i <= 3; ++i) {
+    delivery way{world, plain, i};
+    const auto cause = world.program_sends(near_mote, reading, false, i);
+    if (i == 2) {
+      world.asks_radio(way.frame_up(), cause);
+      world.on_air(way.frame_up(), "weak");
+      world.radio_ends(way.frame_up(), "no_ack");
+    } else {
+      way.to_gateway(cause);
+    }
+    world.now += 1s;
+  }
+  const auto all = follow(world.x);
+  REQUIRE(all.messages.size() == 3);
+  CHECK(outcome_of(all, all.messages[0]).fate == fate::delivered);
+  CHECK(outcome_of(all, all.messages[1]).fate == fate::lost);
+  CHECK(outcome_of(all, all.messages[1]).why == "too weak");
+  CHECK(outcome_of(all, all.messages[2]).fate == fate::delivered);
+}
+
+TEST_CASE("the greeting before the first message is one row", "[explain]") {
+  explain_world world;
+  const auto cause = world.program_sends(near_mote, reading, true);
+  auto hello = world.reliable(7, 4, {});
+  hello.what = transport::segment::kind::hello;
+  delivery greeting{world, hello};
+  greeting.answer(greeting.to_gateway(cause));
+  delivery way{world, world.reliable(7, 5, reading), 2};
+  way.answer(way.to_gateway(0));
+  const auto all = follow(world.x);
+  REQUIRE(all.messages.size() == 1);
+  CHECK(all.messages.front().sends == 1);
+  CHECK(contains(tell_message(all, 0, wide), "greets kitchen/gateway first: answered"));
+}
+
+TEST_CASE("a message can be asked for by name or by numbers", "[explain]") {
+  explain_world world;
+  world.program_sends(near_mote, reading, true, 1);
+  world.program_sends(near_mote, reading, true, 2);
+  const auto all = follow(world.x);
+  for (const auto* name : {"kitchen/near#2", "Kitchen/NEAR#2", "1/7#2"}) {
+    CAPTURE(name);
+    const auto found = find(all, name);
+    REQUIRE(std::holds_alternative<message_found>(found));
+    CHECK(std::get<message_found>(found).index == 1);
+  }
+  for (const auto* name : {"kitchen/near#3", "kitchen/neat#1", "#", "kitchen/near#", "#1"}) {
+    CAPTURE(name);
+    const auto found = find(all, name);
+    REQUIRE(std::holds_alternative<nothing_found>(found));
+    CHECK(std::get<nothing_found>(found).known == std::vector<std::string>{"kitchen/near#1..2"});
+  }
+}
+
+TEST_CASE("a message that its mote refuses says so", "[explain]") {
+  explain_world world;
+  world.program_sends(near_mote, reading, true);
+  record refused;
+  refused.id = 1;
+  refused.text = "refused";
+  world.put(kind::send_ended, near_mote, "mote_app/kitchen/near/sampler-1", 1, refused);
+  const auto all = follow(world.x);
+  CHECK(outcome_of(all, all.messages.front()).fate == fate::refused);
+  CHECK(contains(tell_message(all, 0, wide), "refused: its mote did not take it"));
+}
+
+TEST_CASE("a message that never left is not taken for the next one", "[explain]") {
+  explain_world world;
+  transport::segment plain;
+  plain.source = mote_id{7};
+  plain.am_type = 2;
+  plain.payload = reading;
+  world.program_sends(near_mote, reading, false, 1); // the mote knows no way
+  world.now += 100s;
+  delivery way{world, plain};
+  way.to_gateway(world.program_sends(near_mote, reading, false, 2));
+  const auto all = follow(world.x);
+  REQUIRE(all.messages.size() == 2);
+  CHECK(outcome_of(all, all.messages[0]).fate == fate::lost);
+  CHECK(outcome_of(all, all.messages[0]).why == "it never left the sender");
+  CHECK(outcome_of(all, all.messages[1]).fate == fate::delivered);
+}
+
+TEST_CASE("a receiver that has started again turns a message away", "[explain][DIS-07]") {
+  explain_world world;
+  delivery way{world, world.reliable(7, 5, reading)};
+  const auto there = way.to_gateway(world.program_sends(near_mote, reading, true));
+  auto refused = world.answer_to(way.segment);
+  refused.what = transport::segment::kind::refused;
+  const auto octets = world.serial(
+      {7, 0, 1, network::am::from_gateway, world.packet_down(refused, mote_id{7})}, true, 1);
+  world.writes(true, octets, there);
+  SECTION("and it is lost") {
+    record failed;
+    failed.id = 1;
+    world.put(kind::send_ended, near_mote, "mote_app/kitchen/near/sampler-1", 0, failed);
+    const auto all = follow(world.x);
+    CHECK(outcome_of(all, all.messages.front()).fate == fate::lost);
+    CHECK(contains(outcome_of(all, all.messages.front()).why, "kitchen/gateway did not take it"));
+  }
+  SECTION("and takes it under another number") {
+    delivery again{world, world.reliable(7, 9, reading), 2};
+    again.answer(again.to_gateway(0));
+    const auto all = follow(world.x);
+    REQUIRE(all.messages.size() == 1);
+    CHECK(outcome_of(all, all.messages.front()).fate == fate::delivered);
+    CHECK(all.messages.front().acknowledged);
+  }
+}
