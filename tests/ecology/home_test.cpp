@@ -67,7 +67,7 @@ TEST_CASE("the trace of the home is the same on every machine and in every build
   auto home = example("home.toml");
   home.length = 5min;
   const auto report = run(home);
-  CHECK(report.trace_hash == "4f72ed8ff9fca3c5");
+  CHECK(report.trace_hash == "d97f0dba0dd7f5ed");
 }
 
 TEST_CASE("an ecology can be stopped after any time", "[ecology]") {
