@@ -64,8 +64,9 @@ void on_tuple(collector_pointer self, const tuple_event& x) {
 
 } // namespace
 
-timed_peer_app_actor::behavior_type rules_program(rules_pointer self, std::vector<proxy::rule> rules,
-                                            peis_peer_actor peer, ecology_actor ecology) {
+timed_peer_app_actor::behavior_type rules_program(rules_pointer self,
+                                                  std::vector<proxy::rule> rules,
+                                                  peis_peer_actor peer, ecology_actor ecology) {
   scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.rules = proxy::rules(std::move(rules));

@@ -60,9 +60,9 @@ rule read_rule(table_reader& in) {
   out.equals = values_of(std::move(texts));
   in.optional("lasting", time_span{}, out.lasting);
   in.optional("otherwise_lasting", time_span{}, out.otherwise_lasting);
-  in.tables("writes", "writes",
-            [&out](table_reader& x) { out.writes.push_back(read_rule_write(x)); },
-            in.has("writes") ? 1 : 0);
+  in.tables(
+      "writes", "writes", [&out](table_reader& x) { out.writes.push_back(read_rule_write(x)); },
+      in.has("writes") ? 1 : 0);
   if (!in.has("writes"))
     out.writes.push_back(read_rule_write(in));
   const bool has_threshold = in.has("above") || in.has("below");

@@ -99,7 +99,7 @@ struct gateway_counters {
   std::uint64_t undeliverable = 0;  ///< for motes that are not listed, or for nobody here
   std::uint64_t unsayable = 0; ///< messages from or to a gateway of the strict form that it does
                                ///< not know: reliable ones, streams, synaptic channels
-  std::uint64_t requests = 0; ///< to motes, of what they are to send
+  std::uint64_t requests = 0;  ///< to motes, of what they are to send
   std::uint64_t requests_failed = 0;
   std::uint64_t bad_periods = 0; ///< texts that are no period: dropped
 };

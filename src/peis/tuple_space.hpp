@@ -142,8 +142,8 @@ public:
   [[nodiscard]] bool is_watched(const key& name) const; ///< or a callback here
   /// Who has subscribed to what here, ascending by host, owner, key.
   [[nodiscard]] std::vector<std::pair<peer_id, prototype>> subscribers() const;
-  /// Folded keys and patterns of subscriptions to our own tuples, others' and ours, whose first part
-  /// is this one and no wildcard; ascending, each once. @param first_part in lower case
+  /// Folded keys and patterns of subscriptions to our own tuples, others' and ours, whose first
+  /// part is this one and no wildcard; ascending, each once. @param first_part in lower case
   [[nodiscard]] std::set<std::string> subscribed(std::string_view first_part) const;
   /// Change whenever subscriptions and callbacks, ours or others' here, and the set of own keys do.
   [[nodiscard]] std::uint64_t subscribers_version() const { return subscribers_version_; }

@@ -261,8 +261,7 @@ std::set<std::string> tuple_space::subscribed(std::string_view first_part) const
   };
   subscribers_.for_all([&](const subscriber& x) { note(x.wanted.name); });
   wanted_.for_all([&](const subscription& x) {
-    if (x.kind == interest::subscription &&
-        (x.wanted.owner == any_peer || x.wanted.owner == self_))
+    if (x.kind == interest::subscription && (x.wanted.owner == any_peer || x.wanted.owner == self_))
       note(x.wanted.name);
   });
   return all;

@@ -21,11 +21,12 @@ struct rule_write {
 
 /// When a tuple meets a condition, and has done so for long enough, writes others. The condition is
 /// a threshold with hysteresis, or one of some texts. A threshold that is not given is the same as
-/// the other one; without any condition the rule never writes. @pre below <= above if both are given
+/// the other one; without any condition the rule never writes. @pre below <= above if both are
+/// given
 struct rule {
-  std::string when;                ///< key watched, whoever owns it; keys have no letter case (TUP-03)
-  std::optional<double> above;     ///< holds at or above this,
-  std::optional<double> below;     ///< ends below this
+  std::string when;            ///< key watched, whoever owns it; keys have no letter case (TUP-03)
+  std::optional<double> above; ///< holds at or above this,
+  std::optional<double> below; ///< ends below this
   std::vector<std::string> equals; ///< holds while the text is one of these, ends with any other
   duration lasting{};              ///< holds for so long before `then` is written
   duration otherwise_lasting{};    ///< has ended for so long before `otherwise` is written
@@ -86,7 +87,7 @@ private:
   struct state {
     rule what;
     level is = level::unknown;
-    level next = level::unknown;  ///< what it becomes at `due`
+    level next = level::unknown; ///< what it becomes at `due`
     std::optional<instant> due;
   };
 
