@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "proxy/tuple_key.hpp"
+
 namespace rubicon::proxy {
 
 const proxy_class* class_table::find(const signature& percept) const {
   if (percept.channel != wsn_channel)
-    return nullptr;
+    return find_by_id(percept);
   const proxy_class* narrowest = nullptr;
   std::uint32_t least = 0;
   for (const auto& candidate : classes_)
@@ -20,6 +22,21 @@ const proxy_class* class_table::find(const signature& percept) const {
       }
     }
   return narrowest;
+}
+
+const proxy_class* class_table::find_by_id(const signature& percept) const {
+  const proxy_class* longest = nullptr;
+  std::size_t length = 0;
+  for (const auto& candidate : classes_)
+    for (const auto& [channel, prefix] : candidate.ids) {
+      const bool fits = channel == percept.channel && prefix.size() <= percept.hardware_id.size() &&
+                        same_key(prefix, percept.hardware_id.substr(0, prefix.size()));
+      if (!fits || (longest != nullptr && prefix.size() <= length))
+        continue;
+      longest = &candidate;
+      length = prefix.size();
+    }
+  return longest;
 }
 
 const proxy_class* class_table::find(std::string_view name) const {

@@ -16,8 +16,8 @@ public:
 
   /// The class with the narrowest type range around the signature's type; of equally narrow ones
   /// the first in the table. A range whose `first` is above its `last` holds nothing.
-  /// @returns nullptr if no class claims it or its channel is not `wsn`; else valid as long as the
-  /// table
+  /// On channels other than `wsn` the class with the longest prefix of the id.
+  /// @returns nullptr if no class claims it; else valid as long as the table
   [[nodiscard]] const proxy_class* find(const signature& percept) const;
 
   /// By name; nullptr if there is none.
@@ -26,6 +26,8 @@ public:
   [[nodiscard]] std::size_t size() const { return classes_.size(); }
 
 private:
+  [[nodiscard]] const proxy_class* find_by_id(const signature& percept) const;
+
   std::vector<proxy_class> classes_;
 };
 

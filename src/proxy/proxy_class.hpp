@@ -42,9 +42,24 @@ struct type_range {
   std::uint32_t last = 0;
 };
 
+/// Ids on a kind of interface that begin so; without regard to letter case.
+struct id_prefix {
+  std::string channel; ///< `rfid`
+  std::string prefix;  ///< empty: every id
+};
+
+/// One object of a class that is known beforehand, by its id.
+struct known_object {
+  std::string id;
+  std::string name; ///< for {name} of the class's prefix; empty: its id
+  std::vector<std::pair<std::string, std::string>> properties; ///< beside those of the class
+};
+
 struct proxy_class {
   std::string name;
-  std::vector<type_range> types; ///< the signatures it claims; the narrowest matching range wins
+  std::vector<type_range> types; ///< of motes it claims; the narrowest matching range wins
+  std::vector<id_prefix> ids;    ///< of other objects it claims; the longest matching prefix wins
+  std::vector<known_object> objects; ///< the table that prior information comes from (PXY-05)
   /// Key prefix of its tuples; {island}, {id} and {name} are replaced by the island's name, the
   /// mote's decimal id and the mote's configured name.
   std::string prefix = "{island}.{name}";

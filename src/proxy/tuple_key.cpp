@@ -1,7 +1,6 @@
 #include "proxy/tuple_key.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace rubicon::proxy {
@@ -42,11 +41,15 @@ std::string key_parts(std::string_view text) {
 
 std::string key_prefix(std::string_view prefix, const proxy_identity& who) {
   const auto id = to_string(who.mote.mote);
-  const std::array<std::pair<std::string_view, std::string>, 3> names{
-      {{"{island}",
-        key_part(who.island_name.empty() ? to_string(who.mote.island) : who.island_name)},
-       {"{id}", id},
-       {"{name}", key_part(who.mote_name.empty() ? "mote-" + id : who.mote_name)}}};
+  return fill_prefix(
+      prefix, {{"{island}",
+                key_part(who.island_name.empty() ? to_string(who.mote.island) : who.island_name)},
+               {"{id}", id},
+               {"{name}", key_part(who.mote_name.empty() ? "mote-" + id : who.mote_name)}});
+}
+
+std::string fill_prefix(std::string_view prefix,
+                        const std::vector<std::pair<std::string_view, std::string>>& names) {
   std::string filled;
   while (!prefix.empty()) {
     const auto found = std::find_if(names.begin(), names.end(),

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "core/address.hpp"
 
@@ -30,6 +32,11 @@ struct proxy_identity {
 /// Replaces {island}, {id} and {name} in a class's prefix; what they stand for is always within one
 /// part. Anything else in braces becomes part of the key as key_part() has it.
 [[nodiscard]] std::string key_prefix(std::string_view prefix, const proxy_identity& who);
+
+/// The same with other names: each pair is what stands in braces, `{id}`, and its one part.
+[[nodiscard]] std::string
+fill_prefix(std::string_view prefix,
+            const std::vector<std::pair<std::string_view, std::string>>& names);
 
 /// Whether a key is short enough and has few enough parts to be set.
 [[nodiscard]] bool fits_tuple_key(std::string_view key);

@@ -1,0 +1,86 @@
+// A world of tagged things, and the readers that perceive them (D1.1 3.2.2; PXY-02, PXY-03): the
+// interface of objects that have neither radio stack nor programs.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/random.hpp"
+#include "core/time.hpp"
+#include "mote/walk.hpp"
+
+namespace rubicon::rfid {
+
+/// A passive tag, and the thing that it sticks to.
+struct tag {
+  std::string id; ///< its hardware id: 1 to 32 lower-case letters, digits, - and _
+  bytes memory;   ///< its user memory, which readers read
+  mote::walk way; ///< where it is, and is carried. @pre not empty
+};
+
+using tags = std::vector<tag>;
+
+/// Set this own tuple.
+struct publish {
+  std::string key;
+  bytes value;
+  bool text = true;
+};
+
+/// Delete this own tuple.
+struct erase {
+  std::string key;
+};
+
+using output = std::variant<publish, erase>;
+using outputs = std::vector<output>;
+
+struct reader_config {
+  std::string name; ///< of the interface, one in its ecology
+  position place;
+  double range_m = 1;
+  duration period = 500ms;  ///< between two inventories
+  double miss_rate = 0;     ///< chance that an inventory misses a tag in range
+  unsigned missed_max = 2;  ///< inventories without a tag until it is taken for gone
+  double rssi_1m_dbm = -50; ///< of a tag at 1 m,
+  double exponent = 2;      ///< falling with distance so
+  double rssi_step_db = 1;  ///< a smaller change is not published
+};
+
+/// Publishes what it perceives, in the tuples of core/interface_keys.hpp, and interprets nothing.
+class reader {
+public:
+  reader() = default;
+  /// @param world shared by all readers, never null
+  reader(reader_config config, std::shared_ptr<const tags> world, random_stream dice);
+
+  [[nodiscard]] outputs start(instant now);
+  [[nodiscard]] outputs on_time(instant now); ///< an inventory; harmless before deadline()
+  [[nodiscard]] std::optional<instant> deadline() const { return due_; }
+
+  [[nodiscard]] std::size_t perceived() const { return seen_.size(); }
+
+private:
+  struct sight {
+    unsigned missed = 0; ///< inventories in succession
+    double rssi_dbm = 0; ///< as published
+  };
+
+  [[nodiscard]] std::optional<double> strength(const tag& x, instant now);
+  [[nodiscard]] publish list() const;
+
+  reader_config config_;
+  std::shared_ptr<const tags> world_;
+  random_stream dice_;
+  std::map<std::string, sight> seen_;
+  std::optional<instant> due_;
+};
+
+} // namespace rubicon::rfid

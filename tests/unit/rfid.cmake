@@ -1,0 +1,1 @@
+rubicon_test(unit.rfid SOURCES unit/rfid_reader_test.cpp NEEDS rubicon_rfid)
