@@ -82,7 +82,7 @@ std::optional<double> reader::strength(const tag& x, instant now) {
 
 publish reader::list() const {
   std::vector<std::string> ids;
-  for (const auto& [id, sight] : seen_)
+  for (const auto& [id, x] : seen_)
     ids.push_back(id);
   return text_tuple({interface_tuple::objects, config_.name, {}}, object_list_text(std::move(ids)));
 }
