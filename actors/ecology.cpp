@@ -358,7 +358,7 @@ void deliver(ecology_pointer self) {
   std::ranges::stable_sort(report.programs, {}, &runtime::program_report::who);
   for (auto& x : runtime::check_all(report, truth_of(self)))
     report.violations.push_back(std::move(x));
-  self->state.on_report(std::move(report));
+  self->state.on_report(report); // not moved: programs that end later still tell their counters
 }
 
 } // namespace

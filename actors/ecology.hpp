@@ -15,6 +15,7 @@
 #include "config/ecology.hpp"
 #include "core/random.hpp"
 #include "io/loop.hpp"
+#include "rfid/reader.hpp"
 #include "runtime/fault_plan.hpp"
 #include "runtime/invariants.hpp"
 #include "runtime/report.hpp"
@@ -70,6 +71,7 @@ struct ecology_state {
   frame_observer observe_frames; ///< may be empty
   std::map<mote_address, supervised_mote> motes;
   std::map<island_id, serial_line_actor> lines;
+  std::shared_ptr<const rfid::tags> tags; ///< of the world; nullptr until a reader needs them
   peis_lan_actor lan;
   peis_bluetooth_actor bluetooth;                      ///< nullptr: no peer has an adapter
   std::map<std::string, supervised_peer> peers;        ///< by name

@@ -145,7 +145,7 @@ void on_timer(gateway_pointer self) {
   perform(self, state.port.on_time(now(self)));
 }
 
-void report(gateway_pointer self) {
+void report_counters(gateway_pointer self) {
   const auto& state = self->state;
   const auto island = state.arguments.config.island;
   const auto& port = state.port.counters();
@@ -163,13 +163,16 @@ void report(gateway_pointer self) {
   self->send(ecology, std::move(status));
   self->send(ecology, message_status{island, report_of(state.gateway.messages(),
                                                        state.gateway.outstanding())});
-  self->send(ecology, devices_status{island, state.gateway.devices()});
 }
 
 } // namespace
 
 gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_arguments arguments) {
   scheduler::tell_monitors_of_exceptions(self);
+  self->set_exit_handler([self](const caf::exit_msg& x) {
+    report_counters(self); // a life that a fault has ended counts as well
+    self->quit(x.reason);
+  });
   auto& state = self->state;
   state.arguments = std::move(arguments);
   state.gateway =
@@ -210,7 +213,10 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
           on_timer(self);
       },
       [self](status_request) {
-        report(self);
+        report_counters(self);
+        self->send(
+            self->state.arguments.ecology,
+            devices_status{self->state.arguments.config.island, self->state.gateway.devices()});
         self->state.programs.report(self, self->state.arguments.ecology,
                                     self->state.arguments.name);
       },

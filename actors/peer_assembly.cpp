@@ -3,8 +3,10 @@
 #include <cmath>
 
 #include "actors/apps/peer_apps.hpp"
+#include "actors/apps/rfid_reader.hpp"
 #include "actors/assembly.hpp"
 #include "actors/gateway.hpp"
+#include "actors/object_manager.hpp"
 #include "actors/pc.hpp"
 #include "actors/peis_bluetooth.hpp"
 #include "actors/peis_peer.hpp"
@@ -134,6 +136,18 @@ std::optional<real_links_config> real_links_of(ecology_pointer self,
   return x;
 }
 
+rfid::tags tags_of(const config::ecology_description& x) {
+  constexpr duration any_step = 1s; // readers look when they please
+  rfid::tags all;
+  for (const auto& each : x.tags) {
+    auto path = each.path;
+    if (path.empty())
+      path.push_back({0s, each.place});
+    all.push_back({each.id, each.memory, mote::walk(std::move(path), any_step)});
+  }
+  return all;
+}
+
 /// Spawns one app of a peer, whichever kind it is.
 struct peer_app_spawner {
   ecology_pointer self;
@@ -149,20 +163,33 @@ struct peer_app_spawner {
     arguments.peer = peer.handle;
     arguments.ecology = ecology_handle(self);
     add(spawn_child(self, "proxy_manager/" + peer.name, proxy_manager, std::move(arguments)));
+    if (x.objects)
+      add(spawn_child(self, "object_manager/" + peer.name, object_manager,
+                      self->state.description.proxies, peer.handle, ecology_handle(self)));
   }
 
   void operator()(const config::rules_app& x) const {
     std::vector<proxy::rule> rules;
     for (const auto& rule : x.rules)
       rules.push_back(rule_of(rule));
-    add(spawn_child(self, path("rules"), rules_program, std::move(rules), peer.handle,
-                    ecology_handle(self)));
+    add(spawn_child(self, path("rules"), rules_program, proxy::rules(std::move(rules), x.retry),
+                    peer.handle, ecology_handle(self)));
   }
 
   void operator()(const apps::app_config&) const {} // all in one actor
 
   void operator()(const config::collector_app& x) const {
     add(spawn_child(self, path("collector"), collector, x.keys, peer.handle));
+  }
+
+  void operator()(const rfid::reader_config& x) const {
+    auto& tags = self->state.tags;
+    if (tags == nullptr)
+      tags = std::make_shared<const rfid::tags>(tags_of(self->state.description));
+    add(spawn_child(
+        self, path("rfid_reader"), rfid_reader,
+        rfid::reader(x, tags, random_stream(self->state.description.seed, "rfid_reader/" + x.name)),
+        peer.handle));
   }
 
   [[nodiscard]] managed_island managed(island_id id) const {

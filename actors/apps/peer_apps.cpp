@@ -26,7 +26,8 @@ void write_all(rules_pointer self, const std::vector<proxy::write_tuple>& writes
     const auto owner = state.owners.find(x.key);
     if (owner == state.owners.end())
       continue; // said again when the owner is found: rules::on_owner
-    self->send(state.ecology, story{self->path(), "writes " + x.key + " = " + x.word});
+    self->send(state.ecology,
+               story{self->path(), "writes " + x.key + " = " + x.word + (x.again ? " again" : "")});
     self->send(state.peer, set_remote_tuple{handle_of(self), 0, owner->second, x.key,
                                             payload(to_bytes(std::string_view(x.word))), true});
   }
@@ -64,12 +65,11 @@ void on_tuple(collector_pointer self, const tuple_event& x) {
 
 } // namespace
 
-timed_peer_app_actor::behavior_type rules_program(rules_pointer self,
-                                                  std::vector<proxy::rule> rules,
+timed_peer_app_actor::behavior_type rules_program(rules_pointer self, proxy::rules rules,
                                                   peis_peer_actor peer, ecology_actor ecology) {
   scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
-  state.rules = proxy::rules(std::move(rules));
+  state.rules = std::move(rules);
   state.peer = std::move(peer);
   state.ecology = std::move(ecology);
   for (const auto& key : state.rules.watched())

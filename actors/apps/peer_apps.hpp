@@ -23,8 +23,8 @@ struct rules_state {
 
 /// Watches tuples and writes others when conditions come to hold.
 timed_peer_app_actor::behavior_type
-rules_program(scheduler::traced_pointer<rules_state, timed_peer_app_actor> self,
-              std::vector<proxy::rule> rules, peis_peer_actor peer, ecology_actor ecology);
+rules_program(scheduler::traced_pointer<rules_state, timed_peer_app_actor> self, proxy::rules rules,
+              peis_peer_actor peer, ecology_actor ecology);
 
 struct collector_state {
   std::map<std::string, std::string> newest; ///< `owner:key` -> value as text

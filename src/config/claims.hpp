@@ -32,14 +32,19 @@ private:
   std::map<T, mark> holders_;
 };
 
+/// A name as keys of tuples are compared: without letter case.
+[[nodiscard]] inline std::string folded(std::string_view name) {
+  std::string out(name);
+  for (auto& c : out)
+    c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
+
 /// Names that differ in letter case alone are one: they become parts of tuple keys (TUP-03).
 class name_claims {
 public:
   bool claim(std::string_view name, std::string_view kind, mark at, complaints& problems) {
-    std::string folded(name);
-    for (auto& c : folded)
-      c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return names_.claim(std::move(folded), std::string(kind) + " `" + std::string(name) + '`', at,
+    return names_.claim(folded(name), std::string(kind) + " `" + std::string(name) + '`', at,
                         problems);
   }
 

@@ -21,6 +21,7 @@
 #include "peis/link_url.hpp"
 #include "proxy/proxy_class.hpp"
 #include "radio/parameters.hpp"
+#include "rfid/reader_config.hpp"
 #include "serial/line_config.hpp"
 
 namespace rubicon::config {
@@ -121,6 +122,7 @@ struct air_description {
 /// Starts a proxy for every mote whose signature a proxy class claims (PXY-09).
 struct proxy_manager_app {
   std::vector<island_id> islands; ///< whose gateways it listens to
+  bool objects = false; ///< it also starts those of tagged objects, whichever reader perceives them
 };
 
 /// Written to one key, at its owner.
@@ -144,6 +146,7 @@ struct rule {
 
 struct rules_app {
   std::vector<rule> rules; ///< at least one
+  duration retry = 5s;     ///< after an actuation has failed; 0: never
 };
 
 /// Subscribes to keys of any owner and keeps the newest value of each.
@@ -151,7 +154,8 @@ struct collector_app {
   std::vector<std::string> keys; ///< may hold `*` parts
 };
 
-using peer_app = std::variant<proxy_manager_app, rules_app, collector_app, apps::app_config>;
+using peer_app = std::variant<proxy_manager_app, rules_app, collector_app, rfid::reader_config,
+                              apps::app_config>;
 
 /// Where a peer takes links over real TCP.
 struct tcp_listener {
@@ -192,6 +196,14 @@ struct bluetooth_device {
   std::string name;
   peis::bluetooth_address address;
   position place;
+};
+
+/// A thing with a passive tag, which readers perceive.
+struct tag_description {
+  std::string id; ///< lower case
+  bytes memory;   ///< its user memory; may be empty
+  position place;
+  std::vector<way_point> path; ///< ascending by time; empty: it stays at `place`
 };
 
 /// The simulated network between the hosts of peers.
@@ -301,6 +313,7 @@ struct ecology_description {
   std::vector<peer_description> peers;     ///< ascending by id; gateways are not among them
   std::vector<bluetooth_device> bluetooth_devices;
   std::vector<proxy::proxy_class> proxies;
+  std::vector<tag_description> tags;
   std::vector<fault_description> faults; ///< ascending by time
   std::vector<host_description> hosts;
 };

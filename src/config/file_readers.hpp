@@ -94,6 +94,15 @@ read_peers(table_reader& root, surroundings& with, const std::vector<island_desc
 
 [[nodiscard]] std::vector<proxy::proxy_class> read_proxies(table_reader& root);
 
+/// Complains about classes of tagged objects whose proxies nobody would start.
+void check_object_manager(const table_reader& root, const std::vector<peer_description>& peers,
+                          const std::vector<proxy::proxy_class>& classes);
+
+/// app = "rfid_reader" of a peer.
+[[nodiscard]] rfid::reader_config read_rfid_reader(table_reader& in, std::string_view peer_name);
+
+[[nodiscard]] std::vector<tag_description> read_tags(table_reader& root);
+
 /// [[fault]], ascending by time; none may be later than `length`.
 [[nodiscard]] std::vector<fault_description> read_faults(table_reader& root, const directory& names,
                                                          duration length);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "config/layouts.hpp"
+#include "config/model_readers.hpp"
 #include "config/reach.hpp"
 #include "radio/tossim_files.hpp"
 
@@ -139,7 +140,12 @@ void island_motes::read_mote(table_reader& in) {
   const bool may_lack_place = !positions_matter_ || in.has("path");
   const bool has_place = may_lack_place ? in.optional("position_m", place{}, out.place)
                                         : in.required("position_m", place{}, out.place);
-  read_path(in, has_place, out);
+  if (in.has("path") && with_.radio_is_known && !positions_matter_)
+    in.problems().add(in.at("path"), "`path` decides nothing with model = \"gains\"");
+  read_path(in, has_place, out.place, out.path);
+  in.optional("step", time_span{10ms, 1h}, out.step);
+  if (in.has("step") && !in.has("path"))
+    in.problems().add(in.at("step"), "`step` means nothing without a `path`");
   copy_profile(profile, out);
   if (has_id) {
     static_cast<void>(settle_traces(out.transducers, out.id, in.at("id"), in.problems()));
@@ -152,31 +158,6 @@ void island_motes::read_mote(table_reader& in) {
     placed_at_[out.id] = in.at("position_m");
   note_flows(out.id, profile.apps, in.problems());
   island_.motes.push_back(std::move(out));
-}
-
-/// A path begins at 0 s, with its first point or with `position_m`.
-void island_motes::read_path(table_reader& in, bool has_place, mote_description& out) const {
-  way::type points;
-  const bool moves = in.optional("path", way{}, points);
-  in.optional("step", time_span{10ms, 1h}, out.step);
-  if (in.has("step") && !in.has("path"))
-    in.problems().add(in.at("step"), "`step` means nothing without a `path`");
-  if (!moves)
-    return;
-  if (with_.radio_is_known && !positions_matter_)
-    in.problems().add(in.at("path"), "`path` decides nothing with model = \"gains\"");
-  if (has_place && points.front().first == 0s)
-    in.problems().add(in.at("path"),
-                      "`path` begins at 0 s, for which there is `position_m` already");
-  if (!in.has("position_m") && points.front().first > 0s)
-    in.problems().add(in.at("path"),
-                      "`path` must begin at \"0s\", or there must be a `position_m`");
-  if (has_place)
-    out.path.push_back({0s, out.place});
-  else
-    out.place = points.front().second;
-  for (const auto& [at, where] : points)
-    out.path.push_back({at, where});
 }
 
 void island_motes::read_group(table_reader& in) {

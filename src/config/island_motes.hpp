@@ -41,7 +41,6 @@ private:
   [[nodiscard]] bool is_mac() const { return island_.stack == stack::mac; }
   mote_profile read_profile_of(table_reader& in, std::string& type_name);
   void check_mac_profile(const table_reader& in, const mote_profile& profile) const;
-  void read_path(table_reader& in, bool has_place, mote_description& out) const;
   void read_layout_of(table_reader& in, std::uint32_t first, std::vector<mote_description>& motes);
   void add_group(table_reader& in, std::uint32_t first, std::uint32_t count,
                  const mote_description& like, const std::string& prefix);

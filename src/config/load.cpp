@@ -37,6 +37,8 @@ ecology_description read_file_tables(const node& root, const named_files& files,
   out.peis = read_peis(in);
   out.peers = read_peers(in, with, out.islands);
   out.proxies = read_proxies(in);
+  out.tags = read_tags(in);
+  check_object_manager(in, out.peers, out.proxies);
   out.faults = read_faults(in, names, end);
   out.bluetooth_devices = read_bluetooth_devices(in);
   in.finish();

@@ -1,10 +1,17 @@
-// Reads the larger models of transducers.
+// Reads ways of what moves, and the larger models of transducers.
 #pragma once
 
 #include "config/table_reader.hpp"
 #include "mote/transducer_config.hpp"
+#include "mote/way_point.hpp"
 
 namespace rubicon::config {
+
+/// path = [["0s", [0, 2]], ["1min", [30, 2]]] of what may move. It begins at 0 s, with its first
+/// point or with the table's position_m.
+/// @param has_place position_m is read, into `place`; if not, the path sets it
+void read_path(table_reader& in, bool has_place, position& place,
+               std::vector<mote::way_point>& out);
 
 /// model = "field"
 [[nodiscard]] mote::field_model read_field(table_reader& in);

@@ -15,13 +15,19 @@ struct peer_surroundings {
   const directory& names;
   const std::vector<island_description>& islands;
   claims<island_id> managed; ///< proxies map one-to-one to motes, so managers to islands (PXY-15)
-  claims<std::pair<std::string, std::uint32_t>> ports; ///< by host
+  claims<std::string> object_managers{}; ///< "objects": a tagged object has one proxy as well
+  name_claims readers{};
+  claims<std::pair<std::string, std::uint32_t>> ports{}; ///< by host
   machine_places places{};
 };
 
 proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
+  proxy_manager_app out;
   std::vector<located<island_id>> found;
-  in.optional("islands", list_of<island_name>{{with.names}, 1}, found);
+  if (in.optional("objects", flag{}, out.objects) && out.objects)
+    with.object_managers.claim("objects", "the proxy manager of tagged objects", in.at("objects"),
+                               in.problems());
+  in.optional("islands", list_of<island_name>{{with.names}, out.objects ? 0U : 1U}, found);
   if (!in.has("islands")) {
     for (const auto& each : with.islands)
       if (each.stack == stack::full)
@@ -37,7 +43,8 @@ proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
       with.managed.claim(each.value, "island `" + island->name + '`', each.at, in.problems(),
                          "already has a proxy manager");
   }
-  return {values_of(std::move(found))};
+  out.islands = values_of(std::move(found));
+  return out;
 }
 
 rule_write read_rule_write(table_reader& in) {
@@ -78,6 +85,7 @@ rules_app read_rules(table_reader& in) {
   rules_app out;
   in.tables(
       "rules", "rules", [&out](table_reader& x) { out.rules.push_back(read_rule(x)); }, 1);
+  in.optional("retry", time_span{0s, 1min}, out.retry);
   return out;
 }
 
@@ -194,6 +202,17 @@ void read_connections(table_reader& in, surroundings& with, const peer_table& pe
     out.managers.emplace_back(each.value);
 }
 
+/// Readers have names of their own, by default that of their peer.
+rfid::reader_config read_reader(table_reader& in, const peer_table& peers, peer_surroundings& all) {
+  auto out = read_rfid_reader(in, peers.like.name);
+  if (peers.count > 1)
+    in.problems().add(in.at("app"), "a place has one reader, not " + std::to_string(peers.count));
+  else if (!out.name.empty())
+    all.readers.claim(out.name, "reader", in.has("name") ? in.at("name") : in.at("app"),
+                      in.problems());
+  return out;
+}
+
 void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
                std::vector<peer_description>& out) {
   peer_table peers;
@@ -213,7 +232,8 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
            add(read_manager(y, apps));
          }},
         {"rules", [&](table_reader& y) { add(read_rules(y)); }},
-        {"collector", [&](table_reader& y) { add(read_collector(y)); }}};
+        {"collector", [&](table_reader& y) { add(read_collector(y)); }},
+        {"rfid_reader", [&](table_reader& y) { add(read_reader(y, peers, apps)); }}};
     for (const auto& [word, read] : pc_programs(with.names, with.files))
       choices.emplace_back(word, [&, word, read](table_reader& y) {
         if (peers.count > 1 && word == "recorder")
@@ -263,7 +283,7 @@ peis_description read_peis(table_reader& root) {
 std::vector<peer_description> read_peers(table_reader& root, surroundings& with,
                                          const std::vector<island_description>& islands) {
   std::vector<peer_description> out;
-  peer_surroundings apps{with.names, islands, {}, {}};
+  peer_surroundings apps{.names = with.names, .islands = islands, .managed = {}};
   root.tables("peer", "[[peer]]", [&](table_reader& x) { read_peer(x, with, apps, out); });
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   return out;

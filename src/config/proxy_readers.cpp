@@ -25,7 +25,7 @@ struct key_prefix {
         std::count(found->begin(), found->end(), '.') < 5 && is_good(*found))
       return *found;
     return who.refuse(x, "1 to 5 parts between dots, at most 48 characters, each of letters, "
-                         "digits, -, _, {island}, {id} and {name}");
+                         "digits, -, _, {island}, {channel}, {id} and {name}");
   }
 
 private:
@@ -49,7 +49,7 @@ private:
   }
 
   static std::size_t placeholder_at(std::string_view x) {
-    for (const std::string_view each : {"{island}", "{id}", "{name}"}) {
+    for (const std::string_view each : {"{island}", "{channel}", "{id}", "{name}"}) {
       if (x.starts_with(each))
         return each.size();
     }
@@ -108,9 +108,10 @@ void read_field_words(table_reader& in, bool sized, proxy::field& out) {
 class tuple_names {
 public:
   void claim(const std::string& name, mark at, complaints& problems) {
-    constexpr std::array<std::string_view, 4> set_by_all{"status", "class", "id", "island"};
-    if (std::find(set_by_all.begin(), set_by_all.end(), name) != set_by_all.end())
-      problems.add(at, "`" + name + "` is a tuple that every proxy sets by itself");
+    constexpr std::array<std::string_view, 6> set_by_all{"status", "class",     "id",
+                                                         "island", "interface", "position"};
+    if (std::ranges::find(set_by_all, name) != set_by_all.end())
+      problems.add(at, "`" + name + "` is a tuple that proxies set by themselves");
     names_.claim(name, "name", at, problems);
   }
 
@@ -122,7 +123,8 @@ void read_field(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
   proxy::field field;
   if (in.required("name", name_text{}, field.name))
     names.claim(field.name, in.at("name"), in.problems());
-  in.required("channel", message_channel, field.channel);
+  if (out.ids.empty())
+    in.required("channel", message_channel, field.channel);
   in.optional("offset", whole<std::size_t>{0, payload_octets_max - 1}, field.offset);
   const bool sized = in.optional("encoding", encoding_words(), field.layout) || !in.has("encoding");
   in.optional("scale", real{}, field.scale);
@@ -154,7 +156,9 @@ void read_input(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
   out.inputs.push_back(std::move(input));
 }
 
-void read_properties(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
+std::vector<std::pair<std::string, std::string>> read_properties(table_reader& in,
+                                                                 tuple_names& names) {
+  std::vector<std::pair<std::string, std::string>> out;
   pairs_of<text>::type found;
   in.optional("properties", pairs_of<text>{{200}}, found);
   for (auto& [key, value] : found) {
@@ -163,8 +167,67 @@ void read_properties(table_reader& in, tuple_names& names, proxy::proxy_class& o
                                 "unlike " +
                                     quoted(key.value));
     names.claim(key.value, key.at, in.problems());
-    out.properties.emplace_back(key.value, std::move(value));
+    out.emplace_back(key.value, std::move(value));
   }
+  return out;
+}
+
+/// "rfid/e004": a kind of interface, and how ids begin there.
+struct id_pattern {
+  using type = proxy::id_prefix;
+
+  [[nodiscard]] static std::optional<type> read(const node& x, const asker& who) {
+    const auto* found = x.as<std::string>();
+    const auto slash = found == nullptr ? std::string::npos : found->find('/');
+    if (slash != std::string::npos) {
+      const type out{found->substr(0, slash), folded(found->substr(slash + 1))};
+      if (out.channel == "rfid" && (out.prefix.empty() || is_name(out.prefix)))
+        return out;
+    }
+    return who.refuse(x, "\"rfid/\" and how ids begin, as in \"rfid/e004\"");
+  }
+};
+
+/// [[proxy.object]]
+void read_object(table_reader& in, const tuple_names& of_class, name_claims& ids,
+                 proxy::proxy_class& out) {
+  proxy::known_object found;
+  if (in.required("id", name_text{}, found.id))
+    ids.claim(found.id, "object", in.at("id"), in.problems());
+  in.optional("name", name_text{}, found.name);
+  auto names = of_class;
+  found.properties = read_properties(in, names);
+  out.objects.push_back(std::move(found));
+}
+
+/// What the class claims: motes by their types, or tagged objects by their ids.
+struct claimed {
+  std::vector<located<proxy::type_range>> types;
+  std::vector<located<proxy::id_prefix>> ids;
+};
+
+claimed read_claims(table_reader& in) {
+  claimed out;
+  in.optional("types", list_of<type_span>{{}, 1}, out.types);
+  in.optional("ids", list_of<id_pattern>{{}, 1}, out.ids);
+  if (in.has("types") == in.has("ids"))
+    in.problems().add(in.at(),
+                      "a proxy needs either `types`, of motes, or `ids`, of tagged objects");
+  return out;
+}
+
+/// Some keys mean something for one of the two kinds of classes.
+void check_kind(const table_reader& in, bool of_objects, const std::string& prefix) {
+  const auto refuse = [&in](std::string_view key, const char* what) {
+    in.problems().add(in.at(key), std::string(what));
+  };
+  if (of_objects && in.has("input"))
+    refuse("input", "tagged objects have no inputs");
+  if (!of_objects && in.has("object"))
+    refuse("object", "[[proxy.object]] needs `ids`: motes are known by [[island.mote]]");
+  if (prefix.find(of_objects ? "{island}" : "{channel}") != std::string::npos)
+    refuse("prefix", of_objects ? "tagged objects are of no {island}; there is {channel}"
+                                : "motes are of an {island}, not of a {channel}");
 }
 
 /// A range of types, where it stands, and whose it is.
@@ -195,24 +258,47 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root) {
   std::vector<proxy::proxy_class> out;
   std::vector<placed_range> ranges;
   name_claims classes;
+  name_claims ids;
+  name_claims objects;
   root.tables("proxy", "[[proxy]]", [&](table_reader& in) {
     proxy::proxy_class found;
-    std::vector<located<proxy::type_range>> types;
     tuple_names names;
     if (in.required("name", name_text{}, found.name))
       classes.claim(found.name, "proxy name", in.at("name"), in.problems());
-    in.required("types", list_of<type_span>{{}, 1}, types);
+    auto claims_it = read_claims(in);
+    for (const auto& [value, at] : claims_it.ids)
+      ids.claim(value.channel + '/' + value.prefix, "id pattern", at, in.problems());
+    for (const auto& each : claims_it.types)
+      ranges.push_back({each.value, each.at, found.name});
+    found.types = values_of(std::move(claims_it.types));
+    found.ids = values_of(std::move(claims_it.ids));
+    if (in.has("ids"))
+      found.prefix = "{channel}.{name}";
     in.optional("prefix", key_prefix{}, found.prefix);
-    read_properties(in, names, found);
+    check_kind(in, in.has("ids"), found.prefix);
+    found.properties = read_properties(in, names);
     in.tables("field", "[[proxy.field]]", [&](table_reader& x) { read_field(x, names, found); });
     in.tables("input", "[[proxy.input]]", [&](table_reader& x) { read_input(x, names, found); });
-    for (const auto& each : types)
-      ranges.push_back({each.value, each.at, found.name});
-    found.types = values_of(std::move(types));
+    in.tables("object", "[[proxy.object]]",
+              [&](table_reader& x) { read_object(x, names, objects, found); });
     out.push_back(std::move(found));
   });
   check_overlaps(ranges, root.problems());
   return out;
+}
+
+void check_object_manager(const table_reader& root, const std::vector<peer_description>& peers,
+                          const std::vector<proxy::proxy_class>& classes) {
+  const auto starts_objects = [](const peer_app& x) {
+    const auto* manager = std::get_if<proxy_manager_app>(&x);
+    return manager != nullptr && manager->objects;
+  };
+  const bool managed = std::ranges::any_of(
+      peers, [&](const auto& x) { return std::ranges::any_of(x.apps, starts_objects); });
+  const bool wanted = std::ranges::any_of(classes, [](const auto& x) { return !x.ids.empty(); });
+  if (wanted && !managed)
+    root.problems().add(root.at("proxy"), "nobody starts proxies of tagged objects: a "
+                                          "\"proxy_manager\" needs `objects = true`");
 }
 
 } // namespace rubicon::config

@@ -130,7 +130,12 @@ struct app_text {
   const ecology_description& all;
 
   std::string operator()(const proxy_manager_app& x) const {
-    return "proxy manager (" + island_names(all, x.islands) + ')';
+    std::vector<std::string> whose;
+    if (!x.islands.empty())
+      whose.push_back(island_names(all, x.islands));
+    if (x.objects)
+      whose.emplace_back("tagged objects");
+    return "proxy manager (" + joined(whose) + ')';
   }
   std::string operator()(const rules_app& x) const { return counted(x.rules.size(), "rule"); }
   std::string operator()(const collector_app& x) const {
@@ -138,6 +143,7 @@ struct app_text {
     return "collector (" +
            (x.keys.size() > keys_shown_max ? counted(x.keys.size(), "key") : joined(x.keys)) + ')';
   }
+  std::string operator()(const rfid::reader_config& x) const { return "reader " + x.name; }
   std::string operator()(const apps::app_config& x) const { return std::string(kind_of(x)); }
 };
 
@@ -172,16 +178,27 @@ std::vector<row> peer_rows(const ecology_description& x) {
 std::vector<row> proxy_rows(const ecology_description& x) {
   std::vector<row> rows;
   for (const auto& each : x.proxies) {
-    std::vector<std::string> types;
+    std::vector<std::string> claimed;
     for (const auto& [first, last] : each.types)
-      types.push_back(std::to_string(first) + (first == last ? "" : ".." + std::to_string(last)));
+      claimed.push_back(std::to_string(first) + (first == last ? "" : ".." + std::to_string(last)));
+    for (const auto& [channel, prefix] : each.ids)
+      claimed.push_back(channel + '/' + prefix + '*');
     std::vector<std::string> names;
     for (const auto& field : each.fields)
       names.push_back(field.name);
     for (const auto& input : each.inputs)
       names.push_back(input.name + " (input)");
-    rows.push_back({each.name, "types " + joined(types), each.prefix, joined(names)});
+    rows.push_back({each.name, (each.ids.empty() ? "types " : "ids ") + joined(claimed),
+                    each.prefix, joined(names)});
   }
+  return rows;
+}
+
+std::vector<row> tag_rows(const ecology_description& x) {
+  std::vector<row> rows;
+  for (const auto& each : x.tags)
+    rows.push_back({each.id, counted(each.memory.size(), "octet"),
+                    each.path.empty() ? "stays" : "is carried"});
   return rows;
 }
 
@@ -362,7 +379,8 @@ std::string first_lines(const ecology_description& x) {
 std::string summary(const ecology_description& x) {
   return first_lines(x) + section("islands", island_rows(x)) + section("shared airs", air_rows(x)) +
          section("peers and gateways", peer_rows(x)) + section("hosts", host_rows(x)) +
-         section("proxies", proxy_rows(x)) + section("faults", fault_rows(x));
+         section("proxies", proxy_rows(x)) + section("tags", tag_rows(x)) +
+         section("faults", fault_rows(x));
 }
 
 } // namespace rubicon::config

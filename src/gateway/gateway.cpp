@@ -81,7 +81,8 @@ gateway::gateway(gateway_config config, random_stream dice)
 
 outputs gateway::start(instant now) {
   now_ = now;
-  outputs out{device_list(), text_tuple(std::string(device_line_key), line_text("silent", now))};
+  outputs out{device_list(), text_tuple(std::string(device_line_key), line_text("silent", now)),
+              ask_about(broadcast_mote)}; // the sink may have run for long
   others_.start(now);
   requests_ = output_requests(config_.requests, config_.incarnation > 0, now);
   for (auto& x : take(pc_.start(now)))
@@ -301,9 +302,9 @@ outputs gateway::on_event(const network::mote_joined& x, instant now) {
   requests_.on_listed(x.mote, x.incarnation, now);
   outputs out{publish{device_type_key(x.mote), device_type_octets(x.type), false},
               publish{device_descriptor_key(x.mote), x.descriptor, false}, device_list(),
-              presence_tuple(x.mote, {device_presence::listed, {}, now}),
-              member_changed{x.mote, true, x.incarnation, {}}};
+              presence_tuple(x.mote, {device_presence::listed, {}, now})};
   if (is_new || restarted) {
+    out.emplace_back(member_changed{x.mote, true, x.incarnation, {}});
     for (auto& y : take(pc_.on_mote_joined(x.mote, x.descriptor, now)))
       out.push_back(std::move(y));
   }

@@ -124,7 +124,7 @@ public:
   gateway& operator=(gateway&& x) noexcept;
   ~gateway();
 
-  /// Publishes the empty device list; programs are joined.
+  /// Publishes the empty device list and asks the sink who is there; programs are joined.
   [[nodiscard]] outputs start(instant now);
 
   /// A program, as in endpoint::pc. It hears of motes that join (MCK-15).

@@ -105,7 +105,11 @@ registrar_outputs registrar::on_heard(mote_id source, instant now) {
                   entry); // its confirm may be lost, but only a mote with our reply sends this
 }
 
-registrar_outputs registrar::on_describe(mote_id mote, instant) {
+registrar_outputs registrar::on_describe(mote_id mote, instant now) {
+  if (mote == broadcast_mote) {
+    roster_pages_.clear();
+    return {next_roster_page(now)};
+  }
   const auto found = members_.find(mote);
   if (found == members_.end())
     return {network::mote_left{mote, network::leave_cause::silence}};

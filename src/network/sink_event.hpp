@@ -58,7 +58,7 @@ struct roster {
   friend bool operator==(const roster&, const roster&) = default;
 };
 
-/// Down: say `mote_joined` again for this mote.
+/// Down: say `mote_joined` again for this mote; with broadcast_mote: begin a new roster at once.
 struct describe {
   mote_id mote;
 

@@ -36,8 +36,8 @@ object_proxy::object_proxy(proxy_class what, signature percept, object_settings 
       known_(known_in(class_, percept_.hardware_id)), choice_(settings.hysteresis_db) {
   const auto id = key_part(percept_.hardware_id);
   const auto name = known_ && !known_->name.empty() ? key_part(known_->name) : id;
-  prefix_ = fill_prefix(class_.prefix,
-                        {{"{island}", key_part(percept_.channel)}, {"{id}", id}, {"{name}", name}});
+  prefix_ = fill_prefix(
+      class_.prefix, {{"{channel}", key_part(percept_.channel)}, {"{id}", id}, {"{name}", name}});
 }
 
 object_proxy::outputs object_proxy::start(instant now) {
@@ -80,7 +80,10 @@ object_proxy::outputs object_proxy::on_tuple(peer_id owner, std::string_view key
   }
   const interface_id from{owner, parsed->name};
   if (parsed->what == interface_tuple::position) {
-    places_[from] = deleted ? std::string() : std::string(tuple_text(value));
+    if (deleted)
+      places_.erase(from);
+    else
+      places_[from] = tuple_text(value);
     if (choice_.chosen() == from)
       say_interface(out);
   } else if (parsed->what == interface_tuple::memory) {
@@ -137,15 +140,23 @@ void object_proxy::read(byte_view memory, outputs& out) {
     return;
   }
   memory_ = to_bytes(memory);
-  for (const auto& x : *readings)
+  for (const auto& x : *readings) {
+    values_[x.name] = x.unit.empty() ? x.text : x.text + ' ' + x.unit;
     say(x.name, x.text, out);
+  }
+}
+
+std::string object_proxy::interface_name() const {
+  return choice_.chosen() ? choice_.chosen()->name : std::string();
 }
 
 void object_proxy::say_interface(outputs& out) {
   const auto& chosen = choice_.chosen();
   const auto place = chosen ? places_.find(*chosen) : places_.end();
-  say("interface", chosen ? chosen->name : std::string(nothing_word), out);
-  say("position", place == places_.end() ? std::string("unknown") : place->second, out);
+  values_["interface"] = chosen ? chosen->name : std::string(nothing_word);
+  values_["position"] = place == places_.end() ? std::string("unknown") : place->second;
+  for (const auto* name : {"interface", "position"})
+    say(name, values_[name], out);
 }
 
 void object_proxy::say_state(std::string_view cause, instant now, outputs& out) {

@@ -34,7 +34,7 @@ struct object_counters {
   std::uint64_t bad_keys = 0;       ///< own keys over the limits: not published
 };
 
-/// Own tuples, below the class's prefix, in which {name} and {id} stand for the object:
+/// Own tuples, below the class's prefix, in which {name}, {id} and {channel} stand for the object:
 ///   status, status.cause, status.since   `active`, or `lost` because `not_perceived`
 ///   class, id                            the class's name, `rfid/e00401`
 ///   PROPERTY                             of the class, and of the object if the class knows it
@@ -63,6 +63,10 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const { return lost_at_; }
 
   [[nodiscard]] bool is_active() const { return active_; }
+  /// Who perceives it best; empty: nobody.
+  [[nodiscard]] std::string interface_name() const;
+  /// What it says of the object, by name.
+  [[nodiscard]] const std::map<std::string, std::string>& values() const { return values_; }
   [[nodiscard]] const std::string& prefix() const { return prefix_; }
   [[nodiscard]] const proxy_class& what() const { return class_; }
   [[nodiscard]] const object_counters& counters() const { return counters_; }
@@ -82,6 +86,7 @@ private:
   interface_choice choice_;
   std::map<interface_id, std::string> places_;
   std::optional<bytes> memory_; ///< as last read
+  std::map<std::string, std::string> values_;
   bool active_ = true;
   std::optional<instant> lost_at_; ///< if nobody perceives it until then
   object_counters counters_;

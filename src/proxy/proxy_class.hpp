@@ -60,7 +60,7 @@ struct proxy_class {
   std::vector<type_range> types; ///< of motes it claims; the narrowest matching range wins
   std::vector<id_prefix> ids;    ///< of other objects it claims; the longest matching prefix wins
   std::vector<known_object> objects; ///< the table that prior information comes from (PXY-05)
-  /// Key prefix of its tuples; {island}, {id} and {name} are replaced by the island's name, the
+  /// Key prefix of its tuples. Of motes {island}, {id} and {name} are replaced by the
   /// mote's decimal id and the mote's configured name.
   std::string prefix = "{island}.{name}";
   std::vector<std::pair<std::string, std::string>> properties; ///< prior information, key and text

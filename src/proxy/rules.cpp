@@ -25,9 +25,11 @@ void add_once(std::vector<std::string>& keys, const std::string& key) {
     keys.push_back(key);
 }
 
+constexpr std::string_view outcome_suffix = ".outcome";
+
 } // namespace
 
-rules::rules(std::vector<rule> list) {
+rules::rules(std::vector<rule> list, duration retry) : retry_(retry) {
   for (auto& x : list) {
     if (!x.above)
       x.above = x.below;
@@ -38,11 +40,15 @@ rules::rules(std::vector<rule> list) {
       add_once(written_, write.key);
     rules_.push_back({std::move(x), level::unknown, level::unknown, {}});
   }
+  if (retry_ > 0s) {
+    for (const auto& key : written_)
+      add_once(watched_, key + std::string(outcome_suffix));
+  }
 }
 
 std::vector<write_tuple> rules::on_value(std::string_view key, std::string_view text, instant now) {
   std::vector<write_tuple> out;
-  bool watched = false;
+  bool watched = take_outcome(key, text, now);
   for (auto& x : rules_) {
     if (!same_key(x.what.when, key))
       continue;
@@ -59,6 +65,28 @@ std::vector<write_tuple> rules::on_value(std::string_view key, std::string_view 
   for (auto& x : on_time(now))
     out.push_back(std::move(x));
   return out;
+}
+
+/// `on failed` of a word that stands. @returns whether the key is such a tuple's
+bool rules::take_outcome(std::string_view key, std::string_view text, instant now) {
+  const auto of = std::ranges::find_if(written_, [&](const auto& x) {
+    return retry_ > 0s && same_key(x + std::string(outcome_suffix), key);
+  });
+  if (of == written_.end())
+    return false;
+  const auto at = standing_.find(*of);
+  const auto blank = text.rfind(' ');
+  if (at == standing_.end() || text.substr(0, blank) != at->second.word)
+    return true;
+  auto& x = at->second;
+  const auto outcome = text.substr(blank == std::string_view::npos ? text.size() : blank + 1);
+  if (outcome == "acknowledged") {
+    x = {x.word, retry_, {}};
+  } else if (outcome == "failed" || outcome == "unreachable" || outcome == "timeout") {
+    x.due = now + x.pause;
+    x.pause = std::min(2 * x.pause, retry_max);
+  }
+  return true;
 }
 
 /// @returns unknown: stays what it is
@@ -95,6 +123,14 @@ std::vector<write_tuple> rules::on_time(instant now) {
     x.due.reset();
     enter(x, x.next, out);
   }
+  for (auto& [key, x] : standing_) {
+    if (!x.due || *x.due > now)
+      continue;
+    x.due.reset();
+    ++counters_.writes;
+    ++counters_.repeats;
+    out.push_back({key, x.word, true});
+  }
   return out;
 }
 
@@ -102,15 +138,17 @@ std::optional<instant> rules::deadline() const {
   std::optional<instant> next;
   for (const auto& x : rules_)
     next = earliest(next, x.due);
+  for (const auto& [key, x] : standing_)
+    next = earliest(next, x.due);
   return next;
 }
 
 std::vector<write_tuple> rules::on_owner(std::string_view key, instant) {
   std::vector<write_tuple> out;
-  for (const auto& [target, word] : standing_)
+  for (const auto& [target, x] : standing_)
     if (same_key(target, key)) {
       ++counters_.writes;
-      out.push_back({target, word});
+      out.push_back({target, x.word});
     }
   return out;
 }
@@ -128,7 +166,7 @@ void rules::write(const std::string& to, const std::string& word, std::vector<wr
     standing_.erase(key);
     return;
   }
-  standing_.insert_or_assign(key, word);
+  standing_.insert_or_assign(key, standing{word, retry_, {}});
   ++counters_.writes;
   out.push_back({key, word});
 }

@@ -37,6 +37,7 @@ struct rule {
 struct write_tuple {
   std::string key;
   std::string word;
+  bool again = false; ///< since the last time it was written it has failed
 
   friend bool operator==(const write_tuple&, const write_tuple&) = default;
 };
@@ -46,6 +47,7 @@ struct rules_counters {
   std::uint64_t bad_values = 0; ///< texts that are no number: dropped
   std::uint64_t unwatched = 0;  ///< keys that no rule watches: dropped
   std::uint64_t writes = 0;
+  std::uint64_t repeats = 0; ///< of them those because one before had failed
 };
 
 /// Each rule is a Schmitt trigger with delays and writes only on a crossing:
@@ -56,9 +58,16 @@ struct rules_counters {
 ///
 /// Between `below` (inclusive) and `above` (exclusive) a rule stays what it is. A delay begins anew
 /// when the value leaves the range that the rule is waiting for, or its tuple is deleted.
+///
+/// Where a proxy tells by `KEY.outcome` that what was written to KEY has failed, is unreachable or
+/// timed out, the word that stands is written again: after `retry`, then after twice that, up to
+/// retry_max.
 class rules {
 public:
-  explicit rules(std::vector<rule> list = {});
+  static constexpr duration retry_max = 1min;
+
+  /// @param retry 0: nothing is written again
+  explicit rules(std::vector<rule> list = {}, duration retry = 5s);
 
   /// Keys to subscribe to with any owner, and keys whose owners must be found: each once, in order
   /// of the rules.
@@ -94,11 +103,20 @@ private:
   [[nodiscard]] level judge(const rule& x, std::string_view text);
   void enter(state& x, level next, std::vector<write_tuple>& out);
   void write(const std::string& to, const std::string& word, std::vector<write_tuple>& out);
+  [[nodiscard]] bool take_outcome(std::string_view key, std::string_view text, instant now);
+
+  /// A word that is to be there.
+  struct standing {
+    std::string word;
+    duration pause{};           ///< before it is written again,
+    std::optional<instant> due; ///< which is then
+  };
 
   std::vector<state> rules_;
+  duration retry_{};
   std::vector<std::string> watched_;
   std::vector<std::string> written_;
-  std::map<std::string, std::string> standing_; ///< key as in written_ -> word to be there
+  std::map<std::string, standing> standing_; ///< by key, as in written_
   rules_counters counters_;
 };
 

@@ -15,6 +15,7 @@
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "mote/walk.hpp"
+#include "rfid/reader_config.hpp"
 
 namespace rubicon::rfid {
 
@@ -41,18 +42,6 @@ struct erase {
 
 using output = std::variant<publish, erase>;
 using outputs = std::vector<output>;
-
-struct reader_config {
-  std::string name; ///< of the interface, one in its ecology
-  position place;
-  double range_m = 1;
-  duration period = 500ms;  ///< between two inventories
-  double miss_rate = 0;     ///< chance that an inventory misses a tag in range
-  unsigned missed_max = 2;  ///< inventories without a tag until it is taken for gone
-  double rssi_1m_dbm = -50; ///< of a tag at 1 m,
-  double exponent = 2;      ///< falling with distance so
-  double rssi_step_db = 1;  ///< a smaller change is not published
-};
 
 /// Publishes what it perceives, in the tuples of core/interface_keys.hpp, and interprets nothing.
 class reader {

@@ -24,6 +24,8 @@ struct rig {
   fake<serial_line_actor> line{world};
   fake<ecology_actor> ecology{world};
   gateway_actor gateway;
+  serial::direction end_taken{};
+  serial::am_packet asked; ///< the first that it sends down
 
   rig() {
     gateway_arguments x;
@@ -32,6 +34,10 @@ struct rig {
     x.line = line.handle();
     x.ecology = ecology.handle();
     gateway = world.spawn_at("gateway/kitchen", gateway_behavior, std::move(x));
+    end_taken = line.all<attach_serial>().at(0).towards;
+    asked = packet_down();
+    ack_frame();
+    line.forget();
   }
 
   /// The sink has written a packet.
@@ -87,7 +93,7 @@ const bytes message_for_fan = encode(
 TEST_CASE("a gateway takes its end of the line, its ports and its inputs, and has no devices",
           "[actors][gateway][GW-03][GW-13]") {
   rig x;
-  CHECK(x.line.all<attach_serial>().at(0).towards == serial::direction::to_pc);
+  CHECK(x.end_taken == serial::direction::to_pc);
   CHECK(x.peer.all<hook_port>().at(0).port == 20);
   CHECK(x.peer.all<hook_port>().at(1).port == 21);
   for (const auto* key : {"devices.*.input.*", "devices.*.output.*.period"})
@@ -178,6 +184,15 @@ TEST_CASE("an input for a mote that is not listed, a deleted one and a foreign k
   CHECK(x.line.count<serial_write>() == 0);
 }
 
+TEST_CASE("a gateway asks its sink who is there, which may have run for long",
+          "[actors][gateway][GW-15]") {
+  rig x;
+  CHECK(x.asked.am_type == network::am::sink_event);
+  const auto event = network::decode_sink_event(x.asked.payload);
+  REQUIRE(event);
+  CHECK(std::get<network::describe>(*event).mote == broadcast_mote);
+}
+
 TEST_CASE("a message of another island goes down with its source island",
           "[actors][gateway][WIR-02][MCK-11]") {
   rig x;
@@ -216,7 +231,7 @@ TEST_CASE("a gateway reports a packet lost when nobody acks", "[actors][gateway]
   CHECK(x.lost("gateway_no_ack") == 0);
   x.world.run_for(1ms); // four attempts of 100 ms
   CHECK(x.lost("gateway_no_ack") == 1);
-  CHECK(x.world.logged("event=lost packet=1") == 1);
+  CHECK(x.world.logged("event=lost packet=2") == 1);
   x.world.run_for(1min);
   CHECK(x.line.count<serial_write>() == 4);
 }

@@ -25,7 +25,7 @@ struct rig {
     rule.above = 26;
     rule.below = 24;
     rule.writes = {{"kitchen.fan.switch", "on", "off"}};
-    rules = world.spawn_at("peer_app/care-pc/rules-1", rules_program, std::vector{rule},
+    rules = world.spawn_at("peer_app/care-pc/rules-1", rules_program, proxy::rules({rule}),
                            peer.handle(), ecology.handle());
   }
 
@@ -55,7 +55,7 @@ struct rig {
 TEST_CASE("rules watch what they read and look for what they write, whoever owns it",
           "[actors][rules]") {
   rig x;
-  CHECK(x.peer.count<watch_tuples>() == 2);
+  CHECK(x.peer.count<watch_tuples>() == 3); // the outcome, too
   CHECK(watch_on(x.peer, "kitchen.stove.temperature").owner == any_peer);
   CHECK(watch_on(x.peer, "kitchen.fan.switch").owner == any_peer);
 }

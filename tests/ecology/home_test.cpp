@@ -28,7 +28,22 @@ TEST_CASE("the home tells its whole story", "[ecology][GEN-04][IF-07][RTG-02][PX
   CHECK(value(proxy_of(report, "kitchen.fan"), "state") == "off");
   const auto& fan = proxy_of(report, "kitchen.fan").actuations;
   CHECK(fan.requested >= 2);
-  CHECK(fan.acknowledged == fan.requested);
+  CHECK(fan.acknowledged >= 2);
+
+  // The milk is carried to the bed, and back after the lamp has reminded of it.
+  CHECK(tells(report, "things.milk", "seen by the reader bed"));
+  CHECK(tells(report, "rules-1", "writes bedroom.lamp.switch = on"));
+  CHECK(tells(report, "bedroom/lamp", "switch on"));
+  CHECK(value(proxy_of(report, "things.milk"), "interface") == "fridge");
+  CHECK(value(proxy_of(report, "things.milk"), "litres") == "1.0 l");
+  CHECK(value(proxy_of(report, "bedroom.lamp"), "state") == "off");
+
+  // The kitchen's gateway crashes; its motes are back at once when it is.
+  CHECK(tells(report, "kitchen-gateway", "killed"));
+  for (const auto& line : report.story) {
+    const bool again = line.who.starts_with("kitchen/") && line.what.starts_with("joined again");
+    CHECK((!again || line.at < instant(322s)));
+  }
 
   // A mote of one island is heard by a mote of the other.
   CHECK(tells(report, "listener-10", "heard \"dinner\" from mote 1/8"));
@@ -44,7 +59,7 @@ TEST_CASE("the home tells its whole story", "[ecology][GEN-04][IF-07][RTG-02][PX
   const auto messages = report.messages();
   CHECK(messages.reliable_sent ==
         messages.reliable_acked + messages.reliable_failed + messages.reliable_open);
-  CHECK(messages.reliable_failed == 0);
+  CHECK(messages.reliable_failed <= 3); // to and from the crashed gateway
 }
 
 TEST_CASE("equal seeds give equal runs, other seeds other runs", "[ecology][GEN-07][ACT-05]") {
@@ -67,7 +82,7 @@ TEST_CASE("the trace of the home is the same on every machine and in every build
   auto home = example("home.toml");
   home.length = 5min;
   const auto report = run(home);
-  CHECK(report.trace_hash == "d97f0dba0dd7f5ed");
+  CHECK(report.trace_hash == "1f74c4d94a434f5a");
 }
 
 TEST_CASE("an ecology can be stopped after any time", "[ecology]") {

@@ -183,7 +183,7 @@ TEST_CASE("two processes with one id are noticed and go again", "[ecology][peis]
 
 TEST_CASE("a gateway that is killed comes back with its island", "[ecology][peis][ACT-04]") {
   auto home = example("home.toml");
-  home.faults.insert(home.faults.begin(), {2min, config::kill_fault{peer_id{1}, 20s}});
+  home.faults = {{2min, config::kill_fault{peer_id{1}, 20s}}};
   const auto x = run(home);
   for (const auto& each : x.violations)
     UNSCOPED_INFO(each.invariant << ": " << each.detail);

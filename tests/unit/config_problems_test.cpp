@@ -24,7 +24,7 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
        "service_time, propagation, range, noise, sensitivity, cca_threshold, ..."},
       {"[radios]\n", "6:2: unknown key `radios` in the file: did you mean `radio`?"},
       {"[colour]\n", "6:2: unknown key `colour` in the file: there is ecology, radio, host, "
-                     "mote_type, island, air, peis, peer, proxy, fault, ..."},
+                     "mote_type, island, air, peis, peer, proxy, tag, ..."},
       {"nick = \"x\"\n",
        "6:1: unknown key `nick` in [[peer]]: there is id, name, count, host, links, connect, tcp, "
        "lan, leaf, manager, ..."},
@@ -37,7 +37,8 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
       {"apps = [1]\n", "6:9: `apps` must be an array of tables, as in [{ ... }], not 1"},
       {"apps = [{ keys = [\"a\"] }]\n", "6:9: `app` is missing in apps of a peer"},
       {"apps = [{ app = \"colector\", keys = [\"a\"] }]\n",
-       "6:17: `app` must be \"proxy_manager\", \"rules\", \"collector\", \"stream_reader\", "
+       "6:17: `app` must be \"proxy_manager\", \"rules\", \"collector\", \"rfid_reader\", "
+       "\"stream_reader\", "
        "\"reservoir\", \"readout\", \"average\", \"stream_switch\" or \"recorder\", not "
        "\"colector\"; did you mean \"collector\"?"},
       {"apps = [{ app = \"collector\", keys = [\"a\"], every = \"1s\" }]\n",
@@ -54,7 +55,8 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
        "6:1: `mote_type` must be tables under headers [mote_type.NAME], not an array of 1"},
       {"[[island]]\n", "6:1: `id` is missing in [[island]]\n6:1: `name` is missing in [[island]]"},
       {"[[air]]\n", "6:1: `islands` is missing in [[air]]\n6:1: `name` is missing in [[air]]"},
-      {"[[proxy]]\n", "6:1: `name` is missing in [[proxy]]\n6:1: `types` is missing in [[proxy]]"},
+      {"[[proxy]]\n", "6:1: `name` is missing in [[proxy]]\n6:1: a proxy needs either `types`, of "
+                      "motes, or `ids`, of tagged objects"},
       {"[[fault]]\n", "6:1: `at` is missing in [[fault]]\n6:1: `kind` is missing in [[fault]]"},
       {"[[fault]]\nat = \"1s\"\nkind = \"crash\"\n", "6:1: `mote` is missing in kind = \"crash\""},
       {"[[fault]]\nat = \"1s\"\nkind = \"unplug\"\n",

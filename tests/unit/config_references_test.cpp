@@ -284,7 +284,7 @@ TEST_CASE("proxies differ in name, types and tuples", "[config][GEN-06][PXY-11]"
        "\"f\"\nchannel = 1\n",
        "11:8: name `f` is already taken (line 9, column 16)"},
       {"[[proxy]]\nname = \"p\"\ntypes = [7]\n[[proxy.field]]\nname = \"class\"\nchannel = 1\n",
-       "10:8: `class` is a tuple that every proxy sets by itself"},
+       "10:8: `class` is a tuple that proxies set by themselves"},
   }));
   CAPTURE(x.toml);
   CHECK(problem_after(head, x.toml) == x.problem);

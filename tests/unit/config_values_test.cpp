@@ -212,16 +212,16 @@ TEST_CASE("types, prefix and properties of a proxy have to be possible",
   const auto x = GENERATE(values<row>({
       {"prefix = \"{room}.x\"\n",
        "9:10: `prefix` must be 1 to 5 parts between dots, at most 48 characters, each of letters, "
-       "digits, -, _, {island}, {id} and {name}, not \"{room}.x\""},
+       "digits, -, _, {island}, {channel}, {id} and {name}, not \"{room}.x\""},
       {"prefix = \"a..b\"\n",
        "9:10: `prefix` must be 1 to 5 parts between dots, at most 48 characters, each of letters, "
-       "digits, -, _, {island}, {id} and {name}, not \"a..b\""},
+       "digits, -, _, {island}, {channel}, {id} and {name}, not \"a..b\""},
       {"prefix = \"\"\n",
        "9:10: `prefix` must be 1 to 5 parts between dots, at most 48 characters, each of letters, "
-       "digits, -, _, {island}, {id} and {name}, not \"\""},
+       "digits, -, _, {island}, {channel}, {id} and {name}, not \"\""},
       {"prefix = \"a.b.c.d.e.f\"\n",
        "9:10: `prefix` must be 1 to 5 parts between dots, at most 48 characters, each of letters, "
-       "digits, -, _, {island}, {id} and {name}, not \"a.b.c.d.e.f\""},
+       "digits, -, _, {island}, {channel}, {id} and {name}, not \"a.b.c.d.e.f\""},
       {"prefix = \"a.b.c.d.{id}\"\n", "none"},
       {"properties = \"x\"\n",
        "9:14: `properties` must be a table, as in { key = \"value\" }, not \"x\""},
@@ -230,7 +230,7 @@ TEST_CASE("types, prefix and properties of a proxy have to be possible",
       {"properties = { \"x y\" = \"1\" }\n",
        "9:16: a property's name must have 1 to 32 letters, digits, - and _, unlike \"x y\""},
       {"properties = { status = \"1\" }\n",
-       "9:16: `status` is a tuple that every proxy sets by itself"},
+       "9:16: `status` is a tuple that proxies set by themselves"},
   }));
   CAPTURE(x.toml);
   CHECK(problem_after(proxy_head, x.toml) == x.problem);

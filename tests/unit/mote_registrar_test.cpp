@@ -211,6 +211,27 @@ TEST_CASE("the gateway's question about a mote is answered either way", "[mote][
   CHECK(events<mote_joined>(x.on_describe(lamp, instant{})).size() == 1);
 }
 
+TEST_CASE("a gateway that was started may ask for the roster at once", "[mote][GW-15]") {
+  auto x = make();
+  for (std::uint16_t mote = 10; mote < 30; ++mote) {
+    static_cast<void>(request(x, instant{}, 0, mote_id{mote}));
+    static_cast<void>(confirm(x, instant{}, 0, mote_id{mote}));
+  }
+  const auto first = events<network::roster>(x.on_describe(broadcast_mote, instant{1s}));
+  REQUIRE(first.size() == 1);
+  CHECK(first[0].page == 0);
+  CHECK(first[0].pages == 2);
+  const auto again = events<network::roster>(x.on_describe(broadcast_mote, instant{1s + 100ms}));
+  REQUIRE(again.size() == 1);
+  CHECK(again[0].page == 0); // who asks anew has not seen the first
+  CHECK(again[0].number != first[0].number);
+  const auto second = events<network::roster>(x.on_time(instant{1s + 350ms}));
+  REQUIRE(second.size() == 1);
+  CHECK(second[0].page == 1);
+  CHECK(second[0].number == again[0].number);
+  CHECK(events<network::roster>(x.on_time(instant{11s})).empty()); // the period begins anew
+}
+
 TEST_CASE("each member has a slot of its own, the lowest that is free", "[mote][SYN-16]") {
   auto x = make();
   const auto slot_of = [&x](std::uint16_t mote) {

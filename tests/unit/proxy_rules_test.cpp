@@ -107,8 +107,9 @@ TEST_CASE("rules share keys, whatever their letter case", "[proxy][rules][TUP-03
   second.writes[0].key = "KITCHEN.fan.switch";
   second.when = "hall.temperature";
   rules aut({heat(), alarm, second});
-  CHECK(aut.watched() ==
-        std::vector<std::string>{"kitchen.climate.temperature", "hall.temperature"});
+  CHECK(aut.watched() == std::vector<std::string>{"kitchen.climate.temperature", "hall.temperature",
+                                                  "kitchen.fan.switch.outcome",
+                                                  "alarm.bell.outcome"});
   CHECK(aut.written() == std::vector<std::string>{"kitchen.fan.switch", "alarm.bell"});
   CHECK(aut.on_value("KITCHEN.climate.temperature", "70", instant{}) ==
         writes{{"kitchen.fan.switch", "on"}, {"alarm.bell", "ring"}});
@@ -179,4 +180,45 @@ TEST_CASE("a rule may ask for one of some texts, and write several tuples", "[pr
   CHECK(at("asleep").empty());
   CHECK(at("Yes") == writes{{"bedroom.lamp.switch", "on"}});
   CHECK(aut.counters().bad_values == 0);
+}
+
+TEST_CASE("what has failed at its proxy is written again, later and later", "[proxy][rules]") {
+  rules aut({heat()}, 5s);
+  CHECK(aut.watched() ==
+        std::vector<std::string>{"kitchen.climate.temperature", "kitchen.fan.switch.outcome"});
+  const auto outcome = [&](std::string_view text, duration at) {
+    CHECK(aut.on_value("Kitchen.fan.switch.outcome", text, instant(at)).empty());
+  };
+  outcome("on failed", 0s); // nothing stands
+  CHECK(word_at(aut, "30") == "on");
+  CHECK(!aut.deadline());
+  const writes again{{"kitchen.fan.switch", "on", true}};
+  duration at = 1s;
+  for (const auto pause : {5s, 10s, 20s, 40s, 60s, 60s}) {
+    outcome("on unreachable", at);
+    CHECK(aut.deadline() == instant(at + pause));
+    CHECK(aut.on_time(instant(at + pause - 1ns)).empty());
+    CHECK(aut.on_time(instant(at + pause)) == again);
+    CHECK(!aut.deadline());
+    at += pause + 1s;
+  }
+  CHECK(aut.counters().repeats == 6);
+  for (const auto* text : {"off failed", "on refused", "on superseded", "on", "none", ""}) {
+    outcome(text, at);
+    CHECK(!aut.deadline());
+  }
+  outcome("on timeout", at);
+  outcome("on acknowledged", at);
+  CHECK(!aut.deadline());
+  outcome("on failed", at);
+  CHECK(aut.deadline() == instant(at + 5s));
+  CHECK(aut.on_value("kitchen.climate.temperature", "0", instant(at)) ==
+        writes{{"kitchen.fan.switch", "off"}});
+  CHECK(!aut.deadline()); // another word stands
+
+  rules once({heat()}, 0s);
+  CHECK(word_at(once, "30") == "on");
+  CHECK(once.watched().size() == 1);
+  CHECK(once.on_value("kitchen.fan.switch.outcome", "on failed", instant{}).empty());
+  CHECK(!once.deadline());
 }

@@ -1,0 +1,35 @@
+// The part of a proxy manager that starts a proxy for every tagged object a class claims.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "actors/messages.hpp"
+#include "actors/timer.hpp"
+#include "proxy/object_manager.hpp"
+
+namespace rubicon {
+
+struct object_manager_state {
+  object_manager_state() = default;
+
+  using object = std::pair<std::string, std::string>; ///< channel and hardware id
+
+  proxy::object_manager manager;
+  std::map<object, timed_peer_app_actor> proxies;
+  std::set<object> ended; ///< proxies that have, until they are started again
+  std::optional<instant> restart_at;
+  peis_peer_actor peer;
+  ecology_actor ecology;
+  timer wake;
+};
+
+timed_peer_app_actor::behavior_type
+object_manager(scheduler::traced_pointer<object_manager_state, timed_peer_app_actor> self,
+               std::vector<proxy::proxy_class> classes, peis_peer_actor peer,
+               ecology_actor ecology);
+
+} // namespace rubicon

@@ -1,0 +1,79 @@
+#include "actors/object_proxy.hpp"
+
+#include <utility>
+
+#include "scheduler/supervision.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using proxy_pointer = scheduler::traced_pointer<object_proxy_state, timed_peer_app_actor>;
+
+void perform(proxy_pointer self, const proxy::object_proxy::outputs& todo) {
+  for (const auto& output : todo) {
+    const auto& x = std::get<proxy::publish>(output);
+    self->send(self->state.peer, set_tuple{x.key, payload(to_bytes(x.text)), true});
+  }
+  self->state.wake.follow(self, self->state.core.deadline());
+}
+
+void tell(proxy_pointer self, std::string what) {
+  self->send(self->state.ecology, story{self->path(), std::move(what)});
+}
+
+void on_tuple(proxy_pointer self, const tuple_event& x) {
+  auto& core = self->state.core;
+  const auto before = core.interface_name();
+  perform(self, core.on_tuple(x.owner, x.key, x.value.view(), x.deleted, now(self)));
+  const auto after = core.interface_name();
+  if (!after.empty() && after != before)
+    tell(self, "seen by the reader " + after);
+}
+
+void on_time(proxy_pointer self) {
+  auto& core = self->state.core;
+  const bool was_there = core.is_active();
+  perform(self, core.on_time(now(self)));
+  if (was_there && !core.is_active())
+    tell(self, "seen by no reader");
+}
+
+void report(proxy_pointer self) {
+  const auto& core = self->state.core;
+  runtime::proxy_report r;
+  r.name = core.prefix();
+  r.proxy_class = core.what().name;
+  r.status = core.is_active() ? "active" : "lost";
+  r.values.assign(core.values().begin(), core.values().end());
+  self->send(self->state.ecology, proxy_status{std::move(r)});
+}
+
+} // namespace
+
+timed_peer_app_actor::behavior_type object_proxy_behavior(proxy_pointer self,
+                                                          proxy::object_proxy core,
+                                                          peis_peer_actor peer,
+                                                          ecology_actor ecology) {
+  scheduler::tell_monitors_of_exceptions(self);
+  auto& state = self->state;
+  state.core = std::move(core);
+  state.peer = std::move(peer);
+  state.ecology = std::move(ecology);
+  perform(self, state.core.start(now(self)));
+  for (auto& key : state.core.watches())
+    self->send(state.peer,
+               watch_tuples{{caf::actor_cast<peis_client_actor>(self)}, 0, any_peer, key});
+  return {
+      [self](const tuple_event& x) { on_tuple(self, x); },
+      [](const peis_message&) {},
+      [](const peis_outcome&) {},
+      [self](status_request) { report(self); },
+      [self](const timer_expired& x) {
+        if (self->state.wake.accepts(x))
+          on_time(self);
+      },
+  };
+}
+
+} // namespace rubicon
