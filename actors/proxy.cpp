@@ -70,6 +70,7 @@ void report(proxy_pointer self) {
   r.values = core.values();
   r.actuations.requested = counted.requested;
   r.actuations.acknowledged = counted.acknowledged;
+  r.actuations.slowest = counted.slowest;
   r.actuations.failed = counted.failed;
   self->send(self->state.arguments.ecology, proxy_status{std::move(r)});
 }

@@ -48,12 +48,14 @@ input_channel::outputs input_channel::add(request x, instant now) {
   const auto older = std::find_if(waiting_.begin(), waiting_.end(),
                                   [&](const auto& w) { return w.input == x.input; });
   if (older != waiting_.end()) {
-    out.emplace_back(settled{older->input, std::move(older->word), request_outcome::superseded});
+    out.emplace_back(settled{older->input, std::move(older->word), request_outcome::superseded,
+                             now - older->asked});
     waiting_.erase(older);
   }
+  x.asked = now;
   waiting_.push_back(std::move(x));
   if (!current_)
-    send_next(now, out);
+    send_next(out);
   return out;
 }
 
@@ -76,10 +78,11 @@ input_channel::outputs input_channel::on_time(instant now) {
   return out;
 }
 
-input_channel::outputs input_channel::drop_waiting() {
+input_channel::outputs input_channel::drop_waiting(instant now) {
   outputs out;
   for (auto& x : waiting_)
-    out.emplace_back(settled{x.input, std::move(x.word), request_outcome::unreachable});
+    out.emplace_back(
+        settled{x.input, std::move(x.word), request_outcome::unreachable, now - x.asked});
   waiting_.clear();
   return out;
 }
@@ -105,15 +108,24 @@ bool input_channel::note(const input_status& x) {
 }
 
 void input_channel::settle(request_outcome outcome, instant now, outputs& out) {
-  out.emplace_back(settled{current_->what.input, std::move(current_->what.word), outcome});
+  const auto end = [&](request& x) {
+    out.emplace_back(settled{x.input, std::move(x.word), outcome, now - x.asked});
+  };
+  end(current_->what);
   current_.reset();
+  outcome = request_outcome::timeout;
+  while (!waiting_.empty() && waiting_.front().asked + answer_timeout_ <= now) {
+    end(waiting_.front());
+    waiting_.erase(waiting_.begin());
+  }
   if (!waiting_.empty())
-    send_next(now, out);
+    send_next(out);
 }
 
 /// @pre !waiting_.empty()
-void input_channel::send_next(instant now, outputs& out) {
-  current_ = current_request{std::move(waiting_.front()), now + answer_timeout_, std::nullopt};
+void input_channel::send_next(outputs& out) {
+  const auto expires = waiting_.front().asked + answer_timeout_;
+  current_ = current_request{std::move(waiting_.front()), expires, std::nullopt};
   waiting_.erase(waiting_.begin());
   out.emplace_back(submit{current_->what.octets});
 }

@@ -37,7 +37,8 @@ inline constexpr std::array<request_outcome, 6> all_request_outcomes{
 struct request {
   std::size_t input = 0; ///< index in the class's inputs
   std::string word;
-  bytes octets; ///< what the word is for the mote
+  bytes octets;    ///< what the word is for the mote
+  instant asked{}; ///< set by input_channel::add()
 };
 
 /// Write these to the channel at the gateway.
@@ -50,6 +51,7 @@ struct settled {
   std::size_t input = 0;
   std::string word;
   request_outcome outcome = request_outcome::failed;
+  duration after{}; ///< since it was asked for
 };
 
 /// The requests on one channel of one mote. One is with the gateway at a time; behind it waits the
@@ -71,7 +73,7 @@ public:
   using output = std::variant<submit, settled>;
   using outputs = std::vector<output>;
 
-  /// @param answer_timeout from the write to the latest outcome
+  /// @param answer_timeout from add() to the latest outcome
   explicit input_channel(duration answer_timeout = 20s) : answer_timeout_(answer_timeout) {}
 
   [[nodiscard]] outputs add(request x, instant now);
@@ -80,7 +82,7 @@ public:
 
   /// Requests that have not gone to the gateway yet end as unreachable; the one that has still
   /// waits for its outcome.
-  [[nodiscard]] outputs drop_waiting();
+  [[nodiscard]] outputs drop_waiting(instant now);
 
   /// When on_time() is due; nothing while idle.
   [[nodiscard]] std::optional<instant> deadline() const;
@@ -97,11 +99,11 @@ private:
 
   [[nodiscard]] bool note(const input_status& x);
   void settle(request_outcome outcome, instant now, outputs& out);
-  void send_next(instant now, outputs& out);
+  void send_next(outputs& out);
 
   duration answer_timeout_;
   std::optional<current_request> current_;
-  std::vector<request> waiting_;       ///< at most one per input
+  std::vector<request> waiting_;       ///< at most one per input, in order of asking
   std::optional<input_status> newest_; ///< highest number seen in this life of the gateway
 };
 

@@ -165,7 +165,7 @@ proxy::outputs proxy::on_presence(device_presence x, std::string_view cause, ins
     if (is_news)
       say(key_of("status.cause"), cause_, out);
     for (auto& [channel, requests] : channels_)
-      apply(channel, requests.drop_waiting(), out);
+      apply(channel, requests.drop_waiting(now), out);
     return out;
   }
   last_sensed_ = now;
@@ -235,6 +235,7 @@ void proxy::say_prior_information(outputs& out) {
       say(key_of(field.name + ".unit"), field.unit, out);
   for (const auto& input : class_.inputs) {
     say(key_of(input.name + ".words"), words_of(input), out);
+    say(key_of(input.name + ".latency"), to_text(instant(settings_.answer_timeout)), out);
     say(key_of(input.name), std::string(nothing_word), out);
   }
 }
@@ -263,8 +264,11 @@ void proxy::apply(std::uint16_t channel, input_channel::outputs todo, outputs& o
   for (auto& x : todo) {
     if (auto* const work = std::get_if<submit>(&x))
       out.emplace_back(write_device{who_.mote, channel, std::move(work->octets)});
-    else if (const auto* const end = std::get_if<settled>(&x))
+    else if (const auto* const end = std::get_if<settled>(&x)) {
       tell(end->input, end->word, end->outcome, out);
+      if (end->outcome == request_outcome::acknowledged)
+        counters_.slowest = std::max(counters_.slowest, end->after);
+    }
   }
 }
 

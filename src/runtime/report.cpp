@@ -99,6 +99,7 @@ message_report& message_report::operator+=(const message_report& x) {
 actuation_report& actuation_report::operator+=(const actuation_report& x) {
   requested += x.requested;
   acknowledged += x.acknowledged;
+  slowest = std::max(slowest, x.slowest);
   add(failed, x.failed);
   return *this;
 }

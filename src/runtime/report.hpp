@@ -123,6 +123,7 @@ struct island_report {
 struct actuation_report {
   std::uint64_t requested = 0;
   std::uint64_t acknowledged = 0;
+  duration slowest{}; ///< of those, from the word in the tuple to the acknowledgement
   cause_counts failed;
 
   actuation_report& operator+=(const actuation_report& x);

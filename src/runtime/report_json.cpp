@@ -134,8 +134,10 @@ json to_json(const peer_report& x) {
 }
 
 json to_json(const actuation_report& x) {
-  return {
-      {"requested", x.requested}, {"acknowledged", x.acknowledged}, {"failed", counts(x.failed)}};
+  return {{"requested", x.requested},
+          {"acknowledged", x.acknowledged},
+          {"slowest_s", seconds(x.slowest)},
+          {"failed", counts(x.failed)}};
 }
 
 json to_json(const proxy_report& x) {

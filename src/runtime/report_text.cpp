@@ -311,7 +311,11 @@ void add_actuations(report_page& page, const report& x) {
   if (all.requested == 0)
     return;
   page.heading("Actuations");
-  table rows({{"proxy"}, {"requested", align::right}, {"acknowledged", align::right}, {"failed"}});
+  table rows({{"proxy"},
+              {"requested", align::right},
+              {"acknowledged", align::right},
+              {"slowest", align::right},
+              {"failed"}});
   std::size_t row_count = 0;
   for (const auto& proxy : x.proxies) {
     const auto& actuations = proxy.actuations;
@@ -320,6 +324,7 @@ void add_actuations(report_page& page, const report& x) {
     rows.add({proxy.name,
               with_thousands(actuations.requested),
               with_thousands(actuations.acknowledged),
+              real_time(seconds(actuations.slowest)),
               {causes(actuations.failed), look::bad}});
   }
   add_rest(rows, row_count, rows_max);
@@ -327,6 +332,7 @@ void add_actuations(report_page& page, const report& x) {
     rows.add({{"all", look::strong},
               with_thousands(all.requested),
               with_thousands(all.acknowledged),
+              real_time(seconds(all.slowest)),
               {causes(all.failed), look::bad}});
 
   page.add(rows);

@@ -118,7 +118,8 @@ TEST_CASE("tags, readers and classes of objects have to be possible", "[config][
   }
   CHECK(problem_after(head, "apps = [{ app = \"rfid_reader\", position_m = [0, 0], "
                             "range = \"1km\" }]\n") ==
-        "6:61: `range` must be a length from 0.05 m to 100 m with its unit (cm, m or km), as in \"25m\", not \"1km\"");
+        "6:61: `range` must be a length from 0.05 m to 100 m with its unit (cm, m or km), as in "
+        "\"25m\", not \"1km\"");
   CHECK(problem_after(head, "[[proxy]]\nname = \"p\"\nids = [\"rfid/a\"]\n") ==
         "6:1: nobody starts proxies of tagged objects: a \"proxy_manager\" needs `objects = true`");
   CHECK(problem_after(object_head, "[[peer]]\nname = \"pc2\"\nid = 301\n"

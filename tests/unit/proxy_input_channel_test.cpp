@@ -17,7 +17,7 @@ constexpr instant start{};
 
 request ask(std::string word, std::size_t input = 0) {
   bytes octets(word.begin(), word.end());
-  return {input, std::move(word), std::move(octets)};
+  return {input, std::move(word), std::move(octets), {}};
 }
 
 /// `>on` for a write, `on acknowledged` for an outcome.
@@ -96,12 +96,25 @@ TEST_CASE("a gateway that never answers is given up at the deadline", "[proxy][P
   CHECK(channel.deadline() == start + 6s);
   CHECK(channel.on_time(start + 6s - 1ns).empty());
   CHECK(told(channel.on_time(start + 6s)) == lines{"on timeout", ">off"});
-  CHECK(channel.deadline() == start + 11s);
+  CHECK(channel.deadline() == start + 8s); // since it was asked for
   status(channel, 2, pending, start + 7s);
-  CHECK(channel.deadline() == start + 11s); // pending is no outcome
+  CHECK(channel.deadline() == start + 8s); // pending is no outcome
   CHECK(told(channel.on_time(start + 20s)) == lines{"off timeout"});
   CHECK(channel.on_time(start + 30s).empty());
   CHECK(status(channel, 2, acked, start + 31s).empty()); // too late
+}
+
+TEST_CASE("every outcome comes within the latency that was told", "[proxy][IF-05][IF-07]") {
+  input_channel channel(5s);
+  static_cast<void>(channel.add(ask("a", 0), start));
+  static_cast<void>(channel.add(ask("b", 1), start + 1s));
+  static_cast<void>(channel.add(ask("c", 2), start + 4s));
+  CHECK(told(channel.on_time(start + 7s)) == lines{"a timeout", "b timeout", ">c"}); // a late timer
+  CHECK(channel.deadline() == start + 9s);
+  static_cast<void>(channel.on_status({1, pending}, start + 8s));
+  const auto out = channel.on_status({1, acked}, start + 8s);
+  REQUIRE(out.size() == 1);
+  CHECK(std::get<settled>(out[0]).after == 4s);
 }
 
 TEST_CASE("an older write's outcome is not taken for the request's", "[proxy][PXY-12]") {
@@ -152,10 +165,10 @@ TEST_CASE("a gateway that counts anew is followed", "[proxy][PXY-12][PXY-15]") {
 TEST_CASE("what waits ends when the mote is lost, what was written waits for its outcome",
           "[proxy][PXY-12][PXY-16]") {
   input_channel channel;
-  CHECK(channel.drop_waiting().empty());
+  CHECK(channel.drop_waiting(start).empty());
   static_cast<void>(channel.add(ask("on"), start));
   static_cast<void>(channel.add(ask("off"), start));
-  CHECK(told(channel.drop_waiting()) == lines{"off unreachable"});
+  CHECK(told(channel.drop_waiting(start)) == lines{"off unreachable"});
   status(channel, 1, pending);
   CHECK(status(channel, 1, unreachable) == lines{"on unreachable"});
 }

@@ -84,8 +84,9 @@ TEST_CASE("a proxy starts with what it knows already", "[proxy][PXY-05][PXY-06][
   CHECK(told(aut.start(start)) ==
         lines{base + "class = climate", base + "id = 5/7", base + "island = kitchen",
               base + "colour = white", base + "size.height = 0.1 m", base + "temperature.unit = C",
-              base + "humidity.unit = %", base + "switch.words = on off", base + "switch = none",
-              base + "led.words = red", base + "led = none"} +
+              base + "humidity.unit = %", base + "switch.words = on off",
+              base + "switch.latency = 20.000000", base + "switch = none", base + "led.words = red",
+              base + "led.latency = 20.000000", base + "led = none"} +
             became("active"));
   CHECK_FALSE(aut.deadline());
 }
