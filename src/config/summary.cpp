@@ -139,6 +139,12 @@ struct app_text {
            (x.keys.size() > keys_shown_max ? counted(x.keys.size(), "key") : joined(x.keys)) + ')';
   }
   std::string operator()(const apps::app_config& x) const { return std::string(kind_of(x)); }
+  std::string operator()(const init_app& x) const {
+    std::vector<std::string> names;
+    for (const auto& each : x.components)
+      names.push_back(each.name);
+    return names.empty() ? "init" : "init (" + joined(names) + ')';
+  }
 };
 
 /// Peers and gateways: every PEIS kernel, ascending by id.
