@@ -56,7 +56,8 @@ bool ask_init(peer_pointer self) {
 /// Whether links are closed so while all is well.
 bool is_everyday(peis::close_cause x) {
   using peis::close_cause;
-  return x == close_cause::double_link || x == close_cause::unneeded || x == close_cause::host_left;
+  return x == close_cause::double_link || x == close_cause::unneeded ||
+         x == close_cause::host_left || x == close_cause::leaf;
 }
 
 struct performer {

@@ -37,7 +37,7 @@ instant time_of(const runtime::report& x, std::string_view who, std::string_view
 
 double figure(const runtime::report& x, std::string_view who, std::string_view name) {
   for (const auto& program : x.programs) {
-    if (program.who != who || program.program != "init")
+    if (program.who != who || program.kind != "init")
       continue;
     for (const auto& [each, value] : program.figures) {
       if (each == name)
@@ -169,8 +169,8 @@ then = "7"
     UNSCOPED_INFO(to_text(line.at) << ' ' << line.who << ": " << line.what);
   CHECK(x.actors.failures.empty());
   CHECK(times(x, "pc", "asker on").size() == 1);
-  CHECK(times(x, "pc", "asker has ended, status 7, again in 60 min").size() == 1);
-  CHECK(times(x, "pc", "lost has ended, status 127, again in 60 min").size() == 1);
+  CHECK(times(x, "pc", "asker has ended, status 7, again in 1 h").size() == 1);
+  CHECK(times(x, "pc", "lost has ended, status 127, again in 1 h").size() == 1);
   const auto starts = times(x, "pc", "crasher on");
   REQUIRE(starts.size() >= 2);
   CHECK(starts.size() <= 3);
