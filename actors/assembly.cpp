@@ -208,10 +208,15 @@ void spawn_kernels(ecology_pointer self) {
   for (const auto& island : description.islands)
     if (island.stack == config::stack::full)
       add(gateway_of(island.id), island.gateway_name, island.id);
-  for (const auto& peer : description.peers)
+  for (const auto& peer : description.peers) {
     add(peer.id, peer.name, {});
-  for (const auto& name : names)
-    spawn_kernel(self, self->state.peers.at(name), "peis_peer/" + name);
+    self->state.peers.at(peer.name).component_of = peer.init;
+  }
+  for (const auto& name : names) {
+    auto& peer = self->state.peers.at(name);
+    if (!peer.component_of) // its init starts it
+      spawn_kernel(self, peer, "peis_peer/" + name);
+  }
 }
 
 /// The simulated network: it has nothing to report.
@@ -254,7 +259,8 @@ void assemble(ecology_pointer self) {
   for (const auto& air : description.airs)
     spawn_place(self, air);
   for (const auto& peer : description.peers)
-    spawn_programs(self, self->state.peers.at(peer.name));
+    if (!peer.init)
+      spawn_programs(self, self->state.peers.at(peer.name));
 }
 
 } // namespace rubicon

@@ -71,6 +71,7 @@ void on_down(ecology_pointer self, const caf::down_msg& x) {
   if (named == self->state.names.end())
     return;
   static_cast<void>(on_kernel_down(self, x.source));
+  on_init_down(self, x.source);
   if (x.reason && x.reason != caf::exit_reason::user_shutdown)
     record_failure(self, named->second, x.reason);
   tell_story(self, named->second, "ended");
@@ -229,7 +230,7 @@ void begin_collecting(ecology_pointer self) {
       x.id = peer.id;
       x.name = name;
       x.alive = false;
-      x.incarnations = peer.incarnation + 1;
+      x.incarnations = peer.begun ? peer.incarnation + 1 : 0;
       state.report.peers.push_back(std::move(x));
     }
   }
@@ -370,7 +371,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   self->state.on_report = std::move(on_report);
   self->state.observe_frames = std::move(observe_frames);
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
-  self->state.process = process;
+  self->state.process = std::move(process);
   self->state.plan = runtime::plan_faults(self->state.description);
   self->state.dice = random_stream(self->state.description.seed, self->path() + "/faults");
   prepare_report(self);
@@ -410,12 +411,9 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       },
       [self](const restart_peer& x) { restart(self, self->state.peers.at(x.name)); },
       [self](const end_duplicate& x) { end_duplicate_peer(self, x.name); },
-      [self](end_run) {
-        for (const auto& [name, peer] : self->state.peers) {
-          if (peer.handle)
-            self->send(peer.handle, leave_network{});
-        }
-      },
+      [self](const start_component& x) { start_component_peer(self, x); },
+      [self](const stop_component& x) { stop_component_peer(self, x); },
+      [self](end_run) { end_peers(self); },
       [self](collect_report) { begin_collecting(self); },
       [self](deliver_report) { deliver(self); },
   };

@@ -43,8 +43,12 @@ struct supervised_peer {
   std::optional<island_id> island; ///< whose gateway it is
   peis_peer_actor handle;          ///< its kernel; nullptr while it does not run
   std::vector<caf::actor> programs;
-  std::uint64_t station = 0; ///< of the kernel in the simulated network
-  std::string machine;       ///< host name of the kernel
+  init_actor init;                     ///< among its programs; nullptr: none
+  std::optional<peer_id> component_of; ///< whose init starts and stops it
+  std::uint64_t life = 0;              ///< as that init calls it
+  bool begun = false;                  ///< it has ever run
+  std::uint64_t station = 0;           ///< of the kernel in the simulated network
+  std::string machine;                 ///< host name of the kernel
   std::uint32_t incarnation = 0;
   bool powered = true;
   instant changed; ///< when it was last started or ended
@@ -56,6 +60,8 @@ struct process_facts {
   io::loop* loop = nullptr;               ///< of the real network; nullptr: there is none
   std::uint32_t number = 1;               ///< in-process addresses of other processes are not ours
   duration clock_offset = 1'000'000'000s; ///< network time minus ecology time
+  /// Called when, after end_run, no init runs any more; may be empty.
+  std::function<void()> on_inits_ended = {};
 };
 
 /// How far the clocks of an island's motes and its sink are ahead of real time, at the end.
@@ -87,6 +93,7 @@ struct ecology_state {
   std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
   std::vector<std::string> crashes_requested;
   std::vector<runtime::planned_fault> plan;
+  bool ending = false;          ///< end_run has come
   std::size_t next_fault = 0;   ///< in `plan`
   std::uint64_t lan_faults = 0; ///< so far
   std::uint64_t stations = 0;   ///< so far

@@ -123,13 +123,28 @@ struct program_status {
   runtime::program_report program;
 };
 
+/// From an init: the process of a peer of its host is to start. component_started follows, and
+/// component_ended when it has ended, by whatever cause.
+struct start_component {
+  std::string peer;
+  std::uint64_t life = 0; ///< the init's name for this life of it
+};
+
+/// From an init: the process is to end, in good order as by SIGINT and SIGTERM, or at once as by
+/// SIGKILL.
+struct stop_component {
+  std::string peer;
+  bool at_once = false;
+};
+
 /// The root supervisor, as those below it see it.
 using ecology_actor = caf::typed_actor<
     caf::reacts_to<story>, caf::reacts_to<mote_flat>, caf::reacts_to<listing_changed>,
     caf::reacts_to<radio_status>, caf::reacts_to<energy_status>, caf::reacts_to<flow_status>,
     caf::reacts_to<message_status>, caf::reacts_to<network_status>, caf::reacts_to<serial_status>,
     caf::reacts_to<devices_status>, caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>,
-    caf::reacts_to<program_status>>;
+    caf::reacts_to<program_status>, caf::reacts_to<start_component>,
+    caf::reacts_to<stop_component>>;
 
 /// To itself: this fault of the description's plan is due.
 struct apply_fault {
@@ -646,8 +661,58 @@ struct step_clock {
   duration by{};
 };
 
-/// The run is over: say goodbye to the others.
+/// The run is over: say goodbye to the others. A peer with an init waits for it.
 struct leave_network {};
+
+/// The process of a peer is to end in good order. It does so when it does not stand still.
+struct quit_peer {};
+
+/// A peer of this init's host has started.
+struct component_started {
+  std::string peer;
+  std::uint64_t life = 0;
+};
+
+/// Its process has ended, or could not start.
+struct component_ended {
+  std::string peer;
+  std::uint64_t life = 0;
+};
+
+/// What its kernel tells an init that guards it.
+struct kernel_guarded {
+  std::string host_name;
+  std::string network;
+  std::uint16_t port = 0; ///< where it takes TCP links; 0: nowhere
+};
+
+/// The kernel that an init guards has been asked to end, and waits for quit_peer.
+struct quit_wanted {};
+
+/// A component that is a process of its own has written something.
+struct process_output {
+  std::uint64_t component = 0; ///< its place in the init's list
+  bool is_error = false;       ///< on standard error
+  payload octets;
+};
+
+struct process_ended {
+  std::uint64_t component = 0;
+  std::uint64_t life = 0;
+  std::string how;
+};
+
+/// The peisinit of a host.
+using init_actor =
+    peis_client_actor::extend<caf::reacts_to<component_started>, caf::reacts_to<component_ended>,
+                              caf::reacts_to<kernel_guarded>, caf::reacts_to<quit_wanted>,
+                              caf::reacts_to<process_output>, caf::reacts_to<process_ended>,
+                              caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+
+/// From its init: the kernel asks it before it ends. kernel_guarded follows.
+struct guard_kernel {
+  carried<init_actor> init;
+};
 
 /// One PEIS kernel.
 using peis_peer_actor = lan_user_actor::extend<
@@ -656,8 +721,8 @@ using peis_peer_actor = lan_user_actor::extend<
     caf::reacts_to<delete_tuple>, caf::reacts_to<set_remote_tuple>, caf::reacts_to<watch_tuples>,
     caf::reacts_to<watch_subscribers>, caf::reacts_to<hook_port>, caf::reacts_to<send_peis_message>,
     caf::reacts_to<broadcast_peis_message>, caf::reacts_to<pause_peer>, caf::reacts_to<resume_peer>,
-    caf::reacts_to<step_clock>, caf::reacts_to<leave_network>, caf::reacts_to<timer_expired>,
-    caf::reacts_to<status_request>>;
+    caf::reacts_to<step_clock>, caf::reacts_to<leave_network>, caf::reacts_to<quit_peer>,
+    caf::reacts_to<guard_kernel>, caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// The gateway between an island and the PEIS network.
 using gateway_actor =

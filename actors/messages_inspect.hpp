@@ -500,6 +500,56 @@ auto inspect(F& f, send_peis_message& x) {
 }
 
 template <class F>
+auto inspect(F& f, start_component& x) {
+  return f(caf::meta::type_name("start_component"), x.peer, x.life);
+}
+
+template <class F>
+auto inspect(F& f, stop_component& x) {
+  return f(caf::meta::type_name("stop_component"), x.peer, x.at_once);
+}
+
+template <class F>
+auto inspect(F& f, quit_peer&) {
+  return f(caf::meta::type_name("quit_peer"));
+}
+
+template <class F>
+auto inspect(F& f, component_started& x) {
+  return f(caf::meta::type_name("component_started"), x.peer, x.life);
+}
+
+template <class F>
+auto inspect(F& f, component_ended& x) {
+  return f(caf::meta::type_name("component_ended"), x.peer, x.life);
+}
+
+template <class F>
+auto inspect(F& f, kernel_guarded& x) {
+  return f(caf::meta::type_name("kernel_guarded"), x.host_name, x.network, x.port);
+}
+
+template <class F>
+auto inspect(F& f, quit_wanted&) {
+  return f(caf::meta::type_name("quit_wanted"));
+}
+
+template <class F>
+auto inspect(F& f, process_output& x) {
+  return f(caf::meta::type_name("process_output"), x.component, x.is_error, x.octets);
+}
+
+template <class F>
+auto inspect(F& f, process_ended& x) {
+  return f(caf::meta::type_name("process_ended"), x.component, x.life, x.how);
+}
+
+template <class F>
+auto inspect(F& f, guard_kernel& x) {
+  return f(caf::meta::type_name("guard_kernel"), x.init);
+}
+
+template <class F>
 auto inspect(F& f, mote_presence& x) {
   return f(caf::meta::type_name("mote_presence"), x.presence, x.cause);
 }
@@ -618,4 +668,14 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::scan_bluetooth))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::send_hello))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::bluetooth_connect))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::move_machine))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::start_component))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::stop_component))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::quit_peer))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::component_started))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::component_ended))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::kernel_guarded))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::quit_wanted))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::process_output))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::process_ended))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::guard_kernel))
 CAF_END_TYPE_ID_BLOCK(rubicon)

@@ -6,6 +6,7 @@
 #include "actors/apps/rfid_reader.hpp"
 #include "actors/assembly.hpp"
 #include "actors/gateway.hpp"
+#include "actors/init.hpp"
 #include "actors/object_manager.hpp"
 #include "actors/pc.hpp"
 #include "actors/peis_bluetooth.hpp"
@@ -52,10 +53,14 @@ bool is_real(ecology_pointer self, const config::peer_description& peer) {
   return self->state.process.loop != nullptr && (peer.tcp || !peer.connect.empty() || peer.lan);
 }
 
-/// Unplaced peers have a machine of their own, unless they can be met on this one.
+/// Unplaced peers have a machine of their own, unless they can be met on this one or are a
+/// component on that of their init.
 std::string host_of(ecology_pointer self, const config::peer_description& peer) {
   if (!peer.host.empty())
     return peer.host;
+  if (peer.init)
+    return host_of(self, *std::ranges::find(self->state.description.peers, *peer.init,
+                                            &config::peer_description::id));
   return is_real(self, peer) ? self->state.process.machine : peer.name;
 }
 
@@ -192,6 +197,19 @@ struct peer_app_spawner {
         peer.handle));
   }
 
+  void operator()(const config::init_app& x) const {
+    init_arguments arguments;
+    arguments.name = peer.name;
+    arguments.id = peer.id;
+    arguments.components = x.components;
+    arguments.loop = self->state.process.loop;
+    arguments.lock = x.lock;
+    arguments.peer = peer.handle;
+    arguments.ecology = ecology_handle(self);
+    peer.init = spawn_child(self, "init/" + peer.name, init_behavior, std::move(arguments));
+    add(peer.init);
+  }
+
   [[nodiscard]] managed_island managed(island_id id) const {
     const auto& island = island_of(self, id);
     managed_island x{id, island.name, {}};
@@ -237,6 +255,7 @@ void spawn_kernel(ecology_pointer self, supervised_peer& peer, const std::string
   peer.handle = spawn_child(self, path, peis_peer, std::move(x));
   peer.changed = now(self);
   peer.powered = true;
+  peer.begun = true;
 }
 
 namespace {

@@ -8,6 +8,10 @@ namespace rubicon {
 
 namespace {
 
+constexpr auto second = [](const auto& entry) -> const auto& {
+  return entry.second;
+};
+
 void tell(ecology_pointer self, const supervised_peer& peer, std::string what) {
   self->send(self, story{"peis_peer/" + peer.name, std::move(what)});
 }
@@ -20,6 +24,49 @@ void end_quietly(ecology_pointer self, const caf::actor& who) {
   self->send_exit(who, caf::exit_reason::user_shutdown);
 }
 
+/// Whether the init of this component is told how it fares: not of a second peer with its id.
+bool is_watched(ecology_pointer self, const supervised_peer& peer) {
+  return peer.component_of && &self->state.peers.at(peer.name) == &peer;
+}
+
+/// The peers that the init of this one has started.
+std::vector<supervised_peer*> components_of(ecology_pointer self, const supervised_peer& peer) {
+  std::vector<supervised_peer*> found;
+  for (auto& [name, each] : self->state.peers) {
+    if (each.component_of == peer.id && each.handle)
+      found.push_back(&each);
+  }
+  return found;
+}
+
+/// The init of a component; nullptr if it does not run.
+init_actor init_of(ecology_pointer self, const supervised_peer& component) {
+  for (const auto& [name, each] : self->state.peers) {
+    if (each.id == *component.component_of && each.handle)
+      return each.init;
+  }
+  return {};
+}
+
+template <class Message>
+void tell_init(ecology_pointer self, const supervised_peer& component) {
+  if (const auto init = init_of(self, component))
+    self->send(init, Message{component.name, component.life});
+}
+
+bool has_init(const supervised_peer& peer) {
+  return peer.handle && peer.init;
+}
+
+void tell_when_inits_ended(ecology_pointer self) {
+  const auto& state = self->state;
+  if (std::ranges::none_of(state.peers, has_init, second) && state.process.on_inits_ended)
+    state.process.on_inits_ended();
+}
+
+/// With an init ends all that it has started.
+void end_init(ecology_pointer self, supervised_peer& peer);
+
 /// Ends a peer's process: kernel and programs.
 void end_process(ecology_pointer self, supervised_peer& peer) {
   for (const auto& program : std::exchange(peer.programs, {}))
@@ -28,11 +75,24 @@ void end_process(ecology_pointer self, supervised_peer& peer) {
     end_quietly(self, caf::actor_cast<caf::actor>(peer.handle));
   peer.handle = nullptr;
   peer.changed = now(self);
+  if (is_watched(self, peer))
+    tell_init<component_ended>(self, peer);
+  if (peer.init)
+    end_init(self, peer);
+}
+
+void end_init(ecology_pointer self, supervised_peer& peer) {
+  auto& state = self->state;
+  peer.init = nullptr;
+  for (auto* component : components_of(self, peer))
+    end_process(self, *component);
+  if (state.ending)
+    tell_when_inits_ended(self);
 }
 
 void restart_after(ecology_pointer self, const supervised_peer& peer,
                    std::optional<duration> length) {
-  if (length)
+  if (length && !peer.component_of) // a component is started again by its init
     self->delayed_send(self, *length, restart_peer{peer.name});
 }
 
@@ -75,11 +135,51 @@ void restart(ecology_pointer self, supervised_peer& peer) {
     return;
   if (!peer.powered)
     set_power(self, peer.station, true);
-  ++peer.incarnation;
-  ++self->state.report.actors.restarted;
+  const bool again = peer.begun;
+  if (again) {
+    ++peer.incarnation;
+    ++self->state.report.actors.restarted;
+  }
   spawn_kernel(self, peer, "peis_peer/" + peer.name);
   spawn_programs(self, peer);
-  tell(self, peer, "started again, life " + std::to_string(peer.incarnation + 1));
+  tell(self, peer,
+       again ? "started again, life " + std::to_string(peer.incarnation + 1) : "started");
+}
+
+void start_component_peer(ecology_pointer self, const start_component& x) {
+  auto& peer = self->state.peers.at(x.peer);
+  peer.life = x.life;
+  restart(self, peer);
+  tell_init<component_started>(self, peer);
+}
+
+void stop_component_peer(ecology_pointer self, const stop_component& x) {
+  auto& peer = self->state.peers.at(x.peer);
+  if (!peer.handle)
+    tell_init<component_ended>(self, peer);
+  else if (x.at_once)
+    end_process(self, peer);
+  else
+    self->send(peer.handle, quit_peer{});
+}
+
+void end_peers(ecology_pointer self) {
+  auto& state = self->state;
+  state.ending = true;
+  for (const auto& [name, peer] : state.peers) {
+    if (peer.handle && !peer.component_of)
+      self->send(peer.handle, leave_network{});
+  }
+  tell_when_inits_ended(self);
+}
+
+void on_init_down(ecology_pointer self, const caf::actor_addr& init) {
+  for (auto& [name, peer] : self->state.peers) {
+    if (!peer.init || peer.init.address() != init)
+      continue;
+    end_init(self, peer);
+    return;
+  }
 }
 
 bool on_kernel_down(ecology_pointer self, const caf::actor_addr& kernel) {
@@ -115,8 +215,12 @@ void peer_fault_applier::operator()(const config::power_off_fault& x) const {
   auto* peer = find_running(self, x.peer);
   if (peer == nullptr)
     return;
-  peer->powered = false;
-  set_power(self, peer->station, false); // before it is seen to end
+  auto dark = components_of(self, *peer); // they are on the same computer
+  dark.push_back(peer);
+  for (auto* each : dark) {
+    each->powered = false;
+    set_power(self, each->station, false); // before it is seen to end
+  }
   end_process(self, *peer);
   tell(self, *peer, "power off" + lasting(x.length));
   restart_after(self, *peer, x.length);
@@ -146,6 +250,7 @@ void peer_fault_applier::operator()(const config::duplicate_id_fault& x) const {
     return;
   auto copy = *peer;
   copy.programs = {};
+  copy.init = nullptr;
   copy.incarnation = 0;
   const auto name = peer->name + "-double-" + std::to_string(state.stations + 1);
   auto& added = state.duplicates[name] = std::move(copy);

@@ -24,8 +24,18 @@ struct peer_fault_applier {
   void operator()(const config::move_fault& x) const;
 };
 
-/// Starts a peer again that was ended.
+/// Starts a peer that has ended, or has never run.
 void restart(ecology_pointer self, supervised_peer& peer);
+
+/// An init starts or stops a peer of its host.
+void start_component_peer(ecology_pointer self, const start_component& x);
+void stop_component_peer(ecology_pointer self, const stop_component& x);
+
+/// The run is over: all leave, and inits stop their components first.
+void end_peers(ecology_pointer self);
+
+/// An init's actor may have failed: what it has started ends too.
+void on_init_down(ecology_pointer self, const caf::actor_addr& init);
 
 /// A kernel's actor has ended by itself: its programs end with it, as a process does.
 /// @returns whether it was a kernel

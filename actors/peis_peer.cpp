@@ -38,10 +38,26 @@ void leave(peer_pointer self) {
     state.real->links().close_all();
 }
 
+/// Ends the process of this peer.
+void quit(peer_pointer self) {
+  leave(self);
+  self->quit(caf::exit_reason::user_shutdown);
+}
+
+/// Asks the init of its host, whose components end before this does.
+/// @returns whether there is one
+bool ask_init(peer_pointer self) {
+  if (!self->state.init || self->state.left)
+    return false;
+  self->send(self->state.init, quit_wanted{});
+  return true;
+}
+
 /// Whether links are closed so while all is well.
 bool is_everyday(peis::close_cause x) {
   using peis::close_cause;
-  return x == close_cause::double_link || x == close_cause::unneeded || x == close_cause::host_left;
+  return x == close_cause::double_link || x == close_cause::unneeded ||
+         x == close_cause::host_left || x == close_cause::leaf;
 }
 
 struct performer {
@@ -124,8 +140,8 @@ struct performer {
   }
   void operator()(const peis::quit_requested& x) const {
     log(self, spdlog::level::info, "event=quit_requested by={}", x.by.value);
-    leave(self);
-    self->quit(caf::exit_reason::user_shutdown);
+    if (!ask_init(self))
+      quit(self);
   }
   void operator()(const peis::intercepted& x) const {
     log(self, spdlog::level::info, "event=intercepted port={} source={} destination={}", x.port,
@@ -177,6 +193,8 @@ void forget(peer_pointer self, const caf::actor_addr& client) {
   state.clients.erase(client);
   if (state.subscribers_watcher && state.subscribers_watcher.address() == client)
     state.subscribers_watcher = nullptr;
+  if (state.init && state.init.address() == client)
+    state.init = nullptr;
   std::erase_if(state.ports, [&](const auto& x) { return x.second.address() == client; });
   std::erase_if(state.requests, [&](const auto& x) { return x.second.client.address() == client; });
   for (auto x = state.watches.begin(); x != state.watches.end();) {
@@ -222,6 +240,15 @@ void on_watch_subscribers(peer_pointer self, const watch_subscribers& x) {
   state.subscribers_first_part = x.first_part;
   state.subscribers_version.reset();
   tell_subscribers(self);
+}
+
+void on_guard(peer_pointer self, const guard_kernel& x) {
+  auto& state = self->state;
+  know(self, caf::actor_cast<peis_client_actor>(x.init.actor));
+  state.init = x.init.actor;
+  const auto& network = state.arguments.config.network;
+  const auto port = state.real == nullptr ? std::nullopt : state.real->links().port();
+  self->send(state.init, kernel_guarded{network.host_name, network.network, port.value_or(0)});
 }
 
 void report(peer_pointer self) {
@@ -454,7 +481,12 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
                          [self](const step_clock& x) {
                            perform(self, self->state.kernel.step_clock(x.by, now(self)));
                          }),
-      [self](leave_network) { leave(self); },
+      [self](leave_network) {
+        if (!ask_init(self))
+          leave(self);
+      },
+      served<quit_peer>(self, [self](quit_peer) { quit(self); }),
+      [self](const guard_kernel& x) { on_guard(self, x); },
       served<timer_expired>(self,
                             [self](const timer_expired& x) {
                               if (self->state.wake.accepts(x))

@@ -70,6 +70,7 @@ struct peis_peer_state {
   std::uint64_t next_request = 1;
   bool paused = false;
   bool left = false;
+  init_actor init;                         ///< which is asked before this ends; nullptr: nobody is
   std::vector<std::function<void()>> held; ///< what has come during a pause
   std::uint64_t held_lost = 0;
   std::uint64_t packages_lost = 0; ///< on the simulated network, sent by us

@@ -21,6 +21,8 @@ using steady = std::chrono::steady_clock;
 
 /// How long what peers say at the end may take to leave (ACT-11).
 constexpr duration goodbye_time = 200ms;
+/// How long inits may take to stop their components (SVC-05).
+constexpr duration stop_time_max = 4s;
 
 scheduler::world_options world_options_of(config::run_mode mode, double speed) {
   scheduler::world_options x;
@@ -59,6 +61,13 @@ process_facts facts_of(scheduler::world& world, bool wall) {
   x.clock_offset =
       std::chrono::duration_cast<duration>(std::chrono::system_clock::now().time_since_epoch());
   return x;
+}
+
+bool has_init(const config::ecology_description& x) {
+  return std::ranges::any_of(x.peers, [](const auto& peer) {
+    return std::ranges::any_of(
+        peer.apps, [](const auto& app) { return std::holds_alternative<config::init_app>(app); });
+  });
 }
 
 bool has_real_links(const config::ecology_description& x) {
@@ -112,9 +121,12 @@ runtime::report run_ecology(const config::ecology_description& file, const run_o
   const auto started = steady::now();
   const auto end = instant(description.length);
   const auto path = "ecology/" + description.name;
+  bool inits_run = has_init(description);
+  auto facts = facts_of(world, wall);
+  facts.on_inits_ended = [&inits_run] { inits_run = false; };
   const auto root = world.spawn(
       path, ecology, std::move(description),
-      [&report](runtime::report x) { report = std::move(x); }, observe, facts_of(world, wall));
+      [&report](runtime::report x) { report = std::move(x); }, observe, std::move(facts));
   const auto cause = run_with_progress(world, end, options, speed);
 
   caf::anon_send(root, collect_report{});
@@ -123,6 +135,8 @@ runtime::report run_ecology(const config::ecology_description& file, const run_o
   world.drain();
   caf::anon_send(root, end_run{});
   world.drain();
+  for (const auto latest = world.now() + stop_time_max; inits_run && world.now() < latest;)
+    static_cast<void>(world.run_for(50ms));
   if (wall && has_real_links(file))
     static_cast<void>(world.run_for(goodbye_time));
   if (captures)

@@ -30,6 +30,7 @@ constexpr const char* roles =
     "  PEIS peer      a PC or robot with a PEIS kernel and its programs\n"
     "  proxy          speaks for one mote through tuples with meaning and units\n"
     "  proxy manager  starts and ends proxies as motes join and leave\n"
+    "  init           starts, stops and watches the other components of its host\n"
     "\n"
     "Exit status: 0 good; 1 the run ended with violations, equal runs differed, or nobody\n"
     "answered; 2 the command line or the file was refused; 130 Ctrl-C ended a swarm.";

@@ -9,9 +9,13 @@ namespace rubicon::cli {
 std::optional<config::ecology_description> load_or_complain(const std::string& file,
                                                             const config::overrides& instead) {
   auto loaded = config::load_file(file, instead);
-  if (loaded.problems.empty())
-    return std::move(loaded.ecology);
   std::string text;
+  for (const auto& skipped : loaded.warnings)
+    text += to_string(skipped) + " (left out)\n";
+  if (loaded.problems.empty()) {
+    static_cast<void>(print(stderr, text)); // nobody reads it, nobody misses it
+    return std::move(loaded.ecology);
+  }
   for (const auto& problem : loaded.problems)
     text += to_string(problem) + '\n';
   if (loaded.problems.size() > 1)

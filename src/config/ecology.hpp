@@ -15,6 +15,7 @@
 #include "core/time.hpp"
 #include "core/wire_form.hpp"
 #include "flow/flow_config.hpp"
+#include "init/component.hpp"
 #include "mote/duty_config.hpp"
 #include "mote/transducer_config.hpp"
 #include "mote/way_point.hpp"
@@ -154,8 +155,14 @@ struct collector_app {
   std::vector<std::string> keys; ///< may hold `*` parts
 };
 
+/// Starts, stops and watches the components of its host: the peisinit there (SVC-01).
+struct init_app {
+  std::vector<init::component> components; ///< names and ids unique
+  std::string lock; ///< path of the file that says so in wall time; empty: one of the host
+};
+
 using peer_app = std::variant<proxy_manager_app, rules_app, collector_app, rfid::reader_config,
-                              apps::app_config>;
+                              apps::app_config, init_app>;
 
 /// Where a peer takes links over real TCP.
 struct tcp_listener {
@@ -179,6 +186,7 @@ struct peer_description {
   bool wired = true;             ///< is in the simulated network; false: links over Bluetooth only
   std::vector<peer_id> managers; ///< may stop it by its tuple kernel.do-quit (TUP-22)
   std::vector<peer_app> apps;
+  std::optional<peer_id> init; ///< whose component it is: that peer starts and stops it
 };
 
 /// Simulated Bluetooth. Received strength falls with distance as radio::log_distance has it

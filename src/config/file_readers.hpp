@@ -21,6 +21,7 @@ struct named_files {
   std::string toml; ///< names are relative to its folder
   overrides instead;
   file_reader read;
+  folder_reader list = {};
 };
 
 /// What the readers of islands and peers need from the tables before them, and must not share.

@@ -55,6 +55,10 @@ file_text no_file(const std::string& /*path*/, std::size_t /*octets_max*/) {
   return {std::nullopt, "cannot be opened here"};
 }
 
+folder_names no_folder(const std::string& /*path*/) {
+  return {std::nullopt, "cannot be opened here"};
+}
+
 } // namespace
 
 file_text read_file(const std::string& path, std::size_t octets_max) {
@@ -78,26 +82,43 @@ file_text read_file(const std::string& path, std::size_t octets_max) {
   return {std::move(text), {}};
 }
 
+folder_names read_folder(const std::string& path) {
+  constexpr std::size_t files_max = 1000;
+  std::vector<std::string> names;
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(path, error), end; !error && at != end;
+       at.increment(error)) {
+    names.push_back(at->path().filename().string());
+    if (names.size() > files_max)
+      return {std::nullopt, "has more than " + std::to_string(files_max) + " files"};
+  }
+  if (error)
+    return {std::nullopt, "cannot be opened: " + error.message()};
+  std::sort(names.begin(), names.end());
+  return {std::move(names), {}};
+}
+
 loaded load_text(std::string_view toml, const std::string& file_name, const overrides& instead,
-                 const file_reader& read) {
+                 const file_reader& read, const folder_reader& list) {
   const auto parsed = parse(toml, file_name);
   if (const auto* wrong = std::get_if<problem>(&parsed))
     return {std::nullopt, {*wrong}};
   reading shared;
-  const named_files files{file_name, instead, read ? read : no_file};
+  const named_files files{file_name, instead, read ? read : no_file, list ? list : no_folder};
   trace_files traces(files);
   shared.traces = &traces;
+  shared.files = &files;
   auto ecology = read_file_tables(std::get<node>(parsed), files, shared);
   if (!shared.problems.empty())
-    return {std::nullopt, shared.problems.of_file(file_name)};
-  return {std::move(ecology), {}};
+    return {std::nullopt, shared.problems.of_file(file_name), shared.problems.warnings()};
+  return {std::move(ecology), {}, shared.problems.warnings()};
 }
 
 loaded load_file(const std::string& path, const overrides& instead) {
   auto file = read_file(path, file_octets_max);
   if (!file.text)
     return {std::nullopt, {problem{path, 0, 0, std::move(file.reason)}}};
-  return load_text(*file.text, path, instead, read_file);
+  return load_text(*file.text, path, instead, read_file, read_folder);
 }
 
 std::vector<std::pair<std::string, std::string>> accepted_keys() {

@@ -19,6 +19,7 @@ namespace rubicon::config {
 struct loaded {
   std::optional<ecology_description> ecology; ///< only if there are no problems
   std::vector<problem> problems;              ///< in order of place, those of named files last
+  std::vector<problem> warnings = {};         ///< of named files that are left out
 };
 
 /// What a command line may say in the place of the TOML file.
@@ -41,11 +42,24 @@ using file_reader = std::function<file_text(const std::string& path, std::size_t
 /// From the disk.
 [[nodiscard]] file_text read_file(const std::string& path, std::size_t octets_max);
 
+/// The names of the files in a folder, sorted, or why they are not known.
+struct folder_names {
+  std::optional<std::vector<std::string>> names;
+  std::string reason;
+};
+
+using folder_reader = std::function<folder_names(const std::string& path)>;
+
+/// From the disk; more than 1000 files are refused.
+[[nodiscard]] folder_names read_folder(const std::string& path);
+
 /// A syntax error hides everything else; all other problems are told together.
 /// @param file_name how problems call the text; names in it are relative to this file's folder
 /// @param read reads the files that the text names; without it, none can be opened
+/// @param list tells what is in the folders that the text names; the same
 [[nodiscard]] loaded load_text(std::string_view toml, const std::string& file_name,
-                               const overrides& instead = {}, const file_reader& read = {});
+                               const overrides& instead = {}, const file_reader& read = {},
+                               const folder_reader& list = {});
 
 /// The same for a file. One that is missing, unreadable, a directory, binary or empty is one
 /// problem.

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "config/application_readers.hpp"
+#include "config/component_readers.hpp"
 #include "config/file_readers.hpp"
 
 namespace rubicon::config {
@@ -19,6 +20,7 @@ struct peer_surroundings {
   name_claims readers{};
   claims<std::pair<std::string, std::uint32_t>> ports{}; ///< by host
   machine_places places{};
+  std::vector<placed_init> inits{};
 };
 
 proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
@@ -233,7 +235,16 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
          }},
         {"rules", [&](table_reader& y) { add(read_rules(y)); }},
         {"collector", [&](table_reader& y) { add(read_collector(y)); }},
-        {"rfid_reader", [&](table_reader& y) { add(read_reader(y, peers, apps)); }}};
+        {"rfid_reader", [&](table_reader& y) { add(read_reader(y, peers, apps)); }},
+        {"init", [&](table_reader& y) {
+           if (peers.count > 1)
+             y.problems().add(y.at("app"),
+                              "a host has one init, not " + std::to_string(peers.count));
+           if (std::any_of(like.apps.begin(), like.apps.end(),
+                           [](const auto& app) { return std::holds_alternative<init_app>(app); }))
+             y.problems().add(y.at("app"), "the peer already has an init");
+           add(read_init(y, with, peers.like.id, apps.inits));
+         }}};
     for (const auto& [word, read] : pc_programs(with.names, with.files))
       choices.emplace_back(word, [&, word, read](table_reader& y) {
         if (peers.count > 1 && word == "recorder")
@@ -286,6 +297,7 @@ std::vector<peer_description> read_peers(table_reader& root, surroundings& with,
   peer_surroundings apps{.names = with.names, .islands = islands, .managed = {}};
   root.tables("peer", "[[peer]]", [&](table_reader& x) { read_peer(x, with, apps, out); });
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  settle_inits(std::move(apps.inits), out, with);
   return out;
 }
 

@@ -35,6 +35,11 @@ void complaints::add(problem x) {
   elsewhere_.push_back(std::move(x));
 }
 
+void complaints::warn(problem x) {
+  x.message = without_control_characters(std::move(x.message));
+  warnings_.push_back(std::move(x));
+}
+
 std::vector<problem> complaints::of_file(const std::string& name) const {
   auto sorted = found_;
   std::sort(sorted.begin(), sorted.end());

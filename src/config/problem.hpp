@@ -43,6 +43,10 @@ public:
   /// A problem of another file, or of this one as a whole.
   void add(problem x);
 
+  /// What does no harm to the rest: it is left out.
+  void warn(problem x);
+  [[nodiscard]] const std::vector<problem>& warnings() const { return warnings_; }
+
   [[nodiscard]] bool empty() const { return size() == 0; }
   [[nodiscard]] std::size_t size() const { return found_.size() + elsewhere_.size(); }
 
@@ -53,6 +57,7 @@ public:
 private:
   std::vector<std::pair<mark, std::string>> found_;
   std::vector<problem> elsewhere_;
+  std::vector<problem> warnings_;
 };
 
 } // namespace rubicon::config

@@ -145,6 +145,12 @@ struct app_text {
   }
   std::string operator()(const rfid::reader_config& x) const { return "reader " + x.name; }
   std::string operator()(const apps::app_config& x) const { return std::string(kind_of(x)); }
+  std::string operator()(const init_app& x) const {
+    std::vector<std::string> names;
+    for (const auto& each : x.components)
+      names.push_back(each.name);
+    return names.empty() ? "init" : "init (" + joined(names) + ')';
+  }
 };
 
 /// Peers and gateways: every PEIS kernel, ascending by id.

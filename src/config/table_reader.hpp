@@ -19,6 +19,7 @@ namespace rubicon::config {
 using accepted_key = std::pair<std::string, std::string>;
 
 class trace_files;
+struct named_files;
 
 /// What the readers of one file share.
 struct reading {
@@ -26,7 +27,8 @@ struct reading {
   /// Set: nothing is read; every reader walks through all the tables it might meet, and the keys it
   /// would ask for are collected here.
   std::set<accepted_key>* accepted = nullptr;
-  trace_files* traces = nullptr; ///< set unless `accepted` is
+  trace_files* traces = nullptr;      ///< set unless `accepted` is
+  const named_files* files = nullptr; ///< the same
 };
 
 class table_reader {

@@ -37,6 +37,8 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
   self_.host_name = config_.host_name;
   self_.full_name = config_.name + '@' + config_.host_name + '!' + std::to_string(config_.process);
   self_.addresses = config_.addresses;
+  if (config_.connections.leaf) // other hosts are not to come (LEA-01)
+    std::erase_if(self_.addresses, [](const auto& x) { return !x.loopback; });
   self_.addresses.resize(std::min(self_.addresses.size(), low_level_addresses_max));
   self_.cluster = self_.id.value;
   self_.marked = true;

@@ -157,8 +157,19 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
       address.wait = message->cached ? address.wait : config_.connections.always_retry;
     }
   }
-  if (header.hops == 1 && !message->cached && x.neighbour.value_or(record.id) == record.id) {
-    x.cost = record.host_name == self_.host_name ? config_.cost_same_host : config_.cost_other_host;
+  const bool is_neighbour =
+      header.hops == 1 && !message->cached && x.neighbour.value_or(record.id) == record.id;
+  const bool same_host = record.host_name == self_.host_name;
+  const bool asked_for =
+      std::ranges::any_of(standing_, [from](const auto& address) { return address.link == from; });
+  if (config_.connections.leaf && is_neighbour && !same_host && !asked_for) {
+    store_record(from, *message, now);
+    ++counters_.links_refused;
+    close(from, close_cause::leaf, now);
+    return;
+  }
+  if (is_neighbour) {
+    x.cost = same_host ? config_.cost_same_host : config_.cost_other_host;
     bind_neighbour(x, record.id);
   }
   store_record(from, *message, now);

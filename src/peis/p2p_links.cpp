@@ -104,6 +104,10 @@ void p2p::accept(connection& from, byte_view request, instant now) {
     why = close_cause::own_id;
   else if (decoded->id.value <= 0)
     why = close_cause::bad_id;
+  else if (const auto known = hosts_.find(decoded->id);
+           config_.connections.leaf && known != hosts_.end() &&
+           known->second.record.host_name != self_.host_name)
+    why = close_cause::leaf;
   if (!why && !has_room_for(*decoded, now)) {
     why = close_cause::too_many_links;
     refer_elsewhere(from, now);

@@ -1,7 +1,10 @@
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "support/catch.hpp"
 #include "support/shell.hpp"
@@ -159,6 +162,58 @@ TEST_CASE("output that cannot be written is not passed over", "[cli]") {
   CHECK(shell('"' + binary + "\" run --json --for 1s " + file + " >/dev/full 2>/dev/null").status ==
         2);
   CHECK(shell('"' + binary + "\" check " + file + " >/dev/full 2>/dev/null").status == 2);
+}
+
+TEST_CASE("the log of a run shows that its init ends last", "[cli][SVC-01]") {
+  const auto file = fixture("../../../config/scenarios/peis/components.toml");
+  const auto x = standard_error("run --for 5s --log info '" + file + '\'');
+  CHECK(x.status == 0);
+  const auto place_of = [&x](const std::string& what) {
+    CAPTURE(what, x.out);
+    const auto at = x.out.find(what);
+    CHECK(at != std::string::npos);
+    return at;
+  };
+  const auto last = place_of(R"(who=peis_peer/care-init what="ended")");
+  for (const std::string component : {"care-rules", "care-logger", "care-planner"})
+    CHECK(place_of("who=peis_peer/" + component + R"( what="ended")") < last);
+  CHECK(place_of("all components are off") < last);
+}
+
+TEST_CASE("an interrupted run stops its components first", "[cli][ACT-11][SVC-01][SVC-05]") {
+  const auto folder = std::filesystem::temp_directory_path() /
+                      ("rubicon-interrupted-" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  const auto file = folder / "worker.toml";
+  std::ofstream(file) << R"(
+[ecology]
+name = "worker"
+mode = "wall"
+duration = "1h"
+
+[[peer]]
+id = 1
+name = "pc"
+
+[[peer.apps]]
+app = "init"
+lock = "lock"
+components = [{ name = "worker", command = "trap '' INT; while :; do sleep 1000; done", id = 2 }]
+)";
+  const std::string script =
+      "pid=$(mktemp); "
+      "{ echo $BASHPID >\"$pid\"; exec \"$0\" run --log info \"$1\" 2>&1 >/dev/null; } "
+      "| { grep -m 1 \"worker on\"; kill -INT \"$(cat \"$pid\")\"; rm \"$pid\"; cat; }";
+  const auto x = shell("bash -o pipefail -c '" + script + "' '" + binary + "' '" + file.string() +
+                       "' 2>/dev/null");
+  std::filesystem::remove_all(folder);
+  CAPTURE(x.out);
+  CHECK(x.status == 0);
+  const auto off = x.out.find("worker off");
+  const auto last = x.out.find(R"(who=peis_peer/pc what="ended")");
+  REQUIRE(off != std::string::npos);
+  REQUIRE(last != std::string::npos);
+  CHECK(off < last);
 }
 
 TEST_CASE("a swarm of good runs says so", "[cli][GEN-07]") {

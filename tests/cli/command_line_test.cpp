@@ -194,7 +194,8 @@ TEST_CASE("help names every role and every exit status", "[cli][GEN-01]") {
   const auto x = parse({"--help"});
   REQUIRE(std::holds_alternative<show_command>(x));
   const auto& text = std::get<show_command>(x).text;
-  for (const auto* role : {"mote", "sink", "gateway", "PEIS peer", "proxy", "proxy manager"}) {
+  for (const auto* role :
+       {"mote", "sink", "gateway", "PEIS peer", "proxy", "proxy manager", "init"}) {
     CAPTURE(role);
     CHECK(contains(text, "\n  " + std::string(role) + ' '));
   }

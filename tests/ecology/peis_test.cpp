@@ -168,6 +168,12 @@ TEST_CASE("peers on hosts of their own talk through their masters", "[ecology][p
   CHECK(x.violations.empty());
   CHECK(hosts_known_min(x) == 63);
   CHECK(clusters(x) == std::set<std::int32_t>{1});
+  for (const auto& peer : x.peers) {
+    CAPTURE(peer.name);
+    const bool leaf = peer.name.starts_with("leaf");
+    CHECK(peer.links >= (leaf ? 1U : 21U));
+    CHECK(peer.links <= (leaf ? 1U : 22U));
+  }
 }
 
 TEST_CASE("two processes with one id are noticed and go again", "[ecology][peis][RTE-08]") {

@@ -163,6 +163,35 @@ TEST_CASE("leaves keep to their master and come back to it", "[peis][LEA-01][LEA
   CHECK(run_until(w, 60s, [&] { return all_reachable(w); }) < 32s);
 }
 
+TEST_CASE("a leaf takes no links from other hosts", "[peis][LEA-01]") {
+  world w;
+  w.add(lan_config_of(1));
+  auto leaf = config_of(2);
+  leaf.network.connections.leaf = true;
+  leaf.network.connections.always = {"inproc://1"};
+  leaf.network.addresses.push_back(tcp_address("eth0", false, {10, 0, 0, 2}, 8000));
+  leaf.network.addresses.push_back(tcp_address("lo", true, {127, 0, 0, 1}, 8000));
+  w.add(leaf);
+  auto roommate = config_of(3);
+  roommate.network.host_name = leaf.network.host_name;
+  roommate.network.connections.always = {"inproc://2"};
+  w.add(roommate);
+  auto stranger = config_of(4);
+  stranger.network.connections.always = {"inproc://2"};
+  w.add(stranger);
+  w.run_for(60s);
+  CHECK(links_of(w, peer_id{2}) == 2);
+  CHECK(w.at(peer_id{2}).counters().network.links_refused > 0);
+  const auto causes = w.all<close_link>(peer_id{2});
+  REQUIRE_FALSE(causes.empty());
+  CHECK(std::ranges::all_of(causes, [](const auto& x) { return x.why == close_cause::leaf; }));
+  const auto hosts = w.at(peer_id{1}).hosts(); // nobody is told where to come from elsewhere
+  const auto told = std::ranges::find(hosts, peer_id{2}, &host_record::id);
+  REQUIRE(told != hosts.end());
+  CHECK(std::ranges::all_of((*told)->addresses, &low_level_address::loopback));
+  CHECK((*told)->addresses.size() == 1);
+}
+
 TEST_CASE("a silent death is noticed by neighbours and far away", "[peis][KH-05][RTE-07]") {
   world w;
   w.add_line(7);

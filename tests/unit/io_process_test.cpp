@@ -1,0 +1,205 @@
+// Short-lived programs of /bin/sh, and files that one of us may hold.
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "io/file_lock.hpp"
+#include "io/process.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using io::process;
+
+namespace {
+
+/// A script, what it says, and how it ends.
+struct script {
+  io::loop loop;
+  std::string out;
+  std::string err;
+  std::optional<io::process_end> end;
+  std::vector<std::string> order;
+  std::optional<process> running;
+
+  explicit script(const std::string& text, std::vector<std::string> environment = {}) {
+    auto made = process::start(
+        loop, {"/bin/sh", {"sh", "-c", text}, std::move(environment)},
+        {[this](process::output from, byte_view octets) {
+           (from == process::output::out ? out : err).append(octets.begin(), octets.end());
+           order.emplace_back("output");
+         },
+         [this](io::process_end how) {
+           end = how;
+           order.emplace_back("end");
+         }});
+    REQUIRE(std::holds_alternative<process>(made));
+    running.emplace(std::get<process>(std::move(made)));
+  }
+
+  /// Lets things happen until `done` holds, for a minute at most.
+  template <class Done>
+  bool wait_for(Done done) {
+    const auto latest = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (!done() && std::chrono::steady_clock::now() < latest)
+      loop.wait_until(latest);
+    return done();
+  }
+
+  io::process_end wait() {
+    REQUIRE(wait_for([this] { return end.has_value(); }));
+    return *end;
+  }
+};
+
+bool runs(pid_t x) {
+  return ::kill(x, 0) == 0;
+}
+
+} // namespace
+
+TEST_CASE("a process says something on both outputs and ends", "[io][SVC-03]") {
+  script x("echo good; echo bad >&2; exit 3");
+  const auto pid = x.running->pid();
+  CHECK(pid > 0);
+  CHECK(x.wait() == io::process_end{3, 0});
+  CHECK(io::to_string(*x.end) == "status 3");
+  CHECK(x.out == "good\n");
+  CHECK(x.err == "bad\n");
+  CHECK(x.order.back() == "end");
+  CHECK_FALSE(runs(pid)); // nor is it a zombie
+  CHECK_FALSE(x.running->feed("too late\n"));
+  x.running->signal(SIGTERM);
+}
+
+TEST_CASE("all that a process has said comes before its end", "[io][SVC-03]") {
+  script x("i=0; while [ $i -lt 5000 ]; do echo 0123456789012345678; i=$((i+1)); done");
+  CHECK(x.wait() == io::process_end{0, 0});
+  CHECK(x.out.size() == 100'000);
+}
+
+TEST_CASE("a process reads what it is fed", "[io][SVC-03]") {
+  script x("read a; echo got $a; read b; echo got $b");
+  CHECK(x.running->feed("one\n"));
+  REQUIRE(x.wait_for([&] { return x.out == "got one\n"; }));
+  CHECK(x.running->feed("two\n"));
+  CHECK(x.wait().status == 0);
+  CHECK(x.out == "got one\ngot two\n");
+}
+
+TEST_CASE("input that nobody reads waits, up to a limit", "[io][SVC-03]") {
+  script x("read go; cat | wc -c");
+  std::size_t fed = 0;
+  const std::string block(10'000, 'x');
+  while (fed < 10'000'000 && x.running->feed(block))
+    fed += block.size();
+  CHECK(fed >= process::waiting_octets_max - block.size());
+  CHECK(fed < 10'000'000);
+  x.running->signal(SIGKILL);
+  CHECK(x.wait() == io::process_end{-1, SIGKILL});
+}
+
+TEST_CASE("feeding a process that has closed its input harms nobody", "[io][SVC-03]") {
+  script x("exec <&-; echo closed; while :; do :; done");
+  REQUIRE(x.wait_for([&] { return x.out == "closed\n"; }));
+  CHECK_FALSE(x.running->feed("anybody?\n"));
+  x.running->signal(SIGKILL);
+  CHECK(x.wait().signal == SIGKILL);
+}
+
+TEST_CASE("a process has the environment it is given", "[io][SVC-02]") {
+  script x("echo $PEISINIT; echo ${PATH:+has a path}", {"PEISINIT=--peis-id 31 --fps 5"});
+  CHECK(x.wait().status == 0);
+  CHECK(x.out == "--peis-id 31 --fps 5\nhas a path\n");
+}
+
+TEST_CASE("signals come to all that a process has started", "[io][SVC-05]") {
+  script x("trap 'echo caught; exit 5' TERM; sleep 1000 & echo $!; wait; wait");
+  REQUIRE(x.wait_for([&] { return x.out.find('\n') != std::string::npos; }));
+  const auto sleeper = static_cast<pid_t>(std::stol(x.out));
+  CHECK(runs(sleeper));
+  x.running->signal(SIGTERM);
+  CHECK(x.wait() == io::process_end{5, 0});
+  CHECK(x.out.find("caught") != std::string::npos);
+}
+
+TEST_CASE("what a process leaves behind ends with it", "[io][SVC-05]") {
+  script x("trap '' INT TERM; sleep 1000 & echo $!");
+  CHECK(x.wait().status == 0);
+  const auto sleeper = static_cast<pid_t>(std::stol(x.out));
+  const auto is_gone = [&] {
+    int how = 0;
+    static_cast<void>(::waitpid(sleeper, &how, WNOHANG));
+    return !runs(sleeper) ||
+           !std::filesystem::exists("/proc/" + std::to_string(sleeper) + "/exe"); // a zombie
+  };
+  const auto latest = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (!is_gone() && std::chrono::steady_clock::now() < latest) {
+  }
+  CHECK(is_gone());
+}
+
+TEST_CASE("destroying a process kills it, also one that ignores all else", "[io][SVC-05]") {
+  pid_t pid = 0;
+  {
+    script x("trap '' INT TERM HUP; echo ready; while :; do sleep 1000; done");
+    REQUIRE(x.wait_for([&] { return x.out == "ready\n"; }));
+    pid = x.running->pid();
+    x.running->signal(SIGINT);
+    x.running->signal(SIGTERM);
+    x.loop.poll();
+    CHECK(runs(pid));
+    CHECK_FALSE(x.end);
+    x.running.reset();
+    x.loop.poll();
+    CHECK_FALSE(x.end);
+  }
+  CHECK_FALSE(runs(pid));
+}
+
+TEST_CASE("several processes end each for itself", "[io][SVC-04]") {
+  io::loop loop;
+  std::vector<int> ended;
+  std::vector<process> all;
+  for (int i = 0; i < 8; ++i) {
+    auto made = process::start(loop, {"/bin/sh", {"sh", "-c", "exit " + std::to_string(i)}},
+                               {[](process::output, byte_view) {},
+                                [&ended](io::process_end how) { ended.push_back(how.status); }});
+    all.push_back(std::get<process>(std::move(made)));
+  }
+  const auto latest = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (ended.size() < 8 && std::chrono::steady_clock::now() < latest)
+    loop.wait_until(latest);
+  std::sort(ended.begin(), ended.end());
+  CHECK(ended == std::vector{0, 1, 2, 3, 4, 5, 6, 7});
+}
+
+TEST_CASE("a program that does not exist cannot be started", "[io][SVC-04]") {
+  io::loop loop;
+  const auto made = process::start(loop, {"/nowhere/at-all", {"at-all"}}, {});
+  REQUIRE(std::holds_alternative<std::string>(made));
+  CHECK(std::get<std::string>(made).starts_with("/nowhere/at-all cannot be started"));
+}
+
+TEST_CASE("a file is held once, and says by whom", "[io][SVC-06]") {
+  const auto path =
+      (std::filesystem::temp_directory_path() / ("rubicon-lock-test-" + std::to_string(::getpid())))
+          .string();
+  {
+    const auto first = io::file_lock::take(path);
+    REQUIRE(std::holds_alternative<io::file_lock>(first));
+    const auto second = io::file_lock::take(path);
+    REQUIRE(std::holds_alternative<std::string>(second));
+    CHECK(std::get<std::string>(second) ==
+          path + " is held by process " + std::to_string(::getpid()));
+  }
+  CHECK(std::holds_alternative<io::file_lock>(io::file_lock::take(path)));
+  std::filesystem::remove(path);
+  CHECK(std::holds_alternative<std::string>(io::file_lock::take("/nowhere/at/all")));
+}
