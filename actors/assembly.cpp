@@ -18,6 +18,9 @@ namespace {
 /// Sinks are fed by their basestation's USB port.
 constexpr double mains_mah = 1e9;
 
+/// A program in an actor of its own answers a tick within this, in wall time too.
+constexpr duration answer_time = 200us;
+
 ecology_actor handle_of(ecology_pointer self) {
   return caf::actor_cast<ecology_actor>(self);
 }
@@ -72,7 +75,10 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.node.transducers = mote.transducers;
   x.node.actuators = mote.actuators;
   x.apps = mote.apps;
-  apps::make_room(x.node.layer, programs_among(mote.apps));
+  const auto programs = programs_among(mote.apps);
+  apps::make_room(x.node.layer, configs_of(programs));
+  if (std::ranges::any_of(programs, &numbered_program::is_separate))
+    x.node.layer.slot_min = answer_time;
   x.seed = self->state.description.seed;
   x.radio = radio;
   x.air = air;
@@ -151,6 +157,27 @@ radio::radio_config radio_of(island_id island, const config::mote_description& m
   return x;
 }
 
+/// The mote's programs that are actors of their own wait for it to start.
+void spawn_separate_programs(ecology_pointer self, supervised_mote& mote) {
+  const auto& of = *mote.arguments;
+  for (const auto& each : programs_among(of.apps)) {
+    if (!each.is_separate)
+      continue;
+    program_arguments x;
+    x.mote = of.name;
+    x.number = each.number;
+    x.config = each.config;
+    x.crystal = of.crystal;
+    x.seed = of.seed;
+    x.ecology = of.ecology;
+    auto& added = mote.programs.emplace_back();
+    added.arguments = std::make_shared<const program_arguments>(std::move(x));
+    added.path = "program/" + of.name + '/' + std::string(apps::kind_of(each.config)) + '-' +
+                 std::to_string(each.number);
+    spawn_program(self, mote, added);
+  }
+}
+
 /// The air of one place, and the bridges and motes of its islands.
 void spawn_place(ecology_pointer self, const config::air_description& air) {
   auto& state = self->state;
@@ -188,6 +215,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
       entry.arguments =
           std::make_shared<const mote_arguments>(arguments_of(self, *island, mote, radio, medium));
       entry.type = type_name(mote);
+      spawn_separate_programs(self, entry);
       spawn_mote(self, entry);
       ++radio.value;
     }
@@ -237,6 +265,12 @@ void spawn_bluetooth(ecology_pointer self) {
 
 } // namespace
 
+void spawn_program(ecology_pointer self, const supervised_mote& mote, supervised_program& x) {
+  x.handle = spawn_child(self, x.path, program_behavior, x.arguments, std::uint32_t{x.incarnation});
+  if (mote.handle)
+    self->send(x.handle, mote_started{{mote.handle}});
+}
+
 void spawn_mote(ecology_pointer self, supervised_mote& mote) {
   auto& actors = self->state.report.actors;
   ++(mote.incarnation == 0 ? actors.spawned : actors.restarted);
@@ -244,6 +278,10 @@ void spawn_mote(ecology_pointer self, supervised_mote& mote) {
   mote.handle =
       scheduler::spawn_at<caf::monitored>(self, "mote/" + mote.arguments->name, mote_behavior,
                                           mote.arguments, std::uint32_t{mote.incarnation});
+  for (const auto& x : mote.programs) {
+    if (x.handle)
+      self->send(x.handle, mote_started{{mote.handle}});
+  }
 }
 
 void assemble(ecology_pointer self) {

@@ -13,6 +13,7 @@
 #include "config/ecology.hpp"
 #include "mote/crystal.hpp"
 #include "mote/node.hpp"
+#include "mote/program_port.hpp"
 #include "mote/walk.hpp"
 
 namespace rubicon {
@@ -58,6 +59,12 @@ private:
   std::map<std::uint32_t, std::uint64_t> tokens_; ///< of reliable sends
 };
 
+/// A program in an actor of its own, as the mote sees it.
+struct separate_program {
+  program_client_actor actor;
+  std::unique_ptr<mote::program_port> port;
+};
+
 struct mote_state {
   static constexpr std::uint8_t walk_timer = 2;
 
@@ -71,7 +78,8 @@ struct mote_state {
   std::vector<mote_app_actor> apps;
   std::vector<std::unique_ptr<app_port>> ports;
   program_host programs;
-  std::map<std::string, mote_app_actor> movers; ///< who has set which actuator last
+  std::map<std::uint32_t, separate_program> separate; ///< by number
+  std::map<std::string, mote_app_actor> movers;       ///< who has set which actuator last
   bool flat = false;
 };
 
