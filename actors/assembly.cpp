@@ -18,9 +18,6 @@ namespace {
 /// Sinks are fed by their basestation's USB port.
 constexpr double mains_mah = 1e9;
 
-/// A program in an actor of its own answers a tick within this, in wall time too.
-constexpr duration answer_time = 200us;
-
 ecology_actor handle_of(ecology_pointer self) {
   return caf::actor_cast<ecology_actor>(self);
 }
@@ -75,10 +72,7 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.node.transducers = mote.transducers;
   x.node.actuators = mote.actuators;
   x.apps = mote.apps;
-  const auto programs = programs_among(mote.apps);
-  apps::make_room(x.node.layer, configs_of(programs));
-  if (std::ranges::any_of(programs, &numbered_program::is_separate))
-    x.node.layer.slot_min = answer_time;
+  apps::make_room(x.node.layer, configs_of(programs_among(mote.apps)));
   x.seed = self->state.description.seed;
   x.radio = radio;
   x.air = air;

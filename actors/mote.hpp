@@ -49,6 +49,7 @@ public:
 
   void receiveFrom(mote_address source, byte_view octets, std::uint8_t am_type) override;
   void ackOf(std::uint32_t number, mote::status success) override;
+  [[nodiscard]] bool wants_ticks() const override { return false; }
 
   [[nodiscard]] const mote_app_actor& app() const { return app_; }
 

@@ -111,6 +111,11 @@ auto inspect(F& f, hold_type& x) {
 }
 
 template <class F>
+auto inspect(F& f, want_ticks&) {
+  return f(caf::meta::type_name("want_ticks"));
+}
+
+template <class F>
 auto inspect(F& f, init&) {
   return f(caf::meta::type_name("init"));
 }

@@ -57,6 +57,9 @@ public:
   virtual void syn_input_update(int /*channel*/, std::uint8_t /*index*/,
                                 synaptic::input_status /*status*/) {}
   virtual void clock_tick(std::uint32_t /*currentClock*/) {}
+  /// Extension: whether it wants to hear of clock_tick(), always the same. A mote without open
+  /// synaptic channels wakes for ticks only if a program wants them.
+  [[nodiscard]] virtual bool wants_ticks() const { return true; }
   /// Extension: the other end is gone (SYN-17).
   virtual void synChannelFailed(int /*channel*/) {}
 

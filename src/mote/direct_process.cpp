@@ -44,6 +44,10 @@ status direct_process::refuse() {
   return below_.refuse();
 }
 
+bool direct_process::wants_ticks() const {
+  return events_ != nullptr && events_->wants_ticks();
+}
+
 // Synaptic channels.
 
 int direct_process::create_syn_channel(bool is_out, mote_address other, std::uint8_t size,

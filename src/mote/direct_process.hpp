@@ -51,6 +51,8 @@ public:
 private:
   friend class layer;
 
+  [[nodiscard]] bool wants_ticks() const;
+
   /// A reliable send that its program has not heard of by ack().
   struct unsettled {
     transport::ticket number = 0;

@@ -436,8 +436,16 @@ void layer::take(synaptic::outputs todo) {
 void layer::on_tick(std::uint32_t tick, instant now) {
   now_ = now;
   take(synaptic_.on_tick(tick, now));
-  tell_all([tick](auto& x) { x.clock_tick(tick); });
+  for (std::size_t i = 0; i < programs_.size(); ++i) {
+    if (programs_[i].wants_ticks())
+      tell(i, [tick](auto& x) { x.clock_tick(tick); });
+  }
   dispatch();
+}
+
+bool layer::wants_ticks() const {
+  return synaptic_.open_channels() > 0 ||
+         std::ranges::any_of(programs_, [](const auto& x) { return x.wants_ticks(); });
 }
 
 // Time.

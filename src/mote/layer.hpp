@@ -87,7 +87,7 @@ struct layer_config {
   synaptic::channels_config synaptic;
   std::uint32_t transducer_mask = 0; ///< bit n: there is a transducer n
   std::size_t unclaimed_max = 4;     ///< accepted channels that have carried nothing yet
-  duration slot_min{0}; ///< from a tick to its vectors at least: programs elsewhere take that long
+  duration slot_min = 200us; ///< from a tick to its vectors at least: so long programs may take
 };
 
 struct layer_counters {
@@ -137,6 +137,9 @@ public:
 
   void on_sample(stream::descriptor stream, const stream::sensor_record& x, instant now);
   void on_tick(std::uint32_t tick, instant now);
+  /// Whether on_tick() matters to anybody here: a synaptic channel is open, or a program asks for
+  /// it.
+  [[nodiscard]] bool wants_ticks() const;
   void set_slot(duration offset) { synaptic_.set_slot(std::max(offset, config_.slot_min)); }
 
   void on_time(instant now); ///< harmless before deadline()

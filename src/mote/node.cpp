@@ -1,6 +1,7 @@
 #include "mote/node.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "mote/transducer.hpp"
 #include "network/island_packet.hpp"
@@ -193,13 +194,33 @@ void node::tick(instant now) {
   const auto setting = shared.tick(now);
   if (!shared.synchronised() || !setting)
     return;
+  if (!layer_->wants_ticks()) {
+    clock_.stop();
+    watch_slots(now);
+    return;
+  }
   const network::tick_plan plan(setting->period);
   const auto slot = plan.slot(slot_);
   has_slot_ = slot.has_value();
   layer_->set_slot(slot.value_or(plan.has_free_part() ? plan.free_from(plan.shares) : 0ns));
-  if (const auto next = clock_.update(now, shared.at(now), *setting))
+  if (const auto next = clock_.update(now, shared.at(now), *setting)) {
+    slot_is_free_ = has_slot_;
     layer_->on_tick(next->number, now);
+  }
   watch_slots(now);
+}
+
+/// A slot is as long as one frame of it: what more is to be sent at that tick waits as others do.
+bool node::takes_slot(bool wanted) {
+  return wanted && std::exchange(slot_is_free_, false);
+}
+
+/// Ticks count from now on, or no more. @returns whether that is new
+bool node::heed_ticks(instant now) {
+  const bool had_ticks = clock_.deadline().has_value();
+  if (layer_->wants_ticks() != had_ticks)
+    tick(now);
+  return clock_.deadline().has_value() != had_ticks;
 }
 
 /// Whether others need to be told that slots are in use, which in an island that sleeps they are
@@ -283,9 +304,11 @@ node_outputs node::settle(instant now) {
 }
 
 void node::settle(node_outputs& out, instant now) {
-  for (auto wanted = layer_->take_outputs(); !wanted.empty(); wanted = layer_->take_outputs()) {
+  for (bool again = true; again;) {
+    auto wanted = layer_->take_outputs();
     for (auto& x : wanted)
       perform(x, out, now);
+    again = !wanted.empty() || heed_ticks(now);
   }
   for (auto& x : duty_.update(now, packets_.router().clock()))
     std::visit([&out](auto& y) { out.emplace_back(std::move(y)); }, x);
@@ -329,7 +352,7 @@ void node::perform(layer_output& x, node_outputs& out, instant now) {
 
 void node::send_on(channel_packet x, node_outputs& out, instant now) {
   auto sent = packets_.router().send_on(channel_of(x.channel), std::move(x.octets),
-                                        x.in_slot && has_slot_, now);
+                                        takes_slot(x.in_slot), now);
   if (sent)
     take(*std::move(sent), out, now);
   else
@@ -352,7 +375,7 @@ void node::route(transport::to_network& x, node_outputs& out, instant now) {
   const auto sink = packets_.router().tree().root();
   if (!is_local || packet.mote == sink)
     join_.on_sent(now);
-  take(packets_.send(is_local ? packet.mote : sink, packet, now, x.in_slot && has_slot_), out, now);
+  take(packets_.send(is_local ? packet.mote : sink, packet, now, takes_slot(x.in_slot)), out, now);
 }
 
 void node::connect(const channel_wanted& x, node_outputs& out, instant now) {

@@ -181,6 +181,10 @@ void program_port::syn_input_update(int channel, std::uint8_t index, synaptic::i
       remote::inputs_shown{*id, how == synaptic::input_status::updated, std::move(values)});
 }
 
+void program_port::carry_out(const remote::want_ticks&) {
+  wants_ticks_ = true;
+}
+
 void program_port::clock_tick(std::uint32_t tick) {
   tell_if_room(remote::ticked{tick});
 }

@@ -50,6 +50,7 @@ public:
   void createSynChannelInDone(int channel, status success) override;
   void syn_input_update(int channel, std::uint8_t index, synaptic::input_status how) override;
   void clock_tick(std::uint32_t tick) override;
+  [[nodiscard]] bool wants_ticks() const override { return wants_ticks_; }
   void synChannelFailed(int channel) override;
   void openRemoteDone(int stream, std::uint16_t name, status success) override;
   void readDone(int stream, byte_view record, status success) override;
@@ -88,6 +89,7 @@ private:
   void carry_out(const remote::send_message& x);
   void carry_out(const remote::provide_type& x);
   void carry_out(const remote::hold_type& x);
+  void carry_out(const remote::want_ticks& x);
   void carry_out(const remote::init& x);
   void carry_out(const remote::join& x);
   void carry_out(const remote::leave& x);
@@ -111,6 +113,7 @@ private:
   std::map<std::uint32_t, std::uint32_t> sends_; ///< the layer's number, the program's
   std::set<std::uint8_t> types_;
   std::set<std::uint8_t> held_; ///< by the program
+  bool wants_ticks_ = false;    ///< the program
   bool is_throttled_ = false;
   bool has_left_ = false;
   remote::events events_;            ///< to be sent

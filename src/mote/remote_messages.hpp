@@ -104,6 +104,9 @@ struct hold_type {
   bool holds = false;
 };
 
+/// The program wants to hear of each tick.
+struct want_ticks {};
+
 struct init {};
 
 struct join {
@@ -116,7 +119,7 @@ struct leave {};
 using command =
     std::variant<create_channel, start_channel, stop_channel, dispose_channel, set_outputs,
                  open_end, open_sensor, open_local, close_stream, read_stream, write_stream,
-                 send_message, provide_type, hold_type, init, join, leave>;
+                 send_message, provide_type, hold_type, want_ticks, init, join, leave>;
 using commands = std::vector<command>;
 
 // Events.

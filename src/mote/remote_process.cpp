@@ -20,6 +20,8 @@ status status_of(bool success) {
 
 communication remote_process::attach(communication_events& program) {
   program_ = &program;
+  if (program.wants_ticks())
+    commands_.emplace_back(remote::want_ticks{});
   return communication(*this);
 }
 

@@ -356,7 +356,7 @@ TEST_CASE("commands under way are bounded; to close is always possible", "[mote]
   node here;
   program events;
   mote::program_port port(here);
-  mote::remote_process process(port.limits(), 4);
+  mote::remote_process process(port.limits(), 5); // the first is that it wants ticks
   events.layer = process.attach(events);
   CHECK(events.layer->open_local() == 1);
   CHECK(events.layer->open_local() == 2);
@@ -368,8 +368,8 @@ TEST_CASE("commands under way are bounded; to close is always possible", "[mote]
   CHECK(events.layer->close(2) == SUCCESS);
   const auto batch = process.settle();
   REQUIRE(batch);
-  CHECK(batch->all.size() == 5);
-  CHECK(process.commands_under_way() == 5);
+  CHECK(batch->all.size() == 6);
+  CHECK(process.commands_under_way() == 6);
   CHECK(events.layer->read(1, 4) == FAIL); // not taken yet
   port.on_commands(*batch);
   process.on_events(*port.take_events(), here.now);

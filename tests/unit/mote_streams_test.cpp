@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "network/am.hpp"
 #include "stream/sensor_record.hpp"
 #include "support/catch.hpp"
 #include "support/programs.hpp"
@@ -307,6 +308,46 @@ TEST_CASE("while vectors are sent, everybody else's frames keep out of their slo
   REQUIRE(act(x, id(4), [&] { return programs[0].layer->stop_syn_channel(out); }) == SUCCESS);
   CHECK(x.run_until([&] { return everybody_knows(false); }, 3min));
   CHECK(x.root().members() == 4);
+}
+
+TEST_CASE("a slot is for one vector, a further one of that tick waits for the free part",
+          "[mote][SYN-16]") {
+  std::array<recorder, 3> programs;
+  island_world x({.width = 5});
+  settle(x, 4);
+  for (auto i : {0, 1, 2}) // from mote 4 to both of its neighbours
+    programs[static_cast<std::size_t>(i)].layer =
+        x.at(id(i + 3)).attach(programs[static_cast<std::size_t>(i)]);
+  std::array<int, 2> outs{};
+  for (auto i : {0, 1}) {
+    const auto reader = 3 + 2 * i;
+    outs[static_cast<std::size_t>(i)] = act(x, id(4), [&] {
+      return programs[1].layer->create_syn_channel_out({own_island, id(reader)}, 3, {});
+    });
+    static_cast<void>(act(x, id(reader), [&] {
+      return programs[2 * static_cast<std::size_t>(i)].layer->create_syn_channel_in(
+          {own_island, id(4)}, 3, {});
+    }));
+  }
+  REQUIRE(x.run_until([&] { return programs[1].outs.size() == 2; }, 1min));
+  for (const auto out : outs)
+    REQUIRE(act(x, id(4), [&] { return programs[1].layer->start_syn_channel(out); }) == SUCCESS);
+  x.run_for(10s);
+  CHECK(x.root().packets().router().clock().slots_used() == 1);
+
+  int in_slot = 0;
+  int later = 0;
+  x.on_air = [&](mote_id from, const network::frame_out& frame) {
+    if (from == id(4) && frame.am_type == network::am::channel)
+      ++(frame.in_slot ? in_slot : later);
+  };
+  for (auto* const reader : {&programs[0], &programs[2]})
+    reader->missed = 0;
+  x.run_for(1min);
+  CHECK(std::abs(in_slot - 120) <= 1);
+  CHECK(std::abs(later - 120) <= 1);
+  CHECK(programs[0].missed == 0);
+  CHECK(programs[2].missed == 0);
 }
 
 TEST_CASE("a mote joins while vectors are sent", "[mote][DIS-08][SYN-16]") {
