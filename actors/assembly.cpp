@@ -72,7 +72,7 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.node.transducers = mote.transducers;
   x.node.actuators = mote.actuators;
   x.apps = mote.apps;
-  apps::make_room(x.node.layer, programs_among(mote.apps));
+  apps::make_room(x.node.layer, configs_of(programs_among(mote.apps)));
   x.seed = self->state.description.seed;
   x.radio = radio;
   x.air = air;
@@ -151,6 +151,27 @@ radio::radio_config radio_of(island_id island, const config::mote_description& m
   return x;
 }
 
+/// The mote's programs that are actors of their own wait for it to start.
+void spawn_separate_programs(ecology_pointer self, supervised_mote& mote) {
+  const auto& of = *mote.arguments;
+  for (const auto& each : programs_among(of.apps)) {
+    if (!each.is_separate)
+      continue;
+    program_arguments x;
+    x.mote = of.name;
+    x.number = each.number;
+    x.config = each.config;
+    x.crystal = of.crystal;
+    x.seed = of.seed;
+    x.ecology = of.ecology;
+    auto& added = mote.programs.emplace_back();
+    added.arguments = std::make_shared<const program_arguments>(std::move(x));
+    added.path = "program/" + of.name + '/' + std::string(apps::kind_of(each.config)) + '-' +
+                 std::to_string(each.number);
+    spawn_program(self, mote, added);
+  }
+}
+
 /// The air of one place, and the bridges and motes of its islands.
 void spawn_place(ecology_pointer self, const config::air_description& air) {
   auto& state = self->state;
@@ -188,6 +209,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
       entry.arguments =
           std::make_shared<const mote_arguments>(arguments_of(self, *island, mote, radio, medium));
       entry.type = type_name(mote);
+      spawn_separate_programs(self, entry);
       spawn_mote(self, entry);
       ++radio.value;
     }
@@ -242,6 +264,12 @@ void spawn_bluetooth(ecology_pointer self) {
 
 } // namespace
 
+void spawn_program(ecology_pointer self, const supervised_mote& mote, supervised_program& x) {
+  x.handle = spawn_child(self, x.path, program_behavior, x.arguments, std::uint32_t{x.incarnation});
+  if (mote.handle)
+    self->send(x.handle, mote_started{{mote.handle}});
+}
+
 void spawn_mote(ecology_pointer self, supervised_mote& mote) {
   auto& actors = self->state.report.actors;
   ++(mote.incarnation == 0 ? actors.spawned : actors.restarted);
@@ -249,6 +277,10 @@ void spawn_mote(ecology_pointer self, supervised_mote& mote) {
   mote.handle =
       scheduler::spawn_at<caf::monitored>(self, "mote/" + mote.arguments->name, mote_behavior,
                                           mote.arguments, std::uint32_t{mote.incarnation});
+  for (const auto& x : mote.programs) {
+    if (x.handle)
+      self->send(x.handle, mote_started{{mote.handle}});
+  }
 }
 
 void assemble(ecology_pointer self) {

@@ -11,7 +11,8 @@ namespace rubicon {
 
 namespace {
 
-/// A mote that failed is out of order for this long before it starts again.
+/// A mote, or a program beside one, that failed is out of order for this long before it starts
+/// again.
 constexpr duration reboot_time = 500ms;
 
 /// How long a change may take to reach the gateway's list: the mote's keep-alive window and time to
@@ -58,6 +59,36 @@ void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error&
   self->delayed_send(self, reboot_time, restart_mote{mote.arguments->address});
 }
 
+/// @returns whether it was a program in an actor of its own
+bool on_program_down(ecology_pointer self, const caf::down_msg& x) {
+  auto& state = self->state;
+  for (auto& [address, mote] : state.motes) {
+    for (auto& program : mote.programs) {
+      if (!program.handle || program.handle.address() != x.source)
+        continue;
+      record_failure(self, program.path, x.reason);
+      tell_story(self, program.path, "crashed: " + text_of(x.reason));
+      program.handle = nullptr;
+      state.names.erase(x.source);
+      std::erase_if(state.reporters, [&x](const auto& each) { return each.first == x.source; });
+      ++program.incarnation;
+      self->delayed_send(
+          self, reboot_time,
+          restart_program{address, static_cast<std::uint32_t>(program.arguments->number)});
+      return true;
+    }
+  }
+  return false;
+}
+
+void restart(ecology_pointer self, const restart_program& x) {
+  auto& mote = self->state.motes.at(x.mote);
+  const auto found = std::ranges::find_if(
+      mote.programs, [&x](const auto& each) { return each.arguments->number == x.number; });
+  ++self->state.report.actors.restarted;
+  spawn_program(self, mote, *found);
+}
+
 void on_down(ecology_pointer self, const caf::down_msg& x) {
   auto& motes = self->state.motes;
   const auto mote = std::ranges::find_if(motes, [&](const auto& entry) {
@@ -67,6 +98,8 @@ void on_down(ecology_pointer self, const caf::down_msg& x) {
     on_mote_down(self, mote->second, x.reason);
     return;
   }
+  if (on_program_down(self, x))
+    return;
   const auto named = self->state.names.find(x.source);
   if (named == self->state.names.end())
     return;
@@ -409,6 +442,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
         if (!mote.flat)
           spawn_mote(self, mote);
       },
+      [self](const restart_program& x) { restart(self, x); },
       [self](const restart_peer& x) { restart(self, self->state.peers.at(x.name)); },
       [self](const end_duplicate& x) { end_duplicate_peer(self, x.name); },
       [self](const start_component& x) { start_component_peer(self, x); },

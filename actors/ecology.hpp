@@ -12,6 +12,7 @@
 #include "actors/air.hpp"
 #include "actors/messages.hpp"
 #include "actors/mote.hpp"
+#include "actors/program.hpp"
 #include "config/ecology.hpp"
 #include "core/random.hpp"
 #include "io/loop.hpp"
@@ -24,6 +25,14 @@ namespace rubicon {
 
 using report_receiver = std::function<void(runtime::report)>;
 
+/// A program of a mote, in an actor of its own, as its supervisor knows it.
+struct supervised_program {
+  std::shared_ptr<const program_arguments> arguments;
+  std::string path;
+  std::uint32_t incarnation = 0; ///< how often it was started before
+  program_actor handle;          ///< nullptr while it is out of order
+};
+
 /// A mote as its supervisor knows it.
 struct supervised_mote {
   std::shared_ptr<const mote_arguments> arguments;
@@ -34,6 +43,7 @@ struct supervised_mote {
   bool flat = false;
   std::string left_cause;
   instant changed; ///< when it was last started, flat, listed or unlisted
+  std::vector<supervised_program> programs;
 };
 
 /// A peer, or an island's gateway, as its supervisor knows it.

@@ -139,9 +139,7 @@ void on_message(gateway_pointer self, const peis_message& x) {
 void on_timer(gateway_pointer self) {
   auto& state = self->state;
   perform(self, state.gateway.on_time(now(self)));
-  state.gateway.begin(now(self));
-  state.programs.on_time(now(self));
-  perform(self, state.gateway.settle());
+  perform(self, state.programs.on_time(state.gateway, now(self)));
   perform(self, state.port.on_time(now(self)));
 }
 

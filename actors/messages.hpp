@@ -14,6 +14,7 @@
 #include "core/device_keys.hpp"
 #include "core/time.hpp"
 #include "flow/part.hpp"
+#include "mote/remote_messages.hpp"
 #include "mote/transducer.hpp"
 #include "network/sink_event.hpp"
 #include "peis/bluetooth.hpp"
@@ -156,6 +157,12 @@ struct restart_mote {
   mote_address mote;
 };
 
+/// To itself: a program of that mote, in an actor of its own, starts again after a failure.
+struct restart_program {
+  mote_address mote;
+  std::uint32_t number = 0;
+};
+
 /// To itself: a peer that was ended starts again, or a second one with its id ends.
 struct restart_peer {
   std::string name;
@@ -176,9 +183,9 @@ struct deliver_report {};
 /// The root supervisor itself.
 using root_actor =
     ecology_actor::extend<caf::reacts_to<apply_fault>, caf::reacts_to<restart_mote>,
-                          caf::reacts_to<restart_peer>, caf::reacts_to<end_duplicate>,
-                          caf::reacts_to<collect_report>, caf::reacts_to<deliver_report>,
-                          caf::reacts_to<end_run>>;
+                          caf::reacts_to<restart_program>, caf::reacts_to<restart_peer>,
+                          caf::reacts_to<end_duplicate>, caf::reacts_to<collect_report>,
+                          caf::reacts_to<deliver_report>, caf::reacts_to<end_run>>;
 
 // ------------------------------------------------------------------------------------------ radio
 
@@ -343,6 +350,40 @@ struct move_mote {
   position place;
 };
 
+// Programs that use the Mockup interface and are not in their mote's actor.
+
+/// The mote has this program now. What it offers; and how often it was started before.
+struct program_attached {
+  mote::remote::limits limits;
+  std::uint32_t incarnation = 0;
+};
+
+/// The mote has stopped for good, and all that is on it.
+struct program_detached {};
+
+/// Events, and how far the mote is with the program's commands.
+struct program_events {
+  mote::remote::events_batch batch;
+};
+
+/// A program, as its mote sees it.
+using program_client_actor =
+    caf::typed_actor<caf::reacts_to<program_attached>, caf::reacts_to<program_detached>,
+                     caf::reacts_to<program_events>>;
+
+/// A program begins on this mote; what it had there before is closed. program_attached follows, if
+/// the mote still runs.
+struct attach_program {
+  std::uint32_t number = 0; ///< among the mote's programs
+  carried<program_client_actor> program;
+};
+
+/// Commands, and how far the program is with the mote's events.
+struct program_commands {
+  std::uint32_t number = 0;
+  mote::remote::commands_batch batch;
+};
+
 /// From the fault plan: the next handler throws.
 struct crash_now {};
 
@@ -351,8 +392,19 @@ struct end_battery {};
 
 using mote_actor = radio_user_actor::extend<
     caf::reacts_to<claim_am_type>, caf::reacts_to<send_message>, caf::reacts_to<read_transducers>,
-    caf::reacts_to<set_actuator>, caf::reacts_to<move_mote>, caf::reacts_to<crash_now>,
-    caf::reacts_to<end_battery>, caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+    caf::reacts_to<set_actuator>, caf::reacts_to<attach_program>, caf::reacts_to<program_commands>,
+    caf::reacts_to<move_mote>, caf::reacts_to<crash_now>, caf::reacts_to<end_battery>,
+    caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+
+/// From whoever spawned both: the program's mote runs, for the first time or again.
+struct mote_started {
+  carried<mote_actor> mote;
+};
+
+/// A program in an actor of its own.
+using program_actor =
+    program_client_actor::extend<caf::reacts_to<mote_started>, caf::reacts_to<timer_expired>,
+                                 caf::reacts_to<status_request>>;
 
 using sink_actor =
     radio_user_actor::extend<caf::reacts_to<serial_octets>, caf::reacts_to<timer_expired>,

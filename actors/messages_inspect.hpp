@@ -2,6 +2,8 @@
 // alone.
 #pragma once
 
+#include "actors/program_inspect.hpp"
+
 namespace rubicon {
 
 namespace runtime {
@@ -268,6 +270,41 @@ auto inspect(F& f, read_transducers& x) {
 template <class F>
 auto inspect(F& f, set_actuator& x) {
   return f(caf::meta::type_name("set_actuator"), x.app, x.name, x.state);
+}
+
+template <class F>
+auto inspect(F& f, program_attached& x) {
+  return f(caf::meta::type_name("program_attached"), x.limits, x.incarnation);
+}
+
+template <class F>
+auto inspect(F& f, program_detached&) {
+  return f(caf::meta::type_name("program_detached"));
+}
+
+template <class F>
+auto inspect(F& f, program_events& x) {
+  return f(caf::meta::type_name("program_events"), x.batch);
+}
+
+template <class F>
+auto inspect(F& f, attach_program& x) {
+  return f(caf::meta::type_name("attach_program"), x.number, x.program);
+}
+
+template <class F>
+auto inspect(F& f, program_commands& x) {
+  return f(caf::meta::type_name("program_commands"), x.number, x.batch);
+}
+
+template <class F>
+auto inspect(F& f, mote_started& x) {
+  return f(caf::meta::type_name("mote_started"), x.mote);
+}
+
+template <class F>
+auto inspect(F& f, restart_program& x) {
+  return f(caf::meta::type_name("restart_program"), x.mote, x.number);
 }
 
 template <class F>
@@ -678,4 +715,11 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::quit_wanted))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::process_output))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::process_ended))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::guard_kernel))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::program_attached))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::program_detached))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::program_events))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::attach_program))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::program_commands))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::mote_started))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::restart_program))
 CAF_END_TYPE_ID_BLOCK(rubicon)

@@ -58,6 +58,10 @@ void perform(mote_pointer self, mote::node_outputs todo) {
   for (auto& output : todo)
     std::visit(performer{self}, output);
   auto& state = self->state;
+  for (auto& [number, x] : state.separate) {
+    if (auto events = x.port->take_events())
+      self->send(x.actor, program_events{*std::move(events)});
+  }
   state.programs.tell(self, state.arguments->ecology);
   const auto due = earliest(state.node->deadline(), state.programs.deadline());
   state.wake.follow(self, state.arguments->crystal.real(*due));
@@ -103,9 +107,7 @@ void on_timer(mote_pointer self, const timer_expired& x) {
   state.flows.on_timer(self, x);
   if (state.wake.accepts(x) && !state.flat) {
     perform(self, state.node->on_time(own_time(self)));
-    state.node->begin(own_time(self));
-    state.programs.on_time(own_time(self));
-    perform(self, state.node->settle(own_time(self)));
+    perform(self, state.programs.on_time(*state.node, own_time(self)));
   }
   if (state.walk_wake.accepts(x)) // a mote is carried on even if its battery is flat
     go(self);
@@ -150,6 +152,47 @@ void on_set(mote_pointer self, const set_actuator& x) {
   self->send(x.app.actor, actuator_changed{x.name, state, obeyed});
 }
 
+/// @pre the node runs
+void detach(mote_pointer self, std::uint32_t number) {
+  auto& state = self->state;
+  const auto gone = state.separate.extract(number);
+  if (gone.empty())
+    return;
+  state.node->begin(own_time(self));
+  gone.mapped().port->leave();
+  perform(self, state.node->settle(own_time(self)));
+}
+
+void on_attach(mote_pointer self, const attach_program& x) {
+  auto& state = self->state;
+  detach(self, x.number);
+  self->monitor(x.program.actor);
+  auto& added = state.separate[x.number];
+  added.actor = x.program.actor;
+  added.port = std::make_unique<mote::program_port>(*state.node);
+  self->send(added.actor, program_attached{added.port->limits(), state.incarnation});
+  perform(self, {});
+}
+
+void on_commands(mote_pointer self, const program_commands& x) {
+  auto& state = self->state;
+  const auto from = state.separate.find(x.number);
+  if (from == state.separate.end())
+    return;
+  state.node->begin(own_time(self));
+  from->second.port->on_commands(x.batch);
+  perform(self, state.node->settle(own_time(self)));
+}
+
+/// A program has ended: what it had open is closed.
+void on_program_down(mote_pointer self, const caf::down_msg& x) {
+  auto& all = self->state.separate;
+  const auto found = std::ranges::find_if(
+      all, [&x](const auto& each) { return each.second.actor.address() == x.source; });
+  if (found != all.end() && !self->state.flat)
+    detach(self, found->first);
+}
+
 /// The MCU has stopped: no apps, no timers, no answers on the radio.
 void die(mote_pointer self) {
   if (self->state.flat)
@@ -157,6 +200,8 @@ void die(mote_pointer self) {
   self->state.flat = true;
   for (const auto& app : self->state.apps)
     self->send(app, membership_changed{});
+  for (const auto& [number, x] : self->state.separate)
+    self->send(x.actor, program_detached{});
   log(self, spdlog::level::info, "event=battery_flat");
   self->send(self->state.arguments->ecology, story{self->path(), "battery flat"});
   self->send(self->state.arguments->ecology, mote_flat{self->state.arguments->address});
@@ -209,8 +254,11 @@ void start(mote_pointer self) {
   go(self);
   state.apps = spawn_mote_apps(self);
   if (state.node) {
-    state.programs.start(*state.node, programs_among(arguments.apps), life, arguments.seed,
-                         state.incarnation > 0, own_time(self));
+    for (const auto& x : programs_among(arguments.apps)) {
+      if (!x.is_separate)
+        state.programs.start_one(*state.node, x.config, x.number, life, arguments.seed,
+                                 state.incarnation > 0, own_time(self));
+    }
     perform(self, state.node->start(own_time(self)));
   }
   state.flows.start(self, arguments.apps, arguments.address, arguments.radio, arguments.air,
@@ -248,6 +296,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
                                         std::shared_ptr<const mote_arguments> arguments,
                                         std::uint32_t incarnation) {
   report_failures(self);
+  self->set_down_handler([self](const caf::down_msg& x) { on_program_down(self, x); });
   self->state.arguments = std::move(arguments);
   self->state.incarnation = incarnation;
   start(self);
@@ -267,6 +316,14 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
       [self](const set_actuator& x) {
         if (self->state.node && !self->state.flat)
           on_set(self, x);
+      },
+      [self](const attach_program& x) {
+        if (self->state.node && !self->state.flat)
+          on_attach(self, x);
+      },
+      [self](const program_commands& x) {
+        if (!self->state.flat)
+          on_commands(self, x);
       },
       [self](const move_mote& x) {
         self->state.walk_wake.stop();

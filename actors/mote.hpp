@@ -13,6 +13,7 @@
 #include "config/ecology.hpp"
 #include "mote/crystal.hpp"
 #include "mote/node.hpp"
+#include "mote/program_port.hpp"
 #include "mote/walk.hpp"
 
 namespace rubicon {
@@ -48,6 +49,7 @@ public:
 
   void receiveFrom(mote_address source, byte_view octets, std::uint8_t am_type) override;
   void ackOf(std::uint32_t number, mote::status success) override;
+  [[nodiscard]] bool wants_ticks() const override { return false; }
 
   [[nodiscard]] const mote_app_actor& app() const { return app_; }
 
@@ -56,6 +58,12 @@ private:
   mote_app_actor app_;
   mote::communication layer_;
   std::map<std::uint32_t, std::uint64_t> tokens_; ///< of reliable sends
+};
+
+/// A program in an actor of its own, as the mote sees it.
+struct separate_program {
+  program_client_actor actor;
+  std::unique_ptr<mote::program_port> port;
 };
 
 struct mote_state {
@@ -71,7 +79,8 @@ struct mote_state {
   std::vector<mote_app_actor> apps;
   std::vector<std::unique_ptr<app_port>> ports;
   program_host programs;
-  std::map<std::string, mote_app_actor> movers; ///< who has set which actuator last
+  std::map<std::uint32_t, separate_program> separate; ///< by number
+  std::map<std::string, mote_app_actor> movers;       ///< who has set which actuator last
   bool flat = false;
 };
 

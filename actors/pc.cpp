@@ -27,9 +27,7 @@ void perform(pc_pointer self, endpoint::outputs todo) {
 void on_timer(pc_pointer self) {
   auto& state = self->state;
   perform(self, state.pc.on_time(now(self)));
-  state.pc.begin(now(self));
-  state.programs.on_time(now(self));
-  perform(self, state.pc.settle());
+  perform(self, state.programs.on_time(state.pc, now(self)));
 }
 
 } // namespace

@@ -281,7 +281,7 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
     const auto& apps = description_of(self, peer).apps;
     for (const auto& app : apps)
       std::visit(peer_app_spawner{self, peer, ++number}, app);
-    if (auto programs = programs_among(apps); !programs.empty())
+    if (auto programs = configs_of(programs_among(apps)); !programs.empty())
       spawn_pc(self, peer, std::move(programs));
     return;
   }

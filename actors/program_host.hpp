@@ -1,4 +1,4 @@
-// Programs that use the Mockup interface, inside the actor of their node.
+// Programs that use the Mockup interface, inside the actor of their node or in one of their own.
 #pragma once
 
 #include <algorithm>
@@ -9,37 +9,54 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "actors/log.hpp"
 #include "actors/messages.hpp"
 #include "apps/application.hpp"
+#include "config/ecology.hpp"
 #include "core/random.hpp"
 
 namespace rubicon {
 
 class program_host {
 public:
-  /// Makes the programs among `configs` and starts them on `node`, a mote::node or endpoint::pc.
+  /// Makes programs and starts them on `node`, a mote::node, endpoint::pc or gateway::gateway.
   /// @param who their actor's path, without its kind
   /// @param again their node ran before: files go on
   template <class Node>
   void start(Node& node, const std::vector<apps::app_config>& configs, const std::string& who,
              std::uint64_t seed, bool again, instant now) {
-    for (const auto& config : configs) {
-      auto& x = programs_.emplace_back();
-      x.name = std::string(apps::kind_of(config));
-      x.program = apps::make_application(
-          config, random_stream(seed, who + '/' + x.name + std::to_string(programs_.size())));
-      x.open(again);
-      x.program->start(node.attach(*x.program), now);
-    }
+    for (std::size_t i = 0; i < configs.size(); ++i)
+      start_one(node, configs[i], i + 1, who, seed, again, now);
   }
 
-  void on_time(instant now) {
+  /// The same for one. @param node may be a mote::remote_process too
+  /// @param number among the programs of the node
+  template <class Node>
+  void start_one(Node& node, const apps::app_config& config, std::size_t number,
+                 const std::string& who, std::uint64_t seed, bool again, instant now) {
+    auto& x = programs_.emplace_back();
+    x.name = std::string(apps::kind_of(config));
+    x.program = apps::make_application(
+        config, random_stream(seed, who + '/' + x.name + std::to_string(number)));
+    x.open(again);
+    x.program->start(node.attach(*x.program), now);
+  }
+
+  /// Lets programs do what is due. @returns what comes of that at their node
+  template <class Node>
+  [[nodiscard]] auto on_time(Node& node, instant now) {
+    node.begin(now);
     for (auto& x : programs_)
       x.program->on_time(now);
+    if constexpr (requires { node.settle(now); })
+      return node.settle(now);
+    else
+      return node.settle();
   }
 
   [[nodiscard]] std::optional<instant> deadline() const {
@@ -110,14 +127,36 @@ private:
   std::vector<hosted> programs_;
 };
 
+/// A program of a node, and its place among them all.
+struct numbered_program {
+  std::size_t number = 1;
+  apps::app_config config;
+  bool is_separate = false; ///< in an actor of its own
+};
+
 /// The programs among a node's apps.
 template <class App>
-[[nodiscard]] std::vector<apps::app_config> programs_among(const std::vector<App>& all) {
-  std::vector<apps::app_config> found;
+[[nodiscard]] std::vector<numbered_program> programs_among(const std::vector<App>& all) {
+  std::vector<numbered_program> found;
   for (const auto& app : all) {
-    if (const auto* x = std::get_if<apps::app_config>(&app))
-      found.push_back(*x);
+    std::visit(
+        [&found](const auto& x) {
+          using kind = std::decay_t<decltype(x)>;
+          if constexpr (std::is_same_v<kind, apps::app_config>)
+            found.push_back({found.size() + 1, x, false});
+          else if constexpr (std::is_same_v<kind, config::separate_app>)
+            found.push_back({found.size() + 1, x.program, true});
+        },
+        app);
   }
+  return found;
+}
+
+[[nodiscard]] inline std::vector<apps::app_config>
+configs_of(const std::vector<numbered_program>& programs) {
+  std::vector<apps::app_config> found;
+  for (const auto& x : programs)
+    found.push_back(x.config);
   return found;
 }
 

@@ -207,8 +207,9 @@ struct spawner {
                                             listener, x, handle(), mote->state.arguments->ecology);
   }
 
-  // Programs that use the Mockup interface are in the mote itself.
+  // Programs that use the Mockup interface are in the mote itself, or are no children of it.
   mote_app_actor operator()(const apps::app_config&) const { return {}; }
+  mote_app_actor operator()(const config::separate_app&) const { return {}; }
 
   // Flows run in the mote itself: there is no layer between them and the radio.
   mote_app_actor operator()(const flow::sender_config&) const { return {}; }

@@ -35,6 +35,8 @@ public:
     on_start(now);
   }
 
+  [[nodiscard]] bool wants_ticks() const override { return false; }
+
   virtual void on_time(instant /*now*/) {} ///< harmless before deadline()
   [[nodiscard]] virtual std::optional<instant> deadline() const { return std::nullopt; }
 

@@ -13,6 +13,7 @@ namespace rubicon::apps {
 /// What parts of an echo-state network have in common.
 class synaptic_application : public application {
 public:
+  [[nodiscard]] bool wants_ticks() const final { return true; }
   void on_time(instant now) final;
   [[nodiscard]] std::optional<instant> deadline() const final { return retry_; }
   [[nodiscard]] std::vector<figure> figures() const override;

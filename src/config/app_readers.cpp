@@ -138,6 +138,21 @@ placed_app read_relay(table_reader& in, const directory& names) {
   return out;
 }
 
+/// Whether the actor that a program is in is its mote's or its own.
+enum class program_place : std::uint8_t { mote, actor };
+
+placed_app read_program(table_reader& in, const program_kind& kind) {
+  auto found = kind.second(in);
+  auto where = program_place::mote;
+  in.optional("place",
+              word<program_place>{{{"mote", program_place::mote}, {"actor", program_place::actor}}},
+              where);
+  placed_app out{std::move(found.app), {}, std::move(found.needs_at), {}};
+  if (where == program_place::actor)
+    out.app = separate_app{std::get<apps::app_config>(std::move(out.app))};
+  return out;
+}
+
 } // namespace
 
 std::vector<placed_app> read_mote_apps(table_reader& in, const directory& names) {
@@ -146,17 +161,15 @@ std::vector<placed_app> read_mote_apps(table_reader& in, const directory& names)
     app.channel_at = x.at(channel_key);
     out.push_back(std::move(app));
   };
-  const auto add_program = [&add](const table_reader& x, placed_program app) {
-    add(x, "app", {std::move(app.app), {}, std::move(app.needs_at), {}});
-  };
   in.tables("apps", "apps of a mote", [&](table_reader& x) {
     std::vector<std::pair<std::string_view, table_reader::part_reader>> choices{
         {"sampler", [&](table_reader& y) { add(y, "channel", read_sampler(y)); }},
         {"actuator", [&](table_reader& y) { add(y, "channel", read_actuator_app(y)); }},
         {"messenger", [&](table_reader& y) { add(y, "am_type", read_messenger(y, names)); }},
         {"listener", [&](table_reader& y) { add(y, "am_type", read_listener(y)); }}};
-    for (const auto& [word, read] : mote_programs(names))
-      choices.emplace_back(word, [&, read](table_reader& y) { add_program(y, read(y)); });
+    for (const auto& kind : mote_programs(names))
+      choices.emplace_back(kind.first,
+                           [&add, kind](table_reader& y) { add(y, "app", read_program(y, kind)); });
     choices.insert(choices.end(),
                    {{"sender", [&](table_reader& y) { add(y, "app", read_sender(y, names)); }},
                     {"relay", [&](table_reader& y) { add(y, "app", read_relay(y, names)); }},

@@ -58,9 +58,14 @@ struct listener_app {
   std::uint8_t am_type = 10;
 };
 
+/// A program in an actor of its own, beside its mote's.
+struct separate_app {
+  apps::app_config program;
+};
+
 using mote_app =
     std::variant<sampler_app, actuator_app, messenger_app, listener_app, apps::app_config,
-                 flow::sender_config, flow::relay_config, flow::receiver_config>;
+                 flow::sender_config, flow::relay_config, flow::receiver_config, separate_app>;
 
 /// In between it moves in a straight line, after the last it stays.
 using mote::way_point;

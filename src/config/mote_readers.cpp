@@ -61,6 +61,8 @@ struct app_check {
 
   void operator()(const apps::app_config& x) const { check_transducers(needs(x)); }
 
+  void operator()(const separate_app& x) const { check_transducers(needs(x.program)); }
+
   void operator()(const actuator_app& x) const {
     std::vector<std::string> present;
     for (const auto& each : on.actuators)

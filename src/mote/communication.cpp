@@ -1,9 +1,5 @@
 #include "mote/communication.hpp"
 
-#include <limits>
-#include <utility>
-
-#include "mote/layer.hpp"
 #include "network/am.hpp"
 
 namespace rubicon::mote {
@@ -17,28 +13,11 @@ bool is_reserved(std::uint8_t am_type) {
   return am_type >= network::am::component_management && am_type <= network::am::packet;
 }
 
-stream::descriptor stream_of(int desc) {
-  const bool is_one = desc > 0 && desc <= std::numeric_limits<std::int16_t>::max();
-  return stream::descriptor(is_one ? static_cast<std::uint16_t>(desc) : std::uint16_t{});
-}
-
-synaptic::descriptor synaptic_of(int channel) {
-  return synaptic::descriptor(stream_of(channel).value);
-}
-
 mote_address address_of(island_octet island, std::uint16_t mote) {
   return {island_id(island), mote_id(mote)};
 }
 
 } // namespace
-
-template <class Answer>
-status layer::take_answer(Answer x) {
-  if (x.refused)
-    return refuse();
-  take(std::move(x.todo));
-  return SUCCESS;
-}
 
 // 5.3.1
 
@@ -56,37 +35,32 @@ status communication::create_syn_channel_in(std::uint16_t src, std::uint8_t size
 
 int communication::create_syn_channel_out(mote_address dest, std::uint8_t size,
                                           const synaptic::parameters& params) {
-  return below_->create(process_, true, dest, size, params);
+  return below_->create_syn_channel(true, dest, size, params);
 }
 
 int communication::create_syn_channel_in(mote_address src, std::uint8_t size,
                                          const synaptic::parameters& params) {
-  return below_->create(process_, false, src, size, params);
+  return below_->create_syn_channel(false, src, size, params);
 }
 
 status communication::dispose_syn_channel(int channel) {
-  const auto id = synaptic_of(channel);
-  const auto done = below_->take_answer(below_->synaptic_.dispose(id));
-  if (done == SUCCESS)
-    below_->synaptic_owners_.erase(id);
-  return done;
+  return below_->dispose_syn_channel(channel);
 }
 
 status communication::start_syn_channel(int channel) {
-  return below_->take_answer(below_->synaptic_.start(synaptic_of(channel)));
+  return below_->start_syn_channel(channel);
 }
 
 status communication::stop_syn_channel(int channel) {
-  return below_->take_answer(below_->synaptic_.stop(synaptic_of(channel)));
+  return below_->stop_syn_channel(channel);
 }
 
 status communication::write_output(int channel, std::uint8_t k, float val) {
-  return below_->synaptic_.write_output(synaptic_of(channel), k, val) ? below_->refuse() : SUCCESS;
+  return below_->write_output(channel, k, val);
 }
 
 float communication::read_input(int channel, std::uint8_t index) {
-  return below_->synaptic_.read_input(synaptic_of(channel), index)
-      .value_or(std::numeric_limits<float>::quiet_NaN());
+  return below_->read_input(channel, index);
 }
 
 // 5.3.2
@@ -94,65 +68,52 @@ float communication::read_input(int channel, std::uint8_t index) {
 status communication::open_remote(island_octet island_addr, std::uint16_t mote_addr,
                                   std::uint16_t symbolic_name, std::uint32_t stream_rate,
                                   std::uint8_t qos, std::size_t buffer_size) {
-  return open_end(false, address_of(island_addr, mote_addr), symbolic_name, stream_rate, qos,
-                  buffer_size);
+  return open_end({false, address_of(island_addr, mote_addr), symbolic_name, stream_rate, qos,
+                   buffer_size}) > 0
+             ? SUCCESS
+             : FAIL;
 }
 
 status communication::open_write_end(mote_address to, std::uint16_t symbolic_name,
                                      std::uint32_t stream_rate, std::uint8_t qos,
                                      std::size_t buffer_size) {
-  return open_end(true, to, symbolic_name, stream_rate, qos, buffer_size);
+  return open_end({true, to, symbolic_name, stream_rate, qos, buffer_size}) > 0 ? SUCCESS : FAIL;
 }
 
-status communication::open_end(bool writes_to_self, mote_address other, std::uint16_t name,
-                               std::uint32_t rate_ms, std::uint8_t qos, std::size_t buffer_size) {
-  if (!below_->may_talk() || other.island.value == 0 || rate_ms > stream_rate_max_ms)
-    return below_->refuse();
-  stream::remote_request wish;
-  wish.destination = other;
-  wish.name = name;
-  wish.rate = std::chrono::milliseconds(rate_ms);
-  wish.qos = qos;
-  wish.buffer_size = buffer_size;
-  wish.writes_to_self = writes_to_self;
-  auto opened = below_->streams_.open_remote(below_->self(), wish, below_->now_);
-  return below_->take_open(process_, std::move(opened)) > 0 ? SUCCESS : FAIL;
+int communication::open_end(const stream_end& wish) {
+  if (wish.other.island.value > 0 && wish.rate_ms <= stream_rate_max_ms)
+    return below_->open_end(wish);
+  below_->refuse();
+  return -1;
 }
 
 int communication::open_sensor(std::uint8_t sensor_tid, std::uint32_t stream_rate,
                                stream::sampling sampling_type) {
-  const bool is_there =
-      sensor_tid < transducers_max && (below_->config_.transducer_mask & (1U << sensor_tid)) != 0;
-  if (!is_there || stream_rate > stream_rate_max_ms) {
+  if (stream_rate > stream_rate_max_ms) {
     below_->refuse();
     return -1;
   }
-  stream::sensor_request wish;
-  wish.transducer = sensor_tid;
-  wish.kind = sampling_type;
-  wish.period = std::chrono::milliseconds(stream_rate);
-  return below_->take_open(process_, below_->streams_.open_sensor(wish, below_->now_));
+  return below_->open_sensor(sensor_tid, stream_rate, sampling_type);
 }
 
 int communication::open_local() {
-  return below_->take_open(process_, below_->streams_.open_local());
+  return below_->open_local();
 }
 
 status communication::close(int desc) {
-  const auto id = stream_of(desc);
-  const auto done = below_->take_answer(below_->streams_.close(id));
-  if (done == SUCCESS)
-    below_->stream_owners_.erase(id);
-  return done;
+  return below_->close(desc);
 }
 
 status communication::read(int desc, std::size_t nbytes) {
-  return below_->take_answer(below_->streams_.read(stream_of(desc), nbytes));
+  return below_->read(desc, nbytes);
 }
 
 int communication::write(int desc, byte_view buf) {
-  const auto done = below_->take_answer(below_->streams_.write(stream_of(desc), buf));
-  return done == SUCCESS ? static_cast<int>(buf.size()) : -1;
+  return below_->write(desc, buf) == SUCCESS ? static_cast<int>(buf.size()) : -1;
+}
+
+bool communication::has_ended(int desc) const {
+  return below_->has_ended(desc);
 }
 
 // 5.3.3
@@ -164,48 +125,41 @@ status communication::send(island_octet island_addr, std::uint16_t mote_addr, by
 
 std::optional<std::uint32_t> communication::send_numbered(mote_address to, byte_view buf,
                                                           bool reliable, std::uint8_t am_type) {
-  return below_->send(process_, to, buf, reliable, am_type);
+  return below_->send(to, buf, reliable, am_type);
 }
 
 status communication::provide(std::uint8_t am_type) {
-  if (is_reserved(am_type))
-    return below_->refuse();
-  below_->owners_.emplace(am_type, process_);
-  return below_->owns(process_, am_type) ? SUCCESS : below_->refuse();
+  return is_reserved(am_type) ? below_->refuse() : below_->provide(am_type);
 }
 
 void communication::hold(std::uint8_t am_type) {
-  if (below_->owns(process_, am_type))
-    below_->messages_.hold(am_type);
+  below_->hold(am_type);
 }
 
 void communication::release(std::uint8_t am_type) {
-  if (below_->owns(process_, am_type))
-    below_->messages_.release(am_type);
+  below_->release(am_type);
 }
 
 // 5.3.4
 
 status communication::initCommunications() {
-  below_->outputs_.emplace_back(init_wanted{});
-  return SUCCESS;
+  return below_->init();
 }
 
 status communication::joinIsland(byte_view description) {
-  if (!below_->initialised_)
-    return below_->refuse();
-  below_->outputs_.emplace_back(join_wanted{to_bytes(description)});
-  return SUCCESS;
+  return below_->join(description);
 }
 
 instant communication::now() const {
-  return below_->now_;
+  return below_->now();
 }
 
 std::optional<mote_address> communication::address() const {
-  if (!below_->island_)
-    return std::nullopt;
-  return below_->self();
+  return below_->address();
+}
+
+void communication::leave() {
+  below_->leave();
 }
 
 } // namespace rubicon::mote

@@ -2,6 +2,19 @@
 // (D1.1 5.3; MCK-01..18, PAR-05). Commands and events have D1.1's names. Commands return at once;
 // an event tells later what has become of them (AM-02). A program is the same wherever it runs and
 // wherever the other end is: only addresses differ.
+//
+// A program may be in the actor of its node, or in an actor of its own that exchanges messages with
+// the node's (mote/remote_process.hpp). There too commands return at once, by what the program's
+// side knows; what the node refuses later, because another program was first, because what ended
+// there has not been heard of, or for want of room, is told by the event that the command has:
+//   create_syn_channel_*   createSynChannelOutDone, createSynChannelInDone with FAIL
+//   open_*                 openRemoteDone with FAIL; a sensor or local stream, which has no event,
+//                          fails at its first read or write
+//   read, write            readDone with FAIL, also at a write end: the stream has ended
+//   send                   ackOf and ack with FAIL, if reliable
+//   provide                receive with FAIL, the AM type, and neither source nor octets
+//   joinIsland             joined with FAIL
+// start, stop, dispose and close are refused late only for what has ended: that was told already.
 #pragma once
 
 #include <cstddef>
@@ -12,17 +25,12 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
+#include "mote/process.hpp"
 #include "stream/events.hpp"
 #include "synaptic/events.hpp"
 #include "synaptic/parameters.hpp"
 
 namespace rubicon::mote {
-
-class layer;
-
-/// What commands return, and events tell.
-enum class status : std::uint8_t { FAIL, SUCCESS };
-using enum status;
 
 /// D1.1 5.2: one octet, 1..254, 255: our own (ADR-03).
 using island_octet = std::uint8_t;
@@ -49,6 +57,9 @@ public:
   virtual void syn_input_update(int /*channel*/, std::uint8_t /*index*/,
                                 synaptic::input_status /*status*/) {}
   virtual void clock_tick(std::uint32_t /*currentClock*/) {}
+  /// Extension: whether it wants to hear of clock_tick(), always the same. A mote without open
+  /// synaptic channels wakes for ticks only if a program wants them.
+  [[nodiscard]] virtual bool wants_ticks() const { return true; }
   /// Extension: the other end is gone (SYN-17).
   virtual void synChannelFailed(int /*channel*/) {}
 
@@ -79,6 +90,9 @@ public:
 /// One program's access to its node's layer. Copies are the same program.
 class communication {
 public:
+  /// @param below outlives this and its copies
+  explicit communication(process& below) : below_(&below) {}
+
   // 5.3.1. Done events follow a SUCCESS. FAIL: no room, already open, size, not joined.
   /// @param dest mote; its island is params[0..1]
   status create_syn_channel_out(std::uint16_t dest, std::uint8_t size, syn_params params);
@@ -104,6 +118,8 @@ public:
   /// ask for. The rest as above.
   status open_write_end(mote_address to, std::uint16_t symbolic_name, std::uint32_t stream_rate,
                         std::uint8_t qos, std::size_t buffer_size = stream::buffer_size_default);
+  /// Extension: either of these; the descriptor of the Done event, or -1.
+  int open_end(const stream_end& wish);
   /// @param sensor_tid a mote::quantity @returns descriptor or -1
   int open_sensor(std::uint8_t sensor_tid, std::uint32_t stream_rate,
                   stream::sampling sampling_type);
@@ -112,6 +128,9 @@ public:
   status read(int desc, std::size_t nbytes);
   /// @returns octets written, or -1
   int write(int desc, byte_view buf);
+  /// Extension: the other end is gone, and what came from it has been read: reads and writes fail.
+  /// False for what is no stream.
+  [[nodiscard]] bool has_ended(int desc) const;
 
   // 5.3.3
   /// FAIL: not joined, bad address, more than 256 octets, too many reliable ones under way.
@@ -134,14 +153,12 @@ public:
 
   [[nodiscard]] instant now() const; ///< by the node's own clock
 
-private:
-  friend class layer;
-  communication(layer& below, std::size_t process) : below_(&below), process_(process) {}
-  status open_end(bool writes_to_self, mote_address other, std::uint16_t name,
-                  std::uint32_t rate_ms, std::uint8_t qos, std::size_t buffer_size);
+  /// Extension: the program is over. What it has open is closed, its AM types are free; it is told
+  /// nothing any more, and must not give commands.
+  void leave();
 
-  layer* below_;
-  std::size_t process_;
+private:
+  process* below_;
 };
 
 } // namespace rubicon::mote

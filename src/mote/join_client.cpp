@@ -38,7 +38,7 @@ join_outputs join_client::on_message(mote_id source, const management& message, 
       sink_ = source;
       out.emplace_back(island_joined{reply->island, source, reply->slot});
     }
-    deadline_ = now + config_.keep_alive;
+    deadline_ = next_keep_alive(now);
     return out;
   }
   if (std::holds_alternative<rejoin_prompt>(message) && state_ == state::joined &&
@@ -52,24 +52,29 @@ join_outputs join_client::on_message(mote_id source, const management& message, 
 
 void join_client::on_sent(instant now) {
   if (state_ == state::joined)
-    deadline_ = now + config_.keep_alive;
+    deadline_ = next_keep_alive(now);
 }
 
 join_outputs join_client::on_time(instant now) {
   if (!deadline_ || *deadline_ > now)
     return {};
   if (state_ == state::joined) {
-    deadline_ = now + config_.keep_alive;
+    deadline_ = next_keep_alive(now);
     return {to_registrar{keep_alive{incarnation_}}};
   }
   return request(now);
+}
+
+instant join_client::next_keep_alive(instant now) {
+  const auto early = turn_wait_ > 0s ? dice_.between(0s, config_.keep_alive / 4) : 0s;
+  return now + config_.keep_alive - early;
 }
 
 join_outputs join_client::request(instant now) {
   if (attempts_ < config_.attempts_max) {
     ++attempts_;
     ++sequence_;
-    deadline_ = now + config_.reply_wait * hops_ + config_.reply_slack;
+    deadline_ = now + config_.reply_wait * hops_ + config_.reply_slack + 2 * turn_wait_;
     return {to_registrar{join_request{sequence_, incarnation_, descriptor_}}};
   }
   attempts_ = 0;

@@ -60,6 +60,10 @@ public:
   /// A component management message from `source`.
   [[nodiscard]] join_outputs on_message(mote_id source, const management& message, instant now);
 
+  /// Frames may wait so long for their turn: answers take longer, and motes that have joined
+  /// together do not go on sending together.
+  void set_turn_wait(duration x) { turn_wait_ = x; }
+
   void on_sent(instant now); ///< the mote has sent its sink something: no keep-alive needed yet
 
   [[nodiscard]] join_outputs on_time(instant now); ///< harmless before deadline()
@@ -69,6 +73,7 @@ public:
 
 private:
   [[nodiscard]] join_outputs request(instant now);
+  [[nodiscard]] instant next_keep_alive(instant now);
 
   join_config config_;
   bytes descriptor_;
@@ -77,6 +82,7 @@ private:
   state state_ = state::off;
   mote_id sink_;
   unsigned hops_ = 1;
+  duration turn_wait_{};
   std::uint16_t sequence_ = 0;
   unsigned attempts_ = 0;
   duration pause_{};

@@ -51,13 +51,17 @@ layer::layer(layer_config config, random_stream dice) : config_(std::move(config
 }
 
 communication layer::attach(communication_events& events) {
-  programs_.push_back({&events, {}});
-  return {*this, programs_.size() - 1};
+  const auto left = std::ranges::find(programs_, nullptr, &direct_process::events_);
+  if (left == programs_.end())
+    return communication(programs_.emplace_back(*this, programs_.size(), events));
+  left->events_ = &events;
+  return communication(*left);
 }
 
 communication layer::attach_for_rest(communication_events& events) {
-  rest_owner_ = programs_.size();
-  return attach(events);
+  const auto program = attach(events);
+  rest_owner_ = std::ranges::find(programs_, &events, &direct_process::events_)->number_;
+  return program;
 }
 
 layer_outputs layer::take_outputs() {
@@ -72,13 +76,14 @@ void layer::dispatch() {
   while (!events_.empty()) {
     auto [process, what] = std::move(events_.front());
     events_.pop_front();
-    what(*programs_[process].events);
+    what(*programs_[process].events_);
   }
   dispatching_ = false;
 }
 
 void layer::tell(std::size_t process, event x) {
-  events_.emplace_back(process, std::move(x));
+  if (programs_[process].events_ != nullptr)
+    events_.emplace_back(process, std::move(x));
 }
 
 void layer::tell_all(const event& x) {
@@ -146,7 +151,7 @@ void layer::on_mote_joined(mote_id mote, byte_view description, instant now) {
 
 // Messages.
 
-std::optional<std::uint32_t> layer::send(std::size_t process, mote_address to, byte_view buf,
+std::optional<std::uint32_t> layer::send(direct_process& from, mote_address to, byte_view buf,
                                          bool reliable, std::uint8_t am_type) {
   const bool is_valid = to.island.value > 0 && to.mote != mote_id{};
   if (!may_talk() || !is_valid) {
@@ -160,8 +165,8 @@ std::optional<std::uint32_t> layer::send(std::size_t process, mote_address to, b
     return std::nullopt;
   }
   if (reliable) {
-    senders_[number] = process;
-    programs_[process].sends.push_back({number, {}});
+    senders_[number] = from.number_;
+    from.sends_.push_back({number, {}});
   }
   take(*std::move(accepted));
   return number;
@@ -198,8 +203,8 @@ void layer::on_outcome(const transport::outcome& x) {
   const auto number = static_cast<std::uint32_t>(x.id);
   const auto result = status_of(x.acked);
   tell(process, [number, result](auto& events) { events.ackOf(number, result); });
-  auto& sends = programs_[process].sends;
-  std::ranges::find(sends, x.id, &unsettled::number)->acked = x.acked;
+  auto& sends = programs_[process].sends_;
+  std::ranges::find(sends, x.id, &direct_process::unsettled::number)->acked = x.acked;
   for (; !sends.empty() && sends.front().acked; sends.pop_front())
     tell(process, [acked = status_of(*sends.front().acked)](auto& events) { events.ack(acked); });
 }
@@ -229,11 +234,11 @@ void layer::connect(channel_request who, mote_address destination,
   take(std::move(todo));
 }
 
-void layer::take(transport::tunnels_outputs todo) {
+void layer::take(transport::tunnels_outputs todo, bool in_slot) {
   for (auto& x : todo) {
     if (auto* packet = std::get_if<transport::packet_out>(&x)) {
       outputs_.emplace_back(transport::to_network{packet->destination, transport::tunnel_channel,
-                                                  std::move(packet->octets)});
+                                                  std::move(packet->octets), in_slot});
     } else if (const auto* open = std::get_if<transport::tunnel_connected>(&x)) {
       if (const auto who = connecting_.extract(open->id); !who.empty())
         on_connected(who.mapped(), handle_of(open->id), now_);
@@ -255,7 +260,7 @@ void layer::send_on(stream::channel_handle channel, bytes octets, bool in_slot) 
   if (!is_tunnel(channel))
     outputs_.emplace_back(channel_packet{channel, std::move(octets), in_slot});
   else if (auto todo = tunnels_.send(tunnel_of(channel), octets, now_))
-    take(*std::move(todo));
+    take(*std::move(todo), in_slot);
 }
 
 void layer::disconnect(stream::channel_handle channel) {
@@ -402,7 +407,7 @@ void layer::take(synaptic::outputs todo) {
     if (const auto* wish = std::get_if<synaptic::connect_channel>(&each)) {
       connect({true, wish->channel.value}, wish->destination, wish->interval, wish->size);
     } else if (auto* packet = std::get_if<synaptic::send_on_channel>(&each)) {
-      send_on(packet->channel, std::move(packet->octets), true);
+      send_on(packet->channel, std::move(packet->octets), packet->in_slot);
     } else if (const auto* over = std::get_if<synaptic::disconnect>(&each)) {
       disconnect(over->channel);
     } else if (const auto* done = std::get_if<synaptic::create_done>(&each)) {
@@ -431,8 +436,16 @@ void layer::take(synaptic::outputs todo) {
 void layer::on_tick(std::uint32_t tick, instant now) {
   now_ = now;
   take(synaptic_.on_tick(tick, now));
-  tell_all([tick](auto& x) { x.clock_tick(tick); });
+  for (std::size_t i = 0; i < programs_.size(); ++i) {
+    if (programs_[i].wants_ticks())
+      tell(i, [tick](auto& x) { x.clock_tick(tick); });
+  }
   dispatch();
+}
+
+bool layer::wants_ticks() const {
+  return synaptic_.open_channels() > 0 ||
+         std::ranges::any_of(programs_, [](const auto& x) { return x.wants_ticks(); });
 }
 
 // Time.

@@ -3,6 +3,7 @@
 // it, and is its owner's.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -17,6 +18,7 @@
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "mote/communication.hpp"
+#include "mote/direct_process.hpp"
 #include "stream/sensor_record.hpp"
 #include "stream/streams.hpp"
 #include "synaptic/channels.hpp"
@@ -72,6 +74,10 @@ using layer_outputs = std::vector<layer_output>;
 
 inline constexpr std::uint8_t transducers_max = 32; ///< bits of a mask
 
+[[nodiscard]] constexpr bool has_transducer(std::uint32_t mask, std::uint8_t number) {
+  return number < transducers_max && (mask & (1U << number)) != 0;
+}
+
 struct layer_config {
   mote_id self;                  ///< no_mote: a PC
   std::uint32_t incarnation = 0; ///< how often this node has been started before
@@ -81,6 +87,7 @@ struct layer_config {
   synaptic::channels_config synaptic;
   std::uint32_t transducer_mask = 0; ///< bit n: there is a transducer n
   std::size_t unclaimed_max = 4;     ///< accepted channels that have carried nothing yet
+  duration slot_min = 200us; ///< from a tick to its vectors at least: so long programs may take
 };
 
 struct layer_counters {
@@ -130,7 +137,10 @@ public:
 
   void on_sample(stream::descriptor stream, const stream::sensor_record& x, instant now);
   void on_tick(std::uint32_t tick, instant now);
-  void set_slot(duration offset) { synaptic_.set_slot(offset); }
+  /// Whether on_tick() matters to anybody here: a synaptic channel is open, or a program asks for
+  /// it.
+  [[nodiscard]] bool wants_ticks() const;
+  void set_slot(duration offset) { synaptic_.set_slot(std::max(offset, config_.slot_min)); }
 
   void on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
@@ -143,33 +153,24 @@ public:
   [[nodiscard]] const synaptic::channels& synaptic() const { return synaptic_; }
   [[nodiscard]] const transport::tunnels& tunnels() const { return tunnels_; }
   [[nodiscard]] const layer_counters& counters() const { return counters_; }
+  [[nodiscard]] const layer_config& config() const { return config_; }
+  [[nodiscard]] bool initialised() const { return initialised_; }
 
   /// Octets of all state on a mote with the default tables (SMP-30).
   [[nodiscard]] std::size_t footprint() const;
 
 private:
-  friend class communication;
+  friend class direct_process;
 
   /// Something to tell a program, once the command or input that led to it is over.
   using event = std::function<void(communication_events&)>;
-
-  /// A reliable send that its program has not heard of by ack().
-  struct unsettled {
-    transport::ticket number = 0;
-    std::optional<bool> acked; ///< nothing: it has not ended
-  };
-
-  struct program {
-    communication_events* events = nullptr;
-    std::deque<unsettled> sends; ///< ack() keeps their order (A-56)
-  };
 
   [[nodiscard]] mote_address self() const;
   status refuse();
   [[nodiscard]] bool may_talk();
   [[nodiscard]] bool owns(std::size_t process, std::uint8_t am_type) const;
 
-  std::optional<std::uint32_t> send(std::size_t process, mote_address to, byte_view buf,
+  std::optional<std::uint32_t> send(direct_process& from, mote_address to, byte_view buf,
                                     bool reliable, std::uint8_t am_type);
   int create(std::size_t process, bool is_out, mote_address other, std::uint8_t size,
              const synaptic::parameters& params);
@@ -178,7 +179,7 @@ private:
   int take_open(std::size_t process, stream::answer x);
 
   void take(transport::outputs todo);
-  void take(transport::tunnels_outputs todo);
+  void take(transport::tunnels_outputs todo, bool in_slot = false);
   void take(stream::outputs todo);
   void take(synaptic::outputs todo);
   void connect(channel_request who, mote_address destination, std::chrono::milliseconds interval,
@@ -203,7 +204,7 @@ private:
   std::optional<island_id> island_;
   instant now_;
 
-  std::vector<program> programs_;
+  std::deque<direct_process> programs_;        ///< programs point to them
   std::map<std::uint8_t, std::size_t> owners_; ///< of AM types
   std::optional<std::size_t> rest_owner_;      ///< of all others
   std::map<stream::descriptor, std::size_t> stream_owners_;

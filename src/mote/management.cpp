@@ -21,6 +21,7 @@ struct encoder {
   void operator()(const leave_notice&) const { out.octet(4); }
   void operator()(const keep_alive& x) const { out.octet(5).big(x.incarnation); }
   void operator()(const rejoin_prompt&) const { out.octet(6); }
+  void operator()(const slot_notice&) const { out.octet(7); }
 };
 
 /// A join_request or a join_confirm, which have the same layout.
@@ -73,6 +74,9 @@ result<management> decode_management(byte_view octets) {
     break;
   case 6:
     x = rejoin_prompt{};
+    break;
+  case 7:
+    x = slot_notice{};
     break;
   default:
     return in.ok() ? errc::unsupported : errc::truncated;

@@ -57,8 +57,13 @@ struct rejoin_prompt {
   friend bool operator==(const rejoin_prompt&, const rejoin_prompt&) = default;
 };
 
-using management =
-    std::variant<join_request, join_reply, join_confirm, leave_notice, keep_alive, rejoin_prompt>;
+/// Mote to sink: I send synaptic vectors in my slot (SYN-16).
+struct slot_notice {
+  friend bool operator==(const slot_notice&, const slot_notice&) = default;
+};
+
+using management = std::variant<join_request, join_reply, join_confirm, leave_notice, keep_alive,
+                                rejoin_prompt, slot_notice>;
 
 [[nodiscard]] bytes encode(const management& x);
 

@@ -1,10 +1,11 @@
 #include "mote/node.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
 
 #include "mote/transducer.hpp"
 #include "network/island_packet.hpp"
+#include "network/tick_plan.hpp"
 
 namespace rubicon::mote {
 
@@ -12,7 +13,10 @@ namespace {
 
 constexpr duration expiry_min = 5min; ///< of a channel without packets,
 constexpr int expiry_intervals = 10;  ///< or so many of its intervals
-constexpr duration slot_length = 4ms; ///< SYN-16: ten values, their acknowledgement, and 0.8 ms
+
+// SYN-16: one of those who send in slots tells the sink; another does when it is gone.
+constexpr duration notice_spread = 5s;
+constexpr duration notice_period = 30s;
 
 descriptor describe(const node_config& config) {
   descriptor x;
@@ -24,20 +28,6 @@ descriptor describe(const node_config& config) {
   x.keep_alive_ms = static_cast<std::uint32_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(config.keep_alive).count());
   return x;
-}
-
-/// Where in a tick of so many slots a mote with this number sends: whoever is numbered one after
-/// the other is far apart, so that few motes have all the room there is, and no two share a slot.
-/// The last slots, which leave no time to send a vector again, are given out last.
-duration::rep slot_of(std::uint16_t number, duration::rep slots) {
-  const auto rank = number % slots;
-  const auto early = slots - slots / 5;
-  if (rank >= early)
-    return rank;
-  auto stride = early * 3 / 8;
-  while (std::gcd(stride, early) != 1)
-    ++stride;
-  return rank * stride % early;
 }
 
 /// Many may find a way to the sink at the same beacon: so long they take to join.
@@ -120,6 +110,7 @@ void node::take(join_outputs from_join, node_outputs& out, instant now) {
     } else if (const auto* joined = std::get_if<island_joined>(&x)) {
       island_ = joined->island;
       slot_ = joined->slot;
+      has_told_ = false;
       layer_->on_joined(joined->island, now);
       duty_.set_member(true);
       out.emplace_back(membership{true, joined->island});
@@ -160,12 +151,14 @@ node_outputs node::on_sent(std::uint64_t token, bool acked, unsigned transmissio
 node_outputs node::on_time(instant now) {
   node_outputs out;
   take(packets_.on_time(now), out, now);
+  join_.set_turn_wait(packets_.router().turn_wait(now));
   if (joins_at_ && *joins_at_ <= now) {
     joins_at_.reset();
     take(join_.start(packets_.router().tree().hops(), now), out, now);
   }
   take(join_.on_time(now), out, now);
   tick(now);
+  tell_slot(out, now);
   layer_->on_time(now);
   for (auto& [name, x] : actuators_) {
     if (x.on_time(now))
@@ -187,7 +180,7 @@ node_outputs node::on_time(instant now) {
 instant node::deadline() const {
   auto due = *earliest(packets_.deadline(), earliest(join_.deadline(), clock_.deadline()));
   due = *earliest(due, earliest(layer_->deadline(), duty_.deadline()));
-  due = *earliest(due, joins_at_);
+  due = *earliest(due, earliest(joins_at_, tells_at_));
   for (const auto& [channel, waiting] : paced_)
     due = std::min(due, waiting.first);
   for (const auto& [name, x] : actuators_)
@@ -201,10 +194,57 @@ void node::tick(instant now) {
   const auto setting = shared.tick(now);
   if (!shared.synchronised() || !setting)
     return;
-  const auto slots = std::max<duration::rep>(setting->period / slot_length, 1);
-  layer_->set_slot(slot_length * slot_of(slot_, slots));
-  if (const auto next = clock_.update(now, shared.at(now), *setting))
+  if (!layer_->wants_ticks()) {
+    clock_.stop();
+    watch_slots(now);
+    return;
+  }
+  const network::tick_plan plan(setting->period);
+  const auto slot = plan.slot(slot_);
+  has_slot_ = slot.has_value();
+  layer_->set_slot(slot.value_or(plan.has_free_part() ? plan.free_from(plan.shares) : 0ns));
+  if (const auto next = clock_.update(now, shared.at(now), *setting)) {
+    slot_is_free_ = has_slot_;
     layer_->on_tick(next->number, now);
+  }
+  watch_slots(now);
+}
+
+/// A slot is as long as one frame of it: what more is to be sent at that tick waits as others do.
+bool node::takes_slot(bool wanted) {
+  return wanted && std::exchange(slot_is_free_, false);
+}
+
+/// Ticks count from now on, or no more. @returns whether that is new
+bool node::heed_ticks(instant now) {
+  const bool had_ticks = clock_.deadline().has_value();
+  if (layer_->wants_ticks() != had_ticks)
+    tick(now);
+  return clock_.deadline().has_value() != had_ticks;
+}
+
+/// Whether others need to be told that slots are in use, which in an island that sleeps they are
+/// not: its channels have schedules.
+void node::watch_slots(instant now) {
+  if (!joined() || config_.duty.enabled || !layer_->synaptic().sends()) {
+    tells_at_.reset();
+    has_told_ = false;
+  } else if (!tells_at_ && packets_.router().clock().slots_used() == 0) {
+    tells_at_ = now + dice_.between(0s, notice_spread);
+  }
+}
+
+void node::tell_slot(node_outputs& out, instant now) {
+  if (!tells_at_ || *tells_at_ > now)
+    return;
+  tells_at_.reset();
+  const auto& router = packets_.router();
+  if (!has_told_ && router.clock().slots_used() > 0)
+    return; // another has
+  has_told_ = true;
+  tells_at_ = now + notice_period;
+  join_.on_sent(now);
+  take(packets_.send_management(router.tree().root(), encode(slot_notice{}), now), out, now);
 }
 
 void node::take(packet_service_outputs from_packets, node_outputs& out, instant now) {
@@ -264,9 +304,11 @@ node_outputs node::settle(instant now) {
 }
 
 void node::settle(node_outputs& out, instant now) {
-  for (auto wanted = layer_->take_outputs(); !wanted.empty(); wanted = layer_->take_outputs()) {
+  for (bool again = true; again;) {
+    auto wanted = layer_->take_outputs();
     for (auto& x : wanted)
       perform(x, out, now);
+    again = !wanted.empty() || heed_ticks(now);
   }
   for (auto& x : duty_.update(now, packets_.router().clock()))
     std::visit([&out](auto& y) { out.emplace_back(std::move(y)); }, x);
@@ -309,7 +351,8 @@ void node::perform(layer_output& x, node_outputs& out, instant now) {
 }
 
 void node::send_on(channel_packet x, node_outputs& out, instant now) {
-  auto sent = packets_.router().send_on(channel_of(x.channel), std::move(x.octets), x.in_slot, now);
+  auto sent = packets_.router().send_on(channel_of(x.channel), std::move(x.octets),
+                                        takes_slot(x.in_slot), now);
   if (sent)
     take(*std::move(sent), out, now);
   else
@@ -332,7 +375,7 @@ void node::route(transport::to_network& x, node_outputs& out, instant now) {
   const auto sink = packets_.router().tree().root();
   if (!is_local || packet.mote == sink)
     join_.on_sent(now);
-  take(packets_.send(is_local ? packet.mote : sink, packet, now), out, now);
+  take(packets_.send(is_local ? packet.mote : sink, packet, now, takes_slot(x.in_slot)), out, now);
 }
 
 void node::connect(const channel_wanted& x, node_outputs& out, instant now) {

@@ -129,6 +129,10 @@ private:
   void connect(const channel_wanted& x, node_outputs& out, instant now);
   void ask_to_join(bytes description, node_outputs& out, instant now);
   void tick(instant now);
+  bool heed_ticks(instant now);
+  [[nodiscard]] bool takes_slot(bool wanted);
+  void watch_slots(instant now);
+  void tell_slot(node_outputs& out, instant now);
   void send_on(channel_packet x, node_outputs& out, instant now);
   void settle(node_outputs& out, instant now);
 
@@ -140,7 +144,11 @@ private:
   bool wants_to_join_ = false; ///< there is no way to the sink yet
   std::optional<instant> joins_at_;
   island_id island_;
-  std::uint16_t slot_ = 0;
+  std::uint16_t slot_ = 0;          ///< its number
+  bool has_slot_ = false;           ///< there are so many
+  bool slot_is_free_ = false;       ///< at this tick
+  std::optional<instant> tells_at_; ///< the sink, that it sends in its slot
+  bool has_told_ = false;
   std::unique_ptr<layer> layer_; ///< programs point to it
   synaptic::rubicon_clock clock_;
   duty_cycle duty_;

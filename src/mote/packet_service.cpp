@@ -26,7 +26,7 @@ packet_service::packet_service(network::router_config config, random_stream dice
     : router_(config, dice, now), pieces_({.packets_max = config.is_sink ? 32U : 1U}) {}
 
 packet_service_outputs packet_service::send(mote_id to, const network::island_packet& x,
-                                            instant now) {
+                                            instant now, bool in_slot) {
   const auto room = router_.room_to(to);
   const auto pieces = room ? transport::cut(encode(x), *room - 1, tag_++) : std::nullopt;
   if (!pieces) {
@@ -35,7 +35,7 @@ packet_service_outputs packet_service::send(mote_id to, const network::island_pa
   }
   packet_service_outputs out;
   for (const auto& piece : *pieces)
-    append(out, carry(router_.send(to, content(network::am::packet, piece), now), now));
+    append(out, carry(router_.send(to, content(network::am::packet, piece), now, in_slot), now));
   return out;
 }
 

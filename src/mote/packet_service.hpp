@@ -51,9 +51,10 @@ public:
 
   /// To a mote of the island. A mote that is no neighbour is reached by way of the sink, which gets
   /// the packet and must send it on.
+  /// @param in_slot as in network::channels::send()
   /// @pre x.body.size() <= network::body_max
   [[nodiscard]] packet_service_outputs send(mote_id to, const network::island_packet& x,
-                                            instant now);
+                                            instant now, bool in_slot = false);
   [[nodiscard]] packet_service_outputs send_to_all(const network::island_packet& x, instant now);
   [[nodiscard]] packet_service_outputs send_management(mote_id to, byte_view message, instant now);
 

@@ -35,7 +35,9 @@ registrar_outputs registrar::on_frame(mote_id source, byte_view payload, instant
       return {};
     return {network::mote_left{source, network::leave_cause::notice}};
   }
-  if (std::holds_alternative<keep_alive>(*message))
+  if (std::holds_alternative<slot_notice>(*message) && members_.contains(source))
+    slots_used_until_ = now + config_.slots_hold;
+  if (std::holds_alternative<keep_alive>(*message) || std::holds_alternative<slot_notice>(*message))
     return on_heard(source, now);
   return {}; // a reply or a prompt of another sink within earshot
 }
@@ -123,6 +125,8 @@ registrar_outputs registrar::on_time(instant now) {
   registrar_outputs out;
   if (next_expiry_ && *next_expiry_ <= now)
     out = expire(now);
+  if (slots_used_until_ && *slots_used_until_ <= now)
+    slots_used_until_.reset();
   if (roster_due_ && *roster_due_ <= now)
     out.emplace_back(next_roster_page(now));
   return out;
@@ -208,12 +212,21 @@ std::uint16_t registrar::free_slot() const {
   return static_cast<std::uint16_t>(std::ranges::find(taken, false) - taken.begin());
 }
 
+std::size_t registrar::slots_used() const {
+  if (!slots_used_until_)
+    return 0;
+  std::size_t used = 0;
+  for (const auto& [mote, entry] : members_)
+    used = std::max<std::size_t>(used, entry.slot + 1U);
+  return used;
+}
+
 void registrar::wake_at(instant t) {
   next_expiry_ = earliest(next_expiry_, t);
 }
 
 std::optional<instant> registrar::deadline() const {
-  return earliest(next_expiry_, roster_due_);
+  return earliest(slots_used_until_, earliest(next_expiry_, roster_due_));
 }
 
 std::size_t registrar::members() const {

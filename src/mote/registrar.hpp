@@ -33,6 +33,7 @@ struct registrar_config {
   std::size_t members_max = 1000;   ///< further requests get no answer and are counted
   duration prompt_pause = 1s;       ///< between two rejoin prompts to one mote
   duration roster_period = 10s;
+  duration slots_hold = 2min;       ///< slots count as used so long after a slot_notice
   duration roster_page_gap = 250ms; ///< between two pages: a serial queue is short
 };
 
@@ -63,6 +64,9 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const;
 
   [[nodiscard]] std::size_t members() const; ///< confirmed ones
+
+  /// So many slots, the first ones, are members' who send synaptic vectors, as some of them do.
+  [[nodiscard]] std::size_t slots_used() const;
   [[nodiscard]] const registrar_counters& counters() const { return counters_; }
 
 private:
@@ -98,7 +102,8 @@ private:
   std::uint16_t roster_number_ = 0;
   std::deque<network::roster> roster_pages_; ///< that are still to be sent
   instant roster_began_;
-  std::optional<instant> roster_due_;  ///< the next page, or the next roster
+  std::optional<instant> roster_due_; ///< the next page, or the next roster
+  std::optional<instant> slots_used_until_;
   std::optional<instant> next_expiry_; ///< no member needs attention before this
   registrar_counters counters_;
 };

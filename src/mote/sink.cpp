@@ -80,6 +80,7 @@ instant sink::deadline() const {
 
 /// Lets the frames go that may.
 sink_outputs sink::finish(sink_outputs out, instant now) {
+  packets_.router().use_slots(registrar_.slots_used(), now);
   for (auto& x : duty_.update(now, packets_.router().clock())) {
     if (auto* frame = std::get_if<network::frame_out>(&x))
       out.emplace_back(std::move(*frame));

@@ -134,7 +134,7 @@ std::optional<channels_outputs> channels::send(channel_id channel, bytes content
   x.last_packet = now;
   ++x.sent;
   queue(x.next ? *x.next : *x.previous, {channel, data_message{x.sent, std::move(content)}}, now,
-        in_slot);
+        in_slot ? leave::in_slot : leave::in_turn);
   channels_outputs out;
   pump(out, now);
   return out;
@@ -309,7 +309,7 @@ void channels::take(mote_id from, channel_id id, data_message& x, const surround
     ++counters_.packets_lost;
   } else if (onwards) {
     ++counters_.packets_forwarded;
-    queue(*onwards, {id, std::move(x)}, now);
+    queue(*onwards, {id, std::move(x)}, now, leave::at_once);
   } else {
     ++counters_.packets_received;
     out.emplace_back(channel_received{id, std::move(x.content)});
@@ -349,22 +349,30 @@ bool channels::has_room(std::size_t octets) const {
   return queue_.size() < config_.queue_max && sum <= config_.octets_max;
 }
 
-void channels::queue(mote_id next, channel_message message, instant due, bool in_slot) {
+void channels::queue(mote_id next, channel_message message, instant due, leave how) {
   if (is_data(message) && !has_room(data_octets(message)))
     ++counters_.packets_lost;
   else if (queue_.size() < 2 * config_.queue_max) // control messages are few, and matter more
-    queue_.push_back({next, std::move(message), 0, due, in_slot});
+    queue_.push_back({next, std::move(message), 0, due, how});
+  else
+    ++counters_.crowded_out;
+}
+
+/// When it may be handed out.
+instant channels::due(const waiting& x) const {
+  const bool waits = x.how == leave::in_turn || x.rounds > 0;
+  return waits ? std::max(x.due, held_until_) : x.due;
 }
 
 void channels::pump(channels_outputs& out, instant now) {
   if (under_way_)
     return;
-  const auto due = std::ranges::find_if(queue_, [now](const waiting& x) { return x.due <= now; });
-  if (due == queue_.end())
+  const auto next = std::ranges::find_if(queue_, [&](const waiting& x) { return due(x) <= now; });
+  if (next == queue_.end())
     return;
-  under_way_ = std::move(*due);
-  queue_.erase(due);
-  const bool in_slot = under_way_->in_slot && under_way_->rounds == 0;
+  under_way_ = std::move(*next);
+  queue_.erase(next);
+  const bool in_slot = under_way_->how == leave::in_slot && under_way_->rounds == 0;
   out.emplace_back(channel_hop{under_way_->next, encode(under_way_->message), in_slot});
 }
 
@@ -373,7 +381,8 @@ channels_outputs channels::on_sent(bool acked, const surroundings& around, insta
   if (!under_way_)
     return out;
   auto x = *std::exchange(under_way_, std::nullopt);
-  const auto rounds_max = is_data(x.message)         ? config_.data_rounds_max
+  const auto in_slot = x.how == leave::in_slot ? 1U : 0U;
+  const auto rounds_max = is_data(x.message)         ? config_.data_rounds_max + in_slot
                           : x.next == broadcast_mote ? flood_rounds
                                                      : config_.rounds_max;
   ++x.rounds;
@@ -447,7 +456,7 @@ std::optional<instant> channels::deadline() const {
     next = earliest(next, x.end);
   if (!under_way_) {
     for (const auto& x : queue_)
-      next = earliest(next, x.due);
+      next = earliest(next, due(x));
   }
   return next;
 }

@@ -26,7 +26,9 @@ struct channels_config {
   std::size_t queue_max = 4;   ///< packets that wait for the radio; control messages: as many again
   std::size_t octets_max = 216; ///< of the content of packets that wait or are under way
   unsigned rounds_max = 6;      ///< times a control message is handed to the radio
-  unsigned data_rounds_max = 2; ///< and a packet; the radio itself tries four times (NET-05)
+  /// And a packet; the radio itself tries four times (NET-05), but once in a slot: that round is
+  /// not counted.
+  unsigned data_rounds_max = 2;
   unsigned losses_max =
       4; ///< packets in a row that the next mote does not take: the path is broken
   duration round_pause = 30ms;    ///< between rounds, up to twice as long
@@ -51,6 +53,7 @@ struct channels_counters {
   std::uint64_t packets_received = 0; ///< at this end
   std::uint64_t packets_lost = 0;     ///< here: no more rounds, or the queue was full
   std::uint64_t duplicates = 0;       ///< packets again, their acknowledgement was lost
+  std::uint64_t crowded_out = 0;      ///< control messages that found no room in the queue
   std::uint64_t strays = 0;           ///< for channels that do not pass here
   std::uint64_t malformed = 0;
 };
@@ -139,6 +142,10 @@ public:
   [[nodiscard]] std::optional<channels_outputs> send(channel_id channel, bytes content,
                                                      bool in_slot, instant now);
 
+  /// Until then only packets in slots, and those that pass here, are handed out, each once: a
+  /// vector has one tick for all its hops.
+  void hold(instant until) { held_until_ = until; }
+
   /// From either end; the other end hears of it.
   [[nodiscard]] channels_outputs disconnect(channel_id channel, instant now);
 
@@ -186,15 +193,19 @@ private:
     unsigned copies = 1; ///< heard
   };
 
+  /// Where synaptic vectors have slots; matters in a message's first round only.
+  enum class leave : std::uint8_t { in_turn, at_once, in_slot };
+
   struct waiting {
     mote_id next;
     channel_message message;
     unsigned rounds = 0;
     instant due;
-    bool in_slot = false; ///< in its first round
+    leave how = leave::in_turn;
   };
 
-  void queue(mote_id next, channel_message message, instant due, bool in_slot = false);
+  void queue(mote_id next, channel_message message, instant due, leave how = leave::in_turn);
+  [[nodiscard]] instant due(const waiting& x) const;
   [[nodiscard]] bool has_room(std::size_t octets) const;
   void pump(channels_outputs& out, instant now);
   void go_on(channel_id id, entry& x, const surroundings& around, channels_outputs& out,
@@ -227,6 +238,7 @@ private:
   std::map<channel_id, offer> offers_;
   std::deque<waiting> queue_;
   std::optional<waiting> under_way_;
+  instant held_until_;
   channels_counters counters_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "network/wire.hpp"
 
@@ -11,6 +12,7 @@ namespace {
 
 using std::chrono::microseconds;
 
+constexpr unsigned period_bits = 13;
 constexpr int stale_periods = 3; ///< without news of it: a root may have begun anew
 
 std::int64_t us_of(instant x) {
@@ -24,7 +26,7 @@ void write(byte_writer& to, const clock_stamp& x) {
   write(to, x.time);
   to.big(x.age_us).big(x.tick.first);
   write(to, x.tick.from);
-  to.big(static_cast<std::uint16_t>(x.tick.period.count()));
+  to.big(static_cast<std::uint16_t>(x.tick.period.count() | x.slots_used << period_bits));
 }
 
 clock_stamp read_clock_stamp(byte_reader& from) {
@@ -35,7 +37,9 @@ clock_stamp read_clock_stamp(byte_reader& from) {
   x.age_us = from.big<std::uint32_t>();
   x.tick.first = from.big<std::uint32_t>();
   x.tick.from = read_island_time(from);
-  x.tick.period = std::chrono::milliseconds(from.big<std::uint16_t>());
+  const auto period = from.big<std::uint16_t>();
+  x.tick.period = std::chrono::milliseconds(period & ((1U << period_bits) - 1));
+  x.slots_used = static_cast<std::uint8_t>(period >> period_bits);
   return x;
 }
 
@@ -60,6 +64,7 @@ bool clock_sync::on_stamp(const clock_stamp& x, instant sfd) {
   root_ = x.root;
   sequence_ = x.sequence;
   learn(x.tick);
+  slots_used_ = x.slots_used;
   const point here{sfd, x.time.time_since_epoch().count() + x.age_us - us_of(sfd)};
   const auto is_near = [](std::int64_t a, std::int64_t b) {
     return std::abs(a - b) <= outlier.count();
@@ -122,8 +127,9 @@ instant clock_sync::when(island_time x) const {
 std::optional<clock_stamp> clock_sync::stamp(instant now) const {
   if (!synchronised())
     return std::nullopt;
-  return clock_stamp{root_, sequence_, at(now), 0,
-                     next_tick_ ? *next_tick_ : tick_.value_or(tick_setting{})};
+  return clock_stamp{
+      root_,      sequence_, at(now), 0, next_tick_ ? *next_tick_ : tick_.value_or(tick_setting{}),
+      slots_used_};
 }
 
 bool clock_sync::on_time(instant now) {
@@ -136,6 +142,12 @@ bool clock_sync::on_time(instant now) {
   ++rounds_;
   next_round_ = now + (rounds_ < config_.first_rounds ? config_.period_first : config_.period);
   return true;
+}
+
+void clock_sync::use_slots(std::uint8_t sevenths, instant now) {
+  assert(config_.is_root);
+  if (std::exchange(slots_used_, sevenths) != sevenths && is_running_root())
+    next_round_ = now;
 }
 
 void clock_sync::set_time(island_time x, instant now) {

@@ -23,7 +23,8 @@ struct clock_stamp {
   island_time time;           ///< when the beacon was handed to the radio; 48 bits of microseconds
   /// From then to its start-of-frame delimiter on the air, microseconds: the radio writes it.
   std::uint32_t age_us = 0;
-  tick_setting tick;
+  tick_setting tick;           ///< its period below 2^13 milliseconds,
+  std::uint8_t slots_used = 0; ///< whose three highest bits are this: as clock_sync::slots_used()
 
   friend bool operator==(const clock_stamp&, const clock_stamp&) = default;
 };
@@ -90,6 +91,13 @@ public:
   /// setting before shows at x.from
   void set_tick(const tick_setting& x) { learn(x); }
 
+  /// Where in the tick motes of the island send synaptic vectors, as far as is known: 0 nowhere,
+  /// else in so many sevenths of the slots (network/tick_plan.hpp).
+  [[nodiscard]] std::uint8_t slots_used() const { return slots_used_; }
+
+  /// Others learn it; of a change in a round that begins at once. @pre is_root, at most 7
+  void use_slots(std::uint8_t sevenths, instant now);
+
   /// The root's time is to be this one from now on (CLK-08). @pre is_root
   void set_time(island_time x, instant now);
 
@@ -120,6 +128,7 @@ private:
   std::optional<instant> heard_; ///< the last news
   std::optional<tick_setting> tick_;
   std::optional<tick_setting> next_tick_; ///< tick_ is known too
+  std::uint8_t slots_used_ = 0;
   std::optional<instant> next_round_;
   std::optional<instant> listening_until_; ///< a root that has just started
   unsigned rounds_ = 0;

@@ -31,10 +31,11 @@ std::optional<std::size_t> collection::room_down(mote_id to) const {
   return frame_payload_max - header_size(*hops);
 }
 
-collection_outputs collection::send_up(bytes content, instant now) {
+collection_outputs collection::send_up(bytes content, instant now, bool in_slot) {
   assert(!config_.is_root && content.size() <= room_up());
   ++counters_.originated;
-  enqueue({up_packet{config_.self, parent_, sequence_++, cost_, 0, std::move(content)}, 0, now});
+  enqueue({up_packet{config_.self, parent_, sequence_++, cost_, 0, std::move(content)}, 0, now,
+           in_slot});
   collection_outputs out;
   pump(out, now);
   return out;
@@ -182,14 +183,20 @@ std::optional<hop> collection::hop_of(waiting& x) const {
   return hop{parent_, am::up, encode(up)};
 }
 
+/// When a packet may be handed out.
+instant collection::due(const waiting& x) const {
+  return x.in_slot && x.rounds == 0 ? x.due : std::max(x.due, held_until_);
+}
+
 /// Hands out the first packet that is due, unless one is under way.
 void collection::pump(collection_outputs& out, instant now) {
   for (auto x = queue_.begin(); x != queue_.end() && !under_way_;) {
-    if (x->due > now) {
+    if (due(*x) > now) {
       ++x;
       continue;
     }
     if (auto frame = hop_of(*x)) {
+      frame->in_slot = x->in_slot && x->rounds == 0;
       under_way_ = std::move(*x);
       queue_.erase(x);
       out.emplace_back(*std::move(frame));
@@ -256,7 +263,7 @@ std::optional<instant> collection::deadline() const {
     return std::nullopt;
   std::optional<instant> next;
   for (const auto& x : queue_)
-    next = earliest(next, x.due);
+    next = earliest(next, due(x));
   return next;
 }
 

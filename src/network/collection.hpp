@@ -56,6 +56,7 @@ struct hop {
   mote_id next; ///< broadcast_mote: to all, nobody acknowledges
   std::uint8_t am_type = 0;
   bytes octets;
+  bool in_slot = false; ///< as in radio::request
 };
 
 /// For us.
@@ -84,7 +85,8 @@ public:
   [[nodiscard]] std::optional<std::size_t> room_down(mote_id to) const;
 
   /// @pre not is_root, content.size() <= room_up()
-  [[nodiscard]] collection_outputs send_up(bytes content, instant now);
+  /// @param in_slot as in channels::send()
+  [[nodiscard]] collection_outputs send_up(bytes content, instant now, bool in_slot = false);
   /// @pre is_root, content.size() <= room_down(to)
   [[nodiscard]] collection_outputs send_down(mote_id to, bytes content, instant now);
   /// @pre content.size() <= room_flood()
@@ -93,6 +95,9 @@ public:
   /// A frame of one of the three AM types.
   [[nodiscard]] collection_outputs on_frame(mote_id from, std::uint8_t am_type, byte_view octets,
                                             instant now);
+
+  /// Until then only frames in slots are handed out.
+  void hold(instant until) { held_until_ = until; }
 
   /// The hop that was handed out has ended.
   [[nodiscard]] collection_outputs on_sent(bool acked, instant now);
@@ -130,10 +135,12 @@ private:
     std::variant<up_packet, down_packet, flood_packet> packet;
     unsigned rounds = 0;
     instant due;
+    bool in_slot = false; ///< in its first round
   };
 
   void enqueue(waiting x);
   [[nodiscard]] std::size_t octets() const;
+  [[nodiscard]] instant due(const waiting& x) const;
   [[nodiscard]] bool is_new(const mark& x);
   void take(up_packet x, collection_outputs& out, instant now);
   void take(down_packet x, collection_outputs& out, instant now);
@@ -150,6 +157,7 @@ private:
   std::uint16_t sequence_ = 0;
   std::deque<waiting> queue_;
   std::optional<waiting> under_way_;
+  instant held_until_;
   std::deque<mark> seen_;
   bool loop_seen_ = false;
   collection_counters counters_;

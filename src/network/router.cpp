@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "network/am.hpp"
+#include "network/tick_plan.hpp"
 
 namespace rubicon::network {
 
@@ -53,6 +54,21 @@ router::router(router_config config, random_stream dice, instant now)
   paths.connect_timeout += 5 * config_.beacon_delay_max;
   paths.setup_timeout += 5 * config_.beacon_delay_max;
   paths_ = channels(paths, random_stream(dice_.next()));
+  auto further = dice_; // the others' dice fall as they do without turns
+  turns_ = turns(config_.is_sink, random_stream(further.next()));
+}
+
+void router::use_slots(std::size_t count, instant now) {
+  const tick_plan plan(clock_.tick(now).value_or(config_.tick).period);
+  clock_.use_slots(plan.share_of(count), now);
+}
+
+/// For what is sent from now on.
+void router::keep_turns(instant now) {
+  const auto next = turns_.next(now, clock_);
+  turn_ = next > now ? next : instant{};
+  packets_.hold(turn_);
+  paths_.hold(turn_);
 }
 
 bool router::owns(std::uint8_t am_type) {
@@ -77,33 +93,45 @@ std::size_t router::room_to_all() {
   return collection::room_flood() - 1;
 }
 
-router_outputs router::send(mote_id destination, bytes content, instant now) {
+router_outputs router::send(mote_id destination, bytes content, instant now, bool in_slot) {
   router_outputs out;
+  keep_turns(now);
   const bool is_near = destination != tree_.root() && links_.good(destination) &&
                        directs_.size() < config_.direct_max;
   if (config_.is_sink || !is_near) {
-    send_router_message(destination, user_content{std::move(content)}, out, now);
+    send_router_message(destination, user_content{std::move(content)}, out, now, in_slot);
     return out;
   }
   auto frame = frame_for(purpose::direct, destination, am::local, content);
   directs_[frame.token] = {destination, std::move(content)};
-  handed_[frame.token] = {destination, now};
-  out.emplace_back(std::move(frame));
+  waiting_directs_.push_back(std::move(frame));
+  send_directs(out, now);
   return out;
+}
+
+void router::send_directs(router_outputs& out, instant now) {
+  if (turn_ > now)
+    return;
+  for (auto& x : std::exchange(waiting_directs_, {})) {
+    handed_[x.token] = {x.next_hop, now};
+    out.emplace_back(std::move(x));
+  }
 }
 
 router_outputs router::send_to_all(bytes content, instant now) {
   router_outputs out;
+  keep_turns(now);
   take(packets_.send_to_all(encode(user_content{std::move(content)}), now), out, now);
   return out;
 }
 
 /// Up, or from the sink down.
 void router::send_router_message(mote_id to, const router_message& x, router_outputs& out,
-                                 instant now) {
+                                 instant now, bool in_slot) {
   if (!config_.is_sink)
     told_parent_ = tree_.parent(); // the header says it
-  take(config_.is_sink ? packets_.send_down(to, encode(x), now) : packets_.send_up(encode(x), now),
+  take(config_.is_sink ? packets_.send_down(to, encode(x), now)
+                       : packets_.send_up(encode(x), now, in_slot),
        out, now);
 }
 
@@ -115,6 +143,7 @@ void router::take(collection_outputs todo, router_outputs& out, instant now) {
     }
     auto& next = std::get<hop>(x);
     auto frame = frame_for(purpose::packet, next.next, next.am_type, std::move(next.octets));
+    frame.in_slot = next.in_slot;
     if (next.next != broadcast_mote)
       handed_[frame.token] = {next.next, now};
     out.emplace_back(std::move(frame));
@@ -170,6 +199,7 @@ std::pair<channel_id, router_outputs> router::connect(mote_id destination,
                                                       const channel_schedule& schedule,
                                                       duration expiry, instant now) {
   router_outputs out;
+  keep_turns(now);
   const question x{paths_.next_id(), destination, schedule, expiry, now + answer_wait()};
   const bool must_ask = !config_.is_sink && !links_.good(destination) &&
                         questions_.size() < config_.questions_max && has_route();
@@ -203,6 +233,7 @@ void router::begin(const question& x, std::optional<virtual_coordinates> place, 
 
 std::optional<router_outputs> router::send_on(channel_id channel, bytes content, bool in_slot,
                                               instant now) {
+  keep_turns(now);
   auto todo = paths_.send(channel, std::move(content), in_slot, now);
   if (!todo)
     return std::nullopt;
@@ -213,6 +244,7 @@ std::optional<router_outputs> router::send_on(channel_id channel, bytes content,
 
 router_outputs router::disconnect(channel_id channel, instant now) {
   router_outputs out;
+  keep_turns(now);
   std::erase_if(questions_, [channel](const question& x) { return x.channel == channel; });
   take(paths_.disconnect(channel, now), out, now);
   return out;
@@ -220,6 +252,7 @@ router_outputs router::disconnect(channel_id channel, instant now) {
 
 router_outputs router::refuse(channel_id channel, instant now) {
   router_outputs out;
+  keep_turns(now);
   take(paths_.refuse(channel, now), out, now);
   return out;
 }
@@ -258,12 +291,13 @@ void router::take(channels_outputs todo, router_outputs& out, instant now) {
 // Beacons.
 
 void router::send_beacon(router_outputs& out, instant now) {
+  beacon_due_ = false;
   relay_due_.reset();
   if (beacon_under_way_)
     return;
   beacon x;
   x.sequence = ++beacon_sequence_;
-  x.next_quarters = quarters(timer_.certain() - now);
+  x.next_quarters = quarters(timer_.certain() - now + turn_wait(now));
   x.gradient = tree_.advertise();
   x.coordinates = place_.advertise();
   x.heard = links_.heard(beacon::heard_max);
@@ -342,6 +376,8 @@ void router::report(router_outputs& out, instant now) {
   report_gap_ = is_restless ? std::min(2 * report_gap_, config_.report_period) : config_.report_gap;
   told_place_ = place_.place();
   reported_ = now;
+  if (turn_wait(now) > 0s) // who has begun with others does not go on with them
+    reported_ -= dice_.between(0s, config_.report_period / 4);
   send_router_message(tree_.root(), place_report{told_place_}, out, now);
 }
 
@@ -350,6 +386,7 @@ void router::report(router_outputs& out, instant now) {
 router_outputs router::on_frame(mote_id source, std::uint8_t am_type, byte_view payload,
                                 instant sfd, instant now) {
   router_outputs out;
+  keep_turns(now);
   switch (am_type) {
   case am::beacon:
     on_beacon(source, payload, sfd, out, now);
@@ -375,6 +412,7 @@ router_outputs router::on_frame(mote_id source, std::uint8_t am_type, byte_view 
 router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmissions,
                                instant now) {
   router_outputs out;
+  keep_turns(now);
   if (const auto unicast = handed_.extract(token); !unicast.empty()) {
     const auto [to, when] = unicast.mapped();
     links_.on_sent(to, acked, transmissions);
@@ -405,12 +443,15 @@ router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmi
 
 router_outputs router::on_time(instant now) {
   router_outputs out;
+  keep_turns(now);
+  send_directs(out, now);
   links_.on_time(now);
   settle(out, now);
   const bool round = clock_.on_time(now);
   if (round)
     out.emplace_back(clock_corrected{});
-  if (timer_.on_time(now) || round || (relay_due_ && *relay_due_ <= now))
+  beacon_due_ = timer_.on_time(now) || round || beacon_due_;
+  if ((beacon_due_ || (relay_due_ && *relay_due_ <= now)) && turn_ <= now)
     send_beacon(out, now);
   take(packets_.on_time(now), out, now);
   take(paths_.on_time(now), out, now);
@@ -444,7 +485,10 @@ instant router::deadline() const {
   consider(links_.deadline());
   consider(place_.deadline());
   consider(clock_.deadline());
-  consider(relay_due_);
+  if (relay_due_)
+    consider(std::max(*relay_due_, turn_));
+  if (beacon_due_ || !waiting_directs_.empty())
+    consider(turn_);
   consider(packets_.deadline());
   consider(paths_.deadline());
   consider(report_due());
@@ -456,8 +500,9 @@ instant router::deadline() const {
 std::size_t router::footprint() const {
   const auto motes = links_.config().capacity;
   return links_.footprint() + gradient::footprint(motes) + coordinates::footprint(motes) +
-         trickle::footprint() + clock_sync::footprint() + packets_.footprint() +
-         paths_.footprint() + config_.direct_max * 12 + config_.questions_max * 24 + 32;
+         turns::footprint() + trickle::footprint() + clock_sync::footprint() +
+         packets_.footprint() + paths_.footprint() + config_.direct_max * 12 +
+         config_.questions_max * 24 + 32;
 }
 
 } // namespace rubicon::network

@@ -22,6 +22,7 @@
 #include "network/neighbours.hpp"
 #include "network/router_message.hpp"
 #include "network/trickle.hpp"
+#include "network/turns.hpp"
 
 namespace rubicon::network {
 
@@ -80,7 +81,7 @@ struct router_counters {
 };
 
 /// One frame of each kind is under way at a time: beacon, packet, channel message; packets for
-/// neighbours several.
+/// neighbours several. Where synaptic vectors have slots, all others keep to their turns.
 class router {
 public:
   router() = default;
@@ -92,8 +93,10 @@ public:
 
   /// Towards a mote of the island, or the sink. A mote that is no neighbour is reached by way of
   /// the sink, which gets the content and must send it down.
+  /// @param in_slot as in channels::send()
   /// @pre room_to() is given and content fits
-  [[nodiscard]] router_outputs send(mote_id destination, bytes content, instant now);
+  [[nodiscard]] router_outputs send(mote_id destination, bytes content, instant now,
+                                    bool in_slot = false);
   [[nodiscard]] router_outputs send_to_all(bytes content, instant now);
 
   /// D1.1 3.3.3.1 connect: the id at once, channel_connected or channel_ended later.
@@ -115,6 +118,13 @@ public:
   [[nodiscard]] instant deadline() const;
 
   [[nodiscard]] static bool owns(std::uint8_t am_type);
+
+  /// Motes of the island send synaptic vectors in so many slots, the first ones; all others learn
+  /// it. @pre is_sink
+  void use_slots(std::size_t count, instant now);
+
+  /// The longest wait of a frame for its turn.
+  [[nodiscard]] duration turn_wait(instant now) const { return turns::longest(now, clock_); }
 
   [[nodiscard]] bool has_route() const { return config_.is_sink || tree_.has_route(); }
   [[nodiscard]] const clock_sync& clock() const { return clock_; }
@@ -146,6 +156,8 @@ private:
     bytes content;
   };
 
+  void keep_turns(instant now);
+  void send_directs(router_outputs& out, instant now);
   void on_beacon(mote_id source, byte_view payload, instant sfd, router_outputs& out, instant now);
   void settle(router_outputs& out, instant now);
   void send_beacon(router_outputs& out, instant now);
@@ -154,7 +166,8 @@ private:
   void take(collection_outputs todo, router_outputs& out, instant now);
   void take(channels_outputs todo, router_outputs& out, instant now);
   void on_content(collected x, router_outputs& out, instant now);
-  void send_router_message(mote_id to, const router_message& x, router_outputs& out, instant now);
+  void send_router_message(mote_id to, const router_message& x, router_outputs& out, instant now,
+                           bool in_slot = false);
   [[nodiscard]] duration answer_wait() const;
   [[nodiscard]] bool may_ask_again(const question& x) const;
   void ask(const question& x, router_outputs& out, instant now);
@@ -173,13 +186,17 @@ private:
   clock_sync clock_;
   collection packets_;
   channels paths_;
+  turns turns_;
+  instant turn_; ///< frames without a slot wait until then
 
   std::uint16_t beacon_sequence_ = 0;
   bool beacon_under_way_ = false;
+  bool beacon_due_ = false;          ///< and waits for its turn
   std::optional<instant> relay_due_; ///< of a beacon that passes a clock round on
   unsigned copies_ = 0;              ///< of that round, heard so far
   std::uint64_t frames_ = 0;
   std::map<std::uint64_t, direct> directs_;                     ///< by token
+  std::vector<frame_out> waiting_directs_;                      ///< of them, for their turn
   std::map<std::uint64_t, std::pair<mote_id, instant>> handed_; ///< unicasts: to whom, when
   std::vector<question> questions_;
   std::map<mote_id, virtual_coordinates> places_; ///< at the sink

@@ -55,7 +55,7 @@ input_channel::outputs input_channel::add(request x, instant now) {
   x.asked = now;
   waiting_.push_back(std::move(x));
   if (!current_)
-    send_next(out);
+    send_next(now, out);
   return out;
 }
 
@@ -108,24 +108,16 @@ bool input_channel::note(const input_status& x) {
 }
 
 void input_channel::settle(request_outcome outcome, instant now, outputs& out) {
-  const auto end = [&](request& x) {
-    out.emplace_back(settled{x.input, std::move(x.word), outcome, now - x.asked});
-  };
-  end(current_->what);
+  auto& x = current_->what;
+  out.emplace_back(settled{x.input, std::move(x.word), outcome, now - x.asked});
   current_.reset();
-  outcome = request_outcome::timeout;
-  while (!waiting_.empty() && waiting_.front().asked + answer_timeout_ <= now) {
-    end(waiting_.front());
-    waiting_.erase(waiting_.begin());
-  }
   if (!waiting_.empty())
-    send_next(out);
+    send_next(now, out);
 }
 
 /// @pre !waiting_.empty()
-void input_channel::send_next(outputs& out) {
-  const auto expires = waiting_.front().asked + answer_timeout_;
-  current_ = current_request{std::move(waiting_.front()), expires, std::nullopt};
+void input_channel::send_next(instant now, outputs& out) {
+  current_ = current_request{std::move(waiting_.front()), now + answer_timeout_, std::nullopt};
   waiting_.erase(waiting_.begin());
   out.emplace_back(submit{current_->what.octets});
 }

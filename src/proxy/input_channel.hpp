@@ -73,7 +73,8 @@ public:
   using output = std::variant<submit, settled>;
   using outputs = std::vector<output>;
 
-  /// @param answer_timeout from add() to the latest outcome
+  /// @param answer_timeout from the write to the latest outcome. From add() it is so many times
+  /// that as there are inputs, and once more: each may have a request before it.
   explicit input_channel(duration answer_timeout = 20s) : answer_timeout_(answer_timeout) {}
 
   [[nodiscard]] outputs add(request x, instant now);
@@ -99,7 +100,7 @@ private:
 
   [[nodiscard]] bool note(const input_status& x);
   void settle(request_outcome outcome, instant now, outputs& out);
-  void send_next(outputs& out);
+  void send_next(instant now, outputs& out);
 
   duration answer_timeout_;
   std::optional<current_request> current_;

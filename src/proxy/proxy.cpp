@@ -235,7 +235,7 @@ void proxy::say_prior_information(outputs& out) {
       say(key_of(field.name + ".unit"), field.unit, out);
   for (const auto& input : class_.inputs) {
     say(key_of(input.name + ".words"), words_of(input), out);
-    say(key_of(input.name + ".latency"), to_text(instant(settings_.answer_timeout)), out);
+    say(key_of(input.name + ".latency"), to_text(instant(latency_of(input.channel))), out);
     say(key_of(input.name), std::string(nothing_word), out);
   }
 }
@@ -258,6 +258,12 @@ void proxy::sensed(instant now, outputs& out) {
   last_sensed_ = now;
   if (state_ == state::inactive)
     enter(state::active, now, out);
+}
+
+/// In which a request has its outcome for certain: those before it on the channel come first.
+duration proxy::latency_of(std::uint16_t channel) const {
+  const auto before = std::ranges::count(class_.inputs, channel, &input::channel);
+  return (before + 1) * settings_.answer_timeout;
 }
 
 void proxy::apply(std::uint16_t channel, input_channel::outputs todo, outputs& out) {

@@ -156,6 +156,7 @@ private:
   void enter(state next, instant now, outputs& out);
   void sensed(instant now, outputs& out);
   void apply(std::uint16_t channel, input_channel::outputs todo, outputs& out);
+  [[nodiscard]] duration latency_of(std::uint16_t channel) const;
   void tell(std::size_t input, std::string_view word, request_outcome outcome, outputs& out);
   [[nodiscard]] std::optional<instant> presence_deadline() const;
 

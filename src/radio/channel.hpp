@@ -46,7 +46,8 @@ struct request {
   /// microseconds from this request to its start-of-frame delimiter (CLK-01; chips with a frame
   /// buffer can do it while they send). @pre four octets of payload follow
   std::optional<std::size_t> age_at = {};
-  /// Nobody near is to send now: the first assessment of the channel comes without a back-off.
+  /// Nobody near is to send now, but somebody is right afterwards: the channel is assessed without
+  /// a back-off, and neither a busy channel nor a missing ack leads to another attempt.
   bool in_slot = false;
 };
 

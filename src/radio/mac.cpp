@@ -42,7 +42,7 @@ mac_action mac::on_time(instant now, bool clear, random_stream& dice) {
     ++open_.front().transmissions;
     return {.transmit = true, .ended = {}};
   case state::ack_wait:
-    if (open_.front().transmissions > retries_max_)
+    if (open_.front().in_slot || open_.front().transmissions > retries_max_)
       return finish(send_status::no_ack, now, dice);
     attempt(now, dice);
     return {};
@@ -60,6 +60,8 @@ mac_action mac::on_assessed(instant now, bool clear, random_stream& dice) {
     deadline_ = now + (again ? rules_->second_look : rules_->turnaround);
     return {};
   }
+  if (open_.front().in_slot)
+    return finish(send_status::channel_access_failure, now, dice);
   ++busy_;
   if (rules_->assessments_max != 0 && busy_ >= rules_->assessments_max) {
     if (++rounds_ >= rules_->rounds_max)
@@ -90,7 +92,7 @@ mac_action mac::on_ack(instant now, random_stream& dice) {
 instant mac::told_at() const {
   if (state_ == state::turning)
     return *deadline_ + air_time(open_.front().psdu.size());
-  if (!assesses())
+  if (!assesses() || open_.front().in_slot)
     return *deadline_;
   if (rules_->assessments_max == 0)
     return told_at_if_clear();
@@ -125,8 +127,7 @@ void mac::attempt(instant now, random_stream& dice) {
   busy_ = 0;
   rounds_ = 0;
   const auto from = std::max(now, free_from_);
-  const auto& next = open_.front();
-  if (!next.in_slot || next.transmissions > 0) {
+  if (!open_.front().in_slot) {
     back_off(from, dice);
     return;
   }

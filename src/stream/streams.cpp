@@ -194,6 +194,12 @@ bool streams::is_sensor(descriptor stream) const {
       rows_, [stream](const row& x) { return x.id == stream && x.what == kind::sensor; });
 }
 
+bool streams::has_ended(descriptor stream) const {
+  return std::ranges::any_of(rows_, [stream](const row& x) {
+    return x.id == stream && x.at == phase::ended && x.queue.empty();
+  });
+}
+
 streams::row* streams::find(descriptor stream) {
   const auto found =
       std::find_if(rows_.begin(), rows_.end(), [&](const row& x) { return x.id == stream; });

@@ -95,7 +95,8 @@ public:
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
 
-  [[nodiscard]] bool is_sensor(descriptor stream) const;                  ///< an open one
+  [[nodiscard]] bool is_sensor(descriptor stream) const; ///< an open one
+  [[nodiscard]] bool has_ended(descriptor stream) const; ///< not closed, nothing to read
   [[nodiscard]] std::size_t open_streams() const { return rows_.size(); } ///< table entries in use
   [[nodiscard]] std::size_t early_channels() const { return early_.size(); }
   [[nodiscard]] const streams_counters& counters() const { return counters_; }

@@ -134,7 +134,7 @@ void channels::send_all(outputs& todo) {
     if (x.sends)
       send_vector(x, todo);
     else if (x.stops_left > 0)
-      send_stop(x, todo);
+      send_stop(x, todo, true);
   }
 }
 
@@ -145,7 +145,7 @@ void channels::send_vector(row& x, outputs& todo) {
   x.last_tick = tick_;
   if (x.channel) {
     for (auto& packet : encode_vector(*tick_, x.values, config_.packet_max))
-      todo.emplace_back(send_on_channel{*x.channel, std::move(packet)});
+      todo.emplace_back(send_on_channel{*x.channel, std::move(packet), true});
   } else if (auto* reader = find(false, x.other)) {
     ++counters_.updated;
     reader->input.show(x.values);
@@ -154,9 +154,14 @@ void channels::send_vector(row& x, outputs& todo) {
 }
 
 /// @pre it has sent a vector, over a channel
-void channels::send_stop(row& x, outputs& todo) {
+void channels::send_stop(row& x, outputs& todo, bool in_slot) {
   --x.stops_left;
-  todo.emplace_back(send_on_channel{*x.channel, encode(stop_message{*x.last_tick})});
+  todo.emplace_back(send_on_channel{*x.channel, encode(stop_message{*x.last_tick}), in_slot});
+}
+
+bool channels::sends() const {
+  return std::any_of(rows_.begin(), rows_.end(),
+                     [](const row& x) { return x.is_active && x.channel; });
 }
 
 outputs channels::on_time(instant now) {

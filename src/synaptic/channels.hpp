@@ -114,6 +114,9 @@ public:
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
 
+  /// Vectors leave at some ticks, over channels.
+  [[nodiscard]] bool sends() const;
+
   [[nodiscard]] std::size_t open_channels() const { return rows_.size(); } ///< entries in use
   [[nodiscard]] std::size_t early_channels() const { return early_.size(); }
   [[nodiscard]] const channels_counters& counters() const { return counters_; }
@@ -179,7 +182,7 @@ private:
   void tell(const row& x, input_status status, outputs& todo);
   void send_all(outputs& todo);
   void send_vector(row& x, outputs& todo);
-  void send_stop(row& x, outputs& todo);
+  void send_stop(row& x, outputs& todo, bool in_slot = false);
 
   channels_config config_;
   std::vector<row> rows_; ///< in order of creation

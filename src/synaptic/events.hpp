@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/address.hpp"
+#include "core/bytes.hpp"
 #include "stream/events.hpp"
 
 namespace rubicon::synaptic {
@@ -22,7 +23,6 @@ using descriptor = strong_id<descriptor_tag, std::uint16_t>;
 
 using stream::channel_handle;
 using stream::disconnect;
-using stream::send_on_channel;
 
 /// Why a call did nothing. D1.1 knows FAIL only.
 enum class failure : std::uint8_t {
@@ -45,6 +45,13 @@ struct connect_channel {
   std::chrono::milliseconds interval{0}; ///< between two vectors
   std::size_t size = 0;                  ///< octets of a packet at most
   std::uint8_t qos = 0;
+};
+
+/// Send this packet over a channel.
+struct send_on_channel {
+  channel_handle channel;
+  bytes octets;
+  bool in_slot = false; ///< of channels::set_slot(): a vector, or a stop in its stead
 };
 
 /// Once for each accepted create (SYN-02, SYN-04). After a failure the descriptor is stale.

@@ -22,8 +22,10 @@ std::optional<rubicon_clock::tick> rubicon_clock::update(instant now, island_tim
   const auto since = shared - setting.from;
   const auto first = std::int64_t{setting.first};
   const auto time_until = [&](std::int64_t number) { return (number - first) * period - since; };
-  if (!last_)
-    last_ = std::max(first + ticks_passed(since - microseconds{1}, period), first - 1);
+  if (!due_) {
+    const auto before = std::max(first + ticks_passed(since - microseconds{1}, period), first - 1);
+    last_ = last_ == before + 1 ? last_ : before; // a tick that has been told is not told again
+  }
   auto next = *last_ + 1;
   const auto wait = time_until(next);
   const bool leaps = next != first && (wait < -period / 2 || wait > period + period / 2);

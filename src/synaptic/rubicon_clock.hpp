@@ -26,7 +26,7 @@ public:
   [[nodiscard]] std::optional<tick> update(instant now, island_time shared,
                                            const tick_setting& setting);
 
-  /// The shared time is not known any more.
+  /// Nobody needs ticks; the next update() begins anew. That is no leap.
   void stop() { due_.reset(); }
 
   [[nodiscard]] std::optional<instant> deadline() const { return due_; }

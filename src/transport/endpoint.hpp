@@ -27,6 +27,7 @@ struct to_network {
   mote_address destination;
   std::uint16_t channel = 0; ///< equals the AM type (WIR-01)
   bytes segment;
+  bool in_slot = false; ///< never of endpoint's: nobody near sends now
 };
 
 /// A message for the process that owns its AM type.

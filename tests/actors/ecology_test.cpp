@@ -194,6 +194,29 @@ TEST_CASE("a crash restarts that mote alone, and everybody else keeps what they 
   CHECK(report.messages().unreliable_sent >= 56); // two readings of 58 at most were missed
 }
 
+TEST_CASE("a program in an actor of its own that ends starts again alone",
+          "[actors][ecology][ACT-03][PAR-05]") {
+  rig x("\n[[island.mote]]\nid = 4\nname = \"shelf\"\ntype = \"climate\"\nposition_m = [1, 1]\n"
+        "apps = [{ app = \"stream_reader\", place = \"actor\" }]\n");
+  x.world.run_for(1min);
+  using root_type = scheduler::traced_actor<ecology_state, root_actor>;
+  auto* root = dynamic_cast<root_type*>(caf::actor_cast<caf::abstract_actor*>(x.root));
+  REQUIRE(root != nullptr);
+  const auto& shelf = root->state.motes.at({island_id{1}, mote_id{4}});
+  REQUIRE(shelf.programs.size() == 1);
+  caf::anon_send_exit(shelf.programs[0].handle, caf::exit_reason::kill);
+  x.world.run_for(1ms);
+  CHECK(!shelf.programs[0].handle);
+  const auto& report = x.end_at(5min);
+  CHECK(shelf.programs[0].handle);
+  CHECK(report.actors.restarted == 1);
+  REQUIRE(report.actors.failures.size() == 1);
+  CHECK(report.actors.failures[0].starts_with("program/kitchen/shelf/stream_reader-1"));
+  CHECK(x.told("kitchen/shelf", "joined").size() + x.told("shelf", "joined").size() == 1);
+  REQUIRE(report.programs.size() == 1);
+  CHECK(report.programs[0].who == "kitchen/shelf");
+}
+
 TEST_CASE("a mote may crash again and again", "[actors][ecology][ACT-03]") {
   std::string faults;
   for (const auto* const at : {"30s", "60s", "60100ms", "90s"})

@@ -368,3 +368,66 @@ TEST_CASE("an app may carry its mote away from its way-points", "[actors][mote][
   CHECK(moves[1].place == position{1, 0, 0});
   CHECK(moves[2].place == position{7, 7, 7});
 }
+
+namespace {
+
+namespace r = mote::remote;
+
+/// What a program beside the mote has been told, of that kind.
+template <class Event>
+std::vector<Event> told(const fake<program_client_actor>& program) {
+  std::vector<Event> found;
+  for (const auto& message : program.all<program_events>()) {
+    for (const auto& x : message.batch.all) {
+      if (const auto* event = std::get_if<Event>(&x))
+        found.push_back(*event);
+    }
+  }
+  return found;
+}
+
+} // namespace
+
+TEST_CASE("a mote carries out the commands of a program in another actor, until that ends",
+          "[actors][mote][PAR-05][MCK-04][MCK-07][AM-05]") {
+  rig x;
+  x.join();
+  fake<program_client_actor> first(x.world);
+  fake<program_client_actor> second(x.world);
+  x.world.send(x.mote, attach_program{1, first});
+  x.world.send(x.mote, attach_program{2, second});
+  REQUIRE(first.count<program_attached>() == 1);
+  CHECK(first.all<program_attached>()[0].limits.transducer_mask == 1);
+  REQUIRE(told<r::joined>(first).size() == 1);
+  CHECK(told<r::joined>(first)[0].self == stove);
+
+  x.world.send(
+      x.mote,
+      program_commands{
+          1, {2, {r::open_sensor{4, 0, false, 0}, r::read_stream{4, 12}, r::provide_type{10}}}});
+  REQUIRE(told<r::record_read>(first).size() == 1);
+  const auto record = stream::decode_sensor_record(told<r::record_read>(first)[0].record.view());
+  REQUIRE(record);
+  CHECK(record->value == 215);
+  CHECK(first.all<program_events>().back().batch.taken == 3);
+  x.world.send(x.mote, program_commands{2, {2, {r::provide_type{10}}}});
+  CHECK(told<r::type_refused>(second).size() == 1);
+  x.hear_local(test::plain(neighbour, 10, bytes{3}));
+  REQUIRE(told<r::message_received>(first).size() == 1);
+  CHECK(told<r::message_received>(first)[0].octets == payload(bytes{3}));
+
+  caf::anon_send_exit(first.handle(), caf::exit_reason::kill);
+  x.world.run_for(1ms);
+  x.world.send(
+      x.mote,
+      program_commands{
+          2, {3, {r::provide_type{10}, r::open_sensor{1, 0, false, 0}, r::read_stream{1, 12}}}});
+  CHECK(told<r::type_refused>(second).size() == 1); // both are free again
+  REQUIRE(told<r::record_read>(second).size() == 1);
+  CHECK(told<r::record_read>(second)[0].success);
+  x.world.send(x.mote, program_commands{1, {2, {r::open_local{5}}}}); // of the one that ended
+  x.world.send(x.mote, end_battery{});
+  CHECK(second.count<program_detached>() == 1);
+  x.world.send(x.mote, attach_program{1, second});
+  CHECK(second.count<program_attached>() == 1);
+}

@@ -102,6 +102,8 @@ public:
   void perform(mote_id who, Outputs todo) {
     for (auto& output : todo)
       std::visit([this, who](auto& x) { take(who, x); }, output);
+    if (on_performed)
+      on_performed(who);
   }
 
   /// The gateway has written a packet.
@@ -113,6 +115,8 @@ public:
   void put_on_air(mote_id from, network::frame_out frame) {
     longest = std::max(longest, frame.payload.size());
     ++frames;
+    if (on_air)
+      on_air(from, frame);
     const auto wait = dice_.between(1ms, 6ms);
     auto [heard, tries, acked] = fate_of(from, frame.next_hop);
     if (frame.age_at) {
@@ -176,6 +180,8 @@ public:
   std::size_t longest = 0;          ///< payload of a frame
   std::size_t frames = 0;
 
+  std::function<void(mote_id)> on_performed; ///< a core has done something
+  std::function<void(mote_id from, const network::frame_out&)> on_air; ///< handed to the radio
   std::function<void(mote_id from, const network::frame_out&)> to_outsider = [](auto...) {};
   std::function<void(std::uint64_t token, bool acked, unsigned transmissions)> outsider_sent =
       [](auto...) {};

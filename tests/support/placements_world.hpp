@@ -1,5 +1,5 @@
 // Two islands with their gateways, and two PCs: every place where a program of the Communication
-// Layer can be, a gateway's PC among them.
+// Layer can be, a gateway's PC among them, and beside its mote, in an actor of its own.
 #pragma once
 
 #include <array>
@@ -17,6 +17,7 @@
 #include "support/agenda.hpp"
 #include "support/island_world.hpp"
 #include "support/recorder.hpp"
+#include "support/remote_program.hpp"
 #include "support/seeds.hpp"
 
 namespace rubicon::test {
@@ -50,6 +51,8 @@ public:
     }
     for (const auto id : {20, 21})
       start_pc(peer_id(id));
+    for (std::uint32_t i = 1; i <= 2; ++i)
+      island(island_id(i)).on_performed = [this, i](mote_id x) { exchange({island_id(i), x}); };
   }
 
   /// The first or, after kill(), the next life of a PC.
@@ -76,7 +79,15 @@ public:
   [[nodiscard]] gateway::gateway& gateway_at(island_id x) { return gateways_.at(gateway_of(x)); }
 
   /// A program at a mote or, with no_mote, at a gateway or another PC. @param x outlives this world
-  void attach(mote_address where, recorder& x) {
+  /// @param beside a mote, not at it
+  void attach(mote_address where, recorder& x, bool beside = false) {
+    if (beside) {
+      auto& added = beside_[where].emplace_back(
+          std::make_unique<remote_program>(island(where.island).at(where.mote), x));
+      x.layer = added->layer;
+      exchange(where);
+      return;
+    }
     if (is_gateway(where))
       x.layer = gateway_at(where.island).attach(x);
     else
@@ -107,16 +118,14 @@ public:
       perform(gateway_of(where.island), here.settle());
       return result;
     }
-    auto& around = island(where.island);
-    auto& here = around.at(where.mote);
-    here.begin(around.own_time(where.mote));
-    const auto result = commands();
-    around.perform(where.mote, here.settle(around.own_time(where.mote)));
-    return result;
+    for (auto& x : beside_[where])
+      x->process.begin(island(where.island).own_time(where.mote));
+    return at_mote(where, commands);
   }
 
   /// No goodbye. Its programs must not give commands any more.
   void kill(mote_address x) {
+    beside_.erase(x);
     if (is_gateway(x))
       gateways_.erase(gateway_of(x.island));
     else if (is_pc(x))
@@ -146,6 +155,31 @@ private:
     return x.mote == no_mote && x.island.value <= 2;
   }
   [[nodiscard]] static bool is_pc(mote_address x) { return x.mote == no_mote && !is_gateway(x); }
+
+  template <class Commands>
+  auto at_mote(mote_address where, Commands commands) {
+    auto& around = island(where.island);
+    auto& here = around.at(where.mote);
+    here.begin(around.own_time(where.mote));
+    const auto result = commands();
+    around.perform(where.mote, here.settle(around.own_time(where.mote)));
+    return result;
+  }
+
+  /// Programs beside a mote and the mote hear of each other.
+  void exchange(mote_address where) {
+    const auto here = beside_.find(where);
+    if (here == beside_.end())
+      return;
+    for (auto& x : here->second) {
+      x->exchange(island(where.island).own_time(where.mote), [&](auto commands) {
+        at_mote(where, [&] {
+          commands();
+          return 0;
+        });
+      });
+    }
+  }
 
   void step() {
     for (std::uint32_t i = 1; i <= 2; ++i) {
@@ -208,6 +242,7 @@ private:
   std::map<peer_id, gateway::gateway> gateways_;
   std::map<peer_id, endpoint::pc> pcs_;
   std::map<peer_id, std::uint32_t> lives_; ///< of PCs
+  std::map<mote_address, std::vector<std::unique_ptr<remote_program>>> beside_;
   agenda agenda_;
 };
 
@@ -216,6 +251,7 @@ struct placement {
   const char* name;
   mote_address from;
   mote_address to;
+  bool beside = false; ///< programs of motes are in actors of their own
 };
 
 inline constexpr std::array placements{
@@ -231,7 +267,23 @@ inline constexpr std::array placements{
               {island_id{1}, no_mote},
               {island_id{2}, mote_id{3}}},
     placement{"a PC and a gateway", {island_id{20}, no_mote}, {island_id{2}, no_mote}},
+    placement{"two motes of an island, each beside its program",
+              {island_id{1}, mote_id{7}},
+              {island_id{1}, mote_id{2}},
+              true},
+    placement{"motes of two islands, each beside its program",
+              {island_id{1}, mote_id{6}},
+              {island_id{2}, mote_id{3}},
+              true},
 };
+
+inline constexpr auto placements_max = static_cast<unsigned>(placements.size());
+
+/// An end that is a PC has its program at it in any case.
+inline void attach(placements_world& world, const placement& x, recorder& from, recorder& to) {
+  world.attach(x.from, from, x.beside && x.from.mote != no_mote);
+  world.attach(x.to, to, x.beside && x.to.mote != no_mote);
+}
 
 /// From one that is tested to the next: each third where each run is twenty times as slow.
 inline constexpr unsigned placements_step = seeds(3) == 1 ? 3 : 1;

@@ -58,6 +58,20 @@ TEST_CASE("a switch has two thresholds and a mote that it commands", "[config][D
   CHECK(x.channel == 2);
 }
 
+TEST_CASE("a program of a mote may have an actor of its own", "[config][PAR-05]") {
+  const std::string plain = "\"stream_writer\", transducer = \"temperature\", to = \"k-gateway\"";
+  on_mote<apps::stream_writer_config>(plain + ", place = \"mote\"");
+  const auto all = good(mote_with(plain + ", place = \"actor\", stream = 4"));
+  const auto& app = std::get<separate_app>(all.islands.at(0).motes.at(0).apps.at(0));
+  CHECK(std::get<apps::stream_writer_config>(app.program).stream == 4);
+  CHECK(problem_in(mote_with("\"stream_writer\", transducer = \"light\", to = \"k-gateway\", "
+                             "place = \"actor\""))
+            .find("no transducer `light`") != std::string::npos);
+  CHECK(problem_in(mote_with(plain + ", place = \"moon\"")).starts_with("19:"));
+  CHECK(problem_in(peer_with("\"stream_reader\", place = \"actor\"")).find("unknown key `place`") !=
+        std::string::npos);
+}
+
 TEST_CASE("recorders run on peers and gateways", "[config]") {
   const auto x = on_peer<apps::recorder_config>("\"recorder\", streams = [4], file = \"out.csv\"");
   CHECK(x.streams == std::vector<std::uint16_t>{4});

@@ -27,8 +27,7 @@ mote::status send(placements_world& world, recorder& sender, const placement& x,
 
 void connect(placements_world& world, const placement& x, recorder& sender, recorder& receiver) {
   REQUIRE(world.settle());
-  world.attach(x.from, sender);
-  world.attach(x.to, receiver);
+  attach(world, x, sender, receiver);
   REQUIRE(receiver.layer->provide(am_type) == mote::SUCCESS);
 }
 
@@ -36,7 +35,8 @@ void connect(placements_world& world, const placement& x, recorder& sender, reco
 
 TEST_CASE("messages arrive with their source, reliable ones acknowledged, in all placements",
           "[endpoint][PAR-03][PAR-05][GEN-09][MCK-09][MCK-10][MCK-11][ADR-07]") {
-  const auto& x = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& x =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   recorder sender;
   recorder receiver;
   placements_world world;
@@ -68,7 +68,8 @@ TEST_CASE("messages arrive with their source, reliable ones acknowledged, in all
 
 TEST_CASE("what is acknowledged has arrived once and in order, over lossy ways in all placements",
           "[endpoint][PAR-03][MCK-12][MCK-18][AM-04]") {
-  const auto& x = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& x =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   recorder sender;
   recorder receiver;
   placements_world world({.frame_delivery = 0.85, .message_delivery = 0.75, .seed = 7});
@@ -95,12 +96,13 @@ TEST_CASE("what is acknowledged has arrived once and in order, over lossy ways i
 
 TEST_CASE("a reliable message to nobody fails after its attempts, in all placements",
           "[endpoint][MCK-10][MCK-12]") {
-  const auto& x = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& x =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   recorder sender;
   placements_world world;
   CAPTURE(x.name);
   REQUIRE(world.settle());
-  world.attach(x.from, sender);
+  world.attach(x.from, sender, x.beside);
   world.kill(x.to);
   REQUIRE(send(world, sender, x, {1}, true) == mote::SUCCESS);
   world.run_for(15s);
@@ -110,7 +112,8 @@ TEST_CASE("a reliable message to nobody fails after its attempts, in all placeme
 }
 
 TEST_CASE("a receiver without room throttles senders, in all placements", "[endpoint][MCK-18]") {
-  const auto& x = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& x =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   recorder sender;
   recorder receiver;
   placements_world world;

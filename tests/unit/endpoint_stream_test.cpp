@@ -26,8 +26,7 @@ struct stream_world {
   explicit stream_world(const placement& placed, test::placements_config config = {})
       : x(placed), world(config) {
     REQUIRE(world.settle());
-    world.attach(x.from, writer);
-    world.attach(x.to, reader);
+    attach(world, x, writer, reader);
     reader.reads_all = true;
   }
 
@@ -68,7 +67,8 @@ struct stream_world {
 TEST_CASE("records come in order over a stream opened in either order, in all placements",
           "[endpoint][PAR-02][PAR-05][GEN-09][STR-11][STR-12][STR-13][STR-14][STR-16][STR-18]"
           "[MCK-01][MCK-02][MCK-08]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   const bool reader_first = GENERATE(true, false);
   CAPTURE(placed.name, reader_first);
   stream_world s(placed);
@@ -93,7 +93,8 @@ TEST_CASE("records come in order over a stream opened in either order, in all pl
 
 TEST_CASE("the wrong end neither reads nor writes, in all placements",
           "[endpoint][STR-17][MCK-06][MCK-08]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
   stream_world s(placed);
   s.open_both(true);
@@ -105,7 +106,8 @@ TEST_CASE("the wrong end neither reads nor writes, in all placements",
 
 TEST_CASE("the reader hears that the writer has closed, in all placements",
           "[endpoint][STR-05][MCK-05][MCK-07]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
   stream_world s(placed);
   s.open_both(true);
@@ -128,7 +130,8 @@ TEST_CASE("the reader hears that the writer has closed, in all placements",
 
 TEST_CASE("the writer hears that the reader has closed, in all placements",
           "[endpoint][STR-05][MCK-05]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
   stream_world s(placed);
   s.open_both(false);
@@ -142,7 +145,8 @@ TEST_CASE("the writer hears that the reader has closed, in all placements",
 
 TEST_CASE("opening towards nobody fails after the timeout and leaves nothing, in all placements",
           "[endpoint][STR-19][MCK-02]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
   stream_world s(placed);
   s.world.kill(s.x.to);
@@ -159,7 +163,8 @@ TEST_CASE("opening towards nobody fails after the timeout and leaves nothing, in
 TEST_CASE("a reader that nobody writes to gives up, as does a writer that is closed, in all "
           "placements",
           "[endpoint][STR-19]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
   stream_world s(placed);
   REQUIRE(open(s.world, s.x.to, s.reader, s.x.to) == mote::SUCCESS);
@@ -180,7 +185,8 @@ TEST_CASE("a reader that nobody writes to gives up, as does a writer that is clo
 TEST_CASE("over lossy ways records come in order and once, and those lost are counted, in all "
           "placements",
           "[endpoint][STR-16][STR-18][PAR-02]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
   stream_world s(placed, {.frame_delivery = 0.85, .message_delivery = 0.8, .seed = 3});
   REQUIRE(open(s.world, s.x.to, s.reader, s.x.to) == mote::SUCCESS);

@@ -16,8 +16,7 @@ constexpr std::uint8_t size = 3;
 struct synaptic_world {
   explicit synaptic_world(const placement& placed) : x(placed) {
     REQUIRE(world.settle());
-    world.attach(x.from, source);
-    world.attach(x.to, sink);
+    attach(world, x, source, sink);
   }
 
   /// D1.1's call: the other end's island is in the parameters (A-43).
@@ -79,7 +78,8 @@ const auto dispose = [](auto& layer, int channel) { return layer.dispose_syn_cha
 TEST_CASE("a vector comes at every tick over a channel created in either order, in all placements",
           "[endpoint][PAR-01][PAR-05][GEN-09][SYN-01][SYN-02][SYN-03][SYN-04][SYN-06][SYN-07]"
           "[SYN-08][SYN-10][SYN-13]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   const bool in_first = GENERATE(true, false);
   CAPTURE(placed.name, in_first);
   synaptic_world s(placed);
@@ -105,7 +105,8 @@ TEST_CASE("a vector comes at every tick over a channel created in either order, 
 
 TEST_CASE("each end takes its own commands only, in all placements",
           "[endpoint][SYN-01][SYN-06][SYN-07][SYN-08][SYN-09]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
   synaptic_world s(placed);
   s.create_both(true);
@@ -124,7 +125,8 @@ TEST_CASE("each end takes its own commands only, in all placements",
 TEST_CASE("the in end hears that the out end is disposed of, which may be created anew, in all "
           "placements",
           "[endpoint][SYN-05][SYN-17]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
   synaptic_world s(placed);
   s.create_both(true);
@@ -146,7 +148,8 @@ TEST_CASE("the in end hears that the out end is disposed of, which may be create
 }
 
 TEST_CASE("sizes that differ fail both ends, in all placements", "[endpoint][SYN-15]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
   synaptic_world s(placed);
   REQUIRE(s.create_in(size) == mote::SUCCESS);
@@ -163,7 +166,8 @@ TEST_CASE("sizes that differ fail both ends, in all placements", "[endpoint][SYN
 TEST_CASE("the death of the out end is told as missed vectors and then as failure, in all "
           "placements",
           "[endpoint][SYN-10][SYN-17]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
   synaptic_world s(placed);
   s.create_both(true);
@@ -181,7 +185,8 @@ TEST_CASE("the death of the out end is told as missed vectors and then as failur
 }
 
 TEST_CASE("the out end hears that the in end has died, in all placements", "[endpoint][SYN-17]") {
-  const auto& placed = test::placements[GENERATE(range(0U, 8U, test::placements_step))];
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
   synaptic_world s(placed);
   s.create_both(true);

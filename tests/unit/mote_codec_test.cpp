@@ -35,6 +35,7 @@ TEST_CASE("component management messages survive the radio", "[mote][DIS-08]") {
       {leave_notice{}, "04"},
       {keep_alive{2}, "0500000002"},
       {rejoin_prompt{}, "06"},
+      {slot_notice{}, "07"},
   };
   for (const auto& [message, octets] : rows) {
     CHECK(encode(message) == *from_hex(octets));
@@ -49,5 +50,5 @@ TEST_CASE("component management messages that are short, long or unknown are ref
   CHECK(decode_management(*from_hex("0100")).error() == errc::truncated);
   CHECK(decode_management(*from_hex("02000700000001")).error() == errc::truncated);
   CHECK(decode_management(*from_hex("0401")).error() == errc::too_long);
-  CHECK(decode_management(*from_hex("07")).error() == errc::unsupported);
+  CHECK(decode_management(*from_hex("08")).error() == errc::unsupported);
 }

@@ -115,6 +115,26 @@ TEST_CASE("motes that start together do not all ask at once", "[mote][DIS-05]") 
   CHECK(*a.deadline() < instant{1s});
 }
 
+TEST_CASE("where frames wait for their turn, a mote waits longer for its answer, and its "
+          "keep-alives come at times of its own",
+          "[mote][DIS-08][SYN-16]") {
+  join_config config;
+  const auto joined = [&config](std::uint64_t seed) {
+    join_client x(config, {}, 0, random_stream(seed));
+    x.set_turn_wait(500ms);
+    instant now;
+    static_cast<void>(x.start(1, now));
+    const auto asked = request_in(wait(x, now));
+    CHECK(*x.deadline() - now == 1500ms);
+    static_cast<void>(
+        x.on_message(the_sink, join_reply{asked.sequence, island_id{1}, mote_id{7}}, instant{2s}));
+    CHECK(*x.deadline() > instant{2s} + config.keep_alive * 3 / 4);
+    CHECK(*x.deadline() <= instant{2s} + config.keep_alive);
+    return *x.deadline();
+  };
+  CHECK(joined(1) != joined(2));
+}
+
 TEST_CASE("a mote many hops away waits longer for its answer", "[mote][DIS-08][NET-11]") {
   auto client = make();
   instant now{};

@@ -247,6 +247,34 @@ TEST_CASE("each member has a slot of its own, the lowest that is free", "[mote][
   CHECK(slot_of(9) == 3);
 }
 
+TEST_CASE("slots are in use for a while after a member says so", "[mote][SYN-16]") {
+  auto x = make();
+  const auto notice = [&x](instant now) { return x.on_frame(lamp, encode(slot_notice{}), now); };
+  CHECK(test::pick<to_mote>(notice(instant{})).size() == 1); // a stranger is asked to join
+  CHECK(x.slots_used() == 0);
+  static_cast<void>(request(x, instant{1s}));
+  static_cast<void>(confirm(x, instant{1s}));
+  CHECK(notice(instant{2s}).empty());
+  CHECK(x.slots_used() == 1);
+  for (const mote_id other : {mote_id{8}, mote_id{9}}) { // who may, but need not
+    static_cast<void>(request(x, instant{3s}, 0, other));
+    static_cast<void>(confirm(x, instant{3s}, 0, other));
+  }
+  CHECK(x.slots_used() == 3);
+  static_cast<void>(x.on_frame(mote_id{8}, encode(leave_notice{}), instant{4s}));
+  CHECK(x.slots_used() == 3); // the last one is still there
+  static_cast<void>(x.on_frame(mote_id{9}, encode(leave_notice{}), instant{5s}));
+  static_cast<void>(notice(instant{60s}));
+  for (auto now = instant{60s}; now < instant{180s}; now += 2s) {
+    static_cast<void>(x.on_heard(lamp, now));
+    static_cast<void>(x.on_time(now));
+    CHECK(x.slots_used() == 1);
+  }
+  CHECK(*x.deadline() <= instant{180s});
+  static_cast<void>(x.on_time(instant{180s}));
+  CHECK(x.slots_used() == 0);
+}
+
 TEST_CASE("a sink takes no more members than it has room for", "[mote]") {
   registrar_config config;
   config.members_max = 2;

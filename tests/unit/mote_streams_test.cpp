@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "network/am.hpp"
 #include "stream/sensor_record.hpp"
 #include "support/catch.hpp"
 #include "support/programs.hpp"
@@ -256,4 +257,122 @@ TEST_CASE("all motes of an island see the same tick at the same time", "[mote][S
     CHECK(high - low < 5ms);
   }
   CHECK(whole >= 119); // at either end not all may have ticked yet
+}
+
+TEST_CASE("while vectors are sent, everybody else's frames keep out of their slots",
+          "[mote][SYN-16]") {
+  std::array<recorder, 2> programs;
+  island_world x({.width = 5});
+  settle(x, 4);
+  const auto everybody_knows = [&x](bool used) {
+    bool all = (x.root().packets().router().clock().slots_used() == 1) == used;
+    for (int i = 2; i <= 5; ++i)
+      all = all && (x.at(id(i)).packets().router().clock().slots_used() == 1) == used;
+    return all;
+  };
+  CHECK(everybody_knows(false));
+  const synaptic::parameters params;
+  for (auto i : {0, 1}) // from mote 4 to mote 5: sink, 2 and 3 have no part in it
+    programs[static_cast<std::size_t>(i)].layer =
+        x.at(id(i + 4)).attach(programs[static_cast<std::size_t>(i)]);
+  const auto out = act(x, id(4), [&] {
+    return programs[0].layer->create_syn_channel_out({own_island, id(5)}, 3, params);
+  });
+  const auto in = act(x, id(5), [&] {
+    return programs[1].layer->create_syn_channel_in({own_island, id(4)}, 3, params);
+  });
+  REQUIRE(in > 0);
+  REQUIRE(x.run_until([&] { return !programs[0].outs.empty(); }, 1min));
+  CHECK(everybody_knows(false));
+  REQUIRE(act(x, id(4), [&] { return programs[0].layer->start_syn_channel(out); }) == SUCCESS);
+  REQUIRE(x.run_until([&] { return everybody_knows(true); }, 10s));
+
+  int vectors = 0;
+  int others = 0;
+  x.on_air = [&](mote_id from, const network::frame_out& frame) {
+    (frame.in_slot ? vectors : others) += 1;
+    const auto& clock = x.root().packets().router().clock();
+    const auto into = clock.at(x.own_time(island_world::sink_id)).time_since_epoch() %
+                      std::chrono::milliseconds(500);
+    CAPTURE(from.value, into.count());
+    CHECK((into >= std::chrono::milliseconds(59)) != frame.in_slot); // a seventh is theirs
+    CHECK(into < std::chrono::milliseconds(481));                    // clocks differ a little
+  };
+  const auto missed = programs[1].missed;
+  x.run_for(3min);
+  CHECK(std::abs(vectors - 360) <= 1);
+  CHECK(others > 50);
+  CHECK(programs[1].missed == missed);
+  x.on_air = {};
+
+  REQUIRE(act(x, id(4), [&] { return programs[0].layer->stop_syn_channel(out); }) == SUCCESS);
+  CHECK(x.run_until([&] { return everybody_knows(false); }, 3min));
+  CHECK(x.root().members() == 4);
+}
+
+TEST_CASE("a slot is for one vector, a further one of that tick waits for the free part",
+          "[mote][SYN-16]") {
+  std::array<recorder, 3> programs;
+  island_world x({.width = 5});
+  settle(x, 4);
+  for (auto i : {0, 1, 2}) // from mote 4 to both of its neighbours
+    programs[static_cast<std::size_t>(i)].layer =
+        x.at(id(i + 3)).attach(programs[static_cast<std::size_t>(i)]);
+  std::array<int, 2> outs{};
+  for (auto i : {0, 1}) {
+    const auto reader = 3 + 2 * i;
+    outs[static_cast<std::size_t>(i)] = act(x, id(4), [&] {
+      return programs[1].layer->create_syn_channel_out({own_island, id(reader)}, 3, {});
+    });
+    static_cast<void>(act(x, id(reader), [&] {
+      return programs[2 * static_cast<std::size_t>(i)].layer->create_syn_channel_in(
+          {own_island, id(4)}, 3, {});
+    }));
+  }
+  REQUIRE(x.run_until([&] { return programs[1].outs.size() == 2; }, 1min));
+  for (const auto out : outs)
+    REQUIRE(act(x, id(4), [&] { return programs[1].layer->start_syn_channel(out); }) == SUCCESS);
+  x.run_for(10s);
+  CHECK(x.root().packets().router().clock().slots_used() == 1);
+
+  int in_slot = 0;
+  int later = 0;
+  x.on_air = [&](mote_id from, const network::frame_out& frame) {
+    if (from == id(4) && frame.am_type == network::am::channel)
+      ++(frame.in_slot ? in_slot : later);
+  };
+  for (auto* const reader : {&programs[0], &programs[2]})
+    reader->missed = 0;
+  x.run_for(1min);
+  CHECK(std::abs(in_slot - 120) <= 1);
+  CHECK(std::abs(later - 120) <= 1);
+  CHECK(programs[0].missed == 0);
+  CHECK(programs[2].missed == 0);
+}
+
+TEST_CASE("a mote joins while vectors are sent", "[mote][DIS-08][SYN-16]") {
+  std::array<recorder, 2> programs;
+  island_world x({.width = 4});
+  settle(x, 3);
+  const synaptic::parameters params;
+  for (auto i : {0, 1})
+    programs[static_cast<std::size_t>(i)].layer =
+        x.at(id(i + 2)).attach(programs[static_cast<std::size_t>(i)]);
+  const auto out = act(x, id(2), [&] {
+    return programs[0].layer->create_syn_channel_out({own_island, id(3)}, 3, params);
+  });
+  static_cast<void>(act(x, id(3), [&] {
+    return programs[1].layer->create_syn_channel_in({own_island, id(2)}, 3, params);
+  }));
+  REQUIRE(x.run_until([&] { return !programs[0].outs.empty(); }, 1min));
+  REQUIRE(act(x, id(2), [&] { return programs[0].layer->start_syn_channel(out); }) == SUCCESS);
+  x.run_for(10s);
+  CHECK(x.root().packets().router().clock().slots_used() == 1);
+  x.kill(id(4));
+  x.run_for(30s);
+  CHECK(x.root().members() == 2);
+  x.start(id(4));
+  CHECK(x.run_until([&] { return x.root().members() == 3; }, 30s));
+  x.run_for(1min);
+  CHECK(x.root().members() == 3);
 }

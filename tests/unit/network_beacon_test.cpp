@@ -22,7 +22,8 @@ beacon sample() {
   x.clock.time = island_time(std::chrono::microseconds(0x262728292a2b));
   x.clock.age_us = 0x2c2d2e2f;
   x.clock.tick = {0x30313233, island_time(std::chrono::microseconds(0x343536373839)),
-                  std::chrono::milliseconds(0x3a3b)};
+                  std::chrono::milliseconds(0x1a3b)};
+  x.clock.slots_used = 1; // with the period: 0x3a3b
   x.heard = {{mote_id{0x3c3d}, 0x3e}, {mote_id{0x3f40}, 0x41}};
   return x;
 }

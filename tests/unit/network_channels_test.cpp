@@ -236,6 +236,64 @@ TEST_CASE("packets go over a channel, in either direction", "[network][NET-05][N
   CHECK_FALSE(x.at(grid::id(1)).send(id, {1}, false, x.now()).has_value());
 }
 
+TEST_CASE("where slots are in use, only vectors in them and what passes do not wait",
+          "[network][SYN-16]") {
+  grid x(3, 1, 1);
+  const auto id = x.connect(grid::id(0), grid::id(2));
+  auto& source = x.at(grid::id(0));
+  auto& relay = x.at(grid::id(1));
+  const auto now = x.now();
+  source.hold(now + 1s);
+  relay.hold(now + 1s);
+  const auto hops = [](const std::optional<channels_outputs>& todo) {
+    REQUIRE(todo.has_value());
+    std::vector<channel_hop> all;
+    for (const auto& each : *todo)
+      all.push_back(std::get<channel_hop>(each));
+    return all;
+  };
+  const auto vector = hops(source.send(id, {2}, true, now));
+  REQUIRE(vector.size() == 1);
+  CHECK(vector[0].in_slot);
+  const auto passed = hops(relay.on_frame(grid::id(0), vector[0].octets, {}, now));
+  REQUIRE(passed.size() == 1);
+  CHECK(passed[0].next == grid::id(2));
+  CHECK_FALSE(passed[0].in_slot);
+  CHECK(hops(relay.on_sent(false, {}, now)).empty()); // its second round waits
+  CHECK(relay.deadline() == now + 1s);
+
+  CHECK(hops(source.on_sent(false, {}, now)).empty());
+  CHECK(source.deadline() == now + 1s);
+  source.hold(instant{});
+  auto later = now + 1s;
+  for (int round = 2; round <= 3; ++round, later += 1s) { // the first, in the slot, is not counted
+    const auto again = hops(source.on_time(later));
+    REQUIRE(again.size() == 1);
+    CHECK(again[0].octets == vector[0].octets);
+    CHECK_FALSE(again[0].in_slot);
+    CHECK(source.counters().packets_lost == 0);
+    CHECK(hops(source.on_sent(false, {}, later)).empty());
+  }
+  CHECK(source.counters().packets_lost == 1);
+
+  source.hold(later + 1s);
+  CHECK(hops(source.send(id, {3}, false, later)).empty());
+  CHECK(source.deadline() == later + 1s);
+  CHECK(hops(source.send(id, {4}, true, later)).size() == 1); // overtakes
+}
+
+TEST_CASE("control messages that find no room are counted", "[network]") {
+  channels_config config;
+  config.self = mote_id{1};
+  config.queue_max = 1;
+  channels x(config, random_stream(1));
+  x.hold(instant{1s});
+  for (std::uint16_t i = 0; i < 3; ++i) // each would be answered: no such channel is here
+    static_cast<void>(x.on_frame(
+        mote_id{2}, encode(channel_message{{mote_id{2}, i}, data_message{1, {1}}}), {}, {}));
+  CHECK(x.counters().crowded_out == 1);
+}
+
 TEST_CASE("sending says nothing of delivery: on bad links packets are lost and counted",
           "[network][NET-05]") {
   channels_config config;

@@ -180,7 +180,35 @@ TEST_CASE("a clock stamp keeps its layout", "[network][golden]") {
   CHECK(again.time == x.time);
   CHECK(again.age_us == x.age_us);
   CHECK(again.tick == x.tick);
+  CHECK(again.slots_used == 0);
   CHECK(octets[clock_stamp_age_at] == 0x11);
+}
+
+TEST_CASE("the highest bits of the period say how many slots are in use",
+          "[network][golden][SYN-16]") {
+  clock_stamp x;
+  x.slots_used = 5;
+  byte_writer to;
+  write(to, x);
+  const auto octets = to.finish();
+  CHECK(octets[24] == 0xa1);
+  CHECK(octets[25] == 0xf4);
+  byte_reader from(octets);
+  CHECK(read_clock_stamp(from) == x);
+}
+
+TEST_CASE("all motes learn at once that slots are in use, and that they are no longer",
+          "[network][SYN-16]") {
+  line x(4, 50);
+  x.run_for(31s); // between two rounds
+  for (const auto used : {std::uint8_t{7}, std::uint8_t{3}, std::uint8_t{0}}) {
+    x.clocks[0].use_slots(used, x.crystals[0].read(x.now));
+    for (std::size_t i = 1; i < 4; ++i)
+      CHECK(x.clocks[i].slots_used() != used);
+    x.run_for(200ms);
+    for (std::size_t i = 0; i < 4; ++i)
+      CHECK(x.clocks[i].slots_used() == used);
+  }
 }
 
 } // namespace rubicon::network

@@ -117,6 +117,31 @@ island line(int length, double delivery, std::uint64_t seed = 1) {
 
 } // namespace
 
+TEST_CASE("a packet waits for its turn, one in a slot does not", "[network][SYN-16]") {
+  collection_config config;
+  config.self = mote(2);
+  collection x(config, random_stream(1));
+  const instant now;
+  static_cast<void>(x.on_route(sink, etx_one, now));
+  x.hold(instant{1s});
+  CHECK(x.send_up({1}, now).empty());
+  CHECK(x.deadline() == instant{1s});
+  const auto hop_in = [](const collection_outputs& todo) {
+    REQUIRE(todo.size() == 1);
+    return std::get<hop>(todo[0]);
+  };
+  const auto vector = hop_in(x.send_up({2}, now, true)); // overtakes
+  CHECK(vector.in_slot);
+  CHECK(vector.octets.back() == 2);
+  CHECK(x.on_sent(false, now).empty()); // its second round waits
+  CHECK(x.deadline() == instant{1s});
+  x.hold(instant{});
+  const auto second = hop_in(x.on_time(instant{1s}));
+  CHECK_FALSE(second.in_slot);
+  CHECK(second.octets.back() == 2);
+  CHECK(hop_in(x.on_sent(true, instant{1s})).octets.back() == 1);
+}
+
 TEST_CASE("a packet goes up ten hops of bad links and arrives once", "[network][NET-05]") {
   auto x = line(11, 0.9);
   for (std::uint8_t i = 0; i < 200; ++i) {

@@ -85,8 +85,8 @@ TEST_CASE("a proxy starts with what it knows already", "[proxy][PXY-05][PXY-06][
         lines{base + "class = climate", base + "id = 5/7", base + "island = kitchen",
               base + "colour = white", base + "size.height = 0.1 m", base + "temperature.unit = C",
               base + "humidity.unit = %", base + "switch.words = on off",
-              base + "switch.latency = 20.000000", base + "switch = none", base + "led.words = red",
-              base + "led.latency = 20.000000", base + "led = none"} +
+              base + "switch.latency = 40.000000", base + "switch = none", base + "led.words = red",
+              base + "led.latency = 40.000000", base + "led = none"} +
             became("active"));
   CHECK_FALSE(aut.deadline());
 }
@@ -323,12 +323,12 @@ TEST_CASE("keys over the limits are counted and not set", "[proxy][TUP-03]") {
   for (const auto& line : told(deep.start(start)))
     CHECK(line.find(".unit") == std::string::npos);
   // Eight parts: status.cause, two units, size.height and two words tuples.
-  CHECK(deep.counters().bad_keys == 7);
+  CHECK(deep.counters().bad_keys == 9);
   auto who = identity();
   who.mote_name = std::string(200, 'n');
   face wide(climate(), who);
   CHECK(wide.start(start).empty());
-  CHECK(wide.counters().bad_keys == 14);
+  CHECK(wide.counters().bad_keys == 16);
 }
 
 TEST_CASE("whatever happens, requests and outcomes balance", "[proxy][PXY-12][IF-07]") {

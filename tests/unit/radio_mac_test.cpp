@@ -86,8 +86,7 @@ TEST_CASE("the back-off window doubles from 8 to 32 units and the fifth busy ass
         std::vector<duration>{7 * 320us, 15 * 320us, 31 * 320us, 31 * 320us, 31 * 320us});
 }
 
-TEST_CASE("a frame in its slot has no back-off until the channel is busy or it is repeated",
-          "[radio][mac][SYN-16]") {
+TEST_CASE("a frame in its slot has no back-off and one attempt", "[radio][mac][SYN-16]") {
   random_stream dice(1);
   auto same = dice;
   mac x(standard, 8, 3);
@@ -96,16 +95,20 @@ TEST_CASE("a frame in its slot has no back-off until the channel is busy or it i
   frame.in_slot = true;
   x.submit(frame, now, dice);
   CHECK(x.deadline() == now + 128us);
+  CHECK(x.told_at() == now + 128us); // of a busy channel
   put_on_air(x, now, dice);
   CHECK_FALSE(x.on_sent(now, dice).ended);
-  CHECK_FALSE(step(x, now, true, dice).ended); // no ack
-  const auto later = static_cast<int>(same.below(8));
-  CHECK(x.deadline() == now + later * 320us + 128us);
+  const auto unheard = step(x, now, true, dice).ended; // no ack
+  REQUIRE(unheard);
+  CHECK(unheard->status == send_status::no_ack);
+  CHECK(unheard->transmissions == 1);
 
-  mac other(standard, 8, 3);
-  other.submit(frame, now, dice = same);
-  step(other, now, false, dice);
-  CHECK(other.deadline() == now + static_cast<int>(same.below(16)) * 320us + 128us);
+  x.submit(frame, now, dice);
+  const auto busy = step(x, now, false, dice).ended;
+  REQUIRE(busy);
+  CHECK(busy->status == send_status::channel_access_failure);
+  CHECK(busy->transmissions == 0);
+  CHECK(dice.next() == same.next()); // none was thrown
 }
 
 TEST_CASE("a frame without ack is repeated, with a fresh back-off, until its attempts are used up",

@@ -118,13 +118,14 @@ report sample_report() {
   x.flows[1].open = 0;
   x.peers = {{peer_id{3}, "kitchen-gateway", 2, 3, 41, {1, 5'321, 41, {{"queue_full", 2}}}},
              {peer_id{100}, "robot", 1, 3, 7, {1, 812, 7, {}}}};
-  x.proxies = {{"kitchen.climate-7",
-                "climate",
-                "active",
-                {{"humidity", "41 %"}, {"temperature", "22.3 C"}, {"voltage", "2.951 V"}},
-                {}},
-               {"kitchen.lamp-9", "lamp", "lost", {{"switch", "on"}}, {5, 4, {{"timeout", 1}}}},
-               {"living-room.climate-2", "climate", "active", {{"temperature", "-3.25 C"}}, {}}};
+  x.proxies = {
+      {"kitchen.climate-7",
+       "climate",
+       "active",
+       {{"humidity", "41 %"}, {"temperature", "22.3 C"}, {"voltage", "2.951 V"}},
+       {}},
+      {"kitchen.lamp-9", "lamp", "lost", {{"switch", "on"}}, {5, 4, 120ms, {{"timeout", 1}}}},
+      {"living-room.climate-2", "climate", "active", {{"temperature", "-3.25 C"}}, {}}};
   x.story = {{instant{} + 2004160us, "kitchen/climate-7", "joined"},
              {instant{} + 2120ms, "kitchen/lamp-9", "joined"},
              {instant{} + 301s, "kitchen/lamp-9", "left: battery"}};

@@ -91,3 +91,19 @@ TEST_CASE("a change of the period takes effect at its tick", "[synaptic][CLK-03]
   CHECK(x.ticks == std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 6});
   CHECK(x.times.back() == instant{2200ms});
 }
+
+TEST_CASE("a clock that was stopped goes on with the next tick, and that is no leap",
+          "[synaptic][CLK-05]") {
+  runner x;
+  const auto pause = GENERATE(duration(0s), duration(100ms), duration(10s));
+  x.run_until(instant{1s});
+  CHECK(x.ticks == std::vector<std::uint32_t>{0, 1, 2});
+  x.clock.stop();
+  CHECK_FALSE(x.clock.deadline().has_value());
+  x.now += pause;
+  x.run_until(x.now + 1s);
+  const auto next = static_cast<std::uint32_t>(2 + pause / 500ms);
+  CHECK(x.ticks[3] == next + (pause < 500ms ? 1 : 0));
+  CHECK(x.ticks[4] == x.ticks[3] + 1);
+  CHECK(x.clock.leaps() == 0);
+}

@@ -1,0 +1,140 @@
+// A program in an actor of its own, without its mote.
+#include "actors/program.hpp"
+
+#include <caf/binary_deserializer.hpp>
+#include <caf/binary_serializer.hpp>
+
+#include "mote/program_port.hpp"
+#include "support/catch.hpp"
+#include "support/fakes.hpp"
+
+using namespace rubicon;
+using test::fake;
+using test::virtual_world;
+
+namespace {
+
+namespace r = mote::remote;
+
+constexpr mote_address stove{island_id{5}, mote_id{2}};
+
+struct rig {
+  rig() {
+    program_arguments x;
+    x.mote = "kitchen/stove";
+    x.number = 3;
+    x.config =
+        apps::stream_writer_config{mote::quantity::temperature, 1s, {island_id{5}, no_mote}, 7};
+    x.seed = 4;
+    x.ecology = ecology.handle();
+    program = world.spawn_at("program/kitchen/stove/stream_writer-3", program_behavior,
+                             std::make_shared<const program_arguments>(std::move(x)), 0U);
+  }
+
+  void attach(std::uint32_t incarnation = 0) {
+    r::limits limits;
+    limits.transducer_mask = 1U << static_cast<unsigned>(mote::quantity::temperature);
+    limits.streams_max = 5;
+    limits.record_max = 105;
+    world.send(program, program_attached{limits, incarnation});
+  }
+
+  void tell(r::events events, std::uint64_t taken = 0) {
+    world.send(program, program_events{{taken, std::move(events)}});
+  }
+
+  virtual_world world;
+  fake<mote_actor> mote{world};
+  fake<ecology_actor> ecology{world};
+  program_actor program;
+};
+
+} // namespace
+
+TEST_CASE("a program attaches itself to its mote, and gives it commands as it hears of events",
+          "[actors][program][PAR-05][AM-02]") {
+  rig x;
+  CHECK(x.mote.size() == 0);
+  x.world.send(x.program, mote_started{x.mote});
+  REQUIRE(x.mote.count<attach_program>() == 1);
+  CHECK(x.mote.all<attach_program>()[0].number == 3);
+  x.attach();
+  x.tell({r::initialised{true}, r::joined{stove, true}});
+  REQUIRE(x.mote.count<program_commands>() == 1);
+  const auto sent = x.mote.all<program_commands>()[0];
+  CHECK(sent.number == 3);
+  CHECK(sent.batch.taken == 2);
+  REQUIRE(sent.batch.all.size() == 1);
+  const auto open = std::get<r::open_end>(sent.batch.all[0]);
+  CHECK(open.end.name == 7);
+  CHECK(open.end.other == mote_address{island_id{5}, no_mote});
+
+  x.tell({r::stream_opened{open.stream, 7, false}}, 1);
+  CHECK(x.mote.all<program_commands>().back().batch.all.empty()); // only that it has come
+  x.mote.forget();
+  x.world.run_for(10s);
+  REQUIRE(x.mote.count<program_commands>() == 1); // after a pause, again
+  CHECK(std::holds_alternative<r::open_end>(x.mote.all<program_commands>()[0].batch.all.at(0)));
+  x.world.send(x.program, status_request{});
+  REQUIRE(x.ecology.count<program_status>() == 1);
+  const auto status = x.ecology.all<program_status>()[0].program;
+  CHECK(status.who == "kitchen/stove");
+  CHECK(status.kind == "stream_writer");
+  CHECK(status.figures.back() == std::pair<std::string, double>("opens failed", 1));
+}
+
+TEST_CASE("a program is silent without its mote, and begins again with the mote's next life",
+          "[actors][program][PAR-05][ACT-03]") {
+  const bool flat = GENERATE(true, false);
+  rig x;
+  x.world.send(x.program, mote_started{x.mote});
+  x.attach();
+  x.tell({r::joined{stove, true}});
+  x.tell({r::stream_opened{1, 7, false}}, 1); // it will try again
+  x.mote.forget();
+  if (flat)
+    x.world.send(x.program, program_detached{});
+  else
+    caf::anon_send_exit(x.mote.handle(), caf::exit_reason::kill);
+  x.world.run_for(1min);
+  x.tell({r::joined{stove, true}}); // of nobody that it knows
+  CHECK(x.mote.size() == 0);
+  x.world.send(x.program, status_request{});
+  CHECK(x.ecology.count<program_status>() == (flat ? 1 : 0)); // what it has counted was the mote's
+  if (flat)
+    return;
+  fake<mote_actor> next(x.world);
+  x.world.send(x.program, mote_started{next});
+  CHECK(next.count<attach_program>() == 1);
+  x.attach(1);
+  x.tell({r::joined{stove, true}});
+  REQUIRE(next.count<program_commands>() == 1);
+  CHECK(std::get<r::open_end>(next.all<program_commands>()[0].batch.all.at(0)).stream == 1);
+}
+
+TEST_CASE("commands and events survive the way through octets", "[actors][program]") {
+  const r::commands_batch commands{
+      7,
+      {r::create_channel{1, true, stove, 3, {island_id{2}, 4, 5}}, r::set_outputs{1, {0.5F, -2}},
+       r::open_end{2, {true, stove, 9, 1000, 1, 12}}, r::open_sensor{3, 4, false, 5},
+       r::write_stream{2, payload(bytes{1, 2})},
+       r::send_message{6, stove, payload(bytes{3}), true, 64}, r::hold_type{64, true}, r::leave{}}};
+  const r::events_batch events{8,
+                               {r::inputs_shown{1, true, {1, 2}},
+                                r::record_read{2, payload(bytes{4}), true}, r::joined{stove, true},
+                                r::message_received{stove, 64, payload(bytes{5})}}};
+  virtual_world world;
+  auto& system = world.world().system();
+  const auto back = [&system](const auto& x) {
+    std::vector<char> octets;
+    caf::binary_serializer out(system, octets);
+    REQUIRE(!out(x));
+    auto copy = std::decay_t<decltype(x)>{};
+    caf::binary_deserializer in(system, octets);
+    REQUIRE(!in(copy));
+    return copy;
+  };
+  CHECK(caf::deep_to_string(back(commands)) == caf::deep_to_string(commands));
+  CHECK(caf::deep_to_string(back(events)) == caf::deep_to_string(events));
+  CHECK(caf::deep_to_string(events).find("record_read(2, ") != std::string::npos);
+}
