@@ -82,7 +82,7 @@ TEST_CASE("the trace of the home is the same on every machine and in every build
   auto home = example("home.toml");
   home.length = 5min;
   const auto report = run(home);
-  CHECK(report.trace_hash == "1f74c4d94a434f5a");
+  CHECK(report.trace_hash == "988a2580276c640d");
 }
 
 TEST_CASE("an ecology can be stopped after any time", "[ecology]") {

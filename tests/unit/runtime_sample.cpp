@@ -156,7 +156,7 @@ report large_report() {
     x.islands.push_back(island);
     x.peers.push_back({gateway_of(island.id), island.name + "-gateway", 1, 50, 100, {}});
     x.proxies.push_back(
-        {island.name, "climate", "active", {{"temperature", "20.0 C"}}, {1, 1, {}}});
+        {island.name, "climate", "active", {{"temperature", "20.0 C"}}, {1, 1, {}, {}}});
   }
   for (std::uint16_t i = 2; i < 42; ++i)
     x.flows.push_back(sample_flow(i, default_sink, "sink"));
