@@ -92,7 +92,7 @@ struct proxy_counters {
 ///   FIELD, FIELD.unit        newest reading, set at each reading even if equal (CB-01)
 ///   INPUT                    others write a word here; `none` at the start, so that it exists and
 ///                            tells everybody who owns it; not set by the proxy afterwards
-///   INPUT.latency            in seconds: a request has its outcome by then (IF-05, IF-07)
+///   INPUT.latency            in seconds: a request has its outcome by then (IF-07)
 ///   INPUT.words              the words the input knows, between blanks
 ///   INPUT.outcome            `on acknowledged`: the word, the last blank, the outcome; once per
 ///                            request; `?` for a refused word that is long or not plain

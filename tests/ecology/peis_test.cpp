@@ -176,7 +176,7 @@ TEST_CASE("peers on hosts of their own talk through their masters", "[ecology][p
   }
 }
 
-TEST_CASE("two processes with one id are noticed and go again", "[ecology][peis][RTE-08]") {
+TEST_CASE("two processes with one id are noticed and go again", "[ecology][peis][RTE-08][IF-12]") {
   auto what = ecology_of("[ecology]\nname = \"two\"\nduration = \"5min\"\n"
                          "[[peer]]\nid = 1\nname = \"pc\"\ncount = 5\n"
                          "[[fault]]\nat = \"1min\"\nkind = \"duplicate_id\"\npeer = \"pc-3\"\n"

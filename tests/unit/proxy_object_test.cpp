@@ -152,7 +152,7 @@ TEST_CASE("an object that nobody perceives for a while is lost where it was last
 }
 
 TEST_CASE("every object that a class claims gets one proxy, others are told of once",
-          "[proxy][PXY-09][PXY-10][PXY-11]") {
+          "[proxy][PXY-01][PXY-09][PXY-10][PXY-11]") {
   auto cold = milk_boxes();
   cold.name = "cold milk";
   cold.ids = {{"rfid", "e00402"}};
