@@ -67,7 +67,7 @@ TEST_CASE("the trace of the home is the same on every machine and in every build
   auto home = example("home.toml");
   home.length = 5min;
   const auto report = run(home);
-  CHECK(report.trace_hash == "d97f0dba0dd7f5ed");
+  CHECK(report.trace_hash == "600ba5d749e5e082");
 }
 
 TEST_CASE("an ecology can be stopped after any time", "[ecology]") {
