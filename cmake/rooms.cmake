@@ -23,3 +23,11 @@ function(rubicon_room name)
     target_link_libraries(rubicon_${name} INTERFACE rubicon_options ${room_NEEDS})
   endif()
 endfunction()
+
+# With sanitizers GCC 12 takes variants that are moved in these files for uninitialised.
+function(rubicon_quiet_variants)
+  if(RUBICON_SANITIZE)
+    set_source_files_properties(${ARGN} PROPERTIES
+      COMPILE_OPTIONS $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+  endif()
+endfunction()
