@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "mote/communication.hpp"
@@ -77,6 +78,8 @@ public:
   void leave() override;
 
 private:
+  static constexpr std::uint16_t descriptor_max = 32767;
+
   using told = std::function<void(communication_events&)>;
 
   enum class phase : std::uint8_t { opening, open, ended };
@@ -108,10 +111,20 @@ private:
   [[nodiscard]] bool may_talk();
   [[nodiscard]] bool has_room(); ///< for one more command
   template <class Rows>
-  [[nodiscard]] static auto find(Rows& rows, int number) -> decltype(&rows.begin()->second);
+  [[nodiscard]] static auto find(Rows& rows, int number) -> decltype(&rows.begin()->second) {
+    const bool is_one = number > 0 && number <= descriptor_max;
+    const auto found = rows.find(is_one ? static_cast<std::uint16_t>(number) : std::uint16_t{});
+    return found == rows.end() ? nullptr : &found->second;
+  }
   template <class Row>
   [[nodiscard]] static std::uint16_t add(std::map<std::uint16_t, Row>& rows, std::uint16_t& last,
-                                         Row row);
+                                         Row row) {
+    do
+      last = static_cast<std::uint16_t>(last % descriptor_max + 1);
+    while (rows.contains(last));
+    rows.emplace(last, std::move(row));
+    return last;
+  }
   [[nodiscard]] bool has_stream(kind what, std::uint16_t name) const;
   [[nodiscard]] channel_row* open_channel(int channel, bool is_out); ///< nullptr: refused
   [[nodiscard]] mote_address resolved(mote_address x, island_id own) const;
