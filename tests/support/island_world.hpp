@@ -202,7 +202,6 @@ private:
     void ackOf(std::uint32_t, mote::status success) override {
       world_.outcomes.emplace_back(self_, success == mote::SUCCESS);
     }
-    [[nodiscard]] bool wants_ticks() const override { return false; }
 
     mote::communication layer;
 

@@ -259,54 +259,6 @@ TEST_CASE("all motes of an island see the same tick at the same time", "[mote][S
   CHECK(whole >= 119); // at either end not all may have ticked yet
 }
 
-TEST_CASE("a mote wakes for ticks only while somebody on it wants them", "[mote][SYN-11][CLK-05]") {
-  struct : recorder {
-    [[nodiscard]] bool wants_ticks() const override { return false; }
-  } quiet;
-  recorder ticked;
-  island_world x({.width = 2});
-  settle(x, 1);
-  int woken = 0;
-  x.on_performed = [&woken](mote_id who) { woken += who == id(2) ? 1 : 0; };
-  const auto wakes_in_a_minute = [&] {
-    woken = 0;
-    x.run_for(1min);
-    return woken;
-  };
-  quiet.layer = x.at(id(2)).attach(quiet);
-  CHECK(wakes_in_a_minute() < 60);
-  CHECK(quiet.ticks.empty());
-
-  static_cast<void>(act(x, id(2), [&] {
-    ticked.layer = x.at(id(2)).attach(ticked);
-    return SUCCESS;
-  }));
-  CHECK(wakes_in_a_minute() >= 119);
-  CHECK(std::abs(static_cast<int>(ticked.ticks.size()) - 120) <= 1);
-  for (std::size_t i = 1; i < ticked.ticks.size(); ++i)
-    CHECK(ticked.ticks[i].first == ticked.ticks[i - 1].first + 1);
-  static_cast<void>(act(x, id(2), [&] {
-    ticked.layer->leave();
-    return SUCCESS;
-  }));
-  CHECK(wakes_in_a_minute() < 60);
-
-  const auto out = act(x, id(2), [&] {
-    return quiet.layer->create_syn_channel_out({own_island, own_mote}, 1, {});
-  });
-  const auto in = act(x, id(2), [&] {
-    return quiet.layer->create_syn_channel_in({own_island, own_mote}, 1, {});
-  });
-  REQUIRE(act(x, id(2), [&] { return quiet.layer->start_syn_channel(out); }) == SUCCESS);
-  CHECK(wakes_in_a_minute() >= 119);
-  CHECK(quiet.updated >= 118);
-  CHECK(quiet.missed == 0);
-  CHECK(quiet.ticks.empty());
-  for (const auto channel : {out, in})
-    CHECK(act(x, id(2), [&] { return quiet.layer->dispose_syn_channel(channel); }) == SUCCESS);
-  CHECK(wakes_in_a_minute() < 60);
-}
-
 TEST_CASE("while vectors are sent, everybody else's frames keep out of their slots",
           "[mote][SYN-16]") {
   std::array<recorder, 2> programs;
