@@ -33,6 +33,11 @@ struct performer {
 
   void operator()(const radio::overheard& x) const { self->state.observe(x); }
 
+  void operator()(const radio::running_low& x) const {
+    if (const auto& user = self->state.users[slot(x.radio)])
+      self->send(user, battery_low{});
+  }
+
   void operator()(const radio::exhausted& x) const {
     if (const auto& user = self->state.users[slot(x.radio)])
       self->send(user, battery_flat{});

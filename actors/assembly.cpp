@@ -37,7 +37,8 @@ duration keep_alive_of(const config::island_description& island,
                        const config::mote_description& mote) {
   auto period = island.keep_alive * 3 / 10;
   for (const auto& app : mote.apps) {
-    if (const auto* sampler = std::get_if<config::sampler_app>(&app))
+    const auto* sampler = std::get_if<config::sampler_app>(&app);
+    if (sampler != nullptr && !sampler->only_subscribed)
       period = std::max(period, sampler->every * 3 / 2);
   }
   return period;

@@ -119,7 +119,7 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
   auto& mote = found->second;
   mote.changed = now(self);
   if (!x.listed) {
-    mote.left_cause = mote.flat ? "battery" : network::to_string(x.cause);
+    mote.left_cause = network::to_string(x.cause);
     tell_story(self, "mote/" + mote.arguments->name, "left: " + mote.left_cause);
     return;
   }

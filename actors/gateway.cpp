@@ -187,6 +187,9 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
                             own_watch,
                             peer_id{static_cast<std::int32_t>(state.arguments.config.island.value)},
                             std::string(key)});
+  self->send(state.arguments.peer,
+             watch_subscribers{{caf::actor_cast<subscribers_watcher_actor>(self)},
+                               std::string(devices_key)});
   state.programs.start(state.gateway, state.arguments.programs, self->path(), state.arguments.seed,
                        state.arguments.config.incarnation > 0, now(self));
   perform(self, state.gateway.start(now(self)));

@@ -207,9 +207,13 @@ struct radio_done {
 /// The battery that feeds this radio is flat; the radio is off.
 struct battery_flat {};
 
+/// It soon will be: radio::battery_reserve of its charge is left.
+struct battery_low {};
+
 /// Whoever owns a radio: a mote or a sink.
-using radio_user_actor = caf::typed_actor<caf::reacts_to<frame_received>,
-                                          caf::reacts_to<radio_done>, caf::reacts_to<battery_flat>>;
+using radio_user_actor =
+    caf::typed_actor<caf::reacts_to<frame_received>, caf::reacts_to<radio_done>,
+                     caf::reacts_to<battery_low>, caf::reacts_to<battery_flat>>;
 
 /// From now on this radio's frames are for `user`; switches the radio on.
 struct attach_radio {
@@ -312,11 +316,17 @@ struct actuator_changed {
   bool obeyed = false;
 };
 
+/// What the gateway wants the mote to send (GW-10); replaces what it wanted before.
+struct outputs_wanted {
+  std::vector<mote::output_wanted> all;
+};
+
 /// A program on a mote.
 using mote_app_actor =
     caf::typed_actor<caf::reacts_to<membership_changed>, caf::reacts_to<message_received>,
                      caf::reacts_to<send_ended>, caf::reacts_to<transducers_read>,
-                     caf::reacts_to<actuator_changed>, caf::reacts_to<timer_expired>>;
+                     caf::reacts_to<actuator_changed>, caf::reacts_to<outputs_wanted>,
+                     caf::reacts_to<timer_expired>>;
 
 /// The app wants the messages of this AM type, which nobody else on the mote has (AM-05).
 struct claim_am_type {
@@ -798,7 +808,8 @@ struct restart_proxy {
 };
 
 using proxy_manager_actor =
-    peis_client_actor::extend<caf::reacts_to<restart_proxy>, caf::reacts_to<status_request>>;
+    peis_client_actor::extend<caf::reacts_to<restart_proxy>, caf::reacts_to<timer_expired>,
+                              caf::reacts_to<status_request>>;
 
 /// Control programs on peers: the collector.
 using peer_app_actor = peis_client_actor::extend<caf::reacts_to<status_request>>;

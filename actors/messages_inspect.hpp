@@ -16,8 +16,8 @@ auto inspect(F& f, radio_report& x) {
 
 template <class F>
 auto inspect(F& f, serial_report& x) {
-  return f(caf::meta::type_name("serial_report"), x.octets, x.frames_sent, x.frames_received,
-           x.lost);
+  return f(caf::meta::type_name("serial_report"), x.octets, x.octets_up, x.frames_sent,
+           x.frames_received, x.lost);
 }
 
 template <class F>
@@ -41,7 +41,8 @@ auto inspect(F& f, network_report& x) {
 
 template <class F>
 auto inspect(F& f, actuation_report& x) {
-  return f(caf::meta::type_name("actuation_report"), x.requested, x.acknowledged, x.failed);
+  return f(caf::meta::type_name("actuation_report"), x.requested, x.acknowledged, x.slowest,
+           x.latency, x.failed);
 }
 
 template <class F>
@@ -176,6 +177,11 @@ auto inspect(F& f, radio_done& x) {
 }
 
 template <class F>
+auto inspect(F& f, battery_low&) {
+  return f(caf::meta::type_name("battery_low"));
+}
+
+template <class F>
 auto inspect(F& f, battery_flat&) {
   return f(caf::meta::type_name("battery_flat"));
 }
@@ -249,6 +255,11 @@ auto inspect(F& f, transducers_read& x) {
 template <class F>
 auto inspect(F& f, actuator_changed& x) {
   return f(caf::meta::type_name("actuator_changed"), x.name, x.state, x.obeyed);
+}
+
+template <class F>
+auto inspect(F& f, outputs_wanted& x) {
+  return f(caf::meta::type_name("outputs_wanted"), x.all);
 }
 
 template <class F>
@@ -641,6 +652,7 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::deliver_report))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::frame_received))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_done))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::battery_flat))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::battery_low))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::attach_radio))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_send))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_power))
@@ -655,6 +667,7 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::message_received))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::send_ended))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::transducers_read))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::actuator_changed))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::outputs_wanted))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::claim_am_type))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::send_message))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::read_transducers))

@@ -16,7 +16,11 @@ namespace {
 
 using mote_pointer = scheduler::traced_pointer<mote_state, mote_actor>;
 
+/// From when a mote sees that its battery ends, as the fault plan has it, to its end.
+constexpr duration last_words_time = 1s;
+
 void perform(mote_pointer self, mote::node_outputs todo);
+void die(mote_pointer self);
 
 void tell_state(mote_pointer self, const std::string& actuator, std::uint8_t state) {
   const auto how = state == 0 ? " off" : state == 1 ? " on" : " at " + std::to_string(state);
@@ -67,15 +71,17 @@ void perform(mote_pointer self, mote::node_outputs todo) {
   state.wake.follow(self, state.arguments->crystal.real(*due));
 }
 
-void on_frame(mote_pointer self, byte_view psdu) {
+void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
   const auto frame = radio::decode(psdu);
   if (!frame || !is_for(*frame, self->state.arguments->address) ||
       self->state.flows.take(self, *frame))
     return;
-  if (const auto& node = self->state.node; node && !self->state.flat)
+  if (const auto& node = self->state.node; node && !self->state.flat) {
     perform(self, node->on_frame(frame->source, frame->am_type, frame->payload,
                                  self->state.arguments->crystal.own(sfd_of(psdu, now(self))),
                                  own_time(self)));
+    perform(self, node->on_signal(frame->source, rssi_dbm, own_time(self)));
+  }
 }
 
 void on_done(mote_pointer self, const radio_done& x) {
@@ -104,6 +110,10 @@ void go(mote_pointer self) {
 
 void on_timer(mote_pointer self, const timer_expired& x) {
   auto& state = self->state;
+  if (state.last_words.accepts(x)) {
+    self->send(state.arguments->air, radio_power{state.arguments->radio, radio::power::flat});
+    die(self);
+  }
   state.flows.on_timer(self, x);
   if (state.wake.accepts(x) && !state.flat) {
     perform(self, state.node->on_time(own_time(self)));
@@ -113,6 +123,7 @@ void on_timer(mote_pointer self, const timer_expired& x) {
     go(self);
 }
 
+/// @pre the mote has a node
 app_port& port_of(mote_pointer self, const mote_app_actor& app) {
   auto& ports = self->state.ports;
   const auto found = std::ranges::find(ports, app, [](const auto& x) { return x->app(); });
@@ -208,6 +219,12 @@ void die(mote_pointer self) {
   self->state.flows.stop(self);
 }
 
+void on_battery_low(mote_pointer self) {
+  log(self, spdlog::level::info, "event=battery_low");
+  if (self->state.node && !self->state.flat)
+    perform(self, self->state.node->on_battery_low(own_time(self)));
+}
+
 /// @param open reliable sends still waiting for their outcome
 void report_messages(mote_pointer self, const transport::endpoint_counters& counted,
                      std::size_t open) {
@@ -254,6 +271,8 @@ void start(mote_pointer self) {
   go(self);
   state.apps = spawn_mote_apps(self);
   if (state.node) {
+    for (const auto& app : state.apps)
+      port_of(self, app); // which hears what is wanted from now on
     for (const auto& x : programs_among(arguments.apps)) {
       if (!x.is_separate)
         state.programs.start_one(*state.node, x.config, x.number, life, arguments.seed,
@@ -292,6 +311,10 @@ void app_port::ackOf(std::uint32_t number, mote::status success) {
     self_->send(app_, send_ended{token.mapped(), false, success == mote::SUCCESS});
 }
 
+void app_port::outputsWanted(std::span<const mote::output_wanted> all) {
+  self_->send(app_, outputs_wanted{{all.begin(), all.end()}});
+}
+
 mote_actor::behavior_type mote_behavior(mote_pointer self,
                                         std::shared_ptr<const mote_arguments> arguments,
                                         std::uint32_t incarnation) {
@@ -301,8 +324,9 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
   self->state.incarnation = incarnation;
   start(self);
   return {
-      [self](const frame_received& x) { on_frame(self, x.psdu.view()); },
+      [self](const frame_received& x) { on_frame(self, x.psdu.view(), x.rssi_dbm); },
       [self](const radio_done& x) { on_done(self, x); },
+      [self](battery_low) { on_battery_low(self); },
       [self](battery_flat) { die(self); },
       [self](const claim_am_type& x) { on_claim(self, x); },
       [self](const send_message& x) {
@@ -334,9 +358,8 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
           throw std::runtime_error("crash from the fault plan");
       },
       [self](end_battery) {
-        self->send(self->state.arguments->air,
-                   radio_power{self->state.arguments->radio, radio::power::flat});
-        die(self);
+        on_battery_low(self);
+        self->state.last_words.follow(self, now(self) + last_words_time);
       },
       [self](const timer_expired& x) { on_timer(self, x); },
       [self](status_request) {

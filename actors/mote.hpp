@@ -49,6 +49,7 @@ public:
 
   void receiveFrom(mote_address source, byte_view octets, std::uint8_t am_type) override;
   void ackOf(std::uint32_t number, mote::status success) override;
+  void outputsWanted(std::span<const mote::output_wanted> all) override;
   [[nodiscard]] bool wants_ticks() const override { return false; }
 
   [[nodiscard]] const mote_app_actor& app() const { return app_; }
@@ -68,6 +69,7 @@ struct separate_program {
 
 struct mote_state {
   static constexpr std::uint8_t walk_timer = 2;
+  static constexpr std::uint8_t last_words_timer = 3;
 
   std::shared_ptr<const mote_arguments> arguments;
   std::uint32_t incarnation = 0;    ///< how often it was started before
@@ -76,6 +78,7 @@ struct mote_state {
   mote::walk walk;
   timer wake;
   timer walk_wake{walk_timer};
+  timer last_words{last_words_timer}; ///< until the fault plan's end of the battery
   std::vector<mote_app_actor> apps;
   std::vector<std::unique_ptr<app_port>> ports;
   program_host programs;

@@ -67,6 +67,13 @@ void restart(manager_pointer self) {
     perform(self, state.manager.on_proxy_gone({channel, id, 0}));
 }
 
+/// Classes that have become known since.
+void on_classes(manager_pointer self) {
+  auto& state = self->state;
+  perform(self, state.manager.on_classes(proxy::known_at(state.classes, now(self))));
+  state.classes_wake.follow(self, proxy::next_known(state.classes, now(self)));
+}
+
 } // namespace
 
 timed_peer_app_actor::behavior_type object_manager(manager_pointer self,
@@ -74,7 +81,9 @@ timed_peer_app_actor::behavior_type object_manager(manager_pointer self,
                                                    peis_peer_actor peer, ecology_actor ecology) {
   scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
-  state.manager = proxy::object_manager(proxy::class_table(std::move(classes)));
+  state.classes = std::move(classes);
+  state.manager = proxy::object_manager(proxy::known_at(state.classes, now(self)));
+  state.classes_wake.follow(self, proxy::next_known(state.classes, now(self)));
   state.peer = std::move(peer);
   state.ecology = std::move(ecology);
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
@@ -100,6 +109,8 @@ timed_peer_app_actor::behavior_type object_manager(manager_pointer self,
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           restart(self);
+        else if (self->state.classes_wake.accepts(x))
+          on_classes(self);
       },
   };
 }

@@ -1,7 +1,9 @@
 // The part of a proxy manager that starts a proxy for every tagged object a class claims.
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -18,6 +20,9 @@ struct object_manager_state {
 
   using object = std::pair<std::string, std::string>; ///< channel and hardware id
 
+  static constexpr std::uint8_t classes_timer = 1;
+
+  std::vector<proxy::proxy_class> classes; ///< those not known yet as well
   proxy::object_manager manager;
   std::map<object, timed_peer_app_actor> proxies;
   std::set<object> ended; ///< proxies that have, until they are started again
@@ -25,6 +30,7 @@ struct object_manager_state {
   peis_peer_actor peer;
   ecology_actor ecology;
   timer wake;
+  timer classes_wake{classes_timer};
 };
 
 timed_peer_app_actor::behavior_type

@@ -184,7 +184,8 @@ struct peer_app_spawner {
   void operator()(const apps::app_config&) const {} // all in one actor
 
   void operator()(const config::collector_app& x) const {
-    add(spawn_child(self, path("collector"), collector, x.keys, peer.handle));
+    add(spawn_child(self, path("collector"), collector, x, peer.name, peer.handle,
+                    ecology_handle(self)));
   }
 
   void operator()(const rfid::reader_config& x) const {

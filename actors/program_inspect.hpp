@@ -26,6 +26,11 @@ auto inspect(F& f, parameters& x) {
 namespace rubicon::mote {
 
 template <class F>
+auto inspect(F& f, output_wanted& x) {
+  return f(caf::meta::type_name("output_wanted"), x.channel, x.period);
+}
+
+template <class F>
 auto inspect(F& f, stream_end& x) {
   return f(caf::meta::type_name("stream_end"), x.writes_to_self, x.other, x.name, x.rate_ms, x.qos,
            x.buffer_size);
@@ -152,7 +157,7 @@ auto inspect(F& f, ticked& x) {
 
 template <class F>
 auto inspect(F& f, stream_opened& x) {
-  return f(caf::meta::type_name("stream_opened"), x.stream, x.name, x.success);
+  return f(caf::meta::type_name("stream_opened"), x.stream, x.name, x.success, x.latency_bound);
 }
 
 template <class F>
@@ -193,6 +198,11 @@ auto inspect(F& f, joined& x) {
 template <class F>
 auto inspect(F& f, mote_joined& x) {
   return f(caf::meta::type_name("mote_joined"), x.mote, x.description);
+}
+
+template <class F>
+auto inspect(F& f, outputs_asked& x) {
+  return f(caf::meta::type_name("outputs_asked"), x.all);
 }
 
 /// The alternative of that index, with default values. @returns false if there is none

@@ -71,6 +71,7 @@ void report(proxy_pointer self) {
   r.actuations.requested = counted.requested;
   r.actuations.acknowledged = counted.acknowledged;
   r.actuations.slowest = counted.slowest;
+  r.actuations.latency = counted.latency;
   r.actuations.failed = counted.failed;
   self->send(self->state.arguments.ecology, proxy_status{std::move(r)});
 }

@@ -108,6 +108,14 @@ void on_down(manager_pointer self, const caf::down_msg& x) {
   self->delayed_send(self, proxy_restart_delay, restart_proxy{mote});
 }
 
+/// Classes that have become known since.
+void on_classes(manager_pointer self) {
+  auto& state = self->state;
+  const auto& all = state.arguments.classes;
+  perform(self, state.manager.on_classes(proxy::known_at(all, now(self)), now(self)));
+  state.classes_wake.follow(self, proxy::next_known(all, now(self)));
+}
+
 } // namespace
 
 proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
@@ -115,7 +123,8 @@ proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
   scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.arguments = std::move(arguments);
-  state.manager = proxy::manager(proxy::class_table(state.arguments.classes));
+  state.manager = proxy::manager(proxy::known_at(state.arguments.classes, now(self)));
+  state.classes_wake.follow(self, proxy::next_known(state.arguments.classes, now(self)));
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
   self->set_exit_handler([self](const caf::exit_msg& x) {
     for (const auto& [mote, handle] : self->state.proxies)
@@ -130,6 +139,10 @@ proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
       [](const peis_outcome&) {}, // asks for nothing
       [self](const restart_proxy& x) {
         perform(self, self->state.manager.on_proxy_gone(x.mote, now(self)));
+      },
+      [self](const timer_expired& x) {
+        if (self->state.classes_wake.accepts(x))
+          on_classes(self);
       },
       [self](status_request x) {
         for (const auto& [mote, handle] : self->state.proxies)

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "actors/messages.hpp"
+#include "actors/timer.hpp"
 #include "config/ecology.hpp"
 #include "proxy/manager.hpp"
 
@@ -31,6 +32,7 @@ struct proxy_manager_state {
   proxy_manager_arguments arguments;
   proxy::manager manager;
   std::map<mote_address, proxy_actor> proxies;
+  timer classes_wake;
 };
 
 proxy_manager_actor::behavior_type

@@ -36,6 +36,7 @@ void report(line_pointer self) {
     status.serial.lost["unplugged_octets"] += counted.unplugged;
     status.serial.lost["corrupted_octets"] += counted.corrupted;
   }
+  status.serial.octets_up = self->state.line.counters(serial::direction::to_pc).arrived;
   self->send(self->state.ecology, std::move(status));
 }
 

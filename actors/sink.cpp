@@ -115,6 +115,9 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
         else
           self->state.flows.on_done(self, x);
       },
+      [self](battery_low) {
+        self->send(self->state.arguments.ecology, story{self->path(), "sink's battery low"});
+      },
       [self](battery_flat) {
         self->send(self->state.arguments.ecology, story{self->path(), "sink's battery flat"});
       },

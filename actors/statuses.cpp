@@ -52,7 +52,7 @@ network_status status_of(mote_address address, const mote::node& x, instant own,
     r.hops_max = x.packets().router().tree().hops();
   r.state_octets = x.footprint();
   r.lost["channel_full"] = x.counters().channel_full;
-  r.lost["malformed"] += x.counters().malformed;
+  r.lost["malformed"] += x.counters().malformed + above.malformed;
   r.lost["misdirected"] = x.counters().misdirected;
   r.lost["paced_out"] = x.counters().paced_out;
   r.lost["unclaimed"] = above.unclaimed;

@@ -26,20 +26,35 @@ void claim(Self* self, std::uint8_t am_type) {
 
 using sampler_pointer = scheduler::traced_pointer<sampler_state, mote_app_actor>;
 
-void on_membership(sampler_pointer self, bool joined) {
+/// Nothing: it is not to send.
+std::optional<duration> period_of(const sampler_state& x) {
+  const bool asked = x.wanted && x.wanted->period.count() > 0;
+  if (!x.in_island || (x.config.only_subscribed && !x.wanted))
+    return std::nullopt;
+  return asked ? std::max<duration>(x.wanted->period, x.config.every_min) : x.config.every;
+}
+
+void begin_periods(sampler_pointer self) {
   auto& state = self->state;
-  if (!joined) {
-    state.period.stop();
+  state.every = period_of(state);
+  state.period.stop();
+  if (!state.every)
     return;
-  }
-  state.next_period = now(self) + state.dice.between(0s, state.config.every);
+  state.next_period = now(self) + state.dice.between(0s, *state.every);
   state.period.follow(self, state.next_period);
+}
+
+void on_wanted(sampler_pointer self, const outputs_wanted& x) {
+  auto& state = self->state;
+  state.wanted = mote::wanted_on(x.all, state.config.channel);
+  if (period_of(state) != state.every)
+    begin_periods(self);
 }
 
 void on_period(sampler_pointer self) {
   auto& state = self->state;
   self->send(state.mote, read_transducers{handle_of(self), state.config.transducers});
-  state.next_period += state.config.every;
+  state.next_period += *state.every;
   state.period.follow(self, state.next_period + state.dice.between(0s, state.config.jitter));
 }
 
@@ -94,7 +109,10 @@ mote_app_actor::behavior_type sampler(sampler_pointer self, config::sampler_app 
   self->state.mote = std::move(mote);
   self->state.dice = random_stream(seed, self->path());
   return {
-      [self](const membership_changed& x) { on_membership(self, x.joined); },
+      [self](const membership_changed& x) {
+        self->state.in_island = x.joined;
+        begin_periods(self);
+      },
       [](const message_received&) {},
       [self](const send_ended& x) {
         if (x.refused || (self->state.config.reliable && !x.acked))
@@ -102,6 +120,7 @@ mote_app_actor::behavior_type sampler(sampler_pointer self, config::sampler_app 
       },
       [self](const transducers_read& x) { on_counts(self, x); },
       [](const actuator_changed&) {},
+      [self](const outputs_wanted& x) { on_wanted(self, x); },
       [self](const timer_expired& x) {
         if (self->state.period.accepts(x))
           on_period(self);
@@ -132,6 +151,7 @@ mote_app_actor::behavior_type actuator(actuator_pointer self, config::actuator_a
         self->state.current = x.state;
         tell_state(self);
       },
+      [](const outputs_wanted&) {},
       [](const timer_expired&) {},
   };
 }
@@ -158,6 +178,7 @@ mote_app_actor::behavior_type messenger(messenger_pointer self, config::messenge
       },
       [](const transducers_read&) {},
       [](const actuator_changed&) {},
+      [](const outputs_wanted&) {},
       [self](const timer_expired& x) {
         if (self->state.period.accepts(x))
           on_period(self);
@@ -175,7 +196,8 @@ mote_app_actor::behavior_type listener(listener_pointer self, config::listener_a
   return {
       [](const membership_changed&) {}, [self](const message_received& x) { on_message(self, x); },
       [](const send_ended&) {},         [](const transducers_read&) {},
-      [](const actuator_changed&) {},   [](const timer_expired&) {},
+      [](const actuator_changed&) {},   [](const outputs_wanted&) {},
+      [](const timer_expired&) {},
   };
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,13 +19,18 @@ struct sampler_state {
   config::sampler_app config;
   mote_actor mote;
   random_stream dice;
+  bool in_island = false;
+  std::optional<mote::output_wanted> wanted; ///< of its channel, by the gateway
+  std::optional<duration> every;             ///< nothing: it rests
   instant next_period;
   std::uint64_t sent = 0;
   std::uint64_t unsent = 0; ///< refused by the mote, or never acknowledged
   timer period;
 };
 
-/// Samples and sends while its mote is in the island; periods start at a random phase.
+/// Samples and sends while its mote is in the island and, if so configured, somebody subscribes to
+/// its channel; at the period that somebody has asked for (IF-04), or its own. Periods start at a
+/// random phase.
 mote_app_actor::behavior_type sampler(scheduler::traced_pointer<sampler_state, mote_app_actor> self,
                                       config::sampler_app config, mote_actor mote,
                                       std::uint64_t seed);

@@ -14,6 +14,8 @@ using collector_pointer = scheduler::traced_pointer<collector_state, peer_app_ac
 
 /// Name of the watch on what is read. Watch n + 1 is on the n-th tuple that rules write.
 constexpr std::uint64_t watch_read = 0;
+/// A collector's other watch, on who is listed.
+constexpr std::uint64_t watch_listed = 1;
 
 template <class Self>
 carried<peis_client_actor> handle_of(Self* self) {
@@ -53,8 +55,31 @@ void on_tuple(rules_pointer self, const tuple_event& x) {
   write_all(self, state.rules.on_owner(key, now(self)));
 }
 
+/// A gateway that was started again knows of no periods, but says anew who is listed.
+void ask_for_period(collector_pointer self, const tuple_event& x) {
+  const auto status = parse_device_status(to_string(x.value.view()));
+  const auto about = parse_device_key(x.key);
+  if (!status || !about || status->presence != device_presence::listed)
+    return;
+  const auto& config = self->state.config;
+  const auto period = std::chrono::duration_cast<std::chrono::milliseconds>(config.every);
+  for (const auto& key : config.keys) {
+    const auto pattern = parse_output_pattern(key);
+    if (pattern && pattern->channel && pattern->mote.value_or(about->mote) == about->mote)
+      self->send(self->state.peer,
+                 set_remote_tuple{handle_of(self), 0, x.owner,
+                                  device_output_period_key(about->mote, *pattern->channel),
+                                  payload(to_bytes(std::to_string(period.count()))), true});
+  }
+}
+
 void on_tuple(collector_pointer self, const tuple_event& x) {
   auto& state = self->state;
+  if (x.watch == watch_listed) {
+    if (!x.deleted)
+      ask_for_period(self, x);
+    return;
+  }
   ++state.updates;
   const auto name = to_string(x.owner) + ':' + x.key;
   if (x.deleted)
@@ -94,18 +119,30 @@ timed_peer_app_actor::behavior_type rules_program(rules_pointer self, proxy::rul
   };
 }
 
-peer_app_actor::behavior_type collector(collector_pointer self, std::vector<std::string> keys,
-                                        peis_peer_actor peer) {
+peer_app_actor::behavior_type collector(collector_pointer self, config::collector_app config,
+                                        std::string who, peis_peer_actor peer,
+                                        ecology_actor ecology) {
   scheduler::tell_monitors_of_exceptions(self);
-  for (auto& key : keys)
-    self->send(peer, watch_tuples{handle_of(self), watch_read, any_peer, std::move(key)});
+  self->state.config = std::move(config);
+  self->state.peer = std::move(peer);
+  self->state.ecology = std::move(ecology);
+  const auto& state = self->state;
+  for (const auto& key : state.config.keys)
+    self->send(state.peer, watch_tuples{handle_of(self), watch_read, any_peer, key});
+  if (state.config.every > duration{})
+    self->send(state.peer, watch_tuples{handle_of(self), watch_listed, any_peer,
+                                        std::string(all_device_statuses_key)});
   return {
       [self](const tuple_event& x) { on_tuple(self, x); },
       [](const peis_message&) {},
       [](const peis_outcome&) {},
-      [self](status_request) {
-        log(self, spdlog::level::info, "event=collected updates={} tuples={}", self->state.updates,
-            self->state.newest.size());
+      [self, who = std::move(who)](status_request) {
+        const auto& counted = self->state;
+        self->send(counted.ecology,
+                   program_status{{who,
+                                   "collector",
+                                   {{"updates", static_cast<double>(counted.updates)},
+                                    {"tuples", static_cast<double>(counted.newest.size())}}}});
       },
   };
 }

@@ -27,14 +27,20 @@ rules_program(scheduler::traced_pointer<rules_state, timed_peer_app_actor> self,
               peis_peer_actor peer, ecology_actor ecology);
 
 struct collector_state {
+  config::collector_app config;
+  peis_peer_actor peer;
+  ecology_actor ecology;
   std::map<std::string, std::string> newest; ///< `owner:key` -> value as text
   std::uint64_t updates = 0;
 };
 
-/// Subscribes to keys of any owner and keeps the newest value of each, at most collected_max.
+/// Subscribes to keys of any owner and keeps the newest value of each, at most collected_max. Asks
+/// gateways for its period whenever they list a mote whose outputs its keys name.
+/// @param who its peer in the report
 peer_app_actor::behavior_type
 collector(scheduler::traced_pointer<collector_state, peer_app_actor> self,
-          std::vector<std::string> keys, peis_peer_actor peer);
+          config::collector_app config, std::string who, peis_peer_actor peer,
+          ecology_actor ecology);
 
 inline constexpr std::size_t collected_max = 10'000;
 

@@ -28,6 +28,12 @@ placed_app read_sampler(table_reader& in) {
   in.optional("jitter", time_span{0s, every_max}, app.jitter);
   read_channel(in, "channel", app.channel);
   in.optional("reliable", flag{}, app.reliable);
+  in.optional("only_subscribed", flag{}, app.only_subscribed);
+  app.every_min = std::min(app.every_min, app.every);
+  if (in.optional("every_min", time_span{every_min, every_max}, app.every_min) &&
+      app.every_min > app.every)
+    in.problems().add(in.at("every_min"), "`every_min` must not be longer than `every`, which is " +
+                                              to_text(app.every));
   if (in.sound() && app.jitter > app.every)
     in.problems().add(in.at("jitter"),
                       "`jitter` must not be longer than `every`, which is " + to_text(app.every));

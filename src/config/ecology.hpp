@@ -33,9 +33,11 @@ enum class run_mode : std::uint8_t { virtual_time, wall };
 struct sampler_app {
   std::vector<mote::quantity> transducers; ///< at least one, each present on the mote
   duration every = 31s;
-  duration jitter = 0s;      ///< each period starts up to this much late, uniform
-  std::uint16_t channel = 1; ///< output channel of section 5.4; equals the AM type, 0..255
-  bool reliable = false;     ///< ask for an end-to-end acknowledgement
+  duration jitter = 0s;         ///< each period starts up to this much late, uniform
+  std::uint16_t channel = 1;    ///< output channel of section 5.4; equals the AM type, 0..255
+  bool reliable = false;        ///< ask for an end-to-end acknowledgement
+  bool only_subscribed = false; ///< send while somebody subscribes to the channel only (GW-10)
+  duration every_min = 100ms;   ///< at most `every`: nobody may ask for a shorter period (IF-04)
 };
 
 /// Sets an actuator from the first octet received on a channel and answers with its new state.
@@ -158,6 +160,7 @@ struct rules_app {
 /// Subscribes to keys of any owner and keeps the newest value of each.
 struct collector_app {
   std::vector<std::string> keys; ///< may hold `*` parts
+  duration every{}; ///< asked of motes whose output channels the keys name (IF-04); 0: as they like
 };
 
 /// Starts, stops and watches the components of its host: the peisinit there (SVC-01).

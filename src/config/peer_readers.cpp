@@ -4,6 +4,7 @@
 #include "config/application_readers.hpp"
 #include "config/component_readers.hpp"
 #include "config/file_readers.hpp"
+#include "core/device_keys.hpp"
 
 namespace rubicon::config {
 
@@ -91,10 +92,21 @@ rules_app read_rules(table_reader& in) {
   return out;
 }
 
+bool names_output_channel(const std::string& key) {
+  const auto pattern = parse_output_pattern(key);
+  return pattern && pattern->channel;
+}
+
 collector_app read_collector(table_reader& in) {
   std::vector<located<std::string>> keys;
   in.required("keys", list_of<tuple_key>{{true}, 1}, keys);
-  return {values_of(std::move(keys))};
+  collector_app app;
+  const bool asks = in.optional("every", time_span{10ms, 24h * 10}, app.every);
+  app.keys = values_of(std::move(keys));
+  if (asks && std::ranges::none_of(app.keys, names_output_channel))
+    in.problems().add(in.at("every"), "`every` needs a key that names an output channel of motes, "
+                                      "such as `devices.*.output.1`");
+  return app;
 }
 
 /// The peers of one table.

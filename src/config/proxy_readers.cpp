@@ -276,6 +276,9 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root) {
       found.prefix = "{channel}.{name}";
     in.optional("prefix", key_prefix{}, found.prefix);
     check_kind(in, in.has("ids"), found.prefix);
+    duration known_from{};
+    in.optional("known_from", time_span{0s, 24h * 10}, known_from);
+    found.known_from = instant(known_from);
     found.properties = read_properties(in, names);
     in.tables("field", "[[proxy.field]]", [&](table_reader& x) { read_field(x, names, found); });
     in.tables("input", "[[proxy.input]]", [&](table_reader& x) { read_input(x, names, found); });

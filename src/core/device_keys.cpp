@@ -196,6 +196,31 @@ result<device_key> parse_device_key(std::string_view key) {
   return x;
 }
 
+/// The parts between the dots with every wildcard replaced; parse_device_key() does the rest.
+result<output_pattern> parse_output_pattern(std::string_view key) {
+  constexpr std::string_view wildcard = "*";
+  std::string literal;
+  bool any_mote = false;
+  bool any_channel = false;
+  const auto parts = split(key);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const bool is_any = i > 0 && parts[i] == wildcard;
+    any_mote = any_mote || (is_any && i == 1);
+    any_channel = any_channel || (is_any && i == 3);
+    literal += i == 0 ? "" : ".";
+    literal += !is_any ? parts[i] : i == 2 ? "output" : "1";
+  }
+  const auto parsed = parse_device_key(literal);
+  if (!parsed || parsed->what != device_tuple::output)
+    return errc::bad_value;
+  output_pattern x;
+  if (!any_mote)
+    x.mote = parsed->mote;
+  if (!any_channel)
+    x.channel = parsed->channel;
+  return x;
+}
+
 std::string device_list_text(std::vector<mote_id> motes) {
   std::sort(motes.begin(), motes.end());
   motes.erase(std::unique(motes.begin(), motes.end()), motes.end());

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -63,6 +64,18 @@ inline constexpr std::string_view all_device_statuses_key = "devices.*.status";
 /// mote 1..mote_id_max, a channel 0..65535; words may have any letter case, because keys are
 /// compared without it (TUP-03). Anything else, wildcards included, is errc::bad_value.
 [[nodiscard]] result<device_key> parse_device_key(std::string_view key);
+
+/// Output tuples that a key, or a pattern of keys, names.
+struct output_pattern {
+  std::optional<mote_id> mote;          ///< nothing: `*`, every one
+  std::optional<std::uint16_t> channel; ///< nothing: `*`
+
+  friend bool operator==(const output_pattern&, const output_pattern&) = default;
+};
+
+/// `devices.$ID.output.$CH` whose parts but the first may be `*`. @returns errc::bad_value
+/// otherwise
+[[nodiscard]] result<output_pattern> parse_output_pattern(std::string_view key);
 
 /// Value of `devices`: `{1,7,11}`, ascending and each once whatever the order of `motes`; `{}` for
 /// none (GW-03).

@@ -1,7 +1,6 @@
 #include "gateway/output_requests.hpp"
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 #include "core/device_keys.hpp"
@@ -10,42 +9,13 @@ namespace rubicon::gateway {
 
 namespace {
 
-constexpr std::string_view wildcard = "*";
-
-/// An output tuple's key, or a pattern of such keys, taken apart.
-struct output_key {
-  std::optional<mote_id> mote; ///< nothing: every one
-  std::uint16_t channel = mote::any_channel;
-};
-
-/// The parts between the dots with every wildcard replaced; parse_device_key() does the rest.
-std::optional<output_key> parse_output_key(std::string_view key) {
-  std::string literal;
-  bool any_mote = false;
-  bool any_channel = false;
-  for (std::size_t part = 0; part < 4; ++part) {
-    const auto dot = key.find('.');
-    auto text = key.substr(0, dot);
-    if ((dot == std::string_view::npos) != (part == 3))
-      return std::nullopt;
-    if (text == wildcard && part > 0) {
-      any_mote = any_mote || part == 1;
-      any_channel = any_channel || part == 3;
-      text = part == 2 ? "output" : "1";
-    }
-    literal.append(part == 0 ? "" : ".").append(text);
-    if (part < 3)
-      key.remove_prefix(dot + 1);
-  }
-  const auto parsed = parse_device_key(literal);
-  if (!parsed || parsed->what != device_tuple::output)
-    return std::nullopt;
-  output_key x;
-  if (!any_mote)
-    x.mote = parsed->mote;
-  if (!any_channel)
-    x.channel = parsed->channel;
-  return x;
+/// Every channel, and as many periods as there is room for.
+void shorten(output_requests::wanted& all) {
+  std::erase_if(all, [](const auto& x) {
+    return x.channel == mote::any_channel || x.period == std::chrono::milliseconds{};
+  });
+  all.resize(std::min(all.size(), mote::outputs_wanted_max - 1));
+  all.push_back({mote::any_channel, {}});
 }
 
 } // namespace
@@ -57,9 +27,9 @@ void output_requests::on_subscribers(std::span<const std::string> keys, instant 
   channels_.clear();
   channels_of_all_.clear();
   for (const auto& text : keys) {
-    if (const auto key = parse_output_key(text)) {
-      auto& channels = key->mote ? channels_[*key->mote] : channels_of_all_;
-      channels.insert(key->channel);
+    if (const auto pattern = parse_output_pattern(text)) {
+      auto& channels = pattern->mote ? channels_[*pattern->mote] : channels_of_all_;
+      channels.insert(pattern->channel.value_or(mote::any_channel));
     }
   }
   review_all(now + config_.hesitation);
@@ -145,7 +115,7 @@ output_requests::wanted output_requests::wanted_of(mote_id mote) const {
         {channel, period == periods_.end() ? std::chrono::milliseconds{} : period->second});
   }
   if (all.size() > mote::outputs_wanted_max)
-    all = {{mote::any_channel, {}}};
+    shorten(all);
   return all;
 }
 

@@ -10,7 +10,7 @@ constexpr std::uint32_t stream_rate_max_ms = 24 * 60 * 60 * 1000;
 
 /// Types that the layers below use on the radio are theirs everywhere (AM-05).
 bool is_reserved(std::uint8_t am_type) {
-  return am_type >= network::am::component_management && am_type <= network::am::packet;
+  return am_type >= network::am::component_management && am_type <= network::am::outputs_wanted;
 }
 
 mote_address address_of(island_octet island, std::uint16_t mote) {
@@ -114,6 +114,10 @@ int communication::write(int desc, byte_view buf) {
 
 bool communication::has_ended(int desc) const {
   return below_->has_ended(desc);
+}
+
+std::optional<duration> communication::latency_bound(int desc) const {
+  return below_->latency_bound(desc);
 }
 
 // 5.3.3

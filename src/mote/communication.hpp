@@ -25,6 +25,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
+#include "mote/outputs_wanted.hpp"
 #include "mote/process.hpp"
 #include "stream/events.hpp"
 #include "synaptic/events.hpp"
@@ -79,6 +80,10 @@ public:
     receive(octet_of(source.island), source.mote.value, buf, am_type, status::SUCCESS);
   }
 
+  /// Extension: what its gateway wants this mote to send (GW-10); replaces what it wanted before.
+  /// A program that comes later is told when it comes.
+  virtual void outputsWanted(std::span<const output_wanted> /*all*/) {}
+
   // 5.3.4 Component management
   virtual void initCommunicationsDone(status /*success*/) {}
   virtual void joined(island_octet /*island_addr*/, std::uint16_t /*mote_addr*/,
@@ -131,6 +136,10 @@ public:
   /// Extension: the other end is gone, and what came from it has been read: reads and writes fail.
   /// False for what is no stream.
   [[nodiscard]] bool has_ended(int desc) const;
+  /// Extension: a record that arrives over this remote stream has been under way for no longer,
+  /// from write() to readDone() of a read that waited for it (IF-05, A-52). Nothing before
+  /// openRemoteDone(), for other streams, and for one from this node to itself.
+  [[nodiscard]] std::optional<duration> latency_bound(int desc) const;
 
   // 5.3.3
   /// FAIL: not joined, bad address, more than 256 octets, too many reliable ones under way.

@@ -134,6 +134,10 @@ bool direct_process::has_ended(int desc) const {
   return below_.streams_.has_ended(stream_of(desc));
 }
 
+std::optional<duration> direct_process::latency_bound(int desc) const {
+  return below_.latency_bound(stream_of(desc));
+}
+
 // Messages.
 
 std::optional<std::uint32_t> direct_process::send(mote_address to, byte_view octets, bool reliable,

@@ -34,6 +34,7 @@ public:
   status read(int desc, std::size_t nbytes) override;
   status write(int desc, byte_view record) override;
   [[nodiscard]] bool has_ended(int desc) const override;
+  [[nodiscard]] std::optional<duration> latency_bound(int desc) const override;
 
   std::optional<std::uint32_t> send(mote_address to, byte_view octets, bool reliable,
                                     std::uint8_t am_type) override;

@@ -1,6 +1,7 @@
 #include "mote/join_client.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace rubicon::mote {
 
@@ -37,6 +38,8 @@ join_outputs join_client::on_message(mote_id source, const management& message, 
       state_ = state::joined;
       sink_ = source;
       out.emplace_back(island_joined{reply->island, source, reply->slot});
+      if (condition_ != mote_condition{})
+        out.emplace_back(to_registrar{keep_alive{incarnation_, condition_}});
     }
     deadline_ = next_keep_alive(now);
     return out;
@@ -60,9 +63,16 @@ join_outputs join_client::on_time(instant now) {
     return {};
   if (state_ == state::joined) {
     deadline_ = next_keep_alive(now);
-    return {to_registrar{keep_alive{incarnation_}}};
+    return {to_registrar{keep_alive{incarnation_, condition_}}};
   }
   return request(now);
+}
+
+join_outputs join_client::tell(const mote_condition& x, instant now) {
+  if (x == std::exchange(condition_, x) || state_ != state::joined)
+    return {};
+  deadline_ = next_keep_alive(now);
+  return {to_registrar{keep_alive{incarnation_, condition_}}};
 }
 
 instant join_client::next_keep_alive(instant now) {

@@ -64,6 +64,9 @@ public:
   /// together do not go on sending together.
   void set_turn_wait(duration x) { turn_wait_ = x; }
 
+  /// What the mote's sink is to know in case it falls silent.
+  [[nodiscard]] join_outputs tell(const mote_condition& x, instant now);
+
   void on_sent(instant now); ///< the mote has sent its sink something: no keep-alive needed yet
 
   [[nodiscard]] join_outputs on_time(instant now); ///< harmless before deadline()
@@ -78,6 +81,7 @@ private:
   join_config config_;
   bytes descriptor_;
   std::uint32_t incarnation_ = 0;
+  mote_condition condition_;
   random_stream dice_;
   state state_ = state::off;
   mote_id sink_;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/codec.hpp"
+#include "network/am.hpp"
 
 namespace rubicon::mote {
 
@@ -52,10 +53,12 @@ layer::layer(layer_config config, random_stream dice) : config_(std::move(config
 
 communication layer::attach(communication_events& events) {
   const auto left = std::ranges::find(programs_, nullptr, &direct_process::events_);
-  if (left == programs_.end())
-    return communication(programs_.emplace_back(*this, programs_.size(), events));
-  left->events_ = &events;
-  return communication(*left);
+  auto& program =
+      left != programs_.end() ? *left : programs_.emplace_back(*this, programs_.size(), events);
+  program.events_ = &events;
+  if (!outputs_wanted_.empty())
+    tell_wanted(program.number_);
+  return communication(program);
 }
 
 communication layer::attach_for_rest(communication_events& events) {
@@ -183,7 +186,27 @@ void layer::take(transport::outputs todo) {
   }
 }
 
+void layer::tell_wanted(std::size_t process) {
+  tell(process, [all = outputs_wanted_](auto& x) { x.outputsWanted(all); });
+}
+
+void layer::on_outputs_wanted(const transport::received& x) {
+  auto all = decode_outputs_wanted(x.payload);
+  if (!all) {
+    ++counters_.malformed;
+    return;
+  }
+  outputs_wanted_ = *std::move(all);
+  for (std::size_t i = 0; i < programs_.size(); ++i)
+    tell_wanted(i);
+}
+
 void layer::on_received(transport::received& x) {
+  const bool from_gateway = x.source == mote_address{self().island, no_mote};
+  if (x.am_type == network::am::outputs_wanted && from_gateway) {
+    on_outputs_wanted(x);
+    return;
+  }
   const auto known = owners_.find(x.am_type);
   const auto owner = known == owners_.end() ? rest_owner_ : known->second;
   if (!owner) {
@@ -265,6 +288,7 @@ void layer::send_on(stream::channel_handle channel, bytes octets, bool in_slot) 
 
 void layer::disconnect(stream::channel_handle channel) {
   is_synaptic_.erase(channel);
+  latency_bounds_.erase(channel);
   if (is_tunnel(channel))
     take(tunnels_.close(tunnel_of(channel)));
   else
@@ -326,6 +350,7 @@ void layer::on_channel_octets(stream::channel_handle channel, byte_view octets, 
 void layer::on_channel_closed(stream::channel_handle channel, instant now) {
   now_ = now;
   std::erase_if(unclaimed_, [channel](const auto& x) { return x.first == channel; });
+  latency_bounds_.erase(channel);
   const auto user = is_synaptic_.extract(channel);
   if (user.empty())
     return;
@@ -336,6 +361,17 @@ void layer::on_channel_closed(stream::channel_handle channel, instant now) {
 }
 
 // Streams.
+
+/// Of what comes over gateways Transport says how long it may be under way.
+std::optional<duration> layer::latency_bound(stream::descriptor stream) const {
+  const auto channel = streams_.channel_of(stream);
+  if (!channel)
+    return std::nullopt;
+  if (is_tunnel(*channel))
+    return config_.messages.lifetime;
+  const auto found = latency_bounds_.find(*channel);
+  return found == latency_bounds_.end() ? std::nullopt : std::optional(found->second);
+}
 
 int layer::take_open(std::size_t process, stream::answer x) {
   if (x.refused) {
@@ -465,7 +501,7 @@ std::optional<instant> layer::deadline() const {
 
 std::size_t layer::footprint() const {
   return messages_.footprint() + tunnels_.footprint() + streams_.footprint() +
-         synaptic_.footprint() + config_.unclaimed_max * 8;
+         synaptic_.footprint() + config_.unclaimed_max * 8 + 1 + outputs_wanted_max * 6;
 }
 
 } // namespace rubicon::mote

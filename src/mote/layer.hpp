@@ -19,6 +19,7 @@
 #include "core/time.hpp"
 #include "mote/communication.hpp"
 #include "mote/direct_process.hpp"
+#include "mote/outputs_wanted.hpp"
 #include "stream/sensor_record.hpp"
 #include "stream/streams.hpp"
 #include "synaptic/channels.hpp"
@@ -96,6 +97,7 @@ struct layer_counters {
   std::uint64_t before_join = 0;     ///< of them, for want of a join (MCK-16)
   std::uint64_t unknown_channel = 0; ///< packets on a channel number that is nobody's
   std::uint64_t unclaimed = 0;       ///< accepted channels given up
+  std::uint64_t malformed = 0;       ///< requests of outputs that could not be decoded
 };
 
 /// Programs are called back from within the on_ functions, and may give commands then. What all
@@ -131,6 +133,11 @@ public:
   // Channels of Network.
   void on_connected(channel_request who, stream::channel_handle channel, instant now);
   void on_connect_failed(channel_request who, instant now);
+  /// Of a channel of Network, before on_connected() or on_accepted(). @param bound how long a
+  /// packet is under way at most
+  void set_latency_bound(stream::channel_handle channel, duration bound) {
+    latency_bounds_[channel] = bound;
+  }
   void on_accepted(stream::channel_handle channel, mote_address source, instant now);
   void on_channel_octets(stream::channel_handle channel, byte_view octets, instant now);
   void on_channel_closed(stream::channel_handle channel, instant now);
@@ -146,6 +153,9 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const;
 
   [[nodiscard]] layer_outputs take_outputs();
+
+  /// As mote::communication has it.
+  [[nodiscard]] std::optional<duration> latency_bound(stream::descriptor stream) const;
 
   [[nodiscard]] bool joined() const { return island_.has_value(); }
   [[nodiscard]] const transport::endpoint& messages() const { return messages_; }
@@ -192,6 +202,8 @@ private:
   void tell_owner(const Owners& owners, typename Owners::key_type of, event x);
   void on_outcome(const transport::outcome& x);
   void on_received(transport::received& x);
+  void on_outputs_wanted(const transport::received& x);
+  void tell_wanted(std::size_t process);
   void on_read(stream::read_done& x);
   void dispatch();
 
@@ -202,6 +214,7 @@ private:
   synaptic::channels synaptic_;
   bool initialised_ = false;
   std::optional<island_id> island_;
+  std::vector<output_wanted> outputs_wanted_; ///< by the gateway (GW-10)
   instant now_;
 
   std::deque<direct_process> programs_;        ///< programs point to them
@@ -212,7 +225,8 @@ private:
   std::map<transport::ticket, std::size_t> senders_; ///< of reliable sends under way
   std::uint32_t last_number_ = 0;
   std::map<transport::tunnel_id, channel_request> connecting_;
-  std::map<stream::channel_handle, bool> is_synaptic_; ///< of channels in use
+  std::map<stream::channel_handle, bool> is_synaptic_;        ///< of channels in use
+  std::map<stream::channel_handle, duration> latency_bounds_; ///< of channels of Network
   std::deque<std::pair<stream::channel_handle, mote_address>> unclaimed_;
 
   std::deque<std::pair<std::size_t, event>> events_;

@@ -6,6 +6,13 @@ namespace rubicon::mote {
 
 namespace {
 
+constexpr std::uint8_t battery_low_flag = 0x01;
+constexpr std::uint8_t links_weak_flag = 0x02;
+
+mote_condition condition_of(std::uint8_t flags) {
+  return {(flags & battery_low_flag) != 0, (flags & links_weak_flag) != 0};
+}
+
 struct encoder {
   byte_writer& out;
 
@@ -19,7 +26,11 @@ struct encoder {
     out.octet(3).big(x.sequence).big(x.incarnation).append(x.descriptor);
   }
   void operator()(const leave_notice&) const { out.octet(4); }
-  void operator()(const keep_alive& x) const { out.octet(5).big(x.incarnation); }
+  void operator()(const keep_alive& x) const {
+    const auto flags = (x.condition.battery_low ? battery_low_flag : 0U) |
+                       (x.condition.links_weak ? links_weak_flag : 0U);
+    out.octet(5).big(x.incarnation).octet(static_cast<std::uint8_t>(flags));
+  }
   void operator()(const rejoin_prompt&) const { out.octet(6); }
   void operator()(const slot_notice&) const { out.octet(7); }
 };
@@ -70,7 +81,7 @@ result<management> decode_management(byte_view octets) {
     x = leave_notice{};
     break;
   case 5:
-    x = keep_alive{in.big<std::uint32_t>()};
+    x = keep_alive{in.big<std::uint32_t>(), condition_of(in.octet())};
     break;
   case 6:
     x = rejoin_prompt{};

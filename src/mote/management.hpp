@@ -45,9 +45,18 @@ struct leave_notice {
   friend bool operator==(const leave_notice&, const leave_notice&) = default;
 };
 
-/// Mote to sink: still here, with nothing else to say.
+/// What may be why a mote falls silent (IF-13).
+struct mote_condition {
+  bool battery_low = false;
+  bool links_weak = false; ///< its parent's frames come with little more power than it can hear
+
+  friend bool operator==(const mote_condition&, const mote_condition&) = default;
+};
+
+/// Mote to sink: still here, with nothing else to say; or its condition has changed.
 struct keep_alive {
   std::uint32_t incarnation = 0;
+  mote_condition condition;
 
   friend bool operator==(const keep_alive&, const keep_alive&) = default;
 };

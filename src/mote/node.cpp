@@ -148,6 +148,31 @@ node_outputs node::on_sent(std::uint64_t token, bool acked, unsigned transmissio
   return out;
 }
 
+node_outputs node::on_battery_low(instant now) {
+  node_outputs out;
+  condition_.battery_low = true;
+  take(join_.tell(condition_, now), out, now);
+  settle(out, now);
+  return out;
+}
+
+/// A mote that is carried away is told by the signal of its parent long before frames get lost:
+/// then it is too late to say so.
+node_outputs node::on_signal(mote_id source, int rssi_dbm, instant now) {
+  constexpr int weak_below_dbm = -88; // radios hear down to -95 dBm at least (tinyos.md 8.1)
+  constexpr int strong_from_dbm = -84;
+  node_outputs out;
+  if (source != packets_.router().tree().parent())
+    return out;
+  if (rssi_dbm < weak_below_dbm)
+    condition_.links_weak = true;
+  else if (rssi_dbm >= strong_from_dbm)
+    condition_.links_weak = false;
+  take(join_.tell(condition_, now), out, now);
+  settle(out, now);
+  return out;
+}
+
 node_outputs node::on_time(instant now) {
   node_outputs out;
   take(packets_.on_time(now), out, now);
@@ -258,13 +283,16 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
     } else if (std::holds_alternative<network::clock_corrected>(x)) {
       tick(now);
     } else if (const auto* open = std::get_if<network::channel_connected>(&x)) {
+      tell_latency(open->channel);
       if (const auto who = connecting_.extract(open->channel); !who.empty())
         layer_->on_connected(who.mapped(), handle_of(open->channel), now);
     } else if (const auto* offered = std::get_if<network::channel_accepted>(&x)) {
-      if (joined()) // before that nobody here knows our address
+      if (joined()) { // before that nobody here knows our address
+        tell_latency(offered->channel);
         layer_->on_accepted(handle_of(offered->channel), {island_, offered->channel.source}, now);
-      else
+      } else {
         take(packets_.router().refuse(offered->channel, now), out, now);
+      }
     } else if (const auto* reserved = std::get_if<network::channel_reserved>(&x)) {
       duty_.reserve(*reserved);
     } else if (const auto* content = std::get_if<network::channel_received>(&x)) {
@@ -281,6 +309,11 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
     wants_to_join_ = false;
     joins_at_ = now + dice_.between(0s, join_spread(packets_.router().links()));
   }
+}
+
+void node::tell_latency(network::channel_id channel) {
+  if (const auto bound = packets_.router().paths().latency_bound(channel))
+    layer_->set_latency_bound(handle_of(channel), *bound);
 }
 
 void node::take(network::router_outputs from_router, node_outputs& out, instant now) {

@@ -103,6 +103,12 @@ public:
   [[nodiscard]] node_outputs on_frame(mote_id source, std::uint8_t am_type, byte_view payload,
                                       instant sfd, instant now);
 
+  /// How strongly the frame that was delivered last has come.
+  [[nodiscard]] node_outputs on_signal(mote_id source, int rssi_dbm, instant now);
+
+  /// The battery will be flat soon; the sink is told (IF-13).
+  [[nodiscard]] node_outputs on_battery_low(instant now);
+
   /// A network::frame_out has ended.
   [[nodiscard]] node_outputs on_sent(std::uint64_t token, bool acked, unsigned transmissions,
                                      instant now);
@@ -127,6 +133,7 @@ private:
   void on_packet(const network::island_packet& x, instant now);
   void route(transport::to_network& x, node_outputs& out, instant now);
   void connect(const channel_wanted& x, node_outputs& out, instant now);
+  void tell_latency(network::channel_id channel);
   void ask_to_join(bytes description, node_outputs& out, instant now);
   void tick(instant now);
   bool heed_ticks(instant now);
@@ -140,6 +147,7 @@ private:
   random_stream dice_;
   packet_service packets_;
   join_client join_;
+  mote_condition condition_;
   std::uint32_t incarnation_ = 0;
   bool wants_to_join_ = false; ///< there is no way to the sink yet
   std::optional<instant> joins_at_;

@@ -1,5 +1,6 @@
 #include "mote/outputs_wanted.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 #include "core/codec.hpp"
@@ -11,6 +12,15 @@ namespace {
 constexpr std::size_t entry_size = sizeof(std::uint16_t) + sizeof(std::uint32_t);
 
 } // namespace
+
+std::optional<output_wanted> wanted_on(std::span<const output_wanted> all, std::uint16_t channel) {
+  for (const auto candidate : {channel, any_channel}) {
+    const auto found = std::ranges::find(all, candidate, &output_wanted::channel);
+    if (found != all.end())
+      return *found;
+  }
+  return std::nullopt;
+}
 
 bytes encode(const std::vector<output_wanted>& x) {
   assert(x.size() <= outputs_wanted_max);

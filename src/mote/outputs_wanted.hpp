@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "core/bytes.hpp"
@@ -21,8 +23,12 @@ struct output_wanted {
   friend bool operator==(const output_wanted&, const output_wanted&) = default;
 };
 
-/// Entries that fit a message; who wants more wants any_channel.
-inline constexpr std::size_t outputs_wanted_max = 42;
+/// What is wanted of one channel: the entry of its own before that of any_channel.
+[[nodiscard]] std::optional<output_wanted> wanted_on(std::span<const output_wanted> all,
+                                                     std::uint16_t channel);
+
+/// Entries that a mote remembers; who wants more wants any_channel.
+inline constexpr std::size_t outputs_wanted_max = 4;
 
 /// For each: uint16 channel, uint32 period in ms; network byte order. What is not listed is not
 /// wanted. @pre at most outputs_wanted_max; periods below 2^32 ms

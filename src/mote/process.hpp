@@ -59,6 +59,7 @@ public:
   virtual status read(int desc, std::size_t nbytes) = 0;
   virtual status write(int desc, byte_view record) = 0;
   [[nodiscard]] virtual bool has_ended(int desc) const = 0;
+  [[nodiscard]] virtual std::optional<duration> latency_bound(int desc) const = 0;
 
   virtual std::optional<std::uint32_t> send(mote_address to, byte_view octets, bool reliable,
                                             std::uint8_t am_type) = 0;

@@ -207,7 +207,7 @@ void program_port::carry_out(const remote::open_end& x) {
   const auto here = layer_.open_end(x.end);
   keep_open(x.stream, here);
   if (here < 0)
-    tell(remote::stream_opened{x.stream, x.end.name, false});
+    tell(remote::stream_opened{x.stream, x.end.name, false, {}});
   else
     ends_.insert(x.stream);
 }
@@ -248,7 +248,8 @@ void program_port::openRemoteDone(int stream, std::uint16_t name, status success
   const auto id = streams_.program(stream);
   if (!id)
     return;
-  tell(remote::stream_opened{*id, name, success == SUCCESS});
+  tell(remote::stream_opened{*id, name, success == SUCCESS,
+                             layer_.latency_bound(stream).value_or(duration{})});
   if (success == FAIL)
     streams_.erase(*id);
 }
@@ -332,6 +333,10 @@ void program_port::joined(island_octet island, std::uint16_t mote, status succes
 
 void program_port::moteJoined(std::uint16_t mote, byte_view description) {
   tell(remote::mote_joined{mote_id(mote), payload(to_bytes(description))});
+}
+
+void program_port::outputsWanted(std::span<const output_wanted> all) {
+  tell(remote::outputs_asked{{all.begin(), all.end()}});
 }
 
 } // namespace rubicon::mote

@@ -59,6 +59,7 @@ public:
   void initCommunicationsDone(status success) override;
   void joined(island_octet island, std::uint16_t mote, status success) override;
   void moteJoined(std::uint16_t mote, byte_view description) override;
+  void outputsWanted(std::span<const output_wanted> all) override;
 
 private:
   /// The program's numbers for what the layer numbers otherwise.

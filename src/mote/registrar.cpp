@@ -10,6 +10,13 @@ network::mote_joined registrar::event_of(mote_id mote, const member& x) {
   return {mote, x.incarnation, x.type, x.descriptor};
 }
 
+network::leave_cause registrar::cause_of_silence(const member& x) {
+  if (x.condition.battery_low)
+    return network::leave_cause::battery;
+  return x.condition.links_weak ? network::leave_cause::out_of_range
+                                : network::leave_cause::silence;
+}
+
 registrar_outputs registrar::start(instant now) {
   roster_due_ = now + config_.roster_period;
   return {};
@@ -37,6 +44,11 @@ registrar_outputs registrar::on_frame(mote_id source, byte_view payload, instant
   }
   if (std::holds_alternative<slot_notice>(*message) && members_.contains(source))
     slots_used_until_ = now + config_.slots_hold;
+  if (const auto* alive = std::get_if<keep_alive>(&*message)) {
+    const auto found = members_.find(source);
+    if (found != members_.end() && found->second.incarnation == alive->incarnation)
+      found->second.condition = alive->condition;
+  }
   if (std::holds_alternative<keep_alive>(*message) || std::holds_alternative<slot_notice>(*message))
     return on_heard(source, now);
   return {}; // a reply or a prompt of another sink within earshot
@@ -60,6 +72,7 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
   entry.confirmed = same_life; // a reboot is announced again once it is confirmed
   entry.sequence = x.sequence;
   entry.incarnation = x.incarnation;
+  entry.condition = {};
   entry.type = description->type;
   entry.descriptor = x.descriptor;
   entry.window = std::max<duration>(config_.keep_alive_window,
@@ -138,7 +151,7 @@ registrar_outputs registrar::expire(instant now) {
   for (auto x = members_.begin(); x != members_.end();) {
     auto& [mote, entry] = *x;
     if (entry.confirmed && entry.heard + entry.window <= now) {
-      out.emplace_back(network::mote_left{mote, network::leave_cause::silence});
+      out.emplace_back(network::mote_left{mote, cause_of_silence(entry)});
       x = members_.erase(x);
       continue;
     }

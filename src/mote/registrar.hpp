@@ -80,6 +80,7 @@ private:
     std::uint16_t slot = 0; ///< the lowest that no other member has
     bytes descriptor;
     duration window{};
+    mote_condition condition; ///< as it has told last
     instant heard;
     unsigned replies = 0;
     instant reply_due;
@@ -88,6 +89,7 @@ private:
   [[nodiscard]] registrar_outputs on_request(mote_id source, const join_request& x, instant now);
   [[nodiscard]] registrar_outputs on_confirm(mote_id source, const join_confirm& x, instant now);
   [[nodiscard]] registrar_outputs expire(instant now);
+  [[nodiscard]] static network::leave_cause cause_of_silence(const member& x);
   [[nodiscard]] static network::mote_joined event_of(mote_id mote, const member& x);
   [[nodiscard]] registrar_outputs announce(mote_id mote, member& entry);
   [[nodiscard]] std::deque<network::roster> compile_roster();

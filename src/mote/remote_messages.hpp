@@ -8,6 +8,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "mote/outputs_wanted.hpp"
 #include "mote/process.hpp"
 #include "stream/events.hpp"
 #include "synaptic/events.hpp"
@@ -149,6 +150,7 @@ struct stream_opened {
   std::uint16_t stream = 0;
   std::uint16_t name = 0;
   bool success = false;
+  duration latency_bound{};
 };
 
 /// Without success the stream has ended, or could not be written.
@@ -196,9 +198,13 @@ struct mote_joined {
   payload description;
 };
 
+struct outputs_asked {
+  std::vector<output_wanted> all;
+};
+
 using event = std::variant<channel_created, inputs_shown, channel_failed, ticked, stream_opened,
                            record_read, stream_ended, send_ended, message_received, type_refused,
-                           initialised, joined, mote_joined>;
+                           initialised, joined, mote_joined, outputs_asked>;
 using events = std::vector<event>;
 
 /// What goes from the program to its node at once, or back, in order. `taken` is how many events,

@@ -320,4 +320,8 @@ void remote_process::apply(const remote::mote_joined& x) {
   told_.emplace_back([x](auto& y) { y.moteJoined(x.mote.value, x.description.view()); });
 }
 
+void remote_process::apply(const remote::outputs_asked& x) {
+  told_.emplace_back([x](auto& y) { y.outputsWanted(x.all); });
+}
+
 } // namespace rubicon::mote

@@ -63,6 +63,7 @@ public:
   status read(int desc, std::size_t nbytes) override;
   status write(int desc, byte_view record) override;
   [[nodiscard]] bool has_ended(int desc) const override;
+  [[nodiscard]] std::optional<duration> latency_bound(int desc) const override;
 
   std::optional<std::uint32_t> send(mote_address to, byte_view octets, bool reliable,
                                     std::uint8_t am_type) override;
@@ -93,6 +94,7 @@ private:
     std::size_t record_max = 0;
     std::uint16_t name = 0;          ///< of a remote one
     remote::open_sensor sensor = {}; ///< of a sensor stream
+    std::optional<duration> latency_bound = {};
   };
 
   struct channel_row {
@@ -142,6 +144,7 @@ private:
   void apply(const remote::initialised& x);
   void apply(const remote::joined& x);
   void apply(const remote::mote_joined& x);
+  void apply(const remote::outputs_asked& x);
   void tell_created(std::uint16_t channel, bool is_out, bool success);
   void dispatch();
   void order_holds();

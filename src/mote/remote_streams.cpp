@@ -105,11 +105,18 @@ bool remote_process::has_ended(int desc) const {
   return x != nullptr && x->has_ended;
 }
 
+std::optional<duration> remote_process::latency_bound(int desc) const {
+  const auto* x = find(streams_, desc);
+  return x == nullptr ? std::nullopt : x->latency_bound;
+}
+
 void remote_process::apply(const remote::stream_opened& x) {
   auto* row = find(streams_, x.stream);
   if (row == nullptr) // closed in the meantime, and told
     return;
   row->is_opening = false;
+  if (x.latency_bound > duration{})
+    row->latency_bound = x.latency_bound;
   if (!x.success)
     streams_.erase(x.stream);
   told_.emplace_back([x](auto& y) { y.openRemoteDone(x.stream, x.name, status_of(x.success)); });

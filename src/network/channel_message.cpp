@@ -23,7 +23,7 @@ struct writer {
     to.big(static_cast<std::uint32_t>(x.schedule.interval.count())).octet(x.schedule.size);
     to.big(x.delay_us);
   }
-  void operator()(const connect_ack_message&) const {}
+  void operator()(const connect_ack_message& x) const { to.octet(x.hops); }
   void operator()(const end_message& x) const { to.octet(static_cast<std::uint8_t>(x.why)); }
   void operator()(const dead_end_message&) const {}
   void operator()(const data_message& x) const { to.octet(x.sequence).append(x.content); }
@@ -91,7 +91,7 @@ result<channel_message> decode_channel_message(byte_view octets) {
     x.content = read_connect(from);
     break;
   case 2:
-    x.content = connect_ack_message{};
+    x.content = connect_ack_message{from.octet()};
     break;
   case 3:
     why = from.octet();

@@ -72,6 +72,8 @@ struct connect_message {
 
 /// 2: back to the source: the channel is open (NET-03).
 struct connect_ack_message {
+  std::uint8_t hops = 0; ///< of the whole path
+
   friend bool operator==(const connect_ack_message&, const connect_ack_message&) = default;
 };
 

@@ -7,6 +7,11 @@ namespace rubicon::network {
 
 namespace {
 
+/// What the radio takes at most for one round: four transmissions, before each five back-offs of at
+/// most 7, 15, 31, 31 and 31 periods of 320 us; 4.3 ms on the air, and 0.9 ms until it knows that
+/// no acknowledgement comes (IEEE 802.15.4-2006 7.5.1.4).
+constexpr duration radio_round_max = 4 * (115 * 320us + 4300us + 900us);
+
 constexpr duration offer_lifetime = 5s; ///< what nobody has taken up by then is void
 constexpr unsigned flood_rounds = 2;    ///< nobody acknowledges: each mote says it so often
 
@@ -179,7 +184,7 @@ void channels::take(mote_id from, channel_id id, connect_message& x, const surro
     if (known->second.previous != from)
       queue(from, {id, dead_end_message{}}, now);
     else if (known->second.open)
-      queue(from, {id, connect_ack_message{}}, now);
+      queue(from, {id, connect_ack_message{known->second.wish.hops}}, now);
     return;
   }
   if (entries_.size() >= config_.entries_max || x.hops > config_.hops_max) {
@@ -199,7 +204,7 @@ void channels::take(mote_id from, channel_id id, connect_message& x, const surro
   here.open = true;
   ++counters_.accepted;
   reserve(id, here, out);
-  queue(from, {id, connect_ack_message{}}, now);
+  queue(from, {id, connect_ack_message{x.hops}}, now);
   out.emplace_back(channel_accepted{id});
 }
 
@@ -228,7 +233,7 @@ void channels::take_flooded(mote_id from, channel_id id, const connect_message& 
   queue(broadcast_mote, {id, one_hop_on(x, around)}, now + dice_.between(0s, config_.flood_spread));
 }
 
-void channels::take(mote_id from, channel_id id, connect_ack_message&, const surroundings&,
+void channels::take(mote_id from, channel_id id, connect_ack_message& ack, const surroundings&,
                     channels_outputs& out, instant now) {
   auto found = entries_.find(id);
   if (found == entries_.end()) {
@@ -251,9 +256,10 @@ void channels::take(mote_id from, channel_id id, connect_ack_message&, const sur
   x.next = from;
   if (std::exchange(x.open, true))
     return;
+  x.wish.hops = ack.hops;
   reserve(id, x, out);
   if (x.previous) {
-    queue(*x.previous, {id, connect_ack_message{}}, now);
+    queue(*x.previous, {id, ack}, now);
   } else {
     ++counters_.connected;
     out.emplace_back(channel_connected{id});
@@ -459,6 +465,17 @@ std::optional<instant> channels::deadline() const {
       next = earliest(next, due(x));
   }
   return next;
+}
+
+std::optional<duration> channels::latency_bound(channel_id channel) const {
+  const auto found = entries_.find(channel);
+  if (found == entries_.end() || !found->second.open)
+    return std::nullopt;
+  const auto& x = found->second;
+  const auto one = config_.data_rounds_max * radio_round_max +
+                   2 * config_.round_pause * (config_.data_rounds_max - 1);
+  const auto packets = static_cast<std::int64_t>(2 * config_.queue_max + 1);
+  return x.wish.hops * (packets * one + duration(x.wish.schedule.interval));
 }
 
 std::vector<channel_id> channels::table() const {

@@ -161,6 +161,11 @@ public:
   [[nodiscard]] channels_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
 
+  /// A packet that arrives has been under way for no longer (IF-05). At each hop it waits for those
+  /// that its queue holds before it, and once for the radio of the next mote if that sleeps.
+  /// @returns nothing: no end of such an open channel is here
+  [[nodiscard]] std::optional<duration> latency_bound(channel_id channel) const;
+
   /// Channels that begin, pass or end here, ascending (NET-02).
   [[nodiscard]] std::vector<channel_id> table() const;
   [[nodiscard]] const channels_counters& counters() const { return counters_; }
@@ -175,7 +180,7 @@ private:
     std::optional<mote_id> previous; ///< nothing at the source
     std::optional<mote_id> next;     ///< nothing at the destination, and while it is looked for
     bool open = false;
-    connect_message wish;              ///< as it came to us
+    connect_message wish;              ///< as it came to us; once open, with the hops of the path
     std::optional<mote_id> second_try; ///< who was tried with before, and was a dead end or mute
     unsigned losses = 0;               ///< packets in a row that `next` has not acknowledged
     std::uint8_t sent = 0;             ///< sequence number of our last packet, at an end

@@ -26,7 +26,7 @@ struct collection_config {
   std::size_t queue_max = 8;    ///< packets that wait for their hop, others' and our own
   std::size_t octets_max = 352; ///< of the content of these and the one under way: a longest
                                 ///< packet in its pieces, or eight readings
-  std::size_t seen_max = 12;    ///< packets remembered, so that a repeat is not sent on again
+  std::size_t seen_max = 8;     ///< packets remembered, so that a repeat is not sent on again
   /// Times a packet is handed to the radio, which itself tries four times, before it is given up.
   unsigned rounds_max = 8;
   duration pause = 40ms; ///< before the second round, up to twice as long; more before each further

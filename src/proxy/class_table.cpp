@@ -1,6 +1,7 @@
 #include "proxy/class_table.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "proxy/tuple_key.hpp"
 
@@ -43,6 +44,22 @@ const proxy_class* class_table::find(std::string_view name) const {
   const auto found =
       std::find_if(classes_.begin(), classes_.end(), [&](const auto& x) { return x.name == name; });
   return found == classes_.end() ? nullptr : &*found;
+}
+
+class_table known_at(const std::vector<proxy_class>& all, instant now) {
+  std::vector<proxy_class> known;
+  std::ranges::copy_if(all, std::back_inserter(known),
+                       [now](const auto& x) { return x.known_from <= now; });
+  return class_table(std::move(known));
+}
+
+std::optional<instant> next_known(const std::vector<proxy_class>& all, instant now) {
+  std::optional<instant> next;
+  for (const auto& x : all) {
+    if (x.known_from > now)
+      next = earliest(next, x.known_from);
+  }
+  return next;
 }
 
 } // namespace rubicon::proxy

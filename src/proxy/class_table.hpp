@@ -1,6 +1,7 @@
 // The latent proxy classes, and which of them a signature belongs to (PXY-09, PXY-11, PXY-13).
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -30,5 +31,11 @@ private:
 
   std::vector<proxy_class> classes_;
 };
+
+/// Those that managers know by now.
+[[nodiscard]] class_table known_at(const std::vector<proxy_class>& all, instant now);
+
+/// When the next of them becomes known; nothing: all are.
+[[nodiscard]] std::optional<instant> next_known(const std::vector<proxy_class>& all, instant now);
 
 } // namespace rubicon::proxy

@@ -272,8 +272,10 @@ void proxy::apply(std::uint16_t channel, input_channel::outputs todo, outputs& o
       out.emplace_back(write_device{who_.mote, channel, std::move(work->octets)});
     else if (const auto* const end = std::get_if<settled>(&x)) {
       tell(end->input, end->word, end->outcome, out);
-      if (end->outcome == request_outcome::acknowledged)
-        counters_.slowest = std::max(counters_.slowest, end->after);
+      if (end->outcome != request_outcome::acknowledged)
+        continue;
+      counters_.slowest = std::max(counters_.slowest, end->after);
+      counters_.latency.add(end->after);
     }
   }
 }

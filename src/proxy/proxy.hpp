@@ -13,6 +13,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/delay_histogram.hpp"
 #include "core/device_keys.hpp"
 #include "core/time.hpp"
 #include "proxy/input_channel.hpp"
@@ -67,7 +68,8 @@ struct proxy_settings {
 struct proxy_counters {
   std::uint64_t requested = 0;
   std::uint64_t acknowledged = 0;
-  duration slowest{}; ///< of those acknowledged, since they were asked for
+  duration slowest{};      ///< of those acknowledged, since they were asked for
+  delay_histogram latency; ///< of the same
   std::map<std::string, std::uint64_t>
       failed;                        ///< failed, unreachable, refused, superseded, timeout
   std::uint64_t messages = 0;        ///< from the mote, decoded

@@ -66,6 +66,7 @@ struct proxy_class {
   std::vector<std::pair<std::string, std::string>> properties; ///< prior information, key and text
   std::vector<field> fields;
   std::vector<input> inputs;
+  instant known_from; ///< when proxy managers learn of it (PXY-10)
 };
 
 } // namespace rubicon::proxy

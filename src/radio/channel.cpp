@@ -243,7 +243,10 @@ void channel::on_frame_end(slot_index slot, instant now, outputs& out) {
 
 void channel::on_battery_low(radio_index radio, instant now, outputs& out) {
   const auto& meter = medium_.meter(radio);
-  if (meter.used_mah(now) < meter.battery_mah()) {
+  const auto left_mah = meter.battery_mah() - meter.used_mah(now);
+  if (left_mah <= meter.battery_mah() * battery_reserve && !std::exchange(at(radio).runs_low, true))
+    out.emplace_back(running_low{radio});
+  if (left_mah > 0) {
     watch_battery(radio, now);
     return;
   }
@@ -260,7 +263,9 @@ void channel::run_down(radio_index radio, instant now) {
 }
 
 void channel::watch_battery(radio_index radio, instant now) {
-  const auto lasts = medium_.meter(radio).lasts_until(now);
+  const auto& meter = medium_.meter(radio);
+  const auto reserve_mah = at(radio).runs_low ? 0 : meter.battery_mah() * battery_reserve;
+  const auto lasts = meter.lasts_until(now, reserve_mah);
   if (lasts != instant::max())
     schedule({.at = std::max(lasts, now + battery_check),
               .told_at = std::max(lasts, now + battery_check),

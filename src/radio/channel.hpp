@@ -84,6 +84,14 @@ struct exhausted {
   radio_index radio;
 };
 
+/// Share of a battery's charge that is left when its mote is warned.
+inline constexpr double battery_reserve = 0.05;
+
+/// No more than battery_reserve is left in a mote's battery.
+struct running_low {
+  radio_index radio;
+};
+
 /// A frame has ended; only while the channel is watched.
 struct overheard {
   std::uint16_t pan = 0;                    ///< of its sender
@@ -93,7 +101,7 @@ struct overheard {
   copy_fate fate = copy_fate::out_of_reach; ///< of the copy at its destination; unicast data only
 };
 
-using output = std::variant<delivered, done, exhausted, overheard>;
+using output = std::variant<delivered, done, exhausted, running_low, overheard>;
 using outputs = std::vector<output>;
 
 /// What a mote has used so far.
@@ -199,6 +207,7 @@ private:
     books counted;     ///< copies: of links that are no more; requests.open: filled in when asked
     link_books copies; ///< that it has sent
     instant added_at;
+    bool runs_low = false; ///< its owner knows
     instant flat_at = instant::max();
     instant guarded_until;            ///< mac_rules::guard
     std::optional<instant> scheduled; ///< the deadline of `sender` that stands in the event queue

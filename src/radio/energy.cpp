@@ -119,8 +119,8 @@ instant energy_meter::empty_at(instant now) const {
   return after(now + busy, left - for_work, present_ma + kind_->mcu_sleep_ma);
 }
 
-instant energy_meter::lasts_until(instant now) const {
-  const auto left = battery_mah_ - used_mah(now);
+instant energy_meter::lasts_until(instant now, double reserve_mah) const {
+  const auto left = battery_mah_ - reserve_mah - used_mah(now);
   if (stopped_ || left <= 0)
     return now;
   const auto most_ma = std::max({kind_->radio_off_ma, kind_->radio_listen_ma, transmit_ma_}) +

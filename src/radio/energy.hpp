@@ -59,8 +59,9 @@ public:
   /// instant::max() if not within 30 years, `now` or when it was stopped if it already is.
   [[nodiscard]] instant empty_at(instant now) const;
 
-  /// The battery lasts at least until here, whatever radio and MCU do; instant::max() as above.
-  [[nodiscard]] instant lasts_until(instant now) const;
+  /// The battery has more than the reserve at least until here, whatever radio and MCU do;
+  /// instant::max() as above.
+  [[nodiscard]] instant lasts_until(instant now, double reserve_mah = 0) const;
 
   [[nodiscard]] bool stopped() const { return stopped_.has_value(); }
   [[nodiscard]] radio_state state() const { return state_; }

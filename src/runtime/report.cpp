@@ -71,6 +71,7 @@ network_report& network_report::operator+=(const network_report& x) {
 
 serial_report& serial_report::operator+=(const serial_report& x) {
   octets += x.octets;
+  octets_up += x.octets_up;
   frames_sent += x.frames_sent;
   frames_received += x.frames_received;
   add(lost, x.lost);
@@ -100,6 +101,7 @@ actuation_report& actuation_report::operator+=(const actuation_report& x) {
   requested += x.requested;
   acknowledged += x.acknowledged;
   slowest = std::max(slowest, x.slowest);
+  latency += x.latency;
   add(failed, x.failed);
   return *this;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/address.hpp"
+#include "core/delay_histogram.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::runtime {
@@ -37,6 +38,7 @@ struct radio_report {
 
 struct serial_report {
   std::uint64_t octets = 0;          ///< carried, both ways
+  std::uint64_t octets_up = 0;       ///< of these, to the PC
   std::uint64_t frames_sent = 0;     ///< by either end, acks and repeats included
   std::uint64_t frames_received = 0; ///< good ones, acks included
   cause_counts lost;                 ///< crc, unplugged, overflow, attempts, ...
@@ -123,7 +125,8 @@ struct island_report {
 struct actuation_report {
   std::uint64_t requested = 0;
   std::uint64_t acknowledged = 0;
-  duration slowest{}; ///< of those, from the word in the tuple to the acknowledgement
+  duration slowest{};      ///< of those, from the word in the tuple to the acknowledgement
+  delay_histogram latency; ///< the same, of each
   cause_counts failed;
 
   actuation_report& operator+=(const actuation_report& x);

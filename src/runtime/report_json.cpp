@@ -32,6 +32,7 @@ json to_json(const radio_report& x) {
 
 json to_json(const serial_report& x) {
   return {{"octets", x.octets},
+          {"octets_up", x.octets_up},
           {"frames_sent", x.frames_sent},
           {"frames_received", x.frames_received},
           {"lost", counts(x.lost)}};
@@ -136,6 +137,8 @@ json to_json(const peer_report& x) {
 json to_json(const actuation_report& x) {
   return {{"requested", x.requested},
           {"acknowledged", x.acknowledged},
+          {"latency_p50_s", x.latency.quantile_ms(0.5) / 1e3},
+          {"latency_p99_s", x.latency.quantile_ms(0.99) / 1e3},
           {"slowest_s", seconds(x.slowest)},
           {"failed", counts(x.failed)}};
 }

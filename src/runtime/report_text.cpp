@@ -314,6 +314,8 @@ void add_actuations(report_page& page, const report& x) {
   table rows({{"proxy"},
               {"requested", align::right},
               {"acknowledged", align::right},
+              {"median", align::right},
+              {"99 %", align::right},
               {"slowest", align::right},
               {"failed"}});
   std::size_t row_count = 0;
@@ -324,6 +326,8 @@ void add_actuations(report_page& page, const report& x) {
     rows.add({proxy.name,
               with_thousands(actuations.requested),
               with_thousands(actuations.acknowledged),
+              real_time(actuations.latency.quantile_ms(0.5) / 1e3),
+              real_time(actuations.latency.quantile_ms(0.99) / 1e3),
               real_time(seconds(actuations.slowest)),
               {causes(actuations.failed), look::bad}});
   }
@@ -332,6 +336,8 @@ void add_actuations(report_page& page, const report& x) {
     rows.add({{"all", look::strong},
               with_thousands(all.requested),
               with_thousands(all.acknowledged),
+              real_time(all.latency.quantile_ms(0.5) / 1e3),
+              real_time(all.latency.quantile_ms(0.99) / 1e3),
               real_time(seconds(all.slowest)),
               {causes(all.failed), look::bad}});
 

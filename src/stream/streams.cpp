@@ -189,6 +189,13 @@ bool streams::on_due(row& x, outputs& todo, instant now) {
   return false;
 }
 
+std::optional<channel_handle> streams::channel_of(descriptor stream) const {
+  const auto found = std::ranges::find(rows_, stream, &row::id);
+  if (found == rows_.end() || found->at != phase::open)
+    return std::nullopt;
+  return found->channel;
+}
+
 bool streams::is_sensor(descriptor stream) const {
   return std::ranges::any_of(
       rows_, [stream](const row& x) { return x.id == stream && x.what == kind::sensor; });

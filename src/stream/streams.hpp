@@ -95,6 +95,8 @@ public:
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
 
+  /// Of an open remote stream whose other end is not here; else nothing.
+  [[nodiscard]] std::optional<channel_handle> channel_of(descriptor stream) const;
   [[nodiscard]] bool is_sensor(descriptor stream) const; ///< an open one
   [[nodiscard]] bool has_ended(descriptor stream) const; ///< not closed, nothing to read
   [[nodiscard]] std::size_t open_streams() const { return rows_.size(); } ///< table entries in use

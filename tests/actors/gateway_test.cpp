@@ -220,6 +220,32 @@ TEST_CASE("a message for another island goes to its gateway", "[actors][gateway]
         payload(encode(network::gateway_packet{mote_id{9}, 10, encode(segment)})));
 }
 
+TEST_CASE("gateways use messages among themselves and broadcasts to find each other, nothing else",
+          "[actors][gateway][API-11][GW-13]") {
+  rig x;
+  x.join_fan();
+  x.world.send(x.gateway,
+               peis_message{peer_id{2}, endpoint::island_message_port, payload(message_for_fan)});
+  x.from_sink(network::am::to_gateway,
+              encode(network::island_packet{island_id{2}, mote_id{9}, 10,
+                                            encode(test::reliable(fan, 1, 10, bytes{0x64}))}));
+  x.world.run_for(1min);
+  const auto sent = x.peer.all<send_peis_message>();
+  const auto broadcasts = x.peer.all<broadcast_peis_message>();
+  CHECK(sent.size() == 1);
+  CHECK(!broadcasts.empty());
+  for (const auto& each : sent)
+    CHECK(each.port == endpoint::island_message_port);
+  for (const auto& each : broadcasts)
+    CHECK(each.port == gateway::announcement_port);
+  // All else is about its own tuples.
+  CHECK(x.peer.size() == sent.size() + broadcasts.size() + x.peer.count<hook_port>() +
+                             x.peer.count<watch_tuples>() + x.peer.count<watch_subscribers>() +
+                             x.peer.count<set_tuple>() + x.peer.count<delete_tuple>());
+  for (const auto& each : x.peer.all<watch_tuples>())
+    CHECK(each.owner == peer_id{static_cast<std::int32_t>(kitchen.value)});
+}
+
 TEST_CASE("a gateway reports a packet lost when nobody acks", "[actors][gateway][GW-16]") {
   rig x;
   x.join_fan();

@@ -101,6 +101,65 @@ TEST_CASE("a sampler rests while its mote is in no island and starts afresh afte
   }
 }
 
+TEST_CASE("a sampler sends only while somebody subscribes to its channel, if it is to",
+          "[actors][apps][GW-10]") {
+  rig x;
+  config::sampler_app config{{quantity::temperature}, 10s};
+  config.channel = 3;
+  config.only_subscribed = true;
+  const auto app = x.sampler(config);
+  const auto readings_in_a_minute = [&] {
+    x.mote.forget();
+    x.world.run_for(1min);
+    return x.mote.count<read_transducers>();
+  };
+  x.world.send(app, joined);
+  CHECK(readings_in_a_minute() == 0);
+  x.world.send(app, outputs_wanted{{{4, 0ms}}});
+  CHECK(readings_in_a_minute() == 0);
+  x.world.send(app, outputs_wanted{{{3, 0ms}, {4, 0ms}}});
+  CHECK(readings_in_a_minute() == 6);
+  x.world.send(app, outputs_wanted{{{mote::any_channel, 0ms}}});
+  CHECK(readings_in_a_minute() == 6);
+  x.world.send(app, outputs_wanted{});
+  CHECK(readings_in_a_minute() == 0);
+  x.world.send(app, outputs_wanted{{{3, 0ms}}});
+  x.world.send(app, lost);
+  CHECK(readings_in_a_minute() == 0);
+  x.world.send(app, joined); // what was wanted still is
+  CHECK(readings_in_a_minute() == 6);
+}
+
+TEST_CASE("a sampler takes the period that subscribers ask for, within its bound",
+          "[actors][apps][IF-04]") {
+  rig x;
+  config::sampler_app config{{quantity::temperature}, 10s};
+  config.every_min = 1s;
+  const auto app = x.sampler(config);
+  x.world.send(app, joined);
+  x.world.run_for(10s);
+  const auto periods = [&] {
+    x.mote.forget();
+    x.world.run_for(3min);
+    const auto times = x.mote.times<read_transducers>();
+    std::set<duration> all;
+    for (std::size_t i = 1; i < times.size(); ++i)
+      all.insert(times[i] - times[i - 1]);
+    return all;
+  };
+  CHECK(periods() == std::set<duration>{10s});
+  x.world.send(app, outputs_wanted{{{1, 2500ms}}});
+  const auto asked = x.world.now();
+  CHECK(periods() == std::set<duration>{2500ms});
+  CHECK(x.mote.times<read_transducers>().front() <= asked + 2500ms);
+  x.world.send(app, outputs_wanted{{{1, 1min}}});
+  CHECK(periods() == std::set<duration>{1min});
+  x.world.send(app, outputs_wanted{{{1, 10ms}}});
+  CHECK(periods() == std::set<duration>{1s});
+  x.world.send(app, outputs_wanted{});
+  CHECK(periods() == std::set<duration>{10s});
+}
+
 TEST_CASE("a sampler takes no expiry of its life before a rejoin", "[actors][apps]") {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     rig x;

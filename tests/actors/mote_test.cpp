@@ -287,6 +287,8 @@ TEST_CASE("a mote whose battery is flat tells it once and is silent from then on
   else
     x.world.send(x.mote, battery_flat{});
   if (by_fault) {
+    CHECK(x.ecology.count<mote_flat>() == 0); // it tells its sink first
+    x.world.run_for(1s);
     REQUIRE(x.air.count<radio_power>() == 1);
     CHECK(x.air.all<radio_power>()[0].state == radio::power::flat);
     CHECK(x.air.all<radio_power>()[0].radio == stove_radio);
@@ -427,6 +429,7 @@ TEST_CASE("a mote carries out the commands of a program in another actor, until 
   CHECK(told<r::record_read>(second)[0].success);
   x.world.send(x.mote, program_commands{1, {2, {r::open_local{5}}}}); // of the one that ended
   x.world.send(x.mote, end_battery{});
+  x.world.run_for(1s);
   CHECK(second.count<program_detached>() == 1);
   x.world.send(x.mote, attach_program{1, second});
   CHECK(second.count<program_attached>() == 1);

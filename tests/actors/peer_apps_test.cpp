@@ -100,12 +100,45 @@ TEST_CASE("deleted tuples and failed writes do not disturb a rule", "[actors][ru
   CHECK(x.writes() == std::vector<std::string>{"11:on"});
 }
 
+TEST_CASE("a collector asks for its period whenever a mote is listed whose outputs it names",
+          "[actors][collector][IF-04]") {
+  virtual_world world;
+  fake<peis_peer_actor> peer(world);
+  config::collector_app config{{"devices.*.output.1", "devices.8.output.2", "devices.*.type"}};
+  config.every = 250ms;
+  fake<ecology_actor> ecology(world);
+  const auto app = world.spawn(collector, config, "robot", peer.handle(), ecology.handle());
+  CHECK(watch_on(peer, "devices.*.status").owner == any_peer);
+  const auto watch = watch_on(peer, "devices.*.status").watch;
+  const auto tell = [&](int owner, const char* key, const char* value) {
+    world.send(app, tuple_event{watch, peer_id{owner}, key, text_value(value)});
+  };
+  const auto asked = [&] {
+    std::vector<std::string> all;
+    for (const auto& x : peer.all<set_remote_tuple>())
+      all.push_back(to_string(x.owner) + ' ' + x.key + ' ' + to_string(x.value.view()));
+    peer.forget();
+    return all;
+  };
+  tell(1, "devices.7.status", "listed 1.000000");
+  CHECK(asked() == std::vector<std::string>{"1 devices.7.output.1.period 250"});
+  tell(2, "devices.8.status", "listed 1.000000");
+  CHECK(asked() == std::vector<std::string>{"2 devices.8.output.1.period 250",
+                                            "2 devices.8.output.2.period 250"});
+  tell(1, "devices.7.status", "left silence 9.000000");
+  tell(1, "devices.7.status", "?");
+  CHECK(asked().empty());
+  tell(1, "devices.7.status", "listed 12.000000"); // it has forgotten
+  CHECK(asked().size() == 1);
+}
+
 TEST_CASE("a collector watches its keys with any owner and keeps the newest of each tuple",
           "[actors][collector]") {
   virtual_world world;
   fake<peis_peer_actor> peer(world);
-  const auto app = world.spawn(collector, std::vector<std::string>{"*.*.temperature", "*.presence"},
-                               peer.handle());
+  fake<ecology_actor> ecology(world);
+  const config::collector_app config{{"*.*.temperature", "*.presence"}};
+  const auto app = world.spawn(collector, config, "robot", peer.handle(), ecology.handle());
   REQUIRE(peer.count<watch_tuples>() == 2);
   CHECK(watch_on(peer, "*.*.temperature").owner == any_peer);
   CHECK(watch_on(peer, "*.presence").owner == any_peer);
@@ -118,5 +151,8 @@ TEST_CASE("a collector watches its keys with any owner and keeps the newest of e
   set(1, "c.d.temperature", false);
   set(1, "c.d.temperature", true);
   world.send(app, status_request{});
-  CHECK(world.logged("event=collected updates=5 tuples=2") == 1);
+  const auto reported = ecology.all<program_status>().at(0).program;
+  CHECK(reported.who == "robot");
+  CHECK(reported.figures ==
+        std::vector<std::pair<std::string, double>>{{"updates", 5}, {"tuples", 2}});
 }

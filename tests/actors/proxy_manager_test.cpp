@@ -22,9 +22,11 @@ struct rig {
   fake<ecology_actor> ecology{world};
   proxy_manager_actor manager;
 
-  rig() {
+  /// @param known_from when the manager learns of its only class
+  explicit rig(instant known_from = {}) {
     proxy_manager_arguments x;
     x.classes = {test::sample_class()};
+    x.classes[0].known_from = known_from;
     x.islands = {{kitchen, "kitchen", {{heater, "heater"}}}};
     x.peer_number = peer_id{40};
     x.peer = peer.handle();
@@ -100,6 +102,18 @@ TEST_CASE("a mote of a type that no class claims gets no proxy, and a story",
   CHECK(x.started() == 0);
   REQUIRE(x.ecology.count<story>() == 1);
   CHECK(x.ecology.all<story>()[0].what == "mote 5/7 is of type 9, which no proxy class claims");
+}
+
+TEST_CASE("a mote gets its proxy when its class becomes known", "[actors][proxy_manager][PXY-10]") {
+  rig x(instant(10s));
+  x.list("{7}");
+  x.type(heater, 301);
+  x.world.run_for(9s);
+  CHECK(x.started() == 0);
+  CHECK(x.ecology.count<story>() == 1);
+  x.world.run_for(1s);
+  CHECK(x.started() == 1);
+  CHECK(tuple_at(x.peer, "kitchen.heater.status") == "active");
 }
 
 TEST_CASE("a proxy that fails is started again and works", "[actors][proxy_manager][ACT-03]") {

@@ -25,24 +25,34 @@ struct recorded {
   explain::journeys all;
 };
 
+struct recorded_run {
+  runtime::report report;
+  explain::recording content;
+};
+
 /// Runs with a record, which is gone when this returns.
-recorded record_of(config::ecology_description what, duration length) {
+recorded_run run_recorded(config::ecology_description what, duration length) {
   spdlog::set_level(spdlog::level::err);
   what.length = length;
   const auto file =
       std::filesystem::temp_directory_path() / ("rubicon-explain-test-" + std::to_string(getpid()));
   run_options options;
   options.record_file = file.string();
-  recorded x;
+  recorded_run x;
   x.report = run_ecology(what, options);
   std::ifstream stream(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  const auto read = explain::read(text);
+  auto read = explain::read(text);
   std::filesystem::remove(file);
   REQUIRE(!read.problem);
   CHECK(!read.content.cut_off);
-  x.all = explain::follow(read.content);
+  x.content = std::move(read.content);
   return x;
+}
+
+recorded record_of(config::ecology_description what, duration length) {
+  auto x = run_recorded(std::move(what), length);
+  return {std::move(x.report), explain::follow(x.content)};
 }
 
 explain::node_index message_called(const explain::journeys& all, const std::string& name) {
@@ -100,6 +110,51 @@ TEST_CASE("a message to another island passes exactly the hops it must",
                                   "bedroom/pager/listener-10"});
   CHECK(explain::outcome_of(all, m).fate == explain::fate::delivered);
   CHECK(m.acknowledged.has_value());
+}
+
+TEST_CASE("a message to another island is these octets on each of its hops",
+          "[ecology][explain][RTG-02][WIR-01][WIR-02]") {
+  constexpr std::string_view two_islands = R"(
+[ecology]
+name = "two-islands"
+[[island]]
+id = 1
+name = "kitchen"
+gateway.links = ["inproc://bedroom-gateway"]
+sink.position_m = [0, 0]
+[[island.mote]]
+id = 2
+name = "button"
+type = 1
+position_m = [5, 0]
+apps = [{ app = "messenger", to = "bedroom/pager", text = "dinner", reliable = false }]
+[[island]]
+id = 2
+name = "bedroom"
+sink.position_m = [0, 0]
+[[island.mote]]
+id = 2
+name = "pager"
+type = 2
+position_m = [5, 0]
+apps = [{ app = "listener" }]
+)";
+  constexpr std::string_view text = "dinner";
+  const auto x = run_recorded(ecology_of(two_islands), 40s);
+  words hops;
+  for (const auto& each : x.content.records) {
+    const auto found = std::ranges::search(each.octets, text, std::ranges::equal_to{},
+                                           [](auto y) { return static_cast<char>(y); });
+    if (!found.empty())
+      hops.push_back(std::string(to_string(each.what)) + ' ' + each.from + ' ' + each.to + ' ' +
+                     to_hex(each.octets));
+  }
+  words golden;
+  std::ifstream file(RUBICON_TEST_DATA "/island-to-island.txt");
+  for (std::string line; std::getline(file, line);)
+    if (!line.empty() && line.front() != '#')
+      golden.push_back(line);
+  CHECK(hops == golden);
 }
 
 TEST_CASE("every message that arrives in the report arrives in the record", "[ecology][explain]") {

@@ -119,7 +119,7 @@ TEST_CASE("a stream over five hops arrives, while the radios of its relays sleep
 }
 
 TEST_CASE("a learning network over two islands and a PC says what comes next",
-          "[ecology][SYN-06][SYN-10][SYN-16][PAR-01]") {
+          "[ecology][SYN-06][SYN-10][SYN-16][PAR-01][IF-01]") {
   const auto seed = GENERATE(range(std::uint64_t{1}, seeds(3) + 1));
   CAPTURE(seed);
   auto network = example("learning.toml");

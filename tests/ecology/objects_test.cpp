@@ -90,6 +90,61 @@ TEST_CASE("a tagged thing is followed from reader to reader by one proxy",
   }
 }
 
+TEST_CASE(
+    "a thing carried past three readers has one proxy, of its class, as soon as that is known",
+    "[ecology][PXY-03][PXY-09][PXY-10][PXY-11]") {
+  auto what = ecology_of(std::string(house) + R"(
+[[peer]]
+id = 12
+name = "bath-pc"
+links = ["inproc://hall-pc"]
+[[peer.apps]]
+app = "rfid_reader"
+name = "bath"
+position_m = [10, 0, 1]
+range = "3m"
+[[tag]]
+id = "e0050001"
+memory = "07"
+path = [["0s", [0, 0, 1]], ["20s", [0, 0, 1]], ["100s", [10, 0, 1]]]
+[[tag]]
+id = "e0060001"
+position_m = [0, 1, 1]
+[[proxy]]
+name = "tool"
+ids = ["rfid/e005"]
+prefix = "things.{name}"
+known_from = "55s"
+[[proxy.field]]
+name = "size"
+encoding = "u8"
+decimals = 0
+[[proxy.object]]
+id = "e0050001"
+name = "hammer"
+)");
+  for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
+    CAPTURE(seed);
+    auto before = what;
+    before.length = 54s;
+    auto report = run(before, seed);
+    CHECK(report.proxies.size() == 2);
+    CHECK(tells(report, "hall-pc", "object rfid/e0050001 is one that no proxy class claims"));
+    CHECK(tells(report, "hall-pc", "object rfid/e0060001 is one that no proxy class claims"));
+    before.length = 63s;
+    report = run(before, seed);
+    CHECK(report.proxies.size() == 3);
+    CHECK(value(proxy_of(report, "things.hammer"), "interface") == "hall");
+    report = run(what, seed);
+    CHECK(report.proxies.size() == 3);
+    const auto& hammer = proxy_of(report, "things.hammer");
+    CHECK(hammer.proxy_class == "tool");
+    CHECK(value(hammer, "interface") == "bath");
+    CHECK(value(hammer, "size") == "7");
+    CHECK(value(proxy_of(report, "things.juice"), "contents") == "juice");
+  }
+}
+
 TEST_CASE("a thing that nobody sees is lost where it was last", "[ecology][PXY-16][PXY-20]") {
   auto what = ecology_of(house);
   what.tags[0].path = {{0s, {0.5, 0, 1}}, {60s, {0.5, 0, 1}}, {61s, {100, 0, 1}}};

@@ -69,6 +69,9 @@ public:
   void joined(mote::island_octet island, std::uint16_t mote, mote::status x) override {
     joins.emplace_back(mote_address{island_id(island), mote_id(mote)}, x == mote::SUCCESS);
   }
+  void outputsWanted(std::span<const mote::output_wanted> all) override {
+    wanted.emplace_back(all.begin(), all.end());
+  }
   void moteJoined(std::uint16_t mote, byte_view description) override {
     newcomers.emplace_back(mote, to_bytes(description));
   }
@@ -92,6 +95,7 @@ public:
   std::vector<bool> inits;
   std::vector<std::pair<mote_address, bool>> joins;
   std::vector<std::pair<std::uint16_t, bytes>> newcomers;
+  std::vector<std::vector<mote::output_wanted>> wanted;
 };
 
 } // namespace rubicon::test

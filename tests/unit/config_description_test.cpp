@@ -171,6 +171,7 @@ TEST_CASE("apps of motes arrive with their keys", "[config]") {
   const auto x = mote_with("[[island.mote.apps]]\napp = \"sampler\"\n"
                            "transducers = [\"light\", \"temperature\"]\nevery = \"5s\"\n"
                            "jitter = \"1s\"\nchannel = 0\nreliable = true\n"
+                           "only_subscribed = true\nevery_min = \"2s\"\n"
                            "[[island.mote.apps]]\napp = \"messenger\"\nto = \"k/c-2\"\n"
                            "text = \"hi\"\nevery = \"1min\"\nam_type = 255\nreliable = false\n"
                            "[[island.mote.apps]]\napp = \"actuator\"\nactuator = \"fan\"\n"
@@ -186,6 +187,8 @@ TEST_CASE("apps of motes arrive with their keys", "[config]") {
   CHECK(sampler.jitter == 1s);
   CHECK(sampler.channel == 0);
   CHECK(sampler.reliable);
+  CHECK(sampler.only_subscribed);
+  CHECK(sampler.every_min == 2s);
   const auto& messenger = std::get<messenger_app>(x[1]);
   CHECK(messenger.to == mote_address{island_id{1}, mote_id{2}});
   CHECK(messenger.text == "hi");

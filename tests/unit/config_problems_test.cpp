@@ -42,8 +42,11 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
        "\"stream_reader\", "
        "\"reservoir\", \"readout\", \"average\", \"stream_switch\" or \"recorder\", not "
        "\"colector\"; did you mean \"collector\"?"},
-      {"apps = [{ app = \"collector\", keys = [\"a\"], every = \"1s\" }]\n",
-       "6:44: unknown key `every` in app = \"collector\": there is app, keys"},
+      {"apps = [{ app = \"collector\", keys = [\"a\"], rate = \"1s\" }]\n",
+       "6:44: unknown key `rate` in app = \"collector\": there is app, keys, every"},
+      {"apps = [{ app = \"collector\", keys = [\"devices.*.output.*\"], every = \"1s\" }]\n",
+       "6:69: `every` needs a key that names an output channel of motes, such as "
+       "`devices.*.output.1`"},
       {"apps = [{ app = \"collector\" }]\n", "6:9: `keys` is missing in app = \"collector\""},
       {"apps = [{ app = \"rules\" }]\n", "6:9: `rules` is missing in app = \"rules\""},
       {"[mote_type]\nc = 1\n", "7:5: `c` must be tables under headers [mote_type.NAME], not 1"},

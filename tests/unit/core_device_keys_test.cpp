@@ -147,3 +147,13 @@ TEST_CASE("an output's period is in whole milliseconds", "[core][IF-04]") {
   for (const auto* text : {"", "-1", "1.5", "250ms", "4294967296", "007"})
     CHECK(!parse_output_period(text));
 }
+
+TEST_CASE("a pattern names outputs of one mote or all, on one channel or all",
+          "[core][GW-10][IF-04]") {
+  CHECK(*parse_output_pattern("devices.7.output.2") == output_pattern{mote_id{7}, 2});
+  CHECK(*parse_output_pattern("Devices.*.output.2") == output_pattern{std::nullopt, 2});
+  CHECK(*parse_output_pattern("devices.7.*.*") == output_pattern{mote_id{7}, std::nullopt});
+  for (const auto* no : {"*.7.output.2", "devices.7.input.2", "devices.7.output", "devices.*.*",
+                         "devices.7.output.2.period", "devices.x.output.*", "devices.0.output.1"})
+    CHECK(parse_output_pattern(no).error() == errc::bad_value);
+}

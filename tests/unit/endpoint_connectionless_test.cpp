@@ -132,25 +132,29 @@ TEST_CASE("a receiver without room throttles senders, in all placements", "[endp
   CHECK(sender.acks == std::vector<bool>(5, true));
 }
 
-TEST_CASE("a PC reaches all motes of an island with one message", "[endpoint][ADR-05]") {
+TEST_CASE("a PC, or a mote of another island, reaches all motes of an island with one message",
+          "[endpoint][ADR-05]") {
+  const auto from =
+      GENERATE(mote_address{island_id{20}, no_mote}, mote_address{island_id{2}, mote_id{3}});
+  CAPTURE(to_string(from));
   std::array<recorder, 6> motes;
   recorder sender;
   placements_world world;
   REQUIRE(world.settle());
-  world.attach({island_id{20}, no_mote}, sender);
+  world.attach(from, sender);
   for (std::uint16_t i = 0; i < 6; ++i) {
     world.attach({island_id{1}, mote_id(static_cast<std::uint16_t>(i + 2))}, motes[i]);
     REQUIRE(motes[i].layer->provide(am_type) == mote::SUCCESS);
   }
-  CHECK(world.act({island_id{20}, no_mote}, [&] {
+  CHECK(world.act(from, [&] {
     return sender.layer->send(1, broadcast_mote.value, bytes{'a'}, true, am_type);
   }) == mote::FAIL); // nobody could acknowledge for all
-  REQUIRE(world.act({island_id{20}, no_mote}, [&] {
+  REQUIRE(world.act(from, [&] {
     return sender.layer->send(1, broadcast_mote.value, bytes{'a'}, false, am_type);
   }) == mote::SUCCESS);
   world.run_for(10s);
   for (const auto& each : motes) {
     REQUIRE(each.messages.size() == 1);
-    CHECK(each.messages[0].source == mote_address{island_id{20}, no_mote});
+    CHECK(each.messages[0].source == from);
   }
 }

@@ -91,6 +91,33 @@ TEST_CASE("records come in order over a stream opened in either order, in all pl
   CHECK(counters.repeated == 0);
 }
 
+TEST_CASE(
+    "who opens a stream is told how old a record can be, and none is older, in all placements",
+    "[endpoint][IF-05][PAR-05]") {
+  const auto& placed =
+      test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
+  CAPTURE(placed.name);
+  stream_world s(placed);
+  CHECK(!s.writer.layer->latency_bound(1));
+  s.open_both(false);
+  const auto bound = s.reader.layer->latency_bound(s.drain());
+  REQUIRE(bound);
+  CHECK(s.writer.layer->latency_bound(s.source()) == bound);
+  CHECK(*bound <= 60s);
+  duration oldest{};
+  for (std::size_t i = 1; i <= 1000; ++i) {
+    CHECK(s.write(bytes{1}) == 1);
+    duration age{};
+    for (; s.reader.readings.size() < i && age <= *bound; age += 20ms)
+      s.world.run_for(20ms);
+    REQUIRE(s.reader.readings.size() == i);
+    oldest = std::max(oldest, age);
+    s.world.run_for(100ms);
+  }
+  CHECK(oldest <= *bound);
+  CHECK(oldest >= 20ms);
+}
+
 TEST_CASE("the wrong end neither reads nor writes, in all placements",
           "[endpoint][STR-17][MCK-06][MCK-08]") {
   const auto& placed =

@@ -89,6 +89,19 @@ TEST_CASE("the rate of an output channel is the one asked for last", "[gateway][
   CHECK(x.core.wanted_of(fan) == wanted{{2, 1s}, {any_channel, 0ms}});
 }
 
+TEST_CASE("a mote is asked for every channel when there are more than it can remember",
+          "[gateway][GW-10][IF-04]") {
+  fixture x;
+  x.core.on_listed(fan, 0, x.now);
+  x.subscribe({"devices.7.output.1", "devices.7.output.2", "devices.7.output.3",
+               "devices.7.output.4", "devices.7.output.5"});
+  x.core.on_period(fan, 4, 250ms, x.now);
+  CHECK(x.core.wanted_of(fan) == wanted{{4, 250ms}, {mote::any_channel, 0ms}});
+  for (const int channel : {1, 2, 3, 5})
+    x.core.on_period(fan, static_cast<std::uint16_t>(channel), 1s, x.now);
+  CHECK(x.core.wanted_of(fan) == wanted{{1, 1s}, {2, 1s}, {3, 1s}, {mote::any_channel, 0ms}});
+}
+
 TEST_CASE("a request that fails is repeated; one that has become wrong is followed by another",
           "[gateway][GW-10]") {
   fixture x;

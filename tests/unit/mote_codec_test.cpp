@@ -33,7 +33,9 @@ TEST_CASE("component management messages survive the radio", "[mote][DIS-08]") {
       {join_reply{7, island_id{1}, mote_id{5}, 1000, 9}, "02000700000001000500 0003e8 0009"},
       {join_confirm{7, 2, bytes{0xaa}}, "03000700000002aa"},
       {leave_notice{}, "04"},
-      {keep_alive{2}, "0500000002"},
+      {keep_alive{2, {}}, "050000000200"},
+      {keep_alive{2, {true, false}}, "050000000201"},
+      {keep_alive{2, {false, true}}, "050000000202"},
       {rejoin_prompt{}, "06"},
       {slot_notice{}, "07"},
   };

@@ -183,8 +183,40 @@ TEST_CASE("an AM type is one program's, or the layer's own", "[mote][AM-05][GEN-
   CHECK(x.api().provide(am_type) == SUCCESS); // again
   CHECK(other.layer->provide(am_type) == FAIL);
   CHECK(other.layer->provide(am_type + 1) == SUCCESS);
-  for (int i = network::am::component_management; i <= network::am::packet; ++i)
+  for (int i = network::am::component_management; i <= network::am::outputs_wanted; ++i)
     CHECK(other.layer->provide(static_cast<std::uint8_t>(i)) == FAIL);
+}
+
+TEST_CASE("programs hear what the gateway wants of their mote, and from nobody else",
+          "[mote][GW-10][IF-04]") {
+  lone_layer x;
+  join(x);
+  const std::vector<mote::output_wanted> wanted{{1, 250ms}, {mote::any_channel, 0ms}};
+  const auto ask = [&](int island, mote_id source, const bytes& octets) {
+    constexpr auto request = network::am::outputs_wanted;
+    x.core.on_packet(island_id(static_cast<std::uint32_t>(island)), request,
+                     encode(test::plain(source, request, octets)), x.now);
+    static_cast<void>(x.core.take_outputs());
+  };
+  ask(3, id(8), encode(wanted)); // a mote
+  ask(4, no_mote, encode(wanted));
+  CHECK(x.program.wanted.empty());
+  CHECK(x.core.counters().unowned == 2);
+  ask(3, no_mote, bytes{1, 2, 3});
+  CHECK(x.core.counters().malformed == 1);
+  ask(3, no_mote, encode(wanted));
+  recorder late;
+  late.layer = x.core.attach(late);
+  static_cast<void>(x.core.take_outputs());
+  using requests = std::vector<std::vector<mote::output_wanted>>;
+  CHECK(x.program.wanted == requests{wanted});
+  CHECK(late.wanted == requests{wanted});
+  ask(3, no_mote, {});
+  CHECK(late.wanted == requests{wanted, {}});
+
+  CHECK(mote::wanted_on(wanted, 1).value() == wanted[0]);
+  CHECK(mote::wanted_on(wanted, 2).value() == wanted[1]);
+  CHECK(!mote::wanted_on({}, 1));
 }
 
 TEST_CASE("programs of a mote hear their own messages, whatever the others do",

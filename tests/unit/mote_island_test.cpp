@@ -5,6 +5,7 @@
 #include "network/wire.hpp"
 #include "support/catch.hpp"
 #include "support/island_world.hpp"
+#include "support/programs.hpp"
 #include "support/seeds.hpp"
 #include "support/segments.hpp"
 
@@ -53,6 +54,29 @@ TEST_CASE("motes join over three hops", "[mote][network][NET-11][DIS-08]") {
   x.run_for(10min);
   CHECK(x.root().members() == 3);
   CHECK(x.memberships.size() == 3); // nobody was lost in between
+}
+
+TEST_CASE("a mote that has joined knows its island, its sink and the way to its gateway",
+          "[mote][NFR-05]") {
+  island_world x({.width = 3});
+  test::recorder program;
+  program.layer = x.at(id(3)).attach(program);
+  CHECK(!program.layer->address());
+  REQUIRE(x.run_until([&x] { return x.root().members() == 2; }, 1min));
+  x.run_for(1s);
+  const auto self = program.layer->address();
+  REQUIRE(self);
+  CHECK(*self == mote_address{island_id{1}, id(3)});
+  const auto& tree = x.at(id(3)).packets().router().tree();
+  CHECK(tree.root() == id(1));
+  CHECK(tree.parent() == id(2));
+  x.up.clear();
+  test::act(x, id(3), [&] { // the PC of its own island, whatever its PEIS id
+    return program.layer->send_numbered({own_island, no_mote}, bytes{1}, false, 64);
+  });
+  x.run_for(5s);
+  CHECK(std::ranges::any_of(
+      x.up, [](const auto& each) { return each.am_type == network::am::to_gateway; }));
 }
 
 TEST_CASE("motes join over lossy hops, and stay members", "[mote][network][DIS-06][DIS-08]") {

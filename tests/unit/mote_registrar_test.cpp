@@ -88,6 +88,26 @@ TEST_CASE("a silent mote leaves after its window, a heard one stays", "[mote][DI
   CHECK(x.members() == 0);
 }
 
+TEST_CASE("a silent mote has left for the reason that it has told last", "[mote][DIS-06][IF-13]") {
+  using network::leave_cause;
+  const auto cause_after = [](std::vector<keep_alive> told) {
+    auto x = make();
+    static_cast<void>(request(x, instant{}));
+    static_cast<void>(confirm(x, instant{}));
+    for (const auto& each : told)
+      static_cast<void>(x.on_frame(lamp, encode(each), instant{1s}));
+    return events<mote_left>(x.on_time(instant{11s})).at(0).cause;
+  };
+  constexpr mote_condition low{true, false};
+  constexpr mote_condition weak{false, true};
+  CHECK(cause_after({}) == leave_cause::silence);
+  CHECK(cause_after({{0, low}}) == leave_cause::battery);
+  CHECK(cause_after({{0, weak}}) == leave_cause::out_of_range);
+  CHECK(cause_after({{0, {true, true}}}) == leave_cause::battery);
+  CHECK(cause_after({{0, weak}, {0, {}}}) == leave_cause::silence);
+  CHECK(cause_after({{7, weak}}) == leave_cause::silence); // of another life
+}
+
 TEST_CASE("a mote that reports rarely has three of its periods", "[mote][DIS-06]") {
   auto x = make();
   static_cast<void>(
@@ -143,7 +163,7 @@ TEST_CASE("an unknown mote is asked to join, not more than once a second", "[mot
   CHECK(prompts(0s) == 1);
   CHECK(prompts(999ms) == 0);
   CHECK(prompts(1s) == 1);
-  CHECK(test::pick<to_mote>(x.on_frame(lamp, encode(keep_alive{0}), instant{2s})).size() == 1);
+  CHECK(test::pick<to_mote>(x.on_frame(lamp, encode(keep_alive{}), instant{2s})).size() == 1);
 }
 
 TEST_CASE("the roster names every member, in pages that fit", "[mote][GW-15]") {

@@ -4,9 +4,11 @@
 
 #include "mote/program_port.hpp"
 #include "mote/remote_process.hpp"
+#include "network/am.hpp"
 #include "support/catch.hpp"
 #include "support/programs.hpp"
 #include "support/remote_program.hpp"
+#include "support/segments.hpp"
 
 using namespace rubicon;
 using mote::FAIL;
@@ -204,8 +206,19 @@ private:
     }
     if (what == 20)
       input([this](auto& x, instant now) { x.on_tick(tick_, now); });
+    if (what == 21)
+      ask_for_outputs();
     tick_ += what == 20 ? 1 : 0;
     input([](auto& x, instant now) { x.on_time(now); });
+  }
+
+  void ask_for_outputs() {
+    const std::vector<mote::output_wanted> wanted{
+        {static_cast<std::uint16_t>(dice_.below(9)), std::chrono::milliseconds(dice_.below(1000))}};
+    constexpr auto request = network::am::outputs_wanted;
+    input([&](auto& x, instant now) {
+      x.on_packet(self.island, request, encode(test::plain(no_mote, request, encode(wanted))), now);
+    });
   }
 
   /// What is asked of below is the same, and is answered the same.

@@ -549,7 +549,11 @@ TEST_CASE("channel messages keep their layout", "[network][golden]") {
   CHECK(encode(data) == bytes{5, 0, 1, 0, 2, 7, 0xaa});
   CHECK(*decode_channel_message(encode(data)) == data);
   CHECK(decode_channel_message(bytes{3, 0, 1, 0, 2, 9}).error() == errc::bad_value);
-  CHECK(decode_channel_message(bytes{2, 0, 1, 0, 2, 9}).error() == errc::too_long);
+  const channel_message ack{{mote_id{1}, 2}, connect_ack_message{9}};
+  CHECK(encode(ack) == bytes{2, 0, 1, 0, 2, 9});
+  CHECK(*decode_channel_message(encode(ack)) == ack);
+  CHECK(decode_channel_message(bytes{2, 0, 1, 0, 2, 9, 9}).error() == errc::too_long);
+  CHECK(decode_channel_message(bytes{2, 0, 1, 0, 2}).error() == errc::truncated);
   CHECK(decode_channel_message(bytes{6, 0, 1, 0, 2}).error() == errc::unsupported);
   CHECK(decode_channel_message(bytes{1, 0, 1, 0, 2}).error() == errc::truncated);
 }

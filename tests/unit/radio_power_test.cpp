@@ -180,6 +180,9 @@ TEST_CASE("a battery that ends switches its radio off and says so once", "[radio
     REQUIRE(x.all<exhausted>().size() == 1);
     CHECK(x.all<exhausted>().front().radio == a);
     const auto end = x.times_of<exhausted>().front();
+    REQUIRE(x.times_of<running_low>().size() == 1);
+    const auto warned = seconds(x.times_of<running_low>().front().time_since_epoch());
+    CHECK(warned == Approx((1 - battery_reserve) * seconds(end.time_since_epoch())).epsilon(0.02));
     CHECK(end <= foretold + 10ms);
     CHECK(end >= foretold - 10ms);
     const auto use = x.channel.energy(a, x.now);

@@ -97,8 +97,9 @@ TEST_CASE("adding reports adds every field and every cause", "[runtime]") {
   CHECK(messages.received == 12);
   CHECK(messages.duplicates == 14);
 
-  serial_report serial{1, 2, 3, {{"crc", 4}}};
-  serial += serial_report{10, 20, 30, {{"crc", 40}}};
+  serial_report serial{1, 1, 2, 3, {{"crc", 4}}};
+  serial += serial_report{10, 5, 20, 30, {{"crc", 40}}};
+  CHECK(serial.octets_up == 6);
   CHECK(serial.octets == 11);
   CHECK(serial.frames_sent == 22);
   CHECK(serial.frames_received == 33);
@@ -141,7 +142,10 @@ TEST_CASE("the JSON of a report is one object with the run's figures", "[runtime
   CHECK(x.at("islands").at(1).at("motes").at(1).at("joined") == false);
   CHECK(x.at("peers").at(0).at("lost").at("queue_full") == 2);
   CHECK(x.at("proxies").at(0).at("values").at("temperature") == "22.3 C");
-  CHECK(x.at("proxies").at(1).at("actuations").at("failed").at("timeout") == 1);
+  const auto& actuations = x.at("proxies").at(1).at("actuations");
+  CHECK(actuations.at("failed").at("timeout") == 1);
+  CHECK(actuations.at("latency_p50_s").get<double>() == Approx(0.02).epsilon(0.01));
+  CHECK(actuations.at("latency_p99_s").get<double>() == Approx(0.12).epsilon(0.01));
   CHECK(x.at("story").at(0).at("at_s") == 2.00416);
   CHECK(x.at("violations").at(0).at("invariant") == "radio copies balance");
 }

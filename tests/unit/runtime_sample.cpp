@@ -4,6 +4,13 @@ namespace rubicon::test {
 
 namespace {
 
+delay_histogram delays(const std::vector<duration>& all) {
+  delay_histogram x;
+  for (const auto each : all)
+    x.add(each);
+  return x;
+}
+
 using namespace runtime;
 
 mote_report sample_mote(island_id island, std::uint16_t id, std::string name, double used_mah) {
@@ -37,7 +44,7 @@ island_report kitchen() {
   x.radio.mac_failed = {{"no_ack", 4}};
   x.radio.mac_open = 1;
   x.radio.transmissions = 4'321;
-  x.serial = {123'456, 5'000, 4'990, {{"crc", 10}}};
+  x.serial = {123'456, 100'000, 5'000, 4'990, {{"crc", 10}}};
   x.messages = {1'234, 1'230, 3, 1, 17, 1'222, 5};
   x.motes = {sample_mote(x.id, 7, "climate-7", 3.301), sample_mote(x.id, 8, "climate-8", 3.287),
              sample_mote(x.id, 9, "lamp-9", 1.02)};
@@ -55,7 +62,7 @@ island_report living_room() {
   x.radio.requests = 450;
   x.radio.mac_sent = 450;
   x.radio.transmissions = 900;
-  x.serial = {9'876, 400, 400, {}};
+  x.serial = {9'876, 9'000, 400, 400, {}};
   x.messages = {200, 200, 0, 0, 0, 200, 0};
   x.motes = {sample_mote(x.id, 2, "climate-2", 3.311), sample_mote(x.id, 3, "blinds-3", 2.95)};
   x.motes[1].joined = false;
@@ -118,14 +125,17 @@ report sample_report() {
   x.flows[1].open = 0;
   x.peers = {{peer_id{3}, "kitchen-gateway", 2, 3, 41, {1, 5'321, 41, {{"queue_full", 2}}}},
              {peer_id{100}, "robot", 1, 3, 7, {1, 812, 7, {}}}};
-  x.proxies = {
-      {"kitchen.climate-7",
-       "climate",
-       "active",
-       {{"humidity", "41 %"}, {"temperature", "22.3 C"}, {"voltage", "2.951 V"}},
-       {}},
-      {"kitchen.lamp-9", "lamp", "lost", {{"switch", "on"}}, {5, 4, 120ms, {{"timeout", 1}}}},
-      {"living-room.climate-2", "climate", "active", {{"temperature", "-3.25 C"}}, {}}};
+  x.proxies = {{"kitchen.climate-7",
+                "climate",
+                "active",
+                {{"humidity", "41 %"}, {"temperature", "22.3 C"}, {"voltage", "2.951 V"}},
+                {}},
+               {"kitchen.lamp-9",
+                "lamp",
+                "lost",
+                {{"switch", "on"}},
+                {5, 4, 120ms, delays({20ms, 20ms, 30ms, 120ms}), {{"timeout", 1}}}},
+               {"living-room.climate-2", "climate", "active", {{"temperature", "-3.25 C"}}, {}}};
   x.story = {{instant{} + 2004160us, "kitchen/climate-7", "joined"},
              {instant{} + 2120ms, "kitchen/lamp-9", "joined"},
              {instant{} + 301s, "kitchen/lamp-9", "left: battery"}};
@@ -156,7 +166,7 @@ report large_report() {
     x.islands.push_back(island);
     x.peers.push_back({gateway_of(island.id), island.name + "-gateway", 1, 50, 100, {}});
     x.proxies.push_back(
-        {island.name, "climate", "active", {{"temperature", "20.0 C"}}, {1, 1, {}, {}}});
+        {island.name, "climate", "active", {{"temperature", "20.0 C"}}, {1, 1, {}, {}, {}}});
   }
   for (std::uint16_t i = 2; i < 42; ++i)
     x.flows.push_back(sample_flow(i, default_sink, "sink"));
