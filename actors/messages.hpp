@@ -674,6 +674,31 @@ struct watch_tuples {
   std::string key; ///< may hold `*` parts
 };
 
+/// Makes an own tuple a meta tuple that points there, unless it is one already (D1.1 3.1.7.4,
+/// META-04).
+struct declare_meta_tuple {
+  std::string key;
+  std::string reference; ///< `(META <owner> <key>)`
+};
+
+/// Points a meta tuple of another owner, or of one's own, at a tuple; a peis_outcome follows.
+struct set_meta_tuple {
+  carried<peis_client_actor> client;
+  std::uint64_t token = 0;
+  peer_id owner;
+  std::string key;
+  std::string reference; ///< as above
+};
+
+/// As watch_tuples, to the tuple that a meta tuple points at, whichever that is at the time
+/// (META-02).
+struct watch_indirectly {
+  carried<peis_client_actor> client;
+  std::uint64_t watch = 0;
+  peer_id owner; ///< of the meta tuple
+  std::string key;
+};
+
 /// In lower case, ascending, each once.
 struct subscribers_changed {
   std::vector<std::string> keys;
@@ -781,10 +806,12 @@ using peis_peer_actor = lan_user_actor::extend<
     caf::reacts_to<bluetooth_seen>, caf::reacts_to<hello_answer>, caf::reacts_to<hello_arrived>,
     caf::reacts_to<bluetooth_opened>, caf::reacts_to<link_sent>, caf::reacts_to<set_tuple>,
     caf::reacts_to<delete_tuple>, caf::reacts_to<set_remote_tuple>, caf::reacts_to<watch_tuples>,
-    caf::reacts_to<watch_subscribers>, caf::reacts_to<hook_port>, caf::reacts_to<send_peis_message>,
-    caf::reacts_to<broadcast_peis_message>, caf::reacts_to<pause_peer>, caf::reacts_to<resume_peer>,
-    caf::reacts_to<step_clock>, caf::reacts_to<leave_network>, caf::reacts_to<quit_peer>,
-    caf::reacts_to<guard_kernel>, caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+    caf::reacts_to<declare_meta_tuple>, caf::reacts_to<set_meta_tuple>,
+    caf::reacts_to<watch_indirectly>, caf::reacts_to<watch_subscribers>, caf::reacts_to<hook_port>,
+    caf::reacts_to<send_peis_message>, caf::reacts_to<broadcast_peis_message>,
+    caf::reacts_to<pause_peer>, caf::reacts_to<resume_peer>, caf::reacts_to<step_clock>,
+    caf::reacts_to<leave_network>, caf::reacts_to<quit_peer>, caf::reacts_to<guard_kernel>,
+    caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// The gateway between an island and the PEIS network.
 using gateway_actor =
@@ -814,7 +841,8 @@ using proxy_manager_actor =
 /// Control programs on peers: the collector.
 using peer_app_actor = peis_client_actor::extend<caf::reacts_to<status_request>>;
 
-/// The same with deadlines: rules; a peer's Communication Layer and the programs that use it.
+/// The same with deadlines: rules, pursuers of goals; a peer's Communication Layer and the programs
+/// that use it.
 using timed_peer_app_actor = peer_app_actor::extend<caf::reacts_to<timer_expired>>;
 using pc_actor = timed_peer_app_actor;
 

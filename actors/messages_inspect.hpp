@@ -517,6 +517,21 @@ auto inspect(F& f, set_remote_tuple& x) {
 }
 
 template <class F>
+auto inspect(F& f, declare_meta_tuple& x) {
+  return f(caf::meta::type_name("declare_meta_tuple"), x.key, x.reference);
+}
+
+template <class F>
+auto inspect(F& f, set_meta_tuple& x) {
+  return f(caf::meta::type_name("set_meta_tuple"), x.client, x.token, x.owner, x.key, x.reference);
+}
+
+template <class F>
+auto inspect(F& f, watch_indirectly& x) {
+  return f(caf::meta::type_name("watch_indirectly"), x.client, x.watch, x.owner, x.key);
+}
+
+template <class F>
 auto inspect(F& f, watch_tuples& x) {
   return f(caf::meta::type_name("watch_tuples"), x.client, x.watch, x.owner, x.key);
 }
@@ -735,4 +750,7 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::attach_program))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::program_commands))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::mote_started))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::restart_program))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::declare_meta_tuple))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::set_meta_tuple))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::watch_indirectly))
 CAF_END_TYPE_ID_BLOCK(rubicon)

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "actors/apps/goal.hpp"
 #include "actors/apps/peer_apps.hpp"
 #include "actors/apps/rfid_reader.hpp"
 #include "actors/assembly.hpp"
@@ -196,6 +197,17 @@ struct peer_app_spawner {
         self, path("rfid_reader"), rfid_reader,
         rfid::reader(x, tags, random_stream(self->state.description.seed, "rfid_reader/" + x.name)),
         peer.handle));
+  }
+
+  void operator()(const goal::pursuer_config& x) const {
+    const auto dice = path("goal") + '#' + std::to_string(peer.incarnation);
+    pursuer_arguments arguments;
+    arguments.core = goal::pursuer(x, random_stream(self->state.description.seed, dice));
+    arguments.who = peer.name;
+    arguments.peer_number = peer.id;
+    arguments.peer = peer.handle;
+    arguments.ecology = ecology_handle(self);
+    add(spawn_child(self, path("goal"), pursuer_behavior, std::move(arguments)));
   }
 
   void operator()(const config::init_app& x) const {

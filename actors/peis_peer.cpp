@@ -1,6 +1,7 @@
 #include "actors/peis_peer.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 
 #include "actors/log.hpp"
@@ -221,6 +222,31 @@ void on_watch(peer_pointer self, const watch_tuples& x) {
   const peis::subscription_id id{self->state.next_watch++};
   self->state.watches[id] = {x.client.actor, x.watch};
   perform(self, self->state.kernel.subscribe(x.owner, x.key, id, now(self)));
+}
+
+void on_watch_indirectly(peer_pointer self, const watch_indirectly& x) {
+  know(self, x.client.actor);
+  const peis::subscription_id id{self->state.next_watch++};
+  self->state.watches[id] = {x.client.actor, x.watch};
+  perform(self, self->state.kernel.subscribe_indirectly(x.owner, x.key, id, now(self)));
+}
+
+peis::tuple_content reference_content(const std::string& reference) {
+  const auto target = peis::parse_meta(reference);
+  assert(target); // our own programs write references as format_meta() does
+  return peis::meta_content(*target);
+}
+
+void on_declare(peer_pointer self, const declare_meta_tuple& x) {
+  auto& kernel = self->state.kernel;
+  if (!kernel.is_meta_tuple(kernel.id(), x.key))
+    perform(self, kernel.set_tuple(x.key, reference_content(x.reference), now(self)));
+}
+
+void on_set_meta(peer_pointer self, const set_meta_tuple& x) {
+  const auto request = remember(self, x.client, x.token);
+  perform(self, self->state.kernel.set_remote_tuple(x.owner, x.key, reference_content(x.reference),
+                                                    request, now(self)));
 }
 
 void on_hook(peer_pointer self, const hook_port& x) {
@@ -459,6 +485,11 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
                                                    request, now(self)));
                                }),
       served<watch_tuples>(self, [self](const watch_tuples& x) { on_watch(self, x); }),
+      served<declare_meta_tuple>(self,
+                                 [self](const declare_meta_tuple& x) { on_declare(self, x); }),
+      served<set_meta_tuple>(self, [self](const set_meta_tuple& x) { on_set_meta(self, x); }),
+      served<watch_indirectly>(self,
+                               [self](const watch_indirectly& x) { on_watch_indirectly(self, x); }),
       served<watch_subscribers>(
           self, [self](const watch_subscribers& x) { on_watch_subscribers(self, x); }),
       served<broadcast_peis_message>(self,

@@ -1,6 +1,7 @@
 #include "actors/proxy.hpp"
 
 #include "actors/log.hpp"
+#include "peis/meta_tuple.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
@@ -14,6 +15,14 @@ struct performer {
 
   void operator()(const proxy::publish& x) const {
     self->send(self->state.arguments.peer, set_tuple{x.key, payload(to_bytes(x.text)), true});
+  }
+
+  void operator()(const proxy::declare& x) const {
+    const auto target = peis::key::parse(x.target);
+    if (target) // otherwise nothing is published under it
+      self->send(self->state.arguments.peer,
+                 declare_meta_tuple{x.key, peis::format_meta(peis::meta_target{
+                                               self->state.arguments.peer_number, *target})});
   }
 
   void operator()(proxy::write_device& x) const {
@@ -36,16 +45,19 @@ void perform(proxy_pointer self, proxy::proxy::outputs todo) {
 }
 
 void watch_all(proxy_pointer self) {
+  using source = proxy::watch::source;
   auto& state = self->state;
   state.watches = state.arguments.core.watches();
-  const auto& mote = state.arguments.core.who().mote;
+  const auto gateway = gateway_of(state.arguments.core.who().mote.island);
+  const auto own = state.arguments.peer_number;
+  const carried<peis_client_actor> client{caf::actor_cast<peis_client_actor>(self)};
   for (std::size_t i = 0; i < state.watches.size(); ++i) {
-    const bool own = state.watches[i].where == proxy::watch::source::own;
-    self->send(state.arguments.peer,
-               watch_tuples{{caf::actor_cast<peis_client_actor>(self)},
-                            i + 1,
-                            own ? state.arguments.peer_number : gateway_of(mote.island),
-                            state.watches[i].key});
+    const auto& x = state.watches[i];
+    if (x.where == source::meta)
+      self->send(state.arguments.peer, watch_indirectly{client, i + 1, own, x.key});
+    else
+      self->send(state.arguments.peer,
+                 watch_tuples{client, i + 1, x.where == source::own ? own : gateway, x.key});
   }
 }
 
@@ -54,7 +66,7 @@ void on_tuple(proxy_pointer self, const tuple_event& x) {
     return;
   auto& core = self->state.arguments.core;
   const auto& watched = self->state.watches.at(x.watch - 1);
-  if (watched.where == proxy::watch::source::own)
+  if (watched.where != proxy::watch::source::gateway)
     perform(self, core.on_input(watched.input, to_string(x.value.view()), now(self)));
   else
     perform(self, core.on_gateway_tuple(x.key, x.value.view(), now(self)));

@@ -126,6 +126,16 @@ bool fill(record& r, const set_remote_tuple& x) {
   return true;
 }
 
+bool fill(record& r, const set_meta_tuple& x) {
+  r.what = kind::set_remote_tuple;
+  r.id = x.token;
+  r.peer = x.owner.value;
+  r.text = x.key;
+  r.octets = to_bytes(std::string_view(x.reference));
+  r.yes = true;
+  return true;
+}
+
 bool fill(record& r, const tuple_event& x) {
   r.what = kind::tuple_event;
   r.id = x.watch;
@@ -254,8 +264,8 @@ void run_record::write(const scheduler::delivery& x) {
   const bool worth =
       take_any<radio_send, radio_done, frame_received, link_octets, set_tuple, tuple_event,
                serial_write, serial_octets, send_message, send_ended, message_received,
-               watch_tuples, set_remote_tuple, send_peis_message, delete_tuple, peis_outcome,
-               link_opened, actuator_changed, plug_serial, story>(x.content, r);
+               watch_tuples, set_remote_tuple, set_meta_tuple, send_peis_message, delete_tuple,
+               peis_outcome, link_opened, actuator_changed, plug_serial, story>(x.content, r);
   const auto cause = recorded_cause(x.cause);
   if (!worth) {
     if (cause != 0)

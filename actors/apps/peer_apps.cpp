@@ -30,10 +30,22 @@ void write_all(rules_pointer self, const std::vector<proxy::write_tuple>& writes
       continue; // said again when the owner is found: rules::on_owner
     self->send(state.ecology,
                story{self->path(), "writes " + x.key + " = " + x.word + (x.again ? " again" : "")});
-    self->send(state.peer, set_remote_tuple{handle_of(self), 0, owner->second, x.key,
-                                            payload(to_bytes(std::string_view(x.word))), true});
+    if (x.meta)
+      self->send(state.peer, set_meta_tuple{handle_of(self), 0, owner->second, x.key, x.word});
+    else
+      self->send(state.peer, set_remote_tuple{handle_of(self), 0, owner->second, x.key,
+                                              payload(to_bytes(std::string_view(x.word))), true});
   }
   state.wake.follow(self, state.rules.deadline());
+}
+
+/// The owner of a tuple to write has gone. If it comes back its inputs are where they are by
+/// default, so a reference is written again then; a word may be a command, and is not.
+void forget_reference(rules_pointer self, const std::string& key, peer_id owner) {
+  auto& owners = self->state.owners;
+  const auto known = owners.find(key);
+  if (self->state.rules.is_meta(key) && known != owners.end() && known->second == owner)
+    owners.erase(known);
 }
 
 void on_tuple(rules_pointer self, const tuple_event& x) {
@@ -41,6 +53,8 @@ void on_tuple(rules_pointer self, const tuple_event& x) {
   if (x.deleted) {
     if (x.watch == watch_read)
       state.rules.on_gone(x.key);
+    else
+      forget_reference(self, state.rules.written().at(x.watch - 1), x.owner);
     return;
   }
   if (x.watch == watch_read) {
@@ -150,7 +164,7 @@ peer_app_actor::behavior_type collector(collector_pointer self, config::collecto
 proxy::rule rule_of(const config::rule& x) {
   proxy::rule y{x.when, x.above, x.below, x.equals, x.lasting, x.otherwise_lasting, {}};
   for (const auto& each : x.writes)
-    y.writes.push_back({each.key, each.then, each.otherwise});
+    y.writes.push_back({each.key, each.then, each.otherwise, each.meta});
   return y;
 }
 

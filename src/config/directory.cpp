@@ -1,12 +1,14 @@
 #include "config/directory.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <functional>
 #include <utility>
 #include <vector>
 
 #include "config/ecology.hpp"
 #include "config/near.hpp"
+#include "peis/meta_tuple.hpp"
 
 namespace rubicon::config {
 
@@ -166,6 +168,16 @@ const std::string* text_with_slash(const node& x) {
   return found != nullptr && found->find('/') != std::string::npos ? found : nullptr;
 }
 
+/// A PEIS id as a file may write it.
+std::optional<peer_id> peer_id_of(std::string_view digits) {
+  std::int32_t id = 0;
+  const auto* const end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, id);
+  if (error != std::errc{} || stop != end || id < 1 || id > peer_id_max)
+    return std::nullopt;
+  return peer_id(id);
+}
+
 } // namespace
 
 std::string default_mote_name(std::string_view type_name, mote_id id) {
@@ -293,6 +305,25 @@ std::optional<std::string> link_end::read(const node& x, const asker& who) const
   if (!names.ends.contains(name))
     return unknown(x, who, "peer or gateway", name, keys_of(names.ends));
   return name;
+}
+
+std::optional<std::string> tuple_reference::read(const node& x, const asker& who) const {
+  const auto* text = x.as<std::string>();
+  const auto colon = text == nullptr ? std::string::npos : text->find(':');
+  if (text != nullptr && *text == "nowhere")
+    return peis::format_meta({});
+  if (colon == std::string::npos)
+    return who.refuse(x,
+                      "a tuple of a peer or gateway, as in \"robot:robot.state\", or \"nowhere\"");
+  const auto name = text->substr(0, colon);
+  const auto found = names.ends.find(name);
+  const auto owner = found == names.ends.end() ? peer_id_of(name) : found->second;
+  if (!owner)
+    return unknown(x, who, "peer or gateway", name, keys_of(names.ends));
+  const auto key = tuple_key{}.read({x.at, text->substr(colon + 1)}, who);
+  if (!key)
+    return std::nullopt;
+  return peis::format_meta(peis::meta_target{*owner, *peis::key::parse(*key)});
 }
 
 } // namespace rubicon::config

@@ -122,4 +122,12 @@ struct link_end {
   [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
 };
 
+/// A tuple of a peer or gateway, "NAME:KEY", or of a peer that the file does not have, "ID:KEY"; or
+/// "nowhere". The value is a meta tuple's: `(META <owner> <key>)`.
+struct tuple_reference {
+  using type = std::string;
+  const directory& names;
+  [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
+};
+
 } // namespace rubicon::config

@@ -15,6 +15,7 @@
 #include "core/time.hpp"
 #include "core/wire_form.hpp"
 #include "flow/flow_config.hpp"
+#include "goal/pursuer_config.hpp"
 #include "init/component.hpp"
 #include "mote/duty_config.hpp"
 #include "mote/transducer_config.hpp"
@@ -138,6 +139,7 @@ struct rule_write {
   std::string key;
   std::string then;      ///< empty: nothing is written
   std::string otherwise; ///< empty: nothing is written
+  bool meta = false;     ///< a meta tuple, and both texts are `(META <owner> <key>)`
 };
 
 /// When a tuple meets a condition for long enough, writes others; `below` and `above` give the
@@ -170,7 +172,7 @@ struct init_app {
 };
 
 using peer_app = std::variant<proxy_manager_app, rules_app, collector_app, rfid::reader_config,
-                              apps::app_config, init_app>;
+                              goal::pursuer_config, apps::app_config, init_app>;
 
 /// Where a peer takes links over real TCP.
 struct tcp_listener {

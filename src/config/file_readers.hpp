@@ -102,6 +102,12 @@ void check_object_manager(const table_reader& root, const std::vector<peer_descr
 /// app = "rfid_reader" of a peer.
 [[nodiscard]] rfid::reader_config read_rfid_reader(table_reader& in, std::string_view peer_name);
 
+/// app = "rules" of a peer.
+[[nodiscard]] rules_app read_rules(table_reader& in, const directory& names);
+
+/// app = "goal" of a peer; the name is empty if it has none.
+[[nodiscard]] goal::pursuer_config read_pursuer(table_reader& in, const directory& names);
+
 [[nodiscard]] std::vector<tag_description> read_tags(table_reader& root);
 
 /// [[fault]], ascending by time; none may be later than `length`.

@@ -19,6 +19,7 @@ struct peer_surroundings {
   claims<island_id> managed; ///< proxies map one-to-one to motes, so managers to islands (PXY-15)
   claims<std::string> object_managers{}; ///< "objects": a tagged object has one proxy as well
   name_claims readers{};
+  name_claims pursuers{};
   claims<std::pair<std::string, std::uint32_t>> ports{}; ///< by host
   machine_places places{};
   std::vector<placed_init> inits{};
@@ -47,48 +48,6 @@ proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
                          "already has a proxy manager");
   }
   out.islands = values_of(std::move(found));
-  return out;
-}
-
-rule_write read_rule_write(table_reader& in) {
-  rule_write out;
-  in.required("write", tuple_key{}, out.key);
-  in.optional("then", text{}, out.then);
-  in.optional("otherwise", text{}, out.otherwise);
-  if (!in.has("then") && !in.has("otherwise"))
-    in.problems().add(in.at(), "a rule needs `then`, `otherwise` or both");
-  return out;
-}
-
-rule read_rule(table_reader& in) {
-  rule out;
-  std::vector<located<std::string>> texts;
-  in.required("when", tuple_key{}, out.when);
-  in.optional("above", real{}, out.above);
-  in.optional("below", real{}, out.below);
-  in.optional("equals", list_of<text>{text{}, 1}, texts);
-  out.equals = values_of(std::move(texts));
-  in.optional("lasting", time_span{}, out.lasting);
-  in.optional("otherwise_lasting", time_span{}, out.otherwise_lasting);
-  in.tables(
-      "writes", "writes", [&out](table_reader& x) { out.writes.push_back(read_rule_write(x)); },
-      in.has("writes") ? 1 : 0);
-  if (!in.has("writes"))
-    out.writes.push_back(read_rule_write(in));
-  const bool has_threshold = in.has("above") || in.has("below");
-  if (has_threshold == in.has("equals"))
-    in.problems().add(in.at(), "a rule needs either `above`, `below` or both, or `equals`");
-  if (out.above && out.below && *out.below > *out.above)
-    in.problems().add(in.at("below"),
-                      "`below` must not be more than `above`, which is " + shown(*out.above));
-  return out;
-}
-
-rules_app read_rules(table_reader& in) {
-  rules_app out;
-  in.tables(
-      "rules", "rules", [&out](table_reader& x) { out.rules.push_back(read_rule(x)); }, 1);
-  in.optional("retry", time_span{0s, 1min}, out.retry);
   return out;
 }
 
@@ -227,6 +186,17 @@ rfid::reader_config read_reader(table_reader& in, const peer_table& peers, peer_
   return out;
 }
 
+/// A pursuer without a name has that of its peer, so peers with a `count` have one each.
+void claim_pursuer(const table_reader& in, const peer_table& peers, peer_surroundings& all,
+                   const std::string& name) {
+  const auto at = in.has("name") ? in.at("name") : in.at("app");
+  for (std::uint32_t i = 0; i < peers.count; ++i) { // the first mistake will do
+    const auto& own = name.empty() ? peers.name(i) : name;
+    if (!own.empty() && !all.pursuers.claim(own, "pursuer", at, in.problems()))
+      return;
+  }
+}
+
 void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
                std::vector<peer_description>& out) {
   peer_table peers;
@@ -245,9 +215,15 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
                                                std::to_string(peers.count));
            add(read_manager(y, apps));
          }},
-        {"rules", [&](table_reader& y) { add(read_rules(y)); }},
+        {"rules", [&](table_reader& y) { add(read_rules(y, with.names)); }},
         {"collector", [&](table_reader& y) { add(read_collector(y)); }},
         {"rfid_reader", [&](table_reader& y) { add(read_reader(y, peers, apps)); }},
+        {"goal",
+         [&](table_reader& y) {
+           auto app = read_pursuer(y, with.names);
+           claim_pursuer(y, peers, apps, app.name);
+           add(std::move(app));
+         }},
         {"init", [&](table_reader& y) {
            if (peers.count > 1)
              y.problems().add(y.at("app"),
@@ -270,6 +246,11 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
     auto peer = like;
     peer.id = peers.id(i);
     peer.name = peers.name(i);
+    for (auto& app : peer.apps) {
+      auto* const pursuer = std::get_if<goal::pursuer_config>(&app);
+      if (pursuer != nullptr && pursuer->name.empty())
+        pursuer->name = peer.name;
+    }
     if (peer.tcp && peer.tcp->port)
       peer.tcp->port = static_cast<std::uint16_t>(*peer.tcp->port + i);
     out.push_back(std::move(peer));

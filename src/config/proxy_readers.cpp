@@ -145,6 +145,8 @@ void read_input(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
   if (in.required("name", name_text{}, input.name))
     names.claim(input.name, in.at("name"), in.problems());
   in.required("channel", message_channel, input.channel);
+  if (in.optional("meta", flag{}, input.meta) && input.meta && !input.name.empty())
+    names.claim("mi-" + input.name, in.at("meta"), in.problems());
   if (in.required("words", pairs_of<hex_octets>{}, words) && words.empty())
     in.problems().add(in.at("words"), "`words` must have at least one word");
   for (auto& [key, octets] : words) {

@@ -144,6 +144,9 @@ struct app_text {
            (x.keys.size() > keys_shown_max ? counted(x.keys.size(), "key") : joined(x.keys)) + ')';
   }
   std::string operator()(const rfid::reader_config& x) const { return "reader " + x.name; }
+  std::string operator()(const goal::pursuer_config& x) const {
+    return x.name + " (" + counted(x.goals.size(), "goal") + ')';
+  }
   std::string operator()(const apps::app_config& x) const { return std::string(kind_of(x)); }
   std::string operator()(const init_app& x) const {
     std::vector<std::string> names;

@@ -64,8 +64,10 @@ std::vector<watch> proxy::watches() const {
   std::vector<watch> list;
   std::set<std::uint16_t> output_channels;
   for (const auto& input : class_.inputs) {
-    const auto key = key_of(input.name);
-    list.push_back({watch::source::own, key, input.name});
+    if (input.meta)
+      list.push_back({watch::source::meta, key_of("mi-" + input.name), input.name});
+    else
+      list.push_back({watch::source::own, key_of(input.name), input.name});
   }
   for (const auto& field : class_.fields)
     output_channels.insert(field.channel);
@@ -237,7 +239,17 @@ void proxy::say_prior_information(outputs& out) {
     say(key_of(input.name + ".words"), words_of(input), out);
     say(key_of(input.name + ".latency"), to_text(instant(latency_of(input.channel))), out);
     say(key_of(input.name), std::string(nothing_word), out);
+    if (input.meta)
+      declare_meta(input.name, out);
   }
+}
+
+void proxy::declare_meta(const std::string& input, outputs& out) {
+  auto key = key_of("mi-" + input);
+  if (fits_tuple_key(key))
+    out.emplace_back(declare{std::move(key), key_of(input)});
+  else
+    ++counters_.bad_keys;
 }
 
 void proxy::enter(state next, instant now, outputs& out) {

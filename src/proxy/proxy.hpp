@@ -37,6 +37,12 @@ struct write_device {
   bytes octets;
 };
 
+/// Make this own tuple a meta tuple that points at an own one, unless it is a meta tuple already.
+struct declare {
+  std::string key;
+  std::string target;
+};
+
 /// The mote has been gone for so long that the proxy should end (PXY-20).
 struct retire {};
 
@@ -44,6 +50,7 @@ struct retire {};
 struct watch {
   enum class source : std::uint8_t {
     own,     ///< own tuple that others write: hand its tuple_text() to on_input()
+    meta,    ///< what this own meta tuple points at, whoever owns it: the same
     gateway, ///< tuple of gateway_of(island): hand it to on_gateway_tuple()
   };
 
@@ -94,6 +101,9 @@ struct proxy_counters {
 ///   FIELD, FIELD.unit        newest reading, set at each reading even if equal (CB-01)
 ///   INPUT                    others write a word here; `none` at the start, so that it exists and
 ///                            tells everybody who owns it; not set by the proxy afterwards
+///   mi-INPUT                 of an input with `meta`: which tuple the input is, at first INPUT;
+///   who
+///                            rewrites it decides what the actuator follows (META-05)
 ///   INPUT.latency            in seconds: a request has its outcome by then (IF-07)
 ///   INPUT.words              the words the input knows, between blanks
 ///   INPUT.outcome            `on acknowledged`: the word, the last blank, the outcome; once per
@@ -104,7 +114,7 @@ struct proxy_counters {
 ///   any --left--> lost              lost --retire_after--> lost, with retire
 class proxy {
 public:
-  using output = std::variant<publish, write_device, retire>;
+  using output = std::variant<publish, declare, write_device, retire>;
   using outputs = std::vector<output>;
   enum class state : std::uint8_t { active, inactive, stale, lost };
 
@@ -154,6 +164,7 @@ private:
   [[nodiscard]] std::string key_of(std::string_view suffix) const;
   void say(std::string key, std::string text, outputs& out);
   void say_prior_information(outputs& out);
+  void declare_meta(const std::string& input, outputs& out);
   void say_state(instant now, outputs& out);
   void enter(state next, instant now, outputs& out);
   void sensed(instant now, outputs& out);

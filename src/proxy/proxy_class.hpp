@@ -34,6 +34,7 @@ struct input {
   std::string name;                                 ///< last part of the tuple's key, `switch`
   std::uint16_t channel = 0;                        ///< of `devices.$ID.input.$CH`
   std::vector<std::pair<std::string, bytes>> words; ///< `on` -> 01
+  bool meta = false; ///< it is the tuple that `mi-NAME` points at, at first its own (META-05)
 };
 
 /// Inclusive range of mote type ids.

@@ -36,14 +36,22 @@ rules::rules(std::vector<rule> list, duration retry) : retry_(retry) {
     if (!x.below)
       x.below = x.above;
     add_once(watched_, x.when);
-    for (const auto& write : x.writes)
+    for (const auto& write : x.writes) {
       add_once(written_, write.key);
+      if (write.meta)
+        add_once(meta_, write.key);
+    }
     rules_.push_back({std::move(x), level::unknown, level::unknown, {}});
   }
   if (retry_ > 0s) {
     for (const auto& key : written_)
-      add_once(watched_, key + std::string(outcome_suffix));
+      if (!is_meta(key)) // a reference has no outcome
+        add_once(watched_, key + std::string(outcome_suffix));
   }
+}
+
+bool rules::is_meta(std::string_view key) const {
+  return std::ranges::any_of(meta_, [&](const auto& x) { return same_key(x, key); });
 }
 
 std::vector<write_tuple> rules::on_value(std::string_view key, std::string_view text, instant now) {
@@ -148,7 +156,7 @@ std::vector<write_tuple> rules::on_owner(std::string_view key, instant) {
   for (const auto& [target, x] : standing_)
     if (same_key(target, key)) {
       ++counters_.writes;
-      out.push_back({target, x.word});
+      out.push_back({target, x.word, false, is_meta(target)});
     }
   return out;
 }
@@ -168,7 +176,7 @@ void rules::write(const std::string& to, const std::string& word, std::vector<wr
   }
   standing_.insert_or_assign(key, standing{word, retry_, {}});
   ++counters_.writes;
-  out.push_back({key, word});
+  out.push_back({key, word, false, is_meta(key)});
 }
 
 } // namespace rubicon::proxy

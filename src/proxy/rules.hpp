@@ -17,6 +17,7 @@ struct rule_write {
   std::string key;
   std::string then;      ///< empty: nothing is written
   std::string otherwise; ///< empty: nothing is written
+  bool meta = false;     ///< a meta tuple, and both texts say where it is to point (META-05)
 };
 
 /// When a tuple meets a condition, and has done so for long enough, writes others. The condition is
@@ -38,6 +39,7 @@ struct write_tuple {
   std::string key;
   std::string word;
   bool again = false; ///< since the last time it was written it has failed
+  bool meta = false;  ///< as in rule_write
 
   friend bool operator==(const write_tuple&, const write_tuple&) = default;
 };
@@ -73,6 +75,9 @@ public:
   /// of the rules.
   [[nodiscard]] const std::vector<std::string>& watched() const { return watched_; }
   [[nodiscard]] const std::vector<std::string>& written() const { return written_; }
+
+  /// Whether this key is that of a meta tuple, as written() and write_tuple have it.
+  [[nodiscard]] bool is_meta(std::string_view key) const;
 
   /// A tuple has a new value; for thresholds a number as std::from_chars reads it, the whole text,
   /// finite.
@@ -116,6 +121,7 @@ private:
   duration retry_{};
   std::vector<std::string> watched_;
   std::vector<std::string> written_;
+  std::vector<std::string> meta_;            ///< of them those of meta tuples
   std::map<std::string, standing> standing_; ///< by key, as in written_
   rules_counters counters_;
 };

@@ -156,3 +156,41 @@ TEST_CASE("a collector watches its keys with any owner and keeps the newest of e
   CHECK(reported.figures ==
         std::vector<std::pair<std::string, double>>{{"updates", 5}, {"tuples", 2}});
 }
+
+TEST_CASE("a rule points a meta tuple, and again when its owner has been away",
+          "[actors][rules][META-05]") {
+  virtual_world world;
+  fake<peis_peer_actor> peer{world};
+  fake<ecology_actor> ecology{world};
+  proxy::rule rule;
+  rule.when = "home.mode";
+  rule.equals = {"night"};
+  rule.writes = {{"lamp.mi-switch", "(META 7 night.light)", "(META -1 NULL)", true},
+                 {"fan.switch", "on", "off"}};
+  const auto rules = world.spawn_at("peer_app/care-pc/rules-1", rules_program, proxy::rules({rule}),
+                                    peer.handle(), ecology.handle());
+  const auto owner_is = [&](const std::string& key, bool gone) {
+    const auto watch = watch_on(peer, key);
+    world.send(rules, tuple_event{watch.watch, fan_owner, key, text_value("x"), gone});
+  };
+  set_watched(world, peer, "home.mode", text_value("night"));
+  CHECK(peer.count<set_meta_tuple>() == 0); // nobody has it yet
+  owner_is("lamp.mi-switch", false);
+  owner_is("fan.switch", false);
+  REQUIRE(peer.count<set_meta_tuple>() == 1);
+  const auto first = peer.all<set_meta_tuple>()[0];
+  CHECK(first.owner == fan_owner);
+  CHECK(first.key == "lamp.mi-switch");
+  CHECK(first.reference == "(META 7 night.light)");
+  CHECK(peer.count<set_remote_tuple>() == 1);
+  owner_is("lamp.mi-switch", false); // its own write comes back
+  CHECK(peer.count<set_meta_tuple>() == 1);
+  for (const auto gone : {true, false}) {
+    owner_is("lamp.mi-switch", gone);
+    owner_is("fan.switch", gone);
+  }
+  CHECK(peer.count<set_meta_tuple>() == 2);
+  CHECK(peer.count<set_remote_tuple>() == 1); // a word is said once
+  set_watched(world, peer, "home.mode", text_value("day"));
+  CHECK(peer.all<set_meta_tuple>().back().reference == "(META -1 NULL)");
+}

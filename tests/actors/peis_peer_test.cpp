@@ -349,3 +349,45 @@ TEST_CASE("a peer that leaves is forgotten by the others at once", "[actors][pei
   CHECK(x.report(x.robot_peer).hosts_known == 1);
   CHECK(x.report(x.robot_peer).links == 0);
 }
+
+TEST_CASE("a component follows its meta tuple, which another peer points elsewhere",
+          "[actors][peis_peer][META-02][META-04][META-05]") {
+  rig x;
+  const auto values = [&x](std::size_t from) {
+    std::vector<std::string> all;
+    const auto events = x.on_robot.all<tuple_event>();
+    for (std::size_t i = from; i < events.size(); ++i)
+      all.push_back(events[i].key + '=' + to_string(events[i].value.view()));
+    return all;
+  };
+  using words = std::vector<std::string>;
+  const auto set = [&x](const peis_peer_actor& who, const char* key, const char* value) {
+    x.world.send(who, set_tuple{key, text(value), true});
+    x.world.run_for(1s);
+  };
+  set(x.robot_peer, "robot.in", "own");
+  set(x.pc_peer, "pc.out", "first");
+  x.world.send(x.robot_peer, declare_meta_tuple{"robot.mi-in", "(META 30 robot.in)"});
+  x.world.send(x.robot_peer, watch_indirectly{x.on_robot, 4, robot, "robot.mi-in"});
+  CHECK(values(0) == words{"robot.in=own"});
+  CHECK(x.on_robot.all<tuple_event>()[0].watch == 4);
+
+  x.world.send(x.pc_peer, set_meta_tuple{x.on_pc, 9, robot, "robot.mi-in", "(META 11 pc.out)"});
+  x.world.run_for(1s);
+  REQUIRE(x.on_pc.count<peis_outcome>() == 1);
+  CHECK(x.on_pc.all<peis_outcome>()[0].token == 9);
+  CHECK(x.on_pc.all<peis_outcome>()[0].success);
+  CHECK(values(1) == words{"pc.out=first"});
+  set(x.robot_peer, "robot.in", "unheard");
+  set(x.pc_peer, "pc.out", "second");
+  CHECK(values(2) == words{"pc.out=second"});
+
+  // Declared again, as by a component that has started anew, it stays where it points.
+  x.world.send(x.robot_peer, declare_meta_tuple{"robot.mi-in", "(META 30 robot.in)"});
+  set(x.robot_peer, "robot.in", "unheard");
+  CHECK(values(3).empty());
+  x.world.send(x.pc_peer, set_meta_tuple{x.on_pc, 10, robot, "robot.mi-in", "(META -1 NULL)"});
+  x.world.run_for(1s);
+  set(x.pc_peer, "pc.out", "unheard");
+  CHECK(values(3).empty());
+}

@@ -146,3 +146,29 @@ TEST_CASE("a proxy reports its status, values and actuations", "[actors][proxy]"
   CHECK(report.actuations.acknowledged == 1);
   CHECK(report.actuations.failed == runtime::cause_counts{{"refused", 1}});
 }
+
+TEST_CASE("an input that may be any tuple is declared and followed by its meta tuple",
+          "[actors][proxy][PXY-12][META-05]") {
+  virtual_world world;
+  fake<peis_peer_actor> peer{world};
+  fake<ecology_actor> ecology{world};
+  auto what = test::sample_class();
+  what.inputs[0].meta = true;
+  world.spawn_at("proxy/kitchen.heater", proxy_behavior,
+                 proxy_arguments{proxy::proxy(what, {heater, "kitchen", "heater"}), care_pc,
+                                 peer.handle(), ecology.handle()});
+  const auto declared = peer.all<declare_meta_tuple>();
+  REQUIRE(declared.size() == 1);
+  CHECK(declared[0].key == "kitchen.heater.mi-switch");
+  CHECK(declared[0].reference == "(META 40 kitchen.heater.switch)");
+  const auto followed = peer.all<watch_indirectly>();
+  REQUIRE(followed.size() == 1);
+  CHECK(followed[0].owner == care_pc);
+  CHECK(followed[0].key == "kitchen.heater.mi-switch");
+  CHECK(peer.count<watch_tuples>() == 2); // of the gateway alone
+  // A word of another owner's tuple, which the kernel follows at the time.
+  world.send(followed[0].client.actor,
+             tuple_event{followed[0].watch, peer_id{7}, "wall.light", text_value("on"), false});
+  REQUIRE(peer.count<set_remote_tuple>() == 1);
+  CHECK(peer.all<set_remote_tuple>()[0].value == payload(bytes{0x01}));
+}

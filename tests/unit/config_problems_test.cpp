@@ -38,7 +38,7 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
       {"apps = [{ keys = [\"a\"] }]\n", "6:9: `app` is missing in apps of a peer"},
       {"apps = [{ app = \"colector\", keys = [\"a\"] }]\n",
        "6:17: `app` must be \"proxy_manager\", \"rules\", \"collector\", \"rfid_reader\", "
-       "\"init\", "
+       "\"goal\", \"init\", "
        "\"stream_reader\", "
        "\"reservoir\", \"readout\", \"average\", \"stream_switch\" or \"recorder\", not "
        "\"colector\"; did you mean \"collector\"?"},

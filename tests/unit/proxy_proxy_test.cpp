@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,6 +50,9 @@ lines told(const face::outputs& outputs) {
     std::string operator()(const write_device& x) const {
       return "write " + to_string(x.mote) + ' ' + device_input_key(x.mote.mote, x.channel) + ' ' +
              to_hex(x.octets);
+    }
+    std::string operator()(const rubicon::proxy::declare& x) const {
+      return x.key + " -> " + x.target;
     }
     std::string operator()(retire) const { return "retire"; }
   };
@@ -185,6 +189,31 @@ TEST_CASE("the marker of an unset input asks for nothing", "[proxy][PXY-12][META
   what.inputs = {{"light", 2, {{"none", {0}}, {"full", {1}}}}};
   face lamp(what, identity());
   CHECK(told(lamp.on_input("light", "none", start)) == lines{"write 5/7 devices.7.input.2 00"});
+}
+
+TEST_CASE("an input that may be any tuple is the one that its meta tuple points at",
+          "[proxy][META-04][META-05][PXY-12]") {
+  auto what = climate();
+  what.inputs[0].meta = true;
+  face aut(what, identity());
+  const auto out = told(aut.start(start));
+  const auto has = [&](const std::string& line) { return std::ranges::count(out, line) == 1; };
+  CHECK(has(base + "mi-switch -> " + base + "switch")); // at first its own
+  CHECK(has(base + "switch = none"));
+  CHECK(std::ranges::none_of(out, [](const auto& x) { return x.find("mi-led") < x.size(); }));
+  const auto list = aut.watches();
+  CHECK(list[0] == watch{watch::source::meta, base + "mi-switch", "switch"});
+  CHECK(list[1] == watch{watch::source::own, base + "led", "led"});
+  // Words are the same, whichever tuple they are of.
+  CHECK(told(aut.on_input("switch", "on", start)) == lines{"write 5/7 devices.7.input.2 01"});
+
+  what.prefix = std::string(110, 'x') + ".y";
+  what.inputs[0].name = "switchswitchsw"; // mi-NAME is over the limit, NAME is not
+  face longer(what, identity());
+  const auto before = longer.counters().bad_keys;
+  for (const auto& line : told(longer.start(start)))
+    CHECK(line.find("mi-") == std::string::npos);
+  CHECK(longer.counters().bad_keys > before);
 }
 
 TEST_CASE("a request the gateway leaves alone times out", "[proxy][PXY-12][IF-07]") {

@@ -222,3 +222,23 @@ TEST_CASE("what has failed at its proxy is written again, later and later", "[pr
   CHECK(once.on_value("kitchen.fan.switch.outcome", "on failed", instant{}).empty());
   CHECK(!once.deadline());
 }
+
+TEST_CASE("a rule that points a meta tuple writes references and waits for no outcome",
+          "[proxy][rules][META-05]") {
+  rule x;
+  x.when = "home.mode";
+  x.equals = {"night"};
+  x.writes = {{"lamp.mi-switch", "(META 7 night.light)", "(META -1 NULL)", true},
+              {"fan.switch", "on", "off"}};
+  rules aut({x});
+  CHECK(aut.watched() == std::vector<std::string>{"home.mode", "fan.switch.outcome"});
+  CHECK(aut.written() == std::vector<std::string>{"lamp.mi-switch", "fan.switch"});
+  CHECK(aut.is_meta("Lamp.MI-switch"));
+  CHECK(!aut.is_meta("fan.switch"));
+  CHECK(aut.on_value("home.mode", "night", instant{}) ==
+        writes{{"lamp.mi-switch", "(META 7 night.light)", false, true}, {"fan.switch", "on"}});
+  CHECK(aut.on_owner("lamp.mi-switch", instant{}) ==
+        writes{{"lamp.mi-switch", "(META 7 night.light)", false, true}});
+  CHECK(aut.on_value("home.mode", "day", instant{}) ==
+        writes{{"lamp.mi-switch", "(META -1 NULL)", false, true}, {"fan.switch", "off"}});
+}

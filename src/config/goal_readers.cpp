@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "config/claims.hpp"
+#include "config/file_readers.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+constexpr duration shortest = 1ms;
+constexpr duration longest = 24h * 10;
+constexpr std::size_t goal_octets_max = 64;
+
+/// What an output tells: a text, or a number.
+struct told_value {
+  using type = std::string;
+
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
+    if (const auto* whole_number = x.as<std::int64_t>())
+      return std::to_string(*whole_number);
+    if (const auto* decimal = x.as<double>(); decimal != nullptr && std::isfinite(*decimal))
+      return shown(*decimal);
+    if (x.as<std::string>() == nullptr)
+      return who.refuse(x, "a text or a number");
+    return text{}.read(x, who);
+  }
+};
+
+bool is_number(std::string_view x) {
+  double value = 0;
+  const auto [stop, error] = std::from_chars(x.data(), x.data() + x.size(), value);
+  return error == std::errc{} && stop == x.data() + x.size() && std::isfinite(value);
+}
+
+/// The names below that of one pursuer.
+class pursuer_names {
+public:
+  void claim(const table_reader& in, const std::string& name) {
+    constexpr std::array<std::string_view, 3> set_by_all{"goal", "state", "outcome"};
+    if (std::ranges::find(set_by_all, folded(name)) != set_by_all.end())
+      in.problems().add(in.at("name"), '`' + name + "` is a tuple of its own");
+    names_.claim(name, "name", in.at("name"), in.problems());
+  }
+
+private:
+  name_claims names_;
+};
+
+void read_input(table_reader& in, const directory& names, pursuer_names& own,
+                goal::pursuer_config& out) {
+  goal::input_config found;
+  if (in.required("name", name_text{}, found.name)) {
+    own.claim(in, found.name);
+    if (is_name("mi-" + found.name))
+      own.claim(in, "mi-" + found.name);
+    else
+      in.problems().add(in.at("name"),
+                        "`mi-" + found.name + "` would be longer than 32 characters");
+  }
+  in.optional("from", tuple_reference{names}, found.reference);
+  out.inputs.push_back(std::move(found));
+}
+
+void read_output(table_reader& in, pursuer_names& own, goal::pursuer_config& out) {
+  goal::output_config found;
+  double until = 0;
+  if (in.required("name", name_text{}, found.name))
+    own.claim(in, found.name);
+  const bool has_value = in.required("value", told_value{}, found.value);
+  in.optional("every", time_span{shortest, longest}, found.every);
+  in.optional("step", real{}, found.step);
+  if (in.optional("until", real{}, until))
+    found.until = until;
+  if (has_value && in.has("step") && !is_number(found.value))
+    in.problems().add(in.at("step"),
+                      "`step` needs a number as `value`, not " + quoted(found.value));
+  if (in.has("until") && !in.has("step"))
+    in.problems().add(in.at("until"), "`until` means nothing without `step`");
+  out.outputs.push_back(std::move(found));
+}
+
+/// input, equals, above and below of a state.
+void read_needs(table_reader& in, const goal::pursuer_config& own, goal::state_config& out) {
+  goal::condition found;
+  std::vector<located<std::string>> texts;
+  const bool has_input = in.optional("input", name_text{}, found.input);
+  in.optional("equals", list_of<text>{text{}, 1}, texts);
+  found.equals = values_of(std::move(texts));
+  in.optional("above", real{}, found.above);
+  in.optional("below", real{}, found.below);
+  const bool has_range = in.has("above") || in.has("below");
+  const bool known =
+      std::ranges::any_of(own.inputs, [&](const auto& x) { return x.name == found.input; });
+  if (has_input && !known)
+    in.problems().add(in.at("input"), "the app has no input `" + found.input + '`');
+  if (has_range && in.has("equals"))
+    in.problems().add(in.at("equals"),
+                      "a state needs either `equals`, or `above`, `below` or both");
+  if (in.has("input") != (has_range || in.has("equals")))
+    in.problems().add(in.at(), "`input` and what it is to be belong together");
+  if (found.above && found.below && *found.below <= *found.above)
+    in.problems().add(in.at("below"),
+                      "`below` must be more than `above`, which is " + shown(*found.above));
+  if (has_input)
+    out.needs = std::move(found);
+}
+
+void read_sets(table_reader& in, const goal::pursuer_config& own, goal::state_config& out) {
+  pairs_of<told_value>::type found;
+  in.optional("sets", pairs_of<told_value>{}, found);
+  for (auto& [name, value] : found) {
+    const auto output = std::ranges::find(own.outputs, name.value, &goal::output_config::name);
+    if (output == own.outputs.end())
+      in.problems().add(name.at, "the app has no output `" + name.value + '`');
+    else if (output->step != 0 && !is_number(value))
+      in.problems().add(name.at, '`' + name.value + "` has a `step` and must be a number, not " +
+                                     quoted(value));
+    out.sets.emplace_back(name.value, std::move(value));
+  }
+}
+
+void read_state(table_reader& in, const goal::pursuer_config& own, goal::goal_config& out) {
+  goal::state_config found;
+  if (in.required("state", name_text{}, found.name) &&
+      (found.name == "idle" || found.name == "waiting"))
+    in.problems().add(in.at("state"), '`' + found.name + "` is what it is in between");
+  in.required("for", time_span{shortest, longest}, found.length);
+  in.optional("jitter", time_span{0s, longest}, found.jitter);
+  in.optional("failure_rate", ratio{}, found.failure_rate);
+  read_needs(in, own, found);
+  read_sets(in, own, found);
+  out.states.push_back(std::move(found));
+}
+
+void read_goal(table_reader& in, claims<std::string>& goals, goal::pursuer_config& out) {
+  goal::goal_config found;
+  if (in.required("goal", text{goal_octets_max}, found.text)) {
+    if (found.text == "none")
+      in.problems().add(in.at("goal"), "`none` is what stands for no goal");
+    goals.claim(found.text, "goal `" + found.text + '`', in.at("goal"), in.problems());
+  }
+  in.optional("timeout", time_span{shortest, longest}, found.timeout);
+  in.tables(
+      "states", "states", [&](table_reader& x) { read_state(x, out, found); }, 1);
+  out.goals.push_back(std::move(found));
+}
+
+} // namespace
+
+goal::pursuer_config read_pursuer(table_reader& in, const directory& names) {
+  goal::pursuer_config out;
+  pursuer_names own;
+  claims<std::string> goals;
+  in.optional("name", name_text{}, out.name);
+  in.tables("inputs", "inputs of a goal app",
+            [&](table_reader& x) { read_input(x, names, own, out); });
+  in.tables("outputs", "outputs of a goal app", [&](table_reader& x) { read_output(x, own, out); });
+  in.tables("goals", "goals", [&](table_reader& x) { read_goal(x, goals, out); });
+  return out;
+}
+
+} // namespace rubicon::config

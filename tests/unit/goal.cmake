@@ -1,0 +1,1 @@
+rubicon_test(unit.goal SOURCES unit/goal_pursuer_test.cpp unit/goal_random_test.cpp NEEDS rubicon_goal)
