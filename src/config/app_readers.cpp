@@ -28,6 +28,7 @@ placed_app read_sampler(table_reader& in) {
   in.optional("jitter", time_span{0s, every_max}, app.jitter);
   read_channel(in, "channel", app.channel);
   in.optional("reliable", flag{}, app.reliable);
+  in.optional("stamped", flag{}, app.stamped);
   if (in.sound() && app.jitter > app.every)
     in.problems().add(in.at("jitter"),
                       "`jitter` must not be longer than `every`, which is " + to_text(app.every));

@@ -36,6 +36,7 @@ struct sampler_app {
   duration jitter = 0s;      ///< each period starts up to this much late, uniform
   std::uint16_t channel = 1; ///< output channel of section 5.4; equals the AM type, 0..255
   bool reliable = false;     ///< ask for an end-to-end acknowledgement
+  bool stamped = false;      ///< after the counts: uint32, when that was, as in sensor_record
 };
 
 /// Sets an actuator from the first octet received on a channel and answers with its new state.
