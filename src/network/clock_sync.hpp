@@ -120,7 +120,8 @@ public:
   /// By how much our clock is too slow, as far as is known: 1e-6 is 1 ppm.
   [[nodiscard]] double drift() const { return slope_; }
   [[nodiscard]] std::uint64_t steps() const { return steps_; } ///< lines begun anew (CLK-05)
-  [[nodiscard]] static std::size_t footprint() { return 20 + points_max * 12 + 24 + 8; }
+  /// Of a mote, which keeps its points as 32 bits of time and difference from the middle.
+  [[nodiscard]] static std::size_t footprint() { return 20 + points_max * 8 + 24 + 8; }
 
 private:
   struct point {
