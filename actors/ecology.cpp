@@ -211,6 +211,8 @@ void on_network(ecology_pointer self, const network_status& x) {
   if (!x.has_clock)
     return;
   auto& clocks = self->state.clocks[x.address.island];
+  if (x.has_network_time)
+    clocks.network_ahead_us.push_back(x.network_ahead_us);
   if (x.is_sink)
     clocks.sink_ahead_us = x.clock_ahead_us;
   else
@@ -224,6 +226,12 @@ void compare_clocks(ecology_pointer self) {
       const auto apart =
           std::chrono::microseconds(std::abs(ahead - clocks.sink_ahead_us.value_or(ahead)));
       error = std::max<duration>(error, apart);
+    }
+    auto& time_error = island_of(self, island).network.time_error_max;
+    for (const auto ahead : clocks.network_ahead_us) {
+      const auto apart = std::chrono::microseconds(ahead) - clocks.clock_offset.value_or(0s);
+      time_error =
+          std::max<duration>(time_error, clocks.clock_offset ? std::chrono::abs(apart) : 0s);
     }
   }
 }
@@ -425,7 +433,11 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const message_status& x) { island_of(self, x.island).messages += x.messages; },
       [self](const network_status& x) { on_network(self, x); },
       [self](const serial_status& x) { island_of(self, x.island).serial += x.serial; },
-      [self](const devices_status& x) { self->state.listed[x.island] = x.listed; },
+      [self](const devices_status& x) {
+        self->state.listed[x.island] = x.listed;
+        if (x.has_clock)
+          self->state.clocks[x.island].clock_offset = x.clock_offset;
+      },
       [self](const peer_status& x) {
         self->state.report.peers.push_back(x.peer);
         self->state.known_hosts[x.peer.id] = x.hosts;

@@ -78,6 +78,8 @@ struct process_facts {
 struct island_clocks {
   std::optional<std::int64_t> sink_ahead_us; ///< nothing: it does not know the time either
   std::vector<std::int64_t> motes_ahead_us;
+  std::vector<std::int64_t> network_ahead_us; ///< as the motes and the sink know the time of peers,
+  std::optional<duration> clock_offset;       ///< and as their gateway's kernel does
 };
 
 struct ecology_state {

@@ -190,6 +190,7 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   self->send(state.arguments.peer,
              watch_subscribers{{caf::actor_cast<subscribers_watcher_actor>(self)},
                                std::string(devices_key)});
+  self->send(state.arguments.peer, watch_clock{{caf::actor_cast<clock_watcher_actor>(self)}});
   state.programs.start(state.gateway, state.arguments.programs, self->path(), state.arguments.seed,
                        state.arguments.config.incarnation > 0, now(self));
   perform(self, state.gateway.start(now(self)));
@@ -206,6 +207,7 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
         self->state.gateway.on_subscribers(x.keys, now(self));
         follow(self);
       },
+      [self](const clock_changed& x) { self->state.gateway.on_clock(x.offset); },
       [self](const serial_octets& x) {
         perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));
       },
@@ -215,9 +217,11 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
       },
       [self](status_request) {
         report_counters(self);
-        self->send(
-            self->state.arguments.ecology,
-            devices_status{self->state.arguments.config.island, self->state.gateway.devices()});
+        const auto& gateway = self->state.gateway;
+        self->send(self->state.arguments.ecology,
+                   devices_status{self->state.arguments.config.island, gateway.devices(),
+                                  gateway.clock_offset().has_value(),
+                                  gateway.clock_offset().value_or(0s)});
         self->state.programs.report(self, self->state.arguments.ecology,
                                     self->state.arguments.name);
       },

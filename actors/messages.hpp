@@ -93,8 +93,10 @@ struct message_status {
 struct network_status {
   mote_address address;
   bool is_sink = false;
-  bool has_clock = false;          ///< it knows the island's time
-  std::int64_t clock_ahead_us = 0; ///< island time minus real time
+  bool has_clock = false;            ///< it knows the island's time
+  std::int64_t clock_ahead_us = 0;   ///< island time minus real time
+  bool has_network_time = false;     ///< it knows the time that peers share (CLK-08)
+  std::int64_t network_ahead_us = 0; ///< network time, as it knows it, minus real time
   runtime::network_report network;
 };
 
@@ -107,6 +109,8 @@ struct serial_status {
 struct devices_status {
   island_id island;
   std::vector<mote_id> listed;
+  bool has_clock = false;  ///< its kernel has told the network time,
+  duration clock_offset{}; ///< which is so much ahead of ecology time
 };
 
 struct peer_status {
@@ -304,9 +308,10 @@ struct send_ended {
   bool acked = false;
 };
 
-/// Counts of the transducers asked for, in that order.
+/// Counts of the transducers asked for, in that order, and when that was, as in sensor_record.
 struct transducers_read {
   std::vector<std::int16_t> counts;
+  std::uint32_t time_ms = 0;
 };
 
 /// An actuator has been asked to change; `state` is what it is now.
@@ -713,6 +718,19 @@ struct watch_subscribers {
   std::string first_part;
 };
 
+/// Network time is so much ahead of ecology time (CLK-06).
+struct clock_changed {
+  duration offset{};
+};
+
+using clock_watcher_actor = caf::typed_actor<caf::reacts_to<clock_changed>>;
+
+/// Asks for the kernel's clock: told now and after each change, to the one who has asked last
+/// (CLK-08).
+struct watch_clock {
+  carried<clock_watcher_actor> watcher;
+};
+
 /// Every package on this port is for the client (D1.1 3.1.3 registerHook).
 struct hook_port {
   carried<peis_client_actor> client;
@@ -807,16 +825,17 @@ using peis_peer_actor = lan_user_actor::extend<
     caf::reacts_to<bluetooth_opened>, caf::reacts_to<link_sent>, caf::reacts_to<set_tuple>,
     caf::reacts_to<delete_tuple>, caf::reacts_to<set_remote_tuple>, caf::reacts_to<watch_tuples>,
     caf::reacts_to<declare_meta_tuple>, caf::reacts_to<set_meta_tuple>,
-    caf::reacts_to<watch_indirectly>, caf::reacts_to<watch_subscribers>, caf::reacts_to<hook_port>,
-    caf::reacts_to<send_peis_message>, caf::reacts_to<broadcast_peis_message>,
-    caf::reacts_to<pause_peer>, caf::reacts_to<resume_peer>, caf::reacts_to<step_clock>,
-    caf::reacts_to<leave_network>, caf::reacts_to<quit_peer>, caf::reacts_to<guard_kernel>,
-    caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+    caf::reacts_to<watch_indirectly>, caf::reacts_to<watch_subscribers>,
+    caf::reacts_to<watch_clock>, caf::reacts_to<hook_port>, caf::reacts_to<send_peis_message>,
+    caf::reacts_to<broadcast_peis_message>, caf::reacts_to<pause_peer>, caf::reacts_to<resume_peer>,
+    caf::reacts_to<step_clock>, caf::reacts_to<leave_network>, caf::reacts_to<quit_peer>,
+    caf::reacts_to<guard_kernel>, caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// The gateway between an island and the PEIS network.
 using gateway_actor =
-    peis_client_actor::extend<caf::reacts_to<subscribers_changed>, caf::reacts_to<serial_octets>,
-                              caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+    peis_client_actor::extend<caf::reacts_to<subscribers_changed>, caf::reacts_to<clock_changed>,
+                              caf::reacts_to<serial_octets>, caf::reacts_to<timer_expired>,
+                              caf::reacts_to<status_request>>;
 
 /// Whether the proxied mote is there, as its gateway says.
 struct mote_presence {

@@ -36,7 +36,7 @@ auto inspect(F& f, network_report& x) {
   return f(caf::meta::type_name("network_report"), x.beacons, x.packets, x.arrived, x.forwarded,
            x.repeated, x.channels_asked, x.channels_opened, x.channels_flooded, x.channels_broken,
            x.channel_packets, x.channel_packets_arrived, x.lost, x.hops_max, x.synchronised,
-           x.clock_error_max, x.state_octets);
+           x.clock_error_max, x.aligned, x.time_error_max, x.state_octets);
 }
 
 template <class F>
@@ -132,7 +132,7 @@ auto inspect(F& f, flow_status& x) {
 template <class F>
 auto inspect(F& f, network_status& x) {
   return f(caf::meta::type_name("network_status"), x.address, x.is_sink, x.has_clock,
-           x.clock_ahead_us, x.network);
+           x.clock_ahead_us, x.has_network_time, x.network_ahead_us, x.network);
 }
 
 template <class F>
@@ -147,7 +147,7 @@ auto inspect(F& f, serial_status& x) {
 
 template <class F>
 auto inspect(F& f, devices_status& x) {
-  return f(caf::meta::type_name("devices_status"), x.island, x.listed);
+  return f(caf::meta::type_name("devices_status"), x.island, x.listed, x.has_clock, x.clock_offset);
 }
 
 template <class F>
@@ -249,7 +249,7 @@ auto inspect(F& f, send_ended& x) {
 
 template <class F>
 auto inspect(F& f, transducers_read& x) {
-  return f(caf::meta::type_name("transducers_read"), x.counts);
+  return f(caf::meta::type_name("transducers_read"), x.counts, x.time_ms);
 }
 
 template <class F>
@@ -547,6 +547,16 @@ auto inspect(F& f, watch_subscribers& x) {
 }
 
 template <class F>
+auto inspect(F& f, clock_changed& x) {
+  return f(caf::meta::type_name("clock_changed"), x.offset);
+}
+
+template <class F>
+auto inspect(F& f, watch_clock& x) {
+  return f(caf::meta::type_name("watch_clock"), x.watcher);
+}
+
+template <class F>
 auto inspect(F& f, broadcast_peis_message& x) {
   return f(caf::meta::type_name("broadcast_peis_message"), x.port, x.octets);
 }
@@ -719,6 +729,8 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::set_remote_tuple))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::watch_tuples))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::watch_subscribers))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::subscribers_changed))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::watch_clock))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::clock_changed))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::broadcast_peis_message))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::hook_port))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::send_peis_message))

@@ -146,8 +146,9 @@ void on_claim(mote_pointer self, const claim_am_type& x) {
 
 void on_read(mote_pointer self, const read_transducers& x) {
   transducers_read answer;
+  answer.time_ms = self->state.node->time_ms(own_time(self));
   for (const auto kind : x.kinds) {
-    if (const auto count = self->state.node->read(kind, own_time(self)))
+    if (const auto count = self->state.node->read(kind, now(self))) // the world knows no crystal
       answer.counts.push_back(*count);
   }
   self->send(x.app.actor, std::move(answer));

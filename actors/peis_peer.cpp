@@ -175,10 +175,20 @@ void tell_subscribers(peer_pointer self) {
   self->send(state.subscribers_watcher, subscribers_changed{state.subscribers_told});
 }
 
+void tell_clock(peer_pointer self) {
+  auto& state = self->state;
+  const auto offset = state.kernel.clock().offset();
+  if (!state.clock_watcher || state.clock_told == offset)
+    return;
+  state.clock_told = offset;
+  self->send(state.clock_watcher, clock_changed{offset});
+}
+
 void perform(peer_pointer self, peis::outputs todo) {
   for (auto& output : todo)
     std::visit(performer{self}, output);
   tell_subscribers(self);
+  tell_clock(self);
   self->state.wake.follow(self, self->state.kernel.deadline());
 }
 
@@ -194,6 +204,8 @@ void forget(peer_pointer self, const caf::actor_addr& client) {
   state.clients.erase(client);
   if (state.subscribers_watcher && state.subscribers_watcher.address() == client)
     state.subscribers_watcher = nullptr;
+  if (state.clock_watcher && state.clock_watcher.address() == client)
+    state.clock_watcher = nullptr;
   if (state.init && state.init.address() == client)
     state.init = nullptr;
   std::erase_if(state.ports, [&](const auto& x) { return x.second.address() == client; });
@@ -266,6 +278,14 @@ void on_watch_subscribers(peer_pointer self, const watch_subscribers& x) {
   state.subscribers_first_part = x.first_part;
   state.subscribers_version.reset();
   tell_subscribers(self);
+}
+
+void on_watch_clock(peer_pointer self, const watch_clock& x) {
+  auto& state = self->state;
+  know(self, x.watcher.actor);
+  state.clock_watcher = x.watcher.actor;
+  state.clock_told.reset();
+  tell_clock(self);
 }
 
 void on_guard(peer_pointer self, const guard_kernel& x) {
@@ -492,6 +512,7 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
                                [self](const watch_indirectly& x) { on_watch_indirectly(self, x); }),
       served<watch_subscribers>(
           self, [self](const watch_subscribers& x) { on_watch_subscribers(self, x); }),
+      served<watch_clock>(self, [self](const watch_clock& x) { on_watch_clock(self, x); }),
       served<broadcast_peis_message>(self,
                                      [self](const broadcast_peis_message& x) {
                                        perform(self, self->state.kernel.broadcast(x.port, x.octets,

@@ -17,6 +17,10 @@ network_status status_of(mote_address address, const mote::packet_service& x, in
     const auto real = std::chrono::floor<island_clock::duration>(now.time_since_epoch());
     status.clock_ahead_us = (router.clock().at(own).time_since_epoch() - real).count();
   }
+  if (const auto network = router.clock().network_time(own)) {
+    status.has_network_time = true;
+    status.network_ahead_us = (*network - now.time_since_epoch()) / 1us;
+  }
   auto& r = status.network;
   r.beacons = router.counters().beacons;
   r.packets = packets.originated;
@@ -48,6 +52,7 @@ network_status status_of(mote_address address, const mote::node& x, instant own,
   const auto& above = x.above().counters();
   auto& r = status.network;
   r.synchronised = status.has_clock ? 1 : 0;
+  r.aligned = status.has_network_time ? 1 : 0;
   if (x.packets().router().has_route())
     r.hops_max = x.packets().router().tree().hops();
   r.state_octets = x.footprint();

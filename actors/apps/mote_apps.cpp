@@ -63,6 +63,8 @@ void on_counts(sampler_pointer self, const transducers_read& x) {
   for (const auto count : x.counts)
     out.big(count);
   auto& state = self->state;
+  if (state.config.stamped)
+    out.big(x.time_ms);
   self->send(state.mote, send_message{handle_of(self), ++state.sent, gateway_address,
                                       static_cast<std::uint8_t>(state.config.channel),
                                       payload(out.finish()), state.config.reliable});

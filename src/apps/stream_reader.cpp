@@ -2,6 +2,12 @@
 
 namespace rubicon::apps {
 
+namespace {
+
+constexpr duration leap_min = 24h; ///< more than that between two records: the time was set
+
+} // namespace
+
 void stream_reader::on_opened(std::size_t) {
   if (openings() == 1)
     tell("stream " + std::to_string(config_.stream) + " is open");
@@ -10,8 +16,9 @@ void stream_reader::on_opened(std::size_t) {
 
 void stream_reader::on_record(std::size_t, const stream::sensor_record& x) {
   const auto period = static_cast<std::uint32_t>(config_.every / 1ms);
-  if (last_ms_ && period > 0) { // rounded: clocks are corrected between records
-    const auto steps = (x.time_ms - *last_ms_ + period / 2) / period;
+  const auto since = static_cast<std::int32_t>(x.time_ms - last_ms_.value_or(x.time_ms));
+  if (since > 0 && since < leap_min / 1ms && period > 0) { // rounded: clocks are corrected
+    const auto steps = (static_cast<std::uint32_t>(since) + period / 2) / period;
     missing_ += steps > 0 ? steps - 1 : 0;
   }
   last_ms_ = x.time_ms;

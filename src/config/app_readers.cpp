@@ -34,6 +34,7 @@ placed_app read_sampler(table_reader& in) {
       app.every_min > app.every)
     in.problems().add(in.at("every_min"), "`every_min` must not be longer than `every`, which is " +
                                               to_text(app.every));
+  in.optional("stamped", flag{}, app.stamped);
   if (in.sound() && app.jitter > app.every)
     in.problems().add(in.at("jitter"),
                       "`jitter` must not be longer than `every`, which is " + to_text(app.every));

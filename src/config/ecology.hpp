@@ -39,6 +39,7 @@ struct sampler_app {
   bool reliable = false;        ///< ask for an end-to-end acknowledgement
   bool only_subscribed = false; ///< send while somebody subscribes to the channel only (GW-10)
   duration every_min = 100ms;   ///< at most `every`: nobody may ask for a shorter period (IF-04)
+  bool stamped = false;         ///< after the counts: uint32, when that was, as in sensor_record
 };
 
 /// Sets an actuator from the first octet received on a channel and answers with its new state.

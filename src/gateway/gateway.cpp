@@ -81,6 +81,7 @@ gateway::gateway(gateway_config config, random_stream dice)
 
 outputs gateway::start(instant now) {
   now_ = now;
+  clock_settled_ = config_.incarnation > 0 ? now + config_.clock_settling : now;
   outputs out{device_list(), text_tuple(std::string(device_line_key), line_text("silent", now)),
               ask_about(broadcast_mote)}; // the sink may have run for long
   others_.start(now);
@@ -353,6 +354,22 @@ outputs gateway::on_event(const network::sink_started&, instant now) {
   rejoin_until_ = now + config_.rejoin_wait;
   make_stale(out);
   return out;
+}
+
+/// Without an answer a sink goes on with what it knows, which is better than a time that others are
+/// about to correct.
+outputs gateway::on_event(const network::time_request& x, instant now) {
+  if (!clock_offset_ || now < clock_settled_)
+    return {};
+  const auto time =
+      std::chrono::floor<std::chrono::microseconds>(now.time_since_epoch() + *clock_offset_);
+  return {to_sink{broadcast_mote, network::am::sink_event,
+                  network::encode(network::time_answer{x.number, time})}};
+}
+
+outputs gateway::on_event(const network::time_answer&, instant) {
+  ++counters_.unknown_type; // only gateways answer
+  return {};
 }
 
 outputs gateway::take(endpoint::outputs from_pc) {

@@ -81,6 +81,8 @@ struct gateway_config {
   std::size_t inputs_outstanding_max = 64; ///< further inputs fail at once
   wire_form form = wire_form::segment;     ///< strict54: with every other gateway (WIR-04)
   duration line_silence_max = 25s;         ///< more than two rosters of its sink without a word
+  duration clock_settling =
+      10s;                    ///< a restarted kernel's clock is not told before: it hears others'
   duration rejoin_wait = 60s; ///< a sink that was started again may find its motes until then
   directory_config others{};
   output_requests_config requests{};
@@ -159,6 +161,9 @@ public:
     requests_.on_subscribers(keys, now);
   }
 
+  /// Network time is so much ahead of our time from now on; sinks ask for it (CLK-08).
+  void on_clock(duration offset) { clock_offset_ = offset; }
+
   /// Somebody has written `devices.$ID.output.$CH.period`.
   void on_period(mote_id mote, std::uint16_t channel, std::string_view text, instant now);
 
@@ -168,6 +173,7 @@ public:
   [[nodiscard]] std::vector<mote_id> devices() const; ///< ascending
   [[nodiscard]] const gateway_counters& counters() const { return counters_; }
   [[nodiscard]] const directory& others() const { return others_; }
+  [[nodiscard]] std::optional<duration> clock_offset() const { return clock_offset_; }
   [[nodiscard]] std::size_t outstanding() const { return above().messages().outstanding(); }
   [[nodiscard]] const transport::endpoint_counters& messages() const {
     return above().messages().counters();
@@ -195,6 +201,8 @@ private:
   [[nodiscard]] outputs on_event(const network::roster& x, instant now);
   [[nodiscard]] outputs on_event(const network::describe& x, instant now);
   [[nodiscard]] outputs on_event(const network::sink_started& x, instant now);
+  [[nodiscard]] outputs on_event(const network::time_request& x, instant now);
+  [[nodiscard]] outputs on_event(const network::time_answer& x, instant now);
   void on_line_heard(outputs& out);
   void refresh(mote_id mote, outputs& out);
   void make_stale(outputs& out);
@@ -222,7 +230,9 @@ private:
   std::uint16_t strict_counter_ = 0; ///< of what came in the strict form
   output_requests requests_;
   std::map<transport::ticket, mote_id> asked_; ///< requests under way
-  std::optional<instant> line_heard_;          ///< nothing: never
+  std::optional<duration> clock_offset_;
+  instant clock_settled_;
+  std::optional<instant> line_heard_; ///< nothing: never
   bool line_up_ = false;
   instant rejoin_until_; ///< before this the sink, started again, may not know all its motes
   std::optional<std::uint16_t> roster_number_; ///< of the roster being received

@@ -366,15 +366,7 @@ void node::perform(layer_output& x, node_outputs& out, instant now) {
     take(packets_.router().disconnect(channel_of(over->channel), now), out, now);
   } else if (const auto* sample = std::get_if<sample_wanted>(&x)) {
     const auto count = read(static_cast<quantity>(sample->transducer), now);
-    const auto& shared = packets_.router().clock();
-    const auto time =
-        shared.synchronised()
-            ? shared.at(now).time_since_epoch()
-            : std::chrono::duration_cast<island_clock::duration>(now.time_since_epoch());
-    layer_->on_sample(sample->stream,
-                      {{island_, config_.id},
-                       static_cast<std::uint32_t>(time / std::chrono::milliseconds(1)),
-                       count.value_or(0)},
+    layer_->on_sample(sample->stream, {{island_, config_.id}, time_ms(now), count.value_or(0)},
                       now);
   } else if (std::holds_alternative<init_wanted>(x)) {
     layer_->on_initialised(true, now);
@@ -431,6 +423,14 @@ std::optional<std::int16_t> node::read(quantity kind, instant now) {
   if (found == config_.transducers.end())
     return std::nullopt;
   return sample(*found, now, dice_, {config_.place, config_.transducer_seed});
+}
+
+std::uint32_t node::time_ms(instant now) const {
+  const auto& shared = packets_.router().clock();
+  const auto island =
+      shared.synchronised() ? shared.at(now).time_since_epoch() : now.time_since_epoch();
+  return static_cast<std::uint32_t>(shared.network_time(now).value_or(island) /
+                                    std::chrono::milliseconds(1));
 }
 
 bool node::actuate(const std::string& name, std::uint8_t state, instant now) {

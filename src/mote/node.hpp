@@ -88,6 +88,10 @@ public:
   /// One reading, as a count; nothing if the mote has no such transducer.
   [[nodiscard]] std::optional<std::int16_t> read(quantity kind, instant now);
 
+  /// What a datum of now is stamped with: the time that peers share if it is known, else the
+  /// island's, else our own; the low 32 bits of its milliseconds (IF-06, CLK-08).
+  [[nodiscard]] std::uint32_t time_ms(instant now) const;
+
   /// The mote is somewhere else from now on.
   void move(position x) { config_.place = x; }
 

@@ -23,6 +23,7 @@ sink::sink(network::router_config network, registrar_config members, const duty_
   members.confirm_wait += duty.answer_slack();
   registrar_ = registrar(members);
   packets_ = packet_service(network, dice, now);
+  time_ = network::time_reference({}, now);
 }
 
 sink_outputs sink::start(instant now) {
@@ -57,10 +58,8 @@ sink_outputs sink::on_packet(std::uint8_t am_type, byte_view payload, instant no
     return finish(to_island(*packet, now), now);
   }
   if (am_type == network::am::sink_event) {
-    const auto event = network::decode_sink_event(*whole);
-    const auto* wanted = event ? std::get_if<network::describe>(&*event) : nullptr;
-    if (wanted != nullptr)
-      return finish(take(registrar_.on_describe(wanted->mote, now), now), now);
+    if (const auto event = network::decode_sink_event(*whole))
+      return on_event(*event, now);
     ++counters_.malformed;
     return {};
   }
@@ -68,14 +67,37 @@ sink_outputs sink::on_packet(std::uint8_t am_type, byte_view payload, instant no
   return {};
 }
 
+sink_outputs sink::on_event(const network::sink_event& x, instant now) {
+  if (const auto* wanted = std::get_if<network::describe>(&x))
+    return finish(take(registrar_.on_describe(wanted->mote, now), now), now);
+  if (const auto* answer = std::get_if<network::time_answer>(&x)) {
+    time_.on_answer(answer->number, answer->since_1970, now);
+    tell_time(now);
+    return finish({}, now);
+  }
+  ++counters_.malformed;
+  return {};
+}
+
+/// The island's clock tells what the gateway says the time is (CLK-08).
+void sink::tell_time(instant now) {
+  if (const auto time = time_.at(now))
+    packets_.router().clock().set_network_time(*time, now);
+}
+
 sink_outputs sink::on_time(instant now) {
+  tell_time(now);
   auto out = take(registrar_.on_time(now), now);
+  if (const auto number = time_.on_time(now))
+    out.emplace_back(to_gateway{self_, network::am::sink_event,
+                                encode(network::sink_event(network::time_request{*number}))});
   append(out, take(packets_.on_time(now), now));
   return finish(std::move(out), now);
 }
 
 instant sink::deadline() const {
-  return *earliest(packets_.deadline(), earliest(registrar_.deadline(), duty_.deadline()));
+  const auto due = earliest(registrar_.deadline(), duty_.deadline());
+  return std::min(*earliest(packets_.deadline(), due), time_.deadline());
 }
 
 /// Lets the frames go that may.

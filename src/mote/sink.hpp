@@ -13,6 +13,7 @@
 #include "mote/duty_cycle.hpp"
 #include "mote/packet_service.hpp"
 #include "mote/registrar.hpp"
+#include "network/time_reference.hpp"
 #include "transport/pieces.hpp"
 
 namespace rubicon::mote {
@@ -61,11 +62,14 @@ public:
   [[nodiscard]] std::size_t members() const { return registrar_.members(); }
   [[nodiscard]] const sink_counters& counters() const { return counters_; }
   [[nodiscard]] const packet_service& packets() const { return packets_; }
+  [[nodiscard]] const network::time_reference& time() const { return time_; }
 
 private:
   [[nodiscard]] sink_outputs finish(sink_outputs out, instant now);
   [[nodiscard]] sink_outputs take(packet_service_outputs from_packets, instant now);
   [[nodiscard]] sink_outputs take(registrar_outputs from_registrar, instant now);
+  [[nodiscard]] sink_outputs on_event(const network::sink_event& x, instant now);
+  void tell_time(instant now);
   [[nodiscard]] sink_outputs from_island(const packet_in& x, instant now);
   [[nodiscard]] sink_outputs to_island(const network::island_packet& x, instant now);
   [[nodiscard]] sink_outputs to_line(mote_id origin, const network::island_packet& x);
@@ -75,6 +79,7 @@ private:
   registrar registrar_;
   packet_service packets_;
   duty_cycle duty_;
+  network::time_reference time_;
   transport::assembly pieces_; ///< of packets from the gateway
   std::uint8_t tag_ = 0;
   sink_counters counters_;

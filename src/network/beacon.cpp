@@ -26,7 +26,7 @@ link_report beacon::report(mote_id source, mote_id self, bool has_route) const {
 }
 
 bytes encode(const beacon& x) {
-  assert(x.heard.size() <= beacon::heard_max);
+  assert(x.heard.size() <= beacon::heard_max(x.clock));
   byte_writer out;
   out.big(x.sequence).octet(x.next_quarters);
   x.gradient.write(out);

@@ -15,22 +15,24 @@
 
 namespace rubicon::network {
 
-/// uint16 sequence, uint8 next, gradient (9 octets), coordinates (26), clock (26), then for each
-/// neighbour heard uint16 mote, uint8 quality; network byte order.
+/// uint16 sequence, uint8 next, gradient (9 octets), coordinates (26), clock (26 or 34), then for
+/// each neighbour heard uint16 mote, uint8 quality; network byte order.
 struct beacon {
   std::uint16_t sequence = 0;
   std::uint8_t next_quarters = 0; ///< the next beacon comes within so many quarters of a second
   gradient_part gradient;
   coordinates_part coordinates;
   clock_stamp clock{};                        ///< of root 0: none
-  std::vector<neighbours::heard_entry> heard; ///< at most heard_max
+  std::vector<neighbours::heard_entry> heard; ///< at most heard_max()
 
   static constexpr std::size_t header_size =
       3 + gradient_part::size + coordinates_part::size + clock_stamp_size;
   /// Where the clock's age lies, for the radio.
   static constexpr std::size_t age_at =
       3 + gradient_part::size + coordinates_part::size + clock_stamp_age_at;
-  static constexpr std::size_t heard_max = (frame_payload_max - header_size) / 3;
+  [[nodiscard]] static constexpr std::size_t heard_max(const clock_stamp& clock) {
+    return (frame_payload_max - header_size - (clock.network_ahead ? network_ahead_size : 0)) / 3;
+  }
 
   /// So many neighbours listed fill a mote's table: there may be no room for more.
   static constexpr std::size_t crowd = neighbours_config{}.capacity;
@@ -44,7 +46,7 @@ struct beacon {
 /// @returns `x` in quarters of a second, rounded up, 255 at most
 [[nodiscard]] std::uint8_t quarters(duration x);
 
-/// @pre x.heard.size() <= beacon::heard_max
+/// @pre x.heard.size() <= beacon::heard_max(x.clock)
 [[nodiscard]] bytes encode(const beacon& x);
 
 /// Errors: truncated (also within the list), too_long, bad_value (a mote in the list whose id no

@@ -14,6 +14,9 @@ using std::chrono::microseconds;
 
 constexpr unsigned period_bits = 13;
 constexpr int stale_periods = 3; ///< without news of it: a root may have begun anew
+constexpr microseconds tells_network_time{std::int64_t{1} << 47}; ///< added to tick.from
+constexpr microseconds leap_min{1000};                  ///< of the network time: told at once
+constexpr microseconds network_ahead_max = 24h * 36525; ///< more is nonsense
 
 std::int64_t us_of(instant x) {
   return std::chrono::floor<microseconds>(x.time_since_epoch()).count();
@@ -23,10 +26,13 @@ std::int64_t us_of(instant x) {
 
 void write(byte_writer& to, const clock_stamp& x) {
   to.big(x.root.value).big(x.sequence);
+  assert(x.tick.from >= island_time{} && x.tick.from.time_since_epoch() < tells_network_time);
   write(to, x.time);
   to.big(x.age_us).big(x.tick.first);
-  write(to, x.tick.from);
+  write(to, x.network_ahead ? x.tick.from + tells_network_time : x.tick.from);
   to.big(static_cast<std::uint16_t>(x.tick.period.count() | x.slots_used << period_bits));
+  if (x.network_ahead)
+    to.big(static_cast<std::uint64_t>(x.network_ahead->count()));
 }
 
 clock_stamp read_clock_stamp(byte_reader& from) {
@@ -40,6 +46,10 @@ clock_stamp read_clock_stamp(byte_reader& from) {
   const auto period = from.big<std::uint16_t>();
   x.tick.period = std::chrono::milliseconds(period & ((1U << period_bits) - 1));
   x.slots_used = static_cast<std::uint8_t>(period >> period_bits);
+  if (x.tick.from.time_since_epoch() >= tells_network_time) {
+    x.tick.from -= tells_network_time;
+    x.network_ahead = microseconds(static_cast<std::int64_t>(from.big<std::uint64_t>()));
+  }
   return x;
 }
 
@@ -78,6 +88,9 @@ bool clock_sync::on_stamp(const clock_stamp& x, instant sfd) {
     ++steps_;
   }
   doubtful_.reset();
+  const bool is_sane = x.network_ahead && *x.network_ahead >= -network_ahead_max &&
+                       *x.network_ahead <= network_ahead_max;
+  network_ahead_ = is_sane ? x.network_ahead : std::nullopt;
   points_.push_back(here);
   if (points_.size() > points_max)
     points_.pop_front();
@@ -127,9 +140,13 @@ instant clock_sync::when(island_time x) const {
 std::optional<clock_stamp> clock_sync::stamp(instant now) const {
   if (!synchronised())
     return std::nullopt;
-  return clock_stamp{
-      root_,      sequence_, at(now), 0, next_tick_ ? *next_tick_ : tick_.value_or(tick_setting{}),
-      slots_used_};
+  return clock_stamp{root_,
+                     sequence_,
+                     at(now),
+                     0,
+                     next_tick_ ? *next_tick_ : tick_.value_or(tick_setting{}),
+                     slots_used_,
+                     network_ahead(now)};
 }
 
 bool clock_sync::on_time(instant now) {
@@ -148,6 +165,29 @@ void clock_sync::use_slots(std::uint8_t sevenths, instant now) {
   assert(config_.is_root);
   if (std::exchange(slots_used_, sevenths) != sevenths && is_running_root())
     next_round_ = now;
+}
+
+void clock_sync::set_network_time(duration since_1970, instant now) {
+  assert(config_.is_root);
+  const auto ahead = std::chrono::floor<microseconds>(since_1970) - microseconds(us_of(now));
+  const bool leaps =
+      !network_ahead_own_ || std::chrono::abs(ahead - *network_ahead_own_) > leap_min;
+  network_ahead_own_ = ahead;
+  if (leaps && is_running_root())
+    next_round_ = now;
+}
+
+std::optional<microseconds> clock_sync::network_ahead(instant x) const {
+  if (!network_ahead_own_)
+    return network_ahead_;
+  return *network_ahead_own_ + (microseconds(us_of(x)) - at(x).time_since_epoch());
+}
+
+std::optional<duration> clock_sync::network_time(instant x) const {
+  if (!synchronised())
+    return std::nullopt;
+  const auto ahead = network_ahead(x);
+  return ahead ? std::optional<duration>(at(x).time_since_epoch() + *ahead) : std::nullopt;
 }
 
 void clock_sync::set_time(island_time x, instant now) {

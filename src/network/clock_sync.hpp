@@ -16,7 +16,8 @@
 
 namespace rubicon::network {
 
-/// What a beacon says about the island's clock: 26 octets, network byte order.
+/// What a beacon says about the island's clock: 26 octets, network byte order; 8 more if it tells
+/// the network time, as the highest bit of tick.from does then.
 struct clock_stamp {
   mote_id root;
   std::uint16_t sequence = 0; ///< of the root's broadcast that this derives from; wraps
@@ -25,13 +26,17 @@ struct clock_stamp {
   std::uint32_t age_us = 0;
   tick_setting tick;           ///< its period below 2^13 milliseconds,
   std::uint8_t slots_used = 0; ///< whose three highest bits are this: as clock_sync::slots_used()
+  /// Network time minus the island's; nothing: the root does not know it (CLK-08).
+  std::optional<island_clock::duration> network_ahead = std::nullopt;
 
   friend bool operator==(const clock_stamp&, const clock_stamp&) = default;
 };
 
-inline constexpr std::size_t clock_stamp_size = 26;
+inline constexpr std::size_t clock_stamp_size = 26;   ///< without the network time,
+inline constexpr std::size_t network_ahead_size = 8;  ///< which comes last
 inline constexpr std::size_t clock_stamp_age_at = 10; ///< where the age lies in it
 
+/// @pre 0 <= x.tick.from < 2^47 microseconds, more than four years
 void write(byte_writer& to, const clock_stamp& x);
 
 /// What is missing reads as zeros; from.ok() tells.
@@ -54,6 +59,10 @@ struct clock_sync_config {
 /// A mote takes one point (own time, island time) from the first stamp that it hears of each of the
 /// root's broadcasts; a straight line through the last of them gives offset and drift. A point far
 /// off the line is ignored, two in succession that agree start a new line.
+///
+/// The island's time is never set by anybody but the root: ticks, windows of sleeping radios and
+/// schedules of channels hang on it. What the time is elsewhere is told beside it: how far the time
+/// that peers share is ahead of it (CLK-08). That may leap without a tick skipped.
 class clock_sync {
 public:
   static constexpr std::size_t points_max = 8;
@@ -98,13 +107,21 @@ public:
   /// Others learn it; of a change in a round that begins at once. @pre is_root, at most 7
   void use_slots(std::uint8_t sevenths, instant now);
 
-  /// The root's time is to be this one from now on (CLK-08). @pre is_root
+  /// The root's time is to be this one from now on. @pre is_root
   void set_time(island_time x, instant now);
+
+  /// What the time that peers share is now, by a reference that only the root has; all learn it,
+  /// and of a correction of more than a millisecond in a round that begins at once. @pre is_root
+  void set_network_time(duration since_1970, instant now);
+
+  /// The time that peers share, since 1970; nothing: the root has no reference, or has not told it.
+  [[nodiscard]] std::optional<duration> network_time(instant x) const;
 
   /// By how much our clock is too slow, as far as is known: 1e-6 is 1 ppm.
   [[nodiscard]] double drift() const { return slope_; }
   [[nodiscard]] std::uint64_t steps() const { return steps_; } ///< lines begun anew (CLK-05)
-  [[nodiscard]] static std::size_t footprint() { return 20 + points_max * 12 + 24; }
+  /// Of a mote, which keeps its points as 32 bits of time and difference from the middle.
+  [[nodiscard]] static std::size_t footprint() { return 20 + points_max * 8 + 24 + 8; }
 
 private:
   struct point {
@@ -114,6 +131,7 @@ private:
 
   [[nodiscard]] bool is_running_root() const { return config_.is_root && !listening_until_; }
   [[nodiscard]] std::int64_t ahead_us(instant x) const;
+  [[nodiscard]] std::optional<island_clock::duration> network_ahead(instant x) const;
   void fit();
   void learn(const tick_setting& x);
 
@@ -129,6 +147,8 @@ private:
   std::optional<tick_setting> tick_;
   std::optional<tick_setting> next_tick_; ///< tick_ is known too
   std::uint8_t slots_used_ = 0;
+  std::optional<island_clock::duration> network_ahead_;     ///< of the island's time, as heard
+  std::optional<island_clock::duration> network_ahead_own_; ///< of our own, a root's with reference
   std::optional<instant> next_round_;
   std::optional<instant> listening_until_; ///< a root that has just started
   unsigned rounds_ = 0;

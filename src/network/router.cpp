@@ -300,9 +300,9 @@ void router::send_beacon(router_outputs& out, instant now) {
   x.next_quarters = quarters(timer_.certain() - now + turn_wait(now));
   x.gradient = tree_.advertise();
   x.coordinates = place_.advertise();
-  x.heard = links_.heard(beacon::heard_max);
   const auto stamp = clock_.stamp(now);
   x.clock = stamp.value_or(clock_stamp{});
+  x.heard = links_.heard(beacon::heard_max(x.clock));
   auto frame = frame_for(purpose::beacon, broadcast_mote, am::beacon, encode(x));
   if (stamp)
     frame.age_at = beacon::age_at;

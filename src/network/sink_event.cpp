@@ -8,7 +8,15 @@ namespace rubicon::network {
 
 namespace {
 
-enum class kind : std::uint8_t { joined = 1, left = 2, roster = 3, describe = 4, started = 5 };
+enum class kind : std::uint8_t {
+  joined = 1,
+  left = 2,
+  roster = 3,
+  describe = 4,
+  started = 5,
+  time_request = 6,
+  time_answer = 7,
+};
 
 struct encoder {
   byte_writer& out;
@@ -29,6 +37,12 @@ struct encoder {
   }
   void operator()(const describe& x) const { start(kind::describe).big(x.mote.value); }
   void operator()(const sink_started&) const { start(kind::started); }
+  void operator()(const time_request& x) const {
+    start(kind::time_request).big(x.number).big(std::uint64_t{0});
+  }
+  void operator()(const time_answer& x) const {
+    start(kind::time_answer).big(x.number).big(static_cast<std::uint64_t>(x.since_1970.count()));
+  }
 };
 
 result<sink_event> finish(const byte_reader& in, sink_event x) {
@@ -78,6 +92,22 @@ result<sink_event> decode_roster(byte_reader& in) {
   return finish(in, std::move(x));
 }
 
+result<sink_event> decode_time_request(byte_reader& in) {
+  const time_request x{in.big<std::uint16_t>()};
+  if (in.big<std::uint64_t>() != 0)
+    return errc::bad_value;
+  return finish(in, x);
+}
+
+result<sink_event> decode_time_answer(byte_reader& in) {
+  const auto number = in.big<std::uint16_t>();
+  const auto us = in.big<std::uint64_t>();
+  if (us >> 52 != 0)
+    return errc::bad_value;
+  const time_answer x{number, std::chrono::microseconds(static_cast<std::int64_t>(us))};
+  return finish(in, x);
+}
+
 } // namespace
 
 std::string to_string(leave_cause x) {
@@ -114,6 +144,10 @@ result<sink_event> decode_sink_event(byte_view octets) {
     return decode_roster(in);
   case kind::started:
     return finish(in, sink_started{});
+  case kind::time_request:
+    return decode_time_request(in);
+  case kind::time_answer:
+    return decode_time_answer(in);
   case kind::describe: {
     const describe x{mote_id{in.big<std::uint16_t>()}};
     return finish(in, x);

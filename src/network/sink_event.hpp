@@ -1,7 +1,9 @@
-// What a sink and its gateway tell each other about the island (DIS-03, GW-15): the payload of
-// serial packets of type am::sink_event, in network byte order, one octet of kind first.
+// What a sink and its gateway tell each other about the island (DIS-03, GW-15) and about the time
+// (CLK-08): the payload of serial packets of type am::sink_event, in network byte order, one octet
+// of kind first.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <variant>
@@ -70,14 +72,32 @@ struct sink_started {
   friend bool operator==(const sink_started&, const sink_started&) = default;
 };
 
-using sink_event = std::variant<mote_joined, mote_left, roster, describe, sink_started>;
+/// Up: what is the time? As long as its answer: then both take the line equally long, and the
+/// answer was true in the middle between question and answer, at any baud rate.
+struct time_request {
+  std::uint16_t number = 0; ///< of this question
+
+  friend bool operator==(const time_request&, const time_request&) = default;
+};
+
+/// Down: the time that the peers share, when the request came.
+struct time_answer {
+  std::uint16_t number = 0;               ///< the request's
+  std::chrono::microseconds since_1970{}; ///< 0 to 2^52 - 1, which is 142 years
+
+  friend bool operator==(const time_answer&, const time_answer&) = default;
+};
+
+using sink_event =
+    std::variant<mote_joined, mote_left, roster, describe, sink_started, time_request, time_answer>;
 
 inline constexpr std::size_t roster_entries_max = 18; ///< a page fits 114 octets
 
 /// @pre a roster has at most roster_entries_max entries
 [[nodiscard]] bytes encode(const sink_event& x);
 
-/// Errors: truncated, too_long (octets after the event), bad_value, unsupported (unknown kind).
+/// Errors: truncated, too_long (octets after the event), bad_value (also what fills a request up
+/// is not zero), unsupported (unknown kind).
 [[nodiscard]] result<sink_event> decode_sink_event(byte_view octets);
 
 } // namespace rubicon::network

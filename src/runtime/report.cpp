@@ -65,6 +65,8 @@ network_report& network_report::operator+=(const network_report& x) {
   hops_max = std::max(hops_max, x.hops_max);
   synchronised += x.synchronised;
   clock_error_max = std::max(clock_error_max, x.clock_error_max);
+  aligned += x.aligned;
+  time_error_max = std::max(time_error_max, x.time_error_max);
   state_octets = std::max(state_octets, x.state_octets);
   return *this;
 }

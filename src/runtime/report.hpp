@@ -86,6 +86,8 @@ struct network_report {
   std::uint64_t hops_max = 0;     ///< from a mote to the sink
   std::uint64_t synchronised = 0; ///< motes that know the island's time
   duration clock_error_max{};     ///< of them, against the sink's clock (CLK-01)
+  std::uint64_t aligned = 0;      ///< motes that know the time that peers share
+  duration time_error_max{};      ///< of them and the sink, against their gateway (CLK-08)
   std::uint64_t state_octets = 0; ///< that a mote needs at most for all its protocols (SMP-30)
 
   network_report& operator+=(const network_report& x);

@@ -69,6 +69,8 @@ json to_json(const network_report& x) {
           {"hops_max", x.hops_max},
           {"synchronised", x.synchronised},
           {"clock_error_max_s", seconds(x.clock_error_max)},
+          {"aligned", x.aligned},
+          {"time_error_max_s", seconds(x.time_error_max)},
           {"state_octets", x.state_octets}};
 }
 

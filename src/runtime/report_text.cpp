@@ -180,6 +180,7 @@ void add_network(report_page& page, const report& x) {
               {"carried", align::right},
               {"beacons", align::right},
               {"clock error", align::right},
+              {"time error", align::right},
               {"mote state", align::right}});
   const auto shown = std::min(rows_max, x.islands.size());
   for (std::size_t i = 0; i < shown; ++i) {
@@ -193,6 +194,7 @@ void add_network(report_page& page, const report& x) {
               with_thousands(part.channel_packets_arrived),
               with_thousands(part.beacons),
               part.synchronised > 0 ? in_us(part.clock_error_max) : "–",
+              part.aligned > 0 ? in_us(part.time_error_max) : "–",
               with_thousands(part.state_octets) + " B"});
     if (const auto lost = causes(part.lost); !lost.empty())
       rows.add_note("  lost: " + lost);

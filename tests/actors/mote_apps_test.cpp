@@ -79,6 +79,15 @@ TEST_CASE("a sampler sends its counts in network byte order to the gateway", "[a
   CHECK(sent[0].app.actor == app);
 }
 
+TEST_CASE("a sampler says when it has measured, if it is to", "[actors][apps][IF-06]") {
+  rig x;
+  const auto app = x.sampler({{quantity::temperature}, 10s, 0s, 6, false, true});
+  x.world.send(app, transducers_read{{0x0102}, 0x03040506});
+  const auto sent = x.mote.all<send_message>();
+  REQUIRE(sent.size() == 1);
+  CHECK(sent[0].octets == payload(bytes{0x01, 0x02, 0x03, 0x04, 0x05, 0x06}));
+}
+
 TEST_CASE("a sampler rests while its mote is in no island and starts afresh afterwards",
           "[actors][apps]") {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {

@@ -171,6 +171,23 @@ TEST_CASE("a component that has ended is told nothing more and leaves no subscri
   CHECK(x.report(x.pc_peer).peis.packages < before + 10); // nothing is pushed
 }
 
+TEST_CASE("a component hears what the kernel's clock is, and of each change",
+          "[actors][peis_peer][CLK-08]") {
+  rig x;
+  fake<clock_watcher_actor> watcher(x.world);
+  x.world.send(x.pc_peer, watch_clock{watcher});
+  const auto offset = [&] { return watcher.all<clock_changed>().back().offset; };
+  REQUIRE(watcher.count<clock_changed>() == 1);
+  const auto before = offset();
+  x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", text("on"), true});
+  CHECK(watcher.count<clock_changed>() == 1);
+  x.world.send(x.pc_peer, step_clock{3s});
+  CHECK(offset() == before + 3s);
+  x.world.send(x.robot_peer, step_clock{5s}); // whom the other follows
+  x.world.run_for(10s);
+  CHECK(std::chrono::abs(offset() - before - 5s) < 1ms);
+}
+
 TEST_CASE("a peer reports its links, hosts and tuples", "[actors][peis_peer]") {
   rig x;
   x.world.send(x.robot_peer, set_tuple{"a", text("1"), true});

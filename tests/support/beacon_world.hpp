@@ -39,7 +39,7 @@ public:
     x.next_quarters = network::quarters(timer.deadline() - now);
     x.gradient = tree.advertise();
     x.coordinates = place.advertise();
-    x.heard = links.heard(network::beacon::heard_max);
+    x.heard = links.heard(network::beacon::heard_max(x.clock));
     ++beacons;
     return encode(x);
   }

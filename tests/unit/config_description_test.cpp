@@ -170,7 +170,7 @@ TEST_CASE("an app of a mote replaces its type's on the same channel", "[config]"
 TEST_CASE("apps of motes arrive with their keys", "[config]") {
   const auto x = mote_with("[[island.mote.apps]]\napp = \"sampler\"\n"
                            "transducers = [\"light\", \"temperature\"]\nevery = \"5s\"\n"
-                           "jitter = \"1s\"\nchannel = 0\nreliable = true\n"
+                           "jitter = \"1s\"\nchannel = 0\nreliable = true\nstamped = true\n"
                            "only_subscribed = true\nevery_min = \"2s\"\n"
                            "[[island.mote.apps]]\napp = \"messenger\"\nto = \"k/c-2\"\n"
                            "text = \"hi\"\nevery = \"1min\"\nam_type = 255\nreliable = false\n"
@@ -189,6 +189,7 @@ TEST_CASE("apps of motes arrive with their keys", "[config]") {
   CHECK(sampler.reliable);
   CHECK(sampler.only_subscribed);
   CHECK(sampler.every_min == 2s);
+  CHECK(sampler.stamped);
   const auto& messenger = std::get<messenger_app>(x[1]);
   CHECK(messenger.to == mote_address{island_id{1}, mote_id{2}});
   CHECK(messenger.text == "hi");

@@ -426,3 +426,34 @@ TEST_CASE("motes hear which of their outputs somebody subscribes to", "[gateway]
   CHECK(x.counters().bad_periods == 1);
   CHECK(x.counters().undeliverable == 1);
 }
+
+TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
+  const auto ask = [](gateway::gateway& x, instant now) {
+    return pick<to_sink>(x.on_packet(the_sink, network::am::sink_event,
+                                     encode(network::sink_event(network::time_request{7})), now));
+  };
+  auto x = make();
+  CHECK(ask(x, instant(1s)).empty()); // its kernel has not told it
+  x.on_clock(1000s);
+  const auto out = ask(x, instant(5s + 1us));
+  REQUIRE(out.size() == 1);
+  CHECK(out[0].am_type == network::am::sink_event);
+  const auto answer = network::decode_sink_event(out[0].payload);
+  REQUIRE(answer);
+  CHECK(*answer == network::sink_event(network::time_answer{7, 1005s + 1us}));
+  x.on_clock(1003s);
+  CHECK(*network::decode_sink_event(ask(x, instant(6s)).at(0).payload) ==
+        network::sink_event(network::time_answer{7, 1009s}));
+
+  CHECK(tell(x, network::time_answer{7, 1s}).empty());
+  CHECK(x.counters().unknown_type == 1);
+
+  gateway_config config;
+  config.island = kitchen;
+  config.incarnation = 1;
+  gateway::gateway again(config, random_stream(1));
+  static_cast<void>(again.start(instant(60s)));
+  again.on_clock(1000s); // the clock of a kernel that has heard nobody yet
+  CHECK(ask(again, instant(69s)).empty());
+  CHECK(ask(again, instant(70s)).size() == 1);
+}

@@ -130,3 +130,32 @@ TEST_CASE("a sink answers its gateway's question about a mote", "[mote][GW-15]")
   CHECK(out[0].source == mote_id{1});
   CHECK(to_hex(out[0].payload) == "02000702");
 }
+
+TEST_CASE("a sink asks for the time and gives it to its island's clock", "[mote][CLK-08]") {
+  auto x = make();
+  static_cast<void>(x.start({}));
+  std::vector<to_gateway> asked;
+  instant now;
+  const auto run_until = [&](instant end) {
+    for (; x.deadline() <= end; now = x.deadline()) {
+      for (auto& y : pick<to_gateway>(x.on_time(x.deadline()))) {
+        const auto event = network::decode_sink_event(y.payload);
+        if (event && std::holds_alternative<network::time_request>(*event))
+          asked.push_back(y);
+      }
+    }
+  };
+  run_until(instant(1s));
+  REQUIRE(asked.size() == 1);
+  CHECK(asked[0].source == island_world::sink_id);
+  CHECK(asked[0].am_type == network::am::sink_event);
+  CHECK_FALSE(x.time().at(instant(1s)));
+  const auto number =
+      std::get<network::time_request>(*network::decode_sink_event(asked[0].payload)).number;
+  static_cast<void>(x.on_packet(network::am::sink_event,
+                                encode(network::sink_event(network::time_answer{number, 1000s})),
+                                instant(1s + 10ms)));
+  CHECK(x.time().at(instant(1s + 5ms)) == 1000s);
+  run_until(instant(4s));
+  CHECK(x.packets().router().clock().network_time(instant(4s)) == 1003s - 5ms);
+}

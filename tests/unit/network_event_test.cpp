@@ -11,6 +11,8 @@ TEST_CASE("every event between sink and gateway survives the line", "[network][D
       {roster{4, 1, 2, {{mote_id{7}, 2}, {mote_id{8}, 0}}}, "0300040102000700000002000800000000"},
       {roster{5, 0, 1, {}}, "0300050001"},
       {describe{mote_id{7}}, "040007"},
+      {time_request{0x0102}, "0601020000000000000000"},
+      {time_answer{0x0102, std::chrono::microseconds(0x0304050607)}, "0701020000000304050607"},
   };
   for (const auto& [event, octets] : rows) {
     CHECK(to_hex(encode(event)) == octets);
@@ -18,6 +20,10 @@ TEST_CASE("every event between sink and gateway survives the line", "[network][D
     REQUIRE(back);
     CHECK(*back == event);
   }
+}
+
+TEST_CASE("a question for the time takes the line as long as its answer", "[network][CLK-08]") {
+  CHECK(encode(time_request{1}).size() == encode(time_answer{1, {}}).size());
 }
 
 TEST_CASE("a full roster page fits a serial packet", "[network]") {
@@ -39,4 +45,8 @@ TEST_CASE("events that make no sense are refused", "[network]") {
   CHECK(decode_sink_event(*from_hex("0300040202")).error() == errc::bad_value);
   CHECK(decode_sink_event(*from_hex("03000400010007")).error() == errc::truncated);
   CHECK(decode_sink_event(*from_hex("0400")).error() == errc::truncated);
+  CHECK(decode_sink_event(*from_hex("06010200")).error() == errc::truncated);
+  CHECK(decode_sink_event(*from_hex("0601020000000000000001")).error() == errc::bad_value);
+  CHECK(decode_sink_event(*from_hex("0701020010000000000000")).error() == errc::bad_value);
+  CHECK(decode_sink_event(*from_hex("070102000000030405060708")).error() == errc::too_long);
 }
