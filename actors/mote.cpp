@@ -360,7 +360,8 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
       },
       [self](end_battery) {
         on_battery_low(self);
-        self->state.last_words.follow(self, now(self) + last_words_time);
+        const auto left = self->state.node ? last_words_time : duration{};
+        self->state.last_words.follow(self, now(self) + left);
       },
       [self](const timer_expired& x) { on_timer(self, x); },
       [self](status_request) {

@@ -67,6 +67,8 @@ bytes encode(const management& x) {
 result<management> decode_management(byte_view octets) {
   byte_reader in(octets);
   management x;
+  keep_alive alive;
+  std::uint8_t flags = 0;
   switch (in.octet()) {
   case 1:
     x = read_with_descriptor<join_request>(in);
@@ -81,7 +83,10 @@ result<management> decode_management(byte_view octets) {
     x = leave_notice{};
     break;
   case 5:
-    x = keep_alive{in.big<std::uint32_t>(), condition_of(in.octet())};
+    alive.incarnation = in.big<std::uint32_t>();
+    flags = in.octet();
+    alive.condition = condition_of(flags);
+    x = alive;
     break;
   case 6:
     x = rejoin_prompt{};
@@ -96,6 +101,8 @@ result<management> decode_management(byte_view octets) {
     return errc::truncated;
   if (in.remaining() > 0)
     return errc::too_long;
+  if ((flags & ~(battery_low_flag | links_weak_flag)) != 0)
+    return errc::bad_value;
   return x;
 }
 

@@ -76,7 +76,7 @@ using management = std::variant<join_request, join_reply, join_confirm, leave_no
 
 [[nodiscard]] bytes encode(const management& x);
 
-/// Errors: truncated, too_long, unsupported (unknown kind).
+/// Errors: truncated, too_long, bad_value (a condition not known here), unsupported (unknown kind).
 [[nodiscard]] result<management> decode_management(byte_view octets);
 
 } // namespace rubicon::mote

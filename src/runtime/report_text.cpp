@@ -179,9 +179,9 @@ void add_network(report_page& page, const report& x) {
               {"channels", align::right},
               {"carried", align::right},
               {"beacons", align::right},
-              {"clock error", align::right},
-              {"time error", align::right},
-              {"mote state", align::right}});
+              {"clock ±", align::right},
+              {"time ±", align::right},
+              {"state", align::right}});
   const auto shown = std::min(rows_max, x.islands.size());
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& part = x.islands[i].network;

@@ -241,7 +241,8 @@ TEST_CASE("gateways use messages among themselves and broadcasts to find each ot
   // All else is about its own tuples.
   CHECK(x.peer.size() == sent.size() + broadcasts.size() + x.peer.count<hook_port>() +
                              x.peer.count<watch_tuples>() + x.peer.count<watch_subscribers>() +
-                             x.peer.count<set_tuple>() + x.peer.count<delete_tuple>());
+                             x.peer.count<watch_clock>() + x.peer.count<set_tuple>() +
+                             x.peer.count<delete_tuple>());
   for (const auto& each : x.peer.all<watch_tuples>())
     CHECK(each.owner == peer_id{static_cast<std::int32_t>(kitchen.value)});
 }

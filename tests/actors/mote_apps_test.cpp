@@ -81,7 +81,9 @@ TEST_CASE("a sampler sends its counts in network byte order to the gateway", "[a
 
 TEST_CASE("a sampler says when it has measured, if it is to", "[actors][apps][IF-06]") {
   rig x;
-  const auto app = x.sampler({{quantity::temperature}, 10s, 0s, 6, false, true});
+  config::sampler_app config{{quantity::temperature}, 10s};
+  config.stamped = true;
+  const auto app = x.sampler(config);
   x.world.send(app, transducers_read{{0x0102}, 0x03040506});
   const auto sent = x.mote.all<send_message>();
   REQUIRE(sent.size() == 1);

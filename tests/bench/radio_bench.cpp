@@ -140,6 +140,7 @@ mote_actor::behavior_type empty_mote(scheduler::traced_pointer<empty_state, mote
   return {
       [](const frame_received&) {},
       [](const radio_done&) {},
+      [](battery_low) {},
       [](battery_flat) {},
       [](const claim_am_type&) {},
       [](const send_message&) {},

@@ -82,7 +82,7 @@ TEST_CASE("the trace of the home is the same on every machine and in every build
   auto home = example("home.toml");
   home.length = 5min;
   const auto report = run(home);
-  CHECK(report.trace_hash == "988a2580276c640d");
+  CHECK(report.trace_hash == "f411861f3a4a67df");
 }
 
 TEST_CASE("an ecology can be stopped after any time", "[ecology]") {

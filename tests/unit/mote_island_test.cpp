@@ -126,7 +126,8 @@ TEST_CASE("a message of 256 octets crosses three hops up, down and between motes
   CHECK(x.longest <= network::frame_payload_max);
 }
 
-TEST_CASE("messages inside the island never touch the serial line", "[mote][network][RTG-01]") {
+TEST_CASE("messages inside the island never touch the serial line",
+          "[mote][network][RTG-01][NFR-07]") {
   const auto world = settled({.width = 5});
   auto& x = *world;
   for (int from = 2; from <= 5; ++from) {

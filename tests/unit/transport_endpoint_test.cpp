@@ -341,7 +341,7 @@ TEST_CASE("memory for sources and sessions is bounded", "[transport][AM-03]") {
 }
 
 TEST_CASE("over a bad network every reliable message ends once and arrives once at most, in order",
-          "[transport][MCK-12][MCK-18][IF-07]") {
+          "[transport][MCK-12][MCK-18][IF-07][RTG-07]") {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     pair_of_ends x(0.3, 400ms, seed);
     x.copies = 0.2;
