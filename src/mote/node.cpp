@@ -32,7 +32,7 @@ descriptor describe(const node_config& config) {
 
 /// Many may find a way to the sink at the same beacon: so long they take to join.
 duration join_spread(const network::neighbours& links) {
-  return links.is_full() ? 5s : static_cast<duration::rep>(links.all().size()) * duration(20ms);
+  return links.is_full() ? 2s : static_cast<duration::rep>(links.all().size()) * duration(20ms);
 }
 
 /// A channel of Network, as the layer knows it.

@@ -1,6 +1,7 @@
 #include "network/router.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "network/am.hpp"
 #include "network/tick_plan.hpp"
@@ -21,14 +22,23 @@ neighbours_config links_of(const router_config& config) {
   return x;
 }
 
+/// Others are of no use until they know a way to the sink: it does not keep quiet for them.
+trickle_config beacons_of(const router_config& config) {
+  auto x = config.beacons;
+  if (config.is_sink)
+    x.redundancy = std::numeric_limits<unsigned>::max();
+  return x;
+}
+
 } // namespace
 
 router::router(router_config config, random_stream dice, instant now)
     : config_(config), dice_(dice), links_(links_of(config)),
       tree_({.self = config.self, .is_root = config.is_sink}),
       place_({.self = config.self, .is_sink = config.is_sink}, now),
-      timer_(config.beacons, random_stream(dice_.next()), now), reported_(now),
-      report_gap_(config.report_gap), helped_(now - config.help_gap) {
+      timer_(beacons_of(config), random_stream(dice_.next()), now), reported_(now),
+      seek_end_(now + config.seek_length), report_gap_(config.report_gap),
+      helped_(now - config.help_gap) {
   clock_sync_config timing;
   timing.self = config_.self;
   timing.is_root = config_.is_sink;
@@ -353,8 +363,10 @@ void router::settle(router_outputs& out, instant now) {
     links_.pin(parent, false);
     links_.pin(tree_.parent(), true);
   }
-  if (change == gradient_change::lost)
+  if (change == gradient_change::lost) {
     timer_.reset(now);
+    seek_end_ = now + config_.seek_length;
+  }
   if (place_.update(links_, now))
     timer_.shorten(now, config_.change_beacon);
   take(packets_.on_route(tree_.parent(), tree_.cost(), now), out, now);
@@ -451,6 +463,8 @@ router_outputs router::on_time(instant now) {
   if (round)
     out.emplace_back(clock_corrected{});
   beacon_due_ = timer_.on_time(now) || round || beacon_due_;
+  if (!tree_.has_route() && now < seek_end_)
+    timer_.shorten(now, config_.change_beacon);
   if ((beacon_due_ || (relay_due_ && *relay_due_ <= now)) && turn_ <= now)
     send_beacon(out, now);
   take(packets_.on_time(now), out, now);

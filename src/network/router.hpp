@@ -42,8 +42,11 @@ struct router_config {
   duration relay_spread = 150ms;  ///< a clock round is passed on within this time,
   unsigned relay_copies = 3;      ///< unless it has been heard so often until then
   duration beacon_delay_max{};    ///< by which motes may hold their frames back
-  duration change_beacon = 1s;    ///< a beacon comes within this time of a change of coordinates,
-  duration help_gap = 2s;         ///< and for those without a route not more often than this
+  /// A beacon comes within this time of a change of coordinates, and as often from those that look
+  /// for a route, but for no longer than seek_length; and for these not more often than help_gap.
+  duration change_beacon = 1s;
+  duration seek_length = 30s;
+  duration help_gap = 2s;
 };
 
 /// Put this frame on the radio and tell on_sent() how it ended.
@@ -203,6 +206,7 @@ private:
   std::optional<virtual_coordinates> told_place_;
   mote_id told_parent_ = no_mote;
   instant reported_;      ///< when it told the sink last
+  instant seek_end_;      ///< it has looked for a route long enough
   duration report_gap_{}; ///< from then to the next report of a change
   instant helped_;        ///< when it last sent a beacon soon for those without a route
   duration hop_delay_ = 10ms;

@@ -181,7 +181,10 @@ TEST_CASE("the rate of missed vectors is that of the loss injected", "[ecology][
   const auto all = vectors_of(report);
   const auto total = all.updated + all.missed;
   CHECK(total > 16 * 2 * 60 * 15);
-  CHECK(all.missed / total == Approx(std::pow(loss, attempts)).epsilon(0.1));
+  // A channel that breaks, which takes four losses in a row, may find a way round the lossy link.
+  const auto of_link = std::pow(loss, attempts);
+  CHECK(all.missed / total < 1.1 * of_link);
+  CHECK(all.missed / total > 0.6 * of_link);
 }
 
 TEST_CASE("operators over streams switch a lamp, and each run writes down the same",
