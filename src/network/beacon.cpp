@@ -21,7 +21,8 @@ link_report beacon::report(mote_id source, mote_id self, bool has_route) const {
   if (ours != heard.end())
     x.hears_us = ours->quality;
   x.is_crowded = heard.size() >= crowd;
-  x.matters = has_route != (gradient.cost != etx_infinite);
+  x.is_sink = gradient.root == source;
+  x.matters = x.is_sink || has_route != (gradient.cost != etx_infinite);
   return x;
 }
 

@@ -129,7 +129,7 @@ admission neighbours::on_beacon(const link_report& x, instant now) {
 
 admission neighbours::admit(const link_report& x, instant now) {
   const bool was_full = is_full();
-  if (was_full && !make_room(x.matters, now)) {
+  if (was_full && !make_room(x, now)) {
     ++counters_.refused;
     return admission::refused;
   }
@@ -150,8 +150,8 @@ bool neighbours::evict(std::vector<neighbour>::iterator x) {
   return true;
 }
 
-bool neighbours::make_room(bool matters, instant now) {
-  if (!matters && replaced_ && now < *replaced_ + config_.replacement_gap)
+bool neighbours::make_room(const link_report& newcomer, instant now) {
+  if (!newcomer.matters && replaced_ && now < *replaced_ + config_.replacement_gap)
     return false;
   // The last of the worst: the table ascends by id.
   const auto worst = [this](auto matches, auto badness) {
@@ -169,8 +169,9 @@ bool neighbours::make_room(bool matters, instant now) {
                   [](const neighbour& x) { return x.missed; })) ||
       evict(worst([&](const neighbour& x) { return settled(x) && !x.out; }, weakness)) ||
       evict(worst([&](const neighbour& x) { return settled(x) && !x.good; }, weakness)) ||
-      (matters && evict(worst(settled, weakness)));
-  if (is_done && !matters)
+      (newcomer.matters && evict(worst(settled, weakness))) ||
+      (newcomer.is_sink && evict(worst([](const neighbour&) { return true; }, weakness)));
+  if (is_done && !newcomer.matters)
     replaced_ = now;
   return is_done;
 }

@@ -52,6 +52,7 @@ struct link_report {
   std::optional<std::uint8_t> hears_us; ///< in 255ths; nothing: we are not in this beacon's list
   bool matters =
       false; ///< of the two ends of the link one has a route to the sink and one has none
+  bool is_sink = false;    ///< there is always room for it
   bool is_crowded = false; ///< it hears so many that there may be no room for us in its table
 };
 
@@ -99,9 +100,10 @@ struct neighbours_counters {
 ///
 /// A full table makes room for a newcomer by evicting, never a pinned neighbour, the first that
 /// there is of: the most overdue, if unusable; of those with good_samples beacons the weakest that
-/// does not hear us; the weakest that is not good; if the newcomer's link matters, the weakest.
-/// Ties evict the highest id. Else the newcomer is refused, as it is, unless its link matters,
-/// within replacement_gap of the last eviction for such a one.
+/// does not hear us; the weakest that is not good; if the newcomer's link matters, the weakest; if
+/// it is the sink, the weakest of whatever age. Ties evict the highest id. Else the newcomer is
+/// refused, as it is, unless its link matters, within replacement_gap of the last eviction for such
+/// a one.
 class neighbours {
 public:
   neighbours() = default;
@@ -163,7 +165,7 @@ private:
   void judge(neighbour& x) const;
   void take_report(neighbour& x, const link_report& report, instant now) const;
   void refresh_deadline();
-  [[nodiscard]] bool make_room(bool matters, instant now);
+  [[nodiscard]] bool make_room(const link_report& x, instant now);
   bool evict(std::vector<neighbour>::iterator x);
   admission admit(const link_report& x, instant now);
 

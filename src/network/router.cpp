@@ -348,6 +348,8 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   }
   if (what == admission::refused)
     return;
+  if (x->gradient.root == source)
+    links_.pin(source, true);
   if (tree_.on_beacon(source, x->gradient, links_) && now - helped_ >= config_.help_gap) {
     helped_ = now;
     timer_.reset(now);
@@ -360,7 +362,7 @@ void router::settle(router_outputs& out, instant now) {
   const auto parent = tree_.parent();
   const auto change = tree_.update(links_, now);
   if (tree_.parent() != parent) {
-    links_.pin(parent, false);
+    links_.pin(parent, parent == tree_.root());
     links_.pin(tree_.parent(), true);
   }
   if (change == gradient_change::lost) {

@@ -283,6 +283,24 @@ TEST_CASE("a pinned neighbour is never evicted, and of equals the highest id is"
   CHECK(at.find(mote_id{12}));
 }
 
+TEST_CASE("there is room for the sink in a table full of motes that nothing is known of",
+          "[network][DIS-05]") {
+  neighbours at({.capacity = 3});
+  link_report x;
+  for (const int mote : {2, 3, 4}) {
+    x.source = mote_id{static_cast<std::uint16_t>(mote)};
+    REQUIRE(at.on_beacon(x, start) == admission::added);
+  }
+  x.source = mote_id{5};
+  x.matters = true;
+  CHECK(at.on_beacon(x, start) == admission::refused); // all are new
+  x.source = mote_id{1};
+  x.is_sink = true;
+  CHECK(at.on_beacon(x, start) == admission::added);
+  CHECK(at.find(mote_id{1}));
+  CHECK(at.all().size() == 3);
+}
+
 TEST_CASE("every neighbour has its turn in the list of those heard", "[network][NET-10]") {
   auto at = full_of_good_ones(5);
   std::vector<std::uint16_t> told;
