@@ -181,9 +181,10 @@ TEST_CASE("the rate of missed vectors is that of the loss injected", "[ecology][
   const auto all = vectors_of(report);
   const auto total = all.updated + all.missed;
   CHECK(total > 16 * 2 * 60 * 15);
-  // A channel that breaks, which takes four losses in a row, may find a way round the lossy link.
+  // A channel that breaks, which takes four losses in a row, misses what is sent until it is open
+  // again, and then may be one round the lossy link.
   const auto of_link = std::pow(loss, attempts);
-  CHECK(all.missed / total < 1.1 * of_link);
+  CHECK(all.missed / total < 1.25 * of_link);
   CHECK(all.missed / total > 0.6 * of_link);
 }
 

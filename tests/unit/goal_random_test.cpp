@@ -141,5 +141,5 @@ TEST_CASE("whatever is wanted and whatever inputs say, every goal has one outcom
     by_outcome[2] += counted.preempted;
   }
   for (const auto count : by_outcome) // each was met
-    CHECK(count > 50 * test::seeds(200) / 200);
+    CHECK(count >= 50 * test::seeds(200) / 200);
 }
