@@ -1,6 +1,7 @@
 #include "actors/mote.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
 #include "actors/apps/mote_apps.hpp"
@@ -77,10 +78,12 @@ void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
       self->state.flows.take(self, *frame))
     return;
   if (const auto& node = self->state.node; node && !self->state.flat) {
-    perform(self, node->on_frame(frame->source, frame->am_type, frame->payload,
-                                 self->state.arguments->crystal.own(sfd_of(psdu, now(self))),
-                                 own_time(self)));
-    perform(self, node->on_signal(frame->source, rssi_dbm, own_time(self)));
+    auto todo =
+        node->on_frame(frame->source, frame->am_type, frame->payload,
+                       self->state.arguments->crystal.own(sfd_of(psdu, now(self))), own_time(self));
+    std::ranges::move(node->on_signal(frame->source, rssi_dbm, own_time(self)),
+                      std::back_inserter(todo));
+    perform(self, std::move(todo));
   }
 }
 

@@ -37,11 +37,10 @@ struct performer {
 
   void operator()(const proxy::start_proxy& x) const {
     auto& state = self->state;
-    const auto& classes = state.arguments.classes;
-    const auto found = std::ranges::find(classes, x.class_name, &proxy::proxy_class::name);
-    if (found == classes.end())
+    const auto* what = state.manager.classes().find(x.class_name);
+    if (what == nullptr)
       return;
-    proxy::proxy core(*found, identity_of(state.arguments, x.mote));
+    proxy::proxy core(*what, identity_of(state.arguments, x.mote));
     const auto name = core.prefix();
     log(self, spdlog::level::info, "event=started proxy={} class={}", name, x.class_name);
     state.proxies[x.mote] = scheduler::spawn_at<caf::monitored>(

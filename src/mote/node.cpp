@@ -161,13 +161,11 @@ node_outputs node::on_battery_low(instant now) {
 node_outputs node::on_signal(mote_id source, int rssi_dbm, instant now) {
   constexpr int weak_below_dbm = -88; // radios hear down to -95 dBm at least (tinyos.md 8.1)
   constexpr int strong_from_dbm = -84;
+  const bool is_weak = rssi_dbm < (condition_.links_weak ? strong_from_dbm : weak_below_dbm);
+  if (source != packets_.router().tree().parent() || is_weak == condition_.links_weak)
+    return {};
   node_outputs out;
-  if (source != packets_.router().tree().parent())
-    return out;
-  if (rssi_dbm < weak_below_dbm)
-    condition_.links_weak = true;
-  else if (rssi_dbm >= strong_from_dbm)
-    condition_.links_weak = false;
+  condition_.links_weak = is_weak;
   take(join_.tell(condition_, now), out, now);
   settle(out, now);
   return out;

@@ -23,10 +23,7 @@ TEST_CASE("after hours of churn the picture is true, and nothing has leaked",
     x.repeated->until = what.length - 10min;
   }
   const auto report = run(what);
-  std::string violations;
-  for (const auto& each : report.violations)
-    violations += each.invariant + ": " + each.detail + '\n';
-  CHECK(violations.empty());
+  CHECK(told_violations(report).empty());
   CHECK(report.actors.restarted > 5);
   CHECK(report.motes_left() == 0);
   const auto messages = report.messages();

@@ -82,13 +82,6 @@ std::size_t told_times(const runtime::report& x, std::string_view who, std::stri
   }));
 }
 
-std::string told_violations(const runtime::report& x) {
-  std::string all;
-  for (const auto& each : x.violations)
-    all += each.invariant + ": " + each.detail + '\n';
-  return all;
-}
-
 } // namespace
 
 TEST_CASE("with a fifth of all frames lost every actuation has one outcome, in the time that was "

@@ -40,6 +40,13 @@ bool tells(const runtime::report& x, std::string_view who, std::string_view what
   });
 }
 
+std::string told_violations(const runtime::report& x) {
+  std::string all;
+  for (const auto& each : x.violations)
+    all += each.invariant + ": " + each.detail + '\n';
+  return all;
+}
+
 const runtime::proxy_report& proxy_of(const runtime::report& x, std::string_view name) {
   const auto found = std::ranges::find(x.proxies, name, &runtime::proxy_report::name);
   if (found == x.proxies.end())

@@ -23,6 +23,9 @@ namespace rubicon::test {
 /// `what`.
 [[nodiscard]] bool tells(const runtime::report& x, std::string_view who, std::string_view what);
 
+/// A line for each violated invariant; empty: there is none.
+[[nodiscard]] std::string told_violations(const runtime::report& x);
+
 /// The proxy of that name. Throws if there is none.
 [[nodiscard]] const runtime::proxy_report& proxy_of(const runtime::report& x,
                                                     std::string_view name);
