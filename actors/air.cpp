@@ -103,10 +103,10 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
   self->state.users.resize(addresses.size());
   self->state.addresses = std::move(addresses);
   self->state.ecology = std::move(ecology);
-  return {
-      [self](const attach_radio& x) {
-        self->state.users[slot(x.radio)] = x.user.actor;
-        perform(self, self->state.channel.set_power(x.radio, radio::power::on, now(self)));
+  return { // the frequent ones first: they are tried in turn
+      [self](const timer_expired& x) {
+        if (self->state.wake.accepts(x))
+          perform(self, self->state.channel.on_time(now(self)));
       },
       [self](const radio_send& x) {
         radio::request what{x.token, x.destination, x.am_type, x.octets, x.ack};
@@ -115,16 +115,16 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
         what.in_slot = x.in_slot;
         perform(self, self->state.channel.send(x.radio, std::move(what), now(self)));
       },
+      [self](const attach_radio& x) {
+        self->state.users[slot(x.radio)] = x.user.actor;
+        perform(self, self->state.channel.set_power(x.radio, radio::power::on, now(self)));
+      },
       [self](const radio_power& x) {
         perform(self, self->state.channel.set_power(x.radio, x.state, now(self)));
       },
       [self](const move_radio& x) {
         perform(self, self->state.channel.on_time(now(self)));
         self->state.channel.move(x.radio, x.place);
-      },
-      [self](const timer_expired& x) {
-        if (self->state.wake.accepts(x))
-          perform(self, self->state.channel.on_time(now(self)));
       },
       [self](status_request) { report(self); },
   };

@@ -77,7 +77,7 @@ void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
   if (!frame || !is_for(*frame, self->state.arguments->address) ||
       self->state.flows.take(self, *frame))
     return;
-  if (const auto& node = self->state.node; node && !self->state.flat) {
+  if (auto& node = self->state.node; node && !self->state.flat) {
     auto todo =
         node->on_frame(frame->source, frame->am_type, frame->payload,
                        self->state.arguments->crystal.own(sfd_of(psdu, now(self))), own_time(self));
@@ -269,8 +269,8 @@ void start(mote_pointer self) {
   self->send(arguments.air,
              attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
   if (arguments.stack == config::stack::full)
-    state.node = std::make_unique<mote::node>(arguments.node, state.incarnation,
-                                              random_stream(arguments.seed, life), own_time(self));
+    state.node.emplace(arguments.node, state.incarnation, random_stream(arguments.seed, life),
+                       own_time(self));
   state.walk = mote::walk(arguments.path, arguments.step);
   go(self);
   state.apps = spawn_mote_apps(self);
@@ -327,8 +327,9 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
   self->state.arguments = std::move(arguments);
   self->state.incarnation = incarnation;
   start(self);
-  return {
+  return { // the frequent ones first: they are tried in turn
       [self](const frame_received& x) { on_frame(self, x.psdu.view(), x.rssi_dbm); },
+      [self](const timer_expired& x) { on_timer(self, x); },
       [self](const radio_done& x) { on_done(self, x); },
       [self](battery_low) { on_battery_low(self); },
       [self](battery_flat) { die(self); },
@@ -366,7 +367,6 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
         const auto left = self->state.node ? last_words_time : duration{};
         self->state.last_words.follow(self, now(self) + left);
       },
-      [self](const timer_expired& x) { on_timer(self, x); },
       [self](status_request) {
         self->state.flows.report(self, self->state.arguments->ecology);
         if (const auto& node = self->state.node) {

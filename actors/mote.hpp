@@ -73,7 +73,7 @@ struct mote_state {
 
   std::shared_ptr<const mote_arguments> arguments;
   std::uint32_t incarnation = 0;    ///< how often it was started before
-  std::unique_ptr<mote::node> node; ///< full stack only
+  std::optional<mote::node> node; ///< full stack only
   flow_host flows;
   mote::walk walk;
   timer wake;

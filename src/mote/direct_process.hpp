@@ -1,7 +1,7 @@
 // A program in the actor of its node: its commands are calls of the node's layer.
 #pragma once
 
-#include <deque>
+#include <vector>
 #include <optional>
 
 #include "mote/process.hpp"
@@ -63,7 +63,7 @@ private:
   layer& below_;
   std::size_t number_;
   communication_events* events_; ///< nullptr: it has left
-  std::deque<unsettled> sends_;  ///< ack() keeps their order (A-56)
+  std::vector<unsettled> sends_;  ///< ack() keeps their order (A-56)
 };
 
 } // namespace rubicon::mote

@@ -52,9 +52,12 @@ layer::layer(layer_config config, random_stream dice) : config_(std::move(config
 }
 
 communication layer::attach(communication_events& events) {
-  const auto left = std::ranges::find(programs_, nullptr, &direct_process::events_);
-  auto& program =
-      left != programs_.end() ? *left : programs_.emplace_back(*this, programs_.size(), events);
+  const auto left =
+      std::ranges::find_if(programs_, [](const auto& x) { return x->events_ == nullptr; });
+  auto& program = left != programs_.end()
+                      ? **left
+                      : *programs_.emplace_back(std::make_unique<direct_process>(
+                            *this, programs_.size(), events));
   program.events_ = &events;
   if (!outputs_wanted_.empty())
     tell_wanted(program.number_);
@@ -63,7 +66,9 @@ communication layer::attach(communication_events& events) {
 
 communication layer::attach_for_rest(communication_events& events) {
   const auto program = attach(events);
-  rest_owner_ = std::ranges::find(programs_, &events, &direct_process::events_)->number_;
+  const auto its =
+      std::ranges::find_if(programs_, [&](const auto& x) { return x->events_ == &events; });
+  rest_owner_ = (*its)->number_;
   return program;
 }
 
@@ -78,14 +83,14 @@ void layer::dispatch() {
     return;
   while (!events_.empty()) {
     auto [process, what] = std::move(events_.front());
-    events_.pop_front();
-    what(*programs_[process].events_);
+    events_.erase(events_.begin());
+    what(*programs_[process]->events_);
   }
   dispatching_ = false;
 }
 
 void layer::tell(std::size_t process, event x) {
-  if (programs_[process].events_ != nullptr)
+  if (programs_[process]->events_ != nullptr)
     events_.emplace_back(process, std::move(x));
 }
 
@@ -226,9 +231,9 @@ void layer::on_outcome(const transport::outcome& x) {
   const auto number = static_cast<std::uint32_t>(x.id);
   const auto result = status_of(x.acked);
   tell(process, [number, result](auto& events) { events.ackOf(number, result); });
-  auto& sends = programs_[process].sends_;
+  auto& sends = programs_[process]->sends_;
   std::ranges::find(sends, x.id, &direct_process::unsettled::number)->acked = x.acked;
-  for (; !sends.empty() && sends.front().acked; sends.pop_front())
+  for (; !sends.empty() && sends.front().acked; sends.erase(sends.begin()))
     tell(process, [acked = status_of(*sends.front().acked)](auto& events) { events.ack(acked); });
 }
 
@@ -320,7 +325,7 @@ void layer::on_accepted(stream::channel_handle channel, mote_address source, ins
     return;
   ++counters_.unclaimed;
   const auto oldest = unclaimed_.front().first;
-  unclaimed_.pop_front();
+  unclaimed_.erase(unclaimed_.begin());
   disconnect(oldest);
 }
 
@@ -473,7 +478,7 @@ void layer::on_tick(std::uint32_t tick, instant now) {
   now_ = now;
   take(synaptic_.on_tick(tick, now));
   for (std::size_t i = 0; i < programs_.size(); ++i) {
-    if (programs_[i].wants_ticks())
+    if (programs_[i]->wants_ticks())
       tell(i, [tick](auto& x) { x.clock_tick(tick); });
   }
   dispatch();
@@ -481,7 +486,7 @@ void layer::on_tick(std::uint32_t tick, instant now) {
 
 bool layer::wants_ticks() const {
   return synaptic_.open_channels() > 0 ||
-         std::ranges::any_of(programs_, [](const auto& x) { return x.wants_ticks(); });
+         std::ranges::any_of(programs_, [](const auto& x) { return x->wants_ticks(); });
 }
 
 // Time.

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -217,7 +217,7 @@ private:
   std::vector<output_wanted> outputs_wanted_; ///< by the gateway (GW-10)
   instant now_;
 
-  std::deque<direct_process> programs_;        ///< programs point to them
+  std::vector<std::unique_ptr<direct_process>> programs_; ///< programs point to them
   std::map<std::uint8_t, std::size_t> owners_; ///< of AM types
   std::optional<std::size_t> rest_owner_;      ///< of all others
   std::map<stream::descriptor, std::size_t> stream_owners_;
@@ -227,9 +227,9 @@ private:
   std::map<transport::tunnel_id, channel_request> connecting_;
   std::map<stream::channel_handle, bool> is_synaptic_;        ///< of channels in use
   std::map<stream::channel_handle, duration> latency_bounds_; ///< of channels of Network
-  std::deque<std::pair<stream::channel_handle, mote_address>> unclaimed_;
+  std::vector<std::pair<stream::channel_handle, mote_address>> unclaimed_;
 
-  std::deque<std::pair<std::size_t, event>> events_;
+  std::vector<std::pair<std::size_t, event>> events_;
   bool dispatching_ = false;
   layer_outputs outputs_;
   layer_counters counters_;

@@ -58,7 +58,7 @@ node::node(node_config config, std::uint32_t incarnation, random_stream dice, in
   above.self = config_.id;
   above.incarnation = incarnation;
   above.transducer_mask = describe(config_).transducer_mask;
-  layer_ = std::make_unique<layer>(above, random_stream(dice_.next()));
+  layer_.emplace(above, random_stream(dice_.next()));
   network::router_config network;
   network.self = config_.id;
   network.beacon_delay_max = config_.duty.delay_max();
@@ -69,14 +69,14 @@ node::node(node_config config, std::uint32_t incarnation, random_stream dice, in
 }
 
 communication node::attach(communication_events& events) {
-  return layer_->attach(events);
+  return use_layer().attach(events);
 }
 
 // Joining.
 
 node_outputs node::start(instant now) {
   node_outputs out;
-  layer_->on_initialised(true, now);
+  use_layer().on_initialised(true, now);
   if (config_.joins_alone)
     ask_to_join(encode(describe(config_)), out, now);
   settle(out, now);
@@ -97,7 +97,7 @@ node_outputs node::leave(instant now) {
   wants_to_join_ = false;
   joins_at_.reset();
   take(join_.leave(), out, now);
-  layer_->on_left(now);
+  use_layer().on_left(now);
   settle(out, now);
   return out;
 }
@@ -111,11 +111,11 @@ void node::take(join_outputs from_join, node_outputs& out, instant now) {
       island_ = joined->island;
       slot_ = joined->slot;
       has_told_ = false;
-      layer_->on_joined(joined->island, now);
+      use_layer().on_joined(joined->island, now);
       duty_.set_member(true);
       out.emplace_back(membership{true, joined->island});
     } else {
-      layer_->on_left(now);
+      use_layer().on_left(now);
       duty_.set_member(false);
       out.emplace_back(membership{});
     }
@@ -182,7 +182,8 @@ node_outputs node::on_time(instant now) {
   take(join_.on_time(now), out, now);
   tick(now);
   tell_slot(out, now);
-  layer_->on_time(now);
+  if (const auto due = layer_deadline(); due && *due <= now)
+    use_layer().on_time(now);
   for (auto& [name, x] : actuators_) {
     if (x.on_time(now))
       out.emplace_back(actuator_arrived{name, x.target()});
@@ -202,7 +203,7 @@ node_outputs node::on_time(instant now) {
 
 instant node::deadline() const {
   auto due = *earliest(packets_.deadline(), earliest(join_.deadline(), clock_.deadline()));
-  due = *earliest(due, earliest(layer_->deadline(), duty_.deadline()));
+  due = *earliest(due, earliest(layer_deadline(), duty_.deadline()));
   due = *earliest(due, earliest(joins_at_, tells_at_));
   for (const auto& [channel, waiting] : paced_)
     due = std::min(due, waiting.first);
@@ -217,7 +218,7 @@ void node::tick(instant now) {
   const auto setting = shared.tick(now);
   if (!shared.synchronised() || !setting)
     return;
-  if (!layer_->wants_ticks()) {
+  if (!layer_wants_ticks()) {
     clock_.stop();
     watch_slots(now);
     return;
@@ -225,10 +226,10 @@ void node::tick(instant now) {
   const network::tick_plan plan(setting->period);
   const auto slot = plan.slot(slot_);
   has_slot_ = slot.has_value();
-  layer_->set_slot(slot.value_or(plan.has_free_part() ? plan.free_from(plan.shares) : 0ns));
+  use_layer().set_slot(slot.value_or(plan.has_free_part() ? plan.free_from(plan.shares) : 0ns));
   if (const auto next = clock_.update(now, shared.at(now), *setting)) {
     slot_is_free_ = has_slot_;
-    layer_->on_tick(next->number, now);
+    use_layer().on_tick(next->number, now);
   }
   watch_slots(now);
 }
@@ -241,7 +242,7 @@ bool node::takes_slot(bool wanted) {
 /// Ticks count from now on, or no more. @returns whether that is new
 bool node::heed_ticks(instant now) {
   const bool had_ticks = clock_.deadline().has_value();
-  if (layer_->wants_ticks() != had_ticks)
+  if (layer_wants_ticks() != had_ticks)
     tick(now);
   return clock_.deadline().has_value() != had_ticks;
 }
@@ -283,11 +284,11 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
     } else if (const auto* open = std::get_if<network::channel_connected>(&x)) {
       tell_latency(open->channel);
       if (const auto who = connecting_.extract(open->channel); !who.empty())
-        layer_->on_connected(who.mapped(), handle_of(open->channel), now);
+        use_layer().on_connected(who.mapped(), handle_of(open->channel), now);
     } else if (const auto* offered = std::get_if<network::channel_accepted>(&x)) {
       if (joined()) { // before that nobody here knows our address
         tell_latency(offered->channel);
-        layer_->on_accepted(handle_of(offered->channel), {island_, offered->channel.source}, now);
+        use_layer().on_accepted(handle_of(offered->channel), {island_, offered->channel.source}, now);
       } else {
         take(packets_.router().refuse(offered->channel, now), out, now);
       }
@@ -295,12 +296,12 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
       duty_.reserve(*reserved);
     } else if (const auto* content = std::get_if<network::channel_received>(&x)) {
       duty_.on_received(content->channel, now);
-      layer_->on_channel_octets(handle_of(content->channel), content->content, now);
+      use_layer().on_channel_octets(handle_of(content->channel), content->content, now);
     } else if (const auto* over = std::get_if<network::channel_ended>(&x)) {
       if (const auto who = connecting_.extract(over->channel); !who.empty())
-        layer_->on_connect_failed(who.mapped(), now);
+        use_layer().on_connect_failed(who.mapped(), now);
       else
-        layer_->on_channel_closed(handle_of(over->channel), now);
+        use_layer().on_channel_closed(handle_of(over->channel), now);
     }
   }
   if (wants_to_join_ && packets_.router().has_route()) {
@@ -311,7 +312,7 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
 
 void node::tell_latency(network::channel_id channel) {
   if (const auto bound = packets_.router().paths().latency_bound(channel))
-    layer_->set_latency_bound(handle_of(channel), *bound);
+    use_layer().set_latency_bound(handle_of(channel), *bound);
 }
 
 void node::take(network::router_outputs from_router, node_outputs& out, instant now) {
@@ -321,7 +322,7 @@ void node::take(network::router_outputs from_router, node_outputs& out, instant 
 void node::on_packet(const network::island_packet& x, instant now) {
   const bool is_ours = x.mote == config_.id || x.mote == broadcast_mote;
   if (joined() && is_ours)
-    layer_->on_packet(x.island, x.channel, x.body, now);
+    use_layer().on_packet(x.island, x.channel, x.body, now);
   else
     ++counters_.misdirected;
 }
@@ -330,17 +331,34 @@ void node::on_packet(const network::island_packet& x, instant now) {
 
 node_outputs node::settle(instant now) {
   node_outputs out;
+  use_layer(); // programs have
   settle(out, now);
   return out;
 }
 
+layer& node::use_layer() {
+  layer_used_ = true;
+  return *layer_;
+}
+
+std::optional<instant> node::layer_deadline() const {
+  return layer_used_ ? layer_->deadline() : layer_deadline_;
+}
+
+bool node::layer_wants_ticks() const {
+  return layer_used_ ? layer_->wants_ticks() : layer_wants_ticks_;
+}
+
 void node::settle(node_outputs& out, instant now) {
-  for (bool again = true; again;) {
-    auto wanted = layer_->take_outputs();
-    for (auto& x : wanted)
-      perform(x, out, now);
-    again = !wanted.empty() || heed_ticks(now);
-  }
+  do {
+    while (std::exchange(layer_used_, false)) {
+      auto wanted = layer_->take_outputs();
+      layer_deadline_ = layer_->deadline();
+      layer_wants_ticks_ = layer_->wants_ticks();
+      for (auto& x : wanted)
+        perform(x, out, now);
+    }
+  } while (heed_ticks(now));
   for (auto& x : duty_.update(now, packets_.router().clock()))
     std::visit([&out](auto& y) { out.emplace_back(std::move(y)); }, x);
 }
@@ -364,10 +382,10 @@ void node::perform(layer_output& x, node_outputs& out, instant now) {
     take(packets_.router().disconnect(channel_of(over->channel), now), out, now);
   } else if (const auto* sample = std::get_if<sample_wanted>(&x)) {
     const auto count = read(static_cast<quantity>(sample->transducer), now);
-    layer_->on_sample(sample->stream, {{island_, config_.id}, time_ms(now), count.value_or(0)},
+    use_layer().on_sample(sample->stream, {{island_, config_.id}, time_ms(now), count.value_or(0)},
                       now);
   } else if (std::holds_alternative<init_wanted>(x)) {
-    layer_->on_initialised(true, now);
+    use_layer().on_initialised(true, now);
   } else {
     ask_to_join(std::get<join_wanted>(x).description, out, now);
   }

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -64,8 +63,6 @@ struct node_counters {
 /// (mote::crystal).
 class node {
 public:
-  node() = default;
-
   /// Starts, and looks for its island.
   /// @param incarnation how often this mote has been started before (DIS-07)
   node(node_config config, std::uint32_t incarnation, random_stream dice, instant now);
@@ -75,7 +72,7 @@ public:
   [[nodiscard]] communication attach(communication_events& events);
 
   /// Carries out commands that programs have given at `now`; begin() sets the time they see.
-  void begin(instant now) { layer_->set_time(now); }
+  void begin(instant now) { use_layer().set_time(now); }
   [[nodiscard]] node_outputs settle(instant now);
 
   /// Radio and, at a sink, serial line are up (D1.1 5.3.4). A mote that joins alone begins to, and
@@ -146,6 +143,9 @@ private:
   void tell_slot(node_outputs& out, instant now);
   void send_on(channel_packet x, node_outputs& out, instant now);
   void settle(node_outputs& out, instant now);
+  layer& use_layer();
+  [[nodiscard]] std::optional<instant> layer_deadline() const;
+  [[nodiscard]] bool layer_wants_ticks() const;
 
   node_config config_;
   random_stream dice_;
@@ -161,7 +161,11 @@ private:
   bool slot_is_free_ = false;       ///< at this tick
   std::optional<instant> tells_at_; ///< the sink, that it sends in its slot
   bool has_told_ = false;
-  std::unique_ptr<layer> layer_; ///< programs point to it
+  std::optional<layer> layer_; ///< always there once constructed; programs point to it
+  /// Most frames do not concern the layer: what it last said is kept while nobody uses it.
+  bool layer_used_ = false;
+  bool layer_wants_ticks_ = false;
+  std::optional<instant> layer_deadline_;
   synaptic::rubicon_clock clock_;
   duty_cycle duty_;
   /// Packets that wait for their channel's turn, one for each.

@@ -397,7 +397,7 @@ channels_outputs channels::on_sent(bool acked, const surroundings& around, insta
   if (!acked || x.next == broadcast_mote) {
     if (x.rounds < rounds_max) {
       x.due = now + dice_.between(config_.round_pause, 2 * config_.round_pause);
-      queue_.push_front(std::move(x));
+      queue_.insert(queue_.begin(), std::move(x));
     } else if (x.next != broadcast_mote) {
       on_lost(x, around, out, now);
     }

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <optional>
 #include <utility>
@@ -241,7 +240,7 @@ private:
   std::uint16_t next_number_ = 0;
   std::map<channel_id, entry> entries_;
   std::map<channel_id, offer> offers_;
-  std::deque<waiting> queue_;
+  std::vector<waiting> queue_;
   std::optional<waiting> under_way_;
   instant held_until_;
   channels_counters counters_;

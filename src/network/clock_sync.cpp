@@ -93,7 +93,7 @@ bool clock_sync::on_stamp(const clock_stamp& x, instant sfd) {
   network_ahead_ = is_sane ? x.network_ahead : std::nullopt;
   points_.push_back(here);
   if (points_.size() > points_max)
-    points_.pop_front();
+    points_.erase(points_.begin());
   fit();
   return true;
 }

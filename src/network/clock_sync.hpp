@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
+#include <vector>
 #include <optional>
 
 #include "core/address.hpp"
@@ -136,7 +136,7 @@ private:
   void learn(const tick_setting& x);
 
   clock_sync_config config_;
-  std::deque<point> points_;
+  std::vector<point> points_;
   instant middle_;                ///< of the points
   double middle_ahead_us_ = 0;    ///< of the line, there
   double slope_ = 0;              ///< of the line: microseconds per microsecond

@@ -164,7 +164,7 @@ bool collection::is_new(const mark& x) {
     return false;
   seen_.push_back(x);
   if (seen_.size() > config_.seen_max)
-    seen_.pop_front();
+    seen_.erase(seen_.begin());
   return true;
 }
 
@@ -229,7 +229,7 @@ collection_outputs collection::on_sent(bool acked, instant now) {
     ++counters_.repeated;
     x.due = now + (is_flood ? config_.flood_spread + dice_.between(0s, config_.flood_spread)
                             : pause_after(x.rounds));
-    queue_.push_front(std::move(x));
+    queue_.insert(queue_.begin(), std::move(x));
   } else if (!is_flood && !acked) {
     ++counters_.gave_up;
   }

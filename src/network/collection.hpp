@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -155,10 +154,10 @@ private:
   mote_id parent_ = no_mote;
   etx_cost cost_ = etx_infinite;
   std::uint16_t sequence_ = 0;
-  std::deque<waiting> queue_;
+  std::vector<waiting> queue_;
   std::optional<waiting> under_way_;
   instant held_until_;
-  std::deque<mark> seen_;
+  std::vector<mark> seen_;
   bool loop_seen_ = false;
   collection_counters counters_;
 };

@@ -245,7 +245,7 @@ void endpoint::end_first(mote_address destination, session& x, bool acked, outpu
   ++(acked ? counters_.reliable_acked : counters_.reliable_failed);
   --outstanding_;
   out.emplace_back(outcome{x.messages.front().id, acked});
-  x.messages.pop_front();
+  x.messages.erase(x.messages.begin());
   x.due.reset();
   if (!x.messages.empty())
     begin(destination, x, out, now);

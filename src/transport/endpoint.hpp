@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -134,7 +133,7 @@ private:
   struct session {
     std::optional<incarnation> receiver; ///< nothing: it is being greeted
     std::uint16_t counter = 0;           ///< of the segment under way, or of the last one
-    std::deque<message> messages; ///< the first is under way, unless it waits for the greeting
+    std::vector<message> messages; ///< the first is under way, unless it waits for the greeting
     unsigned attempts = 0; ///< more than one: an earlier copy may have arrived, without our knowing
     std::optional<instant> due; ///< of the next attempt; nothing: idle
     std::uint64_t used = 0;

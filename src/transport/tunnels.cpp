@@ -223,7 +223,7 @@ void tunnels::on_open(entry at, tunnel_message& x, tunnels_outputs& out, instant
 void tunnels::forget(entry x) {
   if (!x->second.opened_here && config_.remembered_max > 0) {
     if (ended_.size() >= config_.remembered_max)
-      ended_.pop_front();
+      ended_.erase(ended_.begin());
     ended_.push_back({x->second.peer, x->second.number, x->second.peer_life});
   }
   entries_.erase(x);

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -186,7 +185,7 @@ private:
   std::uint32_t last_id_ = 0;
   std::uint16_t last_number_ = 0;
   std::map<tunnel_id, tunnel> entries_;
-  std::deque<memory> ended_; ///< the oldest first
+  std::vector<memory> ended_; ///< the oldest first
   tunnels_counters counters_;
 };
 

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -113,15 +114,17 @@ cost measure(unsigned motes) {
 } // namespace
 
 int main(int argc, char** argv) {
-  const bool json = argc == 2 && std::string(argv[1]) == "--json";
-  if (argc > 1 && !json) {
-    std::fprintf(stderr, "usage: bench_motes [--json]\n");
-    return 2;
-  }
+  bool json = false;
+  std::vector<unsigned> sizes{100, 1000, 10'000};
+  CLI::App command{"What a mote costs in ecologies of several sizes"};
+  command.add_flag("--json", json, "figures as JSON");
+  command.add_option("--motes", sizes, "sizes to measure, whole islands of 100 motes")
+      ->check(CLI::Range(100U, 25'000U));
+  CLI11_PARSE(command, argc, argv);
   spdlog::set_level(spdlog::level::err);
   bench::figures out;
   std::vector<double> each; // steps a mote and minute
-  for (const unsigned motes : {100U, 1000U, 10'000U}) {
+  for (const unsigned motes : sizes) {
     out.section(std::to_string(motes) + " motes", "joined, a reading a minute each");
     const auto calibration = bench::calibrate() * 1e6;
     const auto x = measure(motes);
@@ -130,7 +133,7 @@ int main(int argc, char** argv) {
     out.add("processor time, the same", x.cpu_s, 3, "s");
     out.add("the same, a mote", x.cpu_s / motes * 1e6, 0, "us");
     out.add("the same in calibration steps", each.back() / 1e3, 0, "k steps");
-    out.add("against 100 motes", each.back() / each.front(), 2, "", at_most(1.5));
+    out.add("against the first size", each.back() / each.front(), 2, "", at_most(1.5));
     out.add("resident memory, a mote", x.octets / 1024, 1, "KiB");
     out.add("messages between actors, a mote", x.events, 0, "");
     out.add("motes joined", 100 * x.joined, 1, "%", at_least(100));
