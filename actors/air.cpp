@@ -103,7 +103,8 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
   self->state.users.resize(addresses.size());
   self->state.addresses = std::move(addresses);
   self->state.ecology = std::move(ecology);
-  return { // the frequent ones first: they are tried in turn
+  return {
+      // the frequent ones first: they are tried in turn
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           perform(self, self->state.channel.on_time(now(self)));

@@ -327,7 +327,8 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
   self->state.arguments = std::move(arguments);
   self->state.incarnation = incarnation;
   start(self);
-  return { // the frequent ones first: they are tried in turn
+  return {
+      // the frequent ones first: they are tried in turn
       [self](const frame_received& x) { on_frame(self, x.psdu.view(), x.rssi_dbm); },
       [self](const timer_expired& x) { on_timer(self, x); },
       [self](const radio_done& x) { on_done(self, x); },

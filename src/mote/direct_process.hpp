@@ -1,8 +1,8 @@
 // A program in the actor of its node: its commands are calls of the node's layer.
 #pragma once
 
-#include <vector>
 #include <optional>
+#include <vector>
 
 #include "mote/process.hpp"
 #include "transport/endpoint.hpp"
@@ -63,7 +63,7 @@ private:
   layer& below_;
   std::size_t number_;
   communication_events* events_; ///< nullptr: it has left
-  std::vector<unsettled> sends_;  ///< ack() keeps their order (A-56)
+  std::vector<unsettled> sends_; ///< ack() keeps their order (A-56)
 };
 
 } // namespace rubicon::mote

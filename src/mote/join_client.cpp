@@ -41,6 +41,7 @@ join_outputs join_client::on_message(mote_id source, const management& message, 
       if (condition_ != mote_condition{})
         out.emplace_back(to_registrar{keep_alive{incarnation_, condition_}});
     }
+    gap_ = config_.first_keep_alive;
     deadline_ = next_keep_alive(now);
     return out;
   }
@@ -76,8 +77,10 @@ join_outputs join_client::tell(const mote_condition& x, instant now) {
 }
 
 instant join_client::next_keep_alive(instant now) {
-  const auto early = turn_wait_ > 0s ? dice_.between(0s, config_.keep_alive / 4) : 0s;
-  return now + config_.keep_alive - early;
+  const auto gap = std::min(gap_, config_.keep_alive);
+  gap_ = 2 * gap;
+  const auto early = turn_wait_ > 0s ? dice_.between(0s, gap / 4) : 0s;
+  return now + gap - early;
 }
 
 join_outputs join_client::request(instant now) {

@@ -40,7 +40,9 @@ struct join_config {
   unsigned attempts_max = 5;      ///< then a pause, and again without end
   duration pause = 2s;            ///< doubles each time, jittered by half
   duration pause_max = 30s;
-  duration keep_alive = 3s; ///< send a keep-alive when nothing else was sent for this long
+  duration keep_alive = 3s; ///< send a keep-alive when nothing else was sent for this long; or for
+  duration first_keep_alive = 4s; ///< this long after the join, doubled each time: a sink that has
+                                  ///< never heard a confirm has given the mote up
 };
 
 /// off --start--> requesting --reply--> joined --rejoin_prompt--> requesting
@@ -90,6 +92,7 @@ private:
   std::uint16_t sequence_ = 0;
   unsigned attempts_ = 0;
   duration pause_{};
+  duration gap_{}; ///< to the next keep-alive at most
   std::optional<instant> deadline_;
 };
 

@@ -56,8 +56,8 @@ communication layer::attach(communication_events& events) {
       std::ranges::find_if(programs_, [](const auto& x) { return x->events_ == nullptr; });
   auto& program = left != programs_.end()
                       ? **left
-                      : *programs_.emplace_back(std::make_unique<direct_process>(
-                            *this, programs_.size(), events));
+                      : *programs_.emplace_back(
+                            std::make_unique<direct_process>(*this, programs_.size(), events));
   program.events_ = &events;
   if (!outputs_wanted_.empty())
     tell_wanted(program.number_);

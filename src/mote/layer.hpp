@@ -218,8 +218,8 @@ private:
   instant now_;
 
   std::vector<std::unique_ptr<direct_process>> programs_; ///< programs point to them
-  std::map<std::uint8_t, std::size_t> owners_; ///< of AM types
-  std::optional<std::size_t> rest_owner_;      ///< of all others
+  std::map<std::uint8_t, std::size_t> owners_;            ///< of AM types
+  std::optional<std::size_t> rest_owner_;                 ///< of all others
   std::map<stream::descriptor, std::size_t> stream_owners_;
   std::map<synaptic::descriptor, std::size_t> synaptic_owners_;
   std::map<transport::ticket, std::size_t> senders_; ///< of reliable sends under way

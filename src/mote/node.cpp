@@ -288,7 +288,8 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
     } else if (const auto* offered = std::get_if<network::channel_accepted>(&x)) {
       if (joined()) { // before that nobody here knows our address
         tell_latency(offered->channel);
-        use_layer().on_accepted(handle_of(offered->channel), {island_, offered->channel.source}, now);
+        use_layer().on_accepted(handle_of(offered->channel), {island_, offered->channel.source},
+                                now);
       } else {
         take(packets_.router().refuse(offered->channel, now), out, now);
       }
@@ -383,7 +384,7 @@ void node::perform(layer_output& x, node_outputs& out, instant now) {
   } else if (const auto* sample = std::get_if<sample_wanted>(&x)) {
     const auto count = read(static_cast<quantity>(sample->transducer), now);
     use_layer().on_sample(sample->stream, {{island_, config_.id}, time_ms(now), count.value_or(0)},
-                      now);
+                          now);
   } else if (std::holds_alternative<init_wanted>(x)) {
     use_layer().on_initialised(true, now);
   } else {

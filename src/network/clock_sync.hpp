@@ -6,8 +6,8 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 #include <optional>
+#include <vector>
 
 #include "core/address.hpp"
 #include "core/codec.hpp"

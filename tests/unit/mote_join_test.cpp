@@ -105,6 +105,25 @@ TEST_CASE("a reply to an older request is ignored", "[mote][DIS-08]") {
             .empty());
 }
 
+TEST_CASE("a mote with rare keep-alives says early that it believes itself joined",
+          "[mote][DIS-08][DIS-05]") {
+  join_config config;
+  config.keep_alive = 30s;
+  join_client client(config, {}, 0, random_stream(1));
+  instant now{};
+  static_cast<void>(client.start(1, now));
+  const auto request = request_in(wait(client, now));
+  const join_reply reply{request.sequence, island_id{1}, mote_id{7}, 0};
+  static_cast<void>(client.on_message(the_sink, reply, now));
+  for (const auto gap : {4s, 8s, 16s, 30s, 30s}) {
+    const auto before = now;
+    static_cast<void>(wait(client, now));
+    CHECK(now - before == gap);
+  }
+  static_cast<void>(client.on_message(the_sink, reply, now)); // its confirm had been lost
+  CHECK(*client.deadline() == now + 4s);
+}
+
 TEST_CASE("motes that start together do not all ask at once", "[mote][DIS-05]") {
   join_config config;
   join_client a(config, {}, 0, random_stream(1));
