@@ -21,6 +21,11 @@ names::names(const header& about) {
       paths_[{id, mote}] = path;
     };
     add(no_mote, "gateway", "gateway/" + island.name);
+    for (const auto& alias : island.aliases) { // the same address, whichever of them leads
+      const auto path = "gateway/" + island.name + '/' + alias;
+      actors_[path] = {id, no_mote};
+      places_[path] = "peis_peer/" + alias;
+    }
     add(mote_id(island.sink), "sink", "sink/" + island.name);
     sinks_[id] = mote_id(island.sink);
     places_["gateway/" + island.name] = "peis_peer/" + island.gateway;
@@ -67,6 +72,13 @@ std::optional<mote_address> names::address_of(std::string_view path) const {
 std::optional<peer_id> names::peer_of(std::string_view path) const {
   const auto found = kernels_.find(path);
   return found == kernels_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::string names::gateway_at(std::string_view line, island_id island) const {
+  const auto slash = line.find('/');
+  const auto path =
+      slash == std::string_view::npos ? std::string() : "gateway" + std::string(line.substr(slash));
+  return actors_.contains(path) ? path : path_of({island, no_mote});
 }
 
 std::string names::path_of(mote_address x) const {

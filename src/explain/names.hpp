@@ -31,6 +31,9 @@ public:
   /// The actor at an address; empty if the header does not name it.
   [[nodiscard]] std::string path_of(mote_address x) const;
 
+  /// The gateway at a serial line's end. @param line path of its actor
+  [[nodiscard]] std::string gateway_at(std::string_view line, island_id island) const;
+
   /// Where an actor is: gateways and PCs are where their kernels are.
   [[nodiscard]] std::string place_of(const std::string& path) const;
 
