@@ -25,6 +25,9 @@ names::names(const header& about) {
       const auto path = "gateway/" + island.name + '/' + alias;
       actors_[path] = {id, no_mote};
       places_[path] = "peis_peer/" + alias;
+      for (const auto& [peer, name] : about.peers)
+        if (name == alias)
+          speaks_for_[peer_id{peer}] = gateway_of(id);
     }
     add(mote_id(island.sink), "sink", "sink/" + island.name);
     sinks_[id] = mote_id(island.sink);
@@ -89,6 +92,11 @@ std::string names::path_of(mote_address x) const {
 std::string names::place_of(const std::string& path) const {
   const auto found = places_.find(path);
   return found == places_.end() ? path : found->second;
+}
+
+peer_id names::speaks_for(peer_id x) const {
+  const auto found = speaks_for_.find(x);
+  return found == speaks_for_.end() ? x : found->second;
 }
 
 mote_id names::sink_of(island_id x) const {

@@ -45,6 +45,9 @@ public:
   /// Of an actor that is a PEIS kernel.
   [[nodiscard]] std::optional<peer_id> peer_of(std::string_view path) const;
 
+  /// The gateway with the island's id, for any other gateway of it; others speak for themselves.
+  [[nodiscard]] peer_id speaks_for(peer_id x) const;
+
   /// @returns the id that sinks have by default for an island the header does not name
   [[nodiscard]] mote_id sink_of(island_id x) const;
 
@@ -56,6 +59,7 @@ private:
   std::map<mote_address, std::string> paths_;
   std::map<std::string, std::string> places_;
   std::map<island_id, mote_id> sinks_;
+  std::map<peer_id, peer_id> speaks_for_;
 };
 
 } // namespace rubicon::explain

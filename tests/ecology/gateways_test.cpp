@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "ecology_files.hpp"
+#include "explain/journeys.hpp"
 #include "explain/record.hpp"
 #include "support/catch.hpp"
 #include "support/seeds.hpp"
@@ -231,6 +232,21 @@ TEST_CASE("what is subscribed to is sent on by motes when another gateway leads"
   const auto heard =
       x.times(explain::kind::tuple_event, "peer_app/robot/collector", "devices.2.output.1");
   CHECK(longest_gap(heard, what.length) <= patience);
+}
+
+TEST_CASE("what is told of a message names the gateway that it took", "[ecology][GW-14][NFR-01]") {
+  const auto x = record(kitchen_with({killed(1min, first, 40s)}), 1);
+  const auto all = explain::follow(x.content);
+  std::size_t through_second = 0;
+  for (const auto& each : all.messages)
+    CHECK(each.destination.island != island_id{21}); // the island's id, whoever speaks for it
+  for (const auto& each : all.nodes)
+    through_second += each.to == "gateway/kitchen/attic-pc" && each.arrived.has_value() ? 1 : 0;
+  CHECK(through_second > 30);
+  const auto told = std::ranges::find_if(x.report.story, [](const auto& line) {
+    return line.who == "attic-pc" && line.what == "leads island 20, term 2";
+  });
+  CHECK(told != x.report.story.end());
 }
 
 TEST_CASE("motes keep the time of peers when another gateway tells it", "[ecology][GW-14][CLK-08]") {

@@ -31,7 +31,7 @@ TEST_CASE("an island may have further gateways, each with a cable of its own", "
   CHECK(island.aliases[1].serial.baud == island.serial.baud);
   CHECK(gateways_of(island) == std::vector{peer_id{1}, peer_id{21}, peer_id{22}});
   CHECK(gateways_of(x.islands.at(1)) == std::vector{peer_id{2}});
-  const auto text = to_text(x);
+  const auto text = summary(x);
   CHECK(text.find("57600 baud, 3 gateways") != std::string::npos);
   CHECK(text.find("alias gateway of k") != std::string::npos);
 }
@@ -49,18 +49,18 @@ TEST_CASE("aliases are peers for links, faults and references", "[config][GW-14]
   CHECK(one.island == island_id{1});
   CHECK(one.gateway == peer_id{21});
   CHECK(!std::get<unplug_fault>(x.faults.at(2).what).gateway);
-  CHECK(to_text(x).find("k-gateway-2 for 30 s") != std::string::npos);
+  CHECK(summary(x).find("k-gateway-2 for 30 s") != std::string::npos);
 }
 
 TEST_CASE("bad aliases are refused where they stand", "[config][GW-14]") {
   const row rows[] = {
-      {"[[island.alias]]\nname = \"a\"\n", "15:1: [[island.alias]] lacks `id`"},
-      {"[[island.alias]]\nid = 255\n", "16:6: `id` must be a whole number from 1 to 254"},
-      {"[[island.alias]]\nid = 1\n", "16:6: PEIS id 1 is already taken, in line 13"},
+      {"[[island.alias]]\nname = \"a\"\n", "15:1: `id` is missing in [[island.alias]]"},
+      {"[[island.alias]]\nid = 255\n", "16:6: `id` must be a whole number from 1 to 254, not 255"},
+      {"[[island.alias]]\nid = 1\n", "16:6: PEIS id 1 is already taken (line 13, column 6)"},
       {"[[island.alias]]\nid = 21\n[[island.alias]]\nid = 21\n",
-       "18:6: PEIS id 21 is already taken, in line 16"},
+       "18:6: PEIS id 21 is already taken (line 16, column 6)"},
       {"[[island.alias]]\nid = 21\nname = \"pc\"\n",
-       "17:8: peer or gateway name `pc` is already taken, in line 5"},
+       "17:8: peer or gateway name `pc` is already taken (line 5, column 8)"},
       {"[[island.alias]]\nid = 21\n[[island.alias]]\nid = 22\n[[island.alias]]\nid = 23\n"
        "[[island.alias]]\nid = 24\n",
        "22:6: an island has at most 4 gateways"},

@@ -110,7 +110,7 @@ TEST_CASE("a gateway leads while its sink says so", "[gateway][GW-14]") {
 }
 
 TEST_CASE("an only gateway always leads, and answers no polls", "[gateway][GW-14]") {
-  CHECK(leadership({}).leads());
+  CHECK(leadership(gateway::leadership_config{}).leads());
   gateway::gateway_config config;
   config.island = kitchen;
   gateway::gateway x(config, random_stream(1));

@@ -64,7 +64,7 @@ TEST_CASE("the lead is handed over when a gateway is silent, and back when it ha
   CHECK(x.lines.leader() == 0);
   CHECK(x.lines.term() == 1);
   x.there[0] = false;
-  x.run_until(instant{61900ms});
+  x.run_until(instant{61400ms});
   CHECK(x.lines.leader() == 0);
   x.run_until(instant{62600ms}); // two seconds of patience and one gap between questions
   CHECK(x.lines.leader() == 1);
