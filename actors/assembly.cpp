@@ -81,36 +81,44 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   return x;
 }
 
-/// The serial line, sink and gateway of an island.
+serial_line_actor spawn_line(ecology_pointer self, island_id island, const std::string& path,
+                             const serial::line_config& config) {
+  return spawn_child(self, path, serial_line,
+                     serial::line(config, random_stream(self->state.description.seed, path)),
+                     island, handle_of(self));
+}
+
+/// The serial lines, sink and gateways of an island.
 void spawn_bridge(ecology_pointer self, const config::island_description& island,
                   radio::radio_index radio, const air_actor& air) {
-  const auto seed = self->state.description.seed;
-  const auto ecology = handle_of(self);
-  const auto line_path = "serial_line/" + island.name;
-  const auto line =
-      spawn_child(self, line_path, serial_line,
-                  serial::line(island.serial, random_stream(seed, line_path)), island.id, ecology);
-  self->state.lines[island.id] = line;
-
-  mote::registrar_config registrar;
-  registrar.island = island.id;
-  registrar.keep_alive_window = island.keep_alive;
-  serial::mote_port_config port;
-  port.baud = island.serial.baud;
+  auto& lines = self->state.lines;
   sink_arguments at_sink;
+  const auto add_line = [&](const std::string& path, const serial::line_config& config) {
+    const auto line = spawn_line(self, island.id, "serial_line/" + path, config);
+    lines[{island.id, at_sink.lines.size()}] = line;
+    serial::mote_port_config port;
+    port.baud = config.baud;
+    at_sink.lines.push_back({line, port});
+  };
+  add_line(island.name, island.serial);
+  for (const auto& alias : island.aliases) {
+    add_line(island.name + '/' + alias.name, alias.serial);
+    at_sink.registrar.aliases.emplace_back(static_cast<std::uint32_t>(alias.id.value));
+  }
+  at_sink.registrar.island = island.id;
+  at_sink.registrar.keep_alive_window = island.keep_alive;
   at_sink.address = {island.id, island.sink.id};
-  at_sink.registrar = registrar;
-  at_sink.port = port;
   at_sink.radio = radio;
   at_sink.air = air;
-  at_sink.line = line;
   at_sink.apps = island.sink.apps;
   at_sink.duty = island.duty;
   at_sink.crystal = crystal_of(self, island, island.name + "/sink");
-  at_sink.seed = seed;
-  at_sink.ecology = ecology;
+  at_sink.seed = self->state.description.seed;
+  at_sink.ecology = handle_of(self);
   spawn_child(self, "sink/" + island.name, sink, std::move(at_sink));
   spawn_programs(self, self->state.peers.at(island.gateway_name));
+  for (const auto& alias : island.aliases)
+    spawn_programs(self, self->state.peers.at(alias.name));
 }
 
 /// The sink of an island that only measures: a mote like the others, but fed by its cable.
@@ -221,16 +229,23 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
 void spawn_kernels(ecology_pointer self) {
   const auto& description = self->state.description;
   std::vector<std::string> names; // in the order of the description
-  const auto add = [&](peer_id id, const std::string& name, std::optional<island_id> island) {
+  const auto add = [&](peer_id id, const std::string& name, std::optional<island_id> island,
+                       std::size_t line = 0) {
     auto& peer = self->state.peers[name];
     peer.id = id;
     peer.name = name;
     peer.island = island;
+    peer.line = line;
     names.push_back(name);
   };
-  for (const auto& island : description.islands)
-    if (island.stack == config::stack::full)
-      add(gateway_of(island.id), island.gateway_name, island.id);
+  for (const auto& island : description.islands) {
+    if (island.stack != config::stack::full)
+      continue;
+    add(gateway_of(island.id), island.gateway_name, island.id);
+    std::size_t line = 0;
+    for (const auto& alias : island.aliases)
+      add(alias.id, alias.name, island.id, ++line);
+  }
   for (const auto& peer : description.peers) {
     add(peer.id, peer.name, {});
     self->state.peers.at(peer.name).component_of = peer.init;

@@ -110,6 +110,11 @@ void on_down(ecology_pointer self, const caf::down_msg& x) {
   tell_story(self, named->second, "ended");
 }
 
+bool has_several_gateways(ecology_pointer self, island_id id) {
+  return !std::ranges::find(self->state.description.islands, id, &config::island_description::id)
+              ->aliases.empty();
+}
+
 void on_listing(ecology_pointer self, const listing_changed& x) {
   const auto found = self->state.motes.find(x.mote);
   if (found == self->state.motes.end()) {
@@ -117,6 +122,10 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
     return;
   }
   auto& mote = found->second;
+  const std::pair news{x.listed, x.incarnation};
+  if (has_several_gateways(self, x.mote.island) && mote.told == news)
+    return; // another gateway has told so
+  mote.told = news;
   mote.changed = now(self);
   if (!x.listed) {
     mote.left_cause = network::to_string(x.cause);
@@ -182,13 +191,27 @@ struct fault_applier : peer_fault_applier {
 
   void operator()(const config::unplug_fault& x) const {
     auto& lines = self->state.lines;
-    const auto* line = x.island == config::any_island
-                           ? draw(self, lines, [](const serial_line_actor&) { return true; })
-                           : &lines.at(x.island);
-    if (line == nullptr)
+    if (x.island == config::any_island) {
+      if (const auto* line = draw(self, lines, [](const serial_line_actor&) { return true; }))
+        unplug(*line, x.length);
       return;
-    self->send(*line, plug_serial{false});
-    self->delayed_send(*line, x.length, plug_serial{true});
+    }
+    for (const auto& [which, line] : lines) {
+      if (which.first == x.island && (!x.gateway || *x.gateway == gateway_at(which)))
+        unplug(line, x.length);
+    }
+  }
+
+  void unplug(const serial_line_actor& line, duration length) const {
+    self->send(line, plug_serial{false});
+    self->delayed_send(line, length, plug_serial{true});
+  }
+
+  [[nodiscard]] peer_id gateway_at(const std::pair<island_id, std::size_t>& line) const {
+    const auto found = std::ranges::find_if(self->state.peers, [&line](const auto& x) {
+      return x.second.island == line.first && x.second.line == line.second;
+    });
+    return found->second.id;
   }
 };
 
@@ -236,6 +259,13 @@ void compare_clocks(ecology_pointer self) {
   }
 }
 
+void on_lead(ecology_pointer self, const gateway_status& x) {
+  auto& all = island_of(self, x.island).gateways;
+  const auto found = std::ranges::find(all, x.gateway.id, &runtime::gateway_report::id);
+  if (found != all.end())
+    *found += x.gateway;
+}
+
 void prepare_report(ecology_pointer self) {
   auto& state = self->state;
   state.report.ecology = state.description.name;
@@ -244,6 +274,10 @@ void prepare_report(ecology_pointer self) {
     runtime::island_report x;
     x.id = island.id;
     x.name = island.name;
+    if (!island.aliases.empty())
+      x.gateways.push_back({gateway_of(island.id), island.gateway_name});
+    for (const auto& alias : island.aliases)
+      x.gateways.push_back({alias.id, alias.name});
     state.report.islands.push_back(std::move(x));
   }
 }
@@ -295,8 +329,11 @@ void on_energy(ecology_pointer self, const energy_status& x) {
   found->radio_transmit = x.radio_transmit;
 }
 
-/// Whether an island's gateway runs, and has done so for long enough to know its motes again.
+/// Whether an island's gateway runs, and has done so for long enough to know its motes again. One
+/// that leads among several has.
 bool has_settled_gateway(ecology_pointer self, island_id island) {
+  if (has_several_gateways(self, island))
+    return std::ranges::any_of(island_of(self, island).gateways, &runtime::gateway_report::leads);
   const auto& peers = self->state.peers;
   const auto found =
       std::ranges::find_if(peers, [island](const auto& x) { return x.second.island == island; });
@@ -438,6 +475,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
         if (x.has_clock)
           self->state.clocks[x.island].clock_offset = x.clock_offset;
       },
+      [self](const gateway_status& x) { on_lead(self, x); },
       [self](const peer_status& x) {
         self->state.report.peers.push_back(x.peer);
         self->state.known_hosts[x.peer.id] = x.hosts;

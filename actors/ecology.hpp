@@ -41,6 +41,7 @@ struct supervised_mote {
   std::string type;
   bool joined = false; ///< ever
   bool flat = false;
+  std::optional<std::pair<bool, std::uint32_t>> told; ///< listed, and its incarnation, last
   std::string left_cause;
   instant changed; ///< when it was last started, flat, listed or unlisted
   std::vector<supervised_program> programs;
@@ -50,7 +51,8 @@ struct supervised_mote {
 struct supervised_peer {
   peer_id id;
   std::string name;
-  std::optional<island_id> island; ///< whose gateway it is
+  std::optional<island_id> island; ///< whose gateway it is,
+  std::size_t line = 0;            ///< at which of the sink's serial lines
   peis_peer_actor handle;          ///< its kernel; nullptr while it does not run
   std::vector<caf::actor> programs;
   init_actor init;                     ///< among its programs; nullptr: none
@@ -88,7 +90,7 @@ struct ecology_state {
   process_facts process;
   frame_observer observe_frames; ///< may be empty
   std::map<mote_address, supervised_mote> motes;
-  std::map<island_id, serial_line_actor> lines;
+  std::map<std::pair<island_id, std::size_t>, serial_line_actor> lines; ///< of sinks, numbered
   std::shared_ptr<const rfid::tags> tags; ///< of the world; nullptr until a reader needs them
   peis_lan_actor lan;
   peis_bluetooth_actor bluetooth;                      ///< nullptr: no peer has an adapter

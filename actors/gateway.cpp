@@ -18,6 +18,12 @@ constexpr std::string_view written_by_others[] = {"devices.*.input.*", "devices.
 void perform(gateway_pointer self, gateway::outputs todo);
 void perform(gateway_pointer self, serial::outputs todo);
 
+/// Of its kernel.
+peer_id id_of(gateway_pointer self) {
+  const auto& arguments = self->state.arguments;
+  return arguments.self == any_peer ? gateway_of(arguments.config.island) : arguments.self;
+}
+
 struct performer {
   gateway_pointer self;
 
@@ -47,6 +53,24 @@ struct performer {
                                  endpoint::island_message_port,
                                  payload(std::move(x.octets)),
                                  x.reliable});
+  }
+
+  void operator()(gateway::relay_to& x) const {
+    self->send(self->state.arguments.peer,
+               send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
+                                 static_cast<std::uint64_t>(x.peer.value), // as the outcome's token
+                                 x.peer,
+                                 gateway::relay_port,
+                                 payload(std::move(x.octets)),
+                                 true});
+  }
+
+  void operator()(const gateway::lead_changed& x) const {
+    log(self, spdlog::level::info, "event={} term={}", x.leads ? "leads" : "stands_by", x.term);
+    self->send(self->state.arguments.ecology,
+               story{"gateway/" + self->state.arguments.name,
+                     (x.leads ? "leads island " : "no longer leads island ") + to_string(island()) +
+                         (x.leads ? ", term " + std::to_string(x.term) : std::string())});
   }
 
   void operator()(gateway::announce& x) const {
@@ -131,6 +155,8 @@ void on_message(gateway_pointer self, const peis_message& x) {
   auto& gateway = self->state.gateway;
   if (x.port == gateway::announcement_port)
     gateway.on_announcement(x.source, x.octets.view(), now(self));
+  else if (x.port == gateway::relay_port)
+    perform(self, gateway.on_relay(x.source, x.octets.view(), now(self)));
   else
     perform(self, gateway.on_message(x.source, x.octets.view(), now(self)));
   follow(self);
@@ -163,12 +189,25 @@ void report_counters(gateway_pointer self) {
                                                        state.gateway.outstanding())});
 }
 
+/// @param ends its life does, so it leads no more
+void report_lead(gateway_pointer self, bool ends) {
+  const auto& state = self->state;
+  const auto& lead = state.gateway.lead();
+  if (lead.alone())
+    return;
+  self->send(state.arguments.ecology,
+             gateway_status{state.arguments.config.island,
+                            {id_of(self), state.arguments.name, lead.led(), lead.leading(now(self)),
+                             lead.leads() && !ends}});
+}
+
 } // namespace
 
 gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_arguments arguments) {
   scheduler::tell_monitors_of_exceptions(self);
   self->set_exit_handler([self](const caf::exit_msg& x) {
     report_counters(self); // a life that a fault has ended counts as well
+    report_lead(self, true);
     self->quit(x.reason);
   });
   auto& state = self->state;
@@ -179,14 +218,14 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   const auto client = caf::actor_cast<peis_client_actor>(self);
   self->send(state.arguments.line,
              attach_serial{serial::direction::to_pc, {caf::actor_cast<serial_end_actor>(self)}});
-  for (const auto port : {gateway::announcement_port, endpoint::island_message_port})
+  std::vector<std::uint16_t> ports{gateway::announcement_port, endpoint::island_message_port};
+  if (!state.gateway.lead().alone())
+    ports.push_back(gateway::relay_port);
+  for (const auto port : ports)
     self->send(state.arguments.peer, hook_port{{client}, port});
   for (const auto key : written_by_others)
     self->send(state.arguments.peer,
-               watch_tuples{{client},
-                            own_watch,
-                            peer_id{static_cast<std::int32_t>(state.arguments.config.island.value)},
-                            std::string(key)});
+               watch_tuples{{client}, own_watch, id_of(self), std::string(key)});
   self->send(state.arguments.peer,
              watch_subscribers{{caf::actor_cast<subscribers_watcher_actor>(self)},
                                std::string(devices_key)});
@@ -218,10 +257,12 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
       [self](status_request) {
         report_counters(self);
         const auto& gateway = self->state.gateway;
-        self->send(self->state.arguments.ecology,
-                   devices_status{self->state.arguments.config.island, gateway.devices(),
-                                  gateway.clock_offset().has_value(),
-                                  gateway.clock_offset().value_or(0s)});
+        report_lead(self, false);
+        if (gateway.lead().leads())
+          self->send(self->state.arguments.ecology,
+                     devices_status{self->state.arguments.config.island, gateway.devices(),
+                                    gateway.clock_offset().has_value(),
+                                    gateway.clock_offset().value_or(0s)});
         self->state.programs.report(self, self->state.arguments.ecology,
                                     self->state.arguments.name);
       },

@@ -16,11 +16,12 @@ namespace rubicon {
 /// What a gateway actor is made of.
 struct gateway_arguments {
   gateway::gateway_config config;
-  std::string name; ///< of its kernel
+  std::string name;        ///< of its kernel
+  peer_id self = any_peer; ///< the same; any_peer: it has the island's id
   std::vector<apps::app_config> programs;
   serial::endpoint_config port;
   std::uint64_t seed = 0; ///< of the ecology
-  peis_peer_actor peer;   ///< the kernel whose id is the island's
+  peis_peer_actor peer;   ///< the kernel whose component it is
   serial_line_actor line;
   ecology_actor ecology;
 };

@@ -113,6 +113,12 @@ struct devices_status {
   duration clock_offset{}; ///< which is so much ahead of ecology time
 };
 
+/// How one of several gateways of an island has fared, in one life (GW-14).
+struct gateway_status {
+  island_id island;
+  runtime::gateway_report gateway;
+};
+
 struct peer_status {
   runtime::peer_report peer;
   std::vector<peer_id> hosts;      ///< known ones, itself included
@@ -147,8 +153,8 @@ using ecology_actor = caf::typed_actor<
     caf::reacts_to<story>, caf::reacts_to<mote_flat>, caf::reacts_to<listing_changed>,
     caf::reacts_to<radio_status>, caf::reacts_to<energy_status>, caf::reacts_to<flow_status>,
     caf::reacts_to<message_status>, caf::reacts_to<network_status>, caf::reacts_to<serial_status>,
-    caf::reacts_to<devices_status>, caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>,
-    caf::reacts_to<program_status>, caf::reacts_to<start_component>,
+    caf::reacts_to<devices_status>, caf::reacts_to<gateway_status>, caf::reacts_to<peer_status>,
+    caf::reacts_to<proxy_status>, caf::reacts_to<program_status>, caf::reacts_to<start_component>,
     caf::reacts_to<stop_component>>;
 
 /// To itself: this fault of the description's plan is due.
@@ -843,10 +849,15 @@ struct mote_presence {
   std::string cause; ///< one word, if it has left
 };
 
+/// From its manager: this gateway leads the proxied mote's island from now on (GW-14, PXY-14).
+struct gateway_changed {
+  peer_id gateway;
+};
+
 /// What speaks for one mote.
 using proxy_actor =
-    peis_client_actor::extend<caf::reacts_to<mote_presence>, caf::reacts_to<timer_expired>,
-                              caf::reacts_to<status_request>>;
+    peis_client_actor::extend<caf::reacts_to<mote_presence>, caf::reacts_to<gateway_changed>,
+                              caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// To itself: a proxy that has ended may be started again.
 struct restart_proxy {

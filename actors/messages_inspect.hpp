@@ -151,6 +151,17 @@ auto inspect(F& f, devices_status& x) {
 }
 
 template <class F>
+auto inspect(F& f, gateway_status& x) {
+  return f(caf::meta::type_name("gateway_status"), x.island, x.gateway.id, x.gateway.name,
+           x.gateway.led, x.gateway.leading, x.gateway.leads);
+}
+
+template <class F>
+auto inspect(F& f, gateway_changed& x) {
+  return f(caf::meta::type_name("gateway_changed"), x.gateway);
+}
+
+template <class F>
 auto inspect(F& f, peer_status& x) {
   return f(caf::meta::type_name("peer_status"), x.peer, x.hosts, x.neighbours);
 }
@@ -765,4 +776,6 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::restart_program))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::declare_meta_tuple))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::set_meta_tuple))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::watch_indirectly))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::gateway_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::gateway_changed))
 CAF_END_TYPE_ID_BLOCK(rubicon)

@@ -12,7 +12,11 @@ using pc_pointer = scheduler::traced_pointer<pc_state, pc_actor>;
 void perform(pc_pointer self, endpoint::outputs todo) {
   auto& state = self->state;
   for (auto& packet : todo) { // Transport repeats what is lost
+    const auto [called, mote] = packet.destination;
+    if (const auto meant = state.gateways.meant_by(called); meant != called)
+      state.talks.note(called, meant, mote, packet.segment);
     auto x = endpoint::message_of(std::move(packet));
+    x.peer = state.gateways.gateway_for(called);
     self->send(state.arguments.peer, send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
                                                        0,
                                                        x.peer,
@@ -22,6 +26,26 @@ void perform(pc_pointer self, endpoint::outputs todo) {
   }
   state.programs.tell(self, state.arguments.ecology);
   state.wake.follow(self, earliest(state.pc.deadline(), state.programs.deadline()));
+}
+
+/// An island speaks through whichever of its gateways leads.
+peer_id source_of(pc_pointer self, const peis_message& x) {
+  const auto& state = self->state;
+  const auto packet = network::decode_gateway_packet(x.octets.view());
+  if (!packet || x.source.value <= 0)
+    return x.source;
+  return gateway_of(
+      state.talks.source_of(state.gateways.island_of(x.source), no_mote, packet->body));
+}
+
+void on_message(pc_pointer self, const peis_message& x) {
+  auto& state = self->state;
+  if (x.port == gateway::announcement_port) {
+    state.gateways.on_announcement(x.source, x.octets.view(), now(self));
+    static_cast<void>(state.gateways.on_time(now(self))); // those not heard for long are forgotten
+    return;
+  }
+  perform(self, state.pc.on_message(source_of(self, x), x.octets.view(), now(self)));
 }
 
 void on_timer(pc_pointer self) {
@@ -42,14 +66,15 @@ pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
                     self->path() + '#' + std::to_string(state.arguments.config.incarnation)));
   self->send(state.arguments.peer,
              hook_port{{caf::actor_cast<peis_client_actor>(self)}, endpoint::island_message_port});
+  if (state.arguments.aliases)
+    self->send(state.arguments.peer,
+               hook_port{{caf::actor_cast<peis_client_actor>(self)}, gateway::announcement_port});
   state.programs.start(state.pc, state.arguments.programs, self->path(), state.arguments.seed,
                        state.arguments.config.incarnation > 0, now(self));
   perform(self, state.pc.start(now(self)));
   return {
       [](const tuple_event&) {},
-      [self](const peis_message& x) {
-        perform(self, self->state.pc.on_message(x.source, x.octets.view(), now(self)));
-      },
+      [self](const peis_message& x) { on_message(self, x); },
       [](const peis_outcome&) {},
       [self](status_request) {
         self->state.programs.report(self, self->state.arguments.ecology,

@@ -8,12 +8,15 @@
 #include "actors/program_host.hpp"
 #include "actors/timer.hpp"
 #include "endpoint/pc.hpp"
+#include "gateway/alias_talks.hpp"
+#include "gateway/directory.hpp"
 
 namespace rubicon {
 
 struct pc_arguments {
   endpoint::pc_config config;
-  std::string name; ///< the peer's
+  bool aliases = false; ///< some islands have several gateways: it hears which one leads (GW-14)
+  std::string name;     ///< the peer's
   std::vector<apps::app_config> programs;
   std::uint64_t seed = 0; ///< of the ecology
   peis_peer_actor peer;
@@ -23,6 +26,8 @@ struct pc_arguments {
 struct pc_state {
   pc_arguments arguments;
   endpoint::pc pc;
+  gateway::directory gateways; ///< empty without aliases
+  gateway::alias_talks talks;
   program_host programs;
   timer wake;
 };

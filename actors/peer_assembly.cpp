@@ -44,7 +44,7 @@ config::peer_description description_of(ecology_pointer self, const supervised_p
   x.id = peer.id;
   x.name = peer.name;
   x.host = island.host;
-  x.links = island.gateway_links;
+  x.links = peer.line == 0 ? island.gateway_links : island.aliases[peer.line - 1].links;
   x.discovery = x.links.empty();
   return x;
 }
@@ -225,7 +225,7 @@ struct peer_app_spawner {
 
   [[nodiscard]] managed_island managed(island_id id) const {
     const auto& island = island_of(self, id);
-    managed_island x{id, island.name, {}};
+    managed_island x{id, island.name, {}, config::gateways_of(island)};
     for (const auto& [address, mote] : self->state.motes) {
       if (address.island == id)
         x.mote_names[address.mote] = mote.arguments->name.substr(island.name.size() + 1);
@@ -277,6 +277,8 @@ void spawn_pc(ecology_pointer self, supervised_peer& peer, std::vector<apps::app
   pc_arguments x;
   x.config.self = peer.id;
   x.config.incarnation = peer.incarnation;
+  x.aliases = std::ranges::any_of(self->state.description.islands,
+                                  [](const auto& each) { return !each.aliases.empty(); });
   x.name = peer.name;
   x.programs = std::move(programs);
   x.seed = self->state.description.seed;
@@ -299,18 +301,23 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
     return;
   }
   const auto& island = island_of(self, *peer.island);
+  const bool is_alias = peer.line > 0;
   gateway_arguments gateway;
   gateway.config.island = island.id;
+  if (!island.aliases.empty())
+    gateway.config.gateways = config::gateways_of(island);
   gateway.config.incarnation = peer.incarnation;
   gateway.config.form = island.gateway_wire;
-  gateway.name = island.gateway_name;
+  gateway.name = peer.name;
+  gateway.self = peer.id;
   gateway.programs = island.gateway_apps;
   gateway.seed = self->state.description.seed;
   gateway.peer = peer.handle;
-  gateway.line = self->state.lines.at(island.id);
+  gateway.line = self->state.lines.at({island.id, peer.line});
   gateway.ecology = ecology_handle(self);
-  peer.programs.push_back(caf::actor_cast<caf::actor>(
-      spawn_child(self, "gateway/" + island.name, gateway_behavior, std::move(gateway))));
+  const auto path = "gateway/" + island.name + (is_alias ? '/' + peer.name : std::string());
+  peer.programs.push_back(
+      caf::actor_cast<caf::actor>(spawn_child(self, path, gateway_behavior, std::move(gateway))));
 }
 
 } // namespace rubicon

@@ -26,10 +26,11 @@ struct performer {
   }
 
   void operator()(proxy::write_device& x) const {
+    self->state.written_to = self->state.arguments.gateway;
     self->send(self->state.arguments.peer,
                set_remote_tuple{{caf::actor_cast<peis_client_actor>(self)},
                                 0,
-                                gateway_of(x.mote.island),
+                                self->state.arguments.gateway,
                                 device_input_key(x.mote.mote, x.channel),
                                 payload(std::move(x.octets)),
                                 false});
@@ -48,17 +49,29 @@ void watch_all(proxy_pointer self) {
   using source = proxy::watch::source;
   auto& state = self->state;
   state.watches = state.arguments.core.watches();
-  const auto gateway = gateway_of(state.arguments.core.who().mote.island);
   const auto own = state.arguments.peer_number;
   const carried<peis_client_actor> client{caf::actor_cast<peis_client_actor>(self)};
   for (std::size_t i = 0; i < state.watches.size(); ++i) {
     const auto& x = state.watches[i];
     if (x.where == source::meta)
       self->send(state.arguments.peer, watch_indirectly{client, i + 1, own, x.key});
+    else if (x.where == source::own)
+      self->send(state.arguments.peer, watch_tuples{client, i + 1, own, x.key});
     else
-      self->send(state.arguments.peer,
-                 watch_tuples{client, i + 1, x.where == source::own ? own : gateway, x.key});
+      for (const auto gateway : state.arguments.gateways)
+        self->send(state.arguments.peer, watch_tuples{client, i + 1, gateway, x.key});
   }
+}
+
+bool is_answer(std::string_view key) {
+  const auto parsed = parse_device_key(key);
+  return parsed && parsed->what == device_tuple::input_status;
+}
+
+void on_gateway(proxy_pointer self, peer_id gateway) {
+  self->state.arguments.gateway = gateway;
+  log(self, spdlog::level::info, "event=gateway id={}", to_string(gateway));
+  perform(self, self->state.arguments.core.on_gateway_changed(now(self)));
 }
 
 void on_tuple(proxy_pointer self, const tuple_event& x) {
@@ -68,6 +81,8 @@ void on_tuple(proxy_pointer self, const tuple_event& x) {
   const auto& watched = self->state.watches.at(x.watch - 1);
   if (watched.where != proxy::watch::source::gateway)
     perform(self, core.on_input(watched.input, to_string(x.value.view()), now(self)));
+  else if (is_answer(x.key) && x.owner != self->state.written_to)
+    return; // to somebody else, before this gateway has led
   else
     perform(self, core.on_gateway_tuple(x.key, x.value.view(), now(self)));
 }
@@ -93,6 +108,12 @@ void report(proxy_pointer self) {
 proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments arguments) {
   scheduler::tell_monitors_of_exceptions(self);
   self->state.arguments = std::move(arguments);
+  auto& given = self->state.arguments;
+  if (given.gateways.empty())
+    given.gateways = {gateway_of(given.core.who().mote.island)};
+  if (given.gateway == any_peer)
+    given.gateway = given.gateways.front();
+  self->state.written_to = given.gateway;
   perform(self, self->state.arguments.core.start(now(self)));
   watch_all(self);
   return {
@@ -109,6 +130,7 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
         log(self, spdlog::level::info, "event={} cause={}",
             proxy::to_string(self->state.arguments.core.status()), x.cause);
       },
+      [self](const gateway_changed& x) { on_gateway(self, x.gateway); },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           perform(self, self->state.arguments.core.on_time(now(self)));

@@ -42,11 +42,12 @@ struct performer {
       return;
     proxy::proxy core(*what, identity_of(state.arguments, x.mote));
     const auto name = core.prefix();
+    const auto& gateways = state.gateways.at(x.mote.island);
     log(self, spdlog::level::info, "event=started proxy={} class={}", name, x.class_name);
     state.proxies[x.mote] = scheduler::spawn_at<caf::monitored>(
         self, "proxy/" + name, proxy_behavior,
         proxy_arguments{std::move(core), state.arguments.peer_number, state.arguments.peer,
-                        state.arguments.ecology});
+                        state.arguments.ecology, gateways.gateways(), gateways.current()});
   }
 
   void operator()(const proxy::stop_proxy& x) const {
@@ -78,21 +79,47 @@ void perform(manager_pointer self, proxy::manager::outputs todo) {
 }
 
 /// Watches are named by island, so that a tuple's island is known without parsing anything.
-void watch_gateway(manager_pointer self, island_id island) {
-  for (const auto key : {devices_key, all_device_types_key, all_device_statuses_key})
-    self->send(self->state.arguments.peer, watch_tuples{{caf::actor_cast<peis_client_actor>(self)},
-                                                        island.value,
-                                                        gateway_of(island),
-                                                        std::string(key)});
+void watch_gateways(manager_pointer self, const managed_island& island) {
+  auto ids = island.gateways;
+  if (ids.empty())
+    ids.push_back(gateway_of(island.id));
+  std::vector<std::string_view> keys{devices_key, all_device_types_key, all_device_statuses_key};
+  if (ids.size() > 1)
+    keys.push_back(device_role_key);
+  for (const auto gateway : ids)
+    for (const auto key : keys)
+      self->send(self->state.arguments.peer,
+                 watch_tuples{{caf::actor_cast<peis_client_actor>(self)},
+                              island.id.value,
+                              gateway,
+                              std::string(key)});
+  self->state.gateways.emplace(island.id, proxy::gateway_choice(std::move(ids)));
+}
+
+/// Tells those of the island.
+void tell_gateway(manager_pointer self, island_id island, peer_id gateway) {
+  log(self, spdlog::level::info, "event=gateway island={} id={}", to_string(island),
+      to_string(gateway));
+  for (const auto& [mote, handle] : self->state.proxies)
+    if (mote.island == island)
+      self->send(handle, gateway_changed{gateway});
 }
 
 void on_tuple(manager_pointer self, const tuple_event& x) {
   const island_id island{static_cast<std::uint32_t>(x.watch)};
   auto& manager = self->state.manager;
+  auto& gateways = self->state.gateways.at(island);
+  const auto before = gateways.current();
+  std::vector<proxy::gateway_choice::heard> heard;
   if (!x.deleted)
-    perform(self, manager.on_gateway_tuple(island, x.key, x.value.view(), now(self)));
+    heard = gateways.on_tuple(x.owner, x.key, x.value.view());
   else if (x.key == devices_key)
-    perform(self, manager.on_gateway_gone(island, now(self)));
+    heard = gateways.on_list_deleted(x.owner);
+  if (gateways.current() != before)
+    tell_gateway(self, island, gateways.current());
+  for (const auto& each : heard)
+    perform(self, each.deleted ? manager.on_gateway_gone(island, now(self))
+                               : manager.on_gateway_tuple(island, each.key, each.value, now(self)));
 }
 
 void on_down(manager_pointer self, const caf::down_msg& x) {
@@ -131,7 +158,7 @@ proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
     self->quit(x.reason);
   });
   for (const auto& island : state.arguments.islands)
-    watch_gateway(self, island.id);
+    watch_gateways(self, island);
   return {
       [self](const tuple_event& x) { on_tuple(self, x); },
       [](const peis_message&) {}, // hooks no port

@@ -8,6 +8,7 @@
 #include "actors/messages.hpp"
 #include "actors/timer.hpp"
 #include "config/ecology.hpp"
+#include "proxy/gateway_choice.hpp"
 #include "proxy/manager.hpp"
 
 namespace rubicon {
@@ -17,6 +18,8 @@ struct managed_island {
   island_id id;
   std::string name;
   std::map<mote_id, std::string> mote_names;
+  std::vector<peer_id> gateways = {}; ///< in the order in which they take over; empty: the one with
+                                      ///< the island's id
 };
 
 /// What a proxy manager actor is made of.
@@ -31,6 +34,7 @@ struct proxy_manager_arguments {
 struct proxy_manager_state {
   proxy_manager_arguments arguments;
   proxy::manager manager;
+  std::map<island_id, proxy::gateway_choice> gateways;
   std::map<mote_address, proxy_actor> proxies;
   timer classes_wake;
 };

@@ -235,10 +235,14 @@ explain::header header_of(const config::ecology_description& ecology, const run_
   x.file = source.file;
   x.digest = source.digest;
   for (const auto& island : ecology.islands) {
-    explain::header::island named{
-        island.id.value, island.name, island.sink.id.value, island.gateway_name, {}};
+    explain::header::island named{island.id.value,     island.name, island.sink.id.value,
+                                  island.gateway_name, {},          {}};
     for (const auto& mote : island.motes)
       named.motes[mote.id.value] = mote.name;
+    for (const auto& alias : island.aliases) {
+      named.aliases.push_back(alias.name);
+      x.peers[alias.id.value] = alias.name;
+    }
     x.islands.push_back(std::move(named));
     x.peers[gateway_of(island.id).value] = island.gateway_name;
   }

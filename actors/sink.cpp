@@ -12,7 +12,7 @@ namespace {
 using sink_pointer = scheduler::traced_pointer<sink_state, sink_actor>;
 
 void perform(sink_pointer self, mote::sink_outputs todo);
-void perform(sink_pointer self, serial::mote_port_outputs todo);
+void perform(sink_pointer self, serial::mote_port_outputs todo, std::size_t line);
 
 instant own_time(sink_pointer self) {
   return self->state.arguments.crystal.own(now(self));
@@ -20,6 +20,9 @@ instant own_time(sink_pointer self) {
 
 struct performer {
   sink_pointer self;
+  std::size_t line = 0; ///< whose port it is
+
+  void write(const bytes& packet, std::size_t to) const;
 
   void operator()(network::frame_out& x) const {
     self->send(self->state.arguments.air, request_of(self->state.arguments.radio, std::move(x)));
@@ -32,23 +35,31 @@ struct performer {
     serial::am_packet packet{address.mote.value, x.source.value,
                              static_cast<std::uint8_t>(address.island.value), x.am_type,
                              std::move(x.payload)};
-    perform(self, self->state.port.send(serial::encode(packet), now(self)));
+    const auto octets = serial::encode(packet);
+    for (std::size_t i = 0; i < self->state.ports.size(); ++i) {
+      if (x.line.value_or(i) == i)
+        write(octets, i);
+    }
   }
 
   void operator()(serial::to_line& x) const {
-    self->send(self->state.arguments.line,
+    self->send(self->state.arguments.lines[line].line,
                serial_write{serial::direction::to_pc, payload(std::move(x.octets))});
   }
 
   void operator()(const serial::received& x) const {
     if (const auto packet = serial::decode_am_packet(x.packet))
-      perform(self, self->state.sink.on_packet(packet->am_type, packet->payload, own_time(self)));
+      perform(self,
+              self->state.sink.on_packet(packet->am_type, packet->payload, own_time(self), line));
   }
 };
 
 void follow(sink_pointer self) {
   const auto due = self->state.arguments.crystal.real(self->state.sink.deadline());
-  self->state.wake.follow(self, earliest(due, self->state.port.deadline()));
+  auto ports_due = self->state.ports.front().deadline();
+  for (const auto& port : self->state.ports)
+    ports_due = earliest(ports_due, port.deadline());
+  self->state.wake.follow(self, earliest(due, ports_due));
 }
 
 void perform(sink_pointer self, mote::sink_outputs todo) {
@@ -57,10 +68,24 @@ void perform(sink_pointer self, mote::sink_outputs todo) {
   follow(self);
 }
 
-void perform(sink_pointer self, serial::mote_port_outputs todo) {
+void perform(sink_pointer self, serial::mote_port_outputs todo, std::size_t line) {
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(performer{self, line}, output);
   follow(self);
+}
+
+void performer::write(const bytes& packet, std::size_t to) const {
+  perform(self, self->state.ports[to].send(packet, now(self)), to);
+}
+
+/// Octets of one of its lines, which is known by its actor.
+void on_octets(sink_pointer self, const serial_octets& x) {
+  const auto from = caf::actor_cast<caf::actor_addr>(self->current_sender());
+  const auto& lines = self->state.arguments.lines;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines.size() == 1 || lines[i].line.address() == from)
+      perform(self, self->state.ports[i].on_bytes(x.octets.view(), now(self)), i);
+  }
 }
 
 void on_frame(sink_pointer self, const radio::frame& x, instant sfd) {
@@ -69,14 +94,17 @@ void on_frame(sink_pointer self, const radio::frame& x, instant sfd) {
 }
 
 void report(sink_pointer self) {
-  const auto& counted = self->state.port.counters();
   serial_status status{self->state.arguments.address.island, {}};
-  status.serial.frames_sent = counted.packets_sent + counted.acks_sent;
-  status.serial.frames_received = counted.frames_received;
-  status.serial.lost = {{"sink_crc", counted.bad_crc + counted.too_short + counted.too_long},
-                        {"sink_queue_full", counted.queue_full},
-                        {"sink_acks_lost", counted.acks_lost},
-                        {"sink_no_buffer", counted.no_buffer}};
+  auto& sum = status.serial;
+  for (const auto& port : self->state.ports) {
+    const auto& counted = port.counters();
+    sum.frames_sent += counted.packets_sent + counted.acks_sent;
+    sum.frames_received += counted.frames_received;
+    sum.lost["sink_crc"] += counted.bad_crc + counted.too_short + counted.too_long;
+    sum.lost["sink_queue_full"] += counted.queue_full;
+    sum.lost["sink_acks_lost"] += counted.acks_lost;
+    sum.lost["sink_no_buffer"] += counted.no_buffer;
+  }
   self->send(self->state.arguments.ecology, std::move(status));
   self->send(self->state.arguments.ecology,
              status_of(self->state.arguments.address, self->state.sink, own_time(self), now(self)));
@@ -90,12 +118,16 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
   state.arguments = std::move(arguments);
   network::router_config network;
   network.self = state.arguments.address.mote;
+  mote::gateway_lines_config lines;
+  lines.lines = state.arguments.lines.size();
   state.sink = mote::sink(network, state.arguments.registrar, state.arguments.duty,
-                          random_stream(state.arguments.seed, self->path()), own_time(self));
-  state.port = serial::mote_port(state.arguments.port);
+                          random_stream(state.arguments.seed, self->path()), own_time(self), lines);
+  for (const auto& each : state.arguments.lines)
+    state.ports.emplace_back(each.port);
   const auto handle = caf::actor_cast<sink_actor>(self);
   self->send(state.arguments.air, attach_radio{state.arguments.radio, {handle}});
-  self->send(state.arguments.line, attach_serial{serial::direction::to_mote, {handle}});
+  for (const auto& each : state.arguments.lines)
+    self->send(each.line, attach_serial{serial::direction::to_mote, {handle}});
   perform(self, state.sink.start(own_time(self)));
   state.flows.start(self, state.arguments.apps, state.arguments.address, state.arguments.radio,
                     state.arguments.air,
@@ -121,15 +153,14 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
       [self](battery_flat) {
         self->send(self->state.arguments.ecology, story{self->path(), "sink's battery flat"});
       },
-      [self](const serial_octets& x) {
-        perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));
-      },
+      [self](const serial_octets& x) { on_octets(self, x); },
       [self](const timer_expired& x) {
         self->state.flows.on_timer(self, x);
         if (!self->state.wake.accepts(x))
           return;
         perform(self, self->state.sink.on_time(own_time(self)));
-        perform(self, self->state.port.on_time(now(self)));
+        for (std::size_t i = 0; i < self->state.ports.size(); ++i)
+          perform(self, self->state.ports[i].on_time(now(self)), i);
       },
       [self](status_request) {
         self->state.flows.report(self, self->state.arguments.ecology);

@@ -13,14 +13,19 @@
 
 namespace rubicon {
 
+/// A serial line of a sink, to a gateway of its own.
+struct sink_line {
+  serial_line_actor line;
+  serial::mote_port_config port;
+};
+
 /// What a sink actor is made of.
 struct sink_arguments {
   mote_address address;
   mote::registrar_config registrar;
-  serial::mote_port_config port;
   radio::radio_index radio;
   air_actor air;
-  serial_line_actor line;
+  std::vector<sink_line> lines;       ///< at least one, in the order in which gateways take over
   std::vector<config::mote_app> apps; ///< that measure
   mote::crystal crystal;
   mote::duty_config duty;
@@ -31,7 +36,7 @@ struct sink_arguments {
 struct sink_state {
   sink_arguments arguments;
   mote::sink sink;
-  serial::mote_port port;
+  std::vector<serial::mote_port> ports; ///< of the lines
   flow_host flows;
   timer wake;
 };

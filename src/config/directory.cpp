@@ -188,6 +188,10 @@ std::string default_gateway_name(std::string_view island) {
   return std::string(island) + "-gateway";
 }
 
+std::string default_alias_name(std::string_view island, std::size_t number) {
+  return default_gateway_name(island) + '-' + std::to_string(number);
+}
+
 std::string counted_peer_name(std::string_view name, std::uint32_t number) {
   return std::string(name) + '-' + std::to_string(number);
 }
@@ -196,9 +200,9 @@ directory::directory(const node& root) {
   island_walk walk;
   each_table(root, "island", [&](const node& x) {
     if (const auto name = text_at(x, "name")) {
-      const auto& added = islands.emplace(*name, walk.island_at(x)).first->second;
+      auto& added = islands.emplace(*name, walk.island_at(x)).first->second;
       if (added.has_gateway)
-        ends.emplace(gateway_at(x, *name), gateway_of(added.id));
+        add_gateways(x, *name, added);
     }
   });
   each_table(root, "peer", [this](const node& x) { peer_walk{*this}.add(x); });
@@ -211,6 +215,24 @@ directory::directory(const node& root) {
     for (const auto& each : *members)
       mote_types.insert(each.key);
   }
+}
+
+void directory::add_gateways(const node& x, const std::string& name, island& of) {
+  ends.emplace(gateway_at(x, name), gateway_of(of.id));
+  of.gateways.push_back(gateway_of(of.id));
+  each_table(x, "alias", [&](const node& alias) {
+    const auto id = id_at<peer_id>(alias, peer_id_max);
+    of.gateways.push_back(id);
+    ends.emplace(text_at(alias, "name").value_or(default_alias_name(name, of.gateways.size())), id);
+  });
+}
+
+const directory::island* directory::island_of_gateway(peer_id id) const {
+  const auto found = std::find_if(islands.begin(), islands.end(), [id](const auto& x) {
+    const auto& gateways = x.second.gateways;
+    return std::find(gateways.begin(), gateways.end(), id) != gateways.end();
+  });
+  return found == islands.end() ? nullptr : &found->second;
 }
 
 const directory::island* directory::find(island_id id) const {

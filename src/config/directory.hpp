@@ -21,6 +21,9 @@ namespace rubicon::config {
 /// Name of an island's gateway that the file gives none: `kitchen-gateway`.
 [[nodiscard]] std::string default_gateway_name(std::string_view island);
 
+/// Name of a further gateway of an island: `kitchen-gateway-2`. @param number from 2 on
+[[nodiscard]] std::string default_alias_name(std::string_view island, std::size_t number);
+
 /// What a reference calls every island's sink; no mote has this name.
 inline constexpr std::string_view sink_name = "sink";
 
@@ -39,7 +42,8 @@ struct directory {
   struct island {
     island_id id;
     mote_id sink = default_sink;
-    bool has_gateway = true; ///< it joins the PEIS network
+    bool has_gateway = true;       ///< it joins the PEIS network
+    std::vector<peer_id> gateways; ///< then: its first one, and its aliases
     std::map<std::string, mote_id, std::less<>> motes;
   };
 
@@ -49,12 +53,18 @@ struct directory {
   /// The island with that id; nullptr if there is none.
   [[nodiscard]] const island* find(island_id id) const;
 
+  /// The island with that gateway; nullptr if there is none.
+  [[nodiscard]] const island* island_of_gateway(peer_id id) const;
+
   std::map<std::string, island, std::less<>> islands;
   std::map<std::string, peer_id, std::less<>> ends; ///< of links: peers and gateways
   /// Peers of one table with a `count`, under its name.
   std::map<std::string, std::vector<peer_id>, std::less<>> peer_groups;
   std::set<std::string, std::less<>> hosts;
   std::set<std::string, std::less<>> mote_types;
+
+private:
+  void add_gateways(const node& x, const std::string& name, island& of);
 };
 
 /// An island by its name, or "*" for any_island where that is allowed.

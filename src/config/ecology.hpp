@@ -105,6 +105,16 @@ enum class stack : std::uint8_t {
   mac,  ///< radio and medium access only, for measuring: no joining, no serial line, no gateway
 };
 
+/// A further gateway of an island, at a further serial line of its sink (GW-14, A-49).
+struct alias_description {
+  peer_id id;       ///< addresses the island too: 1..254
+  std::string name; ///< PEIS name; default NAME-gateway-2, NAME-gateway-3, ...
+  std::vector<std::string> links;
+  serial::line_config serial;
+};
+
+inline constexpr std::size_t aliases_max = 3; ///< of one island: a sink has few serial ports
+
 struct island_description {
   island_id id; ///< also the PEIS id of its gateway (ADR-02)
   std::string name;
@@ -116,12 +126,22 @@ struct island_description {
   std::vector<std::string> gateway_links; ///< names of peers or gateways it connects to
   wire_form gateway_wire = wire_form::segment;
   std::vector<apps::app_config> gateway_apps;
-  duration keep_alive = 10s; ///< a silent mote is gone after this (DIS-06); motes that
-                             ///< report more rarely get three of their periods
-  mote::duty_config duty;    ///< of its motes' radios
-  double crystal_ppm = 40;   ///< each mote's clock is off by up to this, drawn
+  std::vector<alias_description> aliases; ///< in the order in which they take over
+  duration keep_alive = 10s;              ///< a silent mote is gone after this (DIS-06); motes that
+                                          ///< report more rarely get three of their periods
+  mote::duty_config duty;                 ///< of its motes' radios
+  double crystal_ppm = 40;                ///< each mote's clock is off by up to this, drawn
   std::vector<mote_description> motes;
 };
+
+/// PEIS ids of all gateways of an island, in the order in which they take over; that of the island
+/// first.
+[[nodiscard]] inline std::vector<peer_id> gateways_of(const island_description& x) {
+  std::vector<peer_id> all{gateway_of(x.id)};
+  for (const auto& alias : x.aliases)
+    all.push_back(alias.id);
+  return all;
+}
 
 /// Islands that share a place and a radio channel.
 struct air_description {
@@ -246,10 +266,11 @@ struct battery_end_fault {
 struct crash_fault {
   mote_address mote;
 };
-/// The cable of an island is out for a while.
+/// The cables of an island's sink, or the one to a gateway, are out for a while.
 struct unplug_fault {
-  island_id island;
+  island_id island; ///< any_island: one cable, drawn each time
   duration length = 30s;
+  std::optional<peer_id> gateway = std::nullopt; ///< at the other end; unset: all of the island's
 };
 
 /// A peer's process, its programs included, ends at once. Its links are reset, as an operating

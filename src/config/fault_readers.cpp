@@ -31,7 +31,20 @@ struct kind_reader {
 
   void unplug(table_reader& in) const {
     unplug_fault x;
-    in.required("island", island_name{names, true}, x.island);
+    peer_id gateway;
+    if (in.optional("gateway", peer_name{names}, gateway)) {
+      const auto* of = gateway == any_peer ? nullptr : names.island_of_gateway(gateway);
+      if (of == nullptr)
+        in.problems().add(in.at("gateway"), "that is not the name of a gateway");
+      else if (in.has("island"))
+        in.problems().add(in.at("island"), "`island` means nothing with `gateway`");
+      else
+        x.island = of->id;
+      x.gateway = gateway;
+    } else if (!in.has("gateway")) {
+      in.required("island", island_name{names, true}, x.island);
+    }
+    in.expect("island");
     if (const auto* island = names.find(x.island); island != nullptr && !island->has_gateway)
       in.problems().add(in.at("island"), "an island with stack = \"mac\" has no serial cable");
     in.optional("for", time_span{span_min}, x.length);

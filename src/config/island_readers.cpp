@@ -63,7 +63,37 @@ void read_gateway(table_reader& in, surroundings& with, island_description& out)
   out.gateway_apps = read_pc_programs(in, "apps", "apps of a gateway", with.names, with.files);
 }
 
-/// The cable and the gateway of an island.
+alias_description read_alias(table_reader& in, surroundings& with, const island_description& of) {
+  alias_description out;
+  out.serial.baud = of.sink.platform->serial_baud;
+  out.name = default_alias_name(of.name, of.aliases.size() + 2);
+  if (of.aliases.size() == aliases_max)
+    in.problems().add(in.at("id"),
+                      "an island has at most " + std::to_string(aliases_max + 1) + " gateways");
+  const bool has_id = in.required("id", whole<std::int32_t>{1, island_id_max}, out.id);
+  if (has_id &&
+      with.end_ids.claim(out.id.value, "PEIS id " + to_string(out.id), in.at("id"), in.problems()))
+    with.island_ids.claim(static_cast<std::uint32_t>(out.id.value),
+                          "island id " + to_string(out.id), in.at("id"), in.problems());
+  in.optional("name", name_text{}, out.name);
+  if (!of.name.empty() || in.has("name"))
+    with.end_names.claim(out.name, "peer or gateway name", in.at(in.has("name") ? "name" : "id"),
+                         in.problems());
+  out.links = read_links(in, with.names, {out.name});
+  in.table("serial", "[island.alias.serial]",
+           [&out](table_reader& x) { read_serial(x, out.serial); });
+  return out;
+}
+
+/// Programs of a PC are not handed over from gateway to gateway.
+void check_aliases(const table_reader& in, const island_description& x) {
+  if (!x.aliases.empty() && !x.gateway_apps.empty())
+    in.problems().add(in.at("gateway"),
+                      "a gateway has apps only where it is the island's only one; "
+                      "a peer may have them");
+}
+
+/// The cable and the gateway of an island, and its further ones.
 void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_description& out) {
   out.serial.baud = out.sink.platform->serial_baud;
   in.table("serial", "[island.serial]", [&out](table_reader& x) { read_serial(x, out.serial); });
@@ -79,11 +109,15 @@ void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_
   });
   if (claims_name)
     with.end_names.claim(out.gateway_name, "peer or gateway name", name_at, in.problems());
+  in.tables("alias", "[[island.alias]]",
+            [&](table_reader& x) { out.aliases.push_back(read_alias(x, with, out)); });
+  check_aliases(in, out);
 }
 
 /// An island with the medium access only has none of what joins it to the PEIS network.
 void refuse_parts(table_reader& in) {
-  for (const auto* key : {"keep_alive", "crystal_ppm", "duty_cycle", "serial", "gateway"}) {
+  for (const auto* key :
+       {"keep_alive", "crystal_ppm", "duty_cycle", "serial", "gateway", "alias"}) {
     in.expect(key);
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) +

@@ -106,7 +106,8 @@ std::vector<row> island_rows(const ecology_description& x) {
         {to_string(each.id), each.name,
          counted(each.motes.size(), "mote") + (kinds.empty() ? "" : ": " + kinds),
          "sink " + to_string(each.sink.id) + ", " + std::string(each.sink.platform->name) + ", " +
-             (each.stack == stack::mac ? "mac only" : std::to_string(each.serial.baud) + " baud"),
+             (each.stack == stack::mac ? "mac only" : std::to_string(each.serial.baud) + " baud") +
+             (each.aliases.empty() ? "" : ", " + counted(each.aliases.size() + 1, "gateway")),
          placed(each.host)});
   }
   return rows;
@@ -168,6 +169,10 @@ std::vector<row> peer_rows(const ecology_description& x) {
     found.push_back({each.id.value,
                      {to_string(each.id), each.gateway_name, arrow(each.gateway_links),
                       placed(each.host), joined(apps)}});
+    for (const auto& alias : each.aliases)
+      found.push_back({alias.id.value,
+                       {to_string(alias.id), alias.name, arrow(alias.links), placed(each.host),
+                        "alias gateway of " + each.name}});
   }
   for (const auto& each : x.peers) {
     std::vector<std::string> apps;

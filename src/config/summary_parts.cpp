@@ -28,8 +28,10 @@ struct fault_cells {
   row operator()(const battery_end_fault& x) const { return {"battery_end", mote(x.mote)}; }
   row operator()(const crash_fault& x) const { return {"crash", mote(x.mote)}; }
   row operator()(const unplug_fault& x) const {
-    return {"unplug", (x.island == any_island ? "any island" : island_names(all, {x.island})) +
-                          lasting(x.length)};
+    const auto whose = x.gateway                ? peer(*x.gateway)
+                       : x.island == any_island ? std::string("any island")
+                                                : island_names(all, {x.island});
+    return {"unplug", whose + lasting(x.length)};
   }
   row operator()(const kill_fault& x) const { return {"kill", peer(x.peer) + lasting(x.length)}; }
   row operator()(const power_off_fault& x) const {
@@ -79,6 +81,10 @@ struct fault_cells {
     for (const auto& each : all.islands) {
       if (gateway_of(each.id) == id)
         return each.gateway_name;
+      for (const auto& alias : each.aliases) {
+        if (alias.id == id)
+          return alias.name;
+      }
     }
     return to_string(id);
   }

@@ -12,6 +12,9 @@ namespace rubicon {
 
 namespace {
 
+constexpr std::string_view leads_word = "leads";
+constexpr std::string_view stands_by_word = "stands_by";
+
 constexpr std::array<input_outcome, 4> all_outcomes{
     input_outcome::pending, input_outcome::acknowledged, input_outcome::failed,
     input_outcome::unreachable};
@@ -84,6 +87,10 @@ std::optional<device_tuple> kind_of(const std::vector<std::string_view>& parts) 
   case 2:
     if (is_word(parts[1], "line"))
       return device_tuple::line;
+    if (is_word(parts[1], "role"))
+      return device_tuple::role;
+    if (is_word(parts[1], "gateways"))
+      return device_tuple::gateways;
     return std::nullopt;
   case 3:
     if (is_word(parts[2], "status"))
@@ -114,13 +121,21 @@ std::optional<device_tuple> kind_of(const std::vector<std::string_view>& parts) 
 
 std::string to_string(const device_key& x) {
   std::string key(devices_key);
-  if (x.what == device_tuple::list || x.what == device_tuple::line)
-    return x.what == device_tuple::list ? key : std::string(device_line_key);
+  if (x.what == device_tuple::list)
+    return key;
+  if (x.what == device_tuple::line)
+    return std::string(device_line_key);
+  if (x.what == device_tuple::role)
+    return std::string(device_role_key);
+  if (x.what == device_tuple::gateways)
+    return std::string(device_gateways_key);
   assert(x.mote.value >= 1 && x.mote.value <= mote_id_max);
   key += '.' + to_string(x.mote);
   switch (x.what) {
   case device_tuple::list:
   case device_tuple::line:
+  case device_tuple::role:
+  case device_tuple::gateways:
     break;
   case device_tuple::status:
     key += ".status";
@@ -286,6 +301,19 @@ result<device_status> parse_device_status(std::string_view text) {
     return errc::bad_value;
   x.since = *since;
   return x;
+}
+
+std::string device_role_text(bool leads, instant since) {
+  return std::string(leads ? leads_word : stands_by_word) + ' ' + to_text(since);
+}
+
+result<bool> parse_device_role(std::string_view text) {
+  const auto blank = text.find(' ');
+  const auto word = text.substr(0, blank);
+  if (blank == std::string_view::npos || !parse_seconds(text.substr(blank + 1)) ||
+      (word != leads_word && word != stands_by_word))
+    return errc::bad_value;
+  return word == leads_word;
 }
 
 result<std::chrono::milliseconds> parse_output_period(std::string_view text) {

@@ -24,6 +24,8 @@ inline constexpr std::string_view all_device_types_key = "devices.*.type";
 enum class device_tuple : std::uint8_t {
   list,          ///< `devices`
   line,          ///< `devices.line`
+  role,          ///< `devices.role`
+  gateways,      ///< `devices.gateways`
   status,        ///< `devices.$ID.status`
   type,          ///< `devices.$ID.type`
   descriptor,    ///< `devices.$ID.descriptor`
@@ -36,19 +38,31 @@ enum class device_tuple : std::uint8_t {
 /// A key under `devices`, taken apart.
 struct device_key {
   device_tuple what = device_tuple::list;
-  mote_id mote;              ///< 1..mote_id_max; 0 for list and line
+  mote_id mote;              ///< 1..mote_id_max; 0 for the first four kinds
   std::uint16_t channel = 0; ///< 0 where the key has none
 
   friend bool operator==(const device_key&, const device_key&) = default;
 };
 
 /// The key as D1.1 5.4 writes it, numbers in decimal (GW-07). @pre mote in 1..mote_id_max except
-/// for list and line
+/// for the first four kinds
 [[nodiscard]] std::string to_string(const device_key& x);
 
 /// Key of the state of the serial line to the sink: `up 12.345000`, since when in seconds of
 /// ecology time; `silent 337.000000`: nothing has come for a while (GW-15).
 inline constexpr std::string_view device_line_key = "devices.line";
+
+/// Of a gateway that is not its island's only one (GW-14): `leads 12.345000` or `stands_by
+/// 12.345000`, since when.
+inline constexpr std::string_view device_role_key = "devices.role";
+/// Of the same: PEIS ids of all of them, `{20,21}`, in the order in which they take over.
+inline constexpr std::string_view device_gateways_key = "devices.gateways";
+
+[[nodiscard]] std::string device_role_text(bool leads, instant since);
+
+/// Whether it leads. @returns errc::bad_value for anything that device_role_text() does not make
+[[nodiscard]] result<bool> parse_device_role(std::string_view text);
+
 /// Prototype key of the status tuples of all motes of a gateway.
 inline constexpr std::string_view all_device_statuses_key = "devices.*.status";
 

@@ -339,7 +339,9 @@ void builder::deliver(const node& x, const std::string& actor, instant when) {
   auto& m = all_.messages[x.about.index];
   const auto kernel = all_.known.peer_of(actor);
   const auto who = kernel ? std::optional(mote_address{
-                                island_id(static_cast<std::uint32_t>(kernel->value)), no_mote})
+                                island_id(static_cast<std::uint32_t>(
+                                    all_.known.speaks_for(*kernel).value)),
+                                no_mote})
                           : all_.known.address_of(actor);
   if (!who)
     return;

@@ -21,6 +21,14 @@ names::names(const header& about) {
       paths_[{id, mote}] = path;
     };
     add(no_mote, "gateway", "gateway/" + island.name);
+    for (const auto& alias : island.aliases) { // the same address, whichever of them leads
+      const auto path = "gateway/" + island.name + '/' + alias;
+      actors_[path] = {id, no_mote};
+      places_[path] = "peis_peer/" + alias;
+      for (const auto& [peer, name] : about.peers)
+        if (name == alias)
+          speaks_for_[peer_id{peer}] = gateway_of(id);
+    }
     add(mote_id(island.sink), "sink", "sink/" + island.name);
     sinks_[id] = mote_id(island.sink);
     places_["gateway/" + island.name] = "peis_peer/" + island.gateway;
@@ -69,6 +77,13 @@ std::optional<peer_id> names::peer_of(std::string_view path) const {
   return found == kernels_.end() ? std::nullopt : std::optional(found->second);
 }
 
+std::string names::gateway_at(std::string_view line, island_id island) const {
+  const auto slash = line.find('/');
+  const auto path =
+      slash == std::string_view::npos ? std::string() : "gateway" + std::string(line.substr(slash));
+  return actors_.contains(path) ? path : path_of({island, no_mote});
+}
+
 std::string names::path_of(mote_address x) const {
   const auto found = paths_.find(x);
   return found == paths_.end() ? std::string() : found->second;
@@ -77,6 +92,11 @@ std::string names::path_of(mote_address x) const {
 std::string names::place_of(const std::string& path) const {
   const auto found = places_.find(path);
   return found == places_.end() ? path : found->second;
+}
+
+peer_id names::speaks_for(peer_id x) const {
+  const auto found = speaks_for_.find(x);
+  return found == speaks_for_.end() ? x : found->second;
 }
 
 mote_id names::sink_of(island_id x) const {

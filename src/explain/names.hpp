@@ -31,6 +31,9 @@ public:
   /// The actor at an address; empty if the header does not name it.
   [[nodiscard]] std::string path_of(mote_address x) const;
 
+  /// The gateway at a serial line's end. @param line path of its actor
+  [[nodiscard]] std::string gateway_at(std::string_view line, island_id island) const;
+
   /// Where an actor is: gateways and PCs are where their kernels are.
   [[nodiscard]] std::string place_of(const std::string& path) const;
 
@@ -41,6 +44,9 @@ public:
 
   /// Of an actor that is a PEIS kernel.
   [[nodiscard]] std::optional<peer_id> peer_of(std::string_view path) const;
+
+  /// The gateway with the island's id, for any other gateway of it; others speak for themselves.
+  [[nodiscard]] peer_id speaks_for(peer_id x) const;
 
   /// @returns the id that sinks have by default for an island the header does not name
   [[nodiscard]] mote_id sink_of(island_id x) const;
@@ -53,6 +59,7 @@ private:
   std::map<mote_address, std::string> paths_;
   std::map<std::string, std::string> places_;
   std::map<island_id, mote_id> sinks_;
+  std::map<peer_id, peer_id> speaks_for_;
 };
 
 } // namespace rubicon::explain

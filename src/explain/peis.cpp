@@ -136,7 +136,8 @@ void builder::on_event(const record& r) {
 void builder::on_send_peis(const record& r) {
   const auto here = all_.known.peer_of(r.to);
   const auto packet = here && r.channel == island_message_port
-                          ? envelope_of(r.octets, *here, peer_id(r.peer))
+                          ? envelope_of(r.octets, all_.known.speaks_for(*here),
+                                        all_.known.speaks_for(peer_id(r.peer)))
                           : std::nullopt;
   const auto what = packet ? recognise(*packet, r) : std::nullopt;
   // what is no message has an outcome all the same

@@ -121,9 +121,17 @@ header header_in(const json& x) {
   for (const auto& each : list_in(x, "islands")) {
     if (!each.is_object())
       throw refusal{"`islands` holds something else than objects"};
-    about.islands.push_back({number_in<std::uint32_t>(each, "id", 0), text_in(each, "name"),
-                             number_in<std::uint16_t>(each, "sink", 0), text_in(each, "gateway"),
-                             names_in<std::uint16_t>(each, "motes")});
+    about.islands.push_back({number_in<std::uint32_t>(each, "id", 0),
+                             text_in(each, "name"),
+                             number_in<std::uint16_t>(each, "sink", 0),
+                             text_in(each, "gateway"),
+                             names_in<std::uint16_t>(each, "motes"),
+                             {}});
+    for (const auto& alias : list_in(each, "aliases")) {
+      if (!alias.is_string())
+        throw refusal{"`aliases` holds something else than names"};
+      about.islands.back().aliases.push_back(alias.get<std::string>());
+    }
   }
   return about;
 }
@@ -227,12 +235,15 @@ std::optional<kind> parse_kind(std::string_view word) {
 
 std::string encoder::encode(const header& x) {
   json islands = json::array();
-  for (const auto& island : x.islands)
+  for (const auto& island : x.islands) {
     islands.push_back({{"id", island.id},
                        {"name", island.name},
                        {"sink", island.sink},
                        {"gateway", island.gateway},
                        {"motes", list_of(island.motes)}});
+    if (!island.aliases.empty())
+      islands.back()["aliases"] = island.aliases;
+  }
   const json line = {{"rubicon_record", record_version},
                      {"ecology", x.ecology},
                      {"seed", x.seed},

@@ -75,6 +75,7 @@ struct header {
     std::uint16_t sink = 0;
     std::string gateway;                        ///< name of its peer
     std::map<std::uint16_t, std::string> motes; ///< without the sink
+    std::vector<std::string> aliases;           ///< names of its other gateways' peers (GW-14)
 
     friend bool operator==(const island&, const island&) = default;
   };

@@ -26,9 +26,9 @@ void builder::on_serial_write(const record& r) {
   if (what) {
     write.piece = content->part->part.index;
     const auto sequence = content->sequence + 1U; // 0 stands for none
-    const crossing way{
-        *what, medium::serial, r.from,
-        all_.known.path_of({who->island, to_mote ? all_.known.sink_of(who->island) : no_mote})};
+    const crossing way{*what, medium::serial, r.from,
+                       to_mote ? all_.known.path_of({who->island, all_.known.sink_of(who->island)})
+                               : all_.known.gateway_at(r.to, who->island)};
     write.hop = last_hop(way);
     if (write.hop != no_node) {
       const auto& sent = pieces_[write.hop];

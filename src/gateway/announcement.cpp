@@ -8,17 +8,21 @@ namespace {
 
 constexpr std::uint32_t mark = 0x52554247;
 constexpr std::uint8_t version = 1;
+constexpr std::uint8_t stands_by = 1;
+constexpr std::uint8_t leads = 2;
 
 } // namespace
 
 bytes encode(const announcement& x) {
-  return byte_writer()
-      .big(mark)
+  byte_writer out;
+  out.big(mark)
       .octet(version)
       .octet(static_cast<std::uint8_t>(x.form))
       .big(x.island.value)
-      .big(x.incarnation)
-      .finish();
+      .big(x.incarnation);
+  if (x.leads)
+    out.octet(*x.leads ? leads : stands_by);
+  return out.finish();
 }
 
 result<announcement> decode_announcement(byte_view octets) {
@@ -37,6 +41,8 @@ result<announcement> decode_announcement(byte_view octets) {
       x.island.value == 0)
     return errc::bad_value;
   x.form = static_cast<wire_form>(form);
+  if (const auto role = in.remaining() > 0 ? in.octet() : 0; role == stands_by || role == leads)
+    x.leads = role == leads;
   return x;
 }
 

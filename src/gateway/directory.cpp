@@ -23,7 +23,13 @@ void directory::on_announcement(peer_id source, byte_view octets, instant now) {
     ++counters_.refused;
     return;
   }
-  known_[source] = {source, *said, now};
+  const bool claims = said->leads.value_or(false);
+  const bool claimed = found != known_.end() && found->second.said.leads.value_or(false);
+  const auto since = claims && claimed ? found->second.claimed : now;
+  known_[source] = {source, *said, now, since};
+  const bool has_room = aliases_.contains(source) || aliases_.size() < config_.gateways_max;
+  if (gateway_of(said->island) != source && has_room)
+    aliases_[source] = said->island;
   if (is_new && due_)
     due_ = std::min(*due_, now + dice_.between(0s, config_.answer_max));
 }
@@ -43,7 +49,25 @@ std::optional<instant> directory::deadline() const {
   return due_;
 }
 
-peer_id directory::gateway_for(island_id island) const {
+std::optional<peer_id> directory::leader_of(island_id island) const {
+  const known_gateway* last = nullptr;
+  for (const auto& [peer, x] : known_) {
+    if (x.said.island == island && x.said.leads.value_or(false) &&
+        (last == nullptr || x.claimed > last->claimed))
+      last = &x;
+  }
+  return last == nullptr ? std::nullopt : std::optional(last->peer);
+}
+
+island_id directory::meant_by(island_id x) const {
+  const auto found = aliases_.find(gateway_of(x));
+  return found == aliases_.end() ? x : found->second;
+}
+
+peer_id directory::gateway_for(island_id called) const {
+  const auto island = meant_by(called);
+  if (const auto leader = leader_of(island))
+    return *leader;
   const auto primary = rubicon::gateway_of(island);
   if (known_.contains(primary))
     return primary;
@@ -56,9 +80,9 @@ peer_id directory::gateway_for(island_id island) const {
 }
 
 island_id directory::island_of(peer_id peer) const {
+  const island_id own{static_cast<std::uint32_t>(peer.value)};
   const auto found = known_.find(peer);
-  return found == known_.end() ? island_id{static_cast<std::uint32_t>(peer.value)}
-                               : found->second.said.island;
+  return found == known_.end() ? meant_by(own) : found->second.said.island;
 }
 
 wire_form directory::form_of(peer_id peer) const {

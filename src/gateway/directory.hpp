@@ -32,6 +32,7 @@ struct known_gateway {
   peer_id peer;
   announcement said;
   instant heard;
+  instant claimed = {}; ///< when it first said that it leads, if it does
 };
 
 /// Says when to announce ourselves, and knows who else serves which island.
@@ -53,9 +54,23 @@ public:
   [[nodiscard]] bool on_time(instant now);
   [[nodiscard]] std::optional<instant> deadline() const;
 
-  /// The gateway that messages for an island go to: that with the island's id while it is heard, or
-  /// was never heard at all; else the one heard last of those that serve it too.
+  /// The role of ours has changed: others are told soon.
+  void announce_soon(instant now) {
+    gap_ = config_.first_gap;
+    due_ = now;
+  }
+
+  /// The gateway that messages for an island go to: the one that leads it; without such, that with
+  /// the island's id while it is heard, or was never heard at all; else the one heard last of those
+  /// that serve it too. An island may be called by the id of any gateway that it was ever heard to
+  /// have.
   [[nodiscard]] peer_id gateway_for(island_id island) const;
+
+  /// The one that says it leads, the last to say so; nothing: nobody does.
+  [[nodiscard]] std::optional<peer_id> leader_of(island_id island) const;
+
+  /// The island that is meant by an id of it, or by the id of one of its gateways.
+  [[nodiscard]] island_id meant_by(island_id x) const;
 
   /// Which island a gateway speaks for: that of its own id unless it says otherwise.
   [[nodiscard]] island_id island_of(peer_id peer) const;
@@ -70,6 +85,7 @@ private:
   directory_config config_;
   random_stream dice_;
   std::map<peer_id, known_gateway> known_;
+  std::map<peer_id, island_id> aliases_; ///< ever heard, also of gateways that have gone
   duration gap_{};
   std::optional<instant> due_; ///< our next announcement
   directory_counters counters_;

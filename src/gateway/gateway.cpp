@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "core/device_keys.hpp"
+#include "gateway/gateway_parts.hpp"
 #include "gateway/strict.hpp"
 #include "network/am.hpp"
 #include "network/wire.hpp"
@@ -16,24 +16,6 @@ namespace {
 
 constexpr std::size_t assemblies_max = 64; ///< long packets that come up at the same time
 
-publish text_tuple(std::string key, std::string_view text) {
-  return {std::move(key), to_bytes(text), true};
-}
-
-std::string line_text(std::string_view state, instant since) {
-  return std::string(state) + ' ' + to_text(since);
-}
-
-publish presence_tuple(mote_id mote, const device_status& x) {
-  return text_tuple(device_status_key(mote), to_string(x));
-}
-
-publish status_tuple(mote_id mote, std::uint16_t channel, std::uint64_t sequence,
-                     input_outcome result) {
-  return text_tuple(device_input_status_key(mote, channel),
-                    to_string(input_status{sequence, result}));
-}
-
 /// Whether a message between islands asks for reliable transfer: its segment says so. An
 /// acknowledgement goes unreliably, since a lost one is asked for again end to end.
 bool wants_reliable(byte_view segment) {
@@ -41,31 +23,7 @@ bool wants_reliable(byte_view segment) {
   return decoded && decoded->what == transport::segment::kind::reliable;
 }
 
-endpoint::pc_config pc_of(const gateway_config& config) {
-  endpoint::pc_config x;
-  x.self = gateway_of(config.island);
-  x.incarnation = config.incarnation;
-  x.sends_max = config.inputs_outstanding_max;
-  return x;
-}
-
 } // namespace
-
-/// The program that exchanges messages between motes and tuples: keeps what it is told until the
-/// gateway takes it.
-class device_messages final : public mote::communication_events {
-public:
-  void receiveFrom(mote_address source, byte_view buf, std::uint8_t am_type) override {
-    received.push_back({source, am_type, to_bytes(buf)});
-  }
-  void ackOf(std::uint32_t number, mote::status success) override {
-    outcomes.push_back({number, success == mote::SUCCESS});
-  }
-
-  std::optional<mote::communication> layer;
-  std::vector<transport::received> received;
-  std::vector<transport::outcome> outcomes;
-};
 
 gateway::gateway() = default;
 gateway::gateway(gateway&& x) noexcept = default;
@@ -73,9 +31,11 @@ gateway& gateway::operator=(gateway&& x) noexcept = default;
 gateway::~gateway() = default;
 
 gateway::gateway(gateway_config config, random_stream dice)
-    : config_(config), pc_(pc_of(config), random_stream(dice.next())),
+    : config_(std::move(config)), lead_({config_.gateways.empty(), config_.incarnation}),
+      pc_(pc_of(config_, config_.incarnation), random_stream(dice.next())),
       messages_(std::make_unique<device_messages>()), pieces_({.packets_max = assemblies_max}),
-      others_(config.others, random_stream(dice.next())) {
+      others_(config_.others, random_stream(dice.next())) {
+  dice_ = random_stream(dice.next());
   messages_->layer = pc_.attach_for_rest(*messages_);
 }
 
@@ -86,6 +46,10 @@ outputs gateway::start(instant now) {
               ask_about(broadcast_mote)}; // the sink may have run for long
   others_.start(now);
   requests_ = output_requests(config_.requests, config_.incarnation > 0, now);
+  if (!lead_.alone()) {
+    start_sharing(out);
+    return out;
+  }
   for (auto& x : take(pc_.start(now)))
     out.push_back(std::move(x));
   return out;
@@ -101,7 +65,10 @@ outputs gateway::on_packet(mote_id source, std::uint8_t am_type, byte_view paylo
   on_line_heard(out);
   refresh(source, out);
   outputs more;
-  if (am_type == network::am::to_gateway) {
+  const bool is_packet = am_type == network::am::to_gateway || am_type == network::am::packet;
+  if (is_packet && !lead_.leads()) { // its sender will repeat it to who does
+    ++counters_.undeliverable;
+  } else if (am_type == network::am::to_gateway) {
     more = on_island_packet(payload, now);
   } else if (am_type == network::am::packet) {
     if (const auto whole = pieces_.on_piece(source, payload, now))
@@ -145,7 +112,7 @@ outputs gateway::on_island_packet(byte_view payload, instant now) {
     ++counters_.malformed;
     return {};
   }
-  const bool here = packet->island == config_.island || packet->island == own_island;
+  const bool here = is_here(packet->island);
   if (here && packet->mote == no_mote)
     return on_packet_for_us(*packet, now);
   if (here) { // a sink sends these on itself; one of another make may not
@@ -166,6 +133,8 @@ wire_form gateway::form_with(peer_id peer) const {
 }
 
 void gateway::send_out(island_id island, network::gateway_packet x, bool reliable, outputs& out) {
+  if (const auto meant = others_.meant_by(island); meant != island)
+    talks_.note(island, meant, x.mote, x.body);
   const auto peer = others_.gateway_for(island);
   auto said = std::optional(std::move(x));
   if (form_with(peer) == wire_form::strict54)
@@ -201,16 +170,21 @@ outputs gateway::on_message(peer_id source, byte_view octets, instant now) {
     }
     packet = *std::move(said);
   }
-  const auto island = others_.island_of(source);
-  if (packet->mote == no_mote)
-    return take(pc_.on_packet(island, packet->channel, packet->body, now));
-  if (packet->mote != broadcast_mote && !devices_.contains(packet->mote)) {
+  const auto island = talks_.source_of(others_.island_of(source), packet->mote, packet->body);
+  return lead_.leads() ? accept(island, *std::move(packet)) : pass_on(island, *std::move(packet));
+}
+
+/// A message for this island, or for its PC.
+outputs gateway::accept(island_id source, network::gateway_packet x) {
+  if (x.mote == no_mote)
+    return take(pc_.on_packet(source, x.channel, x.body, now_));
+  if (x.mote != broadcast_mote && !devices_.contains(x.mote)) {
     ++counters_.undeliverable;
     return {};
   }
   ++counters_.forwarded_in;
   outputs out;
-  down({island, packet->mote, packet->channel, std::move(packet->body)}, out);
+  down({source, x.mote, x.channel, std::move(x.body)}, out);
   return out;
 }
 
@@ -223,26 +197,34 @@ outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets,
   }
   ++counters_.inputs;
   const auto sequence = ++input_sequences_[{mote, channel}];
+  const pending_input what{mote, channel, sequence};
+  outputs out{status_tuple(mote, channel, sequence, input_outcome::pending)};
   const auto listed = devices_.find(mote);
   if (listed == devices_.end()) {
     ++counters_.undeliverable;
-    return {status_tuple(mote, channel, sequence, input_outcome::pending),
-            status_tuple(mote, channel, sequence, input_outcome::unreachable)};
-  }
-  listed->second.input_channels.insert(channel);
-  const auto number = channel > 0xff
-                          ? std::nullopt // not an AM type: reserved for streams (WIR-01)
-                          : messages_->layer->send_numbered({config_.island, mote}, octets, true,
-                                                            static_cast<std::uint8_t>(channel));
-  outputs out{status_tuple(mote, channel, sequence, input_outcome::pending)};
-  if (!number) {
-    out.emplace_back(status_tuple(mote, channel, sequence, input_outcome::failed));
+    tell_outcome(what, input_outcome::unreachable, out);
     return out;
   }
-  pending_[*number] = {mote, channel, sequence};
-  for (auto& x : settle())
-    out.push_back(std::move(x));
+  listed->second.input_channels.insert(channel);
+  if (lead_.leads())
+    submit(what, octets, out);
+  else
+    pass_on(what, octets, out);
   return out;
+}
+
+void gateway::submit(const pending_input& x, byte_view octets, outputs& out) {
+  const auto number = x.channel > 0xff
+                          ? std::nullopt // not an AM type: reserved for streams (WIR-01)
+                          : messages_->layer->send_numbered({config_.island, x.mote}, octets, true,
+                                                            static_cast<std::uint8_t>(x.channel));
+  if (!number) {
+    tell_outcome(x, input_outcome::failed, out);
+    return;
+  }
+  pending_[*number] = x;
+  for (auto& each : settle())
+    out.push_back(std::move(each));
 }
 
 void gateway::on_period(mote_id mote, std::uint16_t channel, std::string_view text, instant now) {
@@ -255,24 +237,34 @@ void gateway::on_period(mote_id mote, std::uint16_t channel, std::string_view te
 
 outputs gateway::on_time(instant now) {
   now_ = now;
-  auto out = take(pc_.on_time(now));
-  if (line_up_ && *line_heard_ + config_.line_silence_max <= now) {
+  outputs out;
+  change_lead(lead_.on_time(now), out);
+  if (lead_.leads())
+    std::ranges::move(take(pc_.on_time(now)), std::back_inserter(out));
+  fail_waiting(now, out);
+  if (line_up_ && *line_heard_ + silence_max() <= now) {
     line_up_ = false;
     out.emplace_back(text_tuple(std::string(device_line_key), line_text("silent", *line_heard_)));
     out.emplace_back(line_changed{});
     make_stale(out);
   }
   if (others_.on_time(now))
-    out.emplace_back(
-        announce{encode(announcement{config_.island, config_.form, config_.incarnation})});
-  ask_for_outputs(out, now);
+    out.emplace_back(announce{
+        encode(announcement{config_.island, config_.form, config_.incarnation,
+                            lead_.alone() ? std::nullopt : std::optional(lead_.leads())})});
+  if (lead_.leads())
+    ask_for_outputs(out, now);
   return out;
 }
 
 std::optional<instant> gateway::deadline() const {
-  auto due = earliest(pc_.deadline(), earliest(others_.deadline(), requests_.deadline()));
+  auto due = earliest(others_.deadline(), lead_.deadline());
+  if (lead_.leads())
+    due = earliest(due, earliest(pc_.deadline(), requests_.deadline()));
   if (line_up_)
-    due = earliest(due, *line_heard_ + config_.line_silence_max);
+    due = earliest(due, *line_heard_ + silence_max());
+  for (const auto& [number, x] : waiting_)
+    due = earliest(due, x.expires);
   return due;
 }
 
@@ -291,85 +283,6 @@ void gateway::ask_for_outputs(outputs& out, instant now) {
   }
   for (auto& x : settle())
     out.push_back(std::move(x));
-}
-
-outputs gateway::on_event(const network::mote_joined& x, instant now) {
-  const auto [listed, is_new] = devices_.try_emplace(x.mote);
-  const bool restarted = listed->second.incarnation != x.incarnation;
-  if (restarted)
-    pc_.forget_incarnation({config_.island, x.mote});
-  listed->second.incarnation = x.incarnation;
-  listed->second.stale = false;
-  requests_.on_listed(x.mote, x.incarnation, now);
-  outputs out{publish{device_type_key(x.mote), device_type_octets(x.type), false},
-              publish{device_descriptor_key(x.mote), x.descriptor, false}, device_list(),
-              presence_tuple(x.mote, {device_presence::listed, {}, now})};
-  if (is_new || restarted) {
-    out.emplace_back(member_changed{x.mote, true, x.incarnation, {}});
-    for (auto& y : take(pc_.on_mote_joined(x.mote, x.descriptor, now)))
-      out.push_back(std::move(y));
-  }
-  return out;
-}
-
-outputs gateway::on_event(const network::mote_left& x, instant) {
-  return remove(x.mote, x.cause);
-}
-
-outputs gateway::on_event(const network::roster& x, instant now) {
-  if (roster_number_ != x.number) {
-    roster_number_ = x.number;
-    roster_seen_.clear();
-    roster_pages_seen_ = 0;
-  }
-  ++roster_pages_seen_;
-  outputs out;
-  for (const auto& entry : x.entries) {
-    roster_seen_.insert(entry.mote);
-    const auto known = devices_.find(entry.mote);
-    if (known == devices_.end() || known->second.incarnation != entry.incarnation)
-      out.emplace_back(ask_about(entry.mote));
-    else
-      refresh(entry.mote, out);
-  }
-  if (roster_pages_seen_ < x.pages)
-    return out;
-  for (const auto& [mote, listed] : devices_) {
-    const bool may_rejoin = listed.stale && now < rejoin_until_;
-    if (!roster_seen_.contains(mote) && !may_rejoin)
-      out.emplace_back(ask_about(mote));
-  }
-  roster_number_.reset();
-  return out;
-}
-
-outputs gateway::on_event(const network::describe&, instant) {
-  ++counters_.unknown_type; // a question only gateways ask
-  return {};
-}
-
-/// Its motes are there as before, but it will know so only when they have joined again.
-outputs gateway::on_event(const network::sink_started&, instant now) {
-  outputs out;
-  rejoin_until_ = now + config_.rejoin_wait;
-  make_stale(out);
-  return out;
-}
-
-/// Without an answer a sink goes on with what it knows, which is better than a time that others are
-/// about to correct.
-outputs gateway::on_event(const network::time_request& x, instant now) {
-  if (!clock_offset_ || now < clock_settled_)
-    return {};
-  const auto time =
-      std::chrono::floor<std::chrono::microseconds>(now.time_since_epoch() + *clock_offset_);
-  return {to_sink{broadcast_mote, network::am::sink_event,
-                  network::encode(network::time_answer{x.number, time})}};
-}
-
-outputs gateway::on_event(const network::time_answer&, instant) {
-  ++counters_.unknown_type; // only gateways answer
-  return {};
 }
 
 outputs gateway::take(endpoint::outputs from_pc) {
@@ -409,9 +322,7 @@ void gateway::publish_outcome(const transport::outcome& x, outputs& out) {
   const auto found = pending_.extract(x.id);
   if (found.empty())
     return;
-  const auto [mote, channel, sequence] = found.mapped();
-  out.emplace_back(status_tuple(mote, channel, sequence,
-                                x.acked ? input_outcome::acknowledged : input_outcome::failed));
+  tell_outcome(found.mapped(), x.acked ? input_outcome::acknowledged : input_outcome::failed, out);
 }
 
 outputs gateway::remove(mote_id mote, network::leave_cause cause) {

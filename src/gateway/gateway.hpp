@@ -18,8 +18,11 @@
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "endpoint/pc.hpp"
+#include "gateway/alias_talks.hpp"
 #include "gateway/directory.hpp"
+#include "gateway/leadership.hpp"
 #include "gateway/output_requests.hpp"
+#include "gateway/relay.hpp"
 #include "network/island_packet.hpp"
 #include "network/sink_event.hpp"
 #include "transport/pieces.hpp"
@@ -43,6 +46,18 @@ struct to_sink {
   mote_id mote; ///< whom it is for in the end
   std::uint8_t am_type = 0;
   bytes payload; ///< at most network::frame_payload_max octets
+};
+
+/// Send this to another gateway of the island, PEIS port 22, reliably.
+struct relay_to {
+  peer_id peer;
+  bytes octets;
+};
+
+/// This gateway leads its island, or no longer does (GW-14).
+struct lead_changed {
+  bool leads = false;
+  std::uint32_t term = 0;
 };
 
 /// Send this message (WIR-02) to another gateway, PEIS port 21.
@@ -71,16 +86,19 @@ struct line_changed {
   duration silence{}; ///< how long it was not heard, when it is up again
 };
 
-using output =
-    std::variant<publish, erase, to_sink, to_gateway, announce, member_changed, line_changed>;
+using output = std::variant<publish, erase, to_sink, to_gateway, relay_to, announce, member_changed,
+                            line_changed, lead_changed>;
 using outputs = std::vector<output>;
 
 struct gateway_config {
   island_id island;
+  /// PEIS ids of all gateways of the island, that of the island first; empty: it is the only one.
+  std::vector<peer_id> gateways = {};
   std::uint32_t incarnation = 0;           ///< how often it was started before
   std::size_t inputs_outstanding_max = 64; ///< further inputs fail at once
   wire_form form = wire_form::segment;     ///< strict54: with every other gateway (WIR-04)
   duration line_silence_max = 25s;         ///< more than two rosters of its sink without a word
+  duration shared_silence_max = 5s;        ///< the same of one among several, which its sink polls
   duration clock_settling =
       10s;                    ///< a restarted kernel's clock is not told before: it hears others'
   duration rejoin_wait = 60s; ///< a sink that was started again may find its motes until then
@@ -88,6 +106,8 @@ struct gateway_config {
   output_requests_config requests{};
   std::size_t input_channels_max = 4096; ///< channels of motes ever written to; further ones are
                                          ///< refused without a status
+  duration relay_wait = 35s; ///< for the outcome of an input passed on: longer than two messages of
+                             ///< Transport take to fail
 };
 
 struct gateway_counters {
@@ -104,6 +124,8 @@ struct gateway_counters {
   std::uint64_t requests = 0;  ///< to motes, of what they are to send
   std::uint64_t requests_failed = 0;
   std::uint64_t bad_periods = 0; ///< texts that are no period: dropped
+  std::uint64_t relayed_out = 0; ///< messages and inputs passed on to the gateway that leads
+  std::uint64_t relayed_in = 0;  ///< the same, taken from others
 };
 
 class device_messages;
@@ -115,9 +137,13 @@ inline constexpr std::uint16_t announcement_port = 20;
 ///   devices, devices.line,
 ///   devices.$ID.{status,type,descriptor,output.$CH,input.$CH.status}     written here
 ///   devices.$ID.input.$CH, devices.$ID.output.$CH.period                 written by others
+/// and, of one among several gateways of the island, devices.role and devices.gateways.
 /// It tells motes which output channels somebody subscribes to (GW-10), and publishes all that
 /// comes. Programs on the same PC have the same address; what they do not provide becomes
 /// tuples.
+///
+/// Of several gateways of an island one leads (gateway::leadership): it is the PC of the island.
+/// The others know the same motes, publish no outputs, and pass on to it what they are asked for.
 class gateway {
 public:
   gateway();
@@ -154,6 +180,10 @@ public:
   void on_announcement(peer_id source, byte_view octets, instant now) {
     others_.on_announcement(source, octets, now);
   }
+
+  /// Another gateway of the island has passed something on, PEIS port 22.
+  [[nodiscard]] outputs on_relay(peer_id source, byte_view octets, instant now);
+
   void on_unreachable(peer_id peer) { others_.on_unreachable(peer); } ///< a to_gateway has failed
 
   /// Keys and patterns, in lower case, by which others subscribe to own tuples below `devices`.
@@ -175,9 +205,8 @@ public:
   [[nodiscard]] const directory& others() const { return others_; }
   [[nodiscard]] std::optional<duration> clock_offset() const { return clock_offset_; }
   [[nodiscard]] std::size_t outstanding() const { return above().messages().outstanding(); }
-  [[nodiscard]] const transport::endpoint_counters& messages() const {
-    return above().messages().counters();
-  }
+  [[nodiscard]] transport::endpoint_counters messages() const; ///< of all its terms
+  [[nodiscard]] const leadership& lead() const { return lead_; }
   [[nodiscard]] const mote::layer& above() const { return pc_.above(); }
 
 private:
@@ -192,6 +221,14 @@ private:
     mote_id mote;
     std::uint16_t channel = 0;
     std::uint64_t sequence = 0;
+    std::optional<peer_id> asker =
+        {}; ///< the gateway that has passed it on; sequence is its number
+  };
+
+  /// Passed on to the gateway that leads.
+  struct waiting_input {
+    pending_input what;
+    instant expires;
   };
 
   [[nodiscard]] outputs on_island_packet(byte_view payload, instant now);
@@ -203,6 +240,23 @@ private:
   [[nodiscard]] outputs on_event(const network::sink_started& x, instant now);
   [[nodiscard]] outputs on_event(const network::time_request& x, instant now);
   [[nodiscard]] outputs on_event(const network::time_answer& x, instant now);
+  [[nodiscard]] outputs on_event(const network::gateway_poll& x, instant now);
+  [[nodiscard]] outputs on_event(const network::gateway_answer& x, instant now);
+  [[nodiscard]] outputs on_relayed(peer_id source, relayed_message x);
+  [[nodiscard]] outputs on_relayed(peer_id source, relayed_input x);
+  [[nodiscard]] outputs on_relayed(peer_id source, const relayed_outcome& x);
+  void start_sharing(outputs& out);
+  void change_lead(leadership::change x, outputs& out);
+  void take_lead(outputs& out);
+  void end_work(outputs& out);
+  void tell_outcome(const pending_input& x, input_outcome outcome, outputs& out) const;
+  void submit(const pending_input& x, byte_view octets, outputs& out);
+  void pass_on(const pending_input& x, byte_view octets, outputs& out);
+  [[nodiscard]] outputs pass_on(island_id source, network::gateway_packet x);
+  void fail_waiting(instant now, outputs& out);
+  [[nodiscard]] outputs accept(island_id source, network::gateway_packet x);
+  [[nodiscard]] bool is_here(island_id x) const;
+  [[nodiscard]] duration silence_max() const;
   void on_line_heard(outputs& out);
   void refresh(mote_id mote, outputs& out);
   void make_stale(outputs& out);
@@ -218,6 +272,12 @@ private:
   void down(const network::island_packet& x, outputs& out);
 
   gateway_config config_;
+  leadership lead_;
+  random_stream dice_; ///< of the terms
+  transport::endpoint_counters earlier_terms_;
+  std::map<std::uint32_t, waiting_input> waiting_; ///< by the number given
+  std::uint32_t relay_number_ = 0;
+  alias_talks talks_;
   endpoint::pc pc_;
   std::unique_ptr<device_messages> messages_;
   transport::assembly pieces_; ///< of packets from the sink

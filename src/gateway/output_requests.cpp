@@ -65,6 +65,15 @@ void output_requests::on_unlisted(mote_id mote) {
   schedule(mote, found->second, std::nullopt);
 }
 
+void output_requests::forget_told(instant now) {
+  under_way_ = 0;
+  for (auto& [mote, x] : motes_) {
+    x.told.reset();
+    x.under_way.reset();
+  }
+  review_all(now);
+}
+
 std::vector<output_requests::request> output_requests::due(instant now) {
   std::vector<request> all;
   while (under_way_ < config_.under_way_max && !due_.empty() && due_.begin()->first <= now) {

@@ -50,6 +50,9 @@ public:
   void on_listed(mote_id mote, std::uint32_t incarnation, instant now);
   void on_unlisted(mote_id mote);
 
+  /// Motes may have been asked by another gateway since, and those asked by us will not answer.
+  void forget_told(instant now);
+
   /// Requests to be sent now; the end of each is told by on_outcome().
   [[nodiscard]] std::vector<request> due(instant now);
   void on_outcome(mote_id mote, bool acked, instant now);

@@ -37,7 +37,7 @@ join_outputs join_client::on_message(mote_id source, const management& message, 
     if (state_ == state::requesting) {
       state_ = state::joined;
       sink_ = source;
-      out.emplace_back(island_joined{reply->island, source, reply->slot});
+      out.emplace_back(island_joined{reply->island, source, reply->slot, reply->aliases});
       if (condition_ != mote_condition{})
         out.emplace_back(to_registrar{keep_alive{incarnation_, condition_}});
     }

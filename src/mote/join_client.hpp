@@ -23,7 +23,8 @@ struct to_registrar {
 struct island_joined {
   island_id island;
   mote_id sink;
-  std::uint16_t slot = 0; ///< as in join_reply
+  std::uint16_t slot = 0;              ///< as in join_reply
+  std::vector<island_id> aliases = {}; ///< the same
 };
 
 /// The sink has forgotten us; joining starts again.

@@ -21,6 +21,8 @@ struct encoder {
   }
   void operator()(const join_reply& x) const {
     out.octet(2).big(x.sequence).big(x.island.value).big(x.mote.value).big(x.time_ms).big(x.slot);
+    for (const auto alias : x.aliases)
+      out.octet(static_cast<std::uint8_t>(alias.value));
   }
   void operator()(const join_confirm& x) const {
     out.octet(3).big(x.sequence).big(x.incarnation).append(x.descriptor);
@@ -53,6 +55,8 @@ join_reply read_reply(byte_reader& in) {
   x.mote = mote_id{in.big<std::uint16_t>()};
   x.time_ms = in.big<std::uint32_t>();
   x.slot = in.big<std::uint16_t>();
+  while (in.ok() && in.remaining() > 0 && x.aliases.size() < aliases_max)
+    x.aliases.emplace_back(in.octet());
   return x;
 }
 

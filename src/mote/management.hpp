@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <variant>
+#include <vector>
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
@@ -20,13 +21,16 @@ struct join_request {
   friend bool operator==(const join_request&, const join_request&) = default;
 };
 
+inline constexpr std::size_t aliases_max = 3; ///< that a mote remembers
+
 /// Sink to mote: you are in, once you confirm.
 struct join_reply {
   std::uint16_t sequence = 0; ///< of the request
   island_id island;
-  mote_id mote;              ///< the address the mote is to use
-  std::uint32_t time_ms = 0; ///< the sink's clock
-  std::uint16_t slot = 0;    ///< in which the mote sends its synaptic vectors (SYN-16)
+  mote_id mote;                   ///< the address the mote is to use
+  std::uint32_t time_ms = 0;      ///< the sink's clock
+  std::uint16_t slot = 0;         ///< in which the mote sends its synaptic vectors (SYN-16)
+  std::vector<island_id> aliases; ///< of the island (GW-14), 1..254 each, at most aliases_max
 
   friend bool operator==(const join_reply&, const join_reply&) = default;
 };

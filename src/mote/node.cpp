@@ -110,6 +110,9 @@ void node::take(join_outputs from_join, node_outputs& out, instant now) {
     } else if (const auto* joined = std::get_if<island_joined>(&x)) {
       island_ = joined->island;
       slot_ = joined->slot;
+      gateways_ = {gateway_of(island_)};
+      for (const auto alias : joined->aliases)
+        gateways_.push_back(gateway_of(alias));
       has_told_ = false;
       use_layer().on_joined(joined->island, now);
       duty_.set_member(true);

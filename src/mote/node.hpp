@@ -118,6 +118,10 @@ public:
   [[nodiscard]] instant deadline() const;
 
   [[nodiscard]] bool joined() const { return join_.current() == join_client::state::joined; }
+
+  /// PEIS ids by which the island is addressed, that of the island first (NFR-05); empty before the
+  /// first join.
+  [[nodiscard]] const std::vector<peer_id>& gateways() const { return gateways_; }
   [[nodiscard]] const layer& above() const { return *layer_; }
   [[nodiscard]] const packet_service& packets() const { return packets_; }
   [[nodiscard]] const node_counters& counters() const { return counters_; }
@@ -156,6 +160,7 @@ private:
   bool wants_to_join_ = false; ///< there is no way to the sink yet
   std::optional<instant> joins_at_;
   island_id island_;
+  std::vector<peer_id> gateways_;
   std::uint16_t slot_ = 0;          ///< its number
   bool has_slot_ = false;           ///< there are so many
   bool slot_is_free_ = false;       ///< at this tick

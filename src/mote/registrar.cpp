@@ -212,8 +212,9 @@ std::deque<network::roster> registrar::compile_roster() {
 to_mote registrar::reply_to(mote_id mote, const member& x, instant now) const {
   const auto since_start =
       std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch());
-  return {mote, join_reply{x.sequence, config_.island, mote,
-                           static_cast<std::uint32_t>(since_start.count()), x.slot}};
+  return {mote,
+          join_reply{x.sequence, config_.island, mote,
+                     static_cast<std::uint32_t>(since_start.count()), x.slot, config_.aliases}};
 }
 
 std::uint16_t registrar::free_slot() const {

@@ -27,11 +27,12 @@ using registrar_outputs = std::vector<registrar_output>;
 
 struct registrar_config {
   island_id island;
-  duration keep_alive_window = 10s; ///< a mote silent for longer has left (part C)
-  duration confirm_wait = 500ms;    ///< the reply is repeated until confirmed,
-  unsigned replies_max = 5;         ///< this often
-  std::size_t members_max = 1000;   ///< further requests get no answer and are counted
-  duration prompt_pause = 1s;       ///< between two rejoin prompts to one mote
+  std::vector<island_id> aliases = {}; ///< at most aliases_max; motes are told at their join
+  duration keep_alive_window = 10s;    ///< a mote silent for longer has left (part C)
+  duration confirm_wait = 500ms;       ///< the reply is repeated until confirmed,
+  unsigned replies_max = 5;            ///< this often
+  std::size_t members_max = 1000;      ///< further requests get no answer and are counted
+  duration prompt_pause = 1s;          ///< between two rejoin prompts to one mote
   duration roster_period = 10s;
   duration slots_hold = 2min;       ///< slots count as used so long after a slot_notice
   duration roster_page_gap = 250ms; ///< between two pages: a serial queue is short

@@ -16,8 +16,9 @@ void append(sink_outputs& to, sink_outputs from) {
 } // namespace
 
 sink::sink(network::router_config network, registrar_config members, const duty_config& duty,
-           random_stream dice, instant now)
-    : self_(network.self), island_(members.island), duty_(duty, true, random_stream(dice.next())) {
+           random_stream dice, instant now, gateway_lines_config lines)
+    : self_(network.self), island_(members.island), duty_(duty, true, random_stream(dice.next())),
+      lines_(lines, now), pieces_(lines.lines) {
   network.is_sink = true;
   network.beacon_delay_max = duty.delay_max();
   members.confirm_wait += duty.answer_slack();
@@ -27,8 +28,7 @@ sink::sink(network::router_config network, registrar_config members, const duty_
 }
 
 sink_outputs sink::start(instant now) {
-  sink_outputs out{to_gateway{self_, network::am::sink_event,
-                              encode(network::sink_event(network::sink_started{}))}};
+  sink_outputs out{event_for(network::sink_started{}, std::nullopt)};
   append(out, take(registrar_.start(now), now));
   return finish(std::move(out), now);
 }
@@ -43,8 +43,9 @@ sink_outputs sink::on_sent(std::uint64_t token, bool acked, unsigned transmissio
   return finish(take(packets_.on_sent(token, acked, transmissions, now), now), now);
 }
 
-sink_outputs sink::on_packet(std::uint8_t am_type, byte_view payload, instant now) {
-  auto whole = am_type == network::am::packet ? pieces_.on_piece(self_, payload, now)
+sink_outputs sink::on_packet(std::uint8_t am_type, byte_view payload, instant now,
+                             std::size_t line) {
+  auto whole = am_type == network::am::packet ? pieces_.at(line).on_piece(self_, payload, now)
                                               : std::optional(to_bytes(payload));
   if (!whole)
     return {};
@@ -59,7 +60,7 @@ sink_outputs sink::on_packet(std::uint8_t am_type, byte_view payload, instant no
   }
   if (am_type == network::am::sink_event) {
     if (const auto event = network::decode_sink_event(*whole))
-      return on_event(*event, now);
+      return on_event(*event, now, line);
     ++counters_.malformed;
     return {};
   }
@@ -67,7 +68,7 @@ sink_outputs sink::on_packet(std::uint8_t am_type, byte_view payload, instant no
   return {};
 }
 
-sink_outputs sink::on_event(const network::sink_event& x, instant now) {
+sink_outputs sink::on_event(const network::sink_event& x, instant now, std::size_t line) {
   if (const auto* wanted = std::get_if<network::describe>(&x))
     return finish(take(registrar_.on_describe(wanted->mote, now), now), now);
   if (const auto* answer = std::get_if<network::time_answer>(&x)) {
@@ -75,8 +76,16 @@ sink_outputs sink::on_event(const network::sink_event& x, instant now) {
     tell_time(now);
     return finish({}, now);
   }
+  if (const auto* answer = std::get_if<network::gateway_answer>(&x)) {
+    lines_.on_answer(line, *answer, now);
+    return finish({}, now);
+  }
   ++counters_.malformed;
   return {};
+}
+
+to_gateway sink::event_for(const network::sink_event& x, std::optional<std::size_t> line) const {
+  return {self_, network::am::sink_event, encode(x), line};
 }
 
 /// The island's clock tells what the gateway says the time is (CLK-08).
@@ -88,15 +97,16 @@ void sink::tell_time(instant now) {
 sink_outputs sink::on_time(instant now) {
   tell_time(now);
   auto out = take(registrar_.on_time(now), now);
+  for (const auto& x : lines_.on_time(now))
+    out.emplace_back(event_for(x.what, x.line));
   if (const auto number = time_.on_time(now))
-    out.emplace_back(to_gateway{self_, network::am::sink_event,
-                                encode(network::sink_event(network::time_request{*number}))});
+    out.emplace_back(event_for(network::time_request{*number}, lines_.leader()));
   append(out, take(packets_.on_time(now), now));
   return finish(std::move(out), now);
 }
 
 instant sink::deadline() const {
-  const auto due = earliest(registrar_.deadline(), duty_.deadline());
+  const auto due = earliest(registrar_.deadline(), earliest(duty_.deadline(), lines_.deadline()));
   return std::min(*earliest(packets_.deadline(), due), time_.deadline());
 }
 
@@ -153,11 +163,11 @@ sink_outputs sink::to_island(const network::island_packet& x, instant now) {
 sink_outputs sink::to_line(mote_id origin, const network::island_packet& x) {
   auto octets = encode(x);
   if (octets.size() <= network::frame_payload_max)
-    return {to_gateway{origin, network::am::to_gateway, std::move(octets)}};
+    return {to_gateway{origin, network::am::to_gateway, std::move(octets), lines_.leader()}};
   sink_outputs out;
   const auto pieces = transport::cut(octets, network::frame_payload_max, tag_++);
   for (const auto& piece : *pieces) // packet_max octets never are too many
-    out.emplace_back(to_gateway{origin, network::am::packet, piece});
+    out.emplace_back(to_gateway{origin, network::am::packet, piece, lines_.leader()});
   return out;
 }
 
@@ -168,8 +178,7 @@ sink_outputs sink::take(registrar_outputs from_registrar, instant now) {
       append(out,
              take(packets_.send_management(message->mote, encode(message->message), now), now));
     else
-      out.emplace_back(
-          to_gateway{self_, network::am::sink_event, encode(std::get<network::sink_event>(x))});
+      out.emplace_back(event_for(std::get<network::sink_event>(x), std::nullopt));
   }
   return out;
 }

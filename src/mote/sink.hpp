@@ -2,7 +2,9 @@
 // island's Network on one side, serial packets on the other, the list of members in between.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "mote/duty_cycle.hpp"
+#include "mote/gateway_lines.hpp"
 #include "mote/packet_service.hpp"
 #include "mote/registrar.hpp"
 #include "network/time_reference.hpp"
@@ -18,11 +21,12 @@
 
 namespace rubicon::mote {
 
-/// Send this packet up the serial line.
+/// Send this packet up a serial line.
 struct to_gateway {
   mote_id source; ///< where in the island it comes from; the sink itself for its own events
   std::uint8_t am_type = 0;
-  bytes payload; ///< at most network::frame_payload_max octets
+  bytes payload;                        ///< at most network::frame_payload_max octets
+  std::optional<std::size_t> line = {}; ///< nothing: up all of them
 };
 
 using sink_output = std::variant<network::frame_out, to_gateway>;
@@ -37,11 +41,13 @@ struct sink_counters {
   std::uint64_t for_sink = 0;     ///< island packets for the sink, on which no app runs
 };
 
+/// Events go to all gateways, so that whoever takes the lead knows the island; packets of motes and
+/// questions about the time go to the one that leads (GW-14).
 class sink {
 public:
   sink() = default;
   sink(network::router_config network, registrar_config members, const duty_config& duty,
-       random_stream dice, instant now);
+       random_stream dice, instant now, gateway_lines_config lines = {});
 
   [[nodiscard]] sink_outputs start(instant now);
 
@@ -53,8 +59,9 @@ public:
   [[nodiscard]] sink_outputs on_sent(std::uint64_t token, bool acked, unsigned transmissions,
                                      instant now);
 
-  /// The serial line has delivered a packet from the gateway.
-  [[nodiscard]] sink_outputs on_packet(std::uint8_t am_type, byte_view payload, instant now);
+  /// A serial line has delivered a packet from its gateway.
+  [[nodiscard]] sink_outputs on_packet(std::uint8_t am_type, byte_view payload, instant now,
+                                       std::size_t line = 0);
 
   [[nodiscard]] sink_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] instant deadline() const;
@@ -63,12 +70,15 @@ public:
   [[nodiscard]] const sink_counters& counters() const { return counters_; }
   [[nodiscard]] const packet_service& packets() const { return packets_; }
   [[nodiscard]] const network::time_reference& time() const { return time_; }
+  [[nodiscard]] const gateway_lines& lines() const { return lines_; }
 
 private:
   [[nodiscard]] sink_outputs finish(sink_outputs out, instant now);
   [[nodiscard]] sink_outputs take(packet_service_outputs from_packets, instant now);
   [[nodiscard]] sink_outputs take(registrar_outputs from_registrar, instant now);
-  [[nodiscard]] sink_outputs on_event(const network::sink_event& x, instant now);
+  [[nodiscard]] sink_outputs on_event(const network::sink_event& x, instant now, std::size_t line);
+  [[nodiscard]] to_gateway event_for(const network::sink_event& x,
+                                     std::optional<std::size_t> line) const;
   void tell_time(instant now);
   [[nodiscard]] sink_outputs from_island(const packet_in& x, instant now);
   [[nodiscard]] sink_outputs to_island(const network::island_packet& x, instant now);
@@ -80,7 +90,8 @@ private:
   packet_service packets_;
   duty_cycle duty_;
   network::time_reference time_;
-  transport::assembly pieces_; ///< of packets from the gateway
+  gateway_lines lines_;
+  std::vector<transport::assembly> pieces_; ///< of packets from the gateway, for each line
   std::uint8_t tag_ = 0;
   sink_counters counters_;
 };

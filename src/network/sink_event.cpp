@@ -16,6 +16,8 @@ enum class kind : std::uint8_t {
   started = 5,
   time_request = 6,
   time_answer = 7,
+  gateway_poll = 8,
+  gateway_answer = 9,
 };
 
 struct encoder {
@@ -39,6 +41,12 @@ struct encoder {
   void operator()(const sink_started&) const { start(kind::started); }
   void operator()(const time_request& x) const {
     start(kind::time_request).big(x.number).big(std::uint64_t{0});
+  }
+  void operator()(const gateway_poll& x) const {
+    start(kind::gateway_poll).big(x.life).big(x.term).octet(x.leads ? 1 : 0);
+  }
+  void operator()(const gateway_answer& x) const {
+    start(kind::gateway_answer).big(x.life).big(x.term);
   }
   void operator()(const time_answer& x) const {
     start(kind::time_answer).big(x.number).big(static_cast<std::uint64_t>(x.since_1970.count()));
@@ -108,6 +116,17 @@ result<sink_event> decode_time_answer(byte_reader& in) {
   return finish(in, x);
 }
 
+result<sink_event> decode_poll(byte_reader& in) {
+  gateway_poll x;
+  x.life = in.big<std::uint32_t>();
+  x.term = in.big<std::uint32_t>();
+  const auto leads = in.octet();
+  if (in.ok() && leads > 1)
+    return errc::bad_value;
+  x.leads = leads == 1;
+  return finish(in, x);
+}
+
 } // namespace
 
 std::string to_string(leave_cause x) {
@@ -148,6 +167,14 @@ result<sink_event> decode_sink_event(byte_view octets) {
     return decode_time_request(in);
   case kind::time_answer:
     return decode_time_answer(in);
+  case kind::gateway_poll:
+    return decode_poll(in);
+  case kind::gateway_answer: {
+    gateway_answer x;
+    x.life = in.big<std::uint32_t>();
+    x.term = in.big<std::uint32_t>();
+    return finish(in, x);
+  }
   case kind::describe: {
     const describe x{mote_id{in.big<std::uint16_t>()}};
     return finish(in, x);

@@ -88,8 +88,27 @@ struct time_answer {
   friend bool operator==(const time_answer&, const time_answer&) = default;
 };
 
-using sink_event =
-    std::variant<mote_joined, mote_left, roster, describe, sink_started, time_request, time_answer>;
+/// Up, to each of several gateways, now and then: are you there? And who leads (GW-14)?
+struct gateway_poll {
+  std::uint32_t life = 0; ///< of the gateway, as the sink knows it; unknown_life: not yet
+  std::uint32_t term = 0; ///< of the gateway that leads; each handing over begins the next one
+  bool leads = false;     ///< it is this one, if `life` is right
+
+  friend bool operator==(const gateway_poll&, const gateway_poll&) = default;
+};
+
+inline constexpr std::uint32_t unknown_life = 0xffffffff;
+
+/// Down, at once: here I am.
+struct gateway_answer {
+  std::uint32_t life = 0; ///< counts the gateway's starts
+  std::uint32_t term = 0; ///< the latest that it has heard of
+
+  friend bool operator==(const gateway_answer&, const gateway_answer&) = default;
+};
+
+using sink_event = std::variant<mote_joined, mote_left, roster, describe, sink_started,
+                                time_request, time_answer, gateway_poll, gateway_answer>;
 
 inline constexpr std::size_t roster_entries_max = 18; ///< a page fits 114 octets
 
@@ -97,7 +116,7 @@ inline constexpr std::size_t roster_entries_max = 18; ///< a page fits 114 octet
 [[nodiscard]] bytes encode(const sink_event& x);
 
 /// Errors: truncated, too_long (octets after the event), bad_value (also what fills a request up
-/// is not zero), unsupported (unknown kind).
+/// is not zero, or a flag neither 0 nor 1), unsupported (unknown kind).
 [[nodiscard]] result<sink_event> decode_sink_event(byte_view octets);
 
 } // namespace rubicon::network

@@ -87,6 +87,13 @@ input_channel::outputs input_channel::drop_waiting(instant now) {
   return out;
 }
 
+input_channel::outputs input_channel::on_gateway_changed(instant now) {
+  outputs out;
+  if (current_)
+    settle(request_outcome::failed, now, out);
+  return out;
+}
+
 std::optional<instant> input_channel::deadline() const {
   return current_ ? std::optional(current_->expires) : std::nullopt;
 }

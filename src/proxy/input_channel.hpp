@@ -85,6 +85,10 @@ public:
   /// waits for its outcome.
   [[nodiscard]] outputs drop_waiting(instant now);
 
+  /// Another gateway is written to from now on (GW-14): it knows nothing of the request that went
+  /// to the one before, which ends as failed.
+  [[nodiscard]] outputs on_gateway_changed(instant now);
+
   /// When on_time() is due; nothing while idle.
   [[nodiscard]] std::optional<instant> deadline() const;
 

@@ -177,6 +177,13 @@ proxy::outputs proxy::on_presence(device_presence x, std::string_view cause, ins
   return out;
 }
 
+proxy::outputs proxy::on_gateway_changed(instant now) {
+  outputs out;
+  for (auto& [channel, requests] : channels_)
+    apply(channel, requests.on_gateway_changed(now), out);
+  return out;
+}
+
 proxy::outputs proxy::on_time(instant now) {
   outputs out;
   for (auto& [channel, requests] : channels_)

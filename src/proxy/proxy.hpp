@@ -146,6 +146,9 @@ public:
 
   /// What the manager knows of the mote. @param cause one word, if it has left
   [[nodiscard]] outputs on_presence(device_presence x, std::string_view cause, instant now);
+
+  /// Another gateway leads the mote's island: what is written to it from now on is new to it.
+  [[nodiscard]] outputs on_gateway_changed(instant now);
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
 
   [[nodiscard]] std::optional<instant> deadline() const;

@@ -99,6 +99,13 @@ message_report& message_report::operator+=(const message_report& x) {
   return *this;
 }
 
+gateway_report& gateway_report::operator+=(const gateway_report& x) {
+  led += x.led;
+  leading += x.leading;
+  leads = x.leads;
+  return *this;
+}
+
 actuation_report& actuation_report::operator+=(const actuation_report& x) {
   requested += x.requested;
   acknowledged += x.acknowledged;

@@ -113,6 +113,18 @@ struct mote_report {
   duration radio_transmit{};
 };
 
+/// One of several gateways of an island (GW-14).
+struct gateway_report {
+  peer_id id;
+  std::string name;
+  std::uint64_t led = 0; ///< times that it took the lead
+  duration leading{};    ///< in all
+  bool leads = false;    ///< at the end
+
+  /// A later life of the same gateway.
+  gateway_report& operator+=(const gateway_report& x);
+};
+
 struct island_report {
   island_id id;
   std::string name;
@@ -120,7 +132,8 @@ struct island_report {
   serial_report serial;
   message_report messages; ///< of its motes and gateway
   network_report network;
-  std::vector<mote_report> motes; ///< ascending by id, the sink excluded
+  std::vector<gateway_report> gateways; ///< in the order of the file; empty: it has one
+  std::vector<mote_report> motes;       ///< ascending by id, the sink excluded
 };
 
 /// One actuation as its proxy saw it: exactly one outcome each.

@@ -106,17 +106,31 @@ json energy(const report& x) {
   return {{"used_mah", x.used_mah()}, {"motes", std::move(motes)}};
 }
 
+json to_json(const gateway_report& x) {
+  return {{"peer", x.id.value},
+          {"name", x.name},
+          {"led", x.led},
+          {"leading_s", seconds(x.leading)},
+          {"leads", x.leads}};
+}
+
 json to_json(const island_report& x) {
   json motes = json::array();
   for (const auto& mote : x.motes)
     motes.push_back(membership(mote));
-  return {{"island", x.id.value},
-          {"name", x.name},
-          {"radio", to_json(x.radio)},
-          {"serial", to_json(x.serial)},
-          {"messages", to_json(x.messages)},
-          {"network", to_json(x.network)},
-          {"motes", std::move(motes)}};
+  json gateways = json::array();
+  for (const auto& each : x.gateways)
+    gateways.push_back(to_json(each));
+  json all = {{"island", x.id.value},
+              {"name", x.name},
+              {"radio", to_json(x.radio)},
+              {"serial", to_json(x.serial)},
+              {"messages", to_json(x.messages)},
+              {"network", to_json(x.network)},
+              {"motes", std::move(motes)}};
+  if (!x.gateways.empty())
+    all["gateways"] = std::move(gateways);
+  return all;
 }
 
 json to_json(const peer_report& x) {

@@ -83,6 +83,20 @@ void add_membership_notes(table& rows, const island_report& island) {
     rows.add_note("  never joined: " + absent, look::bad);
 }
 
+/// `  led by kitchen-gateway: 2 times, 512.4 s, at the end; kitchen-gateway-2: ...`
+void add_lead_note(table& rows, const island_report& island) {
+  std::string text;
+  for (const auto& x : island.gateways) {
+    text += (text.empty() ? "" : "; ") + x.name + ": " + counted(x.led, "time");
+    if (x.led > 0)
+      text += ", " + at_s(instant(x.leading)) + " s";
+    if (x.leads)
+      text += ", at the end";
+  }
+  if (!text.empty())
+    rows.add_note("  led by " + text);
+}
+
 void add_measuring_note(table& rows, const report& island) {
   if (const auto count = island.motes_measuring(); count > 0)
     rows.add_note("  " + counted(count, "measuring mote"));
@@ -154,6 +168,7 @@ void add_islands(report_page& page, const report& x) {
     add_island_row(rows, x.islands[i].name, alone, to_string(x.islands[i].id));
     add_membership_notes(rows, x.islands[i]);
     add_measuring_note(rows, alone);
+    add_lead_note(rows, x.islands[i]);
     add_loss_notes(rows, x.islands[i]);
   }
   add_rest(rows, x.islands.size(), shown);

@@ -34,7 +34,7 @@ struct rig {
     x.registrar = registrar;
     x.radio = sink_radio;
     x.air = air.handle();
-    x.line = line.handle();
+    x.lines = {{line.handle(), {}}};
     x.seed = 1;
     x.ecology = ecology.handle();
     sink = world.spawn_at("sink/kitchen", rubicon::sink, std::move(x));

@@ -28,6 +28,7 @@ struct island_world_config {
   std::optional<mote_id> outsider = {};                  ///< who is played by somebody else
   bool joins_alone = true;                               ///< else programs call joinIsland
   std::vector<mote::transducer_config> transducers = {}; ///< of each mote
+  std::vector<island_id> aliases = {};                   ///< of the island
 };
 
 /// A sink and motes whose radios reach the eight around them. A unicast is tried four times. Each
@@ -58,6 +59,7 @@ public:
       network.self = id;
       mote::registrar_config members;
       members.island = config_.island;
+      members.aliases = config_.aliases;
       ++lives_[id];
       here.sink =
           std::make_unique<mote::sink>(network, members, mote::duty_config{}, dice, own_time(id));

@@ -114,3 +114,40 @@ TEST_CASE("the directory has room for so many gateways", "[gateway][GW-13]") {
   CHECK(x.counters().refused == 1);
   CHECK(x.island_of(peer_id{3}) == island_id{3});
 }
+
+TEST_CASE("an announcement of one among several gateways tells its role", "[gateway][GW-14]") {
+  for (const bool leads : {true, false}) {
+    const announcement x{island_id{1}, wire_form::segment, 0, leads};
+    CHECK(encode(x).back() == (leads ? 2 : 1));
+    CHECK(*gateway::decode_announcement(encode(x)) == x);
+  }
+}
+
+TEST_CASE("an island is reached through the gateway that last said it leads", "[gateway][GW-14]") {
+  auto x = make();
+  const auto says = [&x](peer_id who, bool leads, instant now) {
+    x.on_announcement(who, encode(announcement{kitchen, wire_form::segment, 0, leads}), now);
+  };
+  says(kitchen_gateway, true, {});
+  says(spare, false, {});
+  CHECK(x.leader_of(kitchen) == kitchen_gateway);
+  CHECK(x.gateway_for(kitchen) == kitchen_gateway);
+  SECTION("the first one has crashed") {
+    says(spare, true, instant{3s});
+    CHECK(x.gateway_for(kitchen) == spare);
+    CHECK(x.gateway_for(island_id{101}) == spare); // its own id calls the island too
+    CHECK(x.island_of(spare) == kitchen);
+    CHECK(x.meant_by(island_id{101}) == kitchen);
+  }
+  SECTION("the first one has lost its line") {
+    says(kitchen_gateway, false, instant{2s});
+    CHECK(!x.leader_of(kitchen));
+    CHECK(x.gateway_for(kitchen) == kitchen_gateway);
+    says(spare, true, instant{3s});
+    CHECK(x.gateway_for(kitchen) == spare);
+  }
+  SECTION("the alias has gone: its id still calls the island") {
+    x.on_unreachable(spare);
+    CHECK(x.gateway_for(island_id{101}) == kitchen_gateway);
+  }
+}

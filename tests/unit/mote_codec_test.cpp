@@ -30,7 +30,9 @@ TEST_CASE("broken descriptors are refused", "[mote]") {
 TEST_CASE("component management messages survive the radio", "[mote][DIS-08]") {
   const std::pair<management, std::string> rows[] = {
       {join_request{7, 2, bytes{0xaa}}, "01000700000002aa"},
-      {join_reply{7, island_id{1}, mote_id{5}, 1000, 9}, "02000700000001000500 0003e8 0009"},
+      {join_reply{7, island_id{1}, mote_id{5}, 1000, 9, {}}, "02000700000001000500 0003e8 0009"},
+      {join_reply{7, island_id{1}, mote_id{5}, 1000, 9, {island_id{21}, island_id{254}}},
+       "02000700000001000500 0003e8 0009 15fe"},
       {join_confirm{7, 2, bytes{0xaa}}, "03000700000002aa"},
       {leave_notice{}, "04"},
       {keep_alive{2, {}}, "050000000200"},

@@ -38,7 +38,7 @@ TEST_CASE("a mote asks, is answered, confirms and is in", "[mote][DIS-08]") {
   CHECK(request.incarnation == 3);
   CHECK(request.descriptor == bytes{0xaa});
 
-  const join_reply reply{request.sequence, island_id{1}, mote_id{7}, 0};
+  const join_reply reply{request.sequence, island_id{1}, mote_id{7}, 0, 0, {}};
   const auto in = client.on_message(the_sink, reply, now);
   REQUIRE(pick<island_joined>(in).size() == 1);
   CHECK(pick<island_joined>(in)[0].island == island_id{1});
@@ -101,7 +101,7 @@ TEST_CASE("a reply to an older request is ignored", "[mote][DIS-08]") {
   static_cast<void>(client.start(1, now));
   const auto first = request_in(wait(client, now));
   static_cast<void>(wait(client, now));
-  CHECK(client.on_message(the_sink, join_reply{first.sequence, island_id{1}, mote_id{7}, 0}, now)
+  CHECK(client.on_message(the_sink, join_reply{first.sequence, island_id{1}, mote_id{7}, 0, 0, {}}, now)
             .empty());
 }
 
@@ -146,7 +146,7 @@ TEST_CASE("where frames wait for their turn, a mote waits longer for its answer,
     const auto asked = request_in(wait(x, now));
     CHECK(*x.deadline() - now == 1500ms);
     static_cast<void>(
-        x.on_message(the_sink, join_reply{asked.sequence, island_id{1}, mote_id{7}}, instant{2s}));
+        x.on_message(the_sink, join_reply{asked.sequence, island_id{1}, mote_id{7}, 0, 0, {}}, instant{2s}));
     CHECK(*x.deadline() > instant{2s} + config.keep_alive * 3 / 4);
     CHECK(*x.deadline() <= instant{2s} + config.keep_alive);
     return *x.deadline();

@@ -49,7 +49,7 @@ TEST_CASE("a sink answers a request and announces the mote once it confirms",
   const auto out = request(x, instant{2s});
   REQUIRE(test::pick<to_mote>(out).size() == 1);
   CHECK(std::get<join_reply>(test::pick<to_mote>(out)[0].message) ==
-        join_reply{1, island_id{1}, lamp, 2000});
+        join_reply{1, island_id{1}, lamp, 2000, 0, {}});
   CHECK(events<mote_joined>(out).empty());
   CHECK(x.members() == 0);
   const auto in = events<mote_joined>(confirm(x, instant{2s}));

@@ -12,6 +12,8 @@ TEST_CASE("every event between sink and gateway survives the line", "[network][D
       {roster{5, 0, 1, {}}, "0300050001"},
       {describe{mote_id{7}}, "040007"},
       {time_request{0x0102}, "0601020000000000000000"},
+      {gateway_poll{1, 0x0203, true}, "08000000010000020301"},
+      {gateway_answer{1, 0x0203}, "090000000100000203"},
       {time_answer{0x0102, std::chrono::microseconds(0x0304050607)}, "0701020000000304050607"},
   };
   for (const auto& [event, octets] : rows) {
@@ -38,7 +40,7 @@ TEST_CASE("a full roster page fits a serial packet", "[network]") {
 
 TEST_CASE("events that make no sense are refused", "[network]") {
   CHECK(decode_sink_event({}).error() == errc::truncated);
-  CHECK(decode_sink_event(*from_hex("09")).error() == errc::unsupported);
+  CHECK(decode_sink_event(*from_hex("0a")).error() == errc::unsupported);
   CHECK(decode_sink_event(*from_hex("01000700")).error() == errc::truncated);
   CHECK(decode_sink_event(*from_hex("02000709")).error() == errc::bad_value);
   CHECK(decode_sink_event(*from_hex("0200070200")).error() == errc::too_long);

@@ -1,0 +1,58 @@
+// What the files of the gateway's core share; nobody else includes it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/device_keys.hpp"
+#include "gateway/gateway.hpp"
+
+namespace rubicon::gateway {
+
+inline publish text_tuple(std::string key, std::string_view text) {
+  return {std::move(key), to_bytes(text), true};
+}
+
+inline std::string line_text(std::string_view state, instant since) {
+  return std::string(state) + ' ' + to_text(since);
+}
+
+inline publish presence_tuple(mote_id mote, const device_status& x) {
+  return text_tuple(device_status_key(mote), to_string(x));
+}
+
+inline publish status_tuple(mote_id mote, std::uint16_t channel, std::uint64_t sequence,
+                            input_outcome result) {
+  return text_tuple(device_input_status_key(mote, channel),
+                    to_string(input_status{sequence, result}));
+}
+
+/// @param incarnation of the PC of the island: starts of its only gateway, or the term
+inline endpoint::pc_config pc_of(const gateway_config& config, std::uint32_t incarnation) {
+  endpoint::pc_config x;
+  x.self = gateway_of(config.island);
+  x.incarnation = incarnation;
+  x.sends_max = config.inputs_outstanding_max;
+  return x;
+}
+
+/// The program that exchanges messages between motes and tuples: keeps what it is told until the
+/// gateway takes it.
+class device_messages final : public mote::communication_events {
+public:
+  void receiveFrom(mote_address source, byte_view buf, std::uint8_t am_type) override {
+    received.push_back({source, am_type, to_bytes(buf)});
+  }
+  void ackOf(std::uint32_t number, mote::status success) override {
+    outcomes.push_back({number, success == mote::SUCCESS});
+  }
+
+  std::optional<mote::communication> layer;
+  std::vector<transport::received> received;
+  std::vector<transport::outcome> outcomes;
+};
+
+} // namespace rubicon::gateway
