@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct managed_island {
   island_id id;
   std::string name;
   std::map<mote_id, std::string> mote_names;
+  std::string gateway_name;           ///< the interface that perceives the motes,
+  std::optional<position> sink_place; ///< and where its antenna is
 };
 
 /// What a proxy manager actor is made of.
