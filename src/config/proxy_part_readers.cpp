@@ -64,6 +64,14 @@ std::vector<std::string> prior_names(const proxy::proxy_class& of) {
   return names;
 }
 
+/// Whether some objects of the class have such a property; of others it is an empty text.
+bool is_of_some(const proxy::proxy_class& of, const std::string& name) {
+  return std::ranges::any_of(of.objects, [&name](const auto& object) {
+    return std::ranges::any_of(object.properties,
+                               [&name](const auto& x) { return x.first == name; });
+  });
+}
+
 std::vector<std::string> field_names(const proxy::proxy_class& of) {
   std::vector<std::string> names;
   for (const auto& x : of.fields)
@@ -119,7 +127,7 @@ void check_tuple_template(const placed_template& x, const proxy::proxy_class& of
   std::vector<std::string> used = x.what.json;
   if (const auto parts = proxy::template_parts(x.what.text)) {
     for (const auto& part : *parts)
-      if (part.is_name && !is_prior(part.text))
+      if (part.is_name && !is_prior(part.text) && !is_of_some(of, part.text))
         used.push_back(part.text);
   }
   std::optional<std::uint16_t> channel;

@@ -213,6 +213,13 @@ properties = { shelf = "upper" }
   }));
   CAPTURE(x.toml);
   CHECK(problem_in(of_motes + x.toml).starts_with(x.problem));
+  // A text may name what not all have; a key may not.
+  const std::string about =
+      "[[proxy.object]]\nmote = \"k/c-2\"\nproperties = { shelf = \"upper\" }\n"
+      "[[proxy.tuple]]\n";
+  CHECK(problem_in(of_motes + about + "key = \"a\"\nvalue = \"{shelf}\"\n") == "none");
+  CHECK(problem_in(of_motes + about + "key = \"{shelf}\"\nvalue = \"a\"\n")
+            .starts_with("26:7: a key has no {shelf}"));
 }
 
 TEST_CASE("translations arrive", "[config][SVC-09]") {
