@@ -169,8 +169,9 @@ TEST_CASE("what is said about a mote has to be possible", "[config][GEN-06]") {
        "19:42: `transducers` must be an array in [ ], not \"temperature\""},
       {"apps = [{ app = \"sampler\", transducers = [\"temprature\"] }]\n",
        "19:43: `transducers` must be \"temperature\", \"humidity\", \"light\", \"voltage\", "
-       "\"presence\", \"acceleration\", \"magnetism\" or \"sound\", not \"temprature\"; did you "
-       "mean \"temperature\"?"},
+       "\"presence\", \"acceleration\", \"magnetism\", \"sound\" or \"signal\", not "
+       "\"temprature\"; "
+       "did you mean \"temperature\"?"},
       {"apps = [{ app = \"sampler\", transducers = [\"temperature\"], channel = 256 }]\n",
        "19:69: `channel` must be a whole number from 0 to 255, not 256"},
       {"apps = [{ app = \"sampler\", transducers = [\"temperature\"], every = \"1ms\" }]\n",
