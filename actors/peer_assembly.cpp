@@ -5,6 +5,7 @@
 #include "actors/apps/goal.hpp"
 #include "actors/apps/peer_apps.hpp"
 #include "actors/apps/rfid_reader.hpp"
+#include "actors/apps/translate.hpp"
 #include "actors/assembly.hpp"
 #include "actors/gateway.hpp"
 #include "actors/init.hpp"
@@ -189,6 +190,12 @@ struct peer_app_spawner {
                     ecology_handle(self)));
   }
 
+  void operator()(const config::translate_app& x) const {
+    add(spawn_child(self, path("translate"), translate_behavior,
+                    translate_arguments{translate::translator(x.rules), peer.name, peer.id,
+                                        peer.handle, ecology_handle(self)}));
+  }
+
   void operator()(const rfid::reader_config& x) const {
     auto& tags = self->state.tags;
     if (tags == nullptr)
@@ -225,7 +232,8 @@ struct peer_app_spawner {
 
   [[nodiscard]] managed_island managed(island_id id) const {
     const auto& island = island_of(self, id);
-    managed_island x{id, island.name, {}, config::gateways_of(island)};
+    managed_island x{
+        id, island.name, {}, config::gateways_of(island), island.gateway_name, island.sink.place};
     for (const auto& [address, mote] : self->state.motes) {
       if (address.island == id)
         x.mote_names[address.mote] = mote.arguments->name.substr(island.name.size() + 1);

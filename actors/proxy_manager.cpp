@@ -27,6 +27,8 @@ proxy::proxy_identity identity_of(const proxy_manager_arguments& arguments,
   if (island == arguments.islands.end())
     return who;
   who.island_name = island->name;
+  who.interface_name = island->gateway_name;
+  who.interface_place = island->sink_place;
   if (const auto name = island->mote_names.find(mote.mote); name != island->mote_names.end())
     who.mote_name = name->second;
   return who;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct managed_island {
   std::map<mote_id, std::string> mote_names;
   std::vector<peer_id> gateways = {}; ///< in the order in which they take over; empty: the one with
                                       ///< the island's id
+  std::string gateway_name;           ///< the interface that perceives the motes,
+  std::optional<position> sink_place; ///< and where its antenna is
 };
 
 /// What a proxy manager actor is made of.

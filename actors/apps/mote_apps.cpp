@@ -60,9 +60,10 @@ void on_period(sampler_pointer self) {
 
 void on_counts(sampler_pointer self, const transducers_read& x) {
   byte_writer out;
-  for (const auto count : x.counts)
-    out.big(count);
   auto& state = self->state;
+  for (std::size_t i = 0; i < x.counts.size(); ++i)
+    out.big(i < state.means.size() ? static_cast<std::int16_t>(state.means[i].add(x.counts[i]))
+                                   : x.counts[i]);
   if (state.config.stamped)
     out.big(x.time_ms);
   self->send(state.mote, send_message{handle_of(self), ++state.sent, gateway_address,
@@ -108,6 +109,8 @@ mote_app_actor::behavior_type sampler(sampler_pointer self, config::sampler_app 
                                       mote_actor mote, std::uint64_t seed) {
   scheduler::tell_monitors_of_exceptions(self);
   self->state.config = std::move(config);
+  for (const auto size : self->state.config.mean_of)
+    self->state.means.emplace_back(size);
   self->state.mote = std::move(mote);
   self->state.dice = random_stream(seed, self->path());
   return {

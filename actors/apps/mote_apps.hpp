@@ -12,6 +12,7 @@
 #include "actors/timer.hpp"
 #include "config/ecology.hpp"
 #include "core/random.hpp"
+#include "core/running_mean.hpp"
 
 namespace rubicon {
 
@@ -20,6 +21,7 @@ struct sampler_state {
   mote_actor mote;
   random_stream dice;
   bool in_island = false;
+  std::vector<running_mean> means;           ///< of each transducer; empty: counts go as they are
   std::optional<mote::output_wanted> wanted; ///< of its channel, by the gateway
   std::optional<duration> every;             ///< nothing: it rests
   instant next_period;

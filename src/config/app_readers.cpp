@@ -23,7 +23,9 @@ placed_app read_sampler(table_reader& in) {
   sampler_app app;
   placed_app out;
   std::vector<located<mote::quantity>> found;
-  in.required("transducers", list_of<word<mote::quantity>>{{quantities()}, 1, 8}, found);
+  auto readable = quantities();
+  readable.emplace_back(word_of(mote::quantity::signal), mote::quantity::signal);
+  in.required("transducers", list_of<word<mote::quantity>>{{readable}, 1, 8}, found);
   in.optional("every", time_span{every_min, every_max}, app.every);
   in.optional("jitter", time_span{0s, every_max}, app.jitter);
   read_channel(in, "channel", app.channel);

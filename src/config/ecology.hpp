@@ -25,6 +25,7 @@
 #include "radio/parameters.hpp"
 #include "rfid/reader_config.hpp"
 #include "serial/line_config.hpp"
+#include "translate/translation.hpp"
 
 namespace rubicon::config {
 
@@ -40,6 +41,9 @@ struct sampler_app {
   bool only_subscribed = false; ///< send while somebody subscribes to the channel only (GW-10)
   duration every_min = 100ms;   ///< at most `every`: nobody may ask for a shorter period (IF-04)
   bool stamped = false;         ///< after the counts: uint32, when that was, as in sensor_record
+  /// How many counts of each transducer are averaged here, for a proxy's field with
+  /// `computed_by = "mote"` (PXY-17); none: no count is averaged.
+  std::vector<std::size_t> mean_of = {};
 };
 
 /// Sets an actuator from the first octet received on a channel and answers with its new state.
@@ -186,6 +190,11 @@ struct collector_app {
   duration every{}; ///< asked of motes whose output channels the keys name (IF-04); 0: as they like
 };
 
+/// Translates tuples into others and keeps the newest values of some (SVC-09).
+struct translate_app {
+  std::vector<translate::translation> rules; ///< at least one
+};
+
 /// Starts, stops and watches the components of its host: the peisinit there (SVC-01).
 struct init_app {
   std::vector<init::component> components; ///< names and ids unique
@@ -193,7 +202,7 @@ struct init_app {
 };
 
 using peer_app = std::variant<proxy_manager_app, rules_app, collector_app, rfid::reader_config,
-                              goal::pursuer_config, apps::app_config, init_app>;
+                              goal::pursuer_config, apps::app_config, init_app, translate_app>;
 
 /// Where a peer takes links over real TCP.
 struct tcp_listener {

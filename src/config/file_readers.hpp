@@ -22,6 +22,7 @@ struct named_files {
   overrides instead;
   file_reader read;
   folder_reader list = {};
+  proxy::program_registry programs = {};
 };
 
 /// What the readers of islands and peers need from the tables before them, and must not share.
@@ -93,7 +94,10 @@ read_peers(table_reader& root, surroundings& with, const std::vector<island_desc
 [[nodiscard]] std::vector<std::string> read_links(table_reader& in, const directory& names,
                                                   const std::vector<std::string>& own_names);
 
-[[nodiscard]] std::vector<proxy::proxy_class> read_proxies(table_reader& root);
+/// [[proxy]]. Samplers of `islands` compute what a field says that they do.
+[[nodiscard]] std::vector<proxy::proxy_class>
+read_proxies(table_reader& root, const directory& names, const proxy::program_registry& programs,
+             std::vector<island_description>& islands);
 
 /// Complains about classes of tagged objects whose proxies nobody would start.
 void check_object_manager(const table_reader& root, const std::vector<peer_description>& peers,
@@ -104,6 +108,9 @@ void check_object_manager(const table_reader& root, const std::vector<peer_descr
 
 /// app = "rules" of a peer.
 [[nodiscard]] rules_app read_rules(table_reader& in, const directory& names);
+
+/// app = "translate" of a peer.
+[[nodiscard]] translate_app read_translate(table_reader& in);
 
 /// app = "goal" of a peer; the name is empty if it has none.
 [[nodiscard]] goal::pursuer_config read_pursuer(table_reader& in, const directory& names);

@@ -13,6 +13,7 @@
 
 #include "config/ecology.hpp"
 #include "config/problem.hpp"
+#include "proxy/program.hpp"
 
 namespace rubicon::config {
 
@@ -56,14 +57,18 @@ using folder_reader = std::function<folder_names(const std::string& path)>;
 /// A syntax error hides everything else; all other problems are told together.
 /// @param file_name how problems call the text; names in it are relative to this file's folder
 /// @param read reads the files that the text names; without it, none can be opened
+/// @param programs that proxies may have; a file that names another one has a problem
 /// @param list tells what is in the folders that the text names; the same
-[[nodiscard]] loaded load_text(std::string_view toml, const std::string& file_name,
-                               const overrides& instead = {}, const file_reader& read = {},
-                               const folder_reader& list = {});
+[[nodiscard]] loaded
+load_text(std::string_view toml, const std::string& file_name, const overrides& instead = {},
+          const file_reader& read = {}, const folder_reader& list = {},
+          const proxy::program_registry& programs = proxy::built_in_programs());
 
 /// The same for a file. One that is missing, unreadable, a directory, binary or empty is one
 /// problem.
-[[nodiscard]] loaded load_file(const std::string& path, const overrides& instead = {});
+[[nodiscard]] loaded
+load_file(const std::string& path, const overrides& instead = {},
+          const proxy::program_registry& programs = proxy::built_in_programs());
 
 /// Every key a file may have, with the table it belongs to as docs/configuration.md calls it;
 /// sorted.

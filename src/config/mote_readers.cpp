@@ -92,7 +92,8 @@ private:
       present.emplace_back(word_of(each.kind));
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       const std::string name(word_of(wanted[i]));
-      if (std::find(present.begin(), present.end(), name) == present.end())
+      if (wanted[i] != mote::quantity::signal && // which is of its radio
+          std::find(present.begin(), present.end(), name) == present.end())
         problems.add(app.needs_at[i],
                      "the mote has no transducer `" + name + "`; it has: " + listing(present));
     }

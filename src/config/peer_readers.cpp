@@ -217,6 +217,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
          }},
         {"rules", [&](table_reader& y) { add(read_rules(y, with.names)); }},
         {"collector", [&](table_reader& y) { add(read_collector(y)); }},
+        {"translate", [&](table_reader& y) { add(read_translate(y)); }},
         {"rfid_reader", [&](table_reader& y) { add(read_reader(y, peers, apps)); }},
         {"goal",
          [&](table_reader& y) {

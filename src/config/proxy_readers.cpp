@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "config/file_readers.hpp"
+#include "config/proxy_part_readers.hpp"
+#include "proxy/signature.hpp"
 
 namespace rubicon::config {
 
@@ -104,22 +106,22 @@ void read_field_words(table_reader& in, bool sized, proxy::field& out) {
   }
 }
 
-/// The names below one proxy's prefix.
-class tuple_names {
-public:
-  void claim(const std::string& name, mark at, complaints& problems) {
-    constexpr std::array<std::string_view, 6> set_by_all{"status", "class",     "id",
-                                                         "island", "interface", "position"};
-    if (std::ranges::find(set_by_all, name) != set_by_all.end())
-      problems.add(at, "`" + name + "` is a tuple that proxies set by themselves");
-    names_.claim(name, "name", at, problems);
-  }
+/// mean_of and computed_by, of fields of motes.
+void read_computation(table_reader& in, proxy::field& field, const std::string& of,
+                      std::vector<placed_computation>& computations) {
+  in.optional("mean_of", whole<std::size_t>{1, proxy::mean_of_max}, field.mean_of);
+  in.optional("computed_by", word<bool>{{{"proxy", false}, {"mote", true}}},
+              field.computed_by_mote);
+  if (in.has("computed_by") && !in.has("mean_of"))
+    in.problems().add(in.at("computed_by"), "`computed_by` needs `mean_of`: what is computed");
+  if (field.mean_of > 1 && !field.words.empty())
+    in.problems().add(in.at("mean_of"), "words have no mean");
+  if (field.computed_by_mote)
+    computations.push_back({of, field.name, in.at("computed_by")});
+}
 
-private:
-  name_claims names_;
-};
-
-void read_field(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
+void read_field(table_reader& in, tuple_names& names, std::vector<placed_computation>& computations,
+                proxy::proxy_class& out) {
   proxy::field field;
   if (in.required("name", name_text{}, field.name))
     names.claim(field.name, in.at("name"), in.problems());
@@ -132,6 +134,8 @@ void read_field(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
   in.optional("decimals", whole<int>{0, 6}, field.decimals);
   in.optional("unit", text{16}, field.unit);
   read_field_words(in, sized, field);
+  if (out.ids.empty())
+    read_computation(in, field, out.name, computations);
   if (field.offset + size_of(field.layout).octets > payload_octets_max)
     in.problems().add(in.at("offset"), "the field ends beyond the " +
                                            std::to_string(payload_octets_max) +
@@ -190,13 +194,31 @@ struct id_pattern {
   }
 };
 
+/// Who of a [[proxy.object]] it is: a mote by its name.
+void read_known_mote(table_reader& in, const directory& directory, name_claims& ids,
+                     proxy::known_object& found) {
+  mote_address mote;
+  if (in.required("mote", mote_name{directory}, mote)) {
+    found.id = proxy::proxy_id(mote);
+    ids.claim(found.id, "mote", in.at("mote"), in.problems());
+  }
+  position place;
+  if (in.optional("position_m", config::place{}, place))
+    found.place = place;
+}
+
 /// [[proxy.object]]
-void read_object(table_reader& in, const tuple_names& of_class, name_claims& ids,
-                 proxy::proxy_class& out) {
+void read_object(table_reader& in, const directory& directory, const tuple_names& of_class,
+                 name_claims& ids, proxy::proxy_class& out) {
   proxy::known_object found;
-  if (in.required("id", name_text{}, found.id))
-    ids.claim(found.id, "object", in.at("id"), in.problems());
-  in.optional("name", name_text{}, found.name);
+  if (out.ids.empty() || in.walks()) {
+    read_known_mote(in, directory, ids, found);
+  }
+  if (!out.ids.empty() || in.walks()) {
+    if (in.required("id", name_text{}, found.id))
+      ids.claim(found.id, "object", in.at("id"), in.problems());
+    in.optional("name", name_text{}, found.name);
+  }
   auto names = of_class;
   found.properties = read_properties(in, names);
   out.objects.push_back(std::move(found));
@@ -225,8 +247,9 @@ void check_kind(const table_reader& in, bool of_objects, const std::string& pref
   };
   if (of_objects && in.has("input"))
     refuse("input", "tagged objects have no inputs");
-  if (!of_objects && in.has("object"))
-    refuse("object", "[[proxy.object]] needs `ids`: motes are known by [[island.mote]]");
+  for (const auto* key : {"qos", "indirect", "program"})
+    if (of_objects && in.has(key))
+      refuse(key, "only motes have it, and the proxy has `ids` of tagged objects");
   if (prefix.find(of_objects ? "{island}" : "{channel}") != std::string::npos)
     refuse("prefix", of_objects ? "tagged objects are of no {island}; there is {channel}"
                                 : "motes are of an {island}, not of a {channel}");
@@ -239,29 +262,38 @@ struct placed_range {
   std::string owner;
 };
 
+/// A type that both of two overlapping ones hold.
+std::string common_type(const proxy::type_range& a, const proxy::type_range& b) {
+  if (a.mask != 0 && b.mask != 0)
+    return std::to_string(a.first | b.first);
+  return std::to_string(std::max(a.first, b.first));
+}
+
 /// Of two overlapping ranges the narrower wins (PXY-11), so equally wide ones leave it open.
 void check_overlaps(const std::vector<placed_range>& all, complaints& problems) {
   for (auto b = all.begin(); b != all.end(); ++b) {
     for (auto a = all.begin(); a != b; ++a) {
-      const bool overlap = a->types.first <= b->types.last && b->types.first <= a->types.last;
-      const auto width = [](const auto& x) { return x.types.last - x.types.first; };
-      if (a->owner == b->owner || !overlap || width(*a) != width(*b))
+      if (a->owner == b->owner || !overlap(a->types, b->types) ||
+          width(a->types) != width(b->types))
         continue;
       problems.add(b->at, "proxies `" + a->owner + "` and `" + b->owner + "` both claim type " +
-                              std::to_string(std::max(a->types.first, b->types.first)) +
-                              ", with equally wide ranges " + place_text(a->at));
+                              common_type(a->types, b->types) + ", with equally wide ranges " +
+                              place_text(a->at));
     }
   }
 }
 
 } // namespace
 
-std::vector<proxy::proxy_class> read_proxies(table_reader& root) {
+std::vector<proxy::proxy_class> read_proxies(table_reader& root, const directory& directory,
+                                             const proxy::program_registry& programs,
+                                             std::vector<island_description>& islands) {
   std::vector<proxy::proxy_class> out;
   std::vector<placed_range> ranges;
   name_claims classes;
   name_claims ids;
   name_claims objects;
+  std::vector<placed_computation> computations;
   root.tables("proxy", "[[proxy]]", [&](table_reader& in) {
     proxy::proxy_class found;
     tuple_names names;
@@ -282,13 +314,29 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root) {
     in.optional("known_from", time_span{0s, 24h * 10}, known_from);
     found.known_from = instant(known_from);
     found.properties = read_properties(in, names);
-    in.tables("field", "[[proxy.field]]", [&](table_reader& x) { read_field(x, names, found); });
+    in.optional("indirect", flag{}, found.indirect);
+    in.table("qos", "[proxy.qos]", [&](table_reader& x) { read_quality(x, found.settings); });
+    in.tables("field", "[[proxy.field]]",
+              [&](table_reader& x) { read_field(x, names, computations, found); });
     in.tables("input", "[[proxy.input]]", [&](table_reader& x) { read_input(x, names, found); });
     in.tables("object", "[[proxy.object]]",
-              [&](table_reader& x) { read_object(x, names, objects, found); });
+              [&](table_reader& x) { read_object(x, directory, names, objects, found); });
+    std::vector<placed_template> templates;
+    in.tables("tuple", "[[proxy.tuple]]",
+              [&](table_reader& x) { templates.push_back(read_tuple_template(x)); });
+    claims<std::string> keys;
+    for (auto& each : templates) {
+      keys.claim(folded(each.what.key), "the key `" + each.what.key + '`', each.key_at,
+                 in.problems());
+      check_tuple_template(each, found, in.problems());
+      found.tuples.push_back(std::move(each.what));
+    }
+    read_program(in, programs, names, found);
     out.push_back(std::move(found));
   });
   check_overlaps(ranges, root.problems());
+  if (root.sound())
+    place_computations(computations, out, islands, root.problems());
   return out;
 }
 

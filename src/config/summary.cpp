@@ -149,6 +149,9 @@ struct app_text {
     return x.name + " (" + counted(x.goals.size(), "goal") + ')';
   }
   std::string operator()(const apps::app_config& x) const { return std::string(kind_of(x)); }
+  std::string operator()(const translate_app& x) const {
+    return "translate (" + counted(x.rules.size(), "rule") + ')';
+  }
   std::string operator()(const init_app& x) const {
     std::vector<std::string> names;
     for (const auto& each : x.components)
@@ -193,8 +196,10 @@ std::vector<row> proxy_rows(const ecology_description& x) {
   std::vector<row> rows;
   for (const auto& each : x.proxies) {
     std::vector<std::string> claimed;
-    for (const auto& [first, last] : each.types)
-      claimed.push_back(std::to_string(first) + (first == last ? "" : ".." + std::to_string(last)));
+    for (const auto& [first, last, mask] : each.types)
+      claimed.push_back(std::to_string(first) + (mask != 0       ? '/' + std::to_string(mask)
+                                                 : first == last ? ""
+                                                                 : ".." + std::to_string(last)));
     for (const auto& [channel, prefix] : each.ids)
       claimed.push_back(channel + '/' + prefix + '*');
     std::vector<std::string> names;

@@ -11,7 +11,7 @@ namespace {
 
 using mote::quantity;
 
-constexpr std::array<std::pair<std::string_view, quantity>, 8> quantity_words{
+constexpr std::array<std::pair<std::string_view, quantity>, 9> quantity_words{
     {{"temperature", quantity::temperature},
      {"humidity", quantity::humidity},
      {"light", quantity::light},
@@ -19,7 +19,8 @@ constexpr std::array<std::pair<std::string_view, quantity>, 8> quantity_words{
      {"presence", quantity::presence},
      {"acceleration", quantity::acceleration},
      {"magnetism", quantity::magnetism},
-     {"sound", quantity::sound}}};
+     {"sound", quantity::sound},
+     {"signal", quantity::signal}}};
 
 void read_constant(table_reader& in, mote::transducer_model& out) {
   mote::constant_model model;
@@ -127,6 +128,8 @@ std::string_view word_of(mote::quantity x) {
 void read_transducers(table_reader& in, std::vector<mote::transducer_config>& out) {
   in.table("transducers", "transducers", [&out](table_reader& all) {
     for (const auto& [name, kind] : quantity_words) {
+      if (kind == quantity::signal)
+        continue; // nobody describes it
       mote::transducer_config config;
       config.kind = kind;
       const auto read = [&config](table_reader& x) { read_transducer(x, config); };

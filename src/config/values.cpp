@@ -61,6 +61,37 @@ std::optional<std::uint32_t> unsigned_in(std::string_view x) {
   return out;
 }
 
+/// The same, or in hexadecimal: 0xff00.
+std::optional<std::uint32_t> bits_in(std::string_view x) {
+  if (!x.starts_with("0x"))
+    return unsigned_in(x);
+  std::uint32_t out = 0;
+  const auto [stop, error] = std::from_chars(x.data() + 2, x.data() + x.size(), out, 16);
+  if (error != std::errc{} || stop != x.data() + x.size())
+    return std::nullopt;
+  return out;
+}
+
+/// "100..119"; what is none holds the type 0.
+proxy::type_range range_in(std::string_view x) {
+  const auto middle = std::min(x.find(".."), x.size());
+  const auto first = unsigned_in(x.substr(0, middle));
+  const auto last = unsigned_in(x.substr(std::min(middle + 2, x.size())));
+  if (first && last && *first <= *last)
+    return {*first, *last};
+  return {};
+}
+
+/// "0x0100/0xff00"; the same.
+proxy::type_range masked_in(std::string_view x) {
+  const auto slash = x.find('/');
+  const auto value = bits_in(x.substr(0, slash));
+  const auto mask = bits_in(x.substr(slash + 1));
+  if (value && mask && (*value & ~*mask) == 0)
+    return {*value, *value, *mask};
+  return {};
+}
+
 /// Pairs of a time and what `kind` reads, the times strictly increasing.
 template <class Kind>
 std::optional<std::vector<std::pair<duration, typename Kind::type>>>
@@ -288,15 +319,11 @@ std::optional<proxy::type_range> type_span::read(const node& x, const asker& who
       single != nullptr && std::in_range<std::uint32_t>(*single)) {
     out.first = out.last = static_cast<std::uint32_t>(*single);
   } else if (const auto* span = x.as<std::string>()) {
-    const auto middle = std::min(span->find(".."), span->size());
-    const std::string_view all(*span);
-    const auto first = unsigned_in(all.substr(0, middle));
-    const auto last = unsigned_in(all.substr(std::min(middle + 2, all.size())));
-    if (first && last && *first <= *last)
-      out = {*first, *last};
+    out = span->find('/') == std::string::npos ? range_in(*span) : masked_in(*span);
   }
   if (out.first == 0)
-    return who.refuse(x, "types from 1 to 4294967295, as in 101 or \"100..119\"");
+    return who.refuse(x, "types from 1 to 4294967295, as in 101, \"100..119\" or "
+                         "\"0x0100/0xff00\" (a value and the mask under which types have it)");
   return out;
 }
 

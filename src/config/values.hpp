@@ -201,7 +201,7 @@ struct time_points {
   [[nodiscard]] static std::optional<type> read(const node& x, const asker& who);
 };
 
-/// 101 or "100..119"
+/// 101, "100..119" or, a value and a mask, "0x0100/0xff00"
 struct type_span {
   using type = proxy::type_range;
   [[nodiscard]] static std::optional<proxy::type_range> read(const node& x, const asker& who);

@@ -165,7 +165,10 @@ node_outputs node::on_signal(mote_id source, int rssi_dbm, instant now) {
   constexpr int weak_below_dbm = -88; // radios hear down to -95 dBm at least (tinyos.md 8.1)
   constexpr int strong_from_dbm = -84;
   const bool is_weak = rssi_dbm < (condition_.links_weak ? strong_from_dbm : weak_below_dbm);
-  if (source != packets_.router().tree().parent() || is_weak == condition_.links_weak)
+  if (source != packets_.router().tree().parent())
+    return {};
+  parent_dbm_ = static_cast<std::int16_t>(rssi_dbm);
+  if (is_weak == condition_.links_weak)
     return {};
   node_outputs out;
   condition_.links_weak = is_weak;
@@ -439,6 +442,8 @@ void node::connect(const channel_wanted& x, node_outputs& out, instant now) {
 // Transducers and actuators.
 
 std::optional<std::int16_t> node::read(quantity kind, instant now) {
+  if (kind == quantity::signal)
+    return parent_dbm_;
   const auto found = std::ranges::find(config_.transducers, kind, &transducer_config::kind);
   if (found == config_.transducers.end())
     return std::nullopt;

@@ -82,12 +82,16 @@ public:
   /// Says goodbye and ends every outstanding send as failed.
   [[nodiscard]] node_outputs leave(instant now);
 
-  /// One reading, as a count; nothing if the mote has no such transducer.
+  /// One reading, as a count; nothing if the mote has no such transducer. Of quantity::signal the
+  /// newest frame of its parent, or signal_unknown.
   [[nodiscard]] std::optional<std::int16_t> read(quantity kind, instant now);
 
   /// What a datum of now is stamped with: the time that peers share if it is known, else the
   /// island's, else our own; the low 32 bits of its milliseconds (IF-06, CLK-08).
   [[nodiscard]] std::uint32_t time_ms(instant now) const;
+
+  /// No frame of a parent has come yet; no radio receives that much.
+  static constexpr std::int16_t signal_unknown = 127;
 
   /// The mote is somewhere else from now on.
   void move(position x) { config_.place = x; }
@@ -156,6 +160,7 @@ private:
   packet_service packets_;
   join_client join_;
   mote_condition condition_;
+  std::int16_t parent_dbm_ = signal_unknown; ///< of its newest frame
   std::uint32_t incarnation_ = 0;
   bool wants_to_join_ = false; ///< there is no way to the sink yet
   std::optional<instant> joins_at_;

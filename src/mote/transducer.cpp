@@ -129,6 +129,8 @@ std::string to_string(quantity x) {
     return "magnetism";
   case quantity::sound:
     return "sound";
+  case quantity::signal:
+    return "signal";
   }
   return "unknown";
 }

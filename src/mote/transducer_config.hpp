@@ -89,6 +89,8 @@ enum class quantity : std::uint8_t {
   acceleration = 5,
   magnetism = 6,
   sound = 7,
+  signal = 8, ///< not a transducer: how strongly the mote's parent is received, in dBm. Every mote
+              ///< has it, none describes it
 };
 
 /// One transducer. A reading is round(value / resolution), as a signed 16-bit count.

@@ -14,12 +14,11 @@ const proxy_class* class_table::find(const signature& percept) const {
   std::uint32_t least = 0;
   for (const auto& candidate : classes_)
     for (const auto& range : candidate.types) {
-      if (percept.type < range.first || percept.type > range.last)
+      if (!holds(range, percept.type))
         continue;
-      const auto width = range.last - range.first;
-      if (narrowest == nullptr || width < least) {
+      if (narrowest == nullptr || width(range) < least) {
         narrowest = &candidate;
-        least = width;
+        least = width(range);
       }
     }
   return narrowest;

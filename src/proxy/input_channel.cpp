@@ -53,8 +53,11 @@ input_channel::outputs input_channel::add(request x, instant now) {
     waiting_.erase(older);
   }
   x.asked = now;
+  const bool replaces = current_ && current_->again && current_->what.input == x.input;
   waiting_.push_back(std::move(x));
-  if (!current_)
+  if (replaces)
+    settle(request_outcome::superseded, now, out);
+  else if (!current_)
     send_next(now, out);
   return out;
 }
@@ -64,17 +67,31 @@ input_channel::outputs input_channel::on_status(const input_status& x, instant n
   const bool fresh = note(x);
   if (!current_)
     return out;
+  if (current_->again) { // a late answer to a write that was given up
+    if (current_->sequence == x.sequence && x.outcome == input_outcome::acknowledged)
+      settle(request_outcome::acknowledged, now, out);
+    return out;
+  }
   if (!current_->sequence && fresh)
     current_->sequence = x.sequence;
   if (current_->sequence == x.sequence && x.outcome != input_outcome::pending)
-    settle(to_outcome(x.outcome), now, out);
+    conclude(to_outcome(x.outcome), now, out);
   return out;
 }
 
 input_channel::outputs input_channel::on_time(instant now) {
   outputs out;
-  if (current_ && now >= current_->expires)
-    settle(request_outcome::timeout, now, out);
+  if (!current_ || now < *deadline())
+    return out;
+  if (!current_->again) {
+    conclude(request_outcome::timeout, now, out);
+    return out;
+  }
+  current_->again.reset();
+  current_->sequence.reset();
+  current_->expires = now + answer_timeout_;
+  ++retries_;
+  out.emplace_back(submit{current_->what.octets});
   return out;
 }
 
@@ -84,6 +101,8 @@ input_channel::outputs input_channel::drop_waiting(instant now) {
     out.emplace_back(
         settled{x.input, std::move(x.word), request_outcome::unreachable, now - x.asked});
   waiting_.clear();
+  if (current_ && current_->again)
+    settle(request_outcome::unreachable, now, out);
   return out;
 }
 
@@ -95,7 +114,9 @@ input_channel::outputs input_channel::on_gateway_changed(instant now) {
 }
 
 std::optional<instant> input_channel::deadline() const {
-  return current_ ? std::optional(current_->expires) : std::nullopt;
+  if (!current_)
+    return std::nullopt;
+  return current_->again ? current_->again : std::optional(current_->expires);
 }
 
 /// Remembers the newest status. @returns whether its number may be that of an unnumbered request
@@ -114,6 +135,15 @@ bool input_channel::note(const input_status& x) {
   return fresh;
 }
 
+/// What was written last has ended so: the request too, unless it is written again.
+void input_channel::conclude(request_outcome outcome, instant now, outputs& out) {
+  const auto again = now + retry_pause;
+  if (outcome == request_outcome::acknowledged || again > current_->first + retry_for_)
+    settle(outcome, now, out);
+  else
+    current_->again = again;
+}
+
 void input_channel::settle(request_outcome outcome, instant now, outputs& out) {
   auto& x = current_->what;
   out.emplace_back(settled{x.input, std::move(x.word), outcome, now - x.asked});
@@ -124,7 +154,7 @@ void input_channel::settle(request_outcome outcome, instant now, outputs& out) {
 
 /// @pre !waiting_.empty()
 void input_channel::send_next(instant now, outputs& out) {
-  current_ = current_request{std::move(waiting_.front()), now + answer_timeout_, std::nullopt};
+  current_ = current_request{std::move(waiting_.front()), now + answer_timeout_, now};
   waiting_.erase(waiting_.begin());
   out.emplace_back(submit{current_->what.octets});
 }

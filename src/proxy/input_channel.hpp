@@ -61,6 +61,10 @@ struct settled {
 ///                     |                       |
 ///                     +--------timeout--------+-------------> settled, next request
 ///
+/// With `retry_for`, what has failed, is unreachable or got no answer is written again after
+/// retry_pause, as long as that is not later than so long after the first time; a newer request of
+/// the same input takes its place at once.
+///
 /// The gateway answers `N pending`, then `N` and the outcome, N counting the writes it saw from
 /// anybody. The first number that cannot be an older write's is taken for the request's:
 /// - a number above all seen before, or
@@ -73,16 +77,20 @@ public:
   using output = std::variant<submit, settled>;
   using outputs = std::vector<output>;
 
-  /// @param answer_timeout from the write to the latest outcome. From add() it is so many times
-  /// that as there are inputs, and once more: each may have a request before it.
-  explicit input_channel(duration answer_timeout = 20s) : answer_timeout_(answer_timeout) {}
+  static constexpr duration retry_pause = 1s;
+
+  /// @param answer_timeout from a write to its latest outcome. From add() to that of the request it
+  /// is so many times the sum of both as there are inputs, and once more: each may have a
+  /// request before it.
+  explicit input_channel(duration answer_timeout = 20s, duration retry_for = {})
+      : answer_timeout_(answer_timeout), retry_for_(retry_for) {}
 
   [[nodiscard]] outputs add(request x, instant now);
   [[nodiscard]] outputs on_status(const input_status& x, instant now);
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
 
-  /// Requests that have not gone to the gateway yet end as unreachable; the one that has still
-  /// waits for its outcome.
+  /// Requests that are not with the gateway end as unreachable; the one that is still waits for its
+  /// outcome.
   [[nodiscard]] outputs drop_waiting(instant now);
 
   /// Another gateway is written to from now on (GW-14): it knows nothing of the request that went
@@ -95,18 +103,26 @@ public:
   /// Requests without outcome.
   [[nodiscard]] std::size_t open() const { return waiting_.size() + (current_ ? 1 : 0); }
 
+  /// Writes of the same request after its first.
+  [[nodiscard]] std::uint64_t retries() const { return retries_; }
+
 private:
   struct current_request {
     request what;
     instant expires;
-    std::optional<std::uint64_t> sequence; ///< the gateway's number for it, once known
+    instant first;                              ///< when it was written for the first time
+    std::optional<std::uint64_t> sequence = {}; ///< the gateway's number for it, once known
+    std::optional<instant> again = {};          ///< set: it has failed, and is written again then
   };
 
   [[nodiscard]] bool note(const input_status& x);
+  void conclude(request_outcome outcome, instant now, outputs& out);
   void settle(request_outcome outcome, instant now, outputs& out);
   void send_next(instant now, outputs& out);
 
   duration answer_timeout_;
+  duration retry_for_;
+  std::uint64_t retries_ = 0;
   std::optional<current_request> current_;
   std::vector<request> waiting_;       ///< at most one per input, in order of asking
   std::optional<input_status> newest_; ///< highest number seen in this life of the gateway

@@ -1,12 +1,9 @@
 #include "proxy/layout.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cassert>
-#include <charconv>
-#include <optional>
 
 #include "core/codec.hpp"
+#include "core/decimal.hpp"
 
 namespace rubicon::proxy {
 
@@ -62,34 +59,37 @@ std::size_t octets_of(encoding x) {
   return 0;
 }
 
-std::string decimal_text(double value, int decimals) {
-  assert(decimals >= 0 && decimals <= 6);
-  std::array<char, 352> digits{}; // the largest double has 309 digits before the point
-  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value,
-                                          std::chars_format::fixed, decimals);
-  assert(error == std::errc{});
-  std::string text(digits.data(), end);
-  if (text.starts_with('-') && text.find_first_not_of("-0.") == std::string::npos)
-    text.erase(0, 1);
-  return text;
-}
-
 bool reads_channel(const proxy_class& what, std::uint16_t channel) {
   return std::any_of(what.fields.begin(), what.fields.end(),
                      [&](const auto& x) { return x.channel == channel; });
 }
 
-result<std::vector<reading>> decode(const proxy_class& what, std::uint16_t channel,
-                                    byte_view payload) {
-  std::vector<reading> readings;
+result<std::vector<std::pair<const field*, std::int64_t>>>
+counts_in(const proxy_class& what, std::uint16_t channel, byte_view payload) {
+  std::vector<std::pair<const field*, std::int64_t>> counts;
   for (const auto& field : what.fields) {
     if (field.channel != channel)
       continue;
     const auto count = count_in(field, payload);
     if (!count)
       return errc::truncated;
-    readings.push_back({field.name, text_of(field, *count), field.unit});
+    counts.emplace_back(&field, *count);
   }
+  return counts;
+}
+
+reading reading_of(const field& what, std::int64_t count) {
+  return {what.name, text_of(what, count), what.unit};
+}
+
+result<std::vector<reading>> decode(const proxy_class& what, std::uint16_t channel,
+                                    byte_view payload) {
+  const auto counts = counts_in(what, channel, payload);
+  if (!counts)
+    return errc::truncated;
+  std::vector<reading> readings;
+  for (const auto& [field, count] : *counts)
+    readings.push_back(reading_of(*field, count));
   return readings;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/bytes.hpp"
@@ -25,13 +26,16 @@ struct reading {
 /// Octets of one count.
 [[nodiscard]] std::size_t octets_of(encoding x);
 
-/// `value` rounded to `decimals` digits after the point, nearest first, ties of the double itself
-/// to even. The same text on every machine and under every locale; no exponent, no `-0`.
-/// @pre decimals in 0..6
-[[nodiscard]] std::string decimal_text(double value, int decimals);
-
 /// Whether a field of the class is read from the output channel.
 [[nodiscard]] bool reads_channel(const proxy_class& what, std::uint16_t channel);
+
+/// The counts in one message, with their fields, in the class's order.
+/// @returns errc::truncated as decode(); the pointers are valid as long as the class
+[[nodiscard]] result<std::vector<std::pair<const field*, std::int64_t>>>
+counts_in(const proxy_class& what, std::uint16_t channel, byte_view payload);
+
+/// What a field's count means.
+[[nodiscard]] reading reading_of(const field& what, std::int64_t count);
 
 /// All readings in one message, in the class's order: each count times `scale` plus `add` with
 /// `decimals` digits, or the count's word; a count for which no word is given stays a plain decimal

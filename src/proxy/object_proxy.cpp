@@ -1,9 +1,8 @@
 #include "proxy/object_proxy.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 
+#include "core/decimal.hpp"
 #include "core/interface_keys.hpp"
 #include "proxy/layout.hpp"
 #include "proxy/tuple_key.hpp"
@@ -13,15 +12,6 @@ namespace rubicon::proxy {
 namespace {
 
 constexpr std::uint16_t memory_channel = 0; ///< fields of objects have no other
-
-std::optional<double> parse_strength(std::string_view text) {
-  double value = 0;
-  const auto* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(value))
-    return std::nullopt;
-  return value;
-}
 
 std::optional<known_object> known_in(const proxy_class& what, std::string_view id) {
   const auto found =
@@ -38,6 +28,14 @@ object_proxy::object_proxy(proxy_class what, signature percept, object_settings 
   const auto name = known_ && !known_->name.empty() ? key_part(known_->name) : id;
   prefix_ = fill_prefix(
       class_.prefix, {{"{channel}", key_part(percept_.channel)}, {"{id}", id}, {"{name}", name}});
+  name_values names{
+      {"channel", percept_.channel},
+      {"id", percept_.hardware_id},
+      {"name", known_ && !known_->name.empty() ? known_->name : percept_.hardware_id}};
+  names.insert(names.end(), class_.properties.begin(), class_.properties.end());
+  if (known_)
+    names.insert(names.end(), known_->properties.begin(), known_->properties.end());
+  templates_ = tuple_templates(class_, std::move(names));
 }
 
 object_proxy::outputs object_proxy::start(instant now) {
@@ -53,6 +51,8 @@ object_proxy::outputs object_proxy::start(instant now) {
   for (const auto& field : class_.fields)
     if (!field.unit.empty())
       say(field.name + ".unit", field.unit, out);
+  for (auto& [key, text] : templates_.at_start())
+    say_under(std::move(key), std::move(text), out);
   lost_at_ = now + settings_.lost_after; // unless it is perceived by then
   say_interface(out);
   say_state(nothing_word, now, out);
@@ -88,10 +88,10 @@ object_proxy::outputs object_proxy::on_tuple(peer_id owner, std::string_view key
       say_interface(out);
   } else if (parsed->what == interface_tuple::memory) {
     if (!deleted)
-      read(value, out);
+      read(value, now, out);
   } else if (deleted) {
     follow(choice_.on_gone(from), now, out);
-  } else if (const auto dbm = parse_strength(tuple_text(value))) {
+  } else if (const auto dbm = number_in(tuple_text(value))) {
     ++counters_.percepts;
     follow(choice_.on_percept(from, *dbm), now, out);
   } else {
@@ -131,7 +131,7 @@ void object_proxy::follow(bool chose_anew, instant now, outputs& out) {
 }
 
 /// The object's memory is the same whoever reads it.
-void object_proxy::read(byte_view memory, outputs& out) {
+void object_proxy::read(byte_view memory, instant now, outputs& out) {
   if (class_.fields.empty() || (memory_ && std::ranges::equal(*memory_, memory)))
     return;
   const auto readings = decode(class_, memory_channel, memory);
@@ -144,6 +144,8 @@ void object_proxy::read(byte_view memory, outputs& out) {
     values_[x.name] = x.unit.empty() ? x.text : x.text + ' ' + x.unit;
     say(x.name, x.text, out);
   }
+  for (auto& [key, text] : templates_.on_readings(memory_channel, *readings, now))
+    say_under(std::move(key), std::move(text), out);
 }
 
 std::string object_proxy::interface_name() const {
@@ -166,7 +168,10 @@ void object_proxy::say_state(std::string_view cause, instant now, outputs& out) 
 }
 
 void object_proxy::say(std::string_view suffix, std::string text, outputs& out) {
-  auto key = prefix_ + '.' + key_parts(suffix);
+  say_under(prefix_ + '.' + key_parts(suffix), std::move(text), out);
+}
+
+void object_proxy::say_under(std::string key, std::string text, outputs& out) {
   if (fits_tuple_key(key))
     out.emplace_back(publish{std::move(key), std::move(text)});
   else

@@ -17,6 +17,7 @@
 #include "proxy/proxy.hpp"
 #include "proxy/proxy_class.hpp"
 #include "proxy/signature.hpp"
+#include "proxy/tuple_template.hpp"
 
 namespace rubicon::proxy {
 
@@ -40,6 +41,7 @@ struct object_counters {
 ///   PROPERTY                             of the class, and of the object if the class knows it
 ///   FIELD, FIELD.unit                    what the object's memory says
 ///   interface, position                  which interface perceives it best, and where that is
+/// and the class's templates, under keys of their own.
 class object_proxy {
 public:
   using output = std::variant<publish>;
@@ -73,15 +75,17 @@ public:
 
 private:
   void say(std::string_view suffix, std::string text, outputs& out);
+  void say_under(std::string key, std::string text, outputs& out);
   void say_state(std::string_view cause, instant now, outputs& out);
   void say_interface(outputs& out);
-  void read(byte_view memory, outputs& out);
+  void read(byte_view memory, instant now, outputs& out);
   void follow(bool chose_anew, instant now, outputs& out);
 
   proxy_class class_;
   signature percept_;
   object_settings settings_;
   std::string prefix_;
+  tuple_templates templates_;
   std::optional<known_object> known_;
   interface_choice choice_;
   std::map<interface_id, std::string> places_;

@@ -1,7 +1,9 @@
 #include "proxy/proxy.hpp"
 
 #include <algorithm>
-#include <set>
+#include <utility>
+
+#include "core/interface_keys.hpp"
 
 namespace rubicon::proxy {
 
@@ -29,6 +31,20 @@ std::string words_of(const input& x) {
   return text;
 }
 
+/// What the class's table knows of this mote (PXY-05).
+const known_object* known_in(const proxy_class& what, const proxy_identity& who) {
+  const auto found = std::ranges::find(what.objects, proxy_id(who.mote), &known_object::id);
+  return found == what.objects.end() ? nullptr : &*found;
+}
+
+name_values template_names(const proxy_class& what, const proxy_identity& who) {
+  auto names = names_of(who);
+  names.insert(names.end(), what.properties.begin(), what.properties.end());
+  if (const auto* known = known_in(what, who))
+    names.insert(names.end(), known->properties.begin(), known->properties.end());
+  return names;
+}
+
 } // namespace
 
 std::string_view to_string(proxy::state x) {
@@ -45,37 +61,57 @@ std::string_view to_string(proxy::state x) {
   return "unknown";
 }
 
-proxy::proxy(proxy_class what, proxy_identity who, proxy_settings settings)
-    : class_(std::move(what)), who_(std::move(who)), settings_(settings),
-      prefix_(key_prefix(class_.prefix, who_)) {
+proxy::proxy(proxy_class what, proxy_identity who)
+    : class_(std::move(what)), who_(std::move(who)), prefix_(key_prefix(class_.prefix, who_)),
+      templates_(class_, template_names(class_, who_)) {
   for (const auto& input : class_.inputs)
-    channels_.try_emplace(input.channel, settings_.answer_timeout);
+    channels_.try_emplace(input.channel, class_.settings.answer_timeout, class_.settings.retry_for);
+  for (const auto& field : class_.fields)
+    if (field.mean_of > 1 && !field.computed_by_mote)
+      means_.emplace(field.name, running_mean(field.mean_of));
+  if (!class_.make_program)
+    return;
+  program_ = class_.make_program();
+  for (auto& name : program_->names())
+    program_names_.emplace(std::move(name), false);
 }
 
 proxy::outputs proxy::start(instant now) {
   outputs out;
   last_sensed_ = now;
   say_prior_information(out);
+  if (class_.indirect)
+    say_indirect_information(out);
+  for (auto& [key, text] : templates_.at_start())
+    say(std::move(key), std::move(text), out);
+  if (program_)
+    say_of_program(program_->start(now), out);
   say_state(now, out);
   return out;
 }
 
 std::vector<watch> proxy::watches() const {
   std::vector<watch> list;
-  std::set<std::uint16_t> output_channels;
   for (const auto& input : class_.inputs) {
     if (input.meta)
       list.push_back({watch::source::meta, key_of("mi-" + input.name), input.name});
     else
       list.push_back({watch::source::own, key_of(input.name), input.name});
   }
-  for (const auto& field : class_.fields)
-    output_channels.insert(field.channel);
-  for (const auto channel : output_channels)
+  for (const auto channel : output_channels())
     list.push_back({watch::source::gateway, device_output_key(who_.mote.mote, channel), {}});
   for (const auto& [channel, requests] : channels_)
     list.push_back({watch::source::gateway, device_input_status_key(who_.mote.mote, channel), {}});
+  if (class_.settings.period > 0s && !class_.fields.empty())
+    list.push_back({watch::source::gateway, device_status_key(who_.mote.mote), {}});
   return list;
+}
+
+std::set<std::uint16_t> proxy::output_channels() const {
+  std::set<std::uint16_t> channels;
+  for (const auto& field : class_.fields)
+    channels.insert(field.channel);
+  return channels;
 }
 
 bool proxy::consumes(const signature& percept) const {
@@ -89,29 +125,18 @@ proxy::outputs proxy::on_gateway_tuple(std::string_view key, byte_view value, in
       return on_output(parsed->channel, value, now);
     if (parsed->what == device_tuple::input_status)
       return on_input_status(parsed->channel, tuple_text(value), now);
+    if (parsed->what == device_tuple::status && class_.settings.period > 0s) {
+      outputs out;
+      const auto status = parse_device_status(tuple_text(value));
+      if (!status)
+        ++counters_.bad_statuses;
+      else if (status->presence == device_presence::listed)
+        ask_for_period(out); // whoever was started again has forgotten it
+      return out;
+    }
   }
   ++counters_.foreign_tuples;
   return {};
-}
-
-proxy::outputs proxy::on_output(std::uint16_t channel, byte_view payload, instant now) {
-  outputs out;
-  sensed(now, out);
-  if (!reads_channel(class_, channel)) {
-    ++counters_.unread_messages;
-    return out;
-  }
-  auto readings = decode(class_, channel, payload);
-  if (!readings) {
-    ++counters_.short_messages;
-    return out;
-  }
-  ++counters_.messages;
-  for (auto& x : *readings) {
-    say(key_of(x.name), x.text, out);
-    newest_.insert_or_assign(x.name, std::move(x));
-  }
-  return out;
 }
 
 proxy::outputs proxy::on_input_status(std::uint16_t channel, std::string_view text, instant now) {
@@ -188,6 +213,9 @@ proxy::outputs proxy::on_time(instant now) {
   outputs out;
   for (auto& [channel, requests] : channels_)
     apply(channel, requests.on_time(now), out);
+  mark_stale(now, out);
+  if (program_)
+    say_of_program(program_->on_time(now), out);
   const auto due = presence_deadline();
   if (due && now >= *due) {
     if (state_ == state::lost) {
@@ -204,7 +232,9 @@ std::optional<instant> proxy::deadline() const {
   auto due = presence_deadline();
   for (const auto& [channel, requests] : channels_)
     due = earliest(due, requests.deadline());
-  return due;
+  for (const auto& [channel, stale_at] : stale_at_)
+    due = earliest(due, stale_at);
+  return program_ ? earliest(due, program_->deadline()) : due;
 }
 
 std::size_t proxy::open_requests() const {
@@ -212,6 +242,13 @@ std::size_t proxy::open_requests() const {
   for (const auto& [channel, requests] : channels_)
     open += requests.open();
   return open;
+}
+
+std::uint64_t proxy::retries() const {
+  std::uint64_t all = 0;
+  for (const auto& [channel, requests] : channels_)
+    all += requests.retries();
+  return all;
 }
 
 std::vector<std::pair<std::string, std::string>> proxy::values() const {
@@ -239,6 +276,9 @@ void proxy::say_prior_information(outputs& out) {
       out);
   for (const auto& [name, text] : class_.properties)
     say(key_of(name), text, out);
+  if (const auto* known = known_in(class_, who_))
+    for (const auto& [name, text] : known->properties)
+      say(key_of(name), text, out);
   for (const auto& field : class_.fields)
     if (!field.unit.empty())
       say(key_of(field.name + ".unit"), field.unit, out);
@@ -249,6 +289,20 @@ void proxy::say_prior_information(outputs& out) {
     if (input.meta)
       declare_meta(input.name, out);
   }
+}
+
+/// A mote that nobody reaches is perceived by no interface; where it was put it still is.
+void proxy::say_indirect_information(outputs& out) {
+  const bool perceived = state_ != state::lost && !who_.interface_name.empty();
+  say(key_of("interface"), perceived ? who_.interface_name : std::string(nothing_word), out);
+  const auto* known = known_in(class_, who_);
+  const bool placed = known != nullptr && known->place;
+  const auto place = placed      ? known->place
+                     : perceived ? who_.interface_place
+                                 : std::optional<position>();
+  const auto* accuracy = !place ? "unknown" : placed ? "prior" : "interface";
+  say(key_of("position.accuracy"), accuracy, out);
+  say(key_of("position"), place ? position_text(*place) : "unknown", out);
 }
 
 void proxy::declare_meta(const std::string& input, outputs& out) {
@@ -262,7 +316,10 @@ void proxy::declare_meta(const std::string& input, outputs& out) {
 void proxy::enter(state next, instant now, outputs& out) {
   if (state_ == next)
     return;
+  const bool tells_anew = class_.indirect && (next == state::lost || state_ == state::lost);
   state_ = next;
+  if (tells_anew)
+    say_indirect_information(out);
   say_state(now, out);
 }
 
@@ -282,7 +339,7 @@ void proxy::sensed(instant now, outputs& out) {
 /// In which a request has its outcome for certain: those before it on the channel come first.
 duration proxy::latency_of(std::uint16_t channel) const {
   const auto before = std::ranges::count(class_.inputs, channel, &input::channel);
-  return (before + 1) * settings_.answer_timeout;
+  return (before + 1) * (class_.settings.answer_timeout + class_.settings.retry_for);
 }
 
 void proxy::apply(std::uint16_t channel, input_channel::outputs todo, outputs& out) {
@@ -311,10 +368,10 @@ void proxy::tell(std::size_t input, std::string_view word, request_outcome outco
 std::optional<instant> proxy::presence_deadline() const {
   if (!last_sensed_ || retired_)
     return std::nullopt;
-  if (state_ == state::active && settings_.inactive_after)
-    return *last_sensed_ + *settings_.inactive_after;
-  if (state_ == state::lost && settings_.retire_after)
-    return lost_since_ + *settings_.retire_after;
+  if (state_ == state::active && class_.settings.inactive_after)
+    return *last_sensed_ + *class_.settings.inactive_after;
+  if (state_ == state::lost && class_.settings.retire_after)
+    return lost_since_ + *class_.settings.retire_after;
   return std::nullopt;
 }
 

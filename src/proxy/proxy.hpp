@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,12 +17,15 @@
 #include "core/bytes.hpp"
 #include "core/delay_histogram.hpp"
 #include "core/device_keys.hpp"
+#include "core/running_mean.hpp"
 #include "core/time.hpp"
 #include "proxy/input_channel.hpp"
 #include "proxy/layout.hpp"
+#include "proxy/program.hpp"
 #include "proxy/proxy_class.hpp"
 #include "proxy/signature.hpp"
 #include "proxy/tuple_key.hpp"
+#include "proxy/tuple_template.hpp"
 
 namespace rubicon::proxy {
 
@@ -35,6 +40,13 @@ struct write_device {
   mote_address mote;
   std::uint16_t channel = 0;
   bytes octets;
+};
+
+/// Set `devices.$ID.output.$CH.period` there (IF-04).
+struct write_period {
+  mote_address mote;
+  std::uint16_t channel = 0;
+  duration period{};
 };
 
 /// Make this own tuple a meta tuple that points at an own one, unless it is a meta tuple already.
@@ -64,12 +76,6 @@ struct watch {
 /// In tuples: there is nothing to say, or nobody has said anything yet.
 inline constexpr std::string_view nothing_word = "none";
 
-struct proxy_settings {
-  duration answer_timeout = 20s;          ///< for the outcome of a request
-  std::optional<duration> inactive_after; ///< since the mote was last sensed; unset: never
-  std::optional<duration> retire_after;   ///< since the mote was lost; unset: never
-};
-
 /// What a proxy did, for the report. Every request has one outcome:
 /// requested = acknowledged + sum of failed + open_requests().
 struct proxy_counters {
@@ -85,6 +91,7 @@ struct proxy_counters {
   std::uint64_t bad_statuses = 0;    ///< input status tuples that are none: dropped
   std::uint64_t foreign_tuples = 0;  ///< keys or inputs that are not this proxy's: dropped
   std::uint64_t bad_keys = 0;        ///< own keys over the limits: not published
+  std::uint64_t foreign_names = 0;   ///< what a program says that is not in its names(): dropped
 };
 
 /// One mote's face. It speaks tuples alone: raw ones with the mote's gateway, readable ones with
@@ -98,7 +105,13 @@ struct proxy_counters {
 ///   class, id, island        prior and indirect information: the class's name, `island/mote`, and
 ///                            the name of the island whose gateway perceives the mote
 ///   PROPERTY                 of the class
+///   interface, position, position.accuracy   of a class with `indirect` (PXY-06): whose gateway
+///                            perceives the mote, and where the mote is: where the class's table of
+///                            objects says (`prior`), else where that interface is (`interface`)
 ///   FIELD, FIELD.unit        newest reading, set at each reading even if equal (CB-01)
+///   FIELD.freshness          of a class with `stale_after`: `fresh` or `stale`, once there was a
+///                            reading
+///   what its program says    beside the fields
 ///   INPUT                    others write a word here; `none` at the start, so that it exists and
 ///                            tells everybody who owns it; not set by the proxy afterwards
 ///   mi-INPUT                 of an input with `meta`: which tuple the input is, at first INPUT;
@@ -106,6 +119,7 @@ struct proxy_counters {
 ///                            rewrites it decides what the actuator follows (META-05)
 ///   INPUT.latency            in seconds: a request has its outcome by then (IF-07)
 ///   INPUT.words              the words the input knows, between blanks
+///   templates                of the class, under keys of their own
 ///   INPUT.outcome            `on acknowledged`: the word, the last blank, the outcome; once per
 ///                            request; `?` for a refused word that is long or not plain
 ///
@@ -114,12 +128,13 @@ struct proxy_counters {
 ///   any --left--> lost              lost --retire_after--> lost, with retire
 class proxy {
 public:
-  using output = std::variant<publish, declare, write_device, retire>;
+  using output = std::variant<publish, declare, write_device, write_period, retire>;
   using outputs = std::vector<output>;
   enum class state : std::uint8_t { active, inactive, stale, lost };
 
   proxy() = default;
-  proxy(proxy_class what, proxy_identity who, proxy_settings settings = {});
+  /// With the settings and the program of its class.
+  proxy(proxy_class what, proxy_identity who);
 
   /// Prior information; call it once, when the manager has started the proxy.
   [[nodiscard]] outputs start(instant now);
@@ -159,6 +174,7 @@ public:
   [[nodiscard]] const proxy_identity& who() const { return who_; }
   [[nodiscard]] const proxy_counters& counters() const { return counters_; }
   [[nodiscard]] std::size_t open_requests() const;
+  [[nodiscard]] std::uint64_t retries() const; ///< writes of requests after their first
 
   /// Newest reading of each field, by name: `22.3 C`.
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> values() const;
@@ -168,7 +184,15 @@ private:
   void say(std::string key, std::string text, outputs& out);
   void say_prior_information(outputs& out);
   void declare_meta(const std::string& input, outputs& out);
+  void say_indirect_information(outputs& out);
   void say_state(instant now, outputs& out);
+  void say_readings(std::vector<reading> all, outputs& out);
+  void say_of_program(std::vector<reading> all, outputs& out);
+  void ask_for_period(outputs& out) const;
+  void refresh(std::uint16_t channel, instant now, outputs& out);
+  void mark_stale(instant now, outputs& out);
+  void say_freshness(std::uint16_t channel, std::string_view word, outputs& out);
+  [[nodiscard]] std::set<std::uint16_t> output_channels() const;
   void enter(state next, instant now, outputs& out);
   void sensed(instant now, outputs& out);
   void apply(std::uint16_t channel, input_channel::outputs todo, outputs& out);
@@ -178,8 +202,12 @@ private:
 
   proxy_class class_;
   proxy_identity who_;
-  proxy_settings settings_;
   std::string prefix_;
+  tuple_templates templates_;
+  std::unique_ptr<program> program_;          ///< nullptr: none
+  std::map<std::string, bool> program_names_; ///< and whether its unit was told
+  std::map<std::string, running_mean> means_; ///< of fields that are computed here
+  std::map<std::uint16_t, instant> stale_at_; ///< of channels whose values are fresh
   state state_ = state::active;
   std::optional<instant> last_sensed_; ///< nothing before start()
   std::string cause_{nothing_word};    ///< of being lost

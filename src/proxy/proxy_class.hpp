@@ -4,14 +4,23 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
+#include "proxy/type_range.hpp"
 
 namespace rubicon::proxy {
+
+class program; // program.hpp
+
+inline constexpr std::size_t mean_of_max = 16;
 
 /// How a field's octets are read; multi-byte ones in network byte order (GW-11).
 enum class encoding : std::uint8_t { u8, i8, u16, i16, u32, i32 };
@@ -27,6 +36,28 @@ struct field {
   int decimals = 1;                                        ///< digits after the point, 0..6
   std::string unit;                                        ///< empty: no unit tuple is published
   std::vector<std::pair<std::int64_t, std::string>> words; ///< count -> word, instead of a number
+  std::size_t mean_of = 1;       ///< the value is the mean of so many counts, 1..mean_of_max
+  bool computed_by_mote = false; ///< that mean is what the mote sends (PXY-17)
+};
+
+/// One more tuple of a proxy, beside those that every proxy has. It is set for each message that
+/// its fields are read from, or once, at the start, if it names none. In its key and its text names
+/// in braces stand for what they name: {island}, {id}, {name}, {class}, {room}, {channel},
+/// properties; in the text fields and their units, {temperature} and {temperature.unit}, too.
+struct tuple_template {
+  std::string key; ///< the whole key, `{room}.{name}.climate`
+  std::string text;
+  std::vector<std::string> json; ///< instead of a text: the fields of one JSON object
+};
+
+/// How well a proxy's users are to be served (PXY-12, PXY-20, GW-10).
+struct proxy_settings {
+  duration answer_timeout = 20s;          ///< for the outcome of a request
+  std::optional<duration> inactive_after; ///< since the mote was last sensed; unset: never
+  std::optional<duration> retire_after;   ///< since the mote was lost; unset: never
+  duration retry_for{};   ///< what has failed is written again, until so long after the first time
+  duration period{};      ///< asked of the mote for all outputs that are read; 0: as it likes
+  duration stale_after{}; ///< a value that is older is marked so; 0: never
 };
 
 /// One actuator input: a word written to the proxy's tuple becomes octets for the mote.
@@ -37,23 +68,18 @@ struct input {
   bool meta = false; ///< it is the tuple that `mi-NAME` points at, at first its own (META-05)
 };
 
-/// Inclusive range of mote type ids.
-struct type_range {
-  std::uint32_t first = 0;
-  std::uint32_t last = 0;
-};
-
 /// Ids on a kind of interface that begin so; without regard to letter case.
 struct id_prefix {
   std::string channel; ///< `rfid`
   std::string prefix;  ///< empty: every id
 };
 
-/// One object of a class that is known beforehand, by its id.
+/// One object of a class that is known beforehand, by its id; that of a mote is `island/mote`.
 struct known_object {
   std::string id;
   std::string name; ///< for {name} of the class's prefix; empty: its id
   std::vector<std::pair<std::string, std::string>> properties; ///< beside those of the class
+  std::optional<position> place = {}; ///< of a mote: where it was put (PXY-06)
 };
 
 struct proxy_class {
@@ -68,6 +94,11 @@ struct proxy_class {
   std::vector<field> fields;
   std::vector<input> inputs;
   instant known_from; ///< when proxy managers learn of it (PXY-10)
+  std::vector<tuple_template> tuples;
+  proxy_settings settings;
+  bool indirect = false; ///< of motes: tell interface and position; tagged objects always do
+  std::string program;   ///< name of the program whose code completes this table; empty: none
+  std::function<std::unique_ptr<proxy::program>()> make_program; ///< empty if there is none
 };
 
 } // namespace rubicon::proxy

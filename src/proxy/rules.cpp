@@ -1,24 +1,14 @@
 #include "proxy/rules.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <utility>
 
+#include "core/decimal.hpp"
 #include "proxy/tuple_key.hpp"
 
 namespace rubicon::proxy {
 
 namespace {
-
-std::optional<double> parse_number(std::string_view text) {
-  double value = 0;
-  const auto* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(value))
-    return std::nullopt;
-  return value;
-}
 
 void add_once(std::vector<std::string>& keys, const std::string& key) {
   if (std::none_of(keys.begin(), keys.end(), [&](const auto& x) { return same_key(x, key); }))
@@ -103,7 +93,7 @@ rules::level rules::judge(const rule& x, std::string_view text) {
     ++counters_.values;
     return std::ranges::find(x.equals, text) == x.equals.end() ? level::low : level::high;
   }
-  const auto value = parse_number(text);
+  const auto value = number_in(text);
   if (!value) {
     ++counters_.bad_values;
     return level::unknown;

@@ -39,13 +39,18 @@ std::string key_parts(std::string_view text) {
   }
 }
 
-std::string key_prefix(std::string_view prefix, const proxy_identity& who) {
+std::vector<std::pair<std::string, std::string>> names_of(const proxy_identity& who) {
   const auto id = to_string(who.mote.mote);
-  return fill_prefix(
-      prefix, {{"{island}",
-                key_part(who.island_name.empty() ? to_string(who.mote.island) : who.island_name)},
-               {"{id}", id},
-               {"{name}", key_part(who.mote_name.empty() ? "mote-" + id : who.mote_name)}});
+  return {{"island", who.island_name.empty() ? to_string(who.mote.island) : who.island_name},
+          {"id", id},
+          {"name", who.mote_name.empty() ? "mote-" + id : who.mote_name}};
+}
+
+std::string key_prefix(std::string_view prefix, const proxy_identity& who) {
+  const auto names = names_of(who);
+  return fill_prefix(prefix, {{"{island}", key_part(names[0].second)},
+                              {"{id}", key_part(names[1].second)},
+                              {"{name}", key_part(names[2].second)}});
 }
 
 std::string fill_prefix(std::string_view prefix,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,8 +19,10 @@ inline constexpr std::size_t key_parts_max = 7;
 /// Whose proxy it is.
 struct proxy_identity {
   mote_address mote;
-  std::string island_name; ///< empty: the island's decimal id stands for it
-  std::string mote_name;   ///< empty: `mote-7`, for a mote that no file describes
+  std::string island_name;         ///< empty: the island's decimal id stands for it
+  std::string mote_name;           ///< empty: `mote-7`, for a mote that no file describes
+  std::string interface_name = {}; ///< of what perceives it, its gateway; empty: not known
+  std::optional<position> interface_place = {}; ///< where that is, if it is known (PXY-06)
 };
 
 /// One part of a key: letters, digits, `-` and `_` stay, every other octet becomes `_`; so a name
@@ -28,6 +31,10 @@ struct proxy_identity {
 
 /// Several parts between dots, each as in key_part().
 [[nodiscard]] std::string key_parts(std::string_view text);
+
+/// The names that the tuples of a mote's proxy show, as texts, in the order of their placeholders:
+/// island, id, name.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> names_of(const proxy_identity& who);
 
 /// Replaces {island}, {id} and {name} in a class's prefix; what they stand for is always within one
 /// part. Anything else in braces becomes part of the key as key_part() has it.

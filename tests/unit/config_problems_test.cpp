@@ -37,7 +37,8 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
       {"apps = [1]\n", "6:9: `apps` must be an array of tables, as in [{ ... }], not 1"},
       {"apps = [{ keys = [\"a\"] }]\n", "6:9: `app` is missing in apps of a peer"},
       {"apps = [{ app = \"colector\", keys = [\"a\"] }]\n",
-       "6:17: `app` must be \"proxy_manager\", \"rules\", \"collector\", \"rfid_reader\", "
+       "6:17: `app` must be \"proxy_manager\", \"rules\", \"collector\", \"translate\", "
+       "\"rfid_reader\", "
        "\"goal\", \"init\", "
        "\"stream_reader\", "
        "\"reservoir\", \"readout\", \"average\", \"stream_switch\" or \"recorder\", not "

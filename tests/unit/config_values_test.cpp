@@ -42,15 +42,20 @@ TEST_CASE("a value of the wrong kind or range says what would be right", "[confi
        "8:9: `types` must be an array of at least 1, not an empty array"},
       {"[[proxy]]\nname = \"p\"\ntypes = 7\n", "8:9: `types` must be an array in [ ], not 7"},
       {"[[proxy]]\nname = \"p\"\ntypes = [\"9..8\"]\n",
-       "8:10: `types` must be types from 1 to 4294967295, as in 101 or \"100..119\", not \"9..8\""},
+       "8:10: `types` must be types from 1 to 4294967295, as in 101, \"100..119\" or "
+       "\"0x0100/0xff00\" (a value and the mask under which types have it), not \"9..8\""},
       {"[[proxy]]\nname = \"p\"\ntypes = [\"a..b\"]\n",
-       "8:10: `types` must be types from 1 to 4294967295, as in 101 or \"100..119\", not \"a..b\""},
+       "8:10: `types` must be types from 1 to 4294967295, as in 101, \"100..119\" or "
+       "\"0x0100/0xff00\" (a value and the mask under which types have it), not \"a..b\""},
       {"[[proxy]]\nname = \"p\"\ntypes = [0]\n",
-       "8:10: `types` must be types from 1 to 4294967295, as in 101 or \"100..119\", not 0"},
+       "8:10: `types` must be types from 1 to 4294967295, as in 101, \"100..119\" or "
+       "\"0x0100/0xff00\" (a value and the mask under which types have it), not 0"},
       {"[[proxy]]\nname = \"p\"\ntypes = [\"5\"]\n",
-       "8:10: `types` must be types from 1 to 4294967295, as in 101 or \"100..119\", not \"5\""},
+       "8:10: `types` must be types from 1 to 4294967295, as in 101, \"100..119\" or "
+       "\"0x0100/0xff00\" (a value and the mask under which types have it), not \"5\""},
       {"[[proxy]]\nname = \"p\"\ntypes = [\"1..4294967296\"]\n",
-       "8:10: `types` must be types from 1 to 4294967295, as in 101 or \"100..119\", not "
+       "8:10: `types` must be types from 1 to 4294967295, as in 101, \"100..119\" or "
+       "\"0x0100/0xff00\" (a value and the mask under which types have it), not "
        "\"1..4294967296\""},
       {"apps = [{ app = \"collector\", keys = [\"a b\"] }]\n",
        "6:38: `keys` must be a tuple key of 1 to 7 parts between dots, each of letters, digits, - "
@@ -164,8 +169,9 @@ TEST_CASE("what is said about a mote has to be possible", "[config][GEN-06]") {
        "19:42: `transducers` must be an array in [ ], not \"temperature\""},
       {"apps = [{ app = \"sampler\", transducers = [\"temprature\"] }]\n",
        "19:43: `transducers` must be \"temperature\", \"humidity\", \"light\", \"voltage\", "
-       "\"presence\", \"acceleration\", \"magnetism\" or \"sound\", not \"temprature\"; did you "
-       "mean \"temperature\"?"},
+       "\"presence\", \"acceleration\", \"magnetism\", \"sound\" or \"signal\", not "
+       "\"temprature\"; "
+       "did you mean \"temperature\"?"},
       {"apps = [{ app = \"sampler\", transducers = [\"temperature\"], channel = 256 }]\n",
        "19:69: `channel` must be a whole number from 0 to 255, not 256"},
       {"apps = [{ app = \"sampler\", transducers = [\"temperature\"], every = \"1ms\" }]\n",

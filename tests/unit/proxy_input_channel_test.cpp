@@ -228,3 +228,58 @@ TEST_CASE("with answers lost and repeated, outcomes are single and true",
   for (const auto& [word, times] : outcomes)
     CHECK(times == 1);
 }
+
+TEST_CASE("what has failed is written again, for so long", "[proxy][PXY-12]") {
+  input_channel channel(20s, 30s);
+  CHECK(told(channel.add(ask("on"), start)) == lines{">on"});
+  CHECK(status(channel, 1, pending).empty());
+  CHECK(status(channel, 1, failed, start + 10s).empty());
+  CHECK(channel.open() == 1);
+  CHECK(channel.deadline() == start + 11s);
+  CHECK(channel.on_time(start + 11s - 1ns).empty());
+  CHECK(told(channel.on_time(start + 11s)) == lines{">on"});
+  CHECK(status(channel, 1, failed, start + 11s).empty()); // of the first write
+  CHECK(status(channel, 2, pending, start + 11s).empty());
+  CHECK(status(channel, 2, unreachable, start + 12s).empty());
+  CHECK(told(channel.on_time(start + 13s)) == lines{">on"});
+  CHECK(channel.on_time(start + 32s).empty());
+  // 30 s after the first write is no time left for another.
+  CHECK(told(channel.on_time(start + 33s)) == lines{"on timeout"});
+  CHECK(channel.open() == 0);
+  CHECK(channel.retries() == 2);
+}
+
+TEST_CASE("a write that succeeds ends its request", "[proxy][PXY-12]") {
+  input_channel channel(20s, 30s);
+  static_cast<void>(channel.add(ask("on"), start));
+  static_cast<void>(channel.on_status({1, pending}, start));
+  static_cast<void>(channel.on_status({1, failed}, start));
+  SECTION("the second") {
+    CHECK(told(channel.on_time(start + 1s)) == lines{">on"});
+    CHECK(status(channel, 2, pending).empty());
+    CHECK(status(channel, 2, acked, start + 2s) == lines{"on acknowledged"});
+  }
+  SECTION("the first, after it was given up") {
+    CHECK(status(channel, 1, acked) == lines{"on acknowledged"});
+  }
+  CHECK_FALSE(channel.deadline());
+}
+
+TEST_CASE("a request that waits to be written again gives way", "[proxy][PXY-12]") {
+  input_channel channel(20s, 30s);
+  static_cast<void>(channel.add(ask("on"), start));
+  static_cast<void>(channel.on_status({1, pending}, start));
+  static_cast<void>(channel.on_status({1, failed}, start));
+  SECTION("to a newer one of its input") {
+    CHECK(told(channel.add(ask("off"), start)) == lines{"on superseded", ">off"});
+  }
+  SECTION("not to one of another input") {
+    CHECK(told(channel.add(ask("red", 1), start)).empty());
+    CHECK(told(channel.on_time(start + 1s)) == lines{">on"});
+    CHECK(channel.open() == 2);
+  }
+  SECTION("when the mote has left") {
+    CHECK(told(channel.drop_waiting(start)) == lines{"on unreachable"});
+    CHECK(channel.open() == 0);
+  }
+}

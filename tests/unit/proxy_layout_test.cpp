@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/codec.hpp"
+#include "core/decimal.hpp"
 #include "proxy/layout.hpp"
 #include "support/catch.hpp"
 

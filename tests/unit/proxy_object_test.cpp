@@ -190,3 +190,17 @@ TEST_CASE("every object that a class claims gets one proxy, others are told of o
   REQUIRE(again.size() == 1);
   CHECK(std::get<start_object_proxy>(again[0]).percept.hardware_id == "e0040101");
 }
+
+TEST_CASE("templates of tagged objects show what their memory says", "[proxy][PXY-04][PXY-05]") {
+  auto what = milk_boxes();
+  what.tuples = {{"{channel}.{name}.about", "a {shape} of {class}, {colour}", {}},
+                 {"{channel}.{name}.content", "", {"food", "litres"}}};
+  object_proxy x(what, {"rfid", "e0040101", 0});
+  const auto first = told(x.start(start));
+  CHECK(std::ranges::count(first, "rfid.milk.about = a box of milk, white") == 1);
+  const auto later = told(x.on_tuple(kitchen_pc, "interface.kitchen.objects.e0040101.memory",
+                                     bytes{1, 15}, false, start + 2s));
+  REQUIRE(later.size() == 3);
+  CHECK(later[2] == R"(rfid.milk.content = {"time":2.0,"food":{"value":"milk"},)"
+                    R"("litres":{"value":1.5,"unit":"l"}})");
+}

@@ -1,0 +1,226 @@
+#include "config/proxy_part_readers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "config/near.hpp"
+#include "config/units.hpp"
+#include "proxy/class_table.hpp"
+#include "proxy/tuple_template.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+constexpr std::size_t template_octets_max = 200;
+constexpr std::size_t json_fields_max = 32;
+
+/// A key with names in braces.
+struct template_key {
+  using type = std::string;
+
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
+    const auto* found = x.as<std::string>();
+    if (found != nullptr && found->size() <= 100 && is_good(*found))
+      return *found;
+    return who.refuse(x, "1 to 7 parts between dots, at most 100 characters, each of letters, "
+                         "digits, -, _ and names in braces, as in \"{room}.climate\"");
+  }
+
+private:
+  static bool is_good(const std::string& x) {
+    const auto parts = proxy::template_parts(x);
+    if (!parts || x.find("{{") != std::string::npos || x.find("}}") != std::string::npos)
+      return false;
+    std::string plain; // a letter for each name: what is left must be a key
+    for (const auto& part : *parts)
+      plain += part.is_name ? "n" : part.text;
+    complaints ignored;
+    return tuple_key{}.read(node{{}, plain}, asker{"", ignored}).has_value();
+  }
+};
+
+/// Text with names in braces.
+struct template_text {
+  using type = std::string;
+
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
+    const auto found = text{template_octets_max}.read(x, who);
+    if (!found || proxy::template_parts(*found))
+      return found;
+    return who.refuse(x, "text in which { and } enclose a name, as in \"{temperature} C\"; {{ and "
+                         "}} are braces");
+  }
+};
+
+/// Names that keys and texts of the class may have: those known from the start.
+std::vector<std::string> prior_names(const proxy::proxy_class& of) {
+  auto names = of.ids.empty() ? proxy::mote_template_names() : proxy::object_template_names();
+  for (const auto& [name, value] : of.properties)
+    if (std::ranges::find(names, name) == names.end())
+      names.push_back(name);
+  return names;
+}
+
+/// Whether some objects of the class have such a property; of others it is an empty text.
+bool is_of_some(const proxy::proxy_class& of, const std::string& name) {
+  return std::ranges::any_of(of.objects, [&name](const auto& object) {
+    return std::ranges::any_of(object.properties,
+                               [&name](const auto& x) { return x.first == name; });
+  });
+}
+
+std::vector<std::string> field_names(const proxy::proxy_class& of) {
+  std::vector<std::string> names;
+  for (const auto& x : of.fields)
+    names.push_back(x.name);
+  return names;
+}
+
+/// The sampler of a mote that sends on the channel.
+sampler_app* sampler_on(mote_description& mote, std::uint16_t channel) {
+  for (auto& app : mote.apps) {
+    auto* const found = std::get_if<sampler_app>(&app);
+    if (found != nullptr && found->channel == channel)
+      return found;
+  }
+  return nullptr;
+}
+
+} // namespace
+
+void tuple_names::claim(const std::string& name, mark at, complaints& problems) {
+  constexpr std::array<std::string_view, 6> set_by_all{"status", "class",     "id",
+                                                       "island", "interface", "position"};
+  if (std::ranges::find(set_by_all, name) != set_by_all.end())
+    problems.add(at, "`" + name + "` is a tuple that proxies set by themselves");
+  names_.claim(name, "name", at, problems);
+}
+
+placed_template read_tuple_template(table_reader& in) {
+  placed_template out;
+  std::vector<located<std::string>> fields;
+  in.required("key", template_key{}, out.what.key);
+  in.optional("value", template_text{}, out.what.text);
+  in.optional("json", list_of<name_text>{{}, 1, json_fields_max}, fields);
+  out.what.json = values_of(std::move(fields));
+  out.key_at = in.at("key");
+  out.text_at = in.at(in.has("json") ? "json" : "value");
+  if (in.has("value") == in.has("json"))
+    in.problems().add(in.at(), "a tuple needs either `value`, a text, or `json`, names of fields");
+  return out;
+}
+
+void check_tuple_template(const placed_template& x, const proxy::proxy_class& of,
+                          complaints& problems) {
+  const auto prior = prior_names(of);
+  const auto is_prior = [&prior](const auto& name) {
+    return std::ranges::find(prior, name) != prior.end();
+  };
+  if (const auto parts = proxy::template_parts(x.what.key)) {
+    for (const auto& part : *parts)
+      if (part.is_name && !is_prior(part.text))
+        problems.add(x.key_at, "a key has no {" + part.text + '}' + suggestion(part.text, prior));
+  }
+  std::vector<std::string> used = x.what.json;
+  if (const auto parts = proxy::template_parts(x.what.text)) {
+    for (const auto& part : *parts)
+      if (part.is_name && !is_prior(part.text) && !is_of_some(of, part.text))
+        used.push_back(part.text);
+  }
+  std::optional<std::uint16_t> channel;
+  for (const auto& name : used) {
+    const auto* const field = proxy::field_named(of, name);
+    if (field == nullptr) {
+      auto known = field_names(of);
+      if (x.what.json.empty())
+        known.insert(known.end(), prior.begin(), prior.end());
+      problems.add(x.text_at, "the proxy has no field `" + name + '`' + suggestion(name, known));
+    } else if (channel && *channel != field->channel) {
+      problems.add(x.text_at, "`" + name + "` is of channel " + std::to_string(field->channel) +
+                                  ", not of channel " + std::to_string(*channel) +
+                                  ": the fields of a tuple come in one message");
+    } else if (!x.what.json.empty() && name == "time") {
+      problems.add(x.text_at, "`time` is in every JSON object: its field needs another name");
+    } else {
+      channel = field->channel;
+    }
+  }
+}
+
+void read_quality(table_reader& in, proxy::proxy_settings& out) {
+  duration inactive_after{};
+  duration retire_after{};
+  in.optional("answer_timeout", time_span{1s, 1h}, out.answer_timeout);
+  in.optional("retry_for", time_span{0s, 24h}, out.retry_for);
+  in.optional("period", time_span{10ms, 24h * 10}, out.period);
+  in.optional("stale_after", time_span{10ms, 24h * 10}, out.stale_after);
+  if (in.optional("inactive_after", time_span{1s, 24h * 10}, inactive_after))
+    out.inactive_after = inactive_after;
+  if (in.optional("retire_after", time_span{1s, 24h * 10}, retire_after))
+    out.retire_after = retire_after;
+}
+
+void read_program(table_reader& in, const proxy::program_registry& programs, tuple_names& names,
+                  proxy::proxy_class& out) {
+  pairs_of<real>::type found;
+  const bool named = in.optional("program", name_text{}, out.program);
+  const bool set = in.optional("settings", pairs_of<real>{}, found);
+  if (set && !in.has("program"))
+    in.problems().add(in.at("settings"), "`settings` are those of a `program`");
+  const auto* const make = named ? programs.find(out.program) : nullptr;
+  if (named && make == nullptr)
+    in.problems().add(in.at("program"), "no program is called `" + out.program + '`' +
+                                            suggestion(out.program, programs.names()));
+  if (make == nullptr)
+    return;
+  proxy::program_settings settings;
+  for (const auto& [key, value] : found)
+    settings.emplace_back(key.value, value);
+  auto made = (*make)(out, settings);
+  if (const auto* wrong = std::get_if<proxy::program_problem>(&made)) {
+    const auto of = std::ranges::find_if(
+        found, [wrong](const auto& x) { return x.first.value == wrong->setting; });
+    in.problems().add(of == found.end() ? in.at("program") : of->first.at,
+                      '`' + (of == found.end() ? out.program : of->first.value) + "` " +
+                          wrong->message);
+    return;
+  }
+  out.make_program = std::get<proxy::program_factory>(std::move(made));
+  for (const auto& name : out.make_program()->names())
+    names.claim(name, in.at("program"), in.problems());
+}
+
+void place_computations(const std::vector<placed_computation>& all,
+                        const std::vector<proxy::proxy_class>& classes,
+                        std::vector<island_description>& islands, complaints& problems) {
+  const proxy::class_table table(classes);
+  for (const auto& x : all) {
+    const auto* const of = table.find(x.proxy);
+    const auto* const field = of == nullptr ? nullptr : proxy::field_named(*of, x.field);
+    if (field == nullptr || field->mean_of <= 1)
+      continue;
+    for (auto& island : islands) {
+      for (auto& mote : island.motes) {
+        const auto* const its = table.find(proxy::signature_of({island.id, mote.id}, mote.type));
+        if (its == nullptr || its->name != x.proxy)
+          continue;
+        auto* const sampler = sampler_on(mote, field->channel);
+        const auto index = field->offset / 2;
+        if (sampler == nullptr || field->layout != proxy::encoding::i16 || field->offset % 2 != 0 ||
+            index >= sampler->transducers.size()) {
+          problems.add(x.at,
+                       "mote `" + island.name + '/' + mote.name +
+                           "` has no sampler that sends a count there which it could average");
+          continue;
+        }
+        sampler->mean_of.resize(sampler->transducers.size(), 1);
+        sampler->mean_of[index] = field->mean_of;
+      }
+    }
+  }
+}
+
+} // namespace rubicon::config

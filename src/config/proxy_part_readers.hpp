@@ -1,0 +1,58 @@
+// Reads the parts of a [[proxy]] that not every class has.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config/claims.hpp"
+#include "config/directory.hpp"
+#include "config/ecology.hpp"
+#include "config/table_reader.hpp"
+#include "proxy/program.hpp"
+
+namespace rubicon::config {
+
+/// The names below one proxy's prefix.
+class tuple_names {
+public:
+  void claim(const std::string& name, mark at, complaints& problems);
+
+private:
+  name_claims names_;
+};
+
+/// A template whose names are checked when all fields and properties are known.
+struct placed_template {
+  proxy::tuple_template what;
+  mark key_at;
+  mark text_at; ///< of `value` or `json`
+};
+
+/// [[proxy.tuple]]
+[[nodiscard]] placed_template read_tuple_template(table_reader& in);
+
+/// Complains about names that the class does not have, and about fields of several messages.
+void check_tuple_template(const placed_template& x, const proxy::proxy_class& of,
+                          complaints& problems);
+
+/// [proxy.qos]
+void read_quality(table_reader& in, proxy::proxy_settings& out);
+
+/// program and settings, when all else of the class is read.
+void read_program(table_reader& in, const proxy::program_registry& programs, tuple_names& names,
+                  proxy::proxy_class& out);
+
+/// Where a field says that its mote computes it.
+struct placed_computation {
+  std::string proxy;
+  std::string field;
+  mark at;
+};
+
+/// Gives the computations to the samplers of the motes that the classes claim (PXY-17).
+void place_computations(const std::vector<placed_computation>& all,
+                        const std::vector<proxy::proxy_class>& classes,
+                        std::vector<island_description>& islands, complaints& problems);
+
+} // namespace rubicon::config

@@ -1,0 +1,77 @@
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config/file_readers.hpp"
+#include "translate/pattern.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+/// A key in which {1} stands for what the first `*` does.
+struct target_key {
+  using type = std::string;
+  std::size_t stars = 0;
+
+  [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const {
+    const auto* found = x.as<std::string>();
+    if (found != nullptr && translate::is_target(*found, stars))
+      return *found;
+    auto wanted = std::string("1 to 7 parts between dots, at most 127 characters, each of letters, "
+                              "digits, - and _");
+    if (stars > 0)
+      wanted += ", and {1}" + (stars > 1 ? " to {" + std::to_string(stars) + '}' : std::string()) +
+                ", which the `*` of `from` stand for";
+    return who.refuse(x, wanted);
+  }
+};
+
+/// Arithmetic on `x`.
+struct arithmetic {
+  using type = translate::expression;
+
+  [[nodiscard]] static std::optional<type> read(const node& x, const asker& who) {
+    const auto* found = x.as<std::string>();
+    if (found == nullptr)
+      return who.refuse(x, "an expression in text, as in \"(x - 400) * 0.5\"");
+    auto parsed = translate::expression::parse(*found);
+    if (auto* good = std::get_if<type>(&parsed))
+      return std::move(*good);
+    const auto& wrong = std::get<translate::expression_problem>(parsed);
+    who.complain(x, '`' + std::string(who.key) + "`, at character " + std::to_string(wrong.at + 1) +
+                        " of " + quoted(*found) + ": " + wrong.message);
+    return std::nullopt;
+  }
+};
+
+translate::translation read_translation(table_reader& in) {
+  translate::translation out;
+  translate::expression value;
+  in.required("from", tuple_key{true}, out.from);
+  in.optional("to", target_key{translate::stars_in(out.from)}, out.to);
+  if (in.optional("value", arithmetic{}, value))
+    out.value = std::move(value);
+  in.optional("decimals", whole<int>{0, 6}, out.decimals);
+  in.optional("unit", text{16}, out.unit);
+  in.optional("history", whole<std::size_t>{1, translate::history_max}, out.history);
+  if (!in.has("to") && !in.has("history"))
+    in.problems().add(in.at(), "a translation needs `to`, `history` or both");
+  if (in.has("decimals") && !in.has("value"))
+    in.problems().add(in.at("decimals"), "`decimals` are those of a `value`");
+  if (in.has("unit") && !in.has("to"))
+    in.problems().add(in.at("unit"), "`unit` is that of the tuple `to`");
+  return out;
+}
+
+} // namespace
+
+translate_app read_translate(table_reader& in) {
+  translate_app out;
+  in.tables(
+      "rules", "rules of a translation",
+      [&](table_reader& x) { out.rules.push_back(read_translation(x)); }, 1);
+  return out;
+}
+
+} // namespace rubicon::config

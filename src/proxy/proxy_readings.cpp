@@ -1,0 +1,87 @@
+// The part of a proxy that tells what its mote says: readings, what is made of them, and how old
+// they are.
+#include <utility>
+
+#include "proxy/proxy.hpp"
+
+namespace rubicon::proxy {
+
+proxy::outputs proxy::on_output(std::uint16_t channel, byte_view payload, instant now) {
+  outputs out;
+  sensed(now, out);
+  if (!reads_channel(class_, channel)) {
+    ++counters_.unread_messages;
+    return out;
+  }
+  const auto counts = counts_in(class_, channel, payload);
+  if (!counts) {
+    ++counters_.short_messages;
+    return out;
+  }
+  ++counters_.messages;
+  std::vector<reading> readings;
+  for (const auto& [field, count] : *counts) {
+    const auto mean = means_.find(field->name);
+    readings.push_back(reading_of(*field, mean == means_.end() ? count : mean->second.add(count)));
+  }
+  say_readings(readings, out);
+  for (auto& [key, text] : templates_.on_readings(channel, readings, now))
+    say(std::move(key), std::move(text), out);
+  refresh(channel, now, out);
+  if (program_)
+    say_of_program(program_->on_readings(readings, now), out);
+  return out;
+}
+
+void proxy::say_readings(std::vector<reading> all, outputs& out) {
+  for (auto& x : all) {
+    say(key_of(x.name), x.text, out);
+    newest_.insert_or_assign(x.name, std::move(x));
+  }
+}
+
+void proxy::say_of_program(std::vector<reading> all, outputs& out) {
+  std::erase_if(all, [this](const reading& x) {
+    const bool foreign = !program_names_.contains(x.name);
+    counters_.foreign_names += foreign ? 1 : 0;
+    return foreign;
+  });
+  for (const auto& x : all) {
+    if (!x.unit.empty() && !std::exchange(program_names_.at(x.name), true))
+      say(key_of(x.name + ".unit"), x.unit, out);
+  }
+  say_readings(std::move(all), out);
+}
+
+void proxy::ask_for_period(outputs& out) const {
+  for (const auto channel : output_channels())
+    out.emplace_back(write_period{who_.mote, channel, class_.settings.period});
+}
+
+void proxy::refresh(std::uint16_t channel, instant now, outputs& out) {
+  if (class_.settings.stale_after == 0s)
+    return;
+  const bool was_fresh = stale_at_.contains(channel);
+  stale_at_.insert_or_assign(channel, now + class_.settings.stale_after);
+  if (!was_fresh)
+    say_freshness(channel, "fresh", out);
+}
+
+void proxy::mark_stale(instant now, outputs& out) {
+  for (auto x = stale_at_.begin(); x != stale_at_.end();) {
+    if (x->second > now) {
+      ++x;
+      continue;
+    }
+    say_freshness(x->first, "stale", out);
+    x = stale_at_.erase(x);
+  }
+}
+
+void proxy::say_freshness(std::uint16_t channel, std::string_view word, outputs& out) {
+  for (const auto& field : class_.fields)
+    if (field.channel == channel)
+      say(key_of(field.name + ".freshness"), std::string(word), out);
+}
+
+} // namespace rubicon::proxy

@@ -1,0 +1,267 @@
+#include <string>
+#include <variant>
+
+#include "config_sample.hpp"
+#include "proxy/program.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::config;
+using namespace rubicon::test;
+
+namespace {
+
+/// A class of fields `t` and `h` on channel 1 and `d` on channel 2; what follows stands from
+/// line 24.
+const std::string class_head = proxy_head + R"(properties = { room = "larder" }
+[[proxy.field]]
+name = "t"
+channel = 1
+unit = "C"
+[[proxy.field]]
+name = "h"
+channel = 1
+offset = 2
+[[proxy.field]]
+name = "d"
+channel = 2
+words = { 0 = "closed" }
+
+
+)";
+
+} // namespace
+
+TEST_CASE("templates, qualities and masks of a class arrive", "[config][PXY-04][PXY-11][PXY-12]") {
+  const auto all = good(class_head + R"(
+[[proxy.tuple]]
+key = "{room}.{name}.text"
+value = "{t} {t.unit} {{{island}}}"
+[[proxy.tuple]]
+key = "climate"
+json = ["h", "t"]
+[proxy.qos]
+period = "2s"
+retry_for = "1min"
+answer_timeout = "5s"
+stale_after = "10s"
+inactive_after = "20s"
+retire_after = "1h"
+[[proxy]]
+name = "masked"
+types = ["0x0100/0xff00", "512/65280"]
+indirect = true
+)");
+  const auto& x = all.proxies.at(0);
+  REQUIRE(x.tuples.size() == 2);
+  CHECK(x.tuples[0].key == "{room}.{name}.text");
+  CHECK(x.tuples[0].text == "{t} {t.unit} {{{island}}}");
+  CHECK(x.tuples[1].json == std::vector<std::string>{"h", "t"});
+  CHECK(x.settings.period == 2s);
+  CHECK(x.settings.retry_for == 1min);
+  CHECK(x.settings.answer_timeout == 5s);
+  CHECK(x.settings.stale_after == 10s);
+  CHECK(x.settings.inactive_after == duration(20s));
+  CHECK(x.settings.retire_after == duration(1h));
+  CHECK(!x.indirect);
+  const auto& masked = all.proxies.at(1);
+  CHECK(masked.indirect);
+  CHECK(masked.types.at(0).first == 0x100);
+  CHECK(masked.types.at(0).mask == 0xff00);
+  CHECK(masked.types.at(1).first == 512);
+  CHECK(masked.types.at(1).mask == 65280);
+}
+
+TEST_CASE("a template has names that its class has", "[config][GEN-06][PXY-04]") {
+  const auto x = GENERATE(values<row>({
+      {"[[proxy.tuple]]\nkey = \"a\"\n",
+       "24:1: a tuple needs either `value`, a text, or `json`, names of fields"},
+      {"[[proxy.tuple]]\nkey = \"a\"\nvalue = \"x\"\njson = [\"t\"]\n",
+       "24:1: a tuple needs either `value`, a text, or `json`, names of fields"},
+      {"[[proxy.tuple]]\nkey = \"{rom}.a\"\nvalue = \"x\"\n",
+       "25:7: a key has no {rom}: did you mean `room`?"},
+      {"[[proxy.tuple]]\nkey = \"{t}.a\"\nvalue = \"x\"\n",
+       "25:7: a key has no {t}: there is island, id, name, class, room"},
+      {"[[proxy.tuple]]\nkey = \"a..b\"\nvalue = \"x\"\n",
+       "25:7: `key` must be 1 to 7 parts between dots, at most 100 characters, each of letters, "
+       "digits, -, _ and names in braces, as in \"{room}.climate\", not \"a..b\""},
+      {"[[proxy.tuple]]\nkey = \"a.*\"\nvalue = \"x\"\n",
+       "25:7: `key` must be 1 to 7 parts between dots, at most 100 characters, each of letters, "
+       "digits, -, _ and names in braces, as in \"{room}.climate\", not \"a.*\""},
+      {"[[proxy.tuple]]\nkey = \"a\"\nvalue = \"{t\"\n",
+       "26:9: `value` must be text in which { and } enclose a name, as in \"{temperature} C\"; {{ "
+       "and }} are braces, not \"{t\""},
+      {"[[proxy.tuple]]\nkey = \"a\"\nvalue = \"{hh}\"\n",
+       "26:9: the proxy has no field `hh`: did you mean `h`?"},
+      {"[[proxy.tuple]]\nkey = \"a\"\nvalue = \"{t} {d}\"\n",
+       "26:9: `d` is of channel 2, not of channel 1: the fields of a tuple come in one message"},
+      {"[[proxy.tuple]]\nkey = \"a\"\njson = [\"zz\"]\n",
+       "26:8: the proxy has no field `zz`: there is t, h, d"},
+      {"[[proxy.tuple]]\nkey = \"a\"\njson = [\"t\"]\n[[proxy.tuple]]\nkey = \"A\"\nvalue = "
+       "\"x\"\n",
+       "28:7: the key `A` is already taken (line 25, column 7)"},
+  }));
+  CAPTURE(x.toml);
+  CHECK(problem_after(class_head, x.toml) == x.problem);
+}
+
+TEST_CASE("masks of types have to be possible, and to leave no doubt", "[config][PXY-11]") {
+  CHECK(problem_after(head, "[[proxy]]\nname = \"p\"\ntypes = [\"0x0101/0xff00\"]\n")
+            .starts_with("8:10: `types` must be types from 1"));
+  CHECK(problem_after(head, "[[proxy]]\nname = \"p\"\ntypes = [\"0x0100/0xff00\"]\n[[proxy]]\nname "
+                            "= \"q\"\ntypes = [\"0x0010/0x00ff\", \"0x0100/0xf0\"]\n")
+            .starts_with("11:"));
+  CHECK(problem_after(head, "[[proxy]]\nname = \"p\"\ntypes = [\"0x0100/0xff00\"]\n[[proxy]]\nname "
+                            "= \"q\"\ntypes = [\"0x0010/0x00ff\"]\n") ==
+        "11:10: proxies `p` and `q` both claim type 272, with equally wide ranges (line 8, column "
+        "10)");
+}
+
+TEST_CASE("a program is one that is known, with settings that it takes",
+          "[config][GEN-06][PXY-04]") {
+  const auto x = GENERATE(values<row>({
+      {"program = \"occupancy\"\nsettings = { t = 1 }\n", "none"},
+      {"program = \"ocupancy\"\n",
+       "9:11: no program is called `ocupancy`: did you mean `occupancy`?"},
+      {"program = \"comfort\"\n", "9:11: no program is called `comfort`: there is occupancy"},
+      {"program = \"occupancy\"\n", "9:11: `occupancy` needs a setting with the name of a field"},
+      {"program = \"occupancy\"\nsettings = { t = 1, hold_s = -1 }\n",
+       "10:21: `hold_s` must be more than 0 and at most 86400"},
+      {"program = \"occupancy\"\nsettings = { u = 1 }\n",
+       "10:14: `u` is neither \"hold_s\" nor a field of the proxy"},
+      {"settings = { t = 1 }\n", "9:12: `settings` are those of a `program`"},
+      {"program = \"occupancy\"\nsettings = { t = 1 }\nproperties = { occupied = \"x\" }\n",
+       "11:16: name `occupied` is already taken (line 9, column 11)"},
+  }));
+  CAPTURE(x.toml);
+  const auto found =
+      problem_in(proxy_head + x.toml + "[[proxy.field]]\nname = \"t\"\nchannel = 1\n");
+  if (std::string(x.toml).find("properties") == std::string::npos)
+    CHECK(found == x.problem);
+  else
+    CHECK(found.find("`occupied` is already taken") != std::string::npos);
+}
+
+TEST_CASE("what only motes have is refused with ids", "[config][GEN-06]") {
+  const auto head_of_ids = std::string(head) +
+                           "apps = [{ app = \"proxy_manager\", islands = [], objects = true }]\n"
+                           "[[proxy]]\nname = \"p\"\nids = [\"rfid/\"]\n";
+  for (const auto* key :
+       {"indirect = true\n", "program = \"occupancy\"\nsettings = {}\n", "qos = {}\n"}) {
+    CAPTURE(key);
+    CHECK(problem_after(head_of_ids, key)
+              .find("only motes have it, and the proxy has `ids` of tagged objects") !=
+          std::string::npos);
+  }
+}
+
+TEST_CASE("a mean is computed where the file says", "[config][PXY-17]") {
+  const auto text = [](const std::string& field) {
+    return mote_head + R"(apps = [{ app = "sampler", transducers = ["temperature", "signal"] }]
+[[proxy]]
+name = "p"
+types = [7]
+[[proxy.field]]
+name = "f"
+channel = 1
+)" + field;
+  };
+  const auto means = [&](const std::string& field) {
+    const auto all = good(text(field));
+    return std::get<sampler_app>(all.islands.at(0).motes.at(0).apps.at(0)).mean_of;
+  };
+  CHECK(means("mean_of = 4\n").empty());
+  CHECK(means("mean_of = 4\ncomputed_by = \"proxy\"\n").empty());
+  CHECK(means("mean_of = 4\ncomputed_by = \"mote\"\n") == std::vector<std::size_t>{4, 1});
+  CHECK(means("offset = 2\nmean_of = 16\ncomputed_by = \"mote\"\n") ==
+        std::vector<std::size_t>{1, 16});
+
+  const auto x = GENERATE(values<row>({
+      {"mean_of = 17\n", "27:11: `mean_of` must be a whole number from 1 to 16, not 17"},
+      {"computed_by = \"mote\"\n", "27:15: `computed_by` needs `mean_of`: what is computed"},
+      {"computed_by = \"moat\"\nmean_of = 2\n",
+       "27:15: `computed_by` must be \"proxy\" or \"mote\", not \"moat\"; did you mean \"mote\"?"},
+      {"mean_of = 2\nwords = { 0 = \"a\" }\n", "27:11: words have no mean"},
+      {"mean_of = 2\ncomputed_by = \"mote\"\noffset = 1\n",
+       "28:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
+      {"mean_of = 2\ncomputed_by = \"mote\"\noffset = 4\n",
+       "28:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
+      {"mean_of = 2\ncomputed_by = \"mote\"\nencoding = \"u8\"\n",
+       "28:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
+  }));
+  CAPTURE(x.toml);
+  CHECK(problem_in(text(x.toml)) == x.problem);
+}
+
+TEST_CASE("what is known of single motes arrives", "[config][PXY-05][PXY-06]") {
+  const auto of_motes = mote_head + "[[proxy]]\nname = \"p\"\ntypes = [7]\n";
+  const auto all = good(of_motes + R"([[proxy.object]]
+mote = "k/c-2"
+position_m = [1, 2.5]
+properties = { shelf = "upper" }
+)");
+  const auto& known = all.proxies.at(0).objects.at(0);
+  CHECK(known.id == "1/2");
+  REQUIRE(known.place);
+  CHECK(known.place->y_m == 2.5);
+  CHECK(known.properties.at(0).first == "shelf");
+
+  const auto x = GENERATE(values<row>({
+      {"[[proxy.object]]\n", "22:1: `mote` is missing in [[proxy.object]]"},
+      {"[[proxy.object]]\nmote = \"k/c-3\"\n", "23:8: no mote"},
+      {"[[proxy.object]]\nmote = \"k/c-2\"\n[[proxy.object]]\nmote = \"k/c-2\"\n",
+       "25:8: mote `1/2` is already taken (line 23, column 8)"},
+  }));
+  CAPTURE(x.toml);
+  CHECK(problem_in(of_motes + x.toml).starts_with(x.problem));
+  // A text may name what not all have; a key may not.
+  const std::string about =
+      "[[proxy.object]]\nmote = \"k/c-2\"\nproperties = { shelf = \"upper\" }\n"
+      "[[proxy.tuple]]\n";
+  CHECK(problem_in(of_motes + about + "key = \"a\"\nvalue = \"{shelf}\"\n") == "none");
+  CHECK(problem_in(of_motes + about + "key = \"{shelf}\"\nvalue = \"a\"\n")
+            .starts_with("26:7: a key has no {shelf}"));
+}
+
+TEST_CASE("translations arrive", "[config][SVC-09]") {
+  const auto all = good(std::string(head) + R"(apps = [{ app = "translate", rules = [
+  { from = "*.ad0", to = "{1}.light", value = "x / 2", decimals = 1, unit = "lx", history = 5 },
+  { from = "door" , history = 100 } ] }]
+)");
+  const auto& rules = std::get<translate_app>(all.peers.at(0).apps.at(0)).rules;
+  REQUIRE(rules.size() == 2);
+  CHECK(rules[0].from == "*.ad0");
+  CHECK(rules[0].to == "{1}.light");
+  REQUIRE(rules[0].value);
+  CHECK((*rules[0].value)(3) == 1.5);
+  CHECK(rules[0].decimals == 1);
+  CHECK(rules[0].unit == "lx");
+  CHECK(rules[0].history == 5);
+  CHECK(rules[1].to.empty());
+  CHECK(!rules[1].value);
+}
+
+TEST_CASE("a translation has to be possible", "[config][GEN-06][SVC-09]") {
+  const auto x = GENERATE(values<row>({
+      {"to = \"b\"", "6:39: `from` is missing in rules of a translation"},
+      {"from = \"a\"", "6:39: a translation needs `to`, `history` or both"},
+      {"from = \"a\", to = \"{1}\"",
+       "6:58: `to` must be 1 to 7 parts between dots, at most 127 characters, each of letters, "
+       "digits, - and _, not \"{1}\""},
+      {"from = \"*.*\", to = \"{3}\"",
+       "6:60: `to` must be 1 to 7 parts between dots, at most 127 characters, each of letters, "
+       "digits, - and _, and {1} to {2}, which the `*` of `from` stand for, not \"{3}\""},
+      {"from = \"a\", to = \"b\", value = \"x + y\"",
+       "6:71: `value`, at character 5 of \"x + y\": `y` is neither `x` nor a function: there are "
+       "abs, floor, ceil, round, sqrt, min and max"},
+      {"from = \"a\", to = \"b\", value = 3",
+       "6:71: `value` must be an expression in text, as in \"(x - 400) * 0.5\", not 3"},
+      {"from = \"a\", to = \"b\", decimals = 2", "6:74: `decimals` are those of a `value`"},
+      {"from = \"a\", history = 3, unit = \"C\"", "6:73: `unit` is that of the tuple `to`"},
+      {"from = \"a\", history = 101",
+       "6:63: `history` must be a whole number from 1 to 100, not 101"},
+  }));
+  CAPTURE(x.toml);
+  CHECK(problem_after(head, "apps = [{ app = \"translate\", rules = [{ " + std::string(x.toml) +
+                                " }] }]\n") == x.problem);
+}

@@ -1,0 +1,112 @@
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/device_keys.hpp"
+#include "proxy/proxy.hpp"
+#include "proxy_world.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::test;
+
+TEST_CASE("values that are not renewed are marked stale", "[proxy][PXY-20]") {
+  proxy_settings settings;
+  settings.stale_after = 10s;
+  auto aut = started(settings);
+  CHECK_FALSE(aut.deadline());
+  CHECK(told(aut.on_output(2, bytes{1}, start)) ==
+        lines{base + "state = on", base + "state.freshness = fresh"});
+  CHECK(told(aut.on_output(1, bytes{0x00, 0xdf, 45}, start + 5s)) ==
+        lines{base + "temperature = 22.3", base + "humidity = 45",
+              base + "temperature.freshness = fresh", base + "humidity.freshness = fresh"});
+  CHECK(told(aut.on_output(2, bytes{0}, start + 6s)) == lines{base + "state = off"});
+  CHECK(aut.deadline() == start + 15s);
+  CHECK(told(aut.on_time(start + 15s)) ==
+        lines{base + "temperature.freshness = stale", base + "humidity.freshness = stale"});
+  CHECK(told(aut.on_time(start + 16s)) == lines{base + "state.freshness = stale"});
+  CHECK_FALSE(aut.deadline());
+  CHECK(told(aut.on_output(2, bytes{0}, start + 20s)) ==
+        lines{base + "state = off", base + "state.freshness = fresh"});
+}
+
+TEST_CASE("a period is asked for whenever the mote is listed", "[proxy][GW-10][IF-04]") {
+  proxy_settings settings;
+  settings.period = 2500ms;
+  auto aut = started(settings);
+  const auto watches = aut.watches();
+  CHECK(watches.back() == watch{watch::source::gateway, device_status_key(mote_id{7}), {}});
+  const auto says = [&aut](std::string_view text) {
+    return told(aut.on_gateway_tuple(device_status_key(mote_id{7}), to_bytes(text), start));
+  };
+  const lines asks{"period devices.7.output.1.period 2500",
+                   "period devices.7.output.2.period 2500"};
+  CHECK(says("listed 3.000000") == asks);
+  CHECK(says("left silence 4.000000").empty());
+  CHECK(says("listed 5.000000") == asks);
+  CHECK(says("here").empty());
+  CHECK(aut.counters().bad_statuses == 1);
+
+  auto without = started();
+  CHECK(without.watches().size() + 1 == watches.size());
+}
+
+TEST_CASE("indirect information is of the interface, a position perhaps of the table",
+          "[proxy][PXY-06][PXY-05]") {
+  auto what = climate();
+  what.indirect = true;
+  auto who = identity();
+  who.interface_name = "kitchen-gateway";
+  who.interface_place = position{1, 2, 3};
+  const auto about = [](const lines& all) {
+    lines out;
+    for (const auto& x : all)
+      if (x.find(".interface") != std::string::npos || x.find(".position") != std::string::npos)
+        out.push_back(x.substr(base.size()));
+    return out;
+  };
+  SECTION("of the interface alone") {
+    face aut(what, who);
+    CHECK(about(told(aut.start(start))) == lines{"interface = kitchen-gateway",
+                                                 "position.accuracy = interface",
+                                                 "position = 1.00 2.00 3.00"});
+    CHECK(about(told(aut.on_presence(device_presence::left, "silence", start + 1s))) ==
+          lines{"interface = none", "position.accuracy = unknown", "position = unknown"});
+    CHECK(about(told(aut.on_presence(device_presence::left, "battery", start + 2s))).empty());
+    CHECK(about(told(aut.on_presence(device_presence::listed, {}, start + 3s))).size() == 3);
+    CHECK(about(told(aut.on_presence(device_presence::stale, {}, start + 4s))).empty());
+  }
+  SECTION("of the table") {
+    what.objects = {{"5/8", "", {}, position{9, 9, 9}},
+                    {"5/7", "", {{"shelf", "upper"}}, position{4, 5, 6}}};
+    face aut(what, who);
+    const auto first = told(aut.start(start));
+    CHECK(std::ranges::count(first, base + "shelf = upper") == 1);
+    CHECK(about(first) == lines{"interface = kitchen-gateway", "position.accuracy = prior",
+                                "position = 4.00 5.00 6.00"});
+    CHECK(about(told(aut.on_presence(device_presence::left, "silence", start + 1s))) ==
+          lines{"interface = none", "position.accuracy = prior", "position = 4.00 5.00 6.00"});
+  }
+  SECTION("not unless the class says so") {
+    CHECK(about(told(face(climate(), who).start(start))).empty());
+  }
+}
+
+TEST_CASE("a proxy computes the mean that its class wants, unless the mote does",
+          "[proxy][PXY-17]") {
+  auto what = climate();
+  what.fields[0].mean_of = 3;
+  const auto temperatures = [&what] {
+    face aut(what, identity());
+    static_cast<void>(aut.start(start));
+    lines out;
+    for (const std::uint8_t count : bytes{10, 20, 41, 40})
+      out.push_back(told(aut.on_output(1, bytes{0, count, 45}, start)).front());
+    return out;
+  };
+  const auto key = base + "temperature = ";
+  CHECK(temperatures() == lines{key + "1.0", key + "1.5", key + "2.4", key + "3.4"});
+  what.fields[0].computed_by_mote = true;
+  CHECK(temperatures() == lines{key + "1.0", key + "2.0", key + "4.1", key + "4.0"});
+}
