@@ -115,7 +115,7 @@ TEST_CASE("a mote with rare keep-alives says early that it believes itself joine
   instant now{};
   static_cast<void>(client.start(1, now));
   const auto request = request_in(wait(client, now));
-  const join_reply reply{request.sequence, island_id{1}, mote_id{7}, 0};
+  const join_reply reply{request.sequence, island_id{1}, mote_id{7}, 0, 0, {}};
   static_cast<void>(client.on_message(the_sink, reply, now));
   for (const auto gap : {4s, 8s, 16s, 30s, 30s}) {
     const auto before = now;
