@@ -338,11 +338,11 @@ void builder::deliver(const node& x, const std::string& actor, instant when) {
     return;
   auto& m = all_.messages[x.about.index];
   const auto kernel = all_.known.peer_of(actor);
-  const auto who = kernel ? std::optional(mote_address{
-                                island_id(static_cast<std::uint32_t>(
-                                    all_.known.speaks_for(*kernel).value)),
-                                no_mote})
-                          : all_.known.address_of(actor);
+  const auto who =
+      kernel ? std::optional(mote_address{
+                   island_id(static_cast<std::uint32_t>(all_.known.speaks_for(*kernel).value)),
+                   no_mote})
+             : all_.known.address_of(actor);
   if (!who)
     return;
   if (x.of == cargo::answer) {

@@ -161,8 +161,7 @@ TEST_CASE("readings and commands go on when the cable of the gateway that leads 
 
 TEST_CASE("nobody notices that the gateway that stands by has ended, or lost its cable",
           "[ecology][GW-14]") {
-  const auto what =
-      kitchen_with({killed(1min, second, 20s), unplugged(2min, second, 20s)});
+  const auto what = kitchen_with({killed(1min, second, 20s), unplugged(2min, second, 20s)});
   for (std::uint64_t seed = 1; seed <= seeds(3); ++seed) {
     CAPTURE(seed);
     const auto x = record(what, seed);
@@ -187,12 +186,13 @@ TEST_CASE("an island without any gateway is whole again when one is back", "[eco
   }
 }
 
-TEST_CASE("whatever happens to two gateways and their cables, each actuation has one outcome and the "
-          "island is whole at last",
-          "[ecology][GW-14][GW-15][IF-07]") {
+TEST_CASE(
+    "whatever happens to two gateways and their cables, each actuation has one outcome and the "
+    "island is whole at last",
+    "[ecology][GW-14][GW-15][IF-07]") {
   const auto at_random = [](config::fault what) {
-    return config::fault_description{
-        0s, std::move(what), config::fault_times{{}, 5, 0s, std::optional<duration>(9min)}};
+    return config::fault_description{0s, std::move(what),
+                                     config::fault_times{{}, 5, 0s, std::optional<duration>(9min)}};
   };
   const auto what = kitchen_with({at_random(config::kill_fault{first, 20s}),
                                   at_random(config::kill_fault{second, 15s}),
@@ -226,8 +226,7 @@ TEST_CASE("messages from another island reach either id once, through whichever 
       std::size_t heard = 0;
       std::size_t heard_in_between = 0;
       for (const auto& each : x.content.records) {
-        if (each.what != explain::kind::message_received ||
-            each.from != "mote/kitchen/pager")
+        if (each.what != explain::kind::message_received || each.from != "mote/kitchen/pager")
           continue;
         ++heard;
         CHECK(each.mote == mote_address{island_id{30}, mote_id{2}});
@@ -273,7 +272,8 @@ TEST_CASE("what is told of a message names the gateway that it took", "[ecology]
   CHECK(told != x.report.story.end());
 }
 
-TEST_CASE("motes keep the time of peers when another gateway tells it", "[ecology][GW-14][CLK-08]") {
+TEST_CASE("motes keep the time of peers when another gateway tells it",
+          "[ecology][GW-14][CLK-08]") {
   const auto x = run(kitchen_with({killed(1min, first, 10min)}, 5min));
   const auto& network = kitchen_of(x).network;
   CHECK(network.aligned > 0);

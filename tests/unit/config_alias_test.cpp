@@ -12,7 +12,9 @@ using namespace rubicon::test;
 namespace {
 
 /// After island_head, from line 15 on.
-std::string with(const std::string& rest) { return std::string(island_head) + rest; }
+std::string with(const std::string& rest) {
+  return std::string(island_head) + rest;
+}
 
 } // namespace
 
@@ -77,7 +79,8 @@ TEST_CASE("bad aliases are refused where they stand", "[config][GW-14]") {
     if (problem != nullptr)
       CHECK(problem_in(with(toml)) == problem);
     else
-      CHECK(problem_in(with(toml)).find("a gateway has apps only where it is the island's only "
-                                        "one") != std::string::npos);
+      CHECK(problem_in(with(toml))
+                .find("a gateway has apps only where it is the island's only "
+                      "one") != std::string::npos);
   }
 }

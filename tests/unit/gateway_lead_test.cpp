@@ -61,10 +61,9 @@ std::string published(const gateway::outputs& out, std::string_view key) {
 }
 
 gateway::outputs send_up(gateway::gateway& x, const transport::segment& segment) {
-  return x.on_packet(fan, network::am::to_gateway,
-                     encode(network::island_packet{kitchen, no_mote, segment.am_type,
-                                                   encode(segment)}),
-                     {});
+  return x.on_packet(
+      fan, network::am::to_gateway,
+      encode(network::island_packet{kitchen, no_mote, segment.am_type, encode(segment)}), {});
 }
 
 /// The only segment that goes down.
@@ -216,7 +215,8 @@ TEST_CASE("a message to either gateway arrives", "[gateway][GW-14]") {
   join(standby, fan);
   join(leader, fan);
   static_cast<void>(lead(leader));
-  const auto message = encode(network::gateway_packet{fan, 10, encode(test::plain(mote_id{3}, 10, bytes{9}))});
+  const auto message =
+      encode(network::gateway_packet{fan, 10, encode(test::plain(mote_id{3}, 10, bytes{9}))});
   CHECK(standby.on_message(peer_id{30}, message, {}).empty()); // nobody is known to lead
   hear_leader(standby, first);
   const auto relays = pick<relay_to>(standby.on_message(peer_id{30}, message, {}));

@@ -56,7 +56,8 @@ TEST_CASE("motes join over three hops", "[mote][network][NET-11][DIS-08]") {
   CHECK(x.memberships.size() == 3); // nobody was lost in between
 }
 
-TEST_CASE("a mote that has joined knows all ids of its island's gateways", "[mote][NFR-05][GW-14]") {
+TEST_CASE("a mote that has joined knows all ids of its island's gateways",
+          "[mote][NFR-05][GW-14]") {
   island_world x({.width = 3, .aliases = {island_id{21}, island_id{22}}});
   CHECK(x.at(id(3)).gateways().empty());
   REQUIRE(x.run_until([&x] { return x.root().members() == 2; }, 1min));

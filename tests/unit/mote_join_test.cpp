@@ -101,8 +101,10 @@ TEST_CASE("a reply to an older request is ignored", "[mote][DIS-08]") {
   static_cast<void>(client.start(1, now));
   const auto first = request_in(wait(client, now));
   static_cast<void>(wait(client, now));
-  CHECK(client.on_message(the_sink, join_reply{first.sequence, island_id{1}, mote_id{7}, 0, 0, {}}, now)
-            .empty());
+  CHECK(
+      client
+          .on_message(the_sink, join_reply{first.sequence, island_id{1}, mote_id{7}, 0, 0, {}}, now)
+          .empty());
 }
 
 TEST_CASE("motes that start together do not all ask at once", "[mote][DIS-05]") {
@@ -126,8 +128,8 @@ TEST_CASE("where frames wait for their turn, a mote waits longer for its answer,
     static_cast<void>(x.start(1, now));
     const auto asked = request_in(wait(x, now));
     CHECK(*x.deadline() - now == 1500ms);
-    static_cast<void>(
-        x.on_message(the_sink, join_reply{asked.sequence, island_id{1}, mote_id{7}, 0, 0, {}}, instant{2s}));
+    static_cast<void>(x.on_message(
+        the_sink, join_reply{asked.sequence, island_id{1}, mote_id{7}, 0, 0, {}}, instant{2s}));
     CHECK(*x.deadline() > instant{2s} + config.keep_alive * 3 / 4);
     CHECK(*x.deadline() <= instant{2s} + config.keep_alive);
     return *x.deadline();
