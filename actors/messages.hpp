@@ -852,6 +852,7 @@ struct mote_presence {
 /// From its manager: this gateway leads the proxied mote's island from now on (GW-14, PXY-14).
 struct gateway_changed {
   peer_id gateway;
+  std::string name;
 };
 
 /// What speaks for one mote.

@@ -158,7 +158,7 @@ auto inspect(F& f, gateway_status& x) {
 
 template <class F>
 auto inspect(F& f, gateway_changed& x) {
-  return f(caf::meta::type_name("gateway_changed"), x.gateway);
+  return f(caf::meta::type_name("gateway_changed"), x.gateway, x.name);
 }
 
 template <class F>

@@ -79,10 +79,10 @@ bool is_answer(std::string_view key) {
   return parsed && parsed->what == device_tuple::input_status;
 }
 
-void on_gateway(proxy_pointer self, peer_id gateway) {
-  self->state.arguments.gateway = gateway;
-  log(self, spdlog::level::info, "event=gateway id={}", to_string(gateway));
-  perform(self, self->state.arguments.core.on_gateway_changed(now(self)));
+void on_gateway(proxy_pointer self, const gateway_changed& x) {
+  self->state.arguments.gateway = x.gateway;
+  log(self, spdlog::level::info, "event=gateway id={}", to_string(x.gateway));
+  perform(self, self->state.arguments.core.on_gateway_changed(x.name, now(self)));
 }
 
 void on_tuple(proxy_pointer self, const tuple_event& x) {
@@ -141,7 +141,7 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
         log(self, spdlog::level::info, "event={} cause={}",
             proxy::to_string(self->state.arguments.core.status()), x.cause);
       },
-      [self](const gateway_changed& x) { on_gateway(self, x.gateway); },
+      [self](const gateway_changed& x) { on_gateway(self, x); },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           perform(self, self->state.arguments.core.on_time(now(self)));

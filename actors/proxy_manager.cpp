@@ -18,8 +18,13 @@ constexpr duration proxy_restart_delay = 1s;
 
 using manager_pointer = scheduler::traced_pointer<proxy_manager_state, proxy_manager_actor>;
 
+std::string gateway_name(const managed_island& island, peer_id gateway) {
+  const auto found = island.gateway_names.find(gateway);
+  return found == island.gateway_names.end() ? std::string() : found->second;
+}
+
 proxy::proxy_identity identity_of(const proxy_manager_arguments& arguments,
-                                  const mote_address& mote) {
+                                  const mote_address& mote, peer_id gateway) {
   proxy::proxy_identity who;
   who.mote = mote;
   who.mote_name = to_string(mote.mote);
@@ -27,7 +32,7 @@ proxy::proxy_identity identity_of(const proxy_manager_arguments& arguments,
   if (island == arguments.islands.end())
     return who;
   who.island_name = island->name;
-  who.interface_name = island->gateway_name;
+  who.interface_name = gateway_name(*island, gateway);
   who.interface_place = island->sink_place;
   if (const auto name = island->mote_names.find(mote.mote); name != island->mote_names.end())
     who.mote_name = name->second;
@@ -42,9 +47,9 @@ struct performer {
     const auto* what = state.manager.classes().find(x.class_name);
     if (what == nullptr)
       return;
-    proxy::proxy core(*what, identity_of(state.arguments, x.mote));
-    const auto name = core.prefix();
     const auto& gateways = state.gateways.at(x.mote.island);
+    proxy::proxy core(*what, identity_of(state.arguments, x.mote, gateways.current()));
+    const auto name = core.prefix();
     log(self, spdlog::level::info, "event=started proxy={} class={}", name, x.class_name);
     state.proxies[x.mote] = scheduler::spawn_at<caf::monitored>(
         self, "proxy/" + name, proxy_behavior,
@@ -100,11 +105,13 @@ void watch_gateways(manager_pointer self, const managed_island& island) {
 
 /// Tells those of the island.
 void tell_gateway(manager_pointer self, island_id island, peer_id gateway) {
+  const auto& islands = self->state.arguments.islands;
+  const auto name = gateway_name(*std::ranges::find(islands, island, &managed_island::id), gateway);
   log(self, spdlog::level::info, "event=gateway island={} id={}", to_string(island),
       to_string(gateway));
   for (const auto& [mote, handle] : self->state.proxies)
     if (mote.island == island)
-      self->send(handle, gateway_changed{gateway});
+      self->send(handle, gateway_changed{gateway, name});
 }
 
 void on_tuple(manager_pointer self, const tuple_event& x) {

@@ -21,8 +21,8 @@ struct managed_island {
   std::map<mote_id, std::string> mote_names;
   std::vector<peer_id> gateways = {}; ///< in the order in which they take over; empty: the one with
                                       ///< the island's id
-  std::string gateway_name;           ///< the interface that perceives the motes,
-  std::optional<position> sink_place; ///< and where its antenna is
+  std::map<peer_id, std::string> gateway_names = {}; ///< interfaces that perceive the motes,
+  std::optional<position> sink_place = {};           ///< and where their antenna is
 };
 
 /// What a proxy manager actor is made of.

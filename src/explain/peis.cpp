@@ -232,7 +232,8 @@ std::optional<builder::sighting> builder::recognise(const carried_package& x, co
   }
   std::optional<sighting> what;
   if (header.port == island_message_port) {
-    if (const auto packet = envelope_of(x.data, header.source, header.destination))
+    if (const auto packet = envelope_of(x.data, all_.known.speaks_for(header.source),
+                                        all_.known.speaks_for(header.destination)))
       what = recognise(*packet, r);
   } else if (const auto tuple = tuple_of(x)) {
     what = recognise(*tuple, header.port == peis::port::set, header.seqlen == 0, r);

@@ -70,6 +70,7 @@ void gateway::change_lead(leadership::change x, outputs& out) {
 /// It is the PC of the island from here on, as one that has just been started.
 void gateway::take_lead(outputs& out) {
   add(earlier_terms_, above().messages().counters());
+  earlier_terms_.reliable_failed += outstanding(); // nobody waits for their answers any more
   messages_->layer.reset();
   pc_ = endpoint::pc(pc_of(config_, lead_.term()), random_stream(dice_.next()));
   messages_->layer = pc_.attach_for_rest(*messages_);

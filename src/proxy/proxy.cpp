@@ -202,8 +202,11 @@ proxy::outputs proxy::on_presence(device_presence x, std::string_view cause, ins
   return out;
 }
 
-proxy::outputs proxy::on_gateway_changed(instant now) {
+proxy::outputs proxy::on_gateway_changed(std::string name, instant now) {
   outputs out;
+  who_.interface_name = std::move(name);
+  if (class_.indirect)
+    say_indirect_information(out);
   for (auto& [channel, requests] : channels_)
     apply(channel, requests.on_gateway_changed(now), out);
   return out;

@@ -163,7 +163,8 @@ public:
   [[nodiscard]] outputs on_presence(device_presence x, std::string_view cause, instant now);
 
   /// Another gateway leads the mote's island: what is written to it from now on is new to it.
-  [[nodiscard]] outputs on_gateway_changed(instant now);
+  /// @param name the gateway's, empty if it is not known
+  [[nodiscard]] outputs on_gateway_changed(std::string name, instant now);
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
 
   [[nodiscard]] std::optional<instant> deadline() const;

@@ -186,6 +186,31 @@ TEST_CASE("an island without any gateway is whole again when one is back", "[eco
   }
 }
 
+TEST_CASE(
+    "whatever happens to two gateways and their cables, each actuation has one outcome and the "
+    "island is whole at last",
+    "[ecology][GW-14][GW-15][IF-07]") {
+  const auto at_random = [](config::fault what) {
+    return config::fault_description{0s, std::move(what),
+                                     config::fault_times{{}, 5, 0s, std::optional<duration>(9min)}};
+  };
+  const auto what = kitchen_with({at_random(config::kill_fault{first, 20s}),
+                                  at_random(config::kill_fault{second, 15s}),
+                                  at_random(config::unplug_fault{kitchen, 12s, first}),
+                                  at_random(config::unplug_fault{config::any_island, 3s})},
+                                 12min);
+  for (std::uint64_t seed = 1; seed <= seeds(4); ++seed) {
+    CAPTURE(seed);
+    const auto x = record(what, seed);
+    CHECK(told_violations(x.report).empty());
+    check_actuations(x);
+    const auto heard = x.times(explain::kind::tuple_event, "peer_app/robot/collector",
+                               "kitchen.climate-2.temperature");
+    CHECK(heard.size() <= x.times(explain::kind::send_message, "mote/kitchen/climate-2").size());
+    CHECK(heard.back() > instant(what.length - patience));
+  }
+}
+
 TEST_CASE("messages from another island reach either id once, through whichever gateway leads",
           "[ecology][GW-14][ACK-09]") {
   for (const auto called : {20U, 21U}) {

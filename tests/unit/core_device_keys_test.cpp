@@ -157,3 +157,14 @@ TEST_CASE("a pattern names outputs of one mote or all, on one channel or all",
                          "devices.7.output.2.period", "devices.x.output.*", "devices.0.output.1"})
     CHECK(parse_output_pattern(no).error() == errc::bad_value);
 }
+
+TEST_CASE("the role of a gateway among several is a word and since when", "[core][GW-14]") {
+  CHECK(device_role_text(true, instant{12345ms}) == "leads 12.345000");
+  CHECK(device_role_text(false, {}) == "stands_by 0.000000");
+  CHECK(*parse_device_role("leads 12.345000"));
+  CHECK(!*parse_device_role("stands_by 0.000000"));
+  for (const auto* text : {"", "leads", "leads ", "leads x", "follows 1.000000", "stands by 1.0"})
+    CHECK(!parse_device_role(text));
+  CHECK(to_string(device_key{device_tuple::role, {}, 0}) == "devices.role");
+  CHECK(parse_device_key("Devices.Gateways")->what == device_tuple::gateways);
+}

@@ -36,7 +36,7 @@ class explain_world {
 public:
   explain_world() {
     x.about.ecology = "test";
-    x.about.islands = {{1, "kitchen", 1, "kitchen-gateway", {{7, "near"}, {8, "far"}}}};
+    x.about.islands = {{1, "kitchen", 1, "kitchen-gateway", {{7, "near"}, {8, "far"}}, {}}};
     x.about.peers = {{1, "kitchen-gateway"}, {11, "pc"}, {30, "robot"}};
   }
 

@@ -144,6 +144,11 @@ TEST_CASE("its output tuples and what was under way end with the lead", "[gatewa
   REQUIRE(pick<gateway::erase>(out).size() == 1);
   CHECK(pick<gateway::erase>(out)[0].key == "devices.7.output.1");
   CHECK(x.devices() == std::vector{fan});
+  static_cast<void>(lead(x, 2, instant{2s}));
+  const auto counted = x.messages(); // every reliable message has an end
+  CHECK(counted.reliable_sent == 1);
+  CHECK(counted.reliable_failed == 1);
+  CHECK(x.outstanding() == 0);
 }
 
 TEST_CASE("each term is another incarnation of the PC of the island", "[gateway][GW-14][MCK-11]") {

@@ -282,3 +282,19 @@ TEST_CASE("only a terminal gets escapes, and never one from a tuple", "[runtime]
   CHECK(!contains(to_text(x, 100, true), "\033[2J"));
   CHECK(lines_of(to_text(x))[0] == "two?rooms");
 }
+
+TEST_CASE("the report tells which of several gateways has led", "[runtime][GW-14]") {
+  report x;
+  x.islands.emplace_back();
+  x.islands[0].name = "kitchen";
+  CHECK(to_json(x).find("gateways") == std::string::npos);
+  CHECK(to_text(x).find("led by") == std::string::npos);
+  gateway_report first{peer_id{20}, "kitchen-pc", 1, 60s, false};
+  first += {peer_id{20}, "kitchen-pc", 1, 30s, true};
+  x.islands[0].gateways = {first, {peer_id{21}, "attic-pc", 0, 0s, false}};
+  CHECK(to_text(x).find("led by kitchen-pc: 2 times, 90.000 s, at the end; attic-pc: 0 times") !=
+        std::string::npos);
+  const auto written = to_json(x);
+  CHECK(written.find("\"leading_s\": 90.0") != std::string::npos);
+  CHECK(written.find("\"led\": 2") != std::string::npos);
+}
