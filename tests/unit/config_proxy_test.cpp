@@ -223,6 +223,32 @@ properties = { shelf = "upper" }
             .starts_with("26:7: a key has no {shelf}"));
 }
 
+TEST_CASE("an input takes words, numbers or both", "[config][PXY-12]") {
+  const auto all =
+      good(input_head + "encoding = \"i16\"\nscale = 0.1\nadd = 5\nmax = 30\nunit = \"C\"\n"
+                        "words = { off = \"00\" }\n");
+  const auto& x = all.proxies.at(0).inputs.at(0);
+  REQUIRE(x.numbers);
+  CHECK(x.numbers->min == Approx(-3276.8 + 5));
+  CHECK(x.numbers->max == 30);
+  CHECK(x.unit == "C");
+  CHECK(x.words.size() == 1);
+  const auto r = GENERATE(values<row>({
+      {"encoding = \"u8\"\n", "none"},
+      {"encoding = \"u8\"\nmax = 256\n", "13:7: `max` must be a number from 0 to 255, not 256"},
+      {"encoding = \"u8\"\nmin = 7\nmax = 6\n",
+       "14:7: `max` must be a number from 7 to 255, not 6"},
+      {"encoding = \"u8\"\nscale = 0\n", "13:9: `scale` must not be 0"},
+      {"words = { a = \"01\" }\nscale = 2\n",
+       "13:9: `scale` is of numbers, which the input takes with `encoding`"},
+      {"encoding = \"u9\"\n", "12:12: `encoding` must be \"u8\", \"i8\", \"u16\", \"i16\", \"u32\" "
+                              "or \"i32\", not \"u9\"; did "
+                              "you mean \"u8\"?"},
+  }));
+  CAPTURE(r.toml);
+  CHECK(problem_after(input_head, r.toml) == r.problem);
+}
+
 TEST_CASE("translations arrive", "[config][SVC-09]") {
   const auto all = good(std::string(head) + R"(apps = [{ app = "translate", rules = [
   { from = "*.ad0", to = "{1}.light", value = "x / 2", decimals = 1, unit = "lx", history = 5 },
