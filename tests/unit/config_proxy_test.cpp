@@ -177,17 +177,17 @@ channel = 1
         std::vector<std::size_t>{1, 16});
 
   const auto x = GENERATE(values<row>({
-      {"mean_of = 17\n", "27:11: `mean_of` must be a whole number from 1 to 16, not 17"},
-      {"computed_by = \"mote\"\n", "27:15: `computed_by` needs `mean_of`: what is computed"},
+      {"mean_of = 17\n", "26:11: `mean_of` must be a whole number from 1 to 16, not 17"},
+      {"computed_by = \"mote\"\n", "26:15: `computed_by` needs `mean_of`: what is computed"},
       {"computed_by = \"moat\"\nmean_of = 2\n",
-       "27:15: `computed_by` must be \"proxy\" or \"mote\", not \"moat\"; did you mean \"mote\"?"},
-      {"mean_of = 2\nwords = { 0 = \"a\" }\n", "27:11: words have no mean"},
+       "26:15: `computed_by` must be \"proxy\" or \"mote\", not \"moat\""},
+      {"mean_of = 2\nwords = { 0 = \"a\" }\n", "26:11: words have no mean"},
       {"mean_of = 2\ncomputed_by = \"mote\"\noffset = 1\n",
-       "28:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
+       "27:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
       {"mean_of = 2\ncomputed_by = \"mote\"\noffset = 4\n",
-       "28:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
+       "27:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
       {"mean_of = 2\ncomputed_by = \"mote\"\nencoding = \"u8\"\n",
-       "28:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
+       "27:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
   }));
   CAPTURE(x.toml);
   CHECK(problem_in(text(x.toml)) == x.problem);
