@@ -6,6 +6,7 @@
 
 #include "config/file_readers.hpp"
 #include "config/proxy_part_readers.hpp"
+#include "proxy/layout.hpp"
 #include "proxy/signature.hpp"
 
 namespace rubicon::config {
@@ -59,38 +60,20 @@ private:
   }
 };
 
-struct encoding_size {
-  std::string_view name;
-  encoding value;
-  std::size_t octets;
-  std::int64_t min;
-  std::int64_t max;
-};
-
-constexpr std::array<encoding_size, 6> encodings{
-    {{"u8", encoding::u8, 1, 0, 255},
-     {"i8", encoding::i8, 1, -128, 127},
-     {"u16", encoding::u16, 2, 0, 65535},
-     {"i16", encoding::i16, 2, -32768, 32767},
-     {"u32", encoding::u32, 4, 0, 4294967295},
-     {"i32", encoding::i32, 4, -2147483648, 2147483647}}};
-
 word<encoding> encoding_words() {
-  word<encoding> out;
-  for (const auto& each : encodings)
-    out.choices.emplace_back(each.name, each.value);
-  return out;
-}
-
-const encoding_size& size_of(encoding x) {
-  return encodings[static_cast<std::size_t>(x)];
+  return {{{"u8", encoding::u8},
+           {"i8", encoding::i8},
+           {"u16", encoding::u16},
+           {"i16", encoding::i16},
+           {"u32", encoding::u32},
+           {"i32", encoding::i32}}};
 }
 
 /// words = { "0" = "off" } of a field: every key is a count that its encoding can hold.
 void read_field_words(table_reader& in, bool sized, proxy::field& out) {
   pairs_of<text>::type found;
   in.optional("words", pairs_of<text>{{32}}, found);
-  const auto& size = size_of(out.layout);
+  const auto [least, most] = proxy::range_of(out.layout);
   for (auto& [key, value] : found) {
     const auto& digits = key.value;
     std::int64_t count = 0;
@@ -98,9 +81,9 @@ void read_field_words(table_reader& in, bool sized, proxy::field& out) {
     const auto [stop, error] = std::from_chars(digits.data(), end, count);
     const bool whole_number =
         error == std::errc{} && stop == end && std::to_string(count) == digits;
-    if (sized && (!whole_number || count < size.min || count > size.max))
+    if (sized && (!whole_number || count < least || count > most))
       in.problems().add(key.at, "a count of `words` must be a whole number from " +
-                                    std::to_string(size.min) + " to " + std::to_string(size.max) +
+                                    std::to_string(least) + " to " + std::to_string(most) +
                                     ", not " + quoted(digits));
     out.words.emplace_back(count, std::move(value));
   }
@@ -136,11 +119,37 @@ void read_field(table_reader& in, tuple_names& names, std::vector<placed_computa
   read_field_words(in, sized, field);
   if (out.ids.empty())
     read_computation(in, field, out.name, computations);
-  if (field.offset + size_of(field.layout).octets > payload_octets_max)
+  if (field.offset + proxy::octets_of(field.layout) > payload_octets_max)
     in.problems().add(in.at("offset"), "the field ends beyond the " +
                                            std::to_string(payload_octets_max) +
                                            " octets that a message can carry");
   out.fields.push_back(std::move(field));
+}
+
+/// encoding and what belongs to it, of an input.
+void read_numbers(table_reader& in, proxy::input& out) {
+  proxy::number_form form;
+  const bool sized = in.optional("encoding", encoding_words(), form.layout);
+  in.optional("scale", real{}, form.scale);
+  in.optional("add", real{}, form.add);
+  in.optional("unit", text{16}, out.unit);
+  for (const auto* key : {"scale", "add", "unit", "min", "max"})
+    if (in.has(key) && !in.has("encoding"))
+      in.problems().add(in.at(key), '`' + std::string(key) +
+                                        "` is of numbers, which the input takes with `encoding`");
+  if (form.scale == 0) {
+    in.problems().add(in.at("scale"), "`scale` must not be 0");
+    form.scale = 1;
+  }
+  const auto [least, most] = proxy::range_of(form.layout);
+  const auto [low, high] = std::minmax({static_cast<double>(least) * form.scale + form.add,
+                                        static_cast<double>(most) * form.scale + form.add});
+  form.min = low;
+  form.max = high;
+  in.optional("min", real{low, high}, form.min);
+  in.optional("max", real{form.min, high}, form.max);
+  if (sized)
+    out.numbers = form;
 }
 
 void read_input(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
@@ -151,7 +160,11 @@ void read_input(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
   in.required("channel", message_channel, input.channel);
   if (in.optional("meta", flag{}, input.meta) && input.meta && !input.name.empty())
     names.claim("mi-" + input.name, in.at("meta"), in.problems());
-  if (in.required("words", pairs_of<hex_octets>{}, words) && words.empty())
+  read_numbers(in, input);
+  const bool found = in.has("encoding") && !in.walks()
+                         ? in.optional("words", pairs_of<hex_octets>{}, words)
+                         : in.required("words", pairs_of<hex_octets>{}, words);
+  if (found && words.empty())
     in.problems().add(in.at("words"), "`words` must have at least one word");
   for (auto& [key, octets] : words) {
     if (!is_name(key.value))

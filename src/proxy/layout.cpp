@@ -1,6 +1,7 @@
 #include "proxy/layout.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/codec.hpp"
 #include "core/decimal.hpp"
@@ -42,7 +43,40 @@ std::string text_of(const field& what, std::int64_t count) {
   return word == what.words.end() ? std::to_string(count) : word->second;
 }
 
+bytes octets_for(encoding layout, std::int64_t count) {
+  byte_writer out;
+  switch (octets_of(layout)) {
+  case 1:
+    out.big(static_cast<std::uint8_t>(count));
+    break;
+  case 2:
+    out.big(static_cast<std::uint16_t>(count));
+    break;
+  default:
+    out.big(static_cast<std::uint32_t>(count));
+  }
+  return out.finish();
+}
+
 } // namespace
+
+std::pair<std::int64_t, std::int64_t> range_of(encoding x) {
+  switch (x) {
+  case encoding::u8:
+    return {0, 255};
+  case encoding::i8:
+    return {-128, 127};
+  case encoding::u16:
+    return {0, 65535};
+  case encoding::i16:
+    return {-32768, 32767};
+  case encoding::u32:
+    return {0, 4294967295};
+  case encoding::i32:
+    return {-2147483648, 2147483647};
+  }
+  return {};
+}
 
 std::size_t octets_of(encoding x) {
   switch (x) {
@@ -96,9 +130,17 @@ result<std::vector<reading>> decode(const proxy_class& what, std::uint16_t chann
 result<bytes> encode(const input& what, std::string_view word) {
   const auto found = std::find_if(what.words.begin(), what.words.end(),
                                   [&](const auto& x) { return x.first == word; });
-  if (found == what.words.end())
+  if (found != what.words.end())
+    return found->second;
+  const auto number = what.numbers ? number_in(word) : std::nullopt;
+  if (!number || *number < what.numbers->min || *number > what.numbers->max)
     return errc::bad_value;
-  return found->second;
+  const auto& form = *what.numbers;
+  const auto [least, most] = range_of(form.layout);
+  const auto count = std::floor((*number - form.add) / form.scale + 0.5);
+  return octets_for(form.layout,
+                    static_cast<std::int64_t>(
+                        std::clamp(count, static_cast<double>(least), static_cast<double>(most))));
 }
 
 } // namespace rubicon::proxy

@@ -45,8 +45,11 @@ counts_in(const proxy_class& what, std::uint16_t channel, byte_view payload);
 [[nodiscard]] result<std::vector<reading>> decode(const proxy_class& what, std::uint16_t channel,
                                                   byte_view payload);
 
-/// The octets that stand for a word, compared letter by letter.
-/// @returns errc::bad_value for a word the input does not know
+/// Least and greatest count.
+[[nodiscard]] std::pair<std::int64_t, std::int64_t> range_of(encoding x);
+
+/// The octets that stand for a word, compared letter by letter, or for a number.
+/// @returns errc::bad_value for a word the input does not know, and a number it does not take
 [[nodiscard]] result<bytes> encode(const input& what, std::string_view word);
 
 } // namespace rubicon::proxy

@@ -46,6 +46,8 @@ public:
   [[nodiscard]] virtual readings on_readings(const readings& x, instant now) = 0;
 
   [[nodiscard]] virtual readings on_time(instant /*now*/) { return {}; } ///< harmless early
+
+  /// When on_time() is due; after on_time(now) later than `now`, or time would stand still.
   [[nodiscard]] virtual std::optional<instant> deadline() const { return std::nullopt; }
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/decimal.hpp"
 #include "core/interface_keys.hpp"
 
 namespace rubicon::proxy {
@@ -29,6 +30,16 @@ std::string words_of(const input& x) {
     text += word;
   }
   return text;
+}
+
+std::string range_text(const number_form& x) {
+  constexpr int decimals = 6;
+  const auto shortest = [](double value) {
+    auto text = decimal_text(value, decimals);
+    text.erase(text.find_last_not_of('0') + 1);
+    return text.ends_with('.') ? text.substr(0, text.size() - 1) : text;
+  };
+  return shortest(x.min) + ' ' + shortest(x.max);
 }
 
 /// What the class's table knows of this mote (PXY-05).
@@ -218,7 +229,7 @@ proxy::outputs proxy::on_time(instant now) {
     apply(channel, requests.on_time(now), out);
   mark_stale(now, out);
   if (program_)
-    say_of_program(program_->on_time(now), out);
+    tell_program_the_time(now, out);
   const auto due = presence_deadline();
   if (due && now >= *due) {
     if (state_ == state::lost) {
@@ -286,7 +297,12 @@ void proxy::say_prior_information(outputs& out) {
     if (!field.unit.empty())
       say(key_of(field.name + ".unit"), field.unit, out);
   for (const auto& input : class_.inputs) {
-    say(key_of(input.name + ".words"), words_of(input), out);
+    if (!input.words.empty() || !input.numbers)
+      say(key_of(input.name + ".words"), words_of(input), out);
+    if (input.numbers)
+      say(key_of(input.name + ".range"), range_text(*input.numbers), out);
+    if (!input.unit.empty())
+      say(key_of(input.name + ".unit"), input.unit, out);
     say(key_of(input.name + ".latency"), to_text(instant(latency_of(input.channel))), out);
     say(key_of(input.name), std::string(nothing_word), out);
     if (input.meta)

@@ -119,6 +119,7 @@ struct proxy_counters {
 ///                            rewrites it decides what the actuator follows (META-05)
 ///   INPUT.latency            in seconds: a request has its outcome by then (IF-07)
 ///   INPUT.words              the words the input knows, between blanks
+///   INPUT.range, INPUT.unit  of one that takes numbers: the least and the greatest
 ///   templates                of the class, under keys of their own
 ///   INPUT.outcome            `on acknowledged`: the word, the last blank, the outcome; once per
 ///                            request; `?` for a refused word that is long or not plain
@@ -189,6 +190,7 @@ private:
   void say_state(instant now, outputs& out);
   void say_readings(std::vector<reading> all, outputs& out);
   void say_of_program(std::vector<reading> all, outputs& out);
+  void tell_program_the_time(instant now, outputs& out);
   void ask_for_period(outputs& out) const;
   void refresh(std::uint16_t channel, instant now, outputs& out);
   void mark_stale(instant now, outputs& out);

@@ -60,12 +60,23 @@ struct proxy_settings {
   duration stale_after{}; ///< a value that is older is marked so; 0: never
 };
 
-/// One actuator input: a word written to the proxy's tuple becomes octets for the mote.
+/// How an input takes numbers: (number - add) / scale, rounded, as a count in network byte order.
+struct number_form {
+  encoding layout = encoding::u8;
+  double scale = 1; ///< not 0
+  double add = 0;
+  double min = 0; ///< of the number, inclusive, as the next one; their counts fit the encoding
+  double max = 255;
+};
+
+/// One actuator input: a word or number written to the proxy's tuple becomes octets for the mote.
 struct input {
   std::string name;                                 ///< last part of the tuple's key, `switch`
   std::uint16_t channel = 0;                        ///< of `devices.$ID.input.$CH`
   std::vector<std::pair<std::string, bytes>> words; ///< `on` -> 01
   bool meta = false; ///< it is the tuple that `mi-NAME` points at, at first its own (META-05)
+  std::optional<number_form> numbers = {}; ///< beside the words; unset: it takes none
+  std::string unit = {};                   ///< of the numbers; empty: no unit tuple is published
 };
 
 /// Ids on a kind of interface that begin so; without regard to letter case.

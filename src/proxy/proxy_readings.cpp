@@ -1,5 +1,6 @@
 // The part of a proxy that tells what its mote says: readings, what is made of them, and how old
 // they are.
+#include <cassert>
 #include <utility>
 
 #include "proxy/proxy.hpp"
@@ -51,6 +52,11 @@ void proxy::say_of_program(std::vector<reading> all, outputs& out) {
       say(key_of(x.name + ".unit"), x.unit, out);
   }
   say_readings(std::move(all), out);
+}
+
+void proxy::tell_program_the_time(instant now, outputs& out) {
+  say_of_program(program_->on_time(now), out);
+  assert(program_->deadline().value_or(instant::max()) > now);
 }
 
 void proxy::ask_for_period(outputs& out) const {

@@ -90,6 +90,20 @@ TEST_CASE("a sampler says when it has measured, if it is to", "[actors][apps][IF
   CHECK(sent[0].octets == payload(bytes{0x01, 0x02, 0x03, 0x04, 0x05, 0x06}));
 }
 
+TEST_CASE("a sampler averages the counts that it is to", "[actors][apps][PXY-17]") {
+  rig x;
+  config::sampler_app config{{quantity::temperature, quantity::light}, 10s};
+  config.mean_of = {2, 1};
+  const auto app = x.sampler(config);
+  for (const auto count : std::vector<std::int16_t>{10, 20, -41})
+    x.world.send(app, transducers_read{{count, count}});
+  const auto sent = x.mote.all<send_message>();
+  REQUIRE(sent.size() == 3);
+  CHECK(sent[0].octets == payload(bytes{0x00, 0x0a, 0x00, 0x0a}));
+  CHECK(sent[1].octets == payload(bytes{0x00, 0x0f, 0x00, 0x14}));
+  CHECK(sent[2].octets == payload(bytes{0xff, 0xf5, 0xff, 0xd7})); // -10.5 and -41
+}
+
 TEST_CASE("a sampler rests while its mote is in no island and starts afresh afterwards",
           "[actors][apps]") {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {

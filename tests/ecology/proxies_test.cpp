@@ -349,6 +349,43 @@ for = "40s"
         std::vector<std::string>{"140.000000"}); // twice 60 s and 10 s
 }
 
+TEST_CASE("a number written to an input moves an actuator", "[ecology][PXY-12]") {
+  const auto x = run_recorded(ecology_of(kitchen(R"(
+transducers.temperature = { model = "points", points = [["0s", 20.0], ["58s", 20.0], ["60s", 30.0]] }
+actuators = [{ name = "lamp", kind = "dimmer" }]
+apps = [{ app = "sampler", transducers = ["temperature"], every = "1s" },
+        { app = "actuator", actuator = "lamp" }]
+)",
+                                                 R"(
+[[proxy.field]]
+name = "temperature"
+channel = 1
+scale = 0.1
+[[proxy.field]]
+name = "level"
+channel = 2
+encoding = "u8"
+decimals = 0
+[[proxy.input]]
+name = "lamp"
+channel = 2
+encoding = "u8"
+scale = 0.5
+max = 100
+unit = "%"
+[[peer]]
+id = 31
+name = "robot"
+links = ["inproc://pc"]
+[[peer.apps]]
+app = "rules"
+rules = [{ when = "kitchen.board.temperature", above = 25, write = "kitchen.board.lamp", then = "60" }]
+)")));
+  CHECK(x.texts_at("kitchen.board.lamp.outcome") == std::vector<std::string>{"60 acknowledged"});
+  CHECK(x.texts_at("kitchen.board.level").back() == "120");
+  CHECK(x.texts_at("kitchen.board.lamp.range") == std::vector<std::string>{"0 100"});
+}
+
 TEST_CASE("a program of a class says what no table can", "[ecology][PXY-04]") {
   const auto x = run_recorded(ecology_of(kitchen(R"(
 transducers.presence = { model = "points", points = [["0s", 0.0], ["60s", 0.0], ["61s", 1.0], ["70s", 1.0], ["71s", 0.0]], resolution = 1 }

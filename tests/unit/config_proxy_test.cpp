@@ -177,17 +177,17 @@ channel = 1
         std::vector<std::size_t>{1, 16});
 
   const auto x = GENERATE(values<row>({
-      {"mean_of = 17\n", "27:11: `mean_of` must be a whole number from 1 to 16, not 17"},
-      {"computed_by = \"mote\"\n", "27:15: `computed_by` needs `mean_of`: what is computed"},
+      {"mean_of = 17\n", "26:11: `mean_of` must be a whole number from 1 to 16, not 17"},
+      {"computed_by = \"mote\"\n", "26:15: `computed_by` needs `mean_of`: what is computed"},
       {"computed_by = \"moat\"\nmean_of = 2\n",
-       "27:15: `computed_by` must be \"proxy\" or \"mote\", not \"moat\"; did you mean \"mote\"?"},
-      {"mean_of = 2\nwords = { 0 = \"a\" }\n", "27:11: words have no mean"},
+       "26:15: `computed_by` must be \"proxy\" or \"mote\", not \"moat\""},
+      {"mean_of = 2\nwords = { 0 = \"a\" }\n", "26:11: words have no mean"},
       {"mean_of = 2\ncomputed_by = \"mote\"\noffset = 1\n",
-       "28:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
+       "27:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
       {"mean_of = 2\ncomputed_by = \"mote\"\noffset = 4\n",
-       "28:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
+       "27:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
       {"mean_of = 2\ncomputed_by = \"mote\"\nencoding = \"u8\"\n",
-       "28:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
+       "27:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
   }));
   CAPTURE(x.toml);
   CHECK(problem_in(text(x.toml)) == x.problem);
@@ -221,6 +221,32 @@ properties = { shelf = "upper" }
   CHECK(problem_in(of_motes + about + "key = \"a\"\nvalue = \"{shelf}\"\n") == "none");
   CHECK(problem_in(of_motes + about + "key = \"{shelf}\"\nvalue = \"a\"\n")
             .starts_with("26:7: a key has no {shelf}"));
+}
+
+TEST_CASE("an input takes words, numbers or both", "[config][PXY-12]") {
+  const auto all =
+      good(input_head + "encoding = \"i16\"\nscale = 0.1\nadd = 5\nmax = 30\nunit = \"C\"\n"
+                        "words = { off = \"00\" }\n");
+  const auto& x = all.proxies.at(0).inputs.at(0);
+  REQUIRE(x.numbers);
+  CHECK(x.numbers->min == Approx(-3276.8 + 5));
+  CHECK(x.numbers->max == 30);
+  CHECK(x.unit == "C");
+  CHECK(x.words.size() == 1);
+  const auto r = GENERATE(values<row>({
+      {"encoding = \"u8\"\n", "none"},
+      {"encoding = \"u8\"\nmax = 256\n", "13:7: `max` must be a number from 0 to 255, not 256"},
+      {"encoding = \"u8\"\nmin = 7\nmax = 6\n",
+       "14:7: `max` must be a number from 7 to 255, not 6"},
+      {"encoding = \"u8\"\nscale = 0\n", "13:9: `scale` must not be 0"},
+      {"words = { a = \"01\" }\nscale = 2\n",
+       "13:9: `scale` is of numbers, which the input takes with `encoding`"},
+      {"encoding = \"u9\"\n", "12:12: `encoding` must be \"u8\", \"i8\", \"u16\", \"i16\", \"u32\" "
+                              "or \"i32\", not \"u9\"; did "
+                              "you mean \"u8\"?"},
+  }));
+  CAPTURE(r.toml);
+  CHECK(problem_after(input_head, r.toml) == r.problem);
 }
 
 TEST_CASE("translations arrive", "[config][SVC-09]") {

@@ -180,3 +180,37 @@ TEST_CASE("a word becomes octets and an unknown word none", "[proxy][PXY-12]") {
     CHECK(refused.error() == errc::bad_value);
   }
 }
+
+TEST_CASE("a number becomes the octets of its count", "[proxy][PXY-12]") {
+  using rubicon::proxy::input;
+  using rubicon::proxy::number_form;
+  struct row {
+    number_form form;
+    const char* word;
+    const char* octets; ///< empty: refused
+  };
+  const auto r = GENERATE(values<row>({
+      {{encoding::u8, 2.55, 0, 0, 100}, "0", "00"},
+      {{encoding::u8, 2.55, 0, 0, 255}, "255", "64"},
+      {{encoding::u8, 1, 0, 0, 255}, "12.5", "0d"},
+      {{encoding::u8, 1, 0, 0, 255}, "256", ""},
+      {{encoding::u8, 1, 0, 0, 255}, "-0.1", ""},
+      {{encoding::u8, 1, 0, 0, 255}, "12 ", ""},
+      {{encoding::u8, 1, 0, 0, 255}, "nan", ""},
+      {{encoding::i8, 1, 0, -128, 127}, "-1", "ff"},
+      {{encoding::i16, 0.1, -40, -40, 60}, "21.5", "0267"},
+      {{encoding::i16, 0.1, 0, -3276.8, 3276.7}, "-0.2", "fffe"},
+      {{encoding::u16, -1, 100, 0, 100}, "30", "0046"},
+      {{encoding::u32, 1, 0, 0, 4294967295.0}, "4294967295", "ffffffff"},
+      {{encoding::i32, 1, 0, -5, 5}, "-5", "fffffffb"},
+      {{encoding::u8, 1, 0, 0, 255}, "off", "00ff"},
+  }));
+  CAPTURE(r.word, r.octets);
+  input x{"level", 2, {{"off", {0x00, 0xff}}}};
+  x.numbers = r.form;
+  const auto octets = rubicon::proxy::encode(x, r.word);
+  if (std::string(r.octets).empty())
+    CHECK(octets.error() == errc::bad_value);
+  else
+    CHECK(to_hex(*octets) == r.octets);
+}

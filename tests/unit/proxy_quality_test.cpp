@@ -110,3 +110,18 @@ TEST_CASE("a proxy computes the mean that its class wants, unless the mote does"
   what.fields[0].computed_by_mote = true;
   CHECK(temperatures() == lines{key + "1.0", key + "2.0", key + "4.1", key + "4.0"});
 }
+
+TEST_CASE("an input of numbers tells its range and its unit", "[proxy][PXY-12]") {
+  auto what = climate();
+  what.inputs = {{"level", 2, {}}};
+  what.inputs[0].numbers = rubicon::proxy::number_form{encoding::u8, 0.5, 0, 0, 100.25};
+  what.inputs[0].unit = "%";
+  face aut(what, identity());
+  const auto all = told(aut.start(start));
+  CHECK(std::ranges::count(all, base + "level.range = 0 100.25") == 1);
+  CHECK(std::ranges::count(all, base + "level.unit = %") == 1);
+  CHECK(std::ranges::count_if(
+            all, [](const auto& x) { return x.find("level.words") != std::string::npos; }) == 0);
+  CHECK(told(aut.on_input("level", "50", start)) == lines{"write 5/7 devices.7.input.2 64"});
+  CHECK(told(aut.on_input("level", "101", start)) == lines{base + "level.outcome = 101 refused"});
+}
