@@ -1,16 +1,13 @@
 // Whole ecologies, recorded, and what the record tells.
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
-
-#include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include "ecology_files.hpp"
 #include "explain/outcome.hpp"
 #include "explain/tell.hpp"
 #include "explain/words.hpp"
+#include "recorded.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -20,38 +17,14 @@ namespace {
 
 using explain::step;
 
-struct recorded {
+struct told_run {
   runtime::report report;
   explain::journeys all;
 };
 
-struct recorded_run {
-  runtime::report report;
-  explain::recording content;
-};
-
-/// Runs with a record, which is gone when this returns.
-recorded_run run_recorded(config::ecology_description what, duration length) {
-  spdlog::set_level(spdlog::level::err);
+told_run record_of(config::ecology_description what, duration length) {
   what.length = length;
-  const auto file =
-      std::filesystem::temp_directory_path() / ("rubicon-explain-test-" + std::to_string(getpid()));
-  run_options options;
-  options.record_file = file.string();
-  recorded_run x;
-  x.report = run_ecology(what, options);
-  std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  auto read = explain::read(text);
-  std::filesystem::remove(file);
-  REQUIRE(!read.problem);
-  CHECK(!read.content.cut_off);
-  x.content = std::move(read.content);
-  return x;
-}
-
-recorded record_of(config::ecology_description what, duration length) {
-  auto x = run_recorded(std::move(what), length);
+  auto x = run_recorded(what);
   return {std::move(x.report), explain::follow(x.content)};
 }
 
@@ -140,7 +113,9 @@ position_m = [5, 0]
 apps = [{ app = "listener" }]
 )";
   constexpr std::string_view text = "dinner";
-  const auto x = run_recorded(ecology_of(two_islands), 40s);
+  auto what = ecology_of(two_islands);
+  what.length = 40s;
+  const auto x = run_recorded(what);
   words hops;
   for (const auto& each : x.content.records) {
     const auto found = std::ranges::search(each.octets, text, std::ranges::equal_to{},

@@ -1,16 +1,11 @@
 // An island with two gateways: crashes, pulled cables, and what its users notice of them (GW-14).
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
-#include <spdlog/spdlog.h>
-#include <unistd.h>
-
 #include "ecology_files.hpp"
 #include "explain/journeys.hpp"
-#include "explain/record.hpp"
+#include "recorded.hpp"
 #include "support/catch.hpp"
 #include "support/seeds.hpp"
 
@@ -39,41 +34,6 @@ config::fault_description killed(duration at, peer_id who, duration length) {
 
 config::fault_description unplugged(duration at, peer_id whose, duration length) {
   return {at, config::unplug_fault{kitchen, length, whose}};
-}
-
-struct recorded {
-  runtime::report report;
-  explain::recording content;
-
-  /// When such things happened to actors whose path begins so.
-  [[nodiscard]] std::vector<instant> times(explain::kind what, std::string_view to,
-                                           std::string_view text = {}) const {
-    std::vector<instant> all;
-    for (const auto& x : content.records) {
-      const bool deleted = what == explain::kind::tuple_event && x.yes;
-      if (x.what == what && x.to.starts_with(to) && x.text.starts_with(text) && !deleted)
-        all.push_back(x.time);
-    }
-    return all;
-  }
-};
-
-recorded record(const config::ecology_description& what, std::uint64_t seed) {
-  spdlog::set_level(spdlog::level::err);
-  const auto file = std::filesystem::temp_directory_path() /
-                    ("rubicon-gateways-test-" + std::to_string(getpid()));
-  run_options options;
-  options.seed = seed;
-  options.record_file = file.string();
-  recorded x;
-  x.report = run_ecology(what, options);
-  std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  auto read = explain::read(text);
-  std::filesystem::remove(file);
-  REQUIRE(!read.problem);
-  x.content = std::move(read.content);
-  return x;
 }
 
 /// Of moments from 30 s on, when all have joined, to the end.
@@ -135,7 +95,7 @@ TEST_CASE("readings and commands go on when the gateway that leads crashes",
   const auto what = kitchen_with({killed(1min, first, 40s)});
   for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
     CAPTURE(seed);
-    const auto x = record(what, seed);
+    const auto x = run_recorded(what, seed);
     check_motes_stayed(x.report);
     check_readings(x, what.length, patience);
     check_actuations(x);
@@ -151,7 +111,7 @@ TEST_CASE("readings and commands go on when the cable of the gateway that leads 
   const auto what = kitchen_with({unplugged(1min, first, 40s)});
   for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
     CAPTURE(seed);
-    const auto x = record(what, seed);
+    const auto x = run_recorded(what, seed);
     check_motes_stayed(x.report);
     check_readings(x, what.length, patience);
     check_actuations(x);
@@ -164,7 +124,7 @@ TEST_CASE("nobody notices that the gateway that stands by has ended, or lost its
   const auto what = kitchen_with({killed(1min, second, 20s), unplugged(2min, second, 20s)});
   for (std::uint64_t seed = 1; seed <= seeds(3); ++seed) {
     CAPTURE(seed);
-    const auto x = record(what, seed);
+    const auto x = run_recorded(what, seed);
     check_motes_stayed(x.report);
     check_readings(x, what.length, 3s);
     check_actuations(x);
@@ -178,7 +138,7 @@ TEST_CASE("an island without any gateway is whole again when one is back", "[eco
       {unplugged(1min, first, 40s), killed(70s, second, 1min), killed(110s, first, 1min)}, 5min);
   for (std::uint64_t seed = 1; seed <= seeds(3); ++seed) {
     CAPTURE(seed);
-    const auto x = record(what, seed);
+    const auto x = run_recorded(what, seed);
     check_motes_stayed(x.report);
     check_readings(x, what.length, 60s);
     check_actuations(x);
@@ -201,7 +161,7 @@ TEST_CASE(
                                  12min);
   for (std::uint64_t seed = 1; seed <= seeds(4); ++seed) {
     CAPTURE(seed);
-    const auto x = record(what, seed);
+    const auto x = run_recorded(what, seed);
     CHECK(told_violations(x.report).empty());
     check_actuations(x);
     const auto heard = x.times(explain::kind::tuple_event, "peer_app/robot/collector",
@@ -221,7 +181,7 @@ TEST_CASE("messages from another island reach either id once, through whichever 
     button.to.island = island_id{called};
     for (std::uint64_t seed = 1; seed <= seeds(3); ++seed) {
       CAPTURE(seed);
-      const auto x = record(what, seed);
+      const auto x = run_recorded(what, seed);
       const auto sent = x.times(explain::kind::send_message, "mote/hall/button").size();
       std::size_t heard = 0;
       std::size_t heard_in_between = 0;
@@ -250,7 +210,7 @@ TEST_CASE("what is subscribed to is sent on by motes when another gateway leads"
         sampler->only_subscribed = true;
   what.peers.at(0).apps.clear(); // no proxies: the robot looks at the gateways
   std::get<config::collector_app>(what.peers.at(1).apps.at(0)).keys = {"devices.*.output.1"};
-  const auto x = record(what, 1);
+  const auto x = run_recorded(what);
   CHECK(told_violations(x.report).empty());
   const auto heard =
       x.times(explain::kind::tuple_event, "peer_app/robot/collector", "devices.2.output.1");
@@ -258,7 +218,7 @@ TEST_CASE("what is subscribed to is sent on by motes when another gateway leads"
 }
 
 TEST_CASE("what is told of a message names the gateway that it took", "[ecology][GW-14][NFR-01]") {
-  const auto x = record(kitchen_with({killed(1min, first, 40s)}), 1);
+  const auto x = run_recorded(kitchen_with({killed(1min, first, 40s)}));
   const auto all = explain::follow(x.content);
   std::size_t through_second = 0;
   for (const auto& each : all.messages)

@@ -1,21 +1,17 @@
 // What the tables of proxy classes promise, in whole ecologies: every value that is set is looked
 // at.
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include "config/load.hpp"
 #include "ecology_files.hpp"
-#include "explain/record.hpp"
 #include "proxy/program.hpp"
+#include "recorded.hpp"
 #include "support/catch.hpp"
 #include "support/seeds.hpp"
 
@@ -23,51 +19,6 @@ using namespace rubicon;
 using namespace rubicon::test;
 
 namespace {
-
-/// A value that somebody set, and when.
-struct set_value {
-  instant time;
-  std::string text;
-};
-
-struct recorded {
-  runtime::report report;
-  std::vector<explain::record> records;
-
-  /// What was set under an own key, in order.
-  [[nodiscard]] std::vector<set_value> at(std::string_view key) const {
-    std::vector<set_value> out;
-    for (const auto& x : records)
-      if (x.what == explain::kind::set_tuple && x.text == key)
-        out.push_back({x.time, to_string(x.octets)});
-    return out;
-  }
-
-  [[nodiscard]] std::vector<std::string> texts_at(std::string_view key) const {
-    std::vector<std::string> out;
-    for (const auto& x : at(key))
-      out.push_back(x.text);
-    return out;
-  }
-};
-
-recorded run_recorded(const config::ecology_description& what, std::uint64_t seed = 1) {
-  spdlog::set_level(spdlog::level::err);
-  const auto file =
-      std::filesystem::temp_directory_path() / ("rubicon-proxies-test-" + std::to_string(getpid()));
-  run_options options;
-  options.seed = seed;
-  options.record_file = file.string();
-  recorded x;
-  x.report = run_ecology(what, options);
-  std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  auto read = explain::read(text);
-  std::filesystem::remove(file);
-  REQUIRE(!read.problem);
-  x.records = std::move(read.content.records);
-  return x;
-}
 
 /// A kitchen with one mote of type 300, whose apps and proxy are given.
 std::string kitchen(const std::string& mote, const std::string& proxy,
