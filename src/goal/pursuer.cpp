@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/decimal.hpp"
+
 namespace rubicon::goal {
 
 namespace {
@@ -15,15 +17,6 @@ constexpr std::string_view waiting_state = "waiting";
 
 /// Longest unknown goal that an outcome repeats; anybody may write anything.
 constexpr std::size_t shown_goal_max = 64;
-
-std::optional<double> parse_number(std::string_view text) {
-  double value = 0;
-  const auto* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(value))
-    return std::nullopt;
-  return value;
-}
 
 /// With at most six decimals, so that steps of 0.1 do not show what they are in binary.
 std::string number_text(double x) {
@@ -49,7 +42,7 @@ bool same_source(const source& a, const source& b) {
 
 /// The next value of an output that changes by steps.
 std::string stepped(const output_config& x, const std::string& text) {
-  const auto value = parse_number(text);
+  const auto value = number_in(text);
   if (x.step == 0 || !value)
     return text;
   auto next = *value + x.step;
@@ -184,7 +177,7 @@ bool pursuer::holds(const condition& x) const {
     return false;
   if (!x.equals.empty())
     return std::ranges::find(x.equals, now->text) != x.equals.end();
-  const auto value = parse_number(now->text);
+  const auto value = number_in(now->text);
   return value && (!x.above || *value >= *x.above) && (!x.below || *value < *x.below);
 }
 
