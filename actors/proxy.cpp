@@ -36,15 +36,17 @@ struct performer {
                                 false});
   }
 
+  /// All gateways remember it; the one that leads asks the mote.
   void operator()(const proxy::write_period& x) const {
     const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(x.period).count();
-    self->send(self->state.arguments.peer,
-               set_remote_tuple{{caf::actor_cast<peis_client_actor>(self)},
-                                0,
-                                gateway_of(x.mote.island),
-                                device_output_period_key(x.mote.mote, x.channel),
-                                payload(to_bytes(std::to_string(ms))),
-                                true});
+    for (const auto gateway : self->state.arguments.gateways)
+      self->send(self->state.arguments.peer,
+                 set_remote_tuple{{caf::actor_cast<peis_client_actor>(self)},
+                                  0,
+                                  gateway,
+                                  device_output_period_key(x.mote.mote, x.channel),
+                                  payload(to_bytes(std::to_string(ms))),
+                                  true});
   }
 
   void operator()(const proxy::retire&) const { self->quit(); }

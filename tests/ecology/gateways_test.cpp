@@ -217,6 +217,24 @@ TEST_CASE("what is subscribed to is sent on by motes when another gateway leads"
   CHECK(longest_gap(heard, what.length) <= patience);
 }
 
+TEST_CASE("the period that a proxy asks for outlives the gateway that was told it first",
+          "[ecology][GW-14][PXY-14][IF-04]") {
+  auto what = kitchen_with({killed(1min, first, 10min)});
+  for (auto& mote : what.islands.at(0).motes)
+    for (auto& app : mote.apps)
+      if (auto* sampler = std::get_if<config::sampler_app>(&app)) {
+        sampler->only_subscribed = true;
+        sampler->every = 10s;
+        sampler->every_min = 1s;
+      }
+  for (auto& proxied : what.proxies)
+    proxied.settings.period = 1s;
+  const auto values = run_recorded(what).at("kitchen.climate-2.temperature");
+  const auto late = std::ranges::count_if(
+      values, [](const set_value& x) { return x.time > instant(1min + patience); });
+  CHECK(late > 100); // of 115
+}
+
 TEST_CASE("what is told of a message names the gateway that it took", "[ecology][GW-14][NFR-01]") {
   const auto x = run_recorded(kitchen_with({killed(1min, first, 40s)}));
   const auto all = explain::follow(x.content);
