@@ -232,10 +232,10 @@ struct peer_app_spawner {
 
   [[nodiscard]] managed_island managed(island_id id) const {
     const auto& island = island_of(self, id);
-    managed_island x{id, island.name, {}, config::gateways_of(island), {}, island.sink.place};
-    x.gateway_names[gateway_of(id)] = island.gateway_name;
+    managed_island x{
+        id, island.name, {}, {{gateway_of(id), island.gateway_name}}, island.sink.place};
     for (const auto& alias : island.aliases)
-      x.gateway_names[alias.id] = alias.name;
+      x.gateways.push_back({alias.id, alias.name});
     for (const auto& [address, mote] : self->state.motes) {
       if (address.island == id)
         x.mote_names[address.mote] = mote.arguments->name.substr(island.name.size() + 1);

@@ -19,8 +19,8 @@ constexpr duration proxy_restart_delay = 1s;
 using manager_pointer = scheduler::traced_pointer<proxy_manager_state, proxy_manager_actor>;
 
 std::string gateway_name(const managed_island& island, peer_id gateway) {
-  const auto found = island.gateway_names.find(gateway);
-  return found == island.gateway_names.end() ? std::string() : found->second;
+  const auto found = std::ranges::find(island.gateways, gateway, &managed_gateway::id);
+  return found == island.gateways.end() ? std::string() : found->name;
 }
 
 proxy::proxy_identity identity_of(const proxy_manager_arguments& arguments,
@@ -87,7 +87,9 @@ void perform(manager_pointer self, proxy::manager::outputs todo) {
 
 /// Watches are named by island, so that a tuple's island is known without parsing anything.
 void watch_gateways(manager_pointer self, const managed_island& island) {
-  auto ids = island.gateways;
+  std::vector<peer_id> ids;
+  for (const auto& each : island.gateways)
+    ids.push_back(each.id);
   if (ids.empty())
     ids.push_back(gateway_of(island.id));
   std::vector<std::string_view> keys{devices_key, all_device_types_key, all_device_statuses_key};

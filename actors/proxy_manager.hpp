@@ -14,15 +14,20 @@
 
 namespace rubicon {
 
-/// An island whose gateway the manager listens to, and the names that its tuples shall show.
+/// A gateway that perceives the motes of an island.
+struct managed_gateway {
+  peer_id id;
+  std::string name;
+};
+
+/// An island whose gateways the manager listens to, and the names that its tuples shall show.
 struct managed_island {
   island_id id;
   std::string name;
   std::map<mote_id, std::string> mote_names;
-  std::vector<peer_id> gateways = {}; ///< in the order in which they take over; empty: the one with
-                                      ///< the island's id
-  std::map<peer_id, std::string> gateway_names = {}; ///< interfaces that perceive the motes,
-  std::optional<position> sink_place = {};           ///< and where their antenna is
+  std::vector<managed_gateway> gateways = {}; ///< in the order in which they take over; empty: the
+                                              ///< one with the island's id, of unknown name
+  std::optional<position> sink_place = {};    ///< where their antenna is
 };
 
 /// What a proxy manager actor is made of.
