@@ -44,7 +44,7 @@ scheduler::stop_cause run_with_progress(scheduler::world& world, instant end,
         std::min(step, std::max<duration>(duration(static_cast<std::int64_t>(speed * 1e8)), 1ms));
   for (;;) {
     const auto cause = world.run_until(std::min(end, world.now() + step));
-    options.progress(world.now(), end);
+    options.progress({world.now(), end, world.trace().events()});
     if (cause != scheduler::stop_cause::reached_end || world.now() >= end)
       return cause;
   }

@@ -12,6 +12,13 @@
 
 namespace rubicon {
 
+/// How far a run has come.
+struct run_progress {
+  instant reached;          ///< ecology time
+  instant end;              ///< of the run
+  std::uint64_t events = 0; ///< messages delivered to actors so far
+};
+
 /// What a command line may override or ask for beside the file.
 struct run_options {
   std::optional<duration> length;
@@ -27,8 +34,8 @@ struct run_options {
   run_source source;           ///< told by the record
   bool handle_signals = false; ///< end the run cleanly on SIGINT and SIGTERM (ACT-11)
 
-  /// Called now and then with the ecology time reached and the end of the run.
-  std::function<void(instant reached, instant end)> progress;
+  /// Called now and then.
+  std::function<void(const run_progress&)> progress;
 };
 
 /// Runs an ecology to its end and collects the report.

@@ -24,8 +24,8 @@ runtime::report run_watched(const config::ecology_description& ecology, run_opti
     return run_ecology(ecology, options);
   progress_bar bar(errors.width);
   const auto start = std::chrono::steady_clock::now();
-  options.progress = [&](instant reached, instant end) {
-    const auto text = bar.update(std::chrono::steady_clock::now() - start, reached, end);
+  options.progress = [&](const run_progress& x) {
+    const auto text = bar.update(std::chrono::steady_clock::now() - start, x.reached, x.end);
     if (!text.empty())
       static_cast<void>(print(stderr, text)); // a bar nobody can see is no failure
   };
