@@ -142,7 +142,16 @@ void kernel::handle(undelivered& x, instant now) {
   tuples_.on_undelivered(x.destination, x.port, x.head.view(), x.request, now);
 }
 
+/// Whoever sent a message over a link pays there for all that it brings about.
 void kernel::handle(arrived& x, instant now) {
+  static_cast<void>(tuples_.take_work());
+  events_made_ = 0;
+  const auto link = x.from;
+  dispatch(x, now);
+  network_.charge(link, tuples_.take_work() + events_made_, now);
+}
+
+void kernel::dispatch(arrived& x, instant now) {
   const bool for_us_only = !x.broadcast;
   switch (x.port) {
   case port::push:
@@ -196,6 +205,7 @@ bool kernel::may_stop_us(peer_id source) const {
 }
 
 void kernel::perform(tuple_events todo, instant now) {
+  events_made_ += todo.size();
   for (auto& x : todo) {
     if (auto* sent = std::get_if<transmit>(&x)) {
       network_.send({sent->destination, sent->port, std::move(sent->content), true,

@@ -332,6 +332,7 @@ private:
   void handle(host_vanished& x, instant now);
   void handle(forgotten_by& x, instant now);
   void handle(arrived& x, instant now);
+  void dispatch(arrived& x, instant now);
   void handle(delivered& x, instant now);
   void handle(device_noted& x, instant now);
   void handle(undelivered& x, instant now);
@@ -374,6 +375,7 @@ private:
   std::bitset<port::count> hooked_;
   std::uint64_t unhooked_ = 0;
   std::uint64_t refused_ = 0;
+  work_units events_made_ = 0; ///< by the tuple space, for the message that is handled
   outputs out_;
 };
 

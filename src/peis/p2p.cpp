@@ -101,7 +101,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
     return;
   }
   if (mine && header.seqlen > 0) {
-    on_fragment(header, data, now);
+    on_fragment(from, header, data, now);
     return;
   }
   const bool is_trace = header.port == port::trace || header.port == port::trace_reply;
@@ -119,10 +119,10 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
     forward(from, header, data);
 }
 
-void p2p::on_fragment(const package_header& header, byte_view data, instant now) {
+void p2p::on_fragment(link_id from, const package_header& header, byte_view data, instant now) {
   auto whole = assembly_.add(header, data, now);
   if (whole)
-    events_.push_back(arrived{header.port, header.source, false, std::move(*whole)});
+    events_.push_back(arrived{header.port, header.source, false, from, std::move(*whole)});
 }
 
 void p2p::acknowledge(const package_header& header, instant now) {
@@ -219,7 +219,7 @@ void p2p::serve(link_id from, const package_header& header, byte_view data, inst
   }
   if (header.type != package_type::link)
     events_.push_back(arrived{header.port, header.source, header.type == package_type::broadcast,
-                              to_bytes(data)});
+                              from, to_bytes(data)});
 }
 
 void p2p::forward(link_id from, package_header header, byte_view data) {

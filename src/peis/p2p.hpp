@@ -26,6 +26,7 @@
 #include "peis/host_query.hpp"
 #include "peis/host_record.hpp"
 #include "peis/link.hpp"
+#include "peis/neighbour_budget.hpp"
 #include "peis/network_clock.hpp"
 #include "peis/outgoing_queue.hpp"
 #include "peis/p2p_events.hpp"
@@ -56,6 +57,7 @@ struct p2p_config {
   /// Octets handed out per link that the owner has not reported with on_link_sent(). 0: the owner
   /// takes everything at once and never reports.
   std::size_t link_window = 0;
+  budget_config budget; ///< of each neighbour
   delivery_config reliable;
   reassembly_config assembly;
   duration ack_delay = 10ms;
@@ -149,6 +151,10 @@ public:
   void on_time(instant now);
   [[nodiscard]] std::optional<instant> deadline() const;
 
+  /// What came over a link has cost us more than its receipt: the neighbour's budget pays. Nothing
+  /// for a link that is gone.
+  void charge(link_id link, work_units work, instant now);
+
   /// One message to one peer; how it ended comes as an event, at once for what is known at once.
   struct posting {
     peer_id destination;
@@ -226,6 +232,7 @@ private:
     std::uint32_t request_flags = 0;
     std::optional<std::uint32_t> counter_heard; ///< of the neighbour's last package
     double loss = 0;
+    neighbour_budget budget;
     std::uint64_t octets_in = 0;
     std::uint64_t octets_out = 0;
     std::optional<heartbeat> beat; ///< the neighbour's last
@@ -310,7 +317,7 @@ private:
 
   // p2p.cpp: packages
   void on_package(link_id from, const package_header& header, byte_view data, instant now);
-  void on_fragment(const package_header& header, byte_view data, instant now);
+  void on_fragment(link_id from, const package_header& header, byte_view data, instant now);
   void acknowledge(const package_header& header, instant now);
   void tell_neighbour(connection& to, std::uint16_t port, bytes data);
   void tell_host(peer_id to, link_id way, lane where, std::uint16_t port, bytes data);

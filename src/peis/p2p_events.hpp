@@ -51,6 +51,7 @@ struct arrived {
   std::uint16_t port = 0;
   peer_id source;
   bool broadcast = false;
+  link_id from; ///< over which it, or its last part, came: who is charged for what it costs
   bytes octets;
 };
 

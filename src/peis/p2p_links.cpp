@@ -32,6 +32,7 @@ void p2p::on_link_open(link_id link, link_role role, instant now,
   x.id = link;
   x.cost = config_.cost_other_host;
   x.queue = outgoing_queue(config_.queue_capacity);
+  x.budget = neighbour_budget(config_.budget);
   x.opened = x.last_heard = now;
   x.beat_sent = now - 1h; // never yet
   if (!asked.empty()) {
@@ -80,6 +81,7 @@ void p2p::on_link_octets(link_id link, byte_view octets, instant now) {
       break;
     at->second.last_heard = now;
     note_counter(at->second, package->header.counter);
+    at->second.budget.charge_package(header_size + package->data.size(), now);
     on_package(link, package->header, package->data, now);
   }
   const bool broken = decoder.broken();
@@ -176,6 +178,12 @@ void p2p::bind_neighbour(connection& x, peer_id neighbour) {
     at->second = x.id;
   expect_beat(x);
   welcome(neighbour);
+}
+
+void p2p::charge(link_id link, work_units work, instant now) {
+  const auto at = connections_.find(link);
+  if (at != connections_.end())
+    at->second.budget.charge_work(work, now);
 }
 
 void p2p::on_link_sent(link_id link, std::size_t octets) {

@@ -12,6 +12,7 @@
 
 #include "core/error.hpp"
 #include "core/time.hpp"
+#include "peis/neighbour_budget.hpp"
 #include "peis/subscription_index.hpp"
 #include "peis/tuple.hpp"
 #include "peis/tuple_channels.hpp"
@@ -152,6 +153,9 @@ public:
   [[nodiscard]] timestamp network_time(instant now) const;
   [[nodiscard]] tuple_counters counters() const;
 
+  /// What the calls since the last time have cost, beyond one unit for each event they returned.
+  [[nodiscard]] work_units take_work() { return work_.take(); }
+
 private:
   struct subscription {
     subscription_id id;
@@ -240,6 +244,7 @@ private:
   std::optional<instant> next_retry_;
   std::optional<instant> next_refresh_; ///< of our subscriptions, and check of those of others
   std::optional<instant> next_repair_;
+  work_meter work_;
   tuple_counters counters_;
 };
 
