@@ -99,8 +99,6 @@ outgoing_package delivery::package_of(const transfer& x, std::uint16_t fragment,
   header.destination = x.message.destination;
   header.port = x.message.port;
   package.offset = fragment * data_max;
-  header.length =
-      static_cast<std::uint16_t>(std::min(data_max, x.message.content->size() - package.offset));
   header.seqlen = x.fragments;
   header.seqid = x.seqid;
   header.seqnum = fragment;

@@ -19,6 +19,14 @@ void message_octets::append(std::size_t offset, std::size_t count, bytes& out) c
   }
 }
 
+void encode(const outgoing_package& x, std::uint32_t counter, bytes& out) {
+  auto header = x.header;
+  header.counter = counter;
+  header.length = static_cast<std::uint16_t>(x.length());
+  encode(header, out);
+  x.content->append(x.offset, x.length(), out);
+}
+
 cause outgoing_queue::admission(lane where, std::size_t count, random_stream& dice) const {
   if (depth(where) + count > capacity_)
     return cause::queue_full;

@@ -1,6 +1,7 @@
 // What waits to be written to one link: five classes, strict order (P2P-02, P2P-03, A-13).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -25,12 +26,18 @@ struct message_octets {
   void append(std::size_t offset, std::size_t count, bytes& out) const;
 };
 
-/// A package whose data is a part of a message.
+/// A package whose data is a part of a message: all from `offset` on that one package can carry.
 struct outgoing_package {
-  package_header header; ///< the counter is filled in when it leaves
+  package_header header; ///< without length and counter: encode() tells them
   std::shared_ptr<const message_octets> content;
-  std::size_t offset = 0;
+  std::size_t offset = 0; ///< at most the content's size
+
+  /// Octets of data. The only source of the header's length, which so cannot disagree with them.
+  [[nodiscard]] std::size_t length() const { return std::min(data_max, content->size() - offset); }
 };
+
+/// Appends header and data as they leave. @param counter of the link
+void encode(const outgoing_package& x, std::uint32_t counter, bytes& out);
 
 /// Classes of a connection's queue, the first goes first.
 enum class lane : std::uint8_t { control, acknowledgements, high, normal, bulk };

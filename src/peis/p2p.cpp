@@ -145,14 +145,14 @@ void p2p::send_acknowledgements(peer_id to, const std::vector<std::int32_t>& ids
 /// A package of the network's own for the other end of a link.
 void p2p::tell_neighbour(connection& to, std::uint16_t port, bytes data) {
   auto content = std::make_shared<const message_octets>(message_octets{std::move(data), {}});
-  const auto header = fresh_header(package_type::link, port, content->size());
+  const auto header = fresh_header(package_type::link, port);
   count_drop(enqueue(to, lane::control, {header, std::move(content), 0}));
 }
 
 /// A package of the network's own for one host, which nobody waits for.
 void p2p::tell_host(peer_id to, link_id way, lane where, std::uint16_t port, bytes data) {
   auto content = std::make_shared<const message_octets>(message_octets{std::move(data), {}});
-  auto header = fresh_header(package_type::direct, port, content->size());
+  auto header = fresh_header(package_type::direct, port);
   header.destination = to;
   count_drop(enqueue(connections_.at(way), where, {header, std::move(content), 0}));
 }
@@ -243,17 +243,17 @@ void p2p::forward(link_id from, package_header header, byte_view data) {
     return;
   }
   ++counters_.packages_forwarded;
-  count_traffic(header);
-  count_drop(enqueue(connections_.at(*way), lane_of(header), {header, std::move(content), 0}));
+  const outgoing_package next{header, std::move(content), 0};
+  count_traffic(next);
+  count_drop(enqueue(connections_.at(*way), lane_of(header), next));
 }
 
-package_header p2p::fresh_header(package_type type, std::uint16_t port, std::size_t length) {
+package_header p2p::fresh_header(package_type type, std::uint16_t port) {
   package_header header;
   header.id = header.ack_id = ids_.next();
   header.type = type;
   header.source = self_.id;
   header.port = port;
-  header.length = static_cast<std::uint16_t>(length);
   return header;
 }
 
@@ -302,7 +302,7 @@ cause p2p::broadcast(std::uint16_t port, payload octets) {
   if (left_)
     return cause::left;
   auto content = std::make_shared<const message_octets>(message_octets{std::move(octets), {}});
-  return flood(fresh_header(package_type::broadcast, port, content->size()), content, {});
+  return flood(fresh_header(package_type::broadcast, port), content, {});
 }
 
 std::optional<link_id> p2p::way_to(peer_id destination) const {
@@ -374,8 +374,7 @@ cause p2p::send_unreliable(const posting& x, link_id way) {
   const auto content = std::make_shared<const message_octets>(x.content);
   const auto seqid = ids_.next_group();
   for (std::size_t i = 0; i < count; ++i) {
-    const auto offset = i * data_max;
-    auto header = fresh_header(package_type::direct, x.port, std::min(data_max, size - offset));
+    auto header = fresh_header(package_type::direct, x.port);
     header.destination = x.destination;
     if (where == lane::high)
       header.flags = package_flag::high;
@@ -385,8 +384,9 @@ cause p2p::send_unreliable(const posting& x, link_id way) {
       header.seqid = seqid;
       header.seqnum = static_cast<std::uint16_t>(i);
     }
-    count_traffic(header);
-    queue.push(where, {header, content, offset});
+    const outgoing_package next{header, content, i * data_max};
+    count_traffic(next);
+    queue.push(where, next);
   }
   return cause::none;
 }
@@ -410,7 +410,7 @@ void p2p::pump(peer_id destination) {
       return;
     }
     auto x = delivery_.next(destination, ids_, wide);
-    count_traffic(x->second.header);
+    count_traffic(x->second);
     queue.push(x->first, std::move(x->second));
   }
 }

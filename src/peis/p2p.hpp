@@ -330,8 +330,7 @@ private:
   void pump(peer_id destination);
   void repeat_due(instant now);
   void fail(const reliable_message& x, cause why);
-  [[nodiscard]] package_header fresh_header(package_type type, std::uint16_t port,
-                                            std::size_t length);
+  [[nodiscard]] package_header fresh_header(package_type type, std::uint16_t port);
   cause enqueue(connection& to, lane where, outgoing_package x);
   cause flood(const package_header& header, const std::shared_ptr<const message_octets>& content,
               std::optional<link_id> except);
@@ -376,7 +375,7 @@ private:
   [[nodiscard]] bool merge_wanted() const;
   void manage(instant now);
   void measure_traffic(instant now);
-  void count_traffic(const package_header& header);
+  void count_traffic(const outgoing_package& x);
   [[nodiscard]] bool busy_with(peer_id host) const;
   void close_doubles(instant now);
   [[nodiscard]] bool force_by_traffic(instant now);

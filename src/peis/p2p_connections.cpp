@@ -174,8 +174,8 @@ bool p2p::busy_with(peer_id host) const {
 }
 
 /// What goes to one peer, whoever sent it, without the network's own services (CM-02).
-void p2p::count_traffic(const package_header& header) {
-  switch (header.port) {
+void p2p::count_traffic(const outgoing_package& x) {
+  switch (x.header.port) {
   case port::trace:
   case port::trace_reply:
   case port::dead_host:
@@ -184,7 +184,7 @@ void p2p::count_traffic(const package_header& header) {
   case port::acknowledgements:
     return;
   }
-  traffic_[header.destination].octets += header_size + header.length;
+  traffic_[x.header.destination].octets += header_size + x.length();
 }
 
 void p2p::manage(instant now) {

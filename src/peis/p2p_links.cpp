@@ -163,10 +163,9 @@ void p2p::note_counter(connection& x, std::uint32_t counter) {
 void p2p::greet(connection& to) {
   const auto content = std::make_shared<const message_octets>(
       message_octets{encode(host_record_message{self_, false}), {}});
-  enqueue(to, lane::control,
-          {fresh_header(package_type::link, port::host_record, content->size()), content, 0});
+  enqueue(to, lane::control, {fresh_header(package_type::link, port::host_record), content, 0});
   if (routing_.routes().empty())
-    flood(fresh_header(package_type::broadcast, port::host_record, content->size()), content, {});
+    flood(fresh_header(package_type::broadcast, port::host_record), content, {});
   routing_.next_seqno();
   send_routing_to(to);
 }
@@ -293,9 +292,7 @@ bool p2p::write(connection& to, instant now) {
         continue;
       delivery_.on_transmitted(x->header.ack_id, now);
     }
-    x->header.counter = to.counter++;
-    encode(x->header, out);
-    x->content->append(x->offset, x->header.length, out);
+    encode(*x, to.counter++, out);
     ++counters_.packages_sent;
   }
   if (out.empty())

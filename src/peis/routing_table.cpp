@@ -9,7 +9,8 @@ namespace rubicon::peis {
 namespace {
 
 constexpr std::uint8_t lost_first = 250;
-constexpr std::uint8_t lost_last = 254; // three periods later (RTE-07)
+constexpr std::int32_t seqno_believed_max = 1 << 30; // 17 years of two sendings a second
+constexpr std::uint8_t lost_last = 254;              // three periods later (RTE-07)
 
 /// Can the offered way not lead through us, given what the last way was?
 bool is_sound(const route& last, std::uint8_t last_hops, const route& offered) {
@@ -77,7 +78,7 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
 /// A neighbour may know an earlier incarnation of ours with a higher number, which would hide our
 /// ways until we have caught up (peis-wire.md 9.6).
 void routing_table::note_own(const routing_entry& entry) {
-  if (entry.magic != magic_ && entry.seqno >= seqno_) {
+  if (entry.magic != magic_ && entry.seqno >= seqno_ && entry.seqno <= seqno_believed_max) {
     seqno_ = entry.seqno;
     overtaken_ = true;
   }
