@@ -60,7 +60,7 @@ template <class F>
 auto inspect(F& f, peer_report& x) {
   return f(caf::meta::type_name("peer_report"), x.id, x.name, x.alive, x.incarnations, x.links,
            x.links_opened, x.links_closed, x.attempts, x.attempts_failed, x.hosts_known, x.cluster,
-           x.tuples, x.peis);
+           x.tuples, x.peis, x.limits);
 }
 
 } // namespace runtime

@@ -76,8 +76,10 @@ struct performer {
     log(self, is_everyday(x.why) ? spdlog::level::info : spdlog::level::warn,
         "event=link_closed link={} cause={}", x.link.value, peis::to_string(x.why));
     ++state.links_closed[std::string(peis::to_string(x.why))];
-    if (state.tcp_links.erase(x.link) > 0 && state.real != nullptr)
+    if (state.tcp_links.erase(x.link) > 0 && state.real != nullptr) {
       state.real->links().carry_out(x);
+      state.real->hold(x.link, false);
+    }
     const auto found = state.links.find(x.link);
     if (found == state.links.end())
       return;
@@ -87,6 +89,13 @@ struct performer {
       self->send(state.arguments.bluetooth, lan_link_ended{x.link.value});
     else if (state.arguments.lan)
       self->send(state.arguments.lan, lan_link_ended{x.link.value});
+  }
+
+  /// Simulated links have no other end that could wait.
+  void operator()(const peis::read_link& x) const {
+    if (x.link.value < first_real_link || self->state.real == nullptr)
+      return;
+    self->state.real->hold(x.link, !x.wanted);
   }
 
   void operator()(const peis::connect_to& x) const { ask_for_link(self, x); }
@@ -297,6 +306,23 @@ void on_guard(peer_pointer self, const guard_kernel& x) {
   self->send(state.init, kernel_guarded{network.host_name, network.network, port.value_or(0)});
 }
 
+/// What limits have refused or put off (docs/security.md).
+void add_limits(runtime::cause_counts& to, const peis::p2p_counters& x) {
+  const std::pair<const char*, std::uint64_t> all[] = {{"over_budget", x.rests},
+                                                       {"turns", x.held},
+                                                       {"fragments_refused", x.fragments_refused},
+                                                       {"greetings_evicted", x.greetings_evicted},
+                                                       {"hosts_refused", x.hosts_refused},
+                                                       {"newcomers_referred", x.newcomers_referred},
+                                                       {"questions_refused", x.questions_refused},
+                                                       {"routes_refused", x.routes_refused},
+                                                       {"tables_put_off", x.tables_put_off}};
+  for (const auto& [name, count] : all) {
+    if (count > 0)
+      to[name] = count;
+  }
+}
+
 void report(peer_pointer self) {
   const auto& state = self->state;
   const auto counted = state.kernel.counters().network;
@@ -329,6 +355,9 @@ void report(peer_pointer self) {
       {"queued_lost", counted.queued_lost}, {"illegal", counted.illegal},
       {"malformed", counted.malformed},     {"incomplete", counted.messages_incomplete},
       {"network", state.packages_lost},     {"paused", state.held_lost}};
+  add_limits(peer.limits, counted);
+  if (state.real != nullptr && state.real->links().counters().refused > 0)
+    peer.limits["connections_refused"] = state.real->links().counters().refused;
   self->send(state.arguments.ecology, std::move(status));
 }
 
@@ -449,6 +478,8 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
                           [self](const link_octets& x) {
                             perform(self, self->state.kernel.on_link_octets(
                                               peis::link_id{x.link}, x.octets.view(), now(self)));
+                            if (x.link >= first_real_link && self->state.real != nullptr)
+                              self->state.real->on_taken(peis::link_id{x.link});
                           }),
       served<link_closed>(self, [self](const link_closed& x) { on_closed(self, x); }),
       served<link_opened>(self,

@@ -31,7 +31,20 @@ void real_links::on_attempt_failed(peis::attempt_id attempt, const std::string&)
 }
 
 void real_links::on_link_octets(peis::link_id link, byte_view octets) {
+  links_->carry_out(peis::read_link{link, false});
   caf::anon_send(user_, link_octets{link.value, to_bytes(octets)});
+}
+
+void real_links::on_taken(peis::link_id link) {
+  if (!held_.contains(link))
+    links_->carry_out(peis::read_link{link, true});
+}
+
+void real_links::hold(peis::link_id link, bool held) {
+  if (held)
+    held_.insert(link);
+  else if (held_.erase(link) > 0)
+    on_taken(link);
 }
 
 void real_links::on_link_sent(peis::link_id link, std::size_t octets) {
@@ -39,6 +52,7 @@ void real_links::on_link_sent(peis::link_id link, std::size_t octets) {
 }
 
 void real_links::on_link_closed(peis::link_id link, const std::string&) {
+  held_.erase(link);
   caf::anon_send(user_, link_closed{link.value});
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -30,6 +31,13 @@ public:
   [[nodiscard]] static std::variant<std::unique_ptr<real_links>, std::string>
   open(const real_links_config& config, peis_peer_actor user);
 
+  /// The actor has handled a link_octets. Until then no more is read of that link, so that one
+  /// message of each waits at most.
+  void on_taken(peis::link_id link);
+
+  /// The kernel wants no more of a link for a while.
+  void hold(peis::link_id link, bool held);
+
   /// Carries out what the kernel asks for.
   [[nodiscard]] peer::tcp_links& links() { return *links_; }
 
@@ -45,6 +53,7 @@ private:
   void on_announcement(byte_view datagram) override;
 
   peis_peer_actor user_;
+  std::set<peis::link_id> held_;
   std::unique_ptr<peer::tcp_links> links_;
 };
 

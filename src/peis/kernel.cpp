@@ -64,8 +64,9 @@ outputs kernel::on_hello_answer(std::string_view adapter, const bluetooth_addres
 }
 
 outputs kernel::on_link_octets(link_id link, byte_view octets, instant now) {
+  const bool idle = !network_.has_input();
   network_.on_link_octets(link, octets, now);
-  return finish(now);
+  return finish(now, idle);
 }
 
 outputs kernel::on_link_sent(link_id link, std::size_t octets, instant now) {
@@ -81,17 +82,31 @@ outputs kernel::on_link_closed(link_id link, instant now) {
 outputs kernel::on_time(instant now) {
   network_.on_time(now);
   perform(tuples_.on_time(now), now);
-  return finish(now);
+  return finish(now, true);
 }
 
 std::optional<instant> kernel::deadline() const {
   return earliest(earliest(network_.deadline(), tuples_.deadline()), statistics_.deadline(tuples_));
 }
 
-/// Works off what the layers tell each other until both are quiet, then writes to the links.
-outputs kernel::finish(instant now) {
+/// Handles a turn's input, and all that comes of it.
+outputs kernel::finish(instant now, bool turn) {
   tuples_.set_clock_offset(network_.clock().offset());
   publish(statistics_.due(network_, tuples_, now), now);
+  while (turn && network_.serve_next(now)) {
+    for (auto news = network_.take_events(); !news.empty(); news = network_.take_events()) {
+      for (auto& x : news)
+        std::visit([&](auto& what) { handle(what, now); }, x);
+    }
+  }
+  network_.end_turn(now);
+  settle(now);
+  statistics_.follow(tuples_);
+  return std::exchange(out_, {});
+}
+
+/// Works off what the layers tell each other until both are quiet, then writes to the links.
+void kernel::settle(instant now) {
   for (auto again = true; again;) {
     auto news = network_.take_events();
     if (news.empty()) {
@@ -102,8 +117,6 @@ outputs kernel::finish(instant now) {
     for (auto& x : news)
       std::visit([&](auto& what) { handle(what, now); }, x);
   }
-  statistics_.follow(tuples_);
-  return std::exchange(out_, {});
 }
 
 void kernel::handle(host_appeared& x, instant now) {

@@ -35,7 +35,7 @@ struct kernel_config {
   std::vector<peer_id> managers; ///< may write our kernel.do-quit, besides peers of our host
 };
 
-// to_link, close_link, connect_to and announce: peis/p2p_events.hpp; tuple_changed and
+// to_link, close_link, read_link, connect_to and announce: peis/p2p_events.hpp; tuple_changed and
 // tuple_deleted: peis/tuple_events.hpp.
 
 /// A whole message for a hooked port.
@@ -59,9 +59,9 @@ struct quit_requested {
   peer_id by;
 };
 
-using output = std::variant<to_link, close_link, connect_to, announce, tuple_changed, tuple_deleted,
-                            message, outcome, host_appeared, host_vanished, quit_requested, traced,
-                            id_taken, intercepted, scan_adapter, say_hello>;
+using output = std::variant<to_link, close_link, read_link, connect_to, announce, tuple_changed,
+                            tuple_deleted, message, outcome, host_appeared, host_vanished,
+                            quit_requested, traced, id_taken, intercepted, scan_adapter, say_hello>;
 using outputs = std::vector<output>;
 
 /// Everything counted; nothing is dropped without appearing here.
@@ -322,7 +322,9 @@ public:
   [[nodiscard]] kernel_counters counters() const;
 
 private:
-  outputs finish(instant now);
+  /// @param turn input is handled that waits, or has just come
+  outputs finish(instant now, bool turn = false);
+  void settle(instant now);
   /// What the network says that only the owner can act on.
   template <class T>
   void handle(T& x, instant) {

@@ -10,7 +10,7 @@ namespace rubicon::peis {
 
 namespace {
 
-constexpr std::size_t heard_over_max = 1024;
+constexpr std::size_t octets_per_work = 512; // copied for each link that a package goes to
 
 /// The class in which a package of somebody else goes on.
 lane lane_of(const package_header& header) {
@@ -31,7 +31,8 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
       next_manager_(now + config_.connections.manager_period), next_merge_(now),
       next_announcement_(now), last_measured_(now),
       next_period_(now + dice_.between(config_.routing_period / 2, config_.routing_period)),
-      last_trigger_(now - config_.trigger_gap) {
+      last_trigger_(now - config_.trigger_gap), latest_(now),
+      routing_rate_(config_.tables.routing_work_per_second, 1s, 2s) {
   self_.id = config_.id;
   self_.magic = ids_.next();
   self_.host_name = config_.host_name;
@@ -42,7 +43,7 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
   self_.addresses.resize(std::min(self_.addresses.size(), low_level_addresses_max));
   self_.cluster = self_.id.value;
   self_.marked = true;
-  routing_ = routing_table(self_.id, self_.magic, config_.metric_limit);
+  routing_ = routing_table(self_.id, self_.magic, config_.metric_limit, config_.tables.routes);
   const auto& wanted = config_.connections;
   for (const auto* urls : {&wanted.always, &wanted.seeds}) {
     for (const auto& url : *urls)
@@ -51,10 +52,12 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
 }
 
 void p2p::on_time(instant now) {
+  latest_ = now;
   if (!left_ && now >= next_period_)
     on_period(now);
   counters_.messages_incomplete += assembly_.on_time(now);
   check_silence(now);
+  apply_tables(now);
   watch_life(now);
   tend_connections(now);
 }
@@ -63,6 +66,8 @@ std::optional<instant> p2p::deadline() const {
   auto next = earliest(acknowledger_.deadline(), delivery_.deadline());
   next = earliest(next, assembly_.deadline());
   next = earliest(next, next_silence_check_);
+  next = earliest(next, input_deadline());
+  next = earliest(next, next_tables_);
   next = earliest(next, life_deadline());
   next = earliest(next, connections_deadline());
   if (left_)
@@ -89,7 +94,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
   if (header.type == package_type::direct)
     note_heard(header.source, from);
   const bool mine = header.type == package_type::direct && header.destination == self_.id;
-  if (mine && header.seqlen > 0 && !assembly_.accepts(header)) {
+  if (mine && header.seqlen > 0 && !assembly_.accepts(header, from)) {
     ++counters_.fragments_refused; // not acknowledged: it comes again
     return;
   }
@@ -110,7 +115,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
     return;
   }
   if (header.type == package_type::direct && !mine) {
-    if (header.seqlen == 0 && header.port == port::host_query && answer_query(header, data))
+    if (header.seqlen == 0 && header.port == port::host_query && answer_query(from, header, data))
       return;
   } else {
     serve(from, header, data, now);
@@ -120,7 +125,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
 }
 
 void p2p::on_fragment(link_id from, const package_header& header, byte_view data, instant now) {
-  auto whole = assembly_.add(header, data, now);
+  auto whole = assembly_.add(header, data, now, from);
   if (whole)
     events_.push_back(arrived{header.port, header.source, false, from, std::move(*whole)});
 }
@@ -174,6 +179,7 @@ void p2p::on_acknowledgement(byte_view data) {
     opened = done->destination;
     if (done->finished) {
       ++counters_.messages_delivered;
+      on_message_ended(*done->finished);
       if (done->finished->request != no_request)
         events_.push_back(delivered{done->finished->request});
     }
@@ -208,7 +214,7 @@ void p2p::serve(link_id from, const package_header& header, byte_view data, inst
     on_acknowledgement(data);
     return;
   case port::host_query:
-    static_cast<void>(answer_query(header, data));
+    static_cast<void>(answer_query(from, header, data));
     return;
   case port::host_record:
     on_host_record(from, header, data, now);
@@ -258,9 +264,10 @@ package_header p2p::fresh_header(package_type type, std::uint16_t port) {
 }
 
 cause p2p::enqueue(connection& to, lane where, outgoing_package x) {
-  const auto verdict = to.queue.admission(where, 1, dice_);
+  const auto origin = serving_.value_or(own_origin);
+  const auto verdict = to.queue.admission(where, 1, header_size + x.length(), origin, dice_);
   if (verdict == cause::none)
-    to.queue.push(where, std::move(x));
+    to.queue.push(where, std::move(x), origin);
   return verdict;
 }
 
@@ -287,6 +294,7 @@ cause p2p::flood(const package_header& header, const std::shared_ptr<const messa
     chosen.push_back(*lot);
     others.erase(lot);
   }
+  work_.add(chosen.size() * (1 + content->size() / octets_per_work));
   cause worst = cause::none;
   for (auto* x : chosen) {
     const auto verdict = enqueue(*x, where, {header, content, 0});
@@ -319,16 +327,6 @@ std::optional<link_id> p2p::any_way_to(peer_id destination) const {
   return heard == heard_over_.end() ? std::nullopt : std::optional(heard->second);
 }
 
-void p2p::note_heard(peer_id source, link_id over) {
-  if (way_to(source)) {
-    heard_over_.erase(source);
-    return;
-  }
-  if (heard_over_.size() >= heard_over_max)
-    heard_over_.clear();
-  heard_over_[source] = over;
-}
-
 void p2p::send(posting x) {
   const auto way = any_way_to(x.destination);
   auto why = cause::none;
@@ -347,8 +345,13 @@ void p2p::send(posting x) {
     const auto service = x.content.size() > data_max ? priority::bulk : x.class_of_service;
     const auto head = x.content.head;
     if (delivery_.add({self_.id, destination, x.port, service, x.id,
-                       std::make_shared<const message_octets>(std::move(x.content))},
+                       std::make_shared<const message_octets>(std::move(x.content)),
+                       x.for_neighbour},
                       ids_)) {
+      if (x.for_neighbour) {
+        ++answers_open_;
+        ++answers_[*x.for_neighbour];
+      }
       pump(destination);
       return;
     }
@@ -369,7 +372,9 @@ cause p2p::send_unreliable(const posting& x, link_id way) {
   const auto where = count > 1 ? lane::bulk
                                : static_cast<lane>(static_cast<std::size_t>(lane::high) +
                                                    static_cast<std::size_t>(x.class_of_service));
-  if (const auto verdict = queue.admission(where, count, dice_); verdict != cause::none)
+  if (const auto verdict = queue.admission(where, count, size + count * header_size,
+                                           serving_.value_or(own_origin), dice_);
+      verdict != cause::none)
     return verdict;
   const auto content = std::make_shared<const message_octets>(x.content);
   const auto seqid = ids_.next_group();
@@ -386,7 +391,7 @@ cause p2p::send_unreliable(const posting& x, link_id way) {
     }
     const outgoing_package next{header, content, i * data_max};
     count_traffic(next);
-    queue.push(where, next);
+    queue.push(where, next, serving_.value_or(own_origin));
   }
   return cause::none;
 }
@@ -432,6 +437,7 @@ void p2p::repeat_due(instant now) {
 
 void p2p::fail(const reliable_message& x, cause why) {
   ++counters_.messages_failed;
+  on_message_ended(x);
   events_.push_back(undelivered{x.request, x.destination, x.port, x.content->head, why});
 }
 

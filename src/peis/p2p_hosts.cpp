@@ -8,6 +8,9 @@ namespace rubicon::peis {
 
 namespace {
 
+constexpr std::size_t entries_per_work = 8;
+constexpr std::size_t asked_each_period = 512;
+constexpr work_units rebirth_work = 500;
 constexpr int burial_periods = 3; ///< how long stale news of a host that left are ignored
 
 } // namespace
@@ -32,9 +35,62 @@ void p2p::on_routing(link_id from, byte_view data, instant now) {
     entries.insert(entries.end(), part->entries.begin(), part->entries.end());
   }
   collection.pages.clear();
-  apply(routing_.on_table(from, x.cost, entries, now), now);
+  const bool in_time = x.table_rate.free_at() <= now && routing_rate_.free_at() <= now;
+  counters_.tables_put_off += in_time ? 0 : 1;
+  x.table = std::move(entries);
+  if (in_time)
+    apply_table(x, now);
+  else
+    next_tables_ =
+        earliest(next_tables_, std::max(x.table_rate.free_at(), routing_rate_.free_at()));
+}
+
+/// What a table costs is not for its neighbour alone to pay: it may send the same, in which all
+/// changes, again and again. The newest is applied when its time has come.
+void p2p::apply_table(connection& from, instant now) {
+  const auto entries = std::move(*std::exchange(from.table, std::nullopt));
+  from.table_rate.take(1, now);
+  const auto outer = std::exchange(serving_, from.id);
+  const auto changes = routing_.on_table(from.id, from.cost, entries, now);
+  counters_.routes_refused += routing_.take_refused();
+  const auto work = entries.size() / entries_per_work + changes.size() * connections_.size() / 2;
+  routing_rate_.take(work, now);
+  work_.add(work);
+  apply(changes, now);
+  for (const auto host : routing_.take_evicted()) {
+    if (!reachable(host))
+      delete_host(host, dead_host_message::reason::route, now);
+  }
   if (routing_.take_overtaken())
     trigger_routing(now);
+  serving_ = outer;
+}
+
+/// Those that came too soon, one link after the other.
+void p2p::apply_tables(instant now) {
+  if (!next_tables_ || now < *next_tables_)
+    return;
+  next_tables_.reset();
+  std::vector<link_id> waiting;
+  for (const auto& [link, x] : connections_) {
+    if (x.table)
+      waiting.push_back(link);
+  }
+  const auto first = std::ranges::upper_bound(waiting, last_table_);
+  std::rotate(waiting.begin(), first, waiting.end());
+  for (const auto link : waiting) {
+    const auto at = connections_.find(link);
+    if (at == connections_.end() || !at->second.table)
+      continue;
+    const auto due = std::max(at->second.table_rate.free_at(), routing_rate_.free_at());
+    if (due > now) {
+      next_tables_ = earliest(next_tables_, due);
+      continue;
+    }
+    last_table_ = link;
+    apply_table(at->second, now);
+    static_cast<void>(work_.take()); // nobody is being served
+  }
 }
 
 /// Only reachability spreads at once: a mere change of preference would echo round every cycle.
@@ -99,8 +155,13 @@ void p2p::on_period(instant now) {
   for (const auto id : routing_.age(now))
     delete_host(id, dead_host_message::reason::route, now);
   send_routing(now);
-  for (const auto id : strangers_)
-    ask_about(id);
+  expire_hosts(now);
+  auto next = strangers_.upper_bound(last_asked_);
+  for (auto i = std::min(strangers_.size(), asked_each_period); i > 0; --i) {
+    next = next == strangers_.end() ? strangers_.begin() : next;
+    last_asked_ = *next++;
+    ask_about(last_asked_);
+  }
 }
 
 /// Real kernels answer only questions that name no magic number, caches among them; where a cached
@@ -117,7 +178,7 @@ void p2p::ask_about(peer_id stranger) {
 
 /// Answers for ourselves or, from what we know, for the destination of a passing question.
 /// @returns false if we have no answer
-bool p2p::answer_query(const package_header& header, byte_view data) {
+bool p2p::answer_query(link_id from, const package_header& header, byte_view data) {
   const auto query = decode_host_query(data);
   if (!query) {
     ++counters_.malformed;
@@ -128,12 +189,17 @@ bool p2p::answer_query(const package_header& header, byte_view data) {
   if (record == nullptr ||
       (!about_me && query->magic != any_magic && query->magic != record->magic))
     return false;
+  if (!may_answer(from)) {
+    ++counters_.questions_refused;
+    return about_me;
+  }
   send({header.source,
         port::host_record,
         {encode(host_record_message{*record, !about_me}), {}},
         true,
         priority::high,
-        no_request});
+        no_request,
+        from});
   return true;
 }
 
@@ -170,6 +236,7 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
   }
   if (is_neighbour) {
     x.cost = same_host ? config_.cost_same_host : config_.cost_other_host;
+    x.named = true;
     bind_neighbour(x, record.id);
   }
   store_record(from, *message, now);
@@ -183,14 +250,17 @@ void p2p::store_record(link_id from, const host_record_message& message, instant
   if (known != hosts_.end() && known->second.record.magic != record.magic) {
     if (message.cached)
       return; // somebody's memory of the incarnation we know to be gone, or not yet (KH-02)
+    work_.add(rebirth_work);
     close_links_to(record.id, close_cause::reborn, from, now);
     delete_host(record.id, dead_host_message::reason::reborn, now);
   } else if (message.cached && !fits_route) {
     return;
   }
-  auto& stored = hosts_[record.id];
-  stored.record = record;
-  stored.heard = now;
+  auto* stored = acquaint(record.id);
+  if (stored == nullptr)
+    return;
+  stored->record = record;
+  stored->heard = now;
   former_.erase(record.id);
   strangers_.erase(record.id);
   if (const auto direct = neighbours_.find(record.id); direct != neighbours_.end())

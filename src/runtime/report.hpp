@@ -169,6 +169,8 @@ struct peer_report {
   std::uint64_t attempts = 0;     ///< to open a link
   std::uint64_t attempts_failed = 0;
   std::int32_t cluster = 0; ///< lowest id that it can reach
+  /// What its limits have refused or put off: hosts_refused, over_budget, ...; none that is 0.
+  cause_counts limits = {};
 };
 
 /// Packets of the measuring apps from one mote to another, counted from the origin's request to its

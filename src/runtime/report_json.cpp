@@ -147,7 +147,8 @@ json to_json(const peer_report& x) {
           {"cluster", x.cluster},
           {"tuples", x.tuples},
           {"packages", x.peis.packages},
-          {"lost", counts(x.peis.lost)}};
+          {"lost", counts(x.peis.lost)},
+          {"limits", counts(x.limits)}};
 }
 
 json to_json(const actuation_report& x) {

@@ -382,6 +382,12 @@ void add_peers(report_page& page, const report& x) {
   }
   add_rest(rows, x.peers.size(), shown);
   page.add(rows);
+  table limits({{"peer"}, {"its limits have refused or put off"}});
+  for (std::size_t i = 0; i < shown; ++i) {
+    if (!x.peers[i].limits.empty())
+      limits.add({x.peers[i].name, causes(x.peers[i].limits)});
+  }
+  page.add(limits);
 }
 
 void add_verdict(report_page& page, const report& x) {

@@ -458,7 +458,7 @@ private:
   void check() const {
     for (const auto& kernel : kernels_) {
       for (const auto& link : kernel.links())
-        assert(link.queued <= peis::lanes * config_of(1).network.queue_capacity);
+        assert(link.queued <= peis::lanes * config_of(1).network.queue.packages);
       assert(kernel.links().size() <= 2);
     }
   }
