@@ -82,6 +82,8 @@ void p2p::on_heartbeat(connection& x, byte_view data, instant now) {
 
 void p2p::probe_unsound(instant now) {
   for (const auto host : routing_.take_unsound()) {
+    if (probes_.size() >= config_.tables.probes && !probes_.contains(host))
+      continue;
     if (probes_.try_emplace(host, open_probe{now + config_.probe_timeout, now}).second)
       next_probe_ = earliest(next_probe_, now);
   }
