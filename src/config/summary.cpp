@@ -273,7 +273,10 @@ std::string radio_line(const radio::channel_config& x) {
     text += ", capture";
   if (x.curve == radio::error_curve::tossim)
     text += ", TOSSIM's curve";
-  text += limit("sensitivity", x.sensitivity_dbm) + "; loss " + percent(x.loss);
+  text += limit("sensitivity", x.sensitivity_dbm);
+  if (x.edge == radio::sensitivity_edge::noise)
+    text += ", fading out below the sensitivity";
+  text += "; loss " + percent(x.loss);
   if (!x.links.empty())
     text += "; " + counted(x.links.size(), "link") + " as listed";
   return text + '\n';
