@@ -326,10 +326,9 @@ TEST_CASE("a planned crash excuses no other failure of that mote", "[actors][eco
 TEST_CASE("failures are violations, however many there were before", "[actors][ecology][ACT-03]") {
   rig x(R"(
 [[fault]]
-at = "1min"
+every = "2s"
 kind = "crash"
 mote = "kitchen/fan"
-every = "2s"
 )");
   x.world.run_for(8min);
   auto& state = state_of<ecology_state, root_actor>(x.root);

@@ -80,8 +80,8 @@ TEST_CASE("a run whose supervisor fails on its way ends at once, and says so",
 
 TEST_CASE("an exception in the middle of a run does not make it complete", "[ecology][ACT-03]") {
   run_options options;
-  options.progress = [](instant reached, instant) {
-    if (reached >= instant(5s))
+  options.progress = [](const run_progress& x) {
+    if (x.reached >= instant(5s))
       throw std::bad_alloc();
   };
   const auto x = run_with(short_home(), options);
