@@ -105,6 +105,16 @@ auto inspect(F& f, story& x) {
 }
 
 template <class F>
+auto inspect(F& f, actor_failed& x) {
+  return f(caf::meta::type_name("actor_failed"), x.who, x.why);
+}
+
+template <class F>
+auto inspect(F& f, request_unmet& x) {
+  return f(caf::meta::type_name("request_unmet"), x.who, x.what, x.ends_run);
+}
+
+template <class F>
 auto inspect(F& f, mote_flat& x) {
   return f(caf::meta::type_name("mote_flat"), x.mote);
 }
@@ -669,6 +679,8 @@ CAF_BEGIN_TYPE_ID_BLOCK(rubicon, caf::first_custom_type_id)
 CAF_ADD_TYPE_ID(rubicon, (rubicon::timer_expired))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::status_request))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::story))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::actor_failed))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::request_unmet))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::mote_flat))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::listing_changed))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_status))

@@ -422,21 +422,22 @@ auto served(peer_pointer self, Handler handle) {
   };
 }
 
-/// Opens the real links, if any. Without them the peer goes on in the simulated network.
+/// Opens the real links, if any. Without them there is no point in a run that only begins; a peer
+/// that was started again goes on in the simulated network.
 void open_real_links(peer_pointer self) {
   auto& state = self->state;
   if (!state.arguments.real)
     return;
+  state.arguments.real->who = self->path();
+  state.arguments.real->ecology = state.arguments.ecology;
   auto opened = real_links::open(*state.arguments.real, caf::actor_cast<peis_peer_actor>(self));
   if (const auto* why = std::get_if<std::string>(&opened)) {
-    log(self, spdlog::level::err, "event=not_listening reason=\"{}\"", *why);
-    self->send(state.arguments.ecology, story{self->path(), "cannot listen: " + *why});
+    self->send(state.arguments.ecology, request_unmet{self->path(), "cannot listen: " + *why,
+                                                      state.arguments.incarnation == 0});
     return;
   }
   state.real = std::get<std::unique_ptr<real_links>>(std::move(opened));
   auto& links = state.real->links();
-  if (!links.warning().empty())
-    log(self, spdlog::level::warn, "event=real_links warning=\"{}\"", links.warning());
   auto& network = state.arguments.config.network;
   for (auto& address : links.addresses())
     network.addresses.push_back(std::move(address));

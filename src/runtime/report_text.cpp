@@ -33,7 +33,8 @@ void add_title(report_page& page, const report& x) {
                  " (" + speed_factor(x.simulated, x.wall_s) + " real time)",
              "seed " + std::to_string(x.seed), counted(x.events, "event"),
              x.trace_hash.empty() ? "" : "trace " + x.trace_hash,
-             x.interrupted ? "interrupted before its time" : ""});
+             x.interrupted ? "interrupted before its time" : "",
+             x.reason.empty() ? "" : "not complete: " + x.reason});
 }
 
 /// Neighbouring lines that tell the same of several become one.
@@ -402,7 +403,8 @@ void add_verdict(report_page& page, const report& x) {
   add_rest(failures, x.actors.failures.size(), shown_failures);
   page.add(failures);
   if (x.violations.empty()) {
-    page.line("  ✓ no violations", look::good);
+    page.line(x.interrupted ? "  ✓ no violations until it was interrupted" : "  ✓ no violations",
+              look::good);
     return;
   }
   page.line("  ✗ " + counted(x.violations.size(), "violation"), look::bad);
