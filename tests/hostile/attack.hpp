@@ -50,9 +50,15 @@ struct attack_kind {
   /// Calls of say() a second over all links; 0: as many as TCP takes.
   double rate = 0;
   std::function<std::unique_ptr<attack>(const target&)> make;
-  /// Causes in the report, of packages, links or hosts, of which at least one tells of this attack.
+  /// Counts of the report (see report.hpp) of which at least one tells of this attack; empty: it is
+  /// served like anybody, and nothing is dropped.
   std::vector<std::string_view> told;
+  /// It is its links that do harm: many are played with more than a peer takes.
+  bool crowd = false;
 };
+
+/// Links that a crowd has in place of `links`, if these are many.
+[[nodiscard]] std::size_t crowd_of(const attack_kind& kind, std::size_t links);
 
 /// All of them, in the order in which they are played.
 [[nodiscard]] const std::vector<attack_kind>& all_attacks();

@@ -1,4 +1,5 @@
 // Attacks a running ecology over TCP on this computer, and measures what becomes of it: one line a play.
+// Or reads the report of the run that was attacked.
 #include <cstdio>
 #include <future>
 #include <memory>
@@ -8,6 +9,7 @@
 
 #include "hostile/control_loop.hpp"
 #include "hostile/options.hpp"
+#include "hostile/report.hpp"
 #include "hostile/victim.hpp"
 
 namespace {
@@ -20,6 +22,8 @@ constexpr std::uint64_t growth_max = 200'000'000; ///< octets of memory above id
 constexpr std::uint64_t left_max = 30'000'000;    ///< of these, once the attack is over
 constexpr double p99_max_ms = 250;
 constexpr duration newcomer_patience = 10s;
+constexpr duration crowd_least = 6s; ///< how long a crowd stays: a newcomer must get in meanwhile
+constexpr duration back_within = 60s; ///< memory, after an attack
 
 /// What was seen of one play.
 struct observation {
@@ -48,6 +52,8 @@ public:
     idle_ = memory_ ? memory_->now() : 0;
   }
 
+  [[nodiscard]] bool victim_alive() const { return !memory_ || memory_->alive(); }
+
   /// @returns whether the limits were kept
   bool play(const attack_kind& kind, std::size_t links) {
     for (unsigned attempt = 1;; ++attempt) {
@@ -61,8 +67,20 @@ public:
     }
   }
 
-  /// Every request of the honest peer must have had an outcome.
+  /// In the end memory is back, and every request of the honest peer has had an outcome.
   bool conclude() {
+    bool good = true;
+    if (memory_) {
+      const auto took = seconds(await_memory(back_within));
+      good = victim_alive() && memory_->now() <= idle_ + left_max;
+      std::printf("memory    %.0f MB after %.1f s  %s\n", static_cast<double>(memory_->now()) / 1e6, took,
+                  good ? "good" : "BAD: memory kept");
+    }
+    return await_requests() && good;
+  }
+
+private:
+  bool await_requests() {
     if (!loop_)
       return true;
     loop_->stop_requests();
@@ -76,11 +94,20 @@ public:
                 static_cast<unsigned long long>(x.open()));
     for (const auto& [cause, count] : x.causes)
       std::printf(", %s %llu", cause.c_str(), static_cast<unsigned long long>(count));
-    std::printf("\n");
-    return x.open() == 0 && x.made > 0;
+    const bool good = x.open() == 0 && x.made > 0;
+    std::printf("  %s\n", good ? "good" : "BAD: requests without outcome");
+    return good;
   }
 
-private:
+  /// @returns how long that took
+  duration await_memory(duration patience) const {
+    const auto start = steady::now();
+    while (victim_alive() && memory_->now() > idle_ + left_max &&
+           steady::now() - start < patience)
+      std::this_thread::sleep_for(50ms);
+    return steady::now() - start;
+  }
+
   observation observe(const attack_kind& kind, std::size_t links) {
     observation x;
     x.idle = idle_;
@@ -90,11 +117,16 @@ private:
       loop_->begin();
     auto config = options_.play;
     config.links = links;
+    if (kind.crowd)
+      config.length = std::max(config.length, crowd_least);
     std::future<std::optional<double>> newcomer;
     if (loop_) {
-      newcomer = std::async(std::launch::async, [config] {
-        std::this_thread::sleep_for(config.length / 3);
-        return newcomer_s(config.whom, newcomer_patience);
+      const auto wait = config.length / 3;
+      const auto patience = kind.crowd ? std::min(newcomer_patience, config.length - wait)
+                                       : newcomer_patience;
+      newcomer = std::async(std::launch::async, [whom = config.whom, wait, patience] {
+        std::this_thread::sleep_for(wait);
+        return newcomer_s(whom, patience);
       });
     }
     x.play = player(kind, config).play();
@@ -109,15 +141,11 @@ private:
   }
 
   void settle(observation& x) {
-    const auto start = steady::now();
     if (loop_)
       x.loop_back = loop_->await_value(5s) && loop_->await_value(1s);
-    while (memory_ && memory_->alive() && memory_->now() > idle_ + left_max &&
-           steady::now() - start < options_.settle)
-      std::this_thread::sleep_for(50ms);
-    x.settled_s = seconds(steady::now() - start);
     if (!memory_)
       return;
+    x.settled_s = seconds(await_memory(options_.settle));
     x.peak = memory_->take_peak();
     x.after = memory_->now();
     x.alive = memory_->alive();
@@ -129,7 +157,7 @@ private:
       all.emplace_back("DEAD");
     if (memory_ && x.peak > x.idle + growth_max)
       all.emplace_back("memory");
-    if (memory_ && x.alive && x.after > x.idle + left_max)
+    if (options_.settle >= back_within && x.alive && x.after > x.idle + left_max)
       all.emplace_back("memory kept");
     if (loop_ && (!x.loop_back || x.during.values == 0))
       all.emplace_back("no loop");
@@ -183,6 +211,8 @@ int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words.size() == 1 && words.front() == "--list")
     return list();
+  if (words.size() == 3 && words.front() == "--report")
+    return tell_report(words[1], words[2]) ? 0 : 1;
   options x;
   if (const auto wrong = parse(words, x)) {
     std::fprintf(stderr, "hostile_peer: %s\n%s", wrong->c_str(), usage);
@@ -192,7 +222,7 @@ int main(int argc, char** argv) {
   bool good = true;
   for (const auto* kind : x.attacks) {
     for (const auto links : x.links)
-      good = all.play(*kind, links) && good;
+      good = all.victim_alive() && all.play(*kind, crowd_of(*kind, links)) && good;
   }
   good = all.conclude() && good;
   return good || !x.check ? 0 : 1;

@@ -71,12 +71,17 @@ std::function<std::unique_ptr<attack>(const target&)> made() {
 
 std::vector<attack_kind> link_attacks() {
   return {
-      {"idle_links", "links that never greet", 1, made<idle_links>(), {}},
-      {"slow_greeters", "greetings of an octet now and then", 64, made<slow_greeters>(), {}},
-      {"link_holders", "links that greet, live and want nothing", 64, made<link_holders>(), {}},
+      {"idle_links", "links that never greet", 1, made<idle_links>(), {}, true},
+      {"slow_greeters", "greetings of an octet now and then", 64, made<slow_greeters>(), {}, true},
+      {"link_holders", "links that greet, live and want nothing", 64, made<link_holders>(), {}, true},
       {"churn", "links that come and go", 2000, made<churn>(), {}},
       {"garbage", "octets that are no packages", 2000, made<garbage>(), {}},
   };
+}
+
+std::size_t crowd_of(const attack_kind& kind, std::size_t links) {
+  constexpr std::size_t many = 64; // all the links that a peer takes
+  return kind.crowd && links >= many ? 3 * links : links;
 }
 
 const std::vector<attack_kind>& all_attacks() {

@@ -34,9 +34,11 @@ inline constexpr const char* usage = R"(usage: hostile_peer --attack NAME,...|al
   --hub ID, --keeper ID, --porch ID, --bystander ID    whom the attacks are about (30 31 32 40)
   --pid N            the process whose memory is watched
   --loop             an honest peer measures a control loop over hub and keeper, and a newcomer comes
-  --settle S         how long to wait at most until memory is back after a play (60)
+  --settle S         how long to wait at most until memory is back after a play (60); less than a
+                     minute: whether it is back is judged in the end only
   --tries N          plays whose loop was too slow are repeated so often (1)
   --check            exit status 1 if a limit was not kept
+   or: hostile_peer --report FILE NAME    what the report of a run tells of that attack, or of `all`
 )";
 
 /// @returns what is wrong with the words, or the options

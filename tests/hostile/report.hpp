@@ -1,0 +1,16 @@
+// What the report of a run that was attacked tells.
+#pragma once
+
+#include <string>
+
+namespace rubicon::hostile {
+
+/// Prints one line: the counts other than 0 of what was given up, `lost.CAUSE`, and of links that
+/// were closed, `links_closed.CAUSE`, over all peers.
+/// @param file the JSON object of `rubicon run --json` (docs/report.md)
+/// @param attack its name, or `all`
+/// @returns whether the report is complete, all peers live, nothing that must hold was violated, and
+/// the attack is told
+[[nodiscard]] bool tell_report(const std::string& file, const std::string& attack);
+
+} // namespace rubicon::hostile
