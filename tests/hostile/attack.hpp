@@ -1,5 +1,5 @@
-// What hostile peers do. Each attack is a small class: what its links say, and how they behave towards
-// what they hear. The player opens the links, keeps the rate and counts.
+// What hostile peers do. Each attack is a small class: what its links say, and how they behave
+// towards what they hear. The player opens the links, keeps the rate and counts.
 #pragma once
 
 #include <cstddef>
@@ -64,7 +64,7 @@ struct attack_kind {
 [[nodiscard]] const std::vector<attack_kind>& all_attacks();
 
 // Their parts, by what they are aimed at.
-[[nodiscard]] std::vector<attack_kind> network_attacks(); ///< hosts, routes, broadcasts, clock
+[[nodiscard]] std::vector<attack_kind> network_attacks();  ///< hosts, routes, broadcasts, clock
 [[nodiscard]] std::vector<attack_kind> identity_attacks(); ///< lies about who is who, and where
 [[nodiscard]] std::vector<attack_kind> tuple_attacks();
 [[nodiscard]] std::vector<attack_kind> message_attacks(); ///< packages, fragments, acknowledgements

@@ -49,9 +49,8 @@ control_loop::~control_loop() {
 void control_loop::run() {
   io::loop loop;
   const auto peer = honest_peer(loop, whom_, whom_.bystander);
-  static_cast<void>(peer->subscribe(whom_.keeper, "probe.echo", [this](const auto& x) {
-    on_echo(x->text());
-  }));
+  static_cast<void>(
+      peer->subscribe(whom_.keeper, "probe.echo", [this](const auto& x) { on_echo(x->text()); }));
   auto next_write = clock::now();
   auto next_ask = clock::now();
   while (!over_) {
@@ -102,8 +101,8 @@ void control_loop::ask(peer::standalone& peer) {
     if (!x.success)
       ++requests_.causes[std::string(to_string(x.why))];
   };
-  peer.set_remote_tuple(whom_.keeper, "probe.note",
-                        peis::text_content(std::to_string(number_)), note);
+  peer.set_remote_tuple(whom_.keeper, "probe.note", peis::text_content(std::to_string(number_)),
+                        note);
 }
 
 bool control_loop::await_value(duration patience) {

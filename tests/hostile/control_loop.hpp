@@ -1,5 +1,6 @@
-// An honest peer from outside, for whom an ecology is there: what it writes goes over the attacked peer
-// to a translation and comes back, twenty milliseconds apart, and how long each takes is measured.
+// An honest peer from outside, for whom an ecology is there: what it writes goes over the attacked
+// peer to a translation and comes back, twenty milliseconds apart, and how long each takes is
+// measured.
 #pragma once
 
 #include <atomic>

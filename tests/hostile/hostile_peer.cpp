@@ -1,5 +1,5 @@
-// Attacks a running ecology over TCP on this computer, and measures what becomes of it: one line a play.
-// Or reads the report of the run that was attacked.
+// Attacks a running ecology over TCP on this computer, and measures what becomes of it: one line a
+// play. Or reads the report of the run that was attacked.
 #include <cstdio>
 #include <future>
 #include <memory>
@@ -22,7 +22,7 @@ constexpr std::uint64_t growth_max = 200'000'000; ///< octets of memory above id
 constexpr std::uint64_t left_max = 30'000'000;    ///< of these, once the attack is over
 constexpr double p99_max_ms = 250;
 constexpr duration newcomer_patience = 10s;
-constexpr duration crowd_least = 6s; ///< how long a crowd stays: a newcomer must get in meanwhile
+constexpr duration crowd_least = 6s;  ///< how long a crowd stays: a newcomer must get in meanwhile
 constexpr duration back_within = 60s; ///< memory, after an attack
 
 /// What was seen of one play.
@@ -73,8 +73,8 @@ public:
     if (memory_) {
       const auto took = seconds(await_memory(back_within));
       good = victim_alive() && memory_->now() <= idle_ + left_max;
-      std::printf("memory    %.0f MB after %.1f s  %s\n", static_cast<double>(memory_->now()) / 1e6, took,
-                  good ? "good" : "BAD: memory kept");
+      std::printf("memory    %.0f MB after %.1f s  %s\n", static_cast<double>(memory_->now()) / 1e6,
+                  took, good ? "good" : "BAD: memory kept");
     }
     return await_requests() && good;
   }
@@ -102,8 +102,7 @@ private:
   /// @returns how long that took
   duration await_memory(duration patience) const {
     const auto start = steady::now();
-    while (victim_alive() && memory_->now() > idle_ + left_max &&
-           steady::now() - start < patience)
+    while (victim_alive() && memory_->now() > idle_ + left_max && steady::now() - start < patience)
       std::this_thread::sleep_for(50ms);
     return steady::now() - start;
   }
@@ -122,8 +121,8 @@ private:
     std::future<std::optional<double>> newcomer;
     if (loop_) {
       const auto wait = config.length / 3;
-      const auto patience = kind.crowd ? std::min(newcomer_patience, config.length - wait)
-                                       : newcomer_patience;
+      const auto patience =
+          kind.crowd ? std::min(newcomer_patience, config.length - wait) : newcomer_patience;
       newcomer = std::async(std::launch::async, [whom = config.whom, wait, patience] {
         std::this_thread::sleep_for(wait);
         return newcomer_s(whom, patience);

@@ -22,8 +22,8 @@ void say_false_routes(link& x) {
   peis::routing_page page;
   page.seqno = x.next_seqno();
   page.entries.push_back({x.id, page.seqno, x.magic, 0, 1});
-  for (const auto who : {peer_id{1}, x.whom().hub, x.whom().keeper, x.whom().porch,
-                         x.whom().bystander})
+  for (const auto who :
+       {peer_id{1}, x.whom().hub, x.whom().keeper, x.whom().porch, x.whom().bystander})
     page.entries.push_back({who, static_cast<std::int32_t>(0x7fffffff - x.dice().below(1000)),
                             x.dice().chance(0.5) ? x.magic : x.number(),
                             static_cast<std::uint8_t>(x.dice().below(2) * x.dice().below(256)), 1});
@@ -71,10 +71,16 @@ void say_dead(link& x) {
 
 std::vector<attack_kind> identity_attacks() {
   return {
-      {"false_routes", "routes that lie: metric 0, other lives, newest numbers", 500,
-       always(say_false_routes), {}},
-      {"impostors", "links and records under the ids of others", 500,
-       [](const target& whom) { return std::make_unique<impostors>(whom); }, {}},
+      {"false_routes",
+       "routes that lie: metric 0, other lives, newest numbers",
+       500,
+       always(say_false_routes),
+       {}},
+      {"impostors",
+       "links and records under the ids of others",
+       500,
+       [](const target& whom) { return std::make_unique<impostors>(whom); },
+       {}},
       {"dead_claims", "living hosts are said to be dead", 500, always(say_dead), {}},
   };
 }

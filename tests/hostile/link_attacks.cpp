@@ -73,7 +73,12 @@ std::vector<attack_kind> link_attacks() {
   return {
       {"idle_links", "links that never greet", 1, made<idle_links>(), {}, true},
       {"slow_greeters", "greetings of an octet now and then", 64, made<slow_greeters>(), {}, true},
-      {"link_holders", "links that greet, live and want nothing", 64, made<link_holders>(), {}, true},
+      {"link_holders",
+       "links that greet, live and want nothing",
+       64,
+       made<link_holders>(),
+       {},
+       true},
       {"churn", "links that come and go", 2000, made<churn>(), {}},
       {"garbage", "octets that are no packages", 2000, made<garbage>(), {}},
   };

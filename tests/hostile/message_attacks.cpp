@@ -45,8 +45,7 @@ public:
     t.value = payload(bytes(4000, 'x'));
     auto octets = encode_tuple_head(t, peis::tuple_message_kind::set);
     octets.insert(octets.end(), t.value.view().begin(), t.value.view().end());
-    x.begin({.port = peis::port::set, .destination = t.owner, .reliable = true},
-            std::move(octets));
+    x.begin({.port = peis::port::set, .destination = t.owner, .reliable = true}, std::move(octets));
   }
   void hear(link&, const peis::received_package&) override {}
 };
@@ -56,6 +55,16 @@ class slow_reader : public never_acks {
 public:
   using never_acks::never_acks;
   [[nodiscard]] bool reads(const link&) const override { return false; }
+  [[nodiscard]] int receive_buffer() const override { return 4096; }
+};
+
+/// The same, and it reads a little now and then, as if it were about to go on.
+class trickle_reader : public never_acks {
+public:
+  using never_acks::never_acks;
+  [[nodiscard]] bool reads(const link& x) const override {
+    return (x.counts().packages + x.counts().heard) % 64 == 0;
+  }
   [[nodiscard]] int receive_buffer() const override { return 4096; }
 };
 
@@ -74,12 +83,23 @@ void say_fragment(link& x) {
   x.say_as(header, octets);
 }
 
-/// Messages to ports that nobody listens to.
+/// Messages to ports that nobody listens to, by us or by nobody.
 void say_message(link& x) {
-  x.begin({.port = static_cast<std::uint16_t>(peis::port::user_first + x.dice().below(30)),
-           .destination = x.dice().chance(0.5) ? x.whom().hub : x.whom().keeper,
-           .reliable = x.dice().chance(0.8)},
-          bytes(x.dice().below(3000), 'x'));
+  draft message{.port = static_cast<std::uint16_t>(peis::port::user_first + x.dice().below(30)),
+                .destination = x.dice().chance(0.5) ? x.whom().hub : x.whom().keeper,
+                .reliable = x.dice().chance(0.8)};
+  if (x.dice().chance(0.3))
+    message.source = peer_id{x.number()};
+  x.begin(message, bytes(x.dice().below(3000), 'x'));
+}
+
+/// Packages that the hub is to pass on, to all that it has links to.
+void say_for_others(link& x) {
+  const std::array others{peer_id{1}, x.whom().keeper, x.whom().porch, x.whom().bystander};
+  x.say({.port = static_cast<std::uint16_t>(peis::port::user_first + x.dice().below(30)),
+         .destination = others.at(x.dice().below(others.size())),
+         .reliable = x.dice().chance(0.5)},
+        bytes(peis::data_max, 'x'));
 }
 
 void say_beat(link& x) {
@@ -137,8 +157,10 @@ void say_mutated(link& x) {
                             static_cast<std::uint8_t>(dice.next())};
     octets[dice.below(octets.size())] = values.at(dice.below(values.size()));
   }
-  draft form{.type = static_cast<package_type>(dice.below(3)), .port = port,
-             .destination = x.whom().hub, .reliable = dice.chance(0.3)};
+  draft form{.type = static_cast<package_type>(dice.below(3)),
+             .port = port,
+             .destination = x.whom().hub,
+             .reliable = dice.chance(0.3)};
   auto header = x.header_of(form, octets.size());
   if (dice.chance(0.5))
     header.destination = dice.chance(0.5) ? any_peer : x.whom().keeper;
@@ -162,16 +184,38 @@ void say_mutated(link& x) {
 std::vector<attack_kind> message_attacks() {
   return {
       {"false_acks", "acknowledgements of what nobody has sent", 20000, always(say_false_acks), {}},
-      {"never_acks", "subscribes to everything and acknowledges nothing", 5000,
-       [](const target& whom) { return std::make_unique<never_acks>(whom); }, {}},
-      {"slow_reader", "the same, and never reads its socket", 5000,
-       [](const target& whom) { return std::make_unique<slow_reader>(whom); }, {}},
-      {"fragments", "fragments of messages that never get complete", 20000, always(say_fragment),
+      {"never_acks",
+       "subscribes to everything and acknowledges nothing",
+       5000,
+       [](const target& whom) { return std::make_unique<never_acks>(whom); },
+       {}},
+      {"slow_reader",
+       "the same, and never reads its socket",
+       5000,
+       [](const target& whom) { return std::make_unique<slow_reader>(whom); },
+       {}},
+      {"trickle_reader",
+       "the same, and reads a little now and then",
+       5000,
+       [](const target& whom) { return std::make_unique<trickle_reader>(whom); },
+       {}},
+      {"fragments",
+       "fragments of messages that never get complete",
+       20000,
+       always(say_fragment),
        {}},
       {"messages", "messages to ports that nobody listens to", 20000, always(say_message), {}},
+      {"for_others",
+       "packages that are to be passed on to all others",
+       42000,
+       always(say_for_others),
+       {}},
       {"beats", "signs of life, back to back", 42000, always(say_beat), {}},
-      {"mutated", "packages of every service, with changed octets and lengths", 20000,
-       always(say_mutated), {}},
+      {"mutated",
+       "packages of every service, with changed octets and lengths",
+       20000,
+       always(say_mutated),
+       {}},
   };
 }
 

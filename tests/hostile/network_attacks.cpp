@@ -18,8 +18,8 @@ using peis::package_type;
 /// Somebody who is not there, with addresses on loopback where nobody listens.
 peis::host_record invented(link& x, std::int32_t ids) {
   auto made_up = x.record();
-  made_up.id = peer_id{static_cast<std::int32_t>(
-      1 + x.dice().below(static_cast<std::uint64_t>(ids)))};
+  made_up.id =
+      peer_id{static_cast<std::int32_t>(1 + x.dice().below(static_cast<std::uint64_t>(ids)))};
   made_up.magic = x.number();
   made_up.host_name = "nowhere" + std::to_string(made_up.id.value % 100);
   made_up.cluster = made_up.id.value;
@@ -36,14 +36,15 @@ void say_host_record(link& x) {
   x.say({.type = kind, .port = peis::port::host_record, .destination = to}, encode(message));
 }
 
-/// A whole table of 2240 hosts, the own one first; others by chance, so that each one replaces many.
+/// A whole table of 2240 hosts, the own one first; others by chance, so that each one replaces
+/// many.
 void say_routing_table(link& x) {
   const auto seqno = x.next_seqno();
   std::vector<peis::routing_entry> entries{{x.id, seqno, x.magic, 0, 1}};
   while (entries.size() < peis::routing_pages_max * peis::entries_per_page) {
     const peer_id somebody{static_cast<std::int32_t>(100 + x.dice().below(peer_id_max - 100))};
-    entries.push_back({somebody, x.number(), x.number(),
-                       static_cast<std::uint8_t>(1 + x.dice().below(28)), 3});
+    entries.push_back(
+        {somebody, x.number(), x.number(), static_cast<std::uint8_t>(1 + x.dice().below(28)), 3});
   }
   for (const auto& page : peis::paginate(entries, seqno))
     x.say({.type = package_type::link, .port = peis::port::routing}, encode(page));
@@ -62,8 +63,8 @@ void say_clock(link& x) {
   const peis::clock_message message{x.dice().between(0s, span), x.dice().chance(0.5), 0s};
   auto octets = encode(message);
   octets.resize(octets.size() + x.dice().below(64));
-  auto header = x.header_of({.type = package_type::broadcast, .port = peis::port::clock},
-                            octets.size());
+  auto header =
+      x.header_of({.type = package_type::broadcast, .port = peis::port::clock}, octets.size());
   header.hops = static_cast<std::uint8_t>(1 + x.dice().below(15));
   x.say_as(header, octets);
 }
@@ -94,8 +95,7 @@ void say_question(link& x) {
 
 std::vector<attack_kind> network_attacks() {
   return {
-      {"host_records", "records of hosts that are not there", 27000, always(say_host_record),
-       {}},
+      {"host_records", "records of hosts that are not there", 27000, always(say_host_record), {}},
       {"routing_tables", "whole routing tables, back to back", 0, always(say_routing_table), {}},
       {"broadcasts", "small broadcasts", 42000, always(say_broadcast), {}},
       {"clocks", "broadcasts of times that cannot be", 20000, always(say_clock), {}},

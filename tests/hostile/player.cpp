@@ -9,7 +9,7 @@ namespace rubicon::hostile {
 namespace {
 
 constexpr std::size_t waiting_max = 256 * 1024; ///< octets of one link, before we wait for it
-constexpr int calls_a_turn = 16;                ///< of say(), a link, before sockets are asked again
+constexpr int calls_a_turn = 16; ///< of say(), a link, before sockets are asked again
 
 } // namespace
 
@@ -78,8 +78,9 @@ void player::poll_links() {
 
 double player::allowed() const {
   constexpr double burst_s = 0.1; // what could not be said in time is not made up for
-  return rate_ == 0 ? 1e9
-                    : std::min(seconds(steady::now() - start_) * rate_ - said_, rate_ * burst_s + 1);
+  return rate_ == 0
+             ? 1e9
+             : std::min(seconds(steady::now() - start_) * rate_ - said_, rate_ * burst_s + 1);
 }
 
 void player::talk() {

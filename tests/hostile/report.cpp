@@ -47,8 +47,8 @@ std::string fault_of(const nlohmann::json& report) {
 
 bool is_told(const attack_kind& kind, const counts& all) {
   return kind.told.empty() || std::any_of(kind.told.begin(), kind.told.end(), [&](auto cause) {
-    return all.contains(std::string(cause));
-  });
+           return all.contains(std::string(cause));
+         });
 }
 
 } // namespace

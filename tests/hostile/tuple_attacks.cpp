@@ -72,11 +72,27 @@ void say_subscription(link& x) {
   subscribe(x, x.dice().chance(0.8) ? x.whom().hub : x.whom().keeper, wanted);
 }
 
+/// Subscribers who are not there, each of them once.
+void say_ghost_subscription(link& x) {
+  const auto who = peer_id{x.number()};
+  x.say({.port = peis::port::subscribe,
+         .source = who,
+         .destination = x.dice().chance(0.5) ? x.whom().hub : x.whom().keeper,
+         .reliable = true},
+        encode(peis::subscribe_message{peis::prototype_of(any_peer, {}), peis::lifetime_tag{}}));
+}
+
 void say_tuple(link& x) {
   if (x.dice().chance(0.5))
     set(x, numbered(x, "heap."), bytes(40, 'x'));
   else
     push(x, numbered(x, "hoard."), bytes(40, 'x')); // which the hub collects
+}
+
+/// The same few tuples, each time longer or shorter.
+void say_changed_tuple(link& x) {
+  const auto name = "hoard.c" + std::to_string(x.dice().below(20));
+  set(x, name, bytes(1 + x.dice().below(700), 'x'));
 }
 
 /// Values of 10 MB, half of them the hub's own, half of them ours; then the link ends.
@@ -116,10 +132,32 @@ private:
   static constexpr std::size_t added = 700;
 };
 
+/// Each link has a dozen long tuples at the hub for itself, changes them all the time and
+/// subscribes to them: what waits for one link is shared with no other. Nothing is acknowledged.
+class deaf_subscribers : public attack {
+public:
+  using attack::attack;
+
+  void say(link& x) override {
+    const auto mine = "heap.d" + std::to_string(x.index()) + "-";
+    if (x.said_since_open < 3 + own_tuples)
+      return subscribe(
+          x, whom().hub,
+          peis::prototype_of(whom().hub,
+                             key_of(mine + std::to_string(x.said_since_open % own_tuples))));
+    set(x, mine + std::to_string(x.dice().below(own_tuples)), bytes(size, 'x'));
+  }
+  void hear(link&, const peis::received_package&) override {}
+
+private:
+  static constexpr std::uint64_t own_tuples = 12;
+  static constexpr std::size_t size = 100'000;
+};
+
 /// Points the fan's input hither and thither, and many inputs that nobody has.
 void say_meta_tuple(link& x) {
-  const auto name = x.dice().chance(0.7) ? std::string("kitchen.fan.mi-switch")
-                                         : numbered(x, "heap.mi-");
+  const auto name =
+      x.dice().chance(0.7) ? std::string("kitchen.fan.mi-switch") : numbered(x, "heap.mi-");
   const peis::meta_target there{peer_id{x.number()}, key_of(numbered(x, "wish."))};
   peis::tuple t;
   t.owner = x.whom().keeper;
@@ -136,16 +174,46 @@ void say_meta_tuple(link& x) {
 
 std::vector<attack_kind> tuple_attacks() {
   return {
-      {"equal_subscriptions", "one subscription to everything, again and again", 20000,
-       [](const target& whom) { return std::make_unique<equal_subscriptions>(whom); }, {}},
-      {"subscriptions", "distinct subscriptions, 100 000 and more", 20000,
-       always(say_subscription), {}},
+      {"equal_subscriptions",
+       "one subscription to everything, again and again",
+       20000,
+       [](const target& whom) { return std::make_unique<equal_subscriptions>(whom); },
+       {}},
+      {"subscriptions",
+       "distinct subscriptions, 100 000 and more",
+       20000,
+       always(say_subscription),
+       {}},
+      {"ghost_subscribers",
+       "subscriptions to everything, by peers that are not there",
+       20000,
+       always(say_ghost_subscription),
+       {}},
+      {"changed_tuples",
+       "a few tuples of the hub's, changed all the time",
+       20000,
+       always(say_changed_tuple),
+       {}},
       {"tuples", "many small tuples, the hub's and our own", 20000, always(say_tuple), {}},
-      {"big_tuples", "tuples of 10 MB, whose writers leave", 0,
-       [](const target& whom) { return std::make_unique<big_tuples>(whom); }, {}},
-      {"appends", "appends to a few tuples with subscribers", 20000,
-       [](const target& whom) { return std::make_unique<appends>(whom); }, {}},
-      {"meta_tuples", "meta tuples that point hither and thither", 5000, always(say_meta_tuple),
+      {"big_tuples",
+       "tuples of 10 MB, whose writers leave",
+       0,
+       [](const target& whom) { return std::make_unique<big_tuples>(whom); },
+       {}},
+      {"appends",
+       "appends to a few tuples with subscribers",
+       20000,
+       [](const target& whom) { return std::make_unique<appends>(whom); },
+       {}},
+      {"deaf_subscribers",
+       "long tuples that change, whose subscribers acknowledge nothing",
+       0,
+       [](const target& whom) { return std::make_unique<deaf_subscribers>(whom); },
+       {}},
+      {"meta_tuples",
+       "meta tuples that point hither and thither",
+       5000,
+       always(say_meta_tuple),
        {}},
   };
 }
