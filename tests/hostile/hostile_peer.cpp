@@ -59,7 +59,10 @@ public:
     for (unsigned attempt = 1;; ++attempt) {
       const auto seen = observe(kind, links);
       const auto wrong = faults(seen);
-      print(kind, links, seen, wrong);
+      if (options_.table)
+        print_row(kind, links, seen, wrong);
+      else
+        print(kind, links, seen, wrong);
       if (wrong.empty())
         return true;
       if (attempt >= options_.tries || wrong != "slow loop")
@@ -73,8 +76,10 @@ public:
     if (memory_) {
       const auto took = seconds(await_memory(back_within));
       good = victim_alive() && memory_->now() <= idle_ + left_max;
-      std::printf("memory    %.0f MB after %.1f s  %s\n", static_cast<double>(memory_->now()) / 1e6,
-                  took, good ? "good" : "BAD: memory kept");
+      if (!options_.table)
+        std::printf("memory    %.0f MB after %.1f s  %s\n",
+                    static_cast<double>(memory_->now()) / 1e6, took,
+                    good ? "good" : "BAD: memory kept");
     }
     return await_requests() && good;
   }
@@ -88,6 +93,8 @@ private:
     while (loop_->requests().open() > 0 && steady::now() < until)
       std::this_thread::sleep_for(100ms);
     const auto x = loop_->requests();
+    if (options_.table)
+      return x.open() == 0 && x.made > 0;
     std::printf("requests  %llu made, %llu done, %llu failed, %llu without outcome",
                 static_cast<unsigned long long>(x.made), static_cast<unsigned long long>(x.done),
                 static_cast<unsigned long long>(x.failed),
@@ -116,13 +123,14 @@ private:
       loop_->begin();
     auto config = options_.play;
     config.links = links;
-    if (kind.crowd)
+    if (kind.crowd && links > 1)
       config.length = std::max(config.length, crowd_least);
     std::future<std::optional<double>> newcomer;
     if (loop_) {
       const auto wait = config.length / 3;
-      const auto patience =
-          kind.crowd ? std::min(newcomer_patience, config.length - wait) : newcomer_patience;
+      const auto patience = kind.crowd && links > 1
+                                ? std::min(newcomer_patience, config.length - wait)
+                                : newcomer_patience;
       newcomer = std::async(std::launch::async, [whom = config.whom, wait, patience] {
         std::this_thread::sleep_for(wait);
         return newcomer_s(whom, patience);
@@ -192,6 +200,18 @@ private:
     std::fflush(stdout);
   }
 
+  /// All but the last cell, which tells of the report.
+  static void print_row(const attack_kind& kind, std::size_t links, const observation& x,
+                        const std::string& wrong) {
+    const auto mega = [](std::uint64_t octets) { return static_cast<double>(octets) / 1e6; };
+    std::printf("| %s | %zu | %.0f | %.0f, %.0f, %.0f | %.0f s | %.1f, %.0f | %s | ",
+                std::string(kind.name).c_str(), links,
+                static_cast<double>(x.play.counts.packages) / seconds(x.play.took), mega(x.idle),
+                mega(x.peak), mega(x.after), x.settled_s, x.during.p50_ms, x.during.p99_ms,
+                wrong.empty() ? "kept" : wrong.c_str());
+    std::fflush(stdout);
+  }
+
   options options_;
   std::unique_ptr<control_loop> loop_;
   std::unique_ptr<memory_watch> memory_;
@@ -210,8 +230,8 @@ int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words.size() == 1 && words.front() == "--list")
     return list();
-  if (words.size() == 3 && words.front() == "--report")
-    return tell_report(words[1], words[2]) ? 0 : 1;
+  if (words.size() >= 3 && words.front() == "--report")
+    return tell_report(words[1], words[2], words.back() == "--table") ? 0 : 1;
   options x;
   if (const auto wrong = parse(words, x)) {
     std::fprintf(stderr, "hostile_peer: %s\n%s", wrong->c_str(), usage);

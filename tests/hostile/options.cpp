@@ -96,6 +96,8 @@ std::optional<std::string> parse(const std::vector<std::string>& words, options&
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (words[i] == "--loop") {
       x.loop = true;
+    } else if (words[i] == "--table") {
+      x.table = true;
     } else if (words[i] == "--check") {
       x.check = true;
     } else if (i + 1 == words.size()) {

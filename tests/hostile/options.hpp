@@ -21,6 +21,7 @@ struct options {
   duration settle = 60s;       ///< at most, after each attack, until memory is back
   unsigned tries = 1;          ///< of a play whose loop was too slow: the machine may have been
   bool check = false;          ///< what is beyond the limits is an error
+  bool table = false;          ///< of Markdown, for the documents
 };
 
 inline constexpr const char* usage = R"(usage: hostile_peer --attack NAME,...|all [option...]
@@ -37,8 +38,9 @@ inline constexpr const char* usage = R"(usage: hostile_peer --attack NAME,...|al
   --settle S         how long to wait at most until memory is back after a play (60); less than a
                      minute: whether it is back is judged in the end only
   --tries N          plays whose loop was too slow are repeated so often (1)
+  --table            rows of a Markdown table, each to be ended by --report --table
   --check            exit status 1 if a limit was not kept
-   or: hostile_peer --report FILE NAME    what the report of a run tells of that attack, or of `all`
+   or: hostile_peer --report FILE NAME [--table]    what the report of a run tells of that attack, or of `all`
 )";
 
 /// @returns what is wrong with the words, or the options

@@ -51,9 +51,22 @@ bool is_told(const attack_kind& kind, const counts& all) {
          });
 }
 
+void print(const counts& all, const std::string& fault, bool table) {
+  std::printf("%s", table ? "" : "report  ");
+  const char* gap = table ? "" : "  ";
+  for (const auto& [cause, count] : all) {
+    std::printf("%s%s %llu", gap, cause.c_str(), static_cast<unsigned long long>(count));
+    gap = table ? ", " : "  ";
+  }
+  if (table)
+    std::printf("%s%s |\n", fault.empty() ? "" : " BAD: ", fault.c_str());
+  else
+    std::printf("  %s\n", fault.empty() ? "good" : ("BAD: " + fault).c_str());
+}
+
 } // namespace
 
-bool tell_report(const std::string& file, const std::string& attack) {
+bool tell_report(const std::string& file, const std::string& attack, bool table) {
   std::ifstream in(file);
   const auto report = nlohmann::json::parse(in, nullptr, false);
   if (!report.is_object()) {
@@ -66,10 +79,7 @@ bool tell_report(const std::string& file, const std::string& attack) {
     if ((attack == kind.name || attack == "all") && !is_told(kind, all))
       fault += (fault.empty() ? "not told: " : ", not told: ") + std::string(kind.name);
   }
-  std::printf("report  ");
-  for (const auto& [cause, count] : all)
-    std::printf("  %s %llu", cause.c_str(), static_cast<unsigned long long>(count));
-  std::printf("  %s\n", fault.empty() ? "good" : ("BAD: " + fault).c_str());
+  print(all, fault, table);
   return fault.empty();
 }
 

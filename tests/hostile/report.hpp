@@ -9,8 +9,9 @@ namespace rubicon::hostile {
 /// were closed, `links_closed.CAUSE`, over all peers.
 /// @param file the JSON object of `rubicon run --json` (docs/report.md)
 /// @param attack its name, or `all`
+/// @param table as the last cell of a Markdown table's row
 /// @returns whether the report is complete, all peers live, nothing that must hold was violated,
 /// and the attack is told
-[[nodiscard]] bool tell_report(const std::string& file, const std::string& attack);
+[[nodiscard]] bool tell_report(const std::string& file, const std::string& attack, bool table);
 
 } // namespace rubicon::hostile
