@@ -71,16 +71,30 @@ std::function<std::unique_ptr<attack>(const target&)> made() {
 
 std::vector<attack_kind> link_attacks() {
   return {
-      {"idle_links", "links that never greet", 1, made<idle_links>(), {}, true},
-      {"slow_greeters", "greetings of an octet now and then", 64, made<slow_greeters>(), {}, true},
+      {"idle_links",
+       "links that never greet",
+       1,
+       made<idle_links>(),
+       {"links_closed.handshake_silent", "limits.greetings_evicted"},
+       true},
+      {"slow_greeters",
+       "greetings of an octet now and then",
+       64,
+       made<slow_greeters>(),
+       {"links_closed.handshake_silent", "limits.greetings_evicted"},
+       true},
       {"link_holders",
        "links that greet, live and want nothing",
        64,
        made<link_holders>(),
-       {},
+       {"links_closed.too_many_links", "limits.newcomers_referred"},
        true},
-      {"churn", "links that come and go", 2000, made<churn>(), {}},
-      {"garbage", "octets that are no packages", 2000, made<garbage>(), {}},
+      {"churn", "links that come and go", 2000, made<churn>(), {"links_closed.far_end"}},
+      {"garbage",
+       "octets that are no packages",
+       2000,
+       made<garbage>(),
+       {"links_closed.bad_stream"}},
   };
 }
 

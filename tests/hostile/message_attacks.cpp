@@ -203,7 +203,7 @@ std::vector<attack_kind> message_attacks() {
        "fragments of messages that never get complete",
        20000,
        always(say_fragment),
-       {}},
+       {"limits.fragments_refused", "lost.incomplete"}},
       {"messages", "messages to ports that nobody listens to", 20000, always(say_message), {}},
       {"for_others",
        "packages that are to be passed on to all others",
@@ -215,7 +215,7 @@ std::vector<attack_kind> message_attacks() {
        "packages of every service, with changed octets and lengths",
        20000,
        always(say_mutated),
-       {}},
+       {"lost.malformed", "lost.illegal"}},
   };
 }
 

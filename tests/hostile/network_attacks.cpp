@@ -95,11 +95,23 @@ void say_question(link& x) {
 
 std::vector<attack_kind> network_attacks() {
   return {
-      {"host_records", "records of hosts that are not there", 27000, always(say_host_record), {}},
-      {"routing_tables", "whole routing tables, back to back", 0, always(say_routing_table), {}},
+      {"host_records",
+       "records of hosts that are not there",
+       27000,
+       always(say_host_record),
+       {"limits.hosts_refused", "limits.over_budget"}},
+      {"routing_tables",
+       "whole routing tables, back to back",
+       0,
+       always(say_routing_table),
+       {"limits.tables_put_off", "limits.routes_refused"}},
       {"broadcasts", "small broadcasts", 42000, always(say_broadcast), {}},
       {"clocks", "broadcasts of times that cannot be", 20000, always(say_clock), {}},
-      {"questions", "traces and host queries", 20000, always(say_question), {}},
+      {"questions",
+       "traces and host queries",
+       20000,
+       always(say_question),
+       {"lost.no_route", "limits.questions_refused"}},
   };
 }
 

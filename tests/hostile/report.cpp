@@ -20,7 +20,9 @@ using counts = std::map<std::string, std::uint64_t>;
 counts told_by(const nlohmann::json& report) {
   counts all;
   for (const auto& peer : report.at("peers")) {
-    for (const auto* part : {"lost", "links_closed"}) {
+    for (const auto* part : {"lost", "links_closed", "limits"}) {
+      if (!peer.contains(part))
+        continue;
       for (const auto& [cause, count] : peer.at(part).items()) {
         if (count.get<std::uint64_t>() > 0)
           all[std::string(part) + '.' + cause] += count.get<std::uint64_t>();
@@ -45,10 +47,11 @@ std::string fault_of(const nlohmann::json& report) {
   return {};
 }
 
-bool is_told(const attack_kind& kind, const counts& all) {
-  return kind.told.empty() || std::any_of(kind.told.begin(), kind.told.end(), [&](auto cause) {
-           return all.contains(std::string(cause));
-         });
+/// A crowd of a few links needs no limit.
+bool is_told(const attack_kind& kind, const counts& all, bool few) {
+  return (kind.crowd && few) || kind.told.empty() ||
+         std::any_of(kind.told.begin(), kind.told.end(),
+                     [&](auto cause) { return all.contains(std::string(cause)); });
 }
 
 void print(const counts& all, const std::string& fault, bool table) {
@@ -76,7 +79,7 @@ bool tell_report(const std::string& file, const std::string& attack, bool table)
   const auto all = told_by(report);
   auto fault = fault_of(report);
   for (const auto& kind : all_attacks()) {
-    if ((attack == kind.name || attack == "all") && !is_told(kind, all))
+    if ((attack == kind.name || attack == "all") && !is_told(kind, all, attack != "all"))
       fault += (fault.empty() ? "not told: " : ", not told: ") + std::string(kind.name);
   }
   print(all, fault, table);

@@ -5,8 +5,8 @@
 
 namespace rubicon::hostile {
 
-/// Prints one line: the counts other than 0 of what was given up, `lost.CAUSE`, and of links that
-/// were closed, `links_closed.CAUSE`, over all peers.
+/// Prints one line: the counts other than 0 of what was given up, `lost.CAUSE`, of links that were
+/// closed, `links_closed.CAUSE`, and of what limits have refused, `limits.CAUSE`, over all peers.
 /// @param file the JSON object of `rubicon run --json` (docs/report.md)
 /// @param attack its name, or `all`
 /// @param table as the last cell of a Markdown table's row
