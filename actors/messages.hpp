@@ -27,8 +27,8 @@ namespace rubicon {
 
 using scheduler::carried;
 
-/// A timer of one actor has run down. `epoch` tells an outdated expiry from the awaited one, `which`
-/// tells the timers of one actor apart.
+/// A timer of one actor has run down. `epoch` tells an outdated expiry from the awaited one,
+/// `which` tells the timers of one actor apart.
 struct timer_expired {
   std::uint8_t which = 0;
   std::uint64_t epoch = 0;
