@@ -155,10 +155,6 @@ void read_reception(table_reader& in, radio::channel_config& out) {
   using radio::sensing_window;
   using radio::sensitivity_edge;
   in.optional("sensitivity", power_level{}, out.sensitivity_dbm);
-  in.optional("sensitivity_edge",
-              word<sensitivity_edge>{
-                  {{"sharp", sensitivity_edge::sharp}, {"noise", sensitivity_edge::noise}}},
-              out.edge);
   in.optional("cca_threshold", power_level{}, out.cca_dbm);
   in.optional("cutoff", power_level{}, out.cutoff_dbm);
   in.optional("sensing",
@@ -175,6 +171,10 @@ void read_reception(table_reader& in, radio::channel_config& out) {
       "collisions",
       word<collision_rule>{{{"sinr", collision_rule::sinr}, {"strict", collision_rule::strict}}},
       out.collisions);
+  in.optional("sensitivity_edge",
+              word<sensitivity_edge>{
+                  {{"sharp", sensitivity_edge::sharp}, {"noise", sensitivity_edge::noise}}},
+              out.edge);
   in.optional("capture", flag{}, out.capture);
   in.optional("curve",
               word<error_curve>{{{"oqpsk", error_curve::oqpsk}, {"tossim", error_curve::tossim}}},
