@@ -75,8 +75,8 @@ struct p2p_config {
   budget_config budget; ///< of each neighbour
   // One call handles so much work of what has come; the rest waits for on_time(), which is due at
   // once. Links take turns.
-  work_units turn_work = 2048;
-  work_units turn_quantum = 128;
+  work_units turn_work = 512;
+  work_units turn_quantum = 64;
   std::size_t input_max = std::size_t{4} << 20U; ///< octets of a link kept meanwhile
   table_limits tables;
   delivery_config reliable;
@@ -266,6 +266,7 @@ private:
     std::deque<peer_id> heard;       ///< sources without a way, oldest first
     bool waits = false;              ///< in ready_ or resting_
     bool held = false;               ///< the owner was told not to read it
+    instant no_room_until;           ///< for hosts that it tells of
     std::optional<instant> asked_at; ///< by the neighbour
     bool named = false;              ///< the neighbour has told who it is
     std::int64_t credit = 0;         ///< work that it may still have done this turn

@@ -11,6 +11,7 @@ namespace {
 
 constexpr duration unreachable_for = 60s; // a host that is told of no more is forgotten
 constexpr work_units room_work = 50;      // of a search for room
+constexpr duration room_gap = 100ms;      // before another search for the same link
 
 } // namespace
 
@@ -40,7 +41,11 @@ p2p::acquaintance* p2p::acquaint(peer_id id) {
   if (const auto known = hosts_.find(id); known != hosts_.end())
     return &known->second;
   const auto from = serving_.value_or(by_announcement);
-  if (!has_room_for_host(from)) {
+  const auto teller = connections_.find(from);
+  const bool searched = teller != connections_.end() && latest_ < teller->second.no_room_until;
+  if (searched || !has_room_for_host(from)) {
+    if (!searched && teller != connections_.end())
+      teller->second.no_room_until = latest_ + room_gap;
     ++counters_.hosts_refused;
     return nullptr;
   }

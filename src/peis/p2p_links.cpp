@@ -107,11 +107,23 @@ void p2p::accept(connection& from, byte_view request, instant now) {
 bool p2p::has_room_for(const connect_request& request, instant now) {
   if (open_links() >= config_.links_max)
     return replace_least(now);
-  const auto options = link_options(now);
+  // What a link is worth takes a walk over all ways: only if it decides, and not for each who asks.
+  const bool judged =
+      (request.flags & connect_request::for_bandwidth) != 0 && now >= next_judgement_;
+  std::vector<link_option> options;
+  if (judged) {
+    options = link_options(now);
+  } else {
+    for (const auto& [link, x] : connections_) {
+      if (x.open && !x.always())
+        options.push_back({link, std::nullopt});
+    }
+  }
   switch (admit(request.flags, options, config_.connections)) {
   case admission::accept:
     return true;
   case admission::refuse:
+    next_judgement_ = judged ? now + judging_gap : next_judgement_;
     return false;
   case admission::replace_worst:
     close(worst_of(options)->link, close_cause::unneeded, now);
