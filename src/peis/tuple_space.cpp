@@ -2,6 +2,7 @@
 #include "peis/tuple_space.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include "peis/package.hpp"
@@ -29,7 +30,11 @@ bool wildcard(timestamp x) {
 
 tuple_space::tuple_space(tuple_space_config config, peer_id self, duration clock_offset)
     : config_(config), self_(self), clock_offset_(clock_offset),
-      channels_(config.appends_waiting_max) {}
+      store_({config.written_octets_max, config.held_octets_max}),
+      channels_(config.appends_waiting_max, config.appends_waiting_octets_max),
+      subscribers_(
+          {config.subscribers_max, config.subscribers_octets_max, config.subscribers_per_key_max}),
+      window_(config.pushes) {}
 
 timestamp tuple_space::network_time(instant now) const {
   return to_timestamp(now, clock_offset_).value_or(never);
@@ -102,26 +107,26 @@ std::pair<cause, tuple_events> tuple_space::insert(tuple x, instant now) {
   }
   if (x.expiry == deleted)
     return {why, remove(x.name, now)};
-  return {why, store_own(std::move(x))};
+  return {why, store_own(std::move(x), {}, now)};
 }
 
-tuple_pointer tuple_space::put_own(tuple x) {
+tuple_pointer tuple_space::put_own(tuple x, tuple_store::source by) {
   const auto held = store_.size();
   const auto expiry = expiry_of(x);
-  auto stored = store_.put(std::move(x), expiry);
+  auto stored = store_.put(std::move(x), expiry, by);
   own_keys_version_ += store_.size() != held ? 1 : 0;
   return stored;
 }
 
-tuple_events tuple_space::store_own(tuple x) {
+tuple_events tuple_space::store_own(tuple x, tuple_store::source by, instant now) {
   ++counters_.sets;
   const auto* held = store_.find(self_, x.name);
   x.seqno = held != nullptr ? held->content->seqno + 1 : first_seqno_;
   x.append_seqno = 0;
   static_cast<void>(channels_.abandon(x.name)); // the whole value goes to everybody
-  const auto stored = put_own(std::move(x));
+  const auto stored = put_own(std::move(x), by);
   tuple_events out;
-  push(*stored, out);
+  push(*stored, now, out);
   tell_changed(stored, out);
   return out;
 }
@@ -144,7 +149,7 @@ tuple_events tuple_space::remove(const key& name, instant now) {
   last.written = network_time(now);
   last.expiry = deleted;
   last.value = payload(bytes{0});
-  push(last, out);
+  push(last, now, out);
   tell_deleted(gone, out);
   return out;
 }
@@ -181,21 +186,26 @@ std::optional<tuple> tuple_space::decode_set(const payload& octets) {
   return std::move(*x);
 }
 
-tuple_events tuple_space::on_set(const tuple& x, bool may_write, instant now) {
+tuple_events tuple_space::on_set(peer_id source, const tuple& x, bool may_write, instant now) {
   if (!may_write) {
     ++counters_.refused;
     return {};
   }
-  if (full(x.name, self_)) {
+  if (x.expiry == deleted) {
+    ++counters_.remote_sets;
+    return remove(x.name, now);
+  }
+  const tuple_store::source by{tuple_store::origin::written, source};
+  if (full(x.name, self_) || !store_.admits(x, by)) {
     ++counters_.overflow;
     return {};
   }
+  if (!acquainted(source, now))
+    return {};
   ++counters_.remote_sets;
-  if (x.expiry == deleted)
-    return remove(x.name, now);
   auto own = x;
   own.written = network_time(now);
-  return store_own(std::move(own));
+  return store_own(std::move(own), by, now);
 }
 
 /// Does a pushed tuple replace the one held? A number restarts at zero when a real owner restarts
@@ -230,14 +240,15 @@ tuple_events tuple_space::on_push(peer_id source, const payload& octets, instant
     return {};
   }
   tuple_events out;
-  if (deletion) {
+  const tuple_store::source by{tuple_store::origin::held, source};
+  const bool room = deletion || (!full(x->name, source) && store_.admits(*x, by));
+  counters_.overflow += room ? 0 : 1;
+  if ((deletion || !room) && held != nullptr) { // better none than one that its owner has replaced
     incomplete_.erase({source, x->name.folded()});
     tell_deleted(store_.remove(source, x->name), out);
-  } else if (full(x->name, source)) {
-    ++counters_.overflow;
-  } else {
+  } else if (room && acquainted(source, now)) {
     check_completeness(*x);
-    tell_changed(store_.put(std::move(*x), expiry), out);
+    tell_changed(store_.put(std::move(*x), expiry, by), out);
   }
   return out;
 }
@@ -271,26 +282,94 @@ void tuple_space::tell_deleted(const tuple_pointer& x, tuple_events& out) const 
     out.push_back(tuple_deleted{id, x});
 }
 
-tuple_events tuple_space::on_host_vanished(peer_id host) {
+tuple_events tuple_space::on_host_vanished(peer_id host, instant now) {
   tuple_events out;
+  hosts_.erase(host);
+  strangers_.erase(host);
+  forget_host(host, now, out);
+  return out;
+}
+
+/// What it has put here goes; what it wrote into our own tuples stays for a while (orphans).
+void tuple_space::forget_host(peer_id host, instant now, tuple_events& out) {
   for (const auto& x : store_.find_all(prototype_of(host, key()))) {
-    if (config_.keep_values_of_dead_hosts) {
+    const bool keep = config_.keep_values_of_dead_hosts;
+    if (keep && store_.held().total() <= config_.stale_octets_max) {
       auto last = *x;
       last.stale = true;
       const auto expiry = expiry_of(last);
-      tell_changed(store_.put(std::move(last), expiry), out);
+      tell_changed(store_.put(std::move(last), expiry, {tuple_store::origin::held, host}), out);
     } else {
+      counters_.stale_removed += keep ? 1 : 0;
       tell_deleted(store_.remove(host, x->name), out);
     }
   }
-  if (subscribers_.erase_everywhere([host](const subscriber& x) { return x.host == host; }) > 0)
+  if (subscribers_.erase_host(host) > 0)
     ++subscribers_version_;
-  std::erase_if(failed_, [host](const auto& x) { return x.first.first == host; });
-  std::erase_if(incomplete_, [host](const auto& x) { return x.first.first == host; });
+  if (const auto owed = debts_.find(host); owed != debts_.end()) {
+    missed_ -= owed->second.missed.size();
+    debts_.erase(owed);
+  }
+  window_.drop(host);
+  incomplete_.erase(incomplete_.lower_bound({host, {}}),
+                    incomplete_.lower_bound({peer_id{host.value + 1}, {}}));
   channels_.drop_subscriber(host);
-  renewals_.erase(host);
-  hosts_.erase(host);
-  return out;
+  if (store_.written().of(host) > 0 && !next_orphan_)
+    next_orphan_ = now + config_.orphan_age;
+}
+
+/// Whoever has put something here is known to the network, or has a place among those who may
+/// become known: a kernel subscribes as soon as it hears of us (P2P-09).
+bool tuple_space::acquainted(peer_id source, instant now) {
+  if (hosts_.contains(source))
+    return true;
+  if (!strangers_.contains(source) && strangers_.size() >= config_.strangers_max) {
+    ++counters_.strangers_refused;
+    return false;
+  }
+  strangers_[source] = now;
+  next_stranger_ = earliest(next_stranger_, now + config_.stranger_age);
+  return true;
+}
+
+void tuple_space::forget_strangers(instant now, tuple_events& out) {
+  next_stranger_.reset();
+  for (auto at = strangers_.begin(); at != strangers_.end();) {
+    const auto [host, heard] = *at;
+    const auto until = heard + config_.stranger_age;
+    at = until <= now ? strangers_.erase(at) : std::next(at);
+    if (until <= now)
+      forget_host(host, now, out);
+    else
+      next_stranger_ = earliest(next_stranger_, until);
+  }
+}
+
+/// A tuple outlives its writer (peis-wire.md 15.3): a command is obeyed after the planner has gone.
+/// That much of it is kept as no planner needs; the largest of what they have created go beyond.
+void tuple_space::remove_orphans(instant now, tuple_events& out) {
+  next_orphan_.reset();
+  std::vector<std::pair<std::size_t, key>> found;
+  std::size_t octets = 0;
+  const auto here = [&](peer_id x) { return hosts_.contains(x) || strangers_.contains(x); };
+  if (store_.written().total() > config_.orphaned_octets_max) {
+    store_.for_matching(prototype_of(self_, key()), [&](const tuple_store::entry& x) {
+      if (!x.created_by_other || here(x.by.host))
+        return;
+      found.emplace_back(x.weight, x.content->name);
+      octets += x.weight;
+    });
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [weight, name] : found) {
+    if (octets <= config_.orphaned_octets_max)
+      break;
+    octets -= weight;
+    ++counters_.orphans_removed;
+    auto told = remove(name, now);
+    std::move(told.begin(), told.end(), std::back_inserter(out));
+  }
 }
 
 tuple_events tuple_space::on_time(instant now) {
@@ -303,17 +382,23 @@ tuple_events tuple_space::on_time(instant now) {
       incomplete_.erase({gone->owner, gone->name.folded()});
     tell_deleted(gone, out);
   }
-  if (next_retry_ && *next_retry_ <= now)
-    retry_pushes(now, out);
+  if (next_stranger_ && *next_stranger_ <= now)
+    forget_strangers(now, out);
+  if (next_orphan_ && *next_orphan_ <= now)
+    remove_orphans(now, out);
   if (next_refresh_ && *next_refresh_ <= now)
     refresh(now, out);
   if (next_repair_ && *next_repair_ <= now)
     repair_appends(now, out);
+  if (next_work_ && *next_work_ <= now)
+    work(now, out);
   return out;
 }
 
 std::optional<instant> tuple_space::deadline() const {
-  return earliest(earliest(store_.deadline(), next_repair_), earliest(next_retry_, next_refresh_));
+  const auto of_others = earliest(next_stranger_, next_orphan_);
+  const auto soon = earliest(earliest(store_.deadline(), next_repair_), next_work_);
+  return earliest(soon, earliest(of_others, next_refresh_));
 }
 
 tuple_pointer tuple_space::find(peer_id owner, const key& name) const {
@@ -326,6 +411,11 @@ tuple_counters tuple_space::counters() const {
   all.tuples = store_.size();
   all.subscriptions = subscriptions_.size();
   all.subscribers = subscribers_.size();
+  all.subscribers_octets = subscribers_.octets();
+  all.held_octets = store_.held().total();
+  all.written_octets = store_.written().total();
+  all.pushes_octets = window_.octets();
+  all.debtors = debts_.size();
   return all;
 }
 
