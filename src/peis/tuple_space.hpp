@@ -174,6 +174,13 @@ public:
         x.is_new = false;
     });
   }
+  /// Calls `visit(const tuple&)` for our own, ascending by key, as long as it returns true.
+  template <class Visitor>
+  void for_own(Visitor visit) const {
+    std::string after;
+    static_cast<void>(
+        store_.walk_on(self_, key(), after, [&](const auto& x) { return visit(*x.content); }));
+  }
   [[nodiscard]] bool has_subscriber(const key& name) const;
   [[nodiscard]] bool is_watched(const key& name) const; ///< or a callback here
   /// Who has subscribed to what here, ascending by host, owner, key.
