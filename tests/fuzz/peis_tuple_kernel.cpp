@@ -10,6 +10,7 @@
 #include <string>
 
 #include "peis/acknowledgement.hpp"
+#include "peis/dead_host.hpp"
 #include "peis/kernel.hpp"
 #include "peis/link.hpp"
 #include "peis/package_walk.hpp"
@@ -108,6 +109,9 @@ public:
 
   void finish() {
     pass(3s);
+    deliver(
+        peis::package_type::broadcast, peis::port::dead_host, neighbour,
+        peis::encode(peis::dead_host_message{neighbour, peis::dead_host_message::reason::route}));
     take(kernel_.on_link_closed(link, now_));
     pass(200s);
     const auto all = kernel_.counters().tuples;
@@ -170,9 +174,10 @@ private:
     peis::package_header x;
     x.id = x.ack_id = next_id_++;
     x.type = type;
-    x.flags = type == peis::package_type::link ? 0 : peis::package_flag::reliable;
+    const bool direct = type == peis::package_type::direct;
+    x.flags = direct ? peis::package_flag::reliable : std::uint16_t{0};
     x.source = source;
-    x.destination = self;
+    x.destination = direct ? self : any_peer;
     x.port = port;
     x.length = static_cast<std::uint16_t>(data.size());
     bytes octets;
