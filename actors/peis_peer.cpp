@@ -178,9 +178,10 @@ void tell_subscribers(peer_pointer self) {
   const bool first = !state.subscribers_version;
   const auto pause = 10us * state.subscribers_told.size(); // others choose how many they are
   if (!first && pause > 1ms && now(self) < state.subscribers_told_at + pause) {
-    state.wake.follow(self, state.subscribers_told_at + pause);
+    state.subscribers_due = state.subscribers_told_at + pause;
     return;
   }
+  state.subscribers_due.reset();
   state.subscribers_told_at = now(self);
   state.subscribers_version = version;
   const auto keys = state.kernel.subscribed(state.subscribers_first_part);
@@ -204,7 +205,8 @@ void perform(peer_pointer self, peis::outputs todo) {
     std::visit(performer{self}, output);
   tell_subscribers(self);
   tell_clock(self);
-  self->state.wake.follow(self, self->state.kernel.deadline());
+  self->state.wake.follow(self,
+                          earliest(self->state.kernel.deadline(), self->state.subscribers_due));
 }
 
 template <class Handle>
