@@ -68,7 +68,11 @@ struct lone_space {
   std::vector<transmit> sent; ///< and not acknowledged yet
   std::size_t told = 0;       ///< all that was ever sent
 
-  explicit lone_space(tuple_space_config config = {}) : x(config, me, offset) {}
+  /// Hosts 2 to 9 are known to the network.
+  explicit lone_space(tuple_space_config config = {}) : x(config, me, offset) {
+    for (int host = 2; host < 10; ++host)
+      take(x.on_host_appeared(peer_id{host}, false, now));
+  }
 
   std::size_t take(tuple_events events) {
     std::size_t count = 0;
@@ -115,10 +119,12 @@ struct lone_space {
   std::size_t set_by(peer_id who, std::string_view name, std::size_t size) {
     return take(x.on_set(who, tuple_of(me, name, size), true, now));
   }
-  /// Until nothing is due within a second, at most so many turns.
+  /// Until everything is acknowledged and nothing is due within a second.
   void work_off(int turns = 10'000) {
-    for (; turns > 0 && x.deadline() && *x.deadline() < now + 900ms; --turns) {
-      turn();
+    const auto due = [&] { return x.deadline() && *x.deadline() < now + 900ms; };
+    for (; turns > 0 && (due() || !sent.empty()); --turns) {
+      if (due())
+        turn();
       acknowledge();
     }
     CHECK(turns > 0);
