@@ -115,7 +115,7 @@ private:
   std::deque<std::pair<std::size_t, payload>> wire_; ///< with the number of whom they go to
 };
 
-constexpr double limit_s = 20;
+constexpr double limit_s = 100;
 
 void measure_subscriptions(figures& out, const std::string& what, const char* format) {
   for (const int count : {10'000, 50'000, 100'000}) {
@@ -156,7 +156,7 @@ void measure_subscriptions(figures& out, const std::string& what, const char* fo
 }
 
 void measure_tuples(figures& out) {
-  for (const int count : {10'000, 100'000, 1'000'000}) {
+  for (const int count : {10'000, 100'000, 999'000}) { // kernel.* tuples count as well
     kernel_pair all;
     const auto name = "tuples " + std::to_string(count);
     const auto memory = resident_mb();
@@ -174,12 +174,6 @@ void measure_tuples(figures& out) {
     });
     const bool done = all.pass_until(
         [&] { return all.at(1).counters().tuples.pushes_received >= std::size_t(count); }, limit_s);
-    if (!done) {
-      for (int i = 0; i < 2; ++i) {
-        const auto c = all.at(i).counters();
-        std::printf("DEBUG %d recv %lu sent %lu retried %lu givenup %lu deferred %lu debtors %lu overflow %lu outdated %lu unwanted %lu malformed %lu pushoct %lu failed %lu dup %lu qf %lu ed %lu resync %lu strangers %lu\n", i, c.tuples.pushes_received, c.tuples.pushes_sent, c.tuples.pushes_retried, c.tuples.pushes_given_up, c.tuples.pushes_deferred, c.tuples.debtors, c.tuples.overflow, c.tuples.outdated, c.tuples.unwanted, c.tuples.malformed, c.tuples.pushes_octets, c.network.messages_failed, c.network.retransmissions, c.network.queue_full, c.network.early_drop, c.tuples.resyncs, c.tuples.tuples);
-      }
-    }
     out.add(name + ": pushed" + (done ? "" : " (NOT REACHED)"), cpu_s() - begun, 2, "s");
     out.add(name + ": memory", resident_mb() - memory, 0, "MB");
     out.add(name + ": longest turn", all.turn_max_s * 1000, 1, "ms");
