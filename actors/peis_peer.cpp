@@ -176,6 +176,13 @@ void tell_subscribers(peer_pointer self) {
   if (!state.subscribers_watcher || state.subscribers_version == version)
     return;
   const bool first = !state.subscribers_version;
+  const auto pause = 10us * state.subscribers_told.size(); // others choose how many they are
+  if (!first && pause > 1ms && now(self) < state.subscribers_told_at + pause) {
+    state.subscribers_due = state.subscribers_told_at + pause;
+    return;
+  }
+  state.subscribers_due.reset();
+  state.subscribers_told_at = now(self);
   state.subscribers_version = version;
   const auto keys = state.kernel.subscribed(state.subscribers_first_part);
   if (!first && std::ranges::equal(keys, state.subscribers_told))
@@ -198,7 +205,8 @@ void perform(peer_pointer self, peis::outputs todo) {
     std::visit(performer{self}, output);
   tell_subscribers(self);
   tell_clock(self);
-  self->state.wake.follow(self, self->state.kernel.deadline());
+  self->state.wake.follow(self,
+                          earliest(self->state.kernel.deadline(), self->state.subscribers_due));
 }
 
 template <class Handle>
@@ -307,16 +315,28 @@ void on_guard(peer_pointer self, const guard_kernel& x) {
 }
 
 /// What limits have refused or put off (docs/security.md).
-void add_limits(runtime::cause_counts& to, const peis::p2p_counters& x) {
-  const std::pair<const char*, std::uint64_t> all[] = {{"over_budget", x.rests},
-                                                       {"turns", x.held},
-                                                       {"fragments_refused", x.fragments_refused},
-                                                       {"greetings_evicted", x.greetings_evicted},
-                                                       {"hosts_refused", x.hosts_refused},
-                                                       {"newcomers_referred", x.newcomers_referred},
-                                                       {"questions_refused", x.questions_refused},
-                                                       {"routes_refused", x.routes_refused},
-                                                       {"tables_put_off", x.tables_put_off}};
+void add_limits(runtime::cause_counts& to, const peis::kernel_counters& counted) {
+  const auto& x = counted.network;
+  const auto& tuples = counted.tuples;
+  const std::pair<const char*, std::uint64_t> all[] = {
+      {"over_budget", x.rests},
+      {"turns", x.held},
+      {"fragments_refused", x.fragments_refused},
+      {"greetings_evicted", x.greetings_evicted},
+      {"hosts_refused", x.hosts_refused},
+      {"newcomers_referred", x.newcomers_referred},
+      {"questions_refused", x.questions_refused},
+      {"routes_refused", x.routes_refused},
+      {"tables_put_off", x.tables_put_off},
+      {"tuples_full", tuples.overflow},
+      {"tuples_malformed", tuples.malformed},
+      {"subscriptions_full", tuples.subscribers_refused},
+      {"strangers", tuples.strangers_refused},
+      {"appends_refused", tuples.appends_refused},
+      {"orphans", tuples.orphans_removed},
+      {"stale_removed", tuples.stale_removed},
+      {"resyncs", tuples.resyncs},
+      {"pushes_given_up", tuples.pushes_given_up}};
   for (const auto& [name, count] : all) {
     if (count > 0)
       to[name] = count;
@@ -325,7 +345,8 @@ void add_limits(runtime::cause_counts& to, const peis::p2p_counters& x) {
 
 void report(peer_pointer self) {
   const auto& state = self->state;
-  const auto counted = state.kernel.counters().network;
+  const auto all_counted = state.kernel.counters();
+  const auto& counted = all_counted.network;
   peer_status status;
   auto& peer = status.peer;
   peer.id = state.kernel.id();
@@ -355,7 +376,7 @@ void report(peer_pointer self) {
       {"queued_lost", counted.queued_lost}, {"illegal", counted.illegal},
       {"malformed", counted.malformed},     {"incomplete", counted.messages_incomplete},
       {"network", state.packages_lost},     {"paused", state.held_lost}};
-  add_limits(peer.limits, counted);
+  add_limits(peer.limits, all_counted);
   if (state.real != nullptr && state.real->links().counters().refused > 0)
     peer.limits["connections_refused"] = state.real->links().counters().refused;
   self->send(state.arguments.ecology, std::move(status));

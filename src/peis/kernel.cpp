@@ -122,16 +122,16 @@ void kernel::settle(instant now) {
 void kernel::handle(host_appeared& x, instant now) {
   const auto* record = network_.find_host(x.host);
   out_.emplace_back(x);
-  perform(tuples_.on_host_appeared(x.host, record != nullptr && record->marked), now);
+  perform(tuples_.on_host_appeared(x.host, record != nullptr && record->marked, now), now);
 }
 
 void kernel::handle(host_vanished& x, instant now) {
-  perform(tuples_.on_host_vanished(x.host), now);
+  perform(tuples_.on_host_vanished(x.host, now), now);
   out_.emplace_back(x);
 }
 
 void kernel::handle(forgotten_by& x, instant now) {
-  perform(tuples_.renew(x.host), now);
+  perform(tuples_.renew(x.host, now), now);
 }
 
 void kernel::handle(device_noted& x, instant now) {
@@ -144,7 +144,7 @@ void kernel::handle(device_noted& x, instant now) {
 
 void kernel::handle(delivered& x, instant now) {
   if (x.request.value >= own_ids_first)
-    perform(tuples_.on_delivered(x.request), now);
+    perform(tuples_.on_delivered(x.request, now), now);
   else
     report(x.request, cause::none);
 }
@@ -177,7 +177,7 @@ void kernel::dispatch(arrived& x, instant now) {
     return;
   case port::append_request:
     if (for_us_only)
-      perform(tuples_.on_append_request(std::move(x.octets), now), now);
+      perform(tuples_.on_append_request(x.source, std::move(x.octets), now), now);
     return;
   case port::append_notice:
     if (for_us_only)
@@ -204,7 +204,7 @@ void kernel::on_set(peer_id source, const payload& octets, instant now) {
     return;
   const bool quit = x->name.folded() == quit_key;
   const bool allowed = !is_reserved(x->name) || (quit && may_stop_us(source));
-  perform(tuples_.on_set(*x, allowed, now), now);
+  perform(tuples_.on_set(source, *x, allowed, now), now);
   if (allowed && quit && asks_to_quit(*x))
     out_.emplace_back(quit_requested{source});
 }
