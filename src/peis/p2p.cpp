@@ -67,6 +67,8 @@ std::optional<instant> p2p::deadline() const {
   next = earliest(next, connections_deadline());
   if (left_)
     return next;
+  if (!questions_.empty())
+    next = earliest(next, questions_.begin()->first);
   return earliest(earliest(next, next_trigger_), next_period_);
 }
 
@@ -121,7 +123,9 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
 
 void p2p::on_fragment(const package_header& header, byte_view data, instant now) {
   auto whole = assembly_.add(header, data, now);
-  if (whole)
+  if (whole && header.port == port::host_query)
+    static_cast<void>(answer_query(header, *whole));
+  else if (whole)
     events_.push_back(arrived{header.port, header.source, false, std::move(*whole)});
 }
 

@@ -213,6 +213,7 @@ private:
     link_id id;
     bool open = false;
     std::optional<peer_id> neighbour;
+    std::optional<std::int32_t> magic; ///< the neighbour's, by its own word over this link
     std::uint8_t cost = 0;
     stream_decoder decoder;
     page_collection pages;
@@ -290,14 +291,25 @@ private:
 
   struct acquaintance {
     host_record record;
-    bool announced = false; ///< host_appeared was told
-    instant heard;          ///< its last announcement
+    bool announced = false;      ///< host_appeared was told
+    bool forgotten = false;      ///< we had given it up, what it wanted included
+    instant heard;               ///< its last announcement
+    instant own_word;            ///< when it last described itself
+    std::int32_t before = 0;     ///< magic of the incarnation that this one has followed; 0: none
+    std::optional<instant> lost; ///< there has been no way to it since
+  };
+
+  /// A host that can be reached, and nobody has told who it is now.
+  struct stranger {
+    unsigned questions = 0; ///< asked so far
+    bool misled = false;    ///< somebody remembers another incarnation of it
+    instant next;           ///< question
   };
 
   // p2p_links.cpp: links, greeting, writing
   void accept(connection& from, byte_view request, instant now);
   void greet(connection& to);
-  void bind_neighbour(connection& x, peer_id neighbour);
+  void bind_neighbour(connection& x, peer_id neighbour, instant now);
   void close(link_id link, close_cause why, instant now);
   void forget_link(link_id link, instant now);
   void check_silence(instant now);
@@ -339,15 +351,28 @@ private:
   void send_routing_to(connection& to);
   void trigger_routing(instant now);
   void on_period(instant now);
-  void ask_about(peer_id stranger);
-  void note_stranger(peer_id id);
-  [[nodiscard]] bool answer_query(const package_header& header, byte_view data);
   void on_host_record(link_id from, const package_header& header, byte_view data, instant now);
-  void store_record(link_id from, const host_record_message& message, instant now);
-  void welcome(peer_id id);
+  void welcome(peer_id id, instant now);
+  void note_loss(peer_id id, instant now);
+  void tell_forgotten(peer_id id);
   void on_dead_host(const package_header& header, byte_view data, instant now);
   void delete_host(peer_id id, dead_host_message::reason why, instant now);
-  void close_links_to(peer_id id, close_cause why, std::optional<link_id> except, instant now);
+  void close_links_to(peer_id id, close_cause why, instant now);
+
+  // p2p_incarnations.cpp: which incarnation of a host is there now
+  void note_stranger(peer_id id, instant now);
+  void forget_stranger(peer_id id);
+  void review_hosts(instant now);
+  void ask_strangers(instant now);
+  void ask_about(peer_id id, const stranger& x);
+  void ask(peer_id id, std::int32_t magic, bool sealed);
+  [[nodiscard]] bool knows_present(peer_id id) const;
+  [[nodiscard]] bool answer_query(const package_header& header, byte_view data);
+  [[nodiscard]] bool believes(const host_record_message& message) const;
+  void store_record(const host_record_message& message, instant now);
+  void supersede(peer_id id, std::int32_t magic, instant now);
+  void recall(acquaintance& x);
+  void forget_host(peer_id id);
 
   // p2p_connections.cpp: whom to connect to
   void tend_connections(instant now);
@@ -415,9 +440,8 @@ private:
   std::map<peer_id, link_id> neighbours_; ///< the oldest link to each (peis-wire.md 3.6)
   routing_table routing_;
   std::map<peer_id, acquaintance> hosts_; ///< others
-  std::set<peer_id> strangers_;    ///< can be reached, but there is no fitting record of them
-  std::vector<peer_id> newcomers_; ///< of them, not asked about yet
-  std::uint64_t questions_ = 0;    ///< alternates the two ways of asking (KH-02)
+  std::map<peer_id, stranger> strangers_;
+  std::set<std::pair<instant, peer_id>> questions_; ///< to ask about them, by time
 
   std::map<peer_id, link_id> heard_over_; ///< where sources without a way were last heard
   std::map<std::uint16_t, transit_hook> transit_hooks_; ///< by port

@@ -285,13 +285,13 @@ void p2p::announce_by_rule(instant now, bool extra) {
 }
 
 void p2p::on_announcement(byte_view octets, instant now) {
-  const auto x = decode_announcement(octets);
-  if (!x) {
+  const auto news = decode_announcement(octets);
+  if (!news) {
     ++counters_.malformed;
     return;
   }
-  const auto& sender = x->sender;
-  if (x->version != protocol_version || x->network != config_.network || left_)
+  const auto& sender = news->sender;
+  if (news->version != protocol_version || news->network != config_.network || left_)
     return;
   if (sender.id == self_.id) {
     if (sender.magic != self_.magic)
@@ -301,12 +301,17 @@ void p2p::on_announcement(byte_view octets, instant now) {
   ++counters_.announcements_received;
   if (sender.host_name == self_.host_name && sender.id < self_.id)
     unheard_announcements_ = 0;
-  const auto [known, is_new] = hosts_.try_emplace(sender.id);
-  known->second.heard = now;
-  const bool fits = known->second.record.magic == sender.magic;
-  if (is_new || fits || !reachable(sender.id))
-    known->second.record = sender;
-  former_.erase(sender.id);
+  const auto known = hosts_.find(sender.id);
+  const bool is_new = known == hosts_.end();
+  if (!is_new && known->second.record.magic != sender.magic) {
+    if (reachable(sender.id))
+      return; // a route, or its own word, tells which of the two is there
+    supersede(sender.id, known->second.record.magic, now);
+  }
+  auto& x = hosts_[sender.id];
+  x.heard = x.own_word = now;
+  x.record = sender;
+  recall(x);
   if (is_new && !reachable(sender.id))
     hasten_merge(now);
 }

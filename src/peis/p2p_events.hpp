@@ -41,6 +41,7 @@ struct announce {
 /// appeared.
 struct host_appeared {
   peer_id host;
+  std::int32_t incarnation = 0; ///< its magic number
 };
 struct host_vanished {
   peer_id host;

@@ -120,7 +120,7 @@ void p2p::accept(connection& from, byte_view request, instant now) {
   from.request_flags = decoded->flags;
   from.open = true;
   from.last_heard = now;
-  bind_neighbour(from, decoded->id);
+  bind_neighbour(from, decoded->id, now);
   greet(from);
 }
 
@@ -169,13 +169,13 @@ void p2p::greet(connection& to) {
   send_routing_to(to);
 }
 
-void p2p::bind_neighbour(connection& x, peer_id neighbour) {
+void p2p::bind_neighbour(connection& x, peer_id neighbour, instant now) {
   x.neighbour = neighbour;
   const auto [at, is_first] = neighbours_.try_emplace(neighbour, x.id);
   if (!is_first && !connections_.contains(at->second))
     at->second = x.id;
   expect_beat(x);
-  welcome(neighbour);
+  welcome(neighbour, now);
 }
 
 void p2p::on_link_sent(link_id link, std::size_t octets) {
@@ -255,8 +255,7 @@ void p2p::flush(instant now) {
   repeat_due(now);
   for (const auto& [to, ids] : acknowledger_.take(now))
     send_acknowledgements(to, ids);
-  for (const auto id : std::exchange(newcomers_, {}))
-    ask_about(id);
+  ask_strangers(now);
   if (next_trigger_ && *next_trigger_ <= now)
     send_routing(now);
   for (bool progress = true; progress;) {

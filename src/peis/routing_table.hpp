@@ -24,6 +24,7 @@ struct route {
   std::uint8_t connections = connections_unknown;
   std::optional<link_id> via; ///< unset while lost
   std::uint8_t told = 0;      ///< the neighbour's own metric
+  instant news;               ///< when this number of this incarnation was first told
 
   [[nodiscard]] bool lost() const { return !via; }
   /// What is maximised when ways are compared (RTE-06): newer information, fewer hops.
@@ -91,6 +92,10 @@ public:
   /// yet that it is gone (RTE-09).
   void bury(peer_id host, std::int32_t magic, instant until);
 
+  /// Ignores what is no news of this incarnation: another one is said to have taken its place. Only
+  /// who lives counts on, so that it is believed again if the word was an old one (KH-02).
+  void doubt(peer_id host, std::int32_t magic, instant until);
+
   [[nodiscard]] const route* find(peer_id host) const;
   [[nodiscard]] std::optional<link_id> way_to(peer_id host) const;
   [[nodiscard]] const std::map<peer_id, route>& routes() const { return routes_; }
@@ -115,6 +120,7 @@ private:
 
   [[nodiscard]] static const route* offer_in(const link_table& table, peer_id host);
   static void erase_from(link_table& table, peer_id host);
+  static void keep_age(link_table& fresh, const link_table& last);
 
   void note_own(const routing_entry& entry);
   [[nodiscard]] bool buried(const routing_entry& entry, instant now);
