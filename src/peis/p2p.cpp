@@ -29,7 +29,7 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
       bluetooth_(config_.bluetooth, now),
       clock_({config_.time_master, config_.clock_period, config_.clock_offset}, config_.id, now),
       next_manager_(now + config_.connections.manager_period), next_merge_(now),
-      next_announcement_(now), last_measured_(now),
+      next_announcement_(now), last_measured_(now), joined_(now),
       next_period_(now + dice_.between(config_.routing_period / 2, config_.routing_period)),
       last_trigger_(now - config_.trigger_gap) {
   self_.id = config_.id;
@@ -51,6 +51,9 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
 }
 
 void p2p::on_time(instant now) {
+  mind_identity(now);
+  if (yielded_until_)
+    return;
   if (!left_ && now >= next_period_)
     on_period(now);
   counters_.messages_incomplete += assembly_.on_time(now);
@@ -60,7 +63,10 @@ void p2p::on_time(instant now) {
 }
 
 std::optional<instant> p2p::deadline() const {
+  if (yielded_until_ && !left_)
+    return yielded_until_;
   auto next = earliest(acknowledger_.deadline(), delivery_.deadline());
+  next = earliest(next, identity_deadline());
   next = earliest(next, assembly_.deadline());
   next = earliest(next, next_silence_check_);
   next = earliest(next, life_deadline());
@@ -81,6 +87,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
   }
   if (header.source == self_.id) {
     ++counters_.own;
+    hear_own_id(header, data, now);
     return;
   }
   probes_.erase(header.source);

@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -56,6 +58,8 @@ struct p2p_config {
   /// Octets handed out per link that the owner has not reported with on_link_sent(). 0: the owner
   /// takes everything at once and never reports.
   std::size_t link_window = 0;
+  /// Links from this number on lead to other processes, which are not told of in-process addresses.
+  link_id outside_from{std::numeric_limits<std::uint64_t>::max()};
   delivery_config reliable;
   reassembly_config assembly;
   duration ack_delay = 10ms;
@@ -68,6 +72,7 @@ struct p2p_config {
   duration lost_timeout = 3s;      ///< a host without any way is forgotten, in place of ageing
   duration probe_timeout = 1500ms; ///< of a way that may lead in circles
   duration handshake_timeout = 5s;
+  duration greeting_timeout = 3s; ///< of a link of ours on which nobody has ever answered
   std::uint8_t metric_limit = 30;
   std::uint8_t cost_same_host = 1;
   std::uint8_t cost_other_host = 2;
@@ -106,7 +111,9 @@ struct p2p_counters {
   std::uint64_t no_route = 0;  ///< not passed on, destination unknown
   std::uint64_t fragments_refused = 0;
   std::uint64_t messages_incomplete = 0; ///< fragments stopped coming
-  std::uint64_t duplicate_id = 0;        ///< somebody else uses our id (RTE-08)
+  std::uint64_t duplicate_id = 0;        ///< signs that somebody else uses our id (RTE-08)
+  std::uint64_t ids_yielded = 0;         ///< times that we left our id to another peer
+  std::uint64_t rivals_refused = 0;      ///< claimed the id of a neighbour that is alive
   // Dropped on sending.
   std::uint64_t queue_full = 0;
   std::uint64_t early_drop = 0;
@@ -144,7 +151,7 @@ public:
   void on_hello_answer(std::string_view adapter, const bluetooth_address& address, byte_view octets,
                        instant now);
   void on_link_octets(link_id link, byte_view octets, instant now);
-  void on_link_sent(link_id link, std::size_t octets);
+  void on_link_sent(link_id link, std::size_t octets, instant now);
   void on_link_closed(link_id link, instant now);
   void on_time(instant now);
   [[nodiscard]] std::optional<instant> deadline() const;
@@ -193,6 +200,8 @@ public:
   [[nodiscard]] const p2p_config& config() const { return config_; }
   [[nodiscard]] const host_record& self() const { return self_; }
   [[nodiscard]] bool reachable(peer_id host) const { return way_to(host).has_value(); }
+  /// Is there a record of the incarnation that the route to that host leads to?
+  [[nodiscard]] bool knows_present(peer_id host) const;
   [[nodiscard]] const host_record* find_host(peer_id host) const;
   [[nodiscard]] std::vector<const host_record*> hosts() const; ///< ourselves included, by id
   [[nodiscard]] std::vector<link_view> links() const;          ///< ascending by link
@@ -221,6 +230,9 @@ private:
     bytes preamble; ///< goes out before any package
     std::uint32_t counter = 0;
     std::size_t unreported = 0; ///< octets handed out, not yet reported as sent
+    /// Reliable packages of ours among them: where they end in octets_out, and ack ids.
+    std::deque<std::pair<std::uint64_t, std::int32_t>> leaving;
+    instant drained; ///< when octets were last reported as sent, or began to wait
     instant opened;
     instant last_heard;
     instant last_written;
@@ -262,7 +274,7 @@ private:
   /// How connecting to a host has gone.
   struct contact {
     unsigned tries = 0;
-    instant next_try;
+    instant last;              ///< try, or end of a link
     unsigned runs_foreign = 0; ///< cluster runs that saw it in a higher cluster (CLU-02)
   };
 
@@ -283,6 +295,14 @@ private:
     instant next; ///< try
   };
 
+  /// Another peer has shown that it lives under our id.
+  struct rivalry {
+    host_record other;
+    instant first; ///< sign of it
+    instant last;
+    instant checked; ///< when it was last judged
+  };
+
   struct open_trace {
     peer_id destination;
     request_id id;
@@ -297,6 +317,8 @@ private:
     instant own_word;            ///< when it last described itself
     std::int32_t before = 0;     ///< magic of the incarnation that this one has followed; 0: none
     std::optional<instant> lost; ///< there has been no way to it since
+    std::int32_t rival = 0;      ///< magic of a newcomer with its id that was refused; 0: none
+    instant rival_first;         ///< when that began
   };
 
   /// A host that can be reached, and nobody has told who it is now.
@@ -315,6 +337,7 @@ private:
   void check_silence(instant now);
   void watch_silence(const connection& x);
   [[nodiscard]] duration patience(const connection& x) const;
+  [[nodiscard]] instant silence_deadline(const connection& x) const;
   [[nodiscard]] bool has_room_for(const connect_request& request, instant now);
   static void note_counter(connection& x, std::uint32_t counter);
   [[nodiscard]] bool write(connection& to, instant now);
@@ -366,7 +389,6 @@ private:
   void ask_strangers(instant now);
   void ask_about(peer_id id, const stranger& x);
   void ask(peer_id id, std::int32_t magic, bool sealed);
-  [[nodiscard]] bool knows_present(peer_id id) const;
   [[nodiscard]] bool answer_query(const package_header& header, byte_view data);
   [[nodiscard]] bool believes(const host_record_message& message) const;
   void store_record(const host_record_message& message, instant now);
@@ -384,7 +406,7 @@ private:
   void tend_standing(instant now);
   [[nodiscard]] bool is_served(const standing_address& x) const;
   void note_contact(peer_id host, instant now);
-  [[nodiscard]] bool may_try(peer_id host, instant now) const;
+  [[nodiscard]] bool may_try(peer_id host, unsigned wait_max, instant now) const;
   void merge_clusters(instant now);
   void hasten_merge(instant now);
   void update_cluster(instant now);
@@ -428,7 +450,18 @@ private:
   void on_clock(link_id from, const package_header& header, byte_view data, instant now);
   [[nodiscard]] bytes clock_after(link_id from, byte_view data) const;
   void tell_time(instant now);
-  void note_duplicate(const host_record& other);
+
+  // p2p_identity.cpp: another peer uses our id, or two others use one
+  void note_duplicate(const host_record& other, instant now);
+  void hear_own_id(const package_header& header, byte_view data, instant now);
+  void mind_identity(instant now);
+  [[nodiscard]] std::optional<instant> identity_deadline() const;
+  [[nodiscard]] std::optional<instant> yields_at() const;
+  void yield_id(instant now);
+  [[nodiscard]] bool refuse_rival(connection& from, const host_record& record, instant now);
+  void tell_rivals(link_id from, const host_record& record);
+  void tell_taken(connection& to, const host_record& by);
+  void refuse_own_id(connection& to);
 
   p2p_config config_;
   random_stream dice_;
@@ -468,7 +501,11 @@ private:
   unsigned first_announcements_ = 0;      ///< made, of those at the start
   unsigned unheard_announcements_ = 0;    ///< periods since a better announcer was heard
   std::optional<std::int32_t> duplicate_; ///< magic of the last peer that was seen using our id
-  std::size_t welcomed_ = 0;              ///< hosts that are announced
+  std::optional<rivalry> rivalry_;
+  instant joined_;                       ///< the network, or came back to it
+  std::optional<instant> yielded_until_; ///< our id is left to another peer
+  duration yielded_for_{};               ///< the last time
+  std::size_t welcomed_ = 0;             ///< hosts that are announced
   std::optional<instant> next_beat_;
   std::optional<instant> next_probe_;
 

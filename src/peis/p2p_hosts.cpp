@@ -60,12 +60,6 @@ void p2p::apply(const routing_changes& changes, instant now) {
   update_cluster(now);
 }
 
-void p2p::note_duplicate(const host_record& other) {
-  ++counters_.duplicate_id;
-  if (std::exchange(duplicate_, other.magic) != other.magic)
-    events_.push_back(id_taken{other.full_name});
-}
-
 void p2p::trigger_routing(instant now) {
   if (!next_trigger_)
     next_trigger_ = std::max(now, last_trigger_ + config_.trigger_gap);
@@ -109,11 +103,15 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
   const auto& record = message->record;
   if (record.id == self_.id) {
     if (record.magic != self_.magic)
-      note_duplicate(record);
+      note_duplicate(record, now);
     return;
   }
   // The first to describe itself over a link is the neighbour there, for good.
   auto& x = connections_.at(from);
+  if (!message->cached && header.type != package_type::broadcast)
+    tell_rivals(from, record);
+  if (header.hops == 1 && !message->cached && refuse_rival(x, record, now))
+    return;
   for (auto& address : standing_) {
     if (address.link == from && (!message->cached || !x.neighbour)) {
       address.host = x.neighbour.value_or(record.id); // a referral begins with who refers

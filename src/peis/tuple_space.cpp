@@ -283,6 +283,7 @@ tuple_events tuple_space::on_host_vanished(peer_id host) {
       tell_deleted(store_.remove(host, x->name), out);
     }
   }
+  lay_down(host);
   if (subscribers_.erase_everywhere([host](const subscriber& x) { return x.host == host; }) > 0)
     ++subscribers_version_;
   std::erase_if(failed_, [host](const auto& x) { return x.first.first == host; });

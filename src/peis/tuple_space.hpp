@@ -108,10 +108,13 @@ public:
 
   // What happens to hosts and to our own messages.
   /// @param marked it is of our kind: subscriptions to it carry a lifetime and are refreshed
-  [[nodiscard]] tuple_events on_host_appeared(peer_id host, bool marked);
+  /// @param incarnation what of an unmarked host that vanished comes back with the same number; 0:
+  ///        nothing does
+  [[nodiscard]] tuple_events on_host_appeared(peer_id host, bool marked,
+                                              std::int32_t incarnation = 0, instant now = {});
   [[nodiscard]] tuple_events on_host_vanished(peer_id host);
   /// Sends all subscriptions to a host again.
-  [[nodiscard]] tuple_events renew(peer_id host) const;
+  [[nodiscard]] tuple_events renew(peer_id host, bool refresh = true) const;
   /// A message with a request of ours has been acknowledged.
   [[nodiscard]] tuple_events on_delivered(request_id request);
   /// A push, append notice or subscription could not be delivered.
@@ -171,6 +174,13 @@ private:
   };
   struct known_host {
     bool marked = false;
+    std::int32_t incarnation = 0;
+  };
+  /// What a real kernel that was given up had subscribed to. It does not say it again if it has not
+  /// given us up, too.
+  struct dormant_host {
+    std::int32_t incarnation = 0;
+    std::vector<prototype> wanted;
   };
   /// A held value that lacks an append: the owner was asked for all of it.
   struct incomplete {
@@ -195,6 +205,7 @@ private:
   void forget_own(const tuple& gone);
 
   // tuple_subscriptions.cpp
+  void lay_down(peer_id host);
   void push(const tuple& x, tuple_events& out);
   [[nodiscard]] std::vector<peer_id> subscribers_of(const tuple& x) const;
   [[nodiscard]] bool has_subscribed(peer_id host, const tuple& x) const;
@@ -234,6 +245,7 @@ private:
   std::uint64_t subscribers_version_ = 0;
   std::uint64_t own_keys_version_ = 0;
   std::map<peer_id, known_host> hosts_;
+  std::map<peer_id, dormant_host> dormant_;
   std::map<std::pair<peer_id, std::string>, failed_push> failed_;
   std::map<incomplete_key, incomplete> incomplete_;
   std::set<peer_id> renewals_; ///< hosts that may have missed a subscription

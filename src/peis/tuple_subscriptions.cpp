@@ -11,6 +11,8 @@ namespace rubicon::peis {
 namespace {
 
 constexpr int refreshes_per_lifetime = 3;
+constexpr std::size_t dormant_hosts_max = 64;
+constexpr std::size_t dormant_subscriptions_max = 256; // of one host
 /// After this long without news, a repeated push has arrived (peis-wire.md 8.2: 11.6 s at most).
 constexpr duration settled_after = 15s;
 
@@ -112,19 +114,46 @@ std::pair<cause, tuple_events> tuple_space::unsubscribe(subscription_id id) {
   return {cause::none, std::move(out)};
 }
 
-tuple_events tuple_space::on_host_appeared(peer_id host, bool marked) {
-  hosts_[host] = {marked};
-  return renew(host);
+tuple_events tuple_space::on_host_appeared(peer_id host, bool marked, std::int32_t incarnation,
+                                           instant now) {
+  hosts_[host] = {marked, incarnation};
+  auto out = renew(host, false);
+  const auto rested = dormant_.extract(host);
+  if (rested.empty() || rested.mapped().incarnation != incarnation)
+    return out;
+  for (const auto& wanted : rested.mapped().wanted) {
+    auto pushes = on_subscribe(host, encode(subscribe_message{wanted, std::nullopt}), now);
+    std::move(pushes.begin(), pushes.end(), std::back_inserter(out));
+  }
+  return out;
 }
 
-tuple_events tuple_space::renew(peer_id host) const {
+void tuple_space::lay_down(peer_id host) {
+  const auto known = hosts_.find(host);
+  if (known == hosts_.end() || known->second.marked || known->second.incarnation == 0)
+    return;
+  dormant_host x{known->second.incarnation, {}};
+  subscribers_.for_all([&](const subscriber& s) {
+    if (s.host == host && !s.expiry && x.wanted.size() < dormant_subscriptions_max)
+      x.wanted.push_back(s.wanted);
+  });
+  if (x.wanted.empty())
+    return;
+  if (dormant_.size() >= dormant_hosts_max) {
+    dormant_.erase(dormant_.begin());
+    ++counters_.overflow;
+  }
+  dormant_[host] = std::move(x);
+}
+
+tuple_events tuple_space::renew(peer_id host, bool refresh) const {
   tuple_events out;
   const auto known = hosts_.find(host);
   if (known == hosts_.end())
     return out;
   for (const auto& [id, x] : subscriptions_) {
     if ((x.wanted.owner == any_peer || x.wanted.owner == host) && first_with(x))
-      out.push_back(subscribe_message_to(host, known->second, x.wanted, false));
+      out.push_back(subscribe_message_to(host, known->second, x.wanted, refresh));
   }
   return out;
 }
