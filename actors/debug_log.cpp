@@ -1,12 +1,17 @@
 #include "actors/debug_log.hpp"
 
+#include <cerrno>
 #include <filesystem>
 #include <stdexcept>
+#include <system_error>
 #include <vector>
 
 #include <caf/binary_serializer.hpp>
 #include <spdlog/sinks/rotating_file_sink.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
 
+#include "core/printable.hpp"
 #include "core/time.hpp"
 
 namespace rubicon {
@@ -36,32 +41,58 @@ debug_log::debug_log(std::string folder, std::size_t file_octets_max)
   std::filesystem::create_directories(folder_, error);
   if (error)
     throw std::runtime_error("cannot create debug folder " + folder_ + ": " + error.message());
+  if (::access(folder_.c_str(), W_OK | X_OK) != 0)
+    throw std::runtime_error("cannot write into debug folder " + folder_ + ": " +
+                             std::generic_category().message(errno));
 }
 
 void debug_log::write(const scheduler::delivery& x) {
   const auto time = to_text(x.time);
   const auto length = length_of(x.content);
   const auto text = x.content.stringify();
-  of(x.path).info("{} {} received from={} length={} {}", time, x.path,
-                  x.sender.empty() ? "-" : x.sender, length, text);
+  write_line(x.path, fmt::format("{} {} received from={} length={} {}", time, x.path,
+                                 x.sender.empty() ? "-" : x.sender, length, text));
   if (!x.sender.empty() && x.sender != x.path)
-    of(x.sender).info("{} {} sent to={} length={} {}", time, x.sender, x.path, length, text);
+    write_line(x.sender,
+               fmt::format("{} {} sent to={} length={} {}", time, x.sender, x.path, length, text));
 }
 
-spdlog::logger& debug_log::of(std::string_view path) {
+std::string debug_log::finish() {
+  for (const auto& [module, logger] : loggers_)
+    logger->flush();
+  return error_;
+}
+
+void debug_log::write_line(std::string_view path, std::string_view line) {
+  if (!error_.empty())
+    return;
+  if (auto* const logger = of(path))
+    logger->info("{}", printable(line)); // what is remote must not look like another line
+}
+
+void debug_log::fail(const std::string& why) {
+  if (!error_.empty())
+    return;
+  error_ = "debug logs in " + folder_ + " are not complete: " + why;
+  spdlog::error("{}", printable(error_));
+}
+
+spdlog::logger* debug_log::of(std::string_view path) {
   const auto module = module_of(path);
   const auto found = loggers_.find(module);
   if (found != loggers_.end())
-    return *found->second;
+    return found->second.get();
   const auto name = std::string(module);
   try {
     auto sink = std::make_shared<spdlog::sinks::rotating_file_sink_st>(
         folder_ + '/' + name + ".log", file_octets_max_, files_max - 1);
     auto logger = std::make_shared<spdlog::logger>(name, std::move(sink));
     logger->set_pattern("%v");
-    return *loggers_.emplace(name, std::move(logger)).first->second;
+    logger->set_error_handler([this](const std::string& why) { fail(why); });
+    return loggers_.emplace(name, std::move(logger)).first->second.get();
   } catch (const spdlog::spdlog_ex& error) {
-    throw std::runtime_error(error.what());
+    fail(error.what()); // in the middle of a handler of an actor that has done no wrong
+    return nullptr;
   }
 }
 

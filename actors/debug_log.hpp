@@ -20,17 +20,26 @@ class debug_log {
 public:
   static constexpr std::size_t files_max = 3;
 
-  /// Creates the folder. @throws std::runtime_error if that fails
+  /// Creates the folder. @throws std::runtime_error if that fails, or files may not be made in it
   debug_log(std::string folder, std::size_t file_octets_max);
+  debug_log(const debug_log&) = delete;
+  debug_log& operator=(const debug_log&) = delete;
 
   void write(const scheduler::delivery& x);
 
+  /// @returns what could not be written, and why; empty if nothing is missing
+  [[nodiscard]] std::string finish();
+
 private:
-  [[nodiscard]] spdlog::logger& of(std::string_view path);
+  /// nullptr if its file cannot be opened
+  [[nodiscard]] spdlog::logger* of(std::string_view path);
+  void write_line(std::string_view path, std::string_view line);
+  void fail(const std::string& why);
 
   std::string folder_;
   std::size_t file_octets_max_;
   std::map<std::string, std::shared_ptr<spdlog::logger>, std::less<>> loggers_;
+  std::string error_; ///< the first; nothing is written after it
 };
 
 } // namespace rubicon

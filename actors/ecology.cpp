@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "actors/assembly.hpp"
+#include "actors/failure.hpp"
 #include "actors/log.hpp"
 #include "actors/peer_supervision.hpp"
 #include "scheduler/supervision.hpp"
@@ -32,25 +33,49 @@ void tell_story(ecology_pointer self, const std::string& who, std::string what) 
   report.story.push_back({now(self), who.substr(who.find('/') + 1), std::move(what)});
 }
 
-/// The text of the exception that ended an actor, or what else its reason says.
-std::string text_of(const caf::error& reason) {
-  if (reason.context().match_elements<std::string>())
-    return reason.context().get_as<std::string>(0);
-  return caf::to_string(reason);
+/// Takes a violation into the report, or tells it behind the report that is already out.
+void add_violation(ecology_pointer self, const char* invariant, std::string detail) {
+  auto& state = self->state;
+  runtime::violation x{now(self), invariant, std::move(detail)};
+  constexpr std::size_t violations_max = 1000;
+  if (state.delivered && state.process.on_late_violation)
+    state.process.on_late_violation(std::move(x));
+  else if (state.report.violations.size() < violations_max)
+    state.report.violations.push_back(std::move(x));
 }
 
-void record_failure(ecology_pointer self, const std::string& path, const caf::error& reason) {
-  const auto text = text_of(reason);
+/// Whether the fault plan has asked for this one; each request excuses one failure.
+bool was_planned(ecology_pointer self, const std::string& path, const std::string& text) {
+  auto& requested = self->state.crashes_requested;
+  const auto found = std::ranges::find(requested, path);
+  if (text != planned_crash || found == requested.end())
+    return false;
+  requested.erase(found);
+  return true;
+}
+
+void record_failure(ecology_pointer self, const std::string& path, const std::string& text) {
   log(self, spdlog::level::err, "event=failed actor={} reason=\"{}\"", path, text);
+  if (!was_planned(self, path, text))
+    add_violation(self, runtime::no_actor_fails, path + ": " + text);
   auto& failures = self->state.report.actors.failures;
   constexpr std::size_t failures_max = 100;
   if (failures.size() < failures_max)
     failures.push_back(path + ": " + text);
 }
 
+void on_unmet(ecology_pointer self, const request_unmet& x) {
+  const auto what = x.who + ": " + x.what;
+  log(self, spdlog::level::err, "event=unmet what=\"{}\"", what);
+  tell_story(self, x.who, x.what);
+  add_violation(self, runtime::requests_are_met, what);
+  if (x.ends_run && self->state.process.on_end_wanted)
+    self->state.process.on_end_wanted(what);
+}
+
 void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error& reason) {
   const auto path = "mote/" + mote.arguments->name;
-  record_failure(self, path, reason);
+  record_failure(self, path, text_of(reason));
   tell_story(self, path, "crashed: " + text_of(reason));
   mote.handle = nullptr;
   mote.changed = now(self);
@@ -66,7 +91,7 @@ bool on_program_down(ecology_pointer self, const caf::down_msg& x) {
     for (auto& program : mote.programs) {
       if (!program.handle || program.handle.address() != x.source)
         continue;
-      record_failure(self, program.path, x.reason);
+      record_failure(self, program.path, text_of(x.reason));
       tell_story(self, program.path, "crashed: " + text_of(x.reason));
       program.handle = nullptr;
       state.names.erase(x.source);
@@ -105,8 +130,8 @@ void on_down(ecology_pointer self, const caf::down_msg& x) {
     return;
   static_cast<void>(on_kernel_down(self, x.source));
   on_init_down(self, x.source);
-  if (x.reason && x.reason != caf::exit_reason::user_shutdown)
-    record_failure(self, named->second, x.reason);
+  if (!was_asked_to_end(x.reason))
+    record_failure(self, named->second, text_of(x.reason));
   tell_story(self, named->second, "ended");
 }
 
@@ -367,7 +392,6 @@ std::vector<runtime::peer_view> views_of(ecology_pointer self) {
 runtime::run_truth truth_of(ecology_pointer self) {
   const auto& state = self->state;
   runtime::run_truth truth;
-  truth.crashes_requested = state.crashes_requested;
   std::map<island_id, runtime::device_list> lists;
   for (const auto& [address, mote] : state.motes) {
     if (mote.arguments->stack != config::stack::full)
@@ -437,6 +461,10 @@ void deliver(ecology_pointer self) {
   std::ranges::stable_sort(report.programs, {}, &runtime::program_report::who);
   for (auto& x : runtime::check_all(report, truth_of(self)))
     report.violations.push_back(std::move(x));
+  if (report.islands.empty() && report.peers.empty())
+    add_violation(self, runtime::requests_are_met, "there is no island and no peer: nothing ran");
+  report.complete = true;
+  self->state.delivered = true;
   self->state.on_report(report); // not moved: programs that end later still tell their counters
 }
 
@@ -445,6 +473,7 @@ void deliver(ecology_pointer self) {
 root_actor::behavior_type ecology(ecology_pointer self, config::ecology_description description,
                                   report_receiver on_report, frame_observer observe_frames,
                                   process_facts process) {
+  scheduler::tell_monitors_of_exceptions(self);
   self->state.description = std::move(description);
   self->state.on_report = std::move(on_report);
   self->state.observe_frames = std::move(observe_frames);
@@ -459,6 +488,8 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   schedule_fault(self);
   return {
       [self](const story& x) { tell_story(self, x.who, x.what); },
+      [self](const actor_failed& x) { record_failure(self, x.who, x.why); },
+      [self](const request_unmet& x) { on_unmet(self, x); },
       [self](const mote_flat& x) { on_flat(self, self->state.motes.at(x.mote)); },
       [self](const listing_changed& x) { on_listing(self, x); },
       [self](const radio_status& x) { island_of(self, x.island).radio += x.radio; },

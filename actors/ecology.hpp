@@ -74,6 +74,10 @@ struct process_facts {
   duration clock_offset = 1'000'000'000s; ///< network time minus ecology time
   /// Called when, after end_run, no init runs any more; may be empty.
   std::function<void()> on_inits_ended = {};
+  /// Called when the run is to end before its time, and why; may be empty.
+  std::function<void(const std::string& why)> on_end_wanted = {};
+  /// Told of what goes wrong after the report was handed out; may be empty.
+  std::function<void(runtime::violation)> on_late_violation = {};
 };
 
 /// How far the clocks of an island's motes and its sink are ahead of real time, at the end.
@@ -105,9 +109,10 @@ struct ecology_state {
   runtime::report report;
   std::map<std::pair<mote_address, mote_address>, flow::part> flows; ///< by origin and target
   std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
-  std::vector<std::string> crashes_requested;
+  std::vector<std::string> crashes_requested; ///< paths of motes, one for each crash still to come
   std::vector<runtime::planned_fault> plan;
   bool ending = false;          ///< end_run has come
+  bool delivered = false;       ///< deliver_report has come
   std::size_t next_fault = 0;   ///< in `plan`
   std::uint64_t lan_faults = 0; ///< so far
   std::uint64_t stations = 0;   ///< so far

@@ -3,7 +3,12 @@
 #include <filesystem>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 #include <variant>
+
+#include <spdlog/spdlog.h>
+
+#include "core/printable.hpp"
 
 namespace rubicon {
 
@@ -19,7 +24,7 @@ frame_captures::frame_captures(const std::string& folder,
     if (const auto* reason = std::get_if<std::string>(&made))
       throw std::runtime_error(*reason);
     captures_.emplace(static_cast<std::uint16_t>(island.id.value),
-                      capture{std::move(std::get<io::pcap_file>(made)), {}});
+                      capture{std::move(std::get<io::pcap_file>(made)), {}, false});
   }
 }
 
@@ -29,15 +34,24 @@ void frame_captures::write(const radio::overheard& x) {
   auto& to = captures_.at(x.pan);
   to.waiting.emplace(x.begin, x.psdu);
   to.write_until(x.begin + radio::air_time(x.psdu.size()) - radio::air_time(radio::psdu_max));
+  tell_failure(to);
 }
 
-void frame_captures::finish() {
+void frame_captures::tell_failure(capture& x) {
+  if (!x.file.error().empty() && !std::exchange(x.is_told, true))
+    spdlog::error("a capture is not complete: {}", printable(x.file.error()));
+}
+
+std::string frame_captures::finish() {
+  std::string failed;
   for (auto& [pan, x] : captures_) {
     x.write_until(instant::max());
     x.file.flush();
+    tell_failure(x);
     if (!x.file.error().empty())
-      throw std::runtime_error(x.file.error());
+      failed += (failed.empty() ? "captures are not complete: " : ", ") + x.file.error();
   }
+  return failed;
 }
 
 void frame_captures::capture::write_until(instant begin) {

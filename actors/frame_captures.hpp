@@ -22,8 +22,8 @@ public:
   /// Into the file of the sender's island.
   void write(const radio::overheard& x);
 
-  /// @throws std::runtime_error if a file could not be written completely
-  void finish();
+  /// @returns which files are not complete, and why; empty if all are
+  [[nodiscard]] std::string finish();
 
 private:
   /// The file of one island. Frames come when they end; one that began earlier may come later, by
@@ -31,9 +31,12 @@ private:
   struct capture {
     io::pcap_file file;
     std::multimap<instant, payload> waiting; ///< by begin
+    bool is_told = false;                    ///< that it failed
 
     void write_until(instant begin);
   };
+
+  static void tell_failure(capture& x);
 
   std::map<std::uint16_t, capture> captures_; ///< by PAN
   bool with_lost_ = false;

@@ -23,6 +23,21 @@ constexpr std::array fields{"reqState", "stdin", "extra-arguments"};
 
 void perform(init_pointer self, init::outputs todo);
 
+/// Once for each component.
+void tell_unmet(init_pointer self, std::size_t component, const std::string& why) {
+  const auto& what = self->state.supervisor.components()[component];
+  if (self->state.unmet.insert(component).second)
+    self->send(self->state.arguments.ecology,
+               request_unmet{self->path(), "component " + what.name + " cannot be started (" + why +
+                                               "): mend its command `" + what.command + '`'});
+}
+
+/// What a shell says of a command that it does not find, or that is no program (POSIX 2.8.2).
+bool is_no_command(const std::string& how) {
+  return how == io::to_string(io::process_end{127, 0}) ||
+         how == io::to_string(io::process_end{126, 0});
+}
+
 void start_process(init_pointer self, const init::start& x) {
   auto& state = self->state;
   const auto& what = state.supervisor.components()[x.component];
@@ -39,6 +54,7 @@ void start_process(init_pointer self, const init::start& x) {
          caf::anon_send(user, process_ended{at, life, io::to_string(how)});
        }});
   if (const auto* why = std::get_if<std::string>(&made)) {
+    tell_unmet(self, x.component, *why);
     self->send(user, process_ended{x.component, x.life, *why});
     return;
   }
@@ -240,6 +256,8 @@ init_actor::behavior_type init_behavior(init_pointer self, init_arguments argume
       },
       [self](const process_ended& x) {
         self->state.processes.erase(x.component);
+        if (is_no_command(x.how))
+          tell_unmet(self, x.component, x.how);
         perform(self, self->state.supervisor.on_ended(x.component, x.life, x.how, now(self)));
       },
       [self](const timer_expired& x) {

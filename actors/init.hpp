@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct init_state {
   std::optional<init::host_facts> host; ///< known once the kernel is guarded
   std::optional<io::file_lock> lock;
   std::map<std::size_t, io::process> processes; ///< by component
+  std::set<std::size_t> unmet;                  ///< components that were told not to start
   bool quit_wanted = false;                     ///< before the host was known
   timer wake;
 };

@@ -2,16 +2,21 @@
 // equal logs (style: one line an event).
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 #include <utility>
 
 #include <spdlog/spdlog.h>
 
 #include "actors/timer.hpp"
+#include "core/printable.hpp"
 
 namespace rubicon {
 
-/// Logs `12.004160 W mote/kitchen/climate-7 event=refused ...` if the level is on.
+inline constexpr std::size_t log_octets_max = 8192; ///< of a line: a value may be very long
+
+/// Logs `12.004160 W mote/kitchen/climate-7 event=refused ...` if the level is on, as one line that
+/// is printable(), whatever it quotes.
 template <class Self, class... Args>
 void log(Self* self, spdlog::level::level_enum level, spdlog::format_string_t<Args...> format,
          Args&&... args) {
@@ -19,8 +24,10 @@ void log(Self* self, spdlog::level::level_enum level, spdlog::format_string_t<Ar
   if (!logger->should_log(level))
     return;
   static constexpr std::string_view letters = "TDIWECO";
-  logger->log(level, "{} {} {} {}", to_text(now(self)), letters[static_cast<std::size_t>(level)],
-              self->path(), fmt::format(format, std::forward<Args>(args)...));
+  const auto line =
+      fmt::format("{} {} {} {}", to_text(now(self)), letters[static_cast<std::size_t>(level)],
+                  self->path(), fmt::format(format, std::forward<Args>(args)...));
+  logger->log(level, "{}", printable(line, log_octets_max));
 }
 
 } // namespace rubicon

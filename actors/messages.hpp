@@ -27,8 +27,8 @@ namespace rubicon {
 
 using scheduler::carried;
 
-/// A timer of one actor has run down. `epoch` tells an outdated expiry from the awaited one, since
-/// CAF cannot cancel a delayed message; `which` tells the timers of one actor apart.
+/// A timer of one actor has run down. `epoch` tells an outdated expiry from the awaited one,
+/// `which` tells the timers of one actor apart.
 struct timer_expired {
   std::uint8_t which = 0;
   std::uint64_t epoch = 0;
@@ -43,6 +43,20 @@ struct status_request {};
 struct story {
   std::string who; ///< actor path
   std::string what;
+};
+
+/// From a supervisor below the ecology: an actor of its own has failed, whether or not it starts it
+/// again.
+struct actor_failed {
+  std::string who; ///< actor path
+  std::string why;
+};
+
+/// Something that the file asks for cannot be had. It is a violation of the run.
+struct request_unmet {
+  std::string who;       ///< actor path
+  std::string what;      ///< with the reason, and what to do
+  bool ends_run = false; ///< nothing of what follows would be what was asked for
 };
 
 /// A mote's battery is at its end, by its use or by the fault plan; it is gone for good.
@@ -155,7 +169,7 @@ using ecology_actor = caf::typed_actor<
     caf::reacts_to<message_status>, caf::reacts_to<network_status>, caf::reacts_to<serial_status>,
     caf::reacts_to<devices_status>, caf::reacts_to<gateway_status>, caf::reacts_to<peer_status>,
     caf::reacts_to<proxy_status>, caf::reacts_to<program_status>, caf::reacts_to<start_component>,
-    caf::reacts_to<stop_component>>;
+    caf::reacts_to<stop_component>, caf::reacts_to<actor_failed>, caf::reacts_to<request_unmet>>;
 
 /// To itself: this fault of the description's plan is due.
 struct apply_fault {

@@ -60,7 +60,7 @@ template <class F>
 auto inspect(F& f, peer_report& x) {
   return f(caf::meta::type_name("peer_report"), x.id, x.name, x.alive, x.incarnations, x.links,
            x.links_opened, x.links_closed, x.attempts, x.attempts_failed, x.hosts_known, x.cluster,
-           x.tuples, x.peis);
+           x.tuples, x.peis, x.limits);
 }
 
 } // namespace runtime
@@ -102,6 +102,16 @@ auto inspect(F& f, status_request&) {
 template <class F>
 auto inspect(F& f, story& x) {
   return f(caf::meta::type_name("story"), x.who, x.what);
+}
+
+template <class F>
+auto inspect(F& f, actor_failed& x) {
+  return f(caf::meta::type_name("actor_failed"), x.who, x.why);
+}
+
+template <class F>
+auto inspect(F& f, request_unmet& x) {
+  return f(caf::meta::type_name("request_unmet"), x.who, x.what, x.ends_run);
 }
 
 template <class F>
@@ -669,6 +679,8 @@ CAF_BEGIN_TYPE_ID_BLOCK(rubicon, caf::first_custom_type_id)
 CAF_ADD_TYPE_ID(rubicon, (rubicon::timer_expired))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::status_request))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::story))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::actor_failed))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::request_unmet))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::mote_flat))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::listing_changed))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_status))

@@ -361,7 +361,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
       },
       [self](crash_now) {
         if (!self->state.flat)
-          throw std::runtime_error("crash from the fault plan");
+          throw std::runtime_error(std::string(planned_crash));
       },
       [self](end_battery) {
         on_battery_low(self);

@@ -18,6 +18,9 @@
 
 namespace rubicon {
 
+/// What ends a mote whose crash the fault plan asks for.
+inline constexpr std::string_view planned_crash = "crash from the fault plan";
+
 /// What a mote actor is made of, the same in all its lives.
 struct mote_arguments {
   mote_address address;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "actors/failure.hpp"
 #include "actors/log.hpp"
 #include "actors/object_proxy.hpp"
 #include "core/interface_keys.hpp"
@@ -53,6 +54,9 @@ void on_down(manager_pointer self, const caf::down_msg& x) {
   if (found == state.proxies.end())
     return;
   log(self, spdlog::level::warn, "event=proxy_ended object={}", found->first.second);
+  if (!was_asked_to_end(x.reason))
+    self->send(state.ecology,
+               actor_failed{"proxy of object " + found->first.second, text_of(x.reason)});
   state.ended.insert(found->first);
   state.proxies.erase(found);
   if (!state.restart_at)

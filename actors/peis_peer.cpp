@@ -76,8 +76,10 @@ struct performer {
     log(self, is_everyday(x.why) ? spdlog::level::info : spdlog::level::warn,
         "event=link_closed link={} cause={}", x.link.value, peis::to_string(x.why));
     ++state.links_closed[std::string(peis::to_string(x.why))];
-    if (state.tcp_links.erase(x.link) > 0 && state.real != nullptr)
+    if (state.tcp_links.erase(x.link) > 0 && state.real != nullptr) {
       state.real->links().carry_out(x);
+      state.real->hold(x.link, false);
+    }
     const auto found = state.links.find(x.link);
     if (found == state.links.end())
       return;
@@ -87,6 +89,13 @@ struct performer {
       self->send(state.arguments.bluetooth, lan_link_ended{x.link.value});
     else if (state.arguments.lan)
       self->send(state.arguments.lan, lan_link_ended{x.link.value});
+  }
+
+  /// Simulated links have no other end that could wait.
+  void operator()(const peis::read_link& x) const {
+    if (x.link.value < first_real_link || self->state.real == nullptr)
+      return;
+    self->state.real->hold(x.link, !x.wanted);
   }
 
   void operator()(const peis::connect_to& x) const { ask_for_link(self, x); }
@@ -176,6 +185,13 @@ void tell_subscribers(peer_pointer self) {
   if (!state.subscribers_watcher || state.subscribers_version == version)
     return;
   const bool first = !state.subscribers_version;
+  const auto pause = 10us * state.subscribers_told.size(); // others choose how many they are
+  if (!first && pause > 1ms && now(self) < state.subscribers_told_at + pause) {
+    state.subscribers_due = state.subscribers_told_at + pause;
+    return;
+  }
+  state.subscribers_due.reset();
+  state.subscribers_told_at = now(self);
   state.subscribers_version = version;
   const auto keys = state.kernel.subscribed(state.subscribers_first_part);
   if (!first && std::ranges::equal(keys, state.subscribers_told))
@@ -198,7 +214,8 @@ void perform(peer_pointer self, peis::outputs todo) {
     std::visit(performer{self}, output);
   tell_subscribers(self);
   tell_clock(self);
-  self->state.wake.follow(self, self->state.kernel.deadline());
+  self->state.wake.follow(self,
+                          earliest(self->state.kernel.deadline(), self->state.subscribers_due));
 }
 
 template <class Handle>
@@ -306,9 +323,42 @@ void on_guard(peer_pointer self, const guard_kernel& x) {
   self->send(state.init, kernel_guarded{network.host_name, network.network, port.value_or(0)});
 }
 
+/// What limits have refused or put off (docs/security.md).
+void add_limits(runtime::cause_counts& to, const peis::kernel_counters& counted) {
+  const auto& x = counted.network;
+  const auto& tuples = counted.tuples;
+  const std::pair<const char*, std::uint64_t> all[] = {
+      {"over_budget", x.rests},
+      {"turns", x.held},
+      {"fragments_refused", x.fragments_refused},
+      {"greetings_evicted", x.greetings_evicted},
+      {"hosts_refused", x.hosts_refused},
+      {"newcomers_referred", x.newcomers_referred},
+      {"questions_refused", x.questions_refused},
+      {"routes_refused", x.routes_refused},
+      {"rivals_refused", x.rivals_refused},
+      {"claims_refused", x.claims_refused},
+      {"tables_put_off", x.tables_put_off},
+      {"tuples_full", tuples.overflow},
+      {"tuples_malformed", tuples.malformed},
+      {"subscriptions_full", tuples.subscribers_refused},
+      {"strangers", tuples.strangers_refused},
+      {"appends_refused", tuples.appends_refused},
+      {"orphans", tuples.orphans_removed},
+      {"stale_removed", tuples.stale_removed},
+      {"resyncs", tuples.resyncs},
+      {"pushes_given_up", tuples.pushes_given_up},
+      {"absent_forgotten", tuples.absent_forgotten}};
+  for (const auto& [name, count] : all) {
+    if (count > 0)
+      to[name] = count;
+  }
+}
+
 void report(peer_pointer self) {
   const auto& state = self->state;
-  const auto counted = state.kernel.counters().network;
+  const auto all_counted = state.kernel.counters();
+  const auto& counted = all_counted.network;
   peer_status status;
   auto& peer = status.peer;
   peer.id = state.kernel.id();
@@ -344,6 +394,9 @@ void report(peer_pointer self) {
                     {"network", state.packages_lost},
                     {"paused", state.held_lost},
                     {"own_id", counted.own}};
+  add_limits(peer.limits, all_counted);
+  if (state.real != nullptr && state.real->links().counters().refused > 0)
+    peer.limits["connections_refused"] = state.real->links().counters().refused;
   self->send(state.arguments.ecology, std::move(status));
 }
 
@@ -408,21 +461,22 @@ auto served(peer_pointer self, Handler handle) {
   };
 }
 
-/// Opens the real links, if any. Without them the peer goes on in the simulated network.
+/// Opens the real links, if any. Without them there is no point in a run that only begins; a peer
+/// that was started again goes on in the simulated network.
 void open_real_links(peer_pointer self) {
   auto& state = self->state;
   if (!state.arguments.real)
     return;
+  state.arguments.real->who = self->path();
+  state.arguments.real->ecology = state.arguments.ecology;
   auto opened = real_links::open(*state.arguments.real, caf::actor_cast<peis_peer_actor>(self));
   if (const auto* why = std::get_if<std::string>(&opened)) {
-    log(self, spdlog::level::err, "event=not_listening reason=\"{}\"", *why);
-    self->send(state.arguments.ecology, story{self->path(), "cannot listen: " + *why});
+    self->send(state.arguments.ecology, request_unmet{self->path(), "cannot listen: " + *why,
+                                                      state.arguments.incarnation == 0});
     return;
   }
   state.real = std::get<std::unique_ptr<real_links>>(std::move(opened));
   auto& links = state.real->links();
-  if (!links.warning().empty())
-    log(self, spdlog::level::warn, "event=real_links warning=\"{}\"", links.warning());
   auto& network = state.arguments.config.network;
   for (auto& address : links.addresses())
     network.addresses.push_back(std::move(address));
@@ -465,6 +519,8 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
                           [self](const link_octets& x) {
                             perform(self, self->state.kernel.on_link_octets(
                                               peis::link_id{x.link}, x.octets.view(), now(self)));
+                            if (x.link >= first_real_link && self->state.real != nullptr)
+                              self->state.real->on_taken(peis::link_id{x.link});
                           }),
       served<link_closed>(self, [self](const link_closed& x) { on_closed(self, x); }),
       served<link_opened>(self,

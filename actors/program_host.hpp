@@ -14,7 +14,6 @@
 #include <variant>
 #include <vector>
 
-#include "actors/log.hpp"
 #include "actors/messages.hpp"
 #include "apps/application.hpp"
 #include "config/ecology.hpp"
@@ -74,8 +73,7 @@ public:
         self->send(ecology, story{self->path(), std::move(what)});
       if (x.file && x.write(x.program->take_lines())) {
         const auto what = std::string(x.program->file()) + ": " + x.failure;
-        log(self, spdlog::level::err, "event=not_written file={}", what);
-        self->send(ecology, story{self->path(), "cannot write " + what});
+        self->send(ecology, request_unmet{self->path(), "cannot write " + what});
       }
     }
   }
@@ -108,7 +106,7 @@ private:
       file = std::make_unique<std::ofstream>(path, std::ios::binary |
                                                        (again ? std::ios::app : std::ios::trunc));
       if (!again)
-        *file << program->file_heading();
+        *file << program->file_heading() << std::flush;
     }
 
     /// Lines are in the file when this returns. @returns whether the first failure has shown

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "actors/failure.hpp"
 #include "actors/log.hpp"
 #include "actors/proxy.hpp"
 #include "scheduler/spawn.hpp"
@@ -141,6 +142,9 @@ void on_down(manager_pointer self, const caf::down_msg& x) {
     return;
   const auto mote = found->first;
   proxies.erase(found);
+  if (!was_asked_to_end(x.reason))
+    self->send(self->state.arguments.ecology,
+               actor_failed{"proxy of mote " + to_string(mote), text_of(x.reason)});
   log(self, spdlog::level::warn, "event=proxy_ended mote={}", to_string(mote));
   self->delayed_send(self, proxy_restart_delay, restart_proxy{mote});
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -20,6 +21,8 @@ struct real_links_config {
   io::loop* loop = nullptr; ///< must outlive the peer
   peer::links_config links;
   bool port_is_given = false; ///< no other will do than links.first_port
+  std::string who;            ///< actor path of the user
+  ecology_actor ecology;      ///< hears what cannot be had; may be nullptr
 };
 
 class real_links : private peer::link_user {
@@ -30,11 +33,19 @@ public:
   [[nodiscard]] static std::variant<std::unique_ptr<real_links>, std::string>
   open(const real_links_config& config, peis_peer_actor user);
 
+  /// The actor has handled a link_octets. Until then no more is read of that link, so that one
+  /// message of each waits at most.
+  void on_taken(peis::link_id link);
+
+  /// The kernel wants no more of a link for a while.
+  void hold(peis::link_id link, bool held);
+
   /// Carries out what the kernel asks for.
   [[nodiscard]] peer::tcp_links& links() { return *links_; }
 
 private:
-  explicit real_links(peis_peer_actor user) : user_(std::move(user)) {}
+  real_links(const real_links_config& config, peis_peer_actor user)
+      : user_(std::move(user)), who_(config.who), ecology_(config.ecology) {}
 
   void on_link_open(peis::link_id link, peis::link_role role,
                     std::optional<peis::attempt_id> attempt) override;
@@ -44,7 +55,13 @@ private:
   void on_link_closed(peis::link_id link, const std::string& why) override;
   void on_announcement(byte_view datagram) override;
 
+  void tell_unmet(std::string what);
+
   peis_peer_actor user_;
+  std::set<peis::link_id> held_;
+  std::string who_;
+  ecology_actor ecology_;
+  std::set<std::string> unknown_names_; ///< that were told
   std::unique_ptr<peer::tcp_links> links_;
 };
 

@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 
 #include <caf/send.hpp>
 #include <unistd.h>
 
 #include "actors/debug_log.hpp"
 #include "actors/ecology.hpp"
+#include "actors/failure.hpp"
 #include "actors/frame_captures.hpp"
 #include "io/machine.hpp"
 #include "io/signal_watch.hpp"
+#include "runtime/invariants.hpp"
 #include "scheduler/world.hpp"
 
 namespace rubicon {
@@ -44,23 +47,14 @@ scheduler::stop_cause run_with_progress(scheduler::world& world, instant end,
         std::min(step, std::max<duration>(duration(static_cast<std::int64_t>(speed * 1e8)), 1ms));
   for (;;) {
     const auto cause = world.run_until(std::min(end, world.now() + step));
-    options.progress(world.now(), end);
+    options.progress({world.now(), end, world.trace().events()});
     if (cause != scheduler::stop_cause::reached_end || world.now() >= end)
       return cause;
   }
 }
 
-/// In wall time peers may meet those of other processes, and must be told apart from them.
-process_facts facts_of(scheduler::world& world, bool wall) {
-  process_facts x;
-  if (!wall)
-    return x;
-  x.machine = io::machine_name();
-  x.loop = &world.loop();
-  x.number = static_cast<std::uint32_t>(::getpid());
-  x.clock_offset =
-      std::chrono::duration_cast<duration>(std::chrono::system_clock::now().time_since_epoch());
-  return x;
+const char* mode_name(const config::ecology_description& x) {
+  return x.mode == config::run_mode::wall ? "wall" : "virtual";
 }
 
 bool has_init(const config::ecology_description& x) {
@@ -75,79 +69,235 @@ bool has_real_links(const config::ecology_description& x) {
       x.peers, [](const auto& peer) { return peer.tcp || peer.lan || !peer.connect.empty(); });
 }
 
+/// What the run is to do, the command line's word before the file's.
+config::ecology_description overridden(config::ecology_description x, const run_options& options) {
+  x.seed = options.seed.value_or(x.seed);
+  x.mode = options.mode.value_or(x.mode);
+  x.length = options.length.value_or(x.length);
+  return x;
+}
+
+/// What is written while the ecology runs.
+class run_files {
+public:
+  run_files(const config::ecology_description& description, const run_options& options) {
+    if (!options.debug_folder.empty())
+      debug_.emplace(options.debug_folder, options.debug_file_octets_max);
+    if (!options.record_file.empty())
+      record_.emplace(options.record_file, description, options.source);
+    if (!options.pcap_folder.empty())
+      captures_.emplace(options.pcap_folder, description, options.pcap_lost);
+  }
+
+  void watch(scheduler::trace_recorder& trace) {
+    if (record_)
+      trace.observe_remarks([this](const scheduler::remark& x) { record_->write(x); });
+    if (debug_ || record_)
+      trace.observe([this](const scheduler::delivery& x) {
+        if (debug_)
+          debug_->write(x);
+        if (record_)
+          record_->write(x);
+      });
+  }
+
+  /// Empty if nobody wants to see frames.
+  [[nodiscard]] frame_observer frames() {
+    if (!captures_ && !record_)
+      return {};
+    return [this](const radio::overheard& x) {
+      if (captures_)
+        captures_->write(x);
+      if (record_)
+        record_->write(x);
+    };
+  }
+
+  /// What is not complete.
+  [[nodiscard]] std::vector<std::string> finish() {
+    std::vector<std::string> failed;
+    if (debug_)
+      failed.push_back(debug_->finish());
+    if (record_)
+      failed.push_back(record_->finish());
+    if (captures_)
+      failed.push_back(captures_->finish());
+    std::erase(failed, std::string());
+    return failed;
+  }
+
+private:
+  std::optional<debug_log> debug_;
+  std::optional<run_record> record_;
+  std::optional<frame_captures> captures_;
+};
+
+/// One run from its first event to its last word. Everything in `report` stays what it is until it
+/// is known better: a run that breaks off anywhere is not complete.
+class one_run {
+public:
+  one_run(const config::ecology_description& description, const run_options& options,
+          run_files& files, runtime::report& report)
+      : description_(description), options_(options), report_(report),
+        wall_(description.mode == config::run_mode::wall),
+        speed_(wall_ && options.speed == 0 ? 1 : options.speed),
+        world_(world_options_of(description.mode, speed_)), inits_run_(has_init(description)) {
+    files.watch(world_.trace());
+    if (options.handle_signals)
+      signals_.emplace(world_.loop(), [this](int) { world_.request_stop(); });
+    root_ = world_.spawn(
+        "ecology/" + description.name, ecology, description,
+        [this](runtime::report x) { take(std::move(x)); }, files.frames(), facts());
+    caf::actor_cast<caf::abstract_actor*>(root_)->attach_functor(
+        [this](const caf::error& reason) { on_root_ended(reason); });
+  }
+  ~one_run() {
+    over_ = true;
+    signals_.reset(); // before its loop
+    root_ = nullptr;  // before its system
+    world_.shutdown();
+  }
+
+  one_run(const one_run&) = delete;
+  one_run& operator=(const one_run&) = delete;
+
+  void perform() {
+    const auto end = instant(description_.length);
+    const auto cause = run_with_progress(world_, end, options_, speed_);
+    tell(collect_report{});
+    tell(deliver_report{});
+    report_.interrupted = cause == scheduler::stop_cause::requested && ended_early_.empty();
+    if (report_.complete && !report_.interrupted && world_.now() < end && ended_early_.empty())
+      ended_early_ = "the run ended before its time";
+    if (!ended_early_.empty())
+      break_off(ended_early_);
+    leave();
+    over_ = true;
+  }
+
+  /// What the run has been, however it ended.
+  void measure() {
+    if (!report_.complete)
+      report_.simulated = world_.now().time_since_epoch();
+    report_.events = world_.trace().events();
+    report_.trace_hash = to_hex(world_.trace().hash());
+  }
+
+private:
+  void take(runtime::report x) {
+    x.interrupted = report_.interrupted;
+    report_ = std::move(x);
+    report_.mode = mode_name(description_);
+  }
+
+  void break_off(const std::string& why) {
+    report_.complete = false;
+    report_.reason = why;
+  }
+
+  template <class Message>
+  void tell(Message x) {
+    caf::anon_send(root_, x);
+    if (!world_.drain() && ended_early_.empty())
+      ended_early_ = "actors kept each other busy without end";
+  }
+
+  /// Peers say goodbye, and inits stop their components.
+  void leave() {
+    tell(end_run{});
+    for (const auto latest = world_.now() + stop_time_max; inits_run_ && world_.now() < latest;)
+      static_cast<void>(world_.run_for(50ms));
+    if (wall_ && has_real_links(description_))
+      static_cast<void>(world_.run_for(goodbye_time));
+  }
+
+  void on_root_ended(const caf::error& reason) {
+    if (over_)
+      return;
+    inits_run_ = false; // with it ends whoever could tell
+    end_early("the supervisor of the ecology ended: " + text_of(reason));
+    report_.complete = false;
+  }
+
+  void end_early(const std::string& why) {
+    if (ended_early_.empty())
+      ended_early_ = why;
+    world_.request_stop();
+  }
+
+  /// In wall time peers may meet those of other processes, and must be told apart from them.
+  process_facts facts() {
+    process_facts x;
+    x.on_inits_ended = [this] { inits_run_ = false; };
+    x.on_end_wanted = [this](const std::string& why) { end_early(why); };
+    x.on_late_violation = [this](runtime::violation late) {
+      report_.violations.push_back(std::move(late));
+    };
+    if (!wall_)
+      return x;
+    x.machine = io::machine_name();
+    x.loop = &world_.loop();
+    x.number = static_cast<std::uint32_t>(::getpid());
+    x.clock_offset =
+        std::chrono::duration_cast<duration>(std::chrono::system_clock::now().time_since_epoch());
+    return x;
+  }
+
+  const config::ecology_description& description_;
+  const run_options& options_;
+  runtime::report& report_;
+  const bool wall_;
+  const double speed_;
+  std::string ended_early_; ///< why; empty while nothing is wrong
+  bool over_ = false;
+  scheduler::world world_;
+  bool inits_run_;
+  std::optional<io::signal_watch> signals_;
+  root_actor root_;
+};
+
+/// What is known before anything has run: nothing that anybody could take for a good end.
+runtime::report empty_report(const config::ecology_description& x) {
+  runtime::report report;
+  report.ecology = x.name;
+  report.seed = x.seed;
+  report.mode = mode_name(x);
+  report.reason = "the run broke off";
+  return report;
+}
+
+/// Runs it, whatever happens.
+void run_into(runtime::report& report, const config::ecology_description& description,
+              const run_options& options, run_files& files) {
+  const auto break_off = [&report](const std::string& why) {
+    report.complete = false;
+    report.reason = why;
+  };
+  try {
+    one_run run(description, options, files, report);
+    run.perform();
+    run.measure();
+  } catch (const std::bad_alloc&) {
+    break_off("out of memory");
+  } catch (const std::exception& error) {
+    break_off(error.what());
+  }
+}
+
 } // namespace
 
 runtime::report run_ecology(const config::ecology_description& file, const run_options& options) {
-  auto description = file;
-  description.seed = options.seed.value_or(file.seed);
-  description.mode = options.mode.value_or(file.mode);
-  description.length = options.length.value_or(file.length);
-  const bool wall = description.mode == config::run_mode::wall;
-  const auto speed = wall && options.speed == 0 ? 1 : options.speed;
-
-  scheduler::world world(world_options_of(description.mode, speed));
-  std::optional<debug_log> debug;
-  if (!options.debug_folder.empty())
-    debug.emplace(options.debug_folder, options.debug_file_octets_max);
-  std::optional<run_record> record;
-  if (!options.record_file.empty()) {
-    record.emplace(options.record_file, description, options.source);
-    world.trace().observe_remarks([&record](const scheduler::remark& x) { record->write(x); });
-  }
-  if (debug || record)
-    world.trace().observe([&debug, &record](const scheduler::delivery& x) {
-      if (debug)
-        debug->write(x);
-      if (record)
-        record->write(x);
-    });
-  std::optional<io::signal_watch> signals;
-  if (options.handle_signals)
-    signals.emplace(world.loop(), [&world](int) { world.request_stop(); });
-
-  std::optional<frame_captures> captures;
-  frame_observer observe;
-  if (!options.pcap_folder.empty())
-    captures.emplace(options.pcap_folder, description, options.pcap_lost);
-  if (captures || record)
-    observe = [&captures, &record](const radio::overheard& x) {
-      if (captures)
-        captures->write(x);
-      if (record)
-        record->write(x);
-    };
-
-  runtime::report report;
+  const auto description = overridden(file, options);
+  run_files files(description, options);
+  auto report = empty_report(description);
   const auto started = steady::now();
-  const auto end = instant(description.length);
-  const auto path = "ecology/" + description.name;
-  bool inits_run = has_init(description);
-  auto facts = facts_of(world, wall);
-  facts.on_inits_ended = [&inits_run] { inits_run = false; };
-  const auto root = world.spawn(
-      path, ecology, std::move(description),
-      [&report](runtime::report x) { report = std::move(x); }, observe, std::move(facts));
-  const auto cause = run_with_progress(world, end, options, speed);
-
-  caf::anon_send(root, collect_report{});
-  world.drain();
-  caf::anon_send(root, deliver_report{});
-  world.drain();
-  caf::anon_send(root, end_run{});
-  world.drain();
-  for (const auto latest = world.now() + stop_time_max; inits_run && world.now() < latest;)
-    static_cast<void>(world.run_for(50ms));
-  if (wall && has_real_links(file))
-    static_cast<void>(world.run_for(goodbye_time));
-  if (captures)
-    captures->finish();
-  if (record)
-    record->finish();
-  report.mode = wall ? "wall" : "virtual";
-  report.interrupted = cause == scheduler::stop_cause::requested;
+  run_into(report, description, options, files);
+  const auto at_end = instant() + report.simulated;
+  for (auto& missing : files.finish())
+    report.violations.push_back({at_end, runtime::requests_are_met, std::move(missing)});
+  if (!report.complete)
+    report.violations.push_back({at_end, runtime::run_is_complete, report.reason});
   report.wall_s = std::chrono::duration<double>(steady::now() - started).count();
-  report.events = world.trace().events();
-  report.trace_hash = to_hex(world.trace().hash());
   return report;
 }
 

@@ -12,6 +12,13 @@
 
 namespace rubicon {
 
+/// How far a run has come.
+struct run_progress {
+  instant reached;          ///< ecology time
+  instant end;              ///< of the run
+  std::uint64_t events = 0; ///< messages delivered to actors so far
+};
+
 /// What a command line may override or ask for beside the file.
 struct run_options {
   std::optional<duration> length;
@@ -25,14 +32,16 @@ struct run_options {
   bool pcap_lost = false;      ///< with the frames that nobody received
   std::string record_file;     ///< what `rubicon explain` reads goes here; empty: nowhere
   run_source source;           ///< told by the record
-  bool handle_signals = false; ///< end the run cleanly on SIGINT and SIGTERM (ACT-11)
+  bool handle_signals = false; ///< end the run cleanly on the first signal (ACT-11)
 
-  /// Called now and then with the ecology time reached and the end of the run.
-  std::function<void(instant reached, instant end)> progress;
+  /// Called now and then.
+  std::function<void(const run_progress&)> progress;
 };
 
-/// Runs an ecology to its end and collects the report.
-/// @throws std::runtime_error if the debug folder, a capture or the record cannot be written
+/// Runs an ecology to its end and collects the report. If the run breaks off, for whatever reason,
+/// the report is not complete, says why, and has a violation; files that could not be written to
+/// their end are violations too.
+/// @throws std::runtime_error if the debug folder, a capture or the record cannot be begun
 [[nodiscard]] runtime::report run_ecology(const config::ecology_description& description,
                                           const run_options& options);
 

@@ -1,8 +1,13 @@
 #include "actors/run_record.hpp"
 
+#include <cerrno>
 #include <stdexcept>
+#include <system_error>
+
+#include <spdlog/spdlog.h>
 
 #include "actors/messages.hpp"
+#include "core/printable.hpp"
 #include "network/am.hpp"
 #include "peis/link.hpp"
 
@@ -257,7 +262,8 @@ run_record::run_record(const std::string& path, const config::ecology_descriptio
                        const run_source& source)
     : path_(path), file_(path, std::ios::binary | std::ios::trunc) {
   if (!file_)
-    throw std::runtime_error("cannot write record " + path);
+    throw std::runtime_error("cannot write record " + path + ": " +
+                             std::generic_category().message(errno));
   file_ << explain::encoder::encode(header_of(ecology, source));
 }
 
@@ -338,13 +344,27 @@ void run_record::write(const radio::overheard& x) {
 }
 
 void run_record::put(const record& x) {
+  if (!error_.empty())
+    return;
+  errno = 0;
   file_ << encoder_.encode(x);
+  check();
 }
 
-void run_record::finish() {
+/// Right after what may have failed.
+void run_record::check() {
+  if (file_ || !error_.empty())
+    return;
+  error_ = "record " + path_ +
+           " is not complete: " + std::generic_category().message(errno != 0 ? errno : EIO);
+  spdlog::error("{}", printable(error_));
+}
+
+std::string run_record::finish() {
+  errno = 0;
   file_.flush();
-  if (!file_)
-    throw std::runtime_error("record " + path_ + " could not be written completely");
+  check();
+  return error_;
 }
 
 } // namespace rubicon

@@ -32,16 +32,18 @@ public:
   void write(const scheduler::remark& x);
   void write(const radio::overheard& x);
 
-  /// @throws std::runtime_error if the file could not be written completely
-  void finish();
+  /// @returns why the file is not complete; empty if it is
+  [[nodiscard]] std::string finish();
 
 private:
   void put(const explain::record& x);
+  void check();
   void put_story(const scheduler::remark& x);
   [[nodiscard]] std::uint64_t recorded_cause(std::uint64_t number) const;
 
   std::string path_;
   std::ofstream file_;
+  std::string error_; ///< the first; nothing is written after it
   explain::encoder encoder_;
   /// What a delivery that is not in the record was caused by; only ever looked up.
   std::unordered_map<std::uint64_t, std::uint64_t> left_out_;

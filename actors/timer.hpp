@@ -1,15 +1,16 @@
 // Ecology time and timers inside actors.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <optional>
 
-#include <caf/actor_clock.hpp>
+#include <caf/actor_control_block.hpp>
 #include <caf/actor_system.hpp>
+#include <caf/mailbox_element.hpp>
 
 #include "actors/messages.hpp"
 #include "core/time.hpp"
+#include "scheduler/run_clock.hpp"
 
 namespace rubicon {
 
@@ -19,45 +20,60 @@ template <class Self>
   return instant(self->system().clock().now().time_since_epoch());
 }
 
-/// Follows a core's deadline. CAF cannot cancel a delayed message, so one that is no longer awaited
-/// has an old epoch and is ignored. A deadline that moves away does not cost a new message: the
-/// earlier wake-up comes, which cores take for harmless, and the timer is set again after it.
+/// Follows a core's deadline: at any time at most one message is pending, which moves with the
+/// deadline and is taken back with the timer. One that is delivered, but not yet handled when the
+/// deadline changes has an old epoch and is ignored.
 class timer {
 public:
   timer() = default;
   /// @param which tells the timers of one actor apart
   explicit timer(std::uint8_t which) : which_(which) {}
+  ~timer() { stop(); }
+  timer(const timer&) = delete;
+  timer& operator=(const timer&) = delete;
 
-  /// Sees to it that the actor gets a timer_expired at `deadline` at the latest.
+  /// Sees to it that the actor gets a timer_expired at `deadline`, and none before or without one.
+  /// @pre the same `self` each time, which owns the timer
   template <class Self>
   void follow(Self* self, std::optional<instant> deadline) {
-    if (!deadline || (wake_ && *wake_ <= *deadline))
+    if (!deadline)
+      return stop();
+    if (deadline == deadline_)
       return;
-    const auto time = std::max(*deadline, now(self));
-    wake_ = time;
-    ++epoch_;
-    self->scheduled_send(self, caf::actor_clock::time_point(time.time_since_epoch()),
-                         timer_expired{which_, epoch_});
+    deadline_ = deadline;
+    if (clock_ == nullptr)
+      clock_ = &scheduler::run_clock_of(self->system());
+    if (clock_->move(pending_, *deadline))
+      return;
+    const caf::strong_actor_ptr me(self->ctrl());
+    pending_ = clock_->schedule(
+        *deadline, me,
+        caf::make_mailbox_element(me, caf::make_message_id(), {}, timer_expired{which_, ++epoch_}));
   }
 
   /// No expiry is awaited any more.
   void stop() {
-    wake_.reset();
+    if (!deadline_)
+      return;
+    deadline_.reset();
     ++epoch_;
+    clock_->cancel(pending_);
   }
 
   /// @returns whether `x` is the expiry awaited; then follow() must be called again
   [[nodiscard]] bool accepts(const timer_expired& x) {
-    if (!wake_ || x.which != which_ || x.epoch != epoch_)
+    if (!deadline_ || x.which != which_ || x.epoch != epoch_)
       return false;
-    wake_.reset();
+    deadline_.reset();
     return true;
   }
 
 private:
   std::uint8_t which_ = 0;
-  std::uint64_t epoch_ = 0;
-  std::optional<instant> wake_; ///< when the awaited expiry comes
+  std::uint64_t epoch_ = 0; ///< of the message that is pending or not yet handled
+  scheduler::run_clock* clock_ = nullptr;
+  scheduler::movable_message pending_;
+  std::optional<instant> deadline_; ///< what the awaited expiry is for
 };
 
 } // namespace rubicon

@@ -13,6 +13,7 @@
 
 #include "cli/network_command_line.hpp"
 #include "config/units.hpp"
+#include "core/printable.hpp"
 
 namespace rubicon::cli {
 
@@ -213,7 +214,7 @@ command parse_command_line(std::span<const char* const> arguments) {
   app.set_version_flag("--version", "rubicon " RUBICON_VERSION);
   app.require_subcommand(1);
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return "rubicon: " + std::string(error.what()) + "\nrubicon --help explains.\n";
+    return "rubicon: " + printable(error.what()) + "\nrubicon --help explains.\n";
   });
   run_command run;
   run.options.handle_signals = true;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "cli/console.hpp"
+#include "core/printable.hpp"
 
 namespace rubicon::cli {
 
@@ -19,7 +20,7 @@ std::optional<config::ecology_description> load_or_complain(const std::string& f
   for (const auto& problem : loaded.problems)
     text += to_string(problem) + '\n';
   if (loaded.problems.size() > 1)
-    text += file + ": " + std::to_string(loaded.problems.size()) + " problems\n";
+    text += printable(file) + ": " + std::to_string(loaded.problems.size()) + " problems\n";
   static_cast<void>(print(stderr, text)); // without standard error the exit status must do
   return std::nullopt;
 }

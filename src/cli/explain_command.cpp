@@ -4,14 +4,14 @@
 
 #include "cli/console.hpp"
 #include "config/near.hpp"
-#include "runtime/text_layout.hpp"
+#include "core/printable.hpp"
 
 namespace rubicon::cli {
 
 namespace {
 
 exit_status refuse(const std::string& text) {
-  static_cast<void>(print(stderr, text + '\n'));
+  static_cast<void>(print(stderr, printable(text) + '\n'));
   return exit_status::refused;
 }
 
@@ -41,12 +41,11 @@ struct answerer {
 
   exit_status operator()(const explain::nothing_found& x) const {
     if (x.is_ambiguous)
-      return refuse(asked.record + ": several peers have `" + runtime::printable(asked.what) +
-                    "`: say " + runtime::printable(listed(x.known)));
+      return refuse(asked.record + ": several peers have `" + asked.what + "`: say " +
+                    listed(x.known));
     const bool is_message = asked.what.find('#') != std::string::npos;
-    return refuse(asked.record + ": no " + (is_message ? "message" : "tuple") + " `" +
-                  runtime::printable(asked.what) + '`' +
-                  runtime::printable(config::suggestion(asked.what, x.known)));
+    return refuse(asked.record + ": no " + (is_message ? "message" : "tuple") + " `" + asked.what +
+                  '`' + config::suggestion(asked.what, x.known));
   }
 
   exit_status operator()(const explain::message_found& x) const {
@@ -61,8 +60,7 @@ struct answerer {
     if (asked.at) {
       const auto then = value_at(all, x.indices, instant(*asked.at));
       if (!then)
-        return refuse(asked.record + ": `" + runtime::printable(asked.what) +
-                      "` had no value yet at that time");
+        return refuse(asked.record + ": `" + asked.what + "` had no value yet at that time");
       index = *then;
     }
     return say(asked.json ? tuple_json(all, index) : tell_tuple(all, index, on));
@@ -81,8 +79,7 @@ exit_status perform(const explain_command& x) {
     return refuse(x.record + ": cannot be read");
   explain::decoder lines;
   if (const auto problem = read_record(file, lines))
-    return refuse(x.record + ':' + std::to_string(problem->line) + ": " +
-                  runtime::printable(problem->message));
+    return refuse(x.record + ':' + std::to_string(problem->line) + ": " + problem->message);
   const auto all = explain::follow(lines.result());
   const auto output = console_of(stdout);
   const explain::paper on{output.width, output.colour};

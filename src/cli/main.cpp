@@ -1,6 +1,13 @@
 // The binary: every role, every command (GEN-01).
+#include <cerrno>
+#include <csignal>
 #include <exception>
+#include <new>
 #include <string>
+#include <string_view>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "cli/check_command.hpp"
 #include "cli/command_line.hpp"
@@ -10,6 +17,7 @@
 #include "cli/network_commands.hpp"
 #include "cli/run_command.hpp"
 #include "cli/swarm_command.hpp"
+#include "core/printable.hpp"
 
 namespace {
 
@@ -25,14 +33,54 @@ exit_status perform(const cli::refused_command& x) {
   return exit_status::refused;
 }
 
+/// Files opened later must not take the place of an output that was closed: a report would go into
+/// a capture. What is written to one that was closed fails, as it should.
+void occupy_standard_descriptors() {
+  for (const int each : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(each, F_GETFD) == -1 && errno == EBADF)
+      static_cast<void>(::open("/dev/null", O_RDONLY)); // the lowest that is free: this one
+  }
+}
+
+/// A reader that has gone, and a limit on the size of files, are told by the write itself.
+void let_writes_fail() {
+  static_cast<void>(::signal(SIGPIPE, SIG_IGN));
+  static_cast<void>(::signal(SIGXFSZ, SIG_IGN));
+}
+
+bool has_run_out_of_memory = false;
+
+/// Where memory ends nobody may be able to catch what is thrown, as within a destructor: that is no
+/// fault of the program, and is told as what it is. All else that nobody catches aborts.
+void tell_when_memory_ends() {
+  std::set_new_handler([] {
+    has_run_out_of_memory = true;
+    throw std::bad_alloc();
+  });
+  static const auto otherwise = std::get_terminate();
+  std::set_terminate([] {
+    if (!has_run_out_of_memory)
+      otherwise();
+    constexpr std::string_view text = "rubicon: out of memory\n";
+    static_cast<void>(::write(STDERR_FILENO, text.data(), text.size()));
+    ::_exit(static_cast<int>(exit_status::failed));
+  });
+}
+
 } // namespace
 
 int main(int argc, char* argv[]) {
+  occupy_standard_descriptors();
+  let_writes_fail();
+  tell_when_memory_ends();
   try {
     const auto command = cli::parse_command_line({argv, static_cast<std::size_t>(argc)});
     return static_cast<int>(std::visit([](const auto& x) { return perform(x); }, command));
+  } catch (const std::bad_alloc&) {
+    static_cast<void>(cli::print(stderr, "rubicon: out of memory\n"));
+    return static_cast<int>(exit_status::failed);
   } catch (const std::exception& error) {
-    static_cast<void>(cli::print(stderr, "rubicon: " + std::string(error.what()) + '\n'));
+    static_cast<void>(cli::print(stderr, "rubicon: " + rubicon::printable(error.what()) + '\n'));
     return static_cast<int>(exit_status::refused);
   }
 }

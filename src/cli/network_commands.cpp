@@ -4,11 +4,12 @@
 
 #include "cli/console.hpp"
 #include "cli/visit.hpp"
+#include "core/printable.hpp"
 
 namespace rubicon::cli {
 
 exit_status fail(const std::string& why) {
-  static_cast<void>(print(stderr, "rubicon: " + why + '\n'));
+  static_cast<void>(print(stderr, "rubicon: " + printable(why) + '\n'));
   return exit_status::failed;
 }
 

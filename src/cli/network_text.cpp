@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/printable.hpp"
 #include "runtime/text_layout.hpp"
 
 namespace rubicon::cli {
@@ -13,7 +14,7 @@ double unix_s(const peis::timestamp& x) {
 }
 
 std::string one_line(const nlohmann::ordered_json& x) {
-  return x.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return printable_json(x.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 } // namespace

@@ -10,6 +10,7 @@
 #include "cli/logging.hpp"
 #include "cli/progress_bar.hpp"
 #include "core/hash.hpp"
+#include "core/printable.hpp"
 #include "runtime/figures.hpp"
 
 namespace rubicon::cli {
@@ -24,8 +25,8 @@ runtime::report run_watched(const config::ecology_description& ecology, run_opti
     return run_ecology(ecology, options);
   progress_bar bar(errors.width);
   const auto start = std::chrono::steady_clock::now();
-  options.progress = [&](instant reached, instant end) {
-    const auto text = bar.update(std::chrono::steady_clock::now() - start, reached, end);
+  options.progress = [&](const run_progress& x) {
+    const auto text = bar.update(std::chrono::steady_clock::now() - start, x.reached, x.end);
     if (!text.empty())
       static_cast<void>(print(stderr, text)); // a bar nobody can see is no failure
   };
@@ -37,7 +38,7 @@ runtime::report run_watched(const config::ecology_description& ecology, run_opti
 }
 
 exit_status status_of(const runtime::report& x) {
-  return x.violations.empty() ? exit_status::good : exit_status::violated;
+  return x.complete && x.violations.empty() ? exit_status::good : exit_status::violated;
 }
 
 /// What a record tells about the file it is of.
@@ -59,14 +60,15 @@ exit_status report_run(const run_command& x, const config::ecology_description& 
 
 exit_status compare_runs(const run_command& x, const config::ecology_description& ecology) {
   if (x.options.mode.value_or(ecology.mode) != config::run_mode::virtual_time) {
-    static_cast<void>(print(stderr, x.file + ": only virtual runs repeat; add --mode virtual\n"));
+    static_cast<void>(
+        print(stderr, printable(x.file) + ": only virtual runs repeat; add --mode virtual\n"));
     return exit_status::refused;
   }
   const auto first = run_watched(ecology, x.options, console_of(stderr));
   const auto second =
       first.interrupted ? first : run_watched(ecology, x.options, console_of(stderr));
   if (second.interrupted) {
-    static_cast<void>(print(stderr, x.file + ": interrupted, nothing is compared\n"));
+    static_cast<void>(print(stderr, printable(x.file) + ": interrupted, nothing is compared\n"));
     return exit_status::refused;
   }
   const bool equal = first.trace_hash == second.trace_hash && first.events == second.events;

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/invariants.hpp"
+
 namespace rubicon::cli {
 
 namespace {
@@ -27,6 +29,7 @@ std::string with_reason(std::string what, const child_end& how) {
 
 /// @throws json::exception if the report is not as docs/report.md says
 void take_report(seed_outcome& x, const json& report) {
+  const auto complete = report.at("complete").get<bool>();
   x.events = report.at("events").get<std::uint64_t>();
   x.simulated_s = report.at("simulated_s").get<double>();
   for (const auto& found : report.at("violations")) {
@@ -34,6 +37,9 @@ void take_report(seed_outcome& x, const json& report) {
     x.violations.push_back({instant(at), found.at("invariant").get<std::string>(),
                             found.at("detail").get<std::string>()});
   }
+  if (!complete && x.violations.empty())
+    x.violations.push_back(
+        {instant{}, runtime::run_is_complete, report.at("reason").get<std::string>()});
 }
 
 } // namespace

@@ -32,7 +32,8 @@ using steady = std::chrono::steady_clock;
 /// This binary, also after the file has been replaced by a newer one.
 constexpr const char* own_binary = "/proc/self/exe";
 
-/// SIGINT and SIGTERM as a descriptor that poll() knows; they end the process again afterwards.
+/// SIGINT, SIGTERM and SIGHUP as a descriptor that poll() knows; they end the process again
+/// afterwards.
 class signal_descriptor {
 public:
   signal_descriptor() {
@@ -40,6 +41,9 @@ public:
     sigemptyset(&signals);
     sigaddset(&signals, SIGINT);
     sigaddset(&signals, SIGTERM);
+    if (struct sigaction how{};
+        ::sigaction(SIGHUP, nullptr, &how) == 0 && how.sa_handler != SIG_IGN)
+      sigaddset(&signals, SIGHUP);
     static_cast<void>(pthread_sigmask(SIG_BLOCK, &signals, &before_));
     descriptor_ = ::signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
     if (descriptor_ == -1)

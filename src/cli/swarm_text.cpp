@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/printable.hpp"
 #include "runtime/figures.hpp"
 #include "runtime/text_layout.hpp"
 
@@ -141,7 +142,7 @@ std::string swarm_json::text(const swarm& x, const swarm_words& words, duration 
   };
   if (totals.slowest_seed)
     object["slowest_seed"] = *totals.slowest_seed;
-  return object.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
+  return printable_json(object.dump(2, ' ', false, ordered_json::error_handler_t::replace)) + '\n';
 }
 
 } // namespace rubicon::cli

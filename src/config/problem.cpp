@@ -2,24 +2,18 @@
 
 #include <algorithm>
 
+#include "core/printable.hpp"
+
 namespace rubicon::config {
 
-namespace {
-
-std::string without_control_characters(std::string x) {
-  std::replace_if(
-      x.begin(), x.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }, '?');
-  return x;
-}
-
-} // namespace
-
 std::string to_string(const problem& x) {
-  if (x.line == 0)
-    return x.file + ": " + x.message;
-  if (x.column == 0)
-    return x.file + ':' + std::to_string(x.line) + ": " + x.message;
-  return x.file + ':' + std::to_string(x.line) + ':' + std::to_string(x.column) + ": " + x.message;
+  auto place = x.file;
+  if (x.line != 0)
+    place += ':' + std::to_string(x.line);
+  if (x.line != 0 && x.column != 0)
+    place += ':' + std::to_string(x.column);
+  constexpr std::size_t octets_max = 4096; // a key that is quoted may be as long as the file
+  return printable(place + ": " + x.message, octets_max);
 }
 
 std::string place_text(mark x) {
@@ -27,16 +21,16 @@ std::string place_text(mark x) {
 }
 
 void complaints::add(mark at, std::string message) {
-  found_.emplace_back(at, without_control_characters(std::move(message)));
+  found_.emplace_back(at, printable(message));
 }
 
 void complaints::add(problem x) {
-  x.message = without_control_characters(std::move(x.message));
+  x.message = printable(x.message);
   elsewhere_.push_back(std::move(x));
 }
 
 void complaints::warn(problem x) {
-  x.message = without_control_characters(std::move(x.message));
+  x.message = printable(x.message);
   warnings_.push_back(std::move(x));
 }
 

@@ -20,7 +20,7 @@ struct problem {
   friend bool operator==(const problem&, const problem&) = default;
 };
 
-/// `file:line:column: message`, `file:line: message` or `file: message`.
+/// `file:line:column: message`, `file:line: message` or `file: message`; printable().
 [[nodiscard]] std::string to_string(const problem& x);
 
 /// A place in the file that is read.
@@ -37,7 +37,7 @@ struct mark {
 /// Gathers the problems of one file, and of the files that it names.
 class complaints {
 public:
-  /// Control characters of `message` become `?`: it may quote the file and goes to a terminal.
+  /// `message` is made printable(): it may quote the file and goes to a terminal.
   void add(mark at, std::string message);
 
   /// A problem of another file, or of this one as a whole.

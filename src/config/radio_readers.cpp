@@ -153,6 +153,7 @@ void read_reception(table_reader& in, radio::channel_config& out) {
   using radio::error_curve;
   using radio::sensing;
   using radio::sensing_window;
+  using radio::sensitivity_edge;
   in.optional("sensitivity", power_level{}, out.sensitivity_dbm);
   in.optional("cca_threshold", power_level{}, out.cca_dbm);
   in.optional("cutoff", power_level{}, out.cutoff_dbm);
@@ -170,6 +171,10 @@ void read_reception(table_reader& in, radio::channel_config& out) {
       "collisions",
       word<collision_rule>{{{"sinr", collision_rule::sinr}, {"strict", collision_rule::strict}}},
       out.collisions);
+  in.optional("sensitivity_edge",
+              word<sensitivity_edge>{
+                  {{"sharp", sensitivity_edge::sharp}, {"noise", sensitivity_edge::noise}}},
+              out.edge);
   in.optional("capture", flag{}, out.capture);
   in.optional("curve",
               word<error_curve>{{{"oqpsk", error_curve::oqpsk}, {"tossim", error_curve::tossim}}},
@@ -225,11 +230,13 @@ void check_effects(const table_reader& in, const radio::channel_config& x) {
       "with collisions = \"strict\": every frame that overlaps another is lost";
   const idle_key keys[] = {
       {"sensitivity", disk, all_hear},
+      {"sensitivity_edge", disk, all_hear},
       {"cutoff", disk, all_hear},
       {"cca_threshold", disk && strict, only_overlaps},
       {"cca_threshold", x.sensing == radio::sensing::carrier, "with sensing = \"carrier\""},
       {"noise", disk && strict && is_noisy(x), only_overlaps},
-      {"curve", strict && !is_noisy(x), "with collisions = \"strict\" and without noise"},
+      {"curve", strict && !is_noisy(x) && x.edge == radio::sensitivity_edge::sharp,
+       "with collisions = \"strict\" and without noise"},
       {"capture", strict && x.capture, no_capture},
   };
   for (const auto& each : keys)

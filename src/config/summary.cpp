@@ -8,6 +8,7 @@
 
 #include "config/document.hpp"
 #include "config/summary_parts.hpp"
+#include "core/printable.hpp"
 #include "radio/noise.hpp"
 #include "radio/tossim_files.hpp"
 
@@ -24,7 +25,9 @@ std::string section(const std::string& heading, std::vector<row> rows) {
   const auto left_out = rows.size() - std::min(rows.size(), rows_max);
   rows.resize(rows.size() - left_out);
   std::vector<std::size_t> widths;
-  for (const auto& cells : rows) {
+  for (auto& cells : rows) {
+    for (auto& cell : cells)
+      cell = printable(cell);
     widths.resize(std::max(widths.size(), cells.size()));
     for (std::size_t i = 0; i < cells.size(); ++i)
       widths[i] = std::max(widths[i], cells[i].size());
@@ -273,7 +276,10 @@ std::string radio_line(const radio::channel_config& x) {
     text += ", capture";
   if (x.curve == radio::error_curve::tossim)
     text += ", TOSSIM's curve";
-  text += limit("sensitivity", x.sensitivity_dbm) + "; loss " + percent(x.loss);
+  text += limit("sensitivity", x.sensitivity_dbm);
+  if (x.edge == radio::sensitivity_edge::noise)
+    text += ", fading out below the sensitivity";
+  text += "; loss " + percent(x.loss);
   if (!x.links.empty())
     text += "; " + counted(x.links.size(), "link") + " as listed";
   return text + '\n';
@@ -384,9 +390,9 @@ std::string first_lines(const ecology_description& x) {
   std::size_t motes = 0;
   for (const auto& island : x.islands)
     motes += island.motes.size();
-  return x.name + ": " + to_text(x.length) + " of " +
+  return printable(x.name) + ": " + to_text(x.length) + " of " +
          (x.mode == run_mode::wall ? "wall time" : "virtual time") + ", seed " +
-         std::to_string(x.seed) + ", network " + x.network + '\n' +
+         std::to_string(x.seed) + ", network " + printable(x.network) + '\n' +
          counted(x.islands.size(), "island") + ", " + counted(motes, "mote") + ", " +
          counted(x.peers.size(), "peer") + '\n' +
          (x.islands.empty() ? "" : radio_line(x.radio) + mac_line(x) + flows_line(x)) +

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/printable.hpp"
 #include "explain/outcome.hpp"
 #include "explain/tree.hpp"
 #include "explain/words.hpp"
@@ -60,7 +61,10 @@ std::string drawn(const tree& way, const paper& on) {
   std::size_t time_width = runtime::display_width("seconds");
   std::size_t after_width = runtime::display_width("after");
   std::size_t where_width = runtime::display_width("where");
-  for (const auto& x : way.rows()) {
+  auto rows = way.rows();
+  for (auto& x : rows) {
+    x.where = printable(x.where);
+    x.what = printable(x.what);
     time_width = std::max(time_width, clock(x.time).size());
     after_width = std::max(after_width, span(x.after).size());
     where_width = std::max(where_width, runtime::display_width(x.where));
@@ -77,13 +81,13 @@ std::string drawn(const tree& way, const paper& on) {
            runtime::painted(wrapped(what, what_width, lead), how, on.colour) + '\n';
   };
   auto text = line("seconds", "after", "where", "what", look::faint);
-  for (const auto& x : way.rows())
+  for (const auto& x : rows)
     text += line(clock(x.time), x.is_first ? "" : span(x.after), x.where, x.what, x.look);
   return text;
 }
 
 std::string title(const std::string& text, const paper& on) {
-  return runtime::painted(text, look::strong, on.colour) + "\n\n";
+  return runtime::painted(printable(text), look::strong, on.colour) + "\n\n";
 }
 
 /// `2 radio repeats, 1 serial repeat, 2 attempts`
@@ -130,7 +134,7 @@ std::string conclusion(const journeys& all, const message& x, const paper& on) {
     text = "under way when the record ends" + (y.why.empty() ? "" : " (" + y.why + ')');
     break;
   }
-  return runtime::painted(text + effort(y.retries), how, on.colour) + '\n';
+  return runtime::painted(printable(text + effort(y.retries)), how, on.colour) + '\n';
 }
 
 /// Faults of the ecology shortly before a time, and until another.
@@ -144,7 +148,7 @@ std::string around(const journeys& all, instant from, instant to, const paper& o
                           x.from.starts_with("ecology/") || x.text.starts_with("crashed") ||
                           x.text.starts_with("battery");
     if (is_fault && x.time + shortly >= from && x.time <= to && ++lines <= lines_max)
-      rows.add({clock(x.time), names::of(x.from), runtime::printable(x.text)});
+      rows.add({clock(x.time), names::of(x.from), printable(x.text)});
   }
   return rows.empty() ? "" : '\n' + rows.render(never_cut, on.colour);
 }
@@ -202,19 +206,21 @@ std::string tell_tuple(const journeys& all, std::size_t index, const paper& on) 
   way.add(x.root);
   auto text = title(assignment(x) + unit_of(all, x), on) + drawn(way, on) + '\n';
   if (!x.set) {
-    text += runtime::painted("never set: it did not reach " + all.known.of(x.owner), look::bad,
-                             on.colour) +
+    text += runtime::painted("never set: it did not reach " + printable(all.known.of(x.owner)),
+                             look::bad, on.colour) +
             '\n';
     return text + around(all, begun, all.nodes[x.root].begin + 60s, on) + cut_note(all);
   }
-  text +=
-      "set at " + all.known.of(x.owner) + (*x.set > begun ? " after " + span(*x.set - begun) : "");
+  text += "set at " + printable(all.known.of(x.owner)) +
+          (*x.set > begun ? " after " + span(*x.set - begun) : "");
   const auto heard = audience_of(all, x);
   if (heard.empty())
     text += "; nobody listens";
   for (const auto& who : heard)
-    text += who.after ? "\n" + who.who + " heard it after " + span(*x.set - begun + *who.after)
-                      : "\n" + runtime::painted(who.who + " did not hear it", look::bad, on.colour);
+    text += who.after
+                ? "\n" + printable(who.who) + " heard it after " + span(*x.set - begun + *who.after)
+                : "\n" + runtime::painted(printable(who.who) + " did not hear it", look::bad,
+                                          on.colour);
   return text + '\n' + cut_note(all);
 }
 
@@ -232,7 +238,7 @@ std::string tell_values(const journeys& all, const std::vector<std::size_t>& ind
               x.set ? heard : "never set"});
   }
   const auto key = full_key(all, all.tuples[indices.front()]);
-  auto text = title(runtime::printable(key) + ", " + runtime::counted(indices.size(), "value") +
+  auto text = title(printable(key) + ", " + runtime::counted(indices.size(), "value") +
                         (first > 0 ? ", the newest " + std::to_string(limit) : ""),
                     on);
   return text + rows.render(never_cut, on.colour) + cut_note(all);
@@ -286,14 +292,13 @@ std::string tell_list(const journeys& all, const listing& asked, const paper& on
   }
   const auto of = [&](fate x) { return counts[static_cast<std::size_t>(x)]; };
   const auto total = of(fate::delivered) + of(fate::lost) + of(fate::refused) + of(fate::under_way);
-  auto text =
-      title(runtime::printable(all.about.ecology) + ", seed " + std::to_string(all.about.seed) +
-                ", " + clock(all.end) + " s: " + runtime::counted(total, "message") +
-                (asked.from.empty() ? "" : " from " + runtime::printable(asked.from)) + ", " +
-                std::to_string(of(fate::delivered)) + " delivered, " +
-                std::to_string(of(fate::lost) + of(fate::refused)) + " lost, " +
-                std::to_string(of(fate::under_way)) + " under way",
-            on);
+  auto text = title(printable(all.about.ecology) + ", seed " + std::to_string(all.about.seed) +
+                        ", " + clock(all.end) + " s: " + runtime::counted(total, "message") +
+                        (asked.from.empty() ? "" : " from " + printable(asked.from)) + ", " +
+                        std::to_string(of(fate::delivered)) + " delivered, " +
+                        std::to_string(of(fate::lost) + of(fate::refused)) + " lost, " +
+                        std::to_string(of(fate::under_way)) + " under way",
+                    on);
   text += rows.render(never_cut, on.colour);
   if (fits > shown.size())
     text += "  … and " + std::to_string(fits - shown.size()) + " before (--limit 0 shows all)\n";
@@ -313,7 +318,7 @@ std::string tell_list(const journeys& all, const listing& asked, const paper& on
     if (x.key.starts_with("kernel.") || entry.first < 2 || left == 0)
       continue; // of little interest: nothing ever happens to them
     --left;
-    tuples.add({runtime::printable(x.key), all.known.of(x.owner), std::to_string(entry.first),
+    tuples.add({printable(x.key), all.known.of(x.owner), std::to_string(entry.first),
                 x.is_deletion ? "deleted" : value_text(x.value, x.is_text),
                 clock(all.nodes[x.root].begin)});
   }

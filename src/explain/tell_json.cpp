@@ -1,6 +1,7 @@
 // The answers as JSON: the same facts, nothing left out, times in seconds.
 #include <nlohmann/json.hpp>
 
+#include "core/printable.hpp"
 #include "explain/outcome.hpp"
 #include "explain/tell.hpp"
 #include "explain/words.hpp"
@@ -159,7 +160,7 @@ json audience_json(const journeys& all, const tuple_value& x) {
 }
 
 std::string text_of(const json& x) {
-  return x.dump(2, ' ', false, json::error_handler_t::replace) + '\n';
+  return printable_json(x.dump(2, ' ', false, json::error_handler_t::replace)) + '\n';
 }
 
 } // namespace

@@ -29,7 +29,7 @@ struct sender_config {
   duration every = 1s;
   duration jitter = 0s; ///< up to `every`
   /// Of the first, in ecology time; a mote that starts later joins in. Unset: a random moment of
-  /// the first `every`; saturated: at once.
+  /// the first `every`; saturated: at once, but for schedule::phase_max in either case.
   std::optional<duration> start;
   std::optional<duration> stop;       ///< nothing is sent at or after it, in ecology time
   std::optional<std::uint64_t> count; ///< at most so many in each life of the mote

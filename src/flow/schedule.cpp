@@ -42,7 +42,7 @@ void schedule::start(instant now) {
     plan(first_of_poisson(now));
     return;
   case arrivals::saturated:
-    plan(std::max(now, start_.value_or(now)));
+    plan(later(std::max(now, start_.value_or(now)), dice_.between(0s, phase_max)));
     return;
   }
 }

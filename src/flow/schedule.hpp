@@ -12,12 +12,15 @@ namespace rubicon::flow {
 
 /// Sans-I/O. A periodic sender's k-th request is due at start + k * every + uniform 0..jitter, k
 /// counted from 0; one that starts late keeps to the grid of its start. A Poisson sender draws
-/// exponential gaps. A saturated sender is due as soon as its last request has ended, but no sooner
+/// exponential gaps. A saturated sender begins a random part of phase_max after its start, since
+/// senders in step would find the channel clear at the same instants for ever, which those with
+/// clocks of their own do not. It is due as soon as its last request has ended, but no sooner
 /// than retry_min after a request that was answered in the instant it was made: a MAC that refuses
 /// on the spot would be asked without end.
 class schedule {
 public:
   static constexpr duration retry_min = 1ms;
+  static constexpr duration phase_max = 10ms;
 
   /// From the first request to the end of sending.
   struct span {

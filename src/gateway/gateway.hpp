@@ -104,6 +104,7 @@ struct gateway_config {
   duration rejoin_wait = 60s; ///< a sink that was started again may find its motes until then
   directory_config others{};
   output_requests_config requests{};
+  std::size_t devices_max = 1000;        ///< motes listed; what a sink has room for
   std::size_t input_channels_max = 4096; ///< channels of motes ever written to; further ones are
                                          ///< refused without a status
   duration relay_wait = 35s; ///< for the outcome of an input passed on: longer than two messages of
@@ -111,14 +112,15 @@ struct gateway_config {
 };
 
 struct gateway_counters {
-  std::uint64_t malformed = 0;      ///< packets or messages that could not be decoded
-  std::uint64_t unknown_type = 0;   ///< serial packets of a type that has no business here
-  std::uint64_t outputs = 0;        ///< messages of motes published
-  std::uint64_t inputs = 0;         ///< tuple writes taken for motes
-  std::uint64_t inputs_refused = 0; ///< no room for another channel
-  std::uint64_t forwarded_out = 0;  ///< messages of the island sent to other gateways
-  std::uint64_t forwarded_in = 0;   ///< messages of other islands sent down
-  std::uint64_t undeliverable = 0;  ///< for motes that are not listed, or for nobody here
+  std::uint64_t malformed = 0;       ///< packets or messages that could not be decoded
+  std::uint64_t unknown_type = 0;    ///< serial packets of a type that has no business here
+  std::uint64_t devices_refused = 0; ///< joins of motes for which there is no room
+  std::uint64_t outputs = 0;         ///< messages of motes published
+  std::uint64_t inputs = 0;          ///< tuple writes taken for motes
+  std::uint64_t inputs_refused = 0;  ///< no room for another channel
+  std::uint64_t forwarded_out = 0;   ///< messages of the island sent to other gateways
+  std::uint64_t forwarded_in = 0;    ///< messages of other islands sent down
+  std::uint64_t undeliverable = 0;   ///< for motes that are not listed, or for nobody here
   std::uint64_t unsayable = 0; ///< messages from or to a gateway of the strict form that it does
                                ///< not know: reliable ones, streams, synaptic channels
   std::uint64_t requests = 0;  ///< to motes, of what they are to send
@@ -212,7 +214,8 @@ public:
 private:
   struct device {
     std::uint32_t incarnation = 0;
-    bool stale = false; ///< not heard since the line was lost, or the sink started again
+    std::uint64_t said = 0; ///< hash of its type and descriptor
+    bool stale = false;     ///< not heard since the line was lost, or the sink started again
     std::set<std::uint16_t> output_channels; ///< those with a tuple, erased when the mote leaves
     std::set<std::uint16_t> input_channels;
   };

@@ -1,17 +1,26 @@
 // What the sink tells its gateway.
 #include <utility>
 
+#include "core/hash.hpp"
 #include "gateway/gateway_parts.hpp"
 #include "network/am.hpp"
 
 namespace rubicon::gateway {
 
 outputs gateway::on_event(const network::mote_joined& x, instant now) {
+  if (devices_.size() >= config_.devices_max && !devices_.contains(x.mote)) {
+    ++counters_.devices_refused;
+    return {};
+  }
   const auto [listed, is_new] = devices_.try_emplace(x.mote);
+  const auto said = fold64().add(x.type).add(byte_view(x.descriptor)).value();
   const bool restarted = listed->second.incarnation != x.incarnation;
   if (restarted)
     pc_.forget_incarnation({config_.island, x.mote});
+  // A mote is the same all its life: one of two that differ is a lie. The sink knows.
+  const bool contradicts = !is_new && !restarted && listed->second.said != said;
   listed->second.incarnation = x.incarnation;
+  listed->second.said = said;
   listed->second.stale = false;
   requests_.on_listed(x.mote, x.incarnation, now);
   outputs out{publish{device_type_key(x.mote), device_type_octets(x.type), false},
@@ -22,6 +31,8 @@ outputs gateway::on_event(const network::mote_joined& x, instant now) {
     for (auto& y : take(pc_.on_mote_joined(x.mote, x.descriptor, now)))
       out.push_back(std::move(y));
   }
+  if (contradicts)
+    out.emplace_back(ask_about(x.mote));
   return out;
 }
 

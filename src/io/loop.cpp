@@ -24,6 +24,7 @@ using clock = std::chrono::steady_clock;
 /// Going to sleep and being woken costs about as much.
 constexpr auto asking_max = 50us;
 constexpr int gap_smoothing = 8;
+constexpr std::size_t handlers_max = 64; // of one turn
 
 } // namespace
 
@@ -39,10 +40,18 @@ struct loop::impl {
   clock::time_point last_ran;
   duration mean_gap = 1s; ///< between two turns that ran something
 
-  /// All handlers that are ready, ours included.
+  /// Handlers that are ready, ours included: not all if there is no end of them, as while somebody
+  /// sends faster than can be read.
   std::size_t run_ready() {
     own_runs = 0;
-    return context.poll();
+    return run_some();
+  }
+
+  std::size_t run_some() {
+    std::size_t runs = 0;
+    while (runs < handlers_max && context.poll_one() > 0)
+      ++runs;
+    return runs;
   }
 
   void note_ran(clock::time_point now) {
@@ -106,7 +115,7 @@ std::size_t loop::wait_until(time_point until) {
     impl_->too_early = false;
     runs += impl_->context.run_one();
   } while (impl_->too_early);
-  runs += impl_->context.poll();
+  runs += impl_->run_some();
   impl_->note_ran(clock::now());
   return runs - impl_->own_runs;
 }

@@ -21,7 +21,8 @@ public:
   loop(const loop&) = delete;
   loop& operator=(const loop&) = delete;
 
-  /// Runs the callbacks that are ready, without waiting.
+  /// Runs callbacks that are ready, without waiting: at most 64, so that what they bring can be
+  /// worked off before more comes.
   /// @returns how many ran
   std::size_t poll();
 

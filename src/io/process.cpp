@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "io/context.hpp"
+#include "io/group_guard.hpp"
 
 namespace rubicon::io {
 
@@ -119,6 +120,7 @@ struct process::state : std::enable_shared_from_this<state> {
         ended.si_pid != pid)
       return;
     static_cast<void>(::kill(-pid, SIGKILL)); // what it has left behind
+    group_guard::instance().remove(pid);
     int how = 0;
     static_cast<void>(::waitpid(pid, &how, 0)); // only now its number may be another's
     process_end x;
@@ -205,6 +207,7 @@ process::~process() {
     return;
   if (state_->pid != -1) {
     signal(SIGKILL);
+    group_guard::instance().remove(state_->pid);
     while (::waitpid(state_->pid, nullptr, 0) == -1 && errno == EINTR) {
     }
     state_->pid = -1;

@@ -29,7 +29,8 @@ struct process_end {
 [[nodiscard]] std::string to_string(const process_end& x);
 
 /// Runs from start() on, in a process group of its own, fed through a pipe. What it leaves running
-/// in its group when it ends is killed. Destroying it kills all of it at once.
+/// in its group when it ends is killed. Destroying it kills all of it at once, and so does the end
+/// of this process, even by SIGKILL. start() is for the main thread.
 class process {
 public:
   /// Input that waits until the process reads it; more is refused.

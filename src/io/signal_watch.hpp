@@ -1,4 +1,4 @@
-// SIGINT and SIGTERM as an event (ACT-11).
+// SIGINT, SIGTERM and SIGHUP as an event (ACT-11).
 #pragma once
 
 #include <functional>
@@ -8,9 +8,11 @@
 
 namespace rubicon::io {
 
-/// From construction to destruction the first SIGINT or SIGTERM calls a function once, on the
-/// loop's thread, and gives both signals back their default action: a second one ends the process
-/// even if the program does not come to an end by itself. At most one watch lives at a time.
+/// From construction to destruction the first SIGINT, SIGTERM or SIGHUP calls a function once, on
+/// the loop's thread, and gives the first two back their default action: a second one ends the
+/// process even if the program does not come to an end by itself. SIGHUP is ignored from then on: a
+/// terminal that goes away sends it more than once, and systemd may send it right after SIGTERM. It
+/// is not watched if it was ignored before (nohup). At most one watch lives at a time.
 class signal_watch {
 public:
   /// Called with the signal's number. May destroy the watch.

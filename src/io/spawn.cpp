@@ -7,8 +7,12 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <spawn.h>
+#include <linux/close_range.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include "io/group_guard.hpp"
 
 extern char** environ;
 
@@ -25,15 +29,16 @@ class descriptor {
 public:
   descriptor() = default;
   explicit descriptor(int number) : number_(number) {}
-  ~descriptor() {
-    if (number_ != -1)
-      ::close(number_);
-  }
+  ~descriptor() { close(); }
   descriptor(descriptor&& x) noexcept : number_(x.take()) {}
   descriptor& operator=(descriptor&&) = delete;
 
   [[nodiscard]] int get() const { return number_; }
   [[nodiscard]] int take() { return std::exchange(number_, -1); }
+  void close() {
+    if (number_ != -1)
+      ::close(take());
+  }
 
 private:
   int number_ = -1;
@@ -77,43 +82,108 @@ std::vector<std::string> environment_with(const std::vector<std::string>& given)
   return all;
 }
 
-/// Where its inputs and outputs go, its group, and that signals blocked here are not blocked there.
+/// What a child needs to become another program, made before the fork: after it nothing may be
+/// allocated, since another thread may have held the allocator's lock.
 class spawn_plan {
 public:
-  spawn_plan(int in, int out, int err, bool own_group) {
-    posix_spawn_file_actions_init(&actions_);
-    if (in == -1)
-      posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    else
-      posix_spawn_file_actions_adddup2(&actions_, in, STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions_, out, STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions_, err, STDERR_FILENO);
-    sigset_t none;
-    sigemptyset(&none);
-    posix_spawnattr_init(&attributes_);
-    posix_spawnattr_setsigmask(&attributes_, &none);
-    posix_spawnattr_setpgroup(&attributes_, 0);
-    posix_spawnattr_setflags(
-        &attributes_,
-        static_cast<short>(POSIX_SPAWN_SETSIGMASK | (own_group ? POSIX_SPAWN_SETPGROUP : 0)));
+  spawn_plan(const spawn_request& x, int in, int out, int err)
+      : program_(x.program), words_(x.words), environment_(environment_with(x.environment)),
+        word_pointers_(pointers_to(words_)), environment_pointers_(pointers_to(environment_)),
+        in_(in), out_(out), err_(err), own_group_(x.own_group) {
+    if (own_group_)
+      guard_ = &group_guard::instance();
   }
-  ~spawn_plan() {
-    posix_spawn_file_actions_destroy(&actions_);
-    posix_spawnattr_destroy(&attributes_);
-  }
-  spawn_plan(const spawn_plan&) = delete;
-  spawn_plan& operator=(const spawn_plan&) = delete;
 
-  /// @returns the error, or 0
-  int start(pid_t& pid, const spawn_request& x) const {
-    const auto environment = environment_with(x.environment);
-    return ::posix_spawn(&pid, x.program.c_str(), &actions_, &attributes_,
-                         pointers_to(x.words).data(), pointers_to(environment).data());
+  /// @throws std::system_error
+  [[nodiscard]] pid_t start() const {
+    auto failure = open_pipe(true); // the child's exec closes it, or writes what went wrong
+    const pid_t parent = ::getpid();
+    sigset_t all;
+    sigset_t before;
+    sigfillset(&all);
+    static_cast<void>(pthread_sigmask(SIG_SETMASK, &all, &before)); // handlers are the parent's
+    const pid_t child = ::fork();
+    if (child == 0)
+      become(parent, failure.theirs.get());
+    const int error = errno;
+    static_cast<void>(pthread_sigmask(SIG_SETMASK, &before, nullptr));
+    if (child == -1)
+      fail(error, program_ + " cannot be started");
+    failure.theirs.close();
+    await_exec(child, failure.ours.get());
+    return child;
   }
 
 private:
-  posix_spawn_file_actions_t actions_{};
-  posix_spawnattr_t attributes_{};
+  [[noreturn]] void become(pid_t parent, int failure) const noexcept {
+    // The parent may have died before we asked to be told: then somebody else is our parent now.
+    if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != parent)
+      ::_exit(exec_failed);
+    if (own_group_) {
+      static_cast<void>(::setpgid(0, 0));
+      guard_->add(::getpid());
+    }
+    const int in = in_ == -1 ? ::open("/dev/null", O_RDONLY | O_CLOEXEC) : in_;
+    ::dup2(in, STDIN_FILENO);
+    ::dup2(out_, STDOUT_FILENO);
+    ::dup2(err_, STDERR_FILENO);
+    reset_signals();
+    // Sockets above all: one that lives on in a child is not closed when we close it.
+    ::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+    ::execve(program_.c_str(), word_pointers_.data(), environment_pointers_.data());
+    const int error = errno;
+    static_cast<void>(::write(failure, &error, sizeof error));
+    ::_exit(exec_failed);
+  }
+
+  /// As a program expects them that a shell has started: no handlers, nothing blocked, and writing
+  /// into a broken pipe ends it, whatever this process does with the signal. SIGHUP and the like
+  /// stay ignored if they were (nohup).
+  static void reset_signals() noexcept {
+    for (int each = 1; each < NSIG; ++each) {
+      struct sigaction how {};
+      if (::sigaction(each, nullptr, &how) != 0)
+        continue;
+      const bool is_ignored = how.sa_handler == SIG_IGN;
+      if (how.sa_handler == SIG_DFL || (is_ignored && each != SIGPIPE && each != SIGXFSZ))
+        continue;
+      how.sa_handler = SIG_DFL;
+      how.sa_flags = 0;
+      static_cast<void>(::sigaction(each, &how, nullptr));
+    }
+    sigset_t none;
+    sigemptyset(&none);
+    static_cast<void>(pthread_sigmask(SIG_SETMASK, &none, nullptr));
+  }
+
+  void await_exec(pid_t child, int from) const {
+    static_cast<void>(::fcntl(from, F_SETFL, 0)); // waits
+    int error = 0;
+    ssize_t size = 0;
+    do
+      size = ::read(from, &error, sizeof error);
+    while (size == -1 && errno == EINTR);
+    if (size != sizeof error)
+      return;
+    if (own_group_)
+      guard_->remove(child);
+    while (::waitpid(child, nullptr, 0) == -1 && errno == EINTR) {
+    }
+    fail(error, program_ + " cannot be started");
+  }
+
+  static constexpr int exec_failed = 127;
+
+  std::string program_;
+  std::vector<std::string> words_;
+  std::vector<std::string> environment_;
+  std::vector<char*> word_pointers_;
+  std::vector<char*> environment_pointers_;
+  int in_;
+  int out_;
+  int err_;
+  bool own_group_;
+  group_guard* guard_ = nullptr;
 };
 
 } // namespace
@@ -123,9 +193,7 @@ spawned spawn(const spawn_request& x) {
   auto out = open_pipe(true);
   auto err = open_pipe(true);
   spawned made;
-  const spawn_plan plan(in.theirs.get(), out.theirs.get(), err.theirs.get(), x.own_group);
-  if (const int error = plan.start(made.pid, x); error != 0)
-    fail(error, x.program + " cannot be started");
+  made.pid = spawn_plan(x, in.theirs.get(), out.theirs.get(), err.theirs.get()).start();
   made.in = in.ours.take();
   made.out = out.ours.take();
   made.err = err.ours.take();

@@ -12,8 +12,10 @@ struct spawn_request {
   std::string program;                       ///< its path
   std::vector<std::string> words;            ///< what it finds as argv, its name first
   std::vector<std::string> environment = {}; ///< `NAME=value`, besides what this process has
-  bool feeds = false;     ///< its standard input is a pipe; else it is empty from the beginning
-  bool own_group = false; ///< signals may be sent to it and all that it starts, as -pid
+  bool feeds = false; ///< its standard input is a pipe; else it is empty from the beginning
+  /// Signals may be sent to it and all that it starts, as -pid. It is guarded (io/group_guard.hpp):
+  /// whoever collects its end says so there first.
+  bool own_group = false;
 };
 
 /// Our ends of the pipes, which never wait and are not inherited by other children. Whoever gets
@@ -25,6 +27,8 @@ struct spawned {
   int err = -1;
 };
 
+/// The program is killed when the thread that called this ends, however it ends: so call it from
+/// the main thread.
 /// @throws std::system_error if it cannot be started
 [[nodiscard]] spawned spawn(const spawn_request& x);
 

@@ -17,6 +17,20 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
+namespace {
+
+constexpr std::string_view unknown_host = "no host has this name";
+
+std::string text_of(const error_code& x) {
+  return x == asio::error::host_not_found ? std::string(unknown_host) : x.message();
+}
+
+} // namespace
+
+bool is_unknown_host(std::string_view why) {
+  return why.ends_with(unknown_host);
+}
+
 struct tcp_connect::state : std::enable_shared_from_this<state> {
   state(loop& where, std::string to, callback f)
       : socket(context_of(where)), resolver(context_of(where)), patience(context_of(where)),
@@ -64,7 +78,7 @@ struct tcp_connect::state : std::enable_shared_from_this<state> {
       return;
     stop();
     if (error)
-      on_result(target + ": " + error.message());
+      on_result(target + ": " + text_of(error));
     else
       on_result(stream_of(std::move(socket)));
   }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "core/time.hpp"
@@ -12,6 +13,10 @@
 #include "io/tcp_stream.hpp"
 
 namespace rubicon::io {
+
+/// Whether an attempt failed, with these words, because nobody has the name of its host; not
+/// because nobody could be asked.
+[[nodiscard]] bool is_unknown_host(std::string_view why);
 
 /// One attempt: looks the name up, tries each of its IPv4 addresses in turn, and calls back once,
 /// on the loop's thread, never from within the constructor. Destroying it gives the attempt up

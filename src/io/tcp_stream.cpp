@@ -61,6 +61,8 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
   std::function<void()> on_done;
   phase now = phase::open;
   bool started = false;
+  bool wanted = true;   ///< the owner takes more
+  bool reading = false; ///< on_received() will come
   bytes input;
   std::deque<payload> output;
   std::size_t gone = 0; ///< octets of output.front() that have left
@@ -69,6 +71,8 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
   bool write_due = false; ///< flush() is about to run, or waits for room
 
   void receive() {
+    if (std::exchange(reading, true))
+      return;
     socket.async_read_some(asio::buffer(input),
                            [x = shared_from_this()](const error_code& error, std::size_t size) {
                              x->on_received(error, size);
@@ -76,6 +80,7 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
   }
 
   void on_received(const error_code& error, std::size_t size) {
+    reading = false;
     if (now == phase::over)
       return;
     if (error) {
@@ -91,7 +96,8 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
 #endif
     if (size == input.size() && size < input_max)
       input.resize(2 * size);
-    receive();
+    if (wanted || now != phase::open)
+      receive();
   }
 
   void flush_soon() {
@@ -177,10 +183,9 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
     error_code ignored;
     socket.shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
     end_after(linger_max);
-    if (!std::exchange(started, true)) {
+    if (!std::exchange(started, true))
       input.resize(input_min);
-      receive();
-    }
+    receive();
   }
 
   void end_after(duration length) {
@@ -227,6 +232,13 @@ void tcp_stream::start(callbacks x) {
   state_->started = true;
   state_->input.resize(input_min);
   state_->receive();
+}
+
+void tcp_stream::read(bool wanted) {
+  assert(state_ && state_->started);
+  state_->wanted = wanted;
+  if (wanted && state_->now == state::phase::open)
+    state_->receive();
 }
 
 void tcp_stream::send(payload octets) {

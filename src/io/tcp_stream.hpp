@@ -44,6 +44,10 @@ public:
   /// Begins to receive. Before it nothing is read. @pre called once at most
   void start(callbacks x);
 
+  /// Whether more is to be received. While not, what comes waits in the system and then at the
+  /// other side, whose closing is noticed later. @pre start() was called
+  void read(bool wanted);
+
   /// Queues octets; what was queued in one turn of the loop leaves in one write. The queue has no
   /// bound of its own: the owner counts with on_sent. @pre start() was called
   void send(payload octets);

@@ -29,7 +29,8 @@ join_outputs join_client::leave() {
   return {to_registrar{leave_notice{}}};
 }
 
-join_outputs join_client::on_message(mote_id source, const management& message, instant now) {
+join_outputs join_client::on_message(mote_id source, const management& message, instant now,
+                                     mote_id root) {
   if (const auto* reply = std::get_if<join_reply>(&message)) {
     if (state_ == state::off || reply->sequence != sequence_)
       return {};
@@ -46,7 +47,7 @@ join_outputs join_client::on_message(mote_id source, const management& message, 
     return out;
   }
   if (std::holds_alternative<rejoin_prompt>(message) && state_ == state::joined &&
-      source == sink_) {
+      (source == sink_ || source == root)) {
     join_outputs out{island_lost{}};
     std::ranges::move(start(hops_, now), std::back_inserter(out));
     return out;

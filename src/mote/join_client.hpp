@@ -61,7 +61,9 @@ public:
   [[nodiscard]] join_outputs leave(); ///< tells the sink, then off
 
   /// A component management message from `source`.
-  [[nodiscard]] join_outputs on_message(mote_id source, const management& message, instant now);
+  /// @param root of the tree: its prompts count too, lest a false reply make a mote deaf to them
+  [[nodiscard]] join_outputs on_message(mote_id source, const management& message, instant now,
+                                        mote_id root = no_mote);
 
   /// Frames may wait so long for their turn: answers take longer, and motes that have joined
   /// together do not go on sending together.

@@ -128,7 +128,7 @@ void node::take(join_outputs from_join, node_outputs& out, instant now) {
 void node::on_management(const management_in& x, node_outputs& out, instant now) {
   const auto message = decode_management(x.octets);
   if (message)
-    take(join_.on_message(x.origin, *message, now), out, now);
+    take(join_.on_message(x.origin, *message, now, packets_.router().tree().root()), out, now);
   else
     ++counters_.malformed;
 }

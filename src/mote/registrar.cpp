@@ -1,6 +1,8 @@
 #include "mote/registrar.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "mote/descriptor.hpp"
 
@@ -48,6 +50,8 @@ registrar_outputs registrar::on_frame(mote_id source, byte_view payload, instant
     const auto found = members_.find(source);
     if (found != members_.end() && found->second.incarnation == alive->incarnation)
       found->second.condition = alive->condition;
+    else if (found != members_.end() && found->second.confirmed)
+      return prompt(source, now); // what we hold is not of this life
   }
   if (std::holds_alternative<keep_alive>(*message) || std::holds_alternative<slot_notice>(*message))
     return on_heard(source, now);
@@ -61,7 +65,8 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
     return {};
   }
   const auto found = members_.find(source);
-  if (found == members_.end() && members_.size() >= config_.members_max) {
+  registrar_outputs out;
+  if (found == members_.end() && members_.size() >= config_.members_max && !make_room(out, now)) {
     ++counters_.refused;
     return {};
   }
@@ -69,6 +74,8 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
   auto& entry = members_[source];
   entry.slot = slot;
   const bool same_life = entry.confirmed && entry.incarnation == x.incarnation;
+  // A mote is the same all its life: one of the two descriptors is a lie. Ask it.
+  const bool contradicts = same_life && entry.descriptor != x.descriptor;
   entry.confirmed = same_life; // a reboot is announced again once it is confirmed
   entry.sequence = x.sequence;
   entry.incarnation = x.incarnation;
@@ -81,8 +88,37 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
   entry.replies = 1;
   entry.reply_due = now + config_.confirm_wait;
   wake_at(same_life ? now + entry.window : entry.reply_due);
+  out.emplace_back(reply_to(source, entry, now));
+  if (contradicts) {
+    std::ranges::move(prompt(source, now), std::back_inserter(out));
+    return out;
+  }
   prompted_.erase(source);
-  return {reply_to(source, entry, now)};
+  return out;
+}
+
+/// A full list loses whoever has been silent longest, if for longer than a mote may be by default;
+/// should it live, it is asked to join when it is heard again.
+bool registrar::make_room(registrar_outputs& out, instant now) {
+  const auto silent =
+      std::ranges::min_element(members_, {}, [](const auto& x) { return x.second.heard; });
+  if (silent == members_.end() || silent->second.heard + config_.keep_alive_window > now)
+    return false;
+  if (silent->second.announced)
+    out.emplace_back(network::mote_left{silent->first, cause_of_silence(silent->second)});
+  members_.erase(silent);
+  return true;
+}
+
+/// Asks a mote to join (again), not too often.
+registrar_outputs registrar::prompt(mote_id mote, instant now) {
+  const auto last = prompted_.find(mote);
+  if (last != prompted_.end() && now - last->second < config_.prompt_pause)
+    return {};
+  if (last == prompted_.end() && prompted_.size() >= config_.members_max)
+    prompted_.clear(); // bounded: forgetting costs at most one early prompt per mote
+  prompted_[mote] = now;
+  return {to_mote{mote, rejoin_prompt{}}};
 }
 
 registrar_outputs registrar::on_confirm(mote_id source, const join_confirm& x, instant now) {
@@ -105,15 +141,8 @@ registrar_outputs registrar::announce(mote_id mote, member& entry) {
 
 registrar_outputs registrar::on_heard(mote_id source, instant now) {
   const auto found = members_.find(source);
-  if (found == members_.end()) {
-    const auto last = prompted_.find(source);
-    if (last != prompted_.end() && now - last->second < config_.prompt_pause)
-      return {};
-    if (last == prompted_.end() && prompted_.size() >= config_.members_max)
-      prompted_.clear(); // bounded: forgetting costs at most one early prompt per mote
-    prompted_[source] = now;
-    return {to_mote{source, rejoin_prompt{}}};
-  }
+  if (found == members_.end())
+    return prompt(source, now);
   auto& entry = found->second;
   entry.heard = now;
   return announce(source,

@@ -31,8 +31,10 @@ struct registrar_config {
   duration keep_alive_window = 10s;    ///< a mote silent for longer has left (part C)
   duration confirm_wait = 500ms;       ///< the reply is repeated until confirmed,
   unsigned replies_max = 5;            ///< this often
-  std::size_t members_max = 1000;      ///< further requests get no answer and are counted
-  duration prompt_pause = 1s;          ///< between two rejoin prompts to one mote
+  /// Further requests get no answer and are counted, unless somebody has been silent for longer
+  /// than keep_alive_window, who is then taken for gone.
+  std::size_t members_max = 1000;
+  duration prompt_pause = 1s; ///< between two rejoin prompts to one mote
   duration roster_period = 10s;
   duration slots_hold = 2min;       ///< slots count as used so long after a slot_notice
   duration roster_page_gap = 250ms; ///< between two pages: a serial queue is short
@@ -89,6 +91,8 @@ private:
 
   [[nodiscard]] registrar_outputs on_request(mote_id source, const join_request& x, instant now);
   [[nodiscard]] registrar_outputs on_confirm(mote_id source, const join_confirm& x, instant now);
+  [[nodiscard]] bool make_room(registrar_outputs& out, instant now);
+  [[nodiscard]] registrar_outputs prompt(mote_id mote, instant now);
   [[nodiscard]] registrar_outputs expire(instant now);
   [[nodiscard]] static network::leave_cause cause_of_silence(const member& x);
   [[nodiscard]] static network::mote_joined event_of(mote_id mote, const member& x);

@@ -13,7 +13,8 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr unsigned period_bits = 13;
-constexpr int stale_periods = 3; ///< without news of it: a root may have begun anew
+constexpr int stale_periods = 3;                ///< without news of it: a root may have begun anew
+constexpr std::uint16_t rounds_missed_max = 64; ///< far more than fit that time
 constexpr microseconds tells_network_time{std::int64_t{1} << 47}; ///< added to tick.from
 constexpr microseconds leap_min{1000};                  ///< of the network time: told at once
 constexpr microseconds network_ahead_max = 24h * 36525; ///< more is nonsense
@@ -62,13 +63,24 @@ clock_sync::clock_sync(clock_sync_config config, instant now) : config_(config) 
   next_round_ = listening_until_;
 }
 
+/// While we hear of our root's rounds, the next ones are news, and nothing else: neither another
+/// root nor a number that it cannot have reached. When we do not, anything but what we have is:
+/// else those who believed in such a number would keep each other believing.
+bool clock_sync::is_news(const clock_stamp& x, instant sfd) const {
+  if (!heard_)
+    return true;
+  if (sfd - *heard_ > stale_periods * config_.period)
+    return x.root != root_ || x.sequence != sequence_;
+  const auto rounds = static_cast<std::uint16_t>(x.sequence - sequence_);
+  return x.root == root_ && rounds > 0 && rounds <= rounds_missed_max;
+}
+
 bool clock_sync::on_stamp(const clock_stamp& x, instant sfd) {
   if (is_running_root() || x.tick.period.count() == 0)
     return false;
   if (config_.is_root && x.root != config_.self)
     return false;
-  const bool is_stale = !heard_ || sfd - *heard_ > stale_periods * config_.period;
-  if (!is_stale && x.root == root_ && !is_newer(x.sequence, sequence_))
+  if (!is_news(x, sfd))
     return false;
   heard_ = sfd;
   root_ = x.root;
@@ -203,11 +215,14 @@ std::optional<tick_setting> clock_sync::tick(instant now) const {
   return has_changed ? next_tick_ : tick_;
 }
 
-/// Settings follow each other by the tick they begin with.
+/// The newest round tells the newest setting, and the one before it only if that was never the
+/// root's.
 void clock_sync::learn(const tick_setting& x) {
   if (!tick_) {
     tick_ = x;
-  } else if (x.first > (next_tick_ ? next_tick_ : tick_)->first) {
+  } else if (x == *tick_) {
+    next_tick_.reset();
+  } else if (x != next_tick_) {
     if (next_tick_)
       tick_ = next_tick_;
     next_tick_ = x;

@@ -129,6 +129,7 @@ private:
     std::int64_t ahead_us = 0; ///< island time minus own time
   };
 
+  [[nodiscard]] bool is_news(const clock_stamp& x, instant sfd) const;
   [[nodiscard]] bool is_running_root() const { return config_.is_root && !listening_until_; }
   [[nodiscard]] std::int64_t ahead_us(instant x) const;
   [[nodiscard]] std::optional<island_clock::duration> network_ahead(instant x) const;

@@ -32,9 +32,10 @@ bool gradient::on_beacon(mote_id source, const gradient_part& x, const neighbour
     return false;
   settled_.reset();
   const auto at = std::ranges::lower_bound(rows_, source, {}, &row::mote);
-  if (at != rows_.end() && at->mote == source)
+  if (at != rows_.end() && at->mote == source) {
+    note_progress(*at, x);
     at->part = x;
-  else
+  } else
     rows_.insert(at, row{source, x});
   if (root_ != no_mote && x.root != no_mote && x.root != root_)
     ++counters_.foreign_roots;
@@ -42,6 +43,25 @@ bool gradient::on_beacon(mote_id source, const gradient_part& x, const neighbour
   if (config_.is_root && x.root == config_.self && is_newer(x.root_sequence, sequence_))
     sequence_ = x.root_sequence;
   return has_route() && x.cost == etx_infinite && links.etx(source);
+}
+
+/// Whoever makes a mote believe in a number far ahead must not cut it off until the root gets
+/// there, which may take days. No circle of old news counts on: only a root that lives does.
+void gradient::note_progress(const row& old, const gradient_part& x) {
+  const bool counts_on = x.root == root_ && old.part.root == root_ &&
+                         is_newer(x.root_sequence, old.part.root_sequence);
+  if (has_route() || config_.is_root || !counts_on)
+    return;
+  if (told_.admits(x.root_sequence, x.cost) && is_newer(x.root_sequence, sequence_)) {
+    behind_ = 0;
+    return;
+  }
+  if (++behind_ < config_.behind_max)
+    return;
+  behind_ = 0;
+  told_ = {};
+  sequence_ = x.root_sequence;
+  ++counters_.forgotten;
 }
 
 void gradient::prune(const neighbours& links) {

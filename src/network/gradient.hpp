@@ -36,12 +36,16 @@ struct gradient_config {
   std::uint8_t hops_max = 64;
   etx_cost hysteresis = etx_one / 4; ///< that another parent must be better by
   duration root_patience = 3min;     ///< without a newer root sequence number: the root is gone
+  /// So often, without a route, we may hear our root count on behind what we take for its number
+  /// before we believe that the number was never its own.
+  std::uint8_t behind_max = 8;
 };
 
 struct gradient_counters {
   std::uint64_t parent_changes = 0; ///< from one parent to another
   std::uint64_t losses = 0;         ///< from a parent to none
   std::uint64_t foreign_roots = 0;  ///< beacons that told of another root than ours
+  std::uint64_t forgotten = 0;      ///< numbers of the root that were not its own
 };
 
 enum class gradient_change : std::uint8_t {
@@ -112,6 +116,7 @@ private:
   [[nodiscard]] offer choose(const neighbours& links, instant now);
   void follow(const offer& chosen, instant now);
   [[nodiscard]] bool is_stale(instant now) const;
+  void note_progress(const row& old, const gradient_part& x);
   void prune(const neighbours& links);
 
   gradient_config config_;
@@ -126,6 +131,7 @@ private:
   std::uint16_t sequence_ = 0; ///< of the root, that we tell
   instant progressed_;         ///< when it last went up
   feasibility told_;
+  std::uint8_t behind_ = 0; ///< as for behind_max, in a row
   gradient_counters counters_;
 };
 

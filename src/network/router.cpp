@@ -172,8 +172,11 @@ void router::on_content(collected x, router_outputs& out, instant now) {
   if (auto* content = std::get_if<user_content>(&*message)) {
     out.emplace_back(content_in{origin, x.by_flood, std::move(content->content)});
   } else if (const auto* report = std::get_if<place_report>(&*message)) {
-    if (report->place && config_.is_sink)
+    if (report->place && config_.is_sink) {
+      if (places_.size() >= config_.places_max && !places_.contains(x.origin))
+        places_.clear(); // forgetting costs a detour until the next report
       places_[x.origin] = *report->place;
+    }
   } else if (const auto* asked = std::get_if<place_question>(&*message)) {
     if (config_.is_sink)
       send_router_message(x.origin, place_answer{asked->mote, known_place(asked->mote)}, out, now);

@@ -38,6 +38,7 @@ struct router_config {
   duration question_gap = 5s;     ///< where floods cost much, it is asked again while it does not
   unsigned asks_max = 3;          ///< know, or we do not know where we are; so often at most
   std::size_t questions_max = 2;  ///< under way
+  std::size_t places_max = 1000;  ///< of motes, that the sink remembers
   std::size_t direct_max = 4;     ///< packets for neighbours under way
   duration relay_spread = 150ms;  ///< a clock round is passed on within this time,
   unsigned relay_copies = 3;      ///< unless it has been heard so often until then

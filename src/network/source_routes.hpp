@@ -31,8 +31,14 @@ public:
 
 private:
   mote_id root_;
-  std::size_t motes_max_ = 1000; ///< further ones are not learnt
-  std::map<mote_id, mote_id> parents_;
+  std::size_t motes_max_ = 1000; ///< a further one takes the place of the one heard of longest ago
+  struct entry {
+    mote_id parent;
+    std::uint64_t learnt = 0; ///< counts what has been learnt
+  };
+
+  std::map<mote_id, entry> parents_;
+  std::uint64_t learnt_ = 0;
 };
 
 } // namespace rubicon::network

@@ -78,7 +78,7 @@ std::optional<std::uint16_t> tcp_links::port() const {
 }
 
 void tcp_links::on_connection(io::tcp_stream x) {
-  if (streams_.size() + *closing_ >= streams_max)
+  if (streams_.size() >= streams_max)
     ++counters_.refused; // dropped
   else
     add(std::move(x), peis::link_role::acceptor, std::nullopt);
@@ -105,11 +105,19 @@ void tcp_links::carry_out(peis::to_link x) {
 
 void tcp_links::carry_out(const peis::close_link& x) {
   auto found = streams_.extract(x.link);
-  if (!found.empty())
-    close(std::move(found.mapped()));
+  if (!found.empty() && x.why != peis::close_cause::handshake_silent) // who said nothing is told
+    close(std::move(found.mapped()));                                 // nothing
+}
+
+void tcp_links::carry_out(const peis::read_link& x) {
+  const auto found = streams_.find(x.link);
+  if (found != streams_.end())
+    found->second.read(x.wanted);
 }
 
 void tcp_links::close(io::tcp_stream x) {
+  if (*closing_ >= closing_max)
+    return; // dropped
   ++*closing_;
   x.close([closing = closing_] { --*closing; });
 }

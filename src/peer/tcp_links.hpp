@@ -61,9 +61,10 @@ public:
   /// A good p2p_config::link_window: fills a fast link in one write, yet what is urgent overtakes
   /// all that is behind it.
   static constexpr std::size_t window = 512 * 1024;
-  /// Twice the links a kernel takes: one more than it takes is told why (close_link), a crowd is
-  /// not.
+  /// Twice the links a kernel takes: it makes room among those that do not ask for a link, and
+  /// tells one more than it takes whom else to ask (close_link).
   static constexpr std::size_t streams_max = 128;
+  static constexpr std::size_t closing_max = 64; ///< of what they still had to send, more is lost
   static constexpr std::size_t attempts_max = 64;
 
   /// Listens, and joins the group. Whether the group could be joined is told by warning(): peers
@@ -84,6 +85,7 @@ public:
 
   void carry_out(peis::to_link x); ///< for a link that is gone: nothing
   void carry_out(const peis::close_link& x);
+  void carry_out(const peis::read_link& x);
   void carry_out(const peis::connect_to& x);
   void carry_out(const peis::announce& x);
 

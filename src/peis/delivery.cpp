@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <set>
 
 namespace rubicon::peis {
 
@@ -99,8 +100,6 @@ outgoing_package delivery::package_of(const transfer& x, std::uint16_t fragment,
   header.destination = x.message.destination;
   header.port = x.message.port;
   package.offset = fragment * data_max;
-  header.length =
-      static_cast<std::uint16_t>(std::min(data_max, x.message.content->size() - package.offset));
   header.seqlen = x.fragments;
   header.seqid = x.seqid;
   header.seqnum = fragment;
@@ -201,14 +200,13 @@ reliable_message delivery::fail(std::uint64_t id) {
   const auto owner = transfers_.find(id);
   auto& x = owner->second;
   const auto to = flows_.find(x.message.destination);
-  for (auto at = in_flight_.begin(); x.unacknowledged > 0 && at != in_flight_.end();) {
-    if (at->second.transfer == id) {
-      at = in_flight_.erase(at);
-      --x.unacknowledged;
-      --to->second.in_flight;
-    } else {
-      ++at;
-    }
+  for (auto ack_id = to->second.order.begin(); x.unacknowledged > 0; ++ack_id) {
+    const auto at = in_flight_.find(*ack_id);
+    if (at == in_flight_.end() || at->second.transfer != id)
+      continue;
+    in_flight_.erase(at);
+    --x.unacknowledged;
+    --to->second.in_flight;
   }
   if (x.begun < packages_of(x)) {
     auto& queue = to->second.queues[static_cast<std::size_t>(x.message.class_of_service)];
@@ -225,12 +223,15 @@ reliable_message delivery::fail(std::uint64_t id) {
 }
 
 std::vector<reliable_message> delivery::fail_all(peer_id destination) {
-  std::vector<std::uint64_t> ids;
-  if (flows_.contains(destination)) {
-    for (const auto& [id, x] : transfers_) {
-      if (x.message.destination == destination)
-        ids.push_back(id);
-    }
+  const auto to = flows_.find(destination);
+  if (to == flows_.end())
+    return {};
+  std::set<std::uint64_t> ids; // a message under way may wait with its rest
+  for (const auto& queue : to->second.queues)
+    ids.insert(queue.begin(), queue.end());
+  for (const auto ack_id : to->second.order) {
+    if (const auto at = in_flight_.find(ack_id); at != in_flight_.end())
+      ids.insert(at->second.transfer);
   }
   std::vector<reliable_message> failed;
   for (const auto id : ids)

@@ -46,6 +46,7 @@ struct reliable_message {
   priority class_of_service = priority::normal;
   request_id request;
   std::shared_ptr<const message_octets> content;
+  std::optional<link_id> for_neighbour = std::nullopt; ///< it answers what came over this link
 };
 
 /// Keeps messages until every package of them has been acknowledged. Per destination a window

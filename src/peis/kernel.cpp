@@ -65,8 +65,9 @@ outputs kernel::on_hello_answer(std::string_view adapter, const bluetooth_addres
 }
 
 outputs kernel::on_link_octets(link_id link, byte_view octets, instant now) {
+  const bool idle = !network_.has_input();
   network_.on_link_octets(link, octets, now);
-  return finish(now);
+  return finish(now, idle);
 }
 
 outputs kernel::on_link_sent(link_id link, std::size_t octets, instant now) {
@@ -82,17 +83,31 @@ outputs kernel::on_link_closed(link_id link, instant now) {
 outputs kernel::on_time(instant now) {
   network_.on_time(now);
   perform(tuples_.on_time(now), now);
-  return finish(now);
+  return finish(now, true);
 }
 
 std::optional<instant> kernel::deadline() const {
   return earliest(earliest(network_.deadline(), tuples_.deadline()), statistics_.deadline(tuples_));
 }
 
-/// Works off what the layers tell each other until both are quiet, then writes to the links.
-outputs kernel::finish(instant now) {
+/// Handles a turn's input, and all that comes of it.
+outputs kernel::finish(instant now, bool turn) {
   tuples_.set_clock_offset(network_.clock().offset());
   publish(statistics_.due(network_, tuples_, now), now);
+  while (turn && network_.serve_next(now)) {
+    for (auto news = network_.take_events(); !news.empty(); news = network_.take_events()) {
+      for (auto& x : news)
+        std::visit([&](auto& what) { handle(what, now); }, x);
+    }
+  }
+  network_.end_turn(now);
+  settle(now);
+  statistics_.follow(tuples_);
+  return std::exchange(out_, {});
+}
+
+/// Works off what the layers tell each other until both are quiet, then writes to the links.
+void kernel::settle(instant now) {
   for (auto again = true; again;) {
     auto news = network_.take_events();
     if (news.empty()) {
@@ -103,14 +118,12 @@ outputs kernel::finish(instant now) {
     for (auto& x : news)
       std::visit([&](auto& what) { handle(what, now); }, x);
   }
-  statistics_.follow(tuples_);
-  return std::exchange(out_, {});
 }
 
 void kernel::handle(host_appeared& x, instant now) {
   const auto* record = network_.find_host(x.host);
   out_.emplace_back(x);
-  perform(tuples_.on_host_appeared(x.host, record != nullptr && record->marked, x.incarnation, now),
+  perform(tuples_.on_host_appeared(x.host, record != nullptr && record->marked, now, x.incarnation),
           now);
 }
 
@@ -121,12 +134,12 @@ void kernel::handle(id_taken& x, instant now) {
 }
 
 void kernel::handle(host_vanished& x, instant now) {
-  perform(tuples_.on_host_vanished(x.host), now);
+  perform(tuples_.on_host_vanished(x.host, now), now);
   out_.emplace_back(x);
 }
 
 void kernel::handle(forgotten_by& x, instant now) {
-  perform(tuples_.renew(x.host), now);
+  perform(tuples_.renew(x.host, now), now);
 }
 
 void kernel::handle(device_noted& x, instant now) {
@@ -139,7 +152,7 @@ void kernel::handle(device_noted& x, instant now) {
 
 void kernel::handle(delivered& x, instant now) {
   if (x.request.value >= own_ids_first)
-    perform(tuples_.on_delivered(x.request), now);
+    perform(tuples_.on_delivered(x.request, now), now);
   else
     report(x.request, cause::none);
 }
@@ -150,7 +163,16 @@ void kernel::handle(undelivered& x, instant now) {
   tuples_.on_undelivered(x.destination, x.port, x.head.view(), x.request, now);
 }
 
+/// Whoever sent a message over a link pays there for all that it brings about.
 void kernel::handle(arrived& x, instant now) {
+  static_cast<void>(tuples_.take_work());
+  events_made_ = 0;
+  const auto link = x.from;
+  dispatch(x, now);
+  network_.charge(link, tuples_.take_work() + events_made_, now);
+}
+
+void kernel::dispatch(arrived& x, instant now) {
   const bool for_us_only = !x.broadcast;
   switch (x.port) {
   case port::push:
@@ -163,7 +185,7 @@ void kernel::handle(arrived& x, instant now) {
     return;
   case port::append_request:
     if (for_us_only)
-      perform(tuples_.on_append_request(std::move(x.octets), now), now);
+      perform(tuples_.on_append_request(x.source, std::move(x.octets), now), now);
     return;
   case port::append_notice:
     if (for_us_only)
@@ -190,7 +212,7 @@ void kernel::on_set(peer_id source, const payload& octets, instant now) {
     return;
   const bool quit = x->name.folded() == quit_key;
   const bool allowed = !is_reserved(x->name) || (quit && may_stop_us(source));
-  perform(tuples_.on_set(*x, allowed, now), now);
+  perform(tuples_.on_set(source, *x, allowed, now), now);
   if (allowed && quit && asks_to_quit(*x))
     out_.emplace_back(quit_requested{source});
 }
@@ -204,6 +226,7 @@ bool kernel::may_stop_us(peer_id source) const {
 }
 
 void kernel::perform(tuple_events todo, instant now) {
+  events_made_ += todo.size();
   for (auto& x : todo) {
     if (auto* sent = std::get_if<transmit>(&x)) {
       network_.send({sent->destination, sent->port, std::move(sent->content), true,

@@ -35,7 +35,7 @@ struct kernel_config {
   std::vector<peer_id> managers; ///< may write our kernel.do-quit, besides peers of our host
 };
 
-// to_link, close_link, connect_to and announce: peis/p2p_events.hpp; tuple_changed and
+// to_link, close_link, read_link, connect_to and announce: peis/p2p_events.hpp; tuple_changed and
 // tuple_deleted: peis/tuple_events.hpp.
 
 /// A whole message for a hooked port.
@@ -59,9 +59,9 @@ struct quit_requested {
   peer_id by;
 };
 
-using output = std::variant<to_link, close_link, connect_to, announce, tuple_changed, tuple_deleted,
-                            message, outcome, host_appeared, host_vanished, quit_requested, traced,
-                            id_taken, intercepted, scan_adapter, say_hello>;
+using output = std::variant<to_link, close_link, read_link, connect_to, announce, tuple_changed,
+                            tuple_deleted, message, outcome, host_appeared, host_vanished,
+                            quit_requested, traced, id_taken, intercepted, scan_adapter, say_hello>;
 using outputs = std::vector<output>;
 
 /// Everything counted; nothing is dropped without appearing here.
@@ -324,7 +324,9 @@ public:
   [[nodiscard]] kernel_counters counters() const;
 
 private:
-  outputs finish(instant now);
+  /// @param turn input is handled that waits, or has just come
+  outputs finish(instant now, bool turn = false);
+  void settle(instant now);
   /// What the network says that only the owner can act on.
   template <class T>
   void handle(T& x, instant) {
@@ -335,6 +337,7 @@ private:
   void handle(host_vanished& x, instant now);
   void handle(forgotten_by& x, instant now);
   void handle(arrived& x, instant now);
+  void dispatch(arrived& x, instant now);
   void handle(delivered& x, instant now);
   void handle(device_noted& x, instant now);
   void handle(undelivered& x, instant now);
@@ -377,6 +380,7 @@ private:
   std::bitset<port::count> hooked_;
   std::uint64_t unhooked_ = 0;
   std::uint64_t refused_ = 0;
+  work_units events_made_ = 0; ///< by the tuple space, for the message that is handled
   outputs out_;
 };
 

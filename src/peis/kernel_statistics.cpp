@@ -9,7 +9,11 @@ namespace rubicon::peis {
 namespace {
 
 constexpr std::size_t links_per_line = 5;
-constexpr std::size_t all_keys_max = std::size_t{4} << 20U; ///< octets; what is left out: `...`
+constexpr std::size_t list_max = std::size_t{4} << 20U; ///< octets; what is left out: `...`
+/// A list that others make long is written no faster than this, in octets a second, nor for each
+/// look at it once it is longer than `short_list`.
+constexpr std::size_t list_rate = std::size_t{256} << 10U;
+constexpr std::size_t short_list = std::size_t{64} << 10U;
 
 /// As printf's %.Nf does, whatever the locale.
 std::string fixed(double x, int decimals) {
@@ -58,21 +62,24 @@ std::string routes_text(const p2p& network) {
 
 std::string subscribers_text(const tuple_space& tuples) {
   std::string text = "(\n";
-  for (const auto& [host, wanted] : tuples.subscribers())
+  for (const auto& [host, wanted] : tuples.subscribers()) {
+    if (text.size() > list_max) {
+      text += "  ...\n";
+      break;
+    }
     text += "  ( " + to_string(host) + ' ' + to_string(wanted.owner) + '.' + wanted.name.text() +
             " )\n";
+  }
   return text + ")\n";
 }
 
-std::string all_keys_text(const p2p& network, const tuple_space& tuples) {
+std::string all_keys_text(const tuple_space& tuples) {
   std::string text = "(";
-  for (const auto& x : tuples.find_all(prototype_of(network.config().id, key()))) {
-    if (text.size() > all_keys_max) {
-      text += "... ";
-      break;
-    }
-    text += x->name.text() + ' ';
-  }
+  tuples.for_own([&](const tuple& x) {
+    const bool room = text.size() <= list_max;
+    text += room ? x.name.text() + ' ' : "... ";
+    return room;
+  });
   if (text.size() > 1)
     text.pop_back();
   return text + ')';
@@ -109,7 +116,7 @@ std::optional<instant> kernel_statistics::due_at(kind which, const tuple_space& 
   const bool when_changed = which == kind::subscribers || which == kind::all_keys;
   if (when_changed && x.version == version_of(which, tuples))
     return std::nullopt;
-  return x.computed + x.period;
+  return x.computed + x.period + std::chrono::milliseconds(1000 * x.size / list_rate);
 }
 
 kernel_statistics::texts kernel_statistics::initial(const p2p& network, const tuple_space& tuples,
@@ -138,7 +145,8 @@ kernel_statistics::texts kernel_statistics::stale(const key& pattern, const p2p&
   for (std::size_t i = 0; i < items_.size(); ++i) {
     const auto which = static_cast<kind>(i);
     const auto when = due_at(which, tuples);
-    const bool by_change = version_of(which, tuples) != items_[i].version;
+    const bool by_change =
+        version_of(which, tuples) != items_[i].version && items_[i].size <= short_list;
     if (!items_[i].watched && when && (by_change || *when <= now) &&
         pattern.matches(items_[i].name))
       out.emplace_back(items_[i].name, compute(which, network, tuples, now));
@@ -161,6 +169,13 @@ std::string kernel_statistics::compute(kind which, const p2p& network, const tup
   const auto seconds = std::chrono::duration<double>(now - x.computed).count();
   x.computed = now;
   x.version = version_of(which, tuples);
+  auto text = text_of(which, network, tuples, seconds);
+  x.size = text.size();
+  return text;
+}
+
+std::string kernel_statistics::text_of(kind which, const p2p& network, const tuple_space& tuples,
+                                       double seconds) {
   switch (which) {
   case kind::step_time:
     return fixed(step_seconds_, 4);
@@ -173,7 +188,7 @@ std::string kernel_statistics::compute(kind which, const p2p& network, const tup
   case kind::subscribers:
     return subscribers_text(tuples);
   case kind::all_keys:
-    return all_keys_text(network, tuples);
+    return all_keys_text(tuples);
   }
   return {};
 }

@@ -57,6 +57,7 @@ private:
     instant computed;
     std::uint64_t version = 0; ///< of what it was computed from, if told when changed
     bool watched = false;
+    std::size_t size = 0; ///< of the last text: who is long is told less often
   };
   struct octets {
     std::uint64_t in = 0;
@@ -67,6 +68,8 @@ private:
   [[nodiscard]] std::optional<instant> due_at(kind which, const tuple_space& tuples) const;
   [[nodiscard]] std::string compute(kind which, const p2p& network, const tuple_space& tuples,
                                     instant now);
+  [[nodiscard]] std::string text_of(kind which, const p2p& network, const tuple_space& tuples,
+                                    double seconds);
   [[nodiscard]] std::string traffic(const p2p& network, double seconds);
   [[nodiscard]] std::string connections(const p2p& network, double seconds);
 

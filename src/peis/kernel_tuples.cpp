@@ -55,7 +55,7 @@ outputs kernel::append_tuple(const prototype& wanted, payload added, instant now
   }
   if (!ours && wanted.owner != any_peer)
     return ask({cause::none, request_to(wanted.owner)}, request, now);
-  auto [verdict, todo] = tuples_.append(wanted, added, false, now);
+  auto [verdict, todo] = tuples_.append(wanted, added, now);
   perform(std::move(todo), now);
   if (!ours) {
     for (const auto* host : network_.hosts()) {

@@ -1,7 +1,6 @@
 #include "peis/link.hpp"
 
 #include <algorithm>
-#include <cassert>
 
 #include "peis/layout.hpp"
 
@@ -33,8 +32,17 @@ result<connect_request> decode_connect_request(byte_view octets) {
 }
 
 void stream_decoder::feed(byte_view piece) {
-  assert(piece_.empty());
+  keep_rest();
   piece_ = piece;
+}
+
+void stream_decoder::keep_rest() {
+  if (piece_.empty())
+    return;
+  held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(used_));
+  used_ = 0;
+  held_.insert(held_.end(), piece_.begin(), piece_.end());
+  piece_ = {};
 }
 
 /// Are so many octets there in one run? An incomplete unit is completed in held_ with just what it

@@ -45,12 +45,12 @@ struct received_package {
 };
 
 /// Cuts a stream that arrives in arbitrary pieces into what it consists of. Holds at most one
-/// incomplete package.
+/// incomplete package, and what keep_rest() was told to keep.
 ///
 ///   feed(piece); while (auto x = next()) ...; if (broken()) close the link
 class stream_decoder {
 public:
-  /// Adds a piece. It must stay valid until next() has returned nothing.
+  /// Adds a piece. It must stay valid until next() has returned nothing, or keep_rest() was called.
   void feed(byte_view piece);
 
   /// The connect request, once it is complete; to be taken first on an acceptor's link.
@@ -58,6 +58,15 @@ public:
 
   /// The next complete package. Nothing when there is none, or when the stream is broken.
   [[nodiscard]] std::optional<received_package> next();
+
+  /// Copies what is left of the newest piece, so that it need not stay valid.
+  void keep_rest();
+
+  /// Octets kept that next() has not given out.
+  [[nodiscard]] std::size_t kept() const { return held_.size() - used_; }
+
+  /// Is there anything that next() has not looked at?
+  [[nodiscard]] bool has_more() const { return kept() > 0 || !piece_.empty(); }
 
   /// Wrong sync word, length or id: nothing that follows can be trusted (TCP-06).
   [[nodiscard]] bool broken() const { return broken_; }

@@ -1,12 +1,14 @@
 // What waits to be written to one link: five classes, strict order (P2P-02, P2P-03, A-13).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/bytes.hpp"
 #include "core/random.hpp"
@@ -25,45 +27,83 @@ struct message_octets {
   void append(std::size_t offset, std::size_t count, bytes& out) const;
 };
 
-/// A package whose data is a part of a message.
+/// A package whose data is a part of a message: all from `offset` on that one package can carry.
 struct outgoing_package {
-  package_header header; ///< the counter is filled in when it leaves
+  package_header header; ///< without length and counter: encode() tells them
   std::shared_ptr<const message_octets> content;
-  std::size_t offset = 0;
+  std::size_t offset = 0; ///< at most the content's size
+
+  /// Octets of data. The only source of the header's length, which so cannot disagree with them.
+  [[nodiscard]] std::size_t length() const { return std::min(data_max, content->size() - offset); }
 };
+
+/// Appends header and data as they leave. @param counter of the link
+void encode(const outgoing_package& x, std::uint32_t counter, bytes& out);
 
 /// Classes of a connection's queue, the first goes first.
 enum class lane : std::uint8_t { control, acknowledgements, high, normal, bulk };
 inline constexpr std::size_t lanes = 5;
 
-/// Bounded in each class; a full class refuses the newest. Below control, packages are given up at
-/// random as soon as this class and those above are more than half full: with f the share in use,
-/// with probability 2 (f - 0.5), as real kernels do (peis-wire.md 8.1).
+/// The origin of what is our own. Other origins are the links over which it, or what it answers,
+/// has come.
+inline constexpr link_id own_origin{0};
+
+struct queue_limits {
+  std::size_t packages = 0; ///< in each class
+  /// Of all classes but control, headers included; control has a quarter of it for itself.
+  std::size_t octets = std::size_t{1536} * 1024;
+};
+
+/// Bounded in each class and in octets; what is full refuses the newest. Below control, packages
+/// are given up at random as soon as this class and those above are more than half full: with f the
+/// share in use, with probability 2 (f - 0.5), as real kernels do (peis-wire.md 8.1).
+///
+/// Origins take turns within a class. One of them may hold as much as is free beside it, so there
+/// is always room for another, and what is given up at random is of those that hold more than
+/// others: a neighbour that floods delays and displaces what itself has sent.
 class outgoing_queue {
 public:
-  explicit outgoing_queue(std::size_t capacity = 0) : capacity_(capacity) {}
+  explicit outgoing_queue(queue_limits limits = {}) : limits_(limits) {}
 
-  /// Would `count` packages be taken? Throws dice only when more than half full.
-  [[nodiscard]] cause admission(lane where, std::size_t count, random_stream& dice) const;
+  /// Would so many packages, together of so many octets with their headers, be taken? Throws dice
+  /// only when more than half full.
+  [[nodiscard]] cause admission(lane where, std::size_t count, std::size_t octets, link_id origin,
+                                random_stream& dice) const;
 
-  /// May a sender that can wait add one more, without early drop?
+  /// May we add one more of our own, that can wait, without early drop?
   [[nodiscard]] bool has_room(lane where) const;
 
-  void push(lane where, outgoing_package x);
+  void push(lane where, outgoing_package x, link_id origin = own_origin);
   [[nodiscard]] std::optional<outgoing_package> pop();
 
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] std::size_t octets() const { return octets_ + control_octets_; }
   [[nodiscard]] std::size_t depth(lane where) const {
-    return packages_[static_cast<std::size_t>(where)].size();
+    return classes_[static_cast<std::size_t>(where)].depth;
   }
 
 private:
-  [[nodiscard]] std::size_t at_or_above(lane where) const;
+  struct stream {
+    link_id origin;
+    std::deque<outgoing_package> packages;
+  };
+  /// Streams are there while they have packages.
+  struct service_class {
+    std::vector<stream> streams;
+    std::size_t turn = 0; ///< whose it is
+    std::size_t depth = 0;
+  };
 
-  std::array<std::deque<outgoing_package>, lanes> packages_;
+  [[nodiscard]] static std::size_t held_by(const service_class& x, link_id origin);
+  [[nodiscard]] std::size_t at_or_above(lane where) const;
+  [[nodiscard]] std::size_t& octets_of(std::size_t index);
+
+  queue_limits limits_;
+  std::array<service_class, lanes> classes_;
   std::size_t size_ = 0;
-  std::size_t capacity_;
+  std::size_t octets_ = 0;
+  std::size_t control_octets_ = 0;
 };
 
 } // namespace rubicon::peis

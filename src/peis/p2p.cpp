@@ -10,7 +10,7 @@ namespace rubicon::peis {
 
 namespace {
 
-constexpr std::size_t heard_over_max = 1024;
+constexpr std::size_t octets_per_work = 512; // copied for each link that a package goes to
 
 /// The class in which a package of somebody else goes on.
 lane lane_of(const package_header& header) {
@@ -31,7 +31,9 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
       next_manager_(now + config_.connections.manager_period), next_merge_(now),
       next_announcement_(now), last_measured_(now), joined_(now),
       next_period_(now + dice_.between(config_.routing_period / 2, config_.routing_period)),
-      last_trigger_(now - config_.trigger_gap) {
+      last_trigger_(now - config_.trigger_gap), latest_(now),
+      routing_rate_(config_.tables.routing_work_per_second, 1s, 2s),
+      asking_rate_(config_.tables.questions_per_second, 1s, 1s) {
   self_.id = config_.id;
   self_.magic = ids_.next();
   self_.host_name = config_.host_name;
@@ -42,7 +44,7 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
   self_.addresses.resize(std::min(self_.addresses.size(), low_level_addresses_max));
   self_.cluster = self_.id.value;
   self_.marked = true;
-  routing_ = routing_table(self_.id, self_.magic, config_.metric_limit);
+  routing_ = routing_table(self_.id, self_.magic, config_.metric_limit, config_.tables.routes);
   const auto& wanted = config_.connections;
   for (const auto* urls : {&wanted.always, &wanted.seeds}) {
     for (const auto& url : *urls)
@@ -51,6 +53,7 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
 }
 
 void p2p::on_time(instant now) {
+  latest_ = now;
   mind_identity(now);
   if (yielded_until_)
     return;
@@ -58,6 +61,7 @@ void p2p::on_time(instant now) {
     on_period(now);
   counters_.messages_incomplete += assembly_.on_time(now);
   check_silence(now);
+  apply_tables(now);
   watch_life(now);
   tend_connections(now);
 }
@@ -69,12 +73,14 @@ std::optional<instant> p2p::deadline() const {
   next = earliest(next, identity_deadline());
   next = earliest(next, assembly_.deadline());
   next = earliest(next, next_silence_check_);
+  next = earliest(next, input_deadline());
+  next = earliest(next, next_tables_);
   next = earliest(next, life_deadline());
   next = earliest(next, connections_deadline());
   if (left_)
     return next;
   if (!questions_.empty())
-    next = earliest(next, questions_.begin()->first);
+    next = earliest(next, std::max(questions_.begin()->first, asking_rate_.free_at()));
   return earliest(earliest(next, next_trigger_), next_period_);
 }
 
@@ -90,6 +96,10 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
     hear_own_id(header, data, now);
     return;
   }
+  if (is_impersonation(from, header, now)) {
+    ++counters_.claims_refused; // before it counts as seen: the true one may still come
+    return;
+  }
   probes_.erase(header.source);
   if (!seen_.insert(header.source, header.id)) {
     ++counters_.seen;
@@ -98,7 +108,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
   if (header.type == package_type::direct)
     note_heard(header.source, from);
   const bool mine = header.type == package_type::direct && header.destination == self_.id;
-  if (mine && header.seqlen > 0 && !assembly_.accepts(header)) {
+  if (mine && header.seqlen > 0 && !assembly_.accepts(header, from)) {
     ++counters_.fragments_refused; // not acknowledged: it comes again
     return;
   }
@@ -110,7 +120,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
     return;
   }
   if (mine && header.seqlen > 0) {
-    on_fragment(header, data, now);
+    on_fragment(from, header, data, now);
     return;
   }
   const bool is_trace = header.port == port::trace || header.port == port::trace_reply;
@@ -119,7 +129,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
     return;
   }
   if (header.type == package_type::direct && !mine) {
-    if (header.seqlen == 0 && header.port == port::host_query && answer_query(header, data))
+    if (header.seqlen == 0 && header.port == port::host_query && answer_query(from, header, data))
       return;
   } else {
     serve(from, header, data, now);
@@ -128,12 +138,12 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
     forward(from, header, data);
 }
 
-void p2p::on_fragment(const package_header& header, byte_view data, instant now) {
-  auto whole = assembly_.add(header, data, now);
+void p2p::on_fragment(link_id from, const package_header& header, byte_view data, instant now) {
+  auto whole = assembly_.add(header, data, now, from);
   if (whole && header.port == port::host_query)
-    static_cast<void>(answer_query(header, *whole));
+    static_cast<void>(answer_query(from, header, *whole));
   else if (whole)
-    events_.push_back(arrived{header.port, header.source, false, std::move(*whole)});
+    events_.push_back(arrived{header.port, header.source, false, from, std::move(*whole)});
 }
 
 void p2p::acknowledge(const package_header& header, instant now) {
@@ -156,14 +166,14 @@ void p2p::send_acknowledgements(peer_id to, const std::vector<std::int32_t>& ids
 /// A package of the network's own for the other end of a link.
 void p2p::tell_neighbour(connection& to, std::uint16_t port, bytes data) {
   auto content = std::make_shared<const message_octets>(message_octets{std::move(data), {}});
-  const auto header = fresh_header(package_type::link, port, content->size());
+  const auto header = fresh_header(package_type::link, port);
   count_drop(enqueue(to, lane::control, {header, std::move(content), 0}));
 }
 
 /// A package of the network's own for one host, which nobody waits for.
 void p2p::tell_host(peer_id to, link_id way, lane where, std::uint16_t port, bytes data) {
   auto content = std::make_shared<const message_octets>(message_octets{std::move(data), {}});
-  auto header = fresh_header(package_type::direct, port, content->size());
+  auto header = fresh_header(package_type::direct, port);
   header.destination = to;
   count_drop(enqueue(connections_.at(way), where, {header, std::move(content), 0}));
 }
@@ -185,6 +195,7 @@ void p2p::on_acknowledgement(byte_view data) {
     opened = done->destination;
     if (done->finished) {
       ++counters_.messages_delivered;
+      on_message_ended(*done->finished);
       if (done->finished->request != no_request)
         events_.push_back(delivered{done->finished->request});
     }
@@ -219,7 +230,7 @@ void p2p::serve(link_id from, const package_header& header, byte_view data, inst
     on_acknowledgement(data);
     return;
   case port::host_query:
-    static_cast<void>(answer_query(header, data));
+    static_cast<void>(answer_query(from, header, data));
     return;
   case port::host_record:
     on_host_record(from, header, data, now);
@@ -230,7 +241,7 @@ void p2p::serve(link_id from, const package_header& header, byte_view data, inst
   }
   if (header.type != package_type::link)
     events_.push_back(arrived{header.port, header.source, header.type == package_type::broadcast,
-                              to_bytes(data)});
+                              from, to_bytes(data)});
 }
 
 void p2p::forward(link_id from, package_header header, byte_view data) {
@@ -254,24 +265,25 @@ void p2p::forward(link_id from, package_header header, byte_view data) {
     return;
   }
   ++counters_.packages_forwarded;
-  count_traffic(header);
-  count_drop(enqueue(connections_.at(*way), lane_of(header), {header, std::move(content), 0}));
+  const outgoing_package next{header, std::move(content), 0};
+  count_traffic(next);
+  count_drop(enqueue(connections_.at(*way), lane_of(header), next));
 }
 
-package_header p2p::fresh_header(package_type type, std::uint16_t port, std::size_t length) {
+package_header p2p::fresh_header(package_type type, std::uint16_t port) {
   package_header header;
   header.id = header.ack_id = ids_.next();
   header.type = type;
   header.source = self_.id;
   header.port = port;
-  header.length = static_cast<std::uint16_t>(length);
   return header;
 }
 
 cause p2p::enqueue(connection& to, lane where, outgoing_package x) {
-  const auto verdict = to.queue.admission(where, 1, dice_);
+  const auto origin = serving_.value_or(own_origin);
+  const auto verdict = to.queue.admission(where, 1, header_size + x.length(), origin, dice_);
   if (verdict == cause::none)
-    to.queue.push(where, std::move(x));
+    to.queue.push(where, std::move(x), origin);
   return verdict;
 }
 
@@ -298,6 +310,7 @@ cause p2p::flood(const package_header& header, const std::shared_ptr<const messa
     chosen.push_back(*lot);
     others.erase(lot);
   }
+  work_.add(chosen.size() * (1 + content->size() / octets_per_work));
   cause worst = cause::none;
   for (auto* x : chosen) {
     const auto verdict = enqueue(*x, where, {header, content, 0});
@@ -313,7 +326,7 @@ cause p2p::broadcast(std::uint16_t port, payload octets) {
   if (left_)
     return cause::left;
   auto content = std::make_shared<const message_octets>(message_octets{std::move(octets), {}});
-  return flood(fresh_header(package_type::broadcast, port, content->size()), content, {});
+  return flood(fresh_header(package_type::broadcast, port), content, {});
 }
 
 std::optional<link_id> p2p::way_to(peer_id destination) const {
@@ -328,16 +341,6 @@ std::optional<link_id> p2p::any_way_to(peer_id destination) const {
     return way;
   const auto heard = heard_over_.find(destination);
   return heard == heard_over_.end() ? std::nullopt : std::optional(heard->second);
-}
-
-void p2p::note_heard(peer_id source, link_id over) {
-  if (way_to(source)) {
-    heard_over_.erase(source);
-    return;
-  }
-  if (heard_over_.size() >= heard_over_max)
-    heard_over_.clear();
-  heard_over_[source] = over;
 }
 
 void p2p::send(posting x) {
@@ -358,8 +361,13 @@ void p2p::send(posting x) {
     const auto service = x.content.size() > data_max ? priority::bulk : x.class_of_service;
     const auto head = x.content.head;
     if (delivery_.add({self_.id, destination, x.port, service, x.id,
-                       std::make_shared<const message_octets>(std::move(x.content))},
+                       std::make_shared<const message_octets>(std::move(x.content)),
+                       x.for_neighbour},
                       ids_)) {
+      if (x.for_neighbour) {
+        ++answers_open_;
+        ++answers_[*x.for_neighbour];
+      }
       pump(destination);
       return;
     }
@@ -380,13 +388,14 @@ cause p2p::send_unreliable(const posting& x, link_id way) {
   const auto where = count > 1 ? lane::bulk
                                : static_cast<lane>(static_cast<std::size_t>(lane::high) +
                                                    static_cast<std::size_t>(x.class_of_service));
-  if (const auto verdict = queue.admission(where, count, dice_); verdict != cause::none)
+  if (const auto verdict = queue.admission(where, count, size + count * header_size,
+                                           serving_.value_or(own_origin), dice_);
+      verdict != cause::none)
     return verdict;
   const auto content = std::make_shared<const message_octets>(x.content);
   const auto seqid = ids_.next_group();
   for (std::size_t i = 0; i < count; ++i) {
-    const auto offset = i * data_max;
-    auto header = fresh_header(package_type::direct, x.port, std::min(data_max, size - offset));
+    auto header = fresh_header(package_type::direct, x.port);
     header.destination = x.destination;
     if (where == lane::high)
       header.flags = package_flag::high;
@@ -396,8 +405,9 @@ cause p2p::send_unreliable(const posting& x, link_id way) {
       header.seqid = seqid;
       header.seqnum = static_cast<std::uint16_t>(i);
     }
-    count_traffic(header);
-    queue.push(where, {header, content, offset});
+    const outgoing_package next{header, content, i * data_max};
+    count_traffic(next);
+    queue.push(where, next, serving_.value_or(own_origin));
   }
   return cause::none;
 }
@@ -421,7 +431,7 @@ void p2p::pump(peer_id destination) {
       return;
     }
     auto x = delivery_.next(destination, ids_, wide);
-    count_traffic(x->second.header);
+    count_traffic(x->second);
     queue.push(x->first, std::move(x->second));
   }
 }
@@ -443,6 +453,7 @@ void p2p::repeat_due(instant now) {
 
 void p2p::fail(const reliable_message& x, cause why) {
   ++counters_.messages_failed;
+  on_message_ended(x);
   events_.push_back(undelivered{x.request, x.destination, x.port, x.content->head, why});
 }
 

@@ -28,6 +28,7 @@
 #include "peis/host_query.hpp"
 #include "peis/host_record.hpp"
 #include "peis/link.hpp"
+#include "peis/neighbour_budget.hpp"
 #include "peis/network_clock.hpp"
 #include "peis/outgoing_queue.hpp"
 #include "peis/p2p_events.hpp"
@@ -37,6 +38,19 @@
 #include "peis/trace.hpp"
 
 namespace rubicon::peis {
+
+/// How many entries tables may have that others fill (docs/security.md).
+struct table_limits {
+  std::size_t hosts = 4480;     ///< two routing tables of the greatest size
+  std::size_t routes = 4480;    ///< a link brings at most as many as are free
+  std::size_t contacts = 8192;  ///< how connecting to a host has gone
+  std::size_t heard_over = 128; ///< of each link
+  std::size_t answers = 4096;   ///< to questions about hosts, not acknowledged yet
+  std::size_t probes = 512;
+  std::uint64_t questions_per_second = 1000; ///< about hosts that nobody has described
+  duration table_gap = 250ms; ///< between two routing tables of a link, at least, in the long run
+  std::uint64_t routing_work_per_second = 100'000; ///< of all routing tables together
+};
 
 struct p2p_config {
   peer_id id;
@@ -54,12 +68,20 @@ struct p2p_config {
   unsigned broadcast_fanout = 0; ///< links a broadcast goes to beside those that want all; 0: all
 
   std::size_t links_max = 64; ///< a request beyond it is answered with whom else to ask (TCP-07)
-  std::size_t queue_capacity = 1024; ///< packages per link and class
+  std::size_t greetings_max = 48; ///< links beside these whose request has not come yet
+  queue_limits queue = {1024};    ///< of each link
   /// Octets handed out per link that the owner has not reported with on_link_sent(). 0: the owner
   /// takes everything at once and never reports.
   std::size_t link_window = 0;
   /// Links from this number on lead to other processes, which are not told of in-process addresses.
   link_id outside_from{std::numeric_limits<std::uint64_t>::max()};
+  budget_config budget; ///< of each neighbour
+  // One call handles so much work of what has come; the rest waits for on_time(), which is due at
+  // once. Links take turns.
+  work_units turn_work = 512;
+  work_units turn_quantum = 64;
+  std::size_t input_max = std::size_t{4} << 20U; ///< octets of a link kept meanwhile
+  table_limits tables;
   delivery_config reliable;
   reassembly_config assembly;
   duration ack_delay = 10ms;
@@ -114,6 +136,17 @@ struct p2p_counters {
   std::uint64_t duplicate_id = 0;        ///< signs that somebody else uses our id (RTE-08)
   std::uint64_t ids_yielded = 0;         ///< times that we left our id to another peer
   std::uint64_t rivals_refused = 0;      ///< claimed the id of a neighbour that is alive
+  std::uint64_t claims_refused = 0;      ///< said in the name of such a neighbour by others
+  // Limits of what neighbours may have us do or keep (docs/security.md).
+  std::uint64_t work = 0;               ///< charged beyond one unit a package
+  std::uint64_t held = 0;               ///< times that a link was not read until its turn came
+  std::uint64_t rests = 0;              ///< times that a neighbour was over its budget
+  std::uint64_t hosts_refused = 0;      ///< records, the table being full
+  std::uint64_t routes_refused = 0;     ///< ways to hosts beyond the table
+  std::uint64_t tables_put_off = 0;     ///< routing tables that came too fast; the newest counts
+  std::uint64_t questions_refused = 0;  ///< about hosts, too many answers being under way
+  std::uint64_t greetings_evicted = 0;  ///< links closed for others, their request being late
+  std::uint64_t newcomers_referred = 0; ///< told whom else to ask, all links being in use
   // Dropped on sending.
   std::uint64_t queue_full = 0;
   std::uint64_t early_drop = 0;
@@ -150,11 +183,22 @@ public:
   void on_bluetooth_scan(std::string_view adapter, std::span<const seen_device> seen, instant now);
   void on_hello_answer(std::string_view adapter, const bluetooth_address& address, byte_view octets,
                        instant now);
-  void on_link_octets(link_id link, byte_view octets, instant now);
+  void on_link_octets(link_id link, byte_view octets, instant now); ///< handled by serve_next()
   void on_link_sent(link_id link, std::size_t octets, instant now);
   void on_link_closed(link_id link, instant now);
   void on_time(instant now);
   [[nodiscard]] std::optional<instant> deadline() const;
+
+  /// Handles some of what links have brought: of one link, whose turn it is. To be called until it
+  /// returns false, then end_turn(); what is left then is due at once, or when its neighbour is
+  /// within its budget again.
+  bool serve_next(instant now);
+  [[nodiscard]] bool has_input() const { return !ready_.empty(); }
+  void end_turn(instant now);
+
+  /// What came over a link has cost us more than its receipt: the neighbour's budget pays. Nothing
+  /// for a link that is gone.
+  void charge(link_id link, work_units work, instant now);
 
   /// One message to one peer; how it ended comes as an event, at once for what is known at once.
   struct posting {
@@ -164,6 +208,7 @@ public:
     bool reliable = true;
     priority class_of_service = priority::normal;
     request_id id;
+    std::optional<link_id> for_neighbour = std::nullopt; ///< an answer to what came over this link
   };
   void send(posting x);
 
@@ -226,6 +271,15 @@ private:
     std::uint8_t cost = 0;
     stream_decoder decoder;
     page_collection pages;
+    std::optional<std::vector<routing_entry>> table; ///< whole, but came too soon
+    rate_limit table_rate;
+    std::deque<peer_id> heard;       ///< sources without a way, oldest first
+    bool waits = false;              ///< in ready_ or resting_
+    bool held = false;               ///< the owner was told not to read it
+    instant no_room_until;           ///< for hosts that it tells of
+    std::optional<instant> asked_at; ///< by the neighbour
+    bool named = false;              ///< the neighbour has told who it is
+    std::int64_t credit = 0;         ///< work that it may still have done this turn
     outgoing_queue queue;
     bytes preamble; ///< goes out before any package
     std::uint32_t counter = 0;
@@ -234,11 +288,13 @@ private:
     std::deque<std::pair<std::uint64_t, std::int32_t>> leaving;
     instant drained; ///< when octets were last reported as sent, or began to wait
     instant opened;
-    instant last_heard;
+    instant last_heard;  ///< a whole package
+    instant last_octets; ///< handled or not
     instant last_written;
     std::uint32_t request_flags = 0;
     std::optional<std::uint32_t> counter_heard; ///< of the neighbour's last package
     double loss = 0;
+    neighbour_budget budget;
     std::uint64_t octets_in = 0;
     std::uint64_t octets_out = 0;
     std::optional<heartbeat> beat; ///< the neighbour's last
@@ -309,6 +365,8 @@ private:
     instant deadline;
   };
 
+  static constexpr link_id by_announcement{std::numeric_limits<std::uint64_t>::max()};
+
   struct acquaintance {
     host_record record;
     bool announced = false;      ///< host_appeared was told
@@ -319,6 +377,7 @@ private:
     std::optional<instant> lost; ///< there has been no way to it since
     std::int32_t rival = 0;      ///< magic of a newcomer with its id that was refused; 0: none
     instant rival_first;         ///< when that began
+    link_id from = by_announcement; ///< the link that told of it first
   };
 
   /// A host that can be reached, and nobody has told who it is now.
@@ -327,6 +386,22 @@ private:
     bool misled = false;    ///< somebody remembers another incarnation of it
     instant next;           ///< question
   };
+
+  // p2p_input.cpp: whose turn it is
+  void serve_link(connection& from, instant now);
+  void queue_again(connection& x, bool more, instant now);
+  void spend(link_id link, work_units work);
+  [[nodiscard]] std::optional<instant> input_deadline() const;
+
+  // p2p_limits.cpp: what tables have room for
+  acquaintance* acquaint(peer_id id);
+  [[nodiscard]] bool has_room_for_host(link_id from);
+  void expire_hosts(instant now);
+  [[nodiscard]] bool may_answer(link_id from) const;
+  void on_message_ended(const reliable_message& x);
+  void note_heard(peer_id source, link_id over);
+  void evict_greeting();
+  [[nodiscard]] std::size_t open_links() const;
 
   // p2p_links.cpp: links, greeting, writing
   void accept(connection& from, byte_view request, instant now);
@@ -338,14 +413,16 @@ private:
   void watch_silence(const connection& x);
   [[nodiscard]] duration patience(const connection& x) const;
   [[nodiscard]] instant silence_deadline(const connection& x) const;
+  [[nodiscard]] instant drain_deadline(const connection& x) const;
   [[nodiscard]] bool has_room_for(const connect_request& request, instant now);
+  [[nodiscard]] bool replace_least(instant now);
   static void note_counter(connection& x, std::uint32_t counter);
   [[nodiscard]] bool write(connection& to, instant now);
   void count_drop(cause why);
 
   // p2p.cpp: packages
   void on_package(link_id from, const package_header& header, byte_view data, instant now);
-  void on_fragment(const package_header& header, byte_view data, instant now);
+  void on_fragment(link_id from, const package_header& header, byte_view data, instant now);
   void acknowledge(const package_header& header, instant now);
   void tell_neighbour(connection& to, std::uint16_t port, bytes data);
   void tell_host(peer_id to, link_id way, lane where, std::uint16_t port, bytes data);
@@ -358,17 +435,17 @@ private:
   void pump(peer_id destination);
   void repeat_due(instant now);
   void fail(const reliable_message& x, cause why);
-  [[nodiscard]] package_header fresh_header(package_type type, std::uint16_t port,
-                                            std::size_t length);
+  [[nodiscard]] package_header fresh_header(package_type type, std::uint16_t port);
   cause enqueue(connection& to, lane where, outgoing_package x);
   cause flood(const package_header& header, const std::shared_ptr<const message_octets>& content,
               std::optional<link_id> except);
   [[nodiscard]] std::optional<link_id> way_to(peer_id destination) const;
   [[nodiscard]] std::optional<link_id> any_way_to(peer_id destination) const;
-  void note_heard(peer_id source, link_id over);
 
   // p2p_hosts.cpp: routing and hosts
   void on_routing(link_id from, byte_view data, instant now);
+  void apply_table(connection& from, instant now);
+  void apply_tables(instant now);
   void apply(const routing_changes& changes, instant now);
   void send_routing(instant now);
   void send_routing_to(connection& to);
@@ -389,8 +466,8 @@ private:
   void ask_strangers(instant now);
   void ask_about(peer_id id, const stranger& x);
   void ask(peer_id id, std::int32_t magic, bool sealed);
-  [[nodiscard]] bool answer_query(const package_header& header, byte_view data);
-  [[nodiscard]] bool believes(const host_record_message& message) const;
+  [[nodiscard]] bool answer_query(link_id from, const package_header& header, byte_view data);
+  [[nodiscard]] bool believes(const host_record_message& message, instant now) const;
   void store_record(const host_record_message& message, instant now);
   void supersede(peer_id id, std::int32_t magic, instant now);
   void recall(acquaintance& x);
@@ -416,7 +493,7 @@ private:
   [[nodiscard]] bool merge_wanted() const;
   void manage(instant now);
   void measure_traffic(instant now);
-  void count_traffic(const package_header& header);
+  void count_traffic(const outgoing_package& x);
   [[nodiscard]] bool busy_with(peer_id host) const;
   void close_doubles(instant now);
   [[nodiscard]] bool force_by_traffic(instant now);
@@ -458,6 +535,10 @@ private:
   [[nodiscard]] std::optional<instant> identity_deadline() const;
   [[nodiscard]] std::optional<instant> yields_at() const;
   void yield_id(instant now);
+  [[nodiscard]] std::optional<link_id> living_link(peer_id id, std::optional<link_id> except,
+                                                   instant now) const;
+  [[nodiscard]] bool is_impersonation(link_id from, const package_header& header,
+                                      instant now) const;
   [[nodiscard]] bool refuse_rival(connection& from, const host_record& record, instant now);
   void tell_rivals(link_id from, const host_record& record);
   void tell_taken(connection& to, const host_record& by);
@@ -476,6 +557,16 @@ private:
   std::map<peer_id, stranger> strangers_;
   std::set<std::pair<instant, peer_id>> questions_; ///< to ask about them, by time
 
+  std::deque<link_id> ready_;                     ///< whose input waits, in turn
+  std::set<std::pair<instant, link_id>> resting_; ///< whose neighbour is over its budget
+  std::optional<link_id> serving_;                ///< whose package is being handled
+  std::optional<link_id> fed_;                    ///< whose octets are the caller's
+  work_units turn_work_ = 0;                      ///< of this call
+  work_meter work_;                               ///< of the package being handled
+  std::optional<instant> next_tables_;            ///< routing tables that came too soon are due
+  link_id last_table_;                            ///< applied
+  std::map<link_id, std::size_t> answers_;        ///< under way, by the link of the question
+  std::size_t answers_open_ = 0;
   std::map<peer_id, link_id> heard_over_; ///< where sources without a way were last heard
   std::map<std::uint16_t, transit_hook> transit_hooks_; ///< by port
   seen_ids seen_;
@@ -496,6 +587,8 @@ private:
   network_clock clock_;
   instant next_manager_;
   instant next_merge_;
+  instant last_merge_;
+  instant next_judgement_; ///< of links, for others that ask
   instant next_announcement_;
   instant last_measured_;                 ///< traffic
   unsigned first_announcements_ = 0;      ///< made, of those at the start
@@ -512,6 +605,9 @@ private:
   instant next_period_;
   std::optional<instant> next_trigger_;
   instant last_trigger_;
+  instant latest_;          ///< the latest time told
+  rate_limit routing_rate_; ///< work of all routing tables
+  rate_limit asking_rate_;  ///< questions about hosts
   std::optional<instant> next_silence_check_;
 
   events events_;

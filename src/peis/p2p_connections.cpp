@@ -9,11 +9,11 @@ namespace rubicon::peis {
 
 namespace {
 
-constexpr duration merge_soon = 500ms;    // after an attempt, while others wait
-constexpr duration news_jitter = 50ms;    // peers that start together do not all call at once
-constexpr duration young_for = 10s;       // a link is not judged before (peis-wire.md 14)
-constexpr duration unreachable_for = 60s; // an announced host that is heard no more is forgotten
-constexpr duration former_for = 10min;    // a lost host is looked for as long as this
+constexpr duration merge_soon = 500ms; // after an attempt, while others wait
+constexpr duration news_jitter = 50ms; // peers that start together do not all call at once
+constexpr duration young_for = 10s;    // a link is not judged before (peis-wire.md 14)
+constexpr duration merge_gap = 50us;   // for each host that must be looked at
+constexpr duration former_for = 10min; // a lost host is looked for as long as this
 constexpr std::size_t former_max = 256;
 constexpr unsigned tries_max = 30;       // seconds between two tries of a host, at most
 constexpr unsigned lost_tries_max = 2;   // the same, of one to which there is no way
@@ -41,7 +41,7 @@ void p2p::connect(const std::string& url, attempt x, instant now) {
 /// One of the addresses that can be reached from here, at random.
 bool p2p::connect_host(const host_record& record, std::uint32_t flags, instant now) {
   const auto urls = urls_to(record);
-  if (urls.empty() || connections_.size() + attempts_.size() >= config_.links_max)
+  if (urls.empty() || open_links() + attempts_.size() >= config_.links_max)
     return false;
   const auto& url = urls[urls.size() == 1 ? 0 : dice_.below(urls.size())];
   connect(url, {flags, record.id, std::nullopt, {}}, now);
@@ -49,6 +49,13 @@ bool p2p::connect_host(const host_record& record, std::uint32_t flags, instant n
 }
 
 void p2p::note_contact(peer_id host, instant now) {
+  if (contacts_.size() >= config_.tables.contacts && !contacts_.contains(host)) {
+    std::erase_if(contacts_, [now](const auto& x) {
+      return x.second.last + std::chrono::seconds(x.second.tries) <= now;
+    });
+    if (contacts_.size() >= config_.tables.contacts)
+      return; // it may be tried sooner than it should
+  }
   auto& x = contacts_[host];
   x.tries = std::min(x.tries + 1, tries_max);
   x.last = now;
@@ -120,11 +127,10 @@ void p2p::tend_standing(instant now) {
 /// D1.1 3.1.6.5: force a connection to a host in a lower cluster; to one in a higher cluster only
 /// if that side does not manage it, and to one that was lost whatever its cluster was.
 void p2p::merge_clusters(instant now) {
+  last_merge_ = now;
   next_merge_ = now + config_.connections.cluster_period;
   std::erase_if(former_, [&](const auto& x) { return x.second.lost + former_for <= now; });
-  std::erase_if(hosts_, [&](const auto& x) {
-    return !x.second.announced && !reachable(x.first) && x.second.heard + unreachable_for <= now;
-  });
+  expire_hosts(now);
   std::vector<const host_record*> foreign;
   const auto consider = [&](const host_record& record, bool at_once) {
     if (reachable(record.id) || !may_try(record.id, lost_tries_max, now) || urls_to(record).empty())
@@ -145,7 +151,9 @@ void p2p::merge_clusters(instant now) {
 }
 
 void p2p::hasten_merge(instant now) {
-  next_merge_ = std::min(next_merge_, now + dice_.between(duration(0), news_jitter));
+  const auto soon = now + dice_.between(duration(0), news_jitter);
+  next_merge_ = std::min(next_merge_,
+                         std::max(soon, last_merge_ + static_cast<int>(hosts_.size()) * merge_gap));
 }
 
 /// CLU-01, CLU-03.
@@ -179,8 +187,8 @@ bool p2p::busy_with(peer_id host) const {
 }
 
 /// What goes to one peer, whoever sent it, without the network's own services (CM-02).
-void p2p::count_traffic(const package_header& header) {
-  switch (header.port) {
+void p2p::count_traffic(const outgoing_package& x) {
+  switch (x.header.port) {
   case port::trace:
   case port::trace_reply:
   case port::dead_host:
@@ -189,7 +197,8 @@ void p2p::count_traffic(const package_header& header) {
   case port::acknowledgements:
     return;
   }
-  traffic_[header.destination].octets += header_size + header.length;
+  if (traffic_.size() < config_.tables.routes || traffic_.contains(x.header.destination))
+    traffic_[x.header.destination].octets += header_size + x.length();
 }
 
 void p2p::manage(instant now) {
@@ -215,7 +224,7 @@ void p2p::close_doubles(instant now) {
     return a.always() != b.always() ? a.always() : a.opened < b.opened;
   };
   for (const auto& [link, x] : connections_) {
-    if (!x.open || !x.neighbour || (is_marked(x) && *x.neighbour < self_.id))
+    if (!x.open || !x.named || (is_marked(x) && *x.neighbour < self_.id))
       continue;
     auto& best = kept[*x.neighbour];
     if (best == nullptr) {
@@ -269,7 +278,7 @@ std::vector<host_option> p2p::host_options(instant now) const {
 }
 
 std::uint8_t p2p::own_connections() const {
-  return static_cast<std::uint8_t>(std::min<std::size_t>(connections_.size(), connections_max));
+  return static_cast<std::uint8_t>(std::min<std::size_t>(open_links(), connections_max));
 }
 
 /// Every peer says three times that it has come. From then on only the one with the lowest id of
@@ -308,17 +317,19 @@ void p2p::on_announcement(byte_view octets, instant now) {
   ++counters_.announcements_received;
   if (sender.host_name == self_.host_name && sender.id < self_.id)
     unheard_announcements_ = 0;
-  const auto known = hosts_.find(sender.id);
-  const bool is_new = known == hosts_.end();
-  if (!is_new && known->second.record.magic != sender.magic) {
+  const bool is_new = !hosts_.contains(sender.id);
+  if (const auto at = hosts_.find(sender.id);
+      at != hosts_.end() && at->second.record.magic != sender.magic) {
     if (reachable(sender.id))
       return; // a route, or its own word, tells which of the two is there
-    supersede(sender.id, known->second.record.magic, now);
+    supersede(sender.id, at->second.record.magic, now);
   }
-  auto& x = hosts_[sender.id];
-  x.heard = x.own_word = now;
-  x.record = sender;
-  recall(x);
+  auto* known = acquaint(sender.id);
+  if (known == nullptr)
+    return;
+  known->heard = known->own_word = now;
+  known->record = sender;
+  recall(*known);
   if (is_new && !reachable(sender.id))
     hasten_merge(now);
 }

@@ -25,6 +25,14 @@ struct close_link {
   close_cause why;
 };
 
+/// Whether more octets of a link are wanted now. While they are not, what it has brought waits for
+/// its turn or its neighbour is over its budget: a medium that can stops reading, so that the rest
+/// waits at the other end. What comes nevertheless is kept, up to p2p_config::input_max.
+struct read_link {
+  link_id link;
+  bool wanted = true;
+};
+
 /// A link to this address is wanted: try it, then call on_link_open() or on_attempt_failed() with
 /// the attempt's name. The kernel itself gives up after its connect_timeout, and then ignores both.
 struct connect_to {
@@ -52,6 +60,7 @@ struct arrived {
   std::uint16_t port = 0;
   peer_id source;
   bool broadcast = false;
+  link_id from; ///< over which it, or its last part, came: who is charged for what it costs
   bytes octets;
 };
 
@@ -104,9 +113,9 @@ struct forgotten_by {
   peer_id host;
 };
 
-using event = std::variant<to_link, close_link, connect_to, announce, host_appeared, host_vanished,
-                           arrived, delivered, undelivered, forgotten_by, traced, id_taken,
-                           intercepted, scan_adapter, say_hello, device_noted>;
+using event = std::variant<to_link, close_link, read_link, connect_to, announce, host_appeared,
+                           host_vanished, arrived, delivered, undelivered, forgotten_by, traced,
+                           id_taken, intercepted, scan_adapter, say_hello, device_noted>;
 using events = std::vector<event>;
 
 } // namespace rubicon::peis

@@ -8,6 +8,7 @@ namespace rubicon::peis {
 
 namespace {
 
+constexpr std::size_t entries_per_work = 8;
 constexpr int burial_periods = 3; ///< how long stale news of a host that left are ignored
 /// A real kernel that has had no way to us for 30 s has forgotten our subscriptions (peis-wire.md
 /// 9.5); what we miss of the time and it does not is less than half of it.
@@ -35,9 +36,62 @@ void p2p::on_routing(link_id from, byte_view data, instant now) {
     entries.insert(entries.end(), part->entries.begin(), part->entries.end());
   }
   collection.pages.clear();
-  apply(routing_.on_table(from, x.cost, entries, now), now);
+  const bool in_time = x.table_rate.free_at() <= now && routing_rate_.free_at() <= now;
+  counters_.tables_put_off += in_time ? 0 : 1;
+  x.table = std::move(entries);
+  if (in_time)
+    apply_table(x, now);
+  else
+    next_tables_ =
+        earliest(next_tables_, std::max(x.table_rate.free_at(), routing_rate_.free_at()));
+}
+
+/// What a table costs is not for its neighbour alone to pay: it may send the same, in which all
+/// changes, again and again. The newest is applied when its time has come.
+void p2p::apply_table(connection& from, instant now) {
+  const auto entries = std::move(*std::exchange(from.table, std::nullopt));
+  from.table_rate.take(1, now);
+  const auto outer = std::exchange(serving_, from.id);
+  const auto changes = routing_.on_table(from.id, from.cost, entries, now);
+  counters_.routes_refused += routing_.take_refused();
+  const auto work = entries.size() / entries_per_work + changes.size() * connections_.size() / 2;
+  routing_rate_.take(work, now);
+  work_.add(work);
+  apply(changes, now);
+  for (const auto host : routing_.take_evicted()) {
+    if (!reachable(host))
+      delete_host(host, dead_host_message::reason::route, now);
+  }
   if (routing_.take_overtaken())
     trigger_routing(now);
+  serving_ = outer;
+}
+
+/// Those that came too soon, one link after the other.
+void p2p::apply_tables(instant now) {
+  if (!next_tables_ || now < *next_tables_)
+    return;
+  next_tables_.reset();
+  std::vector<link_id> waiting;
+  for (const auto& [link, x] : connections_) {
+    if (x.table)
+      waiting.push_back(link);
+  }
+  const auto first = std::ranges::upper_bound(waiting, last_table_);
+  std::rotate(waiting.begin(), first, waiting.end());
+  for (const auto link : waiting) {
+    const auto at = connections_.find(link);
+    if (at == connections_.end() || !at->second.table)
+      continue;
+    const auto due = std::max(at->second.table_rate.free_at(), routing_rate_.free_at());
+    if (due > now) {
+      next_tables_ = earliest(next_tables_, due);
+      continue;
+    }
+    last_table_ = link;
+    apply_table(at->second, now);
+    static_cast<void>(work_.take()); // nobody is being served
+  }
 }
 
 /// Only reachability spreads at once: a mere change of preference would echo round every cycle.
@@ -91,6 +145,7 @@ void p2p::on_period(instant now) {
   for (const auto id : routing_.age(now))
     delete_host(id, dead_host_message::reason::route, now);
   send_routing(now);
+  expire_hosts(now);
   review_hosts(now);
 }
 
@@ -132,6 +187,7 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
   if (is_neighbour) {
     x.cost = same_host ? config_.cost_same_host : config_.cost_other_host;
     x.magic = record.magic;
+    x.named = true;
     bind_neighbour(x, record.id, now);
   }
   store_record(*message, now);
@@ -188,7 +244,8 @@ void p2p::on_dead_host(const package_header& header, byte_view data, instant now
       delete_host(message->host, dead_host_message::reason::message, now);
     } else { // it has given us up, but it is there: both begin anew (peis-wire.md 11)
       forget_host(message->host);
-      note_stranger(message->host, now);
+      if (reachable(message->host))
+        note_stranger(message->host, now);
     }
     break;
   case dead_host_message::reason::reborn:

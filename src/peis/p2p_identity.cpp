@@ -112,6 +112,36 @@ void p2p::yield_id(instant now) {
   next_trigger_.reset();
 }
 
+/// A link whose other end is a host of our kind, as we know it, that was heard just now; what waits
+/// to be handled counts.
+std::optional<link_id> p2p::living_link(peer_id id, std::optional<link_id> except,
+                                        instant now) const {
+  const auto known = hosts_.find(id);
+  if (known == hosts_.end() || !known->second.record.marked || !neighbours_.contains(id))
+    return std::nullopt;
+  const auto at = std::ranges::find_if(connections_, [&](const auto& entry) {
+    const auto& x = entry.second;
+    return x.id != except && x.open && x.named && x.neighbour == id &&
+           x.magic == known->second.record.magic && now - x.last_octets < alive_within;
+  });
+  return at == connections_.end() ? std::nullopt : std::optional(at->first);
+}
+
+/// What a neighbour that is alive says of itself comes over its own link.
+bool p2p::is_impersonation(link_id from, const package_header& header, instant now) const {
+  if (header.port != port::dead_host && header.port != port::host_record)
+    return false;
+  const auto known = hosts_.find(header.source);
+  if (known == hosts_.end() || !neighbours_.contains(header.source))
+    return false;
+  const auto& x = connections_.at(from);
+  const bool introduces_itself = !x.named && header.port == port::host_record;
+  const bool is_its_own =
+      x.named && x.neighbour == header.source && x.magic == known->second.record.magic;
+  const bool believed = header.hops <= 1 && (introduces_itself || is_its_own);
+  return !believed && living_link(header.source, from, now);
+}
+
 /// A newcomer with the id of a neighbour that was heard just now is sent away; after a restart the
 /// earlier incarnation has been silent when its successor tries again.
 bool p2p::refuse_rival(connection& from, const host_record& record, instant now) {
@@ -120,12 +150,8 @@ bool p2p::refuse_rival(connection& from, const host_record& record, instant now)
       known->second.record.magic == record.magic)
     return false;
   const auto& owner = known->second.record;
-  const auto alive = std::ranges::find_if(connections_, [&](const auto& at) {
-    const auto& x = at.second;
-    return x.id != from.id && x.open && x.neighbour == record.id && x.magic == owner.magic &&
-           now - x.last_heard < alive_within;
-  });
-  if (alive == connections_.end())
+  const auto alive = living_link(record.id, from.id, now);
+  if (!alive)
     return false;
   ++counters_.rivals_refused;
   ++counters_.links_refused;
@@ -133,7 +159,7 @@ bool p2p::refuse_rival(connection& from, const host_record& record, instant now)
   if (std::exchange(x.rival, record.magic) != record.magic)
     x.rival_first = now;
   if (x.rival_first + alive_within <= now) { // a successor would be in by now
-    tell_taken(alive->second, record);
+    tell_taken(connections_.at(*alive), record);
     tell_taken(from, owner);
     static_cast<void>(write(from, now));
   }

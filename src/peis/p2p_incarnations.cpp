@@ -15,15 +15,13 @@ namespace rubicon::peis {
 namespace {
 
 constexpr duration first_wait = 1s;           ///< for an answer; doubles, up to the routing period
-constexpr std::size_t strangers_max = 4096;   ///< others have their turn when these are known
 constexpr std::size_t questions_at_once = 64; ///< of one occasion
+constexpr work_units rebirth_work = 500;
 constexpr int doubted_periods = 3; ///< what is no news of an earlier incarnation is ignored so long
 
 } // namespace
 
 void p2p::note_stranger(peer_id id, instant now) {
-  if (strangers_.size() >= strangers_max && !strangers_.contains(id))
-    return;
   const auto [at, is_new] = strangers_.try_emplace(id);
   if (!is_new)
     return;
@@ -65,7 +63,8 @@ bool p2p::knows_present(peer_id id) const {
 
 void p2p::ask_strangers(instant now) {
   for (std::size_t i = 0; i < questions_at_once; ++i) {
-    if (questions_.empty() || questions_.begin()->first > now || left_)
+    if (questions_.empty() || questions_.begin()->first > now || asking_rate_.free_at() > now ||
+        left_)
       return;
     const auto id = questions_.begin()->second;
     if (knows_present(id) || !reachable(id)) {
@@ -75,6 +74,7 @@ void p2p::ask_strangers(instant now) {
     auto& x = strangers_.at(id);
     questions_.erase(questions_.begin());
     ask_about(id, x);
+    asking_rate_.take(1, now);
     const duration wait = first_wait * (1U << std::min(x.questions++, 8U));
     x.next = now + std::min(wait, config_.routing_period);
     questions_.emplace(x.next, id);
@@ -103,7 +103,7 @@ void p2p::ask(peer_id id, std::int32_t magic, bool sealed) {
   for (const auto& way : {direct, routed == direct ? std::nullopt : routed}) {
     if (!way)
       continue;
-    auto header = fresh_header(package_type::direct, port::host_query, content->size());
+    auto header = fresh_header(package_type::direct, port::host_query);
     header.destination = id;
     if (sealed) {
       header.flags = package_flag::bulk;
@@ -116,7 +116,7 @@ void p2p::ask(peer_id id, std::int32_t magic, bool sealed) {
 
 /// Answers for ourselves or, if we know who is there now, for the destination of a passing
 /// question. @returns false if we have no answer
-bool p2p::answer_query(const package_header& header, byte_view data) {
+bool p2p::answer_query(link_id from, const package_header& header, byte_view data) {
   const auto query = decode_host_query(data);
   if (!query) {
     ++counters_.malformed;
@@ -128,17 +128,22 @@ bool p2p::answer_query(const package_header& header, byte_view data) {
   const auto& record = *find_host(header.destination);
   if (!about_me && query->magic != any_magic && query->magic != record.magic)
     return false;
+  if (!may_answer(from)) {
+    ++counters_.questions_refused;
+    return about_me;
+  }
   send({header.source,
         port::host_record,
         {encode(host_record_message{record, !about_me}), {}},
         true,
         priority::high,
-        no_request});
+        no_request,
+        from});
   return true;
 }
 
 /// Does this tell who is there now?
-bool p2p::believes(const host_record_message& message) const {
+bool p2p::believes(const host_record_message& message, instant now) const {
   const auto& record = message.record;
   const auto* way = routing_.find(record.id);
   const bool routed = way != nullptr && !way->lost();
@@ -151,13 +156,15 @@ bool p2p::believes(const host_record_message& message) const {
     return true;
   if (message.cached)
     return fits && way->news > known.own_word;
+  if (living_link(record.id, std::nullopt, now))
+    return false; // hearsay; who comes over a link of its own has been judged by refuse_rival()
   // Its own word, but perhaps one that was long under way.
   return record.magic != known.before || !routed || way->magic != known.record.magic;
 }
 
 void p2p::store_record(const host_record_message& message, instant now) {
   const auto& record = message.record;
-  if (!believes(message)) {
+  if (!believes(message, now)) {
     const auto asked = strangers_.find(record.id);
     if (asked != strangers_.end() && !std::exchange(asked->second.misled, true)) {
       questions_.erase({asked->second.next, record.id});
@@ -168,11 +175,18 @@ void p2p::store_record(const host_record_message& message, instant now) {
   }
   const auto known = hosts_.find(record.id);
   std::int32_t before = 0;
+  std::optional<link_id> from;
   if (known != hosts_.end() && known->second.record.magic != record.magic) {
     before = known->second.record.magic;
+    from = known->second.from; // the place in the table stays its own
+    work_.add(rebirth_work);
     supersede(record.id, before, now);
+    hosts_[record.id].from = *from;
   }
-  auto& stored = hosts_[record.id];
+  auto* place = acquaint(record.id);
+  if (place == nullptr)
+    return;
+  auto& stored = *place;
   stored.record = record;
   stored.heard = now;
   if (!message.cached)

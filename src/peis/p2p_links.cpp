@@ -8,8 +8,12 @@ namespace rubicon::peis {
 
 namespace {
 
-/// Slots above links_max, for those that are refused with a referral.
-constexpr std::size_t referral_slots = 16;
+std::uint64_t tables_per_second(const table_limits& x) {
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(1, 1s / x.table_gap));
+}
+
+constexpr duration judging_gap = 1s;
+constexpr duration naming_time = 5s;      ///< to say who one is, on a link that one has asked for
 constexpr duration lasting = 30s;         // a link that has been of use
 constexpr duration retry_after_loss = 1s; // a real kernel cuts a reborn peer off once (25.8)
 
@@ -21,8 +25,8 @@ void p2p::on_link_open(link_id link, link_role role, instant now,
     return;
   const auto asked = attempt_made ? attempts_.extract(*attempt_made) : attempts_node();
   const bool too_late = attempt_made && asked.empty();
-  if (connections_.size() >= config_.links_max + referral_slots || left_ || too_late ||
-      yielded_until_) {
+  const bool too_many = role == link_role::initiator && open_links() >= config_.links_max;
+  if (too_many || left_ || too_late || yielded_until_) {
     ++counters_.links_refused;
     events_.push_back(close_link{link, left_            ? close_cause::host_left
                                        : yielded_until_ ? close_cause::own_id
@@ -30,12 +34,17 @@ void p2p::on_link_open(link_id link, link_role role, instant now,
                                                         : close_cause::too_many_links});
     return;
   }
+  latest_ = now;
+  if (connections_.size() - open_links() >= config_.greetings_max)
+    evict_greeting();
   ++counters_.links_opened;
   auto& x = connections_[link];
   x.id = link;
   x.cost = config_.cost_other_host;
-  x.queue = outgoing_queue(config_.queue_capacity);
-  x.opened = x.last_heard = now;
+  x.queue = outgoing_queue(config_.queue);
+  x.table_rate = rate_limit(tables_per_second(config_.tables), 2s, 1s);
+  x.budget = neighbour_budget(config_.budget);
+  x.opened = x.last_heard = x.last_octets = now;
   x.beat_sent = now - 1h; // never yet
   if (!asked.empty()) {
     on_attempt_ended(asked.mapped(), true, now);
@@ -60,39 +69,6 @@ std::vector<link_view> p2p::links() const {
   return all;
 }
 
-void p2p::on_link_octets(link_id link, byte_view octets, instant now) {
-  auto at = connections_.find(link);
-  if (at == connections_.end())
-    return;
-  counters_.octets_received += octets.size();
-  at->second.octets_in += octets.size();
-  // What is decoded must outlive the connection, which a package may close.
-  auto decoder = std::move(at->second.decoder);
-  decoder.feed(octets);
-  if (!at->second.open) {
-    const auto request = decoder.take_connect_request();
-    if (request)
-      accept(at->second, *request, now);
-  }
-  for (;;) {
-    at = connections_.find(link);
-    if (at == connections_.end())
-      return;
-    auto package = at->second.open ? decoder.next() : std::nullopt;
-    if (!package)
-      break;
-    at->second.last_heard = now;
-    note_counter(at->second, package->header.counter);
-    on_package(link, package->header, package->data, now);
-  }
-  const bool broken = decoder.broken();
-  at->second.decoder = std::move(decoder);
-  if (broken) {
-    ++counters_.links_broken;
-    close(link, close_cause::bad_stream, now);
-  }
-}
-
 /// Decides on a connect request (peis-wire.md 3.2).
 void p2p::accept(connection& from, byte_view request, instant now) {
   const auto decoded = decode_connect_request(request);
@@ -113,6 +89,7 @@ void p2p::accept(connection& from, byte_view request, instant now) {
     why = close_cause::leaf;
   if (!why && !has_room_for(*decoded, now)) {
     why = close_cause::too_many_links;
+    ++counters_.newcomers_referred;
     refer_elsewhere(from, now);
   }
   if (why) {
@@ -124,6 +101,7 @@ void p2p::accept(connection& from, byte_view request, instant now) {
   }
   from.request_flags = decoded->flags;
   from.open = true;
+  from.asked_at = now;
   from.last_heard = now;
   bind_neighbour(from, decoded->id, now);
   greet(from);
@@ -131,21 +109,51 @@ void p2p::accept(connection& from, byte_view request, instant now) {
 
 /// May the peer that asks have a link? Closes another for it if that is worth less (CM-09).
 bool p2p::has_room_for(const connect_request& request, instant now) {
-  const auto open = std::count_if(connections_.begin(), connections_.end(),
-                                  [](const auto& x) { return x.second.open; });
-  if (static_cast<std::size_t>(open) >= config_.links_max)
-    return false;
-  const auto options = link_options(now);
+  if (open_links() >= config_.links_max)
+    return replace_least(now);
+  // What a link is worth takes a walk over all ways: only if it decides, and not for each who asks.
+  const bool judged =
+      (request.flags & connect_request::for_bandwidth) != 0 && now >= next_judgement_;
+  std::vector<link_option> options;
+  if (judged) {
+    options = link_options(now);
+  } else {
+    for (const auto& [link, x] : connections_) {
+      if (x.open && !x.always())
+        options.push_back({link, std::nullopt});
+    }
+  }
   switch (admit(request.flags, options, config_.connections)) {
   case admission::accept:
     return true;
   case admission::refuse:
+    next_judgement_ = judged ? now + judging_gap : next_judgement_;
     return false;
   case admission::replace_worst:
     close(worst_of(options)->link, close_cause::unneeded, now);
     return true;
   }
   return false;
+}
+
+/// All links are in use. One whose neighbour has asked for it and never said who it is goes, or one
+/// that leads nowhere that others do not lead; these are not judged anew for each who asks.
+bool p2p::replace_least(instant now) {
+  for (const auto& [link, x] : connections_) {
+    if (x.asked_at && *x.asked_at + naming_time <= now && !x.named) {
+      close(link, close_cause::nameless, now);
+      return true;
+    }
+  }
+  if (now < next_judgement_)
+    return false;
+  const auto worst = worst_of(link_options(now));
+  if (!worst) {
+    next_judgement_ = now + judging_gap;
+    return false;
+  }
+  close(worst->link, close_cause::unneeded, now);
+  return true;
 }
 
 /// Share of packages missed, as real kernels average it, here over packages instead of time.
@@ -166,10 +174,9 @@ void p2p::note_counter(connection& x, std::uint32_t counter) {
 void p2p::greet(connection& to) {
   const auto content = std::make_shared<const message_octets>(
       message_octets{encode(host_record_message{self_, false}), {}});
-  enqueue(to, lane::control,
-          {fresh_header(package_type::link, port::host_record, content->size()), content, 0});
+  enqueue(to, lane::control, {fresh_header(package_type::link, port::host_record), content, 0});
   if (routing_.routes().empty())
-    flood(fresh_header(package_type::broadcast, port::host_record, content->size()), content, {});
+    flood(fresh_header(package_type::broadcast, port::host_record), content, {});
   routing_.next_seqno();
   send_routing_to(to);
 }
@@ -238,6 +245,8 @@ void p2p::forget_link(link_id link, instant now) {
     }
   }
   std::erase_if(heard_over_, [link](const auto& x) { return x.second == link; });
+  if (gone.waits)
+    std::erase_if(resting_, [link](const auto& x) { return x.second == link; });
   apply(routing_.on_link_closed(link, now), now);
 }
 
@@ -251,8 +260,11 @@ duration p2p::patience(const connection& x) const {
 
 /// A link also falls silent when what it was given does not leave.
 instant p2p::silence_deadline(const connection& x) const {
-  const auto deaf = x.last_heard + patience(x);
-  return x.unreported > 0 ? std::min(deaf, x.drained + config_.link_timeout) : deaf;
+  return std::min(x.last_heard + patience(x), drain_deadline(x));
+}
+
+instant p2p::drain_deadline(const connection& x) const {
+  return x.unreported > 0 ? x.drained + config_.link_timeout : instant::max();
 }
 
 void p2p::watch_silence(const connection& x) {
@@ -265,7 +277,10 @@ void p2p::check_silence(instant now) {
   std::vector<std::pair<link_id, close_cause>> silent;
   next_silence_check_.reset();
   for (const auto& [link, x] : connections_) {
-    if (silence_deadline(x) <= now)
+    const bool waits = x.open && x.waits; // what it has said is still to be heard
+    if (waits && drain_deadline(x) > now)
+      next_silence_check_ = earliest(next_silence_check_, now + config_.heartbeat_timeout);
+    else if (waits || silence_deadline(x) <= now)
       silent.emplace_back(link, x.open ? close_cause::silent : close_cause::handshake_silent);
     else
       watch_silence(x);
@@ -307,11 +322,9 @@ bool p2p::write(connection& to, instant now) {
     const bool awaited = x->header.reliable() && x->header.source == self_.id;
     if (awaited && !delivery_.wanted(x->header.ack_id))
       continue;
-    x->header.counter = to.counter++;
-    encode(x->header, out);
-    x->content->append(x->offset, x->header.length, out);
-    if (to.id >= config_.outside_from && x->header.port == port::host_record)
-      hide_inproc(std::span(out).last(x->header.length));
+    encode(*x, to.counter++, out);
+    if (to.id >= config_.outside_from && x->header.port == port::host_record && x->offset == 0)
+      hide_inproc(std::span(out).last(x->length()));
     ++counters_.packages_sent;
     if (awaited && config_.link_window == 0)
       delivery_.on_transmitted(x->header.ack_id, now);

@@ -82,6 +82,8 @@ void p2p::on_heartbeat(connection& x, byte_view data, instant now) {
 
 void p2p::probe_unsound(instant now) {
   for (const auto host : routing_.take_unsound()) {
+    if (probes_.size() >= config_.tables.probes && !probes_.contains(host))
+      continue;
     if (probes_.try_emplace(host, open_probe{now + config_.probe_timeout, now}).second)
       next_probe_ = earliest(next_probe_, now);
   }
@@ -175,8 +177,7 @@ void p2p::on_trace(const package_header& header, byte_view data) {
   }
   message->hosts.push_back(self_.id);
   auto content = std::make_shared<const message_octets>(message_octets{encode(*message), {}});
-  auto next =
-      fresh_header(package_type::direct, mine ? port::trace_reply : header.port, content->size());
+  auto next = fresh_header(package_type::direct, mine ? port::trace_reply : header.port);
   next.destination = destination;
   if (!mine) {
     next.source = header.source;
@@ -203,13 +204,15 @@ void p2p::on_clock(link_id from, const package_header& header, byte_view data, i
                     now);
 }
 
-/// A clock broadcast goes on with the time that its last link took added.
+/// A clock broadcast goes on with the time that its last link took added. What follows the message
+/// goes on as it is.
 bytes p2p::clock_after(link_id from, byte_view data) const {
-  auto message = decode_clock(data);
-  if (!message)
-    return to_bytes(data);
-  message->under_way += connections_.at(from).one_way.value_or(0s);
-  return encode(*message);
+  auto octets = to_bytes(data);
+  if (auto message = decode_clock(data)) {
+    message->under_way += connections_.at(from).one_way.value_or(0s);
+    std::ranges::copy(encode(*message), octets.begin());
+  }
+  return octets;
 }
 
 void p2p::tell_time(instant now) {

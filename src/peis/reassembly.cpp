@@ -9,28 +9,43 @@ reassembly::group reassembly::group_of(const package_header& header) {
   return {header.source, header.seqid, header.port};
 }
 
-/// By how much the fragment would lengthen what is held.
-std::size_t reassembly::growth(const partial* x, const package_header& header) {
+/// Memory for all that has come and this fragment: twice as much as before when it must grow, but
+/// no more than the whole takes.
+std::size_t reassembly::capacity_for(const partial* x, const package_header& header) {
   const auto end = header.seqnum * data_max + header.length;
-  const auto have = x != nullptr ? x->octets.size() : 0;
-  return end > have ? end - have : 0;
+  const auto have = x != nullptr ? x->octets.capacity() : 0;
+  return end <= have ? have : std::max(end, std::min(2 * have, header.seqlen * data_max));
 }
 
-bool reassembly::accepts(const package_header& header) const {
+std::size_t reassembly::growth(const partial* x, const package_header& header) {
+  return capacity_for(x, header) - (x != nullptr ? x->octets.capacity() : 0);
+}
+
+bool reassembly::accepts(const package_header& header, link_id over) const {
   const auto known = messages_.find(group_of(header));
-  if (known == messages_.end())
-    return messages_.size() < config_.messages_max &&
-           octets_ + growth(nullptr, header) <= config_.octets_max;
-  return known->second.fragments == header.seqlen &&
-         octets_ + growth(&known->second, header) <= config_.octets_max;
+  const bool is_new = known == messages_.end();
+  if (!is_new && known->second.fragments != header.seqlen)
+    return false;
+  const auto added = growth(is_new ? nullptr : &known->second, header);
+  if (!is_new && added == 0)
+    return true;
+  const auto found = shares_.find(is_new ? over : known->second.over);
+  const auto held = found == shares_.end() ? share{} : found->second;
+  const bool has_slot = messages_.size() < config_.messages_max &&
+                        held.messages < config_.messages_max - messages_.size();
+  const bool has_memory = held.octets + octets_ + 2 * added <= config_.octets_max;
+  return (!is_new || has_slot) && has_memory;
 }
 
-std::optional<bytes> reassembly::add(const package_header& header, byte_view data, instant now) {
+std::optional<bytes> reassembly::add(const package_header& header, byte_view data, instant now,
+                                     link_id over) {
   const auto at = messages_.try_emplace(group_of(header)).first;
   auto& x = at->second;
   if (x.fragments == 0) {
     x.fragments = x.missing = header.seqlen;
     x.have.resize(header.seqlen);
+    x.over = over;
+    ++shares_[over].messages;
   }
   x.last = now;
   if (!next_check_)
@@ -40,13 +55,16 @@ std::optional<bytes> reassembly::add(const package_header& header, byte_view dat
   x.have[header.seqnum] = true;
   --x.missing;
   const auto offset = header.seqnum * data_max;
-  octets_ += growth(&x, header);
+  const auto before = x.octets.capacity();
+  x.octets.reserve(capacity_for(&x, header));
+  octets_ += x.octets.capacity() - before;
+  shares_[x.over].octets += x.octets.capacity() - before;
   if (x.octets.size() < offset + data.size())
     x.octets.resize(offset + data.size());
   std::copy(data.begin(), data.end(), x.octets.begin() + static_cast<std::ptrdiff_t>(offset));
   if (x.missing > 0)
     return std::nullopt;
-  octets_ -= x.octets.size();
+  release(x);
   auto whole = std::move(x.octets);
   messages_.erase(at);
   if (messages_.empty())
@@ -54,9 +72,18 @@ std::optional<bytes> reassembly::add(const package_header& header, byte_view dat
   return whole;
 }
 
+/// Its memory is no longer ours.
+void reassembly::release(const partial& x) {
+  octets_ -= x.octets.capacity();
+  const auto from = shares_.find(x.over);
+  from->second.octets -= x.octets.capacity();
+  if (--from->second.messages == 0)
+    shares_.erase(from);
+}
+
 std::map<reassembly::group, reassembly::partial>::iterator
 reassembly::erase(std::map<group, partial>::iterator at) {
-  octets_ -= at->second.octets.size();
+  release(at->second);
   return messages_.erase(at);
 }
 

@@ -11,26 +11,30 @@
 #include "core/bytes.hpp"
 #include "core/time.hpp"
 #include "peis/package.hpp"
+#include "peis/types.hpp"
 
 namespace rubicon::peis {
 
 struct reassembly_config {
   std::size_t messages_max = 512;       ///< at once
-  std::size_t octets_max = 64UL << 20U; ///< of all of them together
+  std::size_t octets_max = 96UL << 20U; ///< of memory, for all of them together
   duration timeout = 10s;               ///< after the last fragment
 };
 
 /// Keyed by source, fragment group and port, so that two senders never mix (a real kernel's do).
+/// The messages of a link may take as much of either limit as is free beside them: one link half,
+/// so that there is room for those of others.
 class reassembly {
 public:
   reassembly() = default;
   explicit reassembly(reassembly_config config) : config_(config) {}
 
   /// Would this fragment be taken? Not when memory is used up, nor when it contradicts the others.
-  [[nodiscard]] bool accepts(const package_header& header) const;
+  [[nodiscard]] bool accepts(const package_header& header, link_id over = {}) const;
 
   /// Adds a fragment; returns the message that it completes. @pre accepts(header), is_legal(header)
-  [[nodiscard]] std::optional<bytes> add(const package_header& header, byte_view data, instant now);
+  [[nodiscard]] std::optional<bytes> add(const package_header& header, byte_view data, instant now,
+                                         link_id over = {});
 
   /// Forgets what a host has begun to send.
   void drop(peer_id source);
@@ -40,6 +44,7 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const { return next_check_; }
 
   [[nodiscard]] std::size_t size() const { return messages_.size(); }
+  [[nodiscard]] std::size_t octets() const { return octets_; } ///< of memory
 
 private:
   struct group {
@@ -53,17 +58,26 @@ private:
   struct partial {
     std::uint16_t fragments = 0;
     std::uint16_t missing = 0;
+    link_id over; ///< over which it began to come
     bytes octets; ///< grows as far as fragments have come
     std::vector<bool> have;
     instant last;
   };
 
   static group group_of(const package_header& header);
+  struct share {
+    std::size_t messages = 0;
+    std::size_t octets = 0;
+  };
+
+  [[nodiscard]] static std::size_t capacity_for(const partial* x, const package_header& header);
   [[nodiscard]] static std::size_t growth(const partial* x, const package_header& header);
+  void release(const partial& x);
   std::map<group, partial>::iterator erase(std::map<group, partial>::iterator at);
 
   reassembly_config config_;
   std::map<group, partial> messages_;
+  std::map<link_id, share> shares_;
   std::size_t octets_ = 0;
   std::optional<instant> next_check_;
 };

@@ -8,8 +8,10 @@ namespace rubicon::peis {
 
 namespace {
 
+constexpr std::size_t graves_max = 4096;
 constexpr std::uint8_t lost_first = 250;
-constexpr std::uint8_t lost_last = 254; // three periods later (RTE-07)
+constexpr std::int32_t seqno_believed_max = 1 << 30; // 17 years of two sendings a second
+constexpr std::uint8_t lost_last = 254;              // three periods later (RTE-07)
 
 /// Can the offered way not lead through us, given what the last way was?
 bool is_sound(const route& last, std::uint8_t last_hops, const route& offered) {
@@ -42,7 +44,10 @@ void routing_table::keep_age(link_table& fresh, const link_table& last) {
 }
 
 void routing_table::erase_from(link_table& table, peer_id host) {
-  std::erase_if(table, [host](const auto& x) { return x.first == host; });
+  const auto at = std::lower_bound(table.begin(), table.end(), host,
+                                   [](const auto& x, peer_id id) { return x.first < id; });
+  if (at != table.end() && at->first == host)
+    table.erase(at);
 }
 
 routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
@@ -70,6 +75,7 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
 
   // Both are sorted: one walk finds new hosts, other ways, and ways that are told no more.
   routing_changes changes;
+  auto room = room_for(link);
   auto known = routes_.begin();
   const auto pass = [&](peer_id until) {
     for (; known != routes_.end() && known->first < until; ++known) {
@@ -80,6 +86,11 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
   for (const auto& [host, offered] : table) {
     pass(host);
     if (known == routes_.end() || known->first != host) {
+      if (room == 0) {
+        ++refused_;
+        continue;
+      }
+      --room;
       routes_.emplace_hint(known, host, offered);
       changes.push_back({host, routing_change::kind::appeared});
     } else {
@@ -91,11 +102,32 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
   return changes;
 }
 
+/// How many more hosts this link may bring: as many as it has ways to, at most, are free. Ways that
+/// are lost make room.
+std::size_t routing_table::room_for(link_id link) {
+  const auto unlimited = std::numeric_limits<std::size_t>::max();
+  if (routes_max_ == unlimited || routes_.size() + by_link_[link].size() < routes_max_ / 2)
+    return unlimited;
+  std::vector<peer_id> lost;
+  std::size_t held = 0;
+  for (const auto& [host, known] : routes_) {
+    held += known.via == link ? 1 : 0;
+    if (known.lost() && !marked_.contains(host))
+      lost.push_back(host);
+  }
+  for (const auto host : lost) {
+    routes_.erase(host);
+    unsound_.erase(host);
+  }
+  evicted_.insert(evicted_.end(), lost.begin(), lost.end());
+  const auto free = routes_max_ - std::min(routes_max_, routes_.size());
+  return free > held ? (free - held) / 2 : 0;
+}
+
 /// A neighbour may know an earlier incarnation of ours with a higher number, which would hide our
 /// ways until we have caught up (peis-wire.md 9.6).
 void routing_table::note_own(const routing_entry& entry) {
-  constexpr auto seqno_max = std::numeric_limits<std::int32_t>::max() / 2; // nobody counts so far
-  if (entry.magic != magic_ && entry.seqno >= seqno_ && entry.seqno < seqno_max) {
+  if (entry.magic != magic_ && entry.seqno >= seqno_ && entry.seqno <= seqno_believed_max) {
     seqno_ = entry.seqno;
     overtaken_ = true;
   }
@@ -143,7 +175,7 @@ void routing_table::take(peer_id host, route& known, const route& offered) {
   known = offered;
   if (!news)
     known.news = std::min(heard, offered.news);
-  lost_at_.erase(host);
+  forget_loss(host);
 }
 
 void routing_table::lose(peer_id host, route& lost, instant now, routing_changes& changes) {
@@ -167,7 +199,7 @@ void routing_table::let_go(peer_id host, route& lost, instant now, routing_chang
   lost.hops = lost_first;
   unsound_.erase(host);
   if (marked_.contains(host))
-    lost_at_.try_emplace(host, now);
+    note_loss(host, now);
   changes.push_back({host, routing_change::kind::lost});
 }
 
@@ -222,23 +254,40 @@ std::vector<peer_id> routing_table::lost_since(instant then) const {
 }
 
 std::optional<instant> routing_table::first_loss() const {
-  std::optional<instant> first;
-  for (const auto& [host, when] : lost_at_)
-    first = earliest(first, when);
-  return first;
+  return losses_.empty() ? std::nullopt : std::optional(losses_.begin()->first);
+}
+
+void routing_table::note_loss(peer_id host, instant now) {
+  if (lost_at_.try_emplace(host, now).second)
+    losses_.emplace(now, host);
+}
+
+void routing_table::forget_loss(peer_id host) {
+  const auto lost = lost_at_.find(host);
+  if (lost == lost_at_.end())
+    return;
+  losses_.erase({lost->second, host});
+  lost_at_.erase(lost);
 }
 
 void routing_table::erase(peer_id host) {
   routes_.erase(host);
   marked_.erase(host);
   unsound_.erase(host);
-  lost_at_.erase(host);
+  forget_loss(host);
   for (auto& [link, table] : by_link_)
     erase_from(table, host);
 }
 
 void routing_table::bury(peer_id host, std::int32_t magic, instant until) {
-  graves_[host] = {magic, std::numeric_limits<std::int32_t>::max(), until};
+  dig(host, {magic, std::numeric_limits<std::int32_t>::max(), until});
+}
+
+void routing_table::dig(peer_id host, const burial& grave) {
+  if (graves_.size() >= graves_max && !graves_.contains(host))
+    graves_.erase(
+        std::ranges::min_element(graves_, {}, [](const auto& x) { return x.second.until; }));
+  graves_[host] = grave;
 }
 
 void routing_table::doubt(peer_id host, std::int32_t magic, instant until) {
@@ -250,7 +299,7 @@ void routing_table::doubt(peer_id host, std::int32_t magic, instant until) {
   consider(find(host));
   for (const auto& [link, table] : by_link_)
     consider(offer_in(table, host));
-  graves_[host] = {magic, newest.value_or(std::numeric_limits<std::int32_t>::max()), until};
+  dig(host, {magic, newest.value_or(std::numeric_limits<std::int32_t>::max()), until});
 }
 
 const route* routing_table::find(peer_id host) const {

@@ -1,7 +1,9 @@
 // Who can be reached over which link (peis-wire.md 9, A8).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -57,12 +59,20 @@ public:
   routing_table() = default;
 
   /// @param metric_limit ways of this many hops or more count as none
-  routing_table(peer_id self, std::int32_t magic, std::uint8_t metric_limit)
-      : self_(self), magic_(magic), metric_limit_(metric_limit) {}
+  /// @param routes_max further hosts are not taken up; a link brings at most as many as are free
+  routing_table(peer_id self, std::int32_t magic, std::uint8_t metric_limit,
+                std::size_t routes_max = std::numeric_limits<std::size_t>::max())
+      : self_(self), magic_(magic), metric_limit_(metric_limit), routes_max_(routes_max) {}
 
   /// A neighbour's whole table has arrived over a link of this cost (peis-wire.md 9.4).
   [[nodiscard]] routing_changes on_table(link_id link, std::uint8_t cost,
                                          std::span<const routing_entry> entries, instant now);
+
+  /// Hosts of that table for which there was no room, since the last call.
+  [[nodiscard]] std::size_t take_refused() { return std::exchange(refused_, 0); }
+
+  /// Hosts whose lost ways made room since the last call; they may have been found again.
+  [[nodiscard]] std::vector<peer_id> take_evicted() { return std::exchange(evicted_, {}); }
 
   [[nodiscard]] routing_changes on_link_closed(link_id link, instant now);
 
@@ -116,6 +126,11 @@ public:
   [[nodiscard]] std::vector<routing_entry> table_for(link_id link, std::uint8_t connections) const;
 
 private:
+  struct burial {
+    std::int32_t magic;
+    std::int32_t seqno; ///< newer news are believed
+    instant until;
+  };
   using link_table = std::vector<std::pair<peer_id, route>>; ///< ascending by host
 
   [[nodiscard]] static const route* offer_in(const link_table& table, peer_id host);
@@ -128,24 +143,27 @@ private:
              routing_changes& changes);
   void lose(peer_id host, route& lost, instant now, routing_changes& changes);
   void let_go(peer_id host, route& lost, instant now, routing_changes& changes);
+  [[nodiscard]] std::size_t room_for(link_id link);
+  void dig(peer_id host, const burial& grave);
+  void note_loss(peer_id host, instant now);
+  void forget_loss(peer_id host);
   void take(peer_id host, route& known, const route& offered);
 
   peer_id self_;
   std::int32_t magic_ = 0;
   std::uint8_t metric_limit_ = 0;
+  std::size_t routes_max_ = 0;
+  std::size_t refused_ = 0;
+  std::vector<peer_id> evicted_;
   std::int32_t seqno_ = 0;
   bool overtaken_ = false;
   std::map<peer_id, route> routes_;
   std::map<link_id, link_table> by_link_;
-  struct burial {
-    std::int32_t magic;
-    std::int32_t seqno; ///< newer news are believed
-    instant until;
-  };
   std::map<peer_id, burial> graves_;
   std::set<peer_id> marked_;
   std::set<peer_id> unsound_;
-  std::map<peer_id, instant> lost_at_; ///< marked ones
+  std::map<peer_id, instant> lost_at_;           ///< marked ones
+  std::set<std::pair<instant, peer_id>> losses_; ///< the same, by time
 };
 
 } // namespace rubicon::peis

@@ -1,13 +1,12 @@
 // Finds the subscriptions that a key concerns without looking at the others (TUP-20).
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
-#include <iterator>
+#include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -15,135 +14,144 @@
 
 namespace rubicon::peis {
 
-/// Records under the key or pattern they ask for: exact keys in a hash table, patterns by their
-/// number of parts (0 for those that match every key) and, in another table, by their first part
-/// unless that is a wildcard. Within each, in the order of insertion.
+/// Records under the key or pattern they ask for, in a tree with one level for each part: a key
+/// goes two ways at each level, that of its part and that of the wildcard, so what it finds costs
+/// at most 2^7 leaves, however many records there are and whatever their keys. Within a leaf, in
+/// the order of insertion. Trees are ordered: nobody can choose keys that collide.
 template <class Record>
 class subscription_index {
 public:
+  subscription_index() = default;
+  subscription_index(subscription_index&&) noexcept = default;
+  subscription_index& operator=(subscription_index&&) noexcept = default;
+
   void insert(const key& wanted, Record x) {
-    bucket_of(wanted).push_back({wanted, std::move(x)});
+    auto* at = &root_;
+    for (auto rest = wanted.any() ? nothing : std::optional(std::string_view(wanted.folded()));
+         rest;) {
+      auto& child = at->children[std::string(next_part(rest))];
+      if (!child)
+        child = std::make_unique<node>();
+      at = child.get();
+    }
+    at->records.push_back(std::move(x));
     ++size_;
   }
 
   /// Removes the records under exactly this key or pattern that satisfy the predicate.
   template <class Predicate>
   std::size_t erase_if(const key& wanted, Predicate predicate) {
-    auto& entries = bucket_of(wanted); // an empty bucket made here is removed below
-    const auto erased = std::erase_if(
-        entries, [&](const entry& x) { return x.wanted == wanted && predicate(x.record); });
-    if (entries.empty() && !wanted.is_pattern())
-      exact_.erase(wanted.folded());
-    else if (entries.empty() && !wanted.literal_prefix().empty())
-      prefixed_.erase(prefix_of(wanted));
+    const auto rest = wanted.any() ? nothing : std::optional(std::string_view(wanted.folded()));
+    const auto erased = erase_below(root_, rest, predicate);
     size_ -= erased;
     return erased;
   }
 
   /// Calls `visit` with each record stored under exactly this key or pattern.
   template <class Visitor>
-  void for_equal(const key& wanted, Visitor visit) {
-    visit_equal(*this, wanted, visit);
-  }
-  template <class Visitor>
   void for_equal(const key& wanted, Visitor visit) const {
-    visit_equal(*this, wanted, visit);
+    if (const auto* at = leaf(wanted)) {
+      for (const auto& x : at->records)
+        visit(x);
+    }
   }
 
   /// Calls `visit(const Record&)` for each record whose key or pattern covers `name`.
   template <class Visitor>
   void for_matching(const key& name, Visitor visit) const {
-    if (const auto at = exact_.find(name.folded()); at != exact_.end()) {
-      for (const auto& x : at->second)
-        visit(x.record);
-    }
-    const auto visit_matches = [&](const bucket& entries) {
-      for (const auto& x : entries) {
-        if (x.wanted.matches(name))
-          visit(x.record);
-      }
-    };
-    if (!prefixed_.empty()) {
-      if (const auto at = prefixed_.find(prefix_of(name)); at != prefixed_.end())
-        visit_matches(at->second);
-    }
-    visit_matches(patterns_[name.parts()]);
-    visit_matches(patterns_[0]);
+    for (const auto& x : root_.records) // under the empty key, which covers all
+      visit(x);
+    if (!name.any())
+      visit_matching(root_, std::string_view(name.folded()), visit);
   }
 
-  /// Calls `visit(const Record&)` with each record, in no order to rely on.
+  /// Calls `visit(const Record&)` with each record, ascending by the parts of their keys.
   template <class Visitor>
   void for_all(Visitor visit) const {
-    for (const auto* table : {&exact_, &prefixed_}) {
-      for (const auto& [name, entries] : *table) {
-        for (const auto& x : entries)
-          visit(x.record);
-      }
-    }
-    for (const auto& entries : patterns_) {
-      for (const auto& x : entries)
-        visit(x.record);
-    }
+    visit_all(root_, visit);
   }
 
-  /// Removes all records that satisfy the predicate. @returns how many
-  template <class Predicate>
-  std::size_t erase_everywhere(Predicate predicate) {
-    const auto before = size_;
-    const auto gone = [&](const entry& x) { return predicate(x.record); };
-    for (auto* table : {&exact_, &prefixed_}) {
-      for (auto at = table->begin(); at != table->end();) {
-        size_ -= std::erase_if(at->second, gone);
-        at = at->second.empty() ? table->erase(at) : std::next(at);
-      }
-    }
-    for (auto& entries : patterns_)
-      size_ -= std::erase_if(entries, gone);
-    return before - size_;
+  /// The same for those whose first part is this one. @param first_part in lower case
+  template <class Visitor>
+  void for_first_part(std::string_view first_part, Visitor visit) const {
+    if (const auto at = root_.children.find(first_part); at != root_.children.end())
+      visit_all(*at->second, visit);
   }
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
 private:
-  struct entry {
-    key wanted;
-    Record record;
+  struct node {
+    std::map<std::string, std::unique_ptr<node>, std::less<>> children; ///< `*` is the wildcard
+    std::vector<Record> records;
+
+    [[nodiscard]] bool empty() const { return children.empty() && records.empty(); }
   };
-  using bucket = std::vector<entry>;
+  /// What is left of a key; nothing behind its last part.
+  using remainder = std::optional<std::string_view>;
+  static constexpr remainder nothing = std::nullopt;
 
-  template <class Self, class Visitor>
-  static void visit_equal(Self& self, const key& wanted, Visitor& visit) {
-    auto* entries = &self.patterns_[wanted.parts()];
-    if (!wanted.literal_prefix().empty()) {
-      auto& table = wanted.is_pattern() ? self.prefixed_ : self.exact_;
-      const auto at = table.find(wanted.is_pattern() ? prefix_of(wanted) : wanted.folded());
-      if (at == table.end())
+  /// Takes the first part off. @pre there is one
+  static std::string_view next_part(remainder& rest) {
+    const auto dot = rest->find('.');
+    const auto part = rest->substr(0, dot);
+    if (dot == std::string_view::npos)
+      rest.reset();
+    else
+      rest->remove_prefix(dot + 1);
+    return part;
+  }
+
+  [[nodiscard]] const node* leaf(const key& wanted) const {
+    const auto* at = &root_;
+    auto rest = wanted.any() ? nothing : remainder(wanted.folded());
+    while (rest) {
+      const auto child = at->children.find(next_part(rest));
+      if (child == at->children.end())
+        return nullptr;
+      at = child->second.get();
+    }
+    return at;
+  }
+
+  template <class Predicate>
+  static std::size_t erase_below(node& at, remainder rest, Predicate& predicate) {
+    if (!rest)
+      return std::erase_if(at.records, predicate);
+    const auto child = at.children.find(next_part(rest));
+    if (child == at.children.end())
+      return 0;
+    const auto erased = erase_below(*child->second, rest, predicate);
+    if (child->second->empty())
+      at.children.erase(child);
+    return erased;
+  }
+
+  template <class Visitor>
+  static void visit_matching(const node& at, remainder rest, Visitor& visit) {
+    if (!rest) {
+      for (const auto& x : at.records)
+        visit(x);
+      return;
+    }
+    const auto part = next_part(rest);
+    for (const auto way : {part, std::string_view("*")}) {
+      if (const auto child = at.children.find(way); child != at.children.end())
+        visit_matching(*child->second, rest, visit);
+      if (part == "*") // of a pattern that is looked up itself
         return;
-      entries = &at->second;
-    }
-    for (auto& x : *entries) {
-      if (x.wanted == wanted)
-        visit(x.record);
     }
   }
 
-  /// First part and number of parts. @pre the first part is not a wildcard
-  static std::string prefix_of(const key& x) {
-    const auto first = std::string_view(x.folded()).substr(0, x.folded().find('.'));
-    return static_cast<char>('0' + x.parts()) + std::string(first);
+  template <class Visitor>
+  static void visit_all(const node& at, Visitor& visit) {
+    for (const auto& x : at.records)
+      visit(x);
+    for (const auto& [part, child] : at.children)
+      visit_all(*child, visit);
   }
 
-  bucket& bucket_of(const key& wanted) {
-    if (!wanted.is_pattern())
-      return exact_[wanted.folded()];
-    return wanted.literal_prefix().empty() ? patterns_[wanted.parts()]
-                                           : prefixed_[prefix_of(wanted)];
-  }
-
-  // The tables are never walked in an order that shows.
-  std::unordered_map<std::string, bucket> exact_;
-  std::unordered_map<std::string, bucket> prefixed_;
-  std::array<bucket, key_parts_max + 1> patterns_;
+  node root_;
   std::size_t size_ = 0;
 };
 

@@ -10,6 +10,9 @@ namespace rubicon::peis {
 
 namespace {
 
+constexpr std::size_t appends_look_at_max = 8192; ///< tuples, for one request of another
+constexpr std::size_t copied_per_unit = 4096;     ///< octets, for a unit of work
+
 /// Octets of a value that an append keeps: all but the trailing NUL of text.
 std::size_t kept(const tuple& x) {
   return x.value.size() - (x.form == encoding::text && !x.value.empty() ? 1 : 0);
@@ -38,40 +41,62 @@ payload with_nul(const payload& x) {
 } // namespace
 
 std::pair<cause, tuple_events> tuple_space::append(const prototype& wanted, const payload& added,
-                                                   bool by_other, instant now) {
+                                                   instant now) {
   tuple_events out;
   auto why = cause::none;
   auto own = wanted;
   own.owner = self_;
   for (const auto& x : store_.find_all(own)) {
-    const auto refused = by_other && is_reserved(x->name);
-    counters_.refused += refused ? 1 : 0;
-    if (refused)
-      continue;
-    if (const auto failed = append_to(x, added, now, out); failed != cause::none)
+    const auto by = store_.find(self_, x->name)->by;
+    if (const auto failed = append_to(x, added, by, now, out); failed != cause::none)
       why = failed;
   }
   return {why, std::move(out)};
 }
 
-cause tuple_space::append_to(const tuple_pointer& held, const payload& added, instant now,
-                             tuple_events& out) {
+/// Those that another may append to; nothing if it asks for too many, or too many have to be looked
+/// at for it.
+std::optional<std::vector<tuple_pointer>> tuple_space::matches_for_other(const prototype& wanted) {
+  std::vector<tuple_pointer> found;
+  std::string after;
+  std::size_t looked_at = 0;
+  const bool through = store_.walk_on(self_, wanted.name, after, [&](const auto& x) {
+    const bool matches = wanted.matches(*x.content);
+    if (matches && is_reserved(x.content->name))
+      ++counters_.refused;
+    else if (matches)
+      found.push_back(x.content);
+    return ++looked_at <= appends_look_at_max && found.size() <= config_.append_matches_max;
+  });
+  work_.add(looked_at / 2);
+  return through ? std::optional(std::move(found)) : std::nullopt;
+}
+
+cause tuple_space::append_to(const tuple_pointer& held, const payload& added,
+                             tuple_store::source by, instant now, tuple_events& out) {
   const bool text = held->form == encoding::text;
+  const bool by_other = by.from == tuple_store::origin::written;
   const auto tail = text && !ends_with_nul(added) ? with_nul(added) : added;
-  if (kept(*held) + tail.size() > tuple_value_max) {
+  const auto size = kept(*held) + tail.size();
+  if (size > tuple_value_max) {
     ++counters_.overflow;
     return cause::too_long;
   }
-  ++counters_.appends;
   auto next = *held;
   if (text && !held->value.empty() && !ends_with_nul(held->value))
     next.value = with_nul(held->value); // or its last character would be lost
   const bool notify = next.value.size() == held->value.size() && can_notify(*held);
   next.value = joined(next, tail);
+  work_.add(size / copied_per_unit);
+  if (by_other && !store_.admits(next, by)) {
+    ++counters_.overflow;
+    return cause::space_full;
+  }
+  ++counters_.appends;
   if (notify)
-    append_notified(*held, std::move(next), tail, now, out);
+    append_notified(*held, std::move(next), tail, by, now, out);
   else
-    append_whole(std::move(next), out);
+    append_whole(std::move(next), by, out);
   return cause::none;
 }
 
@@ -86,13 +111,13 @@ bool tuple_space::can_notify(const tuple& held) const {
   return all_want_it && channels_.follows(held.name) && !held.value.empty();
 }
 
-void tuple_space::append_whole(tuple next, tuple_events& out) {
+void tuple_space::append_whole(tuple next, tuple_store::source by, tuple_events& out) {
   static_cast<void>(channels_.abandon(next.name));
   if (next.mimetype == empty_mimetype)
     next.mimetype = next.form == encoding::text ? text_mimetype : binary_mimetype;
   ++next.seqno;
   next.append_seqno = 0;
-  const auto stored = put_own(std::move(next));
+  const auto stored = put_own(std::move(next), by);
   const auto hosts = subscribers_of(*stored);
   if (!hosts.empty())
     channels_.follow(stored->name);
@@ -105,13 +130,13 @@ void tuple_space::append_whole(tuple next, tuple_events& out) {
 }
 
 void tuple_space::append_notified(const tuple& before, tuple next, const payload& added,
-                                  instant now, tuple_events& out) {
+                                  tuple_store::source by, instant now, tuple_events& out) {
   ++next.append_seqno;
-  const auto stored = put_own(std::move(next));
+  const auto stored = put_own(std::move(next), by);
   const message_octets content{encode_append_notice_head(before, added.size()), added};
   std::vector<peer_id> overrun;
   for (const auto host : subscribers_of(*stored)) {
-    if (channels_.full(stored->name, host)) {
+    if (channels_.full(stored->name, host, content.size())) {
       overrun.push_back(host);
       continue;
     }
@@ -123,7 +148,7 @@ void tuple_space::append_notified(const tuple& before, tuple next, const payload
     return;
   collapse(stored->name, now);
   for (const auto host : overrun)
-    add_failed_push(host, stored->name, now);
+    miss_for_now(host, stored->name, now, now);
 }
 
 void tuple_space::transmit_in_order(const key& name, transmit message, tuple_events& out) {
@@ -141,27 +166,35 @@ void tuple_space::collapse(const key& name, instant now) {
     auto same = *held->content;
     ++same.seqno;
     same.append_seqno = 0;
-    static_cast<void>(put_own(std::move(same)));
+    static_cast<void>(put_own(std::move(same), held->by));
     store_.find(self_, name)->is_new = is_new;
   }
   for (const auto host : missing)
-    add_failed_push(host, name, now);
+    miss_for_now(host, name, now, now);
 }
 
-tuple_events tuple_space::on_delivered(request_id request) {
-  tuple_events out;
-  if (auto next = channels_.on_delivered(request))
-    out.push_back(std::move(*next));
-  return out;
-}
-
-tuple_events tuple_space::on_append_request(const payload& octets, instant now) {
+tuple_events tuple_space::on_append_request(peer_id source, const payload& octets, instant now) {
   const auto request = decode_append_request(octets);
   if (!request || request->wanted.owner != self_) {
     ++counters_.malformed;
     return {};
   }
-  return append(request->wanted, request->added, true, now).second;
+  tuple_events out;
+  const auto found = matches_for_other(request->wanted);
+  if (!found) {
+    ++counters_.appends_refused;
+    return out;
+  }
+  if (found->empty() || !acquainted(source, now))
+    return out;
+  for (const auto& x : *found) {
+    if (x->value.size() + request->added.size() > config_.append_octets_max)
+      ++counters_.appends_refused;
+    else
+      static_cast<void>(
+          append_to(x, request->added, {tuple_store::origin::written, source}, now, out));
+  }
+  return out;
 }
 
 tuple_events tuple_space::on_append_notice(peer_id source, const payload& octets, instant now) {
@@ -191,9 +224,17 @@ tuple_events tuple_space::on_append_notice(peer_id source, const payload& octets
   } else {
     auto next = *held;
     next.value = joined(*held, notice->added);
+    work_.add(size / copied_per_unit);
     next.append_seqno = notice->append_seqno == INT32_MAX ? 0 : notice->append_seqno + 1;
     const auto expiry = expiry_of(next);
-    tell_changed(store_.put(std::move(next), expiry), out);
+    const tuple_store::source by{tuple_store::origin::held, source};
+    if (store_.admits(next, by)) {
+      tell_changed(store_.put(std::move(next), expiry, by), out);
+    } else {
+      ++counters_.overflow;
+      incomplete_.erase({source, held->name.folded()});
+      tell_deleted(store_.remove(source, held->name), out);
+    }
   }
   return out;
 }

@@ -10,7 +10,7 @@ std::vector<peer_id> tuple_channels::abandon(const key& name) {
   if (at == followed_.end())
     return missing;
   for (const auto& [host, x] : at->second) {
-    requests_.erase(x.under_way);
+    forget(x);
     if (!x.waiting.empty())
       missing.push_back(host);
   }
@@ -30,9 +30,15 @@ bool tuple_channels::busy(const key& name, peer_id subscriber) const {
   return find(name, subscriber) != nullptr;
 }
 
-bool tuple_channels::full(const key& name, peer_id subscriber) const {
+bool tuple_channels::full(const key& name, peer_id subscriber, std::size_t octets) const {
   const auto* x = find(name, subscriber);
-  return x != nullptr && x->waiting.size() >= waiting_max_;
+  return x != nullptr && (x->waiting.size() >= waiting_max_ || octets_ + octets > octets_max_);
+}
+
+void tuple_channels::forget(const channel& x) {
+  requests_.erase(x.under_way);
+  for (const auto& message : x.waiting)
+    octets_ -= message.content.size();
 }
 
 transmit tuple_channels::dispatch(const std::string& folded, channel& through, transmit message) {
@@ -48,6 +54,7 @@ std::optional<transmit> tuple_channels::send(const key& name, transmit message) 
   const auto [which, idle] = at->second.try_emplace(message.destination);
   if (idle)
     return dispatch(at->first, which->second, std::move(message));
+  octets_ += message.content.size();
   which->second.waiting.push_back(std::move(message));
   return std::nullopt;
 }
@@ -64,6 +71,7 @@ std::optional<transmit> tuple_channels::on_delivered(request_id request) {
     return std::nullopt;
   }
   auto message = std::move(which->second.waiting.front());
+  octets_ -= message.content.size();
   which->second.waiting.pop_front();
   return dispatch(folded, which->second, std::move(message));
 }
@@ -71,7 +79,7 @@ std::optional<transmit> tuple_channels::on_delivered(request_id request) {
 void tuple_channels::drop_subscriber(peer_id host) {
   for (auto& [folded, busy_ones] : followed_) {
     if (const auto at = busy_ones.find(host); at != busy_ones.end()) {
-      requests_.erase(at->second.under_way);
+      forget(at->second);
       busy_ones.erase(at);
     }
   }

@@ -21,7 +21,9 @@ namespace rubicon::peis {
 class tuple_channels {
 public:
   /// @param waiting_max messages per subscriber and tuple that have not left yet
-  explicit tuple_channels(std::size_t waiting_max = 0) : waiting_max_(waiting_max) {}
+  /// @param octets_max of all messages that have not left yet
+  explicit tuple_channels(std::size_t waiting_max = 0, std::size_t octets_max = 0)
+      : waiting_max_(waiting_max), octets_max_(octets_max) {}
 
   void follow(const key& name) { followed_.try_emplace(name.folded()); }
   [[nodiscard]] bool follows(const key& name) const { return followed_.contains(name.folded()); }
@@ -31,10 +33,11 @@ public:
 
   /// Is a message to that subscriber under way?
   [[nodiscard]] bool busy(const key& name, peer_id subscriber) const;
-  [[nodiscard]] bool full(const key& name, peer_id subscriber) const;
+  /// Would a message of this size have to wait without there being room?
+  [[nodiscard]] bool full(const key& name, peer_id subscriber, std::size_t octets) const;
 
   /// What is to be sent now: the message, with a request of its own, unless it has to wait.
-  /// @pre follows(name), !full(name, message.destination)
+  /// @pre follows(name), !full(name, message.destination, message.content.size())
   [[nodiscard]] std::optional<transmit> send(const key& name, transmit message);
 
   /// A message has been acknowledged. @returns the one that may leave now
@@ -55,7 +58,11 @@ private:
   [[nodiscard]] const channel* find(const key& name, peer_id subscriber) const;
   [[nodiscard]] transmit dispatch(const std::string& folded, channel& through, transmit message);
 
+  void forget(const channel& x);
+
   std::size_t waiting_max_;
+  std::size_t octets_max_;
+  std::size_t octets_ = 0;                   ///< of all that wait
   std::map<std::string, channels> followed_; ///< by folded key
   std::map<request_id, std::pair<std::string, peer_id>> requests_;
   std::uint64_t requests_made_ = 0;

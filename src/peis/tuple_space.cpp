@@ -29,7 +29,11 @@ bool wildcard(timestamp x) {
 
 tuple_space::tuple_space(tuple_space_config config, peer_id self, duration clock_offset)
     : config_(config), self_(self), clock_offset_(clock_offset),
-      channels_(config.appends_waiting_max) {}
+      store_({config.written_octets_max, config.held_octets_max}),
+      channels_(config.appends_waiting_max, config.appends_waiting_octets_max),
+      subscribers_(
+          {config.subscribers_max, config.subscribers_octets_max, config.subscribers_per_key_max}),
+      window_(config.pushes) {}
 
 timestamp tuple_space::network_time(instant now) const {
   return to_timestamp(now, clock_offset_).value_or(never);
@@ -102,26 +106,26 @@ std::pair<cause, tuple_events> tuple_space::insert(tuple x, instant now) {
   }
   if (x.expiry == deleted)
     return {why, remove(x.name, now)};
-  return {why, store_own(std::move(x))};
+  return {why, store_own(std::move(x), {}, now)};
 }
 
-tuple_pointer tuple_space::put_own(tuple x) {
+tuple_pointer tuple_space::put_own(tuple x, tuple_store::source by) {
   const auto held = store_.size();
   const auto expiry = expiry_of(x);
-  auto stored = store_.put(std::move(x), expiry);
+  auto stored = store_.put(std::move(x), expiry, by);
   own_keys_version_ += store_.size() != held ? 1 : 0;
   return stored;
 }
 
-tuple_events tuple_space::store_own(tuple x) {
+tuple_events tuple_space::store_own(tuple x, tuple_store::source by, instant now) {
   ++counters_.sets;
   const auto* held = store_.find(self_, x.name);
   x.seqno = held != nullptr ? held->content->seqno + 1 : first_seqno_;
   x.append_seqno = 0;
   static_cast<void>(channels_.abandon(x.name)); // the whole value goes to everybody
-  const auto stored = put_own(std::move(x));
+  const auto stored = put_own(std::move(x), by);
   tuple_events out;
-  push(*stored, out);
+  push(*stored, now, out);
   tell_changed(stored, out);
   return out;
 }
@@ -144,7 +148,7 @@ tuple_events tuple_space::remove(const key& name, instant now) {
   last.written = network_time(now);
   last.expiry = deleted;
   last.value = payload(bytes{0});
-  push(last, out);
+  push(last, now, out);
   tell_deleted(gone, out);
   return out;
 }
@@ -181,21 +185,26 @@ std::optional<tuple> tuple_space::decode_set(const payload& octets) {
   return std::move(*x);
 }
 
-tuple_events tuple_space::on_set(const tuple& x, bool may_write, instant now) {
+tuple_events tuple_space::on_set(peer_id source, const tuple& x, bool may_write, instant now) {
   if (!may_write) {
     ++counters_.refused;
     return {};
   }
-  if (full(x.name, self_)) {
+  if (x.expiry == deleted) {
+    ++counters_.remote_sets;
+    return remove(x.name, now);
+  }
+  const tuple_store::source by{tuple_store::origin::written, source};
+  if (full(x.name, self_) || !store_.admits(x, by)) {
     ++counters_.overflow;
     return {};
   }
+  if (!acquainted(source, now))
+    return {};
   ++counters_.remote_sets;
-  if (x.expiry == deleted)
-    return remove(x.name, now);
   auto own = x;
   own.written = network_time(now);
-  return store_own(std::move(own));
+  return store_own(std::move(own), by, now);
 }
 
 /// Does a pushed tuple replace the one held? A number restarts at zero when a real owner restarts
@@ -230,14 +239,15 @@ tuple_events tuple_space::on_push(peer_id source, const payload& octets, instant
     return {};
   }
   tuple_events out;
-  if (deletion) {
+  const tuple_store::source by{tuple_store::origin::held, source};
+  const bool room = deletion || (!full(x->name, source) && store_.admits(*x, by));
+  counters_.overflow += room ? 0 : 1;
+  if ((deletion || !room) && held != nullptr) { // better none than one that its owner has replaced
     incomplete_.erase({source, x->name.folded()});
     tell_deleted(store_.remove(source, x->name), out);
-  } else if (full(x->name, source)) {
-    ++counters_.overflow;
-  } else {
+  } else if (room && acquainted(source, now)) {
     check_completeness(*x);
-    tell_changed(store_.put(std::move(*x), expiry), out);
+    tell_changed(store_.put(std::move(*x), expiry, by), out);
   }
   return out;
 }
@@ -271,29 +281,6 @@ void tuple_space::tell_deleted(const tuple_pointer& x, tuple_events& out) const 
     out.push_back(tuple_deleted{id, x});
 }
 
-tuple_events tuple_space::on_host_vanished(peer_id host) {
-  tuple_events out;
-  for (const auto& x : store_.find_all(prototype_of(host, key()))) {
-    if (config_.keep_values_of_dead_hosts) {
-      auto last = *x;
-      last.stale = true;
-      const auto expiry = expiry_of(last);
-      tell_changed(store_.put(std::move(last), expiry), out);
-    } else {
-      tell_deleted(store_.remove(host, x->name), out);
-    }
-  }
-  lay_down(host);
-  if (subscribers_.erase_everywhere([host](const subscriber& x) { return x.host == host; }) > 0)
-    ++subscribers_version_;
-  std::erase_if(failed_, [host](const auto& x) { return x.first.first == host; });
-  std::erase_if(incomplete_, [host](const auto& x) { return x.first.first == host; });
-  channels_.drop_subscriber(host);
-  renewals_.erase(host);
-  hosts_.erase(host);
-  return out;
-}
-
 tuple_events tuple_space::on_time(instant now) {
   tuple_events out;
   while (const auto gone = store_.take_expired(now)) {
@@ -304,17 +291,23 @@ tuple_events tuple_space::on_time(instant now) {
       incomplete_.erase({gone->owner, gone->name.folded()});
     tell_deleted(gone, out);
   }
-  if (next_retry_ && *next_retry_ <= now)
-    retry_pushes(now, out);
+  if (next_stranger_ && *next_stranger_ <= now)
+    forget_strangers(now, out);
+  if (next_orphan_ && *next_orphan_ <= now)
+    remove_orphans(now, out);
   if (next_refresh_ && *next_refresh_ <= now)
     refresh(now, out);
   if (next_repair_ && *next_repair_ <= now)
     repair_appends(now, out);
+  if (next_work_ && *next_work_ <= now)
+    work(now, out);
   return out;
 }
 
 std::optional<instant> tuple_space::deadline() const {
-  return earliest(earliest(store_.deadline(), next_repair_), earliest(next_retry_, next_refresh_));
+  const auto of_others = earliest(next_stranger_, next_orphan_);
+  const auto soon = earliest(earliest(store_.deadline(), next_repair_), next_work_);
+  return earliest(soon, earliest(of_others, next_refresh_));
 }
 
 tuple_pointer tuple_space::find(peer_id owner, const key& name) const {
@@ -327,6 +320,11 @@ tuple_counters tuple_space::counters() const {
   all.tuples = store_.size();
   all.subscriptions = subscriptions_.size();
   all.subscribers = subscribers_.size();
+  all.subscribers_octets = subscribers_.octets();
+  all.held_octets = store_.held().total();
+  all.written_octets = store_.written().total();
+  all.pushes_octets = window_.octets();
+  all.debtors = debts_.size();
   return all;
 }
 

@@ -12,6 +12,9 @@
 
 #include "core/error.hpp"
 #include "core/time.hpp"
+#include "peis/neighbour_budget.hpp"
+#include "peis/push_window.hpp"
+#include "peis/subscriber_book.hpp"
 #include "peis/subscription_index.hpp"
 #include "peis/tuple.hpp"
 #include "peis/tuple_channels.hpp"
@@ -25,26 +28,54 @@ namespace rubicon::peis {
 struct tuple_space_config {
   std::size_t tuples_max = 1'000'000;      ///< own and held ones
   std::size_t subscriptions_max = 100'000; ///< of our own, callbacks included
-  std::size_t subscribers_max = 100'000;   ///< records of others
-  duration lifetime = 60s;                 ///< of our subscriptions at marked hosts; 1..255 s
-  duration retry_push = 1s;                ///< a push that failed is tried again (TUP-18)
+  // What others can put here. Each limit is shared: one host alone gets four fifths (fair_share).
+  // Octets are with all that surrounds a record or tuple in memory.
+  std::size_t subscribers_max = 125'000; ///< records of others
+  std::size_t subscribers_octets_max = std::size_t{160} << 20U;
+  std::size_t subscribers_per_key_max = 64; ///< prototypes of one host with one key or pattern
+  std::size_t held_octets_max = std::size_t{160} << 20U;   ///< tuples of other owners
+  std::size_t written_octets_max = std::size_t{64} << 20U; ///< own tuples that others have written
+  /// Of these, what writers that are gone may leave behind for longer than `orphan_age`: beyond it
+  /// the largest that they have created go.
+  std::size_t orphaned_octets_max = std::size_t{8} << 20U;
+  duration orphan_age = 30s;
+  std::size_t stale_octets_max = std::size_t{16} << 20U; ///< see keep_values_of_dead_hosts
+  std::size_t strangers_max = 1024; ///< hosts that use this space before the network knows them
+  duration stranger_age = 45s;      ///< after this long without a word they are forgotten
+  /// What others may make a value grow to by appending: each append copies it.
+  std::size_t append_octets_max = std::size_t{1} << 20U;
+  std::size_t append_matches_max = 256; ///< tuples that one request of another may change
+  push_window_config pushes = {};
+  std::size_t missed_max =
+      1024;                 ///< values that one host missed, one by one; then all are looked at
+  duration lifetime = 60s;  ///< of our subscriptions at marked hosts; 1..255 s
+  duration retry_push = 1s; ///< a push that failed is tried again (TUP-18)
   duration give_up_push = 30s;
   std::size_t appends_waiting_max = 64; ///< notices per subscriber and tuple; then a whole push
-  duration repair_append = 2s;          ///< a whole value that was asked for is asked for again
+  std::size_t appends_waiting_octets_max = std::size_t{16} << 20U; ///< of all notices that wait
+  duration repair_append = 2s; ///< a whole value that was asked for is asked for again
   unsigned repairs_max = 5;
   bool keep_values_of_dead_hosts = false; ///< marked as stale, instead of removed (TUP-19)
 };
 
 struct tuple_counters {
-  std::uint64_t tuples = 0;        ///< held now, own ones included
-  std::uint64_t subscriptions = 0; ///< of ours, now
-  std::uint64_t subscribers = 0;   ///< records of others, now
-  std::uint64_t sets = 0;          ///< of own tuples
-  std::uint64_t remote_sets = 0;   ///< of own tuples, by others
+  std::uint64_t tuples = 0;             ///< held now, own ones included
+  std::uint64_t subscriptions = 0;      ///< of ours, now
+  std::uint64_t subscribers = 0;        ///< records of others, now
+  std::uint64_t subscribers_octets = 0; ///< they take, now
+  std::uint64_t held_octets = 0;        ///< tuples of others take, now
+  std::uint64_t written_octets = 0;     ///< own tuples written by others take, now
+  std::uint64_t pushes_octets = 0;      ///< under way, now
+  std::uint64_t debtors = 0;            ///< hosts that are still to be told something, now
+  std::uint64_t steps = 0;       ///< of deferred work: tuples and subscriptions that were looked at
+  std::uint64_t sets = 0;        ///< of own tuples
+  std::uint64_t remote_sets = 0; ///< of own tuples, by others
   std::uint64_t pushes_sent = 0;
   std::uint64_t pushes_received = 0;
   std::uint64_t pushes_retried = 0;
   std::uint64_t pushes_given_up = 0;
+  std::uint64_t pushes_deferred = 0; ///< had to wait for room: only the newest value leaves then
+  std::uint64_t resyncs = 0;         ///< a host missed too many: all it wants is sent again
   std::uint64_t expired = 0;
   std::uint64_t appends = 0; ///< to own tuples, by us and others
   std::uint64_t append_notices_sent = 0;
@@ -52,11 +83,17 @@ struct tuple_counters {
   std::uint64_t appends_collapsed = 0; ///< notices given up for a push of the whole value
   std::uint64_t append_gaps = 0;       ///< a notice did not fit what we hold: asked for all of it
   // Dropped.
-  std::uint64_t malformed = 0; ///< a message that is no legal tuple, or not the sender's
-  std::uint64_t unwanted = 0;  ///< pushed, but nobody here has subscribed
-  std::uint64_t outdated = 0;  ///< pushed, but we hold a newer value (TUP-17)
-  std::uint64_t refused = 0;   ///< remote writes of reserved keys (TUP-22), commands refused
-  std::uint64_t overflow = 0;  ///< tuple space or subscriber table full, value too long
+  std::uint64_t malformed = 0;        ///< a message that is no legal tuple, or not the sender's
+  std::uint64_t unwanted = 0;         ///< pushed, but nobody here has subscribed
+  std::uint64_t outdated = 0;         ///< pushed, but we hold a newer value (TUP-17)
+  std::uint64_t refused = 0;          ///< remote writes of reserved keys (TUP-22), commands refused
+  std::uint64_t absent_forgotten = 0; ///< hosts that were away, with what they had subscribed to
+  std::uint64_t overflow = 0; ///< no room for a tuple of another or of its writing, value too long
+  std::uint64_t subscribers_refused = 0; ///< subscriptions of others without room
+  std::uint64_t strangers_refused = 0; ///< messages of hosts that nobody knows, beyond their table
+  std::uint64_t orphans_removed = 0;   ///< own tuples whose writers are gone
+  std::uint64_t stale_removed = 0;     ///< values of dead hosts, beyond what may be kept
+  std::uint64_t appends_refused = 0;   ///< of others: too many tuples, or a value too long
   std::uint64_t append_gaps_given_up = 0; ///< the owner did not send the whole value
   std::uint64_t bad_meta_tuples = 0;      ///< followed, but their text says nothing (META-01)
 };
@@ -74,9 +111,9 @@ public:
   /// count.
   [[nodiscard]] std::pair<cause, tuple_events> insert(tuple x, instant now);
   [[nodiscard]] tuple_events remove(const key& name, instant now);
-  /// To our own tuples that match; `by_other`: reserved ones excluded. Text gets its trailing NUL.
+  /// To our own tuples that match. Text gets its trailing NUL.
   [[nodiscard]] std::pair<cause, tuple_events> append(const prototype& wanted, const payload& added,
-                                                      bool by_other, instant now);
+                                                      instant now);
   /// The message that asks an owner to set (insert() says what counts) or delete a tuple.
   [[nodiscard]] std::pair<cause, transmit> ask_to_set(tuple x, request_id request,
                                                       instant now) const;
@@ -98,10 +135,10 @@ public:
   // Messages of other peers.
   [[nodiscard]] tuple_events on_push(peer_id source, const payload& octets, instant now);
   /// Refused unless `may_write` says otherwise for this key of ours.
-  [[nodiscard]] tuple_events on_set(const tuple& x, bool may_write, instant now);
+  [[nodiscard]] tuple_events on_set(peer_id source, const tuple& x, bool may_write, instant now);
   [[nodiscard]] tuple_events on_subscribe(peer_id source, byte_view octets, instant now);
   [[nodiscard]] tuple_events on_unsubscribe(peer_id source, byte_view octets);
-  [[nodiscard]] tuple_events on_append_request(const payload& octets, instant now);
+  [[nodiscard]] tuple_events on_append_request(peer_id source, const payload& octets, instant now);
   [[nodiscard]] tuple_events on_append_notice(peer_id source, const payload& octets, instant now);
   /// A set message for one of our tuples; counts what is malformed.
   [[nodiscard]] std::optional<tuple> decode_set(const payload& octets);
@@ -110,13 +147,14 @@ public:
   /// @param marked it is of our kind: subscriptions to it carry a lifetime and are refreshed
   /// @param incarnation what of an unmarked host that vanished comes back with the same number; 0:
   ///        nothing does
-  [[nodiscard]] tuple_events on_host_appeared(peer_id host, bool marked,
-                                              std::int32_t incarnation = 0, instant now = {});
-  [[nodiscard]] tuple_events on_host_vanished(peer_id host);
+  [[nodiscard]] tuple_events on_host_appeared(peer_id host, bool marked, instant now,
+                                              std::int32_t incarnation = 0);
+  [[nodiscard]] tuple_events on_host_vanished(peer_id host, instant now);
   /// Sends all subscriptions to a host again.
-  [[nodiscard]] tuple_events renew(peer_id host, bool refresh = true) const;
+  /// @param refresh it need not send what they match again if it knows them
+  [[nodiscard]] tuple_events renew(peer_id host, instant now, bool refresh = true);
   /// A message with a request of ours has been acknowledged.
-  [[nodiscard]] tuple_events on_delivered(request_id request);
+  [[nodiscard]] tuple_events on_delivered(request_id request, instant now);
   /// A push, append notice or subscription could not be delivered.
   void on_undelivered(peer_id destination, std::uint16_t port, byte_view head, request_id request,
                       instant now);
@@ -141,6 +179,13 @@ public:
         x.is_new = false;
     });
   }
+  /// Calls `visit(const tuple&)` for our own, ascending by key, as long as it returns true.
+  template <class Visitor>
+  void for_own(Visitor visit) const {
+    std::string after;
+    static_cast<void>(
+        store_.walk_on(self_, key(), after, [&](const auto& x) { return visit(*x.content); }));
+  }
   [[nodiscard]] bool has_subscriber(const key& name) const;
   [[nodiscard]] bool is_watched(const key& name) const; ///< or a callback here
   /// Who has subscribed to what here, ascending by host, owner, key.
@@ -155,23 +200,43 @@ public:
   [[nodiscard]] timestamp network_time(instant now) const;
   [[nodiscard]] tuple_counters counters() const;
 
+  /// What the calls since the last time have cost, beyond one unit for each event they returned.
+  [[nodiscard]] work_units take_work() { return work_.take(); }
+
 private:
   struct subscription {
     subscription_id id;
     prototype wanted;
     interest kind = interest::subscription;
   };
-  /// What another host has subscribed to.
-  struct subscriber {
-    peer_id host;
+  /// Equal subscriptions of ours, which others are asked for once.
+  struct question {
     prototype wanted;
-    std::optional<instant> expiry; ///< unset for real kernels
+    std::uint64_t serial = 0;
+    std::size_t askers = 0;
   };
-  /// A push that failed, until it is likely to have arrived.
-  struct failed_push {
-    instant first;
-    std::optional<instant> tried; ///< unset: to be tried at the next occasion
+  /// What a host is still to be told. It leaves as room and time allow, so that a question about
+  /// all tuples costs no more at once than one about a single tuple.
+  struct debt {
+    struct asking {
+      std::uint64_t next = 0; ///< serial of the next question
+      bool refresh = false;
+    };
+    std::optional<asking> ask;
+    std::optional<bool> ask_again;         ///< as a refresh or not, when that is through
+    std::set<std::uint64_t> asked_in_vain; ///< serials
+    /// Folded keys of values and deletions that did not leave, and since when they fail.
+    std::map<std::string, std::optional<instant>, std::less<>> missed;
+    std::string missed_after;                   ///< the last one looked at
+    std::map<std::uint64_t, subscriber*> walks; ///< subscriptions whose matches are to be sent
+    std::string after;                          ///< the last tuple that the first of them has had
+    std::optional<instant> not_before;
+
+    [[nodiscard]] bool settled() const {
+      return !ask && asked_in_vain.empty() && missed.empty() && walks.empty();
+    }
   };
+  using debts = std::map<peer_id, debt>;
   struct known_host {
     bool marked = false;
     std::int32_t incarnation = 0;
@@ -193,8 +258,8 @@ private:
   using incomplete_key = std::pair<peer_id, std::string>; ///< owner, folded key
 
   // tuple_space.cpp
-  [[nodiscard]] tuple_events store_own(tuple x);
-  tuple_pointer put_own(tuple x);
+  [[nodiscard]] tuple_events store_own(tuple x, tuple_store::source by, instant now);
+  tuple_pointer put_own(tuple x, tuple_store::source by);
   void tell_changed(const tuple_pointer& x, tuple_events& out) const;
   void tell_deleted(const tuple_pointer& x, tuple_events& out) const;
   [[nodiscard]] std::vector<subscription_id> interested(const tuple& x) const;
@@ -204,26 +269,53 @@ private:
   [[nodiscard]] bool replaces(const tuple& x, const tuple& held, bool deletion) const;
   void forget_own(const tuple& gone);
 
-  // tuple_subscriptions.cpp
+  // tuple_hosts.cpp
   void lay_down(peer_id host);
-  void push(const tuple& x, tuple_events& out);
-  [[nodiscard]] std::vector<peer_id> subscribers_of(const tuple& x) const;
+  void wake_up(peer_id host, std::int32_t incarnation, instant now, tuple_events& out);
+  void forget_host(peer_id host, instant now, tuple_events& out);
+  [[nodiscard]] bool acquainted(peer_id source, instant now);
+  void forget_strangers(instant now, tuple_events& out);
+  void remove_orphans(instant now, tuple_events& out);
+
+  // tuple_subscriptions.cpp
   [[nodiscard]] bool has_subscribed(peer_id host, const tuple& x) const;
   [[nodiscard]] transmit subscribe_message_to(peer_id host, const known_host& known,
                                               const prototype& wanted, bool refresh) const;
-  [[nodiscard]] bool first_with(const subscription& x) const;
   [[nodiscard]] bool wanted(const tuple& x) const;
-  void schedule_retry(instant now);
-  void add_failed_push(peer_id host, const key& name, instant now);
+  const question* add_question(const prototype& wanted);
+  void remove_question(const prototype& wanted);
   void refresh(instant now, tuple_events& out);
-  void retry_pushes(instant now, tuple_events& out);
+
+  // tuple_pushes.cpp
+  void push(const tuple& x, instant now, tuple_events& out);
+  [[nodiscard]] std::vector<peer_id> subscribers_of(const tuple& x) const;
+  [[nodiscard]] transmit under_way(transmit message, std::optional<std::uint64_t> serial,
+                                   std::optional<instant> failing_since);
+  void miss(peer_id host, const std::string& folded, std::optional<instant> failing_since);
+  void miss_for_now(peer_id host, const key& name, instant failing_since, instant now);
+  void resynchronise(peer_id host, debt& x);
+  void ask_all(peer_id host, bool refresh);
+  void owe_walk(subscriber& x);
+  void forget_walk(peer_id host, std::uint64_t number);
+  [[nodiscard]] tuple deletion_of(const key& name, instant now) const;
+  [[nodiscard]] bool blocked(peer_id host, debt& x, std::size_t octets, instant now) const;
+  void serve_now(peer_id host, instant now, tuple_events& out);
+  void serve(peer_id host, debt& x, std::size_t& steps, instant now, tuple_events& out);
+  bool ask_on(peer_id host, debt& x, std::size_t& steps, instant now, tuple_events& out);
+  bool repeat_missed(peer_id host, debt& x, std::size_t& steps, instant now, tuple_events& out);
+  bool walk_on(peer_id host, debt& x, std::size_t& steps, instant now, tuple_events& out);
+  void push_walked(peer_id host, const key& name, instant now, tuple_events& out);
+  void settle(debts::iterator at, instant now);
+  void work(instant now, tuple_events& out);
 
   // tuple_appends.cpp
-  [[nodiscard]] cause append_to(const tuple_pointer& held, const payload& added, instant now,
-                                tuple_events& out);
-  void append_whole(tuple next, tuple_events& out);
-  void append_notified(const tuple& before, tuple next, const payload& added, instant now,
-                       tuple_events& out);
+  [[nodiscard]] cause append_to(const tuple_pointer& held, const payload& added,
+                                tuple_store::source by, instant now, tuple_events& out);
+  void append_whole(tuple next, tuple_store::source by, tuple_events& out);
+  void append_notified(const tuple& before, tuple next, const payload& added,
+                       tuple_store::source by, instant now, tuple_events& out);
+  [[nodiscard]] std::optional<std::vector<tuple_pointer>>
+  matches_for_other(const prototype& wanted);
   [[nodiscard]] bool can_notify(const tuple& held) const;
   void collapse(const key& name, instant now);
   void note_gap(peer_id owner, const key& name, std::int32_t seqno, std::size_t size, instant now,
@@ -240,18 +332,27 @@ private:
   tuple_channels channels_;
 
   std::map<subscription_id, subscription> subscriptions_;
-  subscription_index<subscription> wanted_; ///< the same, by key
-  subscription_index<subscriber> subscribers_;
+  subscription_index<subscription> wanted_;   ///< the same, by key
+  std::map<std::string, question> questions_; ///< by identity
+  std::map<std::uint64_t, const question*> questions_by_serial_;
+  std::uint64_t next_serial_ = 0;
+  subscriber_book subscribers_;
   std::uint64_t subscribers_version_ = 0;
   std::uint64_t own_keys_version_ = 0;
   std::map<peer_id, known_host> hosts_;
   std::map<peer_id, dormant_host> dormant_;
-  std::map<std::pair<peer_id, std::string>, failed_push> failed_;
+  std::map<peer_id, instant> strangers_; ///< not in hosts_, and when they were last heard
+  push_window window_;
+  debts debts_;
+  std::size_t missed_ = 0; ///< in all debts
+  peer_id served_;         ///< the last host that deferred work was done for
   std::map<incomplete_key, incomplete> incomplete_;
-  std::set<peer_id> renewals_; ///< hosts that may have missed a subscription
-  std::optional<instant> next_retry_;
+  std::optional<instant> next_work_;
+  std::optional<instant> next_stranger_;
+  std::optional<instant> next_orphan_;
   std::optional<instant> next_refresh_; ///< of our subscriptions, and check of those of others
   std::optional<instant> next_repair_;
+  work_meter work_;
   tuple_counters counters_;
 };
 

@@ -19,7 +19,14 @@ void walk(const Map& map, const key& pattern, Visitor visit) {
     visit(at->first, at->second);
 }
 
+/// Nodes of two trees, the tuple, its key and the head of the message that brought it.
+constexpr std::size_t tuple_overhead = 900;
+
 } // namespace
+
+std::size_t weight_of(const tuple& x) {
+  return tuple_overhead + 4 * x.name.text().size() + x.mimetype.size() + x.value.size();
+}
 
 const tuple_store::entry* tuple_store::find(peer_id owner, const key& name) const {
   const auto of_owner = owners_.find(owner);
@@ -29,19 +36,46 @@ const tuple_store::entry* tuple_store::find(peer_id owner, const key& name) cons
   return at == of_owner->second.end() ? nullptr : &at->second;
 }
 
+fair_share* tuple_store::share_of(origin x) {
+  switch (x) {
+  case origin::ours:
+    return nullptr;
+  case origin::written:
+    return &written_;
+  case origin::held:
+    return &held_;
+  }
+  return nullptr;
+}
+
 void tuple_store::remember(const entry& x) {
   if (x.expiry)
     expiries_.emplace(*x.expiry, x.content->owner, x.content->name.folded());
+  if (auto* share = share_of(x.by.from))
+    share->add(x.by.host, x.weight);
 }
 
 void tuple_store::forget(const entry& x) {
   if (x.expiry)
     expiries_.erase({*x.expiry, x.content->owner, x.content->name.folded()});
+  if (auto* share = share_of(x.by.from))
+    share->remove(x.by.host, x.weight);
 }
 
-tuple_pointer tuple_store::put(tuple x, std::optional<instant> expiry) {
+bool tuple_store::admits(const tuple& x, source by) const {
+  if (by.from == origin::ours)
+    return true;
+  const auto weight = weight_of(x);
+  const auto* before = find(x.owner, x.name);
+  const auto had = before != nullptr && before->by == by ? before->weight : 0;
+  const auto& share = by.from == origin::held ? held_ : written_;
+  return weight <= had || share.admits(by.host, weight - had);
+}
+
+tuple_pointer tuple_store::put(tuple x, std::optional<instant> expiry, source by) {
   const auto owner = x.owner;
   auto& slot = owners_[owner][x.name.folded()];
+  const bool by_other = by.from == origin::written && (!slot.content || slot.created_by_other);
   if (slot.content) {
     forget(slot);
     x.name = slot.content->name;
@@ -49,7 +83,8 @@ tuple_pointer tuple_store::put(tuple x, std::optional<instant> expiry) {
     keys_[x.name.folded()].insert(owner);
     ++size_;
   }
-  slot = {std::make_shared<const tuple>(std::move(x)), expiry, true};
+  const auto weight = weight_of(x);
+  slot = {std::make_shared<const tuple>(std::move(x)), expiry, by, weight, by_other, true};
   remember(slot);
   return slot.content;
 }

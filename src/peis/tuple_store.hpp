@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "core/time.hpp"
+#include "peis/fair_share.hpp"
 #include "peis/tuple.hpp"
 
 namespace rubicon::peis {
@@ -19,17 +21,44 @@ namespace rubicon::peis {
 /// no other owner's tuples, one for a pattern at no tuple that differs before the first wildcard.
 class tuple_store {
 public:
+  /// Who has put a tuple here, and so whose share of which memory it takes.
+  enum class origin : std::uint8_t {
+    ours,    ///< own, set here: no limit but that of their number
+    written, ///< own, set or appended to by another host
+    held,    ///< a copy of its owner's
+  };
+  struct source {
+    origin from = origin::ours;
+    peer_id host; ///< the writer or owner; of ours: nobody
+
+    friend bool operator==(const source&, const source&) = default;
+  };
+  /// Octets that tuples of others may take with all that surrounds them.
+  struct limits {
+    std::size_t written = 0;
+    std::size_t held = 0;
+  };
+
   struct entry {
     tuple_pointer content;
     std::optional<instant> expiry;
+    source by = {};
+    std::size_t weight = 0;
+    bool created_by_other = false;
     mutable bool is_new = true; ///< not read since it was stored (TUP-12)
   };
 
+  tuple_store() = default;
+  explicit tuple_store(limits x) : written_(x.written), held_(x.held) {}
+
   [[nodiscard]] const entry* find(peer_id owner, const key& name) const;
+
+  /// Is there room for a tuple of this content, in the place of the one of its name?
+  [[nodiscard]] bool admits(const tuple& x, source by) const;
 
   /// Stores or replaces as something new; the letter case of a known key stays.
   /// @returns the tuple stored
-  tuple_pointer put(tuple x, std::optional<instant> expiry);
+  tuple_pointer put(tuple x, std::optional<instant> expiry, source by);
 
   /// Takes a tuple out; null if there is none.
   tuple_pointer remove(peer_id owner, const key& name);
@@ -46,11 +75,36 @@ public:
     }
   }
 
+  /// Goes through the tuples of one owner that may match, in pieces: begins behind the folded key
+  /// `after` (at the first if it is empty), and keeps there how far it has come. `visit(const
+  /// entry&)` returns false to come back to this one another time. It may put tuples in the place
+  /// of others, but not remove any.
+  /// @returns whether there are no more
+  template <class Visitor>
+  bool walk_on(peer_id owner, const key& pattern, std::string& after, Visitor visit) const {
+    const auto of_owner = owners_.find(owner);
+    if (of_owner == owners_.end())
+      return true;
+    const auto prefix = pattern.literal_prefix();
+    const auto& all = of_owner->second;
+    auto at = after.empty() ? all.lower_bound(prefix) : all.upper_bound(after);
+    for (; at != all.end() && at->first.starts_with(prefix); ++at) {
+      if (!visit(at->second))
+        return false;
+      after = at->first;
+      if (!pattern.is_pattern())
+        break;
+    }
+    return true;
+  }
+
   /// Matches ascending by key, then owner.
   [[nodiscard]] std::vector<tuple_pointer> find_all(const prototype& wanted) const;
 
   [[nodiscard]] std::optional<instant> deadline() const;
   [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] const fair_share& written() const { return written_; } ///< octets, by writer
+  [[nodiscard]] const fair_share& held() const { return held_; }       ///< octets, by owner
 
 private:
   using tuples_of_owner = std::map<std::string, entry, std::less<>>;
@@ -58,11 +112,17 @@ private:
   [[nodiscard]] std::vector<const entry*> candidates(peer_id owner, const key& pattern) const;
   void remember(const entry& x);
   void forget(const entry& x);
+  [[nodiscard]] fair_share* share_of(origin x);
 
   std::map<peer_id, tuples_of_owner> owners_; ///< by folded key; no owner without tuples
   std::map<std::string, std::set<peer_id>, std::less<>> keys_; ///< whose tuples have this key
   std::set<std::tuple<instant, peer_id, std::string>> expiries_;
   std::size_t size_ = 0;
+  fair_share written_;
+  fair_share held_;
 };
+
+/// Octets that a tuple takes with its key, its places in the trees and what the allocator adds.
+[[nodiscard]] std::size_t weight_of(const tuple& x);
 
 } // namespace rubicon::peis

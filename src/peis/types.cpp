@@ -70,6 +70,10 @@ std::string_view to_string(close_cause x) {
     return "leaf";
   case close_cause::reborn:
     return "reborn";
+  case close_cause::over_budget:
+    return "over_budget";
+  case close_cause::nameless:
+    return "nameless";
   }
   return "unknown";
 }

@@ -76,6 +76,8 @@ enum class close_cause : std::uint8_t {
   unneeded,         ///< the one of least value among too many (CM-08)
   leaf,             ///< we are a leaf and the other side is on another host (LEA-01)
   reborn,           ///< leads to an earlier incarnation of a restarted peer (peis-wire.md 10)
+  over_budget,      ///< kept sending though nothing was taken any more
+  nameless,         ///< asked for a link, but never told who it is
 };
 
 [[nodiscard]] std::string_view to_string(close_cause x);

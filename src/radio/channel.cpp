@@ -4,6 +4,9 @@
 #include <cassert>
 #include <utility>
 
+#include "radio/power.hpp"
+#include "radio/reception.hpp"
+
 namespace rubicon::radio {
 
 std::string to_string(power x) {
@@ -22,6 +25,9 @@ namespace {
 
 /// A battery is asked whether it is flat no more often than this.
 constexpr duration battery_check = 10ms;
+
+/// Below every signal.
+constexpr double no_limit_dbm = -160;
 
 outgoing pack(std::uint64_t token, const frame& header) {
   outgoing x;
@@ -60,12 +66,17 @@ radio_index channel::add(const radio_config& config, instant now) {
   assert(queue_.empty() || queue_.top().at >= now);
   const auto& kind = *config.kind;
   const auto transmit_dbm = config.transmit_dbm.value_or(kind.transmit_dbm_max());
-  const auto radio = topology_.add({name_of(config), config.place, transmit_dbm});
+  const auto sensitivity_dbm = config_.sensitivity_dbm.value_or(kind.sensitivity_dbm);
+  const bool by_noise = config_.edge == sensitivity_edge::noise && !medium_.is_disk();
+  const auto own_noise =
+      by_noise ? to_units(sensitivity_dbm - to_db(sinr_at_sensitivity(config_.curve))) : 0;
+  const auto radio = topology_.add({name_of(config), config.place, transmit_dbm, own_noise});
   transceiver_config ears;
   ears.address = config.address;
   ears.pan = config.pan;
   ears.promiscuous = config.promiscuous;
-  ears.sensitivity_dbm = config_.sensitivity_dbm.value_or(kind.sensitivity_dbm);
+  ears.sensitivity_dbm = by_noise ? no_limit_dbm : sensitivity_dbm;
+  ears.own_noise = own_noise;
   ears.cca_dbm = config_.cca_dbm.value_or(kind.cca_dbm);
   ears.noise = topology_.noise(radio);
   if (const auto* traced = std::get_if<traced_noise>(&config_.noise))
@@ -212,9 +223,7 @@ void channel::handle(const event& x, outputs& out) {
 void channel::on_mac_timer(radio_index radio, instant now, outputs& out) {
   auto& x = at(radio);
   x.scheduled.reset();
-  // An ack of its own that is due keeps a transceiver as busy as one on the air.
-  const bool clear =
-      !x.sender.assesses() || (!x.ack_dsn && x.guarded_until <= now && medium_.clear(radio, now));
+  const bool clear = !x.sender.assesses() || (x.guarded_until <= now && medium_.clear(radio, now));
   const auto todo = x.sender.on_time(now, clear, dice_);
   follow(radio, todo, now, out);
 }
@@ -302,8 +311,8 @@ void channel::schedule_mac(radio_index radio, instant due) {
                        .subject = radio.value,
                        .kind = event_kind::mac_timer};
   const bool is_next = queue_.empty() || due < queue_.top().at;
-  const bool is_sure = is_next && x.sender.assesses() && !x.ack_dsn && x.guarded_until <= due &&
-                       medium_.stays_clear(radio, due);
+  const bool is_sure =
+      is_next && x.sender.assesses() && x.guarded_until <= due && medium_.stays_clear(radio, due);
   auto hopeful = cautious;
   if (is_sure)
     hopeful.told_at = x.sender.told_at_if_clear();

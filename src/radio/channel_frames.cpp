@@ -166,10 +166,10 @@ copy_fate channel::on_data(const transmission& sent, const hearer& x, instant no
               .stamp = ++y.ack_stamp,
               .subject = x.radio.value,
               .kind = event_kind::ack_due});
+    y.sender.on_own_ack(begin + air_time(ack_size), dice_);
+    follow(x.radio, {}, now, out);
   }
   return fate;
 }
-
-// ----------------------------------------------------------------------------------------- sending
 
 } // namespace rubicon::radio

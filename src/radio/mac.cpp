@@ -68,7 +68,7 @@ mac_action mac::on_assessed(instant now, bool clear, random_stream& dice) {
       return finish(send_status::channel_access_failure, now, dice);
     busy_ = 0;
   }
-  back_off(now, dice);
+  begin(now, dice);
   return {};
 }
 
@@ -80,6 +80,12 @@ mac_action mac::on_sent(instant now, random_stream& dice) {
   state_ = state::ack_wait;
   deadline_ = now + rules_->ack_wait;
   return {};
+}
+
+void mac::on_own_ack(instant until, random_stream& dice) {
+  free_from_ = std::max(free_from_, until);
+  if (assesses())
+    attempt(until, dice);
 }
 
 mac_action mac::on_ack(instant now, random_stream& dice) {
@@ -120,19 +126,25 @@ void mac::leave_space(instant now) {
   if (!rules_->spaces)
     return;
   const bool is_short = open_.front().psdu.size() <= timing::sifs_psdu_max;
-  free_from_ = now + (is_short ? timing::sifs : timing::lifs);
+  free_from_ = std::max(free_from_, now + (is_short ? timing::sifs : timing::lifs));
 }
 
 void mac::attempt(instant now, random_stream& dice) {
   busy_ = 0;
   rounds_ = 0;
+  begin(now, dice);
+}
+
+/// The next back-off, as soon as the transceiver is free.
+void mac::begin(instant now, random_stream& dice) {
   const auto from = std::max(now, free_from_);
   if (!open_.front().in_slot) {
     back_off(from, dice);
     return;
   }
   state_ = state::backing_off;
-  deadline_ = from + rules_->assessment;
+  // What was on the air until `from` must not be in the assessment of a chip that looks back.
+  deadline_ = from + (from == free_from_ ? timing::cca : rules_->assessment);
 }
 
 void mac::back_off(instant from, random_stream& dice) {

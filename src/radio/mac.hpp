@@ -65,7 +65,8 @@ struct mac_action {
 ///                     ^                                  |    |
 ///                     +--- no ack, attempts left --------+    +--- ack, or attempts used up: next
 ///
-/// "Next" takes the following frame from the queue; its back-off begins after the interframe space.
+/// "Next" takes the following frame from the queue; its back-off begins after the interframe space,
+/// and after the transceiver's own ack if one is due.
 class mac {
 public:
   enum class state : std::uint8_t { idle, backing_off, looking_again, turning, sending, ack_wait };
@@ -90,6 +91,12 @@ public:
 
   /// The last octet of the frame has left. @pre state is sending
   [[nodiscard]] mac_action on_sent(instant now, random_stream& dice);
+
+  /// The transceiver answers a frame with an ack of its own, which has left by `until`. An ack
+  /// needs no CSMA and goes first (IEEE 802.15.4-2006 7.5.6.4.2): CSMA for our next frame begins
+  /// after it, anew if it was under way, so that neither the frame received nor the ack counts as a
+  /// busy channel.
+  void on_own_ack(instant until, random_stream& dice);
 
   /// An ack has come in. @pre awaits(its DSN)
   [[nodiscard]] mac_action on_ack(instant now, random_stream& dice);
@@ -124,6 +131,7 @@ public:
 
 private:
   void leave_space(instant now);
+  void begin(instant now, random_stream& dice);
   void attempt(instant now, random_stream& dice);
   void back_off(instant from, random_stream& dice);
   [[nodiscard]] mac_action on_assessed(instant now, bool clear, random_stream& dice);
@@ -135,7 +143,7 @@ private:
   unsigned busy_ = 0;   ///< busy assessments in this round
   unsigned rounds_ = 0; ///< of this attempt that have ended
   state state_ = state::idle;
-  instant free_from_; ///< end of the interframe space after the last frame
+  instant free_from_; ///< end of the interframe space after the last frame, and of the own ack
   std::optional<instant> deadline_;
 };
 

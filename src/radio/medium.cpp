@@ -55,14 +55,15 @@ void medium::add(transceiver_config config, const energy_meter& meter, instant n
   y.meter = meter;
   y.meter.enter(radio_state::listen, now);
   y.noise = config.noise;
+  y.own_noise = config.own_noise;
   y.traced_noise = std::move(config.traced_noise);
   if (!disk_) {
     y.sensitivity = static_cast<float>(to_units(config.sensitivity_dbm));
     const auto threshold = to_units(config.cca_dbm);
     x.cca_floor = threshold > y.noise ? static_cast<float>(threshold - y.noise) : 0;
   }
-  x.lock_floor =
-      std::max(y.sensitivity, static_cast<float>(static_cast<double>(y.noise) * lock_ratio_));
+  const auto noise = static_cast<double>(std::max(y.noise, y.own_noise));
+  x.lock_floor = std::max(y.sensitivity, static_cast<float>(noise * lock_ratio_));
   heads_.push_back(x);
   tails_.push_back(std::move(y));
 }
@@ -133,7 +134,7 @@ bool medium::clear(radio_index radio, instant now) {
   if (tails_[radio.value].traced_noise != nullptr) {
     if (receives)
       settle(radio, now); // readings are taken in order of time
-    power += static_cast<double>(noise_at(radio, now));
+    power += static_cast<double>(reading_at(radio, now));
   }
   return power < static_cast<double>(x.cca_floor);
 }
@@ -174,6 +175,10 @@ slot_index medium::free_slot() {
 fate medium::meet(const hearer& x, slot_index slot, std::uint32_t place, instant now) {
   auto& at = heads_[x.radio.value];
   const bool alone = at.audible++ == 0;
+  if ((at.flags & turning) != 0 && turns_back(x.radio, now)) {
+    at.power += units_of(x);
+    return fate::half_duplex;
+  }
   if (!alone || at.state != mode::listening || tails_[x.radio.value].traced_noise != nullptr) {
     const auto what = meet_others(x, slot, place, now);
     at.power += units_of(x);
@@ -187,6 +192,14 @@ fate medium::meet(const hearer& x, slot_index slot, std::uint32_t place, instant
   return fate::intact;
 }
 
+bool medium::turns_back(radio_index radio, instant now) {
+  auto& x = heads_[radio.value];
+  if (x.state == mode::listening && now < tails_[radio.value].sent_until + timing::turnaround)
+    return true;
+  x.flags &= static_cast<std::uint8_t>(~turning);
+  return false;
+}
+
 /// The same for a transceiver that is not simply listening into silence. `power` is still without
 /// the newcomer.
 fate medium::meet_others(const hearer& x, slot_index slot, std::uint32_t place, instant now) {
@@ -197,10 +210,8 @@ fate medium::meet_others(const hearer& x, slot_index slot, std::uint32_t place, 
     return fate::off;
   if (at.state == mode::sending)
     return fate::half_duplex;
-  if (strict_ && !alone) {
-    spoil_locked(x.radio, fate::collision);
-    return x.power < at.lock_floor ? fate::weak : fate::collision;
-  }
+  if (strict_ && !alone)
+    return overlap(x, slot, place, now);
   if (at.locked != nothing)
     settle(x.radio, now); // readings are taken in order of time
   const auto noise = static_cast<double>(noise_at(x.radio, now));
@@ -226,6 +237,27 @@ fate medium::meet_others(const hearer& x, slot_index slot, std::uint32_t place, 
   rest.damage = 0;
   rest.noise_damage = 0;
   return fate::intact;
+}
+
+/// Under the strict rule nobody gets either frame, but a carrier is sensed to the end of the
+/// longer.
+fate medium::overlap(const hearer& x, slot_index slot, std::uint32_t place, instant now) {
+  auto& at = heads_[x.radio.value];
+  spoil_locked(x.radio, fate::collision);
+  if (x.power < at.lock_floor)
+    return fate::weak;
+  if (at.locked == nothing || end_of(at.locked) < end_of(slot)) {
+    if (at.locked != nothing)
+      unlock(at, now);
+    lock(at, slot, place, now);
+    tails_[x.radio.value].settled_to = now;
+  }
+  return fate::collision;
+}
+
+instant medium::end_of(slot_index slot) const {
+  const auto& x = on_air_[slot].what;
+  return x.begin + x.length;
 }
 
 void medium::spoil_locked(radio_index radio, fate cause) {
@@ -281,13 +313,20 @@ fate medium::survive(radio_index radio, instant now, random_stream& dice) {
   return die < math::exp(-rest.noise_damage) ? fate::collision : fate::weak;
 }
 
+/// What disturbs the reception of a frame.
 power_units medium::noise_at(radio_index radio, instant now) {
+  return std::max(reading_at(radio, now), tails_[radio.value].own_noise);
+}
+
+/// What a chip's energy detection would tell.
+power_units medium::reading_at(radio_index radio, instant now) {
   auto& x = tails_[radio.value];
   return x.traced_noise == nullptr ? x.noise : reading_in_units(x.traced_noise->at(now));
 }
 
 void medium::stop_sending(radio_index radio, instant now) {
   heads_[radio.value].state = mode::listening;
+  heads_[radio.value].flags |= turning;
   auto& x = tails_[radio.value];
   x.sending = nothing;
   x.sent_until = now;

@@ -44,17 +44,19 @@ struct transceiver_config {
   double sensitivity_dbm = 0;                 ///< below it nothing is received; not for a unit_disk
   double cca_dbm = 0;                         ///< energy threshold; not for a unit_disk
   power_units noise = 0;                      ///< constant
+  power_units own_noise = 0;                  ///< as in topology's site
   std::unique_ptr<noise_source> traced_noise; ///< instead; nullptr: constant
 };
 
-/// Transceivers without intelligence. One that listens locks on a frame that arrives with its
-/// sensitivity or more and an SINR of -5 dB or more (below, a tenth of the bits are wrong: IEEE
+/// Transceivers without intelligence. One that has sent is ready to receive timing::turnaround
+/// later (IEEE 802.15.4-2006 6.9.2, TX-to-RX). One that listens locks on a frame that arrives with
+/// its sensitivity or more and an SINR of -5 dB or more (below, a tenth of the bits are wrong: IEEE
 /// 802.15.4-2006 figure E.2), and stays with it to its end. A later frame is interference to it,
 /// and captured by it; with channel_config::capture it takes the receiver over if it is 3 dB above
 /// everything else (tinyos.md 7.2: from there on a later frame begins to destroy an earlier one).
 /// Interference begins and ends whenever it does: damage is summed up over all parts of a frame
 /// (radio/reception.hpp). Under collision_rule::strict any overlap, of frames in reach at all,
-/// spoils both.
+/// spoils both; a radio that listens senses a carrier until the last of them has ended.
 ///
 /// Costs O(hearers) for each start and end of a frame.
 class medium {
@@ -96,6 +98,9 @@ public:
 
   /// @pre the radio is not sending: its frame was cut and ended before
   void switch_off(radio_index radio, instant now);
+
+  /// Whether signals are so strong that neither noise nor a sensitivity matters.
+  [[nodiscard]] bool is_disk() const { return disk_; }
 
   /// Outcome of a clear-channel assessment over timing::cca until now. Traced noise counts with its
   /// reading of this moment; earlier in the window signals alone do.
@@ -156,6 +161,7 @@ private:
   static constexpr std::uint8_t promiscuous = 1;
   static constexpr std::uint8_t waiting = 2;    ///< for an ack
   static constexpr std::uint8_t interfered = 4; ///< the locked frame was not alone all the time
+  static constexpr std::uint8_t turning = 8;    ///< it has sent, and may not be back at receiving
   static constexpr slot_index nothing = std::numeric_limits<slot_index>::max();
 
   /// What each copy touches: one cache line.
@@ -181,6 +187,7 @@ private:
     energy_meter meter;
     std::unique_ptr<noise_source> traced_noise;
     power_units noise = 0;
+    power_units own_noise = 0;
     float sensitivity = 0; ///< as a power
     slot_index sending = nothing;
     instant sent_until = instant::min();
@@ -200,6 +207,9 @@ private:
   [[nodiscard]] fate meet(const hearer& x, slot_index slot, std::uint32_t place, instant now);
   [[nodiscard]] fate meet_others(const hearer& x, slot_index slot, std::uint32_t place,
                                  instant now);
+  [[nodiscard]] bool turns_back(radio_index radio, instant now);
+  [[nodiscard]] fate overlap(const hearer& x, slot_index slot, std::uint32_t place, instant now);
+  [[nodiscard]] instant end_of(slot_index slot) const;
   static void lock(head& at, slot_index slot, std::uint32_t place, instant now) {
     at.locked = slot;
     at.place = place;
@@ -218,6 +228,7 @@ private:
   [[nodiscard]] fate leave(const hearer& x, slot_index slot, fate so_far, instant now,
                            random_stream& dice);
   [[nodiscard]] fate survive(radio_index radio, instant now, random_stream& dice);
+  [[nodiscard]] power_units reading_at(radio_index radio, instant now);
   [[nodiscard]] power_units noise_at(radio_index radio, instant now);
   void stop_sending(radio_index radio, instant now);
   void release(slot_index slot);

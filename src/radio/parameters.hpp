@@ -82,6 +82,12 @@ enum class collision_rule : std::uint8_t {
   strict, ///< any overlap at a receiver loses both frames there
 };
 
+/// What becomes of a frame that arrives at about the receiver's sensitivity.
+enum class sensitivity_edge : std::uint8_t {
+  sharp, ///< below it nothing is received, above it noise alone decides
+  noise, ///< the receiver's own noise decides: reception.hpp, sinr_at_sensitivity()
+};
+
 /// What makes a clear-channel assessment find the channel busy.
 enum class sensing : std::uint8_t {
   energy,            ///< CCA mode 1: power at or above the threshold
@@ -111,7 +117,8 @@ struct channel_config {
   /// What arrives more weakly is not even interference; not for unit_disk.
   double cutoff_dbm = -115;
   std::optional<double> sensitivity_dbm{}; ///< unset: the platform's; not for unit_disk
-  std::optional<double> cca_dbm{};         ///< energy threshold; unset: the platform's
+  sensitivity_edge edge = sensitivity_edge::sharp;
+  std::optional<double> cca_dbm{}; ///< energy threshold; unset: the platform's
   error_curve curve = error_curve::oqpsk;
   collision_rule collisions = collision_rule::strict;
   /// A receiver leaves the frame it is receiving for a much stronger later one.

@@ -79,6 +79,19 @@ double tossim_reception_rate(double snr_db) {
   return sixteenth * sixteenth * eighth * fourth * square;
 }
 
+double sinr_at_sensitivity(error_curve curve) {
+  constexpr double octets = 6 + 20; // preamble, SFD and length are on the air, too
+  const auto parts = curve == error_curve::oqpsk ? 8 * octets : 2;
+  const auto allowed = -math::log(0.99) / parts;
+  double low = 0;
+  double high = 16;
+  for (int i = 0; i < 60; ++i) {
+    const auto middle = (low + high) / 2;
+    (exact_damage(curve, middle) > allowed ? low : high) = middle;
+  }
+  return high;
+}
+
 error_model::error_model(error_curve curve) : curve_(curve), table_(shared_table(curve)) {}
 
 double error_model::damage(double sinr) const {

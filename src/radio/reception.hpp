@@ -17,6 +17,12 @@ namespace rubicon::radio {
 /// @param snr_db in decibels
 [[nodiscard]] double tossim_reception_rate(double snr_db);
 
+/// The SINR at which 1 % of the frames with a PSDU of 20 octets are lost. That is how IEEE
+/// 802.15.4-2006 6.1.7 defines the sensitivity, and what data sheets state it for; so a receiver
+/// has noise of its own (and losses that count as noise) of its sensitivity divided by this.
+/// @returns a ratio of powers
+[[nodiscard]] double sinr_at_sensitivity(error_curve curve);
+
 /// Damage adds up over a frame; it survives with the chance exp(-damage).
 ///
 /// For oqpsk, damage is counted per bit on the air (preamble, SFD and length included: a frame

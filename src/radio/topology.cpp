@@ -323,9 +323,8 @@ std::optional<hearer> topology::heard(std::uint32_t from, std::uint32_t to,
     return std::nullopt;
   const auto power = static_cast<float>(to_units(std::min(*dbm, 0.0)));
   hearer x{radio_index{to}, power, 0, loss_between(from, to), 0, 0};
-  if (noise_[to] != 0)
-    x.clean_damage =
-        static_cast<float>(errors_.damage(double{power} / static_cast<double>(noise_[to])));
+  if (const auto noise = std::max(noise_[to], sites_[to].own_noise); noise != 0)
+    x.clean_damage = static_cast<float>(errors_.damage(double{power} / static_cast<double>(noise)));
   const auto rssi = static_cast<int>(std::floor(std::clamp(*dbm + rssi_tolerance_db, -100.0, 0.0)));
   x.rssi_dbm = static_cast<std::int8_t>(rssi);
   x.lqi = static_cast<std::uint8_t>(std::clamp(110 + 3 * (rssi + 75), 50, 110));

@@ -44,6 +44,7 @@ struct site {
   mote_address mote; ///< decides its dice; for gain_matrix its node
   position place;
   double transmit_dbm = 0;
+  power_units own_noise = 0; ///< of its receiver: noise counts with no less than this
 };
 
 /// A radio is in reach if its signal arrives with channel_config::cutoff_dbm or more; for a

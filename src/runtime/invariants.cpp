@@ -173,21 +173,6 @@ violations check_joined(const report& x, std::span<const mote_address> ended_by_
   return found;
 }
 
-violations check_actors(const report& x, std::span<const std::string> crashes_requested) {
-  violations found;
-  std::vector<std::string> expected(crashes_requested.begin(), crashes_requested.end());
-  for (const auto& failure : x.actors.failures) {
-    const auto match = std::find_if(expected.begin(), expected.end(), [&](const auto& path) {
-      return failure.starts_with(path + ':');
-    });
-    if (match == expected.end())
-      found.push_back(at_end(x, "no actor fails", failure));
-    else
-      expected.erase(match);
-  }
-  return found;
-}
-
 violations check_device_lists(const report& x, std::span<const device_list> lists) {
   violations found;
   for (const auto& list : lists) {
@@ -237,7 +222,6 @@ violations check_all(const report& x, const run_truth& truth) {
   append(all, check_energy(x));
   append(all, check_actuations(x));
   append(all, check_joined(x, truth.ended_by_fault));
-  append(all, check_actors(x, truth.crashes_requested));
   append(all, check_device_lists(x, truth.device_lists));
   append(all, check_peers(x, truth.peers));
   return all;

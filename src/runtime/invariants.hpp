@@ -12,6 +12,15 @@ namespace rubicon::runtime {
 
 using violations = std::vector<violation>;
 
+// What must hold all the time, so that whoever sees that it does not says so.
+
+/// Every failure of an actor was asked for by the fault plan.
+inline constexpr const char* no_actor_fails = "no actor fails";
+/// What the file and the command line ask for is there: ports, groups, programs, files.
+inline constexpr const char* requests_are_met = "what was asked for is there";
+/// The run has come to its end, and its report tells of all of it.
+inline constexpr const char* run_is_complete = "the run is complete";
+
 /// Both books of every island's radios balance: no copy and no request vanishes uncounted.
 [[nodiscard]] violations check_radio(const report& x);
 
@@ -32,11 +41,6 @@ using violations = std::vector<violation>;
 /// not to join are left out.
 [[nodiscard]] violations check_joined(const report& x,
                                       std::span<const mote_address> ended_by_fault);
-
-/// Every actor failure was asked for. `crashes_requested` holds one actor path per crash of the
-/// fault plan; a path may stand there several times.
-[[nodiscard]] violations check_actors(const report& x,
-                                      std::span<const std::string> crashes_requested);
 
 /// Whom a gateway should list and whom it lists, each in any order.
 struct device_list {
@@ -64,7 +68,6 @@ struct peer_view {
 /// What the checks above need to know beside the report.
 struct run_truth {
   std::vector<mote_address> ended_by_fault;
-  std::vector<std::string> crashes_requested;
   std::vector<device_list> device_lists;
   std::vector<peer_view> peers = {}; ///< empty if they have not settled
 };

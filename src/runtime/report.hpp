@@ -169,6 +169,8 @@ struct peer_report {
   std::uint64_t attempts = 0;     ///< to open a link
   std::uint64_t attempts_failed = 0;
   std::int32_t cluster = 0; ///< lowest id that it can reach
+  /// What its limits have refused or put off: hosts_refused, over_budget, ...; none that is 0.
+  cause_counts limits = {};
 };
 
 /// Packets of the measuring apps from one mote to another, counted from the origin's request to its
@@ -229,6 +231,8 @@ struct report {
   std::uint64_t events = 0; ///< messages delivered to actors
   std::string trace_hash;   ///< 16 hexadecimal digits
   bool interrupted = false; ///< ended by a signal before its time
+  bool complete = false;    ///< the parts below were collected, and the run came to its end
+  std::string reason;       ///< why it is not complete; empty if it is
   actor_report actors;
   std::vector<island_report> islands;   ///< ascending by id
   std::vector<peer_report> peers;       ///< ascending by id, gateways included
@@ -259,8 +263,7 @@ inline constexpr std::size_t story_lines_max = 400;
 [[nodiscard]] std::string to_json(const report& x);
 
 /// The report a person reads. `width` is the terminal's, in characters (no line is longer, below 60
-/// it counts as 60); `colour` adds ANSI escapes. Control characters in names and values show as
-/// `?`.
+/// it counts as 60); `colour` adds ANSI escapes. Names and values are printable()
 [[nodiscard]] std::string to_text(const report& x, std::size_t width = 100, bool colour = false);
 
 } // namespace rubicon::runtime

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/printable.hpp"
 #include "runtime/report.hpp"
 
 namespace rubicon::runtime {
@@ -147,7 +148,8 @@ json to_json(const peer_report& x) {
           {"cluster", x.cluster},
           {"tuples", x.tuples},
           {"packages", x.peis.packages},
-          {"lost", counts(x.peis.lost)}};
+          {"lost", counts(x.peis.lost)},
+          {"limits", counts(x.limits)}};
 }
 
 json to_json(const actuation_report& x) {
@@ -222,6 +224,8 @@ std::string to_json(const report& x) {
       {"events", x.events},
       {"trace_hash", x.trace_hash},
       {"interrupted", x.interrupted},
+      {"complete", x.complete},
+      {"reason", x.reason},
       {"motes",
        {{"configured", x.motes_configured()},
         {"joined", x.motes_joined()},
@@ -247,7 +251,7 @@ std::string to_json(const report& x) {
       {"violations", array_of(x.violations)},
   };
   // Names and values may come from outside the process: octets that are not UTF-8 are replaced.
-  return object.dump(2, ' ', false, json::error_handler_t::replace) + '\n';
+  return printable_json(object.dump(2, ' ', false, json::error_handler_t::replace)) + '\n';
 }
 
 } // namespace rubicon::runtime

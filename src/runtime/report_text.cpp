@@ -33,7 +33,8 @@ void add_title(report_page& page, const report& x) {
                  " (" + speed_factor(x.simulated, x.wall_s) + " real time)",
              "seed " + std::to_string(x.seed), counted(x.events, "event"),
              x.trace_hash.empty() ? "" : "trace " + x.trace_hash,
-             x.interrupted ? "interrupted before its time" : ""});
+             x.interrupted ? "interrupted before its time" : "",
+             x.reason.empty() ? "" : "not complete: " + x.reason});
 }
 
 /// Neighbouring lines that tell the same of several become one.
@@ -382,6 +383,12 @@ void add_peers(report_page& page, const report& x) {
   }
   add_rest(rows, x.peers.size(), shown);
   page.add(rows);
+  table limits({{"peer"}, {"its limits have refused or put off"}});
+  for (std::size_t i = 0; i < shown; ++i) {
+    if (!x.peers[i].limits.empty())
+      limits.add({x.peers[i].name, causes(x.peers[i].limits)});
+  }
+  page.add(limits);
 }
 
 void add_verdict(report_page& page, const report& x) {
@@ -396,7 +403,8 @@ void add_verdict(report_page& page, const report& x) {
   add_rest(failures, x.actors.failures.size(), shown_failures);
   page.add(failures);
   if (x.violations.empty()) {
-    page.line("  ✓ no violations", look::good);
+    page.line(x.interrupted ? "  ✓ no violations until it was interrupted" : "  ✓ no violations",
+              look::good);
     return;
   }
   page.line("  ✗ " + counted(x.violations.size(), "violation"), look::bad);

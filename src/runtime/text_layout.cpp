@@ -17,32 +17,6 @@ bool is_continuation(char x) {
   return (static_cast<unsigned char>(x) & 0xC0U) == 0x80U;
 }
 
-/// Octets of the UTF-8 character at the front, 0 if there is none (RFC 3629 section 4).
-std::size_t character_size(std::string_view x) {
-  const auto octet = [&](std::size_t i) { return static_cast<unsigned char>(x[i]); };
-  const auto first = octet(0);
-  if (first < 0x80)
-    return 1;
-  if (first < 0xC2 || first > 0xF4)
-    return 0;
-  const std::size_t size = first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
-  if (size > x.size())
-    return 0;
-  for (std::size_t i = 1; i < size; ++i)
-    if (!is_continuation(x[i]))
-      return 0;
-  const bool overlong = (first == 0xE0 && octet(1) < 0xA0) || (first == 0xF0 && octet(1) < 0x90);
-  const bool surrogate = first == 0xED && octet(1) >= 0xA0;
-  const bool beyond = first == 0xF4 && octet(1) >= 0x90;
-  return overlong || surrogate || beyond ? 0 : size;
-}
-
-bool is_control(std::string_view character) {
-  const auto first = static_cast<unsigned char>(character[0]);
-  const bool is_c1 = first == 0xC2 && static_cast<unsigned char>(character[1]) < 0xA0;
-  return first < 0x20 || first == 0x7F || is_c1;
-}
-
 bool is_number(std::string_view x) {
   return !x.empty() && x.find_first_not_of("+-.,0123456789") == std::string_view::npos;
 }
@@ -67,17 +41,6 @@ void trim_end(std::string& x) {
 
 std::size_t display_width(std::string_view x) {
   return x.size() - static_cast<std::size_t>(std::count_if(x.begin(), x.end(), is_continuation));
-}
-
-std::string printable(std::string_view x) {
-  std::string text;
-  while (!x.empty()) {
-    const auto size = character_size(x);
-    const bool shown = size != 0 && !is_control(x);
-    text.append(shown ? x.substr(0, size) : std::string_view("?"));
-    x.remove_prefix(std::max<std::size_t>(size, 1));
-  }
-  return text;
 }
 
 std::string cut(std::string_view x, std::size_t width) {

@@ -7,14 +7,14 @@
 #include <string_view>
 #include <vector>
 
+#include "core/printable.hpp"
+
 namespace rubicon::runtime {
 
 /// Characters of UTF-8 text, each counted as one column.
 [[nodiscard]] std::size_t display_width(std::string_view x);
 
-/// `x` with everything replaced by `?` that could disturb a terminal: control characters and octets
-/// that are not UTF-8.
-[[nodiscard]] std::string printable(std::string_view x);
+using rubicon::printable;
 
 /// At most `width` characters of `x`; what is cut off shows as `…`.
 [[nodiscard]] std::string cut(std::string_view x, std::size_t width);

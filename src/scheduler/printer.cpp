@@ -10,6 +10,8 @@
 #include <caf/make_actor.hpp>
 #include <caf/monitorable_actor.hpp>
 
+#include "core/printable.hpp"
+
 namespace rubicon::scheduler {
 
 namespace {
@@ -41,7 +43,12 @@ private:
     const auto end = line_.rfind('\n');
     if (end == std::string::npos)
       return;
-    std::fwrite(line_.data(), 1, end + 1, stderr);
+    for (std::size_t from = 0; from <= end;) { // what a message held may be anything
+      const auto length = line_.find('\n', from) - from;
+      const auto shown = printable(std::string_view(line_).substr(from, length)) + '\n';
+      std::fwrite(shown.data(), 1, shown.size(), stderr);
+      from += length + 1;
+    }
     line_.erase(0, end + 1);
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include <caf/actor_system.hpp>
 #include <caf/error.hpp>
 #include <caf/sec.hpp>
 #include <caf/system_messages.hpp>
@@ -114,21 +115,57 @@ void run_clock::close() {
   timers_.clear();
 }
 
+// -- messages that may be moved
+
+movable_message run_clock::schedule(instant due, caf::strong_actor_ptr receiver,
+                                    caf::mailbox_element_ptr content) {
+  assert(others_.at_home());
+  if (closed_)
+    return {};
+  const auto number = ++movable_messages_;
+  return {
+      timers_.add(not_past(due), actor_message{std::move(receiver), std::move(content), number}),
+      number};
+}
+
+bool run_clock::move(const movable_message& x, instant due) {
+  if (!pending(x))
+    return false;
+  timers_.move(x.slot, not_past(due));
+  return true;
+}
+
+void run_clock::cancel(const movable_message& x) {
+  if (pending(x))
+    timers_.cancel(x.slot);
+}
+
+bool run_clock::pending(const movable_message& x) const {
+  assert(others_.at_home());
+  if (x.number == 0 || !timers_.pending(x.slot))
+    return false;
+  const auto* message = std::get_if<actor_message>(&timers_[x.slot]);
+  return message != nullptr && message->number == x.number;
+}
+
 // -- the table of timeouts
+
+instant run_clock::not_past(instant due) const {
+  return std::max(due, instant(duration(latest_ns_.load(std::memory_order_relaxed))));
+}
 
 void run_clock::add(instant due, timeout what) {
   if (closed_)
     return;
-  const instant latest{duration(latest_ns_.load(std::memory_order_relaxed))};
   const auto* x = std::get_if<actor_timeout>(&what);
   if (x == nullptr) {
-    timers_.add(std::max(due, latest), std::move(what));
+    timers_.add(not_past(due), std::move(what));
     return;
   }
   const auto key = x->key;
   if (key.kind == timeout_kind::ordinary)
     apply(cancel_timeout{key});
-  keys_.emplace(key, timers_.add(std::max(due, latest), std::move(what)));
+  keys_.emplace(key, timers_.add(not_past(due), std::move(what)));
 }
 
 void run_clock::forget_key(const timeout_key& key, ticket which) {
@@ -239,6 +276,10 @@ void run_clock::schedule_message(time_point t, caf::group target, caf::strong_ac
 
 void run_clock::cancel_all() {
   ask(cancel_everything{});
+}
+
+run_clock& run_clock_of(caf::actor_system& system) {
+  return dynamic_cast<run_clock&>(system.clock());
 }
 
 } // namespace rubicon::scheduler

@@ -32,6 +32,12 @@ static_assert(std::is_same_v<caf::actor_clock::duration_type, duration>);
   return caf::actor_clock::time_point(x.time_since_epoch());
 }
 
+/// A delayed message that may be moved or taken back until it is delivered. A value; owns nothing.
+struct movable_message {
+  std::uint32_t slot = 0;
+  std::uint64_t number = 0; ///< 0: none
+};
+
 /// All of caf::actor_clock, callable from any thread; the rest belongs to the home thread of the
 /// `outside`.
 class run_clock final : public caf::actor_clock {
@@ -62,6 +68,17 @@ public:
   /// Lets everything happen that is due at *next(), in the order it was set.
   /// @pre next()
   void fire_next(caf::execution_unit& unit);
+
+  /// Delivers `content` at `due`, or now if that is past, unless it is moved or taken back before.
+  [[nodiscard]] movable_message schedule(instant due, caf::strong_actor_ptr receiver,
+                                         caf::mailbox_element_ptr content);
+
+  /// Delivers it at `due` instead, after what is already due then.
+  /// @returns false if there is nothing to move: it was delivered or taken back
+  [[nodiscard]] bool move(const movable_message& x, instant due);
+
+  /// Takes it back; harmless if it was delivered.
+  void cancel(const movable_message& x);
 
   /// Forgets all timeouts; none is accepted from now on.
   void close();
@@ -99,6 +116,8 @@ private:
 
   void add(instant due, timeout what);
   void forget_key(const timeout_key& key, ticket which);
+  [[nodiscard]] instant not_past(instant due) const;
+  [[nodiscard]] bool pending(const movable_message& x) const;
 
   outside& others_;
   const time_mode mode_;
@@ -111,7 +130,11 @@ private:
   std::int64_t anchor_ecology_ns_ = 0;
   timer_queue<timeout> timers_;
   std::multimap<timeout_key, ticket> keys_; ///< the pending actor_timeouts
+  std::uint64_t movable_messages_ = 0;      ///< so far
   std::uint64_t fired_ = 0;
 };
+
+/// @pre the system has our coordinator
+[[nodiscard]] run_clock& run_clock_of(caf::actor_system& system);
 
 } // namespace rubicon::scheduler

@@ -20,6 +20,7 @@ namespace rubicon::scheduler {
 struct actor_message {
   caf::strong_actor_ptr receiver;
   caf::mailbox_element_ptr content;
+  std::uint64_t number = 0; ///< of a message that may be moved; 0: it may not
 };
 
 /// A delayed message to the members of a group.

@@ -1,4 +1,4 @@
-// Things that are due at a time, earliest first, equal times in the order they were added.
+// Things that are due at a time, earliest first, equal times in the order they were set.
 #pragma once
 
 #include <algorithm>
@@ -13,9 +13,8 @@
 
 namespace rubicon::scheduler {
 
-/// A binary heap over slots. What is cancelled is destroyed at once; its entry in the heap stays
-/// until it is reached, or until cancelled entries are the majority, when the heap is rebuilt. So
-/// memory is proportional to the largest number ever pending at one time.
+/// A heap that knows where each of its entries is, so that one can be moved or taken out: what is
+/// pending is one entry, and nothing else takes memory.
 /// @tparam T default-constructible and movable; T{} owns nothing
 template <class T>
 class timer_queue {
@@ -24,28 +23,30 @@ public:
 
   ticket add(instant due, T x) {
     const auto slot = take_slot();
-    slots_[slot].value = std::move(x);
-    slots_[slot].live = true;
-    heap_.push_back({due, sequence_++, slot});
-    std::push_heap(heap_.begin(), heap_.end(), later);
-    ++live_;
+    values_[slot] = std::move(x);
+    heap_.emplace_back();
+    rise(heap_.size() - 1, {due, sequence_++, slot});
     return slot;
+  }
+
+  /// As if it were cancelled and added again: it comes after what is already due at `due`.
+  /// @pre `x` is pending
+  void move(ticket x, instant due) {
+    assert(pending(x));
+    settle(places_[x], {due, sequence_++, x});
   }
 
   /// @pre `x` is pending
   void cancel(ticket x) {
-    assert(slots_[x].live);
-    slots_[x].live = false;
-    --live_;
-    auto dying = std::exchange(slots_[x].value, T{});
-    if (heap_.size() > 2 * live_ + 64)
-      rebuild();
+    assert(pending(x));
+    const auto dying = std::exchange(values_[x], T{}); // may call back, so it dies last
+    take_out(places_[x]);
   }
 
+  [[nodiscard]] bool pending(ticket x) const { return x < places_.size() && places_[x] != nowhere; }
+
   /// When the first entry is due.
-  [[nodiscard]] std::optional<instant> next() {
-    while (!heap_.empty() && !slots_[heap_.front().slot].live)
-      drop_front();
+  [[nodiscard]] std::optional<instant> next() const {
     if (heap_.empty())
       return {};
     return heap_.front().due;
@@ -56,78 +57,94 @@ public:
 
   /// Takes the first entry. @pre next()
   T pop() {
-    auto& slot = slots_[heap_.front().slot];
-    assert(slot.live);
-    slot.live = false;
-    --live_;
-    auto x = std::exchange(slot.value, T{});
-    drop_front();
+    auto x = std::exchange(values_[front()], T{});
+    take_out(0);
     return x;
   }
 
-  [[nodiscard]] const T& operator[](ticket x) const { return slots_[x].value; }
+  [[nodiscard]] const T& operator[](ticket x) const { return values_[x]; }
 
   void clear() {
     // What dies may call back, so it dies after the queue has become empty.
-    auto dying = std::exchange(slots_, {});
+    const auto dying = std::exchange(values_, {});
     heap_.clear();
+    places_.clear();
     free_.clear();
-    live_ = 0;
   }
 
-  [[nodiscard]] bool empty() const { return live_ == 0; }
-  [[nodiscard]] std::size_t size() const { return live_; }
-
-  /// Entries held in memory, cancelled ones included.
-  [[nodiscard]] std::size_t footprint() const { return heap_.size(); }
+  [[nodiscard]] bool empty() const { return heap_.empty(); }
+  [[nodiscard]] std::size_t size() const { return heap_.size(); }
 
 private:
+  using place = std::uint32_t; ///< index in the heap
+  static constexpr place nowhere = UINT32_MAX;
+  static constexpr std::size_t children = 4;
+
   struct entry {
     instant due;
-    std::uint64_t sequence;
-    ticket slot;
+    std::uint64_t sequence = 0;
+    ticket slot = 0;
   };
 
-  struct slot_type {
-    T value;
-    bool live = false;
-  };
-
-  static bool later(const entry& a, const entry& b) {
-    return a.due != b.due ? a.due > b.due : a.sequence > b.sequence;
+  static bool before(const entry& a, const entry& b) {
+    return a.due != b.due ? a.due < b.due : a.sequence < b.sequence;
   }
 
   ticket take_slot() {
     if (free_.empty()) {
-      slots_.emplace_back();
-      return static_cast<ticket>(slots_.size() - 1);
+      values_.emplace_back();
+      places_.push_back(nowhere);
+      return static_cast<ticket>(values_.size() - 1);
     }
     const auto slot = free_.back();
     free_.pop_back();
     return slot;
   }
 
-  void drop_front() {
-    free_.push_back(heap_.front().slot);
-    std::pop_heap(heap_.begin(), heap_.end(), later);
-    heap_.pop_back();
+  void put(std::size_t i, const entry& x) {
+    heap_[i] = x;
+    places_[x.slot] = static_cast<place>(i);
   }
 
-  void rebuild() {
-    std::erase_if(heap_, [this](const entry& x) {
-      if (slots_[x.slot].live)
-        return false;
-      free_.push_back(x.slot);
-      return true;
-    });
-    std::make_heap(heap_.begin(), heap_.end(), later);
+  /// Puts `x` at the free place `i` or above it.
+  void rise(std::size_t i, entry x) {
+    while (i > 0 && before(x, heap_[(i - 1) / children])) {
+      put(i, heap_[(i - 1) / children]);
+      i = (i - 1) / children;
+    }
+    put(i, x);
+  }
+
+  /// Puts `x` at the free place `i` or where it belongs above or below it.
+  void settle(std::size_t i, entry x) {
+    for (auto first = i * children + 1; first < heap_.size(); first = i * children + 1) {
+      const auto from = heap_.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto end =
+          heap_.begin() + static_cast<std::ptrdiff_t>(std::min(first + children, heap_.size()));
+      const auto least = std::min_element(from, end, before);
+      if (!before(*least, x))
+        break;
+      put(i, *least);
+      i = static_cast<std::size_t>(least - heap_.begin());
+    }
+    rise(i, x);
+  }
+
+  void take_out(std::size_t i) {
+    const auto slot = heap_[i].slot;
+    const auto last = heap_.back();
+    heap_.pop_back();
+    if (i < heap_.size())
+      settle(i, last);
+    places_[slot] = nowhere;
+    free_.push_back(slot);
   }
 
   std::vector<entry> heap_;
-  std::vector<slot_type> slots_;
+  std::vector<T> values_;
+  std::vector<place> places_; ///< of each value
   std::vector<ticket> free_;
   std::uint64_t sequence_ = 0;
-  std::size_t live_ = 0;
 };
 
 } // namespace rubicon::scheduler

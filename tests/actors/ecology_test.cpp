@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "actors/proxy_manager.hpp"
 #include "config/load.hpp"
+#include "runtime/invariants.hpp"
 #include "support/catch.hpp"
 #include "support/fakes.hpp"
 
@@ -286,4 +288,76 @@ TEST_CASE("equal seeds give equal traces, other seeds others", "[actors][ecology
   const auto first = trace(1);
   CHECK(trace(1) == first);
   CHECK(trace(2).first != first.first);
+}
+
+namespace {
+
+/// The state of an actor that the rig knows.
+template <class State, class Handle, class Actor>
+State& state_of(const Actor& handle) {
+  using type = scheduler::traced_actor<State, Handle>;
+  auto* found = dynamic_cast<type*>(caf::actor_cast<caf::abstract_actor*>(handle));
+  REQUIRE(found != nullptr);
+  return found->state;
+}
+
+std::size_t failures_among(const runtime::report& x) {
+  return static_cast<std::size_t>(
+      std::ranges::count(x.violations, runtime::no_actor_fails, &runtime::violation::invariant));
+}
+
+} // namespace
+
+TEST_CASE("a planned crash excuses no other failure of that mote", "[actors][ecology][ACT-03]") {
+  rig x(fault("1min", "crash", "mote = \"kitchen/stove\"") +
+        fault("60100ms", "crash", "mote = \"kitchen/stove\"")); // in vain: it is out of order
+  x.world.run_for(2min);
+  auto& state = state_of<ecology_state, root_actor>(x.root);
+  caf::anon_send_exit(state.motes.at({island_id{1}, mote_id{2}}).handle, caf::exit_reason::kill);
+  const auto& report = x.end_at(5min);
+  CHECK(report.actors.failures.size() == 2);
+  CHECK(failures_among(report) == 1);
+  CAPTURE(list_of(report.violations));
+  REQUIRE(!report.violations.empty());
+  CHECK(report.violations[0].at == instant(2min));
+  CHECK(report.violations[0].detail.starts_with("mote/kitchen/stove: "));
+}
+
+TEST_CASE("failures are violations, however many there were before", "[actors][ecology][ACT-03]") {
+  rig x(R"(
+[[fault]]
+every = "2s"
+kind = "crash"
+mote = "kitchen/fan"
+)");
+  x.world.run_for(8min);
+  auto& state = state_of<ecology_state, root_actor>(x.root);
+  CHECK(state.report.actors.failures.size() == 100); // no more are listed
+  caf::anon_send_exit(state.motes.at({island_id{1}, mote_id{2}}).handle, caf::exit_reason::kill);
+  CHECK(failures_among(x.end_at(9min)) == 1);
+}
+
+TEST_CASE("a proxy that fails is a violation, though it is started again",
+          "[actors][ecology][ACT-03]") {
+  rig x;
+  x.world.run_for(1min);
+  auto& state = state_of<ecology_state, root_actor>(x.root);
+  auto& manager =
+      state_of<proxy_manager_state, proxy_manager_actor>(state.peers.at("pc").programs.at(0));
+  REQUIRE(manager.proxies.size() == 2);
+  caf::anon_send_exit(manager.proxies.begin()->second, caf::exit_reason::kill);
+  const auto& report = x.end_at(5min);
+  CHECK(manager.proxies.size() == 2);
+  REQUIRE(failures_among(report) == 1);
+  CHECK(report.violations[0].detail.starts_with("proxy of mote 1/2: "));
+}
+
+TEST_CASE("what cannot be had is a violation, and may end the run", "[actors][ecology][ACT-03]") {
+  rig x;
+  x.world.send(x.root, request_unmet{"peis_peer/pc", "cannot listen"});
+  const auto& report = x.end_at(2min);
+  REQUIRE(report.violations.size() == 1);
+  CHECK(report.violations[0].invariant == runtime::requests_are_met);
+  CHECK(report.violations[0].detail == "peis_peer/pc: cannot listen");
+  CHECK(x.told("pc", "cannot listen").size() == 1);
 }

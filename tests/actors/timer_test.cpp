@@ -7,27 +7,38 @@ using test::virtual_world;
 
 namespace {
 
-using probe_actor = caf::typed_actor<caf::reacts_to<timer_expired>>;
-using probe_pointer = caf::stateful_actor<timer, probe_actor::base>*;
+/// Asks the probe to follow another deadline.
+using nudge = status_request;
+using probe_actor = caf::typed_actor<caf::reacts_to<timer_expired>, caf::reacts_to<nudge>>;
 
-/// What a test does with the timer when the probe begins, and the expiries the timer accepts.
+struct probe_state {
+  timer first;
+  timer second{1};
+};
+using probe_pointer = caf::stateful_actor<probe_state, probe_actor::base>*;
+
+/// What a test does with the timer when the probe begins and when it is nudged, and the expiries
+/// that the timer accepts.
 struct script {
   std::function<void(timer&, probe_pointer)> at_start;
+  std::function<void(timer&, probe_pointer)> at_nudge;
   std::vector<duration> accepted;
   int expiries = 0;
 };
 
 probe_actor::behavior_type probe(probe_pointer self, script* what) {
-  what->at_start(self->state, self);
+  what->at_start(self->state.first, self);
   return {[self, what](const timer_expired& x) {
-    ++what->expiries;
-    if (self->state.accepts(x))
-      what->accepted.push_back(now(self).time_since_epoch());
-  }};
+            ++what->expiries;
+            if (self->state.first.accepts(x))
+              what->accepted.push_back(now(self).time_since_epoch());
+          },
+          [self, what](nudge) { what->at_nudge(self->state.first, self); }};
 }
 
-script play(std::function<void(timer&, probe_pointer)> at_start) {
-  script what{std::move(at_start), {}, 0};
+script play(std::function<void(timer&, probe_pointer)> at_start,
+            std::function<void(timer&, probe_pointer)> at_nudge = {}) {
+  script what{std::move(at_start), std::move(at_nudge), {}, 0};
   virtual_world world;
   world.spawn(probe, &what);
   world.run_for(1min);
@@ -46,21 +57,62 @@ TEST_CASE("a deadline that is past already wakes at once", "[actors][timer]") {
   CHECK(x.accepted == std::vector<duration>{0s});
 }
 
-TEST_CASE("of several deadlines the earliest wakes, and no message is sent for later ones",
-          "[actors][timer]") {
-  const auto earlier_later = play([](timer& t, probe_pointer self) {
+TEST_CASE("a deadline that moves takes the one message with it", "[actors][timer]") {
+  const auto later = play([](timer& t, probe_pointer self) {
     t.follow(self, instant(3s));
     t.follow(self, instant(5s));
+  });
+  CHECK(later.accepted == std::vector<duration>{5s});
+  CHECK(later.expiries == 1);
+  const auto earlier = play([](timer& t, probe_pointer self) {
+    t.follow(self, instant(5s));
+    t.follow(self, instant(3s));
+  });
+  CHECK(earlier.accepted == std::vector<duration>{3s});
+  CHECK(earlier.expiries == 1);
+}
+
+TEST_CASE("a timer that follows no deadline any more sends nothing", "[actors][timer]") {
+  const auto x = play([](timer& t, probe_pointer self) {
+    t.follow(self, instant(3s));
     t.follow(self, std::nullopt);
   });
-  CHECK(earlier_later.accepted == std::vector<duration>{3s});
-  CHECK(earlier_later.expiries == 1);
-  const auto later_earlier = play([](timer& t, probe_pointer self) {
-    t.follow(self, instant(5s));
-    t.follow(self, instant(3s));
-  });
-  CHECK(later_earlier.accepted == std::vector<duration>{3s});
-  CHECK(later_earlier.expiries == 2);
+  CHECK(x.expiries == 0);
+}
+
+TEST_CASE("an expiry that waits in the mailbox is outdated by another deadline",
+          "[actors][timer]") {
+  const auto x = play(
+      [](timer& t, probe_pointer self) {
+        self->scheduled_send(self, caf::actor_clock::time_point(3s), nudge{});
+        t.follow(self, instant(3s)); // its expiry comes right behind the nudge
+      },
+      [](timer& t, probe_pointer self) { t.follow(self, instant(4s)); });
+  CHECK(x.accepted == std::vector<duration>{4s});
+  CHECK(x.expiries == 2);
+}
+
+TEST_CASE("an expiry that waits in the mailbox is not doubled by its own deadline",
+          "[actors][timer]") {
+  const auto x = play(
+      [](timer& t, probe_pointer self) {
+        self->scheduled_send(self, caf::actor_clock::time_point(3s), nudge{});
+        t.follow(self, instant(3s));
+      },
+      [](timer& t, probe_pointer self) { t.follow(self, instant(3s)); });
+  CHECK(x.accepted == std::vector<duration>{3s});
+  CHECK(x.expiries == 1);
+}
+
+TEST_CASE("the timer of an actor that ends holds nothing any more", "[actors][timer]") {
+  virtual_world world;
+  script what{[](timer& t, probe_pointer self) { t.follow(self, instant(24h)); }, {}, {}, 0};
+  auto handle = world.spawn(probe, &what);
+  const auto weak = caf::actor_cast<caf::weak_actor_ptr>(handle);
+  caf::anon_send_exit(handle, caf::exit_reason::user_shutdown);
+  handle = nullptr;
+  world.run_for(1s);
+  CHECK(!weak.lock());
 }
 
 TEST_CASE("a timer that was stopped accepts nothing of its earlier life", "[actors][timer]") {
@@ -68,8 +120,7 @@ TEST_CASE("a timer that was stopped accepts nothing of its earlier life", "[acto
     t.follow(self, instant(3s));
     t.stop();
   });
-  CHECK(stopped.accepted.empty());
-  CHECK(stopped.expiries == 1);
+  CHECK(stopped.expiries == 0);
   const auto again = play([](timer& t, probe_pointer self) {
     t.follow(self, instant(3s));
     t.stop();
@@ -79,9 +130,8 @@ TEST_CASE("a timer that was stopped accepts nothing of its earlier life", "[acto
 }
 
 TEST_CASE("timers of one actor do not take each other's expiries", "[actors][timer]") {
-  timer other(1);
-  const auto x = play([&other](timer& t, probe_pointer self) {
-    other.follow(self, instant(1s));
+  const auto x = play([](timer& t, probe_pointer self) {
+    self->state.second.follow(self, instant(1s));
     t.follow(self, instant(2s));
   });
   CHECK(x.accepted == std::vector<duration>{2s});

@@ -92,10 +92,10 @@ cost measure(unsigned motes) {
   cost x;
   std::optional<std::pair<double, double>> started; // processor time, wall time
   run_options options;
-  options.progress = [&](instant reached, instant end) {
-    if (!started && reached >= instant(settled_after))
+  options.progress = [&](const run_progress& p) {
+    if (!started && p.reached >= instant(settled_after))
       started = {bench::cpu_s(), bench::wall_s()};
-    if (reached < end)
+    if (p.reached < p.end)
       return;
     constexpr double minutes = std::chrono::duration<double, std::ratio<60>>(measured).count();
     x.cpu_s = (bench::cpu_s() - started->first) / minutes;

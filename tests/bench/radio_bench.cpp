@@ -126,8 +126,8 @@ runtime::report run(config::ecology_description x, duration length,
   x.length = length;
   run_options options;
   bool begun = false;
-  options.progress = [&](instant reached, instant end) {
-    if (!begun || reached >= end)
+  options.progress = [&](const run_progress& p) {
+    if (!begun || p.reached >= p.end)
       at(!begun);
     begun = true;
   };

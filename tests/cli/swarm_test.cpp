@@ -35,9 +35,9 @@ child_end said(int status, std::string out) {
 }
 
 const std::string good_report =
-    R"({"interrupted": false, "events": 12, "simulated_s": 20.0, "violations": []})";
+    R"({"interrupted": false, "complete": true, "reason": "", "events": 12, "simulated_s": 20.0, "violations": []})";
 const std::string bad_report =
-    R"({"interrupted": false, "events": 12, "simulated_s": 20.0, "violations": [
+    R"({"interrupted": false, "complete": true, "reason": "", "events": 12, "simulated_s": 20.0, "violations": [
         {"at_s": 1.5, "invariant": "every mote is joined", "detail": "kitchen/shelf: never joined"}]})";
 
 seed_outcome judged(const child_end& how) {
@@ -130,9 +130,10 @@ TEST_CASE("a run without a report is a violation, whatever the reason", "[cli]")
         "a report: the run ended with status 2 and without a report: rubicon: no such folder");
   CHECK(only_violation(judged({-1, SIGKILL, {}, {}, true})) ==
         "a report: the report of the run is too long");
-  const auto report = GENERATE(as<std::string>{}, "", "{", "[]", "{}", "null",
-                               R"({"interrupted": false, "events": "many"})",
-                               R"({"interrupted": false, "events": 1, "simulated_s": 1,
+  const auto report = GENERATE(
+      as<std::string>{}, "", "{", "[]", "{}", "null",
+      R"({"interrupted": false, "complete": true, "reason": "", "events": "many"})",
+      R"({"interrupted": false, "complete": true, "reason": "", "events": 1, "simulated_s": 1,
                                    "violations": [{"at_s": 1}]})");
   CHECK(only_violation(judged(said(0, report))).starts_with("a report: the run ended with"));
 }
@@ -216,7 +217,7 @@ TEST_CASE("each violation is one line", "[cli]") {
   x.violations.push_back({instant{}, "another\033", "line\none"});
   CHECK(violation_lines({"a.toml"}, x) ==
         "seed 7  rule  broken  replay: rubicon run a.toml --seed 7\n"
-        "seed 7  another?  line?one  replay: rubicon run a.toml --seed 7\n");
+        "seed 7  another\\x1b  line\\none  replay: rubicon run a.toml --seed 7\n");
 }
 
 TEST_CASE("progress tells how far, and which seeds failed", "[cli]") {

@@ -48,11 +48,18 @@ peis::package_header header_of(peis::package_type type, std::uint16_t port, byte
   return x;
 }
 
+void settle(peis::p2p& x, instant now) {
+  while (x.serve_next(now)) {
+  }
+  x.end_turn(now);
+}
+
 void deliver(peis::p2p& to, peis::package_type type, std::uint16_t port, byte_view data) {
   bytes octets;
   peis::encode(header_of(type, port, data), octets);
   octets.insert(octets.end(), data.begin(), data.end());
   to.on_link_octets(link, octets, instant{1s});
+  settle(to, instant{1s});
 }
 
 peis::p2p befriended_peer() {
@@ -62,6 +69,7 @@ peis::p2p befriended_peer() {
   x.on_link_open(link, peis::link_role::acceptor, instant{});
   const auto request = peis::encode(peis::connect_request{500, neighbour, 0, "default"});
   x.on_link_octets(link, request, instant{});
+  settle(x, instant{});
   peis::host_record_message record;
   record.record.id = neighbour;
   record.record.magic = 7;

@@ -156,5 +156,5 @@ TEST_CASE("a byte order mark is no part of the text", "[config]") {
 
 TEST_CASE("text that a terminal would act on is made harmless", "[config]") {
   const auto found = test::problem_after(test::head, "\"a\\u001b[2J\" = 1\n");
-  CHECK(found.find("unknown key `a?[2J` in [[peer]]") != std::string::npos);
+  CHECK(found.find("unknown key `a\\x1b[2J` in [[peer]]") != std::string::npos);
 }

@@ -80,13 +80,15 @@ TEST_CASE("every model of propagation arrives with its keys", "[config][radio]")
 
 TEST_CASE("reception, sensing and medium access arrive with their keys", "[config][radio]") {
   const auto x = radio_with(
-      "sensitivity = \"-94dBm\"\ncca_threshold = \"-77dBm\"\ncutoff = \"-110dBm\"\n"
+      "sensitivity = \"-94dBm\"\nsensitivity_edge = \"noise\"\ncca_threshold = \"-77dBm\"\ncutoff "
+      "= \"-110dBm\"\n"
       "sensing = \"energy\"\nsensing_window = \"end\"\ncollisions = \"sinr\"\ncapture = true\n"
       "curve = \"tossim\"\nretries = 2\n"
       "[radio.propagation]\nmodel = \"log_distance\"\n"
       "[radio.noise]\nmodel = \"constant\"\nfloor = \"-106.58dBm\"\n"
       "[radio.mac]\nmicaz = \"cc2420\"\niris = \"rf230\"\ntelosb = \"standard\"\n");
   CHECK(x.sensitivity_dbm == -94.0);
+  CHECK(x.edge == radio::sensitivity_edge::noise);
   CHECK(x.cca_dbm == -77.0);
   CHECK(x.cutoff_dbm == -110);
   CHECK(x.sensing == radio::sensing::energy);

@@ -160,7 +160,7 @@ TEST_CASE("what is said about a mote has to be possible", "[config][GEN-06]") {
       {"apps = [{ app = \"messenger\", to = \"k/c-2\", text = \"\" }]\n",
        "19:51: `text` must be a text of 1 to 100 octets without control characters, not \"\""},
       {"apps = [{ app = \"messenger\", to = \"k/c-2\", text = \"a\\nb\" }]\n",
-       "19:51: `text` must be a text of 1 to 100 octets without control characters, not \"a?b\""},
+       "19:51: `text` must be a text of 1 to 100 octets without control characters, not \"a\\nb\""},
       {"apps = [{ app = \"messenger\", to = \"k/c-2\", text = \"x\", reliable = 1 }]\n",
        "19:67: `reliable` must be true or false, not 1"},
       {"apps = [{ app = \"sampler\", transducers = [] }]\n",

@@ -457,3 +457,26 @@ TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
   CHECK(ask(again, instant(69s)).empty());
   CHECK(ask(again, instant(70s)).size() == 1);
 }
+
+TEST_CASE("a gateway lists no more motes than a sink has room for", "[gateway][GW-03]") {
+  gateway_config config;
+  config.island = kitchen;
+  config.devices_max = 2;
+  gateway::gateway x(config, random_stream(1));
+  static_cast<void>(x.start({}));
+  for (const auto mote : {mote_id{2}, mote_id{3}, mote_id{4}, mote_id{2}})
+    join(x, mote);
+  CHECK(x.devices() == std::vector{mote_id{2}, mote_id{3}});
+  CHECK(x.counters().devices_refused == 1);
+}
+
+TEST_CASE("of two descriptors of one life of a mote the sink says which is right", "[gateway]") {
+  auto x = make();
+  join(x, fan);
+  const auto asks = [](const gateway::outputs& out) {
+    return pick<to_sink>(out).size() == 1 && to_hex(pick<to_sink>(out)[0].payload) == "040007";
+  };
+  CHECK(asks(tell(x, network::mote_joined{fan, 0, 301, bytes{0xbb}})));
+  CHECK(asks(tell(x, network::mote_joined{fan, 0, 301, bytes{0xaa}}))); // its answer
+  CHECK_FALSE(asks(tell(x, network::mote_joined{fan, 0, 301, bytes{0xaa}})));
+}

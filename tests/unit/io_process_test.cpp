@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -60,6 +61,13 @@ struct script {
 
 bool runs(pid_t x) {
   return ::kill(x, 0) == 0;
+}
+
+/// Also if nobody has collected its end yet.
+bool is_gone(pid_t x) {
+  int how = 0;
+  static_cast<void>(::waitpid(x, &how, WNOHANG));
+  return !runs(x) || !std::filesystem::exists("/proc/" + std::to_string(x) + "/exe");
 }
 
 } // namespace
@@ -133,16 +141,10 @@ TEST_CASE("what a process leaves behind ends with it", "[io][SVC-05]") {
   script x("trap '' INT TERM; sleep 1000 & echo $!");
   CHECK(x.wait().status == 0);
   const auto sleeper = static_cast<pid_t>(std::stol(x.out));
-  const auto is_gone = [&] {
-    int how = 0;
-    static_cast<void>(::waitpid(sleeper, &how, WNOHANG));
-    return !runs(sleeper) ||
-           !std::filesystem::exists("/proc/" + std::to_string(sleeper) + "/exe"); // a zombie
-  };
   const auto latest = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  while (!is_gone() && std::chrono::steady_clock::now() < latest) {
+  while (!is_gone(sleeper) && std::chrono::steady_clock::now() < latest) {
   }
-  CHECK(is_gone());
+  CHECK(is_gone(sleeper));
 }
 
 TEST_CASE("destroying a process kills it, also one that ignores all else", "[io][SVC-05]") {
@@ -161,6 +163,61 @@ TEST_CASE("destroying a process kills it, also one that ignores all else", "[io]
     CHECK_FALSE(x.end);
   }
   CHECK_FALSE(runs(pid));
+}
+
+TEST_CASE("processes and what they have started end with us, even if we are killed",
+          "[io][SVC-05]") {
+  int said[2] = {-1, -1};
+  REQUIRE(::pipe(said) == 0);
+  const auto us = ::fork();
+  REQUIRE(us >= 0);
+  if (us == 0) { // the process that is killed; its component ignores what can be ignored
+    io::loop loop;
+    std::string out;
+    auto made = process::start(
+        loop, {"/bin/sh", {"sh", "-c", "trap '' INT TERM HUP; sleep 1000 & echo $$ $!; wait"}},
+        {[&](process::output, byte_view octets) { out.append(octets.begin(), octets.end()); },
+         [](io::process_end) {}});
+    while (out.find('\n') == std::string::npos)
+      loop.wait_until(std::chrono::steady_clock::now() + std::chrono::seconds(1));
+    static_cast<void>(::write(said[1], out.data(), out.size()));
+    ::kill(::getpid(), SIGKILL);
+  }
+  ::close(said[1]);
+  std::string text(100, '\0');
+  const auto size = ::read(said[0], text.data(), text.size());
+  REQUIRE(size > 0);
+  ::close(said[0]);
+  int how = 0;
+  REQUIRE(::waitpid(us, &how, 0) == us);
+  CHECK(WTERMSIG(how) == SIGKILL);
+  const auto shell = static_cast<pid_t>(std::stol(text));
+  const auto sleeper = static_cast<pid_t>(std::stol(text.substr(text.find(' '))));
+  for (const auto each : {shell, sleeper}) {
+    const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!is_gone(each) && std::chrono::steady_clock::now() < latest)
+      ::usleep(1000);
+    CHECK(is_gone(each));
+    ::kill(each, SIGKILL);
+  }
+}
+
+TEST_CASE("a process has the signals that programs expect", "[io][SVC-03]") {
+  const auto before = std::signal(SIGPIPE, SIG_IGN);
+  script x("kill -PIPE $$; echo still here");
+  const auto end = x.wait();
+  std::signal(SIGPIPE, before);
+  CHECK(end.signal == SIGPIPE);
+  CHECK(x.out.empty());
+}
+
+TEST_CASE("a process inherits nothing but its inputs and outputs", "[io][SVC-03]") {
+  const int ours = ::open("/dev/null", O_RDONLY); // without O_CLOEXEC, as sockets of Asio
+  REQUIRE(ours > STDERR_FILENO);
+  script x("test -e /proc/$$/fd/" + std::to_string(ours) + " && echo inherited");
+  static_cast<void>(x.wait());
+  ::close(ours);
+  CHECK(x.out.empty());
 }
 
 TEST_CASE("several processes end each for itself", "[io][SVC-04]") {

@@ -22,7 +22,7 @@ bool has_default_action(int signal) {
 } // namespace
 
 TEST_CASE("the first signal calls back once, with its number", "[io][ACT-11]") {
-  const int signal = GENERATE(SIGINT, SIGTERM);
+  const int signal = GENERATE(SIGINT, SIGTERM, SIGHUP);
   io::loop loop;
   std::vector<int> seen;
   const io::signal_watch watch(loop, [&](int x) { seen.push_back(x); });
@@ -55,6 +55,17 @@ TEST_CASE("the second signal ends the process", "[io][ACT-11]") {
   REQUIRE(::waitpid(child, &status, 0) == child);
   REQUIRE(WIFSIGNALED(status));
   CHECK(WTERMSIG(status) == SIGTERM);
+}
+
+TEST_CASE("a second SIGHUP does not hurry: terminals that go away send several", "[io][ACT-11]") {
+  io::loop loop;
+  int calls = 0;
+  const io::signal_watch watch(loop, [&](int) { ++calls; });
+  std::raise(SIGHUP);
+  loop.wait_until(std::chrono::steady_clock::now() + std::chrono::hours(1));
+  std::raise(SIGHUP); // would end this program
+  loop.poll();
+  CHECK(calls == 1);
 }
 
 TEST_CASE("a watch that is gone gives the signals back and stays silent", "[io][ACT-11]") {

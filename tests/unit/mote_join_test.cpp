@@ -52,6 +52,14 @@ TEST_CASE("a mote asks, is answered, confirms and is in", "[mote][DIS-08]") {
     CHECK(pick<island_joined>(again).empty());
     CHECK(pick<to_registrar>(again).size() == 1);
   }
+  SECTION("a prompt counts from the sink and from the root of the tree") {
+    CHECK(pick<island_lost>(client.on_message(mote_id{8}, rejoin_prompt{}, now)).empty());
+    CHECK(
+        pick<island_lost>(client.on_message(mote_id{8}, rejoin_prompt{}, now, mote_id{9})).empty());
+    CHECK(
+        pick<island_lost>(client.on_message(mote_id{8}, rejoin_prompt{}, now, mote_id{8})).size() ==
+        1);
+  }
   SECTION("a silent mote says that it is still there") {
     const auto before = now;
     const auto alive = wait(client, now);

@@ -307,3 +307,48 @@ TEST_CASE("a sink takes no more members than it has room for", "[mote]") {
   CHECK(x.on_frame(lamp, encode(join_request{1, 0, bytes{9}}), instant{}).empty());
   CHECK(x.counters().malformed == 2);
 }
+
+TEST_CASE("a full list loses whoever has been silent for long", "[mote]") {
+  registrar_config config;
+  config.members_max = 2;
+  registrar x(config);
+  for (const auto mote : {mote_id{2}, mote_id{3}}) { // who promise to be heard once a month
+    static_cast<void>(
+        x.on_frame(mote, encode(join_request{1, 0, description(301, 2'592'000'000)}), instant{}));
+    static_cast<void>(x.on_frame(mote, encode(join_confirm{1, 0, {}}), instant{}));
+  }
+  static_cast<void>(x.on_heard(mote_id{2}, instant{9s}));
+  CHECK(request(x, instant{9s}, 0, mote_id{4}).empty());
+  const auto out = request(x, instant{10s}, 0, mote_id{4});
+  REQUIRE(events<mote_left>(out).size() == 1);
+  CHECK(events<mote_left>(out)[0].mote == mote_id{3});
+  CHECK(test::pick<to_mote>(out).size() == 1);
+  // Should it live, it is asked to join again.
+  CHECK(test::pick<to_mote>(x.on_heard(mote_id{3}, instant{11s})).size() == 1);
+}
+
+TEST_CASE("what somebody else has said about a mote does not last", "[mote][DIS-03]") {
+  const auto prompts = [](const registrar_outputs& out) {
+    return std::ranges::count_if(test::pick<to_mote>(out), [](const to_mote& y) {
+      return y.mote == lamp && std::holds_alternative<rejoin_prompt>(y.message);
+    });
+  };
+  auto x = make();
+  static_cast<void>(request(x, instant{}));
+  static_cast<void>(confirm(x, instant{}));
+  SECTION("a life that it does not live") {
+    static_cast<void>(request(x, instant{20s}, 77));
+    CHECK(events<mote_joined>(confirm(x, instant{20s}, 77)).size() == 1);
+    CHECK(prompts(x.on_frame(lamp, encode(keep_alive{0, {}}), instant{21s})) == 1);
+    CHECK(prompts(x.on_frame(lamp, encode(keep_alive{0, {}}), instant{21500ms})) == 0);
+    static_cast<void>(request(x, instant{22s}));
+    CHECK(events<mote_joined>(confirm(x, instant{22s})).at(0).incarnation == 0);
+    CHECK(prompts(x.on_frame(lamp, encode(keep_alive{0, {}}), instant{24s})) == 0);
+  }
+  SECTION("a descriptor that is not its own") {
+    CHECK(prompts(x.on_frame(lamp, encode(join_request{9, 0, description(5)}), instant{20s})) == 1);
+    CHECK(prompts(request(x, instant{22s})) == 1); // now this one contradicts
+    CHECK(prompts(request(x, instant{24s})) == 0);
+    CHECK(events<mote_joined>(x.on_describe(lamp, instant{25s})).at(0).type == 301);
+  }
+}

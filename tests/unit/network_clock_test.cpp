@@ -211,4 +211,70 @@ TEST_CASE("all motes learn at once that slots are in use, and that they are no l
   }
 }
 
+namespace {
+
+/// A mote that hears stamps, by a perfect clock.
+struct hearer {
+  clock_sync clock{config(), instant{}};
+  instant now{};
+
+  bool hear(std::uint16_t sequence, mote_id root = mote_id{1}, const tick_setting& tick = {},
+            duration ahead = 0s) {
+    clock_stamp x;
+    x.root = root;
+    x.sequence = sequence;
+    x.time = island_time(std::chrono::floor<microseconds>((now + ahead).time_since_epoch()));
+    x.tick = tick;
+    return clock.on_stamp(x, now);
+  }
+
+  static clock_sync_config config() {
+    clock_sync_config x;
+    x.self = mote_id{5};
+    return x;
+  }
+};
+
+} // namespace
+
+TEST_CASE("a round that the root cannot have reached is no news, nor is another root's",
+          "[network][CLK-01]") {
+  hearer x;
+  CHECK(x.hear(10));
+  x.now += 10s;
+  CHECK_FALSE(x.hear(5000));
+  CHECK_FALSE(x.hear(12, mote_id{9}));
+  CHECK_FALSE(x.hear(9));
+  CHECK(x.hear(11));
+  x.now += 10s;
+  CHECK(x.hear(11 + 64)); // missed many
+  x.now += 31s;
+  CHECK_FALSE(x.hear(11 + 64)); // what others who have heard nothing either keep telling
+  CHECK(x.hear(3));             // the root has begun anew
+  x.now += 31s;
+  CHECK(x.hear(8, mote_id{9}));
+}
+
+TEST_CASE("a tick that was never the root's is gone with its next round", "[network][CLK-03]") {
+  hearer x;
+  const tick_setting real{3, island_time(microseconds(1000)), std::chrono::milliseconds(500)};
+  const tick_setting lie{0xffffffff, island_time(microseconds(2000)), std::chrono::milliseconds(1)};
+  const tick_setting other{7, island_time(microseconds(2000)), std::chrono::milliseconds(7)};
+  std::uint16_t sequence = 0;
+  const auto tell = [&](const tick_setting& tick) {
+    x.now += 10s;
+    CHECK(x.hear(++sequence, mote_id{1}, tick));
+  };
+  tell(real);
+  CHECK(x.clock.tick(x.now) == real);
+  tell(lie);
+  CHECK(x.clock.tick(x.now) == lie);
+  tell(real);
+  CHECK(x.clock.tick(x.now) == real);
+  tell(lie);
+  tell(other);
+  tell(real);
+  CHECK(x.clock.tick(x.now) == real);
+}
+
 } // namespace rubicon::network

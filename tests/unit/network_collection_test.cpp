@@ -263,6 +263,18 @@ TEST_CASE("a sink knows no route where parents form a circle", "[network][NET-04
   CHECK_FALSE(x.route_to(mote(35)));
 }
 
+TEST_CASE("a sink that knows the way to many forgets the one heard of longest ago", "[network]") {
+  source_routes x(sink, 3);
+  for (int i = 2; i <= 4; ++i)
+    x.learn(mote(i), sink);
+  x.learn(mote(2), sink);
+  x.learn(mote(9), sink);
+  CHECK(x.size() == 3);
+  CHECK_FALSE(x.route_to(mote(3)));
+  for (int i : {2, 4, 9})
+    CHECK(x.route_to(mote(i)));
+}
+
 TEST_CASE("packets of the tree keep their layout", "[network][golden]") {
   const up_packet up{mote_id{0x0102}, mote_id{0x0304}, 0x0506, 0x0708, 9, {0xaa}};
   CHECK(encode(up) == bytes{1, 2, 3, 4, 5, 6, 7, 8, 9, 0xaa});

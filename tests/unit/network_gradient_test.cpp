@@ -165,3 +165,36 @@ TEST_CASE("a packet whose cost does not fall is on a loop", "[network][NET-09]")
   CHECK(at.tree.is_loop(at.tree.cost()));
   CHECK(!at.tree.is_loop(static_cast<etx_cost>(at.tree.cost() + 1)));
 }
+
+TEST_CASE("a number that the root never had does not cut a mote off", "[network][NET-02]") {
+  listener at;
+  std::uint16_t number = 100;
+  CHECK(at.beacon(5, route(number, 1)) == gradient_change::parent);
+  CHECK(at.beacon(6, route(20'000, 1)) == gradient_change::none);
+  CHECK(at.lose(5) == gradient_change::parent); // to the liar,
+  static_cast<void>(at.tree.advertise());       // and tells others of it
+  CHECK(at.beacon(6, poison) == gradient_change::lost);
+  at.hear(mote_id{7});
+  int beacons = 0;
+  while (!at.tree.has_route() && beacons < 100) {
+    at.now += 16s;
+    static_cast<void>(at.beacon(7, route(++number, 1)));
+    ++beacons;
+  }
+  CHECK(beacons == 9); // the first is compared with nothing
+  CHECK(at.tree.parent() == mote_id{7});
+  CHECK(at.tree.counters().forgotten == 1);
+}
+
+TEST_CASE("old news of a dead root does not count on", "[network]") {
+  listener at;
+  CHECK(at.beacon(5, route(100, 1)) == gradient_change::parent);
+  static_cast<void>(at.tree.advertise());
+  CHECK(at.beacon(5, poison) == gradient_change::lost);
+  for (int i = 0; i < 100; ++i) {
+    at.now += 16s;
+    static_cast<void>(at.beacon(7, route(99, 3, 3, mote_id{8})));
+  }
+  CHECK(!at.tree.has_route());
+  CHECK(at.tree.counters().forgotten == 0);
+}

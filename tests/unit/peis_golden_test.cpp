@@ -285,7 +285,7 @@ TEST_CASE("append notices of real kernels decode and encode back", "[peis][TUP-0
 
 TEST_CASE("appends of a real kernel extend what its pushes gave", "[peis][TUP-07]") {
   tuple_space x({}, peer_id{20}, 1'000'000'000s);
-  static_cast<void>(x.on_host_appeared(peer_id{10}, false));
+  static_cast<void>(x.on_host_appeared(peer_id{10}, false, instant{}));
   static_cast<void>(x.subscribe(prototype_of(peer_id{10}, *key::parse("foo")), subscription_id{1},
                                 tuple_space::interest::subscription, instant{}));
   CHECK(x.on_push(peer_id{10}, only("push-update").data, instant{}).size() == 1);

@@ -12,6 +12,7 @@ namespace {
 outgoing_package numbered(std::int32_t id) {
   outgoing_package x;
   x.header.id = id;
+  x.content = std::make_shared<const message_octets>();
   return x;
 }
 
@@ -30,7 +31,7 @@ package_header fragment(std::int32_t source, std::uint16_t number, std::uint16_t
 } // namespace
 
 TEST_CASE("a lower class leaves only when all higher ones are empty", "[peis][P2P-02][API-03]") {
-  outgoing_queue queue(10);
+  outgoing_queue queue({10});
   queue.push(lane::bulk, numbered(5));
   queue.push(lane::normal, numbered(4));
   queue.push(lane::high, numbered(3));
@@ -45,23 +46,23 @@ TEST_CASE("a lower class leaves only when all higher ones are empty", "[peis][P2
 
 TEST_CASE("a full class refuses, others do not", "[peis][P2P-03]") {
   random_stream dice(1);
-  outgoing_queue queue(4);
+  outgoing_queue queue({4});
   for (int i = 0; i < 4; ++i) {
-    CHECK(queue.admission(lane::control, 1, dice) == cause::none);
+    CHECK(queue.admission(lane::control, 1, 0, own_origin, dice) == cause::none);
     queue.push(lane::control, numbered(i + 1));
   }
-  CHECK(queue.admission(lane::control, 1, dice) == cause::queue_full);
-  CHECK(queue.admission(lane::normal, 4, dice) == cause::none);
-  CHECK(queue.admission(lane::normal, 5, dice) == cause::queue_full);
+  CHECK(queue.admission(lane::control, 1, 0, own_origin, dice) == cause::queue_full);
+  CHECK(queue.admission(lane::normal, 4, 0, own_origin, dice) == cause::none);
+  CHECK(queue.admission(lane::normal, 5, 0, own_origin, dice) == cause::queue_full);
 }
 
 TEST_CASE("early drop starts at half full and grows to certainty", "[peis][P2P-03]") {
   random_stream dice(7);
-  outgoing_queue queue(100);
+  outgoing_queue queue({100});
   const auto refused = [&] {
     int count = 0;
     for (int i = 0; i < 1000; ++i)
-      count += queue.admission(lane::normal, 1, dice) == cause::early_drop ? 1 : 0;
+      count += queue.admission(lane::normal, 1, 0, own_origin, dice) == cause::early_drop ? 1 : 0;
     return count;
   };
   for (int i = 0; i < 50; ++i)
@@ -72,7 +73,8 @@ TEST_CASE("early drop starts at half full and grows to certainty", "[peis][P2P-0
     queue.push(lane::normal, numbered(1));
   CHECK(refused() > 400);
   CHECK(refused() < 600);
-  CHECK(queue.admission(lane::acknowledgements, 1, dice) == cause::none); // above them
+  CHECK(queue.admission(lane::acknowledgements, 1, 0, own_origin, dice) ==
+        cause::none); // above them
 }
 
 TEST_CASE("a message in two parts is read across the seam", "[peis]") {
@@ -140,17 +142,83 @@ TEST_CASE("an incomplete message is discarded 10 s after its last fragment", "[p
 }
 
 TEST_CASE("reassembly is bounded in messages and octets", "[peis][P2P-04]") {
-  reassembly assembly{reassembly_config{2, 4 * data_max, 10s}};
+  reassembly assembly{reassembly_config{4, 16 * data_max, 10s}};
   const bytes data(data_max);
-  CHECK(!assembly.accepts(fragment(1, 4, 9))); // would make room for five
-  CHECK(assembly.accepts(fragment(1, 1, 9)));
-  CHECK(!assembly.add(fragment(1, 1, 9), data, instant{}));
-  CHECK(!assembly.accepts(fragment(1, 2, 8))); // another count
-  CHECK(!assembly.add(fragment(2, 0, 9), data, instant{}));
-  CHECK(!assembly.accepts(fragment(3, 0, 9))); // a third message
-  CHECK(assembly.accepts(fragment(2, 1, 9)));
+  const link_id one{1};
+  const link_id other{2};
+  CHECK(!assembly.accepts(fragment(1, 8, 9), one)); // would make room for nine of sixteen
+  CHECK(assembly.accepts(fragment(1, 1, 9), one));
+  CHECK(!assembly.add(fragment(1, 1, 9), data, instant{}, one));
+  CHECK(assembly.octets() == 2 * data_max);
+  CHECK(!assembly.accepts(fragment(1, 2, 8), one)); // another count
+  CHECK(!assembly.add(fragment(2, 0, 9), data, instant{}, one));
+  CHECK(!assembly.accepts(fragment(3, 0, 9), one)); // half of the messages are its own
+  CHECK(assembly.accepts(fragment(3, 0, 9), other));
+  CHECK(!assembly.add(fragment(3, 0, 9), data, instant{}, other));
+  CHECK(!assembly.accepts(fragment(4, 0, 9), other)); // as many as are free
+  CHECK(assembly.accepts(fragment(2, 1, 9), one));
   assembly.drop(peer_id{1});
-  CHECK(assembly.accepts(fragment(3, 0, 9)));
+  CHECK(assembly.accepts(fragment(4, 0, 9), one));
+  assembly.drop(peer_id{2});
+  assembly.drop(peer_id{3});
+  CHECK(assembly.octets() == 0);
+}
+
+TEST_CASE("memory for a long message grows with what has come of it", "[peis][P2P-04]") {
+  reassembly assembly{reassembly_config{}};
+  const bytes data(data_max);
+  for (std::uint16_t i = 0; i < 100; ++i) {
+    CHECK(!assembly.add(fragment(1, i, 16384), data, instant{}));
+    CHECK(assembly.octets() <= 2 * (i + 1U) * data_max);
+  }
+  for (std::uint16_t i = 0; i < 3; ++i)
+    static_cast<void>(assembly.add(fragment(2, i, 3), data, instant{}));
+  assembly.drop(peer_id{1});
+  CHECK(assembly.octets() == 0);
+}
+
+TEST_CASE("an origin that floods a link leaves the others their turn", "[peis][P2P-03]") {
+  random_stream dice(3);
+  outgoing_queue queue({100});
+  const link_id flooder{5};
+  const link_id other{6};
+  const auto offer = [&](link_id origin, std::int32_t id) {
+    const auto why = queue.admission(lane::normal, 1, header_size, origin, dice);
+    if (why == cause::none)
+      queue.push(lane::normal, numbered(id), origin);
+    return why;
+  };
+  for (int i = 0; i < 1000; ++i)
+    static_cast<void>(offer(flooder, 1));
+  CHECK(queue.depth(lane::normal) == 50); // as many as are free beside them
+  for (int i = 0; i < 20; ++i)
+    CHECK(offer(other, 2) == cause::none); // neither refused nor given up at random
+  CHECK(offer(own_origin, 3) == cause::none);
+  CHECK(queue.has_room(lane::normal));
+  std::string order;
+  for (int i = 0; i < 6; ++i)
+    order += std::to_string(queue.pop()->header.id);
+  CHECK(order == "123121");
+}
+
+TEST_CASE("a queue is bounded in octets", "[peis][P2P-03]") {
+  random_stream dice(3);
+  outgoing_queue queue({100, 10'000});
+  const auto content =
+      std::make_shared<const message_octets>(message_octets{payload(bytes(data_max)), {}});
+  const auto size = header_size + data_max;
+  std::size_t taken = 0;
+  while (queue.admission(lane::normal, 1, size, own_origin, dice) == cause::none) {
+    queue.push(lane::normal, {{}, content, 0});
+    ++taken;
+  }
+  CHECK(taken == 9);
+  CHECK(queue.octets() == 9 * size);
+  CHECK(!queue.has_room(lane::bulk));
+  CHECK(queue.admission(lane::control, 1, size, own_origin, dice) == cause::none); // has its own
+  while (queue.pop()) {
+  }
+  CHECK(queue.octets() == 0);
 }
 
 } // namespace rubicon::peis

@@ -47,12 +47,12 @@ struct pair_of_peers {
 };
 
 /// A subscriber alone, which holds "log" of the other as "one".
-struct subscriber {
+struct lone_subscriber {
   tuple_space x{tuple_space_config{}, peer_id{1}, 1'000'000'000s};
   tuple content;
 
-  explicit subscriber(bool marked) {
-    static_cast<void>(x.on_host_appeared(other, marked));
+  explicit lone_subscriber(bool marked) {
+    static_cast<void>(x.on_host_appeared(other, marked, start));
     static_cast<void>(x.subscribe(log_of(any_peer), subscription_id{1},
                                   tuple_space::interest::subscription, start));
     content.owner = content.creator = other;
@@ -266,7 +266,7 @@ TEST_CASE("who asked for a certain value is not told of appends it may not hold"
 }
 
 TEST_CASE("notices that fit are applied, whatever number the append has", "[peis][TUP-07]") {
-  subscriber s(GENERATE(false, true));
+  lone_subscriber s(GENERATE(false, true));
   const auto told = s.notice("one", " two");
   REQUIRE(told.size() == 1);
   CHECK(std::get<tuple_changed>(told[0]).content->text() == "one two");
@@ -275,7 +275,7 @@ TEST_CASE("notices that fit are applied, whatever number the append has", "[peis
 }
 
 TEST_CASE("a notice that comes twice or after a newer set changes nothing", "[peis][TUP-07]") {
-  subscriber s(false);
+  lone_subscriber s(false);
   static_cast<void>(s.notice("one", " two"));
   CHECK(s.notice("one", " two").empty());
   CHECK(s.held() == "one two");
@@ -292,7 +292,7 @@ TEST_CASE("a notice that comes twice or after a newer set changes nothing", "[pe
 }
 
 TEST_CASE("a missing notice is made up for by a fresh value from the owner", "[peis][TUP-07]") {
-  subscriber s(GENERATE(false, true));
+  lone_subscriber s(GENERATE(false, true));
   const auto asked = s.notice("one two", " three"); // " two" was overtaken
   REQUIRE(asked.size() == 1);
   const auto& question = std::get<transmit>(asked[0]);
@@ -314,7 +314,7 @@ TEST_CASE("a missing notice is made up for by a fresh value from the owner", "[p
 }
 
 TEST_CASE("repairs end after some attempts", "[peis][TUP-07]") {
-  subscriber s(false);
+  lone_subscriber s(false);
   CHECK(s.notice("one two", " three").size() == 1);
   std::size_t asked = 0;
   for (int i = 1; i < 60; ++i)
@@ -324,7 +324,7 @@ TEST_CASE("repairs end after some attempts", "[peis][TUP-07]") {
 }
 
 TEST_CASE("notices of nobody's interest or in somebody's name are dropped", "[peis][TUP-07]") {
-  subscriber s(false);
+  lone_subscriber s(false);
   static_cast<void>(s.x.unsubscribe(subscription_id{1}));
   CHECK(s.notice("one", " two").empty());
   CHECK(s.x.counters().unwanted == 1);

@@ -362,7 +362,7 @@ TEST_CASE("a walk for a pattern keeps order and misses nothing", "[peis][TUP-20]
       tuple x;
       x.owner = peer_id{owner};
       x.name = named(name);
-      static_cast<void>(store.put(std::move(x), std::nullopt));
+      static_cast<void>(store.put(std::move(x), std::nullopt, {}));
     }
   }
   const auto found = [&](int owner, std::string_view pattern) {

@@ -103,7 +103,7 @@ TEST_CASE("real kernels are told nothing of lifetimes and nothing twice", "[peis
   auto x = space();
   subscribe(x, "a");
   const auto check = [&](peer_id host, bool marked) {
-    const auto sent = x.on_host_appeared(host, marked);
+    const auto sent = x.on_host_appeared(host, marked, start);
     REQUIRE(sent.size() == 1);
     const auto message = decode_subscribe(std::get<transmit>(sent[0]).content.head.view());
     REQUIRE(message);
@@ -118,11 +118,11 @@ TEST_CASE("real kernels are told nothing of lifetimes and nothing twice", "[peis
 
 TEST_CASE("subscribers of a vanished host are forgotten", "[peis][TUP-19]") {
   auto x = space();
-  static_cast<void>(x.on_host_appeared(other, false));
+  static_cast<void>(x.on_host_appeared(other, false, start));
   static_cast<void>(x.on_subscribe(other, subscription("a"), start));
   static_cast<void>(x.on_subscribe(other, subscription("*"), start));
   CHECK(x.has_subscriber(*key::parse("a")));
-  static_cast<void>(x.on_host_vanished(other));
+  static_cast<void>(x.on_host_vanished(other, start));
   CHECK(!x.has_subscriber(*key::parse("a")));
 }
 

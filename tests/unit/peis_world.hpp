@@ -29,6 +29,8 @@ struct carried {
 class world {
 public:
   explicit world(std::uint64_t seed = 1) : seed_(seed) {}
+  world(const world&) = delete;
+  world& operator=(const world&) = delete;
 
   /// Adds a peer with its own host name. @returns its id
   peer_id add(std::int32_t id);

@@ -175,6 +175,47 @@ TEST_CASE("the interframe space also holds for a frame submitted later", "[radio
   CHECK(x.deadline() == now + 640us + static_cast<int>(same.below(8)) * 320us + 128us);
 }
 
+TEST_CASE("CSMA begins after the transceiver's own ack", "[radio][mac][NET-15]") {
+  random_stream dice(GENERATE(range(1, 9)));
+  const instant until = instant{} + 7ms;
+  const auto begins_after = [&](const mac& x) {
+    const auto waits = x.deadline().value() - until - 128us;
+    CHECK(waits >= 0us);
+    CHECK(waits <= 7 * 320us);
+    CHECK(waits % duration(320us) == 0us);
+  };
+  mac idle(standard, 8, 3);
+  idle.on_own_ack(until, dice);
+  CHECK_FALSE(idle.deadline());
+  idle.submit(frame_of(1, true), instant{} + 6500us, dice);
+  begins_after(idle);
+
+  mac busy(standard, 8, 3); // what was sensed of the frame that is acked does not count
+  instant now = instant{} + 1ms;
+  busy.submit(frame_of(1, true), now, dice);
+  for (int i = 0; i < 4; ++i)
+    CHECK_FALSE(step(busy, now, false, dice).ended);
+  busy.on_own_ack(until, dice);
+  begins_after(busy);
+  for (int i = 0; i < 4; ++i)
+    CHECK_FALSE(step(busy, now, false, dice).ended);
+  CHECK(step(busy, now, false, dice).ended);
+
+  mac slotted(find_mac("cc2420", platforms()[0]), 8, 3); // its assessment looks back
+  auto frame = frame_of(1, true);
+  frame.in_slot = true;
+  slotted.submit(frame, instant{} + 6900us, dice);
+  slotted.on_own_ack(until, dice);
+  CHECK(slotted.deadline() == until + 128us);
+
+  mac turned(standard, 8, 3); // it had found the channel clear before
+  now = instant{} + 1ms;
+  turned.submit(frame_of(1, true), now, dice);
+  CHECK_FALSE(step(turned, now, true, dice).transmit);
+  turned.on_own_ack(until, dice);
+  CHECK(step(turned, now, true, dice).transmit);
+}
+
 TEST_CASE("a transmit queue is full at its size and aborts in order", "[radio][mac]") {
   random_stream dice(1);
   mac x(standard, 3, 3);

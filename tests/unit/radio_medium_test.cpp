@@ -55,11 +55,11 @@ struct row {
     }
   }
 
-  slot_index start(radio_index from, duration at) {
+  slot_index start(radio_index from, duration at, duration length = 1ms) {
     transmission x;
     x.from = from;
     x.begin = instant(at);
-    x.length = 1ms;
+    x.length = length;
     return air.start(x, places.around(from));
   }
 
@@ -118,8 +118,43 @@ TEST_CASE("frames that overlap at a receiver destroy each other there only",
   const auto second = x.start(c, 2ms); // hidden from a
   CHECK(x.receives(b, 2ms));           // still locked on the first
   CHECK(x.end(first, 3ms) == "b:collision ");
-  CHECK_FALSE(x.receives(b, 3ms)); // never locked on the second
+  CHECK(x.receives(b, 3ms)); // of the second there is a carrier still, though nothing to be had
   CHECK(x.end(second, 4ms) == "b:collision d:intact ");
+}
+
+TEST_CASE("a carrier is sensed to the end of the last frame that overlaps", "[radio][medium]") {
+  auto config = disk(10);
+  config.sensing = sensing::carrier;
+  config.window = sensing_window::end;
+  row x;
+  x.air = medium(config);
+  for (int i = 0; i < 4; ++i)
+    x.air.add({}, energy_meter(find_platform("micaz"), 2000, 0, instant{}), instant{});
+  const auto first = x.start(a, 1ms, GENERATE(1ms, 3ms));
+  const auto second = x.start(c, 1500us, 3500us - x.air.content(first).length);
+  const auto ends = instant(1ms) + x.air.content(first).length;
+  const auto [sooner, later] =
+      ends < instant(3ms) ? std::pair(first, second) : std::pair(second, first);
+  CHECK(x.end(sooner, 2ms).starts_with("b:collision "));
+  CHECK(x.receives(b, 2ms));
+  CHECK_FALSE(x.air.clear(b, instant(2500us)));
+  CHECK(x.end(later, 4ms).starts_with("b:collision "));
+  CHECK(x.air.clear(b, instant(4200us)));
+}
+
+TEST_CASE("who has sent is ready to receive a turnaround later", "[radio][medium][NET-15]") {
+  row x;
+  CHECK(x.end(x.start(b, 1ms), 2ms) == "a:intact c:intact ");
+  const auto early = x.start(a, 2ms + 191us);
+  CHECK(x.end(early, 4ms) == "b:half_duplex ");
+  CHECK(x.end(x.start(b, 5ms), 6ms) == "a:intact c:intact ");
+  const auto ack = x.start(a, 6ms + 192us);
+  CHECK(x.end(ack, 7ms) == "b:intact ");
+  CHECK(x.end(x.start(b, 8ms), 9ms) == "a:intact c:intact ");
+  const auto ahead = x.start(a, 9ms + 100us);
+  const auto late = x.start(c, 9ms + 300us); // into the rest of the first
+  CHECK(x.end(ahead, 10ms) == "b:half_duplex ");
+  CHECK(x.end(late, 11ms) == "b:collision d:intact ");
 }
 
 TEST_CASE("back to back is no overlap", "[radio][medium]") {

@@ -315,6 +315,44 @@ TEST_CASE("the whole channel delivers by the same curve", "[radio][sinr][channel
   }
 }
 
+TEST_CASE("with an edge of noise 1 % is lost at the sensitivity, and more and more below",
+          "[radio][sinr][channel]") {
+  // PSDU of 20 octets, as IEEE 802.15.4-2006 6.1.7 defines the sensitivity: 7 of AM payload.
+  const auto delivered = [](sensitivity_edge edge, double dbm, error_curve curve) {
+    radio_world x(channel_with([&](auto& c) {
+      c.propagation = links_of({{1, 2, static_cast<float>(dbm)}});
+      c.noise = constant_noise{-110};
+      c.collisions = collision_rule::sinr;
+      c.edge = edge;
+      c.curve = curve;
+    }));
+    const auto from = x.add(1, 0);
+    const auto to = x.add(2, 1);
+    for (int i = 0; i < trials; ++i) {
+      x.send(from, 0, 2, 7, false);
+      x.run_for(20ms);
+    }
+    return static_cast<double>(x.channel.counted_on(from, to).of(copy_fate::delivered)) / trials;
+  };
+  constexpr double sensitivity_dbm = -95; // of a MicaZ
+  for (const auto curve : {error_curve::oqpsk, error_curve::tossim}) {
+    CHECK(delivered(sensitivity_edge::noise, sensitivity_dbm, curve) ==
+          Approx(0.99).margin(tolerance(0.99)));
+    CHECK(delivered(sensitivity_edge::noise, sensitivity_dbm + 2, curve) > 0.999);
+    CHECK(delivered(sensitivity_edge::noise, sensitivity_dbm - 5, curve) == 0);
+    CHECK(delivered(sensitivity_edge::sharp, sensitivity_dbm + 0.01, curve) == 1);
+    CHECK(delivered(sensitivity_edge::sharp, sensitivity_dbm - 0.01, curve) == 0);
+  }
+  const auto noise_dbm = sensitivity_dbm - to_db(sinr_at_sensitivity(error_curve::oqpsk));
+  for (const auto below : {0.5, 1.0, 1.5}) {
+    const auto expected = survival(sensitivity_dbm - below, {noise_dbm}, 8 * 26);
+    CHECK(expected > 0.1);
+    CHECK(expected < 0.99);
+    CHECK(delivered(sensitivity_edge::noise, sensitivity_dbm - below, error_curve::oqpsk) ==
+          Approx(expected).margin(tolerance(expected)));
+  }
+}
+
 TEST_CASE("TOSSIM's curve is drawn twice for a frame, once for an ack", "[radio][sinr]") {
   auto config = by_sinr();
   config.curve = error_curve::tossim;

@@ -16,7 +16,7 @@ const std::string crashed = "kitchen/climate-8";
 
 TEST_CASE("a run whose books balance violates nothing", "[runtime][invariants]") {
   CHECK(check_radio(test::lab_report()).empty());
-  const run_truth truth{{lamp, blinds}, {crashed}, {{island_id{3}, {mote_id{7}}, {mote_id{7}}}}};
+  const run_truth truth{{lamp, blinds}, {{island_id{3}, {mote_id{7}}, {mote_id{7}}}}};
   CHECK(check_all(sample_report(), truth).empty());
   CHECK(check_all(report{}, {}).empty());
 }
@@ -42,7 +42,7 @@ TEST_CASE("all checks look at flows and at energy", "[runtime][invariants]") {
   auto x = sample_report();
   ++x.flows[0].sent;
   ++x.islands[0].motes[0].elapsed;
-  CHECK(check_all(x, {{lamp, blinds}, {crashed}, {}}).size() == 3);
+  CHECK(check_all(x, {{lamp, blinds}, {}}).size() == 3);
 }
 
 TEST_CASE("every term of the books counts", "[runtime][invariants]") {
@@ -132,16 +132,6 @@ TEST_CASE("a mote that is not listed at the end needs a fault that ended it",
   CHECK(found[0].detail == "kitchen/lamp-9: left: battery");
   CHECK(found[1].detail == "living-room/blinds-3: never joined");
   CHECK(check_joined(x, std::vector{lamp}).size() == 1);
-}
-
-TEST_CASE("each crash asked for excuses one failure of that actor", "[runtime][invariants]") {
-  auto x = sample_report();
-  CHECK(check_actors(x, {}).size() == 1);
-  CHECK(check_actors(x, std::vector<std::string>{crashed}).empty());
-  CHECK(check_actors(x, std::vector<std::string>{"kitchen/climate"}).size() == 1); // no prefix
-  x.actors.failures.push_back(crashed + ": again");
-  CHECK(check_actors(x, std::vector<std::string>{crashed}).size() == 1);
-  CHECK(check_actors(x, std::vector<std::string>{crashed, crashed}).empty());
 }
 
 TEST_CASE("a device list is compared as a set in which nothing stands twice",

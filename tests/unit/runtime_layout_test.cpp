@@ -25,18 +25,6 @@ TEST_CASE("text is measured and cut in characters", "[runtime]") {
   CHECK(cut("abc", 0).empty());
 }
 
-TEST_CASE("nothing that disturbs a terminal is printed", "[runtime]") {
-  CHECK(printable("22.3 °C") == "22.3 °C");
-  CHECK(printable("a\n\033[31mb\x7f") == "a??[31mb?");
-  CHECK(printable("\xc2\x9b") == "?"); // C1 control CSI
-  CHECK(printable("\xff"
-                  "a\xc3") == "?a?");             // never UTF-8; cut short
-  CHECK(printable("\xc0\xaf") == "??");           // overlong
-  CHECK(printable("\xed\xa0\x80") == "???");      // surrogate
-  CHECK(printable("\xf4\x90\x80\x80") == "????"); // beyond U+10FFFF
-  CHECK(printable("\xf0\x9f\xa4\x96") == "\xf0\x9f\xa4\x96");
-}
-
 TEST_CASE("columns are as wide as their widest cell", "[runtime]") {
   CHECK(two_columns().render(80, false) == "  name    count\n"
                                            "  a           1\n"

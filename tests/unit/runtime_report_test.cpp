@@ -280,7 +280,7 @@ TEST_CASE("only a terminal gets escapes, and never one from a tuple", "[runtime]
   CHECK(!contains(to_text(x), "\033"));
   CHECK(contains(to_text(x, 100, true), "\033[32m"));
   CHECK(!contains(to_text(x, 100, true), "\033[2J"));
-  CHECK(lines_of(to_text(x))[0] == "two?rooms");
+  CHECK(lines_of(to_text(x))[0] == R"(two\nrooms)");
 }
 
 TEST_CASE("the report tells which of several gateways has led", "[runtime][GW-14]") {

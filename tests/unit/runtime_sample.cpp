@@ -116,6 +116,7 @@ report sample_report() {
   x.wall_s = 0.84;
   x.events = 123'456;
   x.trace_hash = "0123456789abcdef";
+  x.complete = true;
   x.actors = {31, 1, {"kitchen/climate-8: crash asked for"}};
   x.islands = {kitchen(), living_room()};
   x.flows = {sample_flow(2, default_sink, "sink"), sample_flow(2, broadcast_mote, "*")};

@@ -1,0 +1,139 @@
+#include "peis/subscriber_book.hpp"
+
+#include <algorithm>
+#include <type_traits>
+
+namespace rubicon::peis {
+
+namespace {
+
+/// What a record takes beyond the octets that the subscriber has chosen: nodes of three trees, the
+/// prototype and the key.
+constexpr std::size_t record_overhead = 720;
+
+std::size_t weight_of(const prototype& x, const std::string& identity) {
+  return record_overhead + 2 * identity.size() + x.name.text().size() +
+         (x.value ? x.value->size() : 0);
+}
+
+template <class Integer>
+void append_integer(std::string& to, Integer x) {
+  for (std::size_t i = 0; i < sizeof x; ++i)
+    to.push_back(static_cast<char>(static_cast<std::uint64_t>(x) >> 8U * i));
+}
+
+} // namespace
+
+std::string identity_of(const prototype& x) {
+  std::string all = x.name.folded();
+  all.push_back('\0'); // no key has one
+  append_integer(all, x.owner.value);
+  append_integer(all, x.creator.value);
+  for (const auto& time : {x.written, x.user_time, x.expiry}) {
+    append_integer(all, time.seconds);
+    append_integer(all, time.microseconds);
+  }
+  all.push_back(static_cast<char>(x.form));
+  all.push_back(static_cast<char>((x.mimetype ? 1 : 0) + (x.value ? 2 : 0)));
+  append_integer(all, static_cast<std::uint64_t>(x.mimetype ? x.mimetype->size() : 0));
+  all += x.mimetype.value_or("");
+  if (!x.value)
+    return all;
+  append_integer(all, static_cast<std::uint64_t>(x.value->size()));
+  for (const auto octet : x.value->view()) { // equal without letter case, up to the first NUL
+    if (octet == 0)
+      break;
+    const bool capital = octet >= 'A' && octet <= 'Z';
+    all.push_back(static_cast<char>(capital ? octet - 'A' + 'a' : octet));
+  }
+  return all;
+}
+
+subscriber_book::subscriber_book(limits x) : limits_(x), count_(x.records), octets_(x.octets) {}
+
+subscriber* subscriber_book::find(peer_id host, const prototype& wanted) {
+  const auto of_host = hosts_.find(host);
+  if (of_host == hosts_.end())
+    return nullptr;
+  const auto at = of_host->second.by_identity.find(identity_of(wanted));
+  return at == of_host->second.by_identity.end() ? nullptr : &at->second;
+}
+
+subscriber* subscriber_book::add(peer_id host, const prototype& wanted,
+                                 std::optional<instant> expiry) {
+  auto identity = identity_of(wanted);
+  const auto weight = weight_of(wanted, identity);
+  std::size_t of_key = 0;
+  index_.for_equal(wanted.name, [&](const subscriber* x) { of_key += x->host == host ? 1 : 0; });
+  if (of_key >= limits_.per_key || !count_.admits(host, 1) || !octets_.admits(host, weight))
+    return nullptr;
+  count_.add(host, 1);
+  octets_.add(host, weight);
+  auto& of_host = hosts_[host];
+  auto& x = of_host.by_identity
+                .emplace(std::move(identity),
+                         subscriber{host, wanted, expiry, next_number_++, weight, false})
+                .first->second;
+  of_host.by_number.emplace_hint(of_host.by_number.end(), x.number, &x);
+  index_.insert(wanted.name, &x);
+  return &x;
+}
+
+void subscriber_book::erase(const subscriber& x) {
+  const auto of_host = hosts_.find(x.host);
+  index_.erase_if(x.wanted.name, [&](const subscriber* other) { return other == &x; });
+  count_.remove(x.host, 1);
+  octets_.remove(x.host, x.weight);
+  of_host->second.by_number.erase(x.number);
+  const auto at = of_host->second.by_identity.find(identity_of(x.wanted));
+  of_host->second.by_identity.erase(at);
+  if (of_host->second.by_identity.empty())
+    hosts_.erase(of_host);
+}
+
+std::vector<std::uint64_t> subscriber_book::erase(peer_id host, peer_id owner, const key& wanted) {
+  std::vector<const subscriber*> gone;
+  index_.for_equal(wanted, [&](const subscriber* x) {
+    if (x->host == host && x->wanted.owner == owner)
+      gone.push_back(x);
+  });
+  std::vector<std::uint64_t> numbers;
+  for (const auto* x : gone) {
+    numbers.push_back(x->number);
+    erase(*x);
+  }
+  return numbers;
+}
+
+std::size_t subscriber_book::erase_host(peer_id host) {
+  const auto of_host = hosts_.find(host);
+  if (of_host == hosts_.end())
+    return 0;
+  const auto count = of_host->second.by_number.size();
+  for (const auto& [number, x] : of_host->second.by_number)
+    index_.erase_if(x->wanted.name, [&](const subscriber* other) { return other == x; });
+  count_.remove(host, count);
+  octets_.remove(host, octets_.of(host));
+  hosts_.erase(of_host);
+  return count;
+}
+
+subscriber_book::expired subscriber_book::find_expired(instant now) {
+  expired found;
+  for (auto& [host, of_host] : hosts_) {
+    for (auto& [number, x] : of_host.by_number) {
+      if (x->expiry && *x->expiry <= now)
+        found.gone.push_back(x);
+      else
+        found.mortal = found.mortal || x->expiry;
+    }
+  }
+  return found;
+}
+
+const subscriber_book::records* subscriber_book::of(peer_id host) const {
+  const auto at = hosts_.find(host);
+  return at == hosts_.end() ? nullptr : &at->second.by_number;
+}
+
+} // namespace rubicon::peis

@@ -1,0 +1,102 @@
+// What other hosts have subscribed to here, and how much of it there may be (TUP-08, TUP-10).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/time.hpp"
+#include "peis/fair_share.hpp"
+#include "peis/subscription_index.hpp"
+#include "peis/tuple.hpp"
+
+namespace rubicon::peis {
+
+/// A subscription of another host.
+struct subscriber {
+  peer_id host;
+  prototype wanted;
+  std::optional<instant> expiry; ///< unset for real kernels
+  std::uint64_t number = 0;      ///< ascending in the order in which they came
+  std::size_t weight = 0;        ///< octets, with all that surrounds it
+  bool again = false;            ///< asked for once more while what matches is being sent
+};
+
+/// Everything another host can put here takes a share of a limit, in records and in octets. All
+/// that concerns one record costs the logarithm of their number, all that concerns a host what it
+/// has here.
+class subscriber_book {
+public:
+  struct limits {
+    std::size_t records = 0;
+    std::size_t octets = 0;
+    std::size_t per_key = 0; ///< of one host, for one key or pattern: prototypes differ otherwise
+  };
+  using records = std::map<std::uint64_t, subscriber*>; ///< by number
+
+  subscriber_book() = default;
+  explicit subscriber_book(limits x);
+
+  /// The record of an equal subscription; null if there is none.
+  [[nodiscard]] subscriber* find(peer_id host, const prototype& wanted);
+
+  /// @returns the record, which stays where it is until it is erased; null if there is no room
+  /// @pre find() knows none
+  subscriber* add(peer_id host, const prototype& wanted, std::optional<instant> expiry);
+
+  /// Removes those of a host for this owner (or any_peer) and key. @returns their numbers
+  std::vector<std::uint64_t> erase(peer_id host, peer_id owner, const key& wanted);
+
+  /// Removes all of a host. @returns how many
+  std::size_t erase_host(peer_id host);
+
+  /// Removes a record that find() or add() has returned.
+  void erase(const subscriber& x);
+
+  /// Those of one host whose time has come, and whether others of anybody have a time.
+  struct expired {
+    std::vector<subscriber*> gone; ///< to be erased, in no order that shows
+    bool mortal = false;
+  };
+  [[nodiscard]] expired find_expired(instant now);
+
+  /// Calls `visit(const subscriber&)` for each whose key or pattern covers `name`.
+  template <class Visitor>
+  void for_matching(const key& name, Visitor visit) const {
+    index_.for_matching(name, [&](const subscriber* x) { visit(*x); });
+  }
+  template <class Visitor>
+  void for_all(Visitor visit) const {
+    index_.for_all([&](const subscriber* x) { visit(*x); });
+  }
+  template <class Visitor>
+  void for_first_part(std::string_view first_part, Visitor visit) const {
+    index_.for_first_part(first_part, [&](const subscriber* x) { visit(*x); });
+  }
+
+  /// All of a host; null if there is none.
+  [[nodiscard]] const records* of(peer_id host) const;
+
+  [[nodiscard]] std::size_t size() const { return index_.size(); }
+  [[nodiscard]] std::size_t octets() const { return octets_.total(); }
+
+private:
+  struct host_records {
+    std::map<std::string, subscriber, std::less<>> by_identity;
+    records by_number;
+  };
+
+  limits limits_;
+  fair_share count_;
+  fair_share octets_;
+  std::map<peer_id, host_records> hosts_; ///< none without records
+  subscription_index<subscriber*> index_;
+  std::uint64_t next_number_ = 0;
+};
+
+/// Octets that are equal for equal prototypes, and for no others.
+[[nodiscard]] std::string identity_of(const prototype& x);
+
+} // namespace rubicon::peis
