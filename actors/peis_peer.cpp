@@ -119,8 +119,11 @@ struct performer {
     const auto& arguments = self->state.arguments;
     if (arguments.discovery && arguments.lan)
       self->send(arguments.lan, lan_announce{arguments.station, x.octets});
-    if (self->state.real != nullptr)
-      self->state.real->links().carry_out(x);
+    if (self->state.real != nullptr) {
+      auto octets = to_bytes(x.octets.view());
+      peis::hide_inproc_of_announcement(octets);
+      self->state.real->links().carry_out(peis::announce{std::move(octets)});
+    }
   }
 
   void operator()(peis::scan_adapter& x) const {
@@ -173,8 +176,14 @@ struct performer {
         x.source.value, x.destination.value);
   }
   void operator()(const peis::id_taken& x) const {
-    log(self, spdlog::level::err, "event=id_taken by={}", x.by);
-    self->send(self->state.arguments.ecology, story{self->path(), "its id is used by " + x.by});
+    const auto& ecology = self->state.arguments.ecology;
+    if (x.stays_away == duration(0)) {
+      log(self, spdlog::level::err, "event=id_taken by={}", x.by);
+      self->send(ecology, story{self->path(), "its id is used by " + x.by});
+      return;
+    }
+    log(self, spdlog::level::err, "event=id_left_to by={} away_s={}", x.by, seconds(x.stays_away));
+    self->send(ecology, story{self->path(), "leaves its id to " + x.by});
   }
 
   void tell(peis::subscription_id subscription, const peis::tuple& x, bool deleted) const {
@@ -342,6 +351,8 @@ void add_limits(runtime::cause_counts& to, const peis::kernel_counters& counted)
       {"newcomers_referred", x.newcomers_referred},
       {"questions_refused", x.questions_refused},
       {"routes_refused", x.routes_refused},
+      {"rivals_refused", x.rivals_refused},
+      {"claims_refused", x.claims_refused},
       {"tables_put_off", x.tables_put_off},
       {"tuples_full", tuples.overflow},
       {"tuples_malformed", tuples.malformed},
@@ -351,7 +362,8 @@ void add_limits(runtime::cause_counts& to, const peis::kernel_counters& counted)
       {"orphans", tuples.orphans_removed},
       {"stale_removed", tuples.stale_removed},
       {"resyncs", tuples.resyncs},
-      {"pushes_given_up", tuples.pushes_given_up}};
+      {"pushes_given_up", tuples.pushes_given_up},
+      {"absent_forgotten", tuples.absent_forgotten}};
   for (const auto& [name, count] : all) {
     if (count > 0)
       to[name] = count;
@@ -373,7 +385,8 @@ void report(peer_pointer self) {
   peer.attempts = counted.attempts;
   peer.attempts_failed = counted.attempts_failed;
   for (const auto* host : state.kernel.hosts()) {
-    status.hosts.push_back(host->id);
+    if (state.kernel.knows_present(host->id) || !state.kernel.reachable(host->id))
+      status.hosts.push_back(host->id);
     if (host->id == peer.id)
       peer.cluster = host->cluster;
   }
@@ -385,12 +398,17 @@ void report(peer_pointer self) {
   peer.tuples = state.kernel.own_tuples().size();
   peer.peis.packages = counted.packages_sent;
   peer.peis.tuples = peer.tuples;
-  peer.peis.lost = {
-      {"queue_full", counted.queue_full},   {"early_drop", counted.early_drop},
-      {"no_route", counted.no_route},       {"hops", counted.hops},
-      {"queued_lost", counted.queued_lost}, {"illegal", counted.illegal},
-      {"malformed", counted.malformed},     {"incomplete", counted.messages_incomplete},
-      {"network", state.packages_lost},     {"paused", state.held_lost}};
+  peer.peis.lost = {{"queue_full", counted.queue_full},
+                    {"early_drop", counted.early_drop},
+                    {"no_route", counted.no_route},
+                    {"hops", counted.hops},
+                    {"queued_lost", counted.queued_lost},
+                    {"illegal", counted.illegal},
+                    {"malformed", counted.malformed},
+                    {"incomplete", counted.messages_incomplete},
+                    {"network", state.packages_lost},
+                    {"paused", state.held_lost},
+                    {"own_id", counted.own}};
   add_limits(peer.limits, all_counted);
   if (state.real != nullptr && state.real->links().counters().refused > 0)
     peer.limits["connections_refused"] = state.real->links().counters().refused;
@@ -478,6 +496,7 @@ void open_real_links(peer_pointer self) {
   for (auto& address : links.addresses())
     network.addresses.push_back(std::move(address));
   network.link_window = peer::tcp_links::window;
+  network.outside_from = peis::link_id{first_real_link};
 }
 
 void start(peer_pointer self) {

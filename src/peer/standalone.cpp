@@ -241,7 +241,9 @@ void standalone::handle(peis::quit_requested&) {
 }
 
 void standalone::handle(peis::id_taken& x) {
-  warn(taken_id_, "another peer uses our id: " + x.by);
+  warn(taken_id_, (x.stays_away == duration(0) ? "another peer uses our id: "
+                                               : "our id is left for a while to ") +
+                      x.by);
 }
 
 void standalone::handle(peis::traced& x) {

@@ -22,6 +22,11 @@ bytes encode(const announcement& x) {
   return out;
 }
 
+void hide_inproc_of_announcement(std::span<std::uint8_t> octets) {
+  if (octets.size() == announcement_size)
+    hide_inproc(octets.subspan(record_at));
+}
+
 result<announcement> decode_announcement(byte_view octets) {
   if (octets.size() != announcement_size)
     return octets.size() < announcement_size ? errc::truncated : errc::too_long;

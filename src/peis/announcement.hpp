@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "core/bytes.hpp"
@@ -20,6 +21,9 @@ struct announcement {
 };
 
 [[nodiscard]] bytes encode(const announcement& x);
+
+/// Does what hide_inproc() does to a record.
+void hide_inproc_of_announcement(std::span<std::uint8_t> octets);
 
 /// truncated, too_long: any size but 616 is ignored; bad_value as for host records, or a network
 /// string without NUL.

@@ -32,9 +32,10 @@ struct connection_config {
   duration manager_period = 3s;
   duration cluster_period = 2s;
   duration announce_period = 1s;
-  duration connect_timeout = 5s;
-  duration always_retry = 5s; ///< doubles while it fails, to always_retry_max
-  duration always_retry_max = 30s;
+  // Together below 5 s: what was cut off is back so soon after the mend.
+  duration connect_timeout = 3s;
+  duration always_retry = 500ms; ///< doubles while it fails, to always_retry_max
+  duration always_retry_max = 1s;
   double forced_octets_per_second = 2000; ///< to one host: a direct link is forced (CM-03)
 };
 

@@ -11,6 +11,7 @@ namespace rubicon::peis {
 namespace {
 
 constexpr std::size_t name_size = 64;
+constexpr std::size_t count_at = 136;
 constexpr std::size_t addresses_at = 144;
 constexpr std::size_t address_size = 24;
 constexpr std::size_t device_size = 8;
@@ -36,7 +37,7 @@ void encode(const host_record& record, bytes& out) {
   layout_writer<host_record_size> to;
   to.big(0, record.id.value).big(4, record.magic);
   to.text(8, name_size, record.host_name).text(72, name_size, record.full_name);
-  to.octet(136, static_cast<std::uint8_t>(record.addresses.size()));
+  to.octet(count_at, static_cast<std::uint8_t>(record.addresses.size()));
   std::size_t at = addresses_at;
   for (const auto& x : record.addresses) {
     to.text(at, device_size + 1, x.device).octet(at + 8, x.loopback ? 1 : 0);
@@ -54,7 +55,7 @@ result<host_record> decode_host_record(byte_view octets) {
   if (octets.size() < host_record_size)
     return errc::truncated;
   const layout_reader from(octets);
-  const std::size_t count = from.octet(136);
+  const std::size_t count = from.octet(count_at);
   if (count > low_level_addresses_max)
     return errc::too_long;
   const auto host_name = from.text(8, name_size);
@@ -72,6 +73,23 @@ result<host_record> decode_host_record(byte_view octets) {
   record.cluster = from.big<std::int32_t>(536);
   record.marked = from.big<std::uint32_t>(540) == liveness_mark;
   return record;
+}
+
+void hide_inproc(std::span<std::uint8_t> octets) {
+  if (octets.size() < host_record_size)
+    return;
+  const std::size_t count = std::min<std::size_t>(octets[count_at], low_level_addresses_max);
+  auto* const first = octets.data() + addresses_at;
+  auto* kept = first;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto* const x = first + i * address_size;
+    if (decode_address(byte_view(x, address_size)).type == low_level_address::kind::inproc)
+      continue;
+    std::copy_n(x, address_size, kept);
+    kept += address_size;
+  }
+  std::fill(kept, first + count * address_size, std::uint8_t{0});
+  octets[count_at] = static_cast<std::uint8_t>((kept - first) / static_cast<int>(address_size));
 }
 
 bytes encode(const host_record_message& message) {

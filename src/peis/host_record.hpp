@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,10 @@ void encode(const host_record& record, bytes& out);
 /// Decodes the first 544 octets: truncated; too_long for more than 16 addresses; bad_value for an
 /// id below 1 or a name without NUL.
 [[nodiscard]] result<host_record> decode_host_record(byte_view octets);
+
+/// Takes in-process addresses, of which another process can make nothing, out of an encoded record.
+/// @param octets an encoded host record, or a message that begins with one; shorter: left as it is
+void hide_inproc(std::span<std::uint8_t> octets);
 
 /// The message of port 13.
 struct host_record_message {

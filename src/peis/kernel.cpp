@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::string_view version_text = "v0.6.0.7 (proto 500)"; // what real kernels show
 constexpr std::string_view quit_key = "kernel.do-quit";
+constexpr std::string_view id_taken_key = "kernel.id-taken"; ///< who else uses our id
 
 /// Any value but these asks to quit (peis-wire.md 18).
 bool asks_to_quit(const tuple& x) {
@@ -70,7 +71,7 @@ outputs kernel::on_link_octets(link_id link, byte_view octets, instant now) {
 }
 
 outputs kernel::on_link_sent(link_id link, std::size_t octets, instant now) {
-  network_.on_link_sent(link, octets);
+  network_.on_link_sent(link, octets, now);
   return finish(now);
 }
 
@@ -122,7 +123,14 @@ void kernel::settle(instant now) {
 void kernel::handle(host_appeared& x, instant now) {
   const auto* record = network_.find_host(x.host);
   out_.emplace_back(x);
-  perform(tuples_.on_host_appeared(x.host, record != nullptr && record->marked, now), now);
+  perform(tuples_.on_host_appeared(x.host, record != nullptr && record->marked, now, x.incarnation),
+          now);
+}
+
+/// Whoever looks after the network sees it there.
+void kernel::handle(id_taken& x, instant now) {
+  publish({{*key::parse(id_taken_key), x.by}}, now);
+  out_.emplace_back(std::move(x));
 }
 
 void kernel::handle(host_vanished& x, instant now) {
@@ -318,6 +326,10 @@ std::vector<const host_record*> kernel::hosts() const {
 
 bool kernel::reachable(peer_id host) const {
   return host == id() || network_.reachable(host);
+}
+
+bool kernel::knows_present(peer_id host) const {
+  return host == id() || network_.knows_present(host);
 }
 
 timestamp kernel::network_time(instant now) const {

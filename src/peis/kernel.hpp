@@ -315,6 +315,8 @@ public:
 
   /// Can a message be sent to that peer now?
   [[nodiscard]] bool reachable(peer_id host) const;
+  /// Is that host known by its present incarnation?
+  [[nodiscard]] bool knows_present(peer_id host) const;
 
   /// Time as tuples carry it: the ecology's time plus p2p_config::clock_offset.
   [[nodiscard]] timestamp network_time(instant now) const;
@@ -331,6 +333,7 @@ private:
     out_.emplace_back(std::move(x));
   }
   void handle(host_appeared& x, instant now);
+  void handle(id_taken& x, instant now);
   void handle(host_vanished& x, instant now);
   void handle(forgotten_by& x, instant now);
   void handle(arrived& x, instant now);

@@ -29,10 +29,11 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
       bluetooth_(config_.bluetooth, now),
       clock_({config_.time_master, config_.clock_period, config_.clock_offset}, config_.id, now),
       next_manager_(now + config_.connections.manager_period), next_merge_(now),
-      next_announcement_(now), last_measured_(now),
+      next_announcement_(now), last_measured_(now), joined_(now),
       next_period_(now + dice_.between(config_.routing_period / 2, config_.routing_period)),
       last_trigger_(now - config_.trigger_gap), latest_(now),
-      routing_rate_(config_.tables.routing_work_per_second, 1s, 2s) {
+      routing_rate_(config_.tables.routing_work_per_second, 1s, 2s),
+      asking_rate_(config_.tables.questions_per_second, 1s, 1s) {
   self_.id = config_.id;
   self_.magic = ids_.next();
   self_.host_name = config_.host_name;
@@ -53,6 +54,9 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
 
 void p2p::on_time(instant now) {
   latest_ = now;
+  mind_identity(now);
+  if (yielded_until_)
+    return;
   if (!left_ && now >= next_period_)
     on_period(now);
   counters_.messages_incomplete += assembly_.on_time(now);
@@ -63,7 +67,10 @@ void p2p::on_time(instant now) {
 }
 
 std::optional<instant> p2p::deadline() const {
+  if (yielded_until_ && !left_)
+    return yielded_until_;
   auto next = earliest(acknowledger_.deadline(), delivery_.deadline());
+  next = earliest(next, identity_deadline());
   next = earliest(next, assembly_.deadline());
   next = earliest(next, next_silence_check_);
   next = earliest(next, input_deadline());
@@ -72,6 +79,8 @@ std::optional<instant> p2p::deadline() const {
   next = earliest(next, connections_deadline());
   if (left_)
     return next;
+  if (!questions_.empty())
+    next = earliest(next, std::max(questions_.begin()->first, asking_rate_.free_at()));
   return earliest(earliest(next, next_trigger_), next_period_);
 }
 
@@ -84,6 +93,11 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
   }
   if (header.source == self_.id) {
     ++counters_.own;
+    hear_own_id(header, data, now);
+    return;
+  }
+  if (is_impersonation(from, header, now)) {
+    ++counters_.claims_refused; // before it counts as seen: the true one may still come
     return;
   }
   probes_.erase(header.source);
@@ -126,7 +140,9 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
 
 void p2p::on_fragment(link_id from, const package_header& header, byte_view data, instant now) {
   auto whole = assembly_.add(header, data, now, from);
-  if (whole)
+  if (whole && header.port == port::host_query)
+    static_cast<void>(answer_query(from, header, *whole));
+  else if (whole)
     events_.push_back(arrived{header.port, header.source, false, from, std::move(*whole)});
 }
 

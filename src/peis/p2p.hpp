@@ -47,6 +47,7 @@ struct table_limits {
   std::size_t heard_over = 128; ///< of each link
   std::size_t answers = 4096;   ///< to questions about hosts, not acknowledged yet
   std::size_t probes = 512;
+  std::uint64_t questions_per_second = 1000; ///< about hosts that nobody has described
   duration table_gap = 250ms; ///< between two routing tables of a link, at least, in the long run
   std::uint64_t routing_work_per_second = 100'000; ///< of all routing tables together
 };
@@ -72,6 +73,8 @@ struct p2p_config {
   /// Octets handed out per link that the owner has not reported with on_link_sent(). 0: the owner
   /// takes everything at once and never reports.
   std::size_t link_window = 0;
+  /// Links from this number on lead to other processes, which are not told of in-process addresses.
+  link_id outside_from{std::numeric_limits<std::uint64_t>::max()};
   budget_config budget; ///< of each neighbour
   // One call handles so much work of what has come; the rest waits for on_time(), which is due at
   // once. Links take turns.
@@ -91,6 +94,7 @@ struct p2p_config {
   duration lost_timeout = 3s;      ///< a host without any way is forgotten, in place of ageing
   duration probe_timeout = 1500ms; ///< of a way that may lead in circles
   duration handshake_timeout = 5s;
+  duration greeting_timeout = 3s; ///< of a link of ours on which nobody has ever answered
   std::uint8_t metric_limit = 30;
   std::uint8_t cost_same_host = 1;
   std::uint8_t cost_other_host = 2;
@@ -129,7 +133,10 @@ struct p2p_counters {
   std::uint64_t no_route = 0;  ///< not passed on, destination unknown
   std::uint64_t fragments_refused = 0;
   std::uint64_t messages_incomplete = 0; ///< fragments stopped coming
-  std::uint64_t duplicate_id = 0;        ///< somebody else uses our id (RTE-08)
+  std::uint64_t duplicate_id = 0;        ///< signs that somebody else uses our id (RTE-08)
+  std::uint64_t ids_yielded = 0;         ///< times that we left our id to another peer
+  std::uint64_t rivals_refused = 0;      ///< claimed the id of a neighbour that is alive
+  std::uint64_t claims_refused = 0;      ///< said in the name of such a neighbour by others
   // Limits of what neighbours may have us do or keep (docs/security.md).
   std::uint64_t work = 0;               ///< charged beyond one unit a package
   std::uint64_t held = 0;               ///< times that a link was not read until its turn came
@@ -177,7 +184,7 @@ public:
   void on_hello_answer(std::string_view adapter, const bluetooth_address& address, byte_view octets,
                        instant now);
   void on_link_octets(link_id link, byte_view octets, instant now); ///< handled by serve_next()
-  void on_link_sent(link_id link, std::size_t octets);
+  void on_link_sent(link_id link, std::size_t octets, instant now);
   void on_link_closed(link_id link, instant now);
   void on_time(instant now);
   [[nodiscard]] std::optional<instant> deadline() const;
@@ -238,6 +245,8 @@ public:
   [[nodiscard]] const p2p_config& config() const { return config_; }
   [[nodiscard]] const host_record& self() const { return self_; }
   [[nodiscard]] bool reachable(peer_id host) const { return way_to(host).has_value(); }
+  /// Is there a record of the incarnation that the route to that host leads to?
+  [[nodiscard]] bool knows_present(peer_id host) const;
   [[nodiscard]] const host_record* find_host(peer_id host) const;
   [[nodiscard]] std::vector<const host_record*> hosts() const; ///< ourselves included, by id
   [[nodiscard]] std::vector<link_view> links() const;          ///< ascending by link
@@ -258,6 +267,7 @@ private:
     link_id id;
     bool open = false;
     std::optional<peer_id> neighbour;
+    std::optional<std::int32_t> magic; ///< the neighbour's, by its own word over this link
     std::uint8_t cost = 0;
     stream_decoder decoder;
     page_collection pages;
@@ -274,8 +284,12 @@ private:
     bytes preamble; ///< goes out before any package
     std::uint32_t counter = 0;
     std::size_t unreported = 0; ///< octets handed out, not yet reported as sent
+    /// Reliable packages of ours among them: where they end in octets_out, and ack ids.
+    std::deque<std::pair<std::uint64_t, std::int32_t>> leaving;
+    instant drained; ///< when octets were last reported as sent, or began to wait
     instant opened;
-    instant last_heard;
+    instant last_heard;  ///< a whole package
+    instant last_octets; ///< handled or not
     instant last_written;
     std::uint32_t request_flags = 0;
     std::optional<std::uint32_t> counter_heard; ///< of the neighbour's last package
@@ -316,7 +330,7 @@ private:
   /// How connecting to a host has gone.
   struct contact {
     unsigned tries = 0;
-    instant next_try;
+    instant last;              ///< try, or end of a link
     unsigned runs_foreign = 0; ///< cluster runs that saw it in a higher cluster (CLU-02)
   };
 
@@ -337,6 +351,14 @@ private:
     instant next; ///< try
   };
 
+  /// Another peer has shown that it lives under our id.
+  struct rivalry {
+    host_record other;
+    instant first; ///< sign of it
+    instant last;
+    instant checked; ///< when it was last judged
+  };
+
   struct open_trace {
     peer_id destination;
     request_id id;
@@ -347,9 +369,22 @@ private:
 
   struct acquaintance {
     host_record record;
-    bool announced = false;         ///< host_appeared was told
-    instant heard;                  ///< its last announcement
+    bool announced = false;      ///< host_appeared was told
+    bool forgotten = false;      ///< we had given it up, what it wanted included
+    instant heard;               ///< its last announcement
+    instant own_word;            ///< when it last described itself
+    std::int32_t before = 0;     ///< magic of the incarnation that this one has followed; 0: none
+    std::optional<instant> lost; ///< there has been no way to it since
+    std::int32_t rival = 0;      ///< magic of a newcomer with its id that was refused; 0: none
+    instant rival_first;         ///< when that began
     link_id from = by_announcement; ///< the link that told of it first
+  };
+
+  /// A host that can be reached, and nobody has told who it is now.
+  struct stranger {
+    unsigned questions = 0; ///< asked so far
+    bool misled = false;    ///< somebody remembers another incarnation of it
+    instant next;           ///< question
   };
 
   // p2p_input.cpp: whose turn it is
@@ -371,12 +406,14 @@ private:
   // p2p_links.cpp: links, greeting, writing
   void accept(connection& from, byte_view request, instant now);
   void greet(connection& to);
-  void bind_neighbour(connection& x, peer_id neighbour);
+  void bind_neighbour(connection& x, peer_id neighbour, instant now);
   void close(link_id link, close_cause why, instant now);
   void forget_link(link_id link, instant now);
   void check_silence(instant now);
   void watch_silence(const connection& x);
   [[nodiscard]] duration patience(const connection& x) const;
+  [[nodiscard]] instant silence_deadline(const connection& x) const;
+  [[nodiscard]] instant drain_deadline(const connection& x) const;
   [[nodiscard]] bool has_room_for(const connect_request& request, instant now);
   [[nodiscard]] bool replace_least(instant now);
   static void note_counter(connection& x, std::uint32_t counter);
@@ -414,15 +451,27 @@ private:
   void send_routing_to(connection& to);
   void trigger_routing(instant now);
   void on_period(instant now);
-  void ask_about(peer_id stranger);
-  void note_stranger(peer_id id);
-  [[nodiscard]] bool answer_query(link_id from, const package_header& header, byte_view data);
   void on_host_record(link_id from, const package_header& header, byte_view data, instant now);
-  void store_record(link_id from, const host_record_message& message, instant now);
-  void welcome(peer_id id);
+  void welcome(peer_id id, instant now);
+  void note_loss(peer_id id, instant now);
+  void tell_forgotten(peer_id id);
   void on_dead_host(const package_header& header, byte_view data, instant now);
   void delete_host(peer_id id, dead_host_message::reason why, instant now);
-  void close_links_to(peer_id id, close_cause why, std::optional<link_id> except, instant now);
+  void close_links_to(peer_id id, close_cause why, instant now);
+
+  // p2p_incarnations.cpp: which incarnation of a host is there now
+  void note_stranger(peer_id id, instant now);
+  void forget_stranger(peer_id id);
+  void review_hosts(instant now);
+  void ask_strangers(instant now);
+  void ask_about(peer_id id, const stranger& x);
+  void ask(peer_id id, std::int32_t magic, bool sealed);
+  [[nodiscard]] bool answer_query(link_id from, const package_header& header, byte_view data);
+  [[nodiscard]] bool believes(const host_record_message& message, instant now) const;
+  void store_record(const host_record_message& message, instant now);
+  void supersede(peer_id id, std::int32_t magic, instant now);
+  void recall(acquaintance& x);
+  void forget_host(peer_id id);
 
   // p2p_connections.cpp: whom to connect to
   void tend_connections(instant now);
@@ -434,7 +483,7 @@ private:
   void tend_standing(instant now);
   [[nodiscard]] bool is_served(const standing_address& x) const;
   void note_contact(peer_id host, instant now);
-  [[nodiscard]] bool may_try(peer_id host, instant now) const;
+  [[nodiscard]] bool may_try(peer_id host, unsigned wait_max, instant now) const;
   void merge_clusters(instant now);
   void hasten_merge(instant now);
   void update_cluster(instant now);
@@ -478,7 +527,22 @@ private:
   void on_clock(link_id from, const package_header& header, byte_view data, instant now);
   [[nodiscard]] bytes clock_after(link_id from, byte_view data) const;
   void tell_time(instant now);
-  void note_duplicate(const host_record& other);
+
+  // p2p_identity.cpp: another peer uses our id, or two others use one
+  void note_duplicate(const host_record& other, instant now);
+  void hear_own_id(const package_header& header, byte_view data, instant now);
+  void mind_identity(instant now);
+  [[nodiscard]] std::optional<instant> identity_deadline() const;
+  [[nodiscard]] std::optional<instant> yields_at() const;
+  void yield_id(instant now);
+  [[nodiscard]] std::optional<link_id> living_link(peer_id id, std::optional<link_id> except,
+                                                   instant now) const;
+  [[nodiscard]] bool is_impersonation(link_id from, const package_header& header,
+                                      instant now) const;
+  [[nodiscard]] bool refuse_rival(connection& from, const host_record& record, instant now);
+  void tell_rivals(link_id from, const host_record& record);
+  void tell_taken(connection& to, const host_record& by);
+  void refuse_own_id(connection& to);
 
   p2p_config config_;
   random_stream dice_;
@@ -490,9 +554,8 @@ private:
   std::map<peer_id, link_id> neighbours_; ///< the oldest link to each (peis-wire.md 3.6)
   routing_table routing_;
   std::map<peer_id, acquaintance> hosts_; ///< others
-  std::set<peer_id> strangers_;    ///< can be reached, but there is no fitting record of them
-  std::vector<peer_id> newcomers_; ///< of them, not asked about yet
-  std::uint64_t questions_ = 0;    ///< alternates the two ways of asking (KH-02)
+  std::map<peer_id, stranger> strangers_;
+  std::set<std::pair<instant, peer_id>> questions_; ///< to ask about them, by time
 
   std::deque<link_id> ready_;                     ///< whose input waits, in turn
   std::set<std::pair<instant, link_id>> resting_; ///< whose neighbour is over its budget
@@ -526,13 +589,16 @@ private:
   instant next_merge_;
   instant last_merge_;
   instant next_judgement_; ///< of links, for others that ask
-  peer_id last_asked_;     ///< stranger, of those asked every period
   instant next_announcement_;
   instant last_measured_;                 ///< traffic
   unsigned first_announcements_ = 0;      ///< made, of those at the start
   unsigned unheard_announcements_ = 0;    ///< periods since a better announcer was heard
   std::optional<std::int32_t> duplicate_; ///< magic of the last peer that was seen using our id
-  std::size_t welcomed_ = 0;              ///< hosts that are announced
+  std::optional<rivalry> rivalry_;
+  instant joined_;                       ///< the network, or came back to it
+  std::optional<instant> yielded_until_; ///< our id is left to another peer
+  duration yielded_for_{};               ///< the last time
+  std::size_t welcomed_ = 0;             ///< hosts that are announced
   std::optional<instant> next_beat_;
   std::optional<instant> next_probe_;
 
@@ -541,6 +607,7 @@ private:
   instant last_trigger_;
   instant latest_;          ///< the latest time told
   rate_limit routing_rate_; ///< work of all routing tables
+  rate_limit asking_rate_;  ///< questions about hosts
   std::optional<instant> next_silence_check_;
 
   events events_;

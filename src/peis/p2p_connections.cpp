@@ -16,6 +16,7 @@ constexpr duration merge_gap = 50us;   // for each host that must be looked at
 constexpr duration former_for = 10min; // a lost host is looked for as long as this
 constexpr std::size_t former_max = 256;
 constexpr unsigned tries_max = 30;       // seconds between two tries of a host, at most
+constexpr unsigned lost_tries_max = 2;   // the same, of one to which there is no way
 constexpr unsigned foreign_runs_max = 3; // CLU-02
 constexpr unsigned first_announcements = 3;
 constexpr unsigned quiet_periods = 3; // after these without a better announcer we announce
@@ -49,22 +50,28 @@ bool p2p::connect_host(const host_record& record, std::uint32_t flags, instant n
 
 void p2p::note_contact(peer_id host, instant now) {
   if (contacts_.size() >= config_.tables.contacts && !contacts_.contains(host)) {
-    std::erase_if(contacts_, [now](const auto& x) { return x.second.next_try <= now; });
+    std::erase_if(contacts_, [now](const auto& x) {
+      return x.second.last + std::chrono::seconds(x.second.tries) <= now;
+    });
     if (contacts_.size() >= config_.tables.contacts)
       return; // it may be tried sooner than it should
   }
   auto& x = contacts_[host];
   x.tries = std::min(x.tries + 1, tries_max);
-  x.next_try = now + std::chrono::seconds(x.tries);
+  x.last = now;
 }
 
 /// No link, none asked for, and the time to try again has come (CM-10).
-bool p2p::may_try(peer_id host, instant now) const {
+/// @param wait_max seconds between two tries
+bool p2p::may_try(peer_id host, unsigned wait_max, instant now) const {
   if (neighbours_.contains(host))
     return false;
   const auto known = contacts_.find(host);
-  if (known != contacts_.end() && known->second.next_try > now)
-    return false;
+  if (known != contacts_.end()) {
+    const auto& [tries, last, runs] = known->second;
+    if (last + std::chrono::seconds(std::min(tries, wait_max)) > now)
+      return false;
+  }
   return std::none_of(attempts_.begin(), attempts_.end(),
                       [host](const auto& x) { return x.second.host == host; });
 }
@@ -126,7 +133,7 @@ void p2p::merge_clusters(instant now) {
   expire_hosts(now);
   std::vector<const host_record*> foreign;
   const auto consider = [&](const host_record& record, bool at_once) {
-    if (reachable(record.id) || !may_try(record.id, now) || urls_to(record).empty())
+    if (reachable(record.id) || !may_try(record.id, lost_tries_max, now) || urls_to(record).empty())
       return;
     if (at_once || record.cluster < self_.cluster ||
         ++contacts_[record.id].runs_foreign >= foreign_runs_max)
@@ -217,7 +224,7 @@ void p2p::close_doubles(instant now) {
     return a.always() != b.always() ? a.always() : a.opened < b.opened;
   };
   for (const auto& [link, x] : connections_) {
-    if (!x.open || !x.neighbour || (is_marked(x) && *x.neighbour < self_.id))
+    if (!x.open || !x.named || (is_marked(x) && *x.neighbour < self_.id))
       continue;
     auto& best = kept[*x.neighbour];
     if (best == nullptr) {
@@ -235,7 +242,7 @@ void p2p::close_doubles(instant now) {
 /// CM-03.
 bool p2p::force_by_traffic(instant now) {
   for (const auto& [id, x] : hosts_) {
-    if (busy_with(id) && may_try(id, now) &&
+    if (busy_with(id) && may_try(id, tries_max, now) &&
         connect_host(x.record, connect_request::for_bandwidth, now))
       return true;
   }
@@ -259,7 +266,7 @@ std::vector<host_option> p2p::host_options(instant now) const {
   std::vector<host_option> options;
   for (const auto& [id, x] : hosts_) {
     const auto* way = routing_.find(id);
-    if (way == nullptr || way->lost() || !may_try(id, now) || urls_to(x.record).empty())
+    if (way == nullptr || way->lost() || !may_try(id, tries_max, now) || urls_to(x.record).empty())
       continue;
     const auto direct =
         x.record.host_name == self_.host_name ? config_.cost_same_host : config_.cost_other_host;
@@ -277,7 +284,7 @@ std::uint8_t p2p::own_connections() const {
 /// Every peer says three times that it has come. From then on only the one with the lowest id of
 /// each machine goes on (peis-wire.md 4, A-16).
 void p2p::announce_by_rule(instant now, bool extra) {
-  if (!config_.connections.announces || left_)
+  if (!config_.connections.announces || left_ || yielded_until_)
     return;
   const bool first = first_announcements_ < first_announcements;
   if (!extra) {
@@ -292,31 +299,37 @@ void p2p::announce_by_rule(instant now, bool extra) {
 }
 
 void p2p::on_announcement(byte_view octets, instant now) {
-  const auto x = decode_announcement(octets);
-  if (!x) {
+  const auto news = decode_announcement(octets);
+  if (!news) {
     ++counters_.malformed;
     return;
   }
-  const auto& sender = x->sender;
-  if (x->version != protocol_version || x->network != config_.network || left_)
+  const auto& sender = news->sender;
+  if (news->version != protocol_version || news->network != config_.network || left_)
     return;
   if (sender.id == self_.id) {
     if (sender.magic != self_.magic)
-      note_duplicate(sender);
+      note_duplicate(sender, now);
     return;
   }
+  if (yielded_until_)
+    return;
   ++counters_.announcements_received;
   if (sender.host_name == self_.host_name && sender.id < self_.id)
     unheard_announcements_ = 0;
   const bool is_new = !hosts_.contains(sender.id);
+  if (const auto at = hosts_.find(sender.id);
+      at != hosts_.end() && at->second.record.magic != sender.magic) {
+    if (reachable(sender.id))
+      return; // a route, or its own word, tells which of the two is there
+    supersede(sender.id, at->second.record.magic, now);
+  }
   auto* known = acquaint(sender.id);
   if (known == nullptr)
     return;
-  known->heard = now;
-  const bool fits = known->record.magic == sender.magic;
-  if (is_new || fits || !reachable(sender.id))
-    known->record = sender;
-  former_.erase(sender.id);
+  known->heard = known->own_word = now;
+  known->record = sender;
+  recall(*known);
   if (is_new && !reachable(sender.id))
     hasten_merge(now);
 }

@@ -49,6 +49,7 @@ struct announce {
 /// appeared.
 struct host_appeared {
   peer_id host;
+  std::int32_t incarnation = 0; ///< its magic number
 };
 struct host_vanished {
   peer_id host;
@@ -85,9 +86,11 @@ struct traced {
   std::vector<peer_id> way;
 };
 
-/// Another live peer uses our id (RTE-08). Told once for each incarnation of it.
+/// Another live peer uses our id (RTE-08). Told once for each incarnation of it, and whenever we
+/// leave the id to it.
 struct id_taken {
-  std::string by; ///< its full name, program@host!process
+  std::string by;        ///< its full name, program@host!process
+  duration stays_away{}; ///< we keep off the network so long, then try again; zero: we stay
 };
 
 /// A HELLO connection is wanted, to hello_port of a device seen by an adapter of ours. It carries

@@ -9,9 +9,10 @@ namespace rubicon::peis {
 namespace {
 
 constexpr std::size_t entries_per_work = 8;
-constexpr std::size_t asked_each_period = 512;
-constexpr work_units rebirth_work = 500;
 constexpr int burial_periods = 3; ///< how long stale news of a host that left are ignored
+/// A real kernel that has had no way to us for 30 s has forgotten our subscriptions (peis-wire.md
+/// 9.5); what we miss of the time and it does not is less than half of it.
+constexpr duration given_up_after = 15s;
 
 } // namespace
 
@@ -97,31 +98,20 @@ void p2p::apply_tables(instant now) {
 void p2p::apply(const routing_changes& changes, instant now) {
   for (const auto& [host, what] : changes) {
     if (what == routing_change::kind::lost) {
-      strangers_.erase(host);
+      forget_stranger(host);
       heard_over_.erase(host);
-      continue;
+      note_loss(host, now);
+    } else if (knows_present(host)) {
+      forget_stranger(host);
+      welcome(host, now);
+    } else {
+      note_stranger(host, now);
     }
-    const auto known = hosts_.find(host);
-    if (known != hosts_.end() && known->second.record.magic == routing_.find(host)->magic)
-      welcome(host);
-    else
-      note_stranger(host);
   }
   if (!changes.empty())
     trigger_routing(now);
   probe_unsound(now);
   update_cluster(now);
-}
-
-void p2p::note_duplicate(const host_record& other) {
-  ++counters_.duplicate_id;
-  if (std::exchange(duplicate_, other.magic) != other.magic)
-    events_.push_back(id_taken{other.full_name});
-}
-
-void p2p::note_stranger(peer_id id) {
-  if (strangers_.insert(id).second)
-    newcomers_.push_back(id);
 }
 
 void p2p::trigger_routing(instant now) {
@@ -156,51 +146,7 @@ void p2p::on_period(instant now) {
     delete_host(id, dead_host_message::reason::route, now);
   send_routing(now);
   expire_hosts(now);
-  auto next = strangers_.upper_bound(last_asked_);
-  for (auto i = std::min(strangers_.size(), asked_each_period); i > 0; --i) {
-    next = next == strangers_.end() ? strangers_.begin() : next;
-    last_asked_ = *next++;
-    ask_about(last_asked_);
-  }
-}
-
-/// Real kernels answer only questions that name no magic number, caches among them; where a cached
-/// record is the wrong one, every other question is for the incarnation itself (KH-02).
-void p2p::ask_about(peer_id stranger) {
-  const auto way = way_to(stranger);
-  if (!strangers_.contains(stranger) || !way)
-    return;
-  const auto* known = routing_.find(stranger);
-  const bool by_magic = known != nullptr && hosts_.contains(stranger) && questions_++ % 2 == 0;
-  tell_host(stranger, *way, lane::high, port::host_query,
-            encode(host_query{self_.id, by_magic ? known->magic : any_magic}));
-}
-
-/// Answers for ourselves or, from what we know, for the destination of a passing question.
-/// @returns false if we have no answer
-bool p2p::answer_query(link_id from, const package_header& header, byte_view data) {
-  const auto query = decode_host_query(data);
-  if (!query) {
-    ++counters_.malformed;
-    return false;
-  }
-  const bool about_me = header.destination == self_.id;
-  const auto* record = find_host(header.destination);
-  if (record == nullptr ||
-      (!about_me && query->magic != any_magic && query->magic != record->magic))
-    return false;
-  if (!may_answer(from)) {
-    ++counters_.questions_refused;
-    return about_me;
-  }
-  send({header.source,
-        port::host_record,
-        {encode(host_record_message{*record, !about_me}), {}},
-        true,
-        priority::high,
-        no_request,
-        from});
-  return true;
+  review_hosts(now);
 }
 
 void p2p::on_host_record(link_id from, const package_header& header, byte_view data, instant now) {
@@ -212,11 +158,15 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
   const auto& record = message->record;
   if (record.id == self_.id) {
     if (record.magic != self_.magic)
-      note_duplicate(record);
+      note_duplicate(record, now);
     return;
   }
   // The first to describe itself over a link is the neighbour there, for good.
   auto& x = connections_.at(from);
+  if (!message->cached && header.type != package_type::broadcast)
+    tell_rivals(from, record);
+  if (header.hops == 1 && !message->cached && refuse_rival(x, record, now))
+    return;
   for (auto& address : standing_) {
     if (address.link == from && (!message->cached || !x.neighbour)) {
       address.host = x.neighbour.value_or(record.id); // a referral begins with who refers
@@ -229,59 +179,55 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
   const bool asked_for =
       std::ranges::any_of(standing_, [from](const auto& address) { return address.link == from; });
   if (config_.connections.leaf && is_neighbour && !same_host && !asked_for) {
-    store_record(from, *message, now);
+    store_record(*message, now);
     ++counters_.links_refused;
     close(from, close_cause::leaf, now);
     return;
   }
   if (is_neighbour) {
     x.cost = same_host ? config_.cost_same_host : config_.cost_other_host;
+    x.magic = record.magic;
     x.named = true;
-    bind_neighbour(x, record.id);
+    bind_neighbour(x, record.id, now);
   }
-  store_record(from, *message, now);
-}
-
-void p2p::store_record(link_id from, const host_record_message& message, instant now) {
-  const auto& record = message.record;
-  const auto* way = routing_.find(record.id);
-  const bool fits_route = way == nullptr || way->lost() || way->magic == record.magic;
-  const auto known = hosts_.find(record.id);
-  if (known != hosts_.end() && known->second.record.magic != record.magic) {
-    if (message.cached)
-      return; // somebody's memory of the incarnation we know to be gone, or not yet (KH-02)
-    work_.add(rebirth_work);
-    close_links_to(record.id, close_cause::reborn, from, now);
-    delete_host(record.id, dead_host_message::reason::reborn, now);
-  } else if (message.cached && !fits_route) {
-    return;
-  }
-  auto* stored = acquaint(record.id);
-  if (stored == nullptr)
-    return;
-  stored->record = record;
-  stored->heard = now;
-  former_.erase(record.id);
-  strangers_.erase(record.id);
-  if (const auto direct = neighbours_.find(record.id); direct != neighbours_.end())
-    expect_beat(connections_.at(direct->second));
-  welcome(record.id);
-  if (!reachable(record.id))
-    hasten_merge(now);
+  store_record(*message, now);
 }
 
 /// Tells the kernel above once both a way to a host and its record are there.
-void p2p::welcome(peer_id id) {
+void p2p::welcome(peer_id id, instant now) {
   const auto known = hosts_.find(id);
   if (known == hosts_.end() || !reachable(id))
     return;
-  if (known->second.record.marked)
+  auto& x = known->second;
+  if (x.record.marked)
     routing_.mark(id);
-  if (known->second.announced)
+  const auto lost = std::exchange(x.lost, std::nullopt);
+  if (std::exchange(x.forgotten, false))
+    tell_forgotten(id);
+  if (x.announced) {
+    if (lost && *lost + given_up_after <= now)
+      events_.push_back(forgotten_by{id});
     return;
-  known->second.announced = true;
+  }
+  x.announced = true;
   ++welcomed_;
-  events_.push_back(host_appeared{id});
+  events_.push_back(host_appeared{id, x.record.magic});
+}
+
+void p2p::note_loss(peer_id id, instant now) {
+  const auto known = hosts_.find(id);
+  if (known != hosts_.end() && !known->second.lost && !reachable(id))
+    known->second.lost = now;
+}
+
+/// What it has subscribed to here is gone, and what it had told us.
+void p2p::tell_forgotten(peer_id id) {
+  send({id,
+        port::dead_host,
+        {encode(dead_host_message{self_.id, dead_host_message::reason::reborn}), {}},
+        true,
+        priority::high,
+        no_request});
 }
 
 void p2p::on_dead_host(const package_header& header, byte_view data, instant now) {
@@ -294,18 +240,23 @@ void p2p::on_dead_host(const package_header& header, byte_view data, instant now
   case dead_host_message::reason::message:
     break;
   case dead_host_message::reason::route:
-    delete_host(message->host, dead_host_message::reason::message, now);
+    if (header.type == package_type::broadcast) {
+      delete_host(message->host, dead_host_message::reason::message, now);
+    } else { // it has given us up, but it is there: both begin anew (peis-wire.md 11)
+      forget_host(message->host);
+      if (reachable(message->host))
+        note_stranger(message->host, now);
+    }
     break;
   case dead_host_message::reason::reborn:
     events_.push_back(forgotten_by{message->host});
+    trigger_routing(now); // if it took another one for us, this shows who lives
     break;
   }
 }
 
-/// Forgets a host: it has told that it exits (message), it was lost for too long (route), or it has
-/// restarted (reborn).
+/// Gives a host up: it has told that it exits (message), or it was lost for too long (route).
 void p2p::delete_host(peer_id id, dead_host_message::reason why, instant now) {
-  using reason = dead_host_message::reason;
   const auto known = hosts_.find(id);
   const auto* way = routing_.find(id);
   if (known == hosts_.end() && way == nullptr && !neighbours_.contains(id))
@@ -313,45 +264,22 @@ void p2p::delete_host(peer_id id, dead_host_message::reason why, instant now) {
   const auto magic = known != hosts_.end() ? known->second.record.magic
                      : way != nullptr      ? way->magic
                                            : any_magic;
-  if (known != hosts_.end() && known->second.announced)
-    events_.push_back(host_vanished{id});
-  for (const auto& x : delivery_.fail_all(id))
-    fail(x, cause::host_gone);
-  acknowledger_.drop(id);
-  assembly_.drop(id);
-  strangers_.erase(id);
-  stalled_.erase(id);
-  if (known != hosts_.end()) {
-    welcomed_ -= known->second.announced ? 1 : 0;
-    if (why == reason::route)
-      remember(known->second.record, now);
-    hosts_.erase(known);
-  }
-  heard_over_.erase(id);
+  const bool exits = why == dead_host_message::reason::message;
+  if (known != hosts_.end() && !exits)
+    remember(known->second.record, now);
+  forget_host(id);
   contacts_.erase(id);
-  traffic_.erase(id);
-  probes_.erase(id);
-  if (why != reason::route)
+  if (exits)
     routing_.bury(id, magic, now + burial_periods * config_.routing_period);
-  if (why != reason::reborn || way == nullptr || way->magic == magic)
-    routing_.erase(id);
-  if (why != reason::reborn) {
-    close_links_to(id, close_cause::host_left, std::nullopt, now);
-  } else if (reachable(id)) {
-    send({id,
-          port::dead_host,
-          {encode(dead_host_message{self_.id, reason::reborn}), {}},
-          true,
-          priority::high,
-          no_request});
-  }
+  routing_.erase(id);
+  close_links_to(id, close_cause::host_left, now);
   trigger_routing(now);
 }
 
-void p2p::close_links_to(peer_id id, close_cause why, std::optional<link_id> except, instant now) {
+void p2p::close_links_to(peer_id id, close_cause why, instant now) {
   std::vector<link_id> links;
   for (const auto& [link, x] : connections_) {
-    if (x.neighbour == id && link != except)
+    if (x.neighbour == id)
       links.push_back(link);
   }
   counters_.links_broken += links.size();

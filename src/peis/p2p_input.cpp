@@ -20,6 +20,7 @@ void p2p::on_link_octets(link_id link, byte_view octets, instant now) {
   auto& x = at->second;
   counters_.octets_received += octets.size();
   x.octets_in += octets.size();
+  x.last_octets = now;
   x.decoder.feed(octets);
   fed_ = link;
   latest_ = now;

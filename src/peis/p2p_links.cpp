@@ -14,6 +14,7 @@ std::uint64_t tables_per_second(const table_limits& x) {
 
 constexpr duration judging_gap = 1s;
 constexpr duration naming_time = 5s;      ///< to say who one is, on a link that one has asked for
+constexpr duration lasting = 30s;         // a link that has been of use
 constexpr duration retry_after_loss = 1s; // a real kernel cuts a reborn peer off once (25.8)
 
 } // namespace
@@ -25,11 +26,12 @@ void p2p::on_link_open(link_id link, link_role role, instant now,
   const auto asked = attempt_made ? attempts_.extract(*attempt_made) : attempts_node();
   const bool too_late = attempt_made && asked.empty();
   const bool too_many = role == link_role::initiator && open_links() >= config_.links_max;
-  if (too_many || left_ || too_late) {
+  if (too_many || left_ || too_late || yielded_until_) {
     ++counters_.links_refused;
-    events_.push_back(close_link{link, left_      ? close_cause::host_left
-                                       : too_late ? close_cause::unneeded
-                                                  : close_cause::too_many_links});
+    events_.push_back(close_link{link, left_            ? close_cause::host_left
+                                       : yielded_until_ ? close_cause::own_id
+                                       : too_late       ? close_cause::unneeded
+                                                        : close_cause::too_many_links});
     return;
   }
   latest_ = now;
@@ -42,7 +44,7 @@ void p2p::on_link_open(link_id link, link_role role, instant now,
   x.queue = outgoing_queue(config_.queue);
   x.table_rate = rate_limit(tables_per_second(config_.tables), 2s, 1s);
   x.budget = neighbour_budget(config_.budget);
-  x.opened = x.last_heard = now;
+  x.opened = x.last_heard = x.last_octets = now;
   x.beat_sent = now - 1h; // never yet
   if (!asked.empty()) {
     on_attempt_ended(asked.mapped(), true, now);
@@ -92,6 +94,8 @@ void p2p::accept(connection& from, byte_view request, instant now) {
   }
   if (why) {
     ++counters_.links_refused;
+    if (*why == close_cause::own_id)
+      refuse_own_id(from);
     close(from.id, *why, now);
     return;
   }
@@ -99,7 +103,7 @@ void p2p::accept(connection& from, byte_view request, instant now) {
   from.open = true;
   from.asked_at = now;
   from.last_heard = now;
-  bind_neighbour(from, decoded->id);
+  bind_neighbour(from, decoded->id, now);
   greet(from);
 }
 
@@ -177,19 +181,26 @@ void p2p::greet(connection& to) {
   send_routing_to(to);
 }
 
-void p2p::bind_neighbour(connection& x, peer_id neighbour) {
+void p2p::bind_neighbour(connection& x, peer_id neighbour, instant now) {
   x.neighbour = neighbour;
   const auto [at, is_first] = neighbours_.try_emplace(neighbour, x.id);
   if (!is_first && !connections_.contains(at->second))
     at->second = x.id;
   expect_beat(x);
-  welcome(neighbour);
+  welcome(neighbour, now);
 }
 
-void p2p::on_link_sent(link_id link, std::size_t octets) {
+void p2p::on_link_sent(link_id link, std::size_t octets, instant now) {
   const auto at = connections_.find(link);
-  if (at != connections_.end())
-    at->second.unreported -= std::min(octets, at->second.unreported);
+  if (at == connections_.end())
+    return;
+  auto& x = at->second;
+  x.unreported -= std::min(octets, x.unreported);
+  x.drained = now;
+  while (!x.leaving.empty() && x.leaving.front().first + x.unreported <= x.octets_out) {
+    delivery_.on_transmitted(x.leaving.front().second, now);
+    x.leaving.pop_front();
+  }
 }
 
 void p2p::on_link_closed(link_id link, instant now) {
@@ -207,14 +218,19 @@ void p2p::forget_link(link_id link, instant now) {
     return;
   auto gone = std::move(at->second);
   connections_.erase(at);
-  if (gone.neighbour)
+  if (gone.neighbour) {
+    if (gone.opened + lasting <= now)
+      contacts_.erase(*gone.neighbour); // the tries that led to it are forgotten
     note_contact(*gone.neighbour, now);
+  }
   for (auto& x : standing_) {
     if (x.link == link) {
       x.link.reset();
       x.next = now + retry_after_loss;
     }
   }
+  for (const auto& [end, ack_id] : gone.leaving)
+    delivery_.on_dropped(ack_id, now);
   while (const auto x = gone.queue.pop()) {
     if (x->header.reliable() && x->header.source == self_.id)
       delivery_.on_dropped(x->header.ack_id, now);
@@ -237,11 +253,22 @@ void p2p::forget_link(link_id link, instant now) {
 duration p2p::patience(const connection& x) const {
   if (!x.open)
     return config_.handshake_timeout;
+  if (x.octets_in == 0)
+    return config_.greeting_timeout;
   return x.beat && is_marked(x) ? config_.heartbeat_timeout : config_.link_timeout;
 }
 
+/// A link also falls silent when what it was given does not leave.
+instant p2p::silence_deadline(const connection& x) const {
+  return std::min(x.last_heard + patience(x), drain_deadline(x));
+}
+
+instant p2p::drain_deadline(const connection& x) const {
+  return x.unreported > 0 ? x.drained + config_.link_timeout : instant::max();
+}
+
 void p2p::watch_silence(const connection& x) {
-  next_silence_check_ = earliest(next_silence_check_, x.last_heard + patience(x));
+  next_silence_check_ = earliest(next_silence_check_, silence_deadline(x));
 }
 
 void p2p::check_silence(instant now) {
@@ -250,9 +277,10 @@ void p2p::check_silence(instant now) {
   std::vector<std::pair<link_id, close_cause>> silent;
   next_silence_check_.reset();
   for (const auto& [link, x] : connections_) {
-    if (x.open && x.waits) // what it has said is still to be heard
+    const bool waits = x.open && x.waits; // what it has said is still to be heard
+    if (waits && drain_deadline(x) > now)
       next_silence_check_ = earliest(next_silence_check_, now + config_.heartbeat_timeout);
-    else if (x.last_heard + patience(x) <= now)
+    else if (waits || silence_deadline(x) <= now)
       silent.emplace_back(link, x.open ? close_cause::silent : close_cause::handshake_silent);
     else
       watch_silence(x);
@@ -267,8 +295,7 @@ void p2p::flush(instant now) {
   repeat_due(now);
   for (const auto& [to, ids] : acknowledger_.take(now))
     send_acknowledgements(to, ids);
-  for (const auto id : std::exchange(newcomers_, {}))
-    ask_about(id);
+  ask_strangers(now);
   if (next_trigger_ && *next_trigger_ <= now)
     send_routing(now);
   for (bool progress = true; progress;) {
@@ -292,19 +319,25 @@ bool p2p::write(connection& to, instant now) {
     auto x = to.queue.pop();
     if (!x)
       break;
-    if (x->header.reliable() && x->header.source == self_.id) {
-      if (!delivery_.wanted(x->header.ack_id))
-        continue;
-      delivery_.on_transmitted(x->header.ack_id, now);
-    }
+    const bool awaited = x->header.reliable() && x->header.source == self_.id;
+    if (awaited && !delivery_.wanted(x->header.ack_id))
+      continue;
     encode(*x, to.counter++, out);
+    if (to.id >= config_.outside_from && x->header.port == port::host_record && x->offset == 0)
+      hide_inproc(std::span(out).last(x->length()));
     ++counters_.packages_sent;
+    if (awaited && config_.link_window == 0)
+      delivery_.on_transmitted(x->header.ack_id, now);
+    else if (awaited) // the wait for an acknowledgement begins when it has left
+      to.leaving.emplace_back(to.octets_out + out.size(), x->header.ack_id);
   }
   if (out.empty())
     return false;
   counters_.octets_sent += out.size();
   to.octets_out += out.size();
   to.last_written = now;
+  if (to.unreported == 0)
+    to.drained = now;
   to.unreported += config_.link_window == 0 ? 0 : out.size();
   events_.push_back(to_link{to.id, std::move(out)});
   return true;

@@ -19,12 +19,28 @@ bool is_sound(const route& last, std::uint8_t last_hops, const route& offered) {
          (offered.seqno == last.seqno && offered.told < last_hops);
 }
 
+/// Only who lives raises its number.
+bool is_news(const route& last, const route& told) {
+  return told.magic != last.magic || told.seqno > last.seqno;
+}
+
 } // namespace
 
 const route* routing_table::offer_in(const link_table& table, peer_id host) {
   const auto at = std::lower_bound(table.begin(), table.end(), host,
                                    [](const auto& x, peer_id id) { return x.first < id; });
   return at != table.end() && at->first == host ? &at->second : nullptr;
+}
+
+/// What is told again is no news.
+void routing_table::keep_age(link_table& fresh, const link_table& last) {
+  auto old = last.begin();
+  for (auto& [host, x] : fresh) {
+    while (old != last.end() && old->first < host)
+      ++old;
+    if (old != last.end() && old->first == host && !is_news(old->second, x))
+      x.news = old->second.news;
+  }
 }
 
 void routing_table::erase_from(link_table& table, peer_id host) {
@@ -44,7 +60,7 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
     } else if (entry.id.value > 0 && entry.hops + cost < metric_limit_ && !buried(entry, now)) {
       fresh.emplace_back(entry.id, route{entry.seqno, entry.magic,
                                          static_cast<std::uint8_t>(entry.hops + cost),
-                                         entry.connections, link, entry.hops});
+                                         entry.connections, link, entry.hops, now});
     }
   }
   const auto by_host = [](const auto& a, const auto& b) { return a.first < b.first; };
@@ -54,6 +70,7 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
                           [](const auto& a, const auto& b) { return a.first == b.first; }),
               fresh.end());
   auto& table = by_link_[link];
+  keep_age(fresh, table);
   table = std::move(fresh);
 
   // Both are sorted: one walk finds new hosts, other ways, and ways that are told no more.
@@ -153,7 +170,11 @@ void routing_table::take(peer_id host, route& known, const route& offered) {
   const bool worse = known.lost() || offered.hops > known.hops;
   if (worse && marked_.contains(host) && !is_sound(known, last_hops, offered))
     unsound_.insert(host);
+  const auto heard = known.news;
+  const bool news = is_news(known, offered);
   known = offered;
+  if (!news)
+    known.news = std::min(heard, offered.news);
   forget_loss(host);
 }
 
@@ -259,10 +280,26 @@ void routing_table::erase(peer_id host) {
 }
 
 void routing_table::bury(peer_id host, std::int32_t magic, instant until) {
+  dig(host, {magic, std::numeric_limits<std::int32_t>::max(), until});
+}
+
+void routing_table::dig(peer_id host, const burial& grave) {
   if (graves_.size() >= graves_max && !graves_.contains(host))
     graves_.erase(
         std::ranges::min_element(graves_, {}, [](const auto& x) { return x.second.until; }));
-  graves_[host] = {magic, std::numeric_limits<std::int32_t>::max(), until};
+  graves_[host] = grave;
+}
+
+void routing_table::doubt(peer_id host, std::int32_t magic, instant until) {
+  std::optional<std::int32_t> newest;
+  const auto consider = [&](const route* x) {
+    if (x != nullptr && x->magic == magic)
+      newest = std::max(newest.value_or(x->seqno), x->seqno);
+  };
+  consider(find(host));
+  for (const auto& [link, table] : by_link_)
+    consider(offer_in(table, host));
+  dig(host, {magic, newest.value_or(std::numeric_limits<std::int32_t>::max()), until});
 }
 
 const route* routing_table::find(peer_id host) const {

@@ -26,6 +26,7 @@ struct route {
   std::uint8_t connections = connections_unknown;
   std::optional<link_id> via; ///< unset while lost
   std::uint8_t told = 0;      ///< the neighbour's own metric
+  instant news;               ///< when this number of this incarnation was first told
 
   [[nodiscard]] bool lost() const { return !via; }
   /// What is maximised when ways are compared (RTE-06): newer information, fewer hops.
@@ -101,6 +102,10 @@ public:
   /// yet that it is gone (RTE-09).
   void bury(peer_id host, std::int32_t magic, instant until);
 
+  /// Ignores what is no news of this incarnation: another one is said to have taken its place. Only
+  /// who lives counts on, so that it is believed again if the word was an old one (KH-02).
+  void doubt(peer_id host, std::int32_t magic, instant until);
+
   [[nodiscard]] const route* find(peer_id host) const;
   [[nodiscard]] std::optional<link_id> way_to(peer_id host) const;
   [[nodiscard]] const std::map<peer_id, route>& routes() const { return routes_; }
@@ -121,10 +126,16 @@ public:
   [[nodiscard]] std::vector<routing_entry> table_for(link_id link, std::uint8_t connections) const;
 
 private:
+  struct burial {
+    std::int32_t magic;
+    std::int32_t seqno; ///< newer news are believed
+    instant until;
+  };
   using link_table = std::vector<std::pair<peer_id, route>>; ///< ascending by host
 
   [[nodiscard]] static const route* offer_in(const link_table& table, peer_id host);
   static void erase_from(link_table& table, peer_id host);
+  static void keep_age(link_table& fresh, const link_table& last);
 
   void note_own(const routing_entry& entry);
   [[nodiscard]] bool buried(const routing_entry& entry, instant now);
@@ -133,6 +144,7 @@ private:
   void lose(peer_id host, route& lost, instant now, routing_changes& changes);
   void let_go(peer_id host, route& lost, instant now, routing_changes& changes);
   [[nodiscard]] std::size_t room_for(link_id link);
+  void dig(peer_id host, const burial& grave);
   void note_loss(peer_id host, instant now);
   void forget_loss(peer_id host);
   void take(peer_id host, route& known, const route& offered);
@@ -147,11 +159,6 @@ private:
   bool overtaken_ = false;
   std::map<peer_id, route> routes_;
   std::map<link_id, link_table> by_link_;
-  struct burial {
-    std::int32_t magic;
-    std::int32_t seqno; ///< newer news are believed
-    instant until;
-  };
   std::map<peer_id, burial> graves_;
   std::set<peer_id> marked_;
   std::set<peer_id> unsound_;

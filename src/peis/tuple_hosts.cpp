@@ -8,12 +8,56 @@
 
 namespace rubicon::peis {
 
+namespace {
+
+constexpr std::size_t dormant_hosts_max = 64;
+constexpr std::size_t dormant_subscriptions_max = 256;            // of one host
+constexpr std::size_t dormant_octets_max = std::size_t{1} << 18U; // of one host
+
+} // namespace
+
 tuple_events tuple_space::on_host_vanished(peer_id host, instant now) {
   tuple_events out;
+  lay_down(host);
   hosts_.erase(host);
   strangers_.erase(host);
   forget_host(host, now, out);
   return out;
+}
+
+void tuple_space::lay_down(peer_id host) {
+  const auto known = hosts_.find(host);
+  const auto* all = subscribers_.of(host);
+  if (all == nullptr || known == hosts_.end() || known->second.marked ||
+      known->second.incarnation == 0)
+    return;
+  dormant_host x{known->second.incarnation, {}};
+  std::size_t octets = 0;
+  for (const auto& [number, s] : *all) {
+    octets += s->weight;
+    if (x.wanted.size() >= dormant_subscriptions_max || octets > dormant_octets_max)
+      break;
+    if (!s->expiry)
+      x.wanted.push_back(s->wanted);
+  }
+  if (x.wanted.empty())
+    return;
+  if (dormant_.size() >= dormant_hosts_max && !dormant_.contains(host)) {
+    dormant_.erase(dormant_.begin());
+    ++counters_.absent_forgotten;
+  }
+  dormant_[host] = std::move(x);
+}
+
+/// What it had subscribed to when it was given up, if it has not begun anew since.
+void tuple_space::wake_up(peer_id host, std::int32_t incarnation, instant now, tuple_events& out) {
+  const auto rested = dormant_.extract(host);
+  if (rested.empty() || rested.mapped().incarnation != incarnation)
+    return;
+  for (const auto& wanted : rested.mapped().wanted) {
+    auto pushes = on_subscribe(host, encode(subscribe_message{wanted, std::nullopt}), now);
+    std::move(pushes.begin(), pushes.end(), std::back_inserter(out));
+  }
 }
 
 /// What it has put here goes; what it wrote into our own tuples stays for a while (orphans).

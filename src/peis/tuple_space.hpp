@@ -83,11 +83,12 @@ struct tuple_counters {
   std::uint64_t appends_collapsed = 0; ///< notices given up for a push of the whole value
   std::uint64_t append_gaps = 0;       ///< a notice did not fit what we hold: asked for all of it
   // Dropped.
-  std::uint64_t malformed = 0; ///< a message that is no legal tuple, or not the sender's
-  std::uint64_t unwanted = 0;  ///< pushed, but nobody here has subscribed
-  std::uint64_t outdated = 0;  ///< pushed, but we hold a newer value (TUP-17)
-  std::uint64_t refused = 0;   ///< remote writes of reserved keys (TUP-22), commands refused
-  std::uint64_t overflow = 0;  ///< no room for a tuple of another or of its writing, value too long
+  std::uint64_t malformed = 0;        ///< a message that is no legal tuple, or not the sender's
+  std::uint64_t unwanted = 0;         ///< pushed, but nobody here has subscribed
+  std::uint64_t outdated = 0;         ///< pushed, but we hold a newer value (TUP-17)
+  std::uint64_t refused = 0;          ///< remote writes of reserved keys (TUP-22), commands refused
+  std::uint64_t absent_forgotten = 0; ///< hosts that were away, with what they had subscribed to
+  std::uint64_t overflow = 0; ///< no room for a tuple of another or of its writing, value too long
   std::uint64_t subscribers_refused = 0; ///< subscriptions of others without room
   std::uint64_t strangers_refused = 0; ///< messages of hosts that nobody knows, beyond their table
   std::uint64_t orphans_removed = 0;   ///< own tuples whose writers are gone
@@ -144,10 +145,14 @@ public:
 
   // What happens to hosts and to our own messages.
   /// @param marked it is of our kind: subscriptions to it carry a lifetime and are refreshed
-  [[nodiscard]] tuple_events on_host_appeared(peer_id host, bool marked, instant now);
+  /// @param incarnation what of an unmarked host that vanished comes back with the same number; 0:
+  ///        nothing does
+  [[nodiscard]] tuple_events on_host_appeared(peer_id host, bool marked, instant now,
+                                              std::int32_t incarnation = 0);
   [[nodiscard]] tuple_events on_host_vanished(peer_id host, instant now);
   /// Sends all subscriptions to a host again.
-  [[nodiscard]] tuple_events renew(peer_id host, instant now);
+  /// @param refresh it need not send what they match again if it knows them
+  [[nodiscard]] tuple_events renew(peer_id host, instant now, bool refresh = true);
   /// A message with a request of ours has been acknowledged.
   [[nodiscard]] tuple_events on_delivered(request_id request, instant now);
   /// A push, append notice or subscription could not be delivered.
@@ -234,6 +239,13 @@ private:
   using debts = std::map<peer_id, debt>;
   struct known_host {
     bool marked = false;
+    std::int32_t incarnation = 0;
+  };
+  /// What a real kernel that was given up had subscribed to. It does not say it again if it has not
+  /// given us up, too.
+  struct dormant_host {
+    std::int32_t incarnation = 0;
+    std::vector<prototype> wanted;
   };
   /// A held value that lacks an append: the owner was asked for all of it.
   struct incomplete {
@@ -257,6 +269,9 @@ private:
   [[nodiscard]] bool replaces(const tuple& x, const tuple& held, bool deletion) const;
   void forget_own(const tuple& gone);
 
+  // tuple_hosts.cpp
+  void lay_down(peer_id host);
+  void wake_up(peer_id host, std::int32_t incarnation, instant now, tuple_events& out);
   void forget_host(peer_id host, instant now, tuple_events& out);
   [[nodiscard]] bool acquainted(peer_id source, instant now);
   void forget_strangers(instant now, tuple_events& out);
@@ -325,6 +340,7 @@ private:
   std::uint64_t subscribers_version_ = 0;
   std::uint64_t own_keys_version_ = 0;
   std::map<peer_id, known_host> hosts_;
+  std::map<peer_id, dormant_host> dormant_;
   std::map<peer_id, instant> strangers_; ///< not in hosts_, and when they were last heard
   push_window window_;
   debts debts_;

@@ -120,17 +120,20 @@ std::pair<cause, tuple_events> tuple_space::unsubscribe(subscription_id id) {
   return {cause::none, std::move(out)};
 }
 
-tuple_events tuple_space::on_host_appeared(peer_id host, bool marked, instant now) {
+tuple_events tuple_space::on_host_appeared(peer_id host, bool marked, instant now,
+                                           std::int32_t incarnation) {
   strangers_.erase(host);
-  hosts_[host] = {marked};
-  return renew(host, now);
+  hosts_[host] = {marked, incarnation};
+  auto out = renew(host, now, false);
+  wake_up(host, incarnation, now, out);
+  return out;
 }
 
-tuple_events tuple_space::renew(peer_id host, instant now) {
+tuple_events tuple_space::renew(peer_id host, instant now, bool refresh) {
   tuple_events out;
   if (!hosts_.contains(host) || questions_.empty())
     return out;
-  ask_all(host, false);
+  ask_all(host, refresh);
   serve_now(host, now, out);
   return out;
 }

@@ -106,7 +106,7 @@ private:
 
 kernel_config patient_config() {
   auto config = config_of(1);
-  config.network.link_timeout = 1h;
+  config.network.link_timeout = config.network.greeting_timeout = 1h;
   config.network.connections.manager = false;
   return config;
 }
@@ -284,6 +284,13 @@ TEST_CASE("a remembered record of another incarnation is not believed", "[peis][
   CHECK(x.known_magic(stranger) == 77);
   x.hear_record(stranger, 78, false); // its own word
   CHECK(x.known_magic(stranger) == 78);
+
+  x.hear_record(stranger, 77, false); // was long under way: the route leads to 78
+  CHECK(x.known_magic(stranger) == 78);
+  x.wait(5s);
+  x.hear_route(7, 79);
+  x.hear_record(stranger, 79, true); // somebody else knows already, and the route says so too
+  CHECK(x.known_magic(stranger) == 79);
 }
 
 TEST_CASE("one configured link joins two networks that cannot hear each other", "[peis][AUT-02]") {

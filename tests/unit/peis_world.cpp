@@ -7,6 +7,12 @@
 
 namespace rubicon::peis::test {
 
+namespace {
+
+constexpr std::ptrdiff_t mark_at = 540; // peis-wire.md 5
+
+} // namespace
+
 kernel_config config_of(std::int32_t id) {
   kernel_config config;
   config.network.id = peer_id{id};
@@ -185,6 +191,35 @@ void world::perform(peer_id id, outputs todo) {
   note_deadline(id);
 }
 
+bool world::answer_from_memory(peer_id relay, peer_id asker, link_id link,
+                               const package_header& header, byte_view data) {
+  if (header.port != port::host_query || header.seqlen > 0 || header.destination == relay)
+    return false;
+  const auto query = decode_host_query(data);
+  const auto known = memories_[relay].find(header.destination);
+  if (!query || query->magic != any_magic || known == memories_[relay].end())
+    return false;
+  const auto answer = encode(host_record_message{known->second, true});
+  package_header back;
+  back.id = back.ack_id = next_package_++;
+  back.type = package_type::direct;
+  back.hops = 1;
+  back.source = relay;
+  back.destination = header.source;
+  back.port = port::host_record;
+  back.length = static_cast<std::uint16_t>(answer.size());
+  bytes octets;
+  encode(back, octets);
+  octets.insert(octets.end(), answer.begin(), answer.end());
+  later(
+      [=, this, octets = std::move(octets)] {
+        if (cables_.contains(link) && joined(relay, asker))
+          perform(asker, at(asker).on_link_octets(link, octets, now_));
+      },
+      1ms);
+  return true;
+}
+
 /// Cuts the stream into packages, so that single ones can be lost.
 void world::carry(peer_id from, const to_link& x) {
   const auto found = cables_.find(x.link);
@@ -204,10 +239,14 @@ void world::carry(peer_id from, const to_link& x) {
   while (const auto package = way.decoder.next()) {
     const bool lost = keep && !keep(package->header);
     packages.push_back({now_, from, package->header, lost});
-    if (lost)
+    if (lost ||
+        answer_from_memory(is_a ? cable.b : cable.a, from, x.link, package->header, package->data))
       continue;
     encode(package->header, kept);
     kept.insert(kept.end(), package->data.begin(), package->data.end());
+    if (package->header.port == port::host_record && unmarked.contains(package->header.source))
+      std::fill_n(kept.end() - static_cast<std::ptrdiff_t>(package->data.size()) + mark_at, 4,
+                  std::uint8_t{0});
   }
   const auto to = is_a ? cable.b : cable.a;
   const auto link = x.link;
@@ -215,13 +254,20 @@ void world::carry(peer_id from, const to_link& x) {
     if (cables_.contains(link) && joined(from, to))
       perform(to, at(to).on_link_octets(link, octets, now_));
   };
+  const auto size = octets_per_second > 0 ? x.octets.size() : SIZE_MAX;
   const auto sent = [=, this] {
     if (cables_.contains(link) && alive(from))
-      perform(from, at(from).on_link_sent(link, SIZE_MAX, now_));
+      perform(from, at(from).on_link_sent(link, size, now_));
   };
-  later(arrive, cable.delay);
+  duration takes = cable.delay;
+  if (octets_per_second > 0) {
+    const auto nanoseconds = 1e9 * static_cast<double>(x.octets.size()) / octets_per_second;
+    way.busy = std::max(way.busy, now_) + duration(static_cast<duration::rep>(nanoseconds));
+    takes += way.busy - now_;
+  }
+  later(arrive, takes);
   if (drains)
-    later(sent, cable.delay);
+    later(sent, takes);
 }
 
 void world::run_for(duration length) {

@@ -63,6 +63,16 @@ public:
   /// Decides about each package; those it does not keep are lost.
   std::function<bool(const package_header&)> keep;
 
+  /// This peer answers passing questions about a host with this record for ever, as a real kernel
+  /// does with one that it has.
+  void remember(peer_id relay, const host_record& record) { memories_[relay][record.id] = record; }
+
+  /// Peers whose records reach others without the mark: they are taken for real kernels.
+  std::set<peer_id> unmarked;
+
+  /// Of all links, each way; 0: what is written is there after the delay.
+  double octets_per_second = 0;
+
   /// When false, links report nothing as sent: windows fill up.
   bool drains = true;
 
@@ -101,6 +111,7 @@ private:
   struct direction {
     stream_decoder decoder;
     bool request_due = false;
+    instant busy; ///< until then with what was written before
   };
   struct joint {
     peer_id a;
@@ -112,6 +123,8 @@ private:
   void start(peer& x);
   link_id open(peer_id a, peer_id b, duration delay, std::optional<attempt_id> attempt);
   void carry(peer_id from, const to_link& x);
+  bool answer_from_memory(peer_id relay, peer_id asker, link_id link, const package_header& header,
+                          byte_view data);
   void answer(peer_id from, const connect_to& x);
   void spread(peer_id from, const announce& x);
   void later(std::function<void()> what, duration delay);
@@ -123,6 +136,8 @@ private:
   std::map<peer_id, peer> peers_;
   std::map<link_id, joint> cables_;
   std::uint64_t next_link_ = 1;
+  std::map<peer_id, std::map<peer_id, host_record>> memories_; ///< by relay, by host
+  std::int32_t next_package_ = 0x70000000;
   std::multimap<instant, std::function<void()>> under_way_;
   std::set<std::pair<instant, peer_id>> due_; ///< deadlines of those alive
 };
