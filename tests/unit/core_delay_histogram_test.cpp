@@ -25,6 +25,16 @@ duration any_magnitude(random_stream& dice) {
 
 } // namespace
 
+TEST_CASE("a quantile is that of the nearest rank above", "[core]") {
+  delay_histogram x;
+  for (const int ns : {10, 20, 30}) // short enough to be exact
+    x.add(duration(ns));
+  CHECK(x.quantile_ms(0.5) == Approx(20e-6));
+  CHECK(x.quantile_ms(0.34) == Approx(20e-6));
+  CHECK(x.quantile_ms(0.33) == Approx(10e-6));
+  CHECK(x.quantile_ms(1) == Approx(30e-6));
+}
+
 TEST_CASE("an empty histogram says 0", "[core]") {
   const delay_histogram x;
   CHECK(x.count() == 0);

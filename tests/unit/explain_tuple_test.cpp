@@ -55,6 +55,29 @@ TEST_CASE("a value that a link loses is missed by those who live on", "[explain]
   CHECK(contains(tell_tuple(all, 1, {}), "robot/rules-1 heard it"));
 }
 
+TEST_CASE("who asks for a value after it was set has missed nothing", "[explain]") {
+  explain_world world;
+  world.sets(proxy, pc_kernel, "kitchen.near.temperature", "21.5", 0);
+  world.now += 1s;
+  world.watches(rules, pc_kernel, "kitchen.near.temperature");
+  world.sets(proxy, pc_kernel, "kitchen.near.temperature", "22.0", 0);
+  world.now += 1ms;
+  world.hears(pc_kernel, rules, 11, "kitchen.near.temperature", "22.0");
+  const auto all = follow(world.x);
+  REQUIRE(all.tuples.size() == 2);
+  CHECK(audience_of(all, all.tuples[0]).empty());
+  CHECK(audience_of(all, all.tuples[1]).size() == 1);
+}
+
+TEST_CASE("the pieces of a packet are no repeats", "[explain]") {
+  node hop;
+  hop.pieces = 3;
+  for (const std::uint32_t more : {0U, 1U, 2U}) {
+    hop.attempts.resize(hop.pieces + more);
+    CHECK(repeats(hop) == more);
+  }
+}
+
 TEST_CASE("a package that is sent again is one hop", "[explain]") {
   auto world = watched_value(true);
   world.package(peis::port::push, pc_kernel, robot_kernel, 11, 30, "kitchen.near.temperature",

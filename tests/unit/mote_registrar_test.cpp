@@ -108,6 +108,27 @@ TEST_CASE("a silent mote has left for the reason that it has told last", "[mote]
   CHECK(cause_after({{7, weak}}) == leave_cause::silence); // of another life
 }
 
+TEST_CASE("what a mote has told of itself ends when it joins anew", "[mote][DIS-06][IF-13]") {
+  auto x = make();
+  static_cast<void>(request(x, instant{}));
+  static_cast<void>(confirm(x, instant{}));
+  static_cast<void>(x.on_frame(lamp, encode(keep_alive{0, {true, false}}), instant{1s}));
+  static_cast<void>(request(x, instant{2s}, 1)); // with another battery
+  static_cast<void>(confirm(x, instant{2s}, 1));
+  const auto left = events<mote_left>(x.on_time(instant{12s}));
+  REQUIRE(left.size() == 1);
+  CHECK(left[0].cause == network::leave_cause::silence);
+}
+
+TEST_CASE("a mote that was never announced leaves no trace", "[mote][DIS-06][GW-15]") {
+  auto x = make();
+  static_cast<void>(request(x, instant{}));
+  const auto roster = events<network::roster>(x.on_describe(broadcast_mote, instant{}));
+  REQUIRE(roster.size() == 1);
+  CHECK(roster[0].entries.empty());
+  CHECK(x.on_frame(lamp, encode(leave_notice{}), instant{1s}).empty());
+}
+
 TEST_CASE("a mote that reports rarely has three of its periods", "[mote][DIS-06]") {
   auto x = make();
   static_cast<void>(

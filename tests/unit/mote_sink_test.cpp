@@ -159,3 +159,31 @@ TEST_CASE("a sink asks for the time and gives it to its island's clock", "[mote]
   run_until(instant(4s));
   CHECK(x.packets().router().clock().network_time(instant(4s)) == 1003s - 5ms);
 }
+
+TEST_CASE("pieces of packets of two motes do not mix", "[mote][NET-14]") {
+  network::router_config network;
+  network.self = island_world::sink_id;
+  network.is_sink = true;
+  packet_service x(network, random_stream(1), {});
+  const auto cut = [](char octet) {
+    const auto value = static_cast<std::uint8_t>(octet);
+    return *transport::cut(encode(network::island_packet{island, lamp, 10, bytes(50, value)}), 40,
+                           7); // each mote counts its packets from the same number
+  };
+  std::vector<bytes> whole;
+  const auto hear = [&](std::uint16_t mote, const bytes& piece) {
+    bytes content{network::am::packet};
+    content.insert(content.end(), piece.begin(), piece.end());
+    const network::content_in heard{mote_id{mote}, false, std::move(content)};
+    for (const auto& each : pick<packet_in>(x.carry({heard}, {})))
+      whole.push_back(each.packet.body);
+  };
+  const auto a = cut('a');
+  const auto b = cut('b');
+  REQUIRE(a.size() == b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    hear(3, a[i]);
+    hear(4, b[i]);
+  }
+  CHECK(whole == std::vector{bytes(50, 'a'), bytes(50, 'b')});
+}

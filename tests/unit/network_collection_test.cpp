@@ -269,6 +269,8 @@ TEST_CASE("a sink that knows the way to many forgets the one heard of longest ag
   for (int i = 2; i <= 4; ++i)
     x.learn(mote(i), sink);
   x.learn(mote(2), sink);
+  x.learn(mote(4), sink);
+  CHECK(x.size() == 3); // who is known takes nobody's place
   x.learn(mote(9), sink);
   CHECK(x.size() == 3);
   CHECK_FALSE(x.route_to(mote(3)));

@@ -25,8 +25,13 @@ struct two_peers {
   bool run(const std::function<bool()>& done) { return test::run({a.get(), b.get()}, done); }
   std::optional<peis::cause> await(const std::function<void(standalone::outcome_callback)>& begin) {
     std::optional<peis::cause> ended;
-    begin([&](const peis::outcome& x) { ended = x.why; });
+    int times = 0;
+    begin([&](const peis::outcome& x) {
+      ended = x.why;
+      ++times;
+    });
     run([&] { return ended.has_value(); });
+    CHECK(times == 1);
     return ended;
   }
 };

@@ -40,6 +40,10 @@ TEST_CASE("a periodic fault happens from its first to its last moment", "[runtim
   CHECK(plan({once(10min), once(10min + 1ns)}).size() == 1);
 }
 
+TEST_CASE("random moments of a run that was made shorter are all within it", "[runtime][ACT-04]") {
+  CHECK(plan({often({0s, 20, 1min, 10min})}, 2min).size() == 20);
+}
+
 TEST_CASE("random moments depend on the seed and on nothing else", "[runtime][ACT-04][GEN-07]") {
   const auto fault = often({0s, 20, 1min, 2min});
   const auto first = plan({fault});

@@ -73,6 +73,16 @@ TEST_CASE("timers behave like a sorted list under any mixture of operations",
   }
 }
 
+TEST_CASE("a timer that is moved comes after those that are due then already",
+          "[scheduler][GEN-07]") {
+  queue timers;
+  const auto first = timers.add(at(1), std::make_shared<int>(1));
+  timers.add(at(2), std::make_shared<int>(2));
+  timers.move(first, at(2));
+  CHECK(*timers.pop() == 2);
+  CHECK(*timers.pop() == 1);
+}
+
 TEST_CASE("a cancelled timer is destroyed at once and its memory is used again", "[scheduler]") {
   queue timers;
   const auto value = std::make_shared<int>(1);

@@ -141,6 +141,9 @@ TEST_CASE("no rule feeds itself or another", "[translate][SVC-09]") {
   // The same key of somebody else is another tuple.
   CHECK(aut.on_value("c.sum", "2", true, start).size() == 1);
   CHECK(aut.on_value("c.sum.unit", "V", true, start).size() == 1);
+  // So is ours, once its translation has ended.
+  CHECK(aut.on_gone("a.x", false).size() == 1);
+  CHECK_FALSE(aut.on_value("a.sum", "2", true, start).empty());
 }
 
 TEST_CASE("targets are bounded, and their keys too", "[translate][SVC-09]") {
