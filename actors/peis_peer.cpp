@@ -61,6 +61,22 @@ bool is_everyday(peis::close_cause x) {
          x == close_cause::host_left || x == close_cause::leaf;
 }
 
+/// Anybody can open links that are closed at once: the log tells of a few, the report of all.
+void log_closing(peer_pointer self, const peis::close_link& x) {
+  if (is_everyday(x.why)) {
+    log(self, spdlog::level::info, "event=link_closed link={} cause={}", x.link.value,
+        peis::to_string(x.why));
+    return;
+  }
+  const auto left_out = self->state.closings.ask(now(self));
+  if (!left_out)
+    return;
+  if (*left_out > 0)
+    log(self, spdlog::level::warn, "event=links_closed left_out={}", *left_out);
+  log(self, spdlog::level::warn, "event=link_closed link={} cause={}", x.link.value,
+      peis::to_string(x.why));
+}
+
 struct performer {
   peer_pointer self;
 
@@ -73,8 +89,7 @@ struct performer {
 
   void operator()(const peis::close_link& x) const {
     auto& state = self->state;
-    log(self, is_everyday(x.why) ? spdlog::level::info : spdlog::level::warn,
-        "event=link_closed link={} cause={}", x.link.value, peis::to_string(x.why));
+    log_closing(self, x);
     ++state.links_closed[std::string(peis::to_string(x.why))];
     if (state.tcp_links.erase(x.link) > 0 && state.real != nullptr) {
       state.real->links().carry_out(x);

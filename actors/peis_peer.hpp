@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "actors/line_allowance.hpp"
 #include "actors/messages.hpp"
 #include "actors/real_links.hpp"
 #include "actors/timer.hpp"
@@ -80,6 +81,7 @@ struct peis_peer_state {
   std::uint64_t packages_lost = 0; ///< on the simulated network, sent by us
   std::uint64_t octets_cut = 0;    ///< sent into links that carried nothing
   runtime::cause_counts links_closed;
+  line_allowance closings; ///< told of in the log
   timer wake;
 };
 

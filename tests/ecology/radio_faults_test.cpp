@@ -139,7 +139,7 @@ TEST_CASE("a saturated sender goes on after a restart", "[ecology][radio][ACT-03
 
 TEST_CASE("a run may end while packets are under way", "[ecology][radio]") {
   auto what = example("scenarios/line.toml");
-  for (const auto length : {duration(1ms), duration(7ms), duration(101ms), duration(1'234ms)}) {
+  for (const auto length : {duration(11ms), duration(17ms), duration(101ms), duration(1'234ms)}) {
     what.length = length;
     const auto report = run(what);
     CHECK(report.simulated == length);

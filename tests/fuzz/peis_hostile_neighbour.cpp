@@ -480,8 +480,7 @@ private:
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const arena begun; // copied: to greet each other takes longer than a hostile deed
-  auto all = begun;
+  arena all;
   all.run({data, size});
   return 0;
 }

@@ -21,6 +21,7 @@ namespace rubicon::hostile {
 namespace {
 
 constexpr std::int32_t first_id = 1000;
+constexpr std::uint8_t filler = 'x';
 
 } // namespace
 
@@ -161,25 +162,29 @@ peis::package_header link::header_of(const draft& x, std::size_t length) {
   return header;
 }
 
-void link::begin(const draft& x, bytes message) {
-  if (message.size() <= peis::data_max)
+void link::begin(const draft& x, bytes message, std::size_t filling) {
+  message_size_ = message.size() + filling;
+  if (message_size_ <= peis::data_max) {
+    message.resize(message_size_, filler);
     return say(x, message);
+  }
   long_ = x;
   message_ = std::move(message);
-  fragments_ = (message_.size() + peis::data_max - 1) / peis::data_max;
+  fragments_ = (message_size_ + peis::data_max - 1) / peis::data_max;
   next_fragment_ = 0;
   group_ = static_cast<std::uint16_t>(1 + dice_.below(32767));
 }
 
 void link::say_fragment() {
-  const auto at = next_fragment_ * peis::data_max;
-  const auto size = std::min(peis::data_max, message_.size() - at);
-  auto header = header_of(long_, size);
+  const auto at = std::min(next_fragment_ * peis::data_max, message_.size());
+  auto data = to_bytes(byte_view(message_).subspan(at));
+  data.resize(std::min(peis::data_max, message_size_ - next_fragment_ * peis::data_max), filler);
+  auto header = header_of(long_, data.size());
   header.flags |= peis::package_flag::bulk;
   header.seqlen = static_cast<std::uint16_t>(fragments_);
   header.seqid = group_;
   header.seqnum = static_cast<std::uint16_t>(next_fragment_++);
-  say_as(header, byte_view(message_).subspan(at, size));
+  say_as(header, data);
 }
 
 void link::request(std::uint32_t flags) {

@@ -72,7 +72,8 @@ public:
   [[nodiscard]] peis::package_header header_of(const draft& x, std::size_t length);
 
   /// A message of any length, begun; its packages leave one by one.
-  void begin(const draft& x, bytes message);
+  /// @param filling so many octets follow those of `message`
+  void begin(const draft& x, bytes message, std::size_t filling = 0);
   [[nodiscard]] bool has_fragments() const { return next_fragment_ < fragments_; }
   void say_fragment();
 
@@ -118,6 +119,7 @@ private:
 
   draft long_;
   bytes message_;
+  std::size_t message_size_ = 0; ///< with what it is filled up with
   std::uint16_t group_ = 1;
   std::size_t fragments_ = 0;
   std::size_t next_fragment_ = 0;

@@ -16,28 +16,24 @@ peis::key key_of(const std::string& text) {
   return *peis::key::parse(text);
 }
 
-/// A set message for the hub, or a push of our own tuple to it.
-bytes tuple_message(link& x, peis::tuple_message_kind kind, const std::string& name, bytes value) {
+/// A set message for the hub, or a push of our own tuple to it. The value is to follow.
+bytes tuple_head(link& x, peis::tuple_message_kind kind, const std::string& name) {
   peis::tuple t;
   t.owner = kind == peis::tuple_message_kind::set ? x.whom().hub : x.id;
   t.creator = x.id;
   t.name = key_of(name);
   t.written = {1'000'000'000, 0};
-  t.value = payload(std::move(value));
-  auto octets = encode_tuple_head(t, kind);
-  const auto tail = encode_tuple_value(t);
-  octets.insert(octets.end(), tail.view().begin(), tail.view().end());
-  return octets;
+  return encode_tuple_head(t, kind);
 }
 
-void set(link& x, const std::string& name, bytes value) {
+void set(link& x, const std::string& name, std::size_t size) {
   x.begin({.port = peis::port::set, .destination = x.whom().hub, .reliable = true},
-          tuple_message(x, peis::tuple_message_kind::set, name, std::move(value)));
+          tuple_head(x, peis::tuple_message_kind::set, name), size);
 }
 
-void push(link& x, const std::string& name, bytes value) {
+void push(link& x, const std::string& name, std::size_t size) {
   x.begin({.port = peis::port::push, .destination = x.whom().hub, .reliable = true},
-          tuple_message(x, peis::tuple_message_kind::push, name, std::move(value)));
+          tuple_head(x, peis::tuple_message_kind::push, name), size);
 }
 
 void subscribe(link& x, peer_id at, const peis::prototype& wanted) {
@@ -56,7 +52,7 @@ public:
 
   void say(link& x) override {
     if (x.said_since_open < tuples_first)
-      return set(x, numbered(x, "heap."), bytes(400, 'x'));
+      return set(x, numbered(x, "heap."), 400);
     subscribe(x, whom().hub, peis::prototype_of(any_peer, {}));
   }
   void hear(link&, const peis::received_package&) override {} // nothing is acknowledged
@@ -84,15 +80,15 @@ void say_ghost_subscription(link& x) {
 
 void say_tuple(link& x) {
   if (x.dice().chance(0.5))
-    set(x, numbered(x, "heap."), bytes(40, 'x'));
+    set(x, numbered(x, "heap."), 40);
   else
-    push(x, numbered(x, "hoard."), bytes(40, 'x')); // which the hub collects
+    push(x, numbered(x, "hoard."), 40); // which the hub collects
 }
 
 /// The same few tuples, each time longer or shorter.
 void say_changed_tuple(link& x) {
   const auto name = "hoard.c" + std::to_string(x.dice().below(20));
-  set(x, name, bytes(1 + x.dice().below(700), 'x'));
+  set(x, name, 1 + x.dice().below(700));
 }
 
 /// Values of 10 MB, half of them the hub's own, half of them ours; then the link ends.
@@ -104,9 +100,9 @@ public:
     if (x.said_since_open > 2 + 20 * (big_size / peis::data_max))
       return x.drop(false);
     if (x.dice().chance(0.5))
-      set(x, numbered(x, "heap."), bytes(big_size, 'x'));
+      set(x, numbered(x, "heap."), big_size);
     else
-      push(x, numbered(x, "hoard."), bytes(big_size, 'x'));
+      push(x, numbered(x, "hoard."), big_size);
   }
 };
 
@@ -118,7 +114,7 @@ public:
   void say(link& x) override {
     const auto mine = "heap.a" + std::to_string(x.index() % 8);
     if (x.said_since_open < 3)
-      return set(x, mine, bytes(1, 'x'));
+      return set(x, mine, 1);
     if (x.said_since_open < 4)
       return subscribe(x, whom().hub, peis::prototype_of(whom().hub, key_of("heap.*")));
     auto octets = peis::encode_append_request_head(
@@ -145,7 +141,7 @@ public:
           x, whom().hub,
           peis::prototype_of(whom().hub,
                              key_of(mine + std::to_string(x.said_since_open % own_tuples))));
-    set(x, mine + std::to_string(x.dice().below(own_tuples)), bytes(size, 'x'));
+    set(x, mine + std::to_string(x.dice().below(own_tuples)), size);
   }
   void hear(link&, const peis::received_package&) override {}
 

@@ -170,8 +170,9 @@ int main(int argc, char** argv) {
   };
   const auto report = run_ecology(ecology, options);
 
-  if (samples.size() < 2 || report.interrupted) {
-    std::printf("soak: ended before there was anything to compare\n");
+  if (samples.size() < 2 || report.interrupted || !report.complete) {
+    std::printf("soak: ended before its time: %s\n",
+                report.complete ? "stopped" : report.reason.c_str());
     return 1;
   }
   const auto& first = samples.front();

@@ -33,8 +33,8 @@ double figure(const apps::application& x, std::string_view name) {
 /// Writes one value again and again.
 class fixed_writer final : public apps::application {
 public:
-  fixed_writer(mote_address to, std::uint16_t name, std::int16_t first)
-      : value(first), to_(to), name_(name) {}
+  fixed_writer(mote_address to, std::uint16_t name, std::int16_t first, std::uint32_t time_ms = 0)
+      : value(first), to_(to), name_(name), time_ms_(time_ms) {}
 
   void openRemoteDone(int stream, std::uint16_t, mote::status success) override {
     is_opening_ = false;
@@ -68,7 +68,7 @@ private:
   int stream_ = -1;
   bool is_opening_ = false;
   bool is_stopped_ = false;
-  std::uint32_t time_ms_ = 0;
+  std::uint32_t time_ms_;
   instant next_;
 };
 
@@ -158,6 +158,27 @@ TEST_CASE("an average rounds to the nearest, halves up", "[apps][STR-22]") {
   x.start(5, reader);
   x.run_for(3min);
   CHECK(last_value(reader.take_lines()) == wanted);
+}
+
+TEST_CASE("an average is as old as its newest value, also when milliseconds run over",
+          "[apps][STR-22]") {
+  hosts x;
+  fixed_writer before(at(5), 1, 1, 4'294'000'000U);
+  fixed_writer after(at(5), 2, 3);
+  const bool is_first = GENERATE(true, false);
+  apps::average middle(
+      {{static_cast<std::uint16_t>(is_first ? 1 : 2), static_cast<std::uint16_t>(is_first ? 2 : 1)},
+       500ms,
+       {{at(5), 8}}});
+  apps::recorder reader({{8}, 500ms, "x.csv"});
+  x.start(2, before);
+  x.start(3, after);
+  x.start(5, middle);
+  x.start(5, reader);
+  x.run_for(3min);
+  const auto lines = reader.take_lines();
+  CHECK(last_value(lines) == 2);
+  CHECK(lines.substr(lines.rfind('\n', lines.size() - 2) + 1).starts_with("0."));
 }
 
 TEST_CASE("a switch commands between two thresholds, and until it is obeyed",

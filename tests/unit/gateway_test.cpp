@@ -231,6 +231,16 @@ TEST_CASE("messages of other islands for absent motes or nobody are dropped and 
   CHECK(pick<to_sink>(x.on_message(peer_id{2}, *from_hex("ffff000a"), {})).size() == 1);
 }
 
+TEST_CASE("an output of another island's mote is not that of ours with its number",
+          "[gateway][GW-04][RTG-05]") {
+  auto x = make();
+  join(x, fan);
+  const auto output = encode(network::gateway_packet{no_mote, 2, encode(plain(fan, 2, bytes{1}))});
+  CHECK(x.on_message(peer_id{2}, output, {}).empty());
+  CHECK(x.counters().undeliverable == 1);
+  CHECK(x.counters().outputs == 0);
+}
+
 TEST_CASE("programs of a gateway hear of motes that join, once in each life",
           "[gateway][MCK-15][DIS-03]") {
   auto x = make();
@@ -285,6 +295,10 @@ TEST_CASE("a roster brings a gateway's list back to the truth", "[gateway][GW-15
         std::vector{mote_id{10}, mote_id{8}}); // missing here, missing there
   CHECK(asked(tell(x, network::roster{2, 0, 1, {{fan, 0}, {mote_id{8}, 0}, {mote_id{9}, 1}}}))
             .empty());
+  // The rest of this one does not come; its page is none of the next one's.
+  CHECK(asked(tell(x, network::roster{3, 0, 2, {{fan, 0}}})).empty());
+  CHECK(asked(tell(x, network::roster{4, 0, 2, {{fan, 0}, {mote_id{8}, 0}}})).empty());
+  CHECK(asked(tell(x, network::roster{4, 1, 2, {{mote_id{9}, 1}}})).empty());
 }
 
 TEST_CASE("what a gateway cannot read it drops and counts", "[gateway]") {
@@ -425,6 +439,15 @@ TEST_CASE("motes hear which of their outputs somebody subscribes to", "[gateway]
   x.on_period(mote_id{9}, 2, "250", instant{2s});
   CHECK(x.counters().bad_periods == 1);
   CHECK(x.counters().undeliverable == 1);
+}
+
+TEST_CASE("a mote that has left is asked for no outputs", "[gateway][GW-10]") {
+  auto x = make();
+  join(x, fan);
+  x.on_subscribers(std::vector<std::string>{"devices.7.output.2"}, {});
+  static_cast<void>(tell(x, network::mote_left{fan, network::leave_cause::notice}));
+  CHECK(pick<to_sink>(x.on_time(instant{100ms})).empty());
+  CHECK(x.counters().requests == 0);
 }
 
 TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {

@@ -158,6 +158,12 @@ TEST_CASE("a goal that takes too long fails, and one that is over just then succ
   CHECK(x.core.counters().timeouts == 1);
   CHECK(x.input(door, "open").empty()); // too late
 
+  rig late;
+  late.want("at kitchen");
+  late.pass(29s);
+  late.now += 1s; // its time is over, which it has not been told yet
+  CHECK(late.input(door, "open").empty());
+
   rig y;
   y.input(load, "2");
   y.want("lift"); // 5 s, and its timeout is 5 s

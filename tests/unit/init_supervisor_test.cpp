@@ -184,6 +184,9 @@ TEST_CASE("abort kills at once, also in the middle of a stop", "[init][SVC-05]")
   auto y = running();
   static_cast<void>(y.on_request(0, "off", instant{}));
   CHECK(all<stop>(y.on_request(0, "abort", instant{})) == std::vector{stop{0, stop_step::kill}});
+  const auto due = y.deadline();
+  CHECK(all<stop>(y.on_request(0, "abort", instant{100ms})).empty()); // it is being killed
+  CHECK(y.deadline() == due);
 }
 
 TEST_CASE("one that is wanted again while it stops starts when it has ended", "[init][SVC-03]") {

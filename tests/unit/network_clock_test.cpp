@@ -118,6 +118,20 @@ TEST_CASE("one bad point is ignored, a step of the root is followed", "[network]
   CHECK(x.clocks[1].steps() == 1);
 }
 
+TEST_CASE("bad points with good ones between are no step", "[network][CLK-05]") {
+  line x(2, 0);
+  x.run_for(30s);
+  for (int i = 0; i < 3; ++i) {
+    auto wrong = *x.clocks[0].stamp(x.crystals[0].read(x.now));
+    wrong.sequence = static_cast<std::uint16_t>(wrong.sequence + 1);
+    wrong.time += microseconds{5000};
+    CHECK(x.clocks[1].on_stamp(wrong, x.crystals[1].read(x.now)));
+    x.run_for(60s);
+    CHECK(std::chrono::abs(x.error(1)) < microseconds{50});
+  }
+  CHECK(x.clocks[1].steps() == 0);
+}
+
 TEST_CASE("a root that restarts goes on with the island's time", "[network][CLK-04]") {
   line x(3, 20);
   x.run_for(100s);
@@ -134,6 +148,23 @@ TEST_CASE("a root that restarts goes on with the island's time", "[network][CLK-
   CHECK(std::chrono::abs(after - before - 60s) < 1ms);
   CHECK(std::chrono::abs(x.error(2)) < microseconds{1000});
   CHECK(x.clocks[2].steps() == 0);
+}
+
+TEST_CASE("a root that listens for its island's time takes no other root's", "[network][CLK-04]") {
+  clock_sync_config config;
+  config.self = mote_id{1};
+  config.is_root = true;
+  clock_sync root(config, instant{});
+  clock_stamp x;
+  x.root = mote_id{9};
+  x.sequence = 1;
+  x.time = island_time(1h);
+  x.tick = config.tick;
+  CHECK_FALSE(root.on_stamp(x, instant{}));
+  CHECK_FALSE(root.synchronised());
+  x.root = config.self;
+  CHECK(root.on_stamp(x, instant{}));
+  CHECK(root.synchronised());
 }
 
 TEST_CASE("a root that restarts and hears nobody is believed after a while", "[network][CLK-04]") {

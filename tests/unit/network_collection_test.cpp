@@ -197,10 +197,10 @@ TEST_CASE("packets wait for a way up, then for a while only", "[network][NET-09]
   island x(1);
   x.add(mote(2), no_mote, 511);
   x.perform(mote(2), x.at(mote(2)).send_up({1}, x.now()));
-  x.run_for(3s);
+  x.run_for(3300ms);
   CHECK(x.arrived.empty());
   x.perform(mote(2), x.at(mote(2)).on_route(sink, etx_one, x.now()));
-  x.run_for(1s);
+  x.run_for(10ms);
   CHECK(x.arrived.size() == 1);
   x.perform(mote(2), x.at(mote(2)).on_route(no_mote, etx_infinite, x.now()));
   x.perform(mote(2), x.at(mote(2)).send_up({2}, x.now()));
@@ -247,6 +247,7 @@ TEST_CASE("a loop is seen and left", "[network][NET-09]") {
   CHECK_FALSE(x.at(mote(2)).take_loop_seen());
   x.run_for(20s);
   CHECK(x.sum(&collection_counters::too_far) == 1);
+  CHECK(x.sum(&collection_counters::forwarded) == collection_config{}.hops_max - 1U);
   CHECK(x.at(mote(2)).queued() + x.at(mote(3)).queued() == 0);
 }
 

@@ -283,6 +283,22 @@ TEST_CASE("a pinned neighbour is never evicted, and of equals the highest id is"
   CHECK(at.find(mote_id{12}));
 }
 
+TEST_CASE("a pinned neighbour that restarts stays pinned", "[network][NET-02]") {
+  auto at = full_of_good_ones(3);
+  at.pin(mote_id{12}, true);
+  sender again{mote_id{12}};
+  again.sequence = 7;
+  again.now = start + 6s;
+  CHECK(again.beacon(at) == admission::restarted);
+  again.beacons(at, 5);
+  link_report x;
+  x.source = mote_id{5};
+  x.matters = true;
+  CHECK(at.on_beacon(x, start + 12s) == admission::added);
+  CHECK(!at.find(mote_id{11}));
+  CHECK(at.find(mote_id{12}));
+}
+
 TEST_CASE("there is room for the sink in a table full of motes that nothing is known of",
           "[network][DIS-05]") {
   neighbours at({.capacity = 3});

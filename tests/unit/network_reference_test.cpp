@@ -133,6 +133,22 @@ TEST_CASE("one wrong answer is ignored, a clock that was set is followed", "[net
   CHECK(x.reference.counters().leaps == 1);
 }
 
+TEST_CASE("wrong answers with good ones between are no leap", "[network][CLK-08]") {
+  rig x(20);
+  x.run_for(60s);
+  const auto before = x.ahead;
+  for (std::uint64_t i = 1; i <= 3; ++i) {
+    x.ahead = before + 5s;
+    for (int step = 0; step < 1200 && x.reference.counters().doubtful < i; ++step)
+      x.run_for(10ms);
+    CHECK(x.reference.counters().doubtful == i);
+    x.ahead = before;
+    x.run_for(30s);
+    CHECK(x.error() < 500us);
+  }
+  CHECK(x.reference.counters().leaps == 0);
+}
+
 TEST_CASE("answers to other questions, and those that come late, tell nothing",
           "[network][CLK-08]") {
   time_reference x({}, instant{});
@@ -146,6 +162,17 @@ TEST_CASE("answers to other questions, and those that come late, tell nothing",
   CHECK_FALSE(x.at(instant(3s)));
   x.on_answer(1, 1000s, instant(2600ms)); // again
   CHECK(x.counters().strays == 3);
+}
+
+TEST_CASE("a line that is always slow is asked a little more often, not all the time",
+          "[network][CLK-08]") {
+  rig x(0);
+  x.way = 600ms; // there and back is longer than an answer may take
+  x.run_for(190s);
+  CHECK(x.reference.counters().answered == x.reference.counters().slow);
+  // Questions of 2.2 s each, and after every five of them a gap of 10 s.
+  CHECK(x.reference.counters().asked > 40);
+  CHECK(x.reference.counters().asked < 60);
 }
 
 TEST_CASE("a line that has become slower for good is believed again", "[network][CLK-08]") {
@@ -263,7 +290,9 @@ TEST_CASE("a stamp with the network time keeps its layout", "[network][CLK-08][g
 
 TEST_CASE("an absurd network time is not believed", "[network][CLK-08]") {
   pair x;
+  x.root.set_network_time(1'000'000'000s + 2s, instant(2s));
   x.run_for(5s);
+  CHECK(x.mote.network_time(x.now));
   auto stamp = *x.root.stamp(x.now);
   for (const auto absurd : {std::chrono::microseconds::max(), std::chrono::microseconds::min()}) {
     ++stamp.sequence;

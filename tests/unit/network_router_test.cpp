@@ -275,6 +275,21 @@ TEST_CASE("channels open between any two motes of an island", "[network][NET-10]
   }
 }
 
+TEST_CASE("a channel that is given up while its way is asked for is not opened",
+          "[network][NET-10]") {
+  island x(3, 3, 1);
+  x.run_for(2min);
+  const auto from = mote(9); // who is two hops from the other
+  const auto asked = x.at(from).counters().questions;
+  const auto id = x.connect(from, mote(3));
+  CHECK(x.at(from).counters().questions == asked + 1);
+  x.perform(from, x.at(from).disconnect(id, x.own_time(from)));
+  x.run_for(15s);
+  CHECK(x.connected.empty());
+  for (const auto each : x.motes())
+    CHECK(x.at(each).paths().table().empty());
+}
+
 TEST_CASE("a relay that dies is replaced", "[network][NET-09]") {
   island x(3, 3, 1);
   x.run_for(2min);

@@ -1,4 +1,5 @@
 // Lines and rings of kernels.
+#include "peis/dead_host.hpp"
 #include "peis_world.hpp"
 #include "support/catch.hpp"
 
@@ -146,6 +147,36 @@ TEST_CASE("a peer that exits is gone everywhere within a second", "[peis][KH-04]
   CHECK(w.all<host_appeared>(peers[2]).size() == 4); // nobody has brought it back
   const auto refused = w.at(peers[0]).set_tuple("x", text_content("2"), w.now(), request_id{1});
   CHECK(std::get<outcome>(refused.at(0)).why == cause::left);
+}
+
+TEST_CASE("nobody but a host itself says that it exits", "[peis][KH-04]") {
+  world w;
+  const auto a = w.add(1);
+  const auto b = w.add(2);
+  const auto c = w.add(3);
+  w.connect(a, b);
+  const auto link = w.connect(b, c);
+  w.run_for(5s);
+  const auto say = [&](peer_id host, std::int32_t id) {
+    const auto data = encode(dead_host_message{host, dead_host_message::reason::route});
+    package_header header;
+    header.id = header.ack_id = id;
+    header.type = package_type::broadcast;
+    header.port = port::dead_host;
+    header.source = c;
+    header.length = static_cast<std::uint16_t>(data.size());
+    bytes octets;
+    encode(header, octets);
+    octets.insert(octets.end(), data.begin(), data.end());
+    w.perform(b, w.at(b).on_link_octets(link, octets, w.now()));
+    w.run_for(1s);
+  };
+  say(a, 1'000'000);
+  CHECK(w.at(b).reachable(a));
+  CHECK(w.all<host_vanished>(b).empty());
+  CHECK(w.at(b).counters().network.malformed == 1);
+  say(c, 1'000'001);
+  CHECK(w.all<host_vanished>(b).size() == 1);
 }
 
 TEST_CASE("a restarted peer is met anew and subscribed to again", "[peis][RTE-08][TUP-10]") {

@@ -265,6 +265,17 @@ TEST_CASE("a write that succeeds ends its request", "[proxy][PXY-12]") {
   CHECK_FALSE(channel.deadline());
 }
 
+TEST_CASE("a write that was given up and then fails does not end its request", "[proxy][PXY-12]") {
+  input_channel channel(20s, 30s);
+  static_cast<void>(channel.add(ask("on"), start));
+  static_cast<void>(channel.on_status({1, pending}, start));
+  CHECK(channel.on_time(start + 20s).empty());
+  CHECK(status(channel, 1, failed, start + 20s).empty());
+  CHECK(status(channel, 1, pending, start + 20s).empty());
+  CHECK(channel.open() == 1);
+  CHECK(told(channel.on_time(start + 21s)) == lines{">on"});
+}
+
 TEST_CASE("a request that waits to be written again gives way", "[proxy][PXY-12]") {
   input_channel channel(20s, 30s);
   static_cast<void>(channel.add(ask("on"), start));

@@ -254,6 +254,18 @@ TEST_CASE("a proxy whose mote stays away retires once an absence", "[proxy][PXY-
   CHECK(told(aut.on_time(start + 135s)) == lines{"retire"});
 }
 
+TEST_CASE("news of a mote that is lost do not put the end of its proxy off", "[proxy][PXY-20]") {
+  proxy_settings settings;
+  settings.retire_after = 60s;
+  auto aut = started(settings);
+  static_cast<void>(aut.on_presence(device_presence::left, "gateway_gone", start + 5s));
+  for (const auto* const cause : {"not_listed", "not_listed", "battery"}) {
+    static_cast<void>(aut.on_presence(device_presence::left, cause, start + 40s));
+    CHECK(aut.deadline() == start + 65s);
+  }
+  CHECK(told(aut.on_time(start + 65s)) == lines{"retire"});
+}
+
 TEST_CASE("a gateway's tuples find their way by their keys", "[proxy][PXY-08][PXY-14]") {
   auto aut = started();
   CHECK(told(aut.on_gateway_tuple("devices.7.output.2", bytes{0}, start)) ==

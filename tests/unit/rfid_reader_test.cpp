@@ -85,3 +85,33 @@ TEST_CASE("inventories that miss a tag now and then do not lose it", "[rfid][PXY
   CHECK(lists == 1);
   CHECK(x.perceived() == 1);
 }
+
+TEST_CASE("a tag's strength is told when it has changed, either way, and once", "[rfid][PXY-02]") {
+  rfid::tags all;
+  all.push_back({"a",
+                 {},
+                 mote::walk({{0s, {0.5, 0, 0}},
+                             {10s, {0.5, 0, 0}},
+                             {11s, {1.9, 0, 0}},
+                             {40s, {1.9, 0, 0}},
+                             {41s, {0.5, 0, 0}}},
+                            100ms)});
+  reader x(hall(), std::make_shared<const rfid::tags>(std::move(all)), random_stream(7));
+  static_cast<void>(x.start({}));
+  const std::string key = "interface.hall.objects.a.rssi = ";
+  lines strengths;
+  const auto run_until = [&](instant end) {
+    while (*x.deadline() < end) {
+      for (const auto& line : told(x.on_time(*x.deadline())))
+        if (line.starts_with(key))
+          strengths.push_back(line.substr(key.size()));
+    }
+    return strengths.back();
+  };
+  CHECK(run_until(instant{9s}) == "-44");
+  CHECK(strengths.size() == 1);
+  CHECK(run_until(instant{39s}) == "-56");
+  CHECK(strengths.size() <= 4); // one or two on its way
+  CHECK(run_until(instant{99s}) == "-44");
+  CHECK(strengths.size() <= 7);
+}

@@ -148,6 +148,28 @@ TEST_CASE("a stop is repeated until it has arrived", "[synaptic][SYN-07]") {
   CHECK(x.world.all<channel_failed>(1).empty());
 }
 
+TEST_CASE("a stop is repeated until its own acknowledgement has come", "[synaptic][SYN-07]") {
+  joined x;
+  x.start();
+  x.world.run_ticks(3);
+  auto& out = x.world.at(0);
+  const auto sent = test::pick<send_on_channel>(out.stop(x.out).todo);
+  REQUIRE(sent.size() == 1);
+  const auto last = std::get<stop_message>(*decode_message(sent[0].octets)).tick;
+  const auto repeats = [&] {
+    static_cast<void>(out.on_tick(x.world.tick++, x.world.now));
+    return test::pick<send_on_channel>(out.on_time(x.world.now + 100ms)).size();
+  };
+  const auto acknowledge = [&](std::uint32_t tick) {
+    static_cast<void>(out.on_channel_octets(sent[0].channel, encode(stop_ack_message{tick})));
+  };
+  CHECK(repeats() == 1);
+  acknowledge(last - 1); // of a stop before the last start
+  CHECK(repeats() == 1);
+  acknowledge(last);
+  CHECK(repeats() == 0);
+}
+
 TEST_CASE("a stop before the slot keeps that tick's vector back", "[synaptic][SYN-07]") {
   joined x;
   x.start();

@@ -128,14 +128,19 @@ TEST_CASE("a history keeps the newest values", "[translate][SVC-09]") {
 }
 
 TEST_CASE("no rule feeds itself or another", "[translate][SVC-09]") {
-  translator aut({{"a.*", "a.sum", parsed("x + 1"), 0, "V", 3}, {"*.sum", "b.sum", {}, 2, "", 0}});
+  translator aut({{"a.*", "a.sum", parsed("x + 1"), 0, "V", 3},
+                  {"*.sum", "b.sum", {}, 2, "", 0},
+                  {"*.sum.*", "{2}", {}, 2, "", 0}});
   CHECK(aut.on_value("a.x", "1", false, start).size() == 3);
   CHECK(aut.on_value("a.sum", "2", true, start).empty());
   CHECK(aut.on_value("A.Sum", "2", true, start).empty());
   CHECK(aut.counters().own == 2);
   CHECK(aut.on_value("a.sum.unit", "V", true, start).empty());
+  CHECK(aut.on_value("a.sum.history", "0.000,2", true, start).empty());
+  CHECK(aut.counters().own == 4);
   // The same key of somebody else is another tuple.
   CHECK(aut.on_value("c.sum", "2", true, start).size() == 1);
+  CHECK(aut.on_value("c.sum.unit", "V", true, start).size() == 1);
 }
 
 TEST_CASE("targets are bounded, and their keys too", "[translate][SVC-09]") {

@@ -282,6 +282,17 @@ TEST_CASE("another incarnation of the receiver refuses what was for the first",
   CHECK(x.at(bob).counters().strangers == 1);
 }
 
+TEST_CASE("a receiver is not greeted in the midst of a message", "[transport][DIS-07][MCK-12]") {
+  pair_of_ends x(0, 10ms);
+  CHECK(x.send(alice, bob, 1));
+  x.settle();
+  auto& a = x.at(alice);
+  const auto first = pick<to_network>(*a.send(2, {own_island, bob}, 10, {2}, true, x.now())).at(0);
+  a.forget_incarnation({own_island, bob}); // whether it has the message nobody knows
+  const auto again = pick<to_network>(a.on_time(*a.deadline())).at(0);
+  CHECK(again.segment == first.segment);
+}
+
 TEST_CASE("a receiver that has forgotten its sender is greeted again", "[transport][AM-03]") {
   endpoint_config config;
   config.self = bob;
@@ -338,6 +349,41 @@ TEST_CASE("memory for sources and sessions is bounded", "[transport][AM-03]") {
   CHECK(hear(2, segment::kind::reliable, 2) == segment::kind::acknowledgement);
   CHECK(hear(1, segment::kind::reliable, 2) == segment::kind::refused); // forgotten
   CHECK(b.counters().received == 3);
+}
+
+TEST_CASE("a session above their limit ends with its last message", "[transport][AM-03]") {
+  endpoint_config config;
+  config.self = alice;
+  config.sessions_max = 1;
+  endpoint a(config, random_stream(1));
+  a.join(island);
+  std::map<mote_id, segment> sent; // last to each
+  const auto take = [&](const outputs& todo) {
+    for (const auto& x : pick<to_network>(todo))
+      sent[x.destination.mote] = *decode_segment(x.segment);
+  };
+  const auto send = [&](mote_id to) {
+    take(a.send(1, {own_island, to}, 10, {1}, true, start).value());
+  };
+  const auto acknowledge = [&](mote_id from) {
+    auto answer = sent.at(from);
+    answer.source = from;
+    answer.what = segment::kind::acknowledgement;
+    answer.receiver = 0;
+    answer.payload.clear();
+    take(a.on_segment(island, encode(answer), start));
+  };
+  constexpr mote_id carol{9};
+  for (const auto to : {bob, carol})
+    send(to); // neither can be forgotten while its message is under way
+  for (const auto from : {bob, bob, carol, carol})
+    acknowledge(from); // the greeting, then the message
+  CHECK(a.outstanding() == 0);
+  CHECK(a.counters().hellos == 2);
+  send(carol);
+  CHECK(sent.at(carol).what == segment::kind::reliable);
+  send(bob);
+  CHECK(sent.at(bob).what == segment::kind::hello);
 }
 
 TEST_CASE("over a bad network every reliable message ends once and arrives once at most, in order",

@@ -70,4 +70,13 @@ TEST_CASE("packets whose pieces stop coming are given up and counted", "[transpo
   CHECK(x.counters().malformed == 3);
 }
 
+TEST_CASE("a packet is waited for as long as its pieces keep coming", "[transport][NET-14]") {
+  assembly x;
+  const auto pieces = *cut(bytes(40, 'a'), 20, 1);
+  REQUIRE(pieces.size() == 3);
+  CHECK_FALSE(x.on_piece(origin, pieces[0], instant{}));
+  CHECK_FALSE(x.on_piece(origin, pieces[1], instant{9s}));
+  CHECK(x.on_piece(origin, pieces[2], instant{18s}) == bytes(40, 'a'));
+}
+
 } // namespace rubicon::transport
