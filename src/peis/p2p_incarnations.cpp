@@ -154,10 +154,10 @@ bool p2p::believes(const host_record_message& message, instant now) const {
   const auto& known = at->second;
   if (known.record.magic == record.magic)
     return true;
-  if (message.cached)
-    return fits && way->news > known.own_word;
   if (living_link(record.id, std::nullopt, now))
     return false; // hearsay; who comes over a link of its own has been judged by refuse_rival()
+  if (message.cached)
+    return fits && way->news > known.own_word;
   // Its own word, but perhaps one that was long under way.
   return record.magic != known.before || !routed || way->magic != known.record.magic;
 }

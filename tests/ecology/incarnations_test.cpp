@@ -226,5 +226,5 @@ for = "5min"
   CHECK(tells(report, "cup-double-4", "leaves its id to"));
   CHECK(!tells(report, "cup", "leaves its id to"));
   for (const auto& peer : report.peers)
-    CHECK(peer.links_opened < 40);
+    CHECK(peer.links_opened < 60); // five stays of up to 8 s with a try a second
 }

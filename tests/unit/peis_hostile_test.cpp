@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 
+#include "peis/dead_host.hpp"
 #include "peis/host_query.hpp"
 #include "peis/network_clock.hpp"
 #include "peis/routing_page.hpp"
@@ -307,6 +308,83 @@ TEST_CASE("who finds all links in use is told whom else to ask", "[peis][TCP-07]
   CHECK(records == 1); // ours: those of the holders tell no address
   CHECK(w.at(a).counters().network.newcomers_referred == 1);
   CHECK(w.at(a).links().size() <= 64 + 48);
+}
+
+TEST_CASE("a neighbour that is alive speaks for itself over its own link only",
+          "[peis][KH-02][P2P-09]") {
+  world w;
+  const auto a = w.add(1);
+  const auto b = w.add(2);
+  const auto c = w.add(3);
+  w.connect(a, b);
+  w.connect(a, c);
+  befriend(w, a);
+  say(w, a, record_of(hostile));
+  w.run_for(10s);
+  host_record_message rebirth;
+  rebirth.record = *w.at(a).hosts().at(1);
+  REQUIRE(rebirth.record.id == b);
+  rebirth.record.magic += 1;
+  const auto exit = encode(dead_host_message{b, dead_host_message::reason::route});
+  const auto links = w.at(a).counters().network.links_opened;
+  for (int i = 0; i < 20; ++i) {
+    for (const auto kind : {package_type::link, package_type::broadcast, package_type::direct}) {
+      for (const auto hops : {std::uint8_t{1}, std::uint8_t{4}}) {
+        auto header = header_of(kind, port::dead_host, b, a);
+        header.hops = hops;
+        say(w, a, package_of(header, exit));
+        header.port = port::host_record;
+        say(w, a, package_of(header, encode(rebirth)));
+      }
+    }
+    w.run_for(500ms);
+  }
+  CHECK(w.all<host_vanished>(a).empty());
+  CHECK(w.all<host_vanished>(c).empty()); // nor is it passed on
+  CHECK(w.at(a).knows_present(b));
+  CHECK(w.at(a).counters().network.links_opened == links);
+  CHECK(w.at(a).counters().network.claims_refused == 240);
+
+  // A route that lies does not help somebody's memory of what never was.
+  const std::vector<routing_entry> ways = {{hostile, 1, 5, 0, 1},
+                                           {b, 1'000'000, rebirth.record.magic, 0, 1}};
+  for (const auto& page : paginate(ways, 1))
+    say(w, a, package_of(header_of(package_type::link, port::routing, hostile), encode(page)));
+  rebirth.cached = true;
+  for (int i = 0; i < 5; ++i) {
+    say(w, a,
+        package_of(header_of(package_type::direct, port::host_record, hostile, a),
+                   encode(rebirth)));
+    w.run_for(1s);
+  }
+  CHECK(w.all<host_vanished>(a).empty());
+  CHECK(w.at(a).hosts().at(1)->magic != rebirth.record.magic);
+  w.perform(b, w.at(b).leave(w.now()));
+  w.run_for(1s);
+  CHECK_FALSE(w.at(a).reachable(b));
+}
+
+TEST_CASE("who is behind many ways is asked at a rate", "[peis][KH-01]") {
+  world w;
+  auto config = test::config_of(1);
+  config.network.tables.questions_per_second = 100;
+  const auto a = w.add(config);
+  befriend(w, a);
+  say(w, a, record_of(hostile));
+  w.run_for(1s);
+  std::vector<routing_entry> ways = {{hostile, 1, 5, 0, 1}};
+  for (std::int32_t i = 0; i < 600; ++i)
+    ways.push_back({peer_id{5000 + i}, 1, 7, 1, 1});
+  const auto sent = [&] { return w.at(a).counters().network.packages_sent; };
+  const auto before = sent();
+  for (const auto& page : paginate(ways, 1))
+    say(w, a, package_of(header_of(package_type::link, port::routing, hostile), encode(page)));
+  CHECK(w.at(a).reachable(peer_id{5599}));
+  w.run_for(100ms);
+  CHECK(sent() - before >= 100);
+  CHECK(sent() - before <= 130);
+  w.run_for(10s); // none is left out
+  CHECK(sent() - before >= 600);
 }
 
 } // namespace rubicon::peis

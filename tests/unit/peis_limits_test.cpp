@@ -58,6 +58,8 @@ TEST_CASE("limits are those that are documented", "[peis][docs][P2P-03]") {
   CHECK(entries("hosts") == config.tables.hosts);
   CHECK(entries("ways") == config.tables.routes);
   CHECK(entries("a neighbour's routing table") == routing_pages_max * entries_per_page);
+  CHECK(entries("questions about hosts that nobody has described") ==
+        config.tables.questions_per_second);
   CHECK(entries("routing tables") == static_cast<std::uint64_t>(1s / config.tables.table_gap));
   CHECK(entries("how connecting to a host has gone") == config.tables.contacts);
   CHECK(entries("where sources without a way were heard") == config.tables.heard_over);

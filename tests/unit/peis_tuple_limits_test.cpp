@@ -56,6 +56,38 @@ TEST_CASE("one host may have 64 prototypes for one key", "[peis][TUP-08][TUP-20]
   CHECK(b.counted().subscribers == 65);
 }
 
+TEST_CASE("what hosts that are away had subscribed to is kept within limits",
+          "[peis][TUP-10][TUP-19]") {
+  lone_space b;
+  const auto come = [&](peer_id who, std::int32_t incarnation) {
+    b.take(b.x.on_host_appeared(who, false, b.now, incarnation));
+  };
+  const auto go = [&](peer_id who) { b.take(b.x.on_host_vanished(who, b.now)); };
+  come(hostile, 7);
+  for (std::size_t i = 0; i < 300; ++i)
+    b.subscribe(hostile, numbered("k", i));
+  go(hostile);
+  CHECK(b.counted().subscribers == 0);
+  come(hostile, 7);
+  CHECK(b.counted().subscribers == 256);
+  go(hostile);
+  come(hostile, 8); // another incarnation wants nothing yet
+  CHECK(b.counted().subscribers == 0);
+  for (std::size_t i = 0; i < 100; ++i)
+    b.take(b.x.on_subscribe(hostile, subscription(numbered("k", i), payload(bytes(10'000, 'v'))),
+                            b.now));
+  go(hostile);
+  come(hostile, 8);
+  CHECK(b.counted().subscribers > 2);
+  CHECK(b.counted().subscribers_octets <= std::size_t{1} << 18U);
+  for (std::int32_t id = 1000; id < 1065; ++id) {
+    come(peer_id{id}, 1);
+    b.subscribe(peer_id{id}, "k");
+    go(peer_id{id});
+  }
+  CHECK(b.counted().absent_forgotten == 1);
+}
+
 TEST_CASE("a key finds its subscriptions without looking at the others", "[peis][TUP-20]") {
   subscription_index<int> index;
   for (int i = 0; i < 20'000; ++i) {
