@@ -78,6 +78,7 @@ void tuple_space::forget_host(peer_id host, instant now, tuple_events& out) {
     ++subscribers_version_;
   if (const auto owed = debts_.find(host); owed != debts_.end()) {
     missed_ -= owed->second.missed.size();
+    plan(host, owed->second, std::nullopt);
     debts_.erase(owed);
   }
   window_.drop(host);

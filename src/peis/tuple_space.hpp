@@ -231,6 +231,7 @@ private:
     std::map<std::uint64_t, subscriber*> walks; ///< subscriptions whose matches are to be sent
     std::string after;                          ///< the last tuple that the first of them has had
     std::optional<instant> not_before;
+    std::optional<instant> due; ///< where it is in the agenda
 
     [[nodiscard]] bool settled() const {
       return !ask && asked_in_vain.empty() && missed.empty() && walks.empty();
@@ -291,6 +292,7 @@ private:
   [[nodiscard]] std::vector<peer_id> subscribers_of(const tuple& x) const;
   [[nodiscard]] transmit under_way(transmit message, std::optional<std::uint64_t> serial,
                                    std::optional<instant> failing_since);
+  [[nodiscard]] bool waits_for_way(peer_id host, instant now) const;
   void miss(peer_id host, const std::string& folded, std::optional<instant> failing_since);
   void miss_for_now(peer_id host, const key& name, instant failing_since, instant now);
   void resynchronise(peer_id host, debt& x);
@@ -306,6 +308,7 @@ private:
   bool walk_on(peer_id host, debt& x, std::size_t& steps, instant now, tuple_events& out);
   void push_walked(peer_id host, const key& name, instant now, tuple_events& out);
   void settle(debts::iterator at, instant now);
+  void plan(peer_id host, debt& x, std::optional<instant> due);
   void work(instant now, tuple_events& out);
 
   // tuple_appends.cpp
@@ -345,7 +348,8 @@ private:
   push_window window_;
   debts debts_;
   std::size_t missed_ = 0; ///< in all debts
-  peer_id served_;         ///< the last host that deferred work was done for
+  /// Whose debts are looked at when. Those that wait for an acknowledgement are not in it.
+  std::set<std::pair<instant, peer_id>> agenda_;
   std::map<incomplete_key, incomplete> incomplete_;
   std::optional<instant> next_work_;
   std::optional<instant> next_stranger_;
