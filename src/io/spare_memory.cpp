@@ -48,7 +48,8 @@ std::size_t spare_memory::give_back(time_point now) {
     return 0;
   next_ = now + period;
   const auto before = resident_memory();
-  if (before < 2 * least || before < allocated_memory() + 2 * least) // program and stack have a part
+  if (before < 2 * least ||
+      before < allocated_memory() + 2 * least) // program and stack have a part
     return 0;
   trim();
   const auto after = resident_memory();

@@ -20,6 +20,7 @@ constexpr std::size_t steps_per_unit = 4;       ///< of what a neighbour is char
 constexpr duration turn_gap = 1ms;              ///< then others have their turn
 constexpr duration room_check = 100ms;          ///< after there was no room for anybody
 constexpr std::size_t missed_total_factor = 64; ///< of the limit for one host
+constexpr std::size_t missed_unreached_max = 4; ///< by a host that nobody knows
 
 transmit push_message(const tuple& x, peer_id subscriber) {
   return {subscriber,
@@ -63,10 +64,14 @@ void tuple_space::push(const tuple& x, instant now, tuple_events& out) {
   const auto hosts = subscribers_of(x);
   if (hosts.empty())
     return;
-  work_.add(hosts.size() / steps_per_unit);
+  work_.add(hosts.size() / 2);
   const auto message = push_message(x, hosts.front());
   for (const auto host : hosts) {
-    if (!window_.admits(host, message.content.size()) || waits_for_way(host, now)) {
+    if (auto* unreached = waiting_for_way(host, now)) {
+      miss_unreached(host, *unreached, x);
+      continue;
+    }
+    if (!window_.admits(host, message.content.size())) {
       ++counters_.pushes_deferred;
       miss(host, x.name.folded(), std::nullopt);
       settle(debts_.find(host), now);
@@ -81,13 +86,28 @@ void tuple_space::push(const tuple& x, instant now, tuple_events& out) {
   }
 }
 
-/// Has a host that nobody knows just not been reached? It is tried again in its time, however many
-/// values change meanwhile.
-bool tuple_space::waits_for_way(peer_id host, instant now) const {
+/// The debt of a host that nobody knows and that has just not been reached. It is tried again in
+/// its time, however many values change meanwhile. Null for any other.
+tuple_space::debt* tuple_space::waiting_for_way(peer_id host, instant now) {
   if (hosts_.contains(host))
-    return false;
+    return nullptr;
   const auto at = debts_.find(host);
-  return at != debts_.end() && at->second.not_before && *at->second.not_before > now;
+  const bool waits = at != debts_.end() && at->second.not_before && *at->second.not_before > now;
+  return waits ? &at->second : nullptr;
+}
+
+/// A few values are kept in mind one by one. Then all is looked at when there is a way, from its
+/// beginning, and a change costs nothing until then.
+void tuple_space::miss_unreached(peer_id host, debt& x, const tuple& changed) {
+  const bool all_is_owed = !x.walks.empty() && x.after.empty();
+  if (all_is_owed) {
+    counters_.pushes_given_up += changed.expiry == deleted ? 1 : 0; // no walk finds it
+  } else if (x.missed.size() < missed_unreached_max) {
+    miss(host, changed.name.folded(), std::nullopt);
+  } else {
+    resynchronise(host, x);
+    x.after.clear();
+  }
 }
 
 /// The newest value of a tuple, or that it is gone, is to be sent to a host later. Who misses too
@@ -309,7 +329,8 @@ void tuple_space::plan(peer_id host, debt& x, std::optional<instant> due) {
   }
 }
 
-/// Forgets a debt that is paid, or says when it is looked at again; one whose turn is near keeps it.
+/// Forgets a debt that is paid, or says when it is looked at again; one whose turn is near keeps
+/// it.
 void tuple_space::settle(debts::iterator at, instant now) {
   auto& [host, x] = *at;
   if (x.settled()) {

@@ -126,6 +126,10 @@ tuple_events tuple_space::on_host_appeared(peer_id host, bool marked, instant no
                                            std::int32_t incarnation) {
   strangers_.erase(host);
   hosts_[host] = {marked, incarnation};
+  if (const auto owed = debts_.find(host); owed != debts_.end()) {
+    owed->second.not_before.reset(); // there is a way now
+    settle(owed, now);
+  }
   auto out = renew(host, now, false);
   wake_up(host, incarnation, now, out);
   return out;
