@@ -26,8 +26,8 @@ using boost::system::error_code;
 namespace {
 
 constexpr std::size_t input_min = 16 * 1024;
-constexpr std::size_t input_max = 512 * 1024;
-constexpr std::size_t pieces_max = 64; ///< payloads in one write
+constexpr std::size_t input_max = 128 * 1024; // of each link, however many there are
+constexpr std::size_t pieces_max = 64;        ///< payloads in one write
 
 /// Without these options a stream still works.
 void set_option(asio::ip::tcp::socket& socket, int name, int value) {

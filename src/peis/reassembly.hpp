@@ -17,7 +17,7 @@ namespace rubicon::peis {
 
 struct reassembly_config {
   std::size_t messages_max = 512;       ///< at once
-  std::size_t octets_max = 96UL << 20U; ///< of memory, for all of them together
+  std::size_t octets_max = 40UL << 20U; ///< of memory, for all of them together
   duration timeout = 10s;               ///< after the last fragment
 };
 

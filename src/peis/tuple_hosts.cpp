@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t dormant_hosts_max = 64;
 constexpr std::size_t dormant_subscriptions_max = 256;            // of one host
-constexpr std::size_t dormant_octets_max = std::size_t{1} << 18U; // of one host
+constexpr std::size_t dormant_octets_max = std::size_t{1} << 16U; // of one host
 
 } // namespace
 
@@ -78,6 +78,7 @@ void tuple_space::forget_host(peer_id host, instant now, tuple_events& out) {
     ++subscribers_version_;
   if (const auto owed = debts_.find(host); owed != debts_.end()) {
     missed_ -= owed->second.missed.size();
+    plan(host, owed->second, std::nullopt);
     debts_.erase(owed);
   }
   window_.drop(host);

@@ -1,6 +1,7 @@
 // What others are told of our tuples and asked for, as far as there is room: the newest value only
 // (TUP-18), a piece of a long answer at a time.
 #include <algorithm>
+#include <deque>
 #include <utility>
 
 #include "peis/package.hpp"
@@ -12,12 +13,14 @@ namespace {
 
 // Work in steps of about a quarter of a microsecond: one for a tuple that is looked at.
 constexpr std::size_t push_steps = 8;           ///< a message more
+constexpr std::size_t visit_steps = 4;          ///< a host that is looked at
 constexpr std::size_t slice_steps = 512;        ///< at once for one host
 constexpr std::size_t turn_steps = 4096;        ///< at once for all
 constexpr std::size_t steps_per_unit = 4;       ///< of what a neighbour is charged
 constexpr duration turn_gap = 1ms;              ///< then others have their turn
 constexpr duration room_check = 100ms;          ///< after there was no room for anybody
 constexpr std::size_t missed_total_factor = 64; ///< of the limit for one host
+constexpr std::size_t missed_unreached_max = 4; ///< by a host that nobody knows
 
 transmit push_message(const tuple& x, peer_id subscriber) {
   return {subscriber,
@@ -61,8 +64,13 @@ void tuple_space::push(const tuple& x, instant now, tuple_events& out) {
   const auto hosts = subscribers_of(x);
   if (hosts.empty())
     return;
+  work_.add(hosts.size() / 2);
   const auto message = push_message(x, hosts.front());
   for (const auto host : hosts) {
+    if (auto* unreached = waiting_for_way(host, now)) {
+      miss_unreached(host, *unreached, x);
+      continue;
+    }
     if (!window_.admits(host, message.content.size())) {
       ++counters_.pushes_deferred;
       miss(host, x.name.folded(), std::nullopt);
@@ -78,6 +86,30 @@ void tuple_space::push(const tuple& x, instant now, tuple_events& out) {
   }
 }
 
+/// The debt of a host that nobody knows and that has just not been reached. It is tried again in
+/// its time, however many values change meanwhile. Null for any other.
+tuple_space::debt* tuple_space::waiting_for_way(peer_id host, instant now) {
+  if (hosts_.contains(host))
+    return nullptr;
+  const auto at = debts_.find(host);
+  const bool waits = at != debts_.end() && at->second.not_before && *at->second.not_before > now;
+  return waits ? &at->second : nullptr;
+}
+
+/// A few values are kept in mind one by one. Then all is looked at when there is a way, from its
+/// beginning, and a change costs nothing until then.
+void tuple_space::miss_unreached(peer_id host, debt& x, const tuple& changed) {
+  const bool all_is_owed = !x.walks.empty() && x.after.empty();
+  if (all_is_owed) {
+    counters_.pushes_given_up += changed.expiry == deleted ? 1 : 0; // no walk finds it
+  } else if (x.missed.size() < missed_unreached_max) {
+    miss(host, changed.name.folded(), std::nullopt);
+  } else {
+    resynchronise(host, x);
+    x.after.clear();
+  }
+}
+
 /// The newest value of a tuple, or that it is gone, is to be sent to a host later. Who misses too
 /// many is not told one by one: all that he wants is looked at again.
 void tuple_space::miss(peer_id host, const std::string& folded,
@@ -87,7 +119,9 @@ void tuple_space::miss(peer_id host, const std::string& folded,
   if (!first)
     at->second = at->second ? at->second : failing_since;
   missed_ += first ? 1 : 0;
-  if (x.missed.size() > config_.missed_max || missed_ > missed_total_factor * config_.missed_max)
+  const auto total_max = missed_total_factor * config_.missed_max;
+  const bool many_in_all = missed_ > total_max && x.missed.size() > missed_ / debts_.size();
+  if (x.missed.size() > config_.missed_max || many_in_all)
     resynchronise(host, x);
 }
 
@@ -96,7 +130,7 @@ void tuple_space::miss_for_now(peer_id host, const key& name, instant failing_si
   miss(host, name.folded(), failing_since);
   auto& x = debts_[host];
   x.not_before = now + config_.retry_push;
-  next_work_ = earliest(next_work_, x.not_before);
+  plan(host, x, x.not_before);
 }
 
 /// All that it wants is to be looked at.
@@ -282,19 +316,34 @@ void tuple_space::serve(peer_id host, debt& x, std::size_t& steps, instant now, 
   counters_.steps += before - steps;
 }
 
-/// Forgets a debt that is paid, or says when it is looked at again.
+/// A debt is looked at then, or not until something else happens.
+void tuple_space::plan(peer_id host, debt& x, std::optional<instant> due) {
+  if (x.due == due)
+    return;
+  if (x.due)
+    agenda_.erase({*x.due, host});
+  x.due = due;
+  if (due) {
+    agenda_.emplace(*due, host);
+    next_work_ = earliest(next_work_, due);
+  }
+}
+
+/// Forgets a debt that is paid, or says when it is looked at again; one whose turn is near keeps
+/// it.
 void tuple_space::settle(debts::iterator at, instant now) {
-  const auto& [host, x] = *at;
+  auto& [host, x] = *at;
   if (x.settled()) {
+    plan(host, x, std::nullopt);
     debts_.erase(at);
     return;
   }
   if (x.not_before && *x.not_before > now)
-    next_work_ = earliest(next_work_, x.not_before);
+    plan(host, x, x.not_before);
   else if (window_.admits(host, tuple_record_size))
-    next_work_ = earliest(next_work_, now + turn_gap);
+    plan(host, x, earliest(x.due, now + turn_gap));
   else if (window_.idle(host))
-    next_work_ = earliest(next_work_, now + room_check);
+    plan(host, x, earliest(x.due, now + room_check));
 }
 
 /// Does a first piece at once, unless others are being served: then its turn comes.
@@ -311,23 +360,35 @@ void tuple_space::serve_now(peer_id host, instant now, tuple_events& out) {
   settle(at, now);
 }
 
-/// One turn of deferred work: the hosts in a circle, a slice each.
+/// One turn of deferred work: who has waited longest first, a slice each, round and round.
 void tuple_space::work(instant now, tuple_events& out) {
-  next_work_.reset();
   auto steps = turn_steps;
-  for (std::size_t idle = 0; steps > 0 && idle < debts_.size(); ++idle) {
-    auto at = debts_.upper_bound(served_);
-    at = at == debts_.end() ? debts_.begin() : at;
-    served_ = at->first;
+  std::deque<peer_id> again; // had a slice and want another
+  const auto next = [&]() -> std::optional<peer_id> {
+    auto host = again.empty() ? std::nullopt : std::optional(again.front());
+    if (!agenda_.empty() && agenda_.begin()->first <= now)
+      host = agenda_.begin()->second;
+    else if (host)
+      again.pop_front();
+    return host;
+  };
+  for (auto host = next(); host; host = steps > 0 ? next() : std::nullopt) {
+    const auto at = debts_.find(*host);
+    plan(*host, at->second, std::nullopt);
     auto slice = std::min(steps, slice_steps);
     const auto before = slice;
-    serve(at->first, at->second, slice, now, out);
-    if (slice < before)
-      idle = 0;
-    steps -= before - slice;
+    serve(*host, at->second, slice, now, out);
+    take(steps, before - slice + visit_steps);
+    if (slice == 0)
+      again.push_back(*host);
+    else
+      settle(at, now);
   }
-  for (auto at = debts_.begin(); at != debts_.end();)
-    settle(at++, now);
+  for (const auto host : again)
+    settle(debts_.find(host), now);
+  next_work_.reset();
+  if (!agenda_.empty())
+    next_work_ = std::max(agenda_.begin()->first, now + turn_gap);
 }
 
 tuple_events tuple_space::on_delivered(request_id request, instant now) {
@@ -355,7 +416,7 @@ void tuple_space::on_undelivered(peer_id destination, std::uint16_t port, byte_v
     auto& to = debts_[destination];
     to.asked_in_vain.insert(*x->question);
     to.not_before = now + config_.retry_push;
-    next_work_ = earliest(next_work_, to.not_before);
+    plan(destination, to, to.not_before);
   }
 }
 

@@ -33,15 +33,15 @@ struct tuple_space_config {
   std::size_t subscribers_max = 125'000; ///< records of others
   std::size_t subscribers_octets_max = std::size_t{160} << 20U;
   std::size_t subscribers_per_key_max = 64; ///< prototypes of one host with one key or pattern
-  std::size_t held_octets_max = std::size_t{160} << 20U;   ///< tuples of other owners
-  std::size_t written_octets_max = std::size_t{64} << 20U; ///< own tuples that others have written
+  std::size_t held_octets_max = std::size_t{96} << 20U;    ///< tuples of other owners
+  std::size_t written_octets_max = std::size_t{24} << 20U; ///< own tuples that others have written
   /// Of these, what writers that are gone may leave behind for longer than `orphan_age`: beyond it
   /// the largest that they have created go.
   std::size_t orphaned_octets_max = std::size_t{8} << 20U;
   duration orphan_age = 30s;
   std::size_t stale_octets_max = std::size_t{16} << 20U; ///< see keep_values_of_dead_hosts
-  std::size_t strangers_max = 1024; ///< hosts that use this space before the network knows them
-  duration stranger_age = 45s;      ///< after this long without a word they are forgotten
+  std::size_t strangers_max = 256; ///< hosts that use this space before the network knows them
+  duration stranger_age = 45s;     ///< after this long without a word they are forgotten
   /// What others may make a value grow to by appending: each append copies it.
   std::size_t append_octets_max = std::size_t{1} << 20U;
   std::size_t append_matches_max = 256; ///< tuples that one request of another may change
@@ -231,6 +231,7 @@ private:
     std::map<std::uint64_t, subscriber*> walks; ///< subscriptions whose matches are to be sent
     std::string after;                          ///< the last tuple that the first of them has had
     std::optional<instant> not_before;
+    std::optional<instant> due; ///< where it is in the agenda
 
     [[nodiscard]] bool settled() const {
       return !ask && asked_in_vain.empty() && missed.empty() && walks.empty();
@@ -291,6 +292,8 @@ private:
   [[nodiscard]] std::vector<peer_id> subscribers_of(const tuple& x) const;
   [[nodiscard]] transmit under_way(transmit message, std::optional<std::uint64_t> serial,
                                    std::optional<instant> failing_since);
+  [[nodiscard]] debt* waiting_for_way(peer_id host, instant now);
+  void miss_unreached(peer_id host, debt& x, const tuple& changed);
   void miss(peer_id host, const std::string& folded, std::optional<instant> failing_since);
   void miss_for_now(peer_id host, const key& name, instant failing_since, instant now);
   void resynchronise(peer_id host, debt& x);
@@ -306,6 +309,7 @@ private:
   bool walk_on(peer_id host, debt& x, std::size_t& steps, instant now, tuple_events& out);
   void push_walked(peer_id host, const key& name, instant now, tuple_events& out);
   void settle(debts::iterator at, instant now);
+  void plan(peer_id host, debt& x, std::optional<instant> due);
   void work(instant now, tuple_events& out);
 
   // tuple_appends.cpp
@@ -345,7 +349,8 @@ private:
   push_window window_;
   debts debts_;
   std::size_t missed_ = 0; ///< in all debts
-  peer_id served_;         ///< the last host that deferred work was done for
+  /// Whose debts are looked at when. Those that wait for an acknowledgement are not in it.
+  std::set<std::pair<instant, peer_id>> agenda_;
   std::map<incomplete_key, incomplete> incomplete_;
   std::optional<instant> next_work_;
   std::optional<instant> next_stranger_;

@@ -11,6 +11,8 @@ namespace rubicon::peis {
 namespace {
 
 constexpr int refreshes_per_lifetime = 3;
+constexpr std::size_t few_subscriptions = 64; ///< of one host: walked
+
 } // namespace
 
 std::pair<cause, tuple_events> tuple_space::subscribe(const prototype& wanted, subscription_id id,
@@ -124,6 +126,10 @@ tuple_events tuple_space::on_host_appeared(peer_id host, bool marked, instant no
                                            std::int32_t incarnation) {
   strangers_.erase(host);
   hosts_[host] = {marked, incarnation};
+  if (const auto owed = debts_.find(host); owed != debts_.end()) {
+    owed->second.not_before.reset(); // there is a way now
+    settle(owed, now);
+  }
   auto out = renew(host, now, false);
   wake_up(host, incarnation, now, out);
   return out;
@@ -184,7 +190,17 @@ tuple_events tuple_space::on_unsubscribe(peer_id source, byte_view octets) {
   return {};
 }
 
+/// Looks at what the host wants or at what is wanted of the tuple: others make either long.
 bool tuple_space::has_subscribed(peer_id host, const tuple& x) const {
+  const auto* all = subscribers_.of(host);
+  if (all == nullptr)
+    return false;
+  if (all->size() <= few_subscriptions) {
+    return std::ranges::any_of(*all, [&](const auto& record) {
+      const auto& wanted = record.second->wanted;
+      return x.expiry == deleted ? wanted.name.matches(x.name) : wanted.matches(x);
+    });
+  }
   bool found = false;
   subscribers_.for_matching(x.name, [&](const subscriber& s) {
     found = found || (s.host == host && (x.expiry == deleted || s.wanted.matches(x)));

@@ -158,6 +158,7 @@ void coordinator::wait_until(instant next) {
   assert(loop_ != nullptr);
   loop_->wait_until(clock_.real_time_of(next));
   polled_ = steady::now();
+  spare_memory_.give_back(polled_); // only a run in wall time waits, and outlives its floods
 }
 
 void coordinator::accept_outside() {

@@ -15,6 +15,7 @@
 #include <caf/scheduler/abstract_coordinator.hpp>
 
 #include "core/time.hpp"
+#include "io/spare_memory.hpp"
 #include "scheduler/outside.hpp"
 #include "scheduler/ready_queue.hpp"
 #include "scheduler/run_clock.hpp"
@@ -143,6 +144,7 @@ private:
   std::uint64_t resumes_ = 0;
   unsigned turns_since_look_ = 0;
   std::chrono::steady_clock::time_point polled_;
+  io::spare_memory spare_memory_;
   const duration poll_interval_;
   const std::size_t turns_per_round_;       ///< turns before timeouts are looked at again
   std::vector<caf::weak_actor_ptr> roster_; ///< actors that have had a turn, dead ones weeded out

@@ -116,6 +116,11 @@ struct lone_space {
         x.on_undelivered(whose, message.port, message.content.head.view(), message.request, now);
     }
   }
+  void fail_all() {
+    for (const auto& message : std::exchange(sent, {}))
+      x.on_undelivered(message.destination, message.port, message.content.head.view(),
+                       message.request, now);
+  }
   std::size_t set_by(peer_id who, std::string_view name, std::size_t size) {
     return take(x.on_set(who, tuple_of(me, name, size), true, now));
   }

@@ -75,6 +75,44 @@ TEST_CASE("who takes nothing does not delay others", "[peis][TUP-18]") {
   CHECK(b.counted().pushes_deferred == 1);
 }
 
+/// Whoever subscribes in the name of hosts that nobody can reach makes many debtors, which fail
+/// again and again.
+TEST_CASE("debtors that cannot be reached cost their own tries only", "[peis][TUP-18][P2P-09]") {
+  lone_space b;
+  const auto ghosts = tuple_space_config().strangers_max;
+  for (std::size_t i = 0; i < ghosts; ++i)
+    b.subscribe(peer_id{1000 + static_cast<int>(i)}, "a");
+  b.set("a");
+  b.fail_all();
+  REQUIRE(b.counted().debtors == ghosts);
+  const auto told = b.told;
+  static_cast<void>(b.x.take_work());
+  for (std::size_t i = 0; i < 50; ++i)
+    b.set("a", i + 2);
+  CHECK(b.told == told); // they are tried again in their time
+  CHECK(b.x.take_work() >= 50 * ghosts / 8);
+  b.now += 900ms;
+  CHECK(b.x.deadline() > b.now);
+  b.now += 100ms;
+  for (int i = 0; i < 20; ++i)
+    b.turn();
+  CHECK(b.told == told + ghosts); // of the newest value, once each
+  CHECK(b.sent.back().content.size() > 51);
+}
+
+TEST_CASE("a stranger that becomes known is told at once what it has missed", "[peis][TUP-18]") {
+  lone_space b;
+  const peer_id late{1000};
+  b.subscribe(late, "a");
+  b.set("a");
+  b.fail_all();
+  b.sent.clear();
+  b.take(b.x.on_host_appeared(late, false, b.now));
+  b.turn();
+  REQUIRE(b.sent.size() == 1);
+  CHECK(b.sent.front().destination == late);
+}
+
 TEST_CASE("two that ask for all tuples are served in turns", "[peis][TUP-18][TUP-20]") {
   lone_space b;
   b.fill(20'000);

@@ -1,0 +1,33 @@
+// Gives memory that this process has freed, but that the allocator keeps, back to the system.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+
+#include "core/time.hpp"
+
+namespace rubicon::io {
+
+/// Resident memory of this process in octets; 0 if the system does not tell.
+[[nodiscard]] std::size_t resident_memory();
+
+/// After a flood most of what it took lies about free between what lives on, and stays resident for
+/// ever if nobody asks for it. To be called often: looks every few seconds only.
+class spare_memory {
+public:
+  using time_point = std::chrono::steady_clock::time_point;
+
+  /// Less than this is never worth the search.
+  static constexpr std::size_t least = std::size_t{16} << 20U;
+  static constexpr duration period = 5s;
+  /// When a search has found little, the next one is so much later.
+  static constexpr duration pause = 60s;
+
+  /// @returns the octets given back
+  std::size_t give_back(time_point now);
+
+private:
+  time_point next_{};
+};
+
+} // namespace rubicon::io
