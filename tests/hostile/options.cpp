@@ -53,7 +53,6 @@ const std::map<std::string, setter>& numbers() {
       {"--rate", [](options& x, double y) { x.play.rate = y; }},
       {"--port", [](options& x, double y) { x.play.whom.port = static_cast<std::uint16_t>(y); }},
       {"--pid", [](options& x, double y) { x.victim = static_cast<pid_t>(y); }},
-      {"--tries", [](options& x, double y) { x.tries = std::max(1U, static_cast<unsigned>(y)); }},
       {"--hub", [id](options& x, double y) { x.play.whom.hub = id(y); }},
       {"--keeper", [id](options& x, double y) { x.play.whom.keeper = id(y); }},
       {"--porch", [id](options& x, double y) { x.play.whom.porch = id(y); }},
@@ -96,6 +95,8 @@ std::optional<std::string> parse(const std::vector<std::string>& words, options&
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (words[i] == "--loop") {
       x.loop = true;
+    } else if (words[i] == "--untimed") {
+      x.timed = false;
     } else if (words[i] == "--table") {
       x.table = true;
     } else if (words[i] == "--check") {

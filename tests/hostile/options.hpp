@@ -19,7 +19,7 @@ struct options {
   std::optional<pid_t> victim; ///< whose memory is watched
   bool loop = false;           ///< an honest peer is there, and is measured
   duration settle = 60s;       ///< at most, after each attack, until memory is back
-  unsigned tries = 1;          ///< of a play whose loop was too slow: the machine may have been
+  bool timed = true;           ///< how long the loop takes is judged, not only told
   bool check = false;          ///< what is beyond the limits is an error
   bool table = false;          ///< of Markdown, for the documents
 };
@@ -37,7 +37,7 @@ inline constexpr const char* usage = R"(usage: hostile_peer --attack NAME,...|al
   --loop             an honest peer measures a control loop over hub and keeper, and a newcomer comes
   --settle S         how long to wait at most until memory is back after a play (60); less than a
                      minute: whether it is back is judged in the end only
-  --tries N          plays whose loop was too slow are repeated so often (1)
+  --untimed          how long the loop takes is told, but not judged: the machine may be busy
   --table            rows of a Markdown table, each to be ended by --report --table
   --check            exit status 1 if a limit was not kept
    or: hostile_peer --report FILE NAME [--table]    what the report of a run tells of that attack, or of `all`
