@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t dormant_hosts_max = 64;
 constexpr std::size_t dormant_subscriptions_max = 256;            // of one host
-constexpr std::size_t dormant_octets_max = std::size_t{1} << 16U; // of one host
+constexpr std::size_t dormant_octets_max = std::size_t{1} << 18U; // of one host
 
 } // namespace
 
