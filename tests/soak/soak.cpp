@@ -5,18 +5,17 @@
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include "actors/run.hpp"
 #include "config/load.hpp"
 #include "config/units.hpp"
+#include "io/spare_memory.hpp"
 
 using namespace rubicon;
 
@@ -93,10 +92,7 @@ arguments parse(int argc, char** argv) {
 }
 
 double resident_mb() {
-  std::ifstream statm("/proc/self/statm");
-  long pages = 0;
-  statm >> pages >> pages;
-  return static_cast<double>(pages) * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
+  return static_cast<double>(io::resident_memory()) / 1e6;
 }
 
 double heap_mb() {
