@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
+#include <utility>
 
 #include "core/address.hpp"
 
@@ -11,15 +13,19 @@ namespace rubicon::peis {
 /// Counts what each host takes of a limit. A host may have up to `share_factor` times of what is
 /// then still free (dynamic thresholds, Choudhury and Hahne 1998): one alone gets four fifths of
 /// the limit, sixty-four that take what they can leave 1/257 of it, which a newcomer may have.
+/// Several tables may have a pool in common: what one of them takes, the others cannot.
 class fair_share {
 public:
   static constexpr std::size_t share_factor = 4;
 
-  explicit fair_share(std::size_t limit = 0) : limit_(limit) {}
+  explicit fair_share(std::size_t limit = 0, std::shared_ptr<fair_share> pool = nullptr)
+      : limit_(limit), pool_(std::move(pool)) {}
 
   /// May this host take so much more?
   [[nodiscard]] bool admits(peer_id host, std::size_t more) const {
     if (more > limit_ || total_ > limit_ - more)
+      return false;
+    if (pool_ && !pool_->admits(host, more))
       return false;
     return of(host) + more <= share_factor * (limit_ - total_ - more);
   }
@@ -27,6 +33,8 @@ public:
   void add(peer_id host, std::size_t amount) {
     total_ += amount;
     shares_[host] += amount;
+    if (pool_)
+      pool_->add(host, amount);
   }
 
   /// @pre the host has taken as much
@@ -36,6 +44,8 @@ public:
     at->second -= amount;
     if (at->second == 0)
       shares_.erase(at);
+    if (pool_)
+      pool_->remove(host, amount);
   }
 
   [[nodiscard]] std::size_t of(peer_id host) const {
@@ -48,6 +58,7 @@ private:
   std::size_t limit_;
   std::size_t total_ = 0;
   std::map<peer_id, std::size_t> shares_; ///< no host without any
+  std::shared_ptr<fair_share> pool_;
 };
 
 } // namespace rubicon::peis

@@ -15,7 +15,7 @@ namespace rubicon::peis {
 struct push_window_config {
   std::size_t messages_max = 2048;                ///< to one host
   std::size_t octets_max = std::size_t{1} << 20U; ///< to one host, beyond the first message
-  std::size_t total_max = std::size_t{32} << 20U; ///< octets to all hosts
+  std::size_t total_max = std::size_t{16} << 20U; ///< octets to all hosts
   /// Octets of a message that may be the only one under way to a host even beyond total_max.
   std::size_t small = std::size_t{64} << 10U;
 };

@@ -49,7 +49,8 @@ std::string identity_of(const prototype& x) {
   return all;
 }
 
-subscriber_book::subscriber_book(limits x) : limits_(x), count_(x.records), octets_(x.octets) {}
+subscriber_book::subscriber_book(const limits& x)
+    : per_key_(x.per_key), count_(x.records), octets_(x.octets, x.pool) {}
 
 subscriber* subscriber_book::find(peer_id host, const prototype& wanted) {
   const auto of_host = hosts_.find(host);
@@ -65,7 +66,7 @@ subscriber* subscriber_book::add(peer_id host, const prototype& wanted,
   const auto weight = weight_of(wanted, identity);
   std::size_t of_key = 0;
   index_.for_equal(wanted.name, [&](const subscriber* x) { of_key += x->host == host ? 1 : 0; });
-  if (of_key >= limits_.per_key || !count_.admits(host, 1) || !octets_.admits(host, weight))
+  if (of_key >= per_key_ || !count_.admits(host, 1) || !octets_.admits(host, weight))
     return nullptr;
   count_.add(host, 1);
   octets_.add(host, weight);

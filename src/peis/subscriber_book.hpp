@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -32,12 +33,13 @@ public:
   struct limits {
     std::size_t records = 0;
     std::size_t octets = 0;
+    std::shared_ptr<fair_share> pool = nullptr; ///< of octets, with other tables
     std::size_t per_key = 0; ///< of one host, for one key or pattern: prototypes differ otherwise
   };
   using records = std::map<std::uint64_t, subscriber*>; ///< by number
 
   subscriber_book() = default;
-  explicit subscriber_book(limits x);
+  explicit subscriber_book(const limits& x);
 
   /// The record of an equal subscription; null if there is none.
   [[nodiscard]] subscriber* find(peer_id host, const prototype& wanted);
@@ -88,7 +90,7 @@ private:
     records by_number;
   };
 
-  limits limits_;
+  std::size_t per_key_ = 0;
   fair_share count_;
   fair_share octets_;
   std::map<peer_id, host_records> hosts_; ///< none without records

@@ -29,10 +29,11 @@ bool wildcard(timestamp x) {
 
 tuple_space::tuple_space(tuple_space_config config, peer_id self, duration clock_offset)
     : config_(config), self_(self), clock_offset_(clock_offset),
-      store_({config.written_octets_max, config.held_octets_max}),
+      others_(std::make_shared<fair_share>(config.others_octets_max)),
+      store_({config.written_octets_max, config.held_octets_max, others_}),
       channels_(config.appends_waiting_max, config.appends_waiting_octets_max),
-      subscribers_(
-          {config.subscribers_max, config.subscribers_octets_max, config.subscribers_per_key_max}),
+      subscribers_({config.subscribers_max, config.subscribers_octets_max, others_,
+                    config.subscribers_per_key_max}),
       window_(config.pushes) {}
 
 timestamp tuple_space::network_time(instant now) const {

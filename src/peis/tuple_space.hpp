@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -29,9 +30,11 @@ struct tuple_space_config {
   std::size_t tuples_max = 1'000'000;      ///< own and held ones
   std::size_t subscriptions_max = 100'000; ///< of our own, callbacks included
   // What others can put here. Each limit is shared: one host alone gets four fifths (fair_share).
-  // Octets are with all that surrounds a record or tuple in memory.
+  // Octets are with all that surrounds a record or tuple in memory; those of all kinds together
+  // have a limit that is less than the sum of their own.
+  std::size_t others_octets_max = std::size_t{112} << 20U;
   std::size_t subscribers_max = 125'000; ///< records of others
-  std::size_t subscribers_octets_max = std::size_t{160} << 20U;
+  std::size_t subscribers_octets_max = std::size_t{112} << 20U;
   std::size_t subscribers_per_key_max = 64; ///< prototypes of one host with one key or pattern
   std::size_t held_octets_max = std::size_t{96} << 20U;    ///< tuples of other owners
   std::size_t written_octets_max = std::size_t{24} << 20U; ///< own tuples that others have written
@@ -331,6 +334,7 @@ private:
   tuple_space_config config_;
   peer_id self_;
   duration clock_offset_{};
+  std::shared_ptr<fair_share> others_; ///< octets of all that others have put here
   tuple_store store_;
   std::int32_t first_seqno_ = 0; ///< above every number that a deleted own tuple has had
   tuple_channels channels_;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -37,6 +38,7 @@ public:
   struct limits {
     std::size_t written = 0;
     std::size_t held = 0;
+    std::shared_ptr<fair_share> pool = nullptr; ///< of both, and other tables
   };
 
   struct entry {
@@ -49,7 +51,7 @@ public:
   };
 
   tuple_store() = default;
-  explicit tuple_store(limits x) : written_(x.written), held_(x.held) {}
+  explicit tuple_store(const limits& x) : written_(x.written, x.pool), held_(x.held, x.pool) {}
 
   [[nodiscard]] const entry* find(peer_id owner, const key& name) const;
 

@@ -41,6 +41,33 @@ TEST_CASE("subscribers have a limit of octets", "[peis][TUP-08][TUP-24]") {
   CHECK(b.counted().subscribers_octets == 0);
 }
 
+TEST_CASE("all that others put into a space has one limit together", "[peis][TUP-08][TUP-24]") {
+  tuple_space_config config;
+  config.others_octets_max = 1'000'000;
+  lone_space b(config);
+  static_cast<void>(b.x.subscribe(prototype_of(any_peer, key()), subscription_id{1},
+                                  tuple_space::interest::subscription, b.now));
+  b.take(b.x.on_host_appeared(hostile, false, b.now));
+  const auto octets = [&] {
+    const auto all = b.counted();
+    return all.held_octets + all.written_octets + all.subscribers_octets;
+  };
+  for (std::size_t i = 0; i < 20; ++i) {
+    b.take(b.x.on_push(hostile, message_of(tuple_of(hostile, numbered("t", i), 20'000)), b.now));
+    b.set_by(hostile, numbered("w", i), 20'000);
+    b.take(b.x.on_subscribe(hostile, subscription(numbered("k", i), payload(bytes(6'000, 'v'))),
+                            b.now));
+  }
+  CHECK(octets() > 700'000);
+  CHECK(octets() <= 800'000);
+  CHECK(b.counted().subscribers_refused > 0);
+  CHECK(b.counted().overflow > 0);
+  b.subscribe(robot, "x"); // there is room for others, of each kind
+  b.set_by(robot, "fan", 3);
+  CHECK(b.x.has_subscriber(name_of("x")));
+  CHECK(b.x.find(me, name_of("fan")) != nullptr);
+}
+
 TEST_CASE("one host may have 64 prototypes for one key", "[peis][TUP-08][TUP-20]") {
   lone_space b;
   const auto ask = [&](peer_id who, std::size_t i) {
