@@ -49,8 +49,12 @@ mote::crystal crystal_of(ecology_pointer self, const config::island_description&
                          const std::string& who) {
   random_stream dice(self->state.description.seed, "crystal/" + who);
   const auto bound = static_cast<std::uint64_t>(island.crystal_ppm * 1000);
-  return mote::crystal(static_cast<std::int64_t>(dice.below(2 * bound + 1)) -
-                       static_cast<std::int64_t>(bound));
+  mote::crystal_config x;
+  x.ppb = static_cast<std::int64_t>(dice.below(2 * bound + 1)) - static_cast<std::int64_t>(bound);
+  x.wander_ppb = static_cast<std::int64_t>(island.crystal_wander_ppm * 1000);
+  x.wander_period = island.crystal_wander_period;
+  x.phase = dice.between(0s, x.wander_period);
+  return mote::crystal(x);
 }
 
 mote_arguments arguments_of(ecology_pointer self, const config::island_description& island,
@@ -73,6 +77,9 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.node.transducers = mote.transducers;
   x.node.actuators = mote.actuators;
   x.apps = mote.apps;
+  x.node.layer.synaptic.tick_period = self->state.description.tick;
+  x.node.layer.messages.answer_slack = config::answer_slack_of(self->state.description);
+  x.node.layer.messages.answer_slack.erase(island.id); // it learns that one itself
   apps::make_room(x.node.layer, configs_of(programs_among(mote.apps)));
   x.seed = self->state.description.seed;
   x.radio = radio;
@@ -112,6 +119,7 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   at_sink.air = air;
   at_sink.apps = island.sink.apps;
   at_sink.duty = island.duty;
+  at_sink.tick = self->state.description.tick;
   at_sink.crystal = crystal_of(self, island, island.name + "/sink");
   at_sink.seed = self->state.description.seed;
   at_sink.ecology = handle_of(self);

@@ -246,7 +246,9 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
         self->state.gateway.on_subscribers(x.keys, now(self));
         follow(self);
       },
-      [self](const clock_changed& x) { self->state.gateway.on_clock(x.offset); },
+      [self](const clock_changed& x) {
+        perform(self, self->state.gateway.on_clock(x.offset, now(self)));
+      },
       [self](const serial_octets& x) {
         perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));
       },

@@ -745,8 +745,7 @@ struct clock_changed {
 
 using clock_watcher_actor = caf::typed_actor<caf::reacts_to<clock_changed>>;
 
-/// Asks for the kernel's clock: told now and after each change, to the one who has asked last
-/// (CLK-08).
+/// Asks for the kernel's clock: told now and after each change, to all who have asked (CLK-08).
 struct watch_clock {
   carried<clock_watcher_actor> watcher;
 };
@@ -889,7 +888,7 @@ using peer_app_actor = peis_client_actor::extend<caf::reacts_to<status_request>>
 /// The same with deadlines: rules, pursuers of goals; a peer's Communication Layer and the programs
 /// that use it.
 using timed_peer_app_actor = peer_app_actor::extend<caf::reacts_to<timer_expired>>;
-using pc_actor = timed_peer_app_actor;
+using pc_actor = timed_peer_app_actor::extend<caf::reacts_to<clock_changed>>;
 
 } // namespace rubicon
 

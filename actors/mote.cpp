@@ -15,6 +15,8 @@ namespace rubicon {
 
 namespace {
 
+constexpr duration boot_time_max = 1h; ///< that the clock of a mote shows when it starts
+
 using mote_pointer = scheduler::traced_pointer<mote_state, mote_actor>;
 
 /// From when a mote sees that its battery ends, as the fault plan has it, to its end.
@@ -29,7 +31,7 @@ void tell_state(mote_pointer self, const std::string& actuator, std::uint8_t sta
 }
 
 instant own_time(mote_pointer self) {
-  return self->state.arguments->crystal.own(now(self));
+  return self->state.crystal.own(now(self));
 }
 
 struct performer {
@@ -69,7 +71,7 @@ void perform(mote_pointer self, mote::node_outputs todo) {
   }
   state.programs.tell(self, state.arguments->ecology);
   const auto due = earliest(state.node->deadline(), state.programs.deadline());
-  state.wake.follow(self, state.arguments->crystal.real(*due));
+  state.wake.follow(self, state.crystal.real(*due));
 }
 
 void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
@@ -80,7 +82,7 @@ void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
   if (auto& node = self->state.node; node && !self->state.flat) {
     auto todo =
         node->on_frame(frame->source, frame->am_type, frame->payload,
-                       self->state.arguments->crystal.own(sfd_of(psdu, now(self))), own_time(self));
+                       self->state.crystal.own(sfd_of(psdu, now(self))), own_time(self));
     std::ranges::move(node->on_signal(frame->source, rssi_dbm, own_time(self)),
                       std::back_inserter(todo));
     perform(self, std::move(todo));
@@ -266,6 +268,8 @@ void start(mote_pointer self) {
   auto& state = self->state;
   const auto& arguments = *state.arguments;
   const auto life = "mote/" + arguments.name + '#' + std::to_string(state.incarnation);
+  state.crystal = arguments.crystal.ahead_by(
+      random_stream(arguments.seed, life + "/clock").between(0s, boot_time_max));
   self->send(arguments.air,
              attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
   if (arguments.stack == config::stack::full)

@@ -69,6 +69,7 @@ pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
   if (state.arguments.aliases)
     self->send(state.arguments.peer,
                hook_port{{caf::actor_cast<peis_client_actor>(self)}, gateway::announcement_port});
+  self->send(state.arguments.peer, watch_clock{{caf::actor_cast<clock_watcher_actor>(self)}});
   state.programs.start(state.pc, state.arguments.programs, self->path(), state.arguments.seed,
                        state.arguments.config.incarnation > 0, now(self));
   perform(self, state.pc.start(now(self)));
@@ -76,6 +77,9 @@ pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
       [](const tuple_event&) {},
       [self](const peis_message& x) { on_message(self, x); },
       [](const peis_outcome&) {},
+      [self](const clock_changed& x) {
+        perform(self, self->state.pc.on_clock(x.offset, now(self)));
+      },
       [self](status_request) {
         self->state.programs.report(self, self->state.arguments.ecology,
                                     self->state.arguments.name);

@@ -109,7 +109,8 @@ peis::kernel_config kernel_of(ecology_pointer self, const config::peer_descripti
   network.host_name = host_of(self, peer);
   network.network = state.description.network;
   network.process = state.process.number;
-  network.clock_offset = state.process.clock_offset;
+  network.clock_offset = state.process.clock_offset + peer.clock_offset;
+  network.clock_ppb = static_cast<std::int64_t>(peer.clock_ppm * 1000);
   if (peer.wired)
     network.addresses = {peis::inproc_address(state.process.number, peer.id)};
   if (state.description.peis.bandwidth_bps > 0)
@@ -287,6 +288,9 @@ void spawn_pc(ecology_pointer self, supervised_peer& peer, std::vector<apps::app
   pc_arguments x;
   x.config.self = peer.id;
   x.config.incarnation = peer.incarnation;
+  x.config.awaits_clock = true;
+  x.config.tick_period = self->state.description.tick;
+  x.config.answer_slack = config::answer_slack_of(self->state.description);
   x.aliases = std::ranges::any_of(self->state.description.islands,
                                   [](const auto& each) { return !each.aliases.empty(); });
   x.name = peer.name;
@@ -314,6 +318,8 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   const bool is_alias = peer.line > 0;
   gateway_arguments gateway;
   gateway.config.island = island.id;
+  gateway.config.tick_period = self->state.description.tick;
+  gateway.config.answer_slack = config::answer_slack_of(self->state.description);
   if (!island.aliases.empty())
     gateway.config.gateways = config::gateways_of(island);
   gateway.config.incarnation = peer.incarnation;

@@ -218,10 +218,10 @@ void tell_subscribers(peer_pointer self) {
 void tell_clock(peer_pointer self) {
   auto& state = self->state;
   const auto offset = state.kernel.clock().offset();
-  if (!state.clock_watcher || state.clock_told == offset)
+  if (std::exchange(state.clock_told, offset) == offset)
     return;
-  state.clock_told = offset;
-  self->send(state.clock_watcher, clock_changed{offset});
+  for (const auto& watcher : state.clock_watchers)
+    self->send(watcher, clock_changed{offset});
 }
 
 void perform(peer_pointer self, peis::outputs todo) {
@@ -245,8 +245,7 @@ void forget(peer_pointer self, const caf::actor_addr& client) {
   state.clients.erase(client);
   if (state.subscribers_watcher && state.subscribers_watcher.address() == client)
     state.subscribers_watcher = nullptr;
-  if (state.clock_watcher && state.clock_watcher.address() == client)
-    state.clock_watcher = nullptr;
+  std::erase_if(state.clock_watchers, [&](const auto& x) { return x.address() == client; });
   if (state.init && state.init.address() == client)
     state.init = nullptr;
   std::erase_if(state.ports, [&](const auto& x) { return x.second.address() == client; });
@@ -324,9 +323,8 @@ void on_watch_subscribers(peer_pointer self, const watch_subscribers& x) {
 void on_watch_clock(peer_pointer self, const watch_clock& x) {
   auto& state = self->state;
   know(self, x.watcher.actor);
-  state.clock_watcher = x.watcher.actor;
-  state.clock_told.reset();
-  tell_clock(self);
+  state.clock_watchers.push_back(x.watcher.actor);
+  self->send(x.watcher.actor, clock_changed{state.kernel.clock().offset()});
 }
 
 void on_guard(peer_pointer self, const guard_kernel& x) {

@@ -68,7 +68,7 @@ struct peis_peer_state {
   std::optional<std::uint64_t> subscribers_version; ///< of what was told
   instant subscribers_told_at{};
   std::optional<instant> subscribers_due; ///< when they are told again, if a pause is to end
-  clock_watcher_actor clock_watcher;
+  std::vector<clock_watcher_actor> clock_watchers;
   std::optional<duration> clock_told;
   std::set<caf::actor_addr> clients; ///< monitored: one that ends leaves nothing behind
   std::uint64_t next_watch = 1;

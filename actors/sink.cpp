@@ -9,6 +9,8 @@ namespace rubicon {
 
 namespace {
 
+constexpr duration boot_time_max = 1h; ///< that its clock shows when it starts
+
 using sink_pointer = scheduler::traced_pointer<sink_state, sink_actor>;
 
 void perform(sink_pointer self, mote::sink_outputs todo);
@@ -118,6 +120,9 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
   state.arguments = std::move(arguments);
   network::router_config network;
   network.self = state.arguments.address.mote;
+  network.tick.period = state.arguments.tick;
+  state.arguments.crystal = state.arguments.crystal.ahead_by(
+      random_stream(state.arguments.seed, self->path() + "/clock").between(0s, boot_time_max));
   mote::gateway_lines_config lines;
   lines.lines = state.arguments.lines.size();
   state.sink = mote::sink(network, state.arguments.registrar, state.arguments.duty,

@@ -29,6 +29,7 @@ struct sink_arguments {
   std::vector<config::mote_app> apps; ///< that measure
   mote::crystal crystal;
   mote::duty_config duty;
+  std::chrono::milliseconds tick{500}; ///< period of the RUBICON clock
   std::uint64_t seed = 0; ///< of the ecology
   ecology_actor ecology;
 };

@@ -2,8 +2,11 @@
 // holds one may rely on it being valid: ids in range and unique, every reference resolved.
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <variant>
@@ -134,7 +137,9 @@ struct island_description {
   duration keep_alive = 10s;              ///< a silent mote is gone after this (DIS-06); motes that
                                           ///< report more rarely get three of their periods
   mote::duty_config duty;                 ///< of its motes' radios
-  double crystal_ppm = 40;                ///< each mote's clock is off by up to this, drawn
+  double crystal_ppm = 40;                ///< each mote's clock is off by up to this, drawn,
+  double crystal_wander_ppm = 0;          ///< and this more or less as temperature changes,
+  duration crystal_wander_period = 24h;   ///< in such a period
   std::vector<mote_description> motes;
 };
 
@@ -221,6 +226,8 @@ struct peer_description {
   bool manager = true;                ///< makes and closes links as it sees fit (CM-12)
   bool discovery = true;              ///< takes part in the announcements of the simulated network
   bool time_master = false;           ///< its clock is everybody's (CLK-06)
+  duration clock_offset{};            ///< by which its own clock is ahead of the true time,
+  double clock_ppm = 0;               ///< and runs fast
   std::vector<std::string> bluetooth; ///< adapters, which peers of one host share (BT-01, BT-03)
   position place;                     ///< means something if it has adapters
   bool wired = true;             ///< is in the simulated network; false: links over Bluetooth only
@@ -353,6 +360,7 @@ struct ecology_description {
   std::uint64_t seed = 1;
   run_mode mode = run_mode::virtual_time;
   duration length = 10min;
+  std::chrono::milliseconds tick{500}; ///< period of the RUBICON clock, everywhere (CLK-03)
   std::string network =
       "rubicon"; ///< PEIS network string: ecologies that differ never meet (LNK-06)
   radio::channel_config radio;
@@ -366,5 +374,18 @@ struct ecology_description {
   std::vector<fault_description> faults; ///< ascending by time
   std::vector<host_description> hosts;
 };
+
+/// What answers from motes of islands whose radios sleep may take longer, by island: one window
+/// carries a frame over several hops, and few islands are deeper than eight.
+[[nodiscard]] inline std::map<island_id, duration> answer_slack_of(const ecology_description& x) {
+  constexpr std::size_t hops_likely = 8;
+  std::map<island_id, duration> all;
+  for (const auto& island : x.islands) {
+    const auto hops = std::min(island.motes.size(), hops_likely);
+    if (island.duty.enabled)
+      all[island.id] = island.duty.answer_slack(static_cast<unsigned>(hops));
+  }
+  return all;
+}
 
 } // namespace rubicon::config

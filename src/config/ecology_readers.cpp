@@ -7,6 +7,7 @@ namespace rubicon::config {
 namespace {
 
 constexpr std::size_t network_octets_max = 62; ///< peis-wire.md 2
+constexpr duration tick_max = 8191ms;          ///< 13 bits of a clock stamp
 
 } // namespace
 
@@ -19,6 +20,12 @@ void read_ecology(table_reader& root, ecology_description& out) {
                 out.mode);
     in.optional("duration", time_span{1ms}, out.length);
     in.optional("network", text{network_octets_max}, out.network);
+    duration tick = out.tick;
+    if (in.optional("tick", time_span{10ms, tick_max}, tick)) {
+      out.tick = std::chrono::duration_cast<std::chrono::milliseconds>(tick);
+      if (out.tick != tick)
+        in.problems().add(in.at("tick"), "`tick` must be whole milliseconds");
+    }
   });
   if (!found && !root.has("ecology"))
     root.problems().add(root.at(), "the file lacks the table [ecology]");

@@ -117,7 +117,8 @@ void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_
 /// An island with the medium access only has none of what joins it to the PEIS network.
 void refuse_parts(table_reader& in) {
   for (const auto* key :
-       {"keep_alive", "crystal_ppm", "duty_cycle", "serial", "gateway", "alias"}) {
+       {"keep_alive", "crystal_ppm", "crystal_wander_ppm", "crystal_wander_period", "duty_cycle",
+        "serial", "gateway", "alias"}) {
     in.expect(key);
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) +
@@ -153,7 +154,9 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
     refuse_parts(in);
   } else {
     in.optional("keep_alive", time_span{1s, 24h}, out.keep_alive);
-    in.optional("crystal_ppm", real{0, 500}, out.crystal_ppm);
+    in.optional("crystal_ppm", real{0, 100}, out.crystal_ppm);
+    in.optional("crystal_wander_ppm", real{0, 20}, out.crystal_wander_ppm);
+    in.optional("crystal_wander_period", time_span{10min, 365 * 24h}, out.crystal_wander_period);
     read_duty_cycle(in, out.duty);
     read_parts(in, with, name_is_free, out);
   }

@@ -169,6 +169,8 @@ void read_connections(table_reader& in, surroundings& with, const peer_table& pe
   out.discovery = out.links.empty() && out.connect.empty();
   in.optional("discovery", flag{}, out.discovery);
   in.optional("time_master", flag{}, out.time_master);
+  in.optional("clock_offset", time_step{}, out.clock_offset);
+  in.optional("clock_ppm", real{-200, 200}, out.clock_ppm);
   std::vector<located<std::int32_t>> managers;
   in.optional("managers", list_of<whole<std::int32_t>>{{1, peer_id_max}}, managers);
   for (const auto& each : managers)

@@ -1,5 +1,7 @@
 #include "endpoint/pc.hpp"
 
+#include <algorithm>
+
 #include "network/island_packet.hpp"
 
 namespace rubicon::endpoint {
@@ -15,9 +17,17 @@ mote::layer_config layer_of(const pc_config& config) {
   x.self = no_mote;
   x.incarnation = config.incarnation;
   x.messages.outstanding_max = config.sends_max;
+  x.messages.answer_slack = config.answer_slack;
   x.messages.sessions_max = 1024;
   x.messages.sources_max = 1024;
   x.tunnels.tunnels_max = 4 * config.channels_max;
+  duration slack{};
+  for (const auto& [island, longest] : config.answer_slack)
+    slack = std::max(slack, longest);
+  x.streams.open_repeat += slack;
+  x.streams.writer_patience += 2 * slack;
+  x.synaptic.open_repeat += slack;
+  x.synaptic.writer_patience += 2 * slack;
   x.streams.streams_max = config.channels_max;
   x.streams.early_max = config.channels_max;
   x.synaptic.channels_max = config.channels_max;
@@ -37,7 +47,10 @@ peer_message message_of(transport::to_network x) {
 }
 
 pc::pc(pc_config config, random_stream dice)
-    : config_(config), layer_(std::make_unique<mote::layer>(layer_of(config), dice)) {}
+    : config_(config), layer_(std::make_unique<mote::layer>(layer_of(config), dice)) {
+  if (!config_.awaits_clock)
+    ahead_ = 0s;
+}
 
 mote::communication pc::attach(mote::communication_events& events) {
   has_programs_ = true;
@@ -76,6 +89,13 @@ outputs pc::on_mote_joined(mote_id mote, byte_view description, instant now) {
   return settle();
 }
 
+outputs pc::on_clock(duration ahead, instant now) {
+  now_ = now;
+  ahead_ = ahead;
+  tick(now);
+  return settle();
+}
+
 outputs pc::on_time(instant now) {
   now_ = now;
   tick(now);
@@ -88,9 +108,9 @@ std::optional<instant> pc::deadline() const {
 }
 
 void pc::tick(instant now) {
-  if (!has_programs_)
+  if (!has_programs_ || !ahead_)
     return;
-  const auto since = std::chrono::floor<island_clock::duration>(now.time_since_epoch());
+  const auto since = std::chrono::floor<island_clock::duration>(now.time_since_epoch() + *ahead_);
   if (const auto next = clock_.update(now, island_time(since), {0, {}, config_.tick_period}))
     layer_->on_tick(next->number, now);
 }

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -35,6 +36,8 @@ struct pc_config {
   peer_id self;
   std::uint32_t incarnation = 0;              ///< how often it has been started before
   std::chrono::milliseconds tick_period{500}; ///< of the RUBICON clock (CLK-03)
+  std::map<island_id, duration> answer_slack = {}; ///< as in transport::endpoint_config
+  bool awaits_clock = false; ///< it does not tick before on_clock()
   std::size_t sends_max = 64;                 ///< reliable messages under way
   std::size_t channels_max = 64;              ///< streams; synaptic channels each way; tunnels
   std::uint8_t vector_max = 64;               ///< elements of a synaptic channel
@@ -46,8 +49,9 @@ struct pc_counters {
   std::uint64_t no_transducer = 0;
 };
 
-/// Its address is its PEIS id as island, no_mote as mote. The RUBICON clock shows the time of the
-/// run: T is 0 when it begins. Without programs there is no clock.
+/// Its address is its PEIS id as island, no_mote as mote. The RUBICON clock ticks at multiples of its
+/// period in the time that peers share, and T is their number (32 bits): so it does in all islands,
+/// too (network::clock_sync). Without programs there is no clock.
 class pc {
 public:
   pc() = default;
@@ -78,6 +82,9 @@ public:
   [[nodiscard]] outputs on_mote_joined(mote_id mote, byte_view description, instant now);
   void forget_incarnation(mote_address x) { layer_->forget_incarnation(x); }
 
+  /// The time that peers share is so much ahead of `now`, since 1970 (CLK-06).
+  [[nodiscard]] outputs on_clock(duration ahead, instant now);
+
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
 
@@ -91,6 +98,7 @@ private:
   pc_config config_;
   std::unique_ptr<mote::layer> layer_; ///< programs point to it
   synaptic::rubicon_clock clock_;
+  std::optional<duration> ahead_; ///< of the time that peers share
   bool has_programs_ = false;
   instant now_;
   pc_counters counters_;

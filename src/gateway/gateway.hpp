@@ -104,6 +104,8 @@ struct gateway_config {
   duration rejoin_wait = 60s; ///< a sink that was started again may find its motes until then
   directory_config others{};
   output_requests_config requests{};
+  std::chrono::milliseconds tick_period{500};      ///< of the RUBICON clock
+  std::map<island_id, duration> answer_slack = {}; ///< as in transport::endpoint_config
   std::size_t devices_max = 1000;        ///< motes listed; what a sink has room for
   std::size_t input_channels_max = 4096; ///< channels of motes ever written to; further ones are
                                          ///< refused without a status
@@ -194,7 +196,7 @@ public:
   }
 
   /// Network time is so much ahead of our time from now on; sinks ask for it (CLK-08).
-  void on_clock(duration offset) { clock_offset_ = offset; }
+  [[nodiscard]] outputs on_clock(duration offset, instant now);
 
   /// Somebody has written `devices.$ID.output.$CH.period`.
   void on_period(mote_id mote, std::uint16_t channel, std::string_view text, instant now);

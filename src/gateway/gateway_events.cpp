@@ -80,6 +80,11 @@ outputs gateway::on_event(const network::sink_started&, instant now) {
   return out;
 }
 
+outputs gateway::on_clock(duration offset, instant now) {
+  clock_offset_ = offset;
+  return take(pc_.on_clock(offset, now));
+}
+
 /// Without an answer a sink goes on with what it knows, which is better than a time that others are
 /// about to correct.
 outputs gateway::on_event(const network::time_request& x, instant now) {

@@ -36,6 +36,9 @@ inline endpoint::pc_config pc_of(const gateway_config& config, std::uint32_t inc
   x.self = gateway_of(config.island);
   x.incarnation = incarnation;
   x.sends_max = config.inputs_outstanding_max;
+  x.awaits_clock = true;
+  x.tick_period = config.tick_period;
+  x.answer_slack = config.answer_slack;
   return x;
 }
 

@@ -1,5 +1,7 @@
 #include "mote/crystal.hpp"
 
+#include <cmath>
+
 namespace rubicon::mote {
 
 namespace {
@@ -8,14 +10,36 @@ constexpr std::int64_t billion = 1'000'000'000;
 
 } // namespace
 
+crystal::crystal(const crystal_config& config) : config_(config) {}
+
+crystal crystal::ahead_by(duration x) const {
+  auto other = *this;
+  other.ahead_ += x;
+  return other;
+}
+
+/// By how much the wander alone has put it ahead, since its phase was 0: the area below a rate that
+/// rises from -1 to 1 in the first half of the period and falls back in the second.
+duration crystal::wandered(duration since) const {
+  const auto half = config_.wander_period / 2;
+  const auto into = since % config_.wander_period;
+  const bool rises = into < half;
+  const auto t = static_cast<double>((rises ? into : into - half).count());
+  const auto area = t * (t / static_cast<double>(half.count()) - 1);
+  const auto ppb = static_cast<double>(rises ? config_.wander_ppb : -config_.wander_ppb);
+  return duration(static_cast<duration::rep>(std::floor(area * (ppb * 1e-9))));
+}
+
 instant crystal::own(instant real) const {
   const auto since = real.time_since_epoch().count();
-  const auto ahead = since / billion * ppb_ + since % billion * ppb_ / billion;
-  return real + duration(ahead);
+  auto ahead = duration(since / billion * config_.ppb + since % billion * config_.ppb / billion);
+  if (config_.wander_ppb != 0)
+    ahead += wandered(real.time_since_epoch() + config_.phase) - wandered(config_.phase);
+  return real + ahead + ahead_;
 }
 
 instant crystal::real(instant own) const {
-  auto guess = own;
+  auto guess = own - ahead_;
   for (int i = 0; i < 4; ++i) // each brings it nearer by a factor of 1e9 / ppb
     guess += own - this->own(guess);
   while (this->own(guess) < own)

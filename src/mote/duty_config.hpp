@@ -1,27 +1,30 @@
 // When the radios of an island's motes may be off.
 #pragma once
 
-#include <cstddef>
-
 #include "core/time.hpp"
+#include "network/duty_window.hpp"
 
 namespace rubicon::mote {
 
 struct duty_config {
-  bool enabled = false;    ///< else the radio is always on
-  duration period = 4s;    ///< of the island's common window, in which all that keeps to no
-                           ///< channel's schedule goes
-  duration window = 100ms; ///< its length, from each multiple of the period in island time
-  duration settling = 60s; ///< until the island's time shows this all radios stay on
-  duration before = 4ms;   ///< ahead of a scheduled packet: clock error and switching on
-  duration after = 60ms;   ///< longest wait for one that is late
-  duration linger = 6ms;   ///< after a scheduled packet, for its acknowledgement
-  std::size_t held_max = 16;
+  bool enabled = false;      ///< else the radio is always on
+  duration period = 4s;      ///< of the island's common window, in which all that keeps to no
+                             ///< channel's schedule goes
+  duration window = 100ms;   ///< its length, from each multiple of the period in island time
+  duration settling = 60s;   ///< until the island's time shows this all radios stay on
+  duration before = 1500us;  ///< ahead of what is due, beside the doubt in the clocks: switching on
+  duration after = 40ms;     ///< longest wait for a scheduled packet that is late
+  duration linger = 5ms;     ///< after a scheduled packet, for its acknowledgement
 
-  /// Longest that a frame without a schedule waits for its turn.
-  [[nodiscard]] duration delay_max() const { return enabled ? period : duration{}; }
-  /// What frames there and back may wait, hops included: for time-outs.
-  [[nodiscard]] duration answer_slack() const { return 3 * delay_max(); }
+  [[nodiscard]] network::duty_window common() const {
+    return enabled ? network::duty_window{period, window, settling} : network::duty_window{};
+  }
+
+  /// What frames there and back may wait for their windows: for time-outs. One window carries a
+  /// frame over several hops, unless they get lost.
+  [[nodiscard]] duration answer_slack(unsigned hops) const {
+    return enabled ? static_cast<duration::rep>(2 + hops) * period : duration{};
+  }
 };
 
 } // namespace rubicon::mote

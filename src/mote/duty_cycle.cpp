@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/codec.hpp"
 #include "network/am.hpp"
 
 namespace rubicon::mote {
@@ -13,18 +12,8 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr std::uint64_t window_key = std::numeric_limits<std::uint64_t>::max();
-constexpr int window_share = 4; ///< frames set out in the first three quarters of a window
-
 microseconds in_us(duration x) {
   return std::chrono::duration_cast<microseconds>(x);
-}
-
-/// Adds how long a frame has waited here to the age of the time in it.
-void grow_older(network::frame_out& x, duration by) {
-  const auto field = std::span(x.payload).subspan(*x.age_at, 4);
-  byte_writer age;
-  age.big(byte_reader(field).big<std::uint32_t>() + static_cast<std::uint32_t>(by / 1us));
-  std::ranges::copy(age.finish(), field.begin());
 }
 
 /// The channel whose packet a frame carries.
@@ -61,69 +50,53 @@ void duty_cycle::on_received(network::channel_id channel, instant now) {
   served_.emplace_back(now + config_.linger, channel);
 }
 
+microseconds duty_cycle::guard(instant now, const network::clock_sync& clock) const {
+  return 2 * clock.doubt(now + config_.period);
+}
+
+/// When this mote hands on the next packet of a channel.
+instant duty_cycle::next_departure(const network::channel_reserved& x, instant now,
+                                   const network::clock_sync& clock) const {
+  const microseconds interval = x.schedule.interval;
+  const auto first = x.schedule.first + (x.previous ? network::channel_slot : microseconds{});
+  const auto since = clock.at(now) - first;
+  const auto turns = since.count() <= 0 ? 0 : (since + interval - microseconds{1}) / interval;
+  return clock.when(first + turns * interval);
+}
+
 std::optional<instant> duty_cycle::next_turn(network::channel_id channel, instant now,
                                              const network::clock_sync& clock) const {
   const auto found = channels_.find(channel);
-  if (found == channels_.end() || found->second.previous || !has_turns(now, clock))
+  if (found == channels_.end() || found->second.previous || !applies(now, clock))
     return std::nullopt;
-  const auto& schedule = found->second.schedule;
-  const microseconds interval = schedule.interval;
-  const auto since = clock.at(now) - schedule.first;
-  const auto turns = since.count() < 0 ? 0 : since / interval + 1;
-  return clock.when(schedule.first + turns * interval);
+  return next_departure(found->second, now, clock);
 }
 
-/// Whether others may be asleep.
-bool duty_cycle::has_turns(instant now, const network::clock_sync& clock) const {
-  return config_.enabled && clock.synchronised() &&
-         clock.at(now) >= island_time(in_us(config_.settling));
-}
-
-/// The channel to whose schedule a frame keeps. What goes back to a channel's source keeps to none.
-std::optional<network::channel_id> duty_cycle::schedule_of(const network::frame_out& x) const {
-  const auto channel = channel_in(x);
-  const auto found = channel ? channels_.find(*channel) : channels_.end();
-  if (found == channels_.end() || found->second.previous == x.next_hop)
-    return std::nullopt;
-  return channel;
-}
-
-/// When a frame without a schedule may go: now, if all are on.
-instant duty_cycle::turn_of(instant now, const network::clock_sync& clock) {
-  const auto time = clock.at(now).time_since_epoch();
-  const auto period = in_us(config_.period);
-  const auto into = (time % period + period) % period;
-  const auto open = in_us(config_.window) * (window_share - 1) / window_share;
-  if (into < open)
+/// Now, unless the next mote wakes up for this packet a little later. What goes back to a channel's
+/// source keeps to no schedule, nor does what goes in a common window.
+instant duty_cycle::departure(const held& x, instant now, const network::clock_sync& clock) const {
+  const auto found = x.channel ? channels_.find(*x.channel) : channels_.end();
+  if (found == channels_.end() || found->second.previous == x.frame.next_hop ||
+      !applies(now, clock))
     return now;
-  const auto offset = in_us(dice_.between(0s, config_.window)) / 2;
-  return clock.when(island_time(time - into + period + offset));
-}
-
-void duty_cycle::release(held x, duty_outputs& out, instant now) {
-  if (x.frame.age_at)
-    grow_older(x.frame, now - x.since);
-  under_way_[x.frame.token] = x.channel;
-  out.emplace_back(std::move(x.frame));
+  const auto into = clock.at(now).time_since_epoch() % in_us(config_.period);
+  if (into >= microseconds{} && into < in_us(config_.window))
+    return now;
+  const auto next = next_departure(found->second, now, clock);
+  return next - now <= network::channel_slot ? next : now;
 }
 
 duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock) {
   duty_outputs out;
   due_.reset();
-  const bool waits = has_turns(now, clock);
   std::vector<held> ready;
   for (auto x = held_.begin(); x != held_.end();) {
     if (!x->due) {
       if (config_.enabled)
-        x->channel = schedule_of(x->frame);
-      x->due = !waits || x->channel ? now : turn_of(now, clock);
-      counters_.held += *x->due > now ? 1 : 0;
+        x->channel = channel_in(x->frame);
+      x->due = departure(*x, now, clock);
     }
-    if (*x->due > now && held_.size() > config_.held_max) {
-      ++counters_.overflow;
-      x->due = now;
-    }
-    if (*x->due > now && waits) {
+    if (*x->due > now) {
       due_ = earliest(due_, x->due);
       ++x;
       continue;
@@ -132,28 +105,30 @@ duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock) {
     x = held_.erase(x);
   }
   switch_radio(!ready.empty(), out, now, clock);
-  for (auto& x : ready)
-    release(std::move(x), out, now);
+  for (auto& x : ready) {
+    under_way_[x.frame.token] = x.channel;
+    out.emplace_back(std::move(x.frame));
+  }
   return out;
 }
 
 void duty_cycle::switch_radio(bool sends, duty_outputs& out, instant now,
                               const network::clock_sync& clock) {
-  const bool may_sleep = !is_sink_ && is_member_ && has_turns(now, clock);
   bool on = true;
-  if (may_sleep) {
+  if (!is_sink_ && is_member_ && applies(now, clock)) {
     const auto time = clock.at(now);
+    const auto margin = guard(now, clock);
     schedule_.set(window_key, {island_time{}, in_us(config_.period), in_us(config_.before),
                                in_us(config_.window)});
     std::erase_if(served_, [&](const auto& x) {
       if (x.first > now)
         return false;
-      schedule_.served(network::number_of(x.second), time);
+      schedule_.served(network::number_of(x.second), time, margin);
       return true;
     });
-    on = schedule_.is_on(time) || !under_way_.empty() || sends;
-    if (const auto next = schedule_.next_change(time))
-      due_ = earliest(due_, std::max(clock.when(*next), now + 1us));
+    on = schedule_.is_on(time, margin) || !under_way_.empty() || sends;
+    if (const auto next = schedule_.next_change(time, margin))
+      due_ = earliest(due_, clock.when(*next));
     for (const auto& x : served_)
       due_ = earliest(due_, x.first);
   } else {

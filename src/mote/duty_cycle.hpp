@@ -2,6 +2,7 @@
 // NRG-01..04).
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -10,7 +11,6 @@
 #include <variant>
 #include <vector>
 
-#include "core/random.hpp"
 #include "core/time.hpp"
 #include "mote/duty_config.hpp"
 #include "network/channels.hpp"
@@ -27,24 +27,22 @@ struct radio_switch {
 using duty_output = std::variant<network::frame_out, radio_switch>;
 using duty_outputs = std::vector<duty_output>;
 
-struct duty_counters {
-  std::uint64_t held = 0;     ///< frames that had to wait
-  std::uint64_t overflow = 0; ///< of them, sent at once for want of room
-};
-
 /// The radio is on in the common window and around each packet that a channel through this mote
-/// expects; before the island's time is known it is always on, as a sink's is.
+/// expects, longer by twice the doubt in the clock: the sender's may be as wrong as ours. While the
+/// island's time is not known well enough it is always on, as a sink's is.
+///
+/// Frames without a schedule come when their turn is (network/turns.hpp). A packet of a channel
+/// goes on when the next mote expects it, or at once if it is late.
 class duty_cycle {
 public:
   duty_cycle() = default;
-  duty_cycle(duty_config config, bool is_sink, random_stream dice)
-      : config_(config), is_sink_(is_sink), dice_(dice) {}
+  duty_cycle(duty_config config, bool is_sink) : config_(config), is_sink_(is_sink) {}
 
   /// A channel needs the radio at these times; no longer, if the interval is 0.
   void reserve(const network::channel_reserved& x);
 
   /// A frame for the radio: it comes out at once, or in a later update().
-  void submit(network::frame_out x, instant now) { held_.push_back({std::move(x), now}); }
+  void submit(network::frame_out x) { held_.push_back({std::move(x)}); }
 
   /// A frame that came out has ended.
   void on_sent(std::uint64_t token, instant now);
@@ -64,26 +62,28 @@ public:
                                                  const network::clock_sync& clock) const;
 
   [[nodiscard]] bool is_on() const { return on_; }
-  [[nodiscard]] const duty_counters& counters() const { return counters_; }
   [[nodiscard]] static std::size_t footprint(std::size_t channels) { return 24 + channels * 16; }
 
 private:
   struct held {
     network::frame_out frame;
-    instant since;
     std::optional<instant> due = {};                 ///< nothing: not looked at yet
-    std::optional<network::channel_id> channel = {}; ///< to whose schedule it keeps
+    std::optional<network::channel_id> channel = {}; ///< whose packet it carries
   };
 
-  [[nodiscard]] bool has_turns(instant now, const network::clock_sync& clock) const;
-  [[nodiscard]] std::optional<network::channel_id> schedule_of(const network::frame_out& x) const;
-  [[nodiscard]] instant turn_of(instant now, const network::clock_sync& clock);
-  void release(held x, duty_outputs& out, instant now);
+  [[nodiscard]] bool applies(instant now, const network::clock_sync& clock) const {
+    return config_.common().applies(now, clock);
+  }
+  [[nodiscard]] std::chrono::microseconds guard(instant now,
+                                                const network::clock_sync& clock) const;
+  [[nodiscard]] instant next_departure(const network::channel_reserved& x, instant now,
+                                       const network::clock_sync& clock) const;
+  [[nodiscard]] instant departure(const held& x, instant now,
+                                  const network::clock_sync& clock) const;
   void switch_radio(bool sends, duty_outputs& out, instant now, const network::clock_sync& clock);
 
   duty_config config_;
   bool is_sink_ = false;
-  random_stream dice_;
   network::radio_schedule schedule_;
   std::map<network::channel_id, network::channel_reserved> channels_;
   std::vector<held> held_;
@@ -92,7 +92,6 @@ private:
   bool is_member_ = false;
   std::optional<instant> due_;
   bool on_ = true;
-  duty_counters counters_;
 };
 
 } // namespace rubicon::mote

@@ -88,7 +88,7 @@ join_outputs join_client::request(instant now) {
   if (attempts_ < config_.attempts_max) {
     ++attempts_;
     ++sequence_;
-    deadline_ = now + config_.reply_wait * hops_ + config_.reply_slack + 2 * turn_wait_;
+    deadline_ = now + config_.reply_wait * hops_ + (1 + hops_) * turn_wait_;
     return {to_registrar{join_request{sequence_, incarnation_, descriptor_}}};
   }
   attempts_ = 0;

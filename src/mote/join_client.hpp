@@ -37,7 +37,6 @@ struct join_config {
   duration start_jitter = 250ms;  ///< the first request leaves uniformly within this,
   duration start_jitter_hop = 1s; ///< and this more for each hop of the way after the first
   duration reply_wait = 500ms;    ///< for each hop of the way,
-  duration reply_slack{};         ///< and this, where frames wait for their turn
   unsigned attempts_max = 5;      ///< then a pause, and again without end
   duration pause = 2s;            ///< doubles each time, jittered by half
   duration pause_max = 30s;

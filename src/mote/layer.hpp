@@ -147,6 +147,12 @@ public:
   /// Whether on_tick() matters to anybody here: a synaptic channel is open, or a program asks for
   /// it.
   [[nodiscard]] bool wants_ticks() const;
+  /// Answers take so much longer from now on, as radios on the way sleep.
+  void set_answer_slack(duration x) {
+    messages_.set_answer_slack(x);
+    streams_.set_answer_slack(x);
+    synaptic_.set_answer_slack(x);
+  }
   void set_slot(duration offset) { synaptic_.set_slot(std::max(offset, config_.slot_min)); }
 
   void on_time(instant now); ///< harmless before deadline()

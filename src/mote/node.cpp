@@ -18,6 +18,8 @@ constexpr int expiry_intervals = 10;  ///< or so many of its intervals
 constexpr duration notice_spread = 5s;
 constexpr duration notice_period = 30s;
 
+constexpr std::size_t paced_max = 4; ///< packets of one channel that wait for its turn
+
 descriptor describe(const node_config& config) {
   descriptor x;
   x.type = config.type;
@@ -49,21 +51,15 @@ network::channel_id channel_of(stream::channel_handle x) {
 node::node(node_config config, std::uint32_t incarnation, random_stream dice, instant now)
     : config_(std::move(config)), dice_(dice), incarnation_(incarnation) {
   auto above = config_.layer;
-  const auto slack = config_.duty.answer_slack();
-  above.messages.ack_wait += slack;
-  above.streams.open_repeat += slack;
-  above.streams.writer_patience += 5 * slack;
-  above.synaptic.open_repeat += slack;
-  above.synaptic.writer_patience += 5 * slack;
   above.self = config_.id;
   above.incarnation = incarnation;
   above.transducer_mask = describe(config_).transducer_mask;
   layer_.emplace(above, random_stream(dice_.next()));
   network::router_config network;
   network.self = config_.id;
-  network.beacon_delay_max = config_.duty.delay_max();
+  network.duty = config_.duty.common();
   packets_ = packet_service(network, random_stream(dice_.next()), now);
-  duty_ = duty_cycle(config_.duty, false, random_stream(dice_.next()));
+  duty_ = duty_cycle(config_.duty, false);
   for (const auto& x : config_.actuators)
     actuators_.emplace(x.name, actuator(x));
 }
@@ -86,7 +82,6 @@ node_outputs node::start(instant now) {
 void node::ask_to_join(bytes description, node_outputs& out, instant now) {
   join_config config;
   config.keep_alive = config_.keep_alive;
-  config.reply_slack = config_.duty.answer_slack();
   join_ = join_client(config, std::move(description), incarnation_, random_stream(dice_.next()));
   wants_to_join_ = true;
   take(packet_service_outputs{}, out, now);
@@ -188,21 +183,14 @@ node_outputs node::on_time(instant now) {
   take(join_.on_time(now), out, now);
   tick(now);
   tell_slot(out, now);
+  heed_waits(now);
   if (const auto due = layer_deadline(); due && *due <= now)
     use_layer().on_time(now);
   for (auto& [name, x] : actuators_) {
     if (x.on_time(now))
       out.emplace_back(actuator_arrived{name, x.target()});
   }
-  for (auto x = paced_.begin(); x != paced_.end();) {
-    auto& [channel, waiting] = *x;
-    if (waiting.first <= now) {
-      send_on({channel, std::move(waiting.second)}, out, now);
-      x = paced_.erase(x);
-    } else {
-      ++x;
-    }
-  }
+  send_paced(out, now);
   settle(out, now);
   return out;
 }
@@ -211,8 +199,8 @@ instant node::deadline() const {
   auto due = *earliest(packets_.deadline(), earliest(join_.deadline(), clock_.deadline()));
   due = *earliest(due, earliest(layer_deadline(), duty_.deadline()));
   due = *earliest(due, earliest(joins_at_, tells_at_));
-  for (const auto& [channel, waiting] : paced_)
-    due = std::min(due, waiting.first);
+  for (const auto& [channel, x] : paced_)
+    due = std::min(due, x.due);
   for (const auto& [name, x] : actuators_)
     due = *earliest(due, x.deadline());
   return due;
@@ -280,7 +268,7 @@ void node::tell_slot(node_outputs& out, instant now) {
 void node::take(packet_service_outputs from_packets, node_outputs& out, instant now) {
   for (auto& x : from_packets) {
     if (auto* frame = std::get_if<network::frame_out>(&x)) {
-      duty_.submit(std::move(*frame), now);
+      duty_.submit(std::move(*frame));
     } else if (const auto* message = std::get_if<management_in>(&x)) {
       on_management(*message, out, now);
     } else if (const auto* packet = std::get_if<packet_in>(&x)) {
@@ -376,15 +364,7 @@ void node::perform(layer_output& x, node_outputs& out, instant now) {
   } else if (const auto* wanted = std::get_if<channel_wanted>(&x)) {
     connect(*wanted, out, now);
   } else if (auto* content = std::get_if<channel_packet>(&x)) {
-    const auto turn = duty_.next_turn(channel_of(content->channel), now, packets_.router().clock());
-    if (turn)
-      counters_.paced_out +=
-          paced_.insert_or_assign(content->channel, std::pair(*turn, std::move(content->octets)))
-                  .second
-              ? 0
-              : 1;
-    else
-      send_on(std::move(*content), out, now);
+    pace(std::move(*content), out, now);
   } else if (const auto* over = std::get_if<channel_unwanted>(&x)) {
     take(packets_.router().disconnect(channel_of(over->channel), now), out, now);
   } else if (const auto* sample = std::get_if<sample_wanted>(&x)) {
@@ -398,13 +378,60 @@ void node::perform(layer_output& x, node_outputs& out, instant now) {
   }
 }
 
-void node::send_on(channel_packet x, node_outputs& out, instant now) {
-  auto sent = packets_.router().send_on(channel_of(x.channel), std::move(x.octets),
-                                        takes_slot(x.in_slot), now);
+/// Where radios sleep, a channel with a schedule carries a packet each time that the next mote wakes
+/// up for it.
+void node::pace(channel_packet x, node_outputs& out, instant now) {
+  const auto turn = duty_.next_turn(channel_of(x.channel), now, packets_.router().clock());
+  if (!turn) {
+    const auto how =
+        takes_slot(x.in_slot) ? network::departure::in_slot : network::departure::in_turn;
+    send_on(x.channel, std::move(x.octets), how, out, now);
+    return;
+  }
+  auto& waiting = paced_[x.channel];
+  if (waiting.packets.empty())
+    waiting.due = *turn;
+  if (waiting.packets.size() >= paced_max) {
+    ++counters_.paced_out;
+    waiting.packets.pop_front();
+  }
+  waiting.packets.push_back(std::move(x.octets));
+}
+
+/// Its turns may come a little less often than its packets: what they leave over goes in the common
+/// window.
+void node::send_paced(node_outputs& out, instant now) {
+  for (auto x = paced_.begin(); x != paced_.end();) {
+    auto& [channel, waiting] = *x;
+    if (waiting.due > now) {
+      ++x;
+      continue;
+    }
+    for (auto how = network::departure::at_once; !waiting.packets.empty();
+         how = network::departure::in_turn) {
+      send_on(channel, std::move(waiting.packets.front()), how, out, now);
+      waiting.packets.pop_front();
+    }
+    x = paced_.erase(x);
+  }
+}
+
+void node::send_on(stream::channel_handle channel, bytes octets, network::departure how,
+                   node_outputs& out, instant now) {
+  auto sent = packets_.router().send_on(channel_of(channel), std::move(octets), how, now);
   if (sent)
     take(*std::move(sent), out, now);
   else
     ++counters_.channel_full;
+}
+
+/// What is to come back takes longer the longer frames wait for their turn at each hop.
+void node::heed_waits(instant now) {
+  const auto& router = packets_.router();
+  const bool waits = config_.duty.enabled && router.turn_wait(now) > 0s;
+  const auto slack = waits ? config_.duty.answer_slack(router.tree().hops()) : 0ns;
+  if (std::exchange(slack_, slack) != slack)
+    use_layer().set_answer_slack(slack);
 }
 
 /// To a mote of the own island, or by way of the sink (RTG-04).

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -149,7 +150,11 @@ private:
   [[nodiscard]] bool takes_slot(bool wanted);
   void watch_slots(instant now);
   void tell_slot(node_outputs& out, instant now);
-  void send_on(channel_packet x, node_outputs& out, instant now);
+  void pace(channel_packet x, node_outputs& out, instant now);
+  void send_paced(node_outputs& out, instant now);
+  void send_on(stream::channel_handle channel, bytes octets, network::departure how,
+               node_outputs& out, instant now);
+  void heed_waits(instant now);
   void settle(node_outputs& out, instant now);
   layer& use_layer();
   [[nodiscard]] std::optional<instant> layer_deadline() const;
@@ -178,8 +183,12 @@ private:
   std::optional<instant> layer_deadline_;
   synaptic::rubicon_clock clock_;
   duty_cycle duty_;
-  /// Packets that wait for their channel's turn, one for each.
-  std::map<stream::channel_handle, std::pair<instant, bytes>> paced_;
+  struct paced {
+    instant due; ///< the channel's turn
+    std::deque<bytes> packets;
+  };
+  std::map<stream::channel_handle, paced> paced_; ///< none without packets
+  duration slack_{};                              ///< as told to the layer
   std::map<network::channel_id, channel_request> connecting_;
   std::map<std::string, actuator> actuators_;
   node_counters counters_;

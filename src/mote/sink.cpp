@@ -17,11 +17,11 @@ void append(sink_outputs& to, sink_outputs from) {
 
 sink::sink(network::router_config network, registrar_config members, const duty_config& duty,
            random_stream dice, instant now, gateway_lines_config lines)
-    : self_(network.self), island_(members.island), duty_(duty, true, random_stream(dice.next())),
+    : self_(network.self), island_(members.island), duty_(duty, true),
       lines_(lines, now), pieces_(lines.lines) {
   network.is_sink = true;
-  network.beacon_delay_max = duty.delay_max();
-  members.confirm_wait += duty.answer_slack();
+  network.duty = duty.common();
+  members.confirm_wait += duty.answer_slack(0);
   registrar_ = registrar(members);
   packets_ = packet_service(network, dice, now);
   time_ = network::time_reference({}, now);
@@ -91,7 +91,7 @@ to_gateway sink::event_for(const network::sink_event& x, std::optional<std::size
 /// The island's clock tells what the gateway says the time is (CLK-08).
 void sink::tell_time(instant now) {
   if (const auto time = time_.at(now))
-    packets_.router().clock().set_network_time(*time, now);
+    packets_.router().clock().set_network_time(*time, time_.drift().value_or(0), now);
 }
 
 sink_outputs sink::on_time(instant now) {
@@ -124,7 +124,7 @@ sink_outputs sink::take(packet_service_outputs from_packets, instant now) {
   sink_outputs out;
   for (auto& x : from_packets) {
     if (auto* frame = std::get_if<network::frame_out>(&x)) {
-      duty_.submit(std::move(*frame), now);
+      duty_.submit(std::move(*frame));
     } else if (const auto* message = std::get_if<management_in>(&x)) {
       append(out, take(registrar_.on_frame(message->origin, message->octets, now), now));
     } else if (const auto* packet = std::get_if<packet_in>(&x)) {

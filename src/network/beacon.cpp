@@ -7,9 +7,9 @@
 
 namespace rubicon::network {
 
-std::uint8_t quarters(duration x) {
+std::uint16_t quarters(duration x) {
   const auto rounded_up = (x + 250ms - 1ns) / duration(250ms);
-  return static_cast<std::uint8_t>(std::clamp<duration::rep>(rounded_up, 0, 255));
+  return static_cast<std::uint16_t>(std::clamp<duration::rep>(rounded_up, 0, 65535));
 }
 
 link_report beacon::report(mote_id source, mote_id self, bool has_route) const {
@@ -29,7 +29,7 @@ link_report beacon::report(mote_id source, mote_id self, bool has_route) const {
 bytes encode(const beacon& x) {
   assert(x.heard.size() <= beacon::heard_max(x.clock));
   byte_writer out;
-  out.big(x.sequence).octet(x.next_quarters);
+  out.big(x.sequence).big(x.next_quarters);
   x.gradient.write(out);
   x.coordinates.write(out);
   write(out, x.clock);
@@ -44,7 +44,7 @@ result<beacon> decode_beacon(byte_view octets) {
   byte_reader in(octets);
   beacon x;
   x.sequence = in.big<std::uint16_t>();
-  x.next_quarters = in.octet();
+  x.next_quarters = in.big<std::uint16_t>();
   x.gradient = gradient_part::read(in);
   x.coordinates = coordinates_part::read(in);
   x.clock = read_clock_stamp(in);

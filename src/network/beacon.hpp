@@ -15,23 +15,23 @@
 
 namespace rubicon::network {
 
-/// uint16 sequence, uint8 next, gradient (9 octets), coordinates (26), clock (26 or 34), then for
+/// uint16 sequence, uint16 next, gradient (9 octets), coordinates (26), clock (27 or 37), then for
 /// each neighbour heard uint16 mote, uint8 quality; network byte order.
 struct beacon {
   std::uint16_t sequence = 0;
-  std::uint8_t next_quarters = 0; ///< the next beacon comes within so many quarters of a second
+  std::uint16_t next_quarters = 0; ///< the next beacon comes within so many quarters of a second
   gradient_part gradient;
   coordinates_part coordinates;
   clock_stamp clock{};                        ///< of root 0: none
   std::vector<neighbours::heard_entry> heard; ///< at most heard_max()
 
   static constexpr std::size_t header_size =
-      3 + gradient_part::size + coordinates_part::size + clock_stamp_size;
+      4 + gradient_part::size + coordinates_part::size + clock_stamp_size;
   /// Where the clock's age lies, for the radio.
   static constexpr std::size_t age_at =
-      3 + gradient_part::size + coordinates_part::size + clock_stamp_age_at;
+      4 + gradient_part::size + coordinates_part::size + clock_stamp_age_at;
   [[nodiscard]] static constexpr std::size_t heard_max(const clock_stamp& clock) {
-    return (frame_payload_max - header_size - (clock.network_ahead ? network_ahead_size : 0)) / 3;
+    return (frame_payload_max - header_size - (clock.network ? network_line_size : 0)) / 3;
   }
 
   /// So many neighbours listed fill a mote's table: there may be no room for more.
@@ -43,8 +43,8 @@ struct beacon {
   friend bool operator==(const beacon&, const beacon&) = default;
 };
 
-/// @returns `x` in quarters of a second, rounded up, 255 at most
-[[nodiscard]] std::uint8_t quarters(duration x);
+/// @returns `x` in quarters of a second, rounded up, 65535 at most
+[[nodiscard]] std::uint16_t quarters(duration x);
 
 /// @pre x.heard.size() <= beacon::heard_max(x.clock)
 [[nodiscard]] bytes encode(const beacon& x);

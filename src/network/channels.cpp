@@ -13,6 +13,8 @@ namespace {
 constexpr duration radio_round_max = 4 * (115 * 320us + 4300us + 900us);
 
 constexpr duration offer_lifetime = 5s; ///< what nobody has taken up by then is void
+constexpr int turns_spare = 4;          ///< turns that set-up may take beside one a hop each way
+constexpr int hops_likely = 8;          ///< of a way that nobody knows
 constexpr unsigned flood_rounds = 2;    ///< nobody acknowledges: each mote says it so often
 
 bool is_data(const channel_message& x) {
@@ -25,11 +27,26 @@ std::size_t data_octets(const channel_message& x) {
   return data ? data->content.size() : 0;
 }
 
-/// As the next mote is to hear it.
-connect_message one_hop_on(connect_message x, const surroundings& around) {
+/// As the next mote is to hear it: a packet comes there when it leaves here.
+connect_message one_hop_on(connect_message x) {
+  const bool is_source = x.hops == 0;
   ++x.hops;
-  x.delay_us += static_cast<std::uint32_t>(around.hop_delay.count());
+  x.delay_us += is_source ? 0U : static_cast<std::uint32_t>(channel_slot.count());
   return x;
+}
+
+/// Hops between two places, about: neighbours differ by one in each coordinate, at most.
+int likely_hops(const surroundings& around, const std::optional<virtual_coordinates>& to) {
+  if (!around.own_place || !to)
+    return hops_likely;
+  const auto& a = *around.own_place;
+  const auto differ = [](hop_distance x, hop_distance y) { return x > y ? x - y : y - x; };
+  return std::max({differ(a.x, to->x), differ(a.y, to->y), differ(a.z, to->z)}) + 1;
+}
+
+/// What a message there and its answer may wait for their turns.
+duration turns_of(const surroundings& around, int hops) {
+  return (turns_spare + 2 * hops) * around.turn_wait;
 }
 
 } // namespace
@@ -55,7 +72,7 @@ channels_outputs channels::connect(channel_id channel, mote_id destination,
   x.wish.schedule = schedule;
   x.wish.expiry_s = static_cast<std::uint16_t>(expiry / 1s);
   x.last_packet = now;
-  x.setup_end = now + config_.connect_timeout;
+  x.setup_end = now + config_.connect_timeout + turns_of(around, likely_hops(around, place));
   go_on(channel, x, around, out, now);
   pump(out, now);
   return out;
@@ -104,7 +121,7 @@ void channels::go_on(channel_id id, entry& x, const surroundings& around, channe
     next = x.wish.destination;
   if (next) {
     x.next = next;
-    queue(*next, {id, one_hop_on(x.wish, around)}, now);
+    queue(*next, {id, one_hop_on(x.wish)}, now);
     return;
   }
   if (x.previous && !x.second_try && x.wish.place && around.own_place) {
@@ -115,18 +132,18 @@ void channels::go_on(channel_id id, entry& x, const surroundings& around, channe
     queue(previous, {id, dead_end_message{}}, now);
     return;
   }
-  flood(id, x, around, now);
+  flood(id, x, now);
 }
 
-void channels::flood(channel_id id, entry& x, const surroundings& around, instant now) {
+void channels::flood(channel_id id, entry& x, instant now) {
   ++counters_.floods;
   x.next.reset();
-  auto wish = one_hop_on(x.wish, around);
+  auto wish = one_hop_on(x.wish);
   wish.flooded = true;
   queue(broadcast_mote, {id, wish}, now);
 }
 
-std::optional<channels_outputs> channels::send(channel_id channel, bytes content, bool in_slot,
+std::optional<channels_outputs> channels::send(channel_id channel, bytes content, departure how,
                                                instant now) {
   assert(content.size() <= channel_packet_max);
   const auto found = entries_.find(channel);
@@ -139,7 +156,7 @@ std::optional<channels_outputs> channels::send(channel_id channel, bytes content
   x.last_packet = now;
   ++x.sent;
   queue(x.next ? *x.next : *x.previous, {channel, data_message{x.sent, std::move(content)}}, now,
-        in_slot ? leave::in_slot : leave::in_turn);
+        how);
   channels_outputs out;
   pump(out, now);
   return out;
@@ -196,7 +213,7 @@ void channels::take(mote_id from, channel_id id, connect_message& x, const surro
   here.previous = from;
   here.wish = x;
   here.last_packet = now;
-  here.setup_end = now + config_.setup_timeout;
+  here.setup_end = now + config_.setup_timeout + turns_of(around, 2 * hops_likely);
   if (x.destination != config_.self) {
     go_on(id, here, around, out, now);
     return;
@@ -229,8 +246,8 @@ void channels::take_flooded(mote_id from, channel_id id, const connect_message& 
   if (offers_.size() >= config_.offers_max || entries_.size() >= config_.entries_max ||
       x.hops > config_.hops_max)
     return;
-  offers_[id] = {from, x, now + offer_lifetime};
-  queue(broadcast_mote, {id, one_hop_on(x, around)}, now + dice_.between(0s, config_.flood_spread));
+  offers_[id] = {from, x, now + offer_lifetime + turns_of(around, hops_likely)};
+  queue(broadcast_mote, {id, one_hop_on(x)}, now + dice_.between(0s, config_.flood_spread));
 }
 
 void channels::take(mote_id from, channel_id id, connect_ack_message& ack, const surroundings&,
@@ -286,7 +303,7 @@ void channels::take(mote_id from, channel_id id, dead_end_message&, const surrou
   }
   auto& x = found->second;
   if (x.second_try) { // its other neighbour led nowhere either
-    flood(id, x, around, now);
+    flood(id, x, now);
     return;
   }
   x.second_try = from;
@@ -315,7 +332,7 @@ void channels::take(mote_id from, channel_id id, data_message& x, const surround
     ++counters_.packets_lost;
   } else if (onwards) {
     ++counters_.packets_forwarded;
-    queue(*onwards, {id, std::move(x)}, now, leave::at_once);
+    queue(*onwards, {id, std::move(x)}, now, departure::at_once);
   } else {
     ++counters_.packets_received;
     out.emplace_back(channel_received{id, std::move(x.content)});
@@ -340,7 +357,7 @@ void channels::free(channel_id id, channel_end why, std::optional<mote_id> told_
     out.emplace_back(channel_ended{id, why});
 }
 
-/// A packet is due here as much later as its way to us takes (NRG-03).
+/// A packet comes here as much later as its way to us takes (NRG-03).
 void channels::reserve(channel_id id, const entry& x, channels_outputs& out) const {
   auto schedule = x.wish.schedule;
   schedule.first += std::chrono::microseconds(x.wish.delay_us);
@@ -355,7 +372,7 @@ bool channels::has_room(std::size_t octets) const {
   return queue_.size() < config_.queue_max && sum <= config_.octets_max;
 }
 
-void channels::queue(mote_id next, channel_message message, instant due, leave how) {
+void channels::queue(mote_id next, channel_message message, instant due, departure how) {
   if (is_data(message) && !has_room(data_octets(message)))
     ++counters_.packets_lost;
   else if (queue_.size() < 2 * config_.queue_max) // control messages are few, and matter more
@@ -366,7 +383,7 @@ void channels::queue(mote_id next, channel_message message, instant due, leave h
 
 /// When it may be handed out.
 instant channels::due(const waiting& x) const {
-  const bool waits = x.how == leave::in_turn || x.rounds > 0;
+  const bool waits = x.how == departure::in_turn || x.rounds > 0;
   return waits ? std::max(x.due, held_until_) : x.due;
 }
 
@@ -378,7 +395,7 @@ void channels::pump(channels_outputs& out, instant now) {
     return;
   under_way_ = std::move(*next);
   queue_.erase(next);
-  const bool in_slot = under_way_->how == leave::in_slot && under_way_->rounds == 0;
+  const bool in_slot = under_way_->how == departure::in_slot && under_way_->rounds == 0;
   out.emplace_back(channel_hop{under_way_->next, encode(under_way_->message), in_slot});
 }
 
@@ -387,7 +404,7 @@ channels_outputs channels::on_sent(bool acked, const surroundings& around, insta
   if (!under_way_)
     return out;
   auto x = *std::exchange(under_way_, std::nullopt);
-  const auto in_slot = x.how == leave::in_slot ? 1U : 0U;
+  const auto in_slot = x.how == departure::in_slot ? 1U : 0U;
   const auto rounds_max = is_data(x.message)         ? config_.data_rounds_max + in_slot
                           : x.next == broadcast_mote ? flood_rounds
                                                      : config_.rounds_max;

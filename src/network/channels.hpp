@@ -31,8 +31,8 @@ struct channels_config {
   unsigned losses_max =
       4; ///< packets in a row that the next mote does not take: the path is broken
   duration round_pause = 30ms;    ///< between rounds, up to twice as long
-  duration connect_timeout = 10s; ///< until the source gives up
-  duration setup_timeout = 12s;   ///< until a mote on the path does
+  duration connect_timeout = 10s; ///< until the source gives up, beside what frames wait
+  duration setup_timeout = 12s;   ///< until a mote on the path does, likewise
   duration flood_spread = 60ms;   ///< a flood is passed on within this time,
   unsigned flood_copies = 3;      ///< in a crowd unless it has been heard so often until then
   std::uint8_t hops_max = 32;
@@ -68,9 +68,12 @@ struct surroundings {
   std::optional<virtual_coordinates> own_place;
   std::vector<nearby_mote> motes; ///< good neighbours (NET-10)
   bool is_crowd = false;          ///< there may be more than the table of neighbours holds
-  std::chrono::microseconds hop_delay{
-      10'000}; ///< medium access and transmission, on average (NRG-03)
+  duration turn_wait{};           ///< that a frame may have to wait before it leaves, at each hop
 };
+
+/// Each mote on a channel's path hands a scheduled packet on so much later than it gets it: medium
+/// access, a frame of the longest size, and a repeat (NRG-03).
+inline constexpr std::chrono::microseconds channel_slot{10'000};
 
 /// Hand this frame of AM type am::channel to the radio and tell on_sent() how it ended.
 struct channel_hop {
@@ -103,8 +106,16 @@ struct channel_ended {
 /// At any mote on the path: the radio is needed at these times, or no longer (schedule.interval 0).
 struct channel_reserved {
   channel_id channel;
-  channel_schedule schedule;            ///< `first` is when a packet is due here
+  /// `first` is when a packet comes here, at the source when it leaves.
+  channel_schedule schedule;
   std::optional<mote_id> previous = {}; ///< who it comes from; nothing at the source
+};
+
+/// When a packet may leave; matters in its first round only, all others wait for their turn.
+enum class departure : std::uint8_t {
+  in_turn, ///< see network/turns.hpp
+  at_once, ///< the next mote expects it
+  in_slot, ///< nobody near sends now: the first hop needs no back-off
 };
 
 using channels_output = std::variant<channel_hop, channel_connected, channel_accepted,
@@ -137,9 +148,8 @@ public:
   /// From source to destination, or from destination to source: streams are answered that way.
   /// @pre content.size() <= channel_packet_max. @returns nothing: no end of such an open channel is
   /// here, or there is no room in the queue
-  /// @param in_slot nobody near sends now: the first hop needs no back-off
   [[nodiscard]] std::optional<channels_outputs> send(channel_id channel, bytes content,
-                                                     bool in_slot, instant now);
+                                                     departure how, instant now);
 
   /// Until then only packets in slots, and those that pass here, are handed out, each once: a
   /// vector has one tick for all its hops.
@@ -197,18 +207,15 @@ private:
     unsigned copies = 1; ///< heard
   };
 
-  /// Where synaptic vectors have slots; matters in a message's first round only.
-  enum class leave : std::uint8_t { in_turn, at_once, in_slot };
-
   struct waiting {
     mote_id next;
     channel_message message;
     unsigned rounds = 0;
     instant due;
-    leave how = leave::in_turn;
+    departure how = departure::in_turn;
   };
 
-  void queue(mote_id next, channel_message message, instant due, leave how = leave::in_turn);
+  void queue(mote_id next, channel_message message, instant due, departure how = departure::in_turn);
   [[nodiscard]] instant due(const waiting& x) const;
   [[nodiscard]] bool has_room(std::size_t octets) const;
   void pump(channels_outputs& out, instant now);
@@ -216,7 +223,7 @@ private:
              instant now);
   [[nodiscard]] static std::optional<mote_id> nearer(const entry& x, const surroundings& around);
   [[nodiscard]] static bool may_be_near(const entry& x, const surroundings& around);
-  void flood(channel_id id, entry& x, const surroundings& around, instant now);
+  void flood(channel_id id, entry& x, instant now);
   void free(channel_id id, channel_end why, std::optional<mote_id> told_by, channels_outputs& out,
             instant now);
   void reserve(channel_id id, const entry& x, channels_outputs& out) const;

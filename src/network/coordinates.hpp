@@ -78,9 +78,9 @@ struct coordinates_config {
   bool is_sink = false;
   duration first_quiet = 60s;        ///< before the sink's first decision
   duration quiet = 40s;              ///< for which a candidate must stay the best at the sink
-  std::uint8_t company_samples = 12; ///< beacons of a neighbour before a sink believes to be alone
+  std::uint8_t company_samples = 6;  ///< beacons of a neighbour before a sink believes to be alone
   duration anchor_patience = 2min;   ///< without way to an anchor: the sink elects all anew
-  duration sequence_patience = 6min; ///< without news of an anchor: there is no way to it
+  duration sequence_patience = 30min; ///< without news of an anchor: there is no way to it
 };
 
 struct coordinates_counters {

@@ -176,11 +176,33 @@ bool neighbours::make_room(const link_report& newcomer, instant now) {
   return is_done;
 }
 
-void neighbours::on_sent(mote_id to, bool acked, unsigned transmissions) {
+/// Beacons that are overdue prove nothing against it any more; the next one may take as long as the
+/// last was to.
+void neighbours::alive(neighbour& x, instant now) {
+  const bool was_next = x.due == deadline_;
+  x.missed = 0;
+  x.heard = now;
+  x.due = std::max(x.due, now + x.period + config_.beacon_slack);
+  if (was_next)
+    refresh_deadline();
+}
+
+void neighbours::hear(mote_id from, instant now) {
+  auto* x = entry(from);
+  if (!x || x->missed == 0)
+    return;
+  ++changes_;
+  alive(*x, now);
+  judge(*x);
+}
+
+void neighbours::on_sent(mote_id to, bool acked, unsigned transmissions, instant now) {
   auto* x = entry(to);
   if (!x)
     return;
   ++changes_;
+  if (acked)
+    alive(*x, now);
   for (unsigned i = 1; i <= std::min(transmissions, 255U); ++i) {
     if (x->data_weight == 0)
       x->data = start_quality;

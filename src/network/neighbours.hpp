@@ -38,7 +38,7 @@ struct neighbours_config {
   std::uint8_t bad_missed = 3;         ///< no longer good
   std::uint8_t dropped_missed = 8;     ///< forgotten
   std::uint8_t unmentioned_max = 6;    ///< beacons not listing us: it does not hear us
-  duration beacon_gap_max = 24s;       ///< longest between two beacons: 1.5 intervals of 16 s
+  duration beacon_gap_max = 12min;     ///< longest between two beacons: 1.5 intervals of 8 min
   duration beacon_slack = 250ms;       ///< by which a beacon may come late
   std::uint16_t sequence_gap_max = 32; ///< a longer one is a restart
   duration replacement_gap = 10s;      ///< least between evictions for links that do not matter
@@ -112,7 +112,10 @@ public:
   admission on_beacon(const link_report& x, instant now);
 
   /// A unicast to a neighbour has ended after so many transmissions (NET-09); others are ignored.
-  void on_sent(mote_id to, bool acked, unsigned transmissions);
+  void on_sent(mote_id to, bool acked, unsigned transmissions, instant now);
+
+  /// A frame of it has come that is no beacon: it is there.
+  void hear(mote_id from, instant now);
 
   /// @returns who has been dropped for silence, ascending
   std::vector<mote_id> on_time(instant now);
@@ -164,6 +167,7 @@ private:
   void sample(neighbour& x, bool heard) const;
   void judge(neighbour& x) const;
   void take_report(neighbour& x, const link_report& report, instant now) const;
+  void alive(neighbour& x, instant now);
   void refresh_deadline();
   [[nodiscard]] bool make_room(const link_report& x, instant now);
   bool evict(std::vector<neighbour>::iterator x);

@@ -10,21 +10,27 @@ namespace rubicon::network {
 
 namespace {
 
-constexpr int delay_smoothing = 16;
 constexpr unsigned purpose_bits = 2;
 
 neighbours_config links_of(const router_config& config) {
   neighbours_config x;
   if (config.is_sink)
     x.capacity = 24;
-  x.beacon_slack += config.beacon_delay_max;
-  x.beacon_gap_max += config.beacon_delay_max;
+  if (config.duty.period > 0s) { // a beacon a window: links must be known after few
+    x.good_samples = 4;
+    x.beacon_slack += config.duty.period;
+    x.beacon_gap_max += config.duty.period;
+  }
   return x;
 }
 
 /// Others are of no use until they know a way to the sink: it does not keep quiet for them.
 trickle_config beacons_of(const router_config& config) {
   auto x = config.beacons;
+  if (config.duty.period > 0s) {
+    x.interval_min = std::clamp(config.duty.period, x.interval_min, x.interval_max);
+    x.shortest = 5;
+  }
   if (config.is_sink)
     x.redundancy = std::numeric_limits<unsigned>::max();
   return x;
@@ -38,11 +44,13 @@ router::router(router_config config, random_stream dice, instant now)
       place_({.self = config.self, .is_sink = config.is_sink}, now),
       timer_(beacons_of(config), random_stream(dice_.next()), now), reported_(now),
       seek_end_(now + config.seek_length), report_gap_(config.report_gap),
-      helped_(now - config.help_gap) {
+      helped_(now - config.help_gap), answered_(now - config.help_gap),
+      ask_from_(now), ask_due_(now + config.ask_quiet), ask_pause_(config.ask_pause) {
   clock_sync_config timing;
   timing.self = config_.self;
   timing.is_root = config_.is_sink;
   timing.tick = config_.tick;
+  timing.resume_wait += config_.duty.period + config_.duty.length;
   clock_ = clock_sync(timing, now);
   collection_config packets;
   packets.self = config_.self;
@@ -61,11 +69,9 @@ router::router(router_config config, random_stream dice, instant now)
     paths.queue_max = 16;
     paths.octets_max = 16 * channel_packet_max;
   }
-  paths.connect_timeout += 5 * config_.beacon_delay_max;
-  paths.setup_timeout += 5 * config_.beacon_delay_max;
   paths_ = channels(paths, random_stream(dice_.next()));
   auto further = dice_; // the others' dice fall as they do without turns
-  turns_ = turns(config_.is_sink, random_stream(further.next()));
+  turns_ = turns(config_.is_sink, config_.duty, random_stream(further.next()));
 }
 
 void router::use_slots(std::size_t count, instant now) {
@@ -123,7 +129,7 @@ void router::send_directs(router_outputs& out, instant now) {
   if (turn_ > now)
     return;
   for (auto& x : std::exchange(waiting_directs_, {})) {
-    handed_[x.token] = {x.next_hop, now};
+    handed_[x.token] = x.next_hop;
     out.emplace_back(std::move(x));
   }
 }
@@ -155,7 +161,7 @@ void router::take(collection_outputs todo, router_outputs& out, instant now) {
     auto frame = frame_for(purpose::packet, next.next, next.am_type, std::move(next.octets));
     frame.in_slot = next.in_slot;
     if (next.next != broadcast_mote)
-      handed_[frame.token] = {next.next, now};
+      handed_[frame.token] = next.next;
     out.emplace_back(std::move(frame));
   }
   if (packets_.take_loop_seen())
@@ -213,7 +219,7 @@ std::pair<channel_id, router_outputs> router::connect(mote_id destination,
                                                       duration expiry, instant now) {
   router_outputs out;
   keep_turns(now);
-  const question x{paths_.next_id(), destination, schedule, expiry, now + answer_wait()};
+  const question x{paths_.next_id(), destination, schedule, expiry, now + answer_wait(now)};
   const bool must_ask = !config_.is_sink && !links_.good(destination) &&
                         questions_.size() < config_.questions_max && has_route();
   if (must_ask) {
@@ -229,8 +235,8 @@ bool router::may_ask_again(const question& x) const {
   return links_.is_full() && x.asks < config_.asks_max;
 }
 
-duration router::answer_wait() const {
-  return config_.question_timeout + 3 * config_.beacon_delay_max;
+duration router::answer_wait(instant now) const {
+  return config_.question_timeout + (2 + 2 * tree_.hops()) * turn_wait(now);
 }
 
 void router::ask(const question& x, router_outputs& out, instant now) {
@@ -240,18 +246,17 @@ void router::ask(const question& x, router_outputs& out, instant now) {
 
 void router::begin(const question& x, std::optional<virtual_coordinates> place, router_outputs& out,
                    instant now) {
-  take(paths_.connect(x.channel, x.destination, place, x.schedule, x.expiry, around(), now), out,
-       now);
+  take(paths_.connect(x.channel, x.destination, place, x.schedule, x.expiry, around(now), now), out);
 }
 
-std::optional<router_outputs> router::send_on(channel_id channel, bytes content, bool in_slot,
+std::optional<router_outputs> router::send_on(channel_id channel, bytes content, departure how,
                                               instant now) {
   keep_turns(now);
-  auto todo = paths_.send(channel, std::move(content), in_slot, now);
+  auto todo = paths_.send(channel, std::move(content), how, now);
   if (!todo)
     return std::nullopt;
   router_outputs out;
-  take(*std::move(todo), out, now);
+  take(*std::move(todo), out);
   return out;
 }
 
@@ -259,22 +264,23 @@ router_outputs router::disconnect(channel_id channel, instant now) {
   router_outputs out;
   keep_turns(now);
   std::erase_if(questions_, [channel](const question& x) { return x.channel == channel; });
-  take(paths_.disconnect(channel, now), out, now);
+  take(paths_.disconnect(channel, now), out);
   return out;
 }
 
 router_outputs router::refuse(channel_id channel, instant now) {
   router_outputs out;
   keep_turns(now);
-  take(paths_.refuse(channel, now), out, now);
+  take(paths_.refuse(channel, now), out);
   return out;
 }
 
-surroundings router::around() const {
+surroundings router::around(instant now) const {
   surroundings x;
   x.own_place = place_.place();
   x.is_crowd = links_.is_full();
-  x.hop_delay = std::chrono::duration_cast<std::chrono::microseconds>(hop_delay_);
+  x.turn_wait = turn_wait(now);
+  x.turn_wait = turn_wait(now);
   for (const auto& each : links_.all()) {
     if (each.good)
       x.motes.push_back({each.mote, place_.place_of(each.mote)});
@@ -282,13 +288,13 @@ surroundings router::around() const {
   return x;
 }
 
-void router::take(channels_outputs todo, router_outputs& out, instant now) {
+void router::take(channels_outputs todo, router_outputs& out) {
   for (auto& x : todo) {
     if (auto* next = std::get_if<channel_hop>(&x)) {
       auto frame = frame_for(purpose::channel, next->next, am::channel, std::move(next->octets));
       frame.in_slot = next->in_slot;
       if (next->next != broadcast_mote)
-        handed_[frame.token] = {next->next, now};
+        handed_[frame.token] = next->next;
       out.emplace_back(std::move(frame));
       continue;
     }
@@ -303,13 +309,15 @@ void router::take(channels_outputs todo, router_outputs& out, instant now) {
 
 // Beacons.
 
-void router::send_beacon(router_outputs& out, instant now) {
+void router::send_beacon(router_outputs& out, instant now, bool again) {
   beacon_due_ = false;
   relay_due_.reset();
+  answer_due_.reset();
   if (beacon_under_way_)
     return;
+  timer_.done(now);
   beacon x;
-  x.sequence = ++beacon_sequence_;
+  x.sequence = again ? beacon_sequence_ : ++beacon_sequence_;
   x.next_quarters = quarters(timer_.certain() - now + turn_wait(now));
   x.gradient = tree_.advertise();
   x.coordinates = place_.advertise();
@@ -332,6 +340,8 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
     return;
   }
   const auto what = links_.on_beacon(x->report(source, config_.self, has_route()), now);
+  heard_ = now;
+  answer_asker(x->clock, now);
   if (what == admission::repeated)
     return;
   if (has_route()) // else nobody does what we do: look for one
@@ -360,6 +370,50 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   settle(out, now);
 }
 
+/// Who sleeps hears little of what others say, and who does not know the time cannot tell when they
+/// listen: it asks in one window after another until one of theirs has come (as X-MAC wakes
+/// receivers). Motes that all begin together need not ask each other, but a sink must know whether
+/// anybody still has its time.
+void router::seek_time(router_outputs& out, instant now) {
+  if (config_.duty.period == 0s || config_.duty.knows_time(now, clock_)) {
+    ask_due_.reset();
+    ask_pause_ = config_.ask_pause;
+    return;
+  }
+  if (!ask_due_) { // it is lost again
+    ask_due_ = ask_from_ = now;
+    ask_end_ = instant{};
+  }
+  if (*ask_due_ > now)
+    return;
+  const bool goes_on = now < ask_end_;
+  const bool has_company = heard_ && now - *heard_ < config_.ask_quiet && !config_.is_sink;
+  if (!goes_on && has_company && now < ask_from_ + config_.ask_after) {
+    ask_due_ = ask_from_ + dice_.between(config_.ask_after, 2 * config_.ask_after);
+    return;
+  }
+  if (!goes_on)
+    ask_end_ = now + config_.duty.period + config_.duty.length;
+  ++counters_.asks;
+  send_beacon(out, now, goes_on);
+  ask_due_ = now + config_.duty.length * 2 / 3;
+  if (*ask_due_ >= ask_end_) {
+    ask_due_ = now + dice_.between(ask_pause_, 2 * ask_pause_);
+    ask_pause_ = std::min(2 * ask_pause_, config_.ask_pause_max);
+  }
+}
+
+/// One who does not know the time is on all the time: it can be answered at once.
+void router::answer_asker(const clock_stamp& told, instant now) {
+  const bool asks = told.root == mote_id{} || limit_of(told.doubt) > config_.duty.length / 2;
+  if (config_.duty.period == 0s || !asks || !config_.duty.knows_time(now, clock_) ||
+      answer_due_ || now - answered_ < config_.help_gap)
+    return;
+  answered_ = now;
+  ++counters_.answers;
+  answer_due_ = now + dice_.between(0s, config_.answer_spread);
+}
+
 /// What is known of links has changed: so may the tree and the coordinates.
 void router::settle(router_outputs& out, instant now) {
   const auto parent = tree_.parent();
@@ -367,6 +421,7 @@ void router::settle(router_outputs& out, instant now) {
   if (tree_.parent() != parent) {
     links_.pin(parent, parent == tree_.root());
     links_.pin(tree_.parent(), true);
+    clock_.follow(tree_.root());
   }
   if (change == gradient_change::lost) {
     timer_.reset(now);
@@ -411,10 +466,12 @@ router_outputs router::on_frame(mote_id source, std::uint8_t am_type, byte_view 
   case am::up:
   case am::down:
   case am::flood:
+    links_.hear(source, now);
     take(packets_.on_frame(source, am_type, payload, now), out, now);
     break;
   case am::channel:
-    take(paths_.on_frame(source, payload, around(), now), out, now);
+    links_.hear(source, now);
+    take(paths_.on_frame(source, payload, around(now), now), out);
     break;
   case am::local:
     out.emplace_back(content_in{source, false, to_bytes(payload)});
@@ -431,10 +488,7 @@ router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmi
   router_outputs out;
   keep_turns(now);
   if (const auto unicast = handed_.extract(token); !unicast.empty()) {
-    const auto [to, when] = unicast.mapped();
-    links_.on_sent(to, acked, transmissions);
-    if (acked)
-      hop_delay_ += (now - when - hop_delay_) / delay_smoothing;
+    links_.on_sent(unicast.mapped(), acked, transmissions, now);
     settle(out, now);
   }
   switch (static_cast<purpose>(token & ((1U << purpose_bits) - 1))) {
@@ -445,7 +499,7 @@ router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmi
     take(packets_.on_sent(acked, now), out, now);
     break;
   case purpose::channel:
-    take(paths_.on_sent(acked, acked ? surroundings() : around(), now), out, now);
+    take(paths_.on_sent(acked, acked ? surroundings() : around(now), now), out);
     break;
   case purpose::direct:
     if (auto sent = directs_.extract(token); !sent.empty() && !acked) {
@@ -470,10 +524,12 @@ router_outputs router::on_time(instant now) {
   beacon_due_ = timer_.on_time(now) || round || beacon_due_;
   if (!tree_.has_route() && now < seek_end_)
     timer_.shorten(now, config_.change_beacon);
-  if ((beacon_due_ || (relay_due_ && *relay_due_ <= now)) && turn_ <= now)
+  const bool is_turn = turn_ <= now && (beacon_due_ || (relay_due_ && *relay_due_ <= now));
+  if (is_turn || (answer_due_ && *answer_due_ <= now))
     send_beacon(out, now);
+  seek_time(out, now);
   take(packets_.on_time(now), out, now);
-  take(paths_.on_time(now), out, now);
+  take(paths_.on_time(now), out);
   for (auto q = questions_.begin(); q != questions_.end();) {
     if (q->due > now) {
       ++q;
@@ -481,7 +537,7 @@ router_outputs router::on_time(instant now) {
     }
     if (may_ask_again(*q)) {
       ++q->asks;
-      q->due = now + answer_wait();
+      q->due = now + answer_wait(now);
       ask(*q, out, now);
       ++q;
       continue;
@@ -506,6 +562,9 @@ instant router::deadline() const {
   consider(clock_.deadline());
   if (relay_due_)
     consider(std::max(*relay_due_, turn_));
+  consider(answer_due_);
+  if (config_.duty.period > 0s)
+    consider(ask_due_);
   if (beacon_due_ || !waiting_directs_.empty())
     consider(turn_);
   consider(packets_.deadline());

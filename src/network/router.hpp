@@ -31,7 +31,7 @@ struct router_config {
   bool is_sink = false;
   trickle_config beacons;
   tick_setting tick;              ///< the sink's (CLK-03)
-  duration report_period = 60s;   ///< a mote tells the sink where it is, at least so often;
+  duration report_period = 8min;  ///< a mote tells the sink where it is, at least so often;
   duration report_gap = 5s;       ///< when that has changed, so long after it said anything; twice
                                   ///< as long with each time that it goes on changing
   duration question_timeout = 3s; ///< for the sink's answer where a mote is. In a crowd,
@@ -42,12 +42,20 @@ struct router_config {
   std::size_t direct_max = 4;     ///< packets for neighbours under way
   duration relay_spread = 150ms;  ///< a clock round is passed on within this time,
   unsigned relay_copies = 3;      ///< unless it has been heard so often until then
-  duration beacon_delay_max{};    ///< by which motes may hold their frames back
+  duty_window duty;               ///< when radios are on
   /// A beacon comes within this time of a change of coordinates, and as often from those that look
   /// for a route, but for no longer than seek_length; and for these not more often than help_gap.
   duration change_beacon = 1s;
   duration seek_length = 30s;
   duration help_gap = 2s;
+  /// In an island whose radios sleep, who does not know the time asks for it for a whole period,
+  /// with a beacon in each window: when it has heard nobody for ask_quiet, or nobody who knows for
+  /// ask_after; then again, each time twice as long after.
+  duration ask_quiet = 1500ms;
+  duration ask_after = 10s;
+  duration ask_pause = 8s;
+  duration ask_pause_max = 2min;
+  duration answer_spread = 30ms; ///< within which who knows the time answers
 };
 
 /// Put this frame on the radio and tell on_sent() how it ended.
@@ -82,6 +90,8 @@ struct router_counters {
   std::uint64_t questions = 0;    ///< where a mote is
   std::uint64_t unanswered = 0;
   std::uint64_t detours = 0; ///< packets for a neighbour that went by the sink after all
+  std::uint64_t asks = 0;    ///< beacons that ask for the time
+  std::uint64_t answers = 0; ///< to those of others
 };
 
 /// One frame of each kind is under way at a time: beacon, packet, channel message; packets for
@@ -97,7 +107,7 @@ public:
 
   /// Towards a mote of the island, or the sink. A mote that is no neighbour is reached by way of
   /// the sink, which gets the content and must send it down.
-  /// @param in_slot as in channels::send()
+  /// @param in_slot nobody near sends now: the first hop needs no back-off
   /// @pre room_to() is given and content fits
   [[nodiscard]] router_outputs send(mote_id destination, bytes content, instant now,
                                     bool in_slot = false);
@@ -108,7 +118,7 @@ public:
   connect(mote_id destination, const channel_schedule& schedule, duration expiry, instant now);
   /// @returns nothing if the channel is not open here or its queue is full
   [[nodiscard]] std::optional<router_outputs> send_on(channel_id channel, bytes content,
-                                                      bool in_slot, instant now);
+                                                      departure how, instant now);
   [[nodiscard]] router_outputs disconnect(channel_id channel, instant now);
   /// A channel that was accepted is not wanted: the source hears no_room.
   [[nodiscard]] router_outputs refuse(channel_id channel, instant now);
@@ -128,7 +138,7 @@ public:
   void use_slots(std::size_t count, instant now);
 
   /// The longest wait of a frame for its turn.
-  [[nodiscard]] duration turn_wait(instant now) const { return turns::longest(now, clock_); }
+  [[nodiscard]] duration turn_wait(instant now) const { return turns_.longest(now, clock_); }
 
   [[nodiscard]] bool has_route() const { return config_.is_sink || tree_.has_route(); }
   [[nodiscard]] const clock_sync& clock() const { return clock_; }
@@ -164,20 +174,23 @@ private:
   void send_directs(router_outputs& out, instant now);
   void on_beacon(mote_id source, byte_view payload, instant sfd, router_outputs& out, instant now);
   void settle(router_outputs& out, instant now);
-  void send_beacon(router_outputs& out, instant now);
+  /// @param again it says nothing that the last one did not: it counts as the same
+  void send_beacon(router_outputs& out, instant now, bool again = false);
   [[nodiscard]] std::optional<instant> report_due() const;
   void report(router_outputs& out, instant now);
   void take(collection_outputs todo, router_outputs& out, instant now);
-  void take(channels_outputs todo, router_outputs& out, instant now);
+  void take(channels_outputs todo, router_outputs& out);
   void on_content(collected x, router_outputs& out, instant now);
   void send_router_message(mote_id to, const router_message& x, router_outputs& out, instant now,
                            bool in_slot = false);
-  [[nodiscard]] duration answer_wait() const;
+  [[nodiscard]] duration answer_wait(instant now) const;
+  void seek_time(router_outputs& out, instant now);
+  void answer_asker(const clock_stamp& told, instant now);
   [[nodiscard]] bool may_ask_again(const question& x) const;
   void ask(const question& x, router_outputs& out, instant now);
   void begin(const question& x, std::optional<virtual_coordinates> place, router_outputs& out,
              instant now);
-  [[nodiscard]] surroundings around() const;
+  [[nodiscard]] surroundings around(instant now) const;
   [[nodiscard]] std::optional<virtual_coordinates> known_place(mote_id x) const;
   [[nodiscard]] frame_out frame_for(purpose why, mote_id to, std::uint8_t am_type, bytes payload);
 
@@ -201,7 +214,7 @@ private:
   std::uint64_t frames_ = 0;
   std::map<std::uint64_t, direct> directs_;                     ///< by token
   std::vector<frame_out> waiting_directs_;                      ///< of them, for their turn
-  std::map<std::uint64_t, std::pair<mote_id, instant>> handed_; ///< unicasts: to whom, when
+  std::map<std::uint64_t, mote_id> handed_; ///< unicasts: to whom
   std::vector<question> questions_;
   std::map<mote_id, virtual_coordinates> places_; ///< at the sink
   std::optional<virtual_coordinates> told_place_;
@@ -210,7 +223,13 @@ private:
   instant seek_end_;      ///< it has looked for a route long enough
   duration report_gap_{}; ///< from then to the next report of a change
   instant helped_;        ///< when it last sent a beacon soon for those without a route
-  duration hop_delay_ = 10ms;
+  std::optional<instant> answer_due_; ///< to one who asks for the time
+  instant answered_;                  ///< when we last did
+  std::optional<instant> heard_;      ///< anybody's beacon
+  instant ask_from_;                  ///< we have not known the time since then
+  std::optional<instant> ask_due_;    ///< our next beacon that asks,
+  instant ask_end_;                   ///< the last one until then
+  duration ask_pause_{};
   router_counters counters_;
 };
 

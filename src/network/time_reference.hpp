@@ -18,7 +18,8 @@ struct time_reference_config {
   duration answer_max = 1s;  ///< an answer that comes later tells nothing
   duration excess_max = 1ms; ///< of its round trip over the shortest one of late: a good answer's
   duration leap_min = 2ms;   ///< farther from the line: the time there was set, or this is wrong
-  duration span_min = 10s;   ///< of answers that drift is learnt from
+  duration span_min = 10s;   ///< of answers that drift is learnt from;
+  duration spread = 60s;     ///< those that are kept are so far apart, but for the newest
   double drift_max = 600e-6; ///< that of two crystals is less
 };
 
@@ -57,8 +58,10 @@ public:
   /// The time there, since 1970; nothing before the first answer.
   [[nodiscard]] std::optional<duration> at(instant own) const;
 
-  /// By how much our clock is too slow: 1e-6 is 1 ppm.
-  [[nodiscard]] double drift() const { return drift_; }
+  /// By how much our clock is too slow: 1e-6 is 1 ppm; nothing: not known yet.
+  [[nodiscard]] std::optional<double> drift() const {
+    return has_drift_ ? std::optional(drift_) : std::nullopt;
+  }
   [[nodiscard]] const time_reference_counters& counters() const { return counters_; }
 
 private:

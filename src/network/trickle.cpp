@@ -24,7 +24,8 @@ bool trickle::on_time(instant now) {
   // An owner that comes late is not made to fire for all it has missed.
   const auto end = std::max(start_ + interval_, now);
   const bool fires = interval_ == config_.interval_max || heard_ < config_.redundancy;
-  begin(std::min(2 * interval_, config_.interval_max), end);
+  const bool again = interval_ == config_.interval_min && ++shortest_ < config_.shortest;
+  begin(again ? interval_ : std::min(2 * interval_, config_.interval_max), end);
   return fires;
 }
 
@@ -32,12 +33,16 @@ instant trickle::certain() const {
   if (interval_ == config_.interval_max)
     return due_;
   auto end = start_ + interval_;
+  if (interval_ == config_.interval_min)
+    end += (config_.shortest - std::min(config_.shortest, shortest_ + 1)) * interval_;
   for (auto interval = interval_; interval < config_.interval_max; end += interval)
     interval = std::min(2 * interval, config_.interval_max);
   return end;
 }
 
 void trickle::shorten(instant now, duration interval) {
+  if (interval == config_.interval_min)
+    shortest_ = 0;
   if (interval_ > interval)
     begin(interval, now);
 }

@@ -9,7 +9,8 @@ namespace rubicon::network {
 
 struct trickle_config {
   duration interval_min = 125ms;
-  duration interval_max = 16s;
+  duration interval_max = 8min;
+  unsigned shortest = 1;   ///< so many shortest intervals follow each other before they grow
   unsigned redundancy = 6; ///< others that fire in a shorter interval, which make ours needless
 };
 
@@ -36,6 +37,12 @@ public:
   /// Another has fired that did what we would do.
   void hear() { ++heard_; }
 
+  /// We have just done it for another reason: once nothing changes, the next interval begins now.
+  void done(instant now) {
+    if (interval_ == config_.interval_max)
+      begin(interval_, now);
+  }
+
   [[nodiscard]] instant deadline() const { return due_; }
 
   /// The latest time at which it fires, whoever else does.
@@ -52,7 +59,8 @@ private:
   duration interval_{};
   instant start_; ///< of the interval in which it fires next
   instant due_;
-  unsigned heard_ = 0; ///< in this interval
+  unsigned heard_ = 0;    ///< in this interval
+  unsigned shortest_ = 0; ///< shortest intervals so far
 };
 
 } // namespace rubicon::network

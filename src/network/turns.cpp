@@ -24,7 +24,32 @@ std::optional<tick_setting> slotted(instant now, const clock_sync& clock) {
 
 } // namespace
 
+/// Drawn once for each tick or window.
+duration turns::draw(std::int64_t number, duration spread) {
+  if (drawn_for_ != number) {
+    drawn_for_ = number;
+    offset_ = is_sink_ ? 0ns : dice_.between(0s, spread);
+  }
+  return offset_;
+}
+
+instant turns::next_in_window(instant now, const clock_sync& clock) {
+  constexpr int open_quarters = 3;
+  const auto period = in_us(window_.period);
+  const auto time = clock.at(now).time_since_epoch();
+  const auto doubt = clock.doubt(now);
+  auto number = time / period - (time % period < 0us ? 1 : 0);
+  const auto into = time - number * period;
+  if (into >= doubt && into < in_us(window_.length) * open_quarters / 4)
+    return now;
+  number += into < doubt ? 0 : 1;
+  const auto begin = number * period + doubt + in_us(draw(number, window_.length / 2));
+  return std::max(now, clock.when(island_time(begin)));
+}
+
 instant turns::next(instant now, const clock_sync& clock) {
+  if (window_.period > 0s)
+    return window_.applies(now, clock) ? next_in_window(now, clock) : now;
   const auto setting = slotted(now, clock);
   if (!setting)
     return now;
@@ -35,16 +60,14 @@ instant turns::next(instant now, const clock_sync& clock) {
   auto tick = since / period - (since % period < 0us ? 1 : 0);
   if (since - tick * period >= in_us(plan.free_until()))
     ++tick;
-  if (drawn_for_ != tick) {
-    drawn_for_ = tick;
-    const auto spread = std::min(free_from, (plan.free_until() - free_from) / 2);
-    offset_ = is_sink_ ? 0ns : dice_.between(0s, spread);
-  }
-  const auto begin = setting->from + tick * period + in_us(free_from + offset_);
+  const auto spread = std::min(free_from, (plan.free_until() - free_from) / 2);
+  const auto begin = setting->from + tick * period + in_us(free_from + draw(setting->first + tick, spread));
   return std::max(now, clock.when(begin));
 }
 
-duration turns::longest(instant now, const clock_sync& clock) {
+duration turns::longest(instant now, const clock_sync& clock) const {
+  if (window_.period > 0s)
+    return window_.applies(now, clock) ? window_.period : 0ns;
   const auto setting = slotted(now, clock);
   return setting ? duration(setting->period) : 0ns;
 }

@@ -1,5 +1,5 @@
-// When frames without a slot may leave, so that synaptic vectors have their slots for themselves
-// (SYN-16).
+// When frames without a slot or schedule may leave, so that synaptic vectors have their slots for
+// themselves (SYN-16), and radios that sleep are on (NRG-01).
 #pragma once
 
 #include <cstdint>
@@ -8,31 +8,39 @@
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "network/clock_sync.hpp"
+#include "network/duty_window.hpp"
 
 namespace rubicon::network {
 
 /// At any time, unless the island's clock says that slots are in use: then in the free part of each
 /// tick (network/tick_plan.hpp), from a moment on that is drawn anew each time: those who have
-/// waited begin spread over as long as they have, or over half the free part. A sink, which most of
-/// them talk to, is first.
+/// waited begin spread over as long as they have, or over half the free part. In an island whose
+/// radios sleep: in the first three quarters of each common window, from when those are on who know
+/// the time no better than we do; who has waited begins spread over its first half. A sink, which
+/// most of them talk to, is first.
 class turns {
 public:
   turns() = default;
-  turns(bool is_sink, random_stream dice) : is_sink_(is_sink), dice_(dice) {}
+  turns(bool is_sink, duty_window window, random_stream dice)
+      : is_sink_(is_sink), window_(window), dice_(dice) {}
 
   /// @returns `now`, or the next moment at which a frame without a slot may be handed to the radio
   [[nodiscard]] instant next(instant now, const clock_sync& clock);
 
   /// The longest wait for it.
-  [[nodiscard]] static duration longest(instant now, const clock_sync& clock);
+  [[nodiscard]] duration longest(instant now, const clock_sync& clock) const;
 
   [[nodiscard]] static std::size_t footprint() { return 4; }
 
 private:
+  [[nodiscard]] instant next_in_window(instant now, const clock_sync& clock);
+  [[nodiscard]] duration draw(std::int64_t number, duration spread);
+
   bool is_sink_ = false;
+  duty_window window_;
   random_stream dice_;
-  std::optional<std::int64_t> drawn_for_; ///< number of a tick
-  duration offset_{};                     ///< from the beginning of its free part
+  std::optional<std::int64_t> drawn_for_; ///< number of a tick or window
+  duration offset_{};                     ///< from when it is free
 };
 
 } // namespace rubicon::network

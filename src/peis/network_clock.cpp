@@ -1,6 +1,8 @@
 #include "peis/network_clock.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "core/codec.hpp"
 
@@ -40,10 +42,18 @@ result<clock_message> decode_clock(byte_view octets) {
 }
 
 network_clock::network_clock(clock_config config, peer_id self, instant now)
-    : config_(config), self_(self), offset_(config.offset), next_(now + config.period) {}
+    : config_(config), self_(self), offset_(config.offset), drifted_(now),
+      next_(now + config.period) {}
+
+void network_clock::drift(instant now) {
+  const auto since = now - std::exchange(drifted_, now);
+  offset_ += duration(static_cast<duration::rep>(
+      std::floor(static_cast<double>(since.count()) * (static_cast<double>(config_.ppb) * 1e-9))));
+}
 
 void network_clock::on_message(const clock_message& x, peer_id source, duration on_the_way,
                                bool marked, instant now) {
+  drift(now);
   if (config_.master && !x.master)
     return;
   const auto delta = x.network_time + on_the_way - (now.time_since_epoch() + offset_);
@@ -59,6 +69,7 @@ void network_clock::on_message(const clock_message& x, peer_id source, duration 
 std::optional<clock_message> network_clock::on_time(instant now) {
   if (now < next_)
     return std::nullopt;
+  drift(now);
   next_ += config_.period;
   if (next_ <= now)
     next_ = now + config_.period; // late: once, without catching up

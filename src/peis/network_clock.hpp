@@ -29,6 +29,7 @@ struct clock_config {
   bool master = false;  ///< its time is everybody's, forwards and backwards
   duration period = 2s; ///< between two broadcasts (part C)
   duration offset{};    ///< of the local clock: network time at ecology time zero
+  std::int64_t ppb = 0; ///< by which the local clock runs fast, parts per billion
   duration quiet = 7s;  ///< no broadcast for so long after a better one was heard
 };
 
@@ -58,9 +59,12 @@ public:
   void step(duration by) { offset_ += by; }
 
 private:
+  void drift(instant now);
+
   clock_config config_;
   peer_id self_;
   duration offset_{};
+  instant drifted_; ///< until when it is in the offset
   duration last_error_{};
   instant next_;
 };

@@ -27,7 +27,7 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
     : config_(std::move(config)), dice_(dice), ids_(dice_), assembly_(config_.assembly),
       acknowledger_(config_.ack_delay), delivery_(config_.reliable),
       bluetooth_(config_.bluetooth, now),
-      clock_({config_.time_master, config_.clock_period, config_.clock_offset}, config_.id, now),
+      clock_({config_.time_master, config_.clock_period, config_.clock_offset, config_.clock_ppb}, config_.id, now),
       next_manager_(now + config_.connections.manager_period), next_merge_(now),
       next_announcement_(now), last_measured_(now), joined_(now),
       next_period_(now + dice_.between(config_.routing_period / 2, config_.routing_period)),

@@ -61,6 +61,7 @@ struct p2p_config {
   std::vector<low_level_address> addresses; ///< where we listen; up to 16, told to others
   /// Network time minus ecology time. In wall mode the Unix time of the ecology's start.
   duration clock_offset = 1'000'000'000s;
+  std::int64_t clock_ppb = 0; ///< by which the local clock runs fast, parts per billion
   duration clock_period = 2s;
   bool time_master = false; ///< our clock is everybody's (CLK-06)
   connection_config connections;

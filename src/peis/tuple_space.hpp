@@ -40,7 +40,7 @@ struct tuple_space_config {
   std::size_t written_octets_max = std::size_t{24} << 20U; ///< own tuples that others have written
   /// Of these, what writers that are gone may leave behind for longer than `orphan_age`: beyond it
   /// the largest that they have created go.
-  std::size_t orphaned_octets_max = std::size_t{8} << 20U;
+  std::size_t orphaned_octets_max = std::size_t{2} << 20U;
   duration orphan_age = 30s;
   std::size_t stale_octets_max = std::size_t{16} << 20U; ///< see keep_values_of_dead_hosts
   std::size_t strangers_max = 256; ///< hosts that use this space before the network knows them

@@ -58,6 +58,9 @@ public:
   streams() = default;
   explicit streams(streams_config config) : config_(config) {}
 
+  /// Answers to what we send take so much longer from now on, as radios sleep.
+  void set_answer_slack(duration x) { answer_slack_ = x; }
+
   /// Open at once. Failures: bad_argument (transducer, period, queue size), already_open (an equal
   /// one is), no_room.
   [[nodiscard]] answer open_sensor(const sensor_request& x, instant now);
@@ -168,7 +171,10 @@ private:
   void on_row_message(row& x, const message& content, outputs& todo);
   void on_record(row& x, const write_message& content, outputs& todo);
 
+  [[nodiscard]] duration patience() const { return config_.writer_patience + 2 * answer_slack_; }
+
   streams_config config_;
+  duration answer_slack_{};
   std::vector<row> rows_; ///< in order of opening
   std::vector<early> early_;
   descriptor last_;

@@ -42,7 +42,7 @@ void streams::start_writer(row& x, const remote_request& wish, mote_address dest
     return;
   }
   x.at = phase::connecting;
-  x.gives_up = now + config_.writer_patience;
+  x.gives_up = now + patience();
   x.due = x.gives_up;
   todo.emplace_back(connect_channel{x.id, destination, wish.rate,
                                     write_header_size + wish.buffer_size, wish.qos});
@@ -80,7 +80,7 @@ void streams::opened(row& x, outputs& todo) {
 
 void streams::ask(row& x, outputs& todo, instant now) {
   x.at = phase::asking;
-  x.due = std::min(now + config_.open_repeat, x.gives_up);
+  x.due = std::min(now + config_.open_repeat + answer_slack_, x.gives_up);
   todo.emplace_back(send_on_channel{*x.channel, encode(open_message{x.name})});
 }
 
@@ -105,7 +105,7 @@ outputs streams::on_connect_failed(descriptor stream) {
 
 outputs streams::on_accepted(channel_handle channel, mote_address source, instant now) {
   if (early_.size() < config_.early_max) {
-    early_.push_back({channel, source, std::nullopt, 0, now + config_.writer_patience});
+    early_.push_back({channel, source, std::nullopt, 0, now + patience()});
     return {};
   }
   ++counters_.refused;

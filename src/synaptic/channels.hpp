@@ -71,6 +71,9 @@ public:
   channels() = default;
   explicit channels(channels_config config) : config_(config) {}
 
+  /// Answers to what we send take so much longer from now on, as radios sleep.
+  void set_answer_slack(duration x) { answer_slack_ = x; }
+
   /// create_done follows. Failures: bad_argument (broadcast, size), already_open, no_room.
   /// @param self this node's address; no_mote in the mote part for a PC
   /// @param destination own_island: the island that `x` says
@@ -184,7 +187,10 @@ private:
   void send_vector(row& x, outputs& todo);
   void send_stop(row& x, outputs& todo, bool in_slot = false);
 
+  [[nodiscard]] duration patience() const { return config_.writer_patience + 2 * answer_slack_; }
+
   channels_config config_;
+  duration answer_slack_{};
   std::vector<row> rows_; ///< in order of creation
   std::vector<early> early_;
   descriptor last_;

@@ -27,7 +27,7 @@ answer channels::create_out(mote_address self, mote_address destination, std::si
     return done;
   auto& added = rows_.back();
   added.values.resize(size);
-  added.gives_up = now + config_.writer_patience;
+  added.gives_up = now + patience();
   added.due = added.gives_up;
   if (added.loops) {
     join_own(added, done.todo);
@@ -111,7 +111,7 @@ void channels::opened(row& x, outputs& todo) {
 
 void channels::ask(row& x, outputs& todo, instant now) {
   x.at = phase::asking;
-  x.due = std::min(now + config_.open_repeat, x.gives_up);
+  x.due = std::min(now + config_.open_repeat + answer_slack_, x.gives_up);
   todo.emplace_back(send_on_channel{*x.channel, encode(x.shape)});
 }
 
@@ -163,7 +163,7 @@ outputs channels::on_connect_failed(descriptor channel) {
 
 outputs channels::on_accepted(channel_handle handle, mote_address source, instant now) {
   if (early_.size() < config_.early_max) {
-    early_.push_back({handle, source, std::nullopt, now + config_.writer_patience});
+    early_.push_back({handle, source, std::nullopt, now + patience()});
     return {};
   }
   ++counters_.refused;

@@ -117,8 +117,13 @@ void endpoint::attempt(mote_address destination, session& x, outputs& out, insta
     ++counters_.hellos;
   }
   out.emplace_back(to_network{destination, first.am_type, encode(content)});
-  x.due = now + config_.ack_wait * (1U << x.attempts);
+  x.due = now + config_.ack_wait * (1U << x.attempts) + slack_to(destination);
   ++x.attempts;
+}
+
+duration endpoint::slack_to(mote_address destination) const {
+  const auto there = config_.answer_slack.find(destination.island);
+  return own_slack_ + (there == config_.answer_slack.end() ? 0ns : there->second);
 }
 
 outputs endpoint::on_segment(island_id source_island, byte_view octets, instant now) {

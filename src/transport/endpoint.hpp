@@ -48,7 +48,9 @@ using outputs = std::vector<output>;
 struct endpoint_config {
   mote_id self;                  ///< no_mote for the PC side
   std::uint32_t incarnation = 0; ///< how often this node has been started before
-  duration ack_wait = 500ms;     ///< after the first attempt; doubles with each further one
+  duration ack_wait = 500ms;     ///< after the first attempt; doubles with each further one,
+  /// and this more after each where frames wait for radios that sleep, by island of the destination
+  std::map<island_id, duration> answer_slack = {};
   unsigned attempts_max = 5;     ///< failure after 31 times ack_wait
   duration busy_wait = 500ms;    ///< before a receiver without room is asked again
   std::size_t payload_max = transport::payload_max; ///< of a message
@@ -94,6 +96,10 @@ public:
   [[nodiscard]] std::optional<outputs> send(ticket id, mote_address destination,
                                             std::uint8_t am_type, bytes payload, bool reliable,
                                             instant now);
+
+  /// Answers to what we send take so much longer from now on: our own radio, or those on the way,
+  /// sleep.
+  void set_answer_slack(duration x) { own_slack_ = x; }
 
   /// This node has been started again, we hear: greet it before the next message.
   void forget_incarnation(mote_address destination);
@@ -156,7 +162,10 @@ private:
   void on_reliable(mote_address from, segment x, outputs& out, instant now);
   void answer(mote_address to, const segment& x, segment::kind what, outputs& out) const;
 
+  [[nodiscard]] duration slack_to(mote_address destination) const;
+
   endpoint_config config_;
+  duration own_slack_{};
   island_id island_ = own_island;
   std::uint16_t next_counter_ = 0; ///< of a new session: above those of sessions forgotten
   std::uint64_t uses_ = 0;

@@ -141,7 +141,7 @@ private:
         field = value;
     };
     maybe(x.sequence, word());
-    maybe(x.next_quarters, static_cast<std::uint8_t>(dice_.below(256)));
+    maybe(x.next_quarters, static_cast<std::uint16_t>(dice_.below(65536)));
     maybe(x.gradient.root, any_mote());
     maybe(x.gradient.root_sequence, word());
     maybe(x.gradient.parent, any_mote());
@@ -156,7 +156,8 @@ private:
     maybe(x.clock.tick.period, std::chrono::milliseconds(dice_.below(1U << 13)));
     maybe(x.clock.slots_used, static_cast<std::uint8_t>(dice_.below(8)));
     if (dice_.chance(0.3))
-      x.clock.network_ahead = std::chrono::microseconds(static_cast<std::int64_t>(dice_.next()));
+      x.clock.network = network::network_line{
+          std::chrono::microseconds(static_cast<std::int64_t>(dice_.next())), 0};
     x.heard.resize(std::min(x.heard.size(), network::beacon::heard_max(x.clock)));
     return encode(x);
   }

@@ -21,12 +21,15 @@
 
 namespace rubicon::test {
 
-/// Neighbours, gradient, coordinates and trickle put together as a router does.
+/// Neighbours, gradient, coordinates and trickle put together as a router does, with beacons up to
+/// 16 s apart: there is no traffic here that would tell sooner what has become of a link.
 class beacon_mote {
 public:
   beacon_mote(mote_id self, bool is_sink, random_stream dice, instant now)
-      : self_(self), tree({.self = self, .is_root = is_sink}),
-        place({.self = self, .is_sink = is_sink}, now), timer({}, dice, now) {}
+      : self_(self), links({.beacon_gap_max = 24s}),
+        tree({.self = self, .is_root = is_sink, .root_patience = 3min}),
+        place({.self = self, .is_sink = is_sink, .sequence_patience = 6min}, now),
+        timer({.interval_max = 16s}, dice, now) {}
 
   /// @returns the beacon to send, if one is due
   std::optional<bytes> on_time(instant now) {
@@ -158,7 +161,7 @@ public:
       ++transmissions;
       acked = alive(to) && arrives(index(from), index(to)) && arrives(index(to), index(from));
     }
-    at(from).links.on_sent(to, acked, transmissions);
+    at(from).links.on_sent(to, acked, transmissions, now);
     at(from).settle(now);
     wake(index(from));
     return acked;

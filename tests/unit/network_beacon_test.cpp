@@ -32,7 +32,7 @@ beacon sample() {
 
 TEST_CASE("a beacon has the octets that its header tells", "[network][NET-14]") {
   const std::string text = "0102"
-                           "03"
+                           "0003"
                            "04050607"
                            "08090a0b"
                            "0c"
@@ -48,6 +48,7 @@ TEST_CASE("a beacon has the octets that its header tells", "[network][NET-14]") 
                            "30313233"
                            "343536373839"
                            "3a3b"
+                           "00"
                            "3c3d3e"
                            "3f4041";
   CHECK(to_hex(encode(sample())) == text);
@@ -63,10 +64,10 @@ TEST_CASE("a beacon with a full list fits a frame, and each wrong length is refu
   const auto octets = encode(x);
   CHECK(octets.size() <= frame_payload_max);
   CHECK(beacon::heard_max(x.clock) == 16);
-  x.clock.network_ahead = std::chrono::microseconds(1);
+  x.clock.network = network_line{std::chrono::microseconds(1), 0};
   x.heard.resize(beacon::heard_max(x.clock));
   CHECK(encode(x).size() <= frame_payload_max);
-  CHECK(beacon::heard_max(x.clock) == 14);
+  CHECK(beacon::heard_max(x.clock) == 13);
   for (std::size_t size = 0; size < octets.size(); ++size) {
     const auto cut = decode_beacon(byte_view(octets).first(size));
     const bool is_whole = size >= beacon::header_size && (size - beacon::header_size) % 3 == 0;
@@ -106,14 +107,15 @@ TEST_CASE("the time until the next beacon is rounded up to quarters", "[network]
   CHECK(quarters(1ns) == 1);
   CHECK(quarters(250ms) == 1);
   CHECK(quarters(24s) == 96);
-  CHECK(quarters(1h) == 255);
+  CHECK(quarters(1h) == 14400);
+  CHECK(quarters(24h) == 65535);
   CHECK(quarters(-1s) == 0);
 }
 
 TEST_CASE("trickle fires once in the second half of intervals that double up to the longest",
           "[network][NET-11]") {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
-    trickle timer({}, random_stream(seed), instant{} + 1s);
+    trickle timer({.interval_max = 16s}, random_stream(seed), instant{} + 1s);
     auto begin = instant{} + 1s;
     for (auto interval = duration(125ms); begin < instant{} + 2min;) {
       const auto due = timer.deadline();
@@ -185,11 +187,40 @@ TEST_CASE("in short intervals a trickle keeps quiet if enough others fire, in th
 }
 
 TEST_CASE("a trickle fires in its first longest interval at the latest", "[network][NET-11]") {
-  trickle timer({}, random_stream(3), instant{} + 1s);
+  trickle timer({.interval_max = 16s}, random_stream(3), instant{} + 1s);
   CHECK(timer.certain() == instant{} + 1s + 31875ms); // 125 ms, doubled up to 16 s
   while (!timer.on_time(timer.deadline())) {
   }
   CHECK(timer.certain() == instant{} + 1s + 31875ms);
+}
+
+TEST_CASE("shortest intervals follow each other as often as is wished", "[network][NET-11]") {
+  trickle timer({.interval_min = 4s, .interval_max = 64s, .shortest = 3}, random_stream(3), instant{});
+  const auto fires_in = [&](duration from, duration to) {
+    const auto due = timer.deadline();
+    CHECK(due >= instant{} + from);
+    CHECK(due < instant{} + to);
+    CHECK(timer.on_time(due));
+  };
+  CHECK(timer.certain() == instant{} + 4s + 4s + 4s + 8s + 16s + 32s + 64s);
+  fires_in(2s, 4s);
+  fires_in(6s, 8s);
+  fires_in(10s, 12s);
+  fires_in(16s, 20s);
+  timer.reset(instant{} + 20s);
+  fires_in(22s, 24s);
+  fires_in(26s, 28s);
+}
+
+TEST_CASE("what was done for another reason counts once nothing changes", "[network][NET-11]") {
+  trickle timer({.interval_min = 1s, .interval_max = 4s}, random_stream(3), instant{});
+  timer.done(instant{} + 400ms);
+  CHECK(timer.deadline() < instant{} + 1s);
+  while (timer.certain() != timer.deadline())
+    CHECK(timer.on_time(timer.deadline()));
+  const auto now = timer.deadline() - 1ms;
+  timer.done(now);
+  CHECK(timer.deadline() >= now + 2s);
 }
 
 TEST_CASE("a beacon that lists as many as a table holds comes from a crowd", "[network][NET-10]") {

@@ -221,7 +221,7 @@ TEST_CASE("packets go over a channel, in either direction", "[network][NET-05][N
   grid x(5, 5, 1);
   const auto id = x.connect(grid::id(0), grid::id(24));
   for (std::uint8_t i = 0; i < 50; ++i) {
-    auto out = x.at(grid::id(0)).send(id, {i}, false, x.now());
+    auto out = x.at(grid::id(0)).send(id, {i}, departure::in_turn, x.now());
     REQUIRE(out.has_value());
     x.perform(grid::id(0), *std::move(out));
     x.run_for(20ms);
@@ -230,10 +230,10 @@ TEST_CASE("packets go over a channel, in either direction", "[network][NET-05][N
   CHECK(x.received.at(id).size() == 50);
   CHECK(x.received.at(id).back() == bytes{49});
   x.received.clear();
-  x.perform(grid::id(24), *x.at(grid::id(24)).send(id, {77}, false, x.now()));
+  x.perform(grid::id(24), *x.at(grid::id(24)).send(id, {77}, departure::in_turn, x.now()));
   x.run_for(1s);
   CHECK(x.received.at(id) == std::vector<bytes>{{77}});
-  CHECK_FALSE(x.at(grid::id(1)).send(id, {1}, false, x.now()).has_value());
+  CHECK_FALSE(x.at(grid::id(1)).send(id, {1}, departure::in_turn, x.now()).has_value());
 }
 
 TEST_CASE("where slots are in use, only vectors in them and what passes do not wait",
@@ -252,7 +252,7 @@ TEST_CASE("where slots are in use, only vectors in them and what passes do not w
       all.push_back(std::get<channel_hop>(each));
     return all;
   };
-  const auto vector = hops(source.send(id, {2}, true, now));
+  const auto vector = hops(source.send(id, {2}, departure::in_slot, now));
   REQUIRE(vector.size() == 1);
   CHECK(vector[0].in_slot);
   const auto passed = hops(relay.on_frame(grid::id(0), vector[0].octets, {}, now));
@@ -277,9 +277,9 @@ TEST_CASE("where slots are in use, only vectors in them and what passes do not w
   CHECK(source.counters().packets_lost == 1);
 
   source.hold(later + 1s);
-  CHECK(hops(source.send(id, {3}, false, later)).empty());
+  CHECK(hops(source.send(id, {3}, departure::in_turn, later)).empty());
   CHECK(source.deadline() == later + 1s);
-  CHECK(hops(source.send(id, {4}, true, later)).size() == 1); // overtakes
+  CHECK(hops(source.send(id, {4}, departure::in_slot, later)).size() == 1); // overtakes
 }
 
 TEST_CASE("control messages that find no room are counted", "[network]") {
@@ -304,7 +304,7 @@ TEST_CASE("sending says nothing of delivery: on bad links packets are lost and c
   REQUIRE(x.connected.contains(id));
   int sent = 0;
   for (int i = 0; i < 300; ++i) {
-    if (auto out = x.at(grid::id(0)).send(id, {1}, false, x.now())) {
+    if (auto out = x.at(grid::id(0)).send(id, {1}, departure::in_turn, x.now())) {
       ++sent;
       x.perform(grid::id(0), *std::move(out));
     }
@@ -421,7 +421,7 @@ TEST_CASE("a mote that dies on the path is noticed and the source told", "[netwo
   x.kill(grid::id(2));
   for (int i = 0; i < 4; ++i) {
     CHECK(x.ended.empty());
-    x.perform(grid::id(0), *x.at(grid::id(0)).send(id, {1}, false, x.now()));
+    x.perform(grid::id(0), *x.at(grid::id(0)).send(id, {1}, departure::in_turn, x.now()));
     x.run_for(1s);
   }
   CHECK(x.ended.at({id, grid::id(0)}) == channel_end::broken);
@@ -447,7 +447,8 @@ TEST_CASE("each mote of the path knows when packets are due, later ones later",
     const auto here = x.reserved.at({id, grid::id(i)});
     CHECK(here.interval == when.interval);
     CHECK(here.size == 20);
-    CHECK(here.first == when.first + i * std::chrono::microseconds(10'000));
+    const auto hops_behind = std::max(i - 1, 0); // the first hop is on the source's time
+    CHECK(here.first == when.first + hops_behind * channel_slot);
   }
   x.perform(grid::id(0), x.at(grid::id(0)).disconnect(id, x.now()));
   x.run_for(1s);

@@ -36,7 +36,7 @@ struct listener {
   /// Four unicasts fail: the link is not usable any more.
   gradient_change lose(std::uint16_t mote) {
     for (int i = 0; i < 4; ++i)
-      links.on_sent(mote_id{mote}, false, 4);
+      links.on_sent(mote_id{mote}, false, 4, now);
     return tree.update(links, now);
   }
 };
@@ -116,7 +116,7 @@ TEST_CASE("a root that is not heard of any more is gone after a while", "[networ
   listener at;
   static_cast<void>(at.beacon(5, route(7, 1)));
   static_cast<void>(at.tree.advertise());
-  at.now += 3min;
+  at.now += 20min;
   CHECK(at.beacon(5, route(7, 1)) == gradient_change::none);
   at.now += 1s;
   CHECK(at.beacon(5, route(7, 1)) == gradient_change::lost);

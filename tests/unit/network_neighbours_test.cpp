@@ -124,10 +124,10 @@ TEST_CASE("a link to a mote that has no room for us in its table is tried, and j
   REQUIRE(at.etx(a.mote));
   CHECK(*at.etx(a.mote) == Approx(etx_one / 0.75).margin(3)); // more than if it heard us well
   CHECK(!at.good(a.mote));                                    // nothing is proved
-  at.on_sent(a.mote, true, 1);
+  at.on_sent(a.mote, true, 1, a.now);
   CHECK(at.etx(a.mote));
   for (int i = 0; i < 4; ++i)
-    at.on_sent(a.mote, false, 4);
+    at.on_sent(a.mote, false, 4, a.now);
   CHECK(!at.etx(a.mote));
 }
 
@@ -151,11 +151,11 @@ TEST_CASE("unicasts that nobody acknowledges make a link unusable before beacons
   sender a{mote_id{7}};
   a.beacons(at, 30);
   const auto before = *at.etx(a.mote);
-  at.on_sent(a.mote, true, 1);
+  at.on_sent(a.mote, true, 1, a.now);
   CHECK(*at.etx(a.mote) <= before + 10);
   int packets = 0;
   while (at.etx(a.mote) && packets < 10) {
-    at.on_sent(a.mote, false, 4);
+    at.on_sent(a.mote, false, 4, a.now);
     ++packets;
   }
   CHECK(packets == 4);
@@ -163,11 +163,33 @@ TEST_CASE("unicasts that nobody acknowledges make a link unusable before beacons
   a.beacons(at, 16); // what is heard counts again when nothing is sent
   CHECK(at.good(a.mote));
   CHECK(*at.etx(a.mote) <= before);
-  at.on_sent(mote_id{99}, false, 4); // nobody we know
+  at.on_sent(mote_id{99}, false, 4, a.now); // nobody we know
+}
+
+TEST_CASE("a neighbour that acknowledges, or sends anything, is not silent", "[network][NET-09]") {
+  for (const bool acknowledges : {true, false}) {
+    neighbours at({.beacon_gap_max = 24s});
+    sender a{mote_id{7}};
+    a.beacons(at, 30);
+    for (int i = 0; i < 20; ++i) {
+      const auto now = *at.deadline();
+      CHECK(at.on_time(now).empty());
+      CHECK(at.find(a.mote)->missed == 1);
+      if (acknowledges)
+        at.on_sent(a.mote, true, 1, now);
+      else
+        at.hear(a.mote, now);
+      CHECK(at.find(a.mote)->missed == 0);
+      CHECK(*at.deadline() > now);
+    }
+    CHECK(at.etx(a.mote));
+    at.hear(mote_id{99}, a.now); // nobody we know
+    CHECK(at.all().size() == 1);
+  }
 }
 
 TEST_CASE("a neighbour that falls silent decays and is dropped", "[network][NET-09]") {
-  neighbours at;
+  neighbours at({.beacon_gap_max = 24s});
   sender a{mote_id{7}};
   a.beacons(at, 30);
   const auto last = a.now;
@@ -214,7 +236,7 @@ TEST_CASE("a neighbour that restarts is known anew, a repeated beacon teaches no
   sender a{mote_id{7}};
   a.sequence = 65530; // and on over the wrap
   a.beacons(at, 30);
-  at.on_sent(a.mote, false, 4);
+  at.on_sent(a.mote, false, 4, a.now);
   --a.sequence;
   CHECK(a.beacon(at) == admission::repeated);
   CHECK(at.find(a.mote)->samples == 30);

@@ -263,7 +263,7 @@ TEST_CASE("channels open between any two motes of an island", "[network][NET-10]
     const auto id = x.connect(from, to);
     x.run_for(15s);
     REQUIRE(x.connected.contains(id));
-    auto sent = x.at(from).send_on(id, {42}, false, x.own_time(from));
+    auto sent = x.at(from).send_on(id, {42}, departure::in_turn, x.own_time(from));
     REQUIRE(sent.has_value());
     x.perform(from, *std::move(sent));
     x.run_for(2s);

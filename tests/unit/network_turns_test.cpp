@@ -22,7 +22,7 @@ clock_sync running_clock(std::chrono::milliseconds period = std::chrono::millise
 }
 
 turns of_mote(std::uint64_t seed) {
-  return {false, random_stream(seed)};
+  return {false, {}, random_stream(seed)};
 }
 
 } // namespace
@@ -68,10 +68,10 @@ TEST_CASE("nobody waits for a turn while no slots are in use", "[network][SYN-16
   auto clock = running_clock();
   for (auto now = instant{}; now < instant{1s}; now += 7ms)
     CHECK(x.next(now, clock) == now);
-  CHECK(turns::longest(instant{}, clock) == 0s);
+  CHECK(x.longest(instant{}, clock) == 0s);
   clock.use_slots(7, instant{});
   CHECK(x.next(instant{1s}, clock) > instant{1s});
-  CHECK(turns::longest(instant{}, clock) == 500ms);
+  CHECK(x.longest(instant{}, clock) == 500ms);
   CHECK(x.next(instant{1s}, clock_sync()) == instant{1s}); // does not know the time
   auto hasty = running_clock(std::chrono::milliseconds{60});
   hasty.use_slots(7, instant{});
@@ -98,7 +98,7 @@ TEST_CASE("where slots are in use other frames leave in the free part, spread ou
     }
   }
   CHECK(begins.size() > 900);
-  turns sink(true, random_stream(1));
+  turns sink(true, {}, random_stream(1));
   CHECK(sink.next(instant{7s}, clock) == instant{7s} + 400ms);
 }
 
@@ -116,7 +116,8 @@ TEST_CASE("the fewer slots are in use, the earlier the free part begins", "[netw
 
 TEST_CASE("before the first tick of a setting there are turns too", "[network][SYN-16]") {
   auto clock = running_clock();
-  clock.set_tick({1000, island_time(std::chrono::seconds(100)), std::chrono::milliseconds(500)});
+  clock.set_tick({1000, island_time(std::chrono::seconds(100)), std::chrono::milliseconds(500)},
+                 instant{});
   clock.use_slots(7, instant{});
   auto x = of_mote(1);
   const auto begin = x.next(instant{99s} + 700ms, clock);

@@ -1,0 +1,26 @@
+// The common window of an island whose radios sleep: when all of them are on (NRG-01).
+#pragma once
+
+#include "core/time.hpp"
+#include "network/clock_sync.hpp"
+
+namespace rubicon::network {
+
+struct duty_window {
+  duration period{};       ///< of the window; 0: radios are always on
+  duration length = 100ms; ///< from each multiple of the period in island time
+  duration settling = 60s; ///< until the island's time shows this all radios stay on
+
+  /// Whether others may be asleep, and we know when they are not.
+  [[nodiscard]] bool applies(instant now, const clock_sync& clock) const {
+    return period > 0s && knows_time(now, clock) &&
+           clock.at(now).time_since_epoch() >= std::chrono::floor<std::chrono::microseconds>(settling);
+  }
+
+  /// Who does not is on all the time, and asks.
+  [[nodiscard]] bool knows_time(instant now, const clock_sync& clock) const {
+    return clock.knows_within(length / 2, now);
+  }
+};
+
+} // namespace rubicon::network
