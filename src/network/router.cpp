@@ -18,6 +18,10 @@ neighbours_config links_of(const router_config& config) {
     x.capacity = 24;
   if (config.duty.period > 0s) { // a beacon a window: links must be known after few
     x.good_samples = 4;
+    x.unusable_missed = 4;
+    x.bad_missed = 5;
+    x.good_from = quality_of(0.75);
+    x.bad_below = quality_of(0.55);
     x.beacon_slack += config.duty.period;
     x.beacon_gap_max += config.duty.period;
   }
@@ -69,8 +73,12 @@ router::router(router_config config, random_stream dice, instant now)
     paths.queue_max = 16;
     paths.octets_max = 16 * channel_packet_max;
   }
+  if (config_.duty.period > 0s)
+    paths.data_rounds_max = 4; // the second one waits for a window: then it had better arrive
   paths_ = channels(paths, random_stream(dice_.next()));
   auto further = dice_; // the others' dice fall as they do without turns
+  if (!config_.is_sink && config_.duty.period > 0s)
+    ask_due_ = now + further.between(config_.ask_quiet, std::max(config_.duty.period, config_.ask_quiet));
   turns_ = turns(config_.is_sink, config_.duty, random_stream(further.next()));
 }
 
@@ -428,7 +436,7 @@ void router::settle(router_outputs& out, instant now) {
     seek_end_ = now + config_.seek_length;
   }
   if (place_.update(links_, now))
-    timer_.shorten(now, config_.change_beacon);
+    timer_.shorten(now, std::max(config_.change_beacon, config_.duty.period));
   take(packets_.on_route(tree_.parent(), tree_.cost(), now), out, now);
 }
 
@@ -523,7 +531,7 @@ router_outputs router::on_time(instant now) {
     out.emplace_back(clock_corrected{});
   beacon_due_ = timer_.on_time(now) || round || beacon_due_;
   if (!tree_.has_route() && now < seek_end_)
-    timer_.shorten(now, config_.change_beacon);
+    timer_.shorten(now, std::max(config_.change_beacon, config_.duty.period));
   const bool is_turn = turn_ <= now && (beacon_due_ || (relay_due_ && *relay_due_ <= now));
   if (is_turn || (answer_due_ && *answer_due_ <= now))
     send_beacon(out, now);

@@ -457,14 +457,14 @@ TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
   };
   auto x = make();
   CHECK(ask(x, instant(1s)).empty()); // its kernel has not told it
-  x.on_clock(1000s);
+  static_cast<void>(x.on_clock(1000s, instant(1s)));
   const auto out = ask(x, instant(5s + 1us));
   REQUIRE(out.size() == 1);
   CHECK(out[0].am_type == network::am::sink_event);
   const auto answer = network::decode_sink_event(out[0].payload);
   REQUIRE(answer);
   CHECK(*answer == network::sink_event(network::time_answer{7, 1005s + 1us}));
-  x.on_clock(1003s);
+  static_cast<void>(x.on_clock(1003s, instant(5s)));
   CHECK(*network::decode_sink_event(ask(x, instant(6s)).at(0).payload) ==
         network::sink_event(network::time_answer{7, 1009s}));
 
@@ -476,7 +476,7 @@ TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
   config.incarnation = 1;
   gateway::gateway again(config, random_stream(1));
   static_cast<void>(again.start(instant(60s)));
-  again.on_clock(1000s); // the clock of a kernel that has heard nobody yet
+  static_cast<void>(again.on_clock(1000s, instant(60s))); // the clock of a kernel that has heard nobody yet
   CHECK(ask(again, instant(69s)).empty());
   CHECK(ask(again, instant(70s)).size() == 1);
 }
