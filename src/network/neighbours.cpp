@@ -22,6 +22,8 @@ quality product(quality a, quality b) {
 }
 
 constexpr quality start_quality = quality_max / 2;
+/// Whoever is new beacons often, and whoever is said to be there but is not makes room soon.
+constexpr duration young_gap_max = 24s;
 constexpr quality crowd_discount = quality_of(0.75);
 
 } // namespace
@@ -64,6 +66,11 @@ bool neighbours::is_silent(const neighbour& x) const {
   return x.missed >= config_.unusable_missed + allowance;
 }
 
+duration neighbours::gap_max(const neighbour& x) const {
+  const bool is_young = x.samples < config_.good_samples;
+  return is_young ? std::min(young_gap_max, config_.beacon_gap_max) : config_.beacon_gap_max;
+}
+
 void neighbours::sample(neighbour& x, bool heard) const {
   x.in = moved(x.in, heard, x.samples);
   if (x.samples < 255)
@@ -83,7 +90,7 @@ void neighbours::take_report(neighbour& x, const link_report& report, instant no
   x.crowded = report.is_crowded;
   x.missed = 0;
   x.heard = now;
-  x.period = std::min(report.next, config_.beacon_gap_max);
+  x.period = std::min(report.next, gap_max(x));
   x.due = now + x.period + config_.beacon_slack;
   if (x.data_weight > 0)
     --x.data_weight; // a link that fell into disuse gets its chance again
@@ -222,7 +229,7 @@ std::vector<mote_id> neighbours::on_time(instant now) {
       sample(x, false);
       ++x.missed;
       // Its intervals double; when the first is overdue, nobody knows where it is in them.
-      x.period = std::clamp(3 * x.period, duration(config_.beacon_slack), config_.beacon_gap_max);
+      x.period = std::clamp(3 * x.period, duration(config_.beacon_slack), gap_max(x));
       x.due += x.period;
     }
     judge(x);

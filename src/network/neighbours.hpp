@@ -165,6 +165,7 @@ private:
   [[nodiscard]] quality both_ways(const neighbour& x) const;
   [[nodiscard]] bool is_silent(const neighbour& x) const;
   void sample(neighbour& x, bool heard) const;
+  [[nodiscard]] duration gap_max(const neighbour& x) const;
   void judge(neighbour& x) const;
   void take_report(neighbour& x, const link_report& report, instant now) const;
   void alive(neighbour& x, instant now);

@@ -47,6 +47,7 @@ public:
     for (std::uint32_t i = 1; i <= 2; ++i) {
       gateways_.emplace(peer_id(static_cast<std::int32_t>(i)),
                         gateway::gateway({.island = island_id(i)}, random_stream(dice_.next())));
+      perform(island_id(i), gateway_at(island_id(i)).on_clock(0s, now_));
       perform(island_id(i), gateway_at(island_id(i)).start(now_));
     }
     for (const auto id : {20, 21})

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "core/random.hpp"
 #include "mote/crystal.hpp"
 #include "support/catch.hpp"
@@ -28,4 +30,37 @@ TEST_CASE("a crystal never goes back, and real() is the first time that shows a 
     check(instant{1s - 100ns + i * 1ns}); // where whole seconds meet
   for (int i = 0; i < 1000; ++i)
     check(instant{duration(dice.below(1'000'000'000'000'000))});
+}
+
+TEST_CASE("a crystal that wanders gains and loses with the temperature, and in the end nothing",
+          "[mote][CLK-01]") {
+  mote::crystal_config config;
+  config.ppb = 20'000;
+  config.wander_ppb = 5'000;
+  config.wander_period = 24h;
+  const crystal x(config);
+  const auto rate = [&](duration at) { // ppm, over a minute
+    const auto length = 1min;
+    const auto shown = x.own(instant{} + at + length) - x.own(instant{} + at) - length;
+    return static_cast<double>(shown.count()) / static_cast<double>(duration(length).count()) * 1e6;
+  };
+  CHECK(std::abs(rate(0s) - 15) < 0.1);
+  CHECK(std::abs(rate(6h) - 20) < 0.1);
+  CHECK(std::abs(rate(12h) - 25) < 0.1);
+  CHECK(std::abs(rate(18h) - 20) < 0.1);
+  CHECK(std::abs(rate(10 * 24h) - 15) < 0.1);
+  const auto gained = x.own(instant{} + 24h) - (instant{} + 24h);
+  CHECK(std::chrono::abs(gained - 1728ms) < 1us);
+  config.phase = 6h;
+  CHECK(crystal(config).own(instant{}) == instant{});
+  const auto later = crystal(config).ahead_by(5min);
+  CHECK(later.own(instant{}) == instant{} + 5min);
+  auto last = later.own(instant{});
+  for (auto real = instant{}; real < instant{} + 48h; real += 7min + 13us) {
+    const auto own = later.own(real);
+    CHECK(own >= last);
+    CHECK(later.real(own) <= real);
+    CHECK(later.own(later.real(own)) >= own);
+    last = own;
+  }
 }

@@ -4,6 +4,7 @@
 #include "core/random.hpp"
 #include "network/clock_sync.hpp"
 #include "support/catch.hpp"
+#include "support/seeds.hpp"
 
 namespace rubicon::network {
 
@@ -308,6 +309,117 @@ TEST_CASE("a tick that was never the root's is gone with its next round", "[netw
   tell(other);
   tell(real);
   CHECK(x.clock.tick(x.now) == real);
+}
+
+TEST_CASE("points milliseconds apart tell no rate", "[network][CLK-01]") {
+  hearer x;
+  std::uint16_t sequence = 0;
+  for (int i = 0; i < 8; ++i) { // each 40 us off, this way and that
+    CHECK(x.hear(++sequence, mote_id{1}, {}, i % 2 == 0 ? 40us : -40us));
+    x.now += 5ms;
+  }
+  CHECK(x.clock.drift() == 0);
+  CHECK(x.clock.doubt(x.now + 10s) >= microseconds{2000}); // 200 ppm
+  x.now += 60s;
+  CHECK(x.hear(++sequence));
+  CHECK(std::abs(x.clock.drift()) < 2e-6);
+  CHECK(x.clock.doubt(x.now + 60s) < microseconds{600});
+}
+
+TEST_CASE("no rate is beyond what crystals do", "[network][CLK-01]") {
+  hearer x;
+  std::uint16_t sequence = 0;
+  for (int i = 0; i < 20; ++i) { // a root that gains a millisecond a second
+    static_cast<void>(x.hear(++sequence, mote_id{1}, {}, i * 4ms));
+    x.now += 4s;
+  }
+  CHECK(std::abs(x.clock.drift()) <= clock_sync::rate_max);
+}
+
+TEST_CASE("the time flows from those who are less in doubt only", "[network][CLK-01][CLK-04]") {
+  hearer x;
+  CHECK(x.hear(1));
+  const auto tell = [&](std::uint8_t doubt, duration ahead) {
+    clock_stamp y;
+    y.root = mote_id{1};
+    y.sequence = 1; // of the round that is known
+    y.time = island_time(std::chrono::floor<microseconds>((x.now + ahead).time_since_epoch()));
+    y.doubt = doubt;
+    const auto before = x.clock.last_point();
+    CHECK_FALSE(x.clock.on_stamp(y, x.now)); // no news: others need not hear of it
+    return x.clock.last_point() != before;
+  };
+  x.now += 100ms;
+  CHECK_FALSE(tell(0, 0s)); // well enough known
+  x.now += 20s;             // 4 ms of doubt
+  CHECK_FALSE(tell(doubt_of(microseconds{3000}), 1ms));
+  CHECK(tell(doubt_of(microseconds{100}), 1ms));
+  CHECK(std::abs(x.clock.drift() - 50e-6) < 1e-6);
+  CHECK(x.clock.doubt(x.now) < microseconds{200});
+}
+
+TEST_CASE("doubts are told in eighths of powers of two, rounded up", "[network][CLK-01]") {
+  CHECK(doubt_of(microseconds{0}) == 0);
+  CHECK(limit_of(0) == microseconds{0});
+  CHECK(doubt_of(microseconds{1}) == 1);
+  CHECK(doubt_of(24h) == 255);
+  for (std::int64_t us = 1; us < 1'000'000'000; us = us * 5 / 4 + 1) {
+    const auto told = limit_of(doubt_of(microseconds{us}));
+    CHECK(told >= microseconds{us});
+    CHECK(told <= microseconds{us * 11 / 10 + 2});
+  }
+}
+
+TEST_CASE("own time is found to the microsecond, so that nobody wakes too early",
+          "[network][NRG-02]") {
+  for (const double ppm : {-100.0, -3.0, 0.0, 7.0, 100.0}) {
+    line x(2, 0);
+    x.crystals[1].ppm = ppm;
+    x.run_for(60s);
+    const auto own = x.crystals[1].read(x.now);
+    for (int i = 0; i < 1000; ++i) {
+      const auto wanted = x.clocks[1].at(own) + i * microseconds{12'345};
+      const auto found = x.clocks[1].when(wanted);
+      CHECK(x.clocks[1].at(found) >= wanted);
+      CHECK(x.clocks[1].at(found - 1us) < wanted);
+    }
+  }
+}
+
+TEST_CASE("nobody is farther off than it says, over eight lossy hops, for a day",
+          "[network][CLK-01]") {
+  std::uint64_t samples = 0;
+  std::uint64_t beyond_1ms = 0;
+  for (std::uint64_t seed = 1; seed <= test::seeds(5); ++seed) {
+    line x(9, 100);
+    x.dice = random_stream(seed);
+    const auto drift = [&](std::size_t i) { // temperature: 5 ppm up and down in six hours
+      x.crystals[i].start += duration(static_cast<duration::rep>(
+          5e-6 * 1e9 * std::sin(static_cast<double>(i) + x.now / 1s * 6.283 / (6 * 3600))));
+    };
+    for (; x.now < 24h; x.now += 1s) {
+      for (std::size_t i = 0; i < 9; ++i)
+        drift(i);
+      if (x.clocks[0].on_time(x.crystals[0].read(x.now)) || x.dice.chance(1.0 / 300)) {
+        for (std::size_t i = 0; i + 1 < 9; ++i) {
+          if (!x.dice.chance(0.2))
+            x.pass(i);
+        }
+      }
+      if (x.now < 3min)
+        continue;
+      for (std::size_t i = 1; i < 9; ++i) {
+        if (!x.clocks[i].synchronised())
+          continue;
+        const auto error = std::chrono::abs(x.error(i));
+        REQUIRE(error <= x.clocks[i].doubt(x.crystals[i].read(x.now)) + microseconds{100});
+        ++samples;
+        beyond_1ms += error > microseconds{1000} ? 1 : 0;
+      }
+    }
+  }
+  CAPTURE(samples, beyond_1ms);
+  CHECK(static_cast<double>(beyond_1ms) < 0.001 * static_cast<double>(samples));
 }
 
 } // namespace rubicon::network
