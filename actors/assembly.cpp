@@ -58,8 +58,8 @@ mote::crystal crystal_of(ecology_pointer self, const config::island_description&
 }
 
 mote_arguments arguments_of(ecology_pointer self, const config::island_description& island,
-                            const config::mote_description& mote, radio::radio_index radio,
-                            const air_actor& air) {
+                            const config::mote_description& mote, const apps::traffic& traffic,
+                            radio::radio_index radio, const air_actor& air) {
   mote_arguments x;
   x.address = {island.id, mote.id};
   x.name = island.name + '/' + mote.name;
@@ -80,7 +80,9 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.node.layer.synaptic.tick_period = self->state.description.tick;
   x.node.layer.messages.answer_slack = config::answer_slack_of(self->state.description);
   x.node.layer.messages.answer_slack.erase(island.id); // it learns that one itself
-  apps::make_room(x.node.layer, configs_of(programs_among(mote.apps)));
+  const auto programs = configs_of(programs_among(mote.apps));
+  apps::make_room(x.node.layer, programs);
+  apps::make_room(x.node.network, apps::traffic_of(island.id, programs), traffic);
   x.seed = self->state.description.seed;
   x.radio = radio;
   x.air = air;
@@ -97,14 +99,16 @@ serial_line_actor spawn_line(ecology_pointer self, island_id island, const std::
 
 /// The serial lines, sink and gateways of an island.
 void spawn_bridge(ecology_pointer self, const config::island_description& island,
-                  radio::radio_index radio, const air_actor& air) {
+                  const apps::traffic& traffic, radio::radio_index radio, const air_actor& air) {
   auto& lines = self->state.lines;
   sink_arguments at_sink;
+  apps::make_room(at_sink.network, {}, traffic);
   const auto add_line = [&](const std::string& path, const serial::line_config& config) {
     const auto line = spawn_line(self, island.id, "serial_line/" + path, config);
     lines[{island.id, at_sink.lines.size()}] = line;
     serial::mote_port_config port;
     port.baud = config.baud;
+    port.queue_max = std::min(port.queue_max, serial::queue_room(config.baud)) + traffic.up.packets;
     at_sink.lines.push_back({line, port});
   };
   add_line(island.name, island.serial);
@@ -114,6 +118,9 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   }
   at_sink.registrar.island = island.id;
   at_sink.registrar.keep_alive_window = island.keep_alive;
+  const auto slowness = line_slowness(island);
+  at_sink.registrar.roster_period *= slowness;
+  at_sink.registrar.roster_page_gap *= slowness;
   at_sink.address = {island.id, island.sink.id};
   at_sink.radio = radio;
   at_sink.air = air;
@@ -216,15 +223,16 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
                                   std::move(addresses), handle_of(self), state.observe_frames);
   radio::radio_index radio{};
   for (const auto* island : islands) {
+    const auto traffic = traffic_of(*island);
     if (island->stack == config::stack::full)
-      spawn_bridge(self, *island, radio, medium);
+      spawn_bridge(self, *island, traffic, radio, medium);
     else
       spawn_measuring_sink(self, *island, radio, medium);
     ++radio.value;
     for (const auto& mote : island->motes) {
       auto& entry = state.motes[{island->id, mote.id}];
-      entry.arguments =
-          std::make_shared<const mote_arguments>(arguments_of(self, *island, mote, radio, medium));
+      entry.arguments = std::make_shared<const mote_arguments>(
+          arguments_of(self, *island, mote, traffic, radio, medium));
       entry.type = type_name(mote);
       spawn_separate_programs(self, entry);
       spawn_mote(self, entry);
@@ -287,6 +295,20 @@ void spawn_bluetooth(ecology_pointer self) {
 }
 
 } // namespace
+
+apps::traffic traffic_of(const config::island_description& island) {
+  apps::traffic sum;
+  for (const auto& mote : island.motes)
+    sum += apps::traffic_of(island.id, configs_of(programs_among(mote.apps)));
+  return sum;
+}
+
+std::int64_t line_slowness(const config::island_description& island) {
+  auto most = serial::slowness(island.serial.baud);
+  for (const auto& alias : island.aliases)
+    most = std::max(most, serial::slowness(alias.serial.baud));
+  return most;
+}
 
 void spawn_program(ecology_pointer self, const supervised_mote& mote, supervised_program& x) {
   x.handle = spawn_child(self, x.path, program_behavior, x.arguments, std::uint32_t{x.incarnation});

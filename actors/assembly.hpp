@@ -1,10 +1,12 @@
 // From the description of an ecology to its actors.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 
 #include "actors/ecology.hpp"
+#include "apps/traffic.hpp"
 #include "scheduler/spawn.hpp"
 
 namespace rubicon {
@@ -38,6 +40,12 @@ auto spawn_child(ecology_pointer self, std::string path, Fun fun, Args&&... args
   adopt(self, std::move(path), handle);
   return handle;
 }
+
+/// Of the programs on all motes of an island.
+[[nodiscard]] apps::traffic traffic_of(const config::island_description& island);
+
+/// serial::slowness() of the slowest of an island's lines.
+[[nodiscard]] std::int64_t line_slowness(const config::island_description& island);
 
 /// Spawns a mote's program in an actor of its own, for the first time or again after a failure.
 void spawn_program(ecology_pointer self, const supervised_mote& mote, supervised_program& x);

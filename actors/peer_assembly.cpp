@@ -14,6 +14,7 @@
 #include "actors/peis_bluetooth.hpp"
 #include "actors/peis_peer.hpp"
 #include "actors/proxy_manager.hpp"
+#include "apps/tables.hpp"
 #include "peis/host_record.hpp"
 #include "peis/link_url.hpp"
 #include "peis/package.hpp"
@@ -291,6 +292,7 @@ void spawn_pc(ecology_pointer self, supervised_peer& peer, std::vector<apps::app
   x.config.awaits_clock = true;
   x.config.tick_period = self->state.description.tick;
   x.config.answer_slack = config::answer_slack_of(self->state.description);
+  x.config.channels_max = apps::ends_max(x.config.channels_max, programs);
   x.aliases = std::ranges::any_of(self->state.description.islands,
                                   [](const auto& each) { return !each.aliases.empty(); });
   x.name = peer.name;
@@ -327,6 +329,18 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   gateway.name = peer.name;
   gateway.self = peer.id;
   gateway.programs = island.gateway_apps;
+  gateway.config.channels_max = apps::ends_max(gateway.config.channels_max, gateway.programs);
+  const auto slowness = line_slowness(island);
+  gateway.config.ack_wait *= slowness;
+  gateway.config.lead_lease *= slowness;
+  gateway.config.line_silence_max *= slowness;
+  gateway.config.shared_silence_max *= slowness;
+  const auto& line = is_alias ? island.aliases[peer.line - 1].serial : island.serial;
+  gateway.port.baud = line.baud;
+  gateway.port.latency = line.latency;
+  gateway.port.window = slowness > 1 ? 2 : 1;
+  gateway.port.queue_max = std::min(gateway.port.queue_max, serial::queue_room(line.baud)) +
+                           traffic_of(island).down.packets;
   gateway.seed = self->state.description.seed;
   gateway.peer = peer.handle;
   gateway.line = self->state.lines.at({island.id, peer.line});

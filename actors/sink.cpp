@@ -118,13 +118,15 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
   scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.arguments = std::move(arguments);
-  network::router_config network;
+  auto network = state.arguments.network;
   network.self = state.arguments.address.mote;
   network.tick.period = state.arguments.tick;
   state.arguments.crystal = state.arguments.crystal.ahead_by(
       random_stream(state.arguments.seed, self->path() + "/clock").between(0s, boot_time_max));
   mote::gateway_lines_config lines;
   lines.lines = state.arguments.lines.size();
+  for (const auto& each : state.arguments.lines)
+    lines.slowness = std::max(lines.slowness, serial::slowness(each.port.baud));
   state.sink = mote::sink(network, state.arguments.registrar, state.arguments.duty,
                           random_stream(state.arguments.seed, self->path()), own_time(self), lines);
   for (const auto& each : state.arguments.lines)

@@ -22,6 +22,7 @@ struct sink_line {
 /// What a sink actor is made of.
 struct sink_arguments {
   mote_address address;
+  network::router_config network; ///< sizes of tables
   mote::registrar_config registrar;
   radio::radio_index radio;
   air_actor air;

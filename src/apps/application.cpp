@@ -16,7 +16,7 @@ struct maker {
   random_stream dice;
 
   std::unique_ptr<application> operator()(const stream_writer_config& x) const {
-    return std::make_unique<stream_writer>(x);
+    return std::make_unique<stream_writer>(x, dice);
   }
   std::unique_ptr<application> operator()(const stream_reader_config& x) const {
     return std::make_unique<stream_reader>(x);

@@ -10,6 +10,8 @@ namespace rubicon::apps {
 
 namespace {
 
+constexpr duration pause = 10s; ///< before transducers that could not be opened are tried again
+
 double tanh(double x) {
   return 1 - 2 / (math::exp(2 * x) + 1);
 }
@@ -36,16 +38,35 @@ reservoir::reservoir(reservoir_config config, random_stream dice)
 
 void reservoir::joined(mote::island_octet island, std::uint16_t mote, mote::status success) {
   synaptic_application::joined(island, mote, success);
-  for (std::size_t i = 0; success == mote::SUCCESS && i < senses_.size(); ++i) {
-    if (senses_[i].stream < 0)
-      senses_[i].stream = layer().open_sensor(static_cast<std::uint8_t>(config_.transducers[i]), 0,
-                                              stream::sampling::on_demand);
+  if (success == mote::SUCCESS)
+    open_senses();
+}
+
+/// Those that are not.
+void reservoir::open_senses() {
+  senses_due_.reset();
+  for (std::size_t i = 0; i < senses_.size(); ++i) {
+    auto& x = senses_[i];
+    if (x.stream > 0)
+      continue;
+    x.stream = layer().open_sensor(static_cast<std::uint8_t>(config_.transducers[i]), 0,
+                                   stream::sampling::on_demand);
+    if (x.stream < 0)
+      lose(x);
   }
+}
+
+void reservoir::lose(sense& x) {
+  ++senses_refused_;
+  x.stream = -1;
+  senses_due_ = layer().now() + pause;
 }
 
 void reservoir::clock_tick(std::uint32_t) {
   if (all_open())
     count_tick();
+  if (senses_due_ && *senses_due_ <= layer().now())
+    open_senses();
   awaited_ = 0;
   for (const auto& x : senses_) {
     if (x.stream > 0 && layer().read(x.stream, stream::sensor_record::size) == mote::SUCCESS)
@@ -67,6 +88,9 @@ void reservoir::readDone(int stream, byte_view record, mote::status success) {
     x->is_known = true;
     const auto range = x->most - x->least;
     x->value = range > 0 ? 2 * (value - x->least) / range - 1 : 0;
+  } else if (success == mote::FAIL) { // in an actor of its own it hears only now that it is refused
+    layer().close(stream);
+    lose(*x);
   }
   if (--awaited_ == 0)
     compute();
@@ -98,6 +122,12 @@ void reservoir::compute() {
       layer().write_output(x.channel, i,
                            i < outputs.size() ? static_cast<float>(outputs[i]) : 0.0F);
   }
+}
+
+std::vector<figure> reservoir::figures() const {
+  auto all = synaptic_application::figures();
+  all.push_back({"transducer opens failed", static_cast<double>(senses_refused_)});
+  return all;
 }
 
 } // namespace rubicon::apps

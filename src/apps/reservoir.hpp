@@ -1,6 +1,8 @@
 // A part of an echo-state network that runs on a mote.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "apps/synaptic_application.hpp"
@@ -16,10 +18,9 @@ public:
   void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
   void clock_tick(std::uint32_t tick) override;
   void readDone(int stream, byte_view record, mote::status success) override;
+  [[nodiscard]] std::vector<figure> figures() const override;
 
 private:
-  void compute();
-
   struct sense {
     int stream = -1;
     double least = 0;
@@ -28,11 +29,17 @@ private:
     double value = 0; ///< -1..1
   };
 
+  void open_senses();
+  void lose(sense& x);
+  void compute();
+
   reservoir_config config_;
   std::vector<sense> senses_;
   std::vector<std::vector<double>> weights_; ///< per unit: senses, units, in channels
   std::vector<double> states_;
-  std::size_t awaited_ = 0; ///< readings still to come in this tick
+  std::size_t awaited_ = 0;           ///< readings still to come in this tick
+  std::optional<instant> senses_due_; ///< those without a stream are opened then
+  std::uint64_t senses_refused_ = 0;
 };
 
 } // namespace rubicon::apps

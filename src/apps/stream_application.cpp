@@ -37,8 +37,10 @@ void stream_application::open(read_end& x) {
   const auto accepted =
       layer().open_remote(static_cast<mote::island_octet>(own_island.value), own_mote.value, x.name,
                           static_cast<std::uint32_t>(every_ / 1ms), 0, stream::sensor_record::size);
-  if (accepted == mote::FAIL)
+  if (accepted == mote::FAIL) {
+    ++opens_failed_;
     retry(x);
+  }
 }
 
 void stream_application::retry(read_end& x) {
@@ -51,6 +53,7 @@ void stream_application::openRemoteDone(int stream, std::uint16_t name, mote::st
   if (x == inputs_.end())
     return;
   if (success == mote::FAIL) {
+    ++opens_failed_;
     retry(*x);
     return;
   }

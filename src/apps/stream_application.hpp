@@ -33,6 +33,7 @@ protected:
   [[nodiscard]] std::uint16_t name_of(std::size_t input) const { return inputs_[input].name; }
   [[nodiscard]] std::size_t inputs() const { return inputs_.size(); }
   [[nodiscard]] std::uint64_t openings() const { return openings_; } ///< of all inputs
+  [[nodiscard]] std::uint64_t opens_failed() const { return opens_failed_; }
 
 private:
   struct read_end {
@@ -49,6 +50,7 @@ private:
   duration every_{};
   std::optional<instant> retry_;
   std::uint64_t openings_ = 0;
+  std::uint64_t opens_failed_ = 0;
 };
 
 } // namespace rubicon::apps

@@ -30,7 +30,8 @@ std::vector<figure> stream_reader::figures() const {
   return {{"records", static_cast<double>(records_)},
           {"records missing", static_cast<double>(missing_)},
           {"delivery %", all > 0 ? 100 * static_cast<double>(records_) / all : 0},
-          {"openings", static_cast<double>(openings())}};
+          {"openings", static_cast<double>(openings())},
+          {"opens failed", static_cast<double>(opens_failed())}};
 }
 
 } // namespace rubicon::apps

@@ -6,7 +6,8 @@ namespace rubicon::apps {
 
 namespace {
 
-constexpr duration pause = 10s; ///< before a stream that could not be opened is tried again
+constexpr duration pause = 8s; ///< before a stream that could not be opened is tried again: from
+                               ///< half as long to twice as long
 
 } // namespace
 
@@ -24,7 +25,15 @@ void stream_writer::open() {
       static_cast<mote::island_octet>(config_.to.island.value), config_.to.mote.value,
       config_.stream, period, 0, stream::sensor_record::size);
   if (accepted == mote::FAIL)
-    retry_ = layer().now() + pause;
+    give_up();
+}
+
+/// One end without the other is of no use: whatever is open is closed, and tried again later.
+void stream_writer::give_up() {
+  ++opens_failed_;
+  stop();
+  if (is_member_)
+    retry_ = layer().now() + dice_.between(pause / 2, 2 * pause);
 }
 
 /// Whatever is open is closed.
@@ -39,22 +48,24 @@ void stream_writer::stop() {
 
 void stream_writer::openRemoteDone(int stream, std::uint16_t, mote::status success) {
   if (success == mote::FAIL) {
-    ++opens_failed_;
-    if (is_member_)
-      retry_ = layer().now() + pause;
+    give_up();
     return;
   }
   remote_ = stream;
   sensor_ = layer().open_sensor(static_cast<std::uint8_t>(config_.transducer),
                                 static_cast<std::uint32_t>(config_.every / 1ms),
                                 stream::sampling::periodic);
-  if (sensor_ > 0)
-    layer().read(sensor_, stream::sensor_record::size);
+  if (sensor_ < 0 || layer().read(sensor_, stream::sensor_record::size) == mote::FAIL)
+    give_up();
 }
 
 void stream_writer::readDone(int stream, byte_view record, mote::status success) {
-  if (stream != sensor_ || success == mote::FAIL)
+  if (stream != sensor_)
     return;
+  if (success == mote::FAIL) { // in an actor of its own it hears only now what the mote refused
+    give_up();
+    return;
+  }
   if (layer().write(remote_, record) > 0) {
     ++written_;
     layer().read(sensor_, stream::sensor_record::size);
@@ -62,7 +73,7 @@ void stream_writer::readDone(int stream, byte_view record, mote::status success)
   }
   ++unwritten_;
   stop();
-  retry_ = layer().now() + pause;
+  retry_ = layer().now() + dice_.between(pause / 2, 2 * pause);
 }
 
 void stream_writer::on_time(instant now) {

@@ -6,9 +6,12 @@
 namespace rubicon::apps {
 
 /// off --joined--> opening --openRemoteDone--> streaming --write fails--> a pause, then opening
+/// An open that fails, of the remote stream or of the sensor's, is counted, and tried again.
 class stream_writer final : public application {
 public:
-  explicit stream_writer(stream_writer_config config) : config_(config) {}
+  /// @param dice of its pauses: writers that have failed together do not go on together
+  explicit stream_writer(stream_writer_config config, random_stream dice = random_stream(1))
+      : config_(config), dice_(dice) {}
 
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override { return retry_; }
@@ -21,9 +24,11 @@ public:
 private:
   void on_start(instant) override {}
   void open();
+  void give_up();
   void stop();
 
   stream_writer_config config_;
+  random_stream dice_;
   bool is_member_ = false;
   int sensor_ = -1;
   int remote_ = -1;

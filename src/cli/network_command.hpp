@@ -35,6 +35,21 @@ struct write_tuple {
   bool append = false;
 };
 
+/// `rubicon tuples delete KEY`
+struct delete_tuple {
+  peer_id owner;
+  std::string key;
+};
+
+/// `rubicon tuples meta KEY [TARGET]`
+struct meta_tuple {
+  peer_id owner;
+  std::string key;
+  std::optional<std::string> target;   ///< unset: show where it points; the next two are unset then
+  std::optional<peer_id> target_owner; ///< unset: `owner`
+  bool nowhere = false;                ///< instead of a target
+};
+
 /// `rubicon tuples ls [PATTERN]`
 struct list_tuples {
   std::string pattern; ///< empty: all but kernel.*, unless `all`
@@ -66,8 +81,8 @@ struct ping_host {
 
 struct network_command {
   network_options with;
-  std::variant<get_tuple, write_tuple, list_tuples, watch_tuples, list_hosts, trace_route,
-               ping_host>
+  std::variant<get_tuple, write_tuple, delete_tuple, meta_tuple, list_tuples, watch_tuples,
+               list_hosts, trace_route, ping_host>
       what;
 };
 

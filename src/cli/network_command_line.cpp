@@ -72,14 +72,40 @@ void add_host(CLI::App& app, peer_id& host) {
   })->required();
 }
 
-void add_write(CLI::App& app, write_tuple& x) {
+template <class What>
+void add_key(CLI::App& app, What& x) {
   add_parsed(app, "KEY", "", "Name of the tuple", [&](const auto& text) {
     x.key = parse_key("KEY", text, false);
   })->required();
-  app.add_option("VALUE", x.value, "Text")->required()->type_name("");
+}
+
+template <class What>
+void add_its_owner(CLI::App& app, What& x) {
   add_parsed(app, "--owner", "ID", "The peer whose tuple it is", [&](const auto& text) {
     x.owner = parse_id("--owner", text);
   })->required();
+}
+
+void add_write(CLI::App& app, write_tuple& x) {
+  add_key(app, x);
+  app.add_option("VALUE", x.value, "Text")->required()->type_name("");
+  add_its_owner(app, x);
+}
+
+void add_meta(CLI::App& app, meta_tuple& x) {
+  add_key(app, x);
+  add_parsed(app, "TARGET", "", "Let it point at this tuple",
+             [&](const auto& text) { x.target = parse_key("TARGET", text, false); });
+  add_its_owner(app, x);
+  add_parsed(app, "--at", "ID", "The peer whose tuple TARGET is; that of --owner if not given",
+             [&](const auto& text) { x.target_owner = parse_id("--at", text); });
+  app.add_flag("--nowhere", x.nowhere, "Let it point nowhere");
+  app.final_callback([&x] {
+    if (x.target && x.nowhere)
+      throw CLI::ValidationError("--nowhere", "but also TARGET: one or the other");
+    if (x.target_owner && !x.target)
+      throw CLI::ValidationError("--at", "whose tuple is TARGET: which?");
+  });
 }
 
 } // namespace
@@ -120,6 +146,10 @@ network_command_line::network_command_line(CLI::App& app) {
   auto& appended = add<write_tuple>(tuples, "append", "Add to the end of a tuple at its owner");
   appended.append = true;
   add_write(last(), appended);
+  auto& deleted = add<delete_tuple>(tuples, "delete", "Delete a tuple at its owner");
+  add_key(last(), deleted);
+  add_its_owner(last(), deleted);
+  add_meta(last(), add<meta_tuple>(tuples, "meta", "Show or set where a meta tuple points"));
 
   auto& watched = add<watch_tuples>(tuples, "watch", "Print tuples as they change");
   last()

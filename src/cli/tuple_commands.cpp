@@ -12,7 +12,9 @@
 #include "cli/console.hpp"
 #include "cli/network_text.hpp"
 #include "cli/visit.hpp"
+#include "core/printable.hpp"
 #include "io/signal_watch.hpp"
+#include "peis/meta_tuple.hpp"
 #include "runtime/figures.hpp"
 #include "runtime/text_layout.hpp"
 
@@ -68,6 +70,50 @@ std::string as_table(const found_tuples& all) {
                runtime::octet_size(x->value.size()), value_text(*x)});
   const auto output = console_of(stdout);
   return table.render(output.width, output.colour);
+}
+
+/// How a request at another peer has ended; good: it has acknowledged.
+exit_status told(peer_id owner, std::optional<peis::cause> ended) {
+  if (!ended)
+    return fail("peer " + to_string(owner) + " has not acknowledged it");
+  if (*ended != peis::cause::none)
+    return fail(refused(*ended));
+  return exit_status::good;
+}
+
+exit_status acknowledged(const visit& at, peer_id owner, const std::string& key,
+                         std::optional<peis::cause> ended) {
+  const auto status = told(owner, ended);
+  if (status != exit_status::good || !at.with.json)
+    return status;
+  return answer(line_of({{"owner", owner.value}, {"key", key}, {"acknowledged", true}}));
+}
+
+/// Waits for a tuple of a peer that is there.
+peis::reading fetch(const visit& at, peer_id owner, const std::string& key) {
+  static_cast<void>(at.peer().subscribe(owner, key));
+  return at.peer().get_tuple(owner, key, peis::read_mode::keep_old, at.with.timeout);
+}
+
+exit_status show_meta(const visit& at, const meta_tuple& x) {
+  const auto found = fetch(at, x.owner, x.key);
+  if (!found)
+    return fail("peer " + to_string(x.owner) + " has no tuple `" + x.key + '`');
+  const auto reference = peis::read_meta(*found.content);
+  if (!reference)
+    return fail("tuple `" + x.key + "` of peer " + to_string(x.owner) + " is no meta tuple");
+  nlohmann::ordered_json out{{"owner", x.owner.value}, {"key", x.key}, {"target", nullptr}};
+  if (!*reference)
+    return answer(at.with.json ? line_of(out) : "nowhere\n");
+  const auto& target = **reference;
+  const auto key = target.name.text();
+  out["target"] = {{"owner", target.owner.value}, {"key", printable(key)}};
+  const auto there = fetch(at, target.owner, std::string(key));
+  if (there)
+    out["target"] = to_json(*there.content);
+  return answer(at.with.json ? line_of(out)
+                             : to_string(target.owner) + ' ' + printable(key) + "  " +
+                                   (there ? value_text(*there.content) : "(no such tuple)") + '\n');
 }
 
 std::string time_of_day() {
@@ -152,13 +198,30 @@ exit_status perform(const visit& at, const write_tuple& x) {
     else
       at.peer().set_remote_tuple(x.owner, x.key, peis::text_content(x.value), std::move(then));
   });
-  if (!ended)
-    return fail("peer " + to_string(x.owner) + " has not acknowledged it");
-  if (*ended != peis::cause::none)
-    return fail(refused(*ended));
-  if (!at.with.json)
-    return exit_status::good;
-  return answer(line_of({{"owner", x.owner.value}, {"key", x.key}, {"acknowledged", true}}));
+  return acknowledged(at, x.owner, x.key, ended);
+}
+
+exit_status perform(const visit& at, const delete_tuple& x) {
+  if (!at.self.await_host(x.owner))
+    return fail(unreachable(at, x.owner));
+  const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
+    at.peer().delete_remote_tuple(x.owner, x.key, std::move(then));
+  });
+  return acknowledged(at, x.owner, x.key, ended);
+}
+
+exit_status perform(const visit& at, const meta_tuple& x) {
+  if (!at.self.await_host(x.owner))
+    return fail(unreachable(at, x.owner));
+  if (!x.target && !x.nowhere)
+    return show_meta(at, x);
+  peis::meta_reference reference;
+  if (x.target)
+    reference = peis::meta_target{x.target_owner.value_or(x.owner), *peis::key::parse(*x.target)};
+  const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
+    at.peer().set_remote_tuple(x.owner, x.key, peis::meta_content(reference), std::move(then));
+  });
+  return acknowledged(at, x.owner, x.key, ended);
 }
 
 exit_status perform(const visit& at, const list_tuples& x) {

@@ -27,6 +27,8 @@ struct visit {
 // tuple_commands.cpp
 [[nodiscard]] exit_status perform(const visit& at, const get_tuple& x);
 [[nodiscard]] exit_status perform(const visit& at, const write_tuple& x);
+[[nodiscard]] exit_status perform(const visit& at, const delete_tuple& x);
+[[nodiscard]] exit_status perform(const visit& at, const meta_tuple& x);
 [[nodiscard]] exit_status perform(const visit& at, const list_tuples& x);
 [[nodiscard]] exit_status perform(const visit& at, const watch_tuples& x);
 

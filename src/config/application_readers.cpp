@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "config/mote_readers.hpp"
+#include "config/size_check.hpp"
 #include "config/values.hpp"
 
 namespace rubicon::config {
@@ -180,10 +181,14 @@ std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_vie
                                                const std::string& title, const directory& names,
                                                claims<std::string>& files) {
   std::vector<apps::app_config> out;
+  end_claims ends;
   in.tables(key, title, [&](table_reader& x) {
     std::vector<std::pair<std::string_view, table_reader::part_reader>> choices;
     for (const auto& [word, read] : pc_programs(names, files))
-      choices.emplace_back(word, [&out, read](table_reader& y) { out.push_back(read(y).app); });
+      choices.emplace_back(word, [&, read](table_reader& y) {
+        out.push_back(read(y).app);
+        ends.claim(out.back(), y.at("app"), y.problems());
+      });
     x.one_of("app", choices);
   });
   return out;

@@ -37,6 +37,7 @@ struct surroundings {
   std::vector<bool> nodes;    ///< of a topology: whether a gain leads from or to it
   std::uint64_t seed = 1;
   run_mode mode = run_mode::virtual_time;
+  duration tick = 500ms; ///< of the RUBICON clock
   mote_types types;
   std::set<std::string> types_used;
   name_claims end_names; ///< of peers and gateways (ADR-02)

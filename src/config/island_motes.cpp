@@ -7,6 +7,7 @@
 #include "config/layouts.hpp"
 #include "config/model_readers.hpp"
 #include "config/reach.hpp"
+#include "config/size_check.hpp"
 #include "radio/tossim_files.hpp"
 
 namespace rubicon::config {
@@ -157,6 +158,7 @@ void island_motes::read_mote(table_reader& in) {
   if (has_place)
     placed_at_[out.id] = in.at("position_m");
   note_flows(out.id, profile.apps, in.problems());
+  note_programs(profile.apps, 1, in.problems());
   island_.motes.push_back(std::move(out));
 }
 
@@ -194,6 +196,20 @@ void island_motes::read_group(table_reader& in) {
   add_group(in, first, count, like, prefix);
   for (auto i = begin; i < island_.motes.size(); ++i)
     note_flows(island_.motes[i].id, profile.apps, in.problems());
+  note_programs(profile.apps, island_.motes.size() - begin, in.problems());
+}
+
+/// So many motes have these programs.
+void island_motes::note_programs(const std::vector<placed_app>& placed, std::size_t motes,
+                                 complaints& problems) {
+  const auto programs = programs_of(placed);
+  const auto one = apps::traffic_of(island_.id, programs);
+  if (one.longest == apps::load{} && one.longest_tunnelled == apps::load{})
+    return; // no vectors
+  vectors_at_ = placed.back().channel_at;
+  check_tick(programs, island_.id, with_.tick, vectors_at_, problems);
+  for (std::size_t i = 0; i < motes; ++i)
+    traffic_ += one;
 }
 
 void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_t count,
@@ -309,6 +325,7 @@ void island_motes::finish(complaints& problems) {
   std::sort(island_.motes.begin(), island_.motes.end(),
             [](const auto& a, const auto& b) { return a.id < b.id; });
   check_reach(problems);
+  check_tick(traffic_, island_.serial, with_.tick, vectors_at_, problems);
   for (const auto& [flow, from] : flows_) {
     if (flow.to != broadcast_mote && !receivers_.contains(flow.to))
       problems.add(flow.to_at, "mote `" + name_of(flow.to) + "` has no app = \"receiver\"");

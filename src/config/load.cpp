@@ -29,6 +29,7 @@ ecology_description read_file_tables(const node& root, const named_files& files,
   out.hosts = read_hosts(in);
   surroundings with(shared, names, out.radio, files.instead.seed.value_or(out.seed));
   with.mode = files.instead.mode.value_or(out.mode);
+  with.tick = out.tick;
   with.radio_is_known = links.sound;
   with.types = read_mote_types(in, names);
   out.islands = read_islands(in, with);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "config/application_readers.hpp"
+#include "config/size_check.hpp"
 
 namespace rubicon::config {
 
@@ -140,6 +141,11 @@ void check_profile(const mote_profile& x, reading& shared) {
   claims<std::string> singles;
   for (const auto& app : x.apps)
     std::visit(app_check{x, app, inputs, outputs, singles, shared.problems}, app.app);
+  end_claims ends;
+  for (const auto& app : x.apps) {
+    for (const auto& program : programs_of({app}))
+      ends.claim(program, app.channel_at, shared.problems);
+  }
   check_power(*x.platform, x.transmit_dbm, x.transmit_at, shared.problems);
 }
 

@@ -4,6 +4,7 @@
 #include "config/application_readers.hpp"
 #include "config/component_readers.hpp"
 #include "config/file_readers.hpp"
+#include "config/size_check.hpp"
 #include "core/device_keys.hpp"
 
 namespace rubicon::config {
@@ -207,6 +208,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
   in.optional("host", host_name{with.names}, like.host);
   read_connections(in, with, peers, apps, like);
   read_adapters(in, apps.places, like);
+  end_claims ends;
   in.tables("apps", "apps of a peer", [&](table_reader& x) {
     const auto add = [&like](peer_app app) { like.apps.push_back(std::move(app)); };
     std::vector<std::pair<std::string_view, table_reader::part_reader>> choices{
@@ -241,7 +243,9 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
         if (peers.count > 1 && word == "recorder")
           y.problems().add(y.at("app"),
                            "a file has one recorder, not " + std::to_string(peers.count));
-        add(read(y).app);
+        auto program = read(y).app;
+        ends.claim(program, y.at("app"), y.problems());
+        add(std::move(program));
       });
     x.one_of("app", choices);
   });

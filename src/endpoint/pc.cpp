@@ -16,6 +16,7 @@ mote::layer_config layer_of(const pc_config& config) {
   mote::layer_config x;
   x.self = no_mote;
   x.incarnation = config.incarnation;
+  x.messages.ack_wait = config.ack_wait;
   x.messages.outstanding_max = config.sends_max;
   x.messages.answer_slack = config.answer_slack;
   x.messages.sessions_max = 1024;
@@ -136,6 +137,10 @@ void pc::perform(mote::layer_output& x, outputs& out) {
     layer_->on_sample(wanted->stream, {}, now_);
   } else if (const auto* channel = std::get_if<mote::channel_wanted>(&x)) {
     layer_->on_connect_failed(channel->request, now_); // a PC is in no island
+  } else if (std::holds_alternative<mote::init_wanted>(x)) {
+    layer_->on_initialised(line_up_, now_);
+  } else if (std::holds_alternative<mote::join_wanted>(x)) {
+    layer_->on_joined(island_of(config_.self), now_);
   }
 }
 

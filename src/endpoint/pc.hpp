@@ -34,13 +34,14 @@ using outputs = std::vector<transport::to_network>;
 
 struct pc_config {
   peer_id self;
-  std::uint32_t incarnation = 0;              ///< how often it has been started before
-  std::chrono::milliseconds tick_period{500}; ///< of the RUBICON clock (CLK-03)
+  std::uint32_t incarnation = 0;                   ///< how often it has been started before
+  std::chrono::milliseconds tick_period{500};      ///< of the RUBICON clock (CLK-03)
   std::map<island_id, duration> answer_slack = {}; ///< as in transport::endpoint_config
-  bool awaits_clock = false; ///< it does not tick before on_clock()
-  std::size_t sends_max = 64;                 ///< reliable messages under way
-  std::size_t channels_max = 64;              ///< streams; synaptic channels each way; tunnels
-  std::uint8_t vector_max = 64;               ///< elements of a synaptic channel
+  bool awaits_clock = false;                       ///< it does not tick before on_clock()
+  duration ack_wait = 500ms;                       ///< transport::endpoint_config's
+  std::size_t sends_max = 64;                      ///< reliable messages under way
+  std::size_t channels_max = 64; ///< streams; synaptic channels each way; a quarter of the tunnels
+  std::uint8_t vector_max = 64;  ///< elements of a synaptic channel
 };
 
 struct pc_counters {
@@ -49,9 +50,9 @@ struct pc_counters {
   std::uint64_t no_transducer = 0;
 };
 
-/// Its address is its PEIS id as island, no_mote as mote. The RUBICON clock ticks at multiples of its
-/// period in the time that peers share, and T is their number (32 bits): so it does in all islands,
-/// too (network::clock_sync). Without programs there is no clock.
+/// Its address is its PEIS id as island, no_mote as mote. The RUBICON clock ticks at multiples of
+/// its period in the time that peers share, and T is their number (32 bits): so it does in all
+/// islands, too (network::clock_sync). Without programs there is no clock.
 class pc {
 public:
   pc() = default;
@@ -80,6 +81,8 @@ public:
 
   /// At a gateway: its island has a member more, or one that has been started again (MCK-15).
   [[nodiscard]] outputs on_mote_joined(mote_id mote, byte_view description, instant now);
+  /// At a gateway: whether its sink is heard. While it is not, initCommunications() fails (MCK-13).
+  void set_line(bool up) { line_up_ = up; }
   void forget_incarnation(mote_address x) { layer_->forget_incarnation(x); }
 
   /// The time that peers share is so much ahead of `now`, since 1970 (CLK-06).
@@ -100,6 +103,7 @@ private:
   synaptic::rubicon_clock clock_;
   std::optional<duration> ahead_; ///< of the time that peers share
   bool has_programs_ = false;
+  bool line_up_ = true; ///< or there is none
   instant now_;
   pc_counters counters_;
 };

@@ -31,11 +31,13 @@ gateway& gateway::operator=(gateway&& x) noexcept = default;
 gateway::~gateway() = default;
 
 gateway::gateway(gateway_config config, random_stream dice)
-    : config_(std::move(config)), lead_({config_.gateways.empty(), config_.incarnation}),
+    : config_(std::move(config)),
+      lead_({config_.gateways.empty(), config_.incarnation, config_.lead_lease}),
       pc_(pc_of(config_, config_.incarnation), random_stream(dice.next())),
       messages_(std::make_unique<device_messages>()), pieces_({.packets_max = assemblies_max}),
       others_(config_.others, random_stream(dice.next())) {
   dice_ = random_stream(dice.next());
+  pc_.set_line(false); // until the sink is heard
   messages_->layer = pc_.attach_for_rest(*messages_);
 }
 
@@ -88,6 +90,7 @@ void gateway::on_line_heard(outputs& out) {
   const auto before = std::exchange(line_heard_, now_);
   if (std::exchange(line_up_, true))
     return;
+  pc_.set_line(true);
   out.emplace_back(text_tuple(std::string(device_line_key), line_text("up", now_)));
   out.emplace_back(line_changed{true, before ? now_ - *before : duration{}});
 }
@@ -244,6 +247,7 @@ outputs gateway::on_time(instant now) {
   fail_waiting(now, out);
   if (line_up_ && *line_heard_ + silence_max() <= now) {
     line_up_ = false;
+    pc_.set_line(false);
     out.emplace_back(text_tuple(std::string(device_line_key), line_text("silent", *line_heard_)));
     out.emplace_back(line_changed{});
     make_stale(out);

@@ -97,8 +97,11 @@ struct gateway_config {
   std::uint32_t incarnation = 0;           ///< how often it was started before
   std::size_t inputs_outstanding_max = 64; ///< further inputs fail at once
   wire_form form = wire_form::segment;     ///< strict54: with every other gateway (WIR-04)
-  duration line_silence_max = 25s;         ///< more than two rosters of its sink without a word
-  duration shared_silence_max = 5s;        ///< the same of one among several, which its sink polls
+  std::size_t channels_max = 64;           ///< as endpoint::pc_config; the next too
+  duration ack_wait = 500ms;
+  duration lead_lease = 1500ms;     ///< leadership_config::lease
+  duration line_silence_max = 25s;  ///< more than two rosters of its sink without a word
+  duration shared_silence_max = 5s; ///< the same of one among several, which its sink polls
   duration clock_settling =
       10s;                    ///< a restarted kernel's clock is not told before: it hears others'
   duration rejoin_wait = 60s; ///< a sink that was started again may find its motes until then

@@ -73,6 +73,7 @@ void gateway::take_lead(outputs& out) {
   earlier_terms_.reliable_failed += outstanding(); // nobody waits for their answers any more
   messages_->layer.reset();
   pc_ = endpoint::pc(pc_of(config_, lead_.term()), random_stream(dice_.next()));
+  pc_.set_line(line_up_);
   messages_->layer = pc_.attach_for_rest(*messages_);
   requests_.forget_told(now_);
   std::ranges::move(take(pc_.start(now_)), std::back_inserter(out));

@@ -35,10 +35,12 @@ inline endpoint::pc_config pc_of(const gateway_config& config, std::uint32_t inc
   endpoint::pc_config x;
   x.self = gateway_of(config.island);
   x.incarnation = incarnation;
+  x.ack_wait = config.ack_wait;
   x.sends_max = config.inputs_outstanding_max;
   x.awaits_clock = true;
   x.tick_period = config.tick_period;
   x.answer_slack = config.answer_slack;
+  x.channels_max = config.channels_max;
   return x;
 }
 

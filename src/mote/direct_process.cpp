@@ -127,7 +127,7 @@ status direct_process::read(int desc, std::size_t nbytes) {
 }
 
 status direct_process::write(int desc, byte_view record) {
-  return below_.take_answer(below_.streams_.write(stream_of(desc), record));
+  return below_.take_answer(below_.streams_.write(stream_of(desc), record, below_.now_));
 }
 
 bool direct_process::has_ended(int desc) const {

@@ -38,7 +38,7 @@ std::vector<line_event> gateway_lines::on_time(instant now) {
   if (!due_ || now < *due_)
     return {};
   review(now);
-  due_ = now + config_.poll_gap;
+  due_ = now + config_.slowness * config_.poll_gap;
   std::vector<line_event> out;
   for (std::size_t i = 0; i < lines_.size(); ++i)
     out.push_back({i, {lines_[i].life.value_or(network::unknown_life), term_, i == leader_}});
@@ -51,7 +51,7 @@ std::optional<instant> gateway_lines::deadline() const {
 
 bool gateway_lines::is_there(std::size_t line, instant now) const {
   const auto& heard = lines_[line].heard;
-  return heard && now - *heard < config_.silence_max;
+  return heard && now - *heard < config_.slowness * config_.silence_max;
 }
 
 /// The lead goes to who is there if the leader is not, and back to an earlier line that is steady.

@@ -13,6 +13,8 @@ namespace rubicon::mote {
 
 struct gateway_lines_config {
   std::size_t lines = 1;     ///< each to another gateway, in the order in which they take over
+  std::int64_t slowness = 1; ///< serial::slowness() of the slowest; the next two times are so much
+                             ///< longer
   duration poll_gap = 500ms; ///< between two questions to each gateway
   duration silence_max = 2s; ///< a gateway that has not answered for so long is not there
   duration steadiness = 15s; ///< one that has answered for so long takes the lead back: longer

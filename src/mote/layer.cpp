@@ -250,7 +250,9 @@ void layer::on_packet(island_id source, std::uint16_t channel, byte_view body, i
 // Channels: Network's inside the island, tunnels to elsewhere.
 
 void layer::connect(channel_request who, mote_address destination,
-                    std::chrono::milliseconds interval, std::size_t size) {
+                    std::chrono::milliseconds interval, std::size_t size, std::uint8_t qos) {
+  if (const auto most = stream::latency_asked(qos))
+    latencies_asked_[who] = *most;
   const bool is_near =
       destination.island == self().island && destination.mote != no_mote && config_.self != no_mote;
   if (is_near) {
@@ -300,8 +302,18 @@ void layer::disconnect(stream::channel_handle channel) {
     outputs_.emplace_back(channel_unwanted{channel});
 }
 
+/// Whoever has asked for less than the way can promise does not get it.
 void layer::on_connected(channel_request who, stream::channel_handle channel, instant now) {
   now_ = now;
+  if (const auto asked = latencies_asked_.extract(who); !asked.empty()) {
+    const auto bound = latency_bound(channel);
+    if (!bound || *bound > asked.mapped()) {
+      ++counters_.too_slow;
+      disconnect(channel);
+      on_connect_failed(who, now);
+      return;
+    }
+  }
   is_synaptic_[channel] = who.is_synaptic;
   if (who.is_synaptic)
     take(synaptic_.on_connected(synaptic::descriptor(who.descriptor), channel, now));
@@ -311,6 +323,7 @@ void layer::on_connected(channel_request who, stream::channel_handle channel, in
 
 void layer::on_connect_failed(channel_request who, instant now) {
   now_ = now;
+  latencies_asked_.erase(who);
   if (who.is_synaptic)
     take(synaptic_.on_connect_failed(synaptic::descriptor(who.descriptor)));
   else
@@ -370,11 +383,13 @@ void layer::on_channel_closed(stream::channel_handle channel, instant now) {
 /// Of what comes over gateways Transport says how long it may be under way.
 std::optional<duration> layer::latency_bound(stream::descriptor stream) const {
   const auto channel = streams_.channel_of(stream);
-  if (!channel)
-    return std::nullopt;
-  if (is_tunnel(*channel))
+  return channel ? latency_bound(*channel) : std::nullopt;
+}
+
+std::optional<duration> layer::latency_bound(stream::channel_handle channel) const {
+  if (is_tunnel(channel))
     return config_.messages.lifetime;
-  const auto found = latency_bounds_.find(*channel);
+  const auto found = latency_bounds_.find(channel);
   return found == latency_bounds_.end() ? std::nullopt : std::optional(found->second);
 }
 
@@ -391,7 +406,8 @@ int layer::take_open(std::size_t process, stream::answer x) {
 void layer::take(stream::outputs todo) {
   for (auto& each : todo) {
     if (const auto* wish = std::get_if<stream::connect_channel>(&each)) {
-      connect({false, wish->stream.value}, wish->destination, wish->interval, wish->size);
+      connect({false, wish->stream.value}, wish->destination, wish->interval, wish->size,
+              wish->qos);
     } else if (auto* packet = std::get_if<stream::send_on_channel>(&each)) {
       send_on(packet->channel, std::move(packet->octets));
     } else if (const auto* over = std::get_if<stream::disconnect>(&each)) {
@@ -446,7 +462,8 @@ int layer::create(std::size_t process, bool is_out, mote_address other, std::uin
 void layer::take(synaptic::outputs todo) {
   for (auto& each : todo) {
     if (const auto* wish = std::get_if<synaptic::connect_channel>(&each)) {
-      connect({true, wish->channel.value}, wish->destination, wish->interval, wish->size);
+      connect({true, wish->channel.value}, wish->destination, wish->interval, wish->size,
+              wish->qos);
     } else if (auto* packet = std::get_if<synaptic::send_on_channel>(&each)) {
       send_on(packet->channel, std::move(packet->octets), packet->in_slot);
     } else if (const auto* over = std::get_if<synaptic::disconnect>(&each)) {

@@ -97,6 +97,7 @@ struct layer_counters {
   std::uint64_t before_join = 0;     ///< of them, for want of a join (MCK-16)
   std::uint64_t unknown_channel = 0; ///< packets on a channel number that is nobody's
   std::uint64_t unclaimed = 0;       ///< accepted channels given up
+  std::uint64_t too_slow = 0;        ///< channels given up: their way promises less than was asked
   std::uint64_t malformed = 0;       ///< requests of outputs that could not be decoded
 };
 
@@ -199,7 +200,8 @@ private:
   void take(stream::outputs todo);
   void take(synaptic::outputs todo);
   void connect(channel_request who, mote_address destination, std::chrono::milliseconds interval,
-               std::size_t size);
+               std::size_t size, std::uint8_t qos);
+  [[nodiscard]] std::optional<duration> latency_bound(stream::channel_handle channel) const;
   void send_on(stream::channel_handle channel, bytes octets, bool in_slot = false);
   void disconnect(stream::channel_handle channel);
   void tell(std::size_t process, event x);
@@ -231,6 +233,7 @@ private:
   std::map<transport::ticket, std::size_t> senders_; ///< of reliable sends under way
   std::uint32_t last_number_ = 0;
   std::map<transport::tunnel_id, channel_request> connecting_;
+  std::map<channel_request, duration> latencies_asked_;       ///< of channels that are being opened
   std::map<stream::channel_handle, bool> is_synaptic_;        ///< of channels in use
   std::map<stream::channel_handle, duration> latency_bounds_; ///< of channels of Network
   std::vector<std::pair<stream::channel_handle, mote_address>> unclaimed_;

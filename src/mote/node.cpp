@@ -55,7 +55,7 @@ node::node(node_config config, std::uint32_t incarnation, random_stream dice, in
   above.incarnation = incarnation;
   above.transducer_mask = describe(config_).transducer_mask;
   layer_.emplace(above, random_stream(dice_.next()));
-  network::router_config network;
+  auto network = config_.network;
   network.self = config_.id;
   network.duty = config_.duty.common();
   packets_ = packet_service(network, random_stream(dice_.next()), now);
@@ -501,7 +501,7 @@ std::size_t node::footprint() const {
   constexpr std::size_t join_octets = 32;
   constexpr std::size_t clock_octets = 12;
   return packets_.footprint() + layer_->footprint() + join_octets + clock_octets +
-         duty_cycle::footprint(network::channels_config{}.entries_max);
+         duty_cycle::footprint(config_.network.paths.entries_max);
 }
 
 } // namespace rubicon::mote

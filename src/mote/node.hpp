@@ -35,6 +35,7 @@ struct node_config {
   position place;                    ///< for what its transducers measure
   std::uint64_t transducer_seed = 0; ///< of random walks: the same in all lives of a mote
   layer_config layer;                ///< sizes of tables
+  network::router_config network;    ///< the same
   duty_config duty;
 };
 

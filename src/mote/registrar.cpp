@@ -24,14 +24,15 @@ registrar_outputs registrar::start(instant now) {
   return {};
 }
 
-registrar_outputs registrar::on_frame(mote_id source, byte_view payload, instant now) {
+registrar_outputs registrar::on_frame(mote_id source, byte_view payload, instant now,
+                                      std::size_t hops) {
   const auto message = decode_management(payload);
   if (!message) {
     ++counters_.malformed;
     return {};
   }
   if (const auto* request = std::get_if<join_request>(&*message))
-    return on_request(source, *request, now);
+    return on_request(source, *request, now, hops);
   if (const auto* confirm = std::get_if<join_confirm>(&*message))
     return on_confirm(source, *confirm, now);
   if (std::holds_alternative<leave_notice>(*message)) {
@@ -58,7 +59,8 @@ registrar_outputs registrar::on_frame(mote_id source, byte_view payload, instant
   return {}; // a reply or a prompt of another sink within earshot
 }
 
-registrar_outputs registrar::on_request(mote_id source, const join_request& x, instant now) {
+registrar_outputs registrar::on_request(mote_id source, const join_request& x, instant now,
+                                        std::size_t hops) {
   const auto description = decode_descriptor(x.descriptor);
   if (!description) {
     ++counters_.malformed;
@@ -86,7 +88,8 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
                                     3 * std::chrono::milliseconds(description->keep_alive_ms));
   entry.heard = now;
   entry.replies = 1;
-  entry.reply_due = now + config_.confirm_wait;
+  entry.confirm_wait = config_.confirm_wait * static_cast<int>(std::max<std::size_t>(hops, 1));
+  entry.reply_due = now + entry.confirm_wait;
   wake_at(same_life ? now + entry.window : entry.reply_due);
   out.emplace_back(reply_to(source, entry, now));
   if (contradicts) {
@@ -192,7 +195,7 @@ registrar_outputs registrar::expire(instant now) {
         continue;
       }
       ++entry.replies;
-      entry.reply_due = now + config_.confirm_wait;
+      entry.reply_due = now + entry.confirm_wait;
       out.emplace_back(reply_to(mote, entry, now));
     }
     wake_at(entry.confirmed ? entry.heard + entry.window : entry.reply_due);

@@ -29,8 +29,8 @@ struct registrar_config {
   island_id island;
   std::vector<island_id> aliases = {}; ///< at most aliases_max; motes are told at their join
   duration keep_alive_window = 10s;    ///< a mote silent for longer has left (part C)
-  duration confirm_wait = 500ms;       ///< the reply is repeated until confirmed,
-  unsigned replies_max = 5;            ///< this often
+  duration confirm_wait = 500ms;       ///< for each hop of the way: the reply is repeated until
+  unsigned replies_max = 5;            ///< confirmed, this often; then the mote is none we know
   /// Further requests get no answer and are counted, unless somebody has been silent for longer
   /// than keep_alive_window, who is then taken for gone.
   std::size_t members_max = 1000;
@@ -55,7 +55,9 @@ public:
   [[nodiscard]] registrar_outputs start(instant now);
 
   /// A component management frame from `source`.
-  [[nodiscard]] registrar_outputs on_frame(mote_id source, byte_view payload, instant now);
+  /// @param hops of the way to it, as far as that is known; 0: unknown
+  [[nodiscard]] registrar_outputs on_frame(mote_id source, byte_view payload, instant now,
+                                           std::size_t hops = 1);
 
   /// Any other frame from `source`: it lives; an unknown mote is asked to join.
   [[nodiscard]] registrar_outputs on_heard(mote_id source, instant now);
@@ -87,9 +89,11 @@ private:
     instant heard;
     unsigned replies = 0;
     instant reply_due;
+    duration confirm_wait{};
   };
 
-  [[nodiscard]] registrar_outputs on_request(mote_id source, const join_request& x, instant now);
+  [[nodiscard]] registrar_outputs on_request(mote_id source, const join_request& x, instant now,
+                                             std::size_t hops);
   [[nodiscard]] registrar_outputs on_confirm(mote_id source, const join_confirm& x, instant now);
   [[nodiscard]] bool make_room(registrar_outputs& out, instant now);
   [[nodiscard]] registrar_outputs prompt(mote_id mote, instant now);

@@ -39,14 +39,8 @@ int remote_process::open_end(const stream_end& wish) {
 int remote_process::open_sensor(std::uint8_t transducer, std::uint32_t period_ms,
                                 stream::sampling kind_of_it) {
   const bool is_periodic = kind_of_it == stream::sampling::periodic;
-  const auto is_equal = [&](const auto& row) {
-    const auto& x = row.second.sensor;
-    return row.second.what == kind::sensor && x.transducer == transducer &&
-           x.is_periodic == is_periodic && (!is_periodic || x.period_ms == period_ms);
-  };
   if (!has_transducer(node_.transducer_mask, transducer) || (is_periodic && period_ms == 0) ||
-      std::ranges::any_of(streams_, is_equal) || streams_.size() >= node_.streams_max ||
-      !has_room()) {
+      streams_.size() >= node_.streams_max || !has_room()) {
     refuse();
     return -1;
   }

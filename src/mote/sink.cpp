@@ -17,14 +17,18 @@ void append(sink_outputs& to, sink_outputs from) {
 
 sink::sink(network::router_config network, registrar_config members, const duty_config& duty,
            random_stream dice, instant now, gateway_lines_config lines)
-    : self_(network.self), island_(members.island), duty_(duty, true),
-      lines_(lines, now), pieces_(lines.lines) {
+    : self_(network.self), island_(members.island), duty_(duty, true), lines_(lines, now),
+      pieces_(lines.lines) {
   network.is_sink = true;
   network.duty = duty.common();
   members.confirm_wait += duty.answer_slack(0);
   registrar_ = registrar(members);
   packets_ = packet_service(network, dice, now);
-  time_ = network::time_reference({}, now);
+  network::time_reference_config timing;
+  timing.gap *= lines.slowness;
+  timing.gap_first *= lines.slowness;
+  timing.answer_max *= lines.slowness;
+  time_ = network::time_reference(timing, now);
 }
 
 sink_outputs sink::start(instant now) {
@@ -126,7 +130,10 @@ sink_outputs sink::take(packet_service_outputs from_packets, instant now) {
     if (auto* frame = std::get_if<network::frame_out>(&x)) {
       duty_.submit(std::move(*frame));
     } else if (const auto* message = std::get_if<management_in>(&x)) {
-      append(out, take(registrar_.on_frame(message->origin, message->octets, now), now));
+      const auto way = packets_.router().packets().routes().route_to(message->origin);
+      append(out,
+             take(registrar_.on_frame(message->origin, message->octets, now, way ? way->size() : 0),
+                  now));
     } else if (const auto* packet = std::get_if<packet_in>(&x)) {
       append(out, from_island(*packet, now));
     } else if (const auto* offered = std::get_if<network::channel_accepted>(&x)) {

@@ -247,7 +247,11 @@ void channels::take_flooded(mote_id from, channel_id id, const connect_message& 
       x.hops > config_.hops_max)
     return;
   offers_[id] = {from, x, now + offer_lifetime + turns_of(around, hops_likely)};
-  queue(broadcast_mote, {id, one_hop_on(x)}, now + dice_.between(0s, config_.flood_spread));
+  const auto is_near = [&](const nearby_mote& y) { return y.mote == x.destination; };
+  if (std::ranges::any_of(around.motes, is_near)) // perhaps of all who hear this we alone
+    queue(x.destination, {id, one_hop_on(x)}, now);
+  else
+    queue(broadcast_mote, {id, one_hop_on(x)}, now + dice_.between(0s, config_.flood_spread));
 }
 
 void channels::take(mote_id from, channel_id id, connect_ack_message& ack, const surroundings&,

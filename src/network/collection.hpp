@@ -111,6 +111,7 @@ public:
   [[nodiscard]] bool take_loop_seen() { return std::exchange(loop_seen_, false); }
 
   [[nodiscard]] source_routes& routes() { return routes_; } ///< of the root
+  [[nodiscard]] const source_routes& routes() const { return routes_; }
   [[nodiscard]] std::size_t queued() const { return queue_.size(); }
   [[nodiscard]] const collection_counters& counters() const { return counters_; }
   [[nodiscard]] std::size_t footprint() const {

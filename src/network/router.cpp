@@ -56,22 +56,22 @@ router::router(router_config config, random_stream dice, instant now)
   timing.tick = config_.tick;
   timing.resume_wait += config_.duty.period + config_.duty.length;
   clock_ = clock_sync(timing, now);
-  collection_config packets;
+  auto packets = config_.packets;
   packets.self = config_.self;
   packets.is_root = config_.is_sink;
   if (config_.is_sink) { // has a PC's memory and power
-    packets.queue_max = 32;
-    packets.octets_max = 32 * frame_payload_max;
+    packets.queue_max = std::max<std::size_t>(packets.queue_max, 32);
+    packets.octets_max = std::max(packets.octets_max, 32 * frame_payload_max);
     packets.seen_max = 64;
   }
   packets_ = collection(packets, random_stream(dice_.next()));
-  channels_config paths;
+  auto paths = config_.paths;
   paths.self = config_.self;
   if (config_.is_sink) {
-    paths.entries_max = 32;
+    paths.entries_max = std::max<std::size_t>(paths.entries_max, 32);
     paths.offers_max = 12;
-    paths.queue_max = 16;
-    paths.octets_max = 16 * channel_packet_max;
+    paths.queue_max = std::max<std::size_t>(paths.queue_max, 16);
+    paths.octets_max = std::max(paths.octets_max, 16 * channel_packet_max);
   }
   if (config_.duty.period > 0s)
     paths.data_rounds_max = 4; // the second one waits for a window: then it had better arrive

@@ -29,6 +29,8 @@ namespace rubicon::network {
 struct router_config {
   mote_id self;
   bool is_sink = false;
+  channels_config paths;     ///< sizes of tables and queues; a sink's are larger at least; the next
+  collection_config packets; ///< too
   trickle_config beacons;
   tick_setting tick;              ///< the sink's (CLK-03)
   duration report_period = 8min;  ///< a mote tells the sink where it is, at least so often;

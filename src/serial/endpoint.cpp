@@ -4,7 +4,19 @@
 #include <cassert>
 #include <utility>
 
+#include "serial/line_config.hpp"
+
 namespace rubicon::serial {
+
+namespace {
+
+/// What the mote may write before an ack: the longest frame that it sends of its own (flags, type,
+/// AM header, payload, CRC; a tenth of it escaped).
+constexpr std::size_t answer_octets = (am_payload_max + am_header_octets + 6) * 11 / 10;
+constexpr std::size_t ack_octets = 9;   ///< half of them escaped
+constexpr duration service_time = 10ms; ///< until the mote has seen to a packet
+
+} // namespace
 
 std::string_view to_string(lost_cause x) {
   switch (x) {
@@ -20,9 +32,9 @@ std::string_view to_string(lost_cause x) {
   return "?";
 }
 
-endpoint::endpoint(endpoint_config config)
-    : config_(config), patience_(config.ack_wait), queue_(config.queue_max) {
-  assert(config_.attempts_max >= 1 && config_.attempts_max <= 64);
+endpoint::endpoint(endpoint_config config) : config_(config), queue_(config.queue_max) {
+  assert(config_.attempts_max >= 1 && config_.attempts_max <= 64 && config_.baud > 0 &&
+         config_.window >= 1);
 }
 
 outputs endpoint::send(packet_id id, bytes packet, instant now) {
@@ -30,9 +42,9 @@ outputs endpoint::send(packet_id id, bytes packet, instant now) {
   if (const auto cause = objection(packet)) {
     ++counters_.refused;
     out.push_back(lost{id, *cause});
-  } else if (current() == state::idle) {
+  } else if (under_way_.size() < config_.window) {
     ++counters_.accepted;
-    start({id, std::move(packet)}, now, out);
+    write_attempt(under_way_.emplace_back(waiting{{id, std::move(packet)}}), now, out);
   } else if (queue_.push({id, std::move(packet)})) {
     ++counters_.accepted;
   } else {
@@ -52,17 +64,27 @@ outputs endpoint::on_bytes(byte_view octets, instant now) {
 
 outputs endpoint::on_time(instant now) {
   outputs out;
-  if (!deadline_ || now < *deadline_)
-    return out;
-  if (attempts_.size() < config_.attempts_max) {
-    write_attempt(now, out);
-    return out;
+  for (auto x = under_way_.begin(); x != under_way_.end();) {
+    if (x->due <= now && x->attempts.size() >= config_.attempts_max) {
+      patience_.on_silence();
+      ++counters_.no_ack;
+      out.push_back(lost{x->what.id, lost_cause::no_ack});
+      x = under_way_.erase(x);
+      continue;
+    }
+    if (x->due <= now)
+      write_attempt(*x, now, out);
+    ++x;
   }
-  patience_.on_silence();
-  ++counters_.no_ack;
-  out.push_back(lost{current_.id, lost_cause::no_ack});
-  next(now, out);
+  fill_window(now, out);
   return out;
+}
+
+std::optional<instant> endpoint::deadline() const {
+  std::optional<instant> next;
+  for (const auto& x : under_way_)
+    next = earliest(next, x.due);
+  return next;
 }
 
 std::optional<lost_cause> endpoint::objection(byte_view packet) const {
@@ -101,16 +123,18 @@ void endpoint::on_frame(frame x, instant now, outputs& out) {
 }
 
 void endpoint::on_ack(std::uint8_t sequence, instant now, outputs& out) {
-  const auto answered = std::find_if(attempts_.begin(), attempts_.end(),
-                                     [&](const attempt& x) { return x.sequence == sequence; });
-  if (answered == attempts_.end()) {
-    ++counters_.stray_acks;
+  for (auto x = under_way_.begin(); x != under_way_.end(); ++x) {
+    const auto answered = std::ranges::find(x->attempts, sequence, &attempt::sequence);
+    if (answered == x->attempts.end())
+      continue;
+    patience_.on_answer(now - answered->left, answered != x->attempts.begin());
+    ++counters_.sent;
+    out.push_back(sent{x->what.id});
+    under_way_.erase(x);
+    fill_window(now, out);
     return;
   }
-  patience_.on_answer(now - answered->written, answered != attempts_.begin());
-  ++counters_.sent;
-  out.push_back(sent{current_.id});
-  next(now, out);
+  ++counters_.stray_acks;
 }
 
 void endpoint::pass_up(bytes packet, outputs& out) {
@@ -122,25 +146,28 @@ void endpoint::pass_up(bytes packet, outputs& out) {
   out.push_back(received{std::move(packet)});
 }
 
-void endpoint::start(outgoing x, instant now, outputs& out) {
-  current_ = std::move(x);
-  attempts_.clear();
-  write_attempt(now, out);
-}
-
-void endpoint::write_attempt(instant now, outputs& out) {
+void endpoint::write_attempt(waiting& x, instant now, outputs& out) {
   const auto sequence = next_sequence_++;
-  attempts_.push_back({sequence, now});
-  deadline_ = now + patience_.wait(attempts_.size() == config_.attempts_max);
+  auto wire = encode(frame{frame_type::packet_with_ack, sequence, x.what.packet});
+  const auto own = on_line(wire.size());
+  const auto answer = on_line(answer_octets + ack_octets * config_.window);
+  const auto longest =
+      std::max(config_.ack_wait, own + answer + 2 * config_.latency + service_time);
+  const auto begins = std::max(now, line_free_); // behind what is under way already
+  line_free_ = begins + own;
+  x.attempts.push_back({sequence, line_free_});
+  x.due = begins + patience_.wait(own, longest, x.attempts.size() == config_.attempts_max);
   ++counters_.attempts;
-  out.push_back(to_line{encode(frame{frame_type::packet_with_ack, sequence, current_.packet})});
+  out.push_back(to_line{std::move(wire)});
 }
 
-void endpoint::next(instant now, outputs& out) {
-  attempts_.clear();
-  deadline_.reset();
-  if (!queue_.empty())
-    start(queue_.pop(), now, out);
+duration endpoint::on_line(std::size_t octets) const {
+  return transmission_time(octets, config_.baud);
+}
+
+void endpoint::fill_window(instant now, outputs& out) {
+  while (under_way_.size() < config_.window && !queue_.empty())
+    write_attempt(under_way_.emplace_back(waiting{queue_.pop()}), now, out);
 }
 
 } // namespace rubicon::serial

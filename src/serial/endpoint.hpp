@@ -47,7 +47,15 @@ using output = std::variant<to_line, received, sent, lost>;
 using outputs = std::vector<output>;
 
 struct endpoint_config {
-  duration ack_wait = 100ms;                ///< longest wait after one attempt, see ack_patience
+  /// Longest wait after one attempt, see ack_patience; longer where the line itself needs longer:
+  /// for the attempt, for a frame that the mote has begun to write, and for the ack.
+  duration ack_wait = 100ms;
+  std::uint32_t baud = 57600; ///< of the line, > 0
+  duration latency = 1ms;     ///< of the line, each way
+  /// Packets under way: 1, as TinyOS's own programs do, or 2, for which a mote has buffers. Two
+  /// keep a slow line in use while an ack waits for what the mote is writing; the second may
+  /// overtake a first one that has to be repeated.
+  std::size_t window = 1;
   unsigned attempts_max = 4;                ///< 1..64
   std::size_t queue_max = 64;               ///< packets waiting behind the one that is outstanding
   std::size_t payload_max = am_payload_max; ///< AM payload that the sink is compiled for
@@ -67,9 +75,9 @@ struct endpoint_counters {
   std::uint64_t unknown_answers = 0; ///< the mote did not know a frame's type
 };
 
-/// Framing, acks both ways, one packet at a time. Every send ends in exactly one sent or lost. Each
-/// attempt has a sequence number of its own, so that an ack tells which attempt it answers; motes
-/// do not suppress duplicates and neither does this side (tinyos.md 1.3).
+/// Framing, acks both ways, a packet or two at a time. Every send ends in exactly one sent or lost.
+/// Each attempt has a sequence number of its own, so that an ack tells which attempt it answers;
+/// motes do not suppress duplicates and neither does this side (tinyos.md 1.3).
 ///
 ///   idle --send--> waiting --ack of any attempt--> sent, next packet
 ///                   |   ^
@@ -87,9 +95,9 @@ public:
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
 
   /// When on_time() is due; nothing while idle.
-  [[nodiscard]] std::optional<instant> deadline() const noexcept { return deadline_; }
+  [[nodiscard]] std::optional<instant> deadline() const;
 
-  [[nodiscard]] state current() const { return deadline_ ? state::waiting : state::idle; }
+  [[nodiscard]] state current() const { return under_way_.empty() ? state::idle : state::waiting; }
   [[nodiscard]] std::size_t queued() const { return queue_.size(); }
   [[nodiscard]] const endpoint_counters& counters() const { return counters_; }
   [[nodiscard]] const frame_counters& frames() const { return decoder_.counters(); }
@@ -102,24 +110,29 @@ private:
 
   struct attempt {
     std::uint8_t sequence = 0;
-    instant written;
+    instant left; ///< its last octet has
+  };
+
+  struct waiting {
+    outgoing what;
+    std::vector<attempt> attempts{}; ///< at most attempts_max
+    instant due{};                   ///< of the next one, or of giving up
   };
 
   [[nodiscard]] std::optional<lost_cause> objection(byte_view packet) const;
   void on_frame(frame x, instant now, outputs& out);
   void on_ack(std::uint8_t sequence, instant now, outputs& out);
   void pass_up(bytes packet, outputs& out);
-  void start(outgoing x, instant now, outputs& out);
-  void write_attempt(instant now, outputs& out);
-  void next(instant now, outputs& out);
+  void write_attempt(waiting& x, instant now, outputs& out);
+  void fill_window(instant now, outputs& out);
+  [[nodiscard]] duration on_line(std::size_t octets) const;
 
   endpoint_config config_;
   frame_decoder decoder_;
   ack_patience patience_;
   bounded_queue<outgoing> queue_;
-  outgoing current_;              ///< meaningful while waiting
-  std::vector<attempt> attempts_; ///< of current_, at most attempts_max
-  std::optional<instant> deadline_;
+  std::vector<waiting> under_way_;     ///< at most window
+  instant line_free_ = instant::min(); ///< what we have written has left
   std::uint8_t next_sequence_ = 0;
   endpoint_counters counters_;
 };

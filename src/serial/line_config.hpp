@@ -22,4 +22,21 @@ struct line_config {
   return duration(static_cast<std::int64_t>(octets) * 10 * std::nano::den / baud);
 }
 
+/// How many times longer than usual to wait for what the other end says now and then, and as much
+/// longer to wait before saying it: what a mote's queue holds comes first, twelve packets of 40
+/// octets. That is a second at 4800 baud, which is what usual waits allow for. @pre baud > 0
+[[nodiscard]] constexpr std::int64_t slowness(std::uint32_t baud) {
+  constexpr std::size_t queued = std::size_t{12} * 40;
+  return (transmission_time(queued, baud) + 1s - 1ns) / 1s;
+}
+
+/// How many packets of 40 octets, and their answers, a line carries in four seconds; four at least.
+/// A queue that holds more would only make what waits in it older than anybody waits for it.
+/// @pre baud > 0
+[[nodiscard]] constexpr std::size_t queue_room(std::uint32_t baud) {
+  constexpr std::size_t packet = 40 + 9;
+  const auto packets = 4s / transmission_time(packet, baud);
+  return packets > 4 ? static_cast<std::size_t>(packets) : 4;
+}
+
 } // namespace rubicon::serial

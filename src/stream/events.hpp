@@ -29,12 +29,19 @@ using channel_handle = strong_id<channel_tag, std::uint32_t>;
 inline constexpr std::size_t queue_size_default = 5;
 inline constexpr std::size_t buffer_size_default = 12; ///< a sensor_record fits
 
-/// Bits of open_remote's qos. They are for who provides the channel; streams keep the order
-/// of their records in any case.
+/// Bits of open_remote's qos. Streams keep the order of their records in any case. With
+/// reliable or every_value all records arrive, or the stream ends (stream::streams). The latency
+/// class is for who provides the channel: an open fails if no such bound can be told.
 inline constexpr std::uint8_t qos_reliable = 0x01;
 inline constexpr std::uint8_t qos_ordered = 0x02;
 inline constexpr std::uint8_t qos_every_value = 0x04;
 inline constexpr std::uint8_t qos_latency_class = 0xf0; ///< four bits, 0: no bound asked for
+
+/// Class 1 is 100 ms at most, each further one twice as much: 15 is 27 minutes. Nothing: not asked.
+[[nodiscard]] constexpr std::optional<duration> latency_asked(std::uint8_t qos) {
+  const auto level = (qos & qos_latency_class) >> 4U;
+  return level == 0 ? std::nullopt : std::optional(50ms * (duration::rep{1} << level));
+}
 
 enum class sampling : std::uint8_t { periodic, on_demand };
 

@@ -14,6 +14,7 @@ namespace rubicon::stream {
 /// 1, SS_OPEN: from the write end; repeated until it is acknowledged.
 struct open_message {
   std::uint16_t name = 0; ///< symbolic, the same at both ends
+  std::uint8_t qos = 0;   ///< what of it concerns the read end; 0 is left out (A-52)
 
   friend bool operator==(const open_message&, const open_message&) = default;
 };
@@ -34,15 +35,23 @@ struct write_message {
   friend bool operator==(const write_message&, const write_message&) = default;
 };
 
-using message = std::variant<open_message, open_ack_message, write_message>;
+/// 4, SS_ACK: from the read end of a stream whose records must arrive: it has all before
+/// this one.
+struct ack_message {
+  std::uint16_t next = 0;
+
+  friend bool operator==(const ack_message&, const ack_message&) = default;
+};
+
+using message = std::variant<open_message, open_ack_message, write_message, ack_message>;
 
 /// Octets of SS_WRITE before the record.
 inline constexpr std::size_t write_header_size = 3;
 
 [[nodiscard]] bytes encode(const message& x);
 
-/// Errors: truncated, too_long (octets after an SS_OPEN or SS_OPEN_ACK), unsupported (unknown
-/// kind). How long a record may be the read end decides.
+/// Errors: truncated, too_long (octets after a message without a record), bad_value (a quality of
+/// service of 0), unsupported (unknown kind). How long a record may be the read end decides.
 [[nodiscard]] result<message> decode_message(byte_view octets);
 
 } // namespace rubicon::stream

@@ -43,12 +43,6 @@ answer streams::open_sensor(const sensor_request& x, instant now) {
   if (x.transducer >= config_.transducers || !queue_fits(x.queue_size) ||
       (periodic && x.period.count() <= 0))
     return refuse(failure::bad_argument);
-  const auto is_equal = [&](const row& y) {
-    return y.what == kind::sensor && y.sensor.transducer == x.transducer &&
-           y.sensor.kind == x.kind && (!periodic || y.sensor.period == x.period);
-  };
-  if (std::any_of(rows_.begin(), rows_.end(), is_equal))
-    return refuse(failure::already_open);
   if (rows_.size() >= config_.streams_max)
     return refuse(failure::no_room);
   auto& added = add(kind::sensor, sensor_record::size, x.queue_size);
@@ -66,7 +60,7 @@ answer streams::open_local(std::size_t queue_size) {
   return {.stream = add(kind::local, config_.record_max, queue_size).id};
 }
 
-answer streams::write(descriptor stream, byte_view record) {
+answer streams::write(descriptor stream, byte_view record, instant now) {
   auto* x = find(stream);
   if (x == nullptr)
     return refuse(failure::bad_descriptor);
@@ -78,10 +72,18 @@ answer streams::write(descriptor stream, byte_view record) {
     return refuse(failure::ended);
   if (record.size() > x->record_max)
     return refuse(failure::too_long);
+  if (x->is_reliable && x->unacked.size() >= config_.window_max) {
+    ++counters_.busy;
+    return refuse(failure::busy);
+  }
   answer done{.stream = stream};
   if (x->channel) {
     const write_message content{x->sequence++, to_bytes(record)};
     done.todo.emplace_back(send_on_channel{*x->channel, encode(content)});
+    if (x->is_reliable) {
+      x->unacked.push_back(content.record);
+      x->due = x->due.value_or(now + repeat_wait());
+    }
   } else if (x->what == kind::local) {
     store(*x, to_bytes(record), done.todo);
   } else if (auto* reader = find(kind::reader, x->name); reader != nullptr && reader->loops) {
@@ -185,6 +187,10 @@ bool streams::on_due(row& x, outputs& todo, instant now) {
     ask(x, todo, now);
     return true;
   }
+  if (x.at == phase::open) {
+    resend(x, todo, now);
+    return true;
+  }
   drop(x, todo);
   return false;
 }
@@ -239,6 +245,8 @@ void streams::drop(row& x, outputs& todo) {
 
 void streams::end(row& x, outputs& todo) {
   x.at = phase::ended;
+  counters_.unconfirmed += x.unacked.size();
+  x.unacked.clear();
   x.channel.reset();
   x.loops = false;
   x.due.reset();

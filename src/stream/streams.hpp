@@ -19,10 +19,12 @@ struct streams_config {
   std::size_t streams_max = 5;
   std::size_t early_max = 2; ///< accepted channels whose stream is not open here yet
   std::size_t queue_max = 32;
-  std::size_t record_max = 105;    ///< what a channel packet holds beside SS_WRITE's header
-  std::uint8_t transducers = 0;    ///< they are numbered from 0 (STR-09)
-  duration open_repeat = 2s;       ///< from one SS_OPEN to the next
-  duration writer_patience = 30s;  ///< from open_remote() to SS_OPEN_ACK (STR-19)
+  std::size_t record_max = 105;   ///< what a channel packet holds beside SS_WRITE's header
+  std::uint8_t transducers = 0;   ///< they are numbered from 0 (STR-09)
+  std::size_t window_max = 8;     ///< records of a reliable stream that its read end has not acked
+  unsigned resends_max = 15;      ///< without an ack; then the stream has ended
+  duration open_repeat = 2s;      ///< from one SS_OPEN to the next, and from a record to its repeat
+  duration writer_patience = 30s; ///< from open_remote() to SS_OPEN_ACK (STR-19)
   duration reader_patience = 2min; ///< from open_remote() to SS_OPEN, or the other way round
 };
 
@@ -40,6 +42,10 @@ struct streams_counters {
   std::uint64_t missed = 0;        ///< times of sampling that on_time() came too late for
   std::uint64_t refused = 0;       ///< accepted channels given back: no room, or the name is taken
   std::uint64_t expired = 0;       ///< accepted channels whose stream nobody opened
+  std::uint64_t resent = 0;        ///< records of reliable streams
+  std::uint64_t busy = 0;          ///< writes to them refused: nothing but waits for acks
+  std::uint64_t throttled = 0;     ///< arrived records of them not taken: the queue is full
+  std::uint64_t unconfirmed = 0;   ///< records of them not acked when the stream ended
   std::uint64_t malformed = 0;
   std::uint64_t strays = 0; ///< well-formed, but nothing that its channel or stream waits for
 };
@@ -51,6 +57,11 @@ struct streams_counters {
 ///   writer: connecting --channel--> asking --SS_OPEN_ACK--> open --channel closed--> ended
 ///   reader: waiting --SS_OPEN--> open --channel closed--> ended
 ///
+/// A stream that was opened with qos_reliable or qos_every_value is one whose records all arrive,
+/// in order and once, or it ends: the read end acks them, the write end repeats what is not acked.
+/// A full queue drops nothing then, but lets the write end wait, whose writes fail (busy) when
+/// window_max records wait.
+///
 /// Before open, time-outs and refusals end in open_done(failure) and the entry is free. An ended
 /// stream keeps its entry, and a reader its queue, until its application closes it.
 class streams {
@@ -61,8 +72,8 @@ public:
   /// Answers to what we send take so much longer from now on, as radios sleep.
   void set_answer_slack(duration x) { answer_slack_ = x; }
 
-  /// Open at once. Failures: bad_argument (transducer, period, queue size), already_open (an equal
-  /// one is), no_room.
+  /// Open at once. Equal ones may be open: programs of a node do not know each other, and each has
+  /// its own queue and times. Failures: bad_argument (transducer, period, queue size), no_room.
   [[nodiscard]] answer open_sensor(const sensor_request& x, instant now);
 
   /// Open at once. Records of up to record_max octets. Failures: bad_argument, no_room.
@@ -74,8 +85,10 @@ public:
   /// @param self this node's address; no_mote in the mote part for a PC
   [[nodiscard]] answer open_remote(mote_address self, const remote_request& x, instant now);
 
-  /// Failures: bad_descriptor, illegal_operation, not_open_yet, ended, too_long.
-  [[nodiscard]] answer write(descriptor stream, byte_view record);
+  /// Failures: bad_descriptor, illegal_operation, not_open_yet, ended, too_long, busy (a reliable
+  /// stream).
+  /// @param now matters to reliable streams only
+  [[nodiscard]] answer write(descriptor stream, byte_view record, instant now = {});
 
   /// Takes one record, of which read_done shows the first `nbytes`. Failures:
   /// bad_descriptor, illegal_operation, not_open_yet, busy, bad_argument (nothing to read), ended.
@@ -129,6 +142,10 @@ private:
     mote_address source{};      ///< of the channel, at the read end
     std::uint16_t sequence = 0; ///< of the next record
     instant gives_up{};         ///< asking, and connecting
+    bool is_reliable = false;
+    std::vector<bytes> unacked{};    ///< records, at the write end of a reliable stream
+    std::uint16_t first_unacked = 0; ///< sequence number of the first of them
+    unsigned resends = 0;            ///< since an ack
   };
 
   /// A channel that was accepted and is not a stream's yet.
@@ -138,6 +155,7 @@ private:
     std::optional<std::uint16_t> name; ///< nothing before SS_OPEN
     std::uint16_t sequence = 0;
     instant due;
+    bool is_reliable = false;
   };
 
   [[nodiscard]] static bool is_opening(const row& x) {
@@ -166,12 +184,16 @@ private:
   void serve(row& x, outputs& todo);
   void deliver(row& x, byte_view record, outputs& todo);
 
-  void on_open(early x, std::uint16_t name, outputs& todo, instant now);
+  void on_open(early x, const open_message& wish, outputs& todo, instant now);
   [[nodiscard]] bool make_way(const early& x, std::uint16_t name, outputs& todo);
-  void on_row_message(row& x, const message& content, outputs& todo);
+  void on_row_message(row& x, const message& content, outputs& todo, instant now);
   void on_record(row& x, const write_message& content, outputs& todo);
+  void on_reliable_record(row& x, const write_message& content, outputs& todo);
+  void on_ack(row& x, std::uint16_t next, instant now);
+  void resend(row& x, outputs& todo, instant now);
 
   [[nodiscard]] duration patience() const { return config_.writer_patience + 2 * answer_slack_; }
+  [[nodiscard]] duration repeat_wait() const { return config_.open_repeat + answer_slack_; }
 
   streams_config config_;
   duration answer_slack_{};

@@ -42,6 +42,7 @@ void streams::start_writer(row& x, const remote_request& wish, mote_address dest
     return;
   }
   x.at = phase::connecting;
+  x.is_reliable = (wish.qos & (qos_reliable | qos_every_value)) != 0;
   x.gives_up = now + patience();
   x.due = x.gives_up;
   todo.emplace_back(connect_channel{x.id, destination, wish.rate,
@@ -68,6 +69,7 @@ void streams::take_channel(row& x, const early& from, outputs& todo) {
   x.channel = from.channel;
   x.source = from.source;
   x.sequence = from.sequence;
+  x.is_reliable = from.is_reliable;
   opened(x, todo);
 }
 
@@ -80,8 +82,9 @@ void streams::opened(row& x, outputs& todo) {
 
 void streams::ask(row& x, outputs& todo, instant now) {
   x.at = phase::asking;
-  x.due = std::min(now + config_.open_repeat + answer_slack_, x.gives_up);
-  todo.emplace_back(send_on_channel{*x.channel, encode(open_message{x.name})});
+  x.due = std::min(now + repeat_wait(), x.gives_up);
+  todo.emplace_back(send_on_channel{
+      *x.channel, encode(open_message{x.name, x.is_reliable ? qos_reliable : std::uint8_t{0}})});
 }
 
 outputs streams::on_connected(descriptor stream, channel_handle channel, instant now) {
@@ -133,7 +136,7 @@ outputs streams::on_channel_octets(channel_handle channel, byte_view octets, ins
     return todo;
   }
   if (auto* x = find(channel)) {
-    on_row_message(*x, *content, todo);
+    on_row_message(*x, *content, todo, now);
     return todo;
   }
   const auto found = std::find_if(early_.begin(), early_.end(),
@@ -143,10 +146,11 @@ outputs streams::on_channel_octets(channel_handle channel, byte_view octets, ins
   if (found != early_.end() && open != nullptr) {
     const auto x = *found;
     early_.erase(found);
-    on_open(x, open->name, todo, now);
+    on_open(x, *open, todo, now);
   } else if (found != early_.end() && found->name && record != nullptr) {
-    found->sequence = static_cast<std::uint16_t>(record->sequence + 1);
-    ++counters_.unclaimed;
+    ++counters_.unclaimed; // a reliable one comes again
+    if (!found->is_reliable)
+      found->sequence = static_cast<std::uint16_t>(record->sequence + 1);
   } else {
     ++counters_.strays;
   }
@@ -155,7 +159,9 @@ outputs streams::on_channel_octets(channel_handle channel, byte_view octets, ins
 
 /// SS_OPEN over a channel that is no stream's yet. It is acknowledged whether or not the
 /// application has opened (STR-13); if it has, it hears of it now (STR-14).
-void streams::on_open(early x, std::uint16_t name, outputs& todo, instant now) {
+void streams::on_open(early x, const open_message& wish, outputs& todo, instant now) {
+  const auto name = wish.name;
+  x.is_reliable = (wish.qos & qos_reliable) != 0;
   const bool repeated = x.name == name;
   if (!repeated && !make_way(x, name, todo)) {
     ++counters_.refused;
@@ -197,12 +203,18 @@ bool streams::make_way(const early& x, std::uint16_t name, outputs& todo) {
   return true;
 }
 
-void streams::on_row_message(row& x, const message& content, outputs& todo) {
+void streams::on_row_message(row& x, const message& content, outputs& todo, instant now) {
   const auto* open = std::get_if<open_message>(&content);
   const auto* ack = std::get_if<open_ack_message>(&content);
   const auto* record = std::get_if<write_message>(&content);
+  const auto* arrived = std::get_if<ack_message>(&content);
   if (x.what == kind::reader && record != nullptr) {
-    on_record(x, *record, todo);
+    if (x.is_reliable)
+      on_reliable_record(x, *record, todo);
+    else
+      on_record(x, *record, todo);
+  } else if (x.what == kind::writer && x.is_reliable && arrived != nullptr) {
+    on_ack(x, arrived->next, now);
   } else if (x.what == kind::reader && open != nullptr && open->name == x.name) {
     todo.emplace_back(send_on_channel{*x.channel, encode(open_ack_message{x.name})});
   } else if (x.what == kind::writer && ack != nullptr && ack->name == x.name) {
@@ -222,6 +234,48 @@ void streams::on_record(row& x, const write_message& content, outputs& todo) {
   counters_.lost += static_cast<std::uint64_t>(ahead);
   x.sequence = static_cast<std::uint16_t>(content.sequence + 1);
   deliver(x, content.record, todo);
+}
+
+/// One after the other: what comes too early will come again.
+void streams::on_reliable_record(row& x, const write_message& content, outputs& todo) {
+  const auto ahead = static_cast<std::int16_t>(content.sequence - x.sequence);
+  if (ahead == 0 && x.queue.full() && !x.reading) {
+    ++counters_.throttled;
+    return;
+  }
+  if (ahead < 0)
+    ++counters_.repeated;
+  if (ahead == 0)
+    ++x.sequence;
+  todo.emplace_back(send_on_channel{*x.channel, encode(ack_message{x.sequence})});
+  if (ahead == 0)
+    deliver(x, content.record, todo);
+}
+
+void streams::on_ack(row& x, std::uint16_t next, instant now) {
+  const auto acked = static_cast<std::uint16_t>(next - x.first_unacked);
+  if (acked == 0 || acked > x.unacked.size())
+    return; // it is known, or of another stream
+  x.unacked.erase(x.unacked.begin(), x.unacked.begin() + acked);
+  x.first_unacked = next;
+  x.resends = 0;
+  x.due.reset();
+  if (!x.unacked.empty())
+    x.due = now + repeat_wait();
+}
+
+void streams::resend(row& x, outputs& todo, instant now) {
+  if (++x.resends > config_.resends_max) {
+    todo.emplace_back(disconnect{*x.channel});
+    end(x, todo);
+    return;
+  }
+  auto sequence = x.first_unacked;
+  for (const auto& record : x.unacked) {
+    ++counters_.resent;
+    todo.emplace_back(send_on_channel{*x.channel, encode(write_message{sequence++, record})});
+  }
+  x.due = now + repeat_wait();
 }
 
 void streams::deliver(row& x, byte_view record, outputs& todo) {

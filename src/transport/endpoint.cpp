@@ -117,7 +117,10 @@ void endpoint::attempt(mote_address destination, session& x, outputs& out, insta
     ++counters_.hellos;
   }
   out.emplace_back(to_network{destination, first.am_type, encode(content)});
-  x.due = now + config_.ack_wait * (1U << x.attempts) + slack_to(destination);
+  if (x.attempts == 0)
+    x.asked = now;
+  const auto wait = std::max(config_.ack_wait * (1U << x.attempts), x.answer_wait);
+  x.due = std::min(now + wait + slack_to(destination), gives_up(destination, x));
   ++x.attempts;
 }
 
@@ -224,6 +227,7 @@ void endpoint::on_answer(mote_address from, const segment& x, outputs& out, inst
     return;
   }
   auto& to = found->second;
+  learn(from, to, now);
   if (!to.receiver) {
     if (x.what == segment::kind::acknowledgement) {
       to.receiver = x.receiver;
@@ -242,6 +246,21 @@ void endpoint::on_answer(mote_address from, const segment& x, outputs& out, inst
     else
       end_first(from, to, false, out, now);
   }
+}
+
+/// How long answers take only those of first attempts tell; of others we do not know which attempt
+/// they answer, and wait longer until one tells (Karn and Partridge; RFC 6298 5). That radios sleep
+/// is known, and added to each wait.
+void endpoint::learn(mote_address from, session& x, instant now) const {
+  const auto taken = now - x.asked - slack_to(from);
+  const auto wanted =
+      x.attempts > 1 ? 2 * std::max(x.answer_wait, config_.ack_wait) : 2 * std::max(taken, 0ns);
+  x.answer_wait = std::clamp(wanted, x.answer_wait / 2, config_.answer_wait_max);
+}
+
+instant endpoint::gives_up(mote_address destination, const session& x) const {
+  const auto waits = config_.ack_wait * ((1U << config_.attempts_max) - 1);
+  return x.asked + waits + config_.attempts_max * slack_to(destination);
 }
 
 /// The first message of a session has ended; the next one begins.
@@ -267,7 +286,7 @@ outputs endpoint::on_time(instant now) {
   }
   for (const auto destination : due) {
     auto& x = sessions_.at(destination);
-    if (x.attempts >= config_.attempts_max) {
+    if (x.attempts >= config_.attempts_max || (x.attempts > 0 && gives_up(destination, x) <= now)) {
       x.receiver.reset(); // perhaps it has been replaced by another incarnation
       end_first(destination, x, false, out, now);
     } else {

@@ -52,7 +52,11 @@ struct endpoint_config {
   /// and this more after each where frames wait for radios that sleep, by island of the destination
   std::map<island_id, duration> answer_slack = {};
   unsigned attempts_max = 5;     ///< failure after 31 times ack_wait
-  duration busy_wait = 500ms;    ///< before a receiver without room is asked again
+  /// No attempt waits less than twice as long as answers of that receiver take, up to this: a slow
+  /// line is not filled with copies of what it still holds. It fails no later for that: there are
+  /// fewer attempts then.
+  duration answer_wait_max = 8s;
+  duration busy_wait = 500ms; ///< before a receiver without room is asked again
   std::size_t payload_max = transport::payload_max; ///< of a message
   std::size_t outstanding_max = 8;                  ///< reliable sends that have not ended
   std::size_t sessions_max = 6;                     ///< receivers whose incarnation is remembered
@@ -122,7 +126,7 @@ public:
 
   /// Octets of its state on a mote; payloads belong to their senders (AM-03).
   [[nodiscard]] std::size_t footprint() const {
-    return config_.outstanding_max * 16 + config_.sessions_max * 10 + config_.sources_max * 9 + 48;
+    return config_.outstanding_max * 16 + config_.sessions_max * 12 + config_.sources_max * 9 + 48;
   }
 
 private:
@@ -142,6 +146,8 @@ private:
     std::vector<message> messages; ///< the first is under way, unless it waits for the greeting
     unsigned attempts = 0; ///< more than one: an earlier copy may have arrived, without our knowing
     std::optional<instant> due; ///< of the next attempt; nothing: idle
+    instant asked;              ///< the first attempt
+    duration answer_wait{};     ///< for answers as slow as they were of late
     std::uint64_t used = 0;
   };
 
@@ -158,6 +164,8 @@ private:
   void begin(mote_address destination, session& x, outputs& out, instant now);
   void end_first(mote_address destination, session& x, bool acked, outputs& out, instant now);
   void on_answer(mote_address from, const segment& x, outputs& out, instant now);
+  void learn(mote_address from, session& x, instant now) const;
+  [[nodiscard]] instant gives_up(mote_address destination, const session& x) const;
   void on_hello(mote_address from, const segment& x, outputs& out, instant now);
   void on_reliable(mote_address from, segment x, outputs& out, instant now);
   void answer(mote_address to, const segment& x, segment::kind what, outputs& out) const;

@@ -88,6 +88,37 @@ TEST_CASE("tuples of a running peer are read and written", "[cli][SVC-07][SVC-08
   CHECK(table.out.find("22.5") != std::string::npos);
 }
 
+TEST_CASE("a tuple of a running peer is deleted", "[cli][SVC-07]") {
+  const lonely_peer peer;
+  CHECK(standard_output("tuples delete room.temp --owner 7" + peer.at()).status == 0);
+  CHECK(standard_output("tuples get room.temp --owner 7 --timeout 300ms" + peer.at()).status == 1);
+  const auto x = standard_output("tuples delete room.scan --owner 7 --json" + peer.at());
+  CHECK(nlohmann::json::parse(x.out).at("acknowledged") == true);
+  CHECK(standard_error("tuples ls --timeout 300ms" + peer.at()).out == "rubicon: no tuples\n");
+  CHECK(standard_error("tuples delete room.temp --owner 8 --timeout 300ms" + peer.at()).status ==
+        1);
+}
+
+TEST_CASE("meta tuples are shown with what they point at, and pointed elsewhere", "[cli][SVC-07]") {
+  const lonely_peer peer;
+  const auto meta = [&](const std::string& words) {
+    return standard_output("tuples meta " + words + " --owner 7" + peer.at());
+  };
+  CHECK(meta("mi-light room.temp").status == 0);
+  CHECK(meta("mi-light").out == "7 room.temp  21.5\n");
+  const auto x = nlohmann::json::parse(meta("mi-light --json").out);
+  CHECK(x.at("key") == "mi-light");
+  CHECK(x.at("target").at("key") == "room.temp");
+  CHECK(x.at("target").at("value") == "21.5");
+  CHECK(meta("mi-light room.fan --at 9").status == 0);
+  CHECK(meta("mi-light --timeout 300ms").out == "9 room.fan  (no such tuple)\n");
+  CHECK(meta("mi-light --nowhere").status == 0);
+  CHECK(meta("mi-light").out == "nowhere\n");
+  CHECK(standard_error("tuples meta room.temp --owner 7" + peer.at()).out ==
+        "rubicon: tuple `room.temp` of peer 7 is no meta tuple\n");
+  CHECK(meta("mi-light room.temp --nowhere").status == 2);
+}
+
 TEST_CASE("changes are watched until enough have come", "[cli][SVC-07]") {
   const lonely_peer peer;
   const auto x = standard_output("tuples watch 'room.*' --count 2 --for 20s --json" + peer.at());

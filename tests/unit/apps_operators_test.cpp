@@ -4,7 +4,9 @@
 
 #include "apps/average.hpp"
 #include "apps/recorder.hpp"
+#include "apps/stream_reader.hpp"
 #include "apps/stream_switch.hpp"
+#include "apps/stream_writer.hpp"
 #include "apps/tables.hpp"
 #include "support/catch.hpp"
 #include "support/programs.hpp"
@@ -75,6 +77,10 @@ private:
 /// An island of a sink and motes 2 to 6, all near each other, and the programs on them.
 class hosts {
 public:
+  hosts() = default;
+  explicit hosts(const mote::transducer_config& transducer)
+      : world({.width = 2, .height = 3, .transducers = {transducer}}) {}
+
   void start(std::uint16_t mote, apps::application& x) {
     x.start(world.at(mote_id{mote}).attach(x), world.own_time(mote_id{mote}));
     hosted_.emplace_back(mote, &x);
@@ -281,4 +287,107 @@ TEST_CASE("tables are as large as the programs need, and never smaller than by d
   CHECK(tables.synaptic.channels_max == 3);
   CHECK(tables.synaptic.size_max == 12);
   CHECK(tables.tunnels.tunnels_max == 12);
+}
+
+TEST_CASE("two writers of one transducer at one period both send", "[apps][STR-07][MCK-03]") {
+  hosts x({.kind = mote::quantity::light, .model = mote::constant_model{5}});
+  apps::stream_writer one({mote::quantity::light, 500ms, at(5), 1});
+  apps::stream_writer other({mote::quantity::light, 500ms, at(6), 2});
+  apps::stream_reader at_five({1, 500ms});
+  apps::stream_reader at_six({2, 500ms});
+  x.start(2, one);
+  x.start(2, other);
+  x.start(5, at_five);
+  x.start(6, at_six);
+  x.run_for(3min);
+  CHECK(figure(at_five, "records") > 100);
+  CHECK(figure(at_six, "records") > 100);
+}
+
+TEST_CASE("a writer that gets no sensor stream says so, and has it later",
+          "[apps][MCK-03][STR-20]") {
+  hosts x({.kind = mote::quantity::light, .model = mote::constant_model{5}});
+  apps::stream_writer writer({mote::quantity::light, 500ms, at(5), 1});
+  apps::stream_reader reader({1, 500ms});
+  test::recorder greedy;
+  greedy.layer = x.world.at(mote_id{2}).attach(greedy);
+  std::vector<int> taken;
+  x.on(2, [&] {
+    for (int i = 0; i < 4; ++i)
+      taken.push_back(greedy.layer->open_local());
+  });
+  REQUIRE(taken.back() > 0); // one of five is left: the remote stream takes it, the sensor's fails
+  x.start(2, writer);
+  x.start(5, reader);
+  x.run_for(90s);
+  CHECK(figure(writer, "records written") == 0);
+  CHECK(figure(writer, "opens failed") > 0);
+  x.on(2, [&] { greedy.layer->close(taken.back()); });
+  x.run_for(1min);
+  CHECK(figure(writer, "records written") > 50);
+  CHECK(figure(reader, "records") > 50);
+}
+
+TEST_CASE("what an island's motes carry follows from their programs", "[apps][SMP-30][STR-20]") {
+  constexpr island_id here{1};
+  CHECK(apps::vector_load(10) == apps::load{1, 46});
+  CHECK(apps::vector_load(25) == apps::load{1, 106});
+  CHECK(apps::vector_load(26) == apps::load{2, 116});
+  CHECK(apps::vector_load(64) == apps::load{3, 274});
+
+  apps::reservoir_config units;
+  units.from = {{at(2), 12}, {{here, no_mote}, 64}};
+  units.to = {{at(3), 64}, {{island_id{2}, mote_id{9}}, 10}};
+  const auto own = apps::traffic_of(
+      here, {units, apps::stream_writer_config{.to = at(5)},
+             apps::stream_writer_config{.to = {island_id{30}, no_mote}, .stream = 2},
+             apps::average_config{{7, 8}, 1s, {{at(4), 3}, {{here, no_mote}, 4}}}});
+  CHECK(own.channels == 3); // units, writer, average
+  CHECK(own.streams_in == 2);
+  CHECK(own.synapses_in == 2);
+  CHECK(own.vectors == apps::load{3, 274});
+  CHECK(own.vectors_in == apps::load{1, 54});
+  CHECK(own.longest == apps::load{3, 274});
+  CHECK(own.up == apps::load{1, 62});
+  CHECK(own.down == apps::load{6, 322});
+}
+
+TEST_CASE("a mote that a file asks little of has the usual tables", "[apps][SMP-30]") {
+  const network::router_config usual;
+  apps::reservoir_config two;
+  two.to = {{at(3), 10}, {at(4), 10}};
+  two.from = two.to;
+  const auto own = apps::traffic_of(island_id{1}, {two});
+  auto of_island = own;
+  of_island += own;
+  auto tables = usual;
+  apps::make_room(tables, own, of_island);
+  CHECK(tables.paths.entries_max == usual.paths.entries_max);
+  CHECK(tables.paths.queue_max == usual.paths.queue_max);
+  CHECK(tables.paths.octets_max == usual.paths.octets_max);
+  CHECK(tables.packets.queue_max == usual.packets.queue_max);
+  CHECK(tables.packets.octets_max == usual.packets.octets_max);
+  CHECK(tables.questions_max == usual.questions_max);
+}
+
+TEST_CASE("tables of channels grow with what the island has, up to a bound for those of others",
+          "[apps][SMP-30][STR-20]") {
+  apps::traffic reader;
+  reader.streams_in = 20;
+  apps::traffic of_island = reader;
+  of_island.channels = 20;
+  network::router_config tables;
+  apps::make_room(tables, reader, of_island);
+  CHECK(tables.paths.entries_max == 30);
+  of_island.channels = 500;
+  apps::make_room(tables, reader, of_island);
+  CHECK(tables.paths.entries_max == 20 + apps::passing_channels_max);
+
+  apps::traffic sender; // of 32 vectors of 16 elements, while others send some of 64
+  for (int i = 0; i < 32; ++i)
+    sender.vectors += apps::vector_load(16);
+  of_island.longest = apps::vector_load(64);
+  apps::make_room(tables, sender, of_island);
+  CHECK(tables.paths.queue_max == 4 * 3 + 32 - 2 * 3 + 32 / 4);
+  CHECK(tables.paths.octets_max == 4 * 274 + 32 * 70 - 2 * 274 + 32 * 70 / 4);
 }

@@ -105,3 +105,54 @@ TEST_CASE("programs that cannot work are told", "[config]") {
   CHECK(problem_in(std::string(head) + many).find("a file has one recorder, not 2") !=
         std::string::npos);
 }
+
+TEST_CASE("two ends of one name at a node are told: one would never open", "[config][MCK-01]") {
+  const auto said = [](const std::string& toml) { return problem_in(toml); };
+  const std::string writer = "{ app = \"stream_writer\", transducer = \"temperature\", ";
+  const auto on = [](const std::string& apps) { return mote_head + "apps = [" + apps + "]\n"; };
+  CHECK(said(on(writer + "to = \"k-gateway\", stream = 4 }, " + writer +
+                "to = \"k/c-2\", stream = 4 }"))
+            .find("the write end of stream 4 at this node is already taken") != std::string::npos);
+  CHECK(said(on("{ app = \"stream_reader\", stream = 5 }, { app = \"average\", streams = [4, 5], "
+                "outputs = [{ to = \"k-gateway\" }] }"))
+            .find("the read end of stream 5 at this node is already taken") != std::string::npos);
+  CHECK(said(on("{ app = \"reservoir\", from = [{ node = \"k-gateway\" }] }, "
+                "{ app = \"readout\", from = [{ node = \"k-gateway\" }] }"))
+            .find("the channel from 1/65533 of this node is already taken") != std::string::npos);
+  CHECK(said(std::string(head) + "apps = [{ app = \"stream_reader\", stream = 5 }, "
+                                 "{ app = \"recorder\", streams = [5], file = \"a.csv\" }]\n")
+            .find("the read end of stream 5 at this node is already taken") != std::string::npos);
+  // Both ends of one stream, and one stream to several nodes, are different names.
+  CHECK(said(on(writer + "to = \"k/c-2\", stream = 4 }, { app = \"stream_reader\", stream = 4 }, " +
+                writer + "to = \"k-gateway\", stream = 5 }")) == "none");
+}
+
+TEST_CASE("vectors that a tick has no time for are told, with the numbers", "[config][SYN-16]") {
+  const auto island = [](int motes, int size, const std::string& more = "") {
+    auto toml = std::string(island_head) + more;
+    std::string to;
+    for (int i = 0; i < motes; ++i) {
+      const auto id = std::to_string(2 + i);
+      toml += "[[island.mote]]\nid = " + id + "\ntype = \"c\"\nposition_m = [1, 2]\n";
+      to += "{ node = \"k/c-" + id + "\", size = " + std::to_string(size) + " }, ";
+    }
+    return toml +
+           "[[island.mote]]\nid = 90\ntype = \"c\"\nposition_m = [1, 2]\n"
+           "apps = [{ app = \"reservoir\", to = [" +
+           to + "] }]\n";
+  };
+  CHECK(problem_in(island(32, 16)) == "none");
+  CHECK(problem_in(island(20, 64)) == "none");
+  const auto many = problem_in(island(40, 64));
+  CHECK(many.find("the synaptic channels of a mote take 689 ms of its radio's time at each tick "
+                  "(120 packets of 10960 octets), but a tick is 500 ms") != std::string::npos);
+  const auto to_gateway = [&](const std::string& baud) {
+    return island(1, 1, "serial.baud = " + baud + "\n") +
+           "[[island.mote]]\nid = 91\ntype = \"c\"\nposition_m = [1, 2]\n"
+           "apps = [{ app = \"reservoir\", to = [{ node = \"k-gateway\", size = 64 }] }]\n";
+  };
+  CHECK(problem_in(to_gateway("9600")) == "none");
+  CHECK(problem_in(to_gateway("4800"))
+            .find("synaptic vectors take 871 ms of the serial line at each tick (6 packets of 322 "
+                  "octets at 4800 baud), but a tick is 500 ms") != std::string::npos);
+}

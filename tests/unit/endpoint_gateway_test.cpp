@@ -3,7 +3,9 @@
 #include <concepts>
 
 #include "core/device_keys.hpp"
+#include "gateway/gateway.hpp"
 #include "mote/descriptor.hpp"
+#include "network/am.hpp"
 #include "support/catch.hpp"
 #include "support/placements_world.hpp"
 
@@ -103,4 +105,28 @@ TEST_CASE("a mote has no tuples; it shows in those of its own gateway alone",
     REQUIRE(device);
     CHECK(device->mote.value <= (key.first == island_id{1} ? 7 : 3));
   }
+}
+
+TEST_CASE("communications of a gateway start while its sink is heard",
+          "[endpoint][MCK-13][GW-15]") {
+  gateway::gateway_config config;
+  config.island = island_id{1};
+  gateway::gateway x(config, random_stream(1));
+  recorder program;
+  program.layer = x.attach(program);
+  instant now;
+  static_cast<void>(x.start(now));
+  const auto init = [&] {
+    x.begin(now);
+    CHECK(program.layer->initCommunications() == mote::SUCCESS);
+    static_cast<void>(x.settle());
+    return program.inits.back();
+  };
+  CHECK_FALSE(init()); // it has said nothing yet
+  static_cast<void>(x.on_packet(default_sink, network::am::sink_event,
+                                encode(network::sink_event(network::sink_started{})), now));
+  CHECK(init());
+  now += config.line_silence_max;
+  static_cast<void>(x.on_time(now));
+  CHECK_FALSE(init());
 }

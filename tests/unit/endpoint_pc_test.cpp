@@ -101,3 +101,23 @@ TEST_CASE("a PC has no transducers", "[endpoint][MCK-03][STR-09]") {
     CHECK(x.program.layer->open_sensor(i, 1000, stream::sampling::periodic) == -1);
   CHECK(x.core.above().counters().refused == 40);
 }
+
+TEST_CASE("communications of a PC start while its line is up", "[endpoint][MCK-13][MCK-14]") {
+  fixture x;
+  CHECK(x.core.start(x.now).empty());
+  const auto init = [&] {
+    CHECK(x.program.layer->initCommunications() == mote::SUCCESS);
+    CHECK(x.core.settle().empty());
+    return x.program.inits.back();
+  };
+  CHECK(init());
+  CHECK(x.program.inits.size() == 2);
+  x.core.set_line(false);
+  CHECK_FALSE(init());
+  CHECK(x.program.layer->joinIsland(bytes{1}) == mote::FAIL);
+  x.core.set_line(true);
+  CHECK(init());
+  CHECK(x.program.layer->joinIsland(bytes{1}) == mote::SUCCESS);
+  CHECK(x.core.settle().empty());
+  CHECK(x.program.joins == std::vector{std::pair(self, true), std::pair(self, true)});
+}

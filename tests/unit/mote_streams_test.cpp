@@ -376,3 +376,32 @@ TEST_CASE("a mote joins while vectors are sent", "[mote][DIS-08][SYN-16]") {
   x.run_for(1min);
   CHECK(x.root().members() == 3);
 }
+
+TEST_CASE("a latency that the way cannot promise is not granted", "[mote][MCK-01][SYN-13][IF-05]") {
+  struct row {
+    std::uint8_t level;
+    bool granted;
+  };
+  const auto [level, granted] = GENERATE(row{0, true}, row{1, false}, row{6, false}, row{7, true});
+  const bool is_synaptic = GENERATE(false, true);
+  CAPTURE(level, is_synaptic);
+  const auto qos = static_cast<std::uint8_t>(level << 4U);
+  lone_layer x;
+  join(x);
+  if (is_synaptic)
+    CHECK(x.api().create_syn_channel_out({own_island, id(8)}, 3, {.qos = qos}) > 0);
+  else
+    CHECK(x.api().open_remote(3, 8, 1, 500, qos) == SUCCESS);
+  const auto wanted = x.core.take_outputs();
+  REQUIRE(count<mote::channel_wanted>(wanted) == 1);
+  const auto request = std::get<mote::channel_wanted>(wanted[0]).request;
+  const stream::channel_handle channel(5);
+  x.core.set_latency_bound(channel, 4s); // class 6 is 3.2 s, class 7 is 6.4 s
+  x.core.on_connected(request, channel, x.now);
+  const auto next = x.core.take_outputs();
+  CHECK(count<mote::channel_unwanted>(next) == (granted ? 0 : 1));
+  CHECK(count<mote::channel_packet>(next) == (granted ? 1 : 0)); // it goes on
+  CHECK(x.core.counters().too_slow == (granted ? 0 : 1));
+  const auto refused = is_synaptic ? x.program.outs.size() : x.program.openings.size();
+  CHECK(refused == (granted ? 0 : 1));
+}

@@ -64,7 +64,8 @@ TEST_CASE("the octets may come one by one", "[peer][TCP-05][interop]") {
   CHECK(v.until([&] { return v.knows(20); }));
 }
 
-TEST_CASE("a real kernel sets, subscribes, appends and unsubscribes", "[peer][TUP-05][interop]") {
+TEST_CASE("a real kernel sets, subscribes, appends and unsubscribes",
+          "[peer][TUP-05][GEN-12][interop]") {
   visited v;
   const auto x = v.join();
   x->say("set-remote");

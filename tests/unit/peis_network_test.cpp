@@ -249,4 +249,62 @@ TEST_CASE("the same seed gives the same packages", "[peis][determinism]") {
   CHECK(run(1) != run(2));
 }
 
+TEST_CASE("a host that cannot be linked to is tried ever more rarely, once a period at most",
+          "[peis][CM-10]") {
+  world w;
+  for (const int id : {10, 20, 30}) {
+    auto config = test::lan_config_of(id);
+    config.network.connections.announces = false;
+    w.add(config);
+  }
+  const peer_id near{10};
+  const peer_id deaf{30};
+  std::vector<instant> tries;
+  w.separated = [&](peer_id from, peer_id to) {
+    if (from == near && to == deaf)
+      tries.push_back(w.now());
+    return (from == near && to == deaf) || (from == deaf && to == near);
+  };
+  w.connect(near, peer_id{20});
+  w.connect(peer_id{20}, deaf);
+  w.run_for(10min);
+  REQUIRE(w.at(near).reachable(deaf)); // known, and wanted: it has one link of three
+  REQUIRE(tries.size() > 10);
+  const auto gap = [&](std::size_t i) { return tries[i + 1] - tries[i]; };
+  for (std::size_t i = 0; i + 1 < tries.size(); ++i)
+    CHECK(gap(i) >= 3s); // the manager's period
+  CHECK(gap(0) < 15s);
+  CHECK(gap(tries.size() - 2) >= 30s);
+  CHECK(tries.size() < 40);
+}
+
+TEST_CASE("a changed cluster is announced at once", "[peis][CLU-03]") {
+  world w;
+  const auto high = w.add(test::lan_config_of(50));
+  auto quiet = test::config_of(30);
+  quiet.network.connections.manager = false;
+  const auto low = w.add(quiet);
+  w.run_for(10s);
+  const auto said = [&] { return w.at(high).counters().network.announcements_sent; };
+  for (const auto before = said(); said() == before;) // the next regular one is a second away
+    w.run_for(1ms);
+  const auto before = said();
+  const auto cluster = [&] {
+    for (const auto* host : w.at(high).hosts()) {
+      if (host->id == high)
+        return host->cluster;
+    }
+    return 0;
+  };
+  CHECK(cluster() == high.value);
+  w.connect(low, high);
+  const auto begun = w.now();
+  while (cluster() != low.value && w.now() < begun + 500ms)
+    w.run_for(1ms);
+  REQUIRE(cluster() == low.value);
+  w.run_for(100ms);
+  REQUIRE(w.now() < begun + 800ms);
+  CHECK(said() == before + 1);
+}
+
 } // namespace rubicon::peis

@@ -205,13 +205,17 @@ TEST_CASE("a noisy line is repeated sooner until it falls silent twice", "[seria
   const auto repeat = written(pc.on_time(now)); // the repeat is acked: noise
   now += 10ms;
   CHECK(all<sent>(pc.on_bytes(ack(repeat.sequence), now)).size() == 1);
-  constexpr duration usual = 11ms + 500us;
+  // The answer came 10 ms after its attempt; an eighth is added of what the line does not explain.
+  constexpr duration usual_max = 11ms + 500us;
+  constexpr duration usual_min = 10ms + 250us;
   const auto before = now;
   lose();
-  CHECK(now - before == 3 * usual + 4 * usual);
+  CHECK(now - before > 7 * usual_min);
+  CHECK(now - before < 7 * usual_max);
   static_cast<void>(pc.send(id(2), packet(), now));
-  CHECK(pc.deadline() == now + usual);
-  static_cast<void>(pc.on_time(now + usual));
+  CHECK(*pc.deadline() > now + usual_min);
+  CHECK(*pc.deadline() < now + usual_max);
+  static_cast<void>(pc.on_time(*pc.deadline()));
   while (pc.deadline())
     static_cast<void>(pc.on_time(now = *pc.deadline()));
   static_cast<void>(pc.send(id(3), packet(), now));
@@ -219,38 +223,40 @@ TEST_CASE("a noisy line is repeated sooner until it falls silent twice", "[seria
 }
 
 TEST_CASE("patience is the configured wait until a repeat was needed", "[serial][GW-16]") {
-  ack_patience patience(100ms);
-  CHECK(patience.wait(false) == 100ms);
+  ack_patience patience;
+  const auto wait = [&](bool last) { return patience.wait(2ms, 100ms, last); };
+  CHECK(wait(false) == 100ms);
   for (int i = 0; i < 20; ++i)
     patience.on_answer(8ms, false);
-  CHECK(patience.wait(false) == 100ms);
+  CHECK(wait(false) == 100ms);
   patience.on_answer(16ms, true);
-  CHECK(patience.wait(false) == 18ms + 250us);
-  CHECK(patience.wait(true) == 73ms);
+  CHECK(wait(false) == 20ms + 250us);
+  CHECK(wait(true) == 81ms);
   for (int i = 0; i < 15; ++i)
     patience.on_answer(8ms, false);
-  CHECK(patience.wait(false) == 18ms + 250us); // the slowest of sixteen
+  CHECK(wait(false) == 20ms + 250us); // the slowest of sixteen
   patience.on_answer(8ms, false);
-  CHECK(patience.wait(false) == 9ms + 250us);
+  CHECK(wait(false) == 11ms + 250us);
   for (int i = 16; i < 63; ++i)
     patience.on_answer(8ms, false);
-  CHECK(patience.wait(false) == 9ms + 250us);
+  CHECK(wait(false) == 11ms + 250us);
   patience.on_answer(8ms, false); // the 64th in a row without a repeat
-  CHECK(patience.wait(false) == 100ms);
+  CHECK(wait(false) == 100ms);
 }
 
 TEST_CASE("patience forgets its measurements after two silences and never exceeds its limit",
           "[serial][GW-16]") {
-  ack_patience patience(100ms);
+  ack_patience patience;
+  const auto wait = [&](bool last) { return patience.wait(2ms, 100ms, last); };
   patience.on_answer(10ms, true);
   patience.on_silence();
-  CHECK(patience.wait(false) < 100ms);
+  CHECK(wait(false) < 100ms);
   patience.on_answer(10ms, false);
   patience.on_silence(); // not in a row
-  CHECK(patience.wait(false) < 100ms);
+  CHECK(wait(false) < 100ms);
   patience.on_silence();
-  CHECK(patience.wait(false) == 100ms);
+  CHECK(wait(false) == 100ms);
   patience.on_answer(99ms, true);
-  CHECK(patience.wait(false) == 100ms);
-  CHECK(patience.wait(true) == 100ms);
+  CHECK(wait(false) == 100ms);
+  CHECK(wait(true) == 100ms);
 }

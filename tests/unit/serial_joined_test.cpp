@@ -71,6 +71,87 @@ TEST_CASE("a good line carries every packet once, both ways, in order", "[serial
   CHECK(both.pc.counters().attempts == 200);
 }
 
+TEST_CASE("no line is too slow: nothing is repeated at 300 baud either", "[serial][GW-16]") {
+  const std::uint32_t baud = GENERATE(300U, 1200U, 2400U, 9600U, 57600U);
+  const std::size_t payload = GENERATE(4U, 40U, 114U);
+  CAPTURE(baud, payload);
+  line_config config;
+  config.baud = baud;
+  rig both(config, 1);
+  for (std::uint32_t i = 0; i < 20; ++i)
+    both.send_to_mote(packet_id{i}, numbered_packet(i, payload));
+  while (both.sent_ids.size() + both.losses.size() < 20) { // and the mote's side is never idle
+    while (both.mote.queued() < 2)
+      both.send_to_pc(numbered_packet(1, 114));
+    both.step(both.now + 1s);
+  }
+  CHECK(both.losses.empty());
+  CHECK(both.pc.counters().attempts == 20);
+  CHECK(both.at_mote.size() == 20);
+}
+
+TEST_CASE("two packets under way keep a slow line in use", "[serial][GW-16]") {
+  line_config config;
+  config.baud = 2400;
+  const auto rate = [&](std::size_t window) {
+    endpoint_config pc;
+    pc.window = window;
+    rig both(config, 1, pc);
+    std::uint32_t next = 0;
+    while (both.now < instant{} + 60s) {
+      while (both.pc.queued() < 2) {
+        both.send_to_mote(packet_id{next}, numbered_packet(next, 20));
+        ++next;
+      }
+      while (both.mote.queued() < 2)
+        both.send_to_pc(numbered_packet(1, 20));
+      both.step(instant{} + 60s);
+    }
+    CHECK(both.losses.empty());
+    CHECK(both.pc.counters().attempts == both.sent_ids.size() + window);
+    const auto got = numbers(both.at_mote);
+    CHECK(std::is_sorted(got.begin(), got.end()));
+    return static_cast<double>(both.sent_ids.size()) / 60;
+  };
+  const auto of_line = seconds(1s) / seconds(transmission_time(36, config.baud));
+  CHECK(rate(1) < 0.75 * of_line);
+  CHECK(rate(2) > 0.9 * of_line);
+}
+
+TEST_CASE("with two packets under way each send ends once on a noisy line", "[serial][GW-16]") {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    auto config = noisy_line(0.01);
+    config.baud = 9600;
+    endpoint_config pc;
+    pc.window = 2;
+    rig both(config, seed, pc);
+    for (std::uint32_t i = 0; i < 60; ++i)
+      both.send_to_mote(packet_id{i}, numbered_packet(i, 4 + i));
+    both.run_for(60s);
+    std::set<std::uint64_t> ended;
+    for (const auto x : both.sent_ids)
+      CHECK(ended.insert(x.value).second);
+    for (const auto& x : both.losses)
+      CHECK(ended.insert(x.id.value).second);
+    CHECK(ended.size() == 60);
+    CHECK(both.pc.current() == endpoint::state::idle);
+  }
+}
+
+TEST_CASE("a noisy slow line carries long packets after short ones", "[serial][GW-16]") {
+  line_config config = noisy_line(0.002);
+  config.baud = 2400;
+  rig both(config, 7);
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    both.send_to_mote(packet_id{i}, numbered_packet(i, i % 40 == 39 ? 114 : 4));
+    both.run_for(600ms);
+  }
+  both.run_for(30s);
+  CHECK(both.pc.counters().attempts > 205); // noise there was
+  CHECK(both.pc.counters().attempts < 230);
+  CHECK(both.losses.empty());
+}
+
 TEST_CASE("a saturated good line repeats nothing", "[serial][GW-16]") {
   rig both(line_config{}, 1);
   for (std::uint32_t i = 0; both.now < instant{} + 10s; ++i) {

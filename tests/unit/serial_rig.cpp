@@ -57,7 +57,12 @@ std::uint32_t number_of(byte_view packet) {
 }
 
 rig::rig(line_config config, std::uint64_t seed, endpoint_config pc_side)
-    : pc(pc_side), cable(config, random_stream(seed)), mote([&] {
+    : pc([&] {
+        pc_side.baud = config.baud;
+        pc_side.latency = config.latency;
+        return pc_side;
+      }()),
+      cable(config, random_stream(seed)), mote([&] {
         mote_port_config x;
         x.baud = config.baud;
         return x;

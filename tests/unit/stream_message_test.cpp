@@ -9,8 +9,10 @@ using namespace rubicon::stream;
 
 TEST_CASE("messages of streams have their layout and come back as they were",
           "[stream][STR-13][STR-16]") {
-  const std::array<std::pair<message, bytes>, 4> all{{
+  const std::array<std::pair<message, bytes>, 6> all{{
       {open_message{0x1234}, {1, 0x12, 0x34}},
+      {open_message{0x1234, 5}, {1, 0x12, 0x34, 5}},
+      {ack_message{0x0102}, {4, 1, 2}},
       {open_ack_message{0x1234}, {2, 0x12, 0x34}},
       {write_message{0x0102, {0xca, 0xfe}}, {3, 1, 2, 0xca, 0xfe}},
       {write_message{0xffff, {}}, {3, 0xff, 0xff}},
@@ -25,14 +27,16 @@ TEST_CASE("messages of streams have their layout and come back as they were",
 
 TEST_CASE("messages of streams that are cut, too long or unknown are told apart", "[stream]") {
   CHECK(decode_message({}).error() == errc::truncated);
-  for (std::uint8_t kind = 1; kind <= 3; ++kind) {
+  for (std::uint8_t kind = 1; kind <= 4; ++kind) {
     CHECK(decode_message(bytes{kind}).error() == errc::truncated);
     CHECK(decode_message(bytes{kind, 0}).error() == errc::truncated);
   }
-  CHECK(decode_message(bytes{1, 0, 7, 0}).error() == errc::too_long);
+  CHECK(decode_message(bytes{1, 0, 7, 0}).error() == errc::bad_value);
+  CHECK(decode_message(bytes{1, 0, 7, 1, 0}).error() == errc::too_long);
+  CHECK(decode_message(bytes{4, 0, 7, 0}).error() == errc::too_long);
   CHECK(decode_message(bytes{2, 0, 7, 0}).error() == errc::too_long);
   CHECK(decode_message(bytes{0, 0, 7}).error() == errc::unsupported);
-  CHECK(decode_message(bytes{4, 0, 7}).error() == errc::unsupported);
+  CHECK(decode_message(bytes{5, 0, 7}).error() == errc::unsupported);
 }
 
 TEST_CASE("a sensor record is 12 octets in network byte order", "[stream][A-35]") {

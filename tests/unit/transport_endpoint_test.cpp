@@ -386,6 +386,75 @@ TEST_CASE("a session above their limit ends with its last message", "[transport]
   CHECK(sent.at(bob).what == segment::kind::hello);
 }
 
+TEST_CASE("who answers slowly is asked once, after a few messages", "[transport][MCK-12][MCK-18]") {
+  const auto round_trip = GENERATE(duration(100ms), duration(900ms), duration(3s));
+  auto a = make(alice);
+  auto b = make(bob);
+  std::map<instant, std::pair<mote_id, bytes>> under_way; // to whom
+  instant now = start;
+  int acked = 0;
+  const auto take = [&](mote_id from, const outputs& todo) {
+    for (const auto& x : pick<to_network>(todo)) {
+      auto at = now + round_trip / 2;
+      while (under_way.contains(at))
+        at += 1ns;
+      under_way[at] = {from == alice ? bob : alice, x.segment};
+    }
+    for (const auto& x : pick<outcome>(todo))
+      acked += x.acked ? 1 : 0;
+  };
+  std::uint64_t retries = 0;
+  for (ticket i = 0; i < 20; ++i) {
+    if (i == 4)
+      retries = a.counters().retries;
+    take(alice, *a.send(i, {island, bob}, 10, {1}, true, now));
+    for (const auto end = now + 20s; now < end;) {
+      now = std::min(end, *earliest(a.deadline(), end));
+      if (!under_way.empty())
+        now = std::min(now, under_way.begin()->first);
+      while (!under_way.empty() && under_way.begin()->first <= now) {
+        const auto [to, octets] = under_way.extract(under_way.begin()).mapped();
+        take(to, (to == alice ? a : b).on_segment(island, octets, now));
+      }
+      take(alice, a.on_time(now));
+    }
+  }
+  CHECK(acked == 20);
+  CHECK(a.counters().retries == retries);
+}
+
+TEST_CASE("a receiver that is gone is given up at the same time, however slowly it answered",
+          "[transport][MCK-12]") {
+  endpoint_config config;
+  config.self = alice;
+  endpoint a(config, random_stream(1));
+  a.join(island);
+  auto now = start;
+  const auto answer = [&](const outputs& todo) {
+    auto x = *decode_segment(pick<to_network>(todo).at(0).segment);
+    x.source = bob;
+    x.what = segment::kind::acknowledgement;
+    x.payload.clear();
+    return encode(x);
+  };
+  auto todo = *a.send(1, {island, bob}, 10, {1}, true, now);
+  for (int i = 0; i < 12; ++i) { // the greeting, then messages: each is answered after 400 ms
+    const auto octets = answer(todo);
+    auto next = a.on_segment(island, octets, now += 400ms);
+    if (pick<to_network>(next).empty())
+      next = *a.send(2, {island, bob}, 10, {1}, true, now);
+    todo = next;
+  }
+  const auto asked = now;
+  int attempts = 1;
+  while (a.outstanding() > 0) {
+    now = *a.deadline();
+    attempts += static_cast<int>(pick<to_network>(a.on_time(now)).size());
+  }
+  CHECK(attempts == 5);
+  CHECK(now - asked == 31 * config.ack_wait);
+}
+
 TEST_CASE("over a bad network every reliable message ends once and arrives once at most, in order",
           "[transport][MCK-12][MCK-18][IF-07][RTG-07]") {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
