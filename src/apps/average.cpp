@@ -58,9 +58,11 @@ void average::openRemoteDone(int stream, std::uint16_t name, mote::status succes
   if (x == outputs_.end()) {
     stream_application::openRemoteDone(stream, name, success);
   } else if (success == mote::FAIL) {
+    ++x->opens_failed;
     if (layer().address()) // else joined() opens it
       x->retry = layer().now() + pause;
   } else {
+    ++x->openings;
     x->stream = stream;
     if (!due_)
       due_ = layer().now() + config_.every;
@@ -93,10 +95,13 @@ void average::write() {
   for (auto& x : outputs_) {
     if (x.stream < 0)
       continue;
+    x.last_ms = *time_ms;
     if (layer().write(x.stream, record) > 0) {
       ++written_;
+      ++x.written;
       continue;
     }
+    ++x.unwritten;
     close(x);
     x.retry = layer().now() + pause;
   }
@@ -126,6 +131,25 @@ std::vector<figure> average::figures() const {
   return {{"records read", static_cast<double>(read_)},
           {"records written", static_cast<double>(written_)},
           {"times without a value", static_cast<double>(without_value_)}};
+}
+
+std::vector<stream_end> average::stream_ends() const {
+  auto all = stream_application::stream_ends();
+  for (const auto& x : outputs_) {
+    stream_end end;
+    end.stream = x.what.stream;
+    end.writes = true;
+    end.reader = x.what.to;
+    end.records = x.written + x.unwritten;
+    end.unwritten = x.unwritten;
+    end.openings = x.openings;
+    end.opens_failed = x.opens_failed;
+    end.open = x.stream > 0;
+    end.last_ms = x.last_ms;
+    end.every = config_.every;
+    all.push_back(end);
+  }
+  return all;
 }
 
 } // namespace rubicon::apps

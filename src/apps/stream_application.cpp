@@ -55,6 +55,7 @@ void stream_application::openRemoteDone(int stream, std::uint16_t name, mote::st
     return;
   }
   ++openings_;
+  ++x->openings;
   x->stream = stream;
   on_opened(static_cast<std::size_t>(x - inputs_.begin()));
   layer().read(stream, stream::sensor_record::size);
@@ -72,9 +73,27 @@ void stream_application::readDone(int stream, byte_view record, mote::status suc
     on_lost(number);
     return;
   }
-  if (const auto read = stream::decode_sensor_record(record))
+  if (const auto read = stream::decode_sensor_record(record)) {
+    ++x->records;
+    x->last_ms = read->time_ms;
     on_record(number, *read);
+  }
   layer().read(stream, stream::sensor_record::size);
+}
+
+std::vector<stream_end> stream_application::stream_ends() const {
+  std::vector<stream_end> all;
+  for (const auto& x : inputs_) {
+    stream_end end;
+    end.stream = x.name;
+    end.records = x.records;
+    end.openings = x.openings;
+    end.open = x.stream > 0;
+    end.last_ms = x.last_ms;
+    end.every = every_;
+    all.push_back(end);
+  }
+  return all;
 }
 
 void stream_application::on_time(instant now) {

@@ -44,6 +44,7 @@ void stream_writer::openRemoteDone(int stream, std::uint16_t, mote::status succe
       retry_ = layer().now() + pause;
     return;
   }
+  ++openings_;
   remote_ = stream;
   sensor_ = layer().open_sensor(static_cast<std::uint8_t>(config_.transducer),
                                 static_cast<std::uint32_t>(config_.every / 1ms),
@@ -55,6 +56,8 @@ void stream_writer::openRemoteDone(int stream, std::uint16_t, mote::status succe
 void stream_writer::readDone(int stream, byte_view record, mote::status success) {
   if (stream != sensor_ || success == mote::FAIL)
     return;
+  if (const auto read = stream::decode_sensor_record(record))
+    last_ms_ = read->time_ms;
   if (layer().write(remote_, record) > 0) {
     ++written_;
     layer().read(sensor_, stream::sensor_record::size);
@@ -74,6 +77,21 @@ std::vector<figure> stream_writer::figures() const {
   return {{"records written", static_cast<double>(written_)},
           {"records not written", static_cast<double>(unwritten_)},
           {"opens failed", static_cast<double>(opens_failed_)}};
+}
+
+std::vector<stream_end> stream_writer::stream_ends() const {
+  stream_end end;
+  end.stream = config_.stream;
+  end.writes = true;
+  end.reader = config_.to;
+  end.records = written_ + unwritten_;
+  end.unwritten = unwritten_;
+  end.openings = openings_;
+  end.opens_failed = opens_failed_;
+  end.open = remote_ > 0;
+  end.last_ms = last_ms_;
+  end.every = config_.every;
+  return {end};
 }
 
 } // namespace rubicon::apps

@@ -26,6 +26,19 @@ void check_equal(violations& found, const report& x, const char* invariant, cons
                              right.first + ' ' + std::to_string(right.second)));
 }
 
+/// Each message that was offered was refused or sent, and each that has failed has a cause.
+void check_offers(violations& found, const report& x, const std::string& name,
+                  const message_report& messages) {
+  constexpr const char* invariant = "one outcome per message";
+  check_equal(found, x, invariant, name, {"offered", messages.offered},
+              {"refused + sent",
+               total(messages.refused) + messages.reliable_sent + messages.unreliable_sent});
+  auto failed = messages.lost;
+  failed.erase("on_the_way");
+  check_equal(found, x, invariant, name, {"failed", messages.reliable_failed},
+              {"by cause", total(failed)});
+}
+
 bool contains(std::span<const mote_address> list, const mote_address& x) {
   return std::find(list.begin(), list.end(), x) != list.end();
 }
@@ -109,7 +122,11 @@ violations check_messages(const report& x) {
                 {"sent", messages.reliable_sent},
                 {"acked + failed + open",
                  messages.reliable_acked + messages.reliable_failed + messages.reliable_open});
+    check_offers(found, x, island.name, messages);
+    for (const auto& mote : island.motes)
+      check_offers(found, x, island.name + '/' + mote.name, mote.messages);
   }
+  check_offers(found, x, "PCs", x.pc_messages);
   return found;
 }
 

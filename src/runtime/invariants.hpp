@@ -24,7 +24,8 @@ inline constexpr const char* run_is_complete = "the run is complete";
 /// Both books of every island's radios balance: no copy and no request vanishes uncounted.
 [[nodiscard]] violations check_radio(const report& x);
 
-/// Every reliable message has exactly one outcome, or is still waiting.
+/// Every message that a program has offered is refused, sent unreliably, or sent reliably; the last
+/// has exactly one outcome, with its cause if it has failed, or is still waiting.
 [[nodiscard]] violations check_messages(const report& x);
 
 /// No packet of a flow from one mote to another vanishes uncounted, and none arrives or is lost

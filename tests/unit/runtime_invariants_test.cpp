@@ -58,11 +58,28 @@ TEST_CASE("every term of the books counts", "[runtime][invariants]") {
   CHECK(broken([](island_report& x) { ++x.radio.mac_sent; }) == 1);
   CHECK(broken([](island_report& x) { ++x.radio.mac_failed["no_ack"]; }) == 1);
   CHECK(broken([](island_report& x) { ++x.radio.mac_open; }) == 1);
-  CHECK(broken([](island_report& x) { ++x.messages.reliable_sent; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.reliable_sent; }) == 2); // nobody offered it
   CHECK(broken([](island_report& x) { ++x.messages.reliable_acked; }) == 1);
-  CHECK(broken([](island_report& x) { ++x.messages.reliable_failed; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.reliable_failed; }) == 2); // without a cause
   CHECK(broken([](island_report& x) { ++x.messages.reliable_open; }) == 1);
-  CHECK(broken([](island_report& x) { ++x.messages.unreliable_sent; }) == 0);
+  CHECK(broken([](island_report& x) { ++x.messages.unreliable_sent; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.offered; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.refused["crowded"]; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.lost["unanswered"]; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.lost["on_the_way"]; }) == 0);
+}
+
+TEST_CASE("a message that vanishes on one mote or on a PC is a violation",
+          "[runtime][invariants]") {
+  auto x = sample_report();
+  REQUIRE(check_messages(x).empty());
+  ++x.islands[0].motes[0].messages.offered;
+  ++x.pc_messages.offered;
+  const auto found = check_messages(x);
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].invariant == "one outcome per message");
+  CHECK(found[0].detail == "kitchen/climate-7: offered 112, refused + sent 111");
+  CHECK(found[1].detail == "PCs: offered 1, refused + sent 0");
 }
 
 TEST_CASE("a packet of a flow is counted once", "[runtime][invariants][flow]") {
