@@ -266,6 +266,8 @@ void on_network(ecology_pointer self, const network_status& x) {
     if (x.has_signal && x.parent != mote_id{})
       mote->signal_dbm = x.signal_dbm;
   }
+  if (x.is_sink || (mote != island.motes.end() && mote->alive))
+    self->state.channel_tables[x.address] = x.channels;
   if (!x.has_clock)
     return;
   auto& clocks = self->state.clocks[x.address.island];
@@ -300,7 +302,11 @@ void on_program(ecology_pointer self, const program_status& x) {
     part.unwritten = end.unwritten;
     part.openings = end.openings;
     part.opens_failed = end.opens_failed;
+    part.open = end.open;
+    part.steady = end.steady;
+    part.first_ms = end.first_ms;
     part.last_ms = end.last_ms;
+    part.pause = end.pause;
     part.every = end.every;
     parts.push_back(std::move(part));
   }
@@ -485,6 +491,18 @@ std::vector<runtime::peer_view> views_of(ecology_pointer self) {
   return views;
 }
 
+/// Island time of motes whose radios are always on (CLK-01).
+constexpr duration clock_bound = 3ms;
+
+/// Whether nothing has happened to an island's motes for longer than any channel lasts without
+/// packets.
+bool is_quiet(ecology_pointer self, island_id island) {
+  constexpr duration longest = 15min;
+  return std::ranges::all_of(self->state.motes, [&](const auto& x) {
+    return x.first.island != island || now(self) - x.second.changed >= longest;
+  });
+}
+
 /// What the invariants compare the report with.
 runtime::run_truth truth_of(ecology_pointer self) {
   const auto& state = self->state;
@@ -512,6 +530,14 @@ runtime::run_truth truth_of(ecology_pointer self) {
   }
   if (has_settled_peers(self))
     truth.peers = views_of(self);
+  truth.half_open = state.books.half_open();
+  for (const auto& [address, table] : state.channel_tables)
+    if (is_quiet(self, address.island))
+      for (const auto& id : table)
+        truth.channels.push_back({address, {address.island, id.source}, id.number});
+  for (const auto& island : state.description.islands)
+    if (!island.duty.enabled)
+      truth.clock_bounds[island.id] = clock_bound;
   return truth;
 }
 

@@ -121,7 +121,8 @@ struct ecology_state {
   runtime::books books;
   std::uint64_t samples = 0; ///< asked for so far
   std::map<island_id, clock_samples> sampled;
-  std::map<std::pair<mote_address, mote_address>, flow::part> flows; ///< by origin and target
+  std::map<mote_address, std::vector<network::channel_id>> channel_tables; ///< of the living
+  std::map<std::pair<mote_address, mote_address>, flow::part> flows;       ///< by origin and target
   std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
   std::vector<std::string> crashes_requested; ///< paths of motes, one for each crash still to come
   std::vector<runtime::planned_fault> plan;

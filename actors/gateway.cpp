@@ -192,7 +192,7 @@ void report_counters(gateway_pointer self, bool ends) {
                                      report_of(state.gateway.messages(), state.gateway.offers(),
                                                state.gateway.outstanding(), ends),
                                      {arrivals.begin(), arrivals.end()}});
-  state.programs.report(self, ecology, state.arguments.name);
+  state.programs.report(self, ecology, state.arguments.name, now(self), ends);
 }
 
 /// @param ends its life does, so it leads no more

@@ -17,6 +17,7 @@
 #include "flow/part.hpp"
 #include "mote/remote_messages.hpp"
 #include "mote/transducer.hpp"
+#include "network/channel_message.hpp"
 #include "network/sink_event.hpp"
 #include "peis/bluetooth.hpp"
 #include "radio/channel.hpp"
@@ -119,10 +120,11 @@ struct network_status {
   bool has_network_time = false;     ///< it knows the time that peers share (CLK-08)
   std::int64_t network_ahead_us = 0; ///< network time, as it knows it, minus real time
   runtime::network_report network;
-  mote_id parent;              ///< in the tree; 0: none
-  std::uint8_t hops = 0;       ///< to the sink
-  bool has_signal = false;     ///< a frame of its parent has come,
-  std::int16_t signal_dbm = 0; ///< the newest so strong
+  mote_id parent;                            ///< in the tree; 0: none
+  std::uint8_t hops = 0;                     ///< to the sink
+  bool has_signal = false;                   ///< a frame of its parent has come,
+  std::vector<network::channel_id> channels; ///< that begin, pass or end here
+  std::int16_t signal_dbm = 0;               ///< the newest so strong
 };
 
 /// What a sink, a serial line or a gateway's serial port has counted.

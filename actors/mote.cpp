@@ -250,6 +250,7 @@ void report_network(mote_pointer self, bool is_alive) {
     status.network.aligned = 0;
     status.network.hops_max = 0;
     status.parent = {};
+    status.channels.clear();
   } else if (const auto dbm = self->state.node->read(mote::quantity::signal, now(self))) {
     status.has_signal = *dbm != mote::node::signal_unknown;
     status.signal_dbm = *dbm;
@@ -261,7 +262,8 @@ void report_node(mote_pointer self, bool is_alive) {
   const auto& state = self->state;
   report_messages(self, is_alive);
   report_network(self, is_alive);
-  state.programs.report(self, state.arguments->ecology, state.arguments->name);
+  state.programs.report(self, state.arguments->ecology, state.arguments->name, own_time(self),
+                        !is_alive);
 }
 
 /// An exception ends the mote. What this life has counted must not go with it. Reliable messages

@@ -64,7 +64,7 @@ void report(pc_pointer self, bool ends) {
                   state.pc.above(), ends);
   status.is_pc = true;
   self->send(arguments.ecology, std::move(status));
-  state.programs.report(self, arguments.ecology, arguments.name);
+  state.programs.report(self, arguments.ecology, arguments.name, now(self), ends);
 }
 
 } // namespace

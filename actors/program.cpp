@@ -30,16 +30,17 @@ bool runs(program_pointer self) {
   return self->state.process != nullptr && !self->state.is_over;
 }
 
-void report(program_pointer self) {
+/// @param ended its life is
+void report(program_pointer self, bool ended) {
   const auto& arguments = *self->state.arguments;
-  self->state.programs.report(self, arguments.ecology, arguments.mote);
+  self->state.programs.report(self, arguments.ecology, arguments.mote, own_time(self), ended);
 }
 
 /// What this life has counted must not go with it.
 void forget(program_pointer self) {
   auto& state = self->state;
   if (state.process != nullptr)
-    report(self);
+    report(self, true);
   state.programs = {};
   state.process = nullptr;
   state.is_over = false;
@@ -80,7 +81,7 @@ program_actor::behavior_type program_behavior(program_pointer self,
                                               std::shared_ptr<const program_arguments> arguments,
                                               std::uint32_t incarnation) {
   self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
-    report(self);
+    report(self, true);
     return scheduler::failure_of(x);
   });
   self->state.arguments = std::move(arguments);
@@ -112,7 +113,7 @@ program_actor::behavior_type program_behavior(program_pointer self,
         if (x.sample > 0)
           self->send(given.ecology, self->state.programs.sample(x.sample, given.mote));
         else
-          report(self);
+          report(self, self->state.is_over);
       },
   };
 }

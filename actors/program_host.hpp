@@ -80,8 +80,11 @@ public:
   }
 
   /// @param who the node's name in the report
+  /// @param own by the node's clock
+  /// @param ended the node's life is over: nothing is open any more
   template <class Self>
-  void report(Self* self, const ecology_actor& ecology, const std::string& who) const {
+  void report(Self* self, const ecology_actor& ecology, const std::string& who, instant own,
+              bool ended) const {
     for (const auto& x : programs_) {
       program_status status;
       status.program.who = who;
@@ -92,7 +95,9 @@ public:
         if (!figure.counts)
           status.measured.push_back(figure.name);
       }
-      status.streams = x.program->stream_ends();
+      status.streams = x.program->stream_ends(own);
+      for (auto& end : status.streams)
+        end.open = end.open && !ended;
       if (x.file)
         status.program.figures.emplace_back("lines not written", static_cast<double>(x.unwritten));
       self->send(ecology, std::move(status));

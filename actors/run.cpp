@@ -188,6 +188,7 @@ public:
   void perform() {
     const auto end = instant(description_.length);
     const auto cause = run_with_progress(world_, end, options_, speed_);
+    timers_ = world_.stats().waiting;
     tell(collect_report{});
     tell(deliver_report{});
     report_.interrupted = cause == scheduler::stop_cause::requested && ended_early_.empty();
@@ -205,6 +206,9 @@ public:
       report_.simulated = world_.now().time_since_epoch();
     report_.events = world_.trace().events();
     report_.trace_hash = to_hex(world_.trace().hash());
+    if (report_.complete)
+      for (auto& each : runtime::check_timers(report_, timers_))
+        report_.violations.push_back(std::move(each));
   }
 
 private:
@@ -277,6 +281,7 @@ private:
   const double speed_;
   std::string ended_early_; ///< why; empty while nothing is wrong
   bool over_ = false;
+  std::uint64_t timers_ = 0; ///< that waited at the end
   scheduler::world world_;
   bool inits_run_;
   std::optional<io::signal_watch> signals_;

@@ -21,6 +21,7 @@ network_status status_of(mote_address address, const mote::packet_service& x, in
     status.has_network_time = true;
     status.network_ahead_us = (*network - now.time_since_epoch()) / 1us;
   }
+  status.channels = router.paths().table();
   auto& r = status.network;
   r.beacons = router.counters().beacons;
   r.packets = packets.originated;

@@ -35,9 +35,12 @@ struct stream_end {
   std::uint64_t unwritten = 0; ///< of a write end: not taken
   std::uint64_t openings = 0;
   std::uint64_t opens_failed = 0;
-  bool open = false;                    ///< now
-  std::optional<std::uint32_t> last_ms; ///< time in the newest record
-  duration every{};                     ///< between two of them
+  bool open = false;                     ///< now,
+  duration steady{};                     ///< and for how long it has been open or not
+  std::optional<std::uint32_t> first_ms; ///< time in the first record of this life
+  std::optional<std::uint32_t> last_ms;  ///< time in the newest record
+  duration every{};                      ///< between two of them
+  duration pause{}; ///< of a read end: the longest without a record, since the first
 
   friend bool operator==(const stream_end&, const stream_end&) = default;
 };
@@ -59,8 +62,8 @@ public:
 
   [[nodiscard]] virtual std::vector<figure> figures() const { return {}; }
 
-  /// Its ends of streams whose other end is a program's too.
-  [[nodiscard]] virtual std::vector<stream_end> stream_ends() const { return {}; }
+  /// Its ends of streams whose other end is a program's too. @param now by its node's clock
+  [[nodiscard]] virtual std::vector<stream_end> stream_ends(instant /*now*/) const { return {}; }
 
   /// What people following the run would want to hear, since the last call.
   [[nodiscard]] std::vector<std::string> take_stories() { return std::exchange(stories_, {}); }

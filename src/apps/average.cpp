@@ -46,8 +46,10 @@ void average::open(write_end& x) {
 }
 
 void average::close(write_end& x) {
-  if (x.stream > 0)
+  if (x.stream > 0) {
+    x.changed = layer().now();
     layer().close(x.stream);
+  }
   x.stream = -1;
   x.retry.reset();
 }
@@ -63,6 +65,7 @@ void average::openRemoteDone(int stream, std::uint16_t name, mote::status succes
       x->retry = layer().now() + pause;
   } else {
     ++x->openings;
+    x->changed = layer().now();
     x->stream = stream;
     if (!due_)
       due_ = layer().now() + config_.every;
@@ -133,8 +136,8 @@ std::vector<figure> average::figures() const {
           {"times without a value", static_cast<double>(without_value_)}};
 }
 
-std::vector<stream_end> average::stream_ends() const {
-  auto all = stream_application::stream_ends();
+std::vector<stream_end> average::stream_ends(instant now) const {
+  auto all = stream_application::stream_ends(now);
   for (const auto& x : outputs_) {
     stream_end end;
     end.stream = x.what.stream;
@@ -145,6 +148,7 @@ std::vector<stream_end> average::stream_ends() const {
     end.openings = x.openings;
     end.opens_failed = x.opens_failed;
     end.open = x.stream > 0;
+    end.steady = now - x.changed;
     end.last_ms = x.last_ms;
     end.every = config_.every;
     all.push_back(end);

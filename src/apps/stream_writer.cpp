@@ -32,8 +32,10 @@ void stream_writer::stop() {
   retry_.reset();
   if (sensor_ > 0)
     layer().close(sensor_);
-  if (remote_ > 0)
+  if (remote_ > 0) {
+    changed_ = layer().now();
     layer().close(remote_);
+  }
   sensor_ = remote_ = -1;
 }
 
@@ -45,6 +47,7 @@ void stream_writer::openRemoteDone(int stream, std::uint16_t, mote::status succe
     return;
   }
   ++openings_;
+  changed_ = layer().now();
   remote_ = stream;
   sensor_ = layer().open_sensor(static_cast<std::uint8_t>(config_.transducer),
                                 static_cast<std::uint32_t>(config_.every / 1ms),
@@ -79,7 +82,7 @@ std::vector<figure> stream_writer::figures() const {
           {"opens failed", static_cast<double>(opens_failed_)}};
 }
 
-std::vector<stream_end> stream_writer::stream_ends() const {
+std::vector<stream_end> stream_writer::stream_ends(instant now) const {
   stream_end end;
   end.stream = config_.stream;
   end.writes = true;
@@ -89,6 +92,7 @@ std::vector<stream_end> stream_writer::stream_ends() const {
   end.openings = openings_;
   end.opens_failed = opens_failed_;
   end.open = remote_ > 0;
+  end.steady = now - changed_;
   end.last_ms = last_ms_;
   end.every = config_.every;
   return {end};

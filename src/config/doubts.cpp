@@ -64,9 +64,12 @@ public:
     for (const auto& island : all_.islands)
       for (const auto& mote : island.motes)
         look_at(island, mote);
-    if (!strangers_may_come())
+    if (!strangers_may_come()) {
       for (const auto& peer : all_.peers)
         look_at(peer);
+      for (const auto& each : all_.expectations)
+        look_at(each);
+    }
     return std::move(found_);
   }
 
@@ -121,6 +124,15 @@ private:
           look_for("a translation of " + peer.name, "reads", rule.from);
       }
     }
+  }
+
+  void look_at(const expectation& x) {
+    const auto* tuple = std::get_if<tuple_expectation>(&x);
+    if (tuple == nullptr)
+      return;
+    look_for("an expectation", "looks at", tuple->then.key);
+    if (tuple->when)
+      look_for("an expectation", "looks at", tuple->when->key);
   }
 
   [[nodiscard]] bool has_manager(island_id island) const {

@@ -50,6 +50,7 @@ struct stream_expectation {
   mote_address to;     ///< the reader's node; no_mote in the mote part: a PC
   std::string to_name; ///< as the file says
   double at_least = 1;
+  std::optional<duration> pause; ///< the longest without a record, from the first to the end
 };
 
 /// Share of what was asked of the inputs of proxies that their motes have acknowledged.

@@ -96,6 +96,9 @@ struct kind_reader {
     if (in.required("to", node_name{names}, x.to))
       x.to_name = *in.value("to")->as<std::string>();
     in.required("at_least", ratio{}, x.at_least);
+    duration pause{};
+    if (in.optional("pause", time_span{1ms}, pause))
+      x.pause = pause;
     out = std::move(x);
   }
 

@@ -47,6 +47,10 @@ void books::add(const program_report& x, std::uint32_t number,
     auto& stream = streams_[key];
     stream.sum.stream = part.stream;
     stream.sum.to = part.reader;
+    const auto side = part.writes ? 0 : 1;
+    stream.has_ends[side] = true;
+    stream.open[side] = part.open;
+    stream.steady[side] = part.steady;
     if (part.writes) {
       stream.sum.from = part.writer;
       stream.sum.produced += part.records;
@@ -58,6 +62,10 @@ void books::add(const program_report& x, std::uint32_t number,
       book.read_ends.push_back(key);
       stream.sum.read += part.records;
       stream.sum.openings += part.openings;
+      stream.sum.pause = std::max(stream.sum.pause, part.pause);
+      if (stream.read_ms && part.first_ms) // between two lives
+        stream.sum.pause = std::max<duration>(
+            stream.sum.pause, static_cast<std::int32_t>(*part.first_ms - *stream.read_ms) * 1ms);
       stream.read_ms = part.last_ms ? part.last_ms : stream.read_ms;
     }
   }
@@ -98,6 +106,18 @@ stream_report books::settled(const stream_book& x) {
   }
   sum.missing = unread - sum.open;
   return sum;
+}
+
+std::vector<half_open_stream> books::half_open() const {
+  std::vector<half_open_stream> found;
+  for (const auto& [key, x] : streams_) {
+    if (!x.has_ends[0] || !x.has_ends[1] || x.open[0] == x.open[1])
+      continue;
+    const auto steady = std::min(x.steady[0], x.steady[1]);
+    found.push_back({x.sum.stream, x.open[0] ? x.sum.from : x.sum.to,
+                     x.open[0] ? x.sum.to : x.sum.from, steady});
+  }
+  return found;
 }
 
 void books::settle_streams(report& x) const {

@@ -26,8 +26,20 @@ struct stream_part {
   std::uint64_t unwritten = 0;
   std::uint64_t openings = 0;
   std::uint64_t opens_failed = 0;
-  std::optional<std::uint32_t> last_ms; ///< time in the newest record
-  duration every{};                     ///< between two of them
+  bool open = false;                     ///< at the end of this life,
+  duration steady{};                     ///< and for how long it has been so, or not
+  std::optional<std::uint32_t> first_ms; ///< time in the first record of this life
+  std::optional<std::uint32_t> last_ms;  ///< time in the newest one
+  duration every{};                      ///< between two of them
+  duration pause{};                      ///< of a read end: the longest without a record
+};
+
+/// A stream of which only one end has been open for a while.
+struct half_open_stream {
+  std::uint16_t stream = 0;
+  std::string open_at; ///< node
+  std::string closed_at;
+  duration steady{};
 };
 
 class books {
@@ -49,6 +61,9 @@ public:
   /// Vectors that a program has missed in lives that are over.
   [[nodiscard]] std::uint64_t vectors_missed(const std::string& node, std::uint32_t number) const;
 
+  /// In the order of their readers and numbers, whatever their age.
+  [[nodiscard]] std::vector<half_open_stream> half_open() const;
+
   /// Fills in programs, streams, proxies, and messages of motes, islands and PCs.
   void settle(report& x) const;
 
@@ -63,6 +78,9 @@ private:
     std::optional<std::uint32_t> written_ms; ///< time in the newest record of each end
     std::optional<std::uint32_t> read_ms;
     duration every{};
+    bool has_ends[2] = {false, false}; ///< writer and reader; the next ones too
+    bool open[2] = {false, false};
+    duration steady[2] = {};
   };
 
   [[nodiscard]] static stream_report settled(const stream_book& x);

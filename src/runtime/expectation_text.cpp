@@ -44,7 +44,8 @@ struct writer {
     return "acknowledged" + scope(x.of) + " >= " + share(x.at_least);
   }
   std::string operator()(const config::stream_expectation& x) const {
-    return "stream " + std::to_string(x.stream) + " to " + x.to_name + " >= " + share(x.at_least);
+    return "stream " + std::to_string(x.stream) + " to " + x.to_name + " >= " + share(x.at_least) +
+           (x.pause ? ", no pause > " + rubicon::to_text(*x.pause) : "");
   }
   std::string operator()(const config::actuations_expectation& x) const {
     return (x.count > 1 ? with_thousands(x.count) + " actuations" : std::string("actuations")) +

@@ -266,10 +266,11 @@ struct expectations::judge_one {
     if (!found->from.empty())
       out.explain.insert(out.explain.end(), {"--from", found->from});
     const auto share = *found->delivery();
-    decide(reaches(share, x.at_least), share_text(share) + ": " + with_thousands(found->read) +
-                                           " read of " + with_thousands(found->produced) +
-                                           " produced, " + with_thousands(found->written) +
-                                           " written, " + counted(found->openings, "opening"));
+    decide(reaches(share, x.at_least) && found->pause <= x.pause.value_or(duration::max()),
+           share_text(share) + ": " + with_thousands(found->read) + " read of " +
+               with_thousands(found->produced) + " produced, " + with_thousands(found->written) +
+               " written, " + counted(found->openings, "opening") + ", longest pause " +
+               seconds_text(found->pause));
   }
 
   void operator()(const config::actuations_expectation& x) const {

@@ -232,6 +232,57 @@ violations check_peers(const report& x, std::span<const peer_view> peers) {
   return found;
 }
 
+violations check_channels(const report& x, std::span<const channel_entry> all) {
+  violations found;
+  std::set<std::pair<mote_address, std::uint16_t>> begun;
+  for (const auto& each : all)
+    if (each.at == each.source)
+      begun.emplace(each.source, each.number);
+  for (const auto& each : all)
+    if (!begun.contains({each.source, each.number}))
+      found.push_back(at_end(x, "no channel is leaked",
+                             "mote " + to_string(each.at) + " keeps channel " +
+                                 std::to_string(each.number) + " of mote " +
+                                 to_string(each.source) + ", which has none of that number"));
+  return found;
+}
+
+violations check_streams(const report& x, std::span<const half_open_stream> all) {
+  constexpr duration longest = 10min; // more than channels last without packets, and patience
+  violations found;
+  for (const auto& each : all)
+    if (each.steady > longest)
+      found.push_back(at_end(x, "no stream is half open",
+                             "stream " + std::to_string(each.stream) + " is open at " +
+                                 each.open_at + " and not at " + each.closed_at + " since " +
+                                 rubicon::to_text(each.steady)));
+  return found;
+}
+
+violations check_clocks(const report& x, const std::map<island_id, duration>& bounds) {
+  violations found;
+  for (const auto& island : x.islands) {
+    const auto bound = bounds.find(island.id);
+    if (bound == bounds.end() || island.network.clock_error_max <= bound->second)
+      continue;
+    found.push_back(at_end(x, "clocks keep their bound",
+                           island.name + ": a mote's island time is " +
+                               rubicon::to_text(island.network.clock_error_max) +
+                               " off, more than " + rubicon::to_text(bound->second)));
+  }
+  return found;
+}
+
+violations check_timers(const report& x, std::uint64_t waiting) {
+  constexpr std::uint64_t each_actor = 16;
+  constexpr std::uint64_t beside = 1000;
+  const auto bound = beside + each_actor * x.actors.spawned;
+  if (waiting <= bound)
+    return {};
+  return {at_end(x, "no timer queue grows",
+                 std::to_string(waiting) + " timeouts wait, more than " + std::to_string(bound))};
+}
+
 violations check_all(const report& x, const run_truth& truth) {
   auto all = check_radio(x);
   append(all, check_messages(x));
@@ -241,6 +292,9 @@ violations check_all(const report& x, const run_truth& truth) {
   append(all, check_joined(x, truth.ended_by_fault));
   append(all, check_device_lists(x, truth.device_lists));
   append(all, check_peers(x, truth.peers));
+  append(all, check_channels(x, truth.channels));
+  append(all, check_streams(x, truth.half_open));
+  append(all, check_clocks(x, truth.clock_bounds));
   return all;
 }
 

@@ -233,6 +233,7 @@ struct stream_report {
   std::uint64_t missing = 0;      ///< produced - read - open
   std::uint64_t openings = 0;     ///< at the reader
   std::uint64_t opens_failed = 0; ///< at the writer
+  duration pause{};               ///< the longest that the reader went without a record
 
   /// read / (produced - open); nothing: nothing was produced.
   [[nodiscard]] std::optional<double> delivery() const;
@@ -248,7 +249,7 @@ struct expectation_report {
   instant at;                            ///< when it was decided
   std::vector<std::string> explain = {}; ///< arguments of `rubicon explain` behind the record;
                                          ///< empty: a record does not show it
-  std::string command = {}; ///< that shows more; empty if it is met
+  std::string command = {};              ///< that shows more; empty if it is met
 };
 
 /// Something a person following the run would want to hear.

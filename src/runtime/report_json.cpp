@@ -218,7 +218,8 @@ json to_json(const stream_report& x) {
           {"missing", x.missing},
           {"delivery", delivery ? json(*delivery) : json()},
           {"openings", x.openings},
-          {"opens_failed", x.opens_failed}};
+          {"opens_failed", x.opens_failed},
+          {"pause_s", seconds(x.pause)}};
 }
 
 json to_json(const expectation_report& x) {

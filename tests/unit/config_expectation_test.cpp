@@ -49,6 +49,7 @@ TEST_CASE("expectations about streams, tuples, clocks and the run arrive with th
   CHECK(stream.stream == 7);
   CHECK(stream.to == mote_address{island_id{1}, mote_id{2}});
   CHECK(stream.to_name == "k/c-2");
+  CHECK_FALSE(stream.pause);
   const auto tuple = what<tuple_expectation>(
       "kind = \"tuple\"\nkey = \"a.lamp\"\nequals = [\"on\"]\nwithin = \"5s\"\n"
       "when = { key = \"a.door\", above = 1, below = 2 }\n");

@@ -25,11 +25,35 @@ report of(const books& all) {
 }
 
 stream_part writer(std::uint64_t records, std::uint64_t unwritten, std::uint32_t last_ms) {
-  return {7, true, "kitchen/fan", "robot", records, unwritten, 1, 2, last_ms, 1s};
+  stream_part x;
+  x.stream = 7;
+  x.writes = true;
+  x.writer = "kitchen/fan";
+  x.reader = "robot";
+  x.records = records;
+  x.unwritten = unwritten;
+  x.openings = 1;
+  x.opens_failed = 2;
+  x.open = true;
+  x.steady = 1h;
+  x.last_ms = last_ms;
+  x.every = 1s;
+  return x;
 }
 
 stream_part reader(std::uint64_t records, std::uint32_t last_ms) {
-  return {7, false, "", "robot", records, 0, 1, 0, last_ms, 1s};
+  stream_part x;
+  x.stream = 7;
+  x.reader = "robot";
+  x.records = records;
+  x.openings = 1;
+  x.open = true;
+  x.steady = 1h;
+  x.first_ms = last_ms - 10'000;
+  x.last_ms = last_ms;
+  x.every = 1s;
+  x.pause = 3s;
+  return x;
 }
 
 program_report reader_figures(double records) {
@@ -81,11 +105,32 @@ TEST_CASE("a stream's delivery is what its writer produced, over all lives", "[r
   CHECK(stream.missing == 23);
   CHECK(stream.openings == 2);
   CHECK(stream.opens_failed == 4);
+  CHECK(stream.pause == 108s); // between the last record of one life and the first of the next
+  CHECK(all.half_open().empty());
   CHECK(*stream.delivery() == Approx(375.0 / 398));
   REQUIRE(x.programs.size() == 2);
   CHECK(figure(x.programs[1], "records") == 375);
   CHECK(figure(x.programs[1], "records missing") == 23);
   CHECK(figure(x.programs[1], "delivery %") == Approx(100 * 375.0 / 398));
+}
+
+TEST_CASE("a stream that is open at one end only is half open", "[runtime][books]") {
+  books all;
+  auto closed = reader(60, 69'000);
+  closed.open = false;
+  closed.steady = 11min;
+  all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {writer(100, 0, 100'000)});
+  CHECK(all.half_open().empty()); // nobody here reads it
+  all.add(reader_figures(60), 1, {}, {closed});
+  const auto found = all.half_open();
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].open_at == "kitchen/fan");
+  CHECK(found[0].closed_at == "robot");
+  CHECK(found[0].steady == 11min);
+  CHECK(check_streams({}, found).size() == 1);
+  closed.open = true;
+  all.add(reader_figures(60), 1, {}, {closed});
+  CHECK(all.half_open().empty());
 }
 
 TEST_CASE("what is older than half a minute is no more under way", "[runtime][books]") {

@@ -89,6 +89,10 @@ TEST_CASE("a stream is judged by what its writer produced", "[runtime][expect]")
   CHECK(one(stream_expectation{7, robot, "robot", 0.97}).met()); // 585 of 599
   CHECK_FALSE(one(stream_expectation{7, robot, "robot", 0.98}).met());
   CHECK_FALSE(one(stream_expectation{8, robot, "robot", 0}).met());
+  auto x = sample_report();
+  x.streams[0].pause = 30s;
+  CHECK(one(stream_expectation{7, robot, "robot", 0.97, 30s}).met(x));
+  CHECK_FALSE(one(stream_expectation{7, robot, "robot", 0.97, 29s}).met(x));
 }
 
 TEST_CASE("actuations are judged together or of one proxy, and must have been",

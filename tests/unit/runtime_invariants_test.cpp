@@ -82,6 +82,43 @@ TEST_CASE("a message that vanishes on one mote or on a PC is a violation",
   CHECK(found[1].detail == "PCs: offered 1, refused + sent 0");
 }
 
+TEST_CASE("a channel whose source has none is leaked", "[runtime][invariants]") {
+  const mote_address source{island_id{3}, mote_id{7}};
+  const mote_address relay{island_id{3}, mote_id{8}};
+  CHECK(check_channels({}, std::vector<channel_entry>{{source, source, 4}, {relay, source, 4}})
+            .empty());
+  const auto found = check_channels(
+      {}, std::vector<channel_entry>{{source, source, 4}, {relay, source, 4}, {relay, source, 5}});
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].invariant == "no channel is leaked");
+  CHECK(found[0].detail == "mote 3/8 keeps channel 5 of mote 3/7, which has none of that number");
+}
+
+TEST_CASE("a stream may be half open for a while only", "[runtime][invariants]") {
+  CHECK(check_streams({}, std::vector<half_open_stream>{{7, "a/m", "pc", 10min}}).empty());
+  const auto found = check_streams({}, std::vector<half_open_stream>{{7, "a/m", "pc", 11min}});
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].detail == "stream 7 is open at a/m and not at pc since 11 min");
+}
+
+TEST_CASE("island time has a bound where it is promised", "[runtime][invariants]") {
+  auto x = sample_report();
+  x.islands[0].network.clock_error_max = 4ms;
+  CHECK(check_clocks(x, {}).empty());
+  CHECK(check_clocks(x, {{island_id{3}, 4ms}, {island_id{12}, 1ms}}).empty());
+  const auto found = check_clocks(x, {{island_id{3}, 3ms}});
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].detail == "kitchen: a mote's island time is 4 ms off, more than 3 ms");
+}
+
+TEST_CASE("timeouts are a few for each actor", "[runtime][invariants]") {
+  const auto x = sample_report(); // 31 actors
+  CHECK(check_timers(x, 1000 + 16 * 31).empty());
+  const auto found = check_timers(x, 1000 + 16 * 31 + 1);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].invariant == "no timer queue grows");
+}
+
 TEST_CASE("a packet of a flow is counted once", "[runtime][invariants][flow]") {
   auto x = sample_report();
   REQUIRE(check_flows(x).empty()); // the broadcast arrived thrice as often as it was sent
