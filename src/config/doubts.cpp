@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <variant>
 
@@ -93,10 +94,10 @@ private:
 
   /// Kernels and inits tell of themselves.
   [[nodiscard]] static bool is_of_kernel(std::string_view key) {
-    for (const auto* first : {"kernel", "peis", "components", "name", "*"})
+    for (const auto* first : {"kernel", "peis", "components", "name"})
       if (may_be(std::string(first) + ".**", key) || may_be(first, key))
         return true;
-    return false;
+    return key.starts_with('*'); // of whatever kernels tell, too
   }
 
   void look_for(const std::string& who, const char* does, const std::string& key) {
@@ -153,6 +154,8 @@ private:
       const auto kind = mote.type_name.empty()
                             ? std::to_string(mote.type)
                             : mote.type_name + " (" + std::to_string(mote.type) + ')';
+      if (!unclaimed_.insert(kind).second)
+        return; // one mote of a kind will do
       doubt("no [[proxy]] claims motes of type " + kind + ", as " + island.name + '/' + mote.name +
             " is one");
       return;
@@ -193,6 +196,7 @@ private:
   const ecology_description& all_;
   std::vector<known_key> keys_;
   std::vector<std::string> exact_;
+  std::set<std::string> unclaimed_; ///< types told of
   std::vector<std::string> found_;
 };
 

@@ -148,8 +148,8 @@ bool may_be(std::string_view pattern, std::string_view key) {
 
 const proxy::proxy_class* class_of(const ecology_description& x, island_id island,
                                    const mote_description& mote) {
-  const auto* best =
-      proxy::class_table(x.proxies).find(proxy::signature_of({island, mote.id}, mote.type));
+  const proxy::class_table table(x.proxies);
+  const auto* best = table.find(proxy::signature_of({island, mote.id}, mote.type));
   if (best == nullptr)
     return nullptr;
   const auto found = std::ranges::find(x.proxies, best->name, &proxy::proxy_class::name);

@@ -56,7 +56,7 @@ TEST_CASE("expectations read as they are meant", "[runtime][expect]") {
   CHECK(to_text(clock_expectation{{}, 1ms, 0.999}) == "clock <= 1 ms in 99.9%");
   CHECK(to_text(joined_expectation{{}, 20s}) == "joined within 20 s");
   CHECK(to_text(battery_expectation{of_climate_7, 0.8}) == "battery kitchen/climate-7 >= 80%");
-  CHECK(to_text(stream_expectation{7, climate_7, "robot", 1}) == "stream 7 to robot >= 100%");
+  CHECK(to_text(stream_expectation{7, climate_7, "robot", 1, {}}) == "stream 7 to robot >= 100%");
   CHECK(to_text(tuple_expectation{{}, {"a.b", {}, 1.5, 3}, 1min}) ==
         "\"a.b\" >= 1.5 and < 3 within 1 min");
 }
@@ -86,9 +86,9 @@ TEST_CASE("of reliable messages those refused are not acknowledged", "[runtime][
 
 TEST_CASE("a stream is judged by what its writer produced", "[runtime][expect]") {
   const mote_address robot{island_id{100}, no_mote};
-  CHECK(one(stream_expectation{7, robot, "robot", 0.97}).met()); // 585 of 599
-  CHECK_FALSE(one(stream_expectation{7, robot, "robot", 0.98}).met());
-  CHECK_FALSE(one(stream_expectation{8, robot, "robot", 0}).met());
+  CHECK(one(stream_expectation{7, robot, "robot", 0.97, {}}).met()); // 585 of 599
+  CHECK_FALSE(one(stream_expectation{7, robot, "robot", 0.98, {}}).met());
+  CHECK_FALSE(one(stream_expectation{8, robot, "robot", 0, {}}).met());
   auto x = sample_report();
   x.streams[0].pause = 30s;
   CHECK(one(stream_expectation{7, robot, "robot", 0.97, 30s}).met(x));
