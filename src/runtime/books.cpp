@@ -161,7 +161,8 @@ void books::settle(report& x) const {
   settle_streams(x);
   settle_messages(x);
   for (const auto& [name, proxy] : proxies_)
-    x.proxies.push_back(proxy);
+    if (proxy.status != "ended" || proxy.actuations.requested > 0)
+      x.proxies.push_back(proxy);
   for (auto& island : x.islands) {
     auto& network = island.network;
     network.lost["channel_lost"] = above(network.channel_packets, network.channel_packets_arrived);
