@@ -159,6 +159,8 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
   }
   const bool again = mote.joined;
   mote.joined = true;
+  if (auto* judge = self->state.process.judge)
+    judge->on_joined(x.mote, now(self));
   mote.left_cause.clear();
   tell_story(self, "mote/" + mote.arguments->name,
              again ? "joined again, life " + std::to_string(x.incarnation + 1) : "joined");
@@ -255,7 +257,17 @@ runtime::island_report& island_of(ecology_pointer self, island_id id) {
 
 /// The clocks are compared when all have told theirs.
 void on_network(ecology_pointer self, const network_status& x) {
-  island_of(self, x.address.island).network += x.network;
+  auto& island = island_of(self, x.address.island);
+  island.network += x.network;
+  const auto mote = std::ranges::find(island.motes, x.address, &runtime::mote_report::address);
+  if (mote != island.motes.end()) {
+    mote->parent = x.parent;
+    mote->hops = x.hops;
+    if (x.has_signal && x.parent != mote_id{})
+      mote->signal_dbm = x.signal_dbm;
+  }
+  if (x.is_sink || (mote != island.motes.end() && mote->alive))
+    self->state.channel_tables[x.address] = x.channels;
   if (!x.has_clock)
     return;
   auto& clocks = self->state.clocks[x.address.island];
@@ -265,6 +277,97 @@ void on_network(ecology_pointer self, const network_status& x) {
     clocks.sink_ahead_us = x.clock_ahead_us;
   else
     clocks.motes_ahead_us.push_back(x.clock_ahead_us);
+}
+
+/// `kitchen/fan`, or the name of a peer.
+std::string node_name(ecology_pointer self, const mote_address& x) {
+  const auto& state = self->state;
+  if (const auto mote = state.motes.find(x); mote != state.motes.end())
+    return mote->second.arguments->name;
+  const auto peer = std::ranges::find_if(state.peers, [&x](const auto& each) {
+    return each.second.id.value == static_cast<std::int32_t>(x.island.value);
+  });
+  return x.mote == no_mote && peer != state.peers.end() ? peer->first : to_string(x);
+}
+
+void on_program(ecology_pointer self, const program_status& x) {
+  std::vector<runtime::stream_part> parts;
+  for (const auto& end : x.streams) {
+    runtime::stream_part part;
+    part.stream = end.stream;
+    part.writes = end.writes;
+    part.writer = end.writes ? x.program.who : std::string();
+    part.reader = end.writes ? node_name(self, end.reader) : x.program.who;
+    part.records = end.records;
+    part.unwritten = end.unwritten;
+    part.openings = end.openings;
+    part.opens_failed = end.opens_failed;
+    part.open = end.open;
+    part.steady = end.steady;
+    part.first_ms = end.first_ms;
+    part.last_ms = end.last_ms;
+    part.pause = end.pause;
+    part.every = end.every;
+    parts.push_back(std::move(part));
+  }
+  self->state.books.add(x.program, x.number, x.measured, parts);
+}
+
+void schedule_sample(ecology_pointer self) {
+  const auto* judge = self->state.process.judge;
+  const auto next = judge == nullptr ? std::nullopt : judge->next_sample();
+  if (next)
+    self->scheduled_send(self, caf::actor_clock::time_point(next->time_since_epoch()),
+                         take_sample{});
+}
+
+/// Only those answer who have something to tell of.
+void on_take_sample(ecology_pointer self) {
+  auto& state = self->state;
+  if (state.ending || state.process.judge == nullptr)
+    return;
+  const status_request request{++state.samples};
+  for (const auto& [address, mote] : state.motes)
+    if (mote.handle)
+      self->send(mote.handle, request);
+  for (const auto& [who, ask] : state.reporters) {
+    const auto name = state.names.find(who);
+    const auto answers = [&name](std::string_view kind) { return name->second.starts_with(kind); };
+    if (name != state.names.end() &&
+        (answers("sink/") || answers("pc/") || answers("gateway/") || answers("program/")))
+      ask(request);
+  }
+  state.process.judge->on_sample(now(self));
+  schedule_sample(self);
+}
+
+void compare(ecology_pointer self, const mote_address& mote, std::int64_t apart_us) {
+  self->state.process.judge->on_clock(mote, node_name(self, mote),
+                                      std::chrono::microseconds(std::abs(apart_us)), now(self));
+}
+
+void on_sample(ecology_pointer self, const sample_status& x) {
+  auto& state = self->state;
+  if (state.process.judge == nullptr)
+    return;
+  for (const auto& [number, missed] : x.missed)
+    state.process.judge->on_vectors(x.who, number,
+                                    missed + state.books.vectors_missed(x.who, number), now(self));
+  if (!x.has_address || !x.has_clock)
+    return;
+  auto& samples = state.sampled[x.address.island];
+  if (samples.number != x.sample)
+    samples = {x.sample, std::nullopt, {}};
+  if (!x.is_sink) {
+    if (samples.sink_ahead_us)
+      compare(self, x.address, x.clock_ahead_us - *samples.sink_ahead_us);
+    else
+      samples.waiting.emplace_back(x.address, x.clock_ahead_us);
+    return;
+  }
+  samples.sink_ahead_us = x.clock_ahead_us;
+  for (const auto& [mote, ahead] : std::exchange(samples.waiting, {}))
+    compare(self, mote, ahead - x.clock_ahead_us);
 }
 
 void compare_clocks(ecology_pointer self) {
@@ -388,6 +491,18 @@ std::vector<runtime::peer_view> views_of(ecology_pointer self) {
   return views;
 }
 
+/// Island time of motes whose radios are always on (CLK-01).
+constexpr duration clock_bound = 3ms;
+
+/// Whether nothing has happened to an island's motes for longer than any channel lasts without
+/// packets.
+bool is_quiet(ecology_pointer self, island_id island) {
+  constexpr duration longest = 15min;
+  return std::ranges::all_of(self->state.motes, [&](const auto& x) {
+    return x.first.island != island || now(self) - x.second.changed >= longest;
+  });
+}
+
 /// What the invariants compare the report with.
 runtime::run_truth truth_of(ecology_pointer self) {
   const auto& state = self->state;
@@ -415,6 +530,14 @@ runtime::run_truth truth_of(ecology_pointer self) {
   }
   if (has_settled_peers(self))
     truth.peers = views_of(self);
+  truth.half_open = state.books.half_open();
+  for (const auto& [address, table] : state.channel_tables)
+    if (is_quiet(self, address.island))
+      for (const auto& id : table)
+        truth.channels.push_back({address, {address.island, id.source}, id.number});
+  for (const auto& island : state.description.islands)
+    if (!island.duty.enabled)
+      truth.clock_bounds[island.id] = clock_bound;
   return truth;
 }
 
@@ -457,8 +580,7 @@ void deliver(ecology_pointer self) {
   compare_clocks(self);
   report.simulated = now(self).time_since_epoch();
   std::ranges::sort(report.peers, {}, &runtime::peer_report::id);
-  std::ranges::sort(report.proxies, {}, &runtime::proxy_report::name);
-  std::ranges::stable_sort(report.programs, {}, &runtime::program_report::who);
+  self->state.books.settle(report);
   for (auto& x : runtime::check_all(report, truth_of(self)))
     report.violations.push_back(std::move(x));
   if (report.islands.empty() && report.peers.empty())
@@ -486,6 +608,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   for (auto& island : self->state.description.islands)
     island.motes = {}; // what they were made from; ten thousand of them weigh something
   schedule_fault(self);
+  schedule_sample(self);
   return {
       [self](const story& x) { tell_story(self, x.who, x.what); },
       [self](const actor_failed& x) { record_failure(self, x.who, x.why); },
@@ -498,7 +621,9 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
         for (const auto& part : x.parts)
           self->state.flows[{part.from, part.to}] += part;
       },
-      [self](const message_status& x) { island_of(self, x.island).messages += x.messages; },
+      [self](const message_status& x) {
+        self->state.books.add(x.who, x.is_pc, x.messages, x.arrivals);
+      },
       [self](const network_status& x) { on_network(self, x); },
       [self](const serial_status& x) { island_of(self, x.island).serial += x.serial; },
       [self](const devices_status& x) {
@@ -512,8 +637,10 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
         self->state.known_hosts[x.peer.id] = x.hosts;
         self->state.neighbours[x.peer.id] = x.neighbours;
       },
-      [self](const proxy_status& x) { self->state.report.proxies.push_back(x.proxy); },
-      [self](const program_status& x) { self->state.report.programs.push_back(x.program); },
+      [self](const proxy_status& x) { self->state.books.add(x.proxy, x.ended); },
+      [self](const program_status& x) { on_program(self, x); },
+      [self](const sample_status& x) { on_sample(self, x); },
+      [self](take_sample) { on_take_sample(self); },
       [self](const apply_fault& x) {
         schedule_fault(self);
         std::visit(fault_applier{{self}}, self->state.description.faults.at(x.index).what);

@@ -17,6 +17,8 @@
 #include "core/random.hpp"
 #include "io/loop.hpp"
 #include "rfid/reader.hpp"
+#include "runtime/books.hpp"
+#include "runtime/expectations.hpp"
 #include "runtime/fault_plan.hpp"
 #include "runtime/invariants.hpp"
 #include "runtime/report.hpp"
@@ -78,6 +80,8 @@ struct process_facts {
   std::function<void(const std::string& why)> on_end_wanted = {};
   /// Told of what goes wrong after the report was handed out; may be empty.
   std::function<void(runtime::violation)> on_late_violation = {};
+  /// Who judges the run; nullptr: nobody. Outlives the ecology.
+  runtime::expectations* judge = nullptr;
 };
 
 /// How far the clocks of an island's motes and its sink are ahead of real time, at the end.
@@ -86,6 +90,13 @@ struct island_clocks {
   std::vector<std::int64_t> motes_ahead_us;
   std::vector<std::int64_t> network_ahead_us; ///< as the motes and the sink know the time of peers,
   std::optional<duration> clock_offset;       ///< and as their gateway's kernel does
+};
+
+/// Answers to one question for samples: motes may answer before their sink has.
+struct clock_samples {
+  std::uint64_t number = 0;
+  std::optional<std::int64_t> sink_ahead_us;
+  std::vector<std::pair<mote_address, std::int64_t>> waiting;
 };
 
 struct ecology_state {
@@ -107,7 +118,11 @@ struct ecology_state {
   std::vector<std::pair<caf::actor_addr, std::function<void(status_request)>>> reporters;
   std::map<caf::actor_addr, std::string> names; ///< of monitored actors other than motes
   runtime::report report;
-  std::map<std::pair<mote_address, mote_address>, flow::part> flows; ///< by origin and target
+  runtime::books books;
+  std::uint64_t samples = 0; ///< asked for so far
+  std::map<island_id, clock_samples> sampled;
+  std::map<mote_address, std::vector<network::channel_id>> channel_tables; ///< of the living
+  std::map<std::pair<mote_address, mote_address>, flow::part> flows;       ///< by origin and target
   std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
   std::vector<std::string> crashes_requested; ///< paths of motes, one for each crash still to come
   std::vector<runtime::planned_fault> plan;

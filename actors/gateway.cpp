@@ -169,7 +169,8 @@ void on_timer(gateway_pointer self) {
   perform(self, state.port.on_time(now(self)));
 }
 
-void report_counters(gateway_pointer self) {
+/// @param ends its life does
+void report_counters(gateway_pointer self, bool ends) {
   const auto& state = self->state;
   const auto island = state.arguments.config.island;
   const auto& port = state.port.counters();
@@ -185,8 +186,13 @@ void report_counters(gateway_pointer self) {
       {"gateway_malformed", state.bad_packets}};
   const auto& ecology = state.arguments.ecology;
   self->send(ecology, std::move(status));
-  self->send(ecology, message_status{island, report_of(state.gateway.messages(),
-                                                       state.gateway.outstanding())});
+  const auto arrivals = state.gateway.arrivals();
+  self->send(ecology, message_status{{island, no_mote},
+                                     false,
+                                     report_of(state.gateway.messages(), state.gateway.offers(),
+                                               state.gateway.outstanding(), ends),
+                                     {arrivals.begin(), arrivals.end()}});
+  state.programs.report(self, ecology, state.arguments.name, now(self), ends);
 }
 
 /// @param ends its life does, so it leads no more
@@ -206,7 +212,7 @@ void report_lead(gateway_pointer self, bool ends) {
 gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_arguments arguments) {
   scheduler::tell_monitors_of_exceptions(self);
   self->set_exit_handler([self](const caf::exit_msg& x) {
-    report_counters(self); // a life that a fault has ended counts as well
+    report_counters(self, true); // a life that a fault has ended counts as well
     report_lead(self, true);
     self->quit(x.reason);
   });
@@ -256,8 +262,13 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
         if (self->state.wake.accepts(x))
           on_timer(self);
       },
-      [self](status_request) {
-        report_counters(self);
+      [self](const status_request& x) {
+        if (x.sample > 0) {
+          self->send(self->state.arguments.ecology,
+                     self->state.programs.sample(x.sample, self->state.arguments.name));
+          return;
+        }
+        report_counters(self, false);
         const auto& gateway = self->state.gateway;
         report_lead(self, false);
         if (gateway.lead().leads())
@@ -265,8 +276,6 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
                      devices_status{self->state.arguments.config.island, gateway.devices(),
                                     gateway.clock_offset().has_value(),
                                     gateway.clock_offset().value_or(0s)});
-        self->state.programs.report(self, self->state.arguments.ecology,
-                                    self->state.arguments.name);
       },
   };
 }

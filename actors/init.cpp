@@ -214,7 +214,7 @@ void report(init_pointer self) {
   std::size_t on = 0;
   for (std::size_t i = 0; i < state.supervisor.components().size(); ++i)
     on += state.supervisor.phase_of(i) == init::phase::on ? 1 : 0;
-  program_status status{{state.arguments.name, "init", {}}};
+  program_status status{{state.arguments.name, "init", {}}, 0, {}, {}};
   status.program.figures = {{"components on", static_cast<double>(on)},
                             {"starts", static_cast<double>(counted.starts)},
                             {"unwanted ends", static_cast<double>(counted.ends)},

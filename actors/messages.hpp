@@ -9,6 +9,7 @@
 #include <caf/typed_actor.hpp>
 
 #include "actors/inspect.hpp"
+#include "apps/application.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/device_keys.hpp"
@@ -16,6 +17,7 @@
 #include "flow/part.hpp"
 #include "mote/remote_messages.hpp"
 #include "mote/transducer.hpp"
+#include "network/channel_message.hpp"
 #include "network/sink_event.hpp"
 #include "peis/bluetooth.hpp"
 #include "radio/channel.hpp"
@@ -36,8 +38,11 @@ struct timer_expired {
 
 // ---------------------------------------------------------------------------- supervision, report
 
-/// To everybody at the end of a run: report what you know to the ecology.
-struct status_request {};
+/// To everybody at the end of a run: report what you know to the ecology. Or, to sinks, motes and
+/// programs in between, to tell what is judged in the course of the run (sample_status).
+struct status_request {
+  std::uint64_t sample = 0; ///< its number; 0: the whole report
+};
 
 /// Something a person following the run would want to hear.
 struct story {
@@ -97,10 +102,13 @@ struct energy_status {
   duration radio_transmit{};
 };
 
-/// What a mote's or a gateway's Transport has counted.
+/// What the Transport of a mote, gateway or PC has counted, in one life.
 struct message_status {
-  island_id island;
+  mote_address who;   ///< no_mote in the mote part: a gateway or PC
+  bool is_pc = false; ///< and no gateway
   runtime::message_report messages;
+  /// Unreliable messages that have arrived here, by source.
+  std::vector<std::pair<mote_address, std::uint64_t>> arrivals;
 };
 
 /// What a mote's or sink's Network has counted.
@@ -112,6 +120,11 @@ struct network_status {
   bool has_network_time = false;     ///< it knows the time that peers share (CLK-08)
   std::int64_t network_ahead_us = 0; ///< network time, as it knows it, minus real time
   runtime::network_report network;
+  mote_id parent;                            ///< in the tree; 0: none
+  std::uint8_t hops = 0;                     ///< to the sink
+  bool has_signal = false;                   ///< a frame of its parent has come,
+  std::vector<network::channel_id> channels; ///< that begin, pass or end here
+  std::int16_t signal_dbm = 0;               ///< the newest so strong
 };
 
 /// What a sink, a serial line or a gateway's serial port has counted.
@@ -140,12 +153,29 @@ struct peer_status {
 };
 
 struct proxy_status {
-  runtime::proxy_report proxy;
+  runtime::proxy_report proxy; ///< of one life
+  bool ended = false;          ///< which is over
 };
 
-/// What a program on a mote or PC has counted.
+/// What a program on a mote or PC has counted, in one life.
 struct program_status {
   runtime::program_report program;
+  std::uint32_t number = 0;          ///< among the programs of its node
+  std::vector<std::string> measured; ///< figures that cannot be added to those of earlier lives
+  std::vector<apps::stream_end> streams;
+};
+
+/// Answers a status_request for a sample.
+struct sample_status {
+  std::uint64_t sample = 0;
+  std::string who; ///< a node as the report calls it
+  bool has_address = false;
+  mote_address address; ///< of a mote or sink, which has a clock to tell of
+  bool is_sink = false;
+  bool has_clock = false;
+  std::int64_t clock_ahead_us = 0; ///< island time minus real time
+  /// Vectors that programs have missed, by their number.
+  std::vector<std::pair<std::uint32_t, std::uint64_t>> missed;
 };
 
 /// From an init: the process of a peer of its host is to start. component_started follows, and
@@ -168,8 +198,9 @@ using ecology_actor = caf::typed_actor<
     caf::reacts_to<radio_status>, caf::reacts_to<energy_status>, caf::reacts_to<flow_status>,
     caf::reacts_to<message_status>, caf::reacts_to<network_status>, caf::reacts_to<serial_status>,
     caf::reacts_to<devices_status>, caf::reacts_to<gateway_status>, caf::reacts_to<peer_status>,
-    caf::reacts_to<proxy_status>, caf::reacts_to<program_status>, caf::reacts_to<start_component>,
-    caf::reacts_to<stop_component>, caf::reacts_to<actor_failed>, caf::reacts_to<request_unmet>>;
+    caf::reacts_to<proxy_status>, caf::reacts_to<program_status>, caf::reacts_to<sample_status>,
+    caf::reacts_to<start_component>, caf::reacts_to<stop_component>, caf::reacts_to<actor_failed>,
+    caf::reacts_to<request_unmet>>;
 
 /// To itself: this fault of the description's plan is due.
 struct apply_fault {
@@ -195,6 +226,9 @@ struct end_duplicate {
   std::string name;
 };
 
+/// To itself: what is judged in the course of the run is due to be looked at.
+struct take_sample {};
+
 /// From whoever runs the ecology: the run is over, everybody leaves in good order.
 struct end_run {};
 
@@ -205,11 +239,10 @@ struct collect_report {};
 struct deliver_report {};
 
 /// The root supervisor itself.
-using root_actor =
-    ecology_actor::extend<caf::reacts_to<apply_fault>, caf::reacts_to<restart_mote>,
-                          caf::reacts_to<restart_program>, caf::reacts_to<restart_peer>,
-                          caf::reacts_to<end_duplicate>, caf::reacts_to<collect_report>,
-                          caf::reacts_to<deliver_report>, caf::reacts_to<end_run>>;
+using root_actor = ecology_actor::extend<
+    caf::reacts_to<apply_fault>, caf::reacts_to<restart_mote>, caf::reacts_to<restart_program>,
+    caf::reacts_to<restart_peer>, caf::reacts_to<end_duplicate>, caf::reacts_to<take_sample>,
+    caf::reacts_to<collect_report>, caf::reacts_to<deliver_report>, caf::reacts_to<end_run>>;
 
 // ------------------------------------------------------------------------------------------ radio
 

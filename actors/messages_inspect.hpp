@@ -147,7 +147,7 @@ auto inspect(F& f, network_status& x) {
 
 template <class F>
 auto inspect(F& f, message_status& x) {
-  return f(caf::meta::type_name("message_status"), x.island, x.messages);
+  return f(caf::meta::type_name("message_status"), x.who.island, x.messages);
 }
 
 template <class F>
@@ -179,6 +179,17 @@ auto inspect(F& f, peer_status& x) {
 template <class F>
 auto inspect(F& f, program_status& x) {
   return f(caf::meta::type_name("program_status"), x.program);
+}
+
+template <class F>
+auto inspect(F& f, sample_status& x) {
+  return f(caf::meta::type_name("sample_status"), x.sample, x.who, x.address, x.is_sink,
+           x.has_clock, x.clock_ahead_us, x.missed);
+}
+
+template <class F>
+auto inspect(F& f, take_sample&) {
+  return f(caf::meta::type_name("take_sample"));
 }
 
 template <class F>
@@ -693,6 +704,8 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::devices_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::peer_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::proxy_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::program_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::sample_status))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::take_sample))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::apply_fault))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::restart_mote))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::collect_report))

@@ -231,22 +231,39 @@ void on_battery_low(mote_pointer self) {
     perform(self, self->state.node->on_battery_low(own_time(self)));
 }
 
-/// @param open reliable sends still waiting for their outcome
-void report_messages(mote_pointer self, const transport::endpoint_counters& counted,
-                     std::size_t open) {
-  const auto& arguments = *self->state.arguments;
-  self->send(arguments.ecology, message_status{arguments.address.island, report_of(counted, open)});
+void report_messages(mote_pointer self, bool is_alive) {
+  const auto& state = self->state;
+  auto status = messages_of(state.arguments->address, state.node->above(), !is_alive);
+  status.messages.offered += state.offered_in_vain;
+  status.messages.refused["off"] = state.offered_in_vain;
+  self->send(state.arguments->ecology, std::move(status));
 }
 
-/// The clock of a life that has ended is compared with nothing.
+/// The clock of a life that has ended is compared with nothing, and its place in the tree is
+/// nobody's.
 void report_network(mote_pointer self, bool is_alive) {
   const auto& arguments = *self->state.arguments;
   auto status = status_of(arguments.address, *self->state.node, own_time(self), now(self));
   if (!is_alive) {
     status.has_clock = false;
     status.network.synchronised = 0;
+    status.network.aligned = 0;
+    status.network.hops_max = 0;
+    status.parent = {};
+    status.channels.clear();
+  } else if (const auto dbm = self->state.node->read(mote::quantity::signal, now(self))) {
+    status.has_signal = *dbm != mote::node::signal_unknown;
+    status.signal_dbm = *dbm;
   }
   self->send(arguments.ecology, std::move(status));
+}
+
+void report_node(mote_pointer self, bool is_alive) {
+  const auto& state = self->state;
+  report_messages(self, is_alive);
+  report_network(self, is_alive);
+  state.programs.report(self, state.arguments->ecology, state.arguments->name, own_time(self),
+                        !is_alive);
 }
 
 /// An exception ends the mote. What this life has counted must not go with it. Reliable messages
@@ -254,14 +271,21 @@ void report_network(mote_pointer self, bool is_alive) {
 void report_failures(mote_pointer self) {
   self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
     self->state.flows.report(self, self->state.arguments->ecology);
-    if (const auto& node = self->state.node) {
-      auto counted = node->above().messages().counters();
-      counted.reliable_failed += node->above().messages().outstanding();
-      report_messages(self, counted, 0);
-      report_network(self, false);
-    }
+    if (self->state.node)
+      report_node(self, false);
     return scheduler::failure_of(x);
   });
+}
+
+void tell_sample(mote_pointer self, std::uint64_t number) {
+  const auto& state = self->state;
+  if (!state.node || state.flat)
+    return;
+  const auto& arguments = *state.arguments;
+  auto x = sample_of(number, status_of(arguments.address, *state.node, own_time(self), now(self)));
+  x.who = arguments.name;
+  x.missed = state.programs.vectors_missed();
+  self->send(arguments.ecology, std::move(x));
 }
 
 void start(mote_pointer self) {
@@ -342,6 +366,8 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
       [self](const send_message& x) {
         if (self->state.node && !self->state.flat)
           on_send(self, x);
+        else if (self->state.node)
+          ++self->state.offered_in_vain;
       },
       [self](const read_transducers& x) {
         if (self->state.node && !self->state.flat)
@@ -372,15 +398,14 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
         const auto left = self->state.node ? last_words_time : duration{};
         self->state.last_words.follow(self, now(self) + left);
       },
-      [self](status_request) {
-        self->state.flows.report(self, self->state.arguments->ecology);
-        if (const auto& node = self->state.node) {
-          report_messages(self, node->above().messages().counters(),
-                          node->above().messages().outstanding());
-          report_network(self, !self->state.flat);
-          self->state.programs.report(self, self->state.arguments->ecology,
-                                      self->state.arguments->name);
+      [self](const status_request& x) {
+        if (x.sample > 0) {
+          tell_sample(self, x.sample);
+          return;
         }
+        self->state.flows.report(self, self->state.arguments->ecology);
+        if (self->state.node)
+          report_node(self, !self->state.flat);
       },
   };
 }

@@ -89,6 +89,7 @@ struct mote_state {
   std::map<std::uint32_t, separate_program> separate; ///< by number
   std::map<std::string, mote_app_actor> movers;       ///< who has set which actuator last
   bool flat = false;
+  std::uint64_t offered_in_vain = 0; ///< messages of apps that had not heard that it is flat
 };
 
 /// Spawns the mote's apps and, with the full stack, lets it join its island. Apps end with it. An

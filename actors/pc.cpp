@@ -1,6 +1,7 @@
 #include "actors/pc.hpp"
 
 #include "actors/gateway.hpp"
+#include "actors/statuses.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
@@ -54,10 +55,26 @@ void on_timer(pc_pointer self) {
   perform(self, state.programs.on_time(state.pc, now(self)));
 }
 
+/// @param ends its life does
+void report(pc_pointer self, bool ends) {
+  const auto& state = self->state;
+  const auto& arguments = state.arguments;
+  auto status =
+      messages_of({island_id(static_cast<std::uint32_t>(arguments.config.self.value)), no_mote},
+                  state.pc.above(), ends);
+  status.is_pc = true;
+  self->send(arguments.ecology, std::move(status));
+  state.programs.report(self, arguments.ecology, arguments.name, now(self), ends);
+}
+
 } // namespace
 
 pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
   scheduler::tell_monitors_of_exceptions(self);
+  self->set_exit_handler([self](const caf::exit_msg& x) {
+    report(self, true); // a life that a fault has ended counts as well
+    self->quit(x.reason);
+  });
   auto& state = self->state;
   state.arguments = std::move(arguments);
   state.pc = endpoint::pc(
@@ -80,9 +97,12 @@ pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
       [self](const clock_changed& x) {
         perform(self, self->state.pc.on_clock(x.offset, now(self)));
       },
-      [self](status_request) {
-        self->state.programs.report(self, self->state.arguments.ecology,
-                                    self->state.arguments.name);
+      [self](const status_request& x) {
+        if (x.sample > 0)
+          self->send(self->state.arguments.ecology,
+                     self->state.programs.sample(x.sample, self->state.arguments.name));
+        else
+          report(self, false);
       },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))

@@ -30,8 +30,17 @@ bool runs(program_pointer self) {
   return self->state.process != nullptr && !self->state.is_over;
 }
 
+/// @param ended its life is
+void report(program_pointer self, bool ended) {
+  const auto& arguments = *self->state.arguments;
+  self->state.programs.report(self, arguments.ecology, arguments.mote, own_time(self), ended);
+}
+
+/// What this life has counted must not go with it.
 void forget(program_pointer self) {
   auto& state = self->state;
+  if (state.process != nullptr)
+    report(self, true);
   state.programs = {};
   state.process = nullptr;
   state.is_over = false;
@@ -71,7 +80,10 @@ void on_events(program_pointer self, const program_events& x) {
 program_actor::behavior_type program_behavior(program_pointer self,
                                               std::shared_ptr<const program_arguments> arguments,
                                               std::uint32_t incarnation) {
-  scheduler::tell_monitors_of_exceptions(self);
+  self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
+    report(self, true);
+    return scheduler::failure_of(x);
+  });
   self->state.arguments = std::move(arguments);
   self->state.incarnation = incarnation;
   self->set_down_handler([self](const caf::down_msg& x) {
@@ -96,9 +108,12 @@ program_actor::behavior_type program_behavior(program_pointer self,
         if (state.wake.accepts(x) && runs(self))
           perform(self, state.programs.on_time(*state.process, own_time(self)));
       },
-      [self](status_request) {
-        self->state.programs.report(self, self->state.arguments->ecology,
-                                    self->state.arguments->mote);
+      [self](const status_request& x) {
+        const auto& given = *self->state.arguments;
+        if (x.sample > 0)
+          self->send(given.ecology, self->state.programs.sample(x.sample, given.mote));
+        else
+          report(self, self->state.is_over);
       },
   };
 }

@@ -40,6 +40,7 @@ public:
                  const std::string& who, std::uint64_t seed, bool again, instant now) {
     auto& x = programs_.emplace_back();
     x.name = std::string(apps::kind_of(config));
+    x.number = static_cast<std::uint32_t>(number);
     x.program = apps::make_application(
         config, random_stream(seed, who + '/' + x.name + std::to_string(number)));
     x.open(again);
@@ -79,21 +80,55 @@ public:
   }
 
   /// @param who the node's name in the report
+  /// @param own by the node's clock
+  /// @param ended the node's life is over: nothing is open any more
   template <class Self>
-  void report(Self* self, const ecology_actor& ecology, const std::string& who) {
+  void report(Self* self, const ecology_actor& ecology, const std::string& who, instant own,
+              bool ended) const {
     for (const auto& x : programs_) {
-      program_status status{{who, x.name, {}}};
-      for (const auto& figure : x.program->figures())
+      program_status status;
+      status.program.who = who;
+      status.program.kind = x.name;
+      status.number = x.number;
+      for (const auto& figure : x.program->figures()) {
         status.program.figures.emplace_back(figure.name, figure.value);
+        if (!figure.counts)
+          status.measured.push_back(figure.name);
+      }
+      status.streams = x.program->stream_ends(own);
+      for (auto& end : status.streams)
+        end.open = end.open && !ended;
       if (x.file)
         status.program.figures.emplace_back("lines not written", static_cast<double>(x.unwritten));
       self->send(ecology, std::move(status));
     }
   }
 
+  /// Vectors that programs have missed, by their number.
+  [[nodiscard]] std::vector<std::pair<std::uint32_t, std::uint64_t>> vectors_missed() const {
+    std::vector<std::pair<std::uint32_t, std::uint64_t>> found;
+    for (const auto& x : programs_) {
+      for (const auto& figure : x.program->figures()) {
+        if (figure.name == "vectors missed")
+          found.emplace_back(x.number, static_cast<std::uint64_t>(figure.value));
+      }
+    }
+    return found;
+  }
+
+  /// Of a node without a clock of its island.
+  [[nodiscard]] sample_status sample(std::uint64_t number, const std::string& who) const {
+    sample_status x;
+    x.sample = number;
+    x.who = who;
+    x.missed = vectors_missed();
+    return x;
+  }
+
 private:
   struct hosted {
     std::string name;
+    std::uint32_t number = 0; ///< among the programs of the node
     std::unique_ptr<apps::application> program;
     std::unique_ptr<std::ofstream> file; ///< nullptr: it writes none
     std::string failure;                 ///< the first; empty while all is well

@@ -49,7 +49,7 @@ struct performer {
                                   true});
   }
 
-  void operator()(const proxy::retire&) const { self->quit(); }
+  void operator()(const proxy::retire&) const;
 };
 
 void perform(proxy_pointer self, proxy::proxy::outputs todo) {
@@ -100,7 +100,8 @@ void on_tuple(proxy_pointer self, const tuple_event& x) {
     perform(self, core.on_gateway_tuple(x.key, x.value.view(), now(self)));
 }
 
-void report(proxy_pointer self) {
+/// @param ends its life does: what nobody has answered has failed
+void report(proxy_pointer self, bool ends) {
   const auto& core = self->state.arguments.core;
   const auto& counted = core.counters();
   runtime::proxy_report r;
@@ -113,13 +114,28 @@ void report(proxy_pointer self) {
   r.actuations.slowest = counted.slowest;
   r.actuations.latency = counted.latency;
   r.actuations.failed = counted.failed;
-  self->send(self->state.arguments.ecology, proxy_status{std::move(r)});
+  const auto ended = counted.acknowledged + runtime::total(r.actuations.failed);
+  if (ends) {
+    r.status = "ended";
+    if (ended < counted.requested)
+      r.actuations.failed["proxy_ended"] = counted.requested - ended;
+  }
+  self->send(self->state.arguments.ecology, proxy_status{std::move(r), ends});
+}
+
+void performer::operator()(const proxy::retire&) const {
+  report(self, true);
+  self->quit();
 }
 
 } // namespace
 
 proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments arguments) {
   scheduler::tell_monitors_of_exceptions(self);
+  self->set_exit_handler([self](const caf::exit_msg& x) {
+    report(self, true); // a life that a fault has ended counts as well
+    self->quit(x.reason);
+  });
   self->state.arguments = std::move(arguments);
   auto& given = self->state.arguments;
   if (given.gateways.empty())
@@ -148,7 +164,7 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
         if (self->state.wake.accepts(x))
           perform(self, self->state.arguments.core.on_time(now(self)));
       },
-      [self](status_request) { report(self); },
+      [self](status_request) { report(self, false); },
   };
 }
 

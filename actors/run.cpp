@@ -11,8 +11,11 @@
 #include "actors/ecology.hpp"
 #include "actors/failure.hpp"
 #include "actors/frame_captures.hpp"
+#include "core/device_keys.hpp"
+#include "core/shell_word.hpp"
 #include "io/machine.hpp"
 #include "io/signal_watch.hpp"
+#include "runtime/expectations.hpp"
 #include "runtime/invariants.hpp"
 #include "scheduler/world.hpp"
 
@@ -77,10 +80,28 @@ config::ecology_description overridden(config::ecology_description x, const run_
   return x;
 }
 
+/// What a program of a peer does to a tuple.
+void tell_tuple(runtime::expectations& judge, const scheduler::delivery& x) {
+  if (!x.heard)
+    return;
+  if (x.content.match_elements<set_tuple>()) {
+    const auto& set = x.content.get_as<set_tuple>(0);
+    judge.on_tuple(set.key, tuple_text(set.value.view()), x.time);
+  } else if (x.content.match_elements<set_remote_tuple>()) {
+    const auto& set = x.content.get_as<set_remote_tuple>(0);
+    judge.on_tuple(set.key, tuple_text(set.value.view()), x.time);
+  } else if (x.content.match_elements<delete_tuple>()) {
+    judge.on_tuple_gone(x.content.get_as<delete_tuple>(0).key, x.time);
+  }
+}
+
 /// What is written while the ecology runs.
 class run_files {
 public:
-  run_files(const config::ecology_description& description, const run_options& options) {
+  /// @param judge told of tuples; outlives this
+  run_files(const config::ecology_description& description, const run_options& options,
+            runtime::expectations& judge)
+      : judge_(judge.watches_tuples() ? &judge : nullptr) {
     if (!options.debug_folder.empty())
       debug_.emplace(options.debug_folder, options.debug_file_octets_max);
     if (!options.record_file.empty())
@@ -92,8 +113,10 @@ public:
   void watch(scheduler::trace_recorder& trace) {
     if (record_)
       trace.observe_remarks([this](const scheduler::remark& x) { record_->write(x); });
-    if (debug_ || record_)
+    if (debug_ || record_ || judge_ != nullptr)
       trace.observe([this](const scheduler::delivery& x) {
+        if (judge_ != nullptr)
+          tell_tuple(*judge_, x);
         if (debug_)
           debug_->write(x);
         if (record_)
@@ -127,6 +150,7 @@ public:
   }
 
 private:
+  runtime::expectations* judge_;
   std::optional<debug_log> debug_;
   std::optional<run_record> record_;
   std::optional<frame_captures> captures_;
@@ -137,8 +161,8 @@ private:
 class one_run {
 public:
   one_run(const config::ecology_description& description, const run_options& options,
-          run_files& files, runtime::report& report)
-      : description_(description), options_(options), report_(report),
+          run_files& files, runtime::expectations& judge, runtime::report& report)
+      : judge_(judge), description_(description), options_(options), report_(report),
         wall_(description.mode == config::run_mode::wall),
         speed_(wall_ && options.speed == 0 ? 1 : options.speed),
         world_(world_options_of(description.mode, speed_)), inits_run_(has_init(description)) {
@@ -164,6 +188,7 @@ public:
   void perform() {
     const auto end = instant(description_.length);
     const auto cause = run_with_progress(world_, end, options_, speed_);
+    timers_ = world_.stats().waiting;
     tell(collect_report{});
     tell(deliver_report{});
     report_.interrupted = cause == scheduler::stop_cause::requested && ended_early_.empty();
@@ -181,6 +206,9 @@ public:
       report_.simulated = world_.now().time_since_epoch();
     report_.events = world_.trace().events();
     report_.trace_hash = to_hex(world_.trace().hash());
+    if (report_.complete)
+      for (auto& each : runtime::check_timers(report_, timers_))
+        report_.violations.push_back(std::move(each));
   }
 
 private:
@@ -230,6 +258,8 @@ private:
     process_facts x;
     x.on_inits_ended = [this] { inits_run_ = false; };
     x.on_end_wanted = [this](const std::string& why) { end_early(why); };
+    if (!judge_.empty())
+      x.judge = &judge_;
     x.on_late_violation = [this](runtime::violation late) {
       report_.violations.push_back(std::move(late));
     };
@@ -243,6 +273,7 @@ private:
     return x;
   }
 
+  runtime::expectations& judge_;
   const config::ecology_description& description_;
   const run_options& options_;
   runtime::report& report_;
@@ -250,6 +281,7 @@ private:
   const double speed_;
   std::string ended_early_; ///< why; empty while nothing is wrong
   bool over_ = false;
+  std::uint64_t timers_ = 0; ///< that waited at the end
   scheduler::world world_;
   bool inits_run_;
   std::optional<io::signal_watch> signals_;
@@ -268,13 +300,13 @@ runtime::report empty_report(const config::ecology_description& x) {
 
 /// Runs it, whatever happens.
 void run_into(runtime::report& report, const config::ecology_description& description,
-              const run_options& options, run_files& files) {
+              const run_options& options, run_files& files, runtime::expectations& judge) {
   const auto break_off = [&report](const std::string& why) {
     report.complete = false;
     report.reason = why;
   };
   try {
-    one_run run(description, options, files, report);
+    one_run run(description, options, files, judge, report);
     run.perform();
     run.measure();
   } catch (const std::bad_alloc&) {
@@ -284,19 +316,49 @@ void run_into(runtime::report& report, const config::ecology_description& descri
   }
 }
 
+/// `rubicon run home.toml --seed 7 --for 20s --record run.rec && rubicon explain run.rec --lost`
+std::string command_for(const runtime::expectation_report& x, const runtime::report& report,
+                        const run_options& options) {
+  const auto file = options.source.file.empty() ? "FILE" : shell_word(options.source.file);
+  auto text = "rubicon run " + file + " --seed " + std::to_string(report.seed);
+  if (x.at < instant{} + report.simulated)
+    text += " --for " + std::to_string(x.at.time_since_epoch() / 1ms + 1) + "ms";
+  else if (options.length)
+    text += " --for " + std::to_string(*options.length / 1ms) + "ms";
+  if (x.explain.empty())
+    return text + " --log info";
+  text += " --record run.rec && rubicon explain run.rec";
+  for (const auto& word : x.explain)
+    text += ' ' + shell_word(word);
+  return text;
+}
+
+void judge_run(runtime::report& report, const runtime::expectations& judge,
+               const run_options& options) {
+  report.expectations = judge.judge(report);
+  for (auto& each : report.expectations) {
+    if (each.outcome != runtime::expectation_report::verdict::unmet)
+      continue;
+    each.command = command_for(each, report, options);
+    report.violations.push_back(runtime::violation_of(each));
+  }
+}
+
 } // namespace
 
 runtime::report run_ecology(const config::ecology_description& file, const run_options& options) {
   const auto description = overridden(file, options);
-  run_files files(description, options);
+  runtime::expectations judge(description.expectations, description.length);
+  run_files files(description, options, judge);
   auto report = empty_report(description);
   const auto started = steady::now();
-  run_into(report, description, options, files);
+  run_into(report, description, options, files, judge);
   const auto at_end = instant() + report.simulated;
   for (auto& missing : files.finish())
     report.violations.push_back({at_end, runtime::requests_are_met, std::move(missing)});
   if (!report.complete)
     report.violations.push_back({at_end, runtime::run_is_complete, report.reason});
+  judge_run(report, judge, options);
   report.wall_s = std::chrono::duration<double>(steady::now() - started).count();
   return report;
 }

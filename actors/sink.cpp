@@ -169,7 +169,13 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
         for (std::size_t i = 0; i < self->state.ports.size(); ++i)
           perform(self, self->state.ports[i].on_time(now(self)), i);
       },
-      [self](status_request) {
+      [self](const status_request& x) {
+        if (x.sample > 0) {
+          self->send(self->state.arguments.ecology,
+                     sample_of(x.sample, status_of(self->state.arguments.address, self->state.sink,
+                                                   own_time(self), now(self))));
+          return;
+        }
         self->state.flows.report(self, self->state.arguments.ecology);
         report(self);
       },

@@ -21,6 +21,7 @@ network_status status_of(mote_address address, const mote::packet_service& x, in
     status.has_network_time = true;
     status.network_ahead_us = (*network - now.time_since_epoch()) / 1us;
   }
+  status.channels = router.paths().table();
   auto& r = status.network;
   r.beacons = router.counters().beacons;
   r.packets = packets.originated;
@@ -47,14 +48,50 @@ network_status status_of(mote_address address, const mote::packet_service& x, in
 
 } // namespace
 
+runtime::message_report report_of(const transport::endpoint_counters& x,
+                                  const mote::layer_counters& offers, std::size_t open,
+                                  bool ended) {
+  runtime::message_report r;
+  r.offered = offers.offered;
+  r.refused = {{"not_joined", offers.unjoined},
+               {"no_such_receiver", offers.misaddressed},
+               {"crowded", x.refused_crowded},
+               {"too_long", x.refused - x.refused_crowded}};
+  r.reliable_sent = x.reliable_sent;
+  r.reliable_acked = x.reliable_acked;
+  r.reliable_failed = x.reliable_failed + (ended ? open : 0);
+  r.reliable_open = ended ? 0 : open;
+  r.unreliable_sent = x.unreliable_sent;
+  r.received = x.received;
+  r.duplicates = x.duplicates;
+  r.lost = {{"unanswered", x.failed_unanswered},
+            {"not_taken", x.failed_refused},
+            {"left_island", x.failed_left},
+            {"sender_ended", ended ? open : 0}};
+  return r;
+}
+
+message_status messages_of(mote_address who, const mote::layer& x, bool ended) {
+  const auto& messages = x.messages();
+  message_status status;
+  status.who = who;
+  status.messages = report_of(messages.counters(), x.counters(), messages.outstanding(), ended);
+  status.arrivals.assign(messages.arrivals().begin(), messages.arrivals().end());
+  return status;
+}
+
 network_status status_of(mote_address address, const mote::node& x, instant own, instant now) {
   auto status = status_of(address, x.packets(), own, now);
   const auto& above = x.above().counters();
   auto& r = status.network;
   r.synchronised = status.has_clock ? 1 : 0;
   r.aligned = status.has_network_time ? 1 : 0;
-  if (x.packets().router().has_route())
-    r.hops_max = x.packets().router().tree().hops();
+  const auto& router = x.packets().router();
+  if (router.has_route()) {
+    r.hops_max = router.tree().hops();
+    status.hops = router.tree().hops();
+    status.parent = router.tree().parent();
+  }
   r.state_octets = x.footprint();
   r.lost["channel_full"] = x.counters().channel_full;
   r.lost["malformed"] += x.counters().malformed + above.malformed;

@@ -11,19 +11,15 @@
 
 namespace rubicon {
 
+/// What became of the messages of a node's programs.
 /// @param open reliable sends still waiting for their outcome
-[[nodiscard]] inline runtime::message_report report_of(const transport::endpoint_counters& x,
-                                                       std::size_t open) {
-  runtime::message_report r;
-  r.reliable_sent = x.reliable_sent;
-  r.reliable_acked = x.reliable_acked;
-  r.reliable_failed = x.reliable_failed;
-  r.reliable_open = open;
-  r.unreliable_sent = x.unreliable_sent;
-  r.received = x.received;
-  r.duplicates = x.duplicates;
-  return r;
-}
+/// @param ended the node's life is over: what was open has failed
+[[nodiscard]] runtime::message_report report_of(const transport::endpoint_counters& x,
+                                                const mote::layer_counters& offers,
+                                                std::size_t open, bool ended);
+
+/// The same of a whole node.
+[[nodiscard]] message_status messages_of(mote_address who, const mote::layer& x, bool ended);
 
 /// @param own what the clock of this mote or sink shows `now`
 [[nodiscard]] network_status status_of(mote_address address, const mote::node& x, instant own,
@@ -31,5 +27,17 @@ namespace rubicon {
 
 [[nodiscard]] network_status status_of(mote_address address, const mote::sink& x, instant own,
                                        instant now);
+
+/// A sample of what that tells about a clock.
+[[nodiscard]] inline sample_status sample_of(std::uint64_t number, const network_status& x) {
+  sample_status sample;
+  sample.sample = number;
+  sample.has_address = true;
+  sample.address = x.address;
+  sample.is_sink = x.is_sink;
+  sample.has_clock = x.has_clock;
+  sample.clock_ahead_us = x.clock_ahead_us;
+  return sample;
+}
 
 } // namespace rubicon

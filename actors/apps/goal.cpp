@@ -101,7 +101,10 @@ void report(pursuer_pointer self) {
                                          {"preempted", figure(counted.preempted)},
                                          {"timed out", figure(counted.timeouts)},
                                          {"unknown", figure(counted.unknown)},
-                                         {"open", figure(x.core.open_goals())}}}});
+                                         {"open", figure(x.core.open_goals())}}},
+                                       0,
+                                       {},
+                                       {}});
 }
 
 } // namespace

@@ -156,7 +156,10 @@ peer_app_actor::behavior_type collector(collector_pointer self, config::collecto
                    program_status{{who,
                                    "collector",
                                    {{"updates", static_cast<double>(counted.updates)},
-                                    {"tuples", static_cast<double>(counted.newest.size())}}}});
+                                    {"tuples", static_cast<double>(counted.newest.size())}}},
+                                  0,
+                                  {},
+                                  {}});
       },
   };
 }

@@ -44,7 +44,10 @@ void report(translate_pointer self) {
            "translate",
            {figure("translated", counted.translated), figure("tuples", state.core.targets()),
             figure("bad values", counted.bad_values), figure("long values", counted.long_values),
-            figure("bad keys", counted.bad_keys), figure("refused", counted.refused)}}});
+            figure("bad keys", counted.bad_keys), figure("refused", counted.refused)}},
+          0,
+          {},
+          {}});
 }
 
 } // namespace

@@ -21,8 +21,28 @@ namespace rubicon::apps {
 struct figure {
   std::string name; ///< with its unit, if it has one: `records lost`
   double value = 0;
+  bool counts = true; ///< so that it may be added to that of an earlier life
 
   friend bool operator==(const figure&, const figure&) = default;
+};
+
+/// What a program knows of its end of a stream of sensor records, however often that was opened.
+struct stream_end {
+  std::uint16_t stream = 0;
+  bool writes = false;
+  mote_address reader;         ///< of a write end
+  std::uint64_t records = 0;   ///< that the program had: written or not; that it has read
+  std::uint64_t unwritten = 0; ///< of a write end: not taken
+  std::uint64_t openings = 0;
+  std::uint64_t opens_failed = 0;
+  bool open = false;                     ///< now,
+  duration steady{};                     ///< and for how long it has been open or not
+  std::optional<std::uint32_t> first_ms; ///< time in the first record of this life
+  std::optional<std::uint32_t> last_ms;  ///< time in the newest record
+  duration every{};                      ///< between two of them
+  duration pause{}; ///< of a read end: the longest without a record, since the first
+
+  friend bool operator==(const stream_end&, const stream_end&) = default;
 };
 
 /// Whoever hosts a program attaches it, starts it, calls on_time() at its deadline, and settles the
@@ -41,6 +61,9 @@ public:
   [[nodiscard]] virtual std::optional<instant> deadline() const { return std::nullopt; }
 
   [[nodiscard]] virtual std::vector<figure> figures() const { return {}; }
+
+  /// Its ends of streams whose other end is a program's too. @param now by its node's clock
+  [[nodiscard]] virtual std::vector<stream_end> stream_ends(instant /*now*/) const { return {}; }
 
   /// What people following the run would want to hear, since the last call.
   [[nodiscard]] std::vector<std::string> take_stories() { return std::exchange(stories_, {}); }

@@ -46,8 +46,10 @@ void average::open(write_end& x) {
 }
 
 void average::close(write_end& x) {
-  if (x.stream > 0)
+  if (x.stream > 0) {
+    x.changed = layer().now();
     layer().close(x.stream);
+  }
   x.stream = -1;
   x.retry.reset();
 }
@@ -58,9 +60,12 @@ void average::openRemoteDone(int stream, std::uint16_t name, mote::status succes
   if (x == outputs_.end()) {
     stream_application::openRemoteDone(stream, name, success);
   } else if (success == mote::FAIL) {
+    ++x->opens_failed;
     if (layer().address()) // else joined() opens it
       x->retry = layer().now() + pause;
   } else {
+    ++x->openings;
+    x->changed = layer().now();
     x->stream = stream;
     if (!due_)
       due_ = layer().now() + config_.every;
@@ -93,10 +98,13 @@ void average::write() {
   for (auto& x : outputs_) {
     if (x.stream < 0)
       continue;
+    x.last_ms = *time_ms;
     if (layer().write(x.stream, record) > 0) {
       ++written_;
+      ++x.written;
       continue;
     }
+    ++x.unwritten;
     close(x);
     x.retry = layer().now() + pause;
   }
@@ -126,6 +134,26 @@ std::vector<figure> average::figures() const {
   return {{"records read", static_cast<double>(read_)},
           {"records written", static_cast<double>(written_)},
           {"times without a value", static_cast<double>(without_value_)}};
+}
+
+std::vector<stream_end> average::stream_ends(instant now) const {
+  auto all = stream_application::stream_ends(now);
+  for (const auto& x : outputs_) {
+    stream_end end;
+    end.stream = x.what.stream;
+    end.writes = true;
+    end.reader = x.what.to;
+    end.records = x.written + x.unwritten;
+    end.unwritten = x.unwritten;
+    end.openings = x.openings;
+    end.opens_failed = x.opens_failed;
+    end.open = x.stream > 0;
+    end.steady = now - x.changed;
+    end.last_ms = x.last_ms;
+    end.every = config_.every;
+    all.push_back(end);
+  }
+  return all;
 }
 
 } // namespace rubicon::apps

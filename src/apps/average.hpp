@@ -14,6 +14,7 @@ public:
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override;
   [[nodiscard]] std::vector<figure> figures() const override;
+  [[nodiscard]] std::vector<stream_end> stream_ends(instant now) const override;
 
   void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
   void openRemoteDone(int stream, std::uint16_t name, mote::status success) override;
@@ -25,6 +26,12 @@ private:
     stream_output what;
     int stream = -1;
     std::optional<instant> retry = {};
+    std::uint64_t written = 0;
+    std::uint64_t unwritten = 0;
+    std::uint64_t openings = 0;
+    std::uint64_t opens_failed = 0;
+    instant changed = {};                      ///< when it was opened or closed
+    std::optional<std::uint32_t> last_ms = {}; ///< time in the newest record
   };
 
   void open(write_end& x);

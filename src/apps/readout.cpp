@@ -75,8 +75,8 @@ std::vector<figure> readout::figures() const {
     return variance > 0 ? std::sqrt(squares / n / variance) : 0;
   };
   auto all = synaptic_application::figures();
-  all.push_back({"prediction error", share(squared_error_)});
-  all.push_back({"error of the last value", share(squared_step_)});
+  all.push_back({"prediction error", share(squared_error_), false});
+  all.push_back({"error of the last value", share(squared_step_), false});
   return all;
 }
 

@@ -20,6 +20,7 @@ void stream_application::joined(mote::island_octet, std::uint16_t, mote::status 
   retry_.reset();
   for (auto& x : inputs_) {
     if (x.stream > 0) {
+      x.changed = layer().now();
       layer().close(x.stream);
       on_lost(static_cast<std::size_t>(&x - inputs_.data()));
     }
@@ -58,6 +59,8 @@ void stream_application::openRemoteDone(int stream, std::uint16_t name, mote::st
     return;
   }
   ++openings_;
+  ++x->openings;
+  x->changed = layer().now();
   x->stream = stream;
   on_opened(static_cast<std::size_t>(x - inputs_.begin()));
   layer().read(stream, stream::sensor_record::size);
@@ -71,13 +74,41 @@ void stream_application::readDone(int stream, byte_view record, mote::status suc
   if (success == mote::FAIL) { // the writer is gone
     layer().close(stream);
     x->stream = -1;
+    x->changed = layer().now();
     retry(*x);
     on_lost(number);
     return;
   }
-  if (const auto read = stream::decode_sensor_record(record))
+  if (const auto read = stream::decode_sensor_record(record)) {
+    const auto at = layer().now();
+    if (x->records > 0)
+      x->pause = std::max(x->pause, at - x->last);
+    else
+      x->first_ms = read->time_ms;
+    ++x->records;
+    x->last = at;
+    x->last_ms = read->time_ms;
     on_record(number, *read);
+  }
   layer().read(stream, stream::sensor_record::size);
+}
+
+std::vector<stream_end> stream_application::stream_ends(instant now) const {
+  std::vector<stream_end> all;
+  for (const auto& x : inputs_) {
+    stream_end end;
+    end.stream = x.name;
+    end.records = x.records;
+    end.openings = x.openings;
+    end.open = x.stream > 0;
+    end.steady = now - x.changed;
+    end.pause = x.records > 0 ? std::max(x.pause, now - x.last) : 0s;
+    end.first_ms = x.first_ms;
+    end.last_ms = x.last_ms;
+    end.every = every_;
+    all.push_back(end);
+  }
+  return all;
 }
 
 void stream_application::on_time(instant now) {

@@ -21,6 +21,7 @@ public:
   void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
   void openRemoteDone(int stream, std::uint16_t name, mote::status success) override;
   void readDone(int stream, byte_view record, mote::status success) final;
+  [[nodiscard]] std::vector<stream_end> stream_ends(instant now) const override;
 
 protected:
   /// @param streams symbolic names, all different @param every as their writers'
@@ -40,6 +41,13 @@ private:
     std::uint16_t name = 0;
     int stream = -1;
     bool is_wanted = false; ///< to be opened at retry_
+    std::uint64_t records = 0;
+    std::uint64_t openings = 0;
+    std::optional<std::uint32_t> first_ms = {};
+    std::optional<std::uint32_t> last_ms = {};
+    instant last{}; ///< when the newest record came
+    duration pause{};
+    instant changed{}; ///< when it was opened or closed
   };
 
   void on_start(instant) final {}

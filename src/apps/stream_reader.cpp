@@ -11,7 +11,6 @@ constexpr duration leap_min = 24h; ///< more than that between two records: the 
 void stream_reader::on_opened(std::size_t) {
   if (openings() == 1)
     tell("stream " + std::to_string(config_.stream) + " is open");
-  last_ms_.reset();
 }
 
 void stream_reader::on_record(std::size_t, const stream::sensor_record& x) {
@@ -29,9 +28,14 @@ std::vector<figure> stream_reader::figures() const {
   const auto all = static_cast<double>(records_ + missing_);
   return {{"records", static_cast<double>(records_)},
           {"records missing", static_cast<double>(missing_)},
+<<<<<<< HEAD
           {"delivery %", all > 0 ? 100 * static_cast<double>(records_) / all : 0},
           {"openings", static_cast<double>(openings())},
           {"opens failed", static_cast<double>(opens_failed())}};
+=======
+          {"delivery %", all > 0 ? 100 * static_cast<double>(records_) / all : 0, false},
+          {"openings", static_cast<double>(openings())}};
+>>>>>>> books7
 }
 
 } // namespace rubicon::apps

@@ -41,8 +41,10 @@ void stream_writer::stop() {
   retry_.reset();
   if (sensor_ > 0)
     layer().close(sensor_);
-  if (remote_ > 0)
+  if (remote_ > 0) {
+    changed_ = layer().now();
     layer().close(remote_);
+  }
   sensor_ = remote_ = -1;
 }
 
@@ -51,6 +53,8 @@ void stream_writer::openRemoteDone(int stream, std::uint16_t, mote::status succe
     give_up();
     return;
   }
+  ++openings_;
+  changed_ = layer().now();
   remote_ = stream;
   sensor_ = layer().open_sensor(static_cast<std::uint8_t>(config_.transducer),
                                 static_cast<std::uint32_t>(config_.every / 1ms),
@@ -62,10 +66,15 @@ void stream_writer::openRemoteDone(int stream, std::uint16_t, mote::status succe
 void stream_writer::readDone(int stream, byte_view record, mote::status success) {
   if (stream != sensor_)
     return;
+<<<<<<< HEAD
   if (success == mote::FAIL) { // in an actor of its own it hears only now what the mote refused
     give_up();
     return;
   }
+=======
+  if (const auto read = stream::decode_sensor_record(record))
+    last_ms_ = read->time_ms;
+>>>>>>> books7
   if (layer().write(remote_, record) > 0) {
     ++written_;
     layer().read(sensor_, stream::sensor_record::size);
@@ -85,6 +94,22 @@ std::vector<figure> stream_writer::figures() const {
   return {{"records written", static_cast<double>(written_)},
           {"records not written", static_cast<double>(unwritten_)},
           {"opens failed", static_cast<double>(opens_failed_)}};
+}
+
+std::vector<stream_end> stream_writer::stream_ends(instant now) const {
+  stream_end end;
+  end.stream = config_.stream;
+  end.writes = true;
+  end.reader = config_.to;
+  end.records = written_ + unwritten_;
+  end.unwritten = unwritten_;
+  end.openings = openings_;
+  end.opens_failed = opens_failed_;
+  end.open = remote_ > 0;
+  end.steady = now - changed_;
+  end.last_ms = last_ms_;
+  end.every = config_.every;
+  return {end};
 }
 
 } // namespace rubicon::apps

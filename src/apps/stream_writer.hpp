@@ -16,6 +16,7 @@ public:
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override { return retry_; }
   [[nodiscard]] std::vector<figure> figures() const override;
+  [[nodiscard]] std::vector<stream_end> stream_ends(instant now) const override;
 
   void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
   void openRemoteDone(int stream, std::uint16_t name, mote::status success) override;
@@ -35,7 +36,10 @@ private:
   std::optional<instant> retry_;
   std::uint64_t written_ = 0;
   std::uint64_t unwritten_ = 0;
+  std::uint64_t openings_ = 0;
   std::uint64_t opens_failed_ = 0;
+  instant changed_;                      ///< when the remote stream was opened or closed
+  std::optional<std::uint32_t> last_ms_; ///< time in the newest record
 };
 
 } // namespace rubicon::apps

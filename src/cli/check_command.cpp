@@ -2,7 +2,10 @@
 
 #include "cli/console.hpp"
 #include "cli/ecology_file.hpp"
+#include "config/doubts.hpp"
+#include "config/listing.hpp"
 #include "config/summary.hpp"
+#include "core/printable.hpp"
 
 namespace rubicon::cli {
 
@@ -10,7 +13,12 @@ exit_status perform(const check_command& x) {
   const auto ecology = load_or_complain(x.file, x.instead);
   if (!ecology)
     return exit_status::refused;
-  return print(stdout, config::summary(*ecology)) ? exit_status::good : exit_status::refused;
+  std::string warnings;
+  for (const auto& each : config::doubts(*ecology))
+    warnings += printable(x.file + ": warning: " + each) + '\n';
+  static_cast<void>(print(stderr, warnings)); // nobody reads it, nobody misses it
+  const auto text = x.list ? config::listing(*ecology) : config::summary(*ecology);
+  return print(stdout, text) ? exit_status::good : exit_status::refused;
 }
 
 } // namespace rubicon::cli

@@ -6,7 +6,8 @@
 
 namespace rubicon::cli {
 
-/// Prints a summary of a good file.
+/// Prints a summary of a good file, or a list of what it has; and on standard error what in it
+/// cannot work.
 [[nodiscard]] exit_status perform(const check_command& x);
 
 } // namespace rubicon::cli

@@ -222,6 +222,7 @@ command parse_command_line(std::span<const char* const> arguments) {
   check_command check;
   auto& check_app = *app.add_subcommand("check", "Check a file without running it, and sum it up");
   add_file(check_app, check.file);
+  check_app.add_flag("--list", check.list, "List motes, peers and tuple keys instead");
   add_overrides(check_app, check.instead);
   swarm_command swarm;
   const auto& swarm_app = add_swarm(app, swarm);

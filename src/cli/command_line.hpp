@@ -29,6 +29,7 @@ struct run_command {
 struct check_command {
   std::string file;
   config::overrides instead;
+  bool list = false; ///< motes, peers and tuples instead of a summary
 };
 
 /// `rubicon swarm FILE`

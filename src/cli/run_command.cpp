@@ -50,6 +50,7 @@ run_source source_of(const std::string& file) {
 
 exit_status report_run(const run_command& x, const config::ecology_description& ecology) {
   auto options = x.options;
+  options.source.file = x.file;
   if (!options.record_file.empty())
     options.source = source_of(x.file);
   const auto report = run_watched(ecology, std::move(options), console_of(stderr));

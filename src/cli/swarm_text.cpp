@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/printable.hpp"
+#include "core/shell_word.hpp"
 #include "runtime/figures.hpp"
 #include "runtime/text_layout.hpp"
 
@@ -18,18 +19,6 @@ using runtime::printable;
 
 /// Of failed seeds on a line that is drawn again and again, and in the summary.
 constexpr std::size_t seeds_shown_max = 20;
-
-/// One word of a shell, quoted where it must be.
-std::string shell_word(const std::string& x) {
-  constexpr const char* harmless = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                   "0123456789_-./:=@%+,";
-  if (!x.empty() && x.find_first_not_of(harmless) == std::string::npos)
-    return x;
-  std::string quoted = "'";
-  for (const char c : x)
-    quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
 
 std::string seed_list(const std::vector<std::uint64_t>& seeds, std::uint64_t all) {
   std::string text;

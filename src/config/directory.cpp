@@ -61,30 +61,31 @@ struct island_walk {
     const auto* sink = x.find("sink");
     if (sink != nullptr && sink->find("id") != nullptr)
       out.sink = id_at<mote_id>(*sink, mote_id_max);
-    auto highest = std::uint32_t{out.sink.value};
+    std::set<std::uint32_t> taken{out.sink.value};
     each_table(x, "mote", [&](const node& mote) {
       const auto id = id_at<mote_id>(mote, mote_id_max);
-      highest = std::max<std::uint32_t>(highest, id.value);
+      taken.insert(id.value);
       auto name = text_at(mote, "name");
       if (!name)
         name = default_mote_name(text_at(mote, "type").value_or(""), id);
       out.motes.emplace(*std::move(name), id);
     });
-    each_table(x, "group", [&](const node& group) { add_group(group, highest, out); });
+    each_table(x, "group", [&](const node& group) { add_group(group, taken, out); });
     return out;
   }
 
-  void add_group(const node& x, std::uint32_t& highest, directory::island& out) {
-    const auto first = number_at(x, "first", mote_id_max).value_or(highest + 1);
+  void add_group(const node& x, std::set<std::uint32_t>& taken, directory::island& out) {
     const auto count = number_at(x, "count", mote_id_max).value_or(0);
+    const auto given = number_at(x, "first", mote_id_max);
+    const auto first = given ? *given : lowest_free(taken, count);
     if (count == 0 || first + count - 1 > mote_id_max || count > group_motes_max - group_motes)
       return;
     group_motes += count;
-    highest = std::max(highest, first + count - 1);
     const auto prefix = text_at(x, "prefix");
     const auto type_name = text_at(x, "type").value_or("");
     for (auto i = first; i < first + count; ++i) {
       const mote_id id(static_cast<std::uint16_t>(i));
+      taken.insert(i);
       out.motes.emplace(default_mote_name(prefix.value_or(type_name), id), id);
     }
   }
@@ -179,6 +180,16 @@ std::optional<peer_id> peer_id_of(std::string_view digits) {
 }
 
 } // namespace
+
+std::uint32_t lowest_free(const std::set<std::uint32_t>& taken, std::uint32_t count) {
+  std::uint32_t first = 1;
+  for (const auto id : taken) {
+    if (id >= first + count)
+      break;
+    first = std::max(first, id + 1);
+  }
+  return first;
+}
 
 std::string default_mote_name(std::string_view type_name, mote_id id) {
   return (type_name.empty() ? "mote" : std::string(type_name)) + '-' + to_string(id);

@@ -36,6 +36,10 @@ inline constexpr std::uint32_t peer_count_max = 1000;
 /// Motes that all groups of a file may have together.
 inline constexpr std::uint32_t group_motes_max = 100'000;
 
+/// The first of the lowest `count` ids in a row from 1 on that nobody has: a mote that is added
+/// somewhere else does not move a group.
+[[nodiscard]] std::uint32_t lowest_free(const std::set<std::uint32_t>& taken, std::uint32_t count);
+
 /// Names as the file has them. What has no usable name is left out, an unusable id is 0: the reader
 /// of its table complains, and nobody else needs to.
 struct directory {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "apps/app_config.hpp"
+#include "config/expectation.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
@@ -372,6 +373,7 @@ struct ecology_description {
   std::vector<proxy::proxy_class> proxies;
   std::vector<tag_description> tags;
   std::vector<fault_description> faults; ///< ascending by time
+  std::vector<expectation> expectations; ///< in the order of the file
   std::vector<host_description> hosts;
 };
 

@@ -122,4 +122,8 @@ void check_object_manager(const table_reader& root, const std::vector<peer_descr
 [[nodiscard]] std::vector<fault_description> read_faults(table_reader& root, const directory& names,
                                                          duration length);
 
+/// [[expect]], in the order of the file; what it looks at must be before `length`.
+[[nodiscard]] std::vector<expectation> read_expectations(table_reader& root, const directory& names,
+                                                         duration length);
+
 } // namespace rubicon::config

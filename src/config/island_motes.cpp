@@ -78,7 +78,7 @@ void copy_profile(const mote_profile& from, mote_description& to) {
 } // namespace
 
 island_motes::island_motes(surroundings& with, island_description& island, bool sink_is_good)
-    : with_(with), island_(island), highest_(island.sink.id.value) {
+    : with_(with), island_(island), taken_{island.sink.id.value} {
   const auto* disk = std::get_if<radio::unit_disk>(&with.radio.propagation);
   const bool known = with.radio_is_known;
   if (known && disk != nullptr && sink_is_good && !is_mac())
@@ -164,9 +164,9 @@ void island_motes::read_mote(table_reader& in) {
 
 void island_motes::read_group(table_reader& in) {
   std::uint32_t count = 0;
-  auto first = highest_ + 1;
   std::string prefix;
   in.required("count", whole<std::uint32_t>{1, mote_id_max}, count);
+  auto first = lowest_free(taken_, count);
   in.optional("first", whole<std::uint32_t>{1, mote_id_max}, first);
   const bool has_prefix = in.optional("prefix", prefix_text{}, prefix);
   if (first + count - 1 > mote_id_max) {
@@ -241,7 +241,7 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
 }
 
 bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
-  highest_ = std::max<std::uint32_t>(highest_, id.value);
+  taken_.insert(id.value);
   if (id == island_.sink.id)
     problems.add(at, "mote id " + to_string(id) + " is the sink's");
   return ids_.claim(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id;

@@ -61,7 +61,7 @@ private:
   std::optional<double> range_m_;     ///< of all radios, if a disk
   std::map<mote_id, mark> placed_at_; ///< where the file says where each mote stands
   bool positions_matter_ = true;
-  std::uint32_t highest_ = 0;            ///< id so far
+  std::set<std::uint32_t> taken_;        ///< ids so far
   std::map<placed_flow, mote_id> flows_; ///< and the first mote that sends so
   std::map<mote_id, mote_id> relays_;    ///< and where each passes on to
   std::set<mote_id> receivers_;

@@ -65,6 +65,8 @@ private:
   void turn_away(std::uint32_t index, bool for_good);
   [[nodiscard]] std::optional<sighting> recognise_channel(const channel_content& x, island_id here,
                                                           const record& r);
+  [[nodiscard]] std::optional<sighting> recognise_flow(byte_view octets, island_id here,
+                                                       const record& r);
   std::uint32_t begin_message(message x, const record& r);
   void on_send(const record& r);
   void on_message(const record& r);
@@ -130,6 +132,7 @@ private:
     instant seen;
   };
   std::map<std::tuple<island_id, std::uint32_t, std::uint8_t, bytes>, channel_entry> on_channels_;
+  std::map<std::tuple<island_id, mote_id, std::uint64_t>, std::uint32_t> measuring_; ///< by number
 
   // radio
   struct request {

@@ -2,6 +2,8 @@
 #include <algorithm>
 
 #include "explain/builder.hpp"
+#include "flow/packet.hpp"
+#include "flow/program.hpp"
 #include "stream/message.hpp"
 #include "synaptic/message.hpp"
 #include "transport/tunnel_message.hpp"
@@ -238,6 +240,13 @@ std::optional<builder::sighting> builder::recognise_plain(message x, const recor
       return sighting{{false, *sent}};
     }
   }
+  const bool is_package = r.what == kind::link_octets || r.what == kind::link_lost;
+  for (const auto index : like) { // a kernel may have kept it until it knew a way
+    const auto& m = all_.messages[index];
+    if (is_package && m.nodes.size() == 1 &&
+        all_.known.place_of(at(m.root).from) == all_.known.place_of(r.from))
+      return sighting{{false, index}};
+  }
   for (const auto index : like) {
     const auto here = last_at({false, index}, r.from, cargo::content);
     if (here != no_node && at(here).children.empty())
@@ -330,6 +339,25 @@ std::optional<builder::sighting> builder::recognise_channel(const channel_conten
   }
   entry.seen = now_;
   return sighting{{false, entry.message}};
+}
+
+/// Packets of the measuring apps have a number.
+std::optional<builder::sighting> builder::recognise_flow(byte_view octets, island_id here,
+                                                         const record& r) {
+  const auto packet = flow::decode_packet(octets);
+  if (!packet)
+    return std::nullopt;
+  const std::tuple key(here, packet->origin, packet->number);
+  auto known = measuring_.find(key);
+  if (known == measuring_.end()) {
+    message m;
+    m.source = {here, packet->origin};
+    m.destination = {here, packet->target};
+    m.channel = flow::am_type;
+    m.content = to_bytes(octets);
+    known = measuring_.emplace(key, begin_message(std::move(m), r)).first;
+  }
+  return sighting{{false, known->second}};
 }
 
 /// A hop of a message has reached somebody: is it at its end?

@@ -31,6 +31,7 @@ names::names(const header& about) {
     }
     add(mote_id(island.sink), "sink", "sink/" + island.name);
     sinks_[id] = mote_id(island.sink);
+    actors_["mote/" + island.name + "/sink"] = {id, mote_id(island.sink)}; // one that only measures
     places_["gateway/" + island.name] = "peis_peer/" + island.gateway;
     for (const auto& [mote, name] : island.motes)
       add(mote_id(mote), name, "mote/" + island.name + '/' + name);

@@ -140,6 +140,11 @@ void builder::on_send_peis(const record& r) {
                                         all_.known.speaks_for(peer_id(r.peer)))
                           : std::nullopt;
   const auto what = packet ? recognise(*packet, r) : std::nullopt;
+  if (what) { // its package is known by what led to it
+    const auto here_now = last_at(what->about, r.from, what->of);
+    arrivals_[r.number].push_back(here_now == no_node ? all_.messages[what->about.index].root
+                                                      : here_now);
+  }
   // what is no message has an outcome all the same
   const subject nothing{false, static_cast<std::uint32_t>(all_.messages.size())};
   asked_[{r.from, r.id}].push_back(

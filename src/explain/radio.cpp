@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "explain/builder.hpp"
+#include "flow/program.hpp"
 #include "network/am.hpp"
 #include "radio/frame.hpp"
 
@@ -37,6 +38,9 @@ void builder::on_radio_send(const record& r) {
   } else if (const auto* on_channel = std::get_if<channel_content>(&content)) {
     what = recognise_channel(*on_channel, who->island, r);
     sequence = on_channel->sequence + 1U;
+  } else if (am_type == flow::am_type) {
+    what = recognise_flow(r.octets, who->island, r);
+    sequence = 1;
   }
   if (what) {
     const bool to_all = asked.destination == broadcast_mote;

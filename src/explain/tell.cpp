@@ -261,6 +261,46 @@ std::vector<std::size_t> selected(const journeys& all, const listing& asked) {
   return out;
 }
 
+std::vector<std::pair<std::string, std::size_t>> loss_causes(const journeys& all,
+                                                             const listing& asked) {
+  std::map<std::string, std::size_t> counts;
+  for (const auto& x : all.messages) {
+    if (!is_from(all, x, asked.from))
+      continue;
+    const auto how = outcome_of(all, x);
+    if (how.fate == fate::lost || how.fate == fate::refused)
+      ++counts[how.fate == fate::refused ? "refused: " + how.why : how.why];
+  }
+  std::vector<std::pair<std::string, std::size_t>> sorted(counts.begin(), counts.end());
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  return sorted;
+}
+
+namespace {
+
+/// A bar for each cause, the longest for the most frequent.
+std::string histogram(const journeys& all, const listing& asked, const paper& on) {
+  constexpr std::size_t bar_max = 30;
+  constexpr std::size_t rows_max = 20;
+  const auto causes = loss_causes(all, asked);
+  if (causes.empty())
+    return {};
+  runtime::table rows({{"lost", align::right}, {""}, {"why"}});
+  for (std::size_t i = 0; i < std::min(rows_max, causes.size()); ++i) {
+    std::string bar;
+    for (std::size_t k = 0;
+         k < std::max<std::size_t>(1, bar_max * causes[i].second / causes.front().second); ++k)
+      bar += "█";
+    rows.add({std::to_string(causes[i].second), bar, causes[i].first});
+  }
+  if (causes.size() > rows_max)
+    rows.add_note("… and " + std::to_string(causes.size() - rows_max) + " causes more");
+  return rows.render(never_cut, on.colour) + '\n';
+}
+
+} // namespace
+
 std::string tell_list(const journeys& all, const listing& asked, const paper& on) {
   runtime::table rows({{"seconds", align::right},
                        {"message"},
@@ -299,7 +339,7 @@ std::string tell_list(const journeys& all, const listing& asked, const paper& on
                         std::to_string(of(fate::lost) + of(fate::refused)) + " lost, " +
                         std::to_string(of(fate::under_way)) + " under way",
                     on);
-  text += rows.render(never_cut, on.colour);
+  text += histogram(all, asked, on) + rows.render(never_cut, on.colour);
   if (fits > shown.size())
     text += "  … and " + std::to_string(fits - shown.size()) + " before (--limit 0 shows all)\n";
   if (asked.lost_only || !asked.from.empty())

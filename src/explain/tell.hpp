@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -27,6 +28,11 @@ struct paper {
 
 /// The messages of a listing, oldest first.
 [[nodiscard]] std::vector<std::size_t> selected(const journeys& all, const listing& asked);
+
+/// Why messages of a listing were lost or refused, and how many for each cause, the most frequent
+/// first.
+[[nodiscard]] std::vector<std::pair<std::string, std::size_t>> loss_causes(const journeys& all,
+                                                                           const listing& asked);
 
 [[nodiscard]] std::string tell_list(const journeys& all, const listing& asked, const paper& on);
 [[nodiscard]] std::string list_json(const journeys& all, const listing& asked);

@@ -206,6 +206,9 @@ std::string list_json(const journeys& all, const listing& asked) {
               {"seed", all.about.seed},
               {"length_s", in_seconds(all.end)},
               {"cut_off", all.cut_off}};
+  auto& causes = out["lost"] = json::object();
+  for (const auto& [why, count] : loss_causes(all, asked))
+    causes[why] = count;
   auto& list = out["messages"] = json::array();
   for (const auto i : selected(all, asked))
     list.push_back(summary_of(all, i));

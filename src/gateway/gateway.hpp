@@ -213,6 +213,9 @@ public:
   [[nodiscard]] std::optional<duration> clock_offset() const { return clock_offset_; }
   [[nodiscard]] std::size_t outstanding() const { return above().messages().outstanding(); }
   [[nodiscard]] transport::endpoint_counters messages() const; ///< of all its terms
+  /// The same: messages of its programs, and unreliable ones that have arrived.
+  [[nodiscard]] mote::layer_counters offers() const;
+  [[nodiscard]] transport::endpoint::arrival_counts arrivals() const;
   [[nodiscard]] const leadership& lead() const { return lead_; }
   [[nodiscard]] const mote::layer& above() const { return pc_.above(); }
 
@@ -283,6 +286,8 @@ private:
   leadership lead_;
   random_stream dice_; ///< of the terms
   transport::endpoint_counters earlier_terms_;
+  mote::layer_counters earlier_offers_;
+  transport::endpoint::arrival_counts earlier_arrivals_;
   std::map<std::uint32_t, waiting_input> waiting_; ///< by the number given
   std::uint32_t relay_number_ = 0;
   alias_talks talks_;

@@ -15,7 +15,11 @@ void add(transport::endpoint_counters& to, const transport::endpoint_counters& x
   to.reliable_acked += x.reliable_acked;
   to.reliable_failed += x.reliable_failed;
   to.unreliable_sent += x.unreliable_sent;
+  to.failed_unanswered += x.failed_unanswered;
+  to.failed_refused += x.failed_refused;
+  to.failed_left += x.failed_left;
   to.refused += x.refused;
+  to.refused_crowded += x.refused_crowded;
   to.retries += x.retries;
   to.hellos += x.hellos;
   to.received += x.received;
@@ -51,6 +55,21 @@ transport::endpoint_counters gateway::messages() const {
   return sum;
 }
 
+mote::layer_counters gateway::offers() const {
+  auto sum = above().counters();
+  sum.offered += earlier_offers_.offered;
+  sum.unjoined += earlier_offers_.unjoined;
+  sum.misaddressed += earlier_offers_.misaddressed;
+  return sum;
+}
+
+transport::endpoint::arrival_counts gateway::arrivals() const {
+  auto sum = above().messages().arrivals();
+  for (const auto& [source, count] : earlier_arrivals_)
+    sum[source] += count;
+  return sum;
+}
+
 void gateway::start_sharing(outputs& out) {
   out.emplace_back(text_tuple(std::string(device_gateways_key), text_of(config_.gateways)));
   out.emplace_back(text_tuple(std::string(device_role_key), device_role_text(false, now_)));
@@ -71,6 +90,12 @@ void gateway::change_lead(leadership::change x, outputs& out) {
 void gateway::take_lead(outputs& out) {
   add(earlier_terms_, above().messages().counters());
   earlier_terms_.reliable_failed += outstanding(); // nobody waits for their answers any more
+  earlier_terms_.failed_left += outstanding();
+  for (const auto& [source, count] : above().messages().arrivals())
+    earlier_arrivals_[source] += count;
+  earlier_offers_.offered += above().counters().offered;
+  earlier_offers_.unjoined += above().counters().unjoined;
+  earlier_offers_.misaddressed += above().counters().misaddressed;
   messages_->layer.reset();
   pc_ = endpoint::pc(pc_of(config_, lead_.term()), random_stream(dice_.next()));
   pc_.set_line(line_up_);

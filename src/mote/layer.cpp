@@ -162,7 +162,9 @@ void layer::on_mote_joined(mote_id mote, byte_view description, instant now) {
 std::optional<std::uint32_t> layer::send(direct_process& from, mote_address to, byte_view buf,
                                          bool reliable, std::uint8_t am_type) {
   const bool is_valid = to.island.value > 0 && to.mote != mote_id{};
+  ++counters_.offered;
   if (!may_talk() || !is_valid) {
+    ++(island_ ? counters_.misaddressed : counters_.unjoined);
     refuse();
     return std::nullopt;
   }

@@ -93,6 +93,9 @@ struct layer_config {
 
 struct layer_counters {
   std::uint64_t unowned = 0;         ///< messages of an AM type that no program provides (AM-01)
+  std::uint64_t offered = 0;         ///< messages, accepted or refused
+  std::uint64_t unjoined = 0;        ///< of them, refused for want of a join
+  std::uint64_t misaddressed = 0;    ///< of them, refused: to nobody
   std::uint64_t refused = 0;         ///< commands that returned FAIL
   std::uint64_t before_join = 0;     ///< of them, for want of a join (MCK-16)
   std::uint64_t unknown_channel = 0; ///< packets on a channel number that is nobody's

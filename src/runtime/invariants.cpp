@@ -26,6 +26,19 @@ void check_equal(violations& found, const report& x, const char* invariant, cons
                              right.first + ' ' + std::to_string(right.second)));
 }
 
+/// Each message that was offered was refused or sent, and each that has failed has a cause.
+void check_offers(violations& found, const report& x, const std::string& name,
+                  const message_report& messages) {
+  constexpr const char* invariant = "one outcome per message";
+  check_equal(found, x, invariant, name, {"offered", messages.offered},
+              {"refused + sent",
+               total(messages.refused) + messages.reliable_sent + messages.unreliable_sent});
+  auto failed = messages.lost;
+  failed.erase("on_the_way");
+  check_equal(found, x, invariant, name, {"failed", messages.reliable_failed},
+              {"by cause", total(failed)});
+}
+
 bool contains(std::span<const mote_address> list, const mote_address& x) {
   return std::find(list.begin(), list.end(), x) != list.end();
 }
@@ -109,7 +122,11 @@ violations check_messages(const report& x) {
                 {"sent", messages.reliable_sent},
                 {"acked + failed + open",
                  messages.reliable_acked + messages.reliable_failed + messages.reliable_open});
+    check_offers(found, x, island.name, messages);
+    for (const auto& mote : island.motes)
+      check_offers(found, x, island.name + '/' + mote.name, mote.messages);
   }
+  check_offers(found, x, "PCs", x.pc_messages);
   return found;
 }
 
@@ -215,6 +232,57 @@ violations check_peers(const report& x, std::span<const peer_view> peers) {
   return found;
 }
 
+violations check_channels(const report& x, std::span<const channel_entry> all) {
+  violations found;
+  std::set<std::pair<mote_address, std::uint16_t>> begun;
+  for (const auto& each : all)
+    if (each.at == each.source)
+      begun.emplace(each.source, each.number);
+  for (const auto& each : all)
+    if (!begun.contains({each.source, each.number}))
+      found.push_back(at_end(x, "no channel is leaked",
+                             "mote " + to_string(each.at) + " keeps channel " +
+                                 std::to_string(each.number) + " of mote " +
+                                 to_string(each.source) + ", which has none of that number"));
+  return found;
+}
+
+violations check_streams(const report& x, std::span<const half_open_stream> all) {
+  constexpr duration longest = 10min; // more than channels last without packets, and patience
+  violations found;
+  for (const auto& each : all)
+    if (each.steady > longest)
+      found.push_back(at_end(x, "no stream is half open",
+                             "stream " + std::to_string(each.stream) + " is open at " +
+                                 each.open_at + " and not at " + each.closed_at + " since " +
+                                 rubicon::to_text(each.steady)));
+  return found;
+}
+
+violations check_clocks(const report& x, const std::map<island_id, duration>& bounds) {
+  violations found;
+  for (const auto& island : x.islands) {
+    const auto bound = bounds.find(island.id);
+    if (bound == bounds.end() || island.network.clock_error_max <= bound->second)
+      continue;
+    found.push_back(at_end(x, "clocks keep their bound",
+                           island.name + ": a mote's island time is " +
+                               rubicon::to_text(island.network.clock_error_max) +
+                               " off, more than " + rubicon::to_text(bound->second)));
+  }
+  return found;
+}
+
+violations check_timers(const report& x, std::uint64_t waiting) {
+  constexpr std::uint64_t each_actor = 16;
+  constexpr std::uint64_t beside = 1000;
+  const auto bound = beside + each_actor * x.actors.spawned;
+  if (waiting <= bound)
+    return {};
+  return {at_end(x, "no timer queue grows",
+                 std::to_string(waiting) + " timeouts wait, more than " + std::to_string(bound))};
+}
+
 violations check_all(const report& x, const run_truth& truth) {
   auto all = check_radio(x);
   append(all, check_messages(x));
@@ -224,6 +292,9 @@ violations check_all(const report& x, const run_truth& truth) {
   append(all, check_joined(x, truth.ended_by_fault));
   append(all, check_device_lists(x, truth.device_lists));
   append(all, check_peers(x, truth.peers));
+  append(all, check_channels(x, truth.channels));
+  append(all, check_streams(x, truth.half_open));
+  append(all, check_clocks(x, truth.clock_bounds));
   return all;
 }
 

@@ -2,10 +2,12 @@
 // function from a finished report to the violations it finds.
 #pragma once
 
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "runtime/books.hpp"
 #include "runtime/report.hpp"
 
 namespace rubicon::runtime {
@@ -24,7 +26,8 @@ inline constexpr const char* run_is_complete = "the run is complete";
 /// Both books of every island's radios balance: no copy and no request vanishes uncounted.
 [[nodiscard]] violations check_radio(const report& x);
 
-/// Every reliable message has exactly one outcome, or is still waiting.
+/// Every message that a program has offered is refused, sent unreliably, or sent reliably; the last
+/// has exactly one outcome, with its cause if it has failed, or is still waiting.
 [[nodiscard]] violations check_messages(const report& x);
 
 /// No packet of a flow from one mote to another vanishes uncounted, and none arrives or is lost
@@ -65,11 +68,36 @@ struct peer_view {
 /// while.
 [[nodiscard]] violations check_peers(const report& x, std::span<const peer_view> peers);
 
+/// A channel in the table of a mote: it begins, passes or ends there.
+struct channel_entry {
+  mote_address at;
+  mote_address source; ///< where it begins
+  std::uint16_t number = 0;
+};
+
+/// No mote keeps a channel that its source does not have any more. To be asked only of islands
+/// where nothing has happened for as long as channels last without packets. @param all of whole
+/// islands
+[[nodiscard]] violations check_channels(const report& x, std::span<const channel_entry> all);
+
+/// No stream is open at one end and closed at the other for long.
+[[nodiscard]] violations check_streams(const report& x, std::span<const half_open_stream> all);
+
+/// Island time is what it is promised to be, where it is.
+[[nodiscard]] violations check_clocks(const report& x, const std::map<island_id, duration>& bounds);
+
+/// Timeouts that wait at the end are no more than a few for each actor: none is set again and again
+/// beside those that are there.
+[[nodiscard]] violations check_timers(const report& x, std::uint64_t waiting);
+
 /// What the checks above need to know beside the report.
 struct run_truth {
   std::vector<mote_address> ended_by_fault;
   std::vector<device_list> device_lists;
   std::vector<peer_view> peers = {}; ///< empty if they have not settled
+  std::vector<half_open_stream> half_open = {};
+  std::vector<channel_entry> channels = {}; ///< of islands that are quiet
+  std::map<island_id, duration> clock_bounds = {};
 };
 
 /// All checks, in the order above.

@@ -96,7 +96,24 @@ message_report& message_report::operator+=(const message_report& x) {
   unreliable_sent += x.unreliable_sent;
   received += x.received;
   duplicates += x.duplicates;
+  offered += x.offered;
+  add(refused, x.refused);
+  unreliable_arrived += x.unreliable_arrived;
+  add(lost, x.lost);
   return *this;
+}
+
+std::optional<double> message_report::delivery() const {
+  if (offered <= reliable_open)
+    return std::nullopt;
+  const auto arrived = reliable_acked + std::min(unreliable_arrived, unreliable_sent);
+  return static_cast<double>(arrived) / static_cast<double>(offered - reliable_open);
+}
+
+std::optional<double> stream_report::delivery() const {
+  if (produced <= open)
+    return std::nullopt;
+  return static_cast<double>(read) / static_cast<double>(produced - open);
 }
 
 gateway_report& gateway_report::operator+=(const gateway_report& x) {
@@ -145,7 +162,9 @@ serial_report report::serial() const {
 }
 
 message_report report::messages() const {
-  return sum_over_islands(*this, &island_report::messages);
+  auto sum = sum_over_islands(*this, &island_report::messages);
+  sum += pc_messages;
+  return sum;
 }
 
 peis_report report::peis() const {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,6 +56,8 @@ struct peis_report {
   peis_report& operator+=(const peis_report& x);
 };
 
+/// Every message that a program offers ends in one count: offered = sum of refused + reliable_sent
+/// + unreliable_sent, and reliable_sent = reliable_acked + reliable_failed + reliable_open.
 struct message_report {
   std::uint64_t reliable_sent = 0;
   std::uint64_t reliable_acked = 0;
@@ -63,8 +66,18 @@ struct message_report {
   std::uint64_t unreliable_sent = 0;
   std::uint64_t received = 0;   ///< handed to an application or a gateway
   std::uint64_t duplicates = 0; ///< suppressed
+  std::uint64_t offered = 0;    ///< by programs
+  /// At once: not_joined, crowded, too_long, no_such_receiver, off
+  cause_counts refused = {};
+  std::uint64_t unreliable_arrived = 0; ///< of those sent here, wherever they went
+  /// What was accepted and did not arrive, as far as anybody can know: unanswered, not_taken,
+  /// left_island, sender_ended for reliable ones; on_the_way for others.
+  cause_counts lost = {};
 
   message_report& operator+=(const message_report& x);
+
+  /// Share of what was offered and is not open that has arrived; nothing: there is none.
+  [[nodiscard]] std::optional<double> delivery() const;
 };
 
 /// What the Network modules of an island's motes and its sink have done.
@@ -111,6 +124,10 @@ struct mote_report {
   duration radio_listen{};
   duration radio_receive{};
   duration radio_transmit{};
+  message_report messages = {};       ///< of all its lives; what it received is of the same
+  mote_id parent = {};                ///< in the tree, at the end; 0: none
+  std::uint8_t hops = 0;              ///< to the sink, at the end
+  std::optional<int> signal_dbm = {}; ///< of its parent's newest frame
 };
 
 /// One of several gateways of an island (GW-14).
@@ -203,6 +220,38 @@ struct program_report {
   std::vector<std::pair<std::string, double>> figures; ///< in the program's order
 };
 
+/// A stream of records from the program that writes it to the one that reads it, over all their
+/// lives and however often it was opened.
+struct stream_report {
+  std::uint16_t stream = 0;
+  std::string from;               ///< node of the writer; empty: nobody of this run
+  std::string to;                 ///< node of the reader
+  std::uint64_t produced = 0;     ///< records that the writer's program had: written or not
+  std::uint64_t written = 0;      ///< taken by its Stream System
+  std::uint64_t read = 0;         ///< that the reader's program got
+  std::uint64_t open = 0;         ///< under way at the end: newer than the newest that was read
+  std::uint64_t missing = 0;      ///< produced - read - open
+  std::uint64_t openings = 0;     ///< at the reader
+  std::uint64_t opens_failed = 0; ///< at the writer
+  duration pause{};               ///< the longest that the reader went without a record
+
+  /// read / (produced - open); nothing: nothing was produced.
+  [[nodiscard]] std::optional<double> delivery() const;
+};
+
+/// How an expectation of the file has come out.
+struct expectation_report {
+  enum class verdict : std::uint8_t { met, unmet, unjudged };
+
+  std::string text; ///< `delivery kitchen >= 99%`
+  verdict outcome = verdict::unjudged;
+  std::string measured;                  ///< `97.3%: 12 of 446 lost`
+  instant at;                            ///< when it was decided
+  std::vector<std::string> explain = {}; ///< arguments of `rubicon explain` behind the record;
+                                         ///< empty: a record does not show it
+  std::string command = {};              ///< that shows more; empty if it is met
+};
+
 /// Something a person following the run would want to hear.
 struct story_line {
   instant at;
@@ -239,9 +288,12 @@ struct report {
   std::vector<proxy_report> proxies;    ///< ascending by name
   std::vector<flow_report> flows;       ///< ascending by from, then to
   std::vector<program_report> programs; ///< ascending by node
+  std::vector<stream_report> streams;   ///< ascending by reader, then number
+  message_report pc_messages;           ///< of programs on PCs that are no gateways
   std::vector<story_line> story;        ///< in order of time, at most story_lines_max
   std::uint64_t story_left_out = 0;
   std::vector<violation> violations;
+  std::vector<expectation_report> expectations; ///< in the order of the file
 
   [[nodiscard]] std::uint64_t motes_configured() const; ///< that are to join
   [[nodiscard]] std::uint64_t motes_measuring() const;  ///< that are not
@@ -249,7 +301,8 @@ struct report {
   [[nodiscard]] std::uint64_t motes_left() const;       ///< joined once and not listed at the end
   [[nodiscard]] std::uint64_t motes_alive() const;      ///< of both kinds
 
-  // Sums over all islands; over all peers, of which the tuples count that are their own.
+  // Sums over all islands, messages of PCs too; over all peers, of which the tuples count that are
+  // their own.
   [[nodiscard]] radio_report radio() const;
   [[nodiscard]] serial_report serial() const;
   [[nodiscard]] message_report messages() const;

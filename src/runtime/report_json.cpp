@@ -45,11 +45,17 @@ json to_json(const peis_report& x) {
 }
 
 json to_json(const message_report& x) {
-  return {{"reliable_sent", x.reliable_sent},
+  const auto delivery = x.delivery();
+  return {{"offered", x.offered},
+          {"refused", counts(x.refused)},
+          {"reliable_sent", x.reliable_sent},
           {"reliable_acked", x.reliable_acked},
           {"reliable_failed", x.reliable_failed},
           {"reliable_open", x.reliable_open},
           {"unreliable_sent", x.unreliable_sent},
+          {"unreliable_arrived", x.unreliable_arrived},
+          {"lost", counts(x.lost)},
+          {"delivery", delivery ? json(*delivery) : json()},
           {"received", x.received},
           {"duplicates", x.duplicates}};
 }
@@ -83,7 +89,11 @@ json membership(const mote_report& x) {
           {"joined", x.joined},
           {"alive", x.alive},
           {"incarnations", x.incarnations},
-          {"left_cause", x.left_cause}};
+          {"left_cause", x.left_cause},
+          {"messages", to_json(x.messages)},
+          {"parent", x.parent.value},
+          {"hops", x.hops},
+          {"signal_dbm", x.signal_dbm ? json(*x.signal_dbm) : json()}};
 }
 
 json energy(const mote_report& x) {
@@ -196,6 +206,31 @@ json to_json(const program_report& x) {
   return {{"node", x.who}, {"program", x.kind}, {"figures", std::move(figures)}};
 }
 
+json to_json(const stream_report& x) {
+  const auto delivery = x.delivery();
+  return {{"stream", x.stream},
+          {"from", x.from},
+          {"to", x.to},
+          {"produced", x.produced},
+          {"written", x.written},
+          {"read", x.read},
+          {"open", x.open},
+          {"missing", x.missing},
+          {"delivery", delivery ? json(*delivery) : json()},
+          {"openings", x.openings},
+          {"opens_failed", x.opens_failed},
+          {"pause_s", seconds(x.pause)}};
+}
+
+json to_json(const expectation_report& x) {
+  using verdict = expectation_report::verdict;
+  return {{"expect", x.text},
+          {"met", x.outcome == verdict::unjudged ? json() : json(x.outcome == verdict::met)},
+          {"measured", x.measured},
+          {"at_s", at_s(x.at)},
+          {"command", x.command}};
+}
+
 json to_json(const story_line& x) {
   return {{"at_s", at_s(x.at)}, {"who", x.who}, {"what", x.what}};
 }
@@ -246,6 +281,8 @@ std::string to_json(const report& x) {
       {"proxies", array_of(x.proxies)},
       {"flows", array_of(x.flows)},
       {"programs", array_of(x.programs)},
+      {"streams", array_of(x.streams)},
+      {"expectations", array_of(x.expectations)},
       {"story", array_of(x.story)},
       {"story_left_out", x.story_left_out},
       {"violations", array_of(x.violations)},

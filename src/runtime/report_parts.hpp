@@ -24,4 +24,13 @@ void add_flows(report_page& page, const report& x);
 /// Figures of programs that use the Mockup interface; nothing without any.
 void add_programs(report_page& page, const report& x);
 
+/// What became of the messages of each mote, the worst first; nothing without any.
+void add_deliveries(report_page& page, const report& x);
+
+/// Streams between programs; nothing without any.
+void add_streams(report_page& page, const report& x);
+
+/// What the file expects, and how it has come out; nothing without any.
+void add_expectations(report_page& page, const report& x);
+
 } // namespace rubicon::runtime

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "runtime/figures.hpp"
@@ -37,6 +39,23 @@ void add_title(report_page& page, const report& x) {
              x.reason.empty() ? "" : "not complete: " + x.reason});
 }
 
+/// Lines that tell the same become one: `fan and 2 others`, or `fan` so many times.
+story_line told_once(std::vector<story_line>::const_iterator first,
+                     std::vector<story_line>::const_iterator last) {
+  std::set<std::string> others;
+  for (auto x = first; x != last; ++x)
+    others.insert(x->who);
+  others.erase(first->who);
+  const auto count = static_cast<std::size_t>(last - first);
+  story_line line = *first;
+  if (!others.empty())
+    line.who += " and " + counted(others.size(), "other");
+  if (others.size() + 1 < count)
+    line.what += ", " + counted(count, "time");
+  line.what += ", the last at " + at_s(std::prev(last)->at);
+  return line;
+}
+
 /// Neighbouring lines that tell the same of several become one.
 std::vector<story_line> told_briefly(const std::vector<story_line>& story) {
   std::vector<story_line> brief;
@@ -47,8 +66,7 @@ std::vector<story_line> told_briefly(const std::vector<story_line>& story) {
     if (count < alike_min) {
       brief.insert(brief.end(), first, last);
     } else {
-      brief.push_back({first->at, first->who + " and " + with_thousands(count - 1) + " others",
-                       first->what + ", the last at " + at_s(std::prev(last)->at)});
+      brief.push_back(told_once(first, last));
     }
     first = last;
   }
@@ -122,9 +140,11 @@ void add_loss_notes(table& rows, const island_report& island) {
   add(in_range.c_str(), causes(really_lost(island.radio)));
   add("  radio gave up: ", causes(island.radio.mac_failed));
   add("  lost on the cable: ", causes(island.serial.lost));
-  add("  messages: ", causes({{"failed", island.messages.reliable_failed},
-                              {"open", island.messages.reliable_open},
-                              {"duplicates", island.messages.duplicates}}));
+  auto messages = island.messages.lost;
+  messages["open"] = island.messages.reliable_open;
+  messages["duplicates"] = island.messages.duplicates;
+  add("  messages: ", causes(messages));
+  add("  messages refused: ", causes(island.messages.refused));
 }
 
 void add_island_row(table& rows, const std::string& name, const report& part,
@@ -428,11 +448,14 @@ std::string to_text(const report& x, std::size_t width, bool colour) {
   add_islands(page, x);
   add_network(page, x);
   add_flows(page, x);
+  add_deliveries(page, x);
+  add_streams(page, x);
   add_programs(page, x);
   add_energy(page, x);
   add_proxies(page, x);
   add_actuations(page, x);
   add_peers(page, x);
+  add_expectations(page, x);
   add_verdict(page, x);
   return page.finish();
 }

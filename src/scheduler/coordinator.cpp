@@ -211,7 +211,7 @@ void coordinator::detach_io() {
 }
 
 statistics coordinator::stats() const {
-  return {resumes_, clock_.fired()};
+  return {resumes_, clock_.fired(), clock_.waiting()};
 }
 
 // -- what CAF calls

@@ -38,6 +38,7 @@ enum class stop_cause : std::uint8_t {
 struct statistics {
   std::uint64_t resumes = 0;  ///< turns that actors were given
   std::uint64_t timeouts = 0; ///< timeouts and delayed messages that fired
+  std::uint64_t waiting = 0;  ///< those that have not, now
 };
 
 struct coordinator_options {

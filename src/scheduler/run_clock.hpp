@@ -62,6 +62,8 @@ public:
   /// It is now at least `x`.
   void advance(instant x);
 
+  [[nodiscard]] std::size_t waiting() const { return timers_.size(); }
+
   /// When something is due next.
   [[nodiscard]] std::optional<instant> next() { return timers_.next(); }
 

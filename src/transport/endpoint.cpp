@@ -48,11 +48,12 @@ mote_address endpoint::resolved(mote_address x) const {
 std::optional<outputs> endpoint::send(ticket id, mote_address destination, std::uint8_t am_type,
                                       bytes payload, bool reliable, instant now) {
   destination = resolved(destination);
-  const bool refused = payload.size() > config_.payload_max ||
-                       (reliable && destination.mote == broadcast_mote) ||
-                       (reliable && outstanding_ >= config_.outstanding_max);
-  if (refused) {
+  const bool is_bad =
+      payload.size() > config_.payload_max || (reliable && destination.mote == broadcast_mote);
+  const bool is_crowded = reliable && outstanding_ >= config_.outstanding_max;
+  if (is_bad || is_crowded) {
     ++counters_.refused;
+    counters_.refused_crowded += is_bad ? 0 : 1;
     return std::nullopt;
   }
   outputs out;
@@ -141,6 +142,7 @@ outputs endpoint::on_segment(island_id source_island, byte_view octets, instant 
   switch (x.what) {
   case segment::kind::plain:
     ++counters_.received;
+    count_arrival(from);
     out.emplace_back(received{from, x.am_type, std::move(x.payload)});
     break;
   case segment::kind::reliable:
@@ -156,6 +158,14 @@ outputs endpoint::on_segment(island_id source_island, byte_view octets, instant 
     break;
   }
   return out;
+}
+
+void endpoint::count_arrival(mote_address from) {
+  const auto known = arrivals_.find(from);
+  if (known != arrivals_.end())
+    ++known->second;
+  else if (arrivals_.size() < arrivals_max)
+    arrivals_.emplace(from, 1);
 }
 
 void endpoint::answer(mote_address to, const segment& x, segment::kind what, outputs& out) const {
@@ -241,10 +251,12 @@ void endpoint::on_answer(mote_address from, const segment& x, outputs& out, inst
   } else {
     const bool is_same = x.receiver == to.receiver; // it has only forgotten us
     to.receiver.reset();
-    if (is_same && to.attempts == 1)
+    if (is_same && to.attempts == 1) {
       begin(from, to, out, now);
-    else
+    } else {
+      ++counters_.failed_refused;
       end_first(from, to, false, out, now);
+    }
   }
 }
 
@@ -288,6 +300,7 @@ outputs endpoint::on_time(instant now) {
     auto& x = sessions_.at(destination);
     if (x.attempts >= config_.attempts_max || (x.attempts > 0 && gives_up(destination, x) <= now)) {
       x.receiver.reset(); // perhaps it has been replaced by another incarnation
+      ++counters_.failed_unanswered;
       end_first(destination, x, false, out, now);
     } else {
       counters_.retries += x.attempts > 0 ? 1 : 0;
@@ -311,6 +324,7 @@ outputs endpoint::fail_all() {
       out.emplace_back(outcome{x.id, false});
   }
   counters_.reliable_failed += outstanding_;
+  counters_.failed_left += outstanding_;
   outstanding_ = 0;
   sessions_.clear();
   return out;

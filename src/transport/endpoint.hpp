@@ -69,7 +69,11 @@ struct endpoint_counters {
   std::uint64_t reliable_acked = 0;
   std::uint64_t reliable_failed = 0;
   std::uint64_t unreliable_sent = 0;
-  std::uint64_t refused = 0; ///< sends: bad destination, too long, or too many outstanding
+  std::uint64_t failed_unanswered = 0; ///< of those: nobody has acknowledged any attempt
+  std::uint64_t failed_refused = 0;    ///< the receiver was another incarnation by then
+  std::uint64_t failed_left = 0;       ///< this node has left its island (fail_all)
+  std::uint64_t refused = 0;         ///< sends: bad destination, too long, or too many outstanding
+  std::uint64_t refused_crowded = 0; ///< of those: too many outstanding
   std::uint64_t retries = 0;
   std::uint64_t hellos = 0;
   std::uint64_t received = 0;
@@ -124,6 +128,12 @@ public:
   [[nodiscard]] std::size_t outstanding() const { return outstanding_; }
   [[nodiscard]] const endpoint_counters& counters() const { return counters_; }
 
+  /// Unreliable messages passed up, by source; those of the first `arrivals_max` sources. It is the
+  /// experimenter's knowledge: no mote keeps it.
+  using arrival_counts = std::map<mote_address, std::uint64_t>;
+  static constexpr std::size_t arrivals_max = 4096;
+  [[nodiscard]] const arrival_counts& arrivals() const { return arrivals_; }
+
   /// Octets of its state on a mote; payloads belong to their senders (AM-03).
   [[nodiscard]] std::size_t footprint() const {
     return config_.outstanding_max * 16 + config_.sessions_max * 12 + config_.sources_max * 9 + 48;
@@ -163,6 +173,7 @@ private:
   void attempt(mote_address destination, session& x, outputs& out, instant now);
   void begin(mote_address destination, session& x, outputs& out, instant now);
   void end_first(mote_address destination, session& x, bool acked, outputs& out, instant now);
+  void count_arrival(mote_address from);
   void on_answer(mote_address from, const segment& x, outputs& out, instant now);
   void learn(mote_address from, session& x, instant now) const;
   [[nodiscard]] instant gives_up(mote_address destination, const session& x) const;
@@ -181,6 +192,7 @@ private:
   std::map<mote_address, session> sessions_;
   std::map<mote_address, source> sources_;
   std::set<std::uint8_t> held_;
+  arrival_counts arrivals_;
   endpoint_counters counters_;
 };
 

@@ -158,18 +158,35 @@ TEST_CASE("a group is many motes alike", "[config]") {
                               "layout = \"line\"\nspacing = \"1m\"\n")
                      .motes;
   REQUIRE(x.size() == 5);
-  CHECK(x[0].id == mote_id{10});
-  CHECK(x[0].name == "c-10");
-  CHECK(x[0].type_name == "c");
-  CHECK(x[0].transmit_dbm == -5.0);
-  CHECK(x[0].battery_mah == 1000.0);
-  CHECK(x[0].transducers.size() == 1);
-  CHECK(x[0].place == position{1, 1, 1});
-  CHECK(x[2].place == position{1, 5, 1});
-  CHECK(x[3].id == mote_id{13}); // behind the first group
-  CHECK(x[3].name == "n-13");
-  CHECK(x[3].type == 9);
-  CHECK(x[4].place == position{1, 0, 0});
+  CHECK(x[2].id == mote_id{10});
+  CHECK(x[2].name == "c-10");
+  CHECK(x[2].type_name == "c");
+  CHECK(x[2].transmit_dbm == -5.0);
+  CHECK(x[2].battery_mah == 1000.0);
+  CHECK(x[2].transducers.size() == 1);
+  CHECK(x[2].place == position{1, 1, 1});
+  CHECK(x[4].place == position{1, 5, 1});
+  CHECK(x[0].id == mote_id{2}); // the lowest that are free
+  CHECK(x[0].name == "n-2");
+  CHECK(x[0].type == 9);
+  CHECK(x[1].place == position{1, 0, 0});
+}
+
+TEST_CASE("a mote that is added elsewhere does not renumber a group", "[config]") {
+  const std::string three = "[[island.group]]\ntype = \"c\"\ncount = 3\nlayout = \"line\"\n"
+                            "spacing = \"2m\"\n";
+  const auto mote = [](int id) {
+    return "[[island.mote]]\ntype = \"c\"\nid = " + std::to_string(id) + "\nposition_m = [1, 1]\n";
+  };
+  const auto ids = [](const std::string& toml) {
+    std::string text;
+    for (const auto& x : island_after(std::string(island_head), toml).motes)
+      text += (text.empty() ? "" : " ") + to_string(x.id);
+    return text;
+  };
+  CHECK(ids(mote(3) + three) == "3 4 5 6"); // 2 alone is too few
+  CHECK(ids(mote(3) + mote(50) + three) == "3 4 5 6 50");
+  CHECK(ids(mote(3) + mote(7) + three + three) == "3 4 5 6 7 8 9 10");
 }
 
 TEST_CASE("grids, rings and disks", "[config]") {

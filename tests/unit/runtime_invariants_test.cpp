@@ -58,11 +58,65 @@ TEST_CASE("every term of the books counts", "[runtime][invariants]") {
   CHECK(broken([](island_report& x) { ++x.radio.mac_sent; }) == 1);
   CHECK(broken([](island_report& x) { ++x.radio.mac_failed["no_ack"]; }) == 1);
   CHECK(broken([](island_report& x) { ++x.radio.mac_open; }) == 1);
-  CHECK(broken([](island_report& x) { ++x.messages.reliable_sent; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.reliable_sent; }) == 2); // nobody offered it
   CHECK(broken([](island_report& x) { ++x.messages.reliable_acked; }) == 1);
-  CHECK(broken([](island_report& x) { ++x.messages.reliable_failed; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.reliable_failed; }) == 2); // without a cause
   CHECK(broken([](island_report& x) { ++x.messages.reliable_open; }) == 1);
-  CHECK(broken([](island_report& x) { ++x.messages.unreliable_sent; }) == 0);
+  CHECK(broken([](island_report& x) { ++x.messages.unreliable_sent; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.offered; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.refused["crowded"]; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.lost["unanswered"]; }) == 1);
+  CHECK(broken([](island_report& x) { ++x.messages.lost["on_the_way"]; }) == 0);
+}
+
+TEST_CASE("a message that vanishes on one mote or on a PC is a violation",
+          "[runtime][invariants]") {
+  auto x = sample_report();
+  REQUIRE(check_messages(x).empty());
+  ++x.islands[0].motes[0].messages.offered;
+  ++x.pc_messages.offered;
+  const auto found = check_messages(x);
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].invariant == "one outcome per message");
+  CHECK(found[0].detail == "kitchen/climate-7: offered 112, refused + sent 111");
+  CHECK(found[1].detail == "PCs: offered 1, refused + sent 0");
+}
+
+TEST_CASE("a channel whose source has none is leaked", "[runtime][invariants]") {
+  const mote_address source{island_id{3}, mote_id{7}};
+  const mote_address relay{island_id{3}, mote_id{8}};
+  CHECK(check_channels({}, std::vector<channel_entry>{{source, source, 4}, {relay, source, 4}})
+            .empty());
+  const auto found = check_channels(
+      {}, std::vector<channel_entry>{{source, source, 4}, {relay, source, 4}, {relay, source, 5}});
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].invariant == "no channel is leaked");
+  CHECK(found[0].detail == "mote 3/8 keeps channel 5 of mote 3/7, which has none of that number");
+}
+
+TEST_CASE("a stream may be half open for a while only", "[runtime][invariants]") {
+  CHECK(check_streams({}, std::vector<half_open_stream>{{7, "a/m", "pc", 10min}}).empty());
+  const auto found = check_streams({}, std::vector<half_open_stream>{{7, "a/m", "pc", 11min}});
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].detail == "stream 7 is open at a/m and not at pc since 11 min");
+}
+
+TEST_CASE("island time has a bound where it is promised", "[runtime][invariants]") {
+  auto x = sample_report();
+  x.islands[0].network.clock_error_max = 4ms;
+  CHECK(check_clocks(x, {}).empty());
+  CHECK(check_clocks(x, {{island_id{3}, 4ms}, {island_id{12}, 1ms}}).empty());
+  const auto found = check_clocks(x, {{island_id{3}, 3ms}});
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].detail == "kitchen: a mote's island time is 4 ms off, more than 3 ms");
+}
+
+TEST_CASE("timeouts are a few for each actor", "[runtime][invariants]") {
+  const auto x = sample_report(); // 31 actors
+  CHECK(check_timers(x, 1000 + 16 * 31).empty());
+  const auto found = check_timers(x, 1000 + 16 * 31 + 1);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].invariant == "no timer queue grows");
 }
 
 TEST_CASE("a packet of a flow is counted once", "[runtime][invariants][flow]") {

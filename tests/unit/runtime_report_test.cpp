@@ -21,7 +21,8 @@ namespace {
 
 /// Keys whose objects are counted by cause or named by the ecology's author.
 bool holds_free_keys(const std::string& key) {
-  return key == "lost" || key == "mac_failed" || key == "failed" || key == "values";
+  return key == "lost" || key == "mac_failed" || key == "failed" || key == "values" ||
+         key == "refused";
 }
 
 void collect_keys(const json& x, std::set<std::string>& keys) {
@@ -245,8 +246,40 @@ TEST_CASE("neighbours in the story that tell the same are told as one", "[runtim
   x.story.push_back({instant{4s}, "lab/b", "joined"});
   x.story.push_back({instant{5s}, "lab/b", "left: silence"});
   const auto text = to_text(x);
-  CHECK(contains(text, "1.000  lab/a and 3 others  joined, the last at 4.000"));
+  CHECK(contains(text, "1.000  lab/a and 1 other  joined, 4 times, the last at 4.000"));
   CHECK(contains(text, "left: silence"));
+  x.story[3].who = "lab/a";
+  CHECK(contains(to_text(x), "1.000  lab/a  joined, 4 times, the last at 4.000"));
+  for (int i = 0; i < 4; ++i)
+    x.story[static_cast<std::size_t>(i)].who = "lab/m" + std::to_string(i);
+  CHECK(contains(to_text(x), "1.000  lab/m0 and 3 others  joined, the last at 4.000"));
+}
+
+TEST_CASE("the text tells what became of the messages of each mote", "[runtime]") {
+  const auto text = to_text(sample_report());
+  CHECK(contains(text, "kitchen/climate-7       111    97.3%  climate-8     2  -71"));
+  CHECK(contains(text, "crowded 1, on_the_way 1, unanswered 1"));
+  CHECK(contains(text, "messages refused: crowded 2"));
+  CHECK(contains(text, "7  kitchen/climate-7  robot       600   585    97.7%       14         2"));
+}
+
+TEST_CASE("the text tells what was expected, and the command that explains", "[runtime]") {
+  auto x = sample_report();
+  CHECK(contains(to_text(x), "✓  joined within 20 s  5 motes"));
+  x.expectations[0].outcome = expectation_report::verdict::unmet;
+  x.expectations[0].at = instant{} + 20s;
+  x.expectations[0].command =
+      "rubicon run a.toml --record run.rec && rubicon explain run.rec --lost";
+  const auto text = to_text(x);
+  CHECK(contains(text, "✗  joined within 20 s  5 motes"));
+  CHECK(contains(text, "joined within 20 s, at 20.000 s, is explained by\n"
+                       "    rubicon run a.toml --record run.rec &&\n"
+                       "    rubicon explain run.rec --lost\n"));
+  const auto told = json::parse(to_json(x))["expectations"][0];
+  CHECK(told["met"] == false);
+  CHECK(told["at_s"] == 20.0);
+  x.expectations[0].outcome = expectation_report::verdict::unjudged;
+  CHECK(json::parse(to_json(x))["expectations"][0]["met"].is_null());
 }
 
 TEST_CASE("the verdict comes last", "[runtime]") {

@@ -45,11 +45,26 @@ island_report kitchen() {
   x.radio.mac_open = 1;
   x.radio.transmissions = 4'321;
   x.serial = {123'456, 100'000, 5'000, 4'990, {{"crc", 10}}};
-  x.messages = {1'234, 1'230, 3, 1, 17, 1'222, 5};
+  x.messages = {1'234,
+                1'230,
+                3,
+                1,
+                17,
+                1'222,
+                5,
+                1'253,
+                {{"crowded", 2}},
+                15,
+                {{"on_the_way", 2}, {"unanswered", 3}}};
   x.motes = {sample_mote(x.id, 7, "climate-7", 3.301), sample_mote(x.id, 8, "climate-8", 3.287),
              sample_mote(x.id, 9, "lamp-9", 1.02)};
   x.motes[2].alive = false;
   x.motes[2].left_cause = "battery";
+  x.motes[0].messages = {
+      100, 99, 1, 0, 10, 0, 0, 111, {{"crowded", 1}}, 9, {{"on_the_way", 1}, {"unanswered", 1}}};
+  x.motes[0].parent = mote_id{8};
+  x.motes[0].hops = 2;
+  x.motes[0].signal_dbm = -71;
   return x;
 }
 
@@ -63,7 +78,7 @@ island_report living_room() {
   x.radio.mac_sent = 450;
   x.radio.transmissions = 900;
   x.serial = {9'876, 9'000, 400, 400, {}};
-  x.messages = {200, 200, 0, 0, 0, 200, 0};
+  x.messages = {200, 200, 0, 0, 0, 200, 0, 200};
   x.motes = {sample_mote(x.id, 2, "climate-2", 3.311), sample_mote(x.id, 3, "blinds-3", 2.95)};
   x.motes[1].joined = false;
   return x;
@@ -137,6 +152,9 @@ report sample_report() {
                 {{"switch", "on"}},
                 {5, 4, 120ms, delays({20ms, 20ms, 30ms, 120ms}), {{"timeout", 1}}}},
                {"living-room.climate-2", "climate", "active", {{"temperature", "-3.25 C"}}, {}}};
+  x.streams = {{7, "kitchen/climate-7", "robot", 600, 590, 585, 1, 14, 2, 1}};
+  x.expectations = {
+      {"joined within 20 s", expectation_report::verdict::met, "5 motes", instant{} + 10min}};
   x.story = {{instant{} + 2004160us, "kitchen/climate-7", "joined"},
              {instant{} + 2120ms, "kitchen/lamp-9", "joined"},
              {instant{} + 301s, "kitchen/lamp-9", "left: battery"}};

@@ -1,0 +1,224 @@
+// [[expect]]: what must come of a run.
+#include <algorithm>
+#include <utility>
+
+#include "config/application_readers.hpp"
+#include "config/file_readers.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+/// "kitchen/fan", "kitchen" or "*".
+struct scope_name {
+  using type = mote_scope;
+  const directory& names;
+  bool one_mote = true; ///< may be named
+
+  [[nodiscard]] std::optional<mote_scope> read(const node& x, const asker& who) const {
+    const auto* text = x.as<std::string>();
+    if (text == nullptr)
+      return who.refuse(x, one_mote ? "an island, a mote as in \"kitchen/fan\", or \"*\""
+                                    : "the name of an island, or \"*\"");
+    if (*text == "*")
+      return mote_scope{};
+    if (one_mote && text->find('/') != std::string::npos) {
+      const auto mote = mote_name{names}.read(x, who);
+      return mote ? std::optional(mote_scope{*text, mote->island, mote->mote}) : std::nullopt;
+    }
+    const auto island = island_name{names}.read(x, who);
+    return island ? std::optional(mote_scope{*text, *island, {}}) : std::nullopt;
+  }
+};
+
+/// A node as node_name has it, or "*"; its name as the file has it.
+struct node_text {
+  using type = std::string;
+  const directory& names;
+
+  [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const {
+    const auto* text = x.as<std::string>();
+    if (text != nullptr && *text == "*")
+      return *text;
+    return node_name{names}.read(x, who) ? std::optional(*text) : std::nullopt;
+  }
+};
+
+struct proxy_text {
+  using type = std::string;
+
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
+    const auto* found = x.as<std::string>();
+    return found != nullptr && *found == "*" ? std::optional(*found) : tuple_key{}.read(x, who);
+  }
+};
+
+void read_bounds(table_reader& in, tuple_condition& out) {
+  std::vector<located<std::string>> texts;
+  in.optional("equals", list_of<text>{text{}, 1}, texts);
+  out.equals = values_of(std::move(texts));
+  in.optional("above", real{}, out.above);
+  in.optional("below", real{}, out.below);
+  const bool has_bounds = in.has("above") || in.has("below");
+  if (has_bounds == in.has("equals"))
+    in.problems().add(in.at(), "a condition needs either `equals`, or `above`, `below` or both");
+  if (out.above && out.below && *out.below <= *out.above)
+    in.problems().add(in.at("below"),
+                      "`below` must be more than `above`, which is " + shown(*out.above));
+}
+
+struct kind_reader {
+  const directory& names;
+  duration length;
+  expectation& out;
+
+  /// A time within the run.
+  void time(table_reader& in, const char* key, duration& to, bool is_required = false) const {
+    const bool found =
+        is_required ? in.required(key, time_span{}, to) : in.optional(key, time_span{}, to);
+    if (found && to > length)
+      in.problems().add(in.at(key), '`' + std::string(key) +
+                                        "` is after the end of the run, which is at " +
+                                        to_text(length));
+  }
+
+  template <class Expectation>
+  void share(table_reader& in) const {
+    Expectation x;
+    in.optional("of", scope_name{names}, x.of);
+    in.required("at_least", ratio{}, x.at_least);
+    out = std::move(x);
+  }
+
+  void stream(table_reader& in) const {
+    stream_expectation x;
+    in.required("stream", whole<std::uint16_t>{}, x.stream);
+    if (in.required("to", node_name{names}, x.to))
+      x.to_name = *in.value("to")->as<std::string>();
+    in.required("at_least", ratio{}, x.at_least);
+    duration pause{};
+    if (in.optional("pause", time_span{1ms}, pause))
+      x.pause = pause;
+    out = std::move(x);
+  }
+
+  void actuations(table_reader& in) const {
+    actuations_expectation x;
+    in.optional("proxy", proxy_text{}, x.proxy);
+    in.optional("count", whole<std::uint64_t>{1, INT64_MAX}, x.count);
+    in.required("at_least", ratio{}, x.at_least);
+    out = std::move(x);
+  }
+
+  void tuple(table_reader& in) const {
+    tuple_expectation x;
+    in.required("key", tuple_key{}, x.then.key);
+    read_bounds(in, x.then);
+    in.table("when", "when of an expectation", [&x](table_reader& part) {
+      auto& condition = x.when.emplace();
+      part.required("key", tuple_key{}, condition.key);
+      read_bounds(part, condition);
+    });
+    time(in, "within", x.within, true);
+    out = std::move(x);
+  }
+
+  void clock(table_reader& in) const {
+    clock_expectation x;
+    in.optional("of", scope_name{names}, x.of);
+    in.required("at_most", time_span{1us}, x.at_most);
+    in.optional("share", ratio{}, x.share);
+    time(in, "from", x.from);
+    in.optional("every", time_span{10ms}, x.every);
+    out = std::move(x);
+  }
+
+  void joined(table_reader& in) const {
+    joined_expectation x;
+    in.optional("of", scope_name{names}, x.of);
+    time(in, "within", x.within, true);
+    out = std::move(x);
+  }
+
+  void members(table_reader& in) const {
+    members_expectation x;
+    std::uint64_t count = 0;
+    in.optional("of", scope_name{names}, x.of);
+    if (in.optional("at_least", whole<std::uint64_t>{1, 1'000'000}, count))
+      x.at_least = count;
+    out = std::move(x);
+  }
+
+  void radio(table_reader& in) const {
+    radio_expectation x;
+    in.optional("of", scope_name{names}, x.of);
+    in.required("at_most", ratio{}, x.at_most);
+    out = std::move(x);
+  }
+
+  void vectors(table_reader& in) const {
+    vectors_expectation x;
+    in.optional("node", node_text{names}, x.node);
+    in.optional("missed", whole<std::uint64_t>{0, INT64_MAX}, x.missed);
+    time(in, "from", x.from);
+    out = std::move(x);
+  }
+
+  void events(table_reader& in) const {
+    events_expectation x;
+    in.required("at_most", whole<std::uint64_t>{1, INT64_MAX}, x.at_most);
+    out = x;
+  }
+
+  void story(table_reader& in) const {
+    story_expectation x;
+    std::uint64_t most = 0;
+    in.required("text", text{}, x.text);
+    in.optional("who", text{}, x.who);
+    in.optional("at_least", whole<std::uint64_t>{0, INT64_MAX}, x.at_least);
+    if (in.optional("at_most", whole<std::uint64_t>{0, INT64_MAX}, most))
+      x.at_most = most;
+    if (x.at_most && in.sound() && *x.at_most < x.at_least)
+      in.problems().add(in.at("at_most"), "`at_most` must not be less than `at_least`, which is " +
+                                              std::to_string(x.at_least));
+    out = std::move(x);
+  }
+};
+
+expectation read_expectation(table_reader& in, const directory& names, duration length) {
+  expectation out;
+  const kind_reader read{names, length, out};
+  in.one_of("kind",
+            {{"delivery", [&](table_reader& x) { read.share<delivery_expectation>(x); }},
+             {"acknowledged", [&](table_reader& x) { read.share<acknowledged_expectation>(x); }},
+             {"stream", [&](table_reader& x) { read.stream(x); }},
+             {"actuations", [&](table_reader& x) { read.actuations(x); }},
+             {"tuple", [&](table_reader& x) { read.tuple(x); }},
+             {"clock", [&](table_reader& x) { read.clock(x); }},
+             {"joined", [&](table_reader& x) { read.joined(x); }},
+             {"members", [&](table_reader& x) { read.members(x); }},
+             {"battery", [&](table_reader& x) { read.share<battery_expectation>(x); }},
+             {"radio", [&](table_reader& x) { read.radio(x); }},
+             {"vectors", [&](table_reader& x) { read.vectors(x); }},
+             {"events", [&](table_reader& x) { read.events(x); }},
+             {"story", [&](table_reader& x) { read.story(x); }}},
+            "[[expect]]");
+  return out;
+}
+
+} // namespace
+
+std::vector<expectation> read_expectations(table_reader& root, const directory& names,
+                                           duration length) {
+  constexpr std::size_t expectations_max = 1000;
+  std::vector<expectation> out;
+  root.tables("expect", "[[expect]]", [&](table_reader& x) {
+    out.push_back(read_expectation(x, names, length));
+    if (out.size() == expectations_max + 1)
+      x.problems().add(x.at(), "a file must not expect more than " +
+                                   std::to_string(expectations_max) + " things");
+  });
+  return out;
+}
+
+} // namespace rubicon::config

@@ -1,0 +1,33 @@
+// The keys of tuples that an ecology has, as far as its file tells.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/ecology.hpp"
+
+namespace rubicon::config {
+
+/// `*` stands for any one part, `**` at the end for any number of them.
+struct known_key {
+  std::string pattern;
+  std::string owner; ///< name of a peer or gateway
+};
+
+/// Of gateways, proxies, readers of tags, goals and translations, in the order of their owners'
+/// ids. What kernels and inits say about themselves is not among them.
+[[nodiscard]] std::vector<known_key> tuple_keys(const ecology_description& x);
+
+/// Whether a key, in which parts may be `*`, may be one of the pattern.
+[[nodiscard]] bool may_be(std::string_view pattern, std::string_view key);
+
+/// The class that claims a mote; nullptr: none.
+[[nodiscard]] const proxy::proxy_class* class_of(const ecology_description& x, island_id island,
+                                                 const mote_description& mote);
+
+/// What the keys of a mote's proxy begin with.
+[[nodiscard]] std::string prefix_of(const proxy::proxy_class& what,
+                                    const island_description& island, const mote_description& mote);
+
+} // namespace rubicon::config
