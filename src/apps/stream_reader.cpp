@@ -28,14 +28,9 @@ std::vector<figure> stream_reader::figures() const {
   const auto all = static_cast<double>(records_ + missing_);
   return {{"records", static_cast<double>(records_)},
           {"records missing", static_cast<double>(missing_)},
-<<<<<<< HEAD
-          {"delivery %", all > 0 ? 100 * static_cast<double>(records_) / all : 0},
+          {"delivery %", all > 0 ? 100 * static_cast<double>(records_) / all : 0, false},
           {"openings", static_cast<double>(openings())},
           {"opens failed", static_cast<double>(opens_failed())}};
-=======
-          {"delivery %", all > 0 ? 100 * static_cast<double>(records_) / all : 0, false},
-          {"openings", static_cast<double>(openings())}};
->>>>>>> books7
 }
 
 } // namespace rubicon::apps

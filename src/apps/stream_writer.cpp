@@ -66,15 +66,12 @@ void stream_writer::openRemoteDone(int stream, std::uint16_t, mote::status succe
 void stream_writer::readDone(int stream, byte_view record, mote::status success) {
   if (stream != sensor_)
     return;
-<<<<<<< HEAD
   if (success == mote::FAIL) { // in an actor of its own it hears only now what the mote refused
     give_up();
     return;
   }
-=======
   if (const auto read = stream::decode_sensor_record(record))
     last_ms_ = read->time_ms;
->>>>>>> books7
   if (layer().write(remote_, record) > 0) {
     ++written_;
     layer().read(sensor_, stream::sensor_record::size);

@@ -188,6 +188,21 @@ TEST_CASE("a neighbour that acknowledges, or sends anything, is not silent", "[n
   }
 }
 
+TEST_CASE("a neighbour that is new makes room soon", "[network][NET-09]") {
+  neighbours at;
+  link_report x;
+  x.source = mote_id{7};
+  x.sequence = 1;
+  x.next = 16384s; // it says
+  static_cast<void>(at.on_beacon(x, instant{} + 1s));
+  CHECK(at.deadline() == instant{} + 25s + 250ms);
+  for (std::uint16_t i = 2; i <= 10; ++i) {
+    x.sequence = i;
+    static_cast<void>(at.on_beacon(x, instant{} + i * 1s));
+  }
+  CHECK(at.deadline() == instant{} + 10s + 12min + 250ms); // one that has shown itself
+}
+
 TEST_CASE("a neighbour that falls silent decays and is dropped", "[network][NET-09]") {
   neighbours at({.beacon_gap_max = 24s});
   sender a{mote_id{7}};
