@@ -288,5 +288,5 @@ TEST_CASE("a gateway counts what is no frame and no packet, and goes on", "[acto
   CHECK(x.tuple("devices") == "{7}");
   x.world.send(x.gateway, status_request{});
   CHECK(x.ecology.all<devices_status>().back().listed == std::vector{fan});
-  CHECK(x.ecology.all<message_status>().back().island == kitchen);
+  CHECK(x.ecology.all<message_status>().back().who.island == kitchen);
 }

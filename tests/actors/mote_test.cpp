@@ -323,7 +323,7 @@ TEST_CASE("what a mote has counted does not go with its crash, and what was open
   x.world.send(x.mote, crash_now{});
   REQUIRE(x.ecology.count<message_status>() == 1);
   const auto last = x.ecology.all<message_status>()[0];
-  CHECK(last.island == stove.island);
+  CHECK(last.who.island == stove.island);
   CHECK(last.messages.reliable_sent == 1);
   CHECK(last.messages.reliable_failed == 1);
   CHECK(last.messages.reliable_open == 0);
