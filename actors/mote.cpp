@@ -292,12 +292,13 @@ void start(mote_pointer self) {
   auto& state = self->state;
   const auto& arguments = *state.arguments;
   const auto life = "mote/" + arguments.name + '#' + std::to_string(state.incarnation);
-  state.crystal = arguments.crystal.ahead_by(
-      random_stream(arguments.seed, life + "/clock").between(0s, boot_time_max));
+  auto config = arguments.node;
+  config.clock_ahead = random_stream(arguments.seed, life + "/clock").between(0s, boot_time_max);
+  state.crystal = arguments.crystal.ahead_by(config.clock_ahead);
   self->send(arguments.air,
              attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
   if (arguments.stack == config::stack::full)
-    state.node.emplace(arguments.node, state.incarnation, random_stream(arguments.seed, life),
+    state.node.emplace(std::move(config), state.incarnation, random_stream(arguments.seed, life),
                        own_time(self));
   state.walk = mote::walk(arguments.path, arguments.step);
   go(self);

@@ -368,7 +368,7 @@ void node::perform(layer_output& x, node_outputs& out, instant now) {
   } else if (const auto* over = std::get_if<channel_unwanted>(&x)) {
     take(packets_.router().disconnect(channel_of(over->channel), now), out, now);
   } else if (const auto* sample = std::get_if<sample_wanted>(&x)) {
-    const auto count = read(static_cast<quantity>(sample->transducer), now);
+    const auto count = read(static_cast<quantity>(sample->transducer), now - config_.clock_ahead);
     use_layer().on_sample(sample->stream, {{island_, config_.id}, time_ms(now), count.value_or(0)},
                           now);
   } else if (std::holds_alternative<init_wanted>(x)) {

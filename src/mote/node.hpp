@@ -37,6 +37,7 @@ struct node_config {
   layer_config layer;                ///< sizes of tables
   network::router_config network;    ///< the same
   duty_config duty;
+  duration clock_ahead{}; ///< of the world's: what transducers see goes by that
 };
 
 /// The mote is a member of its island, or is one no longer.
@@ -86,6 +87,7 @@ public:
 
   /// One reading, as a count; nothing if the mote has no such transducer. Of quantity::signal the
   /// newest frame of its parent, or signal_unknown.
+  /// @param now by the world's time
   [[nodiscard]] std::optional<std::int16_t> read(quantity kind, instant now);
 
   /// What a datum of now is stamped with: the time that peers share if it is known, else the

@@ -86,7 +86,7 @@ struct clock_sync_config {
 /// that peers share is ahead of it (CLK-08). That may leap without a tick skipped.
 class clock_sync {
 public:
-  static constexpr std::size_t points_max = 8;
+  static constexpr std::size_t points_max = 6;
   static constexpr std::chrono::microseconds outlier{1000}; ///< beyond what the doubts explain
   static constexpr double rate_max = 200e-6; ///< of one crystal against another, +-100 ppm each
 
