@@ -226,10 +226,7 @@ void clock_sync::fit() {
   middle_ = used.front().own + microseconds(static_cast<std::int64_t>(mean_own));
   middle_ahead_us_ = static_cast<double>(used.front().ahead_us) + sum_ahead / count;
   const auto span = used.back().own - used.front().own;
-  if (span < span_min) {
-    slope_doubt_ = points_.size() > 1 ? slope_doubt_ : rate_max;
-    return;
-  }
+  const bool tells_rate = span >= span_min;
   double covariance = 0;
   double variance = 0;
   for (const auto& x : used) {
@@ -237,12 +234,17 @@ void clock_sync::fit() {
     covariance += own * (static_cast<double>(x.ahead_us) - middle_ahead_us_);
     variance += own * own;
   }
-  slope_ = std::clamp(covariance / variance, -rate_max, rate_max);
+  if (tells_rate)
+    slope_ = std::clamp(covariance / variance, -rate_max, rate_max);
   double worst = 0;
   for (const auto& x : used)
     worst = std::max(worst, std::abs(static_cast<double>(x.ahead_us - ahead_us(x.own))));
+  point_doubt_ += microseconds(static_cast<std::int64_t>(worst));
   const auto noise = std::max(worst, static_cast<double>(fit_noise.count()));
-  slope_doubt_ = std::min(2 * noise * 1e-6 / seconds(span), rate_max);
+  if (tells_rate)
+    slope_doubt_ = std::min(2 * noise * 1e-6 / seconds(span), rate_max);
+  else if (points_.size() == 1)
+    slope_doubt_ = rate_max;
 }
 
 microseconds clock_sync::doubt(instant x) const {

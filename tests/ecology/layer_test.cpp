@@ -150,8 +150,8 @@ TEST_CASE("100 motes in one place send ten values each at every tick, none in va
     CHECK(report.motes_joined() == motes);
     return vectors_of(report);
   };
-  const auto first = after(2min); // all channels are open by then
-  const auto all = after(3min);
+  const auto first = after(3min); // all channels are open by then
+  const auto all = after(4min);
   CHECK(all.updated - first.updated == Approx(motes * 2 * 60).epsilon(0.01));
   CHECK(all.missed - first.missed == 0);
 }
