@@ -11,6 +11,7 @@ namespace rubicon::network {
 namespace {
 
 constexpr unsigned purpose_bits = 2;
+constexpr duration lost_pause = 1s; ///< then it is seen again whether the time is known
 
 neighbours_config links_of(const router_config& config) {
   neighbours_config x;
@@ -91,8 +92,11 @@ void router::use_slots(std::size_t count, instant now) {
 void router::keep_turns(instant now) {
   const auto next = turns_.next(now, clock_);
   turn_ = next > now ? next : instant{};
-  packets_.hold(turn_);
-  paths_.hold(turn_);
+  // Who does not know when its neighbours listen keeps what it has for them, but for beacons.
+  const bool is_lost = config_.duty.period > 0s && !config_.duty.knows_time(now, clock_);
+  const auto held = is_lost ? now + lost_pause : turn_;
+  packets_.hold(held);
+  paths_.hold(held);
 }
 
 bool router::owns(std::uint8_t am_type) {
