@@ -82,8 +82,9 @@ instant duty_cycle::departure(const held& x, instant now, const network::clock_s
   const auto into = clock.at(now).time_since_epoch() % in_us(config_.period);
   if (into >= microseconds{} && into < in_us(config_.window))
     return now;
+  // One that has come through a window is far ahead of its time; who is late has missed half a turn.
   const auto next = next_departure(found->second, now, clock);
-  return next - now <= network::channel_slot ? next : now;
+  return next - now <= found->second.schedule.interval / 2 ? next : now;
 }
 
 duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock) {

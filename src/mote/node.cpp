@@ -18,7 +18,11 @@ constexpr int expiry_intervals = 10;  ///< or so many of its intervals
 constexpr duration notice_spread = 5s;
 constexpr duration notice_period = 30s;
 
-constexpr std::size_t paced_max = 4; ///< packets of one channel that wait for its turn
+/// What a scheduled packet takes from end to end: ten hops, and some more.
+constexpr duration way_max = 10 * network::channel_slot;
+
+constexpr std::size_t paced_max = 4;   ///< packets of one channel that wait for its turn,
+constexpr std::size_t paced_usual = 2; ///< and so many without hurry
 
 descriptor describe(const node_config& config) {
   descriptor x;
@@ -44,6 +48,22 @@ stream::channel_handle handle_of(network::channel_id x) {
 
 network::channel_id channel_of(stream::channel_handle x) {
   return network::channel_of(x.value);
+}
+
+/// Where radios sleep all else goes in the common window: a channel whose turns come again at the same
+/// place of each keeps out of it, with all of its way.
+island_time beside_the_window(island_time first, duration interval, const duty_config& duty,
+                              random_stream& dice) {
+  using std::chrono::microseconds;
+  const auto in_us = [](duration x) { return std::chrono::duration_cast<microseconds>(x); };
+  const auto begin = duty.window + way_max / 5;
+  const auto end = interval - way_max;
+  if (!duty.enabled || begin >= end || duty.period % interval != 0ns)
+    return first;
+  const auto phase = first.time_since_epoch() % in_us(interval);
+  if (phase >= begin && phase <= end)
+    return first;
+  return first - phase + in_us(interval + dice.between(begin, end));
 }
 
 } // namespace
@@ -398,8 +418,8 @@ void node::pace(channel_packet x, node_outputs& out, instant now) {
   waiting.packets.push_back(std::move(x.octets));
 }
 
-/// Its turns may come a little less often than its packets: what they leave over goes in the common
-/// window.
+/// One at each turn, in order: who reads a stream drops what newer records have overtaken. Turns may
+/// come a little less often than packets: then two go one after the other.
 void node::send_paced(node_outputs& out, instant now) {
   for (auto x = paced_.begin(); x != paced_.end();) {
     auto& [channel, waiting] = *x;
@@ -407,12 +427,18 @@ void node::send_paced(node_outputs& out, instant now) {
       ++x;
       continue;
     }
-    for (auto how = network::departure::at_once; !waiting.packets.empty();
-         how = network::departure::in_turn) {
-      send_on(channel, std::move(waiting.packets.front()), how, out, now);
+    const auto count = waiting.packets.size() > paced_usual ? 2 : 1;
+    for (int i = 0; i < count; ++i) {
+      send_on(channel, std::move(waiting.packets.front()), network::departure::at_once, out, now);
       waiting.packets.pop_front();
     }
-    x = paced_.erase(x);
+    if (waiting.packets.empty()) {
+      x = paced_.erase(x);
+      continue;
+    }
+    const auto next = duty_.next_turn(channel_of(channel), now + 1ms, packets_.router().clock());
+    waiting.due = next.value_or(now); // there are no turns any more: all may go
+    x = next ? std::next(x) : x;
   }
 }
 
@@ -459,7 +485,7 @@ void node::connect(const channel_wanted& x, node_outputs& out, instant now) {
   schedule.interval = x.interval;
   schedule.size = static_cast<std::uint8_t>(std::min(x.size, network::channel_packet_max));
   if (router.clock().synchronised())
-    schedule.first = router.clock().at(now + x.interval);
+    schedule.first = beside_the_window(router.clock().at(now + x.interval), x.interval, config_.duty, dice_);
   const auto expiry = std::max<duration>(expiry_min, expiry_intervals * x.interval);
   auto [id, todo] = router.connect(x.destination, schedule, expiry, now);
   connecting_[id] = x.request;
