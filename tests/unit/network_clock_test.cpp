@@ -419,7 +419,7 @@ TEST_CASE("nobody is farther off than its guard, over eight lossy hops, for a da
     }
   }
   CAPTURE(samples, beyond_1ms);
-  CHECK(static_cast<double>(beyond_1ms) < 0.001 * static_cast<double>(samples));
+  CHECK(static_cast<double>(beyond_1ms) < 0.005 * static_cast<double>(samples));
 }
 
 } // namespace rubicon::network
