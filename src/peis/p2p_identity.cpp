@@ -58,7 +58,7 @@ std::optional<instant> p2p::yields_at() const {
 }
 
 std::optional<instant> p2p::identity_deadline() const {
-  if (!rivalry_)
+  if (!rivalry_ || left_) // who has left minds it no more
     return std::nullopt;
   const auto at = yields_at();
   if (at && *at > rivalry_->checked)
