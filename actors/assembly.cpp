@@ -78,8 +78,7 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.node.actuators = mote.actuators;
   x.apps = mote.apps;
   x.node.layer.synaptic.tick_period = self->state.description.tick;
-  x.node.layer.messages.answer_slack = config::answer_slack_of(self->state.description);
-  x.node.layer.messages.answer_slack.erase(island.id); // it learns that one itself
+  x.node.layer.messages.answer_slack = self->state.answer_slack;
   const auto programs = configs_of(programs_among(mote.apps));
   apps::make_room(x.node.layer, programs);
   apps::make_room(x.node.network, apps::traffic_of(island.id, programs), traffic);
@@ -223,7 +222,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
                                   std::move(addresses), handle_of(self), state.observe_frames);
   radio::radio_index radio{};
   for (const auto* island : islands) {
-    const auto traffic = traffic_of(*island);
+    const auto& traffic = state.traffic.at(island->id);
     if (island->stack == config::stack::full)
       spawn_bridge(self, *island, traffic, radio, medium);
     else
@@ -294,14 +293,26 @@ void spawn_bluetooth(ecology_pointer self) {
   self->state.names.emplace(self->state.bluetooth.address(), "peis_bluetooth");
 }
 
-} // namespace
-
 apps::traffic traffic_of(const config::island_description& island) {
   apps::traffic sum;
   for (const auto& mote : island.motes)
     sum += apps::traffic_of(island.id, configs_of(programs_among(mote.apps)));
   return sum;
 }
+
+/// One window carries a frame over several hops, and few islands are deeper than eight.
+transport::answer_slacks answer_slack_of(const config::ecology_description& x) {
+  constexpr std::size_t hops_likely = 8;
+  std::map<island_id, duration> all;
+  for (const auto& island : x.islands) {
+    const auto hops = std::min(island.motes.size(), hops_likely);
+    if (island.duty.enabled)
+      all[island.id] = island.duty.answer_slack(static_cast<unsigned>(hops));
+  }
+  return all.empty() ? nullptr : std::make_shared<const decltype(all)>(std::move(all));
+}
+
+} // namespace
 
 std::int64_t line_slowness(const config::island_description& island) {
   auto most = serial::slowness(island.serial.baud);
@@ -331,6 +342,9 @@ void spawn_mote(ecology_pointer self, supervised_mote& mote) {
 
 void assemble(ecology_pointer self) {
   const auto& description = self->state.description;
+  self->state.answer_slack = answer_slack_of(description);
+  for (const auto& island : description.islands)
+    self->state.traffic[island.id] = traffic_of(island);
   spawn_lan(self);
   spawn_bluetooth(self);
   spawn_kernels(self);

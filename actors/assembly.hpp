@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "actors/ecology.hpp"
-#include "apps/traffic.hpp"
 #include "scheduler/spawn.hpp"
 
 namespace rubicon {
@@ -40,9 +39,6 @@ auto spawn_child(ecology_pointer self, std::string path, Fun fun, Args&&... args
   adopt(self, std::move(path), handle);
   return handle;
 }
-
-/// Of the programs on all motes of an island.
-[[nodiscard]] apps::traffic traffic_of(const config::island_description& island);
 
 /// serial::slowness() of the slowest of an island's lines.
 [[nodiscard]] std::int64_t line_slowness(const config::island_description& island);

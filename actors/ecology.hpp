@@ -13,6 +13,7 @@
 #include "actors/messages.hpp"
 #include "actors/mote.hpp"
 #include "actors/program.hpp"
+#include "apps/traffic.hpp"
 #include "config/ecology.hpp"
 #include "core/random.hpp"
 #include "io/loop.hpp"
@@ -105,6 +106,9 @@ struct ecology_state {
   process_facts process;
   frame_observer observe_frames; ///< may be empty
   std::map<mote_address, supervised_mote> motes;
+  /// From the description as it was before its motes were taken out.
+  transport::answer_slacks answer_slack;
+  std::map<island_id, apps::traffic> traffic; ///< of the programs on all motes of an island
   std::map<std::pair<island_id, std::size_t>, serial_line_actor> lines; ///< of sinks, numbered
   std::shared_ptr<const rfid::tags> tags; ///< of the world; nullptr until a reader needs them
   peis_lan_actor lan;

@@ -15,8 +15,6 @@ namespace rubicon {
 
 namespace {
 
-constexpr duration boot_time_max = 1h; ///< that the clock of a mote shows when it starts
-
 using mote_pointer = scheduler::traced_pointer<mote_state, mote_actor>;
 
 /// From when a mote sees that its battery ends, as the fault plan has it, to its end.
@@ -80,9 +78,8 @@ void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
       self->state.flows.take(self, *frame))
     return;
   if (auto& node = self->state.node; node && !self->state.flat) {
-    auto todo =
-        node->on_frame(frame->source, frame->am_type, frame->payload,
-                       self->state.crystal.own(sfd_of(psdu, now(self))), own_time(self));
+    auto todo = node->on_frame(frame->source, frame->am_type, frame->payload,
+                               self->state.crystal.own(sfd_of(psdu, now(self))), own_time(self));
     std::ranges::move(node->on_signal(frame->source, rssi_dbm, own_time(self)),
                       std::back_inserter(todo));
     perform(self, std::move(todo));
@@ -293,7 +290,7 @@ void start(mote_pointer self) {
   const auto& arguments = *state.arguments;
   const auto life = "mote/" + arguments.name + '#' + std::to_string(state.incarnation);
   auto config = arguments.node;
-  config.clock_ahead = random_stream(arguments.seed, life + "/clock").between(0s, boot_time_max);
+  config.clock_ahead = mote::boot_time(random_stream(arguments.seed, life + "/clock"));
   state.crystal = arguments.crystal.ahead_by(config.clock_ahead);
   self->send(arguments.air,
              attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});

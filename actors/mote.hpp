@@ -75,7 +75,7 @@ struct mote_state {
   static constexpr std::uint8_t last_words_timer = 3;
 
   std::shared_ptr<const mote_arguments> arguments;
-  mote::crystal crystal; ///< as the clock of this life shows it
+  mote::crystal crystal;          ///< as the clock of this life shows it
   std::uint32_t incarnation = 0;  ///< how often it was started before
   std::optional<mote::node> node; ///< full stack only
   flow_host flows;

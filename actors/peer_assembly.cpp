@@ -291,7 +291,7 @@ void spawn_pc(ecology_pointer self, supervised_peer& peer, std::vector<apps::app
   x.config.incarnation = peer.incarnation;
   x.config.awaits_clock = true;
   x.config.tick_period = self->state.description.tick;
-  x.config.answer_slack = config::answer_slack_of(self->state.description);
+  x.config.answer_slack = self->state.answer_slack;
   x.config.channels_max = apps::ends_max(x.config.channels_max, programs);
   x.aliases = std::ranges::any_of(self->state.description.islands,
                                   [](const auto& each) { return !each.aliases.empty(); });
@@ -321,7 +321,7 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   gateway_arguments gateway;
   gateway.config.island = island.id;
   gateway.config.tick_period = self->state.description.tick;
-  gateway.config.answer_slack = config::answer_slack_of(self->state.description);
+  gateway.config.answer_slack = self->state.answer_slack;
   if (!island.aliases.empty())
     gateway.config.gateways = config::gateways_of(island);
   gateway.config.incarnation = peer.incarnation;
@@ -340,7 +340,7 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   gateway.port.latency = line.latency;
   gateway.port.window = slowness > 1 ? 2 : 1;
   gateway.port.queue_max = std::min(gateway.port.queue_max, serial::queue_room(line.baud)) +
-                           traffic_of(island).down.packets;
+                           self->state.traffic.at(island.id).down.packets;
   gateway.seed = self->state.description.seed;
   gateway.peer = peer.handle;
   gateway.line = self->state.lines.at({island.id, peer.line});

@@ -9,8 +9,6 @@ namespace rubicon {
 
 namespace {
 
-constexpr duration boot_time_max = 1h; ///< that its clock shows when it starts
-
 using sink_pointer = scheduler::traced_pointer<sink_state, sink_actor>;
 
 void perform(sink_pointer self, mote::sink_outputs todo);
@@ -122,7 +120,7 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
   network.self = state.arguments.address.mote;
   network.tick.period = state.arguments.tick;
   state.arguments.crystal = state.arguments.crystal.ahead_by(
-      random_stream(state.arguments.seed, self->path() + "/clock").between(0s, boot_time_max));
+      mote::boot_time(random_stream(state.arguments.seed, self->path() + "/clock")));
   mote::gateway_lines_config lines;
   lines.lines = state.arguments.lines.size();
   for (const auto& each : state.arguments.lines)

@@ -31,7 +31,7 @@ struct sink_arguments {
   mote::crystal crystal;
   mote::duty_config duty;
   std::chrono::milliseconds tick{500}; ///< period of the RUBICON clock
-  std::uint64_t seed = 0; ///< of the ecology
+  std::uint64_t seed = 0;              ///< of the ecology
   ecology_actor ecology;
 };
 

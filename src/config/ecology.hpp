@@ -377,17 +377,4 @@ struct ecology_description {
   std::vector<host_description> hosts;
 };
 
-/// What answers from motes of islands whose radios sleep may take longer, by island: one window
-/// carries a frame over several hops, and few islands are deeper than eight.
-[[nodiscard]] inline std::map<island_id, duration> answer_slack_of(const ecology_description& x) {
-  constexpr std::size_t hops_likely = 8;
-  std::map<island_id, duration> all;
-  for (const auto& island : x.islands) {
-    const auto hops = std::min(island.motes.size(), hops_likely);
-    if (island.duty.enabled)
-      all[island.id] = island.duty.answer_slack(static_cast<unsigned>(hops));
-  }
-  return all;
-}
-
 } // namespace rubicon::config

@@ -1,6 +1,7 @@
 #include "endpoint/pc.hpp"
 
 #include <algorithm>
+#include <ranges>
 
 #include "network/island_packet.hpp"
 
@@ -22,13 +23,6 @@ mote::layer_config layer_of(const pc_config& config) {
   x.messages.sessions_max = 1024;
   x.messages.sources_max = 1024;
   x.tunnels.tunnels_max = 4 * config.channels_max;
-  duration slack{};
-  for (const auto& [island, longest] : config.answer_slack)
-    slack = std::max(slack, longest);
-  x.streams.open_repeat += slack;
-  x.streams.writer_patience += 2 * slack;
-  x.synaptic.open_repeat += slack;
-  x.synaptic.writer_patience += 2 * slack;
   x.streams.streams_max = config.channels_max;
   x.streams.early_max = config.channels_max;
   x.synaptic.channels_max = config.channels_max;
@@ -51,6 +45,8 @@ pc::pc(pc_config config, random_stream dice)
     : config_(config), layer_(std::make_unique<mote::layer>(layer_of(config), dice)) {
   if (!config_.awaits_clock)
     ahead_ = 0s;
+  if (config_.answer_slack)
+    layer_->set_channel_slack(std::ranges::max(*config_.answer_slack | std::views::values));
 }
 
 mote::communication pc::attach(mote::communication_events& events) {

@@ -34,12 +34,12 @@ using outputs = std::vector<transport::to_network>;
 
 struct pc_config {
   peer_id self;
-  std::uint32_t incarnation = 0;                   ///< how often it has been started before
-  std::chrono::milliseconds tick_period{500};      ///< of the RUBICON clock (CLK-03)
-  std::map<island_id, duration> answer_slack = {}; ///< as in transport::endpoint_config
-  bool awaits_clock = false;                       ///< it does not tick before on_clock()
-  duration ack_wait = 500ms;                       ///< transport::endpoint_config's
-  std::size_t sends_max = 64;                      ///< reliable messages under way
+  std::uint32_t incarnation = 0;              ///< how often it has been started before
+  std::chrono::milliseconds tick_period{500}; ///< of the RUBICON clock (CLK-03)
+  transport::answer_slacks answer_slack = {};
+  bool awaits_clock = false;     ///< it does not tick before on_clock()
+  duration ack_wait = 500ms;     ///< transport::endpoint_config's
+  std::size_t sends_max = 64;    ///< reliable messages under way
   std::size_t channels_max = 64; ///< streams; synaptic channels each way; a quarter of the tunnels
   std::uint8_t vector_max = 64;  ///< elements of a synaptic channel
 };

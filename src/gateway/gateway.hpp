@@ -107,8 +107,8 @@ struct gateway_config {
   duration rejoin_wait = 60s; ///< a sink that was started again may find its motes until then
   directory_config others{};
   output_requests_config requests{};
-  std::chrono::milliseconds tick_period{500};      ///< of the RUBICON clock
-  std::map<island_id, duration> answer_slack = {}; ///< as in transport::endpoint_config
+  std::chrono::milliseconds tick_period{500}; ///< of the RUBICON clock
+  transport::answer_slacks answer_slack = {};
   std::size_t devices_max = 1000;        ///< motes listed; what a sink has room for
   std::size_t input_channels_max = 4096; ///< channels of motes ever written to; further ones are
                                          ///< refused without a status

@@ -7,8 +7,13 @@ namespace rubicon::mote {
 namespace {
 
 constexpr std::int64_t billion = 1'000'000'000;
+constexpr duration boot_time_max = 1h;
 
 } // namespace
+
+duration boot_time(random_stream dice) {
+  return dice.between(0s, boot_time_max);
+}
 
 crystal::crystal(const crystal_config& config) : config_(config) {}
 

@@ -3,19 +3,23 @@
 
 #include <cstdint>
 
+#include "core/random.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::mote {
 
 /// What a crystal is like. It runs fast by `ppb` parts per billion, and beside that, as temperature
-/// rises and falls, by up to `wander_ppb` more or less: from one to the other and back in a straight
-/// line each, in a period.
+/// rises and falls, by up to `wander_ppb` more or less: from one to the other and back in a
+/// straight line each, in a period.
 struct crystal_config {
-  std::int64_t ppb = 0;           ///< -1'000'000..1'000'000
-  std::int64_t wander_ppb = 0;    ///< 0..100'000
-  duration wander_period = 24h;   ///< > 0
-  duration phase{};               ///< into that period at real time zero; 0..wander_period
+  std::int64_t ppb = 0;         ///< -1'000'000..1'000'000
+  std::int64_t wander_ppb = 0;  ///< 0..100'000
+  duration wander_period = 24h; ///< > 0
+  duration phase{};             ///< into that period at real time zero; 0..wander_period
 };
+
+/// What a mote's clock shows more than real time when it starts: nobody knows. Up to an hour.
+[[nodiscard]] duration boot_time(random_stream dice);
 
 /// All timing of a mote is by its own crystal; only whoever feeds it knows the real time.
 class crystal {

@@ -7,14 +7,14 @@
 namespace rubicon::mote {
 
 struct duty_config {
-  bool enabled = false;      ///< else the radio is always on
-  duration period = 4s;      ///< of the island's common window, in which all that keeps to no
-                             ///< channel's schedule goes
-  duration window = 100ms;   ///< its length, from each multiple of the period in island time
-  duration settling = 60s;   ///< until the island's time shows this all radios stay on
-  duration before = 1500us;  ///< ahead of what is due, beside the doubt in the clocks: switching on
-  duration after = 40ms;     ///< longest wait for a scheduled packet that is late
-  duration linger = 5ms;     ///< after a scheduled packet, for its acknowledgement
+  bool enabled = false;     ///< else the radio is always on
+  duration period = 4s;     ///< of the island's common window, in which all that keeps to no
+                            ///< channel's schedule goes
+  duration window = 100ms;  ///< its length, from each multiple of the period in island time
+  duration settling = 60s;  ///< until the island's time shows this all radios stay on
+  duration before = 1500us; ///< ahead of what is due, beside the doubt in the clocks: switching on
+  duration after = 40ms;    ///< longest wait for a scheduled packet that is late
+  duration linger = 5ms;    ///< after a scheduled packet, for its acknowledgement
 
   [[nodiscard]] network::duty_window common() const {
     return enabled ? network::duty_window{period, window, settling} : network::duty_window{};

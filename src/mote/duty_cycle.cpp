@@ -12,9 +12,6 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr std::uint64_t window_key = std::numeric_limits<std::uint64_t>::max();
-microseconds in_us(duration x) {
-  return std::chrono::duration_cast<microseconds>(x);
-}
 
 /// The channel whose packet a frame carries.
 std::optional<network::channel_id> channel_in(const network::frame_out& x) {
@@ -82,7 +79,8 @@ instant duty_cycle::departure(const held& x, instant now, const network::clock_s
   const auto into = clock.at(now).time_since_epoch() % in_us(config_.period);
   if (into >= microseconds{} && into < in_us(config_.window))
     return now;
-  // One that has come through a window is far ahead of its time; who is late has missed half a turn.
+  // One that has come through a window is far ahead of its time; who is late has missed half a
+  // turn.
   const auto next = next_departure(found->second, now, clock);
   return next - now <= found->second.schedule.interval / 2 ? next : now;
 }

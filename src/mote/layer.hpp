@@ -154,6 +154,10 @@ public:
   /// Answers take so much longer from now on, as radios on the way sleep.
   void set_answer_slack(duration x) {
     messages_.set_answer_slack(x);
+    set_channel_slack(x);
+  }
+  /// The same for what travels in channels alone.
+  void set_channel_slack(duration x) {
     streams_.set_answer_slack(x);
     synaptic_.set_answer_slack(x);
   }

@@ -50,12 +50,11 @@ network::channel_id channel_of(stream::channel_handle x) {
   return network::channel_of(x.value);
 }
 
-/// Where radios sleep all else goes in the common window: a channel whose turns come again at the same
-/// place of each keeps out of it, with all of its way.
+/// Where radios sleep all else goes in the common window: a channel whose turns come again at the
+/// same place of each keeps out of it, with all of its way.
 island_time beside_the_window(island_time first, duration interval, const duty_config& duty,
                               random_stream& dice) {
   using std::chrono::microseconds;
-  const auto in_us = [](duration x) { return std::chrono::duration_cast<microseconds>(x); };
   const auto begin = duty.window + way_max / 5;
   const auto end = interval - way_max;
   if (!duty.enabled || begin >= end || duty.period % interval != 0ns)
@@ -398,8 +397,8 @@ void node::perform(layer_output& x, node_outputs& out, instant now) {
   }
 }
 
-/// Where radios sleep, a channel with a schedule carries a packet each time that the next mote wakes
-/// up for it.
+/// Where radios sleep, a channel with a schedule carries a packet each time that the next mote
+/// wakes up for it.
 void node::pace(channel_packet x, node_outputs& out, instant now) {
   const auto turn = duty_.next_turn(channel_of(x.channel), now, packets_.router().clock());
   if (!turn) {
@@ -418,8 +417,8 @@ void node::pace(channel_packet x, node_outputs& out, instant now) {
   waiting.packets.push_back(std::move(x.octets));
 }
 
-/// One at each turn, in order: who reads a stream drops what newer records have overtaken. Turns may
-/// come a little less often than packets: then two go one after the other.
+/// One at each turn, in order: who reads a stream drops what newer records have overtaken. Turns
+/// may come a little less often than packets: then two go one after the other.
 void node::send_paced(node_outputs& out, instant now) {
   for (auto x = paced_.begin(); x != paced_.end();) {
     auto& [channel, waiting] = *x;
@@ -485,7 +484,8 @@ void node::connect(const channel_wanted& x, node_outputs& out, instant now) {
   schedule.interval = x.interval;
   schedule.size = static_cast<std::uint8_t>(std::min(x.size, network::channel_packet_max));
   if (router.clock().synchronised())
-    schedule.first = beside_the_window(router.clock().at(now + x.interval), x.interval, config_.duty, dice_);
+    schedule.first =
+        beside_the_window(router.clock().at(now + x.interval), x.interval, config_.duty, dice_);
   const auto expiry = std::max<duration>(expiry_min, expiry_intervals * x.interval);
   auto [id, todo] = router.connect(x.destination, schedule, expiry, now);
   connecting_[id] = x.request;

@@ -35,13 +35,11 @@ connect_message one_hop_on(connect_message x) {
   return x;
 }
 
-/// Hops between two places, about: neighbours differ by one in each coordinate, at most.
+/// Of a channel there, about.
 int likely_hops(const surroundings& around, const std::optional<virtual_coordinates>& to) {
   if (!around.own_place || !to)
     return hops_likely;
-  const auto& a = *around.own_place;
-  const auto differ = [](hop_distance x, hop_distance y) { return x > y ? x - y : y - x; };
-  return std::max({differ(a.x, to->x), differ(a.y, to->y), differ(a.z, to->z)}) + 1;
+  return hops_between(*around.own_place, *to) + 1;
 }
 
 /// What a message there and its answer may wait for their turns.
@@ -100,14 +98,10 @@ std::optional<mote_id> channels::nearer(const entry& x, const surroundings& arou
   return best;
 }
 
-/// Neighbours differ by one in each coordinate, at most.
 bool channels::may_be_near(const entry& x, const surroundings& around) {
   if (!x.wish.place || !around.own_place || x.previous || x.second_try)
     return false;
-  const auto differ = [](hop_distance a, hop_distance b) { return a > b ? a - b : b - a; };
-  const auto& a = *x.wish.place;
-  const auto& b = *around.own_place;
-  return differ(a.x, b.x) <= 1 && differ(a.y, b.y) <= 1 && differ(a.z, b.z) <= 1;
+  return hops_between(*x.wish.place, *around.own_place) <= 1;
 }
 
 /// Sends the connect message on: to a neighbour that is nearer, else, from the source, to the

@@ -215,7 +215,8 @@ private:
     departure how = departure::in_turn;
   };
 
-  void queue(mote_id next, channel_message message, instant due, departure how = departure::in_turn);
+  void queue(mote_id next, channel_message message, instant due,
+             departure how = departure::in_turn);
   [[nodiscard]] instant due(const waiting& x) const;
   [[nodiscard]] bool has_room(std::size_t octets) const;
   void pump(channels_outputs& out, instant now);

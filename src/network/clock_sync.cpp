@@ -41,6 +41,13 @@ std::int64_t us_of(instant x) {
   return std::chrono::floor<microseconds>(x.time_since_epoch()).count();
 }
 
+/// How a line goes on from one time to another.
+network_line moved(network_line x, microseconds by) {
+  x.ahead += microseconds(
+      static_cast<std::int64_t>(std::floor(x.rate * static_cast<double>(by.count()) + 0.5)));
+  return x;
+}
+
 } // namespace
 
 std::uint8_t doubt_of(microseconds x) {
@@ -142,8 +149,11 @@ bool clock_sync::on_stamp(const clock_stamp& x, instant sfd) {
     }
     return false;
   }
-  if (!is_news(x, sfd))
-    return is_better(x, sfd) && add_point(x, sfd) && false;
+  if (!is_news(x, sfd)) {
+    if (is_better(x, sfd))
+      add_point(x, sfd);
+    return false;
+  }
   if (x.root != root_) { // another time, by a crystal that we know nothing of
     steps_ += points_.empty() ? 0 : 1;
     points_.clear();
@@ -159,8 +169,8 @@ bool clock_sync::on_stamp(const clock_stamp& x, instant sfd) {
   behind_count_ = 0;
   learn(x.tick);
   slots_used_ = x.slots_used;
-  const bool is_sane = x.network && x.network->ahead >= -network_ahead_max &&
-                       x.network->ahead <= network_ahead_max;
+  const bool is_sane =
+      x.network && x.network->ahead >= -network_ahead_max && x.network->ahead <= network_ahead_max;
   network_ = is_sane ? x.network : std::nullopt;
   network_from_ = x.time;
   return true;
@@ -256,10 +266,6 @@ microseconds clock_sync::doubt(instant x) const {
   return point_doubt_ + microseconds(static_cast<std::int64_t>(std::ceil(since * rate * 1e6)));
 }
 
-std::optional<instant> clock_sync::last_point() const {
-  return points_.empty() ? std::nullopt : std::optional(points_.back().own);
-}
-
 std::int64_t clock_sync::ahead_us(instant x) const {
   const auto from_middle = static_cast<double>(us_of(x) - us_of(middle_));
   return static_cast<std::int64_t>(std::floor(middle_ahead_us_ + slope_ * from_middle + 0.5));
@@ -339,17 +345,6 @@ void clock_sync::use_slots(std::uint8_t sevenths, instant now) {
     start_rounds(now);
 }
 
-namespace {
-
-/// How a line goes on from one time to another.
-network_line moved(network_line x, microseconds by) {
-  x.ahead += microseconds(static_cast<std::int64_t>(
-      std::floor(x.rate * static_cast<double>(by.count()) + 0.5)));
-  return x;
-}
-
-} // namespace
-
 void clock_sync::set_network_time(duration since_1970, double rate, instant now) {
   assert(config_.is_root);
   if (!is_running_root()) {
@@ -357,8 +352,8 @@ void clock_sync::set_network_time(duration since_1970, double rate, instant now)
     return;
   }
   const auto here = at(now);
-  network_ = network_line{
-      std::chrono::floor<microseconds>(since_1970) - here.time_since_epoch(), rate};
+  network_ =
+      network_line{std::chrono::floor<microseconds>(since_1970) - here.time_since_epoch(), rate};
   network_from_ = here;
   const auto expected = moved(told_network_, here - told_network_from_).ahead;
   if (!has_told_network_ || std::chrono::abs(network_->ahead - expected) > leap_min) {
@@ -397,7 +392,7 @@ std::optional<tick_setting> clock_sync::tick(instant now) const {
   const auto here = at(now);
   const auto time = here.time_since_epoch() + network_at(here)->ahead;
   const microseconds period = told->period;
-  const auto number = time / period - (time % period < 0us ? 1 : 0);
+  const auto number = period_number(time, period);
   return tick_setting{static_cast<std::uint32_t>(number), here - (time - number * period),
                       told->period};
 }

@@ -26,8 +26,8 @@ struct network_line {
 };
 
 /// What a beacon says about the island's clock: 27 octets, network byte order; 10 more if it tells
-/// the network time, as the highest bit of tick.from does then: ahead (8) and rate (2, in hundredths
-/// of a ppm).
+/// the network time, as the highest bit of tick.from does then: ahead (8) and rate (2, in
+/// hundredths of a ppm).
 struct clock_stamp {
   mote_id root;
   std::uint16_t sequence = 0; ///< of the root's broadcast that this derives from; wraps
@@ -61,12 +61,12 @@ void write(byte_writer& to, const clock_stamp& x);
 struct clock_sync_config {
   mote_id self;
   bool is_root = false;
-  duration period = 4min;      ///< between the root's broadcasts when nothing changes;
-  duration period_first = 1s;  ///< of the first ones, when it has started or something has changed:
-  unsigned first_rounds = 4;   ///< after so many each gap is twice as long as the one before
-  duration resume_wait = 3s;   ///< a root that starts listens so long for the time it had before
+  duration period = 4min;     ///< between the root's broadcasts when nothing changes;
+  duration period_first = 1s; ///< of the first ones, when it has started or something has changed:
+  unsigned first_rounds = 4;  ///< after so many each gap is twice as long as the one before
+  duration resume_wait = 3s;  ///< a root that starts listens so long for the time it had before
   duration stale_after = 12min; ///< without news of the root: it may have begun anew
-  tick_setting tick;           ///< the root's, unless it hears the one it had before
+  tick_setting tick;            ///< the root's, unless it hears the one it had before
 };
 
 /// All times of a mote are `instant`s of its own clock, which runs too fast or too slow by some
@@ -78,8 +78,8 @@ struct clock_sync_config {
 /// from those who know it better to those who know it less, and never in a circle. A straight line
 /// through the newest points that lie far enough apart gives offset and rate; before there are such
 /// the rate is that of the line before, or none. No crystal's rate is beyond rate_max. A point
-/// farther off the line than both doubts explain is ignored, with all that its stamp says; two rounds
-/// in succession that agree start a new line.
+/// farther off the line than both doubts explain is ignored, with all that its stamp says; two
+/// rounds in succession that agree start a new line.
 ///
 /// The island's time is never set by anybody but the root: ticks, windows of sleeping radios and
 /// schedules of channels hang on it. What the time is elsewhere is told beside it: how far the time
@@ -131,7 +131,8 @@ public:
 
   /// The setting that holds, or the first one known; nothing before a stamp was heard. Where the
   /// time that peers share is known ticks are at multiples of the period in that time, and T is
-  /// their number since 1970 (32 bits), here as everywhere (PAR-01, SYN-11): `from` is the last one.
+  /// their number since 1970 (32 bits), here as everywhere (PAR-01, SYN-11): `from` is the last
+  /// one.
   [[nodiscard]] std::optional<tick_setting> tick(instant now) const;
 
   /// Others learn it in rounds that begin at once; it is to begin when all have. @pre is_root,
@@ -149,8 +150,8 @@ public:
   void set_time(island_time x, instant now);
 
   /// What the time that peers share is now, by a reference that only the root has, and how much
-  /// faster than our own clock it goes, as far as is known; all learn it, and of a correction of more
-  /// than a millisecond in a round that begins at once. @pre is_root
+  /// faster than our own clock it goes, as far as is known; all learn it, and of a correction of
+  /// more than a millisecond in a round that begins at once. @pre is_root
   void set_network_time(duration since_1970, double rate, instant now);
 
   /// The time that peers share, since 1970; nothing: the root has no reference, or has not told it.
@@ -158,8 +159,6 @@ public:
 
   /// By how much our clock is too slow, as far as is known: 1e-6 is 1 ppm.
   [[nodiscard]] double drift() const { return slope_; }
-  /// When the last stamp was taken as a point; nothing: never.
-  [[nodiscard]] std::optional<instant> last_point() const;
   [[nodiscard]] std::uint64_t steps() const { return steps_; } ///< lines begun anew (CLK-05)
   /// Of a mote, which keeps its points as 32 bits of time and difference from the middle.
   [[nodiscard]] static std::size_t footprint() { return 20 + points_max * 8 + 36 + 18; }
@@ -173,7 +172,7 @@ private:
 
   [[nodiscard]] bool is_news(const clock_stamp& x, instant sfd);
   [[nodiscard]] bool is_better(const clock_stamp& x, instant sfd) const;
-  [[nodiscard]] bool add_point(const clock_stamp& x, instant sfd);
+  bool add_point(const clock_stamp& x, instant sfd);
   void start_rounds(instant now);
   [[nodiscard]] bool is_running_root() const { return config_.is_root && !listening_until_; }
   [[nodiscard]] std::int64_t ahead_us(instant x) const;
@@ -184,13 +183,13 @@ private:
 
   clock_sync_config config_;
   std::vector<point> points_;
-  instant middle_;                ///< of the points
-  double middle_ahead_us_ = 0;    ///< of the line, there
-  double slope_ = 0;              ///< of the line: microseconds per microsecond,
-  double slope_doubt_ = rate_max; ///< which may be wrong by so much
-  double wander_ = 0;             ///< by how much the rate has been found to change
+  instant middle_;                          ///< of the points
+  double middle_ahead_us_ = 0;              ///< of the line, there
+  double slope_ = 0;                        ///< of the line: microseconds per microsecond,
+  double slope_doubt_ = rate_max;           ///< which may be wrong by so much
+  double wander_ = 0;                       ///< by how much the rate has been found to change
   std::chrono::microseconds point_doubt_{}; ///< of the last point
-  std::optional<point> doubtful_; ///< the last point, if it was far off
+  std::optional<point> doubtful_;           ///< the last point, if it was far off
   mote_id root_;
   std::uint16_t sequence_ = 0;
   std::uint16_t behind_ = 0;     ///< the last number of our root that it cannot have gone on to,
@@ -203,13 +202,13 @@ private:
   island_time network_from_;            ///< then
   /// What a root has been told while it listened: since 1970, rate, when by its own clock.
   std::optional<std::tuple<duration, double, instant>> reference_;
-  bool has_told_network_ = false;       ///< of the root, in a round:
-  network_line told_network_;           ///< this
-  island_time told_network_from_;       ///< then
+  bool has_told_network_ = false; ///< of the root, in a round:
+  network_line told_network_;     ///< this
+  island_time told_network_from_; ///< then
   std::optional<instant> next_round_;
   std::optional<instant> listening_until_; ///< a root that has just started
-  unsigned rounds_ = 0; ///< since start_rounds()
-  duration gap_{};      ///< to the next round
+  unsigned rounds_ = 0;                    ///< since start_rounds()
+  duration gap_{};                         ///< to the next round
   std::uint64_t steps_ = 0;
 };
 

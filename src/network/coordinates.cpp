@@ -1,6 +1,7 @@
 #include "network/coordinates.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <tuple>
 #include <utility>
 
@@ -23,6 +24,10 @@ std::array<mote_id, anchor_count> ids(const coordinates_part& x) {
 
 std::uint32_t squared_distance(virtual_coordinates a, virtual_coordinates b) {
   return squared(a.x, b.x) + squared(a.y, b.y) + squared(a.z, b.z);
+}
+
+int hops_between(virtual_coordinates a, virtual_coordinates b) {
+  return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
 }
 
 bool is_better(const anchor_candidate& a, const anchor_candidate& b) {

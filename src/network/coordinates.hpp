@@ -33,6 +33,9 @@ struct virtual_coordinates {
 /// The square of the Euclidean distance.
 [[nodiscard]] std::uint32_t squared_distance(virtual_coordinates a, virtual_coordinates b);
 
+/// There are no fewer hops between them: neighbours differ by one in each coordinate, at most.
+[[nodiscard]] int hops_between(virtual_coordinates a, virtual_coordinates b);
+
 /// One anchor as a beacon tells of it: 5 octets.
 struct anchor_entry {
   mote_id mote = no_mote;           ///< no_mote: not elected yet
@@ -76,10 +79,10 @@ struct coordinates_part {
 struct coordinates_config {
   mote_id self;
   bool is_sink = false;
-  duration first_quiet = 60s;        ///< before the sink's first decision
-  duration quiet = 40s;              ///< for which a candidate must stay the best at the sink
-  std::uint8_t company_samples = 6;  ///< beacons of a neighbour before a sink believes to be alone
-  duration anchor_patience = 2min;   ///< without way to an anchor: the sink elects all anew
+  duration first_quiet = 60s;         ///< before the sink's first decision
+  duration quiet = 40s;               ///< for which a candidate must stay the best at the sink
+  std::uint8_t company_samples = 6;   ///< beacons of a neighbour before a sink believes to be alone
+  duration anchor_patience = 2min;    ///< without way to an anchor: the sink elects all anew
   duration sequence_patience = 30min; ///< without news of an anchor: there is no way to it
 };
 

@@ -11,10 +11,13 @@ struct duty_window {
   duration length = 100ms; ///< from each multiple of the period in island time
   duration settling = 60s; ///< until the island's time shows this all radios stay on
 
+  [[nodiscard]] bool enabled() const { return period > 0s; }
+
   /// Whether others may be asleep, and we know when they are not.
   [[nodiscard]] bool applies(instant now, const clock_sync& clock) const {
-    return period > 0s && knows_time(now, clock) &&
-           clock.at(now).time_since_epoch() >= std::chrono::floor<std::chrono::microseconds>(settling);
+    return enabled() && knows_time(now, clock) &&
+           clock.at(now).time_since_epoch() >=
+               std::chrono::floor<std::chrono::microseconds>(settling);
   }
 
   /// Who does not is on all the time, and asks.

@@ -4,8 +4,7 @@
 
 namespace rubicon::network {
 
-radio_schedule::turn radio_schedule::turn_at(const entry& x, island_time now,
-                                               microseconds guard) {
+radio_schedule::turn radio_schedule::turn_at(const entry& x, island_time now, microseconds guard) {
   const auto& need = x.need;
   const auto from = std::max(now, x.served_until);
   const auto after = need.after + guard;
@@ -30,8 +29,7 @@ bool radio_schedule::is_on(island_time now, microseconds guard) const {
       needs_, [&](const auto& x) { return turn_at(x.second, now, guard).begin <= now; });
 }
 
-std::optional<island_time> radio_schedule::next_change(island_time now,
-                                                       microseconds guard) const {
+std::optional<island_time> radio_schedule::next_change(island_time now, microseconds guard) const {
   std::optional<island_time> next;
   for (const auto& [key, x] : needs_) {
     const auto present = turn_at(x, now, guard);

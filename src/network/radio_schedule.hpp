@@ -12,8 +12,8 @@
 namespace rubicon::network {
 
 /// A need for the radio that comes back: from `before` ahead of first + k * interval until `after`
-/// behind it, for k = 0, 1, ...; on either side longer by the guard, which grows with the doubt that
-/// its owner is in about the time.
+/// behind it, for k = 0, 1, ...; on either side longer by the guard, which grows with the doubt
+/// that its owner is in about the time.
 struct radio_need {
   island_time first;
   std::chrono::microseconds interval{}; ///< > 0
@@ -35,7 +35,8 @@ public:
   [[nodiscard]] bool is_on(island_time now, microseconds guard = {}) const;
 
   /// The next time after `now` at which is_on() may be another; nothing without needs.
-  [[nodiscard]] std::optional<island_time> next_change(island_time now, microseconds guard = {}) const;
+  [[nodiscard]] std::optional<island_time> next_change(island_time now,
+                                                       microseconds guard = {}) const;
 
   [[nodiscard]] std::size_t size() const { return needs_.size(); }
 

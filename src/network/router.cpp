@@ -17,7 +17,7 @@ neighbours_config links_of(const router_config& config) {
   neighbours_config x;
   if (config.is_sink)
     x.capacity = 24;
-  if (config.duty.period > 0s) { // a beacon a window: links must be known after few
+  if (config.duty.enabled()) { // a beacon a window: links must be known after few
     x.good_samples = 4;
     x.unusable_missed = 4;
     x.bad_missed = 5;
@@ -32,7 +32,7 @@ neighbours_config links_of(const router_config& config) {
 /// Others are of no use until they know a way to the sink: it does not keep quiet for them.
 trickle_config beacons_of(const router_config& config) {
   auto x = config.beacons;
-  if (config.duty.period > 0s) {
+  if (config.duty.enabled()) {
     x.interval_min = std::clamp(config.duty.period, x.interval_min, x.interval_max);
     x.shortest = 5;
   }
@@ -49,8 +49,8 @@ router::router(router_config config, random_stream dice, instant now)
       place_({.self = config.self, .is_sink = config.is_sink}, now),
       timer_(beacons_of(config), random_stream(dice_.next()), now), reported_(now),
       seek_end_(now + config.seek_length), report_gap_(config.report_gap),
-      helped_(now - config.help_gap), answered_(now - config.help_gap),
-      ask_from_(now), ask_due_(now + config.ask_quiet), ask_pause_(config.ask_pause) {
+      helped_(now - config.help_gap), answered_(now - config.help_gap), ask_from_(now),
+      ask_due_(now + config.ask_quiet), ask_pause_(config.ask_pause) {
   clock_sync_config timing;
   timing.self = config_.self;
   timing.is_root = config_.is_sink;
@@ -74,13 +74,18 @@ router::router(router_config config, random_stream dice, instant now)
     paths.queue_max = std::max<std::size_t>(paths.queue_max, 16);
     paths.octets_max = std::max(paths.octets_max, 16 * channel_packet_max);
   }
-  if (config_.duty.period > 0s)
+  if (config_.duty.enabled())
     paths.data_rounds_max = 4; // the second one waits for a window: then it had better arrive
   paths_ = channels(paths, random_stream(dice_.next()));
   auto further = dice_; // the others' dice fall as they do without turns
-  if (!config_.is_sink && config_.duty.period > 0s)
-    ask_due_ = now + further.between(config_.ask_quiet, std::max(config_.duty.period, config_.ask_quiet));
+  if (!config_.is_sink && config_.duty.enabled())
+    ask_due_ =
+        now + further.between(config_.ask_quiet, std::max(config_.duty.period, config_.ask_quiet));
   turns_ = turns(config_.is_sink, config_.duty, random_stream(further.next()));
+}
+
+duration router::change_beacon() const {
+  return std::max(config_.change_beacon, config_.duty.period);
 }
 
 void router::use_slots(std::size_t count, instant now) {
@@ -93,7 +98,7 @@ void router::keep_turns(instant now) {
   const auto next = turns_.next(now, clock_);
   turn_ = next > now ? next : instant{};
   // Who does not know when its neighbours listen keeps what it has for them, but for beacons.
-  const bool is_lost = config_.duty.period > 0s && !config_.duty.knows_time(now, clock_);
+  const bool is_lost = config_.duty.enabled() && !config_.duty.knows_time(now, clock_);
   const auto held = is_lost ? now + lost_pause : turn_;
   packets_.hold(held);
   paths_.hold(held);
@@ -258,7 +263,8 @@ void router::ask(const question& x, router_outputs& out, instant now) {
 
 void router::begin(const question& x, std::optional<virtual_coordinates> place, router_outputs& out,
                    instant now) {
-  take(paths_.connect(x.channel, x.destination, place, x.schedule, x.expiry, around(now), now), out);
+  take(paths_.connect(x.channel, x.destination, place, x.schedule, x.expiry, around(now), now),
+       out);
 }
 
 std::optional<router_outputs> router::send_on(channel_id channel, bytes content, departure how,
@@ -291,7 +297,6 @@ surroundings router::around(instant now) const {
   surroundings x;
   x.own_place = place_.place();
   x.is_crowd = links_.is_full();
-  x.turn_wait = turn_wait(now);
   x.turn_wait = turn_wait(now);
   for (const auto& each : links_.all()) {
     if (each.good)
@@ -387,7 +392,7 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
 /// receivers). Motes that all begin together need not ask each other, but a sink must know whether
 /// anybody still has its time.
 void router::seek_time(router_outputs& out, instant now) {
-  if (config_.duty.period == 0s || config_.duty.knows_time(now, clock_)) {
+  if (!config_.duty.enabled() || config_.duty.knows_time(now, clock_)) {
     ask_due_.reset();
     ask_pause_ = config_.ask_pause;
     return;
@@ -418,8 +423,8 @@ void router::seek_time(router_outputs& out, instant now) {
 /// One who does not know the time is on all the time: it can be answered at once.
 void router::answer_asker(const clock_stamp& told, instant now) {
   const bool asks = told.root == mote_id{} || limit_of(told.doubt) > config_.duty.length / 2;
-  if (config_.duty.period == 0s || !asks || !config_.duty.knows_time(now, clock_) ||
-      answer_due_ || now - answered_ < config_.help_gap)
+  if (!config_.duty.enabled() || !asks || !config_.duty.knows_time(now, clock_) || answer_due_ ||
+      now - answered_ < config_.help_gap)
     return;
   answered_ = now;
   ++counters_.answers;
@@ -440,7 +445,7 @@ void router::settle(router_outputs& out, instant now) {
     seek_end_ = now + config_.seek_length;
   }
   if (place_.update(links_, now))
-    timer_.shorten(now, std::max(config_.change_beacon, config_.duty.period));
+    timer_.shorten(now, change_beacon());
   take(packets_.on_route(tree_.parent(), tree_.cost(), now), out, now);
 }
 
@@ -535,7 +540,7 @@ router_outputs router::on_time(instant now) {
     out.emplace_back(clock_corrected{});
   beacon_due_ = timer_.on_time(now) || round || beacon_due_;
   if (!tree_.has_route() && now < seek_end_)
-    timer_.shorten(now, std::max(config_.change_beacon, config_.duty.period));
+    timer_.shorten(now, change_beacon());
   const bool is_turn = turn_ <= now && (beacon_due_ || (relay_due_ && *relay_due_ <= now));
   if (is_turn || (answer_due_ && *answer_due_ <= now))
     send_beacon(out, now);
@@ -575,7 +580,7 @@ instant router::deadline() const {
   if (relay_due_)
     consider(std::max(*relay_due_, turn_));
   consider(answer_due_);
-  if (config_.duty.period > 0s)
+  if (config_.duty.enabled())
     consider(ask_due_);
   if (beacon_due_ || !waiting_directs_.empty())
     consider(turn_);

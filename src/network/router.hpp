@@ -173,6 +173,7 @@ private:
   };
 
   void keep_turns(instant now);
+  [[nodiscard]] duration change_beacon() const;
   void send_directs(router_outputs& out, instant now);
   void on_beacon(mote_id source, byte_view payload, instant sfd, router_outputs& out, instant now);
   void settle(router_outputs& out, instant now);
@@ -214,17 +215,17 @@ private:
   std::optional<instant> relay_due_; ///< of a beacon that passes a clock round on
   unsigned copies_ = 0;              ///< of that round, heard so far
   std::uint64_t frames_ = 0;
-  std::map<std::uint64_t, direct> directs_;                     ///< by token
-  std::vector<frame_out> waiting_directs_;                      ///< of them, for their turn
+  std::map<std::uint64_t, direct> directs_; ///< by token
+  std::vector<frame_out> waiting_directs_;  ///< of them, for their turn
   std::map<std::uint64_t, mote_id> handed_; ///< unicasts: to whom
   std::vector<question> questions_;
   std::map<mote_id, virtual_coordinates> places_; ///< at the sink
   std::optional<virtual_coordinates> told_place_;
   mote_id told_parent_ = no_mote;
-  instant reported_;      ///< when it told the sink last
-  instant seek_end_;      ///< it has looked for a route long enough
-  duration report_gap_{}; ///< from then to the next report of a change
-  instant helped_;        ///< when it last sent a beacon soon for those without a route
+  instant reported_;                  ///< when it told the sink last
+  instant seek_end_;                  ///< it has looked for a route long enough
+  duration report_gap_{};             ///< from then to the next report of a change
+  instant helped_;                    ///< when it last sent a beacon soon for those without a route
   std::optional<instant> answer_due_; ///< to one who asks for the time
   instant answered_;                  ///< when we last did
   std::optional<instant> heard_;      ///< anybody's beacon

@@ -40,7 +40,8 @@ void time_reference::on_answer(std::uint16_t number, duration since_1970, instan
   ++counters_.good;
   repeats_ = 0;
   const auto count = answers_.size();
-  if (count >= answers_max / 2 && answers_[count - 1].own - answers_[count - 2].own < config_.spread)
+  if (count >= answers_max / 2 &&
+      answers_[count - 1].own - answers_[count - 2].own < config_.spread)
     answers_.pop_back();
   answers_.push_back(x);
   if (answers_.size() > answers_max)

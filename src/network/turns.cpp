@@ -10,10 +10,6 @@ namespace {
 
 using std::chrono::microseconds;
 
-microseconds in_us(duration x) {
-  return std::chrono::duration_cast<microseconds>(x);
-}
-
 /// The setting whose slots are in use now; nothing: none are, or it leaves no free part.
 std::optional<tick_setting> slotted(instant now, const clock_sync& clock) {
   if (clock.slots_used() == 0 || !clock.synchronised())
@@ -38,7 +34,7 @@ instant turns::next_in_window(instant now, const clock_sync& clock) {
   const auto period = in_us(window_.period);
   const auto time = clock.at(now).time_since_epoch();
   const auto doubt = clock.doubt(now);
-  auto number = time / period - (time % period < 0us ? 1 : 0);
+  auto number = period_number(time, period);
   const auto into = time - number * period;
   if (into >= doubt && into < in_us(window_.length) * open_quarters / 4)
     return now;
@@ -48,7 +44,7 @@ instant turns::next_in_window(instant now, const clock_sync& clock) {
 }
 
 instant turns::next(instant now, const clock_sync& clock) {
-  if (window_.period > 0s)
+  if (window_.enabled())
     return window_.applies(now, clock) ? next_in_window(now, clock) : now;
   const auto setting = slotted(now, clock);
   if (!setting)
@@ -57,16 +53,17 @@ instant turns::next(instant now, const clock_sync& clock) {
   const auto free_from = plan.free_from(clock.slots_used());
   const microseconds period = setting->period;
   const auto since = clock.at(now) - setting->from;
-  auto tick = since / period - (since % period < 0us ? 1 : 0);
+  auto tick = period_number(since, period);
   if (since - tick * period >= in_us(plan.free_until()))
     ++tick;
   const auto spread = std::min(free_from, (plan.free_until() - free_from) / 2);
-  const auto begin = setting->from + tick * period + in_us(free_from + draw(setting->first + tick, spread));
+  const auto begin =
+      setting->from + tick * period + in_us(free_from + draw(setting->first + tick, spread));
   return std::max(now, clock.when(begin));
 }
 
 duration turns::longest(instant now, const clock_sync& clock) const {
-  if (window_.period > 0s)
+  if (window_.enabled())
     return window_.applies(now, clock) ? window_.period : 0ns;
   const auto setting = slotted(now, clock);
   return setting ? duration(setting->period) : 0ns;

@@ -4,17 +4,7 @@
 
 namespace rubicon::synaptic {
 
-namespace {
-
 using std::chrono::microseconds;
-
-/// Ticks since `first` that have passed at a time; -1 just before it.
-std::int64_t ticks_passed(microseconds since, microseconds period) {
-  const auto whole = since / period;
-  return since % period < microseconds{0} ? whole - 1 : whole;
-}
-
-} // namespace
 
 std::optional<rubicon_clock::tick> rubicon_clock::update(instant now, island_time shared,
                                                          const tick_setting& setting) {
@@ -23,7 +13,7 @@ std::optional<rubicon_clock::tick> rubicon_clock::update(instant now, island_tim
   const auto first = std::int64_t{setting.first};
   const auto time_until = [&](std::int64_t number) { return (number - first) * period - since; };
   if (!due_) {
-    const auto before = std::max(first + ticks_passed(since - microseconds{1}, period), first - 1);
+    const auto before = std::max(first + period_number(since - microseconds{1}, period), first - 1);
     last_ = last_ == before + 1 ? last_ : before; // a tick that has been told is not told again
   }
   auto next = *last_ + 1;
@@ -35,7 +25,7 @@ std::optional<rubicon_clock::tick> rubicon_clock::update(instant now, island_tim
   }
   if (leaps) {
     ++leaps_;
-    next = std::max(first + ticks_passed(since, period), first);
+    next = std::max(first + period_number(since, period), first);
   }
   last_ = next;
   due_ = now + std::max<duration>(time_until(next + 1), 0s);

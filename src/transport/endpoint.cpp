@@ -126,8 +126,11 @@ void endpoint::attempt(mote_address destination, session& x, outputs& out, insta
 }
 
 duration endpoint::slack_to(mote_address destination) const {
-  const auto there = config_.answer_slack.find(destination.island);
-  return own_slack_ + (there == config_.answer_slack.end() ? 0ns : there->second);
+  const bool is_own = config_.self != no_mote && destination.island == island_;
+  if (is_own || !config_.answer_slack)
+    return own_slack_;
+  const auto there = config_.answer_slack->find(destination.island);
+  return own_slack_ + (there == config_.answer_slack->end() ? 0ns : there->second);
 }
 
 outputs endpoint::on_segment(island_id source_island, byte_view octets, instant now) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
@@ -45,13 +46,17 @@ struct outcome {
 using output = std::variant<to_network, received, outcome>;
 using outputs = std::vector<output>;
 
+/// What answers take longer where frames wait for radios that sleep, by island of the destination;
+/// nullptr: nowhere.
+using answer_slacks = std::shared_ptr<const std::map<island_id, duration>>;
+
 struct endpoint_config {
-  mote_id self;                  ///< no_mote for the PC side
-  std::uint32_t incarnation = 0; ///< how often this node has been started before
-  duration ack_wait = 500ms;     ///< after the first attempt; doubles with each further one,
-  /// and this more after each where frames wait for radios that sleep, by island of the destination
-  std::map<island_id, duration> answer_slack = {};
-  unsigned attempts_max = 5;     ///< failure after 31 times ack_wait
+  mote_id self;                    ///< no_mote for the PC side
+  std::uint32_t incarnation = 0;   ///< how often this node has been started before
+  duration ack_wait = 500ms;       ///< after the first attempt; doubles with each further one,
+  answer_slacks answer_slack = {}; ///< and this more after each, but for a mote's own island: as
+                                   ///< set_answer_slack() has it
+  unsigned attempts_max = 5;       ///< failure after 31 times ack_wait
   /// No attempt waits less than twice as long as answers of that receiver take, up to this: a slow
   /// line is not filled with copies of what it still holds. It fails no later for that: there are
   /// fewer attempts then.

@@ -23,9 +23,9 @@ constexpr std::uint64_t left_max = 30'000'000;        ///< of these, once the at
 constexpr std::uint64_t left_by_all_max = 60'000'000; ///< the same after several attacks
 constexpr double p99_max_ms = 250;
 constexpr duration newcomer_patience = 10s;
-constexpr duration crowd_least = 6s;  ///< how long a crowd stays: a newcomer must get in meanwhile
+constexpr duration crowd_least = 6s; ///< how long a crowd stays: a newcomer must get in meanwhile
 constexpr std::uint64_t left_over_max = 200'000'000; ///< of attacks back to back
-constexpr duration back_within = 60s; ///< memory, after an attack
+constexpr duration back_within = 60s;                ///< memory, after an attack
 
 /// What was seen of one play.
 struct observation {

@@ -476,7 +476,8 @@ TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
   config.incarnation = 1;
   gateway::gateway again(config, random_stream(1));
   static_cast<void>(again.start(instant(60s)));
-  static_cast<void>(again.on_clock(1000s, instant(60s))); // the clock of a kernel that has heard nobody yet
+  static_cast<void>(
+      again.on_clock(1000s, instant(60s))); // the clock of a kernel that has heard nobody yet
   CHECK(ask(again, instant(69s)).empty());
   CHECK(ask(again, instant(70s)).size() == 1);
 }

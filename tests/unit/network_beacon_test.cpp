@@ -195,7 +195,8 @@ TEST_CASE("a trickle fires in its first longest interval at the latest", "[netwo
 }
 
 TEST_CASE("shortest intervals follow each other as often as is wished", "[network][NET-11]") {
-  trickle timer({.interval_min = 4s, .interval_max = 64s, .shortest = 3}, random_stream(3), instant{});
+  trickle timer({.interval_min = 4s, .interval_max = 64s, .shortest = 3}, random_stream(3),
+                instant{});
   const auto fires_in = [&](duration from, duration to) {
     const auto due = timer.deadline();
     CHECK(due >= instant{} + from);

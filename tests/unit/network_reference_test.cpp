@@ -240,8 +240,7 @@ TEST_CASE("without a reference motes know the island's time alone", "[network][C
   CHECK_FALSE(x.mote.network_time(x.now));
 }
 
-TEST_CASE("a leap of the network time is told at once",
-          "[network][CLK-05][CLK-08]") {
+TEST_CASE("a leap of the network time is told at once", "[network][CLK-05][CLK-08]") {
   pair x;
   x.root.set_network_time(1000s, 0, x.now);
   x.run_for(33s);
