@@ -1,9 +1,9 @@
-// A line of motes whose radios sleep, with crystals that are off, a lossy air, and reboots of an end
-// and of a relay: what arrives, how soon streams are open again, what the radios cost.
+// A line of motes whose radios sleep, with crystals that are off, a lossy air, and reboots of an
+// end and of a relay: what arrives, how soon streams are open again, what the radios cost.
 //
-// The far mote writes a stream to the near one and takes commands from a PC. The near one is the
-// sink's only neighbour. One of the two crashes at 5 minutes (the writer with even seeds, the reader
-// with odd ones), and the mote in the middle at an hour.
+// The far mote writes a stream to the near one and has a lamp that a robot switches once a minute.
+// The near one is the sink's only neighbour. One of the two crashes at 5 minutes (the writer with
+// even seeds, the reader with odd ones), and the mote in the middle at an hour.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -42,20 +42,33 @@ std::string ecology_of(const setting& x, bool writer_crashes, const std::string&
        << "[mote_type.m]\ntype = 1\n"
        << "transducers = { temperature = { model = 'sine', mean = 18, amplitude = 4, period = "
           "'40min' } }\n"
+       << "[mote_type.lamp]\ntype = 2\n"
+       << "transducers = { temperature = { model = 'sine', mean = 18, amplitude = 4, period = "
+          "'40min' } }\n"
        << "actuators = [{ name = 'switch', kind = 'relay' }]\n"
        << "[[island]]\nid = 1\nname = 'line'\nsink.position_m = [0, 0]\nkeep_alive = '1min'\n"
        << "crystal_ppm = " << x.ppm << "\ngateway.links = ['inproc://desk']\n"
        << "duty_cycle = { period = '" << period_s << "s', window = '80ms' }\n"
-       << "[[peer]]\nid = 40\nname = 'desk'\napps = [{ app = 'messenger', to = 'line/m-"
-       << x.hops + 2 << "', text = 'on', every = '1min', am_type = 11, reliable = true }]\n";
+       << "[[peer]]\nid = 21\nname = 'desk'\napps = [{ app = 'proxy_manager' }, { app = 'goal', "
+          "name "
+          "= 'clock', outputs = [{ name = 'minutes', value = 0, every = '1min', step = 1 }] }, { "
+          "app "
+          "= 'translate', rules = [{ from = 'clock.minutes', to = 'clock.odd', value = 'x - 2 * "
+          "floor(x / 2)' }] }]\n"
+       << "[[peer]]\nid = 22\nname = 'watchman'\nlinks = ['inproc://desk']\napps = [{ app = "
+          "'rules', retry = '0s', rules = [{ when = 'clock.odd', above = 0.6, below = 0.4, write = "
+          "'line.lamp.switch', then = 'on', otherwise = 'off' }] }]\n"
+       << "[[proxy]]\nname = 'lamp'\ntypes = [2]\n"
+       << "[[proxy.field]]\nname = 'state'\nchannel = 2\nencoding = 'u8'\n"
+       << "[[proxy.input]]\nname = 'switch'\nchannel = 2\nwords = { on = '01', off = '00' }\n";
   for (unsigned i = 0; i <= x.hops; ++i) {
-    toml << "[[island.mote]]\nid = " << i + 2 << "\nname = 'm-" << i + 2
-         << "'\ntype = 'm'\nposition_m = [" << 19 * (i + 1) << ", 0]\n";
+    toml << "[[island.mote]]\nid = " << i + 2 << "\nname = 'm-" << i + 2 << "'\ntype = '"
+         << (i == x.hops ? "lamp" : "m") << "'\nposition_m = [" << 19 * (i + 1) << ", 0]\n";
     if (i == 0)
       toml << "apps = [{ app = 'stream_reader', stream = 3, every = '1s' }]\n";
     if (i == x.hops)
       toml << "apps = [{ app = 'stream_writer', transducer = 'temperature', stream = 3, every = "
-              "'1s', to = 'line/m-2' }, { app = 'listener', am_type = 11 }]\n";
+              "'1s', to = 'line/m-2' }, { app = 'actuator', actuator = 'switch' }]\n";
   }
   const auto crash = [&toml](const char* at, unsigned mote) {
     toml << "[[fault]]\nat = '" << at << "'\nkind = 'crash'\nmote = 'line/m-" << mote << "'\n";
@@ -69,7 +82,7 @@ std::string ecology_of(const setting& x, bool writer_crashes, const std::string&
   return toml.str();
 }
 
-struct result {
+struct line_result {
   double delivery = 0;
   double pause_s = 0;
   unsigned opens_failed = 0;
@@ -79,7 +92,7 @@ struct result {
   bool sane = false; ///< no other violation
 };
 
-result run_one(const setting& what, std::uint64_t seed, const std::string& length) {
+line_result run_one(const setting& what, std::uint64_t seed, const std::string& length) {
   auto loaded = config::load_text(ecology_of(what, seed % 2 == 0, length), "sleep.toml", {}, {});
   if (!loaded.ecology)
     throw std::logic_error("the bench's own ecology is refused: " +
@@ -87,7 +100,7 @@ result run_one(const setting& what, std::uint64_t seed, const std::string& lengt
   run_options options;
   options.seed = seed;
   const auto report = run_ecology(*loaded.ecology, options);
-  result x;
+  line_result x;
   if (!report.streams.empty()) {
     const auto& stream = report.streams.front();
     x.delivery = stream.delivery().value_or(0);
@@ -112,7 +125,8 @@ double share_wanted(unsigned loss_percent) {
   return loss_percent == 0 ? 0.999 : loss_percent <= 5 ? 0.99 : 0.95;
 }
 
-void print_row(const setting& what, const std::vector<result>& all, const std::string& failed) {
+void print_row(const setting& what, const std::vector<line_result>& all,
+               const std::string& failed) {
   const auto count = [&all](auto fits) { return std::ranges::count_if(all, fits); };
   double delivery = 0;
   double worst = 1;
@@ -129,14 +143,15 @@ void print_row(const setting& what, const std::vector<result>& all, const std::s
     opens_failed += x.opens_failed;
   }
   const auto seeds = static_cast<long>(all.size());
-  std::printf("%4u %4u %4u%% %8.2f %7.2f %5ld/%-3ld %7.0f %5ld/%-3ld %6u %7.2f %6.2f %5ld/%-3ld "
-              "%3ld/%-3ld%s\n",
-              what.hops, what.ppm, what.loss_percent, 100 * delivery, 100 * worst,
-              count([&](const result& x) { return x.delivery >= share_wanted(what.loss_percent); }),
-              seeds, pause,
-              count([&](const result& x) { return x.pause_s <= pause_max_s(what.hops); }), seeds,
-              opens_failed, 100 * acked, 100 * radio, count([](const result& x) { return x.clock; }),
-              seeds, count([](const result& x) { return x.sane; }), seeds, failed.c_str());
+  std::printf(
+      "%4u %4u %4u%% %8.2f %7.2f %5ld/%-3ld %7.0f %5ld/%-3ld %6u %7.2f %6.2f %5ld/%-3ld "
+      "%3ld/%-3ld%s\n",
+      what.hops, what.ppm, what.loss_percent, 100 * delivery, 100 * worst,
+      count([&](const line_result& x) { return x.delivery >= share_wanted(what.loss_percent); }),
+      seeds, pause,
+      count([&](const line_result& x) { return x.pause_s <= pause_max_s(what.hops); }), seeds,
+      opens_failed, 100 * acked, 100 * radio, count([](const line_result& x) { return x.clock; }),
+      seeds, count([](const line_result& x) { return x.sane; }), seeds, failed.c_str());
   std::fflush(stdout);
 }
 
@@ -164,7 +179,7 @@ int main(int argc, char** argv) {
     for (const auto p : ppm)
       for (const auto l : loss) {
         const setting what{h, p, l};
-        std::vector<result> all;
+        std::vector<line_result> all;
         std::string insane;
         for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
           all.push_back(run_one(what, seed, length));
