@@ -13,9 +13,11 @@ namespace {
 constexpr duration radio_round_max = 4 * (115 * 320us + 4300us + 900us);
 
 constexpr duration offer_lifetime = 5s; ///< what nobody has taken up by then is void
-constexpr int turns_spare = 4;          ///< turns that set-up may take beside one a hop each way
-constexpr int hops_likely = 8;          ///< of a way that nobody knows
-constexpr unsigned flood_rounds = 2;    ///< nobody acknowledges: each mote says it so often
+constexpr int turns_spare =
+    6; ///< turns that set-up may take beside one a hop: many take several hops
+constexpr int hops_likely = 8;           ///< of a way that nobody knows
+constexpr unsigned flood_rounds = 2;     ///< nobody acknowledges: each mote says it so often,
+constexpr unsigned flood_rounds_max = 5; ///< and until it has heard that somebody passes it on
 
 bool is_data(const channel_message& x) {
   return std::holds_alternative<data_message>(x.content);
@@ -44,7 +46,7 @@ int likely_hops(const surroundings& around, const std::optional<virtual_coordina
 
 /// What a message there and its answer may wait for their turns.
 duration turns_of(const surroundings& around, int hops) {
-  return (turns_spare + 2 * hops) * around.turn_wait;
+  return (turns_spare + hops) * around.turn_wait;
 }
 
 } // namespace
@@ -223,13 +225,16 @@ void channels::take(mote_id from, channel_id id, connect_message& x, const surro
 void channels::take_flooded(mote_id from, channel_id id, const connect_message& x,
                             const surroundings& around, channels_outputs& out, instant now) {
   if (const auto again = offers_.find(id); again != offers_.end()) {
-    if (++again->second.copies == config_.flood_copies && around.is_crowd)
-      std::erase_if(queue_, [id](const waiting& y) {
-        return y.message.channel == id && y.next == broadcast_mote;
-      });
+    note_copy(again->second.heard, x.hops, again->second.wish.hops);
+    if (again->second.heard.copies == config_.flood_copies && around.is_crowd)
+      end_flood(id);
     return;
   }
-  if (entries_.contains(id) || id.source == config_.self)
+  if (const auto ours = entries_.find(id); ours != entries_.end()) {
+    note_copy(ours->second.heard, x.hops, ours->second.wish.hops);
+    return;
+  }
+  if (id.source == config_.self)
     return;
   if (x.destination == config_.self) {
     auto plain = x;
@@ -240,12 +245,34 @@ void channels::take_flooded(mote_id from, channel_id id, const connect_message& 
   if (offers_.size() >= config_.offers_max || entries_.size() >= config_.entries_max ||
       x.hops > config_.hops_max)
     return;
-  offers_[id] = {from, x, now + offer_lifetime + turns_of(around, hops_likely)};
+  offers_[id] = {from, x, now + offer_lifetime + turns_of(around, hops_likely), {}};
   const auto is_near = [&](const nearby_mote& y) { return y.mote == x.destination; };
   if (std::ranges::any_of(around.motes, is_near)) // perhaps of all who hear this we alone
     queue(x.destination, {id, one_hop_on(x)}, now);
   else
     queue(broadcast_mote, {id, one_hop_on(x)}, now + dice_.between(0s, config_.flood_spread));
+}
+
+/// We say `own_hops + 1`, and who passes it on one more.
+void channels::note_copy(flood_copies& x, std::uint8_t hops, std::uint8_t own_hops) {
+  ++x.copies;
+  x.passed_on = x.passed_on || hops >= own_hops + 2;
+}
+
+void channels::end_flood(channel_id id) {
+  std::erase_if(queue_, [id](const waiting& x) {
+    return x.message.channel == id && x.next == broadcast_mote;
+  });
+}
+
+/// How often a flood's message is to be said.
+unsigned channels::rounds_of_flood(channel_id id) const {
+  const auto offered = offers_.find(id);
+  const auto ours = entries_.find(id);
+  const auto heard = offered != offers_.end() ? offered->second.heard
+                     : ours != entries_.end() ? ours->second.heard
+                                              : flood_copies{};
+  return heard.passed_on || heard.copies >= config_.flood_copies ? flood_rounds : flood_rounds_max;
 }
 
 void channels::take(mote_id from, channel_id id, connect_ack_message& ack, const surroundings&,
@@ -269,6 +296,7 @@ void channels::take(mote_id from, channel_id id, connect_ack_message& ack, const
     return;
   }
   x.next = from;
+  end_flood(id);
   if (std::exchange(x.open, true))
     return;
   x.wish.hops = ack.hops;
@@ -404,7 +432,7 @@ channels_outputs channels::on_sent(bool acked, const surroundings& around, insta
   auto x = *std::exchange(under_way_, std::nullopt);
   const auto in_slot = x.how == departure::in_slot ? 1U : 0U;
   const auto rounds_max = is_data(x.message)         ? config_.data_rounds_max + in_slot
-                          : x.next == broadcast_mote ? flood_rounds
+                          : x.next == broadcast_mote ? rounds_of_flood(x.message.channel)
                                                      : config_.rounds_max;
   ++x.rounds;
   if (const auto found = entries_.find(x.message.channel); acked && found != entries_.end())

@@ -185,6 +185,12 @@ public:
   }
 
 private:
+  /// Of a flooded connect message that we have said, too.
+  struct flood_copies {
+    unsigned copies = 1;    ///< heard
+    bool passed_on = false; ///< one of them by a mote that had it from us, or might have
+  };
+
   struct entry {
     std::optional<mote_id> previous; ///< nothing at the source
     std::optional<mote_id> next;     ///< nothing at the destination, and while it is looked for
@@ -197,6 +203,7 @@ private:
     std::optional<std::uint8_t> from_next;
     instant last_packet;
     instant setup_end;
+    flood_copies heard;
   };
 
   /// A flooded connect message that we have heard first from `previous`.
@@ -204,7 +211,7 @@ private:
     mote_id previous;
     connect_message wish;
     instant end;
-    unsigned copies = 1; ///< heard
+    flood_copies heard;
   };
 
   struct waiting {
@@ -225,6 +232,9 @@ private:
   [[nodiscard]] static std::optional<mote_id> nearer(const entry& x, const surroundings& around);
   [[nodiscard]] static bool may_be_near(const entry& x, const surroundings& around);
   void flood(channel_id id, entry& x, instant now);
+  static void note_copy(flood_copies& x, std::uint8_t hops, std::uint8_t own_hops);
+  void end_flood(channel_id id);
+  [[nodiscard]] unsigned rounds_of_flood(channel_id id) const;
   void free(channel_id id, channel_end why, std::optional<mote_id> told_by, channels_outputs& out,
             instant now);
   void reserve(channel_id id, const entry& x, channels_outputs& out) const;

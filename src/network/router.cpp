@@ -18,7 +18,8 @@ neighbours_config links_of(const router_config& config) {
   if (config.is_sink)
     x.capacity = 24;
   if (config.duty.enabled()) { // a beacon a window: links must be known after few
-    x.good_samples = 4;
+    x.good_samples = 2;
+    x.usable_samples = 2;
     x.unusable_missed = 4;
     x.bad_missed = 5;
     x.good_from = quality_of(0.75);
@@ -74,8 +75,11 @@ router::router(router_config config, random_stream dice, instant now)
     paths.queue_max = std::max<std::size_t>(paths.queue_max, 16);
     paths.octets_max = std::max(paths.octets_max, 16 * channel_packet_max);
   }
-  if (config_.duty.enabled())
+  if (config_.duty.enabled()) {
     paths.data_rounds_max = 4; // the second one waits for a window: then it had better arrive
+    paths.flood_spread =
+        std::min(paths.flood_spread, config_.duty.length / 8); // several hops a window
+  }
   paths_ = channels(paths, random_stream(dice_.next()));
   auto further = dice_; // the others' dice fall as they do without turns
   if (!config_.is_sink && config_.duty.enabled())
@@ -249,7 +253,7 @@ std::pair<channel_id, router_outputs> router::connect(mote_id destination,
 }
 
 bool router::may_ask_again(const question& x) const {
-  return links_.is_full() && x.asks < config_.asks_max;
+  return (links_.is_full() || config_.duty.enabled()) && x.asks < config_.asks_max;
 }
 
 duration router::answer_wait(instant now) const {

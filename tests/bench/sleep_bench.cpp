@@ -163,15 +163,23 @@ int main(int argc, char** argv) {
   std::vector<unsigned> loss{0, 5, 20};
   std::uint64_t seeds = 3;
   std::string length = "2h";
+  bool show = false;
   CLI::App command{"Sleeping lines: hops, crystals, loss, reboots"};
   command.add_option("--hops", hops, "from writer to reader");
   command.add_option("--ppm", ppm, "crystals are off by up to this");
   command.add_option("--loss", loss, "of frames, in percent");
   command.add_option("--seeds", seeds, "1 to this one each")->check(CLI::PositiveNumber);
   command.add_option("--for", length, "how long each run is");
+  command.add_flag("--show", show,
+                   "print the ecology of the first row's last seed, and run nothing");
   CLI11_PARSE(command, argc, argv);
   spdlog::set_level(spdlog::level::off);
 
+  if (show) {
+    const setting first{hops.front(), ppm.front(), loss.front()};
+    std::printf("%s", ecology_of(first, seeds % 2 == 0, length).c_str());
+    return 0;
+  }
   std::printf("%4s %4s %5s %8s %7s %9s %7s %9s %6s %7s %6s %9s %7s\n", "hops", "ppm", "loss",
               "read %", "worst", "enough", "pause s", "short", "failed", "acked %", "radio",
               "clock", "sane");
