@@ -2,11 +2,19 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace rubicon::network {
 
+namespace {
+
+constexpr std::uint8_t urgent_bit = 0x80; ///< in the octet of the hops
+
+} // namespace
+
 void gradient_part::write(byte_writer& out) const {
-  out.big(root.value).big(root_sequence).big(parent.value).big(cost).octet(hops);
+  const auto last = static_cast<std::uint8_t>(hops | (urgent ? urgent_bit : 0));
+  out.big(root.value).big(root_sequence).big(parent.value).big(cost).octet(last);
 }
 
 gradient_part gradient_part::read(byte_reader& in) {
@@ -15,7 +23,9 @@ gradient_part gradient_part::read(byte_reader& in) {
   x.root_sequence = in.big<std::uint16_t>();
   x.parent = mote_id{in.big<std::uint16_t>()};
   x.cost = in.big<etx_cost>();
-  x.hops = in.octet();
+  const auto last = in.octet();
+  x.hops = static_cast<std::uint8_t>(last & ~urgent_bit);
+  x.urgent = (last & urgent_bit) != 0;
   return x;
 }
 
@@ -31,12 +41,14 @@ bool gradient::on_beacon(mote_id source, const gradient_part& x, const neighbour
   if (!links.find(source))
     return false;
   settled_.reset();
-  const auto at = std::ranges::lower_bound(rows_, source, {}, &row::mote);
+  auto at = std::ranges::lower_bound(rows_, source, {}, &row::mote);
   if (at != rows_.end() && at->mote == source) {
     note_progress(*at, x);
     at->part = x;
-  } else
-    rows_.insert(at, row{source, x});
+  } else {
+    at = rows_.insert(at, row{source, x});
+  }
+  at->lost = x.cost == etx_infinite ? at->lost + 1 : 0;
   if (root_ != no_mote && x.root != no_mote && x.root != root_)
     ++counters_.foreign_roots;
   // A root that has restarted goes on where its earlier life ended.
@@ -142,7 +154,11 @@ void gradient::follow(const offer& chosen, instant now) {
   parent_ = chosen.from->mote;
   cost_ = chosen.cost;
   hops_ = static_cast<std::uint8_t>(part.hops + 1);
-  if (is_newer(part.root_sequence, sequence_) || !told_.told())
+  if (is_newer(part.root_sequence, sequence_)) {
+    progressed_ = now;
+    urgent_ = urgent_ || part.urgent;
+  }
+  if (!told_.told())
     progressed_ = now;
   sequence_ = part.root_sequence;
 }
@@ -179,7 +195,14 @@ gradient_part gradient::advertise() {
     ++sequence_;
   else if (has_route())
     told_.tell(sequence_, cost_);
-  return {root_, sequence_, parent_, cost_, hops_};
+  return {root_, sequence_, parent_, cost_, hops_, std::exchange(urgent_, false)};
+}
+
+bool gradient::starves(mote_id neighbour) const {
+  constexpr unsigned beacons_lost = 2; // it may have lost its route before it heard of ours
+  const auto at = std::ranges::lower_bound(rows_, neighbour, {}, &row::mote);
+  return at != rows_.end() && at->mote == neighbour && has_route() && at->lost >= beacons_lost &&
+         at->part.root == root_ && !is_newer(sequence_, at->part.root_sequence);
 }
 
 std::vector<mote_id> gradient::children() const {

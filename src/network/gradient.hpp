@@ -20,7 +20,9 @@ struct gradient_part {
   std::uint16_t root_sequence = 0; ///< counted up by the root with each of its beacons
   mote_id parent = no_mote;        ///< no_mote: is the root, or has no route
   etx_cost cost = etx_infinite;    ///< etx_infinite: no route, do not send by way of me
-  std::uint8_t hops = 0;
+  std::uint8_t hops = 0;           ///< below 128
+  /// The sequence number was asked for: who has it from this mote passes it on soon.
+  bool urgent = false;
 
   static constexpr std::size_t size = 9;
 
@@ -72,6 +74,15 @@ public:
   /// For a beacon that is sent now.
   [[nodiscard]] gradient_part advertise();
 
+  /// Somebody waits for our next sequence number: the next advertise() says so. @pre is_root()
+  void hasten() { urgent_ = true; }
+  /// A sequence number that somebody waits for has come, and advertise() has not told it yet.
+  [[nodiscard]] bool is_urgent() const { return urgent_; }
+
+  /// Whether a neighbour that has just beaconed waits, not for the first time, for a newer sequence
+  /// number than we could tell it.
+  [[nodiscard]] bool starves(mote_id neighbour) const;
+
   [[nodiscard]] bool has_route() const { return cost_ != etx_infinite; }
   [[nodiscard]] bool is_root() const { return config_.is_root; }
   [[nodiscard]] mote_id root() const { return root_; }
@@ -100,6 +111,7 @@ private:
   struct row {
     mote_id mote;
     gradient_part part;
+    unsigned lost = 0; ///< beacons in a row in which it had no route
   };
 
   struct offer {
@@ -131,6 +143,7 @@ private:
   std::uint16_t sequence_ = 0; ///< of the root, that we tell
   instant progressed_;         ///< when it last went up
   feasibility told_;
+  bool urgent_ = false;
   std::uint8_t behind_ = 0; ///< as for behind_max, in a row
   gradient_counters counters_;
 };

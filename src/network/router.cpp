@@ -77,8 +77,8 @@ router::router(router_config config, random_stream dice, instant now)
   }
   if (config_.duty.enabled()) {
     paths.data_rounds_max = 4; // the second one waits for a window: then it had better arrive
-    paths.flood_spread =
-        std::min(paths.flood_spread, config_.duty.length / 8); // several hops a window
+    paths.flood_spread = std::min(paths.flood_spread, spread_in_window());
+    config_.relay_spread = std::min(config_.relay_spread, spread_in_window());
   }
   paths_ = channels(paths, random_stream(dice_.next()));
   auto further = dice_; // the others' dice fall as they do without turns
@@ -86,6 +86,11 @@ router::router(router_config config, random_stream dice, instant now)
     ask_due_ =
         now + further.between(config_.ask_quiet, std::max(config_.duty.period, config_.ask_quiet));
   turns_ = turns(config_.is_sink, config_.duty, random_stream(further.next()));
+}
+
+/// What goes to everybody is to take several hops in a window.
+duration router::spread_in_window() const {
+  return config_.duty.length / 8;
 }
 
 duration router::change_beacon() const {
@@ -203,6 +208,11 @@ void router::on_content(collected x, router_outputs& out, instant now) {
       if (places_.size() >= config_.places_max && !places_.contains(x.origin))
         places_.clear(); // forgetting costs a detour until the next report
       places_[x.origin] = *report->place;
+    }
+  } else if (std::holds_alternative<sequence_request>(*message)) {
+    if (config_.is_sink && may_hasten(now)) {
+      tree_.hasten();
+      beacon_due_ = true;
     }
   } else if (const auto* asked = std::get_if<place_question>(&*message)) {
     if (config_.is_sink)
@@ -377,7 +387,8 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
     if (!relay_due_)
       relay_due_ = now + dice_.between(0s, config_.relay_spread);
     copies_ = 1;
-  } else if (clock_.is_of_last_round(x->clock) && ++copies_ >= config_.relay_copies) {
+  } else if (clock_.is_of_last_round(x->clock) && ++copies_ >= config_.relay_copies &&
+             !tree_.is_urgent()) {
     relay_due_.reset();
   }
   if (what == admission::refused)
@@ -389,6 +400,31 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
     timer_.reset(now);
   }
   settle(out, now);
+  feed(source, out, now);
+}
+
+bool router::may_hasten(instant now) {
+  const auto gap = config_.sequence_gap + 2 * config_.duty.period;
+  if (hastened_ && now - *hastened_ < gap)
+    return false;
+  hastened_ = now;
+  return true;
+}
+
+/// A mote that may use none of its neighbours' routes before there is a newer sequence number gets
+/// one: the sink is asked, and it comes quickly along the tree.
+void router::feed(mote_id neighbour, router_outputs& out, instant now) {
+  if (tree_.starves(neighbour) && may_hasten(now)) {
+    ++counters_.sequence_requests;
+    if (config_.is_sink) {
+      tree_.hasten();
+      beacon_due_ = true;
+    } else {
+      send_router_message(tree_.root(), sequence_request{}, out, now);
+    }
+  }
+  if (tree_.is_urgent() && !config_.is_sink && !relay_due_)
+    relay_due_ = now + dice_.between(0s, config_.relay_spread);
 }
 
 /// Who sleeps hears little of what others say, and who does not know the time cannot tell when they

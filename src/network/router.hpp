@@ -50,6 +50,8 @@ struct router_config {
   duration change_beacon = 1s;
   duration seek_length = 30s;
   duration help_gap = 2s;
+  duration sequence_gap = 8s; ///< between requests for the sink's next sequence number, and between
+                              ///< the sink's answers, and two windows more
   /// In an island whose radios sleep, who does not know the time asks for it for a whole period,
   /// with a beacon in each window: when it has heard nobody for ask_quiet, or nobody who knows for
   /// ask_after; then again, each time twice as long after.
@@ -94,6 +96,7 @@ struct router_counters {
   std::uint64_t detours = 0; ///< packets for a neighbour that went by the sink after all
   std::uint64_t asks = 0;    ///< beacons that ask for the time
   std::uint64_t answers = 0; ///< to those of others
+  std::uint64_t sequence_requests = 0;
 };
 
 /// One frame of each kind is under way at a time: beacon, packet, channel message; packets for
@@ -174,9 +177,12 @@ private:
 
   void keep_turns(instant now);
   [[nodiscard]] duration change_beacon() const;
+  [[nodiscard]] duration spread_in_window() const;
   void send_directs(router_outputs& out, instant now);
   void on_beacon(mote_id source, byte_view payload, instant sfd, router_outputs& out, instant now);
   void settle(router_outputs& out, instant now);
+  void feed(mote_id neighbour, router_outputs& out, instant now);
+  [[nodiscard]] bool may_hasten(instant now);
   /// @param again it says nothing that the last one did not: it counts as the same
   void send_beacon(router_outputs& out, instant now, bool again = false);
   [[nodiscard]] std::optional<instant> report_due() const;
@@ -225,6 +231,7 @@ private:
   instant reported_;                  ///< when it told the sink last
   instant seek_end_;                  ///< it has looked for a route long enough
   duration report_gap_{};             ///< from then to the next report of a change
+  std::optional<instant> hastened_;   ///< when it last asked for a sequence number, or told one
   instant helped_;                    ///< when it last sent a beacon soon for those without a route
   std::optional<instant> answer_due_; ///< to one who asks for the time
   instant answered_;                  ///< when we last did

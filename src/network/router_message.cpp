@@ -30,6 +30,7 @@ struct writer {
     to.big(x.mote.value);
     write_place(to, x.place);
   }
+  void operator()(const sequence_request&) const {}
 };
 
 } // namespace
@@ -60,6 +61,9 @@ result<router_message> decode_router_message(byte_view octets) {
     x = place_answer{mote, read_place(from)};
     break;
   }
+  case 4:
+    x = sequence_request{};
+    break;
   default:
     return from.ok() ? errc::unsupported : errc::truncated;
   }

@@ -42,7 +42,14 @@ struct place_answer {
   friend bool operator==(const place_answer&, const place_answer&) = default;
 };
 
-using router_message = std::variant<user_content, place_report, place_question, place_answer>;
+/// 4, up: a mote is without a route that it may use before the sink counts its sequence number up
+/// (RFC 8966 2.4, 3.8.2).
+struct sequence_request {
+  friend bool operator==(const sequence_request&, const sequence_request&) = default;
+};
+
+using router_message =
+    std::variant<user_content, place_report, place_question, place_answer, sequence_request>;
 
 [[nodiscard]] bytes encode(const router_message& x);
 

@@ -35,6 +35,10 @@ constexpr double pause_max_s(unsigned hops) {
   return 30 + 3.0 * period_s * hops;
 }
 
+std::string name_of(unsigned mote, unsigned hops) {
+  return mote == 0 ? "near" : mote == hops ? "far" : "relay-" + std::to_string(mote);
+}
+
 std::string ecology_of(const setting& x, bool writer_crashes, const std::string& length) {
   std::ostringstream toml;
   toml << "[ecology]\nname = 'sleep'\nduration = '" << length << "'\n"
@@ -57,25 +61,26 @@ std::string ecology_of(const setting& x, bool writer_crashes, const std::string&
           "floor(x / 2)' }] }]\n"
        << "[[peer]]\nid = 22\nname = 'watchman'\nlinks = ['inproc://desk']\napps = [{ app = "
           "'rules', retry = '0s', rules = [{ when = 'clock.odd', above = 0.6, below = 0.4, write = "
-          "'line.lamp.switch', then = 'on', otherwise = 'off' }] }]\n"
+          "'line.far.switch', then = 'on', otherwise = 'off' }] }]\n"
        << "[[proxy]]\nname = 'lamp'\ntypes = [2]\n"
        << "[[proxy.field]]\nname = 'state'\nchannel = 2\nencoding = 'u8'\n"
        << "[[proxy.input]]\nname = 'switch'\nchannel = 2\nwords = { on = '01', off = '00' }\n";
   for (unsigned i = 0; i <= x.hops; ++i) {
-    toml << "[[island.mote]]\nid = " << i + 2 << "\nname = 'm-" << i + 2 << "'\ntype = '"
+    toml << "[[island.mote]]\nid = " << i + 2 << "\nname = '" << name_of(i, x.hops) << "'\ntype = '"
          << (i == x.hops ? "lamp" : "m") << "'\nposition_m = [" << 19 * (i + 1) << ", 0]\n";
     if (i == 0)
       toml << "apps = [{ app = 'stream_reader', stream = 3, every = '1s' }]\n";
     if (i == x.hops)
       toml << "apps = [{ app = 'stream_writer', transducer = 'temperature', stream = 3, every = "
-              "'1s', to = 'line/m-2' }, { app = 'actuator', actuator = 'switch' }]\n";
+              "'1s', to = 'line/near' }, { app = 'actuator', actuator = 'switch' }]\n";
   }
-  const auto crash = [&toml](const char* at, unsigned mote) {
-    toml << "[[fault]]\nat = '" << at << "'\nkind = 'crash'\nmote = 'line/m-" << mote << "'\n";
+  const auto crash = [&](const char* at, unsigned mote) {
+    toml << "[[fault]]\nat = '" << at << "'\nkind = 'crash'\nmote = 'line/" << name_of(mote, x.hops)
+         << "'\n";
   };
-  crash("5min", writer_crashes ? x.hops + 2 : 2);
+  crash("5min", writer_crashes ? x.hops : 0);
   if (x.hops > 1)
-    crash("60min", x.hops / 2 + 2);
+    crash("60min", x.hops / 2);
   toml << "[[expect]]\nkind = 'clock'\nat_most = '1ms'\nshare = '99.9%'\nfrom = '5min'\n"
        << "[[expect]]\nkind = 'clock'\nat_most = '3ms'\nfrom = '5min'\n"
        << "[[expect]]\nkind = 'members'\n";
