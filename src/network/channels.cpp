@@ -399,6 +399,13 @@ bool channels::has_room(std::size_t octets) const {
 }
 
 void channels::queue(mote_id next, channel_message message, instant due, departure how) {
+  const auto says_the_same = [&](const waiting& x) {
+    return x.next == next && x.message.channel == message.channel &&
+           std::holds_alternative<end_message>(x.message.content);
+  };
+  if (std::holds_alternative<end_message>(message.content) &&
+      std::ranges::any_of(queue_, says_the_same))
+    return; // strays come faster than radios wake up
   if (is_data(message) && !has_room(data_octets(message)))
     ++counters_.packets_lost;
   else if (queue_.size() < 2 * config_.queue_max) // control messages are few, and matter more

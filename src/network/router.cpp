@@ -263,11 +263,11 @@ std::pair<channel_id, router_outputs> router::connect(mote_id destination,
 }
 
 bool router::may_ask_again(const question& x) const {
-  return (links_.is_full() || config_.duty.enabled()) && x.asks < config_.asks_max;
+  return links_.is_full() && x.asks < config_.asks_max;
 }
 
 duration router::answer_wait(instant now) const {
-  return config_.question_timeout + (2 + 2 * tree_.hops()) * turn_wait(now);
+  return config_.question_timeout + (4 + tree_.hops() / 2) * turn_wait(now); // several hops a turn
 }
 
 void router::ask(const question& x, router_outputs& out, instant now) {
