@@ -482,6 +482,20 @@ void channels::on_lost(const waiting& x, const surroundings& around, channels_ou
        now);
 }
 
+channels_outputs channels::on_restarted(mote_id neighbour, instant now) {
+  channels_outputs out;
+  std::vector<channel_id> broken;
+  for (const auto& [id, x] : entries_)
+    if (x.open && (x.next == neighbour || x.previous == neighbour))
+      broken.push_back(id);
+  for (const auto& id : broken) {
+    ++counters_.broken;
+    free(id, channel_end::broken, neighbour, out, now);
+  }
+  pump(out, now);
+  return out;
+}
+
 channels_outputs channels::on_time(instant now) {
   channels_outputs out;
   std::vector<std::pair<channel_id, channel_end>> over;

@@ -167,6 +167,9 @@ public:
   /// The last channel_hop has ended. @param around matters only if nobody has acknowledged it
   [[nodiscard]] channels_outputs on_sent(bool acked, const surroundings& around, instant now);
 
+  /// A neighbour has begun anew: it knows of no channel.
+  [[nodiscard]] channels_outputs on_restarted(mote_id neighbour, instant now);
+
   [[nodiscard]] channels_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
 

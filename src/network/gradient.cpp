@@ -36,7 +36,8 @@ gradient::gradient(gradient_config config) : config_(config) {
   cost_ = 0;
 }
 
-bool gradient::on_beacon(mote_id source, const gradient_part& x, const neighbours& links) {
+bool gradient::on_beacon(mote_id source, const gradient_part& x, const neighbours& links,
+                         bool restarted) {
   prune(links);
   if (!links.find(source))
     return false;
@@ -44,9 +45,12 @@ bool gradient::on_beacon(mote_id source, const gradient_part& x, const neighbour
   auto at = std::ranges::lower_bound(rows_, source, {}, &row::mote);
   if (at != rows_.end() && at->mote == source) {
     note_progress(*at, x);
+    const bool goes_on =
+        !restarted && x.root == at->part.root && x.root_sequence == at->part.root_sequence;
+    at->least = goes_on ? std::min(at->least, x.cost) : x.cost;
     at->part = x;
   } else {
-    at = rows_.insert(at, row{source, x});
+    at = rows_.insert(at, row{source, x, x.cost});
   }
   at->lost = x.cost == etx_infinite ? at->lost + 1 : 0;
   if (root_ != no_mote && x.root != no_mote && x.root != root_)
@@ -89,7 +93,7 @@ gradient::offer gradient::offer_of(const row& x, const neighbours& links, mote_i
   if (part.root != root || part.cost == etx_infinite || part.parent == config_.self ||
       part.hops >= config_.hops_max)
     return {};
-  if (root == root_ && !told_.admits(part.root_sequence, part.cost))
+  if (root == root_ && !told_.admits(part.root_sequence, x.least))
     return {};
   if (root == root_ && is_stale(now) && !is_newer(part.root_sequence, sequence_))
     return {};

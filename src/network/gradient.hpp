@@ -65,8 +65,10 @@ public:
   explicit gradient(gradient_config config);
 
   /// @pre the neighbours have seen the beacon; if they refused its sender it is ignored here too.
+  /// @param restarted the sender has forgotten what it told before
   /// @returns whether our own beacon should come soon: we can help the sender to a route
-  bool on_beacon(mote_id source, const gradient_part& x, const neighbours& links);
+  bool on_beacon(mote_id source, const gradient_part& x, const neighbours& links,
+                 bool restarted = false);
 
   /// Chooses the parent anew. To be called after beacons, ends of unicasts and dropped neighbours.
   [[nodiscard]] gradient_change update(const neighbours& links, instant now);
@@ -111,6 +113,9 @@ private:
   struct row {
     mote_id mote;
     gradient_part part;
+    /// The least cost that it has told with this sequence number. None of those who may use its
+    /// route tells less, so it never goes by way of them, whatever it costs now.
+    etx_cost least = etx_infinite;
     unsigned lost = 0; ///< beacons in a row in which it had no route
   };
 

@@ -381,6 +381,8 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   const bool is_crowd = 2 * links_.all().size() > links_.config().capacity;
   if ((what == admission::added && !is_crowd) || what == admission::restarted)
     timer_.reset(now);
+  if (what == admission::restarted)
+    take(paths_.on_restarted(source, now), out);
   place_.on_beacon(source, x->coordinates, links_);
   if (x->clock.root != mote_id{} && clock_.on_stamp(x->clock, sfd)) {
     out.emplace_back(clock_corrected{});
@@ -395,7 +397,8 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
     return;
   if (x->gradient.root == source)
     links_.pin(source, true);
-  if (tree_.on_beacon(source, x->gradient, links_) && now - helped_ >= config_.help_gap) {
+  if (tree_.on_beacon(source, x->gradient, links_, what == admission::restarted) &&
+      now - helped_ >= config_.help_gap) {
     helped_ = now;
     timer_.reset(now);
   }
