@@ -531,6 +531,49 @@ TEST_CASE("in a crowd a flood that has been heard often is not passed on", "[net
   CHECK(passed_on == (is_crowd && copies == 3 ? 0 : 1));
 }
 
+TEST_CASE("a flood is said again until somebody passes it on", "[network][NET-12]") {
+  const bool is_passed_on = GENERATE(true, false);
+  channels_config config;
+  config.self = mote_id{1};
+  channels x(config, random_stream(1));
+  connect_message wish;
+  wish.destination = mote_id{9};
+  wish.flooded = true;
+  wish.hops = 3;
+  const auto heard = [&](std::uint16_t from, std::uint8_t hops, instant now) {
+    auto copy = wish;
+    copy.hops = hops;
+    return x.on_frame(mote_id{from}, encode(channel_message{{mote_id{7}, 3}, copy}), {}, now);
+  };
+  static_cast<void>(heard(20, 3, instant{}));
+  int said = 0;
+  for (instant now{}; now < instant{2s}; now += 10ms) {
+    auto todo = x.on_time(now);
+    while (!todo.empty()) {
+      ++said;
+      todo = x.on_sent(false, {}, now);
+      if (said == 1) // the one we have it from says it again, too: that proves nothing
+        static_cast<void>(heard(20, 3, now));
+      if (said == 1 && is_passed_on)
+        static_cast<void>(heard(21, 5, now));
+    }
+  }
+  CHECK(said == (is_passed_on ? 2 : 5));
+}
+
+TEST_CASE("a mote on the path that begins anew breaks its channels for both ends",
+          "[network][NET-09]") {
+  grid x(5, 1, 1);
+  const auto id = x.connect(grid::id(0), grid::id(4));
+  x.start(grid::id(2));
+  x.perform(grid::id(1), x.at(grid::id(1)).on_restarted(grid::id(2), x.now()));
+  x.perform(grid::id(3), x.at(grid::id(3)).on_restarted(grid::id(2), x.now()));
+  x.run_for(1s);
+  CHECK(x.ended.at({id, grid::id(0)}) == channel_end::broken);
+  CHECK(x.ended.at({id, grid::id(4)}) == channel_end::broken);
+  CHECK(x.entries() == 0);
+}
+
 TEST_CASE("channel messages keep their layout", "[network][golden]") {
   connect_message wish;
   wish.destination = mote_id{0x0708};

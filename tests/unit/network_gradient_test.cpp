@@ -198,3 +198,49 @@ TEST_CASE("old news of a dead root does not count on", "[network]") {
   CHECK(!at.tree.has_route());
   CHECK(at.tree.counters().forgotten == 0);
 }
+
+TEST_CASE("a parent whose route gets dearer is kept: it cannot lead back here",
+          "[network][NET-09]") {
+  listener at;
+  static_cast<void>(at.beacon(5, route(7, 2)));
+  CHECK(at.tree.advertise().cost == Approx(3 * etx_one).margin(10));
+  CHECK(at.beacon(5, route(7, 6)) == gradient_change::none);
+  CHECK(at.tree.parent() == mote_id{5});
+  CHECK(at.tree.cost() == Approx(7 * etx_one).margin(10));
+  // Who never told less than we do may have its route from us.
+  CHECK(at.beacon(6, route(7, 4)) == gradient_change::none);
+  CHECK(at.beacon(5, poison) == gradient_change::lost);
+}
+
+TEST_CASE("what a neighbour has told in an earlier life proves nothing", "[network][NET-09]") {
+  listener at;
+  static_cast<void>(at.beacon(5, route(7, 2)));
+  static_cast<void>(at.tree.advertise());
+  const bool restarted = true;
+  static_cast<void>(at.tree.on_beacon(mote_id{5}, route(7, 6), at.links, restarted));
+  CHECK(at.tree.update(at.links, at.now) == gradient_change::lost);
+}
+
+TEST_CASE("who waits for a newer sequence number is noticed, and the number passed on",
+          "[network][NET-09]") {
+  listener at;
+  static_cast<void>(at.beacon(5, route(7, 1)));
+  at.hear(mote_id{6});
+  const gradient_part lost{sink, 7, no_mote, etx_infinite, 0};
+  static_cast<void>(at.beacon(6, lost));
+  CHECK_FALSE(at.tree.starves(mote_id{6})); // it may not have heard of our route yet
+  static_cast<void>(at.beacon(6, lost));
+  CHECK(at.tree.starves(mote_id{6}));
+  CHECK_FALSE(at.tree.starves(mote_id{5}));
+  auto news = route(8, 1);
+  news.urgent = true;
+  static_cast<void>(at.beacon(5, news));
+  CHECK(at.tree.is_urgent());
+  CHECK_FALSE(at.tree.starves(mote_id{6})); // what we tell now is new to it
+  const auto told = at.tree.advertise();
+  CHECK(told.urgent);
+  CHECK(told.root_sequence == 8);
+  CHECK_FALSE(at.tree.advertise().urgent); // once
+  static_cast<void>(at.beacon(5, news));
+  CHECK_FALSE(at.tree.is_urgent()); // the same number again is no news
+}
