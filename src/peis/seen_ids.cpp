@@ -1,5 +1,6 @@
 #include "peis/seen_ids.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -8,6 +9,7 @@ namespace rubicon::peis {
 namespace {
 
 constexpr std::size_t slots_at_first = 64;
+constexpr std::size_t memory_per_search = 1024;
 
 } // namespace
 
@@ -38,13 +40,15 @@ void seen_ids::on_link_closed(link_id link) {
     closed_.insert(closed_.end(), gone.mapped().begin(), gone.mapped().end());
 }
 
-/// The oldest of the longest.
+/// Of one link, the longest, the oldest: a few at once, since to look for it costs as much.
 void seen_ids::forget_one() {
   auto* most = &closed_;
   for (auto& [link, x] : links_)
     most = x.size() > most->size() ? &x : most;
-  erase(most->front());
-  most->pop_front();
+  for (auto count = std::min(most->size(), 1 + memory_ / memory_per_search); count > 0; --count) {
+    erase(most->front());
+    most->pop_front();
+  }
 }
 
 std::size_t seen_ids::home_of(std::uint64_t x) const {

@@ -13,9 +13,9 @@
 
 namespace rubicon::peis {
 
-/// Remembers up to `memory` ids. Beyond it the oldest goes of those that came over the link with
-/// the most: of n links each keeps its newest `memory` / n at least, however much the others bring.
-/// What closed links have brought counts as that of one link.
+/// Remembers up to `memory` ids. Beyond it the oldest go, a thousandth at once, of those that came
+/// over the link with the most: of n links each keeps nearly its newest `memory` / n, however much
+/// the others bring. What closed links have brought counts as that of one link.
 class seen_ids {
 public:
   explicit seen_ids(std::size_t memory = 65536, random_stream dice = random_stream());
