@@ -12,11 +12,9 @@ namespace rubicon {
 
 namespace {
 
-/// A value as components see it: text without its trailing NUL.
+/// A value as components see it: text without its trailing NUL. It is not copied.
 payload shown(const peis::tuple& x) {
-  if (x.form != peis::encoding::text)
-    return x.value;
-  return payload(to_bytes(x.text()));
+  return x.form == peis::encoding::text ? x.value.part(0, x.text().size()) : x.value;
 }
 
 peis::tuple_content content_of(const payload& value, bool text) {
@@ -61,18 +59,22 @@ bool is_everyday(peis::close_cause x) {
          x == close_cause::host_left || x == close_cause::leaf;
 }
 
-/// Anybody can open links that are closed at once: the log tells of a few, the report of all.
+/// Of what anybody can bring about the log tells a few, the report all.
+bool may_tell(peer_pointer self, line_allowance& of, std::string_view events) {
+  const auto left_out = of.ask(now(self));
+  if (left_out && *left_out > 0)
+    log(self, spdlog::level::warn, "event={} left_out={}", events, *left_out);
+  return left_out.has_value();
+}
+
 void log_closing(peer_pointer self, const peis::close_link& x) {
   if (is_everyday(x.why)) {
     log(self, spdlog::level::info, "event=link_closed link={} cause={}", x.link.value,
         peis::to_string(x.why));
     return;
   }
-  const auto left_out = self->state.closings.ask(now(self));
-  if (!left_out)
+  if (!may_tell(self, self->state.closings, "links_closed"))
     return;
-  if (*left_out > 0)
-    log(self, spdlog::level::warn, "event=links_closed left_out={}", *left_out);
   log(self, spdlog::level::warn, "event=link_closed link={} cause={}", x.link.value,
       peis::to_string(x.why));
 }
@@ -177,13 +179,14 @@ struct performer {
   }
   void operator()(const peis::id_taken& x) const {
     const auto& ecology = self->state.arguments.ecology;
-    if (x.stays_away == duration(0)) {
+    if (x.stays_away > duration(0)) {
+      log(self, spdlog::level::err, "event=id_left_to by={} away_s={}", x.by,
+          seconds(x.stays_away));
+      self->send(ecology, story{self->path(), "leaves its id to " + x.by});
+    } else if (may_tell(self, self->state.claims, "ids_taken")) {
       log(self, spdlog::level::err, "event=id_taken by={}", x.by);
       self->send(ecology, story{self->path(), "its id is used by " + x.by});
-      return;
     }
-    log(self, spdlog::level::err, "event=id_left_to by={} away_s={}", x.by, seconds(x.stays_away));
-    self->send(ecology, story{self->path(), "leaves its id to " + x.by});
   }
 
   void tell(peis::subscription_id subscription, const peis::tuple& x, bool deleted) const {

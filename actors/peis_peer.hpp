@@ -82,6 +82,7 @@ struct peis_peer_state {
   std::uint64_t octets_cut = 0;    ///< sent into links that carried nothing
   runtime::cause_counts links_closed;
   line_allowance closings; ///< told of in the log
+  line_allowance claims;   ///< to our id, the same
   timer wake;
 };
 

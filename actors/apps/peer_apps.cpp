@@ -97,9 +97,9 @@ void on_tuple(collector_pointer self, const tuple_event& x) {
   ++state.updates;
   const auto name = to_string(x.owner) + ':' + x.key;
   if (x.deleted)
-    state.newest.erase(name);
-  else if (state.newest.contains(name) || state.newest.size() < collected_max)
-    state.newest[name] = to_string(x.value.view());
+    state.collected.erase(name);
+  else if (state.collected.size() < collected_max)
+    state.collected.insert(name);
 }
 
 } // namespace
@@ -156,7 +156,7 @@ peer_app_actor::behavior_type collector(collector_pointer self, config::collecto
                    program_status{{who,
                                    "collector",
                                    {{"updates", static_cast<double>(counted.updates)},
-                                    {"tuples", static_cast<double>(counted.newest.size())}}},
+                                    {"tuples", static_cast<double>(counted.collected.size())}}},
                                   0,
                                   {},
                                   {}});

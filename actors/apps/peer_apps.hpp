@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,12 +31,13 @@ struct collector_state {
   config::collector_app config;
   peis_peer_actor peer;
   ecology_actor ecology;
-  std::map<std::string, std::string> newest; ///< `owner:key` -> value as text
+  std::set<std::string> collected; ///< `owner:key` of each tuple there is
   std::uint64_t updates = 0;
 };
 
-/// Subscribes to keys of any owner and keeps the newest value of each, at most collected_max. Asks
-/// gateways for its period whenever they list a mote whose outputs its keys name.
+/// Subscribes to keys of any owner, and so has the kernel hold the newest value of each; counts
+/// them, at most collected_max. Asks gateways for its period whenever they list a mote whose
+/// outputs its keys name.
 /// @param who its peer in the report
 peer_app_actor::behavior_type
 collector(scheduler::traced_pointer<collector_state, peer_app_actor> self,

@@ -1,5 +1,6 @@
 #include "io/spare_memory.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include <unistd.h>
@@ -44,19 +45,20 @@ std::size_t resident_memory() {
 }
 
 std::size_t spare_memory::give_back(time_point now) {
-  if (now < next_)
+  if (now < next_look_)
     return 0;
-  next_ = now + period;
+  next_look_ = now + period;
   const auto before = resident_memory();
-  if (before < 2 * least ||
-      before < allocated_memory() + 2 * least) // program and stack have a part
+  const auto allocated = allocated_memory();
+  const auto spare = before - std::min(before, allocated); // program and stack have a part
+  kept_ = std::min(kept_, spare);
+  if (spare < 2 * least || (spare < kept_ + least / 2 && now < next_search_))
     return 0;
   trim();
   const auto after = resident_memory();
-  const auto given = after < before ? before - after : 0;
-  if (given < least / 4)
-    next_ = now + pause;
-  return given;
+  kept_ = after - std::min(after, allocated);
+  next_search_ = now + pause;
+  return before - std::min(before, after);
 }
 
 } // namespace rubicon::io

@@ -20,14 +20,17 @@ public:
   /// Less than this is never worth the search.
   static constexpr std::size_t least = std::size_t{16} << 20U;
   static constexpr duration period = 5s;
-  /// When a search has found little, the next one is so much later.
+  /// What a search has left lies between what lives. The next one comes when half of `least` has
+  /// been freed since, or after so long.
   static constexpr duration pause = 60s;
 
   /// @returns the octets given back
   std::size_t give_back(time_point now);
 
 private:
-  time_point next_{};
+  time_point next_look_{};
+  time_point next_search_{};
+  std::size_t kept_ = 0; ///< spare octets that the last search could not give back
 };
 
 } // namespace rubicon::io

@@ -1,6 +1,7 @@
 // Memory that many hosts share without any of them taking it all.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -46,6 +47,26 @@ public:
       shares_.erase(at);
     if (pool_)
       pool_->remove(host, amount);
+  }
+
+  /// Takes it for what no host can be told from: nobody's share, but of the limit.
+  void reserve(std::size_t amount) {
+    total_ += amount;
+    if (pool_)
+      pool_->reserve(amount);
+  }
+
+  /// @pre as much is reserved
+  void release(std::size_t amount) {
+    total_ -= amount;
+    if (pool_)
+      pool_->release(amount);
+  }
+
+  /// What of the limit nobody has taken.
+  [[nodiscard]] std::size_t free() const {
+    const auto here = limit_ - std::min(limit_, total_);
+    return pool_ ? std::min(here, pool_->free()) : here;
   }
 
   [[nodiscard]] std::size_t of(peer_id host) const {

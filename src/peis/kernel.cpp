@@ -25,6 +25,7 @@ kernel::kernel(kernel_config config, random_stream dice, instant now)
     : config_(std::move(config)), network_(config_.network, dice, now),
       tuples_(config_.tuples, config_.network.id, config_.network.clock_offset), statistics_(now) {
   assert(config_.network.id.value >= 1 && config_.network.id.value <= peer_id_max);
+  network_.share_memory(tuples_.memory());
   const std::pair<std::string_view, std::string> published[] = {
       {"kernel.hostname", config_.network.host_name}, {"kernel.version", std::string(version_text)},
       {"kernel.name", config_.network.name},          {"kernel.user", config_.user},

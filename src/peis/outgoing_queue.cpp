@@ -42,7 +42,7 @@ cause outgoing_queue::admission(lane where, std::size_t count, std::size_t octet
     const bool fits = control_octets_ + octets <= limits_.octets / control_divisor;
     return fits ? cause::none : cause::queue_full;
   }
-  if (octets_ + octets > limits_.octets)
+  if (!has_memory(octets))
     return cause::queue_full;
   const auto held = held_by(x, origin);
   if (origin != own_origin && held + count > limits_.packages - x.depth)
@@ -58,17 +58,27 @@ bool outgoing_queue::has_room(lane where) const {
        i <= static_cast<std::size_t>(where); ++i)
     own += held_by(classes_[i], own_origin);
   return 2 * own < limits_.packages && depth(where) < limits_.packages &&
-         octets_ + header_size + data_max <= limits_.octets;
+         has_memory(header_size + data_max);
 }
 
-std::size_t& outgoing_queue::octets_of(std::size_t index) {
-  return index == static_cast<std::size_t>(lane::control) ? control_octets_ : octets_;
+void outgoing_queue::note_pushed(std::size_t index, std::size_t octets) {
+  const bool control = index == static_cast<std::size_t>(lane::control);
+  (control ? control_octets_ : octets_) += octets;
+  if (memory_ && !control)
+    memory_->octets += octets;
+}
+
+void outgoing_queue::note_popped(std::size_t index, std::size_t octets) {
+  const bool control = index == static_cast<std::size_t>(lane::control);
+  (control ? control_octets_ : octets_) -= octets;
+  if (memory_ && !control)
+    memory_->octets -= octets;
 }
 
 void outgoing_queue::push(lane where, outgoing_package x, link_id origin) {
   const auto index = static_cast<std::size_t>(where);
   auto& to = classes_[index];
-  octets_of(index) += header_size + x.length();
+  note_pushed(index, header_size + x.length());
   ++to.depth;
   ++size_;
   for (auto& each : to.streams) {
@@ -97,7 +107,7 @@ std::optional<outgoing_package> outgoing_queue::pop() {
       from.turn = 0;
     --from.depth;
     --size_;
-    octets_of(index) -= header_size + x.length();
+    note_popped(index, header_size + x.length());
     return x;
   }
   return std::nullopt;

@@ -8,6 +8,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/bytes.hpp"
@@ -54,6 +55,16 @@ struct queue_limits {
   std::size_t octets = std::size_t{1536} * 1024;
 };
 
+/// What the queues of all links have together; one may hold as many octets as are free beside them.
+struct queues_memory {
+  std::size_t octets_max = 0;
+  std::size_t octets = 0; ///< of all classes but control
+
+  [[nodiscard]] bool admits(std::size_t held, std::size_t more) const {
+    return octets + more <= octets_max && held + more <= octets_max - octets - more;
+  }
+};
+
 /// Bounded in each class and in octets; what is full refuses the newest. Below control, packages
 /// are given up at random as soon as this class and those above are more than half full: with f the
 /// share in use, with probability 2 (f - 0.5), as real kernels do (peis-wire.md 8.1).
@@ -63,7 +74,9 @@ struct queue_limits {
 /// others: a neighbour that floods delays and displaces what itself has sent.
 class outgoing_queue {
 public:
-  explicit outgoing_queue(queue_limits limits = {}) : limits_(limits) {}
+  /// @param memory of all queues; null: this one has only its own limits
+  explicit outgoing_queue(queue_limits limits = {}, std::shared_ptr<queues_memory> memory = nullptr)
+      : limits_(limits), memory_(std::move(memory)) {}
 
   /// Would so many packages, together of so many octets with their headers, be taken? Throws dice
   /// only when more than half full.
@@ -97,9 +110,14 @@ private:
 
   [[nodiscard]] static std::size_t held_by(const service_class& x, link_id origin);
   [[nodiscard]] std::size_t at_or_above(lane where) const;
-  [[nodiscard]] std::size_t& octets_of(std::size_t index);
+  [[nodiscard]] bool has_memory(std::size_t more) const {
+    return octets_ + more <= limits_.octets && (!memory_ || memory_->admits(octets_, more));
+  }
+  void note_pushed(std::size_t index, std::size_t octets);
+  void note_popped(std::size_t index, std::size_t octets);
 
   queue_limits limits_;
+  std::shared_ptr<queues_memory> memory_;
   std::array<service_class, lanes> classes_;
   std::size_t size_ = 0;
   std::size_t octets_ = 0;

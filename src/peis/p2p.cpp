@@ -24,8 +24,8 @@ lane lane_of(const package_header& header) {
 } // namespace
 
 p2p::p2p(p2p_config config, random_stream dice, instant now)
-    : config_(std::move(config)), dice_(dice), ids_(dice_), assembly_(config_.assembly),
-      acknowledger_(config_.ack_delay), delivery_(config_.reliable),
+    : config_(std::move(config)), dice_(dice), ids_(dice_), seen_(config_.tables.seen, dice_),
+      assembly_(config_.assembly), acknowledger_(config_.ack_delay), delivery_(config_.reliable),
       bluetooth_(config_.bluetooth, now),
       clock_({config_.time_master, config_.clock_period, config_.clock_offset, config_.clock_ppb},
              config_.id, now),
@@ -35,6 +35,7 @@ p2p::p2p(p2p_config config, random_stream dice, instant now)
       last_trigger_(now - config_.trigger_gap), latest_(now),
       routing_rate_(config_.tables.routing_work_per_second, 1s, 2s),
       asking_rate_(config_.tables.questions_per_second, 1s, 1s) {
+  queues_ = std::make_shared<queues_memory>(queues_memory{config_.queues_octets_max});
   self_.id = config_.id;
   self_.magic = ids_.next();
   self_.host_name = config_.host_name;
@@ -102,7 +103,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
     return;
   }
   probes_.erase(header.source);
-  if (!seen_.insert(header.source, header.id)) {
+  if (!seen_.insert(header.source, header.id, from)) {
     ++counters_.seen;
     return;
   }
@@ -116,7 +117,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
   if (mine && header.reliable() && header.port != port::acknowledgements)
     acknowledge(header, now);
   if (mine && header.ack_id != header.id && header.ack_id != 0 &&
-      !seen_.insert(header.source, header.ack_id)) {
+      !seen_.insert(header.source, header.ack_id, from)) {
     ++counters_.repeated;
     return;
   }

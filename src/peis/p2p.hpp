@@ -47,6 +47,7 @@ struct table_limits {
   std::size_t heard_over = 128; ///< of each link
   std::size_t answers = 4096;   ///< to questions about hosts, not acknowledged yet
   std::size_t probes = 512;
+  std::size_t seen = 65536; ///< ids of packages; the link that has brought the most forgets first
   std::uint64_t questions_per_second = 1000; ///< about hosts that nobody has described
   duration table_gap = 250ms; ///< between two routing tables of a link, at least, in the long run
   std::uint64_t routing_work_per_second = 100'000; ///< of all routing tables together
@@ -71,6 +72,7 @@ struct p2p_config {
   std::size_t links_max = 64; ///< a request beyond it is answered with whom else to ask (TCP-07)
   std::size_t greetings_max = 48; ///< links beside these whose request has not come yet
   queue_limits queue = {1024};    ///< of each link
+  std::size_t queues_octets_max = std::size_t{48} << 20U; ///< of all links together
   /// Octets handed out per link that the owner has not reported with on_link_sent(). 0: the owner
   /// takes everything at once and never reports.
   std::size_t link_window = 0;
@@ -215,6 +217,9 @@ public:
 
   /// To every peer that can be reached; up to 1024 octets.
   [[nodiscard]] cause broadcast(std::uint16_t port, payload octets);
+
+  /// Messages that are being put together take of this memory as well. @pre nothing has come yet
+  void share_memory(std::shared_ptr<fair_share> x) { assembly_.use_memory(std::move(x)); }
 
   /// Shows packages of others that pass through, broadcasts included, but no parts of longer
   /// messages (API-06). What is consumed goes no further; if somebody waits for its
@@ -551,6 +556,7 @@ private:
   host_record self_;
   bool left_ = false;
 
+  std::shared_ptr<queues_memory> queues_; ///< of all connections
   std::map<link_id, connection> connections_;
   std::map<peer_id, link_id> neighbours_; ///< the oldest link to each (peis-wire.md 3.6)
   routing_table routing_;

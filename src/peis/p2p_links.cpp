@@ -41,7 +41,7 @@ void p2p::on_link_open(link_id link, link_role role, instant now,
   auto& x = connections_[link];
   x.id = link;
   x.cost = config_.cost_other_host;
-  x.queue = outgoing_queue(config_.queue);
+  x.queue = outgoing_queue(config_.queue, queues_);
   x.table_rate = rate_limit(tables_per_second(config_.tables), 2s, 1s);
   x.budget = neighbour_budget(config_.budget);
   x.opened = x.last_heard = x.last_octets = now;
@@ -218,6 +218,7 @@ void p2p::forget_link(link_id link, instant now) {
     return;
   auto gone = std::move(at->second);
   connections_.erase(at);
+  seen_.on_link_closed(link);
   if (gone.neighbour) {
     if (gone.opened + lasting <= now)
       contacts_.erase(*gone.neighbour); // the tries that led to it are forgotten

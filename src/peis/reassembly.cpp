@@ -21,6 +21,11 @@ std::size_t reassembly::growth(const partial* x, const package_header& header) {
   return capacity_for(x, header) - (x != nullptr ? x->octets.capacity() : 0);
 }
 
+std::size_t reassembly::room() const {
+  const auto here = config_.octets_max - std::min(config_.octets_max, octets_);
+  return memory_ ? std::min(here, memory_->free()) : here;
+}
+
 bool reassembly::accepts(const package_header& header, link_id over) const {
   const auto known = messages_.find(group_of(header));
   const bool is_new = known == messages_.end();
@@ -33,7 +38,7 @@ bool reassembly::accepts(const package_header& header, link_id over) const {
   const auto held = found == shares_.end() ? share{} : found->second;
   const bool has_slot = messages_.size() < config_.messages_max &&
                         held.messages < config_.messages_max - messages_.size();
-  const bool has_memory = held.octets + octets_ + 2 * added <= config_.octets_max;
+  const bool has_memory = held.octets + 2 * added <= room();
   return (!is_new || has_slot) && has_memory;
 }
 
@@ -57,8 +62,11 @@ std::optional<bytes> reassembly::add(const package_header& header, byte_view dat
   const auto offset = header.seqnum * data_max;
   const auto before = x.octets.capacity();
   x.octets.reserve(capacity_for(&x, header));
-  octets_ += x.octets.capacity() - before;
-  shares_[x.over].octets += x.octets.capacity() - before;
+  const auto added = x.octets.capacity() - before;
+  octets_ += added;
+  shares_[x.over].octets += added;
+  if (memory_)
+    memory_->reserve(added);
   if (x.octets.size() < offset + data.size())
     x.octets.resize(offset + data.size());
   std::copy(data.begin(), data.end(), x.octets.begin() + static_cast<std::ptrdiff_t>(offset));
@@ -75,6 +83,8 @@ std::optional<bytes> reassembly::add(const package_header& header, byte_view dat
 /// Its memory is no longer ours.
 void reassembly::release(const partial& x) {
   octets_ -= x.octets.capacity();
+  if (memory_)
+    memory_->release(x.octets.capacity());
   const auto from = shares_.find(x.over);
   from->second.octets -= x.octets.capacity();
   if (--from->second.messages == 0)

@@ -5,11 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/bytes.hpp"
 #include "core/time.hpp"
+#include "peis/fair_share.hpp"
 #include "peis/package.hpp"
 #include "peis/types.hpp"
 
@@ -28,6 +31,9 @@ class reassembly {
 public:
   reassembly() = default;
   explicit reassembly(reassembly_config config) : config_(config) {}
+
+  /// What messages take from now on, they take of this too. @pre there are none
+  void use_memory(std::shared_ptr<fair_share> memory) { memory_ = std::move(memory); }
 
   /// Would this fragment be taken? Not when memory is used up, nor when it contradicts the others.
   [[nodiscard]] bool accepts(const package_header& header, link_id over = {}) const;
@@ -72,10 +78,12 @@ private:
 
   [[nodiscard]] static std::size_t capacity_for(const partial* x, const package_header& header);
   [[nodiscard]] static std::size_t growth(const partial* x, const package_header& header);
+  [[nodiscard]] std::size_t room() const;
   void release(const partial& x);
   std::map<group, partial>::iterator erase(std::map<group, partial>::iterator at);
 
   reassembly_config config_;
+  std::shared_ptr<fair_share> memory_; ///< of this and other tables
   std::map<group, partial> messages_;
   std::map<link_id, share> shares_;
   std::size_t octets_ = 0;

@@ -3,43 +3,49 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <map>
 #include <vector>
 
 #include "core/address.hpp"
+#include "core/random.hpp"
+#include "peis/types.hpp"
 
 namespace rubicon::peis {
 
-/// Remembers at least the newest `memory` ids and at most twice as many: two generations of hash
-/// tables, of which the older is dropped when the newer is full.
+/// Remembers up to `memory` ids. Beyond it the oldest go, a thousandth at once, of those that came
+/// over the link with the most: of n links each keeps nearly its newest `memory` / n, however much
+/// the others bring. What closed links have brought counts as that of one link.
 class seen_ids {
 public:
-  explicit seen_ids(std::size_t memory = 32768) : memory_(memory) {}
+  explicit seen_ids(std::size_t memory = 65536, random_stream dice = random_stream());
 
   /// Ids of different sources are different: real kernels, which compare ids alone, lose a package
   /// now and then.
-  /// @returns false if it was remembered already. @pre id > 0
-  bool insert(peer_id source, std::int32_t id);
+  /// @returns false if it was remembered already, whichever link it came over. @pre id > 0
+  bool insert(peer_id source, std::int32_t id, link_id over = {});
+
+  void on_link_closed(link_id link);
+
+  [[nodiscard]] std::size_t size() const { return size_; }
 
 private:
-  /// Open addressing over source and id in one word; 0 marks a free slot.
-  class table {
-  public:
-    [[nodiscard]] bool contains(std::uint64_t x) const;
-    bool insert(std::uint64_t x); ///< false: it was there
-    void clear();                 ///< keeps the slots for those to come
-    [[nodiscard]] std::size_t size() const { return size_; }
+  using ages = std::deque<std::uint64_t>; ///< oldest first
 
-  private:
-    [[nodiscard]] std::size_t slot_of(std::uint64_t x) const;
-    void grow();
+  [[nodiscard]] std::size_t home_of(std::uint64_t x) const;
+  [[nodiscard]] std::size_t slot_of(std::uint64_t x) const;
+  void erase(std::uint64_t x);
+  void grow();
+  void forget_one();
 
-    std::vector<std::uint64_t> slots_;
-    std::size_t size_ = 0;
-  };
-
-  table newer_;
-  table older_;
   std::size_t memory_;
+  /// Whoever does not know it cannot choose ids that meet in the table.
+  std::uint64_t secret_;
+  /// Open addressing over source and id in one word; 0 marks a free slot.
+  std::vector<std::uint64_t> slots_;
+  std::size_t size_ = 0;
+  std::map<link_id, ages> links_;
+  ages closed_;
 };
 
 } // namespace rubicon::peis

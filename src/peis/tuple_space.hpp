@@ -165,6 +165,9 @@ public:
   [[nodiscard]] tuple_events on_time(instant now);
   [[nodiscard]] std::optional<instant> deadline() const;
 
+  /// What others have put here counts against it; others who keep what they send may use it too.
+  [[nodiscard]] const std::shared_ptr<fair_share>& memory() const { return others_; }
+
   /// Network time minus ecology time from now on. What is held expires when it was to (SCH-07).
   void set_clock_offset(duration offset) { clock_offset_ = offset; }
 

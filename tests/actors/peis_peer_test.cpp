@@ -1,6 +1,12 @@
+#include <algorithm>
+
+#include "actors/line_allowance.hpp"
 #include "actors/peis_lan.hpp"
 #include "actors/peis_peer.hpp"
+#include "peis/host_record.hpp"
+#include "peis/link.hpp"
 #include "peis/link_url.hpp"
+#include "peis/package.hpp"
 #include "support/catch.hpp"
 #include "support/fakes.hpp"
 
@@ -211,6 +217,39 @@ TEST_CASE("a closed link takes the other peer and its tuples away", "[actors][pe
   CHECK(x.report(x.robot_peer).hosts_known == 1);
   REQUIRE(x.on_robot.count<tuple_event>() == 2);
   CHECK(x.on_robot.all<tuple_event>()[1].deleted);
+}
+
+TEST_CASE("of claims to its id a peer tells a few, however many there are",
+          "[actors][peis_peer][RTE-08]") {
+  rig x;
+  const fake<link_end_actor> impostor(x.world);
+  x.world.send(x.robot_peer, link_opened{7, impostor, false});
+  auto octets =
+      peis::encode(peis::connect_request{peis::protocol_version, peer_id{99}, 0, "default"});
+  for (std::int32_t i = 1; i <= 100; ++i) {
+    peis::host_record_message claim;
+    claim.record.id = robot;
+    claim.record.magic = i;
+    claim.record.full_name = "impostor@" + std::to_string(i) + "!1";
+    const auto data = peis::encode(claim);
+    peis::package_header header;
+    header.id = header.ack_id = i;
+    header.counter = static_cast<std::uint32_t>(i);
+    header.type = peis::package_type::link;
+    header.source = robot;
+    header.port = peis::port::host_record;
+    header.length = static_cast<std::uint16_t>(data.size());
+    peis::encode(header, octets);
+    octets.insert(octets.end(), data.begin(), data.end());
+  }
+  x.world.send(x.robot_peer, link_octets{7, std::move(octets)});
+  x.world.run_for(1s);
+  const auto told = [&] {
+    const auto all = x.ecology.all<story>();
+    return std::ranges::count_if(
+        all, [](const auto& y) { return y.what.starts_with("its id is used by impostor"); });
+  };
+  CHECK(told() == line_allowance::lines_max);
 }
 
 TEST_CASE("a peer that is asked to quit says so and ends", "[actors][peis_peer][TUP-22][KH-04]") {

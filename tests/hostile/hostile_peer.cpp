@@ -23,9 +23,8 @@ constexpr std::uint64_t left_max = 30'000'000;        ///< of these, once the at
 constexpr std::uint64_t left_by_all_max = 60'000'000; ///< the same after several attacks
 constexpr double p99_max_ms = 250;
 constexpr duration newcomer_patience = 10s;
-constexpr duration crowd_least = 6s; ///< how long a crowd stays: a newcomer must get in meanwhile
-constexpr std::uint64_t left_over_max = 200'000'000; ///< of attacks back to back
-constexpr duration back_within = 60s;                ///< memory, after an attack
+constexpr duration crowd_least = 6s;  ///< how long a crowd stays: a newcomer must get in meanwhile
+constexpr duration back_within = 60s; ///< memory, after an attack
 
 /// What was seen of one play.
 struct observation {
@@ -161,9 +160,7 @@ private:
     std::vector<std::string> all;
     if (!x.alive)
       all.emplace_back("DEAD");
-    // Without time to settle the attacks before it have left something that has not aged yet.
-    const auto left_over = options_.settle >= back_within ? 0 : left_over_max;
-    if (memory_ && x.peak > x.idle + growth_max + left_over)
+    if (memory_ && x.peak > x.idle + growth_max)
       all.emplace_back("memory");
     if (options_.settle >= back_within && x.alive && x.after > x.idle + left_max)
       all.emplace_back("memory kept");

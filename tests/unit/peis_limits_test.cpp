@@ -55,6 +55,7 @@ TEST_CASE("limits are those that are documented", "[peis][docs][P2P-03]") {
   CHECK(octets("input of a link that waits for its turn") == config.input_max);
   CHECK(entries("queue of a link") == config.queue.packages);
   CHECK(octets("queue of a link") == config.queue.octets);
+  CHECK(octets("queues of all links") == config.queues_octets_max);
   CHECK(entries("hosts") == config.tables.hosts);
   CHECK(entries("ways") == config.tables.routes);
   CHECK(entries("a neighbour's routing table") == routing_pages_max * entries_per_page);
@@ -63,6 +64,7 @@ TEST_CASE("limits are those that are documented", "[peis][docs][P2P-03]") {
   CHECK(entries("routing tables") == static_cast<std::uint64_t>(1s / config.tables.table_gap));
   CHECK(entries("how connecting to a host has gone") == config.tables.contacts);
   CHECK(entries("where sources without a way were heard") == config.tables.heard_over);
+  CHECK(entries("ids seen") == config.tables.seen);
   CHECK(entries("messages put together") == config.assembly.messages_max);
   CHECK(octets("messages put together") == config.assembly.octets_max);
   CHECK(entries("sources to be acknowledged") == acknowledger::sources_max);

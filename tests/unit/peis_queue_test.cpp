@@ -90,15 +90,77 @@ TEST_CASE("a message in two parts is read across the seam", "[peis]") {
   }
 }
 
+TEST_CASE("the queues of all links have a limit together, of which each may have a share",
+          "[peis][P2P-02]") {
+  constexpr std::size_t size = header_size + data_max;
+  outgoing_package full;
+  full.content = std::make_shared<const message_octets>(message_octets{bytes(data_max), {}});
+  const auto memory = std::make_shared<queues_memory>(queues_memory{60 * size});
+  std::vector<outgoing_queue> queues(3, outgoing_queue({1000}, memory));
+  random_stream dice(1);
+  const auto fill = [&](outgoing_queue& x) {
+    while (x.admission(lane::normal, 1, size, link_id{1}, dice) == cause::none)
+      x.push(lane::normal, full, link_id{1});
+    return x.size();
+  };
+  CHECK(fill(queues[0]) == 30);
+  CHECK(fill(queues[1]) == 15);
+  CHECK(queues[2].has_room(lane::normal)); // there is always room for another
+  queues[0].push(lane::control, full);
+  while (queues[0].pop()) {
+  }
+  CHECK(memory->octets == 15 * size);
+  CHECK(fill(queues[1]) == 30);
+}
+
 TEST_CASE("ids are remembered for as many as promised", "[peis][P2P-07]") {
   seen_ids seen(4096);
   for (std::int32_t id = 1; id <= 20000; ++id) {
     REQUIRE(seen.insert(peer_id{1}, id));
     REQUIRE(!seen.insert(peer_id{1}, id));
     if (id > 4096)
-      REQUIRE(!seen.insert(peer_id{1}, id - 4095));
+      REQUIRE(!seen.insert(peer_id{1}, id - 4090));
   }
   CHECK(seen.insert(peer_id{2}, 20000)); // of another source
+  CHECK(seen.size() <= 4096);
+  CHECK(seen.size() >= 4091);
+}
+
+TEST_CASE("a link that floods makes nobody forget what has come over others", "[peis][P2P-07]") {
+  seen_ids seen(4096, random_stream(1));
+  const link_id modest{1};
+  const link_id busy{2};
+  const link_id flooding{3};
+  for (std::int32_t id = 1; id <= 100; ++id)
+    REQUIRE(seen.insert(peer_id{1}, id, modest));
+  for (std::int32_t id = 1; id <= 4000; ++id)
+    REQUIRE(seen.insert(peer_id{2}, id, busy));
+  for (std::int32_t id = 1; id <= 50000; ++id)
+    REQUIRE(seen.insert(peer_id{3}, id, flooding));
+  CHECK(seen.size() <= 4096);
+  CHECK(seen.size() >= 4091);
+  for (std::int32_t id = 1; id <= 100; ++id)
+    CHECK(!seen.insert(peer_id{1}, id, flooding));
+  for (std::int32_t id = 4000; id > 4000 - 1990; --id) // half of what the modest one leaves
+    CHECK(!seen.insert(peer_id{2}, id, flooding));
+  for (std::int32_t id = 50000; id > 50000 - 1990; --id)
+    CHECK(!seen.insert(peer_id{3}, id, busy));
+}
+
+TEST_CASE("what links have brought is remembered when they are gone, as of one", "[peis][P2P-07]") {
+  seen_ids seen(4096, random_stream(1));
+  for (std::int32_t id = 1; id <= 4000; ++id) {
+    const link_id fleeting{static_cast<std::uint64_t>(id)};
+    REQUIRE(seen.insert(peer_id{1}, id, fleeting));
+    seen.on_link_closed(fleeting);
+  }
+  CHECK(!seen.insert(peer_id{1}, 1, link_id{5000}));
+  for (std::int32_t id = 1; id <= 2000; ++id)
+    REQUIRE(seen.insert(peer_id{2}, id, link_id{5000}));
+  for (std::int32_t id = 2001; id <= 4000; ++id)
+    CHECK(!seen.insert(peer_id{1}, id, link_id{5000}));
+  for (std::int32_t id = 1; id <= 2000; ++id)
+    CHECK(!seen.insert(peer_id{2}, id, link_id{5000}));
 }
 
 TEST_CASE("no id comes again before all others have", "[peis][P2P-06]") {
@@ -139,6 +201,27 @@ TEST_CASE("an incomplete message is discarded 10 s after its last fragment", "[p
   CHECK(assembly.on_time(instant{14s}) == 1);
   CHECK(assembly.size() == 0);
   CHECK(!assembly.deadline());
+}
+
+TEST_CASE("messages that are put together take of what all tables have in common",
+          "[peis][P2P-04]") {
+  const auto memory = std::make_shared<fair_share>(20 * data_max);
+  reassembly assembly{reassembly_config{4, 16 * data_max, 10s}};
+  assembly.use_memory(memory);
+  const bytes data(data_max);
+  const link_id one{1};
+  memory->add(peer_id{7}, 12 * data_max);
+  CHECK(!assembly.accepts(fragment(1, 4, 5), one)); // five of the eight that are left
+  REQUIRE(assembly.accepts(fragment(1, 3, 4), one));
+  CHECK(!assembly.add(fragment(1, 3, 4), data, instant{}, one));
+  CHECK(memory->total() == 16 * data_max);
+  CHECK(memory->of(peer_id{1}) == 0);
+  CHECK(!memory->admits(peer_id{8}, 5 * data_max));
+  CHECK(memory->admits(peer_id{8}, 3 * data_max));
+  memory->remove(peer_id{7}, 12 * data_max);
+  CHECK(assembly.accepts(fragment(2, 4, 5), link_id{2}));
+  CHECK(assembly.on_time(instant{10s}) == 1);
+  CHECK(memory->total() == 0);
 }
 
 TEST_CASE("reassembly is bounded in messages and octets", "[peis][P2P-04]") {
