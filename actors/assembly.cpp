@@ -130,7 +130,10 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   at_sink.crystal = crystal_of(self, island, island.name + "/sink");
   at_sink.seed = self->state.description.seed;
   at_sink.ecology = handle_of(self);
-  spawn_child(self, "sink/" + island.name, sink, std::move(at_sink));
+  auto& sink = self->state.sinks[island.id];
+  sink.path = "sink/" + island.name;
+  sink.arguments = std::move(at_sink);
+  spawn_sink(self, sink);
   spawn_programs(self, self->state.peers.at(island.gateway_name));
   for (const auto& alias : island.aliases)
     spawn_programs(self, self->state.peers.at(alias.name));
@@ -149,7 +152,8 @@ void spawn_measuring_sink(ecology_pointer self, const config::island_description
   x.air = air;
   x.ecology = handle_of(self);
   const auto path = "mote/" + x.name;
-  spawn_child(self, path, mote_behavior, std::make_shared<const mote_arguments>(std::move(x)), 0U);
+  spawn_child(self, path, mote_behavior, std::make_shared<const mote_arguments>(std::move(x)),
+              mote::nonvolatile{});
 }
 
 radio::radio_config radio_of(const config::island_description& island) {
@@ -196,6 +200,29 @@ void spawn_separate_programs(ecology_pointer self, supervised_mote& mote) {
   }
 }
 
+/// Sources of noise that the fault plan has in this air, behind all other radios.
+/// @returns the places of these faults
+std::vector<std::uint32_t> add_noises(ecology_pointer self, const config::air_description& air,
+                                      radio::channel& channel) {
+  std::vector<std::uint32_t> found;
+  const auto& faults = self->state.description.faults;
+  for (std::uint32_t i = 0; i < faults.size(); ++i) {
+    const auto* noise = std::get_if<config::noise_fault>(&faults[i].what);
+    if (noise == nullptr || std::ranges::find(air.islands, noise->island) == air.islands.end())
+      continue;
+    radio::radio_config x;
+    x.address = no_mote;
+    x.pan = static_cast<std::uint16_t>(noise->island.value);
+    x.place = noise->place;
+    x.kind = radio::find_platform("micaz");
+    x.transmit_dbm = noise->transmit_dbm;
+    x.battery_mah = mains_mah;
+    static_cast<void>(channel.add(x, now(self)));
+    found.push_back(i);
+  }
+  return found;
+}
+
 /// The air of one place, and the bridges and motes of its islands.
 void spawn_place(ecology_pointer self, const config::air_description& air) {
   auto& state = self->state;
@@ -218,11 +245,17 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
       addresses.push_back({island->id, mote.id});
     }
   }
+  const auto extra = add_noises(self, air, channel);
   channel.shrink();
+  const radio::radio_index first_noise{static_cast<std::uint32_t>(addresses.size())};
   const auto medium = spawn_child(self, path, rubicon::air, std::move(channel),
-                                  std::move(addresses), handle_of(self), state.observe_frames);
+                                  std::move(addresses), extra_radios{0, extra.size()},
+                                  description.seed, handle_of(self), state.observe_frames);
+  for (std::uint32_t i = 0; i < extra.size(); ++i)
+    state.noises[extra[i]] = {medium, radio::radio_index{first_noise.value + i}};
   radio::radio_index radio{};
   for (const auto* island : islands) {
+    state.airs[island->id] = medium;
     const auto traffic = traffic_of(*island);
     if (island->stack == config::stack::full)
       spawn_bridge(self, *island, traffic, radio, medium);
@@ -316,13 +349,23 @@ void spawn_program(ecology_pointer self, const supervised_mote& mote, supervised
     self->send(x.handle, mote_started{{mote.handle}});
 }
 
+void spawn_sink(ecology_pointer self, supervised_sink& x) {
+  if (x.store.starts > 0) {
+    ++self->state.report.actors.restarted;
+    --self->state.report.actors.spawned;
+  }
+  x.changed = now(self);
+  x.handle =
+      spawn_child(self, x.path, sink, sink_arguments{*x.arguments}, mote::nonvolatile{x.store});
+}
+
 void spawn_mote(ecology_pointer self, supervised_mote& mote) {
   auto& actors = self->state.report.actors;
-  ++(mote.incarnation == 0 ? actors.spawned : actors.restarted);
+  ++(mote.store.starts == 0 ? actors.spawned : actors.restarted);
   mote.changed = now(self);
   mote.handle =
       scheduler::spawn_at<caf::monitored>(self, "mote/" + mote.arguments->name, mote_behavior,
-                                          mote.arguments, std::uint32_t{mote.incarnation});
+                                          mote.arguments, mote::nonvolatile{mote.store});
   for (const auto& x : mote.programs) {
     if (x.handle)
       self->send(x.handle, mote_started{{mote.handle}});

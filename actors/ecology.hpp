@@ -13,6 +13,7 @@
 #include "actors/messages.hpp"
 #include "actors/mote.hpp"
 #include "actors/program.hpp"
+#include "actors/sink.hpp"
 #include "config/ecology.hpp"
 #include "core/random.hpp"
 #include "io/loop.hpp"
@@ -38,7 +39,7 @@ struct supervised_program {
 /// A mote as its supervisor knows it.
 struct supervised_mote {
   std::shared_ptr<const mote_arguments> arguments;
-  std::uint32_t incarnation = 0; ///< how often it was started before
+  mote::nonvolatile store; ///< its flash
   mote_actor handle;
   std::string type;
   bool joined = false; ///< ever
@@ -47,6 +48,28 @@ struct supervised_mote {
   std::string left_cause;
   instant changed; ///< when it was last started, flat, listed or unlisted
   std::vector<supervised_program> programs;
+};
+
+/// A sink as its supervisor knows it.
+struct supervised_sink {
+  std::optional<sink_arguments> arguments;
+  std::string path;
+  mote::nonvolatile store; ///< its flash
+  sink_actor handle;       ///< nullptr while it is out of order
+  instant changed;         ///< when it was last started or ended, or its clock was set
+};
+
+/// The end of a mote or sink that the fault plan has asked for.
+struct planned_end {
+  std::string path;
+  duration length{}; ///< until it starts again
+  std::uint32_t fault = 0;
+};
+
+/// Where a fault of the plan has a radio of its own.
+struct fault_radio {
+  air_actor air;
+  radio::radio_index radio;
 };
 
 /// A peer, or an island's gateway, as its supervisor knows it.
@@ -105,6 +128,11 @@ struct ecology_state {
   process_facts process;
   frame_observer observe_frames; ///< may be empty
   std::map<mote_address, supervised_mote> motes;
+  std::map<island_id, supervised_sink> sinks; ///< of islands with the full stack
+  std::map<island_id, air_actor> airs;
+  std::map<std::uint32_t, fault_radio> noises; ///< by the fault's index in the description
+  /// What a mote is after a fault of the plan, by the fault's index.
+  std::map<std::uint32_t, std::shared_ptr<const mote_arguments>> successors;
   std::map<std::pair<island_id, std::size_t>, serial_line_actor> lines; ///< of sinks, numbered
   std::shared_ptr<const rfid::tags> tags; ///< of the world; nullptr until a reader needs them
   peis_lan_actor lan;
@@ -124,15 +152,16 @@ struct ecology_state {
   std::map<mote_address, std::vector<network::channel_id>> channel_tables; ///< of the living
   std::map<std::pair<mote_address, mote_address>, flow::part> flows;       ///< by origin and target
   std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
-  std::vector<std::string> crashes_requested; ///< paths of motes, one for each crash still to come
+  std::vector<planned_end> planned_ends;            ///< that are still to come
   std::vector<runtime::planned_fault> plan;
-  bool ending = false;          ///< end_run has come
-  bool delivered = false;       ///< deliver_report has come
-  std::size_t next_fault = 0;   ///< in `plan`
-  std::uint64_t lan_faults = 0; ///< so far
-  std::uint64_t stations = 0;   ///< so far
-  random_stream dice;           ///< draws whom a fault hits
-  instant last_lan_fault;       ///< when the simulated network last changed
+  bool ending = false;                           ///< end_run has come
+  bool delivered = false;                        ///< deliver_report has come
+  std::size_t next_fault = 0;                    ///< in `plan`
+  std::uint64_t lan_faults = 0;                  ///< so far
+  std::uint64_t stations = 0;                    ///< so far
+  random_stream dice;                            ///< draws whom a fault hits
+  std::map<island_id, instant> last_clock_fault; ///< clocks set, and sinks started again
+  instant last_lan_fault;                        ///< when the simulated network last changed
 };
 
 /// @param on_report called once, from the actor, when deliver_report comes

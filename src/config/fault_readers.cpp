@@ -15,6 +15,8 @@ constexpr duration span_min = 1ms;
 /// What a reader of one kind needs, and what it fills.
 struct kind_reader {
   const directory& names;
+  const surroundings& with;
+  const std::vector<island_description>& islands;
   fault& out;
 
   void battery_end(table_reader& in) const {
@@ -24,8 +26,83 @@ struct kind_reader {
   }
 
   void crash(table_reader& in) const {
+    if (choose(in, {"mote", "sink"}) == "sink") {
+      sink_crash_fault x;
+      read_sink(in, x.island);
+      in.optional("for", time_span{span_min}, x.length);
+      refuse(in, {"type"}, "sink");
+      out = x;
+      return;
+    }
     crash_fault x;
     in.required("mote", mote_name{names, true}, x.mote);
+    in.optional("for", time_span{span_min}, x.length);
+    out = x;
+  }
+
+  /// Which of the keys the table has, of which it must have one and no other; the first if none.
+  static std::string choose(table_reader& in, const std::vector<std::string>& keys) {
+    std::string chosen;
+    for (const auto& key : keys) {
+      in.expect(key);
+      if (!in.has(key))
+        continue;
+      if (chosen.empty())
+        chosen = key;
+      else
+        in.problems().add(in.at(key), '`' + key + "` means nothing with `" + chosen + '`');
+    }
+    return chosen.empty() ? keys.front() : chosen;
+  }
+
+  /// These keys are of the other kinds of who is hit.
+  static void refuse(table_reader& in, const std::vector<std::string>& keys, const char* of) {
+    for (const auto& key : keys) {
+      in.expect(key);
+      if (in.has(key))
+        in.problems().add(in.at(key), '`' + key + "` means nothing with `" + std::string(of) + '`');
+    }
+  }
+
+  /// The sink of an island with a gateway.
+  void read_sink(table_reader& in, island_id& island) const {
+    in.required("sink", island_name{names, true}, island);
+    if (const auto* of = names.find(island); of != nullptr && !of->has_gateway)
+      in.problems().add(in.at("sink"),
+                        "the sink of an island with stack = \"mac\" only measures; name another");
+    if (in.sound() && island == any_island && !has_full_stack())
+      in.problems().add(in.at("sink"), "no island has a gateway, so that there is no sink to draw");
+  }
+
+  [[nodiscard]] bool has_full_stack() const {
+    return std::ranges::any_of(islands, [](const auto& x) { return x.stack == stack::full; });
+  }
+
+  void noise(table_reader& in) const {
+    noise_fault x;
+    in.required("island", island_name{names}, x.island);
+    in.required("position_m", place{}, x.place);
+    in.optional("power", power_level{-100, 30}, x.transmit_dbm);
+    in.optional("duty", ratio{}, x.duty);
+    in.optional("burst", time_span{100us, 1h}, x.burst);
+    in.optional("for", time_span{span_min}, x.length);
+    if (in.has("duty") && in.sound() && x.duty == 0)
+      in.problems().add(in.at("duty"), "`duty` must be above 0: leave the fault out instead");
+    if (in.has("kind") && with.radio_is_known &&
+        std::holds_alternative<radio::gain_matrix>(with.radio.propagation))
+      in.problems().add(in.at("kind"),
+                        "with model = \"gains\" no place has a gain to anybody; choose another "
+                        "model of the radio, or kind = \"radio_loss\"");
+    out = x;
+  }
+
+  void radio_loss(table_reader& in) const {
+    radio_loss_fault x;
+    island_id island;
+    in.required("loss", ratio{}, x.loss);
+    if (in.optional("island", island_name{names, true}, island))
+      x.island = island;
+    in.optional("for", time_span{span_min}, x.length);
     out = x;
   }
 
@@ -68,6 +145,22 @@ struct kind_reader {
   }
 
   void clock_step(table_reader& in) const {
+    const auto who = choose(in, {"peer", "mote", "sink"});
+    if (who != "peer") {
+      crystal_step_fault x;
+      x.is_sink = who == "sink";
+      if (x.is_sink)
+        read_sink(in, x.mote.island);
+      else
+        in.required("mote", mote_name{names, true}, x.mote);
+      if (const auto* of = names.find(x.mote.island);
+          !x.is_sink && of != nullptr && !of->has_gateway)
+        in.problems().add(in.at("mote"),
+                          "a mote of an island with stack = \"mac\" has no use for its clock");
+      in.required("by", time_step{}, x.by);
+      out = x;
+      return;
+    }
     clock_step_fault x;
     in.required("peer", peer_name{names}, x.peer);
     in.required("by", time_step{}, x.by);
@@ -114,8 +207,9 @@ struct kind_reader {
   }
 };
 
-void read_kind(table_reader& in, const directory& names, fault& out) {
-  const kind_reader read{names, out};
+void read_kind(table_reader& in, const surroundings& with,
+               const std::vector<island_description>& islands, fault& out) {
+  const kind_reader read{with.names, with, islands, out};
   in.one_of("kind",
             {{"battery_end", [&](table_reader& x) { read.battery_end(x); }},
              {"crash", [&](table_reader& x) { read.crash(x); }},
@@ -127,7 +221,9 @@ void read_kind(table_reader& in, const directory& names, fault& out) {
              {"link_loss", [&](table_reader& x) { read.link_loss(x); }},
              {"duplicate_id", [&](table_reader& x) { read.absence<duplicate_id_fault>(x); }},
              {"clock_step", [&](table_reader& x) { read.clock_step(x); }},
-             {"move", [&](table_reader& x) { read.move(x); }}});
+             {"move", [&](table_reader& x) { read.move(x); }},
+             {"noise", [&](table_reader& x) { read.noise(x); }},
+             {"radio_loss", [&](table_reader& x) { read.radio_loss(x); }}});
 }
 
 /// A time of a fault; not after the end of the run.
@@ -169,7 +265,8 @@ void read_repetition(table_reader& in, duration length, fault_description& out) 
   out.repeated = x;
 }
 
-fault_description read_fault(table_reader& in, const directory& names, duration length) {
+fault_description read_fault(table_reader& in, const surroundings& with,
+                             const std::vector<island_description>& islands, duration length) {
   fault_description out;
   const bool repeated = in.has("every") || in.has("random");
   if (!repeated && !in.has("at")) {
@@ -178,17 +275,18 @@ fault_description read_fault(table_reader& in, const directory& names, duration 
     in.problems().add(in.at("at"), "`at` means nothing with `every` or `random`");
   }
   read_repetition(in, length, out);
-  read_kind(in, names, out.what);
+  read_kind(in, with, islands, out.what);
   return out;
 }
 
 } // namespace
 
-std::vector<fault_description> read_faults(table_reader& root, const directory& names,
+std::vector<fault_description> read_faults(table_reader& root, const surroundings& with,
+                                           const std::vector<island_description>& islands,
                                            duration length) {
   std::vector<fault_description> out;
   root.tables("fault", "[[fault]]",
-              [&](table_reader& x) { out.push_back(read_fault(x, names, length)); });
+              [&](table_reader& x) { out.push_back(read_fault(x, with, islands, length)); });
   std::stable_sort(out.begin(), out.end(),
                    [](const auto& a, const auto& b) { return a.at < b.at; });
   return out;

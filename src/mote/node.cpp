@@ -50,8 +50,8 @@ network::channel_id channel_of(stream::channel_handle x) {
   return network::channel_of(x.value);
 }
 
-/// Where radios sleep all else goes in the common window: a channel whose turns come again at the same
-/// place of each keeps out of it, with all of its way.
+/// Where radios sleep all else goes in the common window: a channel whose turns come again at the
+/// same place of each keeps out of it, with all of its way.
 island_time beside_the_window(island_time first, duration interval, const duty_config& duty,
                               random_stream& dice) {
   using std::chrono::microseconds;
@@ -68,11 +68,11 @@ island_time beside_the_window(island_time first, duration interval, const duty_c
 
 } // namespace
 
-node::node(node_config config, std::uint32_t incarnation, random_stream dice, instant now)
-    : config_(std::move(config)), dice_(dice), incarnation_(incarnation) {
+node::node(node_config config, const nonvolatile& store, random_stream dice, instant now)
+    : config_(std::move(config)), dice_(dice), store_(store) {
   auto above = config_.layer;
   above.self = config_.id;
-  above.incarnation = incarnation;
+  above.incarnation = incarnation();
   above.transducer_mask = describe(config_).transducer_mask;
   layer_.emplace(above, random_stream(dice_.next()));
   auto network = config_.network;
@@ -91,7 +91,7 @@ communication node::attach(communication_events& events) {
 // Joining.
 
 node_outputs node::start(instant now) {
-  node_outputs out;
+  node_outputs out{store_nonvolatile{begin_life(store_)}};
   use_layer().on_initialised(true, now);
   if (config_.joins_alone)
     ask_to_join(encode(describe(config_)), out, now);
@@ -102,7 +102,7 @@ node_outputs node::start(instant now) {
 void node::ask_to_join(bytes description, node_outputs& out, instant now) {
   join_config config;
   config.keep_alive = config_.keep_alive;
-  join_ = join_client(config, std::move(description), incarnation_, random_stream(dice_.next()));
+  join_ = join_client(config, std::move(description), incarnation(), random_stream(dice_.next()));
   wants_to_join_ = true;
   take(packet_service_outputs{}, out, now);
 }
@@ -398,8 +398,8 @@ void node::perform(layer_output& x, node_outputs& out, instant now) {
   }
 }
 
-/// Where radios sleep, a channel with a schedule carries a packet each time that the next mote wakes
-/// up for it.
+/// Where radios sleep, a channel with a schedule carries a packet each time that the next mote
+/// wakes up for it.
 void node::pace(channel_packet x, node_outputs& out, instant now) {
   const auto turn = duty_.next_turn(channel_of(x.channel), now, packets_.router().clock());
   if (!turn) {
@@ -418,8 +418,8 @@ void node::pace(channel_packet x, node_outputs& out, instant now) {
   waiting.packets.push_back(std::move(x.octets));
 }
 
-/// One at each turn, in order: who reads a stream drops what newer records have overtaken. Turns may
-/// come a little less often than packets: then two go one after the other.
+/// One at each turn, in order: who reads a stream drops what newer records have overtaken. Turns
+/// may come a little less often than packets: then two go one after the other.
 void node::send_paced(node_outputs& out, instant now) {
   for (auto x = paced_.begin(); x != paced_.end();) {
     auto& [channel, waiting] = *x;
@@ -485,7 +485,8 @@ void node::connect(const channel_wanted& x, node_outputs& out, instant now) {
   schedule.interval = x.interval;
   schedule.size = static_cast<std::uint8_t>(std::min(x.size, network::channel_packet_max));
   if (router.clock().synchronised())
-    schedule.first = beside_the_window(router.clock().at(now + x.interval), x.interval, config_.duty, dice_);
+    schedule.first =
+        beside_the_window(router.clock().at(now + x.interval), x.interval, config_.duty, dice_);
   const auto expiry = std::max<duration>(expiry_min, expiry_intervals * x.interval);
   auto [id, todo] = router.connect(x.destination, schedule, expiry, now);
   connecting_[id] = x.request;
