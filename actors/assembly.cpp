@@ -27,6 +27,11 @@ const config::island_description& described(ecology_pointer self, island_id id) 
   return *std::ranges::find(self->state.description.islands, id, &config::island_description::id);
 }
 
+/// @pre the description has a mote with this address
+const config::mote_description& described(ecology_pointer self, const mote_address& x) {
+  return *std::ranges::find(described(self, x.island).motes, x.mote, &config::mote_description::id);
+}
+
 std::string type_name(const config::mote_description& x) {
   return x.type_name.empty() ? std::to_string(x.type) : x.type_name;
 }
@@ -57,6 +62,13 @@ mote::crystal crystal_of(ecology_pointer self, const config::island_description&
   return mote::crystal(x);
 }
 
+/// The serial number of a mote's hardware, never 0.
+std::uint32_t device_of(ecology_pointer self, const std::string& name) {
+  return static_cast<std::uint32_t>(
+             random_stream(self->state.description.seed, "device/" + name).next()) |
+         1U;
+}
+
 mote_arguments arguments_of(ecology_pointer self, const config::island_description& island,
                             const config::mote_description& mote, const apps::traffic& traffic,
                             radio::radio_index radio, const air_actor& air) {
@@ -68,6 +80,7 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.node.place = mote.place;
   x.node.transducer_seed =
       random_stream(self->state.description.seed, x.name + "/transducers").next();
+  x.node.device = device_of(self, x.name);
   x.node.id = mote.id;
   x.node.type = mote.type;
   x.node.keep_alive = keep_alive_of(island, mote);
@@ -200,6 +213,76 @@ void spawn_separate_programs(ecology_pointer self, supervised_mote& mote) {
   }
 }
 
+/// Traffic of an island with all that the fault plan makes of its motes, or brings there.
+apps::traffic traffic_in(ecology_pointer self, const config::island_description& island) {
+  auto sum = traffic_of(island);
+  const auto add = [&](const config::mote_description& mote) {
+    sum += apps::traffic_of(island.id, configs_of(programs_among(mote.apps)));
+  };
+  for (const auto& fault : self->state.description.faults) {
+    const auto* crash = std::get_if<config::crash_fault>(&fault.what);
+    const auto* move = std::get_if<config::move_island_fault>(&fault.what);
+    if (crash != nullptr && crash->becomes && crash->mote.island == island.id)
+      add(*crash->becomes);
+    else if (move != nullptr && move->to == island.id)
+      add(described(self, move->mote));
+  }
+  return sum;
+}
+
+/// What motes of an island are once they have failed and have another type.
+void note_new_types(ecology_pointer self, const config::island_description& island,
+                    const apps::traffic& traffic) {
+  auto& state = self->state;
+  const auto& faults = state.description.faults;
+  for (std::uint32_t i = 0; i < faults.size(); ++i) {
+    const auto* crash = std::get_if<config::crash_fault>(&faults[i].what);
+    if (crash == nullptr || !crash->becomes || crash->mote.island != island.id)
+      continue;
+    const auto& before = *state.motes.at(crash->mote).arguments;
+    state.successors[i] = std::make_shared<const mote_arguments>(
+        arguments_of(self, island, *crash->becomes, traffic, before.radio, before.air));
+  }
+}
+
+/// A mote that only the fault plan knows in this air, with a radio of its own.
+struct extra_mote {
+  std::uint32_t fault = 0;
+  island_id island;
+  config::mote_description mote;
+  radio::radio_index radio;
+};
+
+/// Second motes with the address of another, and motes that come from elsewhere.
+std::vector<extra_mote> add_motes(ecology_pointer self, const config::air_description& air,
+                                  radio::channel& channel, std::vector<mote_address>& addresses) {
+  std::vector<extra_mote> found;
+  const auto& faults = self->state.description.faults;
+  for (std::uint32_t i = 0; i < faults.size(); ++i) {
+    extra_mote x;
+    x.fault = i;
+    if (const auto* second = std::get_if<config::mote_double_fault>(&faults[i].what)) {
+      x.island = second->mote.island;
+      x.mote = described(self, second->mote);
+      x.mote.name += "-double";
+      x.mote.place = second->place;
+    } else if (const auto* move = std::get_if<config::move_island_fault>(&faults[i].what)) {
+      x.island = move->to;
+      x.mote = described(self, move->mote);
+      x.mote.place = move->place;
+    } else {
+      continue;
+    }
+    x.mote.path.clear();
+    if (std::ranges::find(air.islands, x.island) == air.islands.end())
+      continue;
+    x.radio = channel.add(radio_of(x.island, x.mote), now(self));
+    addresses.push_back({x.island, x.mote.id});
+    found.push_back(std::move(x));
+  }
+  return found;
+}
+
 /// Sources of noise that the fault plan has in this air, behind all other radios.
 /// @returns the places of these faults
 std::vector<std::uint32_t> add_noises(ecology_pointer self, const config::air_description& air,
@@ -245,18 +328,23 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
       addresses.push_back({island->id, mote.id});
     }
   }
+  const auto motes = add_motes(self, air, channel, addresses);
   const auto extra = add_noises(self, air, channel);
   channel.shrink();
   const radio::radio_index first_noise{static_cast<std::uint32_t>(addresses.size())};
   const auto medium = spawn_child(self, path, rubicon::air, std::move(channel),
-                                  std::move(addresses), extra_radios{0, extra.size()},
+                                  std::move(addresses), extra_radios{motes.size(), extra.size()},
                                   description.seed, handle_of(self), state.observe_frames);
   for (std::uint32_t i = 0; i < extra.size(); ++i)
     state.noises[extra[i]] = {medium, radio::radio_index{first_noise.value + i}};
+  for (const auto& x : motes)
+    state.successors[x.fault] = std::make_shared<const mote_arguments>(
+        arguments_of(self, described(self, x.island), x.mote,
+                     traffic_in(self, described(self, x.island)), x.radio, medium));
   radio::radio_index radio{};
   for (const auto* island : islands) {
     state.airs[island->id] = medium;
-    const auto traffic = traffic_of(*island);
+    const auto traffic = traffic_in(self, *island);
     if (island->stack == config::stack::full)
       spawn_bridge(self, *island, traffic, radio, medium);
     else
@@ -271,6 +359,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
       spawn_mote(self, entry);
       ++radio.value;
     }
+    note_new_types(self, *island, traffic);
   }
 }
 

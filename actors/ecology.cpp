@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "actors/assembly.hpp"
 #include "actors/failure.hpp"
@@ -78,24 +79,63 @@ void on_unmet(ecology_pointer self, const request_unmet& x) {
     self->state.process.on_end_wanted(what);
 }
 
-/// Records how a mote or sink has ended. @returns for how long it is out of order
-duration note_end(ecology_pointer self, const std::string& path, const std::string& who,
-                  const caf::error& reason) {
+/// Records how a mote or sink has ended. @returns the fault that has asked for it
+std::optional<planned_end> note_end(ecology_pointer self, const std::string& path,
+                                    const std::string& who, const caf::error& reason) {
   const auto text = text_of(reason);
-  const auto plan = take_planned(self, path, text);
+  auto plan = take_planned(self, path, text);
   record_failure(self, path, text, plan.has_value());
   const bool is_long = plan && plan->length != reboot_time;
   tell_story(self, who, "crashed: " + text + (is_long ? ", out for " + to_text(plan->length) : ""));
-  return plan ? plan->length : reboot_time;
+  return plan;
+}
+
+duration outage(const std::optional<planned_end>& x) {
+  return x ? x->length : reboot_time;
+}
+
+/// A mote that is carried to another island: it will be one of that island, and knows itself again.
+void carry(ecology_pointer self, mote_address from, const planned_end& plan) {
+  auto& state = self->state;
+  const auto next = state.successors.at(plan.fault);
+  auto entry = state.motes.extract(from);
+  auto& mote = entry.mapped();
+  self->send(mote.arguments->air, carry_away{mote.arguments->radio});
+  mote.arguments = next;
+  mote.on_the_way = true;
+  mote.told.reset();
+  entry.key() = next->address;
+  state.motes.insert(std::move(entry));
+  state.moved[from] = next->address;
+  state.gone[from] = now(self);
+  self->delayed_send(self, plan.length, restart_mote{next->address});
 }
 
 void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error& reason) {
+  auto& state = self->state;
   const auto path = "mote/" + mote.arguments->name;
-  const auto length = note_end(self, path, path, reason);
   mote.handle = nullptr;
   mote.changed = now(self);
+  const auto text = text_of(reason);
+  const auto planned = std::ranges::find(state.planned_ends, path, &planned_end::path);
+  if (text == planned_crash && planned != state.planned_ends.end() &&
+      std::holds_alternative<config::move_island_fault>(
+          state.description.faults.at(planned->fault).what)) {
+    const auto plan = *take_planned(self, path, text);
+    const auto& to = state.successors.at(plan.fault)->name;
+    tell_story(self, path, "carried away, to be " + to + " in " + to_text(plan.length));
+    carry(self, mote.arguments->address, plan);
+    return;
+  }
+  const auto plan = note_end(self, path, path, reason);
   self->send(mote.arguments->air, radio_power{mote.arguments->radio, radio::power::off});
-  self->delayed_send(self, length, restart_mote{mote.arguments->address});
+  if (plan && state.successors.contains(plan->fault)) {
+    const auto& crash =
+        std::get<config::crash_fault>(state.description.faults.at(plan->fault).what);
+    mote.arguments = state.successors.at(plan->fault);
+    mote.type = crash.becomes->type_name;
+  }
+  self->delayed_send(self, outage(plan), restart_mote{mote.arguments->address});
 }
 
 /// A story says `kitchen/sink`.
@@ -115,7 +155,7 @@ void on_sink_down(ecology_pointer self, island_id island, supervised_sink& sink,
   self->send(sink.arguments->air, radio_power{sink.arguments->radio, radio::power::off});
   for (const auto& each : sink.arguments->lines)
     self->send(each.line, attach_serial{serial::direction::to_mote, {}});
-  self->delayed_send(self, note_end(self, sink.path, story_name(sink), reason),
+  self->delayed_send(self, outage(note_end(self, sink.path, story_name(sink), reason)),
                      restart_sink{island});
 }
 
@@ -157,6 +197,8 @@ void restart(ecology_pointer self, const restart_program& x) {
   spawn_program(self, mote, *found);
 }
 
+bool on_double_down(ecology_pointer self, const caf::down_msg& x);
+
 void on_down(ecology_pointer self, const caf::down_msg& x) {
   auto& motes = self->state.motes;
   const auto mote = std::ranges::find_if(motes, [&](const auto& entry) {
@@ -166,7 +208,7 @@ void on_down(ecology_pointer self, const caf::down_msg& x) {
     on_mote_down(self, mote->second, x.reason);
     return;
   }
-  if (on_program_down(self, x))
+  if (on_program_down(self, x) || on_double_down(self, x))
     return;
   const auto sink = std::ranges::find_if(self->state.sinks, [&](const auto& entry) {
     return entry.second.handle && entry.second.handle.address() == x.source;
@@ -183,50 +225,6 @@ void on_down(ecology_pointer self, const caf::down_msg& x) {
   if (!was_asked_to_end(x.reason))
     record_failure(self, named->second, text_of(x.reason));
   tell_story(self, named->second, "ended");
-}
-
-bool has_several_gateways(ecology_pointer self, island_id id) {
-  return !std::ranges::find(self->state.description.islands, id, &config::island_description::id)
-              ->aliases.empty();
-}
-
-void on_listing(ecology_pointer self, const listing_changed& x) {
-  const auto found = self->state.motes.find(x.mote);
-  if (found == self->state.motes.end()) {
-    tell_story(self, "mote/" + to_string(x.mote), "an unknown mote has joined");
-    return;
-  }
-  auto& mote = found->second;
-  const std::pair news{x.listed, x.incarnation};
-  if (has_several_gateways(self, x.mote.island) && mote.told == news)
-    return; // another gateway has told so
-  mote.told = news;
-  mote.changed = now(self);
-  if (!x.listed) {
-    mote.left_cause = network::to_string(x.cause);
-    tell_story(self, "mote/" + mote.arguments->name, "left: " + mote.left_cause);
-    return;
-  }
-  const bool again = mote.joined;
-  mote.joined = true;
-  if (auto* judge = self->state.process.judge)
-    judge->on_joined(x.mote, now(self));
-  mote.left_cause.clear();
-  tell_story(self, "mote/" + mote.arguments->name,
-             again ? "joined again, life " + std::to_string(x.incarnation + 1) : "joined");
-}
-
-void on_store(ecology_pointer self, const store_written& x) {
-  auto& motes = self->state.motes;
-  if (const auto mote = motes.find(x.mote); mote != motes.end())
-    mote->second.store = x.content;
-  else if (const auto sink = self->state.sinks.find(x.mote.island); sink != self->state.sinks.end())
-    sink->second.store = x.content; // that of an island that only measures starts once
-}
-
-void on_flat(ecology_pointer self, supervised_mote& mote) {
-  mote.flat = true;
-  mote.changed = now(self);
 }
 
 runtime::island_report& island_of(ecology_pointer self, island_id id) {
@@ -249,7 +247,74 @@ supervised_mote* find_mote(ecology_pointer self, const mote_address& x) {
   auto& motes = self->state.motes;
   if (x == config::any_mote)
     return draw(self, motes, [](const supervised_mote& mote) { return !mote.flat && mote.handle; });
-  return &motes.at(x);
+  auto at = x;
+  for (auto moved = self->state.moved.find(at); moved != self->state.moved.end();
+       moved = self->state.moved.find(at))
+    at = moved->second;
+  return &motes.at(at);
+}
+
+bool has_several_gateways(ecology_pointer self, island_id id) {
+  return !std::ranges::find(self->state.description.islands, id, &config::island_description::id)
+              ->aliases.empty();
+}
+
+void on_listing(ecology_pointer self, const listing_changed& x) {
+  const auto found = self->state.motes.find(x.mote);
+  if (found == self->state.motes.end()) {
+    const auto moved = self->state.moved.find(x.mote);
+    if (moved == self->state.moved.end())
+      tell_story(self, "mote/" + to_string(x.mote), "an unknown mote has joined");
+    else if (!x.listed)
+      tell_story(self, "mote/" + find_mote(self, x.mote)->arguments->name,
+                 "left " + island_of(self, x.mote.island).name + ": " +
+                     network::to_string(x.cause));
+    return;
+  }
+  auto& mote = found->second;
+  const std::pair news{x.listed, x.incarnation};
+  if (has_several_gateways(self, x.mote.island) && mote.told == news)
+    return; // another gateway has told so
+  mote.told = news;
+  mote.changed = now(self);
+  if (!x.listed) {
+    mote.left_cause = network::to_string(x.cause);
+    tell_story(self, "mote/" + mote.arguments->name, "left: " + mote.left_cause);
+    return;
+  }
+  const bool again = mote.joined;
+  mote.joined = true;
+  if (auto* judge = self->state.process.judge)
+    judge->on_joined(x.mote, now(self));
+  mote.left_cause.clear();
+  tell_story(self, "mote/" + mote.arguments->name,
+             again ? "joined again, life " + std::to_string(x.incarnation + 1) : "joined");
+}
+
+/// The second mote that has sent the present message; nullptr: it is of no such mote.
+supervised_double* double_of_sender(ecology_pointer self) {
+  const auto sender = caf::actor_cast<caf::actor_addr>(self->current_sender());
+  for (auto& [fault, x] : self->state.doubles)
+    if (x.handle && x.handle.address() == sender)
+      return &x;
+  return nullptr;
+}
+
+void on_store(ecology_pointer self, const store_written& x) {
+  if (auto* second = double_of_sender(self)) {
+    second->store = x.content;
+    return;
+  }
+  auto& motes = self->state.motes;
+  if (const auto mote = motes.find(x.mote); mote != motes.end())
+    mote->second.store = x.content;
+  else if (const auto sink = self->state.sinks.find(x.mote.island); sink != self->state.sinks.end())
+    sink->second.store = x.content; // that of an island that only measures starts once
+}
+
+void on_flat(ecology_pointer self, supervised_mote& mote) {
+  mote.flat = true;
+  mote.changed = now(self);
 }
 
 /// The mote that a fault names, if it runs, or one that does and is drawn; nullptr: none.
@@ -353,8 +418,26 @@ struct fault_applier : peer_fault_applier {
     tell_story(self, self->path(), "radio loses frames for " + to_text(x.length));
   }
 
-  void operator()(const config::mote_double_fault&) const {}
-  void operator()(const config::move_island_fault&) const {}
+  void operator()(const config::mote_double_fault& x) const {
+    auto& state = self->state;
+    auto& second = state.doubles[index];
+    if (second.handle)
+      return;
+    const auto& arguments = state.successors.at(index);
+    const auto path = "mote/" + arguments->name;
+    tell_story(self, path, "appears, with the id of " + find_mote(self, x.mote)->arguments->name);
+    second.handle =
+        spawn_child(self, path, mote_behavior, arguments, mote::nonvolatile{second.store});
+    if (x.length)
+      self->delayed_send(self, *x.length, end_fault{index});
+  }
+
+  void operator()(const config::move_island_fault& x) const {
+    if (self->state.moved.contains(x.mote))
+      return; // it is not there any more
+    if (auto* mote = find_running_mote(self, x.mote))
+      end(mote->handle, "mote/" + mote->arguments->name, x.length);
+  }
 
   void operator()(const config::unplug_fault& x) const {
     auto& lines = self->state.lines;
@@ -381,6 +464,60 @@ struct fault_applier : peer_fault_applier {
     return found->second.id;
   }
 };
+
+/// A second mote is switched off. What it has counted is part of the report.
+void end_double(ecology_pointer self, std::uint32_t fault) {
+  auto& state = self->state;
+  auto& second = state.doubles.at(fault);
+  if (!second.handle)
+    return;
+  const auto who = second.handle.address();
+  self->send(second.handle, status_request{});
+  self->send_exit(second.handle, caf::exit_reason::user_shutdown);
+  const auto& of = *state.successors.at(fault);
+  self->send(of.air, radio_power{of.radio, radio::power::off});
+  std::erase_if(state.reporters, [&who](const auto& x) { return x.first == who; });
+}
+
+/// It has ended, having told all that it had to.
+bool on_double_down(ecology_pointer self, const caf::down_msg& x) {
+  for (auto& [fault, second] : self->state.doubles) {
+    if (!second.handle || second.handle.address() != x.source)
+      continue;
+    const auto path = "mote/" + self->state.successors.at(fault)->name;
+    self->state.names.erase(x.source);
+    second.handle = nullptr;
+    if (!was_asked_to_end(x.reason))
+      record_failure(self, path, text_of(x.reason));
+    tell_story(self, path, "gone");
+    return true;
+  }
+  return false;
+}
+
+/// Of a second mote only what its Network has counted is a part of the island's.
+bool on_double_network(ecology_pointer self, network_status x) {
+  if (double_of_sender(self) == nullptr)
+    return false;
+  x.network.synchronised = x.network.aligned = x.network.hops_max = 0;
+  island_of(self, x.address.island).network += x.network;
+  return true;
+}
+
+/// A mote comes to another island with the battery that it has.
+void on_radio_left(ecology_pointer self, const radio_left& x) {
+  if (auto* mote = find_mote(self, x.energy.mote))
+    mote->used_mah = x.energy.used_mah;
+}
+
+void restart(ecology_pointer self, const restart_mote& x) {
+  auto& mote = self->state.motes.at(x.mote);
+  if (mote.flat)
+    return;
+  if (std::exchange(mote.on_the_way, false))
+    self->send(mote.arguments->air, bring_radio{mote.arguments->radio, mote.used_mah});
+  spawn_mote(self, mote);
+}
 
 /// The next fault of the plan; the plan may be long.
 void schedule_fault(ecology_pointer self) {
@@ -674,6 +811,17 @@ runtime::run_truth truth_of(ecology_pointer self) {
     if (!runs || !settled)
       truth.ended_by_fault.push_back(address);
   }
+  for (const auto& [address, since] : state.gone) {
+    const auto reported = state.listed.find(address.island);
+    const bool listed = reported != state.listed.end() &&
+                        std::ranges::find(reported->second, address.mote) != reported->second.end();
+    if (!listed || now(self) - since < settling_time(*find_mote(self, address)))
+      continue;
+    auto& list = lists[address.island];
+    list.island = address.island;
+    list.actual.push_back(address.mote);
+    std::ranges::sort(list.actual);
+  }
   for (auto& [island, list] : lists) {
     if (has_settled_gateway(self, island))
       truth.device_lists.push_back(std::move(list));
@@ -764,8 +912,11 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const actor_failed& x) { record_failure(self, x.who, x.why); },
       [self](const request_unmet& x) { on_unmet(self, x); },
       [self](const store_written& x) { on_store(self, x); },
-      [](const radio_left&) {},
-      [self](const mote_flat& x) { on_flat(self, self->state.motes.at(x.mote)); },
+      [self](const radio_left& x) { on_radio_left(self, x); },
+      [self](const mote_flat& x) {
+        if (double_of_sender(self) == nullptr)
+          on_flat(self, self->state.motes.at(x.mote));
+      },
       [self](const listing_changed& x) { on_listing(self, x); },
       [self](const radio_status& x) { island_of(self, x.island).radio += x.radio; },
       [self](const energy_status& x) { on_energy(self, x); },
@@ -776,7 +927,10 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const message_status& x) {
         self->state.books.add(x.who, x.is_pc, x.messages, x.arrivals);
       },
-      [self](const network_status& x) { on_network(self, x); },
+      [self](const network_status& x) {
+        if (!on_double_network(self, x))
+          on_network(self, x);
+      },
       [self](const serial_status& x) { island_of(self, x.island).serial += x.serial; },
       [self](const devices_status& x) {
         self->state.listed[x.island] = x.listed;
@@ -797,13 +951,9 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
         schedule_fault(self);
         std::visit(fault_applier{{self}, x.index}, self->state.description.faults.at(x.index).what);
       },
-      [self](const restart_mote& x) {
-        auto& mote = self->state.motes.at(x.mote);
-        if (!mote.flat)
-          spawn_mote(self, mote);
-      },
+      [self](const restart_mote& x) { restart(self, x); },
       [self](const restart_sink& x) { restart(self, x); },
-      [](const end_fault&) {},
+      [self](const end_fault& x) { end_double(self, x.index); },
       [self](const restart_program& x) { restart(self, x); },
       [self](const restart_peer& x) { restart(self, self->state.peers.at(x.name)); },
       [self](const end_duplicate& x) { end_duplicate_peer(self, x.name); },

@@ -44,10 +44,18 @@ struct supervised_mote {
   std::string type;
   bool joined = false; ///< ever
   bool flat = false;
+  bool on_the_way = false; ///< to another island, with a battery of which
+  double used_mah = 0;     ///< so much is used
   std::optional<std::pair<bool, std::uint32_t>> told; ///< listed, and its incarnation, last
   std::string left_cause;
   instant changed; ///< when it was last started, flat, listed or unlisted
   std::vector<supervised_program> programs;
+};
+
+/// A second mote with the address of another, from the fault plan.
+struct supervised_double {
+  mote_actor handle;
+  mote::nonvolatile store; ///< its flash
 };
 
 /// A sink as its supervisor knows it.
@@ -151,8 +159,11 @@ struct ecology_state {
   std::map<island_id, clock_samples> sampled;
   std::map<mote_address, std::vector<network::channel_id>> channel_tables; ///< of the living
   std::map<std::pair<mote_address, mote_address>, flow::part> flows;       ///< by origin and target
-  std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
-  std::vector<planned_end> planned_ends;            ///< that are still to come
+  std::map<island_id, std::vector<mote_id>> listed;   ///< as the gateways say at the end
+  std::map<std::uint32_t, supervised_double> doubles; ///< by the fault's index
+  std::map<mote_address, mote_address> moved;         ///< where motes of other islands are now
+  std::map<mote_address, instant> gone;  ///< since when they are no more where they were
+  std::vector<planned_end> planned_ends; ///< that are still to come
   std::vector<runtime::planned_fault> plan;
   bool ending = false;                           ///< end_run has come
   bool delivered = false;                        ///< deliver_report has come

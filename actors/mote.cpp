@@ -60,6 +60,12 @@ struct performer {
                store_written{self->state.arguments->address, x.content});
   }
 
+  void operator()(mote::address_taken) const {
+    log(self, spdlog::level::warn, "event=address_taken");
+    self->send(self->state.arguments->ecology,
+               story{self->path(), "is silent: another mote has its id"});
+  }
+
   void operator()(const mote::membership& x) const {
     log(self, spdlog::level::info, "event={}", x.joined ? "joined" : "lost_island");
     for (const auto& app : self->state.apps)

@@ -52,6 +52,15 @@ struct performer {
                store_written{self->state.arguments.address, x.content});
   }
 
+  void operator()(const mote::double_refused& x) const {
+    const mote_address who{self->state.arguments.address.island, x.mote};
+    log(self, spdlog::level::warn, "event=double_refused mote={} device={:08x}", to_string(who),
+        x.device);
+    self->send(
+        self->state.arguments.ecology,
+        story{self->path() + "/sink", "refused a second mote with the id " + to_string(x.mote)});
+  }
+
   void operator()(serial::to_line& x) const {
     self->send(self->state.arguments.lines[line].line,
                serial_write{serial::direction::to_pc, payload(std::move(x.octets))});

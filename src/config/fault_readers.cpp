@@ -12,6 +12,28 @@ namespace {
 constexpr std::int64_t times_max = 100'000;
 constexpr duration span_min = 1ms;
 
+/// The name of a mote type.
+struct mote_type_name {
+  using type = std::string;
+  const directory& names;
+
+  [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const {
+    const auto* name = x.as<std::string>();
+    if (name == nullptr)
+      return who.refuse(x, "the name of a mote type");
+    if (names.mote_types.contains(*name))
+      return *name;
+    who.complain(x, "no mote type is called `" + *name + '`' +
+                        suggestion(*name, {names.mote_types.begin(), names.mote_types.end()}));
+    return std::nullopt;
+  }
+};
+
+bool has_separate_app(const std::vector<mote_app>& all) {
+  return std::ranges::any_of(all,
+                             [](const auto& x) { return std::holds_alternative<separate_app>(x); });
+}
+
 /// What a reader of one kind needs, and what it fills.
 struct kind_reader {
   const directory& names;
@@ -37,6 +59,95 @@ struct kind_reader {
     crash_fault x;
     in.required("mote", mote_name{names, true}, x.mote);
     in.optional("for", time_span{span_min}, x.length);
+    std::string type;
+    if (in.optional("type", mote_type_name{names}, type))
+      x.becomes = of_another_type(in, x.mote, type);
+    out = std::move(x);
+  }
+
+  /// The mote of the description; nullptr if there is none, about which somebody else complains.
+  [[nodiscard]] const mote_description* find(const mote_address& x) const {
+    for (const auto& island : islands) {
+      if (island.id != x.island)
+        continue;
+      const auto found = std::ranges::find(island.motes, x.mote, &mote_description::id);
+      return found == island.motes.end() ? nullptr : &*found;
+    }
+    return nullptr;
+  }
+
+  /// The mote at its place, with all that the type says but platform, battery and power.
+  [[nodiscard]] std::optional<mote_description>
+  of_another_type(table_reader& in, const mote_address& who, const std::string& type) const {
+    const auto* before = find(who);
+    if (who == any_mote)
+      in.problems().add(in.at("type"), "`type` needs the name of one `mote`, not \"*\"");
+    const auto profile = with.types.find(type);
+    if (before == nullptr || profile == with.types.end())
+      return std::nullopt;
+    auto x = *before;
+    x.type = profile->second.type;
+    x.type_name = type;
+    x.transducers = profile->second.transducers;
+    x.actuators = profile->second.actuators;
+    x.apps.clear();
+    for (const auto& each : profile->second.apps)
+      x.apps.push_back(each.app);
+    if (const auto* of = names.find(who.island); of != nullptr && !of->has_gateway)
+      in.problems().add(in.at("type"),
+                        "in an island with stack = \"mac\" nobody is told a mote's type");
+    if (has_separate_app(before->apps) || has_separate_app(x.apps))
+      in.problems().add(in.at("type"), "a mote with programs that are actors of their own keeps "
+                                       "its type; leave `separate` out");
+    if (std::ranges::any_of(x.apps, is_flow_app))
+      in.problems().add(in.at("type"), "a mote of that type would be an end of flows, which are "
+                                       "the same all the time");
+    static_cast<void>(settle_traces(x.transducers, x.id, in.at("type"), in.problems()));
+    return x;
+  }
+
+  /// A mote of an island with a gateway, by its name.
+  void read_joining_mote(table_reader& in, mote_address& out_mote) const {
+    in.required("mote", mote_name{names}, out_mote);
+    if (const auto* of = names.find(out_mote.island); of != nullptr && !of->has_gateway)
+      in.problems().add(in.at("mote"),
+                        "a mote of an island with stack = \"mac\" does not join anything");
+    if (const auto* mote = find(out_mote); mote != nullptr && has_separate_app(mote->apps))
+      in.problems().add(in.at("mote"), "not a mote with programs that are actors of their own; "
+                                       "leave `separate` out");
+  }
+
+  void duplicate_id(table_reader& in) const {
+    if (choose(in, {"peer", "mote"}) == "peer") {
+      refuse(in, {"position_m"}, "peer");
+      absence<duplicate_id_fault>(in);
+      return;
+    }
+    mote_double_fault x;
+    read_joining_mote(in, x.mote);
+    in.required("position_m", place{}, x.place);
+    in.optional("for", time_span{span_min}, x.length);
+    out = x;
+  }
+
+  void move_mote(table_reader& in) const {
+    move_island_fault x;
+    read_joining_mote(in, x.mote);
+    in.required("to_island", island_name{names}, x.to);
+    in.required("to_m", place{}, x.place);
+    in.optional("for", time_span{span_min}, x.length);
+    if (in.sound() && x.to == x.mote.island)
+      in.problems().add(in.at("to_island"),
+                        "it is in that island already; a `path` of the mote lets it move there");
+    if (const auto* to = names.find(x.to); in.sound() && to != nullptr) {
+      if (!to->has_gateway)
+        in.problems().add(in.at("to_island"),
+                          "nobody joins an island with stack = \"mac\"; name another");
+      if (to->sink == x.mote.mote || find({x.to, x.mote.mote}) != nullptr)
+        in.problems().add(in.at("to_island"), "that island has a mote or sink with the id " +
+                                                  to_string(x.mote.mote) +
+                                                  " already; give one of them another `id`");
+    }
     out = x;
   }
 
@@ -168,6 +279,11 @@ struct kind_reader {
   }
 
   void move(table_reader& in) const {
+    if (choose(in, {"peer", "mote"}) == "mote") {
+      move_mote(in);
+      return;
+    }
+    refuse(in, {"to_island", "for"}, "peer");
     move_fault x;
     in.required("peer", peer_name{names}, x.peer);
     in.required("to_m", place{}, x.to);
@@ -210,20 +326,19 @@ struct kind_reader {
 void read_kind(table_reader& in, const surroundings& with,
                const std::vector<island_description>& islands, fault& out) {
   const kind_reader read{with.names, with, islands, out};
-  in.one_of("kind",
-            {{"battery_end", [&](table_reader& x) { read.battery_end(x); }},
-             {"crash", [&](table_reader& x) { read.crash(x); }},
-             {"unplug", [&](table_reader& x) { read.unplug(x); }},
-             {"kill", [&](table_reader& x) { read.absence<kill_fault>(x); }},
-             {"power_off", [&](table_reader& x) { read.absence<power_off_fault>(x); }},
-             {"pause", [&](table_reader& x) { read.pause(x); }},
-             {"partition", [&](table_reader& x) { read.partition(x); }},
-             {"link_loss", [&](table_reader& x) { read.link_loss(x); }},
-             {"duplicate_id", [&](table_reader& x) { read.absence<duplicate_id_fault>(x); }},
-             {"clock_step", [&](table_reader& x) { read.clock_step(x); }},
-             {"move", [&](table_reader& x) { read.move(x); }},
-             {"noise", [&](table_reader& x) { read.noise(x); }},
-             {"radio_loss", [&](table_reader& x) { read.radio_loss(x); }}});
+  in.one_of("kind", {{"battery_end", [&](table_reader& x) { read.battery_end(x); }},
+                     {"crash", [&](table_reader& x) { read.crash(x); }},
+                     {"unplug", [&](table_reader& x) { read.unplug(x); }},
+                     {"kill", [&](table_reader& x) { read.absence<kill_fault>(x); }},
+                     {"power_off", [&](table_reader& x) { read.absence<power_off_fault>(x); }},
+                     {"pause", [&](table_reader& x) { read.pause(x); }},
+                     {"partition", [&](table_reader& x) { read.partition(x); }},
+                     {"link_loss", [&](table_reader& x) { read.link_loss(x); }},
+                     {"duplicate_id", [&](table_reader& x) { read.duplicate_id(x); }},
+                     {"clock_step", [&](table_reader& x) { read.clock_step(x); }},
+                     {"move", [&](table_reader& x) { read.move(x); }},
+                     {"noise", [&](table_reader& x) { read.noise(x); }},
+                     {"radio_loss", [&](table_reader& x) { read.radio_loss(x); }}});
 }
 
 /// A time of a fault; not after the end of the run.

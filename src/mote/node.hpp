@@ -29,6 +29,7 @@ namespace rubicon::mote {
 struct node_config {
   mote_id id;
   std::uint32_t type = 0;
+  std::uint32_t device = 0; ///< as in descriptor
   duration keep_alive = 3s; ///< promised in the descriptor: heard at least this often
   bool joins_alone = true;  ///< else its programs call initCommunications and joinIsland
   std::vector<transducer_config> transducers;
@@ -53,8 +54,11 @@ struct actuator_arrived {
   std::uint8_t state = 0;
 };
 
-using node_output =
-    std::variant<network::frame_out, radio_switch, membership, actuator_arrived, store_nonvolatile>;
+/// Its sink has another mote with this address: it is silent, its radio off, and asks again later.
+struct address_taken {};
+
+using node_output = std::variant<network::frame_out, radio_switch, membership, actuator_arrived,
+                                 store_nonvolatile, address_taken>;
 using node_outputs = std::vector<node_output>;
 
 struct node_counters {
@@ -176,6 +180,8 @@ private:
   mote_condition condition_;
   std::int16_t parent_dbm_ = signal_unknown; ///< of its newest frame
   nonvolatile store_;                        ///< as it was before this life
+  bool refused_ = false;                     ///< its radio is off whatever its duty cycle says,
+  bool radio_wanted_ = true;                 ///< which is this
   bool wants_to_join_ = false;               ///< there is no way to the sink yet
   std::optional<instant> joins_at_;
   island_id island_;

@@ -195,6 +195,8 @@ sink_outputs sink::take(registrar_outputs from_registrar, instant now) {
     if (const auto* message = std::get_if<to_mote>(&x))
       append(out,
              take(packets_.send_management(message->mote, encode(message->message), now), now));
+    else if (const auto* seen = std::get_if<double_refused>(&x))
+      out.emplace_back(*seen);
     else
       out.emplace_back(event_for(std::get<network::sink_event>(x), std::nullopt));
   }

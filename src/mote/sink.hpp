@@ -30,7 +30,7 @@ struct to_gateway {
   std::optional<std::size_t> line = {}; ///< nothing: up all of them
 };
 
-using sink_output = std::variant<network::frame_out, to_gateway, store_nonvolatile>;
+using sink_output = std::variant<network::frame_out, to_gateway, store_nonvolatile, double_refused>;
 using sink_outputs = std::vector<sink_output>;
 
 struct sink_counters {
@@ -73,6 +73,7 @@ public:
   [[nodiscard]] std::uint32_t incarnation() const { return store_.starts - 1; } ///< once started
   [[nodiscard]] std::size_t members() const { return registrar_.members(); }
   [[nodiscard]] const sink_counters& counters() const { return counters_; }
+  [[nodiscard]] const registrar_counters& joining() const { return registrar_.counters(); }
   [[nodiscard]] const packet_service& packets() const { return packets_; }
   [[nodiscard]] const network::time_reference& time() const { return time_; }
   [[nodiscard]] const gateway_lines& lines() const { return lines_; }

@@ -49,7 +49,7 @@ constexpr std::string_view two_islands = R"(
   mote = [
     { id = 2, name = "lamp", type = "lamp", position_m = [205, 0] },
     { id = 3, name = "near", type = "climate", position_m = [210, 0] },
-    { id = 5, name = "far", type = "climate", position_m = [220, 0] },
+    { id = 5, name = "end", type = "climate", position_m = [220, 0] },
   ]
   [[peer]]
   id = 40
@@ -211,7 +211,7 @@ TEST_CASE("a sink that reboots at once has its island back in a minute", "[ecolo
                   5);
             CHECK(x.motes_alive() == 6);
             CHECK(proxy_of(x, "flat.far").status == "active");
-            CHECK(proxy_of(x, "shed.far").status == "active");
+            CHECK(proxy_of(x, "shed.end").status == "active");
           });
 }
 
@@ -272,7 +272,7 @@ TEST_CASE("noise silences who is near, and nobody else", "[ecology][ACT-04]") {
             REQUIRE(again);
             CHECK(*again >= instant(9min));
             CHECK_FALSE(when(x, "flat/near", "left")); // 24 m away
-            CHECK_FALSE(when(x, "shed/far", "left"));
+            CHECK_FALSE(when(x, "shed/end", "left"));
           });
 }
 
@@ -328,5 +328,128 @@ TEST_CASE("a radio that loses all is silent, one that loses some repeats", "[eco
             }
             CHECK_FALSE(when(x, "shed/near", "left"));
             CHECK(x.islands.at(1).radio.lost.at("loss") > 0); // of the second fault
+          });
+}
+
+TEST_CASE("a second mote with an id is refused and said, and the first is not touched",
+          "[ecology][ACT-04][ADR-04]") {
+  run_all(R"(
+    [[fault]]
+    at = "4min"
+    kind = "duplicate_id"
+    mote = "flat/near"
+    position_m = [8, 3]
+    for = "10min"
+  )",
+          [](const runtime::report& x) {
+            CHECK(when(x, "flat/near-double", "appears, with the id of flat/near") ==
+                  instant(4min));
+            CHECK(how_often(x, "flat/sink", "refused a second mote with the id 3") == 1);
+            CHECK(how_often(x, "flat/near-double", "is silent: another mote has its id") >= 2);
+            CHECK(when(x, "flat/near-double", "gone") == instant(14min));
+            CHECK(x.islands.at(0).network.lost.at("id_taken") >= 2);
+            CHECK_FALSE(x.islands.at(1).network.lost.contains("id_taken"));
+            CHECK(how_often(x, "flat/near", "left") == 0);
+            CHECK(how_often(x, "flat/near", "joined again") == 0);
+            CHECK(mote_of(x, "flat", "near").incarnations == 1);
+            CHECK(proxy_of(x, "flat.near").status == "active");
+          });
+}
+
+TEST_CASE("a mote that reboots while there is a second one is itself at once",
+          "[ecology][ACT-04][ADR-04][DIS-07]") {
+  run_all(R"(
+    [[fault]]
+    at = "4min"
+    kind = "duplicate_id"
+    mote = "flat/near"
+    position_m = [8, 3]
+    for = "10min"
+    [[fault]]
+    at = "6min"
+    kind = "crash"
+    mote = "flat/near"
+  )",
+          [](const runtime::report& x) {
+            const auto again = when(x, "flat/near", "joined again, life 2");
+            REQUIRE(again);
+            CHECK(*again < instant(6min + 10s));
+            CHECK(how_often(x, "flat/near", "joined again") == 1);
+            CHECK(how_often(x, "flat/near", "left") == 0);
+            CHECK(proxy_of(x, "flat.near").status == "active");
+          });
+}
+
+TEST_CASE("a second mote takes the place of one that is gone, until that one is back",
+          "[ecology][ACT-04][ADR-04]") {
+  run_all(R"(
+    [[fault]]
+    at = "4min"
+    kind = "crash"
+    mote = "flat/near"
+    for = "8min"
+    [[fault]]
+    at = "5min"
+    kind = "duplicate_id"
+    mote = "flat/near"
+    position_m = [8, 3]
+    for = "10min"
+  )",
+          [](const runtime::report& x) {
+            const auto replaced = when(x, "flat/near", "joined again, life 1");
+            REQUIRE(replaced); // a new board with the old id
+            CHECK(*replaced < instant(6min));
+            CHECK(when(x, "flat/near", "is silent: another mote has its id")); // the old one
+            const auto own = when(x, "flat/near", "joined again, life 2", instant(15min));
+            CHECK(own);
+            CHECK(proxy_of(x, "flat.near").status == "active");
+          });
+}
+
+TEST_CASE("a mote that is carried to another island leaves its own and joins that one",
+          "[ecology][ACT-04]") {
+  run_all(R"(
+    [[fault]]
+    at = "4min"
+    kind = "move"
+    mote = "flat/far"
+    to_island = "shed"
+    to_m = [206, 5]
+    for = "20s"
+  )",
+          [](const runtime::report& x) {
+            CHECK(when(x, "flat/far", "carried away, to be shed/far in 20 s") == instant(4min));
+            CHECK(x.islands.at(0).motes.size() == 2);
+            CHECK(x.islands.at(1).motes.size() == 4);
+            std::size_t there = 0;
+            for (const auto& mote : x.islands.at(1).motes) {
+              if (mote.address.mote != mote_id{4})
+                continue;
+              ++there;
+              CHECK(mote.incarnations == 2);
+              CHECK(mote.alive);
+              CHECK(mote.left_cause.empty());
+              CHECK(mote.used_mah > 0);
+              CHECK(mote.elapsed == 15min + 40s);
+            }
+            CHECK(there == 1);
+            CHECK(x.motes_alive() == 6);
+          });
+}
+
+TEST_CASE("a mote that is of another type when it starts again has another proxy",
+          "[ecology][ACT-04][PXY-09]") {
+  run_all(R"(
+    [[fault]]
+    at = "4min"
+    kind = "crash"
+    mote = "flat/far"
+    type = "lamp"
+  )",
+          [](const runtime::report& x) {
+            CHECK(when(x, "flat/far", "joined again, life 2"));
+            CHECK(mote_of(x, "flat", "far").type == "lamp");
+            CHECK(proxy_of(x, "flat.far").proxy_class == "lamp");
+            CHECK(proxy_of(x, "flat.far").status == "active");
           });
 }

@@ -180,7 +180,9 @@ public:
   std::vector<std::pair<mote_id, transport::received>> received; ///< by programs, in order
   std::vector<std::pair<mote_id, bool>> outcomes;                ///< of reliable sends: acked?
   std::vector<std::pair<mote_id, mote::membership>> memberships;
-  std::vector<mote::to_gateway> up;            ///< on the serial line
+  std::vector<mote::to_gateway> up; ///< on the serial line
+  std::vector<mote_id> taken;       ///< who is silent, its address being another's
+  std::vector<mote::double_refused> doubles;
   std::map<mote_id, mote::nonvolatile> stores; ///< they outlast kill()
   std::size_t longest = 0;                     ///< payload of a frame
   std::size_t frames = 0;
@@ -234,6 +236,8 @@ private:
   void take(mote_id, mote::to_gateway& x) { up.push_back(std::move(x)); }
   void take(mote_id who, mote::membership& x) { memberships.emplace_back(who, x); }
   void take(mote_id, const mote::actuator_arrived&) {}
+  void take(mote_id who, mote::address_taken) { taken.push_back(who); }
+  void take(mote_id, const mote::double_refused& x) { doubles.push_back(x); }
   void take(mote_id who, const mote::store_nonvolatile& x) { stores[who] = x.content; }
 
   [[nodiscard]] bool is_there(mote_id id) const {

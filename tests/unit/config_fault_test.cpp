@@ -241,3 +241,44 @@ TEST_CASE("faults of motes and radios that cannot be are refused", "[config][GEN
   CAPTURE(x.toml);
   CHECK(problem_after(mote_head, "[[fault]]\nat = \"1s\"\n" + std::string(x.toml)) == x.problem);
 }
+
+TEST_CASE("motes may have a double, another island or another type", "[config][ACT-04][ADR-04]") {
+  const std::string two = mote_head + "[[island]]\nid = 9\nname = \"other\"\n"
+                                      "[mote_type.lamp]\ntype = 77\n"
+                                      "actuators = [{ name = \"switch\", kind = \"relay\" }]\n";
+  const auto name = good(two).islands.at(0).motes.at(0).name;
+  const auto with = [&](const std::string& keys) {
+    return two + "[[fault]]\nat = \"1s\"\nmote = \"k/" + name + "\"\n" + keys;
+  };
+  const auto x = good(with("kind = \"duplicate_id\"\nposition_m = [3, 4]\nfor = \"5s\"\n"));
+  const auto second = std::get<mote_double_fault>(x.faults.at(0).what);
+  CHECK(second.mote == mote_address{x.islands.at(0).id, mote_id{2}});
+  CHECK(second.place.y_m == 4);
+  CHECK(second.length == 5s);
+  const auto moves =
+      good(with("kind = \"move\"\nto_island = \"other\"\nto_m = [1, 1]\n")).faults.at(0);
+  CHECK(std::get<move_island_fault>(moves.what).to == island_id{9});
+  CHECK(std::get<move_island_fault>(moves.what).length == 10s);
+  const auto becomes = good(with("kind = \"crash\"\ntype = \"lamp\"\n"));
+  const auto& crash = std::get<crash_fault>(becomes.faults.at(0).what);
+  REQUIRE(crash.becomes);
+  CHECK(crash.becomes->type == 77);
+  CHECK(crash.becomes->id == mote_id{2});
+  CHECK(crash.becomes->actuators.size() == 1);
+  CHECK(crash.becomes->apps.empty());
+  const auto text = summary(becomes);
+  CHECK(text.substr(text.find("faults")) ==
+        "faults\n  1 s  crash  k/" + name + " and then of the type lamp\n");
+
+  const auto wrong = [&](const std::string& keys) { return problem_after(with(keys), ""); };
+  CHECK(wrong("kind = \"duplicate_id\"\n").find("`position_m` is missing") != std::string::npos);
+  CHECK(wrong("kind = \"duplicate_id\"\npeer = \"*\"\n").find("`mote` means nothing with `peer`") !=
+        std::string::npos);
+  CHECK(wrong("kind = \"move\"\nto_island = \"k\"\nto_m = [1, 1]\n")
+            .find("it is in that island already") != std::string::npos);
+  CHECK(wrong("kind = \"crash\"\ntype = \"lamb\"\n")
+            .find("no mote type is called `lamb`: did you mean `lamp`?") != std::string::npos);
+  CHECK(problem_after(two, "[[fault]]\nat = \"1s\"\nkind = \"crash\"\nmote = \"*\"\n"
+                           "type = \"lamp\"\n")
+            .find("`type` needs the name of one `mote`, not \"*\"") != std::string::npos);
+}
