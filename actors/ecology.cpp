@@ -47,7 +47,7 @@ void add_violation(ecology_pointer self, const char* invariant, std::string deta
     state.report.violations.push_back(std::move(x));
 }
 
-/// What the fault plan has asked for, if this is it; each request excuses one failure.
+/// What the fault plan has asked for, if this is it.
 std::optional<planned_end> take_planned(ecology_pointer self, const std::string& path,
                                         const std::string& text) {
   auto& requested = self->state.planned_ends;
@@ -55,7 +55,7 @@ std::optional<planned_end> take_planned(ecology_pointer self, const std::string&
   if (text != planned_crash || found == requested.end())
     return std::nullopt;
   auto plan = std::move(*found);
-  requested.erase(found);
+  std::erase_if(requested, [&path](const auto& x) { return x.path == path; }); // it ends once
   return plan;
 }
 
@@ -129,10 +129,11 @@ void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error&
   }
   const auto plan = note_end(self, path, path, reason);
   self->send(mote.arguments->air, radio_power{mote.arguments->radio, radio::power::off});
-  if (plan && state.successors.contains(plan->fault)) {
+  const auto next = plan ? state.successors.find(plan->fault) : state.successors.end();
+  if (next != state.successors.end() && next->second->address == mote.arguments->address) {
     const auto& crash =
         std::get<config::crash_fault>(state.description.faults.at(plan->fault).what);
-    mote.arguments = state.successors.at(plan->fault);
+    mote.arguments = next->second; // one that was carried away keeps its type
     mote.type = crash.becomes->type_name;
   }
   self->delayed_send(self, outage(plan), restart_mote{mote.arguments->address});

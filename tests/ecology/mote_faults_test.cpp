@@ -453,3 +453,54 @@ TEST_CASE("a mote that is of another type when it starts again has another proxy
             CHECK(proxy_of(x, "flat.far").status == "active");
           });
 }
+
+TEST_CASE("faults go on hitting a mote that was carried away, by the name that it had",
+          "[ecology][ACT-04]") {
+  run_all(R"(
+    [[fault]]
+    at = "270s"
+    kind = "move"
+    mote = "flat/far"
+    to_island = "shed"
+    to_m = [206, 5]
+    [[fault]]
+    every = "1min"
+    from = "2min"
+    until = "8min"
+    kind = "crash"
+    mote = "flat/far"
+    type = "climate"
+    [[fault]]
+    at = "9min"
+    kind = "clock_step"
+    mote = "flat/far"
+    by = "1s"
+    [[fault]]
+    at = "10min"
+    kind = "move"
+    mote = "flat/far"
+    to_island = "shed"
+    to_m = [206, 5]
+    [[fault]]
+    at = "10min"
+    kind = "noise"
+    island = "shed"
+    position_m = [200, 90]
+    power = "30dBm"
+    [[fault]]
+    at = "10min"
+    kind = "noise"
+    island = "shed"
+    position_m = [200, 1]
+    power = "-100dBm"
+    duty = "1%"
+    for = "1s"
+  )",
+          [](const runtime::report& x) {
+            CHECK(when(x, "shed/far", "clock set forward by 1 s") == instant(9min));
+            CHECK(how_often(x, "flat/far", "carried away") == 1);
+            CHECK(how_often(x, "shed/far", "crashed") == 4);
+            CHECK(mote_of(x, "shed", "far").incarnations == 9);
+            CHECK(mote_of(x, "shed", "far").alive);
+          });
+}
