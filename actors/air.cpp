@@ -70,33 +70,116 @@ runtime::radio_report report_of(const radio::books& x) {
   return r;
 }
 
+energy_status energy_of(air_pointer self, radio::radio_index radio) {
+  const auto use = self->state.channel.energy(radio, now(self));
+  return {self->state.addresses[slot(radio)],
+          use.elapsed,
+          use.used_mah,
+          use.battery_mah,
+          use.times.mcu_active,
+          use.times.mcu_sleep,
+          use.times.radio_off,
+          use.times.radio_listen,
+          use.times.radio_receive,
+          use.times.radio_transmit};
+}
+
 void report(air_pointer self) {
   auto& state = self->state;
   perform(self, state.channel.on_time(now(self)));
   std::map<island_id, radio::books> islands;
   for (std::size_t i = 0; i < state.addresses.size(); ++i) {
-    const auto address = state.addresses[i];
-    const auto use =
-        state.channel.energy(radio::radio_index(static_cast<std::uint32_t>(i)), now(self));
-    self->send(state.ecology, energy_status{address, use.elapsed, use.used_mah, use.battery_mah,
-                                            use.times.mcu_active, use.times.mcu_sleep,
-                                            use.times.radio_off, use.times.radio_listen,
-                                            use.times.radio_receive, use.times.radio_transmit});
+    if (state.tells_energy[i])
+      self->send(state.ecology, energy_of(self, radio::radio_index(static_cast<std::uint32_t>(i))));
   }
   const auto counted = state.channel.counted_by_radio();
-  for (std::size_t i = 0; i < counted.size(); ++i)
+  for (std::size_t i = 0; i < state.addresses.size(); ++i) // sources of noise count nothing
     islands[state.addresses[i].island] += counted[i];
   for (const auto& [island, books] : islands)
     self->send(state.ecology, radio_status{island, report_of(books)});
 }
 
+void follow_faults(air_pointer self) {
+  std::optional<instant> due;
+  for (const auto& x : self->state.noises)
+    due = earliest(due, x.what.deadline());
+  for (const auto& x : self->state.losses)
+    due = earliest(due, x.until);
+  self->state.fault_wake.follow(self, due);
+}
+
+void on_fault_time(air_pointer self) {
+  auto& state = self->state;
+  for (auto& x : state.noises) {
+    const bool sent = x.what.sends();
+    if (x.what.on_time(now(self)) != sent)
+      perform(self, state.channel.set_noise(x.from, !sent, now(self)));
+  }
+  std::erase_if(state.noises, [](const auto& x) { return !x.what.deadline(); });
+  perform(self, state.channel.on_time(now(self)));
+  for (const auto& x : state.losses)
+    if (x.until <= now(self))
+      state.channel.end_loss(x.name);
+  std::erase_if(state.losses, [self](const auto& x) { return x.until <= now(self); });
+  follow_faults(self);
+}
+
+/// A source that is still at work begins anew.
+void on_noise(air_pointer self, const make_noise& x) {
+  auto& state = self->state;
+  std::erase_if(state.noises, [&](const auto& each) {
+    if (each.from != x.from)
+      return false;
+    if (each.what.sends())
+      perform(self, state.channel.set_noise(x.from, false, now(self)));
+    return true;
+  });
+  const auto path = self->path() + "/noise/" + std::to_string(++state.noises_so_far);
+  state.noises.push_back(
+      {x.from, radio::interferer({x.duty, x.burst}, random_stream(state.seed, path), now(self),
+                                 now(self) + x.length)});
+  on_fault_time(self);
+}
+
+void on_loss(air_pointer self, const lose_frames& x) {
+  auto& state = self->state;
+  perform(self, state.channel.on_time(now(self)));
+  const auto pan =
+      x.everywhere ? std::nullopt : std::optional(static_cast<std::uint16_t>(x.island.value));
+  state.losses.push_back({state.channel.begin_loss(pan, x.loss), now(self) + x.length});
+  follow_faults(self);
+}
+
+void on_carry_away(air_pointer self, const carry_away& x) {
+  auto& state = self->state;
+  perform(self, state.channel.set_power(x.radio, radio::power::off, now(self)));
+  state.users[slot(x.radio)] = nullptr;
+  state.tells_energy[slot(x.radio)] = false;
+  self->send(state.ecology, radio_left{energy_of(self, x.radio)});
+}
+
+void on_bring(air_pointer self, const bring_radio& x) {
+  auto& state = self->state;
+  perform(self, state.channel.on_time(now(self)));
+  state.channel.restart_energy(x.radio, x.used_mah, now(self));
+  state.tells_energy[slot(x.radio)] = true;
+}
+
 } // namespace
 
 air_actor::behavior_type air(air_pointer self, radio::channel channel,
-                             std::vector<mote_address> addresses, ecology_actor ecology,
-                             frame_observer observe) {
+                             std::vector<mote_address> addresses, extra_radios extra,
+                             std::uint64_t seed, ecology_actor ecology, frame_observer observe) {
   scheduler::tell_monitors_of_exceptions(self);
   self->state.channel = std::move(channel);
+  self->state.seed = seed;
+  self->state.tells_energy.assign(addresses.size(), true);
+  for (std::size_t i = addresses.size() - extra.motes; i < addresses.size(); ++i)
+    self->state.tells_energy[i] = false;
+  for (std::size_t i = 0; i < extra.motes + extra.noises; ++i) {
+    const radio::radio_index radio{static_cast<std::uint32_t>(addresses.size() - extra.motes + i)};
+    perform(self, self->state.channel.set_power(radio, radio::power::off, now(self)));
+  }
   self->state.observe = std::move(observe);
   if (self->state.observe)
     self->state.channel.watch();
@@ -108,6 +191,8 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           perform(self, self->state.channel.on_time(now(self)));
+        if (self->state.fault_wake.accepts(x))
+          on_fault_time(self);
       },
       [self](const radio_send& x) {
         radio::request what{x.token, x.destination, x.am_type, x.octets, x.ack};
@@ -127,6 +212,10 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
         perform(self, self->state.channel.on_time(now(self)));
         self->state.channel.move(x.radio, x.place);
       },
+      [self](const make_noise& x) { on_noise(self, x); },
+      [self](const lose_frames& x) { on_loss(self, x); },
+      [self](const carry_away& x) { on_carry_away(self, x); },
+      [self](const bring_radio& x) { on_bring(self, x); },
       [self](status_request) { report(self); },
   };
 }

@@ -27,6 +27,11 @@ const config::island_description& described(ecology_pointer self, island_id id) 
   return *std::ranges::find(self->state.description.islands, id, &config::island_description::id);
 }
 
+/// @pre the description has a mote with this address
+const config::mote_description& described(ecology_pointer self, const mote_address& x) {
+  return *std::ranges::find(described(self, x.island).motes, x.mote, &config::mote_description::id);
+}
+
 std::string type_name(const config::mote_description& x) {
   return x.type_name.empty() ? std::to_string(x.type) : x.type_name;
 }
@@ -57,6 +62,13 @@ mote::crystal crystal_of(ecology_pointer self, const config::island_description&
   return mote::crystal(x);
 }
 
+/// The serial number of a mote's hardware, never 0.
+std::uint32_t device_of(ecology_pointer self, const std::string& name) {
+  return static_cast<std::uint32_t>(
+             random_stream(self->state.description.seed, "device/" + name).next()) |
+         1U;
+}
+
 mote_arguments arguments_of(ecology_pointer self, const config::island_description& island,
                             const config::mote_description& mote, const apps::traffic& traffic,
                             radio::radio_index radio, const air_actor& air) {
@@ -68,6 +80,7 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.node.place = mote.place;
   x.node.transducer_seed =
       random_stream(self->state.description.seed, x.name + "/transducers").next();
+  x.node.device = device_of(self, x.name);
   x.node.id = mote.id;
   x.node.type = mote.type;
   x.node.keep_alive = keep_alive_of(island, mote);
@@ -129,7 +142,10 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   at_sink.crystal = crystal_of(self, island, island.name + "/sink");
   at_sink.seed = self->state.description.seed;
   at_sink.ecology = handle_of(self);
-  spawn_child(self, "sink/" + island.name, sink, std::move(at_sink));
+  auto& sink = self->state.sinks[island.id];
+  sink.path = "sink/" + island.name;
+  sink.arguments = std::move(at_sink);
+  spawn_sink(self, sink);
   spawn_programs(self, self->state.peers.at(island.gateway_name));
   for (const auto& alias : island.aliases)
     spawn_programs(self, self->state.peers.at(alias.name));
@@ -148,7 +164,8 @@ void spawn_measuring_sink(ecology_pointer self, const config::island_description
   x.air = air;
   x.ecology = handle_of(self);
   const auto path = "mote/" + x.name;
-  spawn_child(self, path, mote_behavior, std::make_shared<const mote_arguments>(std::move(x)), 0U);
+  spawn_child(self, path, mote_behavior, std::make_shared<const mote_arguments>(std::move(x)),
+              mote::nonvolatile{});
 }
 
 radio::radio_config radio_of(const config::island_description& island) {
@@ -195,6 +212,107 @@ void spawn_separate_programs(ecology_pointer self, supervised_mote& mote) {
   }
 }
 
+/// Of the programs on all motes of an island.
+apps::traffic traffic_of(const config::island_description& island) {
+  apps::traffic sum;
+  for (const auto& mote : island.motes)
+    sum += apps::traffic_of(island.id, configs_of(programs_among(mote.apps)));
+  return sum;
+}
+
+/// Traffic of an island with all that the fault plan makes of its motes, or brings there.
+apps::traffic traffic_in(ecology_pointer self, const config::island_description& island) {
+  auto sum = traffic_of(island);
+  const auto add = [&](const config::mote_description& mote) {
+    sum += apps::traffic_of(island.id, configs_of(programs_among(mote.apps)));
+  };
+  for (const auto& fault : self->state.description.faults) {
+    const auto* crash = std::get_if<config::crash_fault>(&fault.what);
+    const auto* move = std::get_if<config::move_island_fault>(&fault.what);
+    if (crash != nullptr && crash->becomes && crash->mote.island == island.id)
+      add(*crash->becomes);
+    else if (move != nullptr && move->to == island.id)
+      add(described(self, move->mote));
+  }
+  return sum;
+}
+
+/// What motes of an island are once they have failed and have another type.
+void note_new_types(ecology_pointer self, const config::island_description& island,
+                    const apps::traffic& traffic) {
+  auto& state = self->state;
+  const auto& faults = state.description.faults;
+  for (std::uint32_t i = 0; i < faults.size(); ++i) {
+    const auto* crash = std::get_if<config::crash_fault>(&faults[i].what);
+    if (crash == nullptr || !crash->becomes || crash->mote.island != island.id)
+      continue;
+    const auto& before = *state.motes.at(crash->mote).arguments;
+    state.successors[i] = std::make_shared<const mote_arguments>(
+        arguments_of(self, island, *crash->becomes, traffic, before.radio, before.air));
+  }
+}
+
+/// A mote that only the fault plan knows in this air, with a radio of its own.
+struct extra_mote {
+  std::uint32_t fault = 0;
+  island_id island;
+  config::mote_description mote;
+  radio::radio_index radio;
+};
+
+/// Second motes with the address of another, and motes that come from elsewhere.
+std::vector<extra_mote> add_motes(ecology_pointer self, const config::air_description& air,
+                                  radio::channel& channel, std::vector<mote_address>& addresses) {
+  std::vector<extra_mote> found;
+  const auto& faults = self->state.description.faults;
+  for (std::uint32_t i = 0; i < faults.size(); ++i) {
+    extra_mote x;
+    x.fault = i;
+    if (const auto* second = std::get_if<config::mote_double_fault>(&faults[i].what)) {
+      x.island = second->mote.island;
+      x.mote = described(self, second->mote);
+      x.mote.name += "-double";
+      x.mote.place = second->place;
+    } else if (const auto* move = std::get_if<config::move_island_fault>(&faults[i].what)) {
+      x.island = move->to;
+      x.mote = described(self, move->mote);
+      x.mote.place = move->place;
+    } else {
+      continue;
+    }
+    x.mote.path.clear();
+    if (std::ranges::find(air.islands, x.island) == air.islands.end())
+      continue;
+    x.radio = channel.add(radio_of(x.island, x.mote), now(self));
+    addresses.push_back({x.island, x.mote.id});
+    found.push_back(std::move(x));
+  }
+  return found;
+}
+
+/// Sources of noise that the fault plan has in this air, behind all other radios.
+/// @returns the places of these faults
+std::vector<std::uint32_t> add_noises(ecology_pointer self, const config::air_description& air,
+                                      radio::channel& channel) {
+  std::vector<std::uint32_t> found;
+  const auto& faults = self->state.description.faults;
+  for (std::uint32_t i = 0; i < faults.size(); ++i) {
+    const auto* noise = std::get_if<config::noise_fault>(&faults[i].what);
+    if (noise == nullptr || std::ranges::find(air.islands, noise->island) == air.islands.end())
+      continue;
+    radio::radio_config x;
+    x.address = no_mote;
+    x.pan = static_cast<std::uint16_t>(noise->island.value);
+    x.place = noise->place;
+    x.kind = radio::find_platform("micaz");
+    x.transmit_dbm = noise->transmit_dbm;
+    x.battery_mah = mains_mah;
+    static_cast<void>(channel.add(x, now(self)));
+    found.push_back(i);
+  }
+  return found;
+}
+
 /// The air of one place, and the bridges and motes of its islands.
 void spawn_place(ecology_pointer self, const config::air_description& air) {
   auto& state = self->state;
@@ -217,11 +335,21 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
       addresses.push_back({island->id, mote.id});
     }
   }
+  const auto motes = add_motes(self, air, channel, addresses);
+  const auto extra = add_noises(self, air, channel);
   channel.shrink();
+  const radio::radio_index first_noise{static_cast<std::uint32_t>(addresses.size())};
   const auto medium = spawn_child(self, path, rubicon::air, std::move(channel),
-                                  std::move(addresses), handle_of(self), state.observe_frames);
+                                  std::move(addresses), extra_radios{motes.size(), extra.size()},
+                                  description.seed, handle_of(self), state.observe_frames);
+  for (std::uint32_t i = 0; i < extra.size(); ++i)
+    state.noises[extra[i]] = {medium, radio::radio_index{first_noise.value + i}};
+  for (const auto& x : motes)
+    state.successors[x.fault] = std::make_shared<const mote_arguments>(arguments_of(
+        self, described(self, x.island), x.mote, state.traffic.at(x.island), x.radio, medium));
   radio::radio_index radio{};
   for (const auto* island : islands) {
+    state.airs[island->id] = medium;
     const auto& traffic = state.traffic.at(island->id);
     if (island->stack == config::stack::full)
       spawn_bridge(self, *island, traffic, radio, medium);
@@ -237,6 +365,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
       spawn_mote(self, entry);
       ++radio.value;
     }
+    note_new_types(self, *island, traffic);
   }
 }
 
@@ -293,13 +422,6 @@ void spawn_bluetooth(ecology_pointer self) {
   self->state.names.emplace(self->state.bluetooth.address(), "peis_bluetooth");
 }
 
-apps::traffic traffic_of(const config::island_description& island) {
-  apps::traffic sum;
-  for (const auto& mote : island.motes)
-    sum += apps::traffic_of(island.id, configs_of(programs_among(mote.apps)));
-  return sum;
-}
-
 /// One window carries a frame over several hops, and few islands are deeper than eight.
 transport::answer_slacks answer_slack_of(const config::ecology_description& x) {
   constexpr std::size_t hops_likely = 8;
@@ -327,13 +449,23 @@ void spawn_program(ecology_pointer self, const supervised_mote& mote, supervised
     self->send(x.handle, mote_started{{mote.handle}});
 }
 
+void spawn_sink(ecology_pointer self, supervised_sink& x) {
+  if (x.store.starts > 0) {
+    ++self->state.report.actors.restarted;
+    --self->state.report.actors.spawned;
+  }
+  x.changed = now(self);
+  x.handle =
+      spawn_child(self, x.path, sink, sink_arguments{*x.arguments}, mote::nonvolatile{x.store});
+}
+
 void spawn_mote(ecology_pointer self, supervised_mote& mote) {
   auto& actors = self->state.report.actors;
-  ++(mote.incarnation == 0 ? actors.spawned : actors.restarted);
+  ++(mote.store.starts == 0 ? actors.spawned : actors.restarted);
   mote.changed = now(self);
   mote.handle =
       scheduler::spawn_at<caf::monitored>(self, "mote/" + mote.arguments->name, mote_behavior,
-                                          mote.arguments, std::uint32_t{mote.incarnation});
+                                          mote.arguments, mote::nonvolatile{mote.store});
   for (const auto& x : mote.programs) {
     if (x.handle)
       self->send(x.handle, mote_started{{mote.handle}});
@@ -344,7 +476,7 @@ void assemble(ecology_pointer self) {
   const auto& description = self->state.description;
   self->state.answer_slack = answer_slack_of(description);
   for (const auto& island : description.islands)
-    self->state.traffic[island.id] = traffic_of(island);
+    self->state.traffic[island.id] = traffic_in(self, island);
   spawn_lan(self);
   spawn_bluetooth(self);
   spawn_kernels(self);

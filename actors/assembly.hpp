@@ -46,6 +46,9 @@ auto spawn_child(ecology_pointer self, std::string path, Fun fun, Args&&... args
 /// Spawns a mote's program in an actor of its own, for the first time or again after a failure.
 void spawn_program(ecology_pointer self, const supervised_mote& mote, supervised_program& x);
 
+/// Spawns a sink, for the first time or again after a failure.
+void spawn_sink(ecology_pointer self, supervised_sink& x);
+
 /// Spawns a mote, for the first time or again after a failure.
 void spawn_mote(ecology_pointer self, supervised_mote& mote);
 

@@ -1,6 +1,9 @@
 #include "actors/ecology.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "actors/assembly.hpp"
 #include "actors/failure.hpp"
@@ -12,8 +15,8 @@ namespace rubicon {
 
 namespace {
 
-/// A mote, or a program beside one, that failed is out of order for this long before it starts
-/// again.
+/// A mote, a sink, or a program beside a mote, that failed on its own is out of order for this long
+/// before it starts again.
 constexpr duration reboot_time = 500ms;
 
 /// How long a change may take to reach the gateway's list: the mote's keep-alive window and time to
@@ -44,19 +47,22 @@ void add_violation(ecology_pointer self, const char* invariant, std::string deta
     state.report.violations.push_back(std::move(x));
 }
 
-/// Whether the fault plan has asked for this one; each request excuses one failure.
-bool was_planned(ecology_pointer self, const std::string& path, const std::string& text) {
-  auto& requested = self->state.crashes_requested;
-  const auto found = std::ranges::find(requested, path);
+/// What the fault plan has asked for, if this is it.
+std::optional<planned_end> take_planned(ecology_pointer self, const std::string& path,
+                                        const std::string& text) {
+  auto& requested = self->state.planned_ends;
+  const auto found = std::ranges::find(requested, path, &planned_end::path);
   if (text != planned_crash || found == requested.end())
-    return false;
-  requested.erase(found);
-  return true;
+    return std::nullopt;
+  auto plan = std::move(*found);
+  std::erase_if(requested, [&path](const auto& x) { return x.path == path; }); // it ends once
+  return plan;
 }
 
-void record_failure(ecology_pointer self, const std::string& path, const std::string& text) {
+void record_failure(ecology_pointer self, const std::string& path, const std::string& text,
+                    bool was_planned = false) {
   log(self, spdlog::level::err, "event=failed actor={} reason=\"{}\"", path, text);
-  if (!was_planned(self, path, text))
+  if (!was_planned)
     add_violation(self, runtime::no_actor_fails, path + ": " + text);
   auto& failures = self->state.report.actors.failures;
   constexpr std::size_t failures_max = 100;
@@ -73,15 +79,93 @@ void on_unmet(ecology_pointer self, const request_unmet& x) {
     self->state.process.on_end_wanted(what);
 }
 
+/// Records how a mote or sink has ended. @returns the fault that has asked for it
+std::optional<planned_end> note_end(ecology_pointer self, const std::string& path,
+                                    const std::string& who, const caf::error& reason) {
+  const auto text = text_of(reason);
+  auto plan = take_planned(self, path, text);
+  record_failure(self, path, text, plan.has_value());
+  const bool is_long = plan && plan->length != reboot_time;
+  tell_story(self, who, "crashed: " + text + (is_long ? ", out for " + to_text(plan->length) : ""));
+  return plan;
+}
+
+duration outage(const std::optional<planned_end>& x) {
+  return x ? x->length : reboot_time;
+}
+
+/// A mote that is carried to another island: it will be one of that island, and knows itself again.
+void carry(ecology_pointer self, mote_address from, const planned_end& plan) {
+  auto& state = self->state;
+  const auto next = state.successors.at(plan.fault);
+  auto entry = state.motes.extract(from);
+  auto& mote = entry.mapped();
+  self->send(mote.arguments->air, carry_away{mote.arguments->radio});
+  mote.arguments = next;
+  mote.on_the_way = true;
+  mote.told.reset();
+  entry.key() = next->address;
+  state.motes.insert(std::move(entry));
+  state.moved[from] = next->address;
+  state.gone[from] = now(self);
+  self->delayed_send(self, plan.length, restart_mote{next->address});
+}
+
 void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error& reason) {
+  auto& state = self->state;
   const auto path = "mote/" + mote.arguments->name;
-  record_failure(self, path, text_of(reason));
-  tell_story(self, path, "crashed: " + text_of(reason));
   mote.handle = nullptr;
   mote.changed = now(self);
+  const auto text = text_of(reason);
+  const auto planned = std::ranges::find(state.planned_ends, path, &planned_end::path);
+  if (text == planned_crash && planned != state.planned_ends.end() &&
+      std::holds_alternative<config::move_island_fault>(
+          state.description.faults.at(planned->fault).what)) {
+    const auto plan = *take_planned(self, path, text);
+    const auto& to = state.successors.at(plan.fault)->name;
+    tell_story(self, path, "carried away, to be " + to + " in " + to_text(plan.length));
+    carry(self, mote.arguments->address, plan);
+    return;
+  }
+  const auto plan = note_end(self, path, path, reason);
   self->send(mote.arguments->air, radio_power{mote.arguments->radio, radio::power::off});
-  ++mote.incarnation;
-  self->delayed_send(self, reboot_time, restart_mote{mote.arguments->address});
+  const auto next = plan ? state.successors.find(plan->fault) : state.successors.end();
+  if (next != state.successors.end() && next->second->address == mote.arguments->address) {
+    const auto& crash =
+        std::get<config::crash_fault>(state.description.faults.at(plan->fault).what);
+    mote.arguments = next->second; // one that was carried away keeps its type
+    mote.type = crash.becomes->type_name;
+  }
+  self->delayed_send(self, outage(plan), restart_mote{mote.arguments->address});
+}
+
+/// A story says `kitchen/sink`.
+std::string story_name(const supervised_sink& x) {
+  return x.path + "/sink";
+}
+
+/// Its end of the serial cables is dead, too.
+void on_sink_down(ecology_pointer self, island_id island, supervised_sink& sink,
+                  const caf::error& reason) {
+  auto& state = self->state;
+  state.names.erase(sink.handle.address());
+  std::erase_if(state.reporters,
+                [&sink](const auto& each) { return each.first == sink.handle.address(); });
+  sink.handle = nullptr;
+  sink.changed = now(self);
+  self->send(sink.arguments->air, radio_power{sink.arguments->radio, radio::power::off});
+  for (const auto& each : sink.arguments->lines)
+    self->send(each.line, attach_serial{serial::direction::to_mote, {}});
+  self->delayed_send(self, outage(note_end(self, sink.path, story_name(sink), reason)),
+                     restart_sink{island});
+}
+
+void restart(ecology_pointer self, const restart_sink& x) {
+  auto& sink = self->state.sinks.at(x.island);
+  self->state.last_clock_fault[x.island] = now(self);
+  spawn_sink(self, sink);
+  tell_story(self, story_name(sink),
+             "started again, life " + std::to_string(sink.store.starts + 1));
 }
 
 /// @returns whether it was a program in an actor of its own
@@ -114,6 +198,8 @@ void restart(ecology_pointer self, const restart_program& x) {
   spawn_program(self, mote, *found);
 }
 
+bool on_double_down(ecology_pointer self, const caf::down_msg& x);
+
 void on_down(ecology_pointer self, const caf::down_msg& x) {
   auto& motes = self->state.motes;
   const auto mote = std::ranges::find_if(motes, [&](const auto& entry) {
@@ -123,8 +209,15 @@ void on_down(ecology_pointer self, const caf::down_msg& x) {
     on_mote_down(self, mote->second, x.reason);
     return;
   }
-  if (on_program_down(self, x))
+  if (on_program_down(self, x) || on_double_down(self, x))
     return;
+  const auto sink = std::ranges::find_if(self->state.sinks, [&](const auto& entry) {
+    return entry.second.handle && entry.second.handle.address() == x.source;
+  });
+  if (sink != self->state.sinks.end()) {
+    on_sink_down(self, sink->first, sink->second, x.reason);
+    return;
+  }
   const auto named = self->state.names.find(x.source);
   if (named == self->state.names.end())
     return;
@@ -135,6 +228,33 @@ void on_down(ecology_pointer self, const caf::down_msg& x) {
   tell_story(self, named->second, "ended");
 }
 
+runtime::island_report& island_of(ecology_pointer self, island_id id) {
+  return *std::ranges::find(self->state.report.islands, id, &runtime::island_report::id);
+}
+
+/// Any of the elements that `fits`; nullptr if none does.
+template <class Map, class Predicate>
+auto* draw(ecology_pointer self, Map& all, Predicate fits) {
+  std::vector<typename Map::mapped_type*> found;
+  for (auto& [key, x] : all) {
+    if (fits(x))
+      found.push_back(&x);
+  }
+  return found.empty() ? nullptr : found[self->state.dice.below(found.size())];
+}
+
+/// The mote that a fault names, or one that is drawn.
+supervised_mote* find_mote(ecology_pointer self, const mote_address& x) {
+  auto& motes = self->state.motes;
+  if (x == config::any_mote)
+    return draw(self, motes, [](const supervised_mote& mote) { return !mote.flat && mote.handle; });
+  auto at = x;
+  for (auto moved = self->state.moved.find(at); moved != self->state.moved.end();
+       moved = self->state.moved.find(at))
+    at = moved->second;
+  return &motes.at(at);
+}
+
 bool has_several_gateways(ecology_pointer self, island_id id) {
   return !std::ranges::find(self->state.description.islands, id, &config::island_description::id)
               ->aliases.empty();
@@ -143,7 +263,13 @@ bool has_several_gateways(ecology_pointer self, island_id id) {
 void on_listing(ecology_pointer self, const listing_changed& x) {
   const auto found = self->state.motes.find(x.mote);
   if (found == self->state.motes.end()) {
-    tell_story(self, "mote/" + to_string(x.mote), "an unknown mote has joined");
+    const auto moved = self->state.moved.find(x.mote);
+    if (moved == self->state.moved.end())
+      tell_story(self, "mote/" + to_string(x.mote), "an unknown mote has joined");
+    else if (!x.listed)
+      tell_story(self, "mote/" + find_mote(self, x.mote)->arguments->name,
+                 "left " + island_of(self, x.mote.island).name + ": " +
+                     network::to_string(x.cause));
     return;
   }
   auto& mote = found->second;
@@ -166,31 +292,55 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
              again ? "joined again, life " + std::to_string(x.incarnation + 1) : "joined");
 }
 
+/// The second mote that has sent the present message; nullptr: it is of no such mote.
+supervised_double* double_of_sender(ecology_pointer self) {
+  const auto sender = caf::actor_cast<caf::actor_addr>(self->current_sender());
+  for (auto& [fault, x] : self->state.doubles)
+    if (x.handle && x.handle.address() == sender)
+      return &x;
+  return nullptr;
+}
+
+void on_store(ecology_pointer self, const store_written& x) {
+  if (auto* second = double_of_sender(self)) {
+    second->store = x.content;
+    return;
+  }
+  auto& motes = self->state.motes;
+  if (const auto mote = motes.find(x.mote); mote != motes.end())
+    mote->second.store = x.content;
+  else if (const auto sink = self->state.sinks.find(x.mote.island); sink != self->state.sinks.end())
+    sink->second.store = x.content; // that of an island that only measures starts once
+}
+
 void on_flat(ecology_pointer self, supervised_mote& mote) {
   mote.flat = true;
   mote.changed = now(self);
 }
 
-/// Any of the elements that `fits`; nullptr if none does.
-template <class Map, class Predicate>
-auto* draw(ecology_pointer self, Map& all, Predicate fits) {
-  std::vector<typename Map::mapped_type*> found;
-  for (auto& [key, x] : all) {
-    if (fits(x))
-      found.push_back(&x);
-  }
-  return found.empty() ? nullptr : found[self->state.dice.below(found.size())];
+/// The mote that a fault names, if it runs, or one that does and is drawn; nullptr: none.
+supervised_mote* find_running_mote(ecology_pointer self, const mote_address& x) {
+  auto* mote = find_mote(self, x);
+  return mote != nullptr && mote->handle && !mote->flat ? mote : nullptr;
 }
 
-/// The mote that a fault names, or one that is drawn.
-supervised_mote* find_mote(ecology_pointer self, const mote_address& x) {
-  auto& motes = self->state.motes;
-  if (x == config::any_mote)
-    return draw(self, motes, [](const supervised_mote& mote) { return !mote.flat && mote.handle; });
-  return &motes.at(x);
+/// The same of sinks.
+supervised_sink* find_running_sink(ecology_pointer self, island_id x) {
+  auto& sinks = self->state.sinks;
+  if (x == config::any_island)
+    return draw(self, sinks, [](const supervised_sink& sink) { return sink.handle != nullptr; });
+  auto& sink = sinks.at(x);
+  return sink.handle ? &sink : nullptr;
+}
+
+std::string clock_story(duration by) {
+  return "clock set " + std::string(by < 0s ? "back by " : "forward by ") +
+         to_text(by < 0s ? -by : by);
 }
 
 struct fault_applier : peer_fault_applier {
+  std::uint32_t index = 0; ///< of the fault in the description
+
   using peer_fault_applier::operator();
 
   void operator()(const config::battery_end_fault& x) const {
@@ -208,12 +358,86 @@ struct fault_applier : peer_fault_applier {
   }
 
   void operator()(const config::crash_fault& x) const {
-    const auto* mote = find_mote(self, x.mote);
-    if (mote == nullptr)
+    if (auto* mote = find_running_mote(self, x.mote))
+      end(mote->handle, "mote/" + mote->arguments->name, x.length);
+  }
+
+  void operator()(const config::sink_crash_fault& x) const {
+    if (auto* sink = find_running_sink(self, x.island))
+      end(sink->handle, sink->path, x.length);
+  }
+
+  template <class Handle>
+  void end(const Handle& who, const std::string& path, duration length) const {
+    self->state.planned_ends.push_back({path, length, index});
+    self->send(who, crash_now{});
+  }
+
+  void operator()(const config::crystal_step_fault& x) const {
+    if (!x.is_sink) {
+      if (auto* mote = find_running_mote(self, x.mote)) {
+        self->state.last_clock_fault[mote->arguments->address.island] = now(self);
+        mote->changed = now(self);
+        self->send(mote->handle, step_clock{x.by});
+        tell_story(self, "mote/" + mote->arguments->name, clock_story(x.by));
+      }
+    } else if (auto* sink = find_running_sink(self, x.mote.island)) {
+      self->state.last_clock_fault[sink->arguments->address.island] = now(self);
+      sink->changed = now(self);
+      self->send(sink->handle, step_clock{x.by});
+      tell_story(self, story_name(*sink), clock_story(x.by));
+    }
+  }
+
+  void operator()(const config::noise_fault& x) const {
+    const auto& source = self->state.noises.at(index);
+    self->send(source.air, make_noise{source.radio, x.duty, x.burst, x.length});
+    tell_story(self, self->path(),
+               "noise at " + std::to_string(std::lround(x.place.x_m)) + ", " +
+                   std::to_string(std::lround(x.place.y_m)) + " for " + to_text(x.length));
+  }
+
+  void operator()(const config::radio_loss_fault& x) const {
+    auto& airs = self->state.airs;
+    if (!x.island) {
+      std::vector<air_actor> all; // several islands may share one
+      for (const auto& [island, air] : airs)
+        if (std::ranges::find(all, air) == all.end())
+          all.push_back(air);
+      for (const auto& air : all)
+        self->send(air, lose_frames{true, {}, x.loss, x.length});
+    } else {
+      auto island = *x.island;
+      if (island == config::any_island)
+        island = std::next(airs.begin(),
+                           static_cast<std::ptrdiff_t>(self->state.dice.below(airs.size())))
+                     ->first;
+      self->send(airs.at(island), lose_frames{false, island, x.loss, x.length});
+      tell_story(self, island_of(self, island).name, "radio loses frames for " + to_text(x.length));
       return;
-    self->state.crashes_requested.push_back("mote/" + mote->arguments->name);
-    if (mote->handle)
-      self->send(mote->handle, crash_now{});
+    }
+    tell_story(self, self->path(), "radio loses frames for " + to_text(x.length));
+  }
+
+  void operator()(const config::mote_double_fault& x) const {
+    auto& state = self->state;
+    auto& second = state.doubles[index];
+    if (second.handle)
+      return;
+    const auto& arguments = state.successors.at(index);
+    const auto path = "mote/" + arguments->name;
+    tell_story(self, path, "appears, with the id of " + find_mote(self, x.mote)->arguments->name);
+    second.handle =
+        spawn_child(self, path, mote_behavior, arguments, mote::nonvolatile{second.store});
+    if (x.length)
+      self->delayed_send(self, *x.length, end_fault{index});
+  }
+
+  void operator()(const config::move_island_fault& x) const {
+    if (self->state.moved.contains(x.mote))
+      return; // it is not there any more
+    if (auto* mote = find_running_mote(self, x.mote))
+      end(mote->handle, "mote/" + mote->arguments->name, x.length);
   }
 
   void operator()(const config::unplug_fault& x) const {
@@ -242,6 +466,60 @@ struct fault_applier : peer_fault_applier {
   }
 };
 
+/// A second mote is switched off. What it has counted is part of the report.
+void end_double(ecology_pointer self, std::uint32_t fault) {
+  auto& state = self->state;
+  auto& second = state.doubles.at(fault);
+  if (!second.handle)
+    return;
+  const auto who = second.handle.address();
+  self->send(second.handle, status_request{});
+  self->send_exit(second.handle, caf::exit_reason::user_shutdown);
+  const auto& of = *state.successors.at(fault);
+  self->send(of.air, radio_power{of.radio, radio::power::off});
+  std::erase_if(state.reporters, [&who](const auto& x) { return x.first == who; });
+}
+
+/// It has ended, having told all that it had to.
+bool on_double_down(ecology_pointer self, const caf::down_msg& x) {
+  for (auto& [fault, second] : self->state.doubles) {
+    if (!second.handle || second.handle.address() != x.source)
+      continue;
+    const auto path = "mote/" + self->state.successors.at(fault)->name;
+    self->state.names.erase(x.source);
+    second.handle = nullptr;
+    if (!was_asked_to_end(x.reason))
+      record_failure(self, path, text_of(x.reason));
+    tell_story(self, path, "gone");
+    return true;
+  }
+  return false;
+}
+
+/// Of a second mote only what its Network has counted is a part of the island's.
+bool on_double_network(ecology_pointer self, network_status x) {
+  if (double_of_sender(self) == nullptr)
+    return false;
+  x.network.synchronised = x.network.aligned = x.network.hops_max = 0;
+  island_of(self, x.address.island).network += x.network;
+  return true;
+}
+
+/// A mote comes to another island with the battery that it has.
+void on_radio_left(ecology_pointer self, const radio_left& x) {
+  if (auto* mote = find_mote(self, x.energy.mote))
+    mote->used_mah = x.energy.used_mah;
+}
+
+void restart(ecology_pointer self, const restart_mote& x) {
+  auto& mote = self->state.motes.at(x.mote);
+  if (mote.flat)
+    return;
+  if (std::exchange(mote.on_the_way, false))
+    self->send(mote.arguments->air, bring_radio{mote.arguments->radio, mote.used_mah});
+  spawn_mote(self, mote);
+}
+
 /// The next fault of the plan; the plan may be long.
 void schedule_fault(ecology_pointer self) {
   auto& state = self->state;
@@ -249,10 +527,6 @@ void schedule_fault(ecology_pointer self) {
     return;
   const auto& next = state.plan[state.next_fault++];
   self->scheduled_send(self, caf::actor_clock::time_point(next.at), apply_fault{next.index});
-}
-
-runtime::island_report& island_of(ecology_pointer self, island_id id) {
-  return *std::ranges::find(self->state.report.islands, id, &runtime::island_report::id);
 }
 
 /// The clocks are compared when all have told theirs.
@@ -421,7 +695,7 @@ void begin_collecting(ecology_pointer self) {
     x.joins = mote.arguments->stack == config::stack::full;
     x.joined = mote.joined;
     x.alive = !mote.flat && mote.handle != nullptr;
-    x.incarnations = mote.incarnation + (mote.handle ? 1 : 0);
+    x.incarnations = mote.store.starts;
     x.left_cause = mote.left_cause;
     island_of(self, address.island).motes.push_back(std::move(x));
     if (mote.handle)
@@ -498,9 +772,21 @@ constexpr duration clock_bound = 3ms;
 /// packets.
 bool is_quiet(ecology_pointer self, island_id island) {
   constexpr duration longest = 15min;
+  const auto sink = self->state.sinks.find(island);
+  if (sink != self->state.sinks.end() && now(self) - sink->second.changed < longest)
+    return false;
   return std::ranges::all_of(self->state.motes, [&](const auto& x) {
     return x.first.island != island || now(self) - x.second.changed >= longest;
   });
+}
+
+/// Whether no clock of an island was set, and its sink not started again, for longer than it takes
+/// all its motes to believe it.
+bool has_steady_clock(ecology_pointer self, island_id island) {
+  constexpr duration longest = 15min; // two rounds, of which the second may be lost at some
+  const auto& faults = self->state.last_clock_fault;
+  const auto found = faults.find(island);
+  return found == faults.end() || now(self) - found->second >= longest;
 }
 
 /// What the invariants compare the report with.
@@ -513,16 +799,29 @@ runtime::run_truth truth_of(ecology_pointer self) {
       continue; // no gateway lists it
     auto& list = lists[address.island];
     list.island = address.island;
-    const bool settled = now(self) - mote.changed >= settling_time(mote);
+    const auto& sink = state.sinks.at(address.island);
+    const bool settled = now(self) - std::max(mote.changed, sink.changed) >= settling_time(mote);
     const auto reported = state.listed.find(address.island);
     const bool listed = reported != state.listed.end() &&
                         std::ranges::find(reported->second, address.mote) != reported->second.end();
     if (listed)
       list.actual.push_back(address.mote);
-    if (settled ? !mote.flat : listed)
+    const bool runs = !mote.flat && mote.handle && sink.handle;
+    if (settled ? runs : listed)
       list.expected.push_back(address.mote);
-    if (mote.flat || !settled)
+    if (!runs || !settled)
       truth.ended_by_fault.push_back(address);
+  }
+  for (const auto& [address, since] : state.gone) {
+    const auto reported = state.listed.find(address.island);
+    const bool listed = reported != state.listed.end() &&
+                        std::ranges::find(reported->second, address.mote) != reported->second.end();
+    if (!listed || now(self) - since < settling_time(*find_mote(self, address)))
+      continue;
+    auto& list = lists[address.island];
+    list.island = address.island;
+    list.actual.push_back(address.mote);
+    std::ranges::sort(list.actual);
   }
   for (auto& [island, list] : lists) {
     if (has_settled_gateway(self, island))
@@ -536,7 +835,7 @@ runtime::run_truth truth_of(ecology_pointer self) {
       for (const auto& id : table)
         truth.channels.push_back({address, {address.island, id.source}, id.number});
   for (const auto& island : state.description.islands)
-    if (!island.duty.enabled)
+    if (!island.duty.enabled && has_steady_clock(self, island.id))
       truth.clock_bounds[island.id] = clock_bound;
   return truth;
 }
@@ -613,7 +912,12 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const story& x) { tell_story(self, x.who, x.what); },
       [self](const actor_failed& x) { record_failure(self, x.who, x.why); },
       [self](const request_unmet& x) { on_unmet(self, x); },
-      [self](const mote_flat& x) { on_flat(self, self->state.motes.at(x.mote)); },
+      [self](const store_written& x) { on_store(self, x); },
+      [self](const radio_left& x) { on_radio_left(self, x); },
+      [self](const mote_flat& x) {
+        if (double_of_sender(self) == nullptr)
+          on_flat(self, self->state.motes.at(x.mote));
+      },
       [self](const listing_changed& x) { on_listing(self, x); },
       [self](const radio_status& x) { island_of(self, x.island).radio += x.radio; },
       [self](const energy_status& x) { on_energy(self, x); },
@@ -624,7 +928,10 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const message_status& x) {
         self->state.books.add(x.who, x.is_pc, x.messages, x.arrivals);
       },
-      [self](const network_status& x) { on_network(self, x); },
+      [self](const network_status& x) {
+        if (!on_double_network(self, x))
+          on_network(self, x);
+      },
       [self](const serial_status& x) { island_of(self, x.island).serial += x.serial; },
       [self](const devices_status& x) {
         self->state.listed[x.island] = x.listed;
@@ -643,13 +950,11 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](take_sample) { on_take_sample(self); },
       [self](const apply_fault& x) {
         schedule_fault(self);
-        std::visit(fault_applier{{self}}, self->state.description.faults.at(x.index).what);
+        std::visit(fault_applier{{self}, x.index}, self->state.description.faults.at(x.index).what);
       },
-      [self](const restart_mote& x) {
-        auto& mote = self->state.motes.at(x.mote);
-        if (!mote.flat)
-          spawn_mote(self, mote);
-      },
+      [self](const restart_mote& x) { restart(self, x); },
+      [self](const restart_sink& x) { restart(self, x); },
+      [self](const end_fault& x) { end_double(self, x.index); },
       [self](const restart_program& x) { restart(self, x); },
       [self](const restart_peer& x) { restart(self, self->state.peers.at(x.name)); },
       [self](const end_duplicate& x) { end_duplicate_peer(self, x.name); },

@@ -13,6 +13,7 @@
 #include "actors/messages.hpp"
 #include "actors/mote.hpp"
 #include "actors/program.hpp"
+#include "actors/sink.hpp"
 #include "apps/traffic.hpp"
 #include "config/ecology.hpp"
 #include "core/random.hpp"
@@ -39,15 +40,45 @@ struct supervised_program {
 /// A mote as its supervisor knows it.
 struct supervised_mote {
   std::shared_ptr<const mote_arguments> arguments;
-  std::uint32_t incarnation = 0; ///< how often it was started before
+  mote::nonvolatile store; ///< its flash
   mote_actor handle;
   std::string type;
   bool joined = false; ///< ever
   bool flat = false;
+  bool on_the_way = false; ///< to another island, with a battery of which
+  double used_mah = 0;     ///< so much is used
   std::optional<std::pair<bool, std::uint32_t>> told; ///< listed, and its incarnation, last
   std::string left_cause;
   instant changed; ///< when it was last started, flat, listed or unlisted
   std::vector<supervised_program> programs;
+};
+
+/// A second mote with the address of another, from the fault plan.
+struct supervised_double {
+  mote_actor handle;
+  mote::nonvolatile store; ///< its flash
+};
+
+/// A sink as its supervisor knows it.
+struct supervised_sink {
+  std::optional<sink_arguments> arguments;
+  std::string path;
+  mote::nonvolatile store; ///< its flash
+  sink_actor handle;       ///< nullptr while it is out of order
+  instant changed;         ///< when it was last started or ended, or its clock was set
+};
+
+/// The end of a mote or sink that the fault plan has asked for.
+struct planned_end {
+  std::string path;
+  duration length{}; ///< until it starts again
+  std::uint32_t fault = 0;
+};
+
+/// Where a fault of the plan has a radio of its own.
+struct fault_radio {
+  air_actor air;
+  radio::radio_index radio;
 };
 
 /// A peer, or an island's gateway, as its supervisor knows it.
@@ -109,6 +140,11 @@ struct ecology_state {
   /// From the description as it was before its motes were taken out.
   transport::answer_slacks answer_slack;
   std::map<island_id, apps::traffic> traffic; ///< of the programs on all motes of an island
+  std::map<island_id, supervised_sink> sinks; ///< of islands with the full stack
+  std::map<island_id, air_actor> airs;
+  std::map<std::uint32_t, fault_radio> noises; ///< by the fault's index in the description
+  /// What a mote is after a fault of the plan, by the fault's index.
+  std::map<std::uint32_t, std::shared_ptr<const mote_arguments>> successors;
   std::map<std::pair<island_id, std::size_t>, serial_line_actor> lines; ///< of sinks, numbered
   std::shared_ptr<const rfid::tags> tags; ///< of the world; nullptr until a reader needs them
   peis_lan_actor lan;
@@ -127,16 +163,20 @@ struct ecology_state {
   std::map<island_id, clock_samples> sampled;
   std::map<mote_address, std::vector<network::channel_id>> channel_tables; ///< of the living
   std::map<std::pair<mote_address, mote_address>, flow::part> flows;       ///< by origin and target
-  std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
-  std::vector<std::string> crashes_requested; ///< paths of motes, one for each crash still to come
+  std::map<island_id, std::vector<mote_id>> listed;   ///< as the gateways say at the end
+  std::map<std::uint32_t, supervised_double> doubles; ///< by the fault's index
+  std::map<mote_address, mote_address> moved;         ///< where motes of other islands are now
+  std::map<mote_address, instant> gone;  ///< since when they are no more where they were
+  std::vector<planned_end> planned_ends; ///< that are still to come
   std::vector<runtime::planned_fault> plan;
-  bool ending = false;          ///< end_run has come
-  bool delivered = false;       ///< deliver_report has come
-  std::size_t next_fault = 0;   ///< in `plan`
-  std::uint64_t lan_faults = 0; ///< so far
-  std::uint64_t stations = 0;   ///< so far
-  random_stream dice;           ///< draws whom a fault hits
-  instant last_lan_fault;       ///< when the simulated network last changed
+  bool ending = false;                           ///< end_run has come
+  bool delivered = false;                        ///< deliver_report has come
+  std::size_t next_fault = 0;                    ///< in `plan`
+  std::uint64_t lan_faults = 0;                  ///< so far
+  std::uint64_t stations = 0;                    ///< so far
+  random_stream dice;                            ///< draws whom a fault hits
+  std::map<island_id, instant> last_clock_fault; ///< clocks set, and sinks started again
+  instant last_lan_fault;                        ///< when the simulated network last changed
 };
 
 /// @param on_report called once, from the actor, when deliver_report comes

@@ -2,11 +2,15 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include <caf/error.hpp>
 #include <caf/exit_reason.hpp>
 
 namespace rubicon {
+
+/// What ends a mote or sink whose crash the fault plan asks for.
+inline constexpr std::string_view planned_crash = "crash from the fault plan";
 
 /// The text of the exception that ended an actor, or what else its reason says.
 [[nodiscard]] inline std::string text_of(const caf::error& reason) {

@@ -15,6 +15,7 @@
 #include "core/device_keys.hpp"
 #include "core/time.hpp"
 #include "flow/part.hpp"
+#include "mote/nonvolatile.hpp"
 #include "mote/remote_messages.hpp"
 #include "mote/transducer.hpp"
 #include "network/channel_message.hpp"
@@ -69,6 +70,12 @@ struct mote_flat {
   mote_address mote;
 };
 
+/// What a mote or sink has written to its flash: it is handed it back when it starts again.
+struct store_written {
+  mote_address mote;
+  mote::nonvolatile content;
+};
+
 /// A gateway lists a mote, or no longer does.
 struct listing_changed {
   mote_address mote;
@@ -100,6 +107,11 @@ struct energy_status {
   duration radio_listen{};
   duration radio_receive{};
   duration radio_transmit{};
+};
+
+/// A mote is carried to another air: its radio here is off for good. What it has used so far.
+struct radio_left {
+  energy_status energy;
 };
 
 /// What the Transport of a mote, gateway or PC has counted, in one life.
@@ -200,7 +212,7 @@ using ecology_actor = caf::typed_actor<
     caf::reacts_to<devices_status>, caf::reacts_to<gateway_status>, caf::reacts_to<peer_status>,
     caf::reacts_to<proxy_status>, caf::reacts_to<program_status>, caf::reacts_to<sample_status>,
     caf::reacts_to<start_component>, caf::reacts_to<stop_component>, caf::reacts_to<actor_failed>,
-    caf::reacts_to<request_unmet>>;
+    caf::reacts_to<request_unmet>, caf::reacts_to<store_written>, caf::reacts_to<radio_left>>;
 
 /// To itself: this fault of the description's plan is due.
 struct apply_fault {
@@ -210,6 +222,16 @@ struct apply_fault {
 /// To itself: a mote that failed starts again.
 struct restart_mote {
   mote_address mote;
+};
+
+/// To itself: a sink starts again.
+struct restart_sink {
+  island_id island;
+};
+
+/// To itself: what this fault of the description's plan has begun is over.
+struct end_fault {
+  std::uint32_t index = 0;
 };
 
 /// To itself: a program of that mote, in an actor of its own, starts again after a failure.
@@ -240,9 +262,10 @@ struct deliver_report {};
 
 /// The root supervisor itself.
 using root_actor = ecology_actor::extend<
-    caf::reacts_to<apply_fault>, caf::reacts_to<restart_mote>, caf::reacts_to<restart_program>,
-    caf::reacts_to<restart_peer>, caf::reacts_to<end_duplicate>, caf::reacts_to<take_sample>,
-    caf::reacts_to<collect_report>, caf::reacts_to<deliver_report>, caf::reacts_to<end_run>>;
+    caf::reacts_to<apply_fault>, caf::reacts_to<end_fault>, caf::reacts_to<restart_mote>,
+    caf::reacts_to<restart_sink>, caf::reacts_to<restart_program>, caf::reacts_to<restart_peer>,
+    caf::reacts_to<end_duplicate>, caf::reacts_to<take_sample>, caf::reacts_to<collect_report>,
+    caf::reacts_to<deliver_report>, caf::reacts_to<end_run>>;
 
 // ------------------------------------------------------------------------------------------ radio
 
@@ -302,9 +325,40 @@ struct move_radio {
   position place;
 };
 
+/// From the fault plan: this transmitter, which is no mote's, sends bursts of noise for so long.
+struct make_noise {
+  radio::radio_index from;
+  double duty = 1; ///< share of the time, 0..1
+  duration burst{};
+  duration length{};
+};
+
+/// From the fault plan: copies for radios of an island are lost by this chance besides, for so
+/// long.
+struct lose_frames {
+  bool everywhere = true;
+  island_id island; ///< if not everywhere
+  double loss = 0;  ///< 0..1
+  duration length{};
+};
+
+/// From the fault plan: the mote of this radio is carried away. radio_left follows.
+struct carry_away {
+  radio::radio_index radio;
+};
+
+/// From the fault plan: a mote whose radio this is has come, with a battery of which so much is
+/// used.
+struct bring_radio {
+  radio::radio_index radio;
+  double used_mah = 0;
+};
+
 /// The radio medium of one place.
 using air_actor = caf::typed_actor<caf::reacts_to<attach_radio>, caf::reacts_to<radio_send>,
                                    caf::reacts_to<radio_power>, caf::reacts_to<move_radio>,
+                                   caf::reacts_to<make_noise>, caf::reacts_to<lose_frames>,
+                                   caf::reacts_to<carry_away>, caf::reacts_to<bring_radio>,
                                    caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 // ----------------------------------------------------------------------------------------- serial
@@ -458,11 +512,16 @@ struct crash_now {};
 /// From the fault plan: the battery is flat.
 struct end_battery {};
 
+/// From the fault plan: the clock of a mote, sink or kernel is set.
+struct step_clock {
+  duration by{};
+};
+
 using mote_actor = radio_user_actor::extend<
     caf::reacts_to<claim_am_type>, caf::reacts_to<send_message>, caf::reacts_to<read_transducers>,
     caf::reacts_to<set_actuator>, caf::reacts_to<attach_program>, caf::reacts_to<program_commands>,
     caf::reacts_to<move_mote>, caf::reacts_to<crash_now>, caf::reacts_to<end_battery>,
-    caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+    caf::reacts_to<step_clock>, caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// From whoever spawned both: the program's mote runs, for the first time or again.
 struct mote_started {
@@ -475,7 +534,8 @@ using program_actor =
                                  caf::reacts_to<status_request>>;
 
 using sink_actor =
-    radio_user_actor::extend<caf::reacts_to<serial_octets>, caf::reacts_to<timer_expired>,
+    radio_user_actor::extend<caf::reacts_to<serial_octets>, caf::reacts_to<crash_now>,
+                             caf::reacts_to<step_clock>, caf::reacts_to<timer_expired>,
                              caf::reacts_to<status_request>>;
 
 // ------------------------------------------------------------------------------------- PEIS, links
@@ -812,11 +872,6 @@ struct pause_peer {
 
 /// To itself: a pause is over.
 struct resume_peer {};
-
-/// From the fault plan: the kernel's clock is set.
-struct step_clock {
-  duration by{};
-};
 
 /// The run is over: say goodbye to the others. A peer with an init waits for it.
 struct leave_network {};

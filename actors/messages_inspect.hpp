@@ -135,6 +135,16 @@ auto inspect(F& f, energy_status& x) {
 }
 
 template <class F>
+auto inspect(F& f, store_written& x) {
+  return f(caf::meta::type_name("store_written"), x.mote, x.content.starts, x.content.term);
+}
+
+template <class F>
+auto inspect(F& f, radio_left& x) {
+  return f(caf::meta::type_name("radio_left"), x.energy);
+}
+
+template <class F>
 auto inspect(F& f, flow_status& x) {
   return f(caf::meta::type_name("flow_status"), x.parts);
 }
@@ -232,6 +242,26 @@ auto inspect(F& f, radio_send& x) {
 template <class F>
 auto inspect(F& f, radio_power& x) {
   return f(caf::meta::type_name("radio_power"), x.radio, x.state);
+}
+
+template <class F>
+auto inspect(F& f, make_noise& x) {
+  return f(caf::meta::type_name("make_noise"), x.from, x.duty, x.burst, x.length);
+}
+
+template <class F>
+auto inspect(F& f, lose_frames& x) {
+  return f(caf::meta::type_name("lose_frames"), x.everywhere, x.island, x.loss, x.length);
+}
+
+template <class F>
+auto inspect(F& f, carry_away& x) {
+  return f(caf::meta::type_name("carry_away"), x.radio);
+}
+
+template <class F>
+auto inspect(F& f, bring_radio& x) {
+  return f(caf::meta::type_name("bring_radio"), x.radio, x.used_mah);
 }
 
 template <class F>
@@ -670,6 +700,16 @@ auto inspect(F& f, apply_fault& x) {
 }
 
 template <class F>
+auto inspect(F& f, restart_sink& x) {
+  return f(caf::meta::type_name("restart_sink"), x.island);
+}
+
+template <class F>
+auto inspect(F& f, end_fault& x) {
+  return f(caf::meta::type_name("end_fault"), x.index);
+}
+
+template <class F>
 auto inspect(F& f, restart_mote& x) {
   return f(caf::meta::type_name("restart_mote"), x.mote);
 }
@@ -803,4 +843,12 @@ CAF_ADD_TYPE_ID(rubicon, (rubicon::set_meta_tuple))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::watch_indirectly))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::gateway_status))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::gateway_changed))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::store_written))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::radio_left))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::restart_sink))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::end_fault))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::make_noise))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::lose_frames))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::carry_away))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::bring_radio))
 CAF_END_TYPE_ID_BLOCK(rubicon)

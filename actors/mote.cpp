@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "actors/apps/mote_apps.hpp"
+#include "actors/failure.hpp"
 #include "actors/log.hpp"
 #include "actors/network_radio.hpp"
 #include "actors/statuses.hpp"
@@ -50,6 +51,17 @@ struct performer {
     self->send(
         self->state.arguments->air,
         radio_power{self->state.arguments->radio, x.on ? radio::power::on : radio::power::off});
+  }
+
+  void operator()(const mote::store_nonvolatile& x) const {
+    self->send(self->state.arguments->ecology,
+               store_written{self->state.arguments->address, x.content});
+  }
+
+  void operator()(mote::address_taken) const {
+    log(self, spdlog::level::warn, "event=address_taken");
+    self->send(self->state.arguments->ecology,
+               story{self->path(), "is silent: another mote has its id"});
   }
 
   void operator()(const mote::membership& x) const {
@@ -184,7 +196,7 @@ void on_attach(mote_pointer self, const attach_program& x) {
   auto& added = state.separate[x.number];
   added.actor = x.program.actor;
   added.port = std::make_unique<mote::program_port>(*state.node);
-  self->send(added.actor, program_attached{added.port->limits(), state.incarnation});
+  self->send(added.actor, program_attached{added.port->limits(), state.store.starts});
   perform(self, {});
 }
 
@@ -263,6 +275,15 @@ void report_node(mote_pointer self, bool is_alive) {
                         !is_alive);
 }
 
+void on_clock_step(mote_pointer self, duration by) {
+  auto& state = self->state;
+  if (!state.node || state.flat)
+    return;
+  state.crystal = state.crystal.ahead_by(by);
+  state.node->on_clock_set(by);
+  perform(self, {});
+}
+
 /// An exception ends the mote. What this life has counted must not go with it. Reliable messages
 /// that were still open have failed; nobody will know about flows' requests, so they stay open.
 void report_failures(mote_pointer self) {
@@ -288,15 +309,17 @@ void tell_sample(mote_pointer self, std::uint64_t number) {
 void start(mote_pointer self) {
   auto& state = self->state;
   const auto& arguments = *state.arguments;
-  const auto life = "mote/" + arguments.name + '#' + std::to_string(state.incarnation);
+  const auto life = "mote/" + arguments.name + '#' + std::to_string(state.store.starts);
   auto config = arguments.node;
   config.clock_ahead = mote::boot_time(random_stream(arguments.seed, life + "/clock"));
   state.crystal = arguments.crystal.ahead_by(config.clock_ahead);
   self->send(arguments.air,
              attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
   if (arguments.stack == config::stack::full)
-    state.node.emplace(std::move(config), state.incarnation, random_stream(arguments.seed, life),
+    state.node.emplace(std::move(config), state.store, random_stream(arguments.seed, life),
                        own_time(self));
+  else
+    performer{self}(mote::store_nonvolatile{begin_life(state.store)});
   state.walk = mote::walk(arguments.path, arguments.step);
   go(self);
   state.apps = spawn_mote_apps(self);
@@ -306,7 +329,7 @@ void start(mote_pointer self) {
     for (const auto& x : programs_among(arguments.apps)) {
       if (!x.is_separate)
         state.programs.start_one(*state.node, x.config, x.number, life, arguments.seed,
-                                 state.incarnation > 0, own_time(self));
+                                 state.store.starts > 0, own_time(self));
     }
     perform(self, state.node->start(own_time(self)));
   }
@@ -347,11 +370,11 @@ void app_port::outputsWanted(std::span<const mote::output_wanted> all) {
 
 mote_actor::behavior_type mote_behavior(mote_pointer self,
                                         std::shared_ptr<const mote_arguments> arguments,
-                                        std::uint32_t incarnation) {
+                                        mote::nonvolatile store) {
   report_failures(self);
   self->set_down_handler([self](const caf::down_msg& x) { on_program_down(self, x); });
   self->state.arguments = std::move(arguments);
-  self->state.incarnation = incarnation;
+  self->state.store = store;
   start(self);
   return {
       // the frequent ones first: they are tried in turn
@@ -391,6 +414,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
         if (!self->state.flat)
           throw std::runtime_error(std::string(planned_crash));
       },
+      [self](const step_clock& x) { on_clock_step(self, x.by); },
       [self](end_battery) {
         on_battery_low(self);
         const auto left = self->state.node ? last_words_time : duration{};

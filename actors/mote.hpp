@@ -13,13 +13,11 @@
 #include "config/ecology.hpp"
 #include "mote/crystal.hpp"
 #include "mote/node.hpp"
+#include "mote/nonvolatile.hpp"
 #include "mote/program_port.hpp"
 #include "mote/walk.hpp"
 
 namespace rubicon {
-
-/// What ends a mote whose crash the fault plan asks for.
-inline constexpr std::string_view planned_crash = "crash from the fault plan";
 
 /// What a mote actor is made of, the same in all its lives.
 struct mote_arguments {
@@ -76,7 +74,7 @@ struct mote_state {
 
   std::shared_ptr<const mote_arguments> arguments;
   mote::crystal crystal;          ///< as the clock of this life shows it
-  std::uint32_t incarnation = 0;  ///< how often it was started before
+  mote::nonvolatile store;        ///< as it was before this life
   std::optional<mote::node> node; ///< full stack only
   flow_host flows;
   mote::walk walk;
@@ -95,9 +93,9 @@ struct mote_state {
 /// Spawns the mote's apps and, with the full stack, lets it join its island. Apps end with it. An
 /// exception in a handler ends the mote; its supervisor starts it again (ACT-03).
 /// @param arguments not nullptr
-/// @param incarnation how often it was started before
+/// @param store as earlier lives have written it
 mote_actor::behavior_type mote_behavior(scheduler::traced_pointer<mote_state, mote_actor> self,
                                         std::shared_ptr<const mote_arguments> arguments,
-                                        std::uint32_t incarnation);
+                                        mote::nonvolatile store);
 
 } // namespace rubicon

@@ -13,6 +13,8 @@ void perform(line_pointer self, serial::line_outputs todo) {
   for (auto& x : todo) {
     if (const auto& end = self->state.ends[static_cast<std::size_t>(x.towards)])
       self->send(end, serial_octets{std::move(x.octets)});
+    else
+      self->state.unheard += x.octets.size();
   }
   self->state.wake.follow(self, self->state.line.deadline());
 }
@@ -36,6 +38,8 @@ void report(line_pointer self) {
     status.serial.lost["unplugged_octets"] += counted.unplugged;
     status.serial.lost["corrupted_octets"] += counted.corrupted;
   }
+  if (self->state.unheard > 0)
+    status.serial.lost["end_off_octets"] = self->state.unheard;
   status.serial.octets_up = self->state.line.counters(serial::direction::to_pc).arrived;
   self->send(self->state.ecology, std::move(status));
 }

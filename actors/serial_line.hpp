@@ -12,6 +12,7 @@ namespace rubicon {
 struct serial_line_state {
   serial::line line;
   std::array<serial_end_actor, 2> ends; ///< by serial::direction, empty until attached
+  std::uint64_t unheard = 0;            ///< octets that have come to no end
   island_id island;
   ecology_actor ecology;
   timer wake;

@@ -1,5 +1,8 @@
 #include "actors/sink.hpp"
 
+#include <stdexcept>
+
+#include "actors/failure.hpp"
 #include "actors/log.hpp"
 #include "actors/network_radio.hpp"
 #include "actors/statuses.hpp"
@@ -40,6 +43,20 @@ struct performer {
       if (x.line.value_or(i) == i)
         write(octets, i);
     }
+  }
+
+  void operator()(const mote::store_nonvolatile& x) const {
+    self->send(self->state.arguments.ecology,
+               store_written{self->state.arguments.address, x.content});
+  }
+
+  void operator()(const mote::double_refused& x) const {
+    const mote_address who{self->state.arguments.address.island, x.mote};
+    log(self, spdlog::level::warn, "event=double_refused mote={} device={:08x}", to_string(who),
+        x.device);
+    self->send(
+        self->state.arguments.ecology,
+        story{self->path() + "/sink", "refused a second mote with the id " + to_string(x.mote)});
   }
 
   void operator()(serial::to_line& x) const {
@@ -93,7 +110,8 @@ void on_frame(sink_pointer self, const radio::frame& x, instant sfd) {
                                           self->state.arguments.crystal.own(sfd), own_time(self)));
 }
 
-void report(sink_pointer self) {
+/// @param is_alive the clock of a life that has ended is compared with nothing
+void report(sink_pointer self, bool is_alive) {
   serial_status status{self->state.arguments.address.island, {}};
   auto& sum = status.serial;
   for (const auto& port : self->state.ports) {
@@ -106,27 +124,44 @@ void report(sink_pointer self) {
     sum.lost["sink_no_buffer"] += counted.no_buffer;
   }
   self->send(self->state.arguments.ecology, std::move(status));
-  self->send(self->state.arguments.ecology,
-             status_of(self->state.arguments.address, self->state.sink, own_time(self), now(self)));
+  auto network =
+      status_of(self->state.arguments.address, self->state.sink, own_time(self), now(self));
+  if (!is_alive) {
+    network.has_clock = false;
+    network.channels.clear();
+  }
+  self->send(self->state.arguments.ecology, std::move(network));
+}
+
+/// What this life has counted must not go with it.
+void report_failures(sink_pointer self) {
+  self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
+    self->state.flows.report(self, self->state.arguments.ecology);
+    report(self, false);
+    return scheduler::failure_of(x);
+  });
 }
 
 } // namespace
 
-sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
-  scheduler::tell_monitors_of_exceptions(self);
+sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments,
+                               mote::nonvolatile store) {
+  report_failures(self);
   auto& state = self->state;
   state.arguments = std::move(arguments);
+  state.life = self->path() + (store.starts == 0 ? "" : '#' + std::to_string(store.starts));
   auto network = state.arguments.network;
   network.self = state.arguments.address.mote;
   network.tick.period = state.arguments.tick;
   state.arguments.crystal = state.arguments.crystal.ahead_by(
-      mote::boot_time(random_stream(state.arguments.seed, self->path() + "/clock")));
+      mote::boot_time(random_stream(state.arguments.seed, state.life + "/clock")));
   mote::gateway_lines_config lines;
   lines.lines = state.arguments.lines.size();
   for (const auto& each : state.arguments.lines)
     lines.slowness = std::max(lines.slowness, serial::slowness(each.port.baud));
-  state.sink = mote::sink(network, state.arguments.registrar, state.arguments.duty,
-                          random_stream(state.arguments.seed, self->path()), own_time(self), lines);
+  state.sink =
+      mote::sink(network, state.arguments.registrar, state.arguments.duty,
+                 random_stream(state.arguments.seed, state.life), own_time(self), lines, store);
   for (const auto& each : state.arguments.lines)
     state.ports.emplace_back(each.port);
   const auto handle = caf::actor_cast<sink_actor>(self);
@@ -136,7 +171,7 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
   perform(self, state.sink.start(own_time(self)));
   state.flows.start(self, state.arguments.apps, state.arguments.address, state.arguments.radio,
                     state.arguments.air,
-                    random_stream(state.arguments.seed, self->path() + "/flows"));
+                    random_stream(state.arguments.seed, state.life + "/flows"));
   return {
       [self](const frame_received& x) {
         const auto frame = radio::decode(x.psdu.view());
@@ -159,6 +194,12 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
         self->send(self->state.arguments.ecology, story{self->path(), "sink's battery flat"});
       },
       [self](const serial_octets& x) { on_octets(self, x); },
+      [](crash_now) { throw std::runtime_error(std::string(planned_crash)); },
+      [self](const step_clock& x) {
+        auto& crystal = self->state.arguments.crystal;
+        crystal = crystal.ahead_by(x.by);
+        follow(self);
+      },
       [self](const timer_expired& x) {
         self->state.flows.on_timer(self, x);
         if (!self->state.wake.accepts(x))
@@ -175,7 +216,7 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments) {
           return;
         }
         self->state.flows.report(self, self->state.arguments.ecology);
-        report(self);
+        report(self, true);
       },
   };
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "actors/flow_host.hpp"
@@ -28,7 +29,7 @@ struct sink_arguments {
   air_actor air;
   std::vector<sink_line> lines;       ///< at least one, in the order in which gateways take over
   std::vector<config::mote_app> apps; ///< that measure
-  mote::crystal crystal;
+  mote::crystal crystal;              ///< ahead by what the clock of this life shows, once it runs
   mote::duty_config duty;
   std::chrono::milliseconds tick{500}; ///< period of the RUBICON clock
   std::uint64_t seed = 0;              ///< of the ecology
@@ -38,12 +39,14 @@ struct sink_arguments {
 struct sink_state {
   sink_arguments arguments;
   mote::sink sink;
+  std::string life;                     ///< its path, and from the second on its number
   std::vector<serial::mote_port> ports; ///< of the lines
   flow_host flows;
   timer wake;
 };
 
+/// @param store as earlier lives have written it
 sink_actor::behavior_type sink(scheduler::traced_pointer<sink_state, sink_actor> self,
-                               sink_arguments arguments);
+                               sink_arguments arguments, mote::nonvolatile store);
 
 } // namespace rubicon

@@ -108,6 +108,8 @@ network_status status_of(mote_address address, const mote::sink& x, instant own,
   status.is_sink = true;
   status.network.lost["malformed"] += x.counters().malformed + x.counters().unknown_type;
   status.network.lost["unowned"] = x.counters().for_sink;
+  if (x.joining().doubles > 0)
+    status.network.lost["id_taken"] = x.joining().doubles;
   return status;
 }
 

@@ -279,9 +279,54 @@ struct host_description {
 struct battery_end_fault {
   mote_address mote;
 };
-/// The mote's next handler throws; its supervisor restarts it.
+/// The mote's next handler throws; it is out of order for a while, then its supervisor starts it
+/// again, as one that remembers what is in its flash.
 struct crash_fault {
   mote_address mote;
+  duration length = 500ms;
+  std::optional<mote_description> becomes = std::nullopt; ///< from its next start on
+};
+/// The same of an island's sink.
+struct sink_crash_fault {
+  island_id island; ///< any_island: drawn each time
+  duration length = 500ms;
+};
+/// The clock of a mote's or sink's crystal is set.
+struct crystal_step_fault {
+  mote_address mote; ///< any_mote: drawn each time
+  bool is_sink =
+      false;     ///< the sink of that island, which may be any_island; `mote.mote` is nothing
+  duration by{}; ///< negative: back
+};
+/// Something that is no mote sends bursts of noise.
+struct noise_fault {
+  island_id island; ///< in the air of this one
+  position place;
+  double transmit_dbm = 0;
+  double duty = 1;       ///< share of the time, above 0 up to 1
+  duration burst = 10ms; ///< gaps are drawn between 0 and twice their mean
+  duration length = 30s;
+};
+/// Copies of frames are lost, beside those of [radio].
+struct radio_loss_fault {
+  double loss = 0;
+  std::optional<island_id> island =
+      std::nullopt; ///< for radios of this one, or any_island; unset: for all
+  duration length = 30s;
+};
+/// A second mote with the same address appears.
+struct mote_double_fault {
+  mote_address mote;
+  position place;
+  std::optional<duration> length =
+      std::nullopt; ///< until it is switched off; unset: at the end of the run
+};
+/// A mote is switched off, carried to another island and switched on there, as a mote of it.
+struct move_island_fault {
+  mote_address mote;
+  island_id to;
+  position place;
+  duration length = 10s; ///< that it is off
 };
 /// The cables of an island's sink, or the one to a gateway, are out for a while.
 struct unplug_fault {
@@ -334,9 +379,11 @@ struct move_fault {
   position to;
 };
 
-using fault = std::variant<battery_end_fault, crash_fault, unplug_fault, kill_fault,
-                           power_off_fault, pause_fault, partition_fault, link_loss_fault,
-                           duplicate_id_fault, clock_step_fault, move_fault>;
+using fault =
+    std::variant<battery_end_fault, crash_fault, unplug_fault, kill_fault, power_off_fault,
+                 pause_fault, partition_fault, link_loss_fault, duplicate_id_fault,
+                 clock_step_fault, move_fault, sink_crash_fault, crystal_step_fault, noise_fault,
+                 radio_loss_fault, mote_double_fault, move_island_fault>;
 
 /// Stands for a mote, or an island, that is drawn when the fault happens; any_peer for a peer.
 inline constexpr mote_address any_mote{{}, broadcast_mote};

@@ -12,9 +12,33 @@ namespace {
 constexpr std::int64_t times_max = 100'000;
 constexpr duration span_min = 1ms;
 
+/// The name of a mote type.
+struct mote_type_name {
+  using type = std::string;
+  const directory& names;
+
+  [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const {
+    const auto* name = x.as<std::string>();
+    if (name == nullptr)
+      return who.refuse(x, "the name of a mote type");
+    if (names.mote_types.contains(*name))
+      return *name;
+    who.complain(x, "no mote type is called `" + *name + '`' +
+                        suggestion(*name, {names.mote_types.begin(), names.mote_types.end()}));
+    return std::nullopt;
+  }
+};
+
+bool has_separate_app(const std::vector<mote_app>& all) {
+  return std::ranges::any_of(all,
+                             [](const auto& x) { return std::holds_alternative<separate_app>(x); });
+}
+
 /// What a reader of one kind needs, and what it fills.
 struct kind_reader {
   const directory& names;
+  const surroundings& with;
+  const std::vector<island_description>& islands;
   fault& out;
 
   void battery_end(table_reader& in) const {
@@ -24,8 +48,172 @@ struct kind_reader {
   }
 
   void crash(table_reader& in) const {
+    if (choose(in, {"mote", "sink"}) == "sink") {
+      sink_crash_fault x;
+      read_sink(in, x.island);
+      in.optional("for", time_span{span_min}, x.length);
+      refuse(in, {"type"}, "sink");
+      out = x;
+      return;
+    }
     crash_fault x;
     in.required("mote", mote_name{names, true}, x.mote);
+    in.optional("for", time_span{span_min}, x.length);
+    std::string type;
+    if (in.optional("type", mote_type_name{names}, type))
+      x.becomes = of_another_type(in, x.mote, type);
+    out = std::move(x);
+  }
+
+  /// The mote of the description; nullptr if there is none, about which somebody else complains.
+  [[nodiscard]] const mote_description* find(const mote_address& x) const {
+    for (const auto& island : islands) {
+      if (island.id != x.island)
+        continue;
+      const auto found = std::ranges::find(island.motes, x.mote, &mote_description::id);
+      return found == island.motes.end() ? nullptr : &*found;
+    }
+    return nullptr;
+  }
+
+  /// The mote at its place, with all that the type says but platform, battery and power.
+  [[nodiscard]] std::optional<mote_description>
+  of_another_type(table_reader& in, const mote_address& who, const std::string& type) const {
+    const auto* before = find(who);
+    if (who == any_mote)
+      in.problems().add(in.at("type"), "`type` needs the name of one `mote`, not \"*\"");
+    const auto profile = with.types.find(type);
+    if (before == nullptr || profile == with.types.end())
+      return std::nullopt;
+    auto x = *before;
+    x.type = profile->second.type;
+    x.type_name = type;
+    x.transducers = profile->second.transducers;
+    x.actuators = profile->second.actuators;
+    x.apps.clear();
+    for (const auto& each : profile->second.apps)
+      x.apps.push_back(each.app);
+    if (const auto* of = names.find(who.island); of != nullptr && !of->has_gateway)
+      in.problems().add(in.at("type"),
+                        "in an island with stack = \"mac\" nobody is told a mote's type");
+    if (has_separate_app(before->apps) || has_separate_app(x.apps))
+      in.problems().add(in.at("type"), "a mote with programs that are actors of their own keeps "
+                                       "its type; leave `separate` out");
+    if (std::ranges::any_of(x.apps, is_flow_app))
+      in.problems().add(in.at("type"), "a mote of that type would be an end of flows, which are "
+                                       "the same all the time");
+    static_cast<void>(settle_traces(x.transducers, x.id, in.at("type"), in.problems()));
+    return x;
+  }
+
+  /// A mote of an island with a gateway, by its name.
+  void read_joining_mote(table_reader& in, mote_address& out_mote) const {
+    in.required("mote", mote_name{names}, out_mote);
+    if (const auto* of = names.find(out_mote.island); of != nullptr && !of->has_gateway)
+      in.problems().add(in.at("mote"),
+                        "a mote of an island with stack = \"mac\" does not join anything");
+    if (const auto* mote = find(out_mote); mote != nullptr && has_separate_app(mote->apps))
+      in.problems().add(in.at("mote"), "not a mote with programs that are actors of their own; "
+                                       "leave `separate` out");
+  }
+
+  void duplicate_id(table_reader& in) const {
+    if (choose(in, {"peer", "mote"}) == "peer") {
+      refuse(in, {"position_m"}, "peer");
+      absence<duplicate_id_fault>(in);
+      return;
+    }
+    mote_double_fault x;
+    read_joining_mote(in, x.mote);
+    in.required("position_m", place{}, x.place);
+    in.optional("for", time_span{span_min}, x.length);
+    out = x;
+  }
+
+  void move_mote(table_reader& in) const {
+    move_island_fault x;
+    read_joining_mote(in, x.mote);
+    in.required("to_island", island_name{names}, x.to);
+    in.required("to_m", place{}, x.place);
+    in.optional("for", time_span{span_min}, x.length);
+    if (in.sound() && x.to == x.mote.island)
+      in.problems().add(in.at("to_island"),
+                        "it is in that island already; a `path` of the mote lets it move there");
+    if (const auto* to = names.find(x.to); in.sound() && to != nullptr) {
+      if (!to->has_gateway)
+        in.problems().add(in.at("to_island"),
+                          "nobody joins an island with stack = \"mac\"; name another");
+      if (to->sink == x.mote.mote || find({x.to, x.mote.mote}) != nullptr)
+        in.problems().add(in.at("to_island"), "that island has a mote or sink with the id " +
+                                                  to_string(x.mote.mote) +
+                                                  " already; give one of them another `id`");
+    }
+    out = x;
+  }
+
+  /// Which of the keys the table has, of which it must have one and no other; the first if none.
+  static std::string choose(table_reader& in, const std::vector<std::string>& keys) {
+    std::string chosen;
+    for (const auto& key : keys) {
+      in.expect(key);
+      if (!in.has(key))
+        continue;
+      if (chosen.empty())
+        chosen = key;
+      else
+        in.problems().add(in.at(key), '`' + key + "` means nothing with `" + chosen + '`');
+    }
+    return chosen.empty() ? keys.front() : chosen;
+  }
+
+  /// These keys are of the other kinds of who is hit.
+  static void refuse(table_reader& in, const std::vector<std::string>& keys, const char* of) {
+    for (const auto& key : keys) {
+      in.expect(key);
+      if (in.has(key))
+        in.problems().add(in.at(key), '`' + key + "` means nothing with `" + std::string(of) + '`');
+    }
+  }
+
+  /// The sink of an island with a gateway.
+  void read_sink(table_reader& in, island_id& island) const {
+    in.required("sink", island_name{names, true}, island);
+    if (const auto* of = names.find(island); of != nullptr && !of->has_gateway)
+      in.problems().add(in.at("sink"),
+                        "the sink of an island with stack = \"mac\" only measures; name another");
+    if (in.sound() && island == any_island && !has_full_stack())
+      in.problems().add(in.at("sink"), "no island has a gateway, so that there is no sink to draw");
+  }
+
+  [[nodiscard]] bool has_full_stack() const {
+    return std::ranges::any_of(islands, [](const auto& x) { return x.stack == stack::full; });
+  }
+
+  void noise(table_reader& in) const {
+    noise_fault x;
+    in.required("island", island_name{names}, x.island);
+    in.required("position_m", place{}, x.place);
+    in.optional("power", power_level{-100, 30}, x.transmit_dbm);
+    in.optional("duty", ratio{}, x.duty);
+    in.optional("burst", time_span{100us, 1h}, x.burst);
+    in.optional("for", time_span{span_min}, x.length);
+    if (in.has("duty") && in.sound() && x.duty == 0)
+      in.problems().add(in.at("duty"), "`duty` must be above 0: leave the fault out instead");
+    if (in.has("kind") && with.radio_is_known &&
+        std::holds_alternative<radio::gain_matrix>(with.radio.propagation))
+      in.problems().add(in.at("kind"),
+                        "with model = \"gains\" no place has a gain to anybody; choose another "
+                        "model of the radio, or kind = \"radio_loss\"");
+    out = x;
+  }
+
+  void radio_loss(table_reader& in) const {
+    radio_loss_fault x;
+    island_id island;
+    in.required("loss", ratio{}, x.loss);
+    if (in.optional("island", island_name{names, true}, island))
+      x.island = island;
+    in.optional("for", time_span{span_min}, x.length);
     out = x;
   }
 
@@ -68,6 +256,22 @@ struct kind_reader {
   }
 
   void clock_step(table_reader& in) const {
+    const auto who = choose(in, {"peer", "mote", "sink"});
+    if (who != "peer") {
+      crystal_step_fault x;
+      x.is_sink = who == "sink";
+      if (x.is_sink)
+        read_sink(in, x.mote.island);
+      else
+        in.required("mote", mote_name{names, true}, x.mote);
+      if (const auto* of = names.find(x.mote.island);
+          !x.is_sink && of != nullptr && !of->has_gateway)
+        in.problems().add(in.at("mote"),
+                          "a mote of an island with stack = \"mac\" has no use for its clock");
+      in.required("by", time_step{}, x.by);
+      out = x;
+      return;
+    }
     clock_step_fault x;
     in.required("peer", peer_name{names}, x.peer);
     in.required("by", time_step{}, x.by);
@@ -75,6 +279,11 @@ struct kind_reader {
   }
 
   void move(table_reader& in) const {
+    if (choose(in, {"peer", "mote"}) == "mote") {
+      move_mote(in);
+      return;
+    }
+    refuse(in, {"to_island", "for"}, "peer");
     move_fault x;
     in.required("peer", peer_name{names}, x.peer);
     in.required("to_m", place{}, x.to);
@@ -114,20 +323,22 @@ struct kind_reader {
   }
 };
 
-void read_kind(table_reader& in, const directory& names, fault& out) {
-  const kind_reader read{names, out};
-  in.one_of("kind",
-            {{"battery_end", [&](table_reader& x) { read.battery_end(x); }},
-             {"crash", [&](table_reader& x) { read.crash(x); }},
-             {"unplug", [&](table_reader& x) { read.unplug(x); }},
-             {"kill", [&](table_reader& x) { read.absence<kill_fault>(x); }},
-             {"power_off", [&](table_reader& x) { read.absence<power_off_fault>(x); }},
-             {"pause", [&](table_reader& x) { read.pause(x); }},
-             {"partition", [&](table_reader& x) { read.partition(x); }},
-             {"link_loss", [&](table_reader& x) { read.link_loss(x); }},
-             {"duplicate_id", [&](table_reader& x) { read.absence<duplicate_id_fault>(x); }},
-             {"clock_step", [&](table_reader& x) { read.clock_step(x); }},
-             {"move", [&](table_reader& x) { read.move(x); }}});
+void read_kind(table_reader& in, const surroundings& with,
+               const std::vector<island_description>& islands, fault& out) {
+  const kind_reader read{with.names, with, islands, out};
+  in.one_of("kind", {{"battery_end", [&](table_reader& x) { read.battery_end(x); }},
+                     {"crash", [&](table_reader& x) { read.crash(x); }},
+                     {"unplug", [&](table_reader& x) { read.unplug(x); }},
+                     {"kill", [&](table_reader& x) { read.absence<kill_fault>(x); }},
+                     {"power_off", [&](table_reader& x) { read.absence<power_off_fault>(x); }},
+                     {"pause", [&](table_reader& x) { read.pause(x); }},
+                     {"partition", [&](table_reader& x) { read.partition(x); }},
+                     {"link_loss", [&](table_reader& x) { read.link_loss(x); }},
+                     {"duplicate_id", [&](table_reader& x) { read.duplicate_id(x); }},
+                     {"clock_step", [&](table_reader& x) { read.clock_step(x); }},
+                     {"move", [&](table_reader& x) { read.move(x); }},
+                     {"noise", [&](table_reader& x) { read.noise(x); }},
+                     {"radio_loss", [&](table_reader& x) { read.radio_loss(x); }}});
 }
 
 /// A time of a fault; not after the end of the run.
@@ -169,7 +380,8 @@ void read_repetition(table_reader& in, duration length, fault_description& out) 
   out.repeated = x;
 }
 
-fault_description read_fault(table_reader& in, const directory& names, duration length) {
+fault_description read_fault(table_reader& in, const surroundings& with,
+                             const std::vector<island_description>& islands, duration length) {
   fault_description out;
   const bool repeated = in.has("every") || in.has("random");
   if (!repeated && !in.has("at")) {
@@ -178,17 +390,18 @@ fault_description read_fault(table_reader& in, const directory& names, duration 
     in.problems().add(in.at("at"), "`at` means nothing with `every` or `random`");
   }
   read_repetition(in, length, out);
-  read_kind(in, names, out.what);
+  read_kind(in, with, islands, out.what);
   return out;
 }
 
 } // namespace
 
-std::vector<fault_description> read_faults(table_reader& root, const directory& names,
+std::vector<fault_description> read_faults(table_reader& root, const surroundings& with,
+                                           const std::vector<island_description>& islands,
                                            duration length) {
   std::vector<fault_description> out;
   root.tables("fault", "[[fault]]",
-              [&](table_reader& x) { out.push_back(read_fault(x, names, length)); });
+              [&](table_reader& x) { out.push_back(read_fault(x, with, islands, length)); });
   std::stable_sort(out.begin(), out.end(),
                    [](const auto& a, const auto& b) { return a.at < b.at; });
   return out;

@@ -119,8 +119,9 @@ void check_object_manager(const table_reader& root, const std::vector<peer_descr
 [[nodiscard]] std::vector<tag_description> read_tags(table_reader& root);
 
 /// [[fault]], ascending by time; none may be later than `length`.
-[[nodiscard]] std::vector<fault_description> read_faults(table_reader& root, const directory& names,
-                                                         duration length);
+[[nodiscard]] std::vector<fault_description>
+read_faults(table_reader& root, const surroundings& with,
+            const std::vector<island_description>& islands, duration length);
 
 /// [[expect]], in the order of the file; what it looks at must be before `length`.
 [[nodiscard]] std::vector<expectation> read_expectations(table_reader& root, const directory& names,

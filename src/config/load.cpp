@@ -40,7 +40,7 @@ ecology_description read_file_tables(const node& root, const named_files& files,
   out.proxies = read_proxies(in, names, files.programs, out.islands);
   out.tags = read_tags(in);
   check_object_manager(in, out.peers, out.proxies);
-  out.faults = read_faults(in, names, end);
+  out.faults = read_faults(in, with, out.islands, end);
   out.expectations = read_expectations(in, names, end);
   out.bluetooth_devices = read_bluetooth_devices(in);
   in.finish();

@@ -26,12 +26,37 @@ struct fault_cells {
   const ecology_description& all;
 
   row operator()(const battery_end_fault& x) const { return {"battery_end", mote(x.mote)}; }
-  row operator()(const crash_fault& x) const { return {"crash", mote(x.mote)}; }
+  row operator()(const crash_fault& x) const {
+    return {"crash", mote(x.mote) + outage(x.length) +
+                         (x.becomes ? " and then of the type " + x.becomes->type_name : "")};
+  }
+  row operator()(const sink_crash_fault& x) const {
+    return {"crash", sink(x.island) + outage(x.length)};
+  }
+  row operator()(const crystal_step_fault& x) const {
+    return {"clock_step", (x.is_sink ? sink(x.mote.island) : mote(x.mote)) + " by " + step(x.by)};
+  }
+  row operator()(const noise_fault& x) const {
+    return {"noise", island_names(all, {x.island}) + " at " + place_text(x.place) + ", " +
+                         shown(x.transmit_dbm) + " dBm" +
+                         (x.duty < 1 ? ", " + percent(x.duty) + " of the time in bursts of " +
+                                           to_text(x.burst)
+                                     : "") +
+                         lasting(x.length)};
+  }
+  row operator()(const radio_loss_fault& x) const {
+    return {"radio_loss",
+            percent(x.loss) + (x.island ? " in " + island(*x.island) : "") + lasting(x.length)};
+  }
+  row operator()(const mote_double_fault& x) const {
+    return {"duplicate_id", mote(x.mote) + " at " + place_text(x.place) + lasting(x.length)};
+  }
+  row operator()(const move_island_fault& x) const {
+    return {"move", mote(x.mote) + " to " + island_names(all, {x.to}) + " at " +
+                        place_text(x.place) + ", off" + lasting(x.length)};
+  }
   row operator()(const unplug_fault& x) const {
-    const auto whose = x.gateway                ? peer(*x.gateway)
-                       : x.island == any_island ? std::string("any island")
-                                                : island_names(all, {x.island});
-    return {"unplug", whose + lasting(x.length)};
+    return {"unplug", (x.gateway ? peer(*x.gateway) : island(x.island)) + lasting(x.length)};
   }
   row operator()(const kill_fault& x) const { return {"kill", peer(x.peer) + lasting(x.length)}; }
   row operator()(const power_off_fault& x) const {
@@ -52,8 +77,7 @@ struct fault_cells {
     return {"duplicate_id", peer(x.peer) + lasting(x.length)};
   }
   row operator()(const clock_step_fault& x) const {
-    return {"clock_step",
-            peer(x.peer) + " by " + (x.by < 0s ? "-" + to_text(-x.by) : to_text(x.by))};
+    return {"clock_step", peer(x.peer) + " by " + step(x.by)};
   }
   row operator()(const move_fault& x) const {
     return {"move", peer(x.peer) + " to " + place_text(x.to)};
@@ -61,6 +85,16 @@ struct fault_cells {
 
   static std::string place_text(const position& x) {
     return '[' + shown(x.x_m) + ", " + shown(x.y_m) + (x.z_m == 0 ? "" : ", " + shown(x.z_m)) + ']';
+  }
+  static std::string outage(duration length) {
+    return length == crash_fault{}.length ? std::string() : lasting(length);
+  }
+  static std::string step(duration by) { return by < 0s ? "-" + to_text(-by) : to_text(by); }
+  [[nodiscard]] std::string island(island_id id) const {
+    return id == any_island ? "any island" : island_names(all, {id});
+  }
+  [[nodiscard]] std::string sink(island_id id) const {
+    return id == any_island ? "any sink" : island(id) + "/sink";
   }
   static std::string lasting(std::optional<duration> length) {
     return length ? " for " + to_text(*length) : std::string();

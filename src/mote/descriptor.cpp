@@ -10,6 +10,7 @@ constexpr std::uint8_t tag_type = 1;
 constexpr std::uint8_t tag_transducers = 2;
 constexpr std::uint8_t tag_actuators = 3;
 constexpr std::uint8_t tag_keep_alive = 4;
+constexpr std::uint8_t tag_device = 5;
 
 /// The member a tag stands for; nullptr for tags we do not know.
 std::uint32_t* member_of(descriptor& x, std::uint8_t tag) {
@@ -22,6 +23,8 @@ std::uint32_t* member_of(descriptor& x, std::uint8_t tag) {
     return &x.actuator_mask;
   case tag_keep_alive:
     return &x.keep_alive_ms;
+  case tag_device:
+    return &x.device;
   default:
     return nullptr;
   }
@@ -38,6 +41,8 @@ bytes encode(const descriptor& x) {
   field(tag_transducers, x.transducer_mask);
   field(tag_actuators, x.actuator_mask);
   field(tag_keep_alive, x.keep_alive_ms);
+  if (x.device != 0)
+    field(tag_device, x.device);
   return out.finish();
 }
 

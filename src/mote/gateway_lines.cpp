@@ -4,7 +4,8 @@
 
 namespace rubicon::mote {
 
-gateway_lines::gateway_lines(gateway_lines_config config, instant now) : config_(config) {
+gateway_lines::gateway_lines(gateway_lines_config config, instant now, std::uint32_t last_term)
+    : config_(config), term_(last_term + 1) {
   if (config.lines < 2)
     return;
   lines_.resize(config.lines);

@@ -39,7 +39,8 @@ struct line_event {
 class gateway_lines {
 public:
   gateway_lines() = default;
-  gateway_lines(gateway_lines_config config, instant now);
+  /// @param last_term the last one of earlier lives; each life begins a new one
+  gateway_lines(gateway_lines_config config, instant now, std::uint32_t last_term = 0);
 
   void on_answer(std::size_t line, const network::gateway_answer& x, instant now);
 

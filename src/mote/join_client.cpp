@@ -6,9 +6,12 @@
 namespace rubicon::mote {
 
 join_client::join_client(join_config config, bytes descriptor, std::uint32_t incarnation,
-                         random_stream dice)
-    : config_(config), descriptor_(std::move(descriptor)), incarnation_(incarnation), dice_(dice),
-      pause_(config.pause) {}
+                         random_stream dice, std::uint32_t device)
+    : config_(config), descriptor_(std::move(descriptor)), incarnation_(incarnation),
+      device_(device), dice_(dice), pause_(config.pause), refused_pause_(config.refused_pause) {
+  if (device != 0) // what is for another mote with our address has other numbers, most likely
+    sequence_ = static_cast<std::uint16_t>(dice_.below(0x10000));
+}
 
 join_outputs join_client::start(unsigned hops, instant now) {
   hops_ = std::max(hops, 1U);
@@ -32,19 +35,28 @@ join_outputs join_client::leave() {
 join_outputs join_client::on_message(mote_id source, const management& message, instant now,
                                      mote_id root) {
   if (const auto* reply = std::get_if<join_reply>(&message)) {
-    if (state_ == state::off || reply->sequence != sequence_)
+    if (state_ == state::off || state_ == state::refused || reply->sequence != sequence_)
       return {};
     join_outputs out{to_registrar{join_confirm{sequence_, incarnation_, descriptor_}}};
     if (state_ == state::requesting) {
       state_ = state::joined;
+      refused_pause_ = config_.refused_pause;
       sink_ = source;
       out.emplace_back(island_joined{reply->island, source, reply->slot, reply->aliases});
       if (condition_ != mote_condition{})
-        out.emplace_back(to_registrar{keep_alive{incarnation_, condition_}});
+        out.emplace_back(to_registrar{keep_alive{incarnation_, condition_, device_}});
     }
     gap_ = config_.first_keep_alive;
     deadline_ = next_keep_alive(now);
     return out;
+  }
+  if (const auto* refusal = std::get_if<join_refusal>(&message)) {
+    if (state_ != state::requesting || refusal->sequence != sequence_)
+      return {};
+    state_ = state::refused;
+    deadline_ = now + refused_pause_ + dice_.between(0s, refused_pause_ / 2);
+    refused_pause_ = std::min(2 * refused_pause_, config_.refused_pause_max);
+    return {join_refused{}};
   }
   if (std::holds_alternative<rejoin_prompt>(message) && state_ == state::joined &&
       (source == sink_ || source == root)) {
@@ -65,7 +77,12 @@ join_outputs join_client::on_time(instant now) {
     return {};
   if (state_ == state::joined) {
     deadline_ = next_keep_alive(now);
-    return {to_registrar{keep_alive{incarnation_, condition_}}};
+    return {to_registrar{keep_alive{incarnation_, condition_, device_}}};
+  }
+  if (state_ == state::refused) {
+    auto out = start(hops_, now);
+    out.emplace_back(join_resumed{});
+    return out;
   }
   return request(now);
 }
@@ -74,7 +91,7 @@ join_outputs join_client::tell(const mote_condition& x, instant now) {
   if (x == std::exchange(condition_, x) || state_ != state::joined)
     return {};
   deadline_ = next_keep_alive(now);
-  return {to_registrar{keep_alive{incarnation_, condition_}}};
+  return {to_registrar{keep_alive{incarnation_, condition_, device_}}};
 }
 
 instant join_client::next_keep_alive(instant now) {

@@ -30,7 +30,14 @@ struct island_joined {
 /// The sink has forgotten us; joining starts again.
 struct island_lost {};
 
-using join_output = std::variant<to_registrar, island_joined, island_lost>;
+/// The sink has another mote with our address: we are to be silent (ADR-04).
+struct join_refused {};
+
+/// The silence is over; joining starts again.
+struct join_resumed {};
+
+using join_output =
+    std::variant<to_registrar, island_joined, island_lost, join_refused, join_resumed>;
 using join_outputs = std::vector<join_output>;
 
 struct join_config {
@@ -40,6 +47,8 @@ struct join_config {
   unsigned attempts_max = 5;      ///< then a pause, and again without end
   duration pause = 2s;            ///< doubles each time, jittered by half
   duration pause_max = 30s;
+  duration refused_pause = 30s; ///< silence of a mote whose address another has; doubles each time,
+  duration refused_pause_max = 10min; ///< jittered by half
   duration keep_alive = 3s; ///< send a keep-alive when nothing else was sent for this long; or for
   duration first_keep_alive = 4s; ///< this long after the join, doubled each time: a sink that has
                                   ///< never heard a confirm has given the mote up
@@ -48,12 +57,15 @@ struct join_config {
 /// off --start--> requesting --reply--> joined --rejoin_prompt--> requesting
 ///                 |   ^
 ///                 +---+ no reply: again, after attempts_max with a growing pause
+///                 requesting --refusal--> refused --silence over--> requesting
 class join_client {
 public:
-  enum class state : std::uint8_t { off, requesting, joined };
+  enum class state : std::uint8_t { off, requesting, joined, refused };
 
   join_client() = default;
-  join_client(join_config config, bytes descriptor, std::uint32_t incarnation, random_stream dice);
+  /// @param device as in descriptor
+  join_client(join_config config, bytes descriptor, std::uint32_t incarnation, random_stream dice,
+              std::uint32_t device = 0);
 
   /// @param hops of the way to the sink
   [[nodiscard]] join_outputs start(unsigned hops, instant now);
@@ -85,6 +97,7 @@ private:
   join_config config_;
   bytes descriptor_;
   std::uint32_t incarnation_ = 0;
+  std::uint32_t device_ = 0;
   mote_condition condition_;
   random_stream dice_;
   state state_ = state::off;
@@ -94,6 +107,7 @@ private:
   std::uint16_t sequence_ = 0;
   unsigned attempts_ = 0;
   duration pause_{};
+  duration refused_pause_{};
   duration gap_{}; ///< to the next keep-alive at most
   std::optional<instant> deadline_;
 };

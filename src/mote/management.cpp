@@ -32,9 +32,12 @@ struct encoder {
     const auto flags = (x.condition.battery_low ? battery_low_flag : 0U) |
                        (x.condition.links_weak ? links_weak_flag : 0U);
     out.octet(5).big(x.incarnation).octet(static_cast<std::uint8_t>(flags));
+    if (x.device != 0)
+      out.big(x.device);
   }
   void operator()(const rejoin_prompt&) const { out.octet(6); }
   void operator()(const slot_notice&) const { out.octet(7); }
+  void operator()(const join_refusal& x) const { out.octet(8).big(x.sequence); }
 };
 
 /// A join_request or a join_confirm, which have the same layout.
@@ -90,6 +93,8 @@ result<management> decode_management(byte_view octets) {
     alive.incarnation = in.big<std::uint32_t>();
     flags = in.octet();
     alive.condition = condition_of(flags);
+    if (in.ok() && in.remaining() > 0)
+      alive.device = in.big<std::uint32_t>();
     x = alive;
     break;
   case 6:
@@ -97,6 +102,9 @@ result<management> decode_management(byte_view octets) {
     break;
   case 7:
     x = slot_notice{};
+    break;
+  case 8:
+    x = join_refusal{in.big<std::uint16_t>()};
     break;
   default:
     return in.ok() ? errc::unsupported : errc::truncated;

@@ -61,6 +61,7 @@ struct mote_condition {
 struct keep_alive {
   std::uint32_t incarnation = 0;
   mote_condition condition;
+  std::uint32_t device = 0; ///< as in descriptor; 0: not told
 
   friend bool operator==(const keep_alive&, const keep_alive&) = default;
 };
@@ -75,8 +76,15 @@ struct slot_notice {
   friend bool operator==(const slot_notice&, const slot_notice&) = default;
 };
 
+/// Sink to mote: another mote has your address, and is a member (ADR-04).
+struct join_refusal {
+  std::uint16_t sequence = 0; ///< of the request, by which the other knows that it is not meant
+
+  friend bool operator==(const join_refusal&, const join_refusal&) = default;
+};
+
 using management = std::variant<join_request, join_reply, join_confirm, leave_notice, keep_alive,
-                                rejoin_prompt, slot_notice>;
+                                rejoin_prompt, slot_notice, join_refusal>;
 
 [[nodiscard]] bytes encode(const management& x);
 

@@ -33,7 +33,19 @@ descriptor describe(const node_config& config) {
     x.actuator_mask |= 1U << static_cast<unsigned>(actuator.kind);
   x.keep_alive_ms = static_cast<std::uint32_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(config.keep_alive).count());
+  x.device = config.device;
   return x;
+}
+
+/// A description that a program has made tells the device too.
+bytes with_device(bytes description, std::uint32_t device) {
+  const auto told = decode_descriptor(description);
+  if (!told || device == 0 || told->device == device)
+    return description;
+  const auto field = encode(descriptor{.device = device});
+  description.insert(description.end(),
+                     field.end() - static_cast<std::ptrdiff_t>(device_field_size), field.end());
+  return description;
 }
 
 /// Many may find a way to the sink at the same beacon: so long they take to join.
@@ -67,11 +79,11 @@ island_time beside_the_window(island_time first, duration interval, const duty_c
 
 } // namespace
 
-node::node(node_config config, std::uint32_t incarnation, random_stream dice, instant now)
-    : config_(std::move(config)), dice_(dice), incarnation_(incarnation) {
+node::node(node_config config, const nonvolatile& store, random_stream dice, instant now)
+    : config_(std::move(config)), dice_(dice), store_(store) {
   auto above = config_.layer;
   above.self = config_.id;
-  above.incarnation = incarnation;
+  above.incarnation = incarnation();
   above.transducer_mask = describe(config_).transducer_mask;
   layer_.emplace(above, random_stream(dice_.next()));
   auto network = config_.network;
@@ -90,7 +102,7 @@ communication node::attach(communication_events& events) {
 // Joining.
 
 node_outputs node::start(instant now) {
-  node_outputs out;
+  node_outputs out{store_nonvolatile{begin_life(store_)}};
   use_layer().on_initialised(true, now);
   if (config_.joins_alone)
     ask_to_join(encode(describe(config_)), out, now);
@@ -101,7 +113,8 @@ node_outputs node::start(instant now) {
 void node::ask_to_join(bytes description, node_outputs& out, instant now) {
   join_config config;
   config.keep_alive = config_.keep_alive;
-  join_ = join_client(config, std::move(description), incarnation_, random_stream(dice_.next()));
+  join_ = join_client(config, with_device(std::move(description), config_.device), incarnation(),
+                      random_stream(dice_.next()), config_.device);
   wants_to_join_ = true;
   take(packet_service_outputs{}, out, now);
 }
@@ -131,6 +144,13 @@ void node::take(join_outputs from_join, node_outputs& out, instant now) {
       use_layer().on_joined(joined->island, now);
       duty_.set_member(true);
       out.emplace_back(membership{true, joined->island});
+    } else if (std::holds_alternative<join_refused>(x)) {
+      refused_ = true;
+      out.emplace_back(radio_switch{false});
+      out.emplace_back(address_taken{});
+    } else if (std::holds_alternative<join_resumed>(x)) {
+      refused_ = false;
+      out.emplace_back(radio_switch{radio_wanted_});
     } else {
       use_layer().on_left(now);
       duty_.set_member(false);
@@ -373,8 +393,13 @@ void node::settle(node_outputs& out, instant now) {
         perform(x, out, now);
     }
   } while (heed_ticks(now));
-  for (auto& x : duty_.update(now, packets_.router().clock()))
-    std::visit([&out](auto& y) { out.emplace_back(std::move(y)); }, x);
+  for (auto& x : duty_.update(now, packets_.router().clock())) {
+    const auto* power = std::get_if<radio_switch>(&x);
+    if (power != nullptr)
+      radio_wanted_ = power->on;
+    if (power == nullptr || !refused_)
+      std::visit([&out](auto& y) { out.emplace_back(std::move(y)); }, x);
+  }
 }
 
 void node::perform(layer_output& x, node_outputs& out, instant now) {

@@ -19,6 +19,7 @@
 #include "mote/duty_cycle.hpp"
 #include "mote/join_client.hpp"
 #include "mote/layer.hpp"
+#include "mote/nonvolatile.hpp"
 #include "mote/packet_service.hpp"
 #include "mote/transducer_config.hpp"
 #include "synaptic/rubicon_clock.hpp"
@@ -28,6 +29,7 @@ namespace rubicon::mote {
 struct node_config {
   mote_id id;
   std::uint32_t type = 0;
+  std::uint32_t device = 0; ///< as in descriptor
   duration keep_alive = 3s; ///< promised in the descriptor: heard at least this often
   bool joins_alone = true;  ///< else its programs call initCommunications and joinIsland
   std::vector<transducer_config> transducers;
@@ -52,7 +54,11 @@ struct actuator_arrived {
   std::uint8_t state = 0;
 };
 
-using node_output = std::variant<network::frame_out, radio_switch, membership, actuator_arrived>;
+/// Its sink has another mote with this address: it is silent, its radio off, and asks again later.
+struct address_taken {};
+
+using node_output = std::variant<network::frame_out, radio_switch, membership, actuator_arrived,
+                                 store_nonvolatile, address_taken>;
 using node_outputs = std::vector<node_output>;
 
 struct node_counters {
@@ -67,8 +73,8 @@ struct node_counters {
 class node {
 public:
   /// Starts, and looks for its island.
-  /// @param incarnation how often this mote has been started before (DIS-07)
-  node(node_config config, std::uint32_t incarnation, random_stream dice, instant now);
+  /// @param store what the mote remembers, of which its incarnation (DIS-07)
+  node(node_config config, const nonvolatile& store, random_stream dice, instant now);
 
   /// A program on this mote. Commands that are not given from within an event are followed by
   /// settle(). @param events outlives this
@@ -79,7 +85,7 @@ public:
   [[nodiscard]] node_outputs settle(instant now);
 
   /// Radio and, at a sink, serial line are up (D1.1 5.3.4). A mote that joins alone begins to, and
-  /// does as soon as there is a way to the sink.
+  /// does as soon as there is a way to the sink. Nothing comes before the new content of its store.
   [[nodiscard]] node_outputs start(instant now);
 
   /// Says goodbye and ends every outstanding send as failed.
@@ -96,6 +102,9 @@ public:
 
   /// No frame of a parent has come yet; no radio receives that much.
   static constexpr std::int16_t signal_unknown = 127;
+
+  /// Its clock was set: all times are ahead by so much more from now on, or less.
+  void on_clock_set(duration by) { config_.clock_ahead += by; }
 
   /// The mote is somewhere else from now on.
   void move(position x) { config_.place = x; }
@@ -130,6 +139,7 @@ public:
   /// PEIS ids by which the island is addressed, that of the island first (NFR-05); empty before the
   /// first join.
   [[nodiscard]] const std::vector<peer_id>& gateways() const { return gateways_; }
+  [[nodiscard]] std::uint32_t incarnation() const { return store_.starts; } ///< lives before this
   [[nodiscard]] const layer& above() const { return *layer_; }
   [[nodiscard]] const packet_service& packets() const { return packets_; }
   [[nodiscard]] const node_counters& counters() const { return counters_; }
@@ -169,8 +179,10 @@ private:
   join_client join_;
   mote_condition condition_;
   std::int16_t parent_dbm_ = signal_unknown; ///< of its newest frame
-  std::uint32_t incarnation_ = 0;
-  bool wants_to_join_ = false; ///< there is no way to the sink yet
+  nonvolatile store_;                        ///< as it was before this life
+  bool refused_ = false;                     ///< its radio is off whatever its duty cycle says,
+  bool radio_wanted_ = true;                 ///< which is this
+  bool wants_to_join_ = false;               ///< there is no way to the sink yet
   std::optional<instant> joins_at_;
   island_id island_;
   std::vector<peer_id> gateways_;

@@ -19,6 +19,15 @@ network::leave_cause registrar::cause_of_silence(const member& x) {
                                 : network::leave_cause::silence;
 }
 
+namespace {
+
+/// Whether these are known to be two motes.
+bool differ(std::uint32_t a, std::uint32_t b) {
+  return a != b && a != 0 && b != 0;
+}
+
+} // namespace
+
 registrar_outputs registrar::start(instant now) {
   roster_due_ = now + config_.roster_period;
   return {};
@@ -49,6 +58,11 @@ registrar_outputs registrar::on_frame(mote_id source, byte_view payload, instant
     slots_used_until_ = now + config_.slots_hold;
   if (const auto* alive = std::get_if<keep_alive>(&*message)) {
     const auto found = members_.find(source);
+    if (found != members_.end() && differ(found->second.device, alive->device)) {
+      auto out = on_double(source, alive->device); // it has been a member: it is to ask again
+      std::ranges::move(prompt(source, now), std::back_inserter(out));
+      return out;
+    }
     if (found != members_.end() && found->second.incarnation == alive->incarnation)
       found->second.condition = alive->condition;
     else if (found != members_.end() && found->second.confirmed)
@@ -68,6 +82,18 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
   }
   const auto found = members_.find(source);
   registrar_outputs out;
+  if (found != members_.end() && found->second.heard + found->second.window > now) {
+    if (differ(found->second.device, description->device)) {
+      out = on_double(source, description->device);
+      out.emplace_back(to_mote{source, join_refusal{x.sequence}});
+      return out;
+    }
+    if (found->second.device != 0 && found->second.device == description->device &&
+        x.incarnation < found->second.incarnation) {
+      ++counters_.outdated;
+      return out;
+    }
+  }
   if (found == members_.end() && members_.size() >= config_.members_max && !make_room(out, now)) {
     ++counters_.refused;
     return {};
@@ -83,6 +109,7 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
   entry.incarnation = x.incarnation;
   entry.condition = {};
   entry.type = description->type;
+  entry.device = description->device;
   entry.descriptor = x.descriptor;
   entry.window = std::max<duration>(config_.keep_alive_window,
                                     3 * std::chrono::milliseconds(description->keep_alive_ms));
@@ -98,6 +125,15 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
   }
   prompted_.erase(source);
   return out;
+}
+
+registrar_outputs registrar::on_double(mote_id source, std::uint32_t device) {
+  ++counters_.doubles;
+  if (!doubles_told_.contains(source) && doubles_told_.size() >= config_.members_max)
+    return {};
+  if (std::exchange(doubles_told_[source], device) == device)
+    return {};
+  return {double_refused{source, device}};
 }
 
 /// A full list loses whoever has been silent longest, if for longer than a mote may be by default;

@@ -22,7 +22,13 @@ struct to_mote {
   management message;
 };
 
-using registrar_output = std::variant<to_mote, network::sink_event>;
+/// A second mote with the id of a member wants to join, and is refused (ADR-04). Told once of each.
+struct double_refused {
+  mote_id mote;
+  std::uint32_t device = 0; ///< of the second one
+};
+
+using registrar_output = std::variant<to_mote, network::sink_event, double_refused>;
 using registrar_outputs = std::vector<registrar_output>;
 
 struct registrar_config {
@@ -42,9 +48,15 @@ struct registrar_config {
 
 struct registrar_counters {
   std::uint64_t malformed = 0;
-  std::uint64_t refused = 0; ///< no room
+  std::uint64_t refused = 0;  ///< no room
+  std::uint64_t doubles = 0;  ///< of another device than the member with that id
+  std::uint64_t outdated = 0; ///< requests of an earlier life of a member
 };
 
+/// A member's device is told apart from others by its serial number, where motes tell theirs: who
+/// has its id and another number is a second mote, and is refused as long as the member is heard;
+/// who has its number is itself, in a later life if that is higher.
+///
 /// Keeps the list of members, tells the gateway of each change, and repeats the whole list now and
 /// then, because the serial line may lose an event.
 class registrar {
@@ -82,7 +94,8 @@ private:
     std::uint16_t sequence = 0;
     std::uint32_t incarnation = 0;
     std::uint32_t type = 0;
-    std::uint16_t slot = 0; ///< the lowest that no other member has
+    std::uint32_t device = 0; ///< 0: not told
+    std::uint16_t slot = 0;   ///< the lowest that no other member has
     bytes descriptor;
     duration window{};
     mote_condition condition; ///< as it has told last
@@ -94,6 +107,7 @@ private:
 
   [[nodiscard]] registrar_outputs on_request(mote_id source, const join_request& x, instant now,
                                              std::size_t hops);
+  [[nodiscard]] registrar_outputs on_double(mote_id source, std::uint32_t device);
   [[nodiscard]] registrar_outputs on_confirm(mote_id source, const join_confirm& x, instant now);
   [[nodiscard]] bool make_room(registrar_outputs& out, instant now);
   [[nodiscard]] registrar_outputs prompt(mote_id mote, instant now);
@@ -109,7 +123,8 @@ private:
 
   registrar_config config_;
   std::map<mote_id, member> members_;
-  std::map<mote_id, instant> prompted_; ///< when an unknown mote was last asked to join
+  std::map<mote_id, std::uint32_t> doubles_told_; ///< devices, of which the last is remembered
+  std::map<mote_id, instant> prompted_;           ///< when an unknown mote was last asked to join
   std::uint16_t roster_number_ = 0;
   std::deque<network::roster> roster_pages_; ///< that are still to be sent
   instant roster_began_;

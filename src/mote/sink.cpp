@@ -1,6 +1,7 @@
 #include "mote/sink.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "network/am.hpp"
 #include "network/wire.hpp"
@@ -16,9 +17,9 @@ void append(sink_outputs& to, sink_outputs from) {
 } // namespace
 
 sink::sink(network::router_config network, registrar_config members, const duty_config& duty,
-           random_stream dice, instant now, gateway_lines_config lines)
-    : self_(network.self), island_(members.island), duty_(duty, true), lines_(lines, now),
-      pieces_(lines.lines) {
+           random_stream dice, instant now, gateway_lines_config lines, const nonvolatile& store)
+    : self_(network.self), store_(begin_life(store)), island_(members.island), duty_(duty, true),
+      lines_(lines, now, store.term), pieces_(lines.lines) {
   network.is_sink = true;
   network.duty = duty.common();
   members.confirm_wait += duty.answer_slack(0);
@@ -32,7 +33,8 @@ sink::sink(network::router_config network, registrar_config members, const duty_
 }
 
 sink_outputs sink::start(instant now) {
-  sink_outputs out{event_for(network::sink_started{}, std::nullopt)};
+  store_.term = lines_.term();
+  sink_outputs out{store_nonvolatile{store_}, event_for(network::sink_started{}, std::nullopt)};
   append(out, take(registrar_.start(now), now));
   return finish(std::move(out), now);
 }
@@ -82,10 +84,17 @@ sink_outputs sink::on_event(const network::sink_event& x, instant now, std::size
   }
   if (const auto* answer = std::get_if<network::gateway_answer>(&x)) {
     lines_.on_answer(line, *answer, now);
-    return finish({}, now);
+    return finish(remember_term(), now);
   }
   ++counters_.malformed;
   return {};
+}
+
+/// A term that a gateway has heard of must never begin again.
+sink_outputs sink::remember_term() {
+  if (std::exchange(store_.term, lines_.term()) == lines_.term())
+    return {};
+  return {store_nonvolatile{store_}};
 }
 
 to_gateway sink::event_for(const network::sink_event& x, std::optional<std::size_t> line) const {
@@ -101,7 +110,9 @@ void sink::tell_time(instant now) {
 sink_outputs sink::on_time(instant now) {
   tell_time(now);
   auto out = take(registrar_.on_time(now), now);
-  for (const auto& x : lines_.on_time(now))
+  const auto polls = lines_.on_time(now);
+  append(out, remember_term());
+  for (const auto& x : polls)
     out.emplace_back(event_for(x.what, x.line));
   if (const auto number = time_.on_time(now))
     out.emplace_back(event_for(network::time_request{*number}, lines_.leader()));
@@ -184,6 +195,8 @@ sink_outputs sink::take(registrar_outputs from_registrar, instant now) {
     if (const auto* message = std::get_if<to_mote>(&x))
       append(out,
              take(packets_.send_management(message->mote, encode(message->message), now), now));
+    else if (const auto* seen = std::get_if<double_refused>(&x))
+      out.emplace_back(*seen);
     else
       out.emplace_back(event_for(std::get<network::sink_event>(x), std::nullopt));
   }

@@ -14,6 +14,7 @@
 #include "core/time.hpp"
 #include "mote/duty_cycle.hpp"
 #include "mote/gateway_lines.hpp"
+#include "mote/nonvolatile.hpp"
 #include "mote/packet_service.hpp"
 #include "mote/registrar.hpp"
 #include "network/time_reference.hpp"
@@ -29,7 +30,7 @@ struct to_gateway {
   std::optional<std::size_t> line = {}; ///< nothing: up all of them
 };
 
-using sink_output = std::variant<network::frame_out, to_gateway>;
+using sink_output = std::variant<network::frame_out, to_gateway, store_nonvolatile, double_refused>;
 using sink_outputs = std::vector<sink_output>;
 
 struct sink_counters {
@@ -46,9 +47,12 @@ struct sink_counters {
 class sink {
 public:
   sink() = default;
+  /// @param store what it remembers: its incarnation, and the term that its gateways are in
   sink(network::router_config network, registrar_config members, const duty_config& duty,
-       random_stream dice, instant now, gateway_lines_config lines = {});
+       random_stream dice, instant now, gateway_lines_config lines = {},
+       const nonvolatile& store = {});
 
+  /// Nothing comes before the new content of its store.
   [[nodiscard]] sink_outputs start(instant now);
 
   /// The radio has delivered a frame. @param sfd when its start-of-frame delimiter was received
@@ -66,8 +70,10 @@ public:
   [[nodiscard]] sink_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] instant deadline() const;
 
+  [[nodiscard]] std::uint32_t incarnation() const { return store_.starts - 1; } ///< once started
   [[nodiscard]] std::size_t members() const { return registrar_.members(); }
   [[nodiscard]] const sink_counters& counters() const { return counters_; }
+  [[nodiscard]] const registrar_counters& joining() const { return registrar_.counters(); }
   [[nodiscard]] const packet_service& packets() const { return packets_; }
   [[nodiscard]] const network::time_reference& time() const { return time_; }
   [[nodiscard]] const gateway_lines& lines() const { return lines_; }
@@ -77,6 +83,7 @@ private:
   [[nodiscard]] sink_outputs take(packet_service_outputs from_packets, instant now);
   [[nodiscard]] sink_outputs take(registrar_outputs from_registrar, instant now);
   [[nodiscard]] sink_outputs on_event(const network::sink_event& x, instant now, std::size_t line);
+  [[nodiscard]] sink_outputs remember_term();
   [[nodiscard]] to_gateway event_for(const network::sink_event& x,
                                      std::optional<std::size_t> line) const;
   void tell_time(instant now);
@@ -85,6 +92,7 @@ private:
   [[nodiscard]] sink_outputs to_line(mote_id origin, const network::island_packet& x);
 
   mote_id self_;
+  nonvolatile store_; ///< its content
   island_id island_;
   registrar registrar_;
   packet_service packets_;

@@ -50,8 +50,8 @@ struct router_config {
   duration change_beacon = 1s;
   duration seek_length = 30s;
   duration help_gap = 2s;
-  duration sequence_gap = 20s; ///< between requests for the sink's next sequence number, and between
-                              ///< the sink's answers, and two windows more
+  duration sequence_gap = 20s; ///< between requests for the sink's next sequence number, and
+                               ///< between the sink's answers, and two windows more
   /// In an island whose radios sleep, who does not know the time asks for it for a whole period,
   /// with a beacon in each window: when it has heard nobody for ask_quiet, or nobody who knows for
   /// ask_after; then again, each time twice as long after.

@@ -111,6 +111,37 @@ void channel::set_loss(radio_index from, radio_index to, double loss) {
   topology_.set_loss(from, to, loss);
 }
 
+outputs channel::set_noise(radio_index from, bool on, instant now) {
+  outputs out;
+  run_until(now, out);
+  if (!on) {
+    medium_.end_noise(from, now);
+    return out;
+  }
+  if (sure_) { // it may find the channel busy now
+    queue_.tell(*sure_);
+    sure_.reset();
+  }
+  medium_.start_noise(from, topology_.around(from), now);
+  return out;
+}
+
+std::uint32_t channel::begin_loss(std::optional<std::uint16_t> pan, double loss) {
+  disturbances_.push_back({++disturbances_so_far_, pan, loss});
+  return disturbances_so_far_;
+}
+
+void channel::end_loss(std::uint32_t name) {
+  std::erase_if(disturbances_, [name](const auto& x) { return x.name == name; });
+}
+
+void channel::restart_energy(radio_index radio, double used_mah, instant now) {
+  medium_.meter(radio).restart(used_mah, now);
+  at(radio).added_at = now;
+  at(radio).runs_low = false;
+  watch_battery(radio, now);
+}
+
 outputs channel::send(radio_index radio, request what, instant now) {
   outputs out;
   run_until(now, out);

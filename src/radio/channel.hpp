@@ -154,6 +154,19 @@ public:
   /// channel_config::loss. Directed; 0..1 (GEN-03, NET-15). Survives move().
   void set_loss(radio_index from, radio_index to, double loss);
 
+  /// Lets a radio send what is no frame, or stop: it disturbs all in reach, who sense its energy
+  /// but no carrier. It is in no book. @pre the radio is off and does the other now
+  [[nodiscard]] outputs set_noise(radio_index from, bool on, instant now);
+
+  /// From now on copies for radios of a PAN, or of all, are lost by this chance besides; several
+  /// add up as chances do. @returns its name for end_loss()
+  std::uint32_t begin_loss(std::optional<std::uint16_t> pan, double loss);
+  void end_loss(std::uint32_t name);
+
+  /// The mote of a radio comes with a battery of which so much is used; its energy is counted from
+  /// now on. @pre it is off, and on_time() has been called for this moment
+  void restart_energy(radio_index radio, double used_mah, instant now);
+
   /// Queues a frame. A full queue (queue_full) or a radio that is off (aborted) refuses at once.
   /// @pre what.payload.size() <= payload_max
   [[nodiscard]] outputs send(radio_index radio, request what, instant now);
@@ -223,6 +236,7 @@ private:
   void on_ack_due(radio_index radio, instant now);
   void on_frame_end(slot_index slot, instant now, outputs& out);
   void on_battery_low(radio_index radio, instant now, outputs& out);
+  [[nodiscard]] bool is_disturbed(radio_index radio);
   [[nodiscard]] copy_fate on_ack(radio_index radio, std::uint8_t dsn, instant now, outputs& out);
   [[nodiscard]] copy_fate on_data(const transmission& sent, const hearer& x, instant now,
                                   outputs& out);
@@ -249,6 +263,13 @@ private:
   medium medium_;
   std::uint64_t noise_seed_ = 0;
   bool guards_ = false; ///< somebody's rules have a guard
+  struct disturbance {
+    std::uint32_t name = 0;
+    std::optional<std::uint16_t> pan;
+    double loss = 0;
+  };
+  std::vector<disturbance> disturbances_;
+  std::uint32_t disturbances_so_far_ = 0;
   std::vector<station> stations_;
   event_queue queue_;
   /// An assessment that must find the channel clear, unless an event is put before it; with the

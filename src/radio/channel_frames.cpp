@@ -87,6 +87,8 @@ void channel::end_frame(slot_index slot, instant now, outputs& out) {
       return to_copy_fate(end);
     if (x.loss != 0 && dice_.chance(static_cast<double>(x.loss) / 65535))
       return copy_fate::loss;
+    if (!disturbances_.empty() && is_disturbed(x.radio))
+      return copy_fate::loss;
     if (guards)
       at(x.radio).guarded_until = now + at(x.radio).sender.rules().guard;
     if (is_ack ? !medium_.awaits_ack(x.radio) : !medium_.wanted(x.radio, sent.content))
@@ -109,6 +111,13 @@ void channel::end_frame(slot_index slot, instant now, outputs& out) {
               });
   if (watched_)
     out.emplace_back(std::move(seen));
+}
+
+bool channel::is_disturbed(radio_index radio) {
+  double arrives = 1;
+  for (const auto& x : disturbances_)
+    arrives *= x.pan.value_or(at(radio).pan) == at(radio).pan ? 1 - x.loss : 1;
+  return dice_.chance(1 - arrives);
 }
 
 /// Makes the sender's book one about the frame's hearers, and counts the frame there.

@@ -63,6 +63,12 @@ double energy_meter::radio_ma(radio_state x) const {
   return 0;
 }
 
+void energy_meter::restart(double used_mah, instant now) {
+  times_ = {};
+  used_before_mah_ = used_mah;
+  start_ = since_ = busy_until_ = now;
+}
+
 void energy_meter::enter(radio_state next, instant now) {
   if (stopped_)
     return;
@@ -104,7 +110,7 @@ energy_times energy_meter::times(instant now) const {
 }
 
 double energy_meter::used_mah(instant now) const {
-  return radio::used_mah(times(now), *kind_, transmit_ma_);
+  return used_before_mah_ + radio::used_mah(times(now), *kind_, transmit_ma_);
 }
 
 instant energy_meter::empty_at(instant now) const {

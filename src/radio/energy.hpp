@@ -38,6 +38,9 @@ public:
   /// @pre kind is not nullptr and outlives the meter; battery_mah > 0
   energy_meter(const platform* kind, double battery_mah, double transmit_dbm, instant start);
 
+  /// Begins anew, with a battery of which so much is used. @pre it is not stopped
+  void restart(double used_mah, instant now);
+
   /// The radio enters a state.
   void enter(radio_state next, instant now);
 
@@ -72,6 +75,7 @@ private:
 
   const platform* kind_ = nullptr;
   double battery_mah_ = 0;
+  double used_before_mah_ = 0;
   double transmit_ma_ = 0;
   instant start_;
   instant since_; ///< when state_ was entered

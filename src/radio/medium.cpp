@@ -100,6 +100,36 @@ void medium::cut(slot_index slot) {
       x = fate::off;
 }
 
+void medium::start_noise(radio_index from, std::shared_ptr<const hearers> heard_by, instant now) {
+  for (const auto& x : *heard_by) {
+    auto& at = heads_[x.radio.value];
+    ++at.audible;
+    if (at.locked != nothing) {
+      if (strict_)
+        spoil_locked(x.radio, fate::collision);
+      settle(x.radio, now);
+      at.flags |= interfered;
+    }
+    at.power += units_of(x);
+  }
+  noises_.emplace_back(from, std::move(heard_by));
+}
+
+void medium::end_noise(radio_index from, instant now) {
+  const auto ended = std::ranges::find(noises_, from, [](const auto& x) { return x.first; });
+  assert(ended != noises_.end());
+  for (const auto& x : *ended->second) {
+    auto& at = heads_[x.radio.value];
+    if (at.locked != nothing)
+      settle(x.radio, now);
+    if (sense_energy_ && static_cast<float>(at.power) >= at.cca_floor)
+      at.busy_until = now;
+    at.power -= units_of(x);
+    --at.audible;
+  }
+  noises_.erase(ended);
+}
+
 void medium::switch_on(radio_index radio, instant now) {
   heads_[radio.value].state = mode::listening;
   meter(radio).enter(radio_state::listen, now);
@@ -142,7 +172,7 @@ bool medium::clear(radio_index radio, instant now) {
 bool medium::stays_clear(radio_index radio, instant later) const {
   const auto& x = heads_[radio.value];
   const auto since = later - timing::cca;
-  const bool silent = free_.size() == on_air_.size();
+  const bool silent = free_.size() == on_air_.size() && noises_.empty();
   const bool noise_is_quiet = disk_ || !sense_energy_ || x.cca_floor > 0;
   return silent && noise_is_quiet && tails_[radio.value].traced_noise == nullptr &&
          x.state == mode::listening && x.busy_until <= since &&

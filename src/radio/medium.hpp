@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/bytes.hpp"
@@ -93,6 +94,12 @@ public:
     }
     release(slot);
   }
+
+  /// A signal that is no frame begins at all of them, or ends: nobody can receive it, but it
+  /// disturbs and, as far as its energy is sensed, makes the channel busy. @pre one ends before its
+  /// source begins another
+  void start_noise(radio_index from, std::shared_ptr<const hearers> heard_by, instant now);
+  void end_noise(radio_index from, instant now);
 
   void switch_on(radio_index radio, instant now);
 
@@ -246,6 +253,7 @@ private:
   std::vector<tail> tails_;
   std::vector<on_air> on_air_;
   std::vector<slot_index> free_;
+  std::vector<std::pair<radio_index, std::shared_ptr<const hearers>>> noises_; ///< that go on
   std::uint64_t copies_ = 0;
 };
 

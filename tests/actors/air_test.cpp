@@ -42,8 +42,8 @@ struct rig {
     }
     if (prepare)
       prepare(channel);
-    air = world.spawn(rubicon::air, std::move(channel), addresses, ecology.handle(),
-                      frame_observer{});
+    air = world.spawn(rubicon::air, std::move(channel), addresses, extra_radios{}, std::uint64_t{1},
+                      ecology.handle(), frame_observer{});
     world.send(air, attach_radio{left_radio, left});
     world.send(air, attach_radio{right_radio, right});
     world.send(air, attach_radio{third_radio, third});

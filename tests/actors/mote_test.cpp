@@ -44,7 +44,7 @@ struct rig {
     x.air = air.handle();
     x.ecology = ecology.handle();
     mote = world.spawn_at("mote/kitchen/stove", mote_behavior,
-                          std::make_shared<const mote_arguments>(x), 0U);
+                          std::make_shared<const mote_arguments>(x), mote::nonvolatile{});
   }
 
   [[nodiscard]] bool is_member() {

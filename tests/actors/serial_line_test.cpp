@@ -119,3 +119,21 @@ TEST_CASE("octets for an end to which nobody is attached go nowhere", "[actors][
   world.run_for(1s);
   CHECK(world.ends().empty());
 }
+
+TEST_CASE("octets that come to an end whose mote is off are gone, and counted",
+          "[actors][serial][ACT-04]") {
+  rig x;
+  CHECK_FALSE(x.report().lost.contains("end_off_octets"));
+  x.world.send(x.line, attach_serial{direction::to_mote, {}});
+  x.write(direction::to_mote, 30);
+  x.write(direction::to_pc, 10);
+  x.world.run_for(1s);
+  CHECK(x.mote.size() == 0);
+  CHECK(x.pc.count<serial_octets>() == 1);
+  CHECK(x.report().lost.at("end_off_octets") == 30);
+  x.world.send(x.line, attach_serial{direction::to_mote, x.mote});
+  x.write(direction::to_mote, 5);
+  x.world.run_for(1s);
+  CHECK(x.mote.count<serial_octets>() == 1);
+  CHECK(x.report().lost.at("end_off_octets") == 30);
+}

@@ -37,7 +37,7 @@ struct rig {
     x.lines = {{line.handle(), {}}};
     x.seed = 1;
     x.ecology = ecology.handle();
-    sink = world.spawn_at("sink/kitchen", rubicon::sink, std::move(x));
+    sink = world.spawn_at("sink/kitchen", rubicon::sink, std::move(x), mote::nonvolatile{});
   }
 
   void join() {

@@ -151,6 +151,7 @@ mote_actor::behavior_type empty_mote(scheduler::traced_pointer<empty_state, mote
       [](const move_mote&) {},
       [](crash_now) {},
       [](end_battery) {},
+      [](const step_clock&) {},
       [](const timer_expired&) {},
       [](status_request) {},
   };

@@ -62,7 +62,8 @@ public:
       members.aliases = config_.aliases;
       ++lives_[id];
       here.sink =
-          std::make_unique<mote::sink>(network, members, mote::duty_config{}, dice, own_time(id));
+          std::make_unique<mote::sink>(network, members, mote::duty_config{}, dice, own_time(id),
+                                       mote::gateway_lines_config{}, stores[id]);
       perform(id, here.sink->start(own_time(id)));
       return;
     }
@@ -71,7 +72,8 @@ public:
     node.type = 301;
     node.joins_alone = config_.joins_alone;
     node.transducers = config_.transducers;
-    here.node = std::make_unique<mote::node>(std::move(node), lives_[id]++, dice, own_time(id));
+    here.node = std::make_unique<mote::node>(std::move(node), stores[id], dice, own_time(id));
+    ++lives_[id];
     here.app = std::make_unique<program>(*this, id, *here.node);
     perform(id, here.node->start(own_time(id)));
   }
@@ -179,7 +181,10 @@ public:
   std::vector<std::pair<mote_id, bool>> outcomes;                ///< of reliable sends: acked?
   std::vector<std::pair<mote_id, mote::membership>> memberships;
   std::vector<mote::to_gateway> up; ///< on the serial line
-  std::size_t longest = 0;          ///< payload of a frame
+  std::vector<mote_id> taken;       ///< who is silent, its address being another's
+  std::vector<mote::double_refused> doubles;
+  std::map<mote_id, mote::nonvolatile> stores; ///< they outlast kill()
+  std::size_t longest = 0;                     ///< payload of a frame
   std::size_t frames = 0;
 
   std::function<void(mote_id)> on_performed; ///< a core has done something
@@ -231,6 +236,9 @@ private:
   void take(mote_id, mote::to_gateway& x) { up.push_back(std::move(x)); }
   void take(mote_id who, mote::membership& x) { memberships.emplace_back(who, x); }
   void take(mote_id, const mote::actuator_arrived&) {}
+  void take(mote_id who, mote::address_taken) { taken.push_back(who); }
+  void take(mote_id, const mote::double_refused& x) { doubles.push_back(x); }
+  void take(mote_id who, const mote::store_nonvolatile& x) { stores[who] = x.content; }
 
   [[nodiscard]] bool is_there(mote_id id) const {
     const auto found = places_.find(id);

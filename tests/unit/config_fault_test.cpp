@@ -160,3 +160,125 @@ TEST_CASE("a summary shows when faults happen, and to whom", "[config]") {
   5 s                            link_loss   10 % for 30 s
 )");
 }
+
+TEST_CASE("a mote and a sink may be off for as long as one likes, and their clocks be set",
+          "[config][ACT-04]") {
+  const auto all = good(mote_head + "[[fault]]\nat = \"1s\"\nkind = \"crash\"\nmote = \"*\"\n"
+                                    "[[fault]]\nat = \"2s\"\nkind = \"crash\"\nmote = \"*\"\n"
+                                    "for = \"10min\"\n"
+                                    "[[fault]]\nat = \"3s\"\nkind = \"crash\"\nsink = \"*\"\n"
+                                    "[[fault]]\nat = \"4s\"\nkind = \"crash\"\nsink = \"k\"\n"
+                                    "for = \"5s\"\n"
+                                    "[[fault]]\nat = \"5s\"\nkind = \"clock_step\"\n"
+                                    "mote = \"*\"\nby = \"-2s\"\n"
+                                    "[[fault]]\nat = \"6s\"\nkind = \"clock_step\"\n"
+                                    "sink = \"k\"\nby = \"3s\"\n");
+  const auto& x = all.faults;
+  CHECK(std::get<crash_fault>(x.at(0).what).length == 500ms);
+  CHECK(std::get<crash_fault>(x.at(1).what).length == 10min);
+  CHECK(std::get<sink_crash_fault>(x.at(2).what).island == any_island);
+  CHECK(std::get<sink_crash_fault>(x.at(2).what).length == 500ms);
+  CHECK(std::get<sink_crash_fault>(x.at(3).what).island == all.islands.at(0).id);
+  CHECK(std::get<sink_crash_fault>(x.at(3).what).length == 5s);
+  CHECK_FALSE(std::get<crystal_step_fault>(x.at(4).what).is_sink);
+  CHECK(std::get<crystal_step_fault>(x.at(4).what).by == -2s);
+  CHECK(std::get<crystal_step_fault>(x.at(5).what).is_sink);
+  const auto text = summary(all);
+  CHECK(text.substr(text.find("faults")) == R"(faults
+  1 s  crash       any mote
+  2 s  crash       any mote for 10 min
+  3 s  crash       any sink
+  4 s  crash       k/sink for 5 s
+  5 s  clock_step  any mote by -2 s
+  6 s  clock_step  k/sink by 3 s
+)");
+}
+
+TEST_CASE("noise and losses of the radio arrive with their keys", "[config][ACT-04]") {
+  const auto all = good(mote_head + "[[fault]]\nat = \"1s\"\nkind = \"noise\"\nisland = \"k\"\n"
+                                    "position_m = [1, 2]\n"
+                                    "[[fault]]\nat = \"2s\"\nkind = \"noise\"\nisland = \"k\"\n"
+                                    "position_m = [1, 2]\npower = \"-5dBm\"\nduty = \"20%\"\n"
+                                    "burst = \"2ms\"\nfor = \"1min\"\n"
+                                    "[[fault]]\nat = \"3s\"\nkind = \"radio_loss\"\nloss = 0.2\n"
+                                    "[[fault]]\nat = \"4s\"\nkind = \"radio_loss\"\nloss = 1\n"
+                                    "island = \"*\"\nfor = \"2s\"\n");
+  const auto& x = all.faults;
+  const auto always = std::get<noise_fault>(x.at(0).what);
+  CHECK(always.island == all.islands.at(0).id);
+  CHECK(always.transmit_dbm == 0);
+  CHECK(always.duty == 1);
+  CHECK(always.length == 30s);
+  const auto now_and_then = std::get<noise_fault>(x.at(1).what);
+  CHECK(now_and_then.transmit_dbm == -5);
+  CHECK(now_and_then.duty == 0.2);
+  CHECK(now_and_then.burst == 2ms);
+  CHECK_FALSE(std::get<radio_loss_fault>(x.at(2).what).island);
+  CHECK(std::get<radio_loss_fault>(x.at(3).what).island == any_island);
+  const auto text = summary(all);
+  CHECK(text.substr(text.find("faults")) == R"(faults
+  1 s  noise       k at [1, 2], 0 dBm for 30 s
+  2 s  noise       k at [1, 2], -5 dBm, 20 % of the time in bursts of 2 ms for 1 min
+  3 s  radio_loss  20 % for 30 s
+  4 s  radio_loss  100 % in any island for 2 s
+)");
+}
+
+TEST_CASE("faults of motes and radios that cannot be are refused", "[config][GEN-06][ACT-04]") {
+  const auto x = GENERATE(values<row>({
+      {"kind = \"crash\"\n", "19:1: `mote` is missing in kind = \"crash\""},
+      {"kind = \"crash\"\nmote = \"*\"\nsink = \"k\"\n", "23:8: `sink` means nothing with `mote`"},
+      {"kind = \"crash\"\nsink = \"b\"\n", "22:8: no island is called `b`: did you mean `k`?"},
+      {"kind = \"clock_step\"\npeer = \"*\"\nmote = \"*\"\nby = \"1s\"\n",
+       "23:8: `mote` means nothing with `peer`"},
+      {"kind = \"noise\"\nisland = \"*\"\nposition_m = [0, 0]\n",
+       "22:10: no island is called `*`: did you mean `k`?"},
+      {"kind = \"noise\"\nisland = \"k\"\nposition_m = [0, 0]\nduty = 0\n",
+       "24:8: `duty` must be above 0: leave the fault out instead"},
+      {"kind = \"radio_loss\"\nloss = 2\n",
+       "22:8: `loss` must be a ratio from 0 to 1, or from \"0%\" to \"100%\", not 2"},
+  }));
+  CAPTURE(x.toml);
+  CHECK(problem_after(mote_head, "[[fault]]\nat = \"1s\"\n" + std::string(x.toml)) == x.problem);
+}
+
+TEST_CASE("motes may have a double, another island or another type", "[config][ACT-04][ADR-04]") {
+  const std::string two = mote_head + "[[island]]\nid = 9\nname = \"other\"\n"
+                                      "[mote_type.lamp]\ntype = 77\n"
+                                      "actuators = [{ name = \"switch\", kind = \"relay\" }]\n";
+  const auto name = good(two).islands.at(0).motes.at(0).name;
+  const auto with = [&](const std::string& keys) {
+    return two + "[[fault]]\nat = \"1s\"\nmote = \"k/" + name + "\"\n" + keys;
+  };
+  const auto x = good(with("kind = \"duplicate_id\"\nposition_m = [3, 4]\nfor = \"5s\"\n"));
+  const auto second = std::get<mote_double_fault>(x.faults.at(0).what);
+  CHECK(second.mote == mote_address{x.islands.at(0).id, mote_id{2}});
+  CHECK(second.place.y_m == 4);
+  CHECK(second.length == 5s);
+  const auto moves =
+      good(with("kind = \"move\"\nto_island = \"other\"\nto_m = [1, 1]\n")).faults.at(0);
+  CHECK(std::get<move_island_fault>(moves.what).to == island_id{9});
+  CHECK(std::get<move_island_fault>(moves.what).length == 10s);
+  const auto becomes = good(with("kind = \"crash\"\ntype = \"lamp\"\n"));
+  const auto& crash = std::get<crash_fault>(becomes.faults.at(0).what);
+  REQUIRE(crash.becomes);
+  CHECK(crash.becomes->type == 77);
+  CHECK(crash.becomes->id == mote_id{2});
+  CHECK(crash.becomes->actuators.size() == 1);
+  CHECK(crash.becomes->apps.empty());
+  const auto text = summary(becomes);
+  CHECK(text.substr(text.find("faults")) ==
+        "faults\n  1 s  crash  k/" + name + " and then of the type lamp\n");
+
+  const auto wrong = [&](const std::string& keys) { return problem_after(with(keys), ""); };
+  CHECK(wrong("kind = \"duplicate_id\"\n").find("`position_m` is missing") != std::string::npos);
+  CHECK(wrong("kind = \"duplicate_id\"\npeer = \"*\"\n").find("`mote` means nothing with `peer`") !=
+        std::string::npos);
+  CHECK(wrong("kind = \"move\"\nto_island = \"k\"\nto_m = [1, 1]\n")
+            .find("it is in that island already") != std::string::npos);
+  CHECK(wrong("kind = \"crash\"\ntype = \"lamb\"\n")
+            .find("no mote type is called `lamb`: did you mean `lamp`?") != std::string::npos);
+  CHECK(problem_after(two, "[[fault]]\nat = \"1s\"\nkind = \"crash\"\nmote = \"*\"\n"
+                           "type = \"lamp\"\n")
+            .find("`type` needs the name of one `mote`, not \"*\"") != std::string::npos);
+}

@@ -68,8 +68,8 @@ TEST_CASE("an unknown, missing or misplaced key is told with its place", "[confi
        "6:1: `island` is missing in kind = \"unplug\""},
       {"[[fault]]\nat = \"1s\"\nkind = \"unplugged\"\n",
        "8:8: `kind` must be \"battery_end\", \"crash\", \"unplug\", \"kill\", \"power_off\", "
-       "\"pause\", \"partition\", \"link_loss\", \"duplicate_id\", \"clock_step\" or \"move\", not "
-       "\"unplugged\"; did you mean \"unplug\"?"},
+       "\"pause\", \"partition\", \"link_loss\", \"duplicate_id\", \"clock_step\", \"move\", "
+       "\"noise\" or \"radio_loss\", not \"unplugged\"; did you mean \"unplug\"?"},
       {"[[host]]\n", "6:1: `address` is missing in [[host]]\n6:1: `name` is missing in [[host]]"},
   }));
   CAPTURE(x.toml);

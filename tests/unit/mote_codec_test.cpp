@@ -38,6 +38,8 @@ TEST_CASE("component management messages survive the radio", "[mote][DIS-08]") {
       {keep_alive{2, {}}, "050000000200"},
       {keep_alive{2, {true, false}}, "050000000201"},
       {keep_alive{2, {false, true}}, "050000000202"},
+      {keep_alive{2, {}, 0x0a0b0c0d}, "0500000002000a0b0c0d"},
+      {join_refusal{0x0102}, "080102"},
       {rejoin_prompt{}, "06"},
       {slot_notice{}, "07"},
   };
@@ -55,5 +57,7 @@ TEST_CASE("component management messages that are short, long or unknown are ref
   CHECK(decode_management(*from_hex("02000700000001")).error() == errc::truncated);
   CHECK(decode_management(*from_hex("050000000204")).error() == errc::bad_value);
   CHECK(decode_management(*from_hex("0401")).error() == errc::too_long);
-  CHECK(decode_management(*from_hex("08")).error() == errc::unsupported);
+  CHECK(decode_management(*from_hex("0500000002000a0b0c")).error() == errc::truncated);
+  CHECK(decode_management(*from_hex("08")).error() == errc::truncated);
+  CHECK(decode_management(*from_hex("09")).error() == errc::unsupported);
 }

@@ -172,3 +172,42 @@ TEST_CASE("a mote many hops away waits longer for its answer", "[mote][DIS-08][N
   static_cast<void>(request_in(wait(client, now)));
   CHECK(*client.deadline() - now == 2s);
 }
+
+TEST_CASE("a mote whose address another has is silent, and asks again ever more rarely",
+          "[mote][ADR-04]") {
+  auto client = make();
+  instant now{};
+  static_cast<void>(client.start(1, now));
+  duration last{};
+  for (int i = 0; i < 8; ++i) {
+    CAPTURE(i);
+    const auto request = request_in(wait(client, now));
+    const auto other = static_cast<std::uint16_t>(request.sequence + 1);
+    CHECK(client.on_message(the_sink, join_refusal{other}, now).empty()); // meant for another
+    const auto out = client.on_message(the_sink, join_refusal{request.sequence}, now);
+    REQUIRE(pick<join_refused>(out).size() == 1);
+    CHECK(client.current() == join_client::state::refused);
+    CHECK(client.on_message(the_sink, rejoin_prompt{}, now).empty());
+    const join_reply late{request.sequence, island_id{1}, mote_id{7}, 0, 0, {}};
+    CHECK(client.on_message(the_sink, late, now).empty());
+    const auto silence = *client.deadline() - now;
+    CHECK(silence >= std::min<duration>(30s * (1 << i), 10min));
+    CHECK(silence <= 15min);
+    CHECK((i < 2 || silence > last || silence >= 10min));
+    last = silence;
+    CHECK(pick<join_resumed>(wait(client, now)).size() == 1);
+    CHECK(client.current() == join_client::state::requesting);
+  }
+}
+
+TEST_CASE("two motes with one address do not count their requests alike", "[mote][ADR-04]") {
+  const auto first_request = [](std::uint64_t seed) {
+    join_config config;
+    config.start_jitter = 0s;
+    join_client client(config, bytes{0xaa}, 0, random_stream(seed), 0xa1);
+    instant now{};
+    static_cast<void>(client.start(1, now));
+    return request_in(wait(client, now)).sequence;
+  };
+  CHECK(first_request(1) != first_request(2));
+}

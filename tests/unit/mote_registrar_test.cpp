@@ -373,3 +373,61 @@ TEST_CASE("what somebody else has said about a mote does not last", "[mote][DIS-
     CHECK(events<mote_joined>(x.on_describe(lamp, instant{25s})).at(0).type == 301);
   }
 }
+
+TEST_CASE(
+    "a second mote with a member's id is refused and told once, the member's next life is not",
+    "[mote][ADR-04][DIS-07]") {
+  const auto of_device = [](std::uint32_t device) {
+    return encode(descriptor{301, 0, 1, 3000, device});
+  };
+  const auto ask = [&](registrar& x, std::uint32_t device, std::uint32_t life, instant now) {
+    return x.on_frame(lamp, encode(join_request{9, life, of_device(device)}), now);
+  };
+  const auto refusals = [](const registrar_outputs& out) {
+    return std::ranges::count_if(test::pick<to_mote>(out), [](const to_mote& y) {
+      return y.mote == lamp && y.message == management(join_refusal{9});
+    });
+  };
+  auto x = make();
+  static_cast<void>(ask(x, 0xa1, 3, instant{}));
+  const auto joined =
+      events<mote_joined>(x.on_frame(lamp, encode(join_confirm{9, 3, of_device(0xa1)}), instant{}));
+  REQUIRE(joined.size() == 1);
+
+  SECTION("refused while the member is heard, whatever life it claims") {
+    const auto out = ask(x, 0xb2, 3, instant{5s});
+    CHECK(refusals(out) == 1);
+    REQUIRE(test::pick<double_refused>(out).size() == 1);
+    CHECK(test::pick<double_refused>(out)[0].device == 0xb2);
+    const auto again = ask(x, 0xb2, 77, instant{6s});
+    CHECK(refusals(again) == 1);
+    CHECK(test::pick<double_refused>(again).empty());
+    CHECK(x.counters().doubles == 2);
+    CHECK(x.members() == 1);
+    // It did not keep the member alive either.
+    CHECK(events<mote_left>(x.on_time(instant{10s})).size() == 1);
+    CHECK(refusals(ask(x, 0xb2, 3, instant{11s})) == 0);
+  }
+  SECTION("the member's own next life is taken at once, an earlier one never") {
+    static_cast<void>(ask(x, 0xb2, 9, instant{5s}));
+    CHECK(refusals(ask(x, 0xa1, 4, instant{6s})) == 0);
+    const auto reborn = events<mote_joined>(
+        x.on_frame(lamp, encode(join_confirm{9, 4, of_device(0xa1)}), instant{6s}));
+    REQUIRE(reborn.size() == 1);
+    CHECK(reborn[0].incarnation == 4);
+    CHECK(ask(x, 0xa1, 3, instant{7s}).empty()); // it was on the way for long
+    CHECK(x.counters().outdated == 1);
+    CHECK(events<mote_joined>(x.on_describe(lamp, instant{8s})).at(0).incarnation == 4);
+  }
+  SECTION("a second one that has been a member is asked to join, and refused then") {
+    const auto out = x.on_frame(lamp, encode(keep_alive{3, {}, 0xb2}), instant{5s});
+    CHECK(test::pick<double_refused>(out).size() == 1);
+    REQUIRE(test::pick<to_mote>(out).size() == 1);
+    CHECK(std::holds_alternative<rejoin_prompt>(test::pick<to_mote>(out)[0].message));
+    CHECK(test::pick<to_mote>(x.on_frame(lamp, encode(keep_alive{3, {}, 0xa1}), instant{6s}))
+              .empty());
+  }
+  SECTION("who does not tell its device is taken for the member, as before") {
+    CHECK(refusals(ask(x, 0, 4, instant{5s})) == 0);
+  }
+}

@@ -4,7 +4,7 @@ rubicon_test(unit.radio SOURCES
   unit/radio_mac_test.cpp unit/radio_medium_test.cpp
   unit/radio_noise_test.cpp unit/radio_power_test.cpp unit/radio_random_test.cpp
   unit/radio_receiver_test.cpp unit/radio_reception_test.cpp unit/radio_signal_power_test.cpp
-  unit/radio_sinr_test.cpp
+  unit/radio_sinr_test.cpp unit/radio_interferer_test.cpp unit/radio_noise_source_test.cpp
   unit/radio_topology_test.cpp unit/radio_tossim_files_test.cpp
   NEEDS rubicon_radio)
 rubicon_fuzz(radio_frame SOURCE fuzz/radio_frame.cpp NEEDS rubicon_radio)
