@@ -151,7 +151,20 @@ std::size_t collection::octets() const {
   return sum;
 }
 
+/// What the Network modules say to the sink comes again: it gives way to what users send.
+bool collection::gives_way(const waiting& x) {
+  const auto* up = std::get_if<up_packet>(&x.packet);
+  return up != nullptr && !up->content.empty() && up->content.front() != 0;
+}
+
 void collection::enqueue(waiting x) {
+  if (queue_.size() >= config_.queue_max && !gives_way(x)) {
+    const auto first = std::ranges::find_if(queue_, gives_way);
+    if (first != queue_.end()) {
+      queue_.erase(first);
+      ++counters_.queue_full;
+    }
+  }
   if (queue_.size() >= config_.queue_max || octets() + octets_of(x.packet) > config_.octets_max)
     ++counters_.queue_full;
   else

@@ -69,7 +69,8 @@ using collection_output = std::variant<hop, collected>;
 using collection_outputs = std::vector<collection_output>;
 
 /// One frame is under way at a time. A queue that is full drops what comes, and counts it: who must
-/// know is told end to end (MCK-12).
+/// know is told end to end (MCK-12). But packets up whose content does not begin with 0, which the
+/// Network modules send for themselves (router_message.hpp), give way to those whose content does.
 class collection {
 public:
   collection() = default;
@@ -138,6 +139,7 @@ private:
     bool in_slot = false; ///< in its first round
   };
 
+  [[nodiscard]] static bool gives_way(const waiting& x);
   void enqueue(waiting x);
   [[nodiscard]] std::size_t octets() const;
   [[nodiscard]] instant due(const waiting& x) const;

@@ -72,7 +72,10 @@ void gradient::note_progress(const row& old, const gradient_part& x) {
     behind_ = 0;
     return;
   }
-  if (++behind_ < config_.behind_max)
+  // A little behind is anybody whose beacon has been lost, and perhaps somebody behind us.
+  const auto ahead = static_cast<std::uint16_t>(sequence_ - x.root_sequence);
+  if (!is_newer(sequence_, x.root_sequence) || ahead <= config_.behind_max ||
+      ++behind_ < config_.behind_max)
     return;
   behind_ = 0;
   told_ = {};

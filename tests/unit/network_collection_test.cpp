@@ -237,6 +237,19 @@ TEST_CASE("a full queue drops what comes and counts it", "[network][NET-05]") {
   CHECK(x.arrived.size() == 9);
 }
 
+TEST_CASE("in a full queue the modules' own packets give way to what users send",
+          "[network][NET-05]") {
+  auto x = line(2, 1);
+  for (std::uint8_t i = 0; i < 9; ++i) // one is under way, and eight wait
+    x.perform(mote(2), x.at(mote(2)).send_up({1, i}, x.now()));
+  x.perform(mote(2), x.at(mote(2)).send_up({0, 42}, x.now()));
+  x.perform(mote(2), x.at(mote(2)).send_up({1, 43}, x.now()));
+  CHECK(x.at(mote(2)).counters().queue_full == 2);
+  x.run_for(5s);
+  REQUIRE(x.arrived.size() == 9);
+  CHECK(x.arrived.back().second.content == bytes{0, 42});
+}
+
 TEST_CASE("a loop is seen and left", "[network][NET-09]") {
   island x(1);
   x.add(mote(2), mote(3), 5);

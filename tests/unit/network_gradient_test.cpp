@@ -244,3 +244,17 @@ TEST_CASE("who waits for a newer sequence number is noticed, and the number pass
   static_cast<void>(at.beacon(5, news));
   CHECK_FALSE(at.tree.is_urgent()); // the same number again is no news
 }
+
+TEST_CASE("who is a little behind is not proof that a sequence number is false",
+          "[network][NET-09]") {
+  const int behind = GENERATE(4, 40);
+  listener at;
+  static_cast<void>(at.beacon(5, route(200, 2)));
+  static_cast<void>(at.tree.advertise());
+  static_cast<void>(at.beacon(5, poison));
+  // It may have its route by way of us: to use it would close a loop.
+  for (int i = 0; i < 20; ++i)
+    static_cast<void>(
+        at.beacon(6, route(static_cast<std::uint16_t>(200 - behind + i % behind), 4)));
+  CHECK(at.tree.has_route() == (behind == 40));
+}
