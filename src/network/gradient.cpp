@@ -73,8 +73,8 @@ void gradient::note_progress(const row& old, const gradient_part& x) {
     return;
   }
   // A little behind is anybody whose beacon has been lost, and perhaps somebody behind us.
-  const auto ahead = static_cast<std::uint16_t>(sequence_ - x.root_sequence);
-  if (!is_newer(sequence_, x.root_sequence) || ahead <= config_.behind_max ||
+  const auto ahead = static_cast<std::uint16_t>(told_.sequence() - x.root_sequence);
+  if (!is_newer(told_.sequence(), x.root_sequence) || ahead <= config_.behind_max ||
       ++behind_ < config_.behind_max)
     return;
   behind_ = 0;
