@@ -11,13 +11,38 @@ struct writer {
 
   void operator()(const open_message& x) const {
     to.octet(1).big(x.name);
-    if (x.qos != 0)
+    const bool goes_on = x.sequence != 0 || !x.recent.empty();
+    if (x.qos != 0 || goes_on)
       to.octet(x.qos);
+    if (goes_on)
+      to.big(x.sequence);
+    for (const auto& record : x.recent)
+      to.octet(static_cast<std::uint8_t>(record.size())).append(record);
   }
   void operator()(const open_ack_message& x) const { to.octet(2).big(x.name); }
   void operator()(const write_message& x) const { to.octet(3).big(x.sequence).append(x.record); }
   void operator()(const ack_message& x) const { to.octet(4).big(x.next); }
 };
+
+/// What follows SS_OPEN's name.
+result<message> decode_open(std::uint16_t name, byte_reader& from) {
+  open_message x{name};
+  if (from.remaining() == 0)
+    return message{x};
+  x.qos = from.octet();
+  if (from.remaining() == 0)
+    return x.qos == 0 ? result<message>{errc::bad_value} : message{x};
+  x.sequence = from.big<std::uint16_t>();
+  while (from.ok() && from.remaining() > 0) {
+    const std::size_t size = from.octet();
+    x.recent.push_back(to_bytes(from.take(size)));
+  }
+  if (!from.ok())
+    return errc::truncated;
+  if (x.sequence == 0 && x.recent.empty())
+    return errc::bad_value;
+  return message{std::move(x)};
+}
 
 } // namespace
 
@@ -37,13 +62,10 @@ result<message> decode_message(byte_view octets) {
     return errc::truncated;
   if (kind == 3)
     return message{write_message{number, to_bytes(from.rest())}};
-  std::uint8_t qos = 0;
-  if (kind == 1 && from.remaining() > 0 && (qos = from.octet()) == 0)
-    return errc::bad_value;
+  if (kind == 1)
+    return decode_open(number, from);
   if (from.remaining() > 0)
     return errc::too_long;
-  if (kind == 1)
-    return message{open_message{number, qos}};
   return kind == 2 ? message{open_ack_message{number}} : message{ack_message{number}};
 }
 

@@ -83,6 +83,8 @@ answer streams::write(descriptor stream, byte_view record, instant now) {
     if (x->is_reliable) {
       x->unacked.push_back(content.record);
       x->due = x->due.value_or(now + repeat_wait());
+    } else {
+      keep(*x, record, now);
     }
   } else if (x->what == kind::local) {
     store(*x, to_bytes(record), done.todo);
@@ -167,10 +169,13 @@ std::optional<instant> streams::deadline() const {
 }
 
 std::size_t streams::footprint() const {
-  constexpr std::size_t row_size = 26;
+  constexpr std::size_t row_size = 30;
+  constexpr std::size_t past_size = 12; // its records are where its row had them
   constexpr std::size_t early_size = 13;
   constexpr std::size_t queue_size = queue_size_default * (1 + buffer_size_default);
-  return config_.streams_max * (row_size + queue_size) + config_.early_max * early_size;
+  const auto records = std::max(queue_size, recent_max()); // of a reader, of a writer
+  return config_.streams_max * (row_size + past_size + records) +
+         config_.early_max * (early_size + recent_max());
 }
 
 /// @returns whether the row is still there
@@ -244,6 +249,7 @@ void streams::drop(row& x, outputs& todo) {
 }
 
 void streams::end(row& x, outputs& todo) {
+  remember(x);
   x.at = phase::ended;
   counters_.unconfirmed += x.unacked.size();
   x.unacked.clear();

@@ -26,6 +26,7 @@ struct streams_config {
   duration open_repeat = 2s;      ///< from one SS_OPEN to the next, and from a record to its repeat
   duration writer_patience = 30s; ///< from open_remote() to SS_OPEN_ACK (STR-19)
   duration reader_patience = 2min; ///< from open_remote() to SS_OPEN, or the other way round
+  duration resume_within = 5min;   ///< of the last record; those before are then given up as lost
 };
 
 struct streams_counters {
@@ -38,6 +39,7 @@ struct streams_counters {
   std::uint64_t oversized = 0;     ///< arrived records longer than the read end's buffer size
   std::uint64_t unclaimed = 0;     ///< arrived records of streams that are not open here
   std::uint64_t lost = 0;          ///< records missing between two that arrived
+  std::uint64_t resumed = 0;       ///< records that came with SS_OPEN only
   std::uint64_t repeated = 0;      ///< records that arrived twice or late
   std::uint64_t missed = 0;        ///< times of sampling that on_time() came too late for
   std::uint64_t refused = 0;       ///< accepted channels given back: no room, or the name is taken
@@ -61,6 +63,10 @@ struct streams_counters {
 /// in order and once, or it ends: the read end acks them, the write end repeats what is not acked.
 /// A full queue drops nothing then, but lets the write end wait, whose writes fail (busy) when
 /// window_max records wait.
+///
+/// Any other stream may lose records, most likely when its channel breaks. The write end keeps the
+/// last ones, as many as SS_OPEN holds; when the same ends open the stream again, the read end gets
+/// what it lacks of them, for which its queue has room then beside queue_size.
 ///
 /// Before open, time-outs and refusals end in open_done(failure) and the entry is free. An ended
 /// stream keeps its entry, and a reader its queue, until its application closes it.
@@ -139,9 +145,11 @@ private:
     std::uint16_t name = 0;
     bool loops = false; ///< both ends are here: there is no channel
     std::optional<channel_handle> channel{};
-    mote_address source{};      ///< of the channel, at the read end
-    std::uint16_t sequence = 0; ///< of the next record
-    instant gives_up{};         ///< asking, and connecting
+    mote_address other{};        ///< the other end
+    std::uint16_t sequence = 0;  ///< of the next record
+    std::vector<bytes> recent{}; ///< the last ones that went out, while nobody acks
+    instant last_write{};
+    instant gives_up{}; ///< asking, and connecting
     bool is_reliable = false;
     std::vector<bytes> unacked{};    ///< records, at the write end of a reliable stream
     std::uint16_t first_unacked = 0; ///< sequence number of the first of them
@@ -156,6 +164,18 @@ private:
     std::uint16_t sequence = 0;
     instant due;
     bool is_reliable = false;
+    std::vector<bytes> resumed{}; ///< what came with SS_OPEN and is new here
+    std::uint64_t lost = 0;       ///< what should have
+  };
+
+  /// What an end of a remote stream leaves, for when both open it again.
+  struct past {
+    kind what;
+    std::uint16_t name;
+    mote_address other;
+    std::uint16_t sequence; ///< of the next record
+    std::vector<bytes> recent;
+    instant last_write;
   };
 
   [[nodiscard]] static bool is_opening(const row& x) {
@@ -174,6 +194,10 @@ private:
                     instant now);
   void start_reader(row& x, outputs& todo, instant now);
   void ask(row& x, outputs& todo, instant now);
+  void keep(row& x, byte_view record, instant now);
+  void remember(row& x);
+  [[nodiscard]] const past* recall(kind what, std::uint16_t name, mote_address other) const;
+  void resume(early& x, const open_message& wish);
   void opened(row& x, outputs& todo);
   void take_channel(row& x, const early& from, outputs& todo);
   void end(row& x, outputs& todo);
@@ -192,6 +216,11 @@ private:
   void on_ack(row& x, std::uint16_t next, instant now);
   void resend(row& x, outputs& todo, instant now);
 
+  /// Octets of records that SS_OPEN holds, one more for each counted.
+  [[nodiscard]] std::size_t recent_max() const {
+    constexpr auto more = open_header_size - write_header_size;
+    return config_.record_max > more ? config_.record_max - more : 0;
+  }
   [[nodiscard]] duration patience() const { return config_.writer_patience + 2 * answer_slack_; }
   [[nodiscard]] duration repeat_wait() const { return config_.open_repeat + answer_slack_; }
 
@@ -199,6 +228,7 @@ private:
   duration answer_slack_{};
   std::vector<row> rows_; ///< in order of opening
   std::vector<early> early_;
+  std::vector<past> past_; ///< the oldest first, at most streams_max
   descriptor last_;
   streams_counters counters_;
 };

@@ -5,6 +5,13 @@
 
 namespace rubicon::stream {
 
+namespace {
+
+/// A read end that is further behind has heard another life of the write end.
+constexpr std::uint16_t resume_span = 1024;
+
+} // namespace
+
 answer streams::open_remote(mote_address self, const remote_request& x, instant now) {
   auto destination = x.destination;
   if (destination.island == own_island)
@@ -42,7 +49,14 @@ void streams::start_writer(row& x, const remote_request& wish, mote_address dest
     return;
   }
   x.at = phase::connecting;
+  x.other = destination;
   x.is_reliable = (wish.qos & (qos_reliable | qos_every_value)) != 0;
+  if (const auto* before = recall(kind::writer, x.name, x.other); before && !x.is_reliable) {
+    x.sequence = before->sequence;
+    x.last_write = before->last_write;
+    if (now - before->last_write <= config_.resume_within)
+      x.recent = before->recent;
+  }
   x.gives_up = now + patience();
   x.due = x.gives_up;
   todo.emplace_back(connect_channel{x.id, destination, wish.rate,
@@ -67,10 +81,61 @@ void streams::start_reader(row& x, outputs& todo, instant now) {
 
 void streams::take_channel(row& x, const early& from, outputs& todo) {
   x.channel = from.channel;
-  x.source = from.source;
+  x.other = from.source;
   x.sequence = from.sequence;
   x.is_reliable = from.is_reliable;
+  counters_.lost += from.lost;
+  counters_.resumed += from.resumed.size();
   opened(x, todo);
+  if (!from.resumed.empty())
+    x.queue = bounded_queue<bytes>(x.queue.capacity() + from.resumed.size(), overflow::drop_oldest);
+  for (const auto& record : from.resumed)
+    deliver(x, record, todo);
+}
+
+/// As many of the last records as SS_OPEN holds.
+void streams::keep(row& x, byte_view record, instant now) {
+  x.last_write = now;
+  x.recent.push_back(to_bytes(record));
+  std::size_t octets = 0;
+  for (const auto& each : x.recent)
+    octets += 1 + each.size();
+  while (octets > recent_max()) {
+    octets -= 1 + x.recent.front().size();
+    x.recent.erase(x.recent.begin());
+  }
+}
+
+void streams::remember(row& x) {
+  if (x.at != phase::open || x.is_reliable || x.loops ||
+      (x.what != kind::writer && x.what != kind::reader))
+    return;
+  std::erase_if(past_, [&](const past& y) { return y.what == x.what && y.name == x.name; });
+  if (past_.size() >= config_.streams_max)
+    past_.erase(past_.begin());
+  past_.push_back({x.what, x.name, x.other, x.sequence, std::move(x.recent), x.last_write});
+  x.recent.clear();
+}
+
+const streams::past* streams::recall(kind what, std::uint16_t name, mote_address other) const {
+  const auto found = std::ranges::find_if(
+      past_, [&](const past& x) { return x.what == what && x.name == name && x.other == other; });
+  return found == past_.end() ? nullptr : &*found;
+}
+
+/// What the read end lacks of what the write end has written before this channel. After a reboot
+/// of either the two do not know how far they were, and begin with the channel.
+void streams::resume(early& x, const open_message& wish) {
+  x.sequence = wish.sequence;
+  const auto* before = recall(kind::reader, *x.name, x.source);
+  if (before == nullptr)
+    return;
+  const auto behind = static_cast<std::uint16_t>(wish.sequence - before->sequence);
+  if (behind > resume_span)
+    return;
+  const auto had = wish.recent.size() - std::min<std::size_t>(behind, wish.recent.size());
+  x.resumed.assign(wish.recent.begin() + static_cast<std::ptrdiff_t>(had), wish.recent.end());
+  x.lost = behind - x.resumed.size();
 }
 
 void streams::opened(row& x, outputs& todo) {
@@ -83,8 +148,9 @@ void streams::opened(row& x, outputs& todo) {
 void streams::ask(row& x, outputs& todo, instant now) {
   x.at = phase::asking;
   x.due = std::min(now + repeat_wait(), x.gives_up);
-  todo.emplace_back(send_on_channel{
-      *x.channel, encode(open_message{x.name, x.is_reliable ? qos_reliable : std::uint8_t{0}})});
+  const auto qos = x.is_reliable ? qos_reliable : std::uint8_t{0};
+  todo.emplace_back(
+      send_on_channel{*x.channel, encode(open_message{x.name, qos, x.sequence, x.recent})});
 }
 
 outputs streams::on_connected(descriptor stream, channel_handle channel, instant now) {
@@ -168,15 +234,17 @@ void streams::on_open(early x, const open_message& wish, outputs& todo, instant 
     todo.emplace_back(disconnect{x.channel});
     return;
   }
+  if (!repeated) {
+    x.name = name;
+    x.due = now + config_.reader_patience;
+    resume(x, wish);
+  }
   todo.emplace_back(send_on_channel{x.channel, encode(open_ack_message{name})});
   if (auto* reader = find(kind::reader, name); reader && reader->at == phase::waiting) {
     take_channel(*reader, x, todo);
     return;
   }
-  if (!repeated)
-    x.due = now + config_.reader_patience;
-  x.name = name;
-  early_.push_back(x);
+  early_.push_back(std::move(x));
 }
 
 /// A node that opens a stream anew has lost its old channel, which we may not know yet. Another
@@ -196,7 +264,7 @@ bool streams::make_way(const early& x, std::uint16_t name, outputs& todo) {
   auto* reader = find(kind::reader, name);
   if (reader == nullptr || reader->at != phase::open)
     return true;
-  if (reader->loops || reader->source != x.source)
+  if (reader->loops || reader->other != x.source)
     return false;
   todo.emplace_back(disconnect{*reader->channel});
   end(*reader, todo);

@@ -142,6 +142,6 @@ TEST_CASE("descriptors stay in what D1.1 can return, and skip those in use", "[s
 }
 
 TEST_CASE("the memory of the default tables fits a mote", "[stream][SMP-30]") {
-  CHECK(streams().footprint() == 5 * (26 + 5 * 13) + 2 * 13);
+  CHECK(streams().footprint() == 5 * (30 + 12 + 102) + 2 * (13 + 102));
   CHECK(streams(streams_config{.streams_max = 16}).footprint() > streams().footprint());
 }

@@ -7,11 +7,25 @@
 using namespace rubicon;
 using namespace rubicon::stream;
 
+namespace {
+
+bytes joined(bytes head, const bytes& tail) {
+  head.insert(head.end(), tail.begin(), tail.end());
+  return head;
+}
+
+} // namespace
+
 TEST_CASE("messages of streams have their layout and come back as they were",
           "[stream][STR-13][STR-16]") {
-  const std::array<std::pair<message, bytes>, 6> all{{
+  const std::array<std::pair<message, bytes>, 10> all{{
       {open_message{0x1234}, {1, 0x12, 0x34}},
       {open_message{0x1234, 5}, {1, 0x12, 0x34, 5}},
+      {open_message{0x1234, 0, 9, {}}, {1, 0x12, 0x34, 0, 0, 9}},
+      {open_message{0x1234, 5, 0, {{}}}, {1, 0x12, 0x34, 5, 0, 0, 0}},
+      {open_message{7, 0, 0x0102, {{0xca}, {}, {0xfe, 0xbe}}},
+       {1, 0, 7, 0, 1, 2, 1, 0xca, 0, 2, 0xfe, 0xbe}},
+      {open_message{7, 1, 0xffff, {bytes(255)}}, joined({1, 0, 7, 1, 0xff, 0xff, 255}, bytes(255))},
       {ack_message{0x0102}, {4, 1, 2}},
       {open_ack_message{0x1234}, {2, 0x12, 0x34}},
       {write_message{0x0102, {0xca, 0xfe}}, {3, 1, 2, 0xca, 0xfe}},
@@ -32,7 +46,10 @@ TEST_CASE("messages of streams that are cut, too long or unknown are told apart"
     CHECK(decode_message(bytes{kind, 0}).error() == errc::truncated);
   }
   CHECK(decode_message(bytes{1, 0, 7, 0}).error() == errc::bad_value);
-  CHECK(decode_message(bytes{1, 0, 7, 1, 0}).error() == errc::too_long);
+  CHECK(decode_message(bytes{1, 0, 7, 1, 0}).error() == errc::truncated);
+  CHECK(decode_message(bytes{1, 0, 7, 1, 0, 0}).error() == errc::bad_value);
+  CHECK(decode_message(bytes{1, 0, 7, 0, 0, 0}).error() == errc::bad_value);
+  CHECK(decode_message(bytes{1, 0, 7, 0, 0, 5, 2, 9}).error() == errc::truncated);
   CHECK(decode_message(bytes{4, 0, 7, 0}).error() == errc::too_long);
   CHECK(decode_message(bytes{2, 0, 7, 0}).error() == errc::too_long);
   CHECK(decode_message(bytes{0, 0, 7}).error() == errc::unsupported);

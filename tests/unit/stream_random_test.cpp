@@ -1,6 +1,8 @@
 // Whatever applications, nodes and channels do: promises are kept, and nothing leaks.
 #include <algorithm>
 #include <map>
+#include <set>
+#include <tuple>
 
 #include "core/codec.hpp"
 #include "stream_world.hpp"
@@ -107,7 +109,7 @@ private:
 
   void write(const end_of_stream& key) {
     auto& x = ends_[key];
-    const auto done = world_.at(key.node).write(key.id, record_of(key, x.written));
+    const auto done = world_.at(key.node).write(key.id, record_of(key, x.written), world_.now);
     if (!done.refused)
       ++x.written;
     world_.take(key.node, done);
@@ -179,8 +181,12 @@ private:
     const bool was_written = ends_.contains(writer) && ends_[writer].name == x.name &&
                              number < ends_[writer].written &&
                              done.content == record_of(writer, number);
-    const bool in_order = x.writer.value_or(writer) == writer && (!x.last || number > *x.last);
-    if (!was_written || !in_order)
+    const bool is_first = seen_.emplace(key.node, key.life, writer, number).second;
+    const auto before = x.writer.value_or(writer); // the first ones may be of the end before it
+    const bool in_order =
+        before.node == writer.node && before.life == writer.life &&
+        (before.id < writer.id || (before == writer && (!x.last || number > *x.last)));
+    if (!was_written || !is_first || !in_order)
       FAIL("node " << key.node << " read record " << number << " of node " << writer.node);
     x.writer = writer;
     x.last = number;
@@ -189,6 +195,8 @@ private:
   random_stream dice_;
   stream_world world_;
   std::map<end_of_stream, end> ends_;
+  std::set<std::tuple<std::size_t, unsigned, end_of_stream, std::uint32_t>>
+      seen_; ///< by a reader's life
 };
 
 } // namespace

@@ -72,6 +72,21 @@ public:
     ++nodes_[node].life;
   }
 
+  /// Packets of all open channels get lost from now on; their ends hear of it `later_on`.
+  void cut(duration later_on) {
+    for (std::size_t i = 0; i < channels_.size(); ++i) {
+      channels_[i].is_cut = true;
+      in_flight_.emplace(now + later_on, [=, this] {
+        for (std::size_t end = 0; end < 2; ++end) {
+          if (!std::exchange(channels_[i].is_open[end], false))
+            continue;
+          const auto to = channels_[i].nodes[end];
+          perform(to, at(to).on_channel_closed(handle(i, end)));
+        }
+      });
+    }
+  }
+
   void run_until(instant end) {
     for (;;) {
       auto next = in_flight_.empty() ? std::nullopt : std::optional(in_flight_.begin()->first);
@@ -110,6 +125,7 @@ private:
   struct channel {
     std::size_t nodes[2] = {0, 0}; ///< source, destination
     bool is_open[2] = {true, true};
+    bool is_cut = false;
   };
 
   static stream::channel_handle handle(std::size_t channel, std::size_t end) {
@@ -151,11 +167,11 @@ private:
     packets.push_back(x.octets);
     const auto i = x.channel.value / 2;
     const auto other = 1 - x.channel.value % 2;
-    if (dice_.chance(service.loss))
+    if (dice_.chance(service.loss) || channels_[i].is_cut)
       return;
     for (int copies = dice_.chance(service.repetition) ? 2 : 1; copies > 0; --copies) {
       later([=, this] {
-        if (!channels_[i].is_open[other])
+        if (!channels_[i].is_open[other] || channels_[i].is_cut)
           return;
         const auto to = channels_[i].nodes[other];
         perform(to, at(to).on_channel_octets(handle(i, other), x.octets, now));
