@@ -185,7 +185,7 @@ std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_vie
   in.tables(key, title, [&](table_reader& x) {
     std::vector<std::pair<std::string_view, table_reader::part_reader>> choices;
     for (const auto& [word, read] : pc_programs(names, files))
-      choices.emplace_back(word, [&, read](table_reader& y) {
+      choices.emplace_back(word, [&, read = read](table_reader& y) {
         out.push_back(read(y).app);
         ends.claim(out.back(), y.at("app"), y.problems());
       });

@@ -239,7 +239,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
            add(read_init(y, with, peers.like.id, apps.inits));
          }}};
     for (const auto& [word, read] : pc_programs(with.names, with.files))
-      choices.emplace_back(word, [&, word, read](table_reader& y) {
+      choices.emplace_back(word, [&, word = word, read = read](table_reader& y) {
         if (peers.count > 1 && word == "recorder")
           y.problems().add(y.at("app"),
                            "a file has one recorder, not " + std::to_string(peers.count));

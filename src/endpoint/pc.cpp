@@ -45,8 +45,12 @@ pc::pc(pc_config config, random_stream dice)
     : config_(config), layer_(std::make_unique<mote::layer>(layer_of(config), dice)) {
   if (!config_.awaits_clock)
     ahead_ = 0s;
-  if (config_.answer_slack)
-    layer_->set_channel_slack(std::ranges::max(*config_.answer_slack | std::views::values));
+  if (config_.answer_slack) {
+    duration longest{};
+    for (const auto& [island, slack] : *config_.answer_slack)
+      longest = std::max(longest, slack);
+    layer_->set_channel_slack(longest);
+  }
 }
 
 mote::communication pc::attach(mote::communication_events& events) {

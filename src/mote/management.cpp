@@ -9,10 +9,6 @@ namespace {
 constexpr std::uint8_t battery_low_flag = 0x01;
 constexpr std::uint8_t links_weak_flag = 0x02;
 
-mote_condition condition_of(std::uint8_t flags) {
-  return {(flags & battery_low_flag) != 0, (flags & links_weak_flag) != 0};
-}
-
 struct encoder {
   byte_writer& out;
 
@@ -63,6 +59,20 @@ join_reply read_reply(byte_reader& in) {
   return x;
 }
 
+/// @param is_sound false if a flag is unknown, or the device's number is there and 0
+keep_alive read_keep_alive(byte_reader& in, bool& is_sound) {
+  keep_alive x;
+  x.incarnation = in.big<std::uint32_t>();
+  const auto flags = in.octet();
+  x.condition = {(flags & battery_low_flag) != 0, (flags & links_weak_flag) != 0};
+  is_sound = (flags & ~(battery_low_flag | links_weak_flag)) == 0;
+  if (in.remaining() > 0) {
+    x.device = in.big<std::uint32_t>();
+    is_sound = is_sound && x.device != 0;
+  }
+  return x;
+}
+
 } // namespace
 
 bytes encode(const management& x) {
@@ -74,8 +84,7 @@ bytes encode(const management& x) {
 result<management> decode_management(byte_view octets) {
   byte_reader in(octets);
   management x;
-  keep_alive alive;
-  std::uint8_t flags = 0;
+  bool is_sound = true;
   switch (in.octet()) {
   case 1:
     x = read_with_descriptor<join_request>(in);
@@ -90,12 +99,7 @@ result<management> decode_management(byte_view octets) {
     x = leave_notice{};
     break;
   case 5:
-    alive.incarnation = in.big<std::uint32_t>();
-    flags = in.octet();
-    alive.condition = condition_of(flags);
-    if (in.ok() && in.remaining() > 0)
-      alive.device = in.big<std::uint32_t>();
-    x = alive;
+    x = read_keep_alive(in, is_sound);
     break;
   case 6:
     x = rejoin_prompt{};
@@ -113,7 +117,7 @@ result<management> decode_management(byte_view octets) {
     return errc::truncated;
   if (in.remaining() > 0)
     return errc::too_long;
-  if ((flags & ~(battery_low_flag | links_weak_flag)) != 0)
+  if (!is_sound)
     return errc::bad_value;
   return x;
 }

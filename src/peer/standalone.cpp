@@ -83,13 +83,35 @@ void standalone::step(duration wait_max) {
   auto until = latest;
   if (const auto deadline = kernel_.deadline())
     until = std::min(until, *deadline);
+  for (const auto& x : periodics_) {
+    if (x.period > 0s)
+      until = std::min(until, x.next);
+  }
   loop_->wait_until(real(until));
   const auto deadline = kernel_.deadline();
   if (deadline && *deadline <= now())
     perform(kernel_.on_time(now()));
   drain();
+  run_periodics();
   last_step_ = now();
   kernel_.note_step(*last_step_ - begun);
+}
+
+void standalone::run_every(duration period, std::function<void()> f) {
+  periodics_.push_back({period, now() + period, std::move(f)});
+}
+
+/// A callback that waits steps the peer again: what is due is put off before it is called.
+void standalone::run_periodics() {
+  const auto count = periodics_.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    auto& x = periodics_[i];
+    if (x.next > now())
+      continue;
+    if (x.period > 0s)
+      x.next += ((now() - x.next) / x.period + 1) * x.period;
+    call_user("a period", x.f);
+  }
 }
 
 bool standalone::run_until(const std::function<bool()>& done, duration timeout) {
@@ -179,7 +201,7 @@ void standalone::drain() {
   while (!todo_.empty()) {
     auto x = std::move(todo_.front());
     todo_.pop_front();
-    std::visit([this](auto& what) { handle(what); }, x);
+    std::visit([this](auto& what) { this->handle(what); }, x);
   }
   draining_ = nested;
 }

@@ -161,6 +161,11 @@ public:
 
   // Everything else.
 
+  /// Calls `f` in a step every `period`, from now on; in each step if that is 0 (SCH-03). Times
+  /// that were missed are not made up for (SCH-02).
+  /// @pre period >= 0
+  void run_every(duration period, std::function<void()> f);
+
   /// The waiting form of every call that takes an `outcome_callback`: begins it and waits for its
   /// end. `peer.await(5s, [&](auto then) { peer.set_remote_tuple(7, "a", x, then); })`
   /// @returns nothing if the time was not enough
@@ -181,6 +186,11 @@ private:
     tuple_callback changed;
     tuple_callback deleted;
   };
+  struct periodic {
+    duration period;
+    instant next;
+    std::function<void()> f;
+  };
   /// How often one kind of warning is given.
   struct muffler {
     std::optional<instant> last;
@@ -198,6 +208,7 @@ private:
   void on_announcement(byte_view datagram) override;
 
   void perform(peis::outputs todo);
+  void run_periodics();
   void drain();
   void handle(peis::to_link& x) { links_->carry_out(std::move(x)); }
   void handle(peis::close_link& x);
@@ -243,6 +254,7 @@ private:
   std::map<peis::request_id, std::vector<peer_id>> traces_; ///< that somebody waits for
   std::map<std::uint16_t, std::vector<message_callback>> hooks_;
   host_callback on_host_;
+  std::deque<periodic> periodics_; ///< those there stay where they are when one adds another
   std::uint64_t next_subscription_ = 1;
   std::uint64_t next_request_ = 1;
   std::uint64_t next_attempt_;

@@ -112,7 +112,7 @@ std::size_t subscriber_book::erase_host(peer_id host) {
     return 0;
   const auto count = of_host->second.by_number.size();
   for (const auto& [number, x] : of_host->second.by_number)
-    index_.erase_if(x->wanted.name, [&](const subscriber* other) { return other == x; });
+    index_.erase_if(x->wanted.name, [gone = x](const subscriber* other) { return other == gone; });
   count_.remove(host, count);
   octets_.remove(host, octets_.of(host));
   hosts_.erase(of_host);

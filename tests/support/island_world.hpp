@@ -105,7 +105,7 @@ public:
   template <class Outputs>
   void perform(mote_id who, Outputs todo) {
     for (auto& output : todo)
-      std::visit([this, who](auto& x) { take(who, x); }, output);
+      std::visit([this, who](auto& x) { this->take(who, x); }, output);
     if (on_performed)
       on_performed(who);
   }

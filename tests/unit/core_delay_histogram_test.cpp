@@ -69,7 +69,7 @@ TEST_CASE("a histogram takes the shortest and the longest time there is", "[core
 }
 
 TEST_CASE("quantiles are within 0.8 % of those of the sorted delays", "[core]") {
-  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U}) {
     random_stream dice(seed);
     delay_histogram x;
     std::vector<duration> delays;

@@ -56,6 +56,7 @@ TEST_CASE("component management messages that are short, long or unknown are ref
   CHECK(decode_management(*from_hex("0100")).error() == errc::truncated);
   CHECK(decode_management(*from_hex("02000700000001")).error() == errc::truncated);
   CHECK(decode_management(*from_hex("050000000204")).error() == errc::bad_value);
+  CHECK(decode_management(*from_hex("05000000020000000000")).error() == errc::bad_value);
   CHECK(decode_management(*from_hex("0401")).error() == errc::too_long);
   CHECK(decode_management(*from_hex("0500000002000a0b0c")).error() == errc::truncated);
   CHECK(decode_management(*from_hex("08")).error() == errc::truncated);

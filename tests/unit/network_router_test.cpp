@@ -24,7 +24,7 @@ mote_id mote(int x) {
 class island {
 public:
   island(int width, int height, double delivery, std::uint64_t seed = 1)
-      : width_(width), height_(height), delivery_(delivery), dice_(seed) {
+      : width_(width), delivery_(delivery), dice_(seed) {
     for (int i = 1; i <= width * height; ++i)
       start(mote(i));
   }
@@ -167,7 +167,6 @@ private:
   }
 
   int width_;
-  int height_;
   double delivery_;
   random_stream dice_;
   instant now_;

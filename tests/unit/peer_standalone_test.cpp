@@ -208,6 +208,34 @@ TEST_CASE("attempts that fail are told, whatever the medium", "[peer][LNK-05][LN
   CHECK(warnings.front() == "bt://AA:BB:CC:DD:EE:FF: not a TCP address");
 }
 
+TEST_CASE("work of a period is done when it is due, of period zero in each step",
+          "[peer][SCH-01][SCH-02][SCH-03]") {
+  io::loop loop;
+  const auto x = test::open(loop, test::config_of(1));
+  unsigned each_step = 0;
+  std::vector<instant> due;
+  const auto begin = x->now();
+  x->run_every(0s, [&] { ++each_step; });
+  x->run_every(20ms, [&] { due.push_back(x->now()); });
+  unsigned steps = 0;
+  while (due.size() < 3) {
+    x->step(1s);
+    ++steps;
+  }
+  CHECK(each_step == steps);
+  while (x->now() - due.back() < 5 * 20ms) { // four of them are missed, and not made up for
+  }
+  const auto stalled = x->now();
+  x->step(0ms);
+  x->step(0ms);
+  REQUIRE(due.size() == 4);
+  while (due.size() < 5)
+    x->step(1s);
+  CHECK(due[4] > stalled);
+  for (std::size_t i = 0; i < due.size(); ++i)
+    CHECK(due[i] - begin >= (i + 1) * 20ms);
+}
+
 TEST_CASE("steps that come too rarely are told", "[peer][SCH-05]") {
   io::loop loop;
   auto config = test::config_of(1);

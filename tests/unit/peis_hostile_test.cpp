@@ -62,7 +62,7 @@ TEST_CASE("what follows a clock message in its package is passed on as it is",
   w.connect(a, b);
   w.run_for(5s);
   befriend(w, a);
-  for (const std::size_t size : {12, 13, 100, 1024}) {
+  for (const std::size_t size : {12U, 13U, 100U, 1024U}) {
     auto data = encode(clock_message{1s, false, 0s});
     data.resize(size, 0x55);
     for (const auto source : {b, peer_id{77}}) { // of a host that we know to be of our kind, or not

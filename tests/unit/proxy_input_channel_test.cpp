@@ -149,7 +149,7 @@ TEST_CASE("an older write's outcome is not taken for the request's", "[proxy][PX
 }
 
 TEST_CASE("a gateway that counts anew is followed", "[proxy][PXY-12][PXY-15]") {
-  const std::uint64_t last = GENERATE(1, 2, 9);
+  const std::uint64_t last = GENERATE(1U, 2U, 9U);
   input_channel channel;
   static_cast<void>(channel.on_status({last, acked}, start));
   static_cast<void>(channel.add(ask("on"), start));

@@ -176,7 +176,7 @@ TEST_CASE("the interframe space also holds for a frame submitted later", "[radio
 }
 
 TEST_CASE("CSMA begins after the transceiver's own ack", "[radio][mac][NET-15]") {
-  random_stream dice(GENERATE(range(1, 9)));
+  random_stream dice(GENERATE(range(std::uint64_t{1}, std::uint64_t{9})));
   const instant until = instant{} + 7ms;
   const auto begins_after = [&](const mac& x) {
     const auto waits = x.deadline().value() - until - 128us;

@@ -71,7 +71,8 @@ noise_model any_noise(random_stream& dice) {
   }
   std::vector<std::int8_t> readings;
   for (int i = 0; i < 300; ++i)
-    readings.push_back(static_cast<std::int8_t>(dice.chance(0.1) ? -75 : -100 + dice.below(8)));
+    readings.push_back(
+        static_cast<std::int8_t>(dice.chance(0.1) ? -75 : static_cast<int>(dice.below(8)) - 100));
   return traced_noise{std::make_shared<const noise_trace>(std::move(readings))};
 }
 

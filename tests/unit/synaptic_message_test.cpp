@@ -44,7 +44,7 @@ TEST_CASE("a long vector takes as many packets as it needs", "[synaptic][SYN-12]
   std::vector<float> values(255);
   for (std::size_t i = 0; i < values.size(); ++i)
     values[i] = static_cast<float>(i);
-  for (const std::size_t packet_max : {10, 13, 14, 108, 2000}) {
+  for (const std::size_t packet_max : {10U, 13U, 14U, 108U, 2000U}) {
     std::vector<float> joined;
     for (const auto& packet : encode_vector(9, values, packet_max)) {
       CHECK(packet.size() <= packet_max);
