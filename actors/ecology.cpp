@@ -834,8 +834,10 @@ runtime::run_truth truth_of(ecology_pointer self) {
     if (is_quiet(self, address.island))
       for (const auto& id : table)
         truth.channels.push_back({address, {address.island, id.source}, id.number});
+  // In wall time a mote reads its clock when the computer comes to it.
+  const bool is_exact = state.description.mode == config::run_mode::virtual_time;
   for (const auto& island : state.description.islands)
-    if (!island.duty.enabled && has_steady_clock(self, island.id))
+    if (is_exact && !island.duty.enabled && has_steady_clock(self, island.id))
       truth.clock_bounds[island.id] = clock_bound;
   return truth;
 }

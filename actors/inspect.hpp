@@ -1,6 +1,8 @@
 // CAF's inspect for the core types: what makes them printable, traceable and sendable.
 #pragma once
 
+#include <optional>
+#include <tuple>
 #include <type_traits>
 
 #include <caf/deserializer.hpp>
@@ -10,6 +12,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 
 namespace rubicon {
@@ -51,6 +54,47 @@ typename Inspector::result_type inspect(Inspector& f, payload& x) {
     auto octets = to_bytes(x.view());
     return f(caf::meta::type_name("payload"), caf::meta::hex_formatted(), octets);
   }
+}
+
+/// CAF 0.17 knows no std::optional.
+template <class T>
+struct optional_field {
+  std::optional<T>& value;
+};
+
+template <class Inspector, class T>
+typename Inspector::result_type inspect(Inspector& f, optional_field<T>& x) {
+  bool is_there = x.value.has_value();
+  auto content = x.value.value_or(T{});
+  if constexpr (std::is_base_of_v<caf::deserializer, Inspector>) {
+    auto error = f(is_there, content);
+    x.value = is_there ? std::optional(content) : std::nullopt;
+    return error;
+  } else {
+    return f(is_there, content);
+  }
+}
+
+template <class T>
+T& inspectable(T& x) {
+  return x;
+}
+
+template <class T>
+optional_field<T> inspectable(std::optional<T>& x) {
+  return {x};
+}
+
+template <class Inspector, class T>
+typename Inspector::result_type inspect_fields(Inspector& f, T& x, const char* type_name) {
+  return std::apply(
+      [&](const auto&... each) {
+        std::tuple<decltype(inspectable(x.*(each.member)))...> parts{
+            inspectable(x.*(each.member))...};
+        return std::apply(
+            [&](auto&... part) { return f(caf::meta::type_name(type_name), part...); }, parts);
+      },
+      fields_of(static_cast<const T*>(nullptr)));
 }
 
 } // namespace rubicon

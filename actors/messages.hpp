@@ -9,10 +9,12 @@
 #include <caf/typed_actor.hpp>
 
 #include "actors/inspect.hpp"
+#include "actors/program_inspect.hpp"
 #include "apps/application.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/device_keys.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "flow/part.hpp"
 #include "mote/nonvolatile.hpp"
@@ -36,6 +38,7 @@ struct timer_expired {
   std::uint8_t which = 0;
   std::uint64_t epoch = 0;
 };
+RUBICON_FIELDS(timer_expired, which, epoch);
 
 // ---------------------------------------------------------------------------- supervision, report
 
@@ -44,12 +47,14 @@ struct timer_expired {
 struct status_request {
   std::uint64_t sample = 0; ///< its number; 0: the whole report
 };
+RUBICON_FIELDS(status_request, sample);
 
 /// Something a person following the run would want to hear.
 struct story {
   std::string who; ///< actor path
   std::string what;
 };
+RUBICON_FIELDS(story, who, what);
 
 /// From a supervisor below the ecology: an actor of its own has failed, whether or not it starts it
 /// again.
@@ -57,6 +62,7 @@ struct actor_failed {
   std::string who; ///< actor path
   std::string why;
 };
+RUBICON_FIELDS(actor_failed, who, why);
 
 /// Something that the file asks for cannot be had. It is a violation of the run.
 struct request_unmet {
@@ -64,17 +70,20 @@ struct request_unmet {
   std::string what;      ///< with the reason, and what to do
   bool ends_run = false; ///< nothing of what follows would be what was asked for
 };
+RUBICON_FIELDS(request_unmet, who, what, ends_run);
 
 /// A mote's battery is at its end, by its use or by the fault plan; it is gone for good.
 struct mote_flat {
   mote_address mote;
 };
+RUBICON_FIELDS(mote_flat, mote);
 
 /// What a mote or sink has written to its flash: it is handed it back when it starts again.
 struct store_written {
   mote_address mote;
   mote::nonvolatile content;
 };
+RUBICON_FIELDS(store_written, mote, content);
 
 /// A gateway lists a mote, or no longer does.
 struct listing_changed {
@@ -83,17 +92,20 @@ struct listing_changed {
   std::uint32_t incarnation = 0;
   network::leave_cause cause = network::leave_cause::notice;
 };
+RUBICON_FIELDS(listing_changed, mote, listed, incarnation, cause);
 
 /// Of one island's radios: the two books.
 struct radio_status {
   island_id island;
   runtime::radio_report radio;
 };
+RUBICON_FIELDS(radio_status, island, radio);
 
 /// What one mote knows about the flows of measuring packets it has a hand in.
 struct flow_status {
   std::vector<flow::part> parts;
 };
+RUBICON_FIELDS(flow_status, parts);
 
 /// Energy of one mote, as its radio and MCU have used it.
 struct energy_status {
@@ -108,11 +120,14 @@ struct energy_status {
   duration radio_receive{};
   duration radio_transmit{};
 };
+RUBICON_FIELDS(energy_status, mote, elapsed, used_mah, battery_mah, mcu_active, mcu_sleep,
+               radio_off, radio_listen, radio_receive, radio_transmit);
 
 /// A mote is carried to another air: its radio here is off for good. What it has used so far.
 struct radio_left {
   energy_status energy;
 };
+RUBICON_FIELDS(radio_left, energy);
 
 /// What the Transport of a mote, gateway or PC has counted, in one life.
 struct message_status {
@@ -122,6 +137,7 @@ struct message_status {
   /// Unreliable messages that have arrived here, by source.
   std::vector<std::pair<mote_address, std::uint64_t>> arrivals;
 };
+RUBICON_FIELDS(message_status, who, is_pc, messages, arrivals);
 
 /// What a mote's or sink's Network has counted.
 struct network_status {
@@ -138,12 +154,15 @@ struct network_status {
   std::vector<network::channel_id> channels; ///< that begin, pass or end here
   std::int16_t signal_dbm = 0;               ///< the newest so strong
 };
+RUBICON_FIELDS(network_status, address, is_sink, has_clock, clock_ahead_us, has_network_time,
+               network_ahead_us, network, parent, hops, has_signal, channels, signal_dbm);
 
 /// What a sink, a serial line or a gateway's serial port has counted.
 struct serial_status {
   island_id island;
   runtime::serial_report serial;
 };
+RUBICON_FIELDS(serial_status, island, serial);
 
 struct devices_status {
   island_id island;
@@ -151,23 +170,27 @@ struct devices_status {
   bool has_clock = false;  ///< its kernel has told the network time,
   duration clock_offset{}; ///< which is so much ahead of ecology time
 };
+RUBICON_FIELDS(devices_status, island, listed, has_clock, clock_offset);
 
 /// How one of several gateways of an island has fared, in one life (GW-14).
 struct gateway_status {
   island_id island;
   runtime::gateway_report gateway;
 };
+RUBICON_FIELDS(gateway_status, island, gateway);
 
 struct peer_status {
   runtime::peer_report peer;
   std::vector<peer_id> hosts;      ///< known ones, itself included
   std::vector<peer_id> neighbours; ///< at the other ends of its links
 };
+RUBICON_FIELDS(peer_status, peer, hosts, neighbours);
 
 struct proxy_status {
   runtime::proxy_report proxy; ///< of one life
   bool ended = false;          ///< which is over
 };
+RUBICON_FIELDS(proxy_status, proxy, ended);
 
 /// What a program on a mote or PC has counted, in one life.
 struct program_status {
@@ -176,6 +199,7 @@ struct program_status {
   std::vector<std::string> measured; ///< figures that cannot be added to those of earlier lives
   std::vector<apps::stream_end> streams;
 };
+RUBICON_FIELDS(program_status, program, number, measured, streams);
 
 /// Answers a status_request for a sample.
 struct sample_status {
@@ -189,6 +213,8 @@ struct sample_status {
   /// Vectors that programs have missed, by their number.
   std::vector<std::pair<std::uint32_t, std::uint64_t>> missed;
 };
+RUBICON_FIELDS(sample_status, sample, who, has_address, address, is_sink, has_clock, clock_ahead_us,
+               missed);
 
 /// From an init: the process of a peer of its host is to start. component_started follows, and
 /// component_ended when it has ended, by whatever cause.
@@ -196,6 +222,7 @@ struct start_component {
   std::string peer;
   std::uint64_t life = 0; ///< the init's name for this life of it
 };
+RUBICON_FIELDS(start_component, peer, life);
 
 /// From an init: the process is to end, in good order as by SIGINT and SIGTERM, or at once as by
 /// SIGKILL.
@@ -203,6 +230,7 @@ struct stop_component {
   std::string peer;
   bool at_once = false;
 };
+RUBICON_FIELDS(stop_component, peer, at_once);
 
 /// The root supervisor, as those below it see it.
 using ecology_actor = caf::typed_actor<
@@ -218,47 +246,58 @@ using ecology_actor = caf::typed_actor<
 struct apply_fault {
   std::uint32_t index = 0;
 };
+RUBICON_FIELDS(apply_fault, index);
 
 /// To itself: a mote that failed starts again.
 struct restart_mote {
   mote_address mote;
 };
+RUBICON_FIELDS(restart_mote, mote);
 
 /// To itself: a sink starts again.
 struct restart_sink {
   island_id island;
 };
+RUBICON_FIELDS(restart_sink, island);
 
 /// To itself: what this fault of the description's plan has begun is over.
 struct end_fault {
   std::uint32_t index = 0;
 };
+RUBICON_FIELDS(end_fault, index);
 
 /// To itself: a program of that mote, in an actor of its own, starts again after a failure.
 struct restart_program {
   mote_address mote;
   std::uint32_t number = 0;
 };
+RUBICON_FIELDS(restart_program, mote, number);
 
 /// To itself: a peer that was ended starts again, or a second one with its id ends.
 struct restart_peer {
   std::string name;
 };
+RUBICON_FIELDS(restart_peer, name);
 struct end_duplicate {
   std::string name;
 };
+RUBICON_FIELDS(end_duplicate, name);
 
 /// To itself: what is judged in the course of the run is due to be looked at.
 struct take_sample {};
+RUBICON_FIELDS(take_sample);
 
 /// From whoever runs the ecology: the run is over, everybody leaves in good order.
 struct end_run {};
+RUBICON_FIELDS(end_run);
 
 /// From whoever runs the ecology: ask everybody for their part of the report.
 struct collect_report {};
+RUBICON_FIELDS(collect_report);
 
 /// From whoever runs the ecology: hand out the report with the parts that have come.
 struct deliver_report {};
+RUBICON_FIELDS(deliver_report);
 
 /// The root supervisor itself.
 using root_actor = ecology_actor::extend<
@@ -274,6 +313,7 @@ struct frame_received {
   payload psdu; ///< IEEE 802.15.4, FCS included; one object for all receivers
   std::int8_t rssi_dbm = 0;
 };
+RUBICON_FIELDS(frame_received, psdu, rssi_dbm);
 
 /// A request to send has come to its end.
 struct radio_done {
@@ -283,12 +323,15 @@ struct radio_done {
   bool arrived = false; ///< its destination has it; only a simulated air knows
   radio::copy_fate last = radio::copy_fate::out_of_reach; ///< of the last copy at its destination
 };
+RUBICON_FIELDS(radio_done, token, status, transmissions, arrived, last);
 
 /// The battery that feeds this radio is flat; the radio is off.
 struct battery_flat {};
+RUBICON_FIELDS(battery_flat);
 
 /// It soon will be: radio::battery_reserve of its charge is left.
 struct battery_low {};
+RUBICON_FIELDS(battery_low);
 
 /// Whoever owns a radio: a mote or a sink.
 using radio_user_actor =
@@ -300,6 +343,7 @@ struct attach_radio {
   radio::radio_index radio;
   carried<radio_user_actor> user;
 };
+RUBICON_FIELDS(attach_radio, radio, user);
 
 inline constexpr std::uint8_t no_age = 0xff;
 
@@ -313,17 +357,20 @@ struct radio_send {
   std::uint8_t age_at = no_age; ///< as in radio::request; the next too
   bool in_slot = false;
 };
+RUBICON_FIELDS(radio_send, radio, token, destination, am_type, octets, ack, age_at, in_slot);
 
 struct radio_power {
   radio::radio_index radio;
   radio::power state = radio::power::off;
 };
+RUBICON_FIELDS(radio_power, radio, state);
 
 /// The radio is somewhere else from now on.
 struct move_radio {
   radio::radio_index radio;
   position place;
 };
+RUBICON_FIELDS(move_radio, radio, place);
 
 /// From the fault plan: this transmitter, which is no mote's, sends bursts of noise for so long.
 struct make_noise {
@@ -332,6 +379,7 @@ struct make_noise {
   duration burst{};
   duration length{};
 };
+RUBICON_FIELDS(make_noise, from, duty, burst, length);
 
 /// From the fault plan: copies for radios of an island are lost by this chance besides, for so
 /// long.
@@ -341,11 +389,13 @@ struct lose_frames {
   double loss = 0;  ///< 0..1
   duration length{};
 };
+RUBICON_FIELDS(lose_frames, everywhere, island, loss, length);
 
 /// From the fault plan: the mote of this radio is carried away. radio_left follows.
 struct carry_away {
   radio::radio_index radio;
 };
+RUBICON_FIELDS(carry_away, radio);
 
 /// From the fault plan: a mote whose radio this is has come, with a battery of which so much is
 /// used.
@@ -353,6 +403,7 @@ struct bring_radio {
   radio::radio_index radio;
   double used_mah = 0;
 };
+RUBICON_FIELDS(bring_radio, radio, used_mah);
 
 /// The radio medium of one place.
 using air_actor = caf::typed_actor<caf::reacts_to<attach_radio>, caf::reacts_to<radio_send>,
@@ -367,6 +418,7 @@ using air_actor = caf::typed_actor<caf::reacts_to<attach_radio>, caf::reacts_to<
 struct serial_octets {
   payload octets;
 };
+RUBICON_FIELDS(serial_octets, octets);
 
 /// Whoever sits at an end of a serial line: a sink or a gateway.
 using serial_end_actor = caf::typed_actor<caf::reacts_to<serial_octets>>;
@@ -376,15 +428,18 @@ struct attach_serial {
   serial::direction towards = serial::direction::to_pc;
   carried<serial_end_actor> user;
 };
+RUBICON_FIELDS(attach_serial, towards, user);
 
 struct serial_write {
   serial::direction towards = serial::direction::to_pc;
   payload octets;
 };
+RUBICON_FIELDS(serial_write, towards, octets);
 
 struct plug_serial {
   bool plugged = true;
 };
+RUBICON_FIELDS(plug_serial, plugged);
 
 /// The cable between a sink and its gateway.
 using serial_line_actor =
@@ -399,6 +454,7 @@ struct membership_changed {
   bool joined = false;
   island_id island;
 };
+RUBICON_FIELDS(membership_changed, joined, island);
 
 /// A message of an AM type that this app has claimed (D1.1 5.3.3 receive).
 struct message_received {
@@ -406,6 +462,7 @@ struct message_received {
   std::uint8_t am_type = 0;
   payload octets;
 };
+RUBICON_FIELDS(message_received, source, am_type, octets);
 
 /// How a send ended: refused at once (FAIL), or for a reliable one acknowledged or not (D1.1 5.3.3
 /// ack). An accepted unreliable send ends as acked = false, refused = false at once.
@@ -414,12 +471,14 @@ struct send_ended {
   bool refused = false;
   bool acked = false;
 };
+RUBICON_FIELDS(send_ended, token, refused, acked);
 
 /// Counts of the transducers asked for, in that order, and when that was, as in sensor_record.
 struct transducers_read {
   std::vector<std::int16_t> counts;
   std::uint32_t time_ms = 0;
 };
+RUBICON_FIELDS(transducers_read, counts, time_ms);
 
 /// An actuator has been asked to change; `state` is what it is now.
 struct actuator_changed {
@@ -427,11 +486,13 @@ struct actuator_changed {
   std::uint8_t state = 0;
   bool obeyed = false;
 };
+RUBICON_FIELDS(actuator_changed, name, state, obeyed);
 
 /// What the gateway wants the mote to send (GW-10); replaces what it wanted before.
 struct outputs_wanted {
   std::vector<mote::output_wanted> all;
 };
+RUBICON_FIELDS(outputs_wanted, all);
 
 /// A program on a mote.
 using mote_app_actor =
@@ -445,6 +506,7 @@ struct claim_am_type {
   carried<mote_app_actor> app;
   std::uint8_t am_type = 0;
 };
+RUBICON_FIELDS(claim_am_type, app, am_type);
 
 /// D1.1 5.3.3 send.
 struct send_message {
@@ -455,22 +517,26 @@ struct send_message {
   payload octets;
   bool reliable = false;
 };
+RUBICON_FIELDS(send_message, app, token, destination, am_type, octets, reliable);
 
 struct read_transducers {
   carried<mote_app_actor> app;
   std::vector<mote::quantity> kinds;
 };
+RUBICON_FIELDS(read_transducers, app, kinds);
 
 struct set_actuator {
   carried<mote_app_actor> app;
   std::string name;
   std::uint8_t state = 0;
 };
+RUBICON_FIELDS(set_actuator, app, name, state);
 
 /// The app has carried its mote somewhere; its way-points, if it has any, count no more.
 struct move_mote {
   position place;
 };
+RUBICON_FIELDS(move_mote, place);
 
 // Programs that use the Mockup interface and are not in their mote's actor.
 
@@ -479,14 +545,17 @@ struct program_attached {
   mote::remote::limits limits;
   std::uint32_t incarnation = 0;
 };
+RUBICON_FIELDS(program_attached, limits, incarnation);
 
 /// The mote has stopped for good, and all that is on it.
 struct program_detached {};
+RUBICON_FIELDS(program_detached);
 
 /// Events, and how far the mote is with the program's commands.
 struct program_events {
   mote::remote::events_batch batch;
 };
+RUBICON_FIELDS(program_events, batch);
 
 /// A program, as its mote sees it.
 using program_client_actor =
@@ -499,23 +568,28 @@ struct attach_program {
   std::uint32_t number = 0; ///< among the mote's programs
   carried<program_client_actor> program;
 };
+RUBICON_FIELDS(attach_program, number, program);
 
 /// Commands, and how far the program is with the mote's events.
 struct program_commands {
   std::uint32_t number = 0;
   mote::remote::commands_batch batch;
 };
+RUBICON_FIELDS(program_commands, number, batch);
 
 /// From the fault plan: the next handler throws.
 struct crash_now {};
+RUBICON_FIELDS(crash_now);
 
 /// From the fault plan: the battery is flat.
 struct end_battery {};
+RUBICON_FIELDS(end_battery);
 
 /// From the fault plan: the clock of a mote, sink or kernel is set.
 struct step_clock {
   duration by{};
 };
+RUBICON_FIELDS(step_clock, by);
 
 using mote_actor = radio_user_actor::extend<
     caf::reacts_to<claim_am_type>, caf::reacts_to<send_message>, caf::reacts_to<read_transducers>,
@@ -527,6 +601,7 @@ using mote_actor = radio_user_actor::extend<
 struct mote_started {
   carried<mote_actor> mote;
 };
+RUBICON_FIELDS(mote_started, mote);
 
 /// A program in an actor of its own.
 using program_actor =
@@ -545,10 +620,12 @@ struct link_octets {
   std::uint64_t link = 0;
   payload octets;
 };
+RUBICON_FIELDS(link_octets, link, octets);
 
 struct link_closed {
   std::uint64_t link = 0;
 };
+RUBICON_FIELDS(link_closed, link);
 
 /// The far end of an in-process link.
 using link_end_actor = caf::typed_actor<caf::reacts_to<link_octets>, caf::reacts_to<link_closed>>;
@@ -558,6 +635,7 @@ struct link_condition {
   bool cut = false; ///< nothing gets through
   double loss = 0;  ///< chance that a package is lost, 0..1
 };
+RUBICON_FIELDS(link_condition, cut, loss);
 
 /// A link is up. Both ends of a simulated one know it by the same number; a real one has no
 /// `other`.
@@ -568,28 +646,33 @@ struct link_opened {
   std::uint64_t attempt = 0; ///< the initiator's; 0 if nobody asked
   link_condition condition = {};
 };
+RUBICON_FIELDS(link_opened, link, other, initiator, attempt, condition);
 
 /// From the simulated network: the condition of an open link is another from now on.
 struct condition_changed {
   std::uint64_t link = 0;
   link_condition condition = {};
 };
+RUBICON_FIELDS(condition_changed, link, condition);
 
 /// Nobody took the link that was asked for.
 struct attempt_failed {
   std::uint64_t attempt = 0;
 };
+RUBICON_FIELDS(attempt_failed, attempt);
 
 /// A datagram for all peers.
 struct announcement {
   payload octets;
 };
+RUBICON_FIELDS(announcement, octets);
 
 /// A link's medium has taken so many octets; also to itself, when a simulated link has sent them.
 struct link_sent {
   std::uint64_t link = 0;
   std::uint64_t octets = 0;
 };
+RUBICON_FIELDS(link_sent, link, octets);
 
 /// A peer, as the simulated network sees it.
 using lan_user_actor =
@@ -604,6 +687,7 @@ struct join_lan {
   bool hears = true; ///< announcements
   carried<lan_user_actor> user;
 };
+RUBICON_FIELDS(join_lan, station, id, hears, user);
 
 /// A station asks for a link to a peer. link_opened or attempt_failed follows, or nothing if the
 /// network carries nothing between them.
@@ -612,23 +696,27 @@ struct lan_connect {
   std::uint64_t attempt = 0;
   peer_id to;
 };
+RUBICON_FIELDS(lan_connect, station, attempt, to);
 
 /// An announcement of a station, for all others that hear.
 struct lan_announce {
   std::uint64_t station = 0;
   payload octets;
 };
+RUBICON_FIELDS(lan_announce, station, octets);
 
 /// One end has closed a link, and tells the other end itself.
 struct lan_link_ended {
   std::uint64_t link = 0;
 };
+RUBICON_FIELDS(lan_link_ended, link);
 
 /// From the fault plan: a station's computer is off, or on again.
 struct set_lan_power {
   std::uint64_t station = 0;
   bool on = false;
 };
+RUBICON_FIELDS(set_lan_power, station, on);
 
 /// From the fault plan: peers of two different groups do not hear each other; and between any two
 /// of `lossy`, or between all if it is empty, packages are lost.
@@ -638,10 +726,12 @@ struct begin_lan_fault {
   double loss = 0;
   std::vector<peer_id> lossy;
 };
+RUBICON_FIELDS(begin_lan_fault, fault, groups, loss, lossy);
 
 struct end_lan_fault {
   std::uint64_t fault = 0;
 };
+RUBICON_FIELDS(end_lan_fault, fault);
 
 /// The simulated network between the hosts of peers.
 using peis_lan_actor =
@@ -658,6 +748,7 @@ struct bluetooth_seen {
   std::string adapter;
   std::vector<peis::seen_device> devices; ///< ascending by address
 };
+RUBICON_FIELDS(bluetooth_seen, adapter, devices);
 
 /// One of the peers behind a device says who it is; nobody has, if `octets` is empty.
 struct hello_answer {
@@ -665,6 +756,7 @@ struct hello_answer {
   peis::bluetooth_address device;
   payload octets;
 };
+RUBICON_FIELDS(hello_answer, adapter, device, octets);
 
 /// Who has sent a HELLO.
 using hello_sender_actor = caf::typed_actor<caf::reacts_to<hello_answer>>;
@@ -675,12 +767,14 @@ struct hello_arrived {
   hello_answer question;
   carried<hello_sender_actor> sender;
 };
+RUBICON_FIELDS(hello_arrived, question, sender);
 
 /// A link over Bluetooth is up.
 struct bluetooth_opened {
   link_opened link;
   std::uint64_t rate_bps = 0; ///< 0: unlimited
 };
+RUBICON_FIELDS(bluetooth_opened, link, rate_bps);
 
 /// A peer, as Bluetooth sees it.
 using bluetooth_user_actor =
@@ -698,18 +792,21 @@ struct join_bluetooth {
   std::uint16_t port = 0; ///< where it takes links
   carried<bluetooth_user_actor> user;
 };
+RUBICON_FIELDS(join_bluetooth, station, machine, adapters, place, port, user);
 
 /// A station looks who is there. bluetooth_seen follows.
 struct scan_bluetooth {
   std::uint64_t station = 0;
   std::string adapter;
 };
+RUBICON_FIELDS(scan_bluetooth, station, adapter);
 
 /// A station's HELLO to a device. A hello_answer follows from each peer there.
 struct send_hello {
   std::uint64_t station = 0;
   hello_answer question; ///< with the sender's octets
 };
+RUBICON_FIELDS(send_hello, station, question);
 
 /// A station asks for a link. bluetooth_opened or attempt_failed follows.
 struct bluetooth_connect {
@@ -718,12 +815,14 @@ struct bluetooth_connect {
   peis::bluetooth_address to;
   std::uint16_t port = 0;
 };
+RUBICON_FIELDS(bluetooth_connect, station, attempt, to, port);
 
 /// From the fault plan: a machine, with all its adapters, is somewhere else from now on.
 struct move_machine {
   std::string machine;
   position place;
 };
+RUBICON_FIELDS(move_machine, machine, place);
 
 /// Simulated Bluetooth.
 using peis_bluetooth_actor =
@@ -742,6 +841,7 @@ struct tuple_event {
   payload value; ///< text without its trailing NUL
   bool deleted = false;
 };
+RUBICON_FIELDS(tuple_event, watch, owner, key, value, deleted);
 
 /// A message for a port that the component has hooked.
 struct peis_message {
@@ -749,6 +849,7 @@ struct peis_message {
   std::uint16_t port = 0;
   payload octets;
 };
+RUBICON_FIELDS(peis_message, source, port, octets);
 
 /// How a request of the component ended; `cause` is empty on success.
 struct peis_outcome {
@@ -756,6 +857,7 @@ struct peis_outcome {
   bool success = false;
   std::string cause;
 };
+RUBICON_FIELDS(peis_outcome, token, success, cause);
 
 /// A component of a PEIS kernel: gateway, proxy, proxy manager, control program.
 using peis_client_actor =
@@ -768,10 +870,12 @@ struct set_tuple {
   payload value;
   bool text = true;
 };
+RUBICON_FIELDS(set_tuple, key, value, text);
 
 struct delete_tuple {
   std::string key;
 };
+RUBICON_FIELDS(delete_tuple, key);
 
 /// Sets a tuple of another owner (D1.1 3.1.3 setRemoteTuple); a peis_outcome follows.
 struct set_remote_tuple {
@@ -782,6 +886,7 @@ struct set_remote_tuple {
   payload value;
   bool text = true;
 };
+RUBICON_FIELDS(set_remote_tuple, client, token, owner, key, value, text);
 
 /// Subscribes to a key, of one owner or any_peer, and calls back (D1.1 3.1.3 subscribe and
 /// registerTupleCallback). What matches already is told at once.
@@ -791,6 +896,7 @@ struct watch_tuples {
   peer_id owner;
   std::string key; ///< may hold `*` parts
 };
+RUBICON_FIELDS(watch_tuples, client, watch, owner, key);
 
 /// Makes an own tuple a meta tuple that points there, unless it is one already (D1.1 3.1.7.4,
 /// META-04).
@@ -798,6 +904,7 @@ struct declare_meta_tuple {
   std::string key;
   std::string reference; ///< `(META <owner> <key>)`
 };
+RUBICON_FIELDS(declare_meta_tuple, key, reference);
 
 /// Points a meta tuple of another owner, or of one's own, at a tuple; a peis_outcome follows.
 struct set_meta_tuple {
@@ -807,6 +914,7 @@ struct set_meta_tuple {
   std::string key;
   std::string reference; ///< as above
 };
+RUBICON_FIELDS(set_meta_tuple, client, token, owner, key, reference);
 
 /// As watch_tuples, to the tuple that a meta tuple points at, whichever that is at the time
 /// (META-02).
@@ -816,11 +924,13 @@ struct watch_indirectly {
   peer_id owner; ///< of the meta tuple
   std::string key;
 };
+RUBICON_FIELDS(watch_indirectly, client, watch, owner, key);
 
 /// In lower case, ascending, each once.
 struct subscribers_changed {
   std::vector<std::string> keys;
 };
+RUBICON_FIELDS(subscribers_changed, keys);
 
 using subscribers_watcher_actor = caf::typed_actor<caf::reacts_to<subscribers_changed>>;
 
@@ -830,11 +940,13 @@ struct watch_subscribers {
   carried<subscribers_watcher_actor> watcher;
   std::string first_part;
 };
+RUBICON_FIELDS(watch_subscribers, watcher, first_part);
 
 /// Network time is so much ahead of ecology time (CLK-06).
 struct clock_changed {
   duration offset{};
 };
+RUBICON_FIELDS(clock_changed, offset);
 
 using clock_watcher_actor = caf::typed_actor<caf::reacts_to<clock_changed>>;
 
@@ -842,12 +954,14 @@ using clock_watcher_actor = caf::typed_actor<caf::reacts_to<clock_changed>>;
 struct watch_clock {
   carried<clock_watcher_actor> watcher;
 };
+RUBICON_FIELDS(watch_clock, watcher);
 
 /// Every package on this port is for the client (D1.1 3.1.3 registerHook).
 struct hook_port {
   carried<peis_client_actor> client;
   std::uint16_t port = 0;
 };
+RUBICON_FIELDS(hook_port, client, port);
 
 /// D1.1 3.1.3 sendMessage; a peis_outcome follows.
 struct send_peis_message {
@@ -858,38 +972,46 @@ struct send_peis_message {
   payload octets;
   bool reliable = false;
 };
+RUBICON_FIELDS(send_peis_message, client, token, destination, port, octets, reliable);
 
 /// To every peer that can be reached (D1.1 3.1.3 broadcast); not acknowledged.
 struct broadcast_peis_message {
   std::uint16_t port = 0;
   payload octets;
 };
+RUBICON_FIELDS(broadcast_peis_message, port, octets);
 
 /// From the fault plan: the kernel's process stands still for so long.
 struct pause_peer {
   duration length{};
 };
+RUBICON_FIELDS(pause_peer, length);
 
 /// To itself: a pause is over.
 struct resume_peer {};
+RUBICON_FIELDS(resume_peer);
 
 /// The run is over: say goodbye to the others. A peer with an init waits for it.
 struct leave_network {};
+RUBICON_FIELDS(leave_network);
 
 /// The process of a peer is to end in good order. It does so when it does not stand still.
 struct quit_peer {};
+RUBICON_FIELDS(quit_peer);
 
 /// A peer of this init's host has started.
 struct component_started {
   std::string peer;
   std::uint64_t life = 0;
 };
+RUBICON_FIELDS(component_started, peer, life);
 
 /// Its process has ended, or could not start.
 struct component_ended {
   std::string peer;
   std::uint64_t life = 0;
 };
+RUBICON_FIELDS(component_ended, peer, life);
 
 /// What its kernel tells an init that guards it.
 struct kernel_guarded {
@@ -897,9 +1019,11 @@ struct kernel_guarded {
   std::string network;
   std::uint16_t port = 0; ///< where it takes TCP links; 0: nowhere
 };
+RUBICON_FIELDS(kernel_guarded, host_name, network, port);
 
 /// The kernel that an init guards has been asked to end, and waits for quit_peer.
 struct quit_wanted {};
+RUBICON_FIELDS(quit_wanted);
 
 /// A component that is a process of its own has written something.
 struct process_output {
@@ -907,12 +1031,14 @@ struct process_output {
   bool is_error = false;       ///< on standard error
   payload octets;
 };
+RUBICON_FIELDS(process_output, component, is_error, octets);
 
 struct process_ended {
   std::uint64_t component = 0;
   std::uint64_t life = 0;
   std::string how;
 };
+RUBICON_FIELDS(process_ended, component, life, how);
 
 /// The peisinit of a host.
 using init_actor =
@@ -925,6 +1051,7 @@ using init_actor =
 struct guard_kernel {
   carried<init_actor> init;
 };
+RUBICON_FIELDS(guard_kernel, init);
 
 /// One PEIS kernel.
 using peis_peer_actor = lan_user_actor::extend<
@@ -949,12 +1076,14 @@ struct mote_presence {
   device_presence presence = device_presence::listed;
   std::string cause; ///< one word, if it has left
 };
+RUBICON_FIELDS(mote_presence, presence, cause);
 
 /// From its manager: this gateway leads the proxied mote's island from now on (GW-14, PXY-14).
 struct gateway_changed {
   peer_id gateway;
   std::string name;
 };
+RUBICON_FIELDS(gateway_changed, gateway, name);
 
 /// What speaks for one mote.
 using proxy_actor =
@@ -965,6 +1094,7 @@ using proxy_actor =
 struct restart_proxy {
   mote_address mote;
 };
+RUBICON_FIELDS(restart_proxy, mote);
 
 using proxy_manager_actor =
     peis_client_actor::extend<caf::reacts_to<restart_proxy>, caf::reacts_to<timer_expired>,
@@ -980,4 +1110,4 @@ using pc_actor = timed_peer_app_actor::extend<caf::reacts_to<clock_changed>>;
 
 } // namespace rubicon
 
-#include "actors/messages_inspect.hpp" // IWYU pragma: export
+#include "actors/message_ids.hpp" // IWYU pragma: export

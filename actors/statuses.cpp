@@ -43,6 +43,13 @@ network_status status_of(mote_address address, const mote::packet_service& x, in
   r.lost["no_route"] = packets.no_route + x.counters().unroutable;
   r.lost["queue_full"] = packets.queue_full;
   r.lost["too_far"] = packets.too_far;
+  runtime::add_counters(r.counters, "channels", paths);
+  runtime::add_counters(r.counters, "coordinates", router.place().counters());
+  runtime::add_counters(r.counters, "neighbours", router.links().counters());
+  runtime::add_counters(r.counters, "packets", packets);
+  runtime::add_counters(r.counters, "packet_service", x.counters());
+  runtime::add_counters(r.counters, "router", router.counters());
+  runtime::add_counters(r.counters, "tree", router.tree().counters());
   return status;
 }
 
@@ -100,6 +107,11 @@ network_status status_of(mote_address address, const mote::node& x, instant own,
   r.lost["unclaimed"] = above.unclaimed;
   r.lost["unknown_channel"] = above.unknown_channel;
   r.lost["unowned"] = above.unowned;
+  runtime::add_counters(r.counters, "layer", above);
+  runtime::add_counters(r.counters, "node", x.counters());
+  runtime::add_counters(r.counters, "streams", x.above().streams().counters());
+  runtime::add_counters(r.counters, "synaptic", x.above().synaptic().counters());
+  runtime::add_counters(r.counters, "transport", x.above().messages().counters());
   return status;
 }
 
@@ -110,6 +122,8 @@ network_status status_of(mote_address address, const mote::sink& x, instant own,
   status.network.lost["unowned"] = x.counters().for_sink;
   if (x.joining().doubles > 0)
     status.network.lost["id_taken"] = x.joining().doubles;
+  runtime::add_counters(status.network.counters, "registrar", x.joining());
+  runtime::add_counters(status.network.counters, "sink", x.counters());
   return status;
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/app_config.hpp"
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "mote/communication.hpp"
@@ -44,6 +45,8 @@ struct stream_end {
 
   friend bool operator==(const stream_end&, const stream_end&) = default;
 };
+RUBICON_FIELDS(stream_end, stream, writes, reader, records, unwritten, openings, opens_failed, open,
+               steady, first_ms, last_ms, every, pause);
 
 /// Whoever hosts a program attaches it, starts it, calls on_time() at its deadline, and settles the
 /// layer after each of these.

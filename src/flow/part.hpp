@@ -7,6 +7,7 @@
 
 #include "core/address.hpp"
 #include "core/delay_histogram.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::flow {
@@ -26,5 +27,6 @@ struct part {
   /// A part without addresses takes those of `x`. @pre otherwise the same flow
   part& operator+=(const part& x);
 };
+RUBICON_FIELDS(part, from, to, sent, delivered, octets, transmissions, lost, active, delay);
 
 } // namespace rubicon::flow

@@ -15,6 +15,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "mote/communication.hpp"
@@ -103,6 +104,8 @@ struct layer_counters {
   std::uint64_t too_slow = 0;        ///< channels given up: their way promises less than was asked
   std::uint64_t malformed = 0;       ///< requests of outputs that could not be decoded
 };
+RUBICON_FIELDS(layer_counters, unowned, offered, unjoined, misaddressed, refused, before_join,
+               unknown_channel, unclaimed, too_slow, malformed);
 
 /// Programs are called back from within the on_ functions, and may give commands then. What all
 /// that leads to is fetched by the owner with take_outputs(), after each on_ function and after

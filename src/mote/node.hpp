@@ -12,6 +12,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "mote/actuator.hpp"
@@ -67,6 +68,7 @@ struct node_counters {
   std::uint64_t channel_full = 0; ///< packets that found no room in their channel's queue
   std::uint64_t paced_out = 0;    ///< packets that newer ones have replaced before their turn
 };
+RUBICON_FIELDS(node_counters, malformed, misdirected, channel_full, paced_out);
 
 /// Everything a mote does that needs no radio chip. All times are by the mote's own clock
 /// (mote::crystal).

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "core/fields.hpp"
+
 namespace rubicon::mote {
 
 /// All that outlasts a loss of power. Whoever runs the core keeps it, hands it in when the core
@@ -13,6 +15,7 @@ struct nonvolatile {
 
   friend bool operator==(const nonvolatile&, const nonvolatile&) = default;
 };
+RUBICON_FIELDS(nonvolatile, starts, term);
 
 /// The store is to hold this from now on. Comes before all that needs it: what others are told of a
 /// life must be in the store already.

@@ -9,6 +9,7 @@
 
 #include "core/bytes.hpp"
 #include "core/error.hpp"
+#include "core/fields.hpp"
 
 namespace rubicon::mote {
 
@@ -22,6 +23,7 @@ struct output_wanted {
 
   friend bool operator==(const output_wanted&, const output_wanted&) = default;
 };
+RUBICON_FIELDS(output_wanted, channel, period);
 
 /// What is wanted of one channel: the entry of its own before that of any_channel.
 [[nodiscard]] std::optional<output_wanted> wanted_on(std::span<const output_wanted> all,

@@ -12,6 +12,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "network/island_packet.hpp"
@@ -43,6 +44,7 @@ struct packet_service_counters {
   std::uint64_t unroutable = 0; ///< packets for motes to which no way is known
   std::uint64_t malformed = 0;
 };
+RUBICON_FIELDS(packet_service_counters, unroutable, malformed);
 
 class packet_service {
 public:

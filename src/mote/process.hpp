@@ -8,6 +8,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "stream/events.hpp"
 #include "synaptic/parameters.hpp"
@@ -29,6 +30,7 @@ struct stream_end {
 
   friend bool operator==(const stream_end&, const stream_end&) = default;
 };
+RUBICON_FIELDS(stream_end, writes_to_self, other, name, rate_ms, qos, buffer_size);
 
 /// The commands of mote/communication.hpp, one each. What can be told from the arguments alone has
 /// been checked there.

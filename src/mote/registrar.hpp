@@ -10,6 +10,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "mote/management.hpp"
 #include "network/sink_event.hpp"
@@ -52,6 +53,7 @@ struct registrar_counters {
   std::uint64_t doubles = 0;  ///< of another device than the member with that id
   std::uint64_t outdated = 0; ///< requests of an earlier life of a member
 };
+RUBICON_FIELDS(registrar_counters, malformed, refused, doubles, outdated);
 
 /// A member's device is told apart from others by its serial number, where motes tell theirs: who
 /// has its id and another number is a second mote, and is refused as long as the member is heard;

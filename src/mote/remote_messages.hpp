@@ -8,6 +8,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "mote/outputs_wanted.hpp"
 #include "mote/process.hpp"
 #include "stream/events.hpp"
@@ -28,6 +29,8 @@ struct limits {
 
   friend bool operator==(const limits&, const limits&) = default;
 };
+RUBICON_FIELDS(limits, transducer_mask, streams_max, record_max, channels_max, vector_max,
+               sends_max, payload_max);
 
 // Commands.
 
@@ -38,29 +41,35 @@ struct create_channel {
   std::uint8_t size = 0;
   synaptic::parameters parameters;
 };
+RUBICON_FIELDS(create_channel, channel, is_out, other, size, parameters);
 
 struct start_channel {
   std::uint16_t channel = 0;
 };
+RUBICON_FIELDS(start_channel, channel);
 
 struct stop_channel {
   std::uint16_t channel = 0;
 };
+RUBICON_FIELDS(stop_channel, channel);
 
 struct dispose_channel {
   std::uint16_t channel = 0;
 };
+RUBICON_FIELDS(dispose_channel, channel);
 
 /// All of ChOut.
 struct set_outputs {
   std::uint16_t channel = 0;
   std::vector<float> values;
 };
+RUBICON_FIELDS(set_outputs, channel, values);
 
 struct open_end {
   std::uint16_t stream = 0;
   stream_end end;
 };
+RUBICON_FIELDS(open_end, stream, end);
 
 struct open_sensor {
   std::uint16_t stream = 0;
@@ -68,24 +77,29 @@ struct open_sensor {
   bool is_periodic = true;     ///< else on demand
   std::uint32_t period_ms = 0; ///< without meaning on demand
 };
+RUBICON_FIELDS(open_sensor, stream, transducer, is_periodic, period_ms);
 
 struct open_local {
   std::uint16_t stream = 0;
 };
+RUBICON_FIELDS(open_local, stream);
 
 struct close_stream {
   std::uint16_t stream = 0;
 };
+RUBICON_FIELDS(close_stream, stream);
 
 struct read_stream {
   std::uint16_t stream = 0;
   std::uint64_t octets = 0;
 };
+RUBICON_FIELDS(read_stream, stream, octets);
 
 struct write_stream {
   std::uint16_t stream = 0;
   payload record;
 };
+RUBICON_FIELDS(write_stream, stream, record);
 
 struct send_message {
   std::uint32_t number = 0;
@@ -94,28 +108,35 @@ struct send_message {
   bool reliable = false;
   std::uint8_t am_type = 0;
 };
+RUBICON_FIELDS(send_message, number, to, octets, reliable, am_type);
 
 struct provide_type {
   std::uint8_t am_type = 0;
 };
+RUBICON_FIELDS(provide_type, am_type);
 
 /// The program has no room for messages of its type, or has it again.
 struct hold_type {
   std::uint8_t am_type = 0;
   bool holds = false;
 };
+RUBICON_FIELDS(hold_type, am_type, holds);
 
 /// The program wants to hear of each tick.
 struct want_ticks {};
+RUBICON_FIELDS(want_ticks);
 
 struct init {};
+RUBICON_FIELDS(init);
 
 struct join {
   payload description;
 };
+RUBICON_FIELDS(join, description);
 
 /// The program is over.
 struct leave {};
+RUBICON_FIELDS(leave);
 
 using command =
     std::variant<create_channel, start_channel, stop_channel, dispose_channel, set_outputs,
@@ -130,6 +151,7 @@ struct channel_created {
   bool is_out = false;
   bool success = false;
 };
+RUBICON_FIELDS(channel_created, channel, is_out, success);
 
 /// ChIn is this now: syn_input_update for each index.
 struct inputs_shown {
@@ -137,14 +159,17 @@ struct inputs_shown {
   bool updated = false; ///< else missed
   std::vector<float> values;
 };
+RUBICON_FIELDS(inputs_shown, channel, updated, values);
 
 struct channel_failed {
   std::uint16_t channel = 0;
 };
+RUBICON_FIELDS(channel_failed, channel);
 
 struct ticked {
   std::uint32_t tick = 0;
 };
+RUBICON_FIELDS(ticked, tick);
 
 struct stream_opened {
   std::uint16_t stream = 0;
@@ -152,6 +177,7 @@ struct stream_opened {
   bool success = false;
   duration latency_bound{};
 };
+RUBICON_FIELDS(stream_opened, stream, name, success, latency_bound);
 
 /// Without success the stream has ended, or could not be written.
 struct record_read {
@@ -159,48 +185,57 @@ struct record_read {
   payload record;
   bool success = false;
 };
+RUBICON_FIELDS(record_read, stream, record, success);
 
 /// The other end of a remote stream is gone, and nothing is left to be read. No event says so;
 /// the next read or write fails.
 struct stream_ended {
   std::uint16_t stream = 0;
 };
+RUBICON_FIELDS(stream_ended, stream);
 
 /// Of a reliable send.
 struct send_ended {
   std::uint32_t number = 0;
   bool acked = false;
 };
+RUBICON_FIELDS(send_ended, number, acked);
 
 struct message_received {
   mote_address source;
   std::uint8_t am_type = 0;
   payload octets;
 };
+RUBICON_FIELDS(message_received, source, am_type, octets);
 
 /// Another program had that type first.
 struct type_refused {
   std::uint8_t am_type = 0;
 };
+RUBICON_FIELDS(type_refused, am_type);
 
 struct initialised {
   bool success = false;
 };
+RUBICON_FIELDS(initialised, success);
 
 /// The node has joined, or has lost its island; or it cannot begin to join.
 struct joined {
   mote_address self;
   bool success = false;
 };
+RUBICON_FIELDS(joined, self, success);
 
 struct mote_joined {
   mote_id mote;
   payload description;
 };
+RUBICON_FIELDS(mote_joined, mote, description);
 
 struct outputs_asked {
   std::vector<output_wanted> all;
 };
+RUBICON_FIELDS(outputs_asked, all);
 
 using event = std::variant<channel_created, inputs_shown, channel_failed, ticked, stream_opened,
                            record_read, stream_ended, send_ended, message_received, type_refused,
@@ -213,10 +248,12 @@ struct commands_batch {
   std::uint64_t taken = 0;
   commands all;
 };
+RUBICON_FIELDS(commands_batch, taken, all);
 
 struct events_batch {
   std::uint64_t taken = 0;
   events all;
 };
+RUBICON_FIELDS(events_batch, taken, all);
 
 } // namespace rubicon::mote::remote

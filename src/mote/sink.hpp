@@ -10,6 +10,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "mote/duty_cycle.hpp"
@@ -41,6 +42,7 @@ struct sink_counters {
   std::uint64_t turned = 0;       ///< island packets from a mote of the island to another (RTG-01)
   std::uint64_t for_sink = 0;     ///< island packets for the sink, on which no app runs
 };
+RUBICON_FIELDS(sink_counters, malformed, unknown_type, up, down, turned, for_sink);
 
 /// Events go to all gateways, so that whoever takes the lead knows the island; packets of motes and
 /// questions about the time go to the one that leads (GW-14).

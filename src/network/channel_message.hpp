@@ -12,6 +12,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/error.hpp"
+#include "core/fields.hpp"
 #include "core/island_time.hpp"
 #include "network/coordinates.hpp"
 #include "network/wire.hpp"
@@ -25,6 +26,7 @@ struct channel_id {
 
   friend constexpr auto operator<=>(const channel_id&, const channel_id&) = default;
 };
+RUBICON_FIELDS(channel_id, source, number);
 
 [[nodiscard]] std::string to_string(channel_id x);
 

@@ -12,6 +12,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "network/channel_message.hpp"
@@ -56,6 +57,9 @@ struct channels_counters {
   std::uint64_t strays = 0;           ///< for channels that do not pass here
   std::uint64_t malformed = 0;
 };
+RUBICON_FIELDS(channels_counters, connects, connected, accepted, backtracks, floods, broken,
+               expired, refused, packets_sent, packets_forwarded, packets_received, packets_lost,
+               duplicates, crowded_out, strays, malformed);
 
 /// A good neighbour, and where it is if that is known.
 struct nearby_mote {

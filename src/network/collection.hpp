@@ -11,6 +11,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "network/collection_packet.hpp"
@@ -49,6 +50,8 @@ struct collection_counters {
   std::uint64_t no_route = 0; ///< down: the mote is not known, or too far; up: none for too long
   std::uint64_t too_far = 0;  ///< hops_max made
 };
+RUBICON_FIELDS(collection_counters, originated, arrived, forwarded, repeated, duplicates, loops,
+               malformed, queue_full, gave_up, no_route, too_far);
 
 /// Hand this frame to the radio and tell on_sent() how it ended.
 struct hop {

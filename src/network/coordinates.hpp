@@ -10,6 +10,7 @@
 
 #include "core/address.hpp"
 #include "core/codec.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "network/feasibility.hpp"
 #include "network/neighbours.hpp"
@@ -91,6 +92,7 @@ struct coordinates_counters {
   std::uint64_t foreign_sinks = 0; ///< beacons that told of another W than ours
   std::uint64_t changes = 0;       ///< of our distances
 };
+RUBICON_FIELDS(coordinates_counters, elections, foreign_sinks, changes);
 
 /// Distances: a mote's distance to an anchor is the least of its good neighbours' and one, over
 /// feasible rows (see feasibility), so that nobody counts to infinity when an anchor or link dies.

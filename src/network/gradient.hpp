@@ -8,6 +8,7 @@
 
 #include "core/address.hpp"
 #include "core/codec.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "network/feasibility.hpp"
 #include "network/neighbours.hpp"
@@ -49,6 +50,7 @@ struct gradient_counters {
   std::uint64_t foreign_roots = 0;  ///< beacons that told of another root than ours
   std::uint64_t forgotten = 0;      ///< numbers of the root that were not its own
 };
+RUBICON_FIELDS(gradient_counters, parent_changes, losses, foreign_roots, forgotten);
 
 enum class gradient_change : std::uint8_t {
   none,

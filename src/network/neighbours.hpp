@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/address.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::network {
@@ -91,6 +92,7 @@ struct neighbours_counters {
   std::uint64_t repeated = 0;
   std::uint64_t dropped = 0; ///< fallen silent
 };
+RUBICON_FIELDS(neighbours_counters, evicted, refused, restarted, repeated, dropped);
 
 /// The table of neighbours, ascending by id.
 ///

@@ -11,6 +11,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "network/beacon.hpp"
@@ -98,6 +99,8 @@ struct router_counters {
   std::uint64_t answers = 0; ///< to those of others
   std::uint64_t sequence_requests = 0;
 };
+RUBICON_FIELDS(router_counters, beacons, malformed, unknown_type, questions, unanswered, detours,
+               asks, answers, sequence_requests);
 
 /// One frame of each kind is under way at a time: beacon, packet, channel message; packets for
 /// neighbours several. Where synaptic vectors have slots, all others keep to their turns.

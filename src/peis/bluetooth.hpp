@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "peis/link_url.hpp"
 
@@ -34,6 +35,7 @@ struct seen_device {
   bluetooth_address address;
   int strength_dbm = 0;
 };
+RUBICON_FIELDS(seen_device, address, strength_dbm);
 
 /// The adapter is to look who is there: on_scan() tells.
 struct scan_adapter {

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/error.hpp"
+#include "core/fields.hpp"
 #include "peis/host_record.hpp"
 
 namespace rubicon::peis {
@@ -21,6 +22,7 @@ struct bluetooth_address {
 
   friend auto operator<=>(const bluetooth_address&, const bluetooth_address&) = default;
 };
+RUBICON_FIELDS(bluetooth_address, octets);
 
 /// `02:4B:00:1F:A0:07`
 [[nodiscard]] std::string to_string(const bluetooth_address& x);

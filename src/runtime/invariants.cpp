@@ -263,11 +263,11 @@ violations check_clocks(const report& x, const std::map<island_id, duration>& bo
   violations found;
   for (const auto& island : x.islands) {
     const auto bound = bounds.find(island.id);
-    if (bound == bounds.end() || island.network.clock_error_max <= bound->second)
+    if (bound == bounds.end() || island.network.clock_error_max.value <= bound->second)
       continue;
     found.push_back(at_end(x, "clocks keep their bound",
                            island.name + ": a mote's island time is " +
-                               rubicon::to_text(island.network.clock_error_max) +
+                               rubicon::to_text(island.network.clock_error_max.value) +
                                " off, more than " + rubicon::to_text(bound->second)));
   }
   return found;

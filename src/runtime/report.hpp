@@ -5,17 +5,28 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "core/address.hpp"
 #include "core/delay_histogram.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::runtime {
 
 /// Counts by cause; ordered by name, so that equal runs print equal reports.
 using cause_counts = std::map<std::string, std::uint64_t>;
+
+/// Adds the counters of a module to those of others, each as `module.name`, unless it is 0.
+template <described Counters>
+void add_counters(cause_counts& sum, const std::string& module, const Counters& x) {
+  for_each_field(x, [&](std::string_view name, std::uint64_t count) {
+    if (count > 0)
+      sum[module + '.' + std::string(name)] += count;
+  });
+}
 
 /// The sum over all causes.
 [[nodiscard]] std::uint64_t total(const cause_counts& x);
@@ -33,9 +44,9 @@ struct radio_report {
   cause_counts mac_failed; ///< no_ack, channel_access_failure, queue_full, aborted
   std::uint64_t mac_open = 0;
   std::uint64_t transmissions = 0; ///< frames put on the air, retries and acks included
-
-  radio_report& operator+=(const radio_report& x);
 };
+RUBICON_FIELDS(radio_report, sent, delivered, lost, requests, mac_sent, mac_failed, mac_open,
+               transmissions);
 
 struct serial_report {
   std::uint64_t octets = 0;          ///< carried, both ways
@@ -43,42 +54,40 @@ struct serial_report {
   std::uint64_t frames_sent = 0;     ///< by either end, acks and repeats included
   std::uint64_t frames_received = 0; ///< good ones, acks included
   cause_counts lost;                 ///< crc, unplugged, overflow, attempts, ...
-
-  serial_report& operator+=(const serial_report& x);
 };
+RUBICON_FIELDS(serial_report, octets, octets_up, frames_sent, frames_received, lost);
 
 struct peis_report {
   std::uint64_t peers = 0;
   std::uint64_t packages = 0; ///< sent over a link, forwarded ones included
   std::uint64_t tuples = 0;   ///< own tuples of all peers at the end
   cause_counts lost;          ///< queue_full, early_drop, no_route, hops, ...
-
-  peis_report& operator+=(const peis_report& x);
 };
+RUBICON_FIELDS(peis_report, peers, packages, tuples, lost);
 
 /// Every message that a program offers ends in one count: offered = sum of refused + reliable_sent
 /// + unreliable_sent, and reliable_sent = reliable_acked + reliable_failed + reliable_open.
 struct message_report {
+  std::uint64_t offered = 0; ///< by programs
+  /// At once: not_joined, crowded, too_long, no_such_receiver, off
+  cause_counts refused = {};
   std::uint64_t reliable_sent = 0;
   std::uint64_t reliable_acked = 0;
   std::uint64_t reliable_failed = 0;
   std::uint64_t reliable_open = 0; ///< still waiting when the run ended
   std::uint64_t unreliable_sent = 0;
-  std::uint64_t received = 0;   ///< handed to an application or a gateway
-  std::uint64_t duplicates = 0; ///< suppressed
-  std::uint64_t offered = 0;    ///< by programs
-  /// At once: not_joined, crowded, too_long, no_such_receiver, off
-  cause_counts refused = {};
   std::uint64_t unreliable_arrived = 0; ///< of those sent here, wherever they went
   /// What was accepted and did not arrive, as far as anybody can know: unanswered, not_taken,
   /// left_island, sender_ended for reliable ones; on_the_way for others.
   cause_counts lost = {};
-
-  message_report& operator+=(const message_report& x);
+  std::uint64_t received = 0;   ///< handed to an application or a gateway
+  std::uint64_t duplicates = 0; ///< suppressed
 
   /// Share of what was offered and is not open that has arrived; nothing: there is none.
   [[nodiscard]] std::optional<double> delivery() const;
 };
+RUBICON_FIELDS(message_report, offered, refused, reliable_sent, reliable_acked, reliable_failed,
+               reliable_open, unreliable_sent, unreliable_arrived, lost, received, duplicates);
 
 /// What the Network modules of an island's motes and its sink have done.
 struct network_report {
@@ -94,17 +103,23 @@ struct network_report {
   std::uint64_t channel_packets = 0;
   std::uint64_t channel_packets_arrived = 0;
   cause_counts lost; ///< queue_full, gave_up, no_route, malformed, ...
+  /// All that the modules of motes and sink have counted, each of their counters by its name,
+  /// `router.beacons`; none that is 0.
+  cause_counts counters;
 
   // At the end of the run.
-  std::uint64_t hops_max = 0;     ///< from a mote to the sink
-  std::uint64_t synchronised = 0; ///< motes that know the island's time
-  duration clock_error_max{};     ///< of them, against the sink's clock (CLK-01)
-  std::uint64_t aligned = 0;      ///< motes that know the time that peers share
-  duration time_error_max{};      ///< of them and the sink, against their gateway (CLK-08)
-  std::uint64_t state_octets = 0; ///< that a mote needs at most for all its protocols (SMP-30)
-
-  network_report& operator+=(const network_report& x);
+  largest<std::uint64_t> hops_max{};   ///< from a mote to the sink
+  std::uint64_t synchronised = 0;      ///< motes that know the island's time
+  largest<duration> clock_error_max{}; ///< of them, against the sink's clock (CLK-01)
+  std::uint64_t aligned = 0;           ///< motes that know the time that peers share
+  largest<duration> time_error_max{};  ///< of them and the sink, against their gateway (CLK-08)
+  largest<std::uint64_t>
+      state_octets{}; ///< that a mote needs at most for all its protocols (SMP-30)
 };
+RUBICON_FIELDS(network_report, beacons, packets, arrived, forwarded, repeated, channels_asked,
+               channels_opened, channels_flooded, channels_broken, channel_packets,
+               channel_packets_arrived, lost, counters, hops_max, synchronised, clock_error_max,
+               aligned, time_error_max, state_octets);
 
 struct mote_report {
   mote_address address;
@@ -141,6 +156,7 @@ struct gateway_report {
   /// A later life of the same gateway.
   gateway_report& operator+=(const gateway_report& x);
 };
+RUBICON_FIELDS(gateway_report, id, name, led, leading, leads);
 
 struct island_report {
   island_id id;
@@ -157,12 +173,11 @@ struct island_report {
 struct actuation_report {
   std::uint64_t requested = 0;
   std::uint64_t acknowledged = 0;
-  duration slowest{};      ///< of those, from the word in the tuple to the acknowledgement
-  delay_histogram latency; ///< the same, of each
+  largest<duration> slowest{}; ///< of those, from the word in the tuple to the acknowledgement
+  delay_histogram latency;     ///< the same, of each
   cause_counts failed;
-
-  actuation_report& operator+=(const actuation_report& x);
 };
+RUBICON_FIELDS(actuation_report, requested, acknowledged, slowest, latency, failed);
 
 struct proxy_report {
   std::string name; ///< its key prefix, `kitchen.climate-7`
@@ -171,6 +186,7 @@ struct proxy_report {
   std::vector<std::pair<std::string, std::string>> values; ///< name and `22.3 C`, by name
   actuation_report actuations;
 };
+RUBICON_FIELDS(proxy_report, name, proxy_class, status, values, actuations);
 
 struct peer_report {
   peer_id id;
@@ -189,6 +205,8 @@ struct peer_report {
   /// What its limits have refused or put off: hosts_refused, over_budget, ...; none that is 0.
   cause_counts limits = {};
 };
+RUBICON_FIELDS(peer_report, id, name, links, hosts_known, tuples, peis, alive, incarnations,
+               links_opened, links_closed, attempts, attempts_failed, cluster, limits);
 
 /// Packets of the measuring apps from one mote to another, counted from the origin's request to its
 /// MAC to delivery.
@@ -212,6 +230,8 @@ struct flow_report {
   /// broadcast.
   std::uint64_t open = 0;
 };
+RUBICON_FIELDS(flow_report, from, to, from_name, to_name, sent, delivered, pdr, goodput_bps,
+               delay_mean_ms, delay_p50_ms, delay_p95_ms, tx_per_packet, lost, open);
 
 /// What a program on a mote or PC has counted or measured.
 struct program_report {
@@ -219,6 +239,7 @@ struct program_report {
   std::string kind;
   std::vector<std::pair<std::string, double>> figures; ///< in the program's order
 };
+RUBICON_FIELDS(program_report, who, kind, figures);
 
 /// A stream of records from the program that writes it to the one that reads it, over all their
 /// lives and however often it was opened.
@@ -238,6 +259,8 @@ struct stream_report {
   /// read / (produced - open); nothing: nothing was produced.
   [[nodiscard]] std::optional<double> delivery() const;
 };
+RUBICON_FIELDS(stream_report, stream, from, to, produced, written, read, open, missing, openings,
+               opens_failed, pause);
 
 /// How an expectation of the file has come out.
 struct expectation_report {
@@ -258,12 +281,14 @@ struct story_line {
   std::string who;  ///< actor path, `kitchen/climate-7`
   std::string what; ///< `joined`, `left: battery`, `relay on`
 };
+RUBICON_FIELDS(story_line, at, who, what);
 
 struct violation {
   instant at;
   std::string invariant;
   std::string detail;
 };
+RUBICON_FIELDS(violation, at, invariant, detail);
 
 struct actor_report {
   std::uint64_t spawned = 0;

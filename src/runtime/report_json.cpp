@@ -1,4 +1,6 @@
 #include <chrono>
+#include <string_view>
+#include <type_traits>
 
 #include <nlohmann/json.hpp>
 
@@ -24,61 +26,61 @@ json counts(const cause_counts& x) {
   return object;
 }
 
-json to_json(const radio_report& x) {
-  return {{"sent", x.sent},         {"delivered", x.delivered},
-          {"lost", counts(x.lost)}, {"requests", x.requests},
-          {"mac_sent", x.mac_sent}, {"mac_failed", counts(x.mac_failed)},
-          {"mac_open", x.mac_open}, {"transmissions", x.transmissions}};
+template <class T>
+requires(std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) json value_of(const T& x) {
+  return x;
 }
 
-json to_json(const serial_report& x) {
-  return {{"octets", x.octets},
-          {"octets_up", x.octets_up},
-          {"frames_sent", x.frames_sent},
-          {"frames_received", x.frames_received},
-          {"lost", counts(x.lost)}};
+json value_of(const cause_counts& x) {
+  return counts(x);
 }
 
-json to_json(const peis_report& x) {
-  return {
-      {"peers", x.peers}, {"packages", x.packages}, {"tuples", x.tuples}, {"lost", counts(x.lost)}};
+json value_of(duration x) {
+  return seconds(x);
+}
+
+json value_of(instant x) {
+  return at_s(x);
+}
+
+json value_of(mote_address x) {
+  return to_string(x);
+}
+
+template <class T>
+json value_of(const largest<T>& x) {
+  return value_of(x.value);
+}
+
+template <class T>
+constexpr bool is_time = std::is_same_v<T, duration> || std::is_same_v<T, instant> ||
+                         std::is_same_v<T, largest<duration>>;
+
+/// Every field under its name; times in seconds, with `_s` behind.
+template <described T>
+json to_json(const T& x) {
+  json object = json::object();
+  for_each_field(x, [&](std::string_view name, const auto& value) {
+    using type = std::remove_cvref_t<decltype(value)>;
+    object[std::string(name) + (is_time<type> ? "_s" : "")] = value_of(value);
+  });
+  return object;
+}
+
+template <class T>
+json with_delivery(const T& x) {
+  auto object = to_json<T>(x);
+  const auto delivery = x.delivery();
+  object["delivery"] = delivery ? json(*delivery) : json();
+  return object;
 }
 
 json to_json(const message_report& x) {
-  const auto delivery = x.delivery();
-  return {{"offered", x.offered},
-          {"refused", counts(x.refused)},
-          {"reliable_sent", x.reliable_sent},
-          {"reliable_acked", x.reliable_acked},
-          {"reliable_failed", x.reliable_failed},
-          {"reliable_open", x.reliable_open},
-          {"unreliable_sent", x.unreliable_sent},
-          {"unreliable_arrived", x.unreliable_arrived},
-          {"lost", counts(x.lost)},
-          {"delivery", delivery ? json(*delivery) : json()},
-          {"received", x.received},
-          {"duplicates", x.duplicates}};
+  return with_delivery(x);
 }
 
-json to_json(const network_report& x) {
-  return {{"beacons", x.beacons},
-          {"packets", x.packets},
-          {"arrived", x.arrived},
-          {"forwarded", x.forwarded},
-          {"repeated", x.repeated},
-          {"channels_asked", x.channels_asked},
-          {"channels_opened", x.channels_opened},
-          {"channels_flooded", x.channels_flooded},
-          {"channels_broken", x.channels_broken},
-          {"channel_packets", x.channel_packets},
-          {"channel_packets_arrived", x.channel_packets_arrived},
-          {"lost", counts(x.lost)},
-          {"hops_max", x.hops_max},
-          {"synchronised", x.synchronised},
-          {"clock_error_max_s", seconds(x.clock_error_max)},
-          {"aligned", x.aligned},
-          {"time_error_max_s", seconds(x.time_error_max)},
-          {"state_octets", x.state_octets}};
+json to_json(const stream_report& x) {
+  return with_delivery(x);
 }
 
 json membership(const mote_report& x) {
@@ -182,44 +184,11 @@ json to_json(const proxy_report& x) {
           {"actuations", to_json(x.actuations)}};
 }
 
-json to_json(const flow_report& x) {
-  return {{"from", to_string(x.from)},
-          {"to", to_string(x.to)},
-          {"from_name", x.from_name},
-          {"to_name", x.to_name},
-          {"sent", x.sent},
-          {"delivered", x.delivered},
-          {"pdr", x.pdr},
-          {"goodput_bps", x.goodput_bps},
-          {"delay_mean_ms", x.delay_mean_ms},
-          {"delay_p50_ms", x.delay_p50_ms},
-          {"delay_p95_ms", x.delay_p95_ms},
-          {"tx_per_packet", x.tx_per_packet},
-          {"lost", counts(x.lost)},
-          {"open", x.open}};
-}
-
 json to_json(const program_report& x) {
   json figures = json::object();
   for (const auto& [name, value] : x.figures)
     figures[name] = value;
   return {{"node", x.who}, {"program", x.kind}, {"figures", std::move(figures)}};
-}
-
-json to_json(const stream_report& x) {
-  const auto delivery = x.delivery();
-  return {{"stream", x.stream},
-          {"from", x.from},
-          {"to", x.to},
-          {"produced", x.produced},
-          {"written", x.written},
-          {"read", x.read},
-          {"open", x.open},
-          {"missing", x.missing},
-          {"delivery", delivery ? json(*delivery) : json()},
-          {"openings", x.openings},
-          {"opens_failed", x.opens_failed},
-          {"pause_s", seconds(x.pause)}};
 }
 
 json to_json(const expectation_report& x) {
@@ -229,14 +198,6 @@ json to_json(const expectation_report& x) {
           {"measured", x.measured},
           {"at_s", at_s(x.at)},
           {"command", x.command}};
-}
-
-json to_json(const story_line& x) {
-  return {{"at_s", at_s(x.at)}, {"who", x.who}, {"what", x.what}};
-}
-
-json to_json(const violation& x) {
-  return {{"at_s", at_s(x.at)}, {"invariant", x.invariant}, {"detail", x.detail}};
 }
 
 template <class T>

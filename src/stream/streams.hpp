@@ -8,6 +8,7 @@
 
 #include "core/bounded_queue.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "stream/events.hpp"
 #include "stream/message.hpp"
@@ -51,6 +52,9 @@ struct streams_counters {
   std::uint64_t malformed = 0;
   std::uint64_t strays = 0; ///< well-formed, but nothing that its channel or stream waits for
 };
+RUBICON_FIELDS(streams_counters, opened, open_failed, stored, read, dropped, excess_octets,
+               oversized, unclaimed, lost, resumed, repeated, missed, refused, expired, resent,
+               busy, throttled, unconfirmed, malformed, strays);
 
 /// Sensor, local and remote streams of one mote or PC. Records wait in bounded queues that drop
 /// their oldest (STR-03). Opens and reads are split-phase (STR-02). A remote stream at its two

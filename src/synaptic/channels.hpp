@@ -9,6 +9,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "synaptic/arrivals.hpp"
 #include "synaptic/events.hpp"
@@ -48,6 +49,8 @@ struct channels_counters {
   std::uint64_t malformed = 0;
   std::uint64_t strays = 0; ///< well-formed, but nothing that its channel waits for
 };
+RUBICON_FIELDS(channels_counters, created, create_failed, failed, sent, updated, missed, repeated,
+               late, untimely, bad_reads, leaps, refused, expired, malformed, strays);
 
 /// The synaptic channels of a mote or PC. At each tick of the RUBICON clock the out end of a
 /// started channel sends its vector ChOut; at the next tick the in end tells for each index whether

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/address.hpp"
+#include "core/fields.hpp"
 
 namespace rubicon::synaptic {
 
@@ -21,6 +22,7 @@ struct parameters {
 
   friend bool operator==(const parameters&, const parameters&) = default;
 };
+RUBICON_FIELDS(parameters, island, divisor, qos);
 
 /// Octets 4..9 are reserved: written as 0, not looked at.
 /// @pre x.island fits into two octets

@@ -13,6 +13,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "transport/segment.hpp"
@@ -89,6 +90,9 @@ struct endpoint_counters {
   std::uint64_t malformed = 0;
   std::uint64_t stray_answers = 0; ///< to nothing that is under way
 };
+RUBICON_FIELDS(endpoint_counters, reliable_sent, reliable_acked, reliable_failed, unreliable_sent,
+               failed_unanswered, failed_refused, failed_left, refused, refused_crowded, retries,
+               hellos, received, duplicates, throttled, strangers, malformed, stray_answers);
 
 /// One end of connectionless messaging, on a mote or on the PC side of a gateway.
 ///

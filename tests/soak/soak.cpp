@@ -180,8 +180,10 @@ int main(int argc, char** argv) {
               "MB, the heap by %.1f kB a day; %zu violations\n",
               wanted.file.c_str(), wanted.seed, days, growth, slope * 1000,
               report.violations.size());
+  for (const auto& each : report.violations)
+    std::printf("soak: %s: %s\n", each.invariant.c_str(), each.detail.c_str());
   const bool flat = growth <= wanted.growth_max_mb && slope * days <= wanted.growth_max_mb;
   if (!flat)
     std::printf("soak: more than %.2f MB\n", wanted.growth_max_mb);
-  return flat ? 0 : 1;
+  return flat && report.violations.empty() ? 0 : 1;
 }

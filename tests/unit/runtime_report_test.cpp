@@ -88,7 +88,13 @@ TEST_CASE("adding reports adds every field and every cause", "[runtime]") {
   CHECK(radio.mac_open == 77);
   CHECK(radio.transmissions == 88);
 
-  message_report messages{1, 2, 3, 4, 5, 6, 7};
+  message_report messages{.reliable_sent = 1,
+                          .reliable_acked = 2,
+                          .reliable_failed = 3,
+                          .reliable_open = 4,
+                          .unreliable_sent = 5,
+                          .received = 6,
+                          .duplicates = 7};
   messages += messages;
   CHECK(messages.reliable_sent == 2);
   CHECK(messages.reliable_acked == 4);

@@ -45,23 +45,29 @@ island_report kitchen() {
   x.radio.mac_open = 1;
   x.radio.transmissions = 4'321;
   x.serial = {123'456, 100'000, 5'000, 4'990, {{"crc", 10}}};
-  x.messages = {1'234,
-                1'230,
-                3,
-                1,
-                17,
-                1'222,
-                5,
-                1'253,
-                {{"crowded", 2}},
-                15,
-                {{"on_the_way", 2}, {"unanswered", 3}}};
+  x.messages = {.offered = 1'253,
+                .refused = {{"crowded", 2}},
+                .reliable_sent = 1'234,
+                .reliable_acked = 1'230,
+                .reliable_failed = 3,
+                .reliable_open = 1,
+                .unreliable_sent = 17,
+                .unreliable_arrived = 15,
+                .lost = {{"on_the_way", 2}, {"unanswered", 3}},
+                .received = 1'222,
+                .duplicates = 5};
   x.motes = {sample_mote(x.id, 7, "climate-7", 3.301), sample_mote(x.id, 8, "climate-8", 3.287),
              sample_mote(x.id, 9, "lamp-9", 1.02)};
   x.motes[2].alive = false;
   x.motes[2].left_cause = "battery";
-  x.motes[0].messages = {
-      100, 99, 1, 0, 10, 0, 0, 111, {{"crowded", 1}}, 9, {{"on_the_way", 1}, {"unanswered", 1}}};
+  x.motes[0].messages = {.offered = 111,
+                         .refused = {{"crowded", 1}},
+                         .reliable_sent = 100,
+                         .reliable_acked = 99,
+                         .reliable_failed = 1,
+                         .unreliable_sent = 10,
+                         .unreliable_arrived = 9,
+                         .lost = {{"on_the_way", 1}, {"unanswered", 1}}};
   x.motes[0].parent = mote_id{8};
   x.motes[0].hops = 2;
   x.motes[0].signal_dbm = -71;
@@ -78,7 +84,7 @@ island_report living_room() {
   x.radio.mac_sent = 450;
   x.radio.transmissions = 900;
   x.serial = {9'876, 9'000, 400, 400, {}};
-  x.messages = {200, 200, 0, 0, 0, 200, 0, 200};
+  x.messages = {.offered = 200, .reliable_sent = 200, .reliable_acked = 200, .received = 200};
   x.motes = {sample_mote(x.id, 2, "climate-2", 3.311), sample_mote(x.id, 3, "blinds-3", 2.95)};
   x.motes[1].joined = false;
   return x;

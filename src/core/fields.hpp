@@ -1,0 +1,114 @@
+// The fields of a struct, listed once, beside it. What is sent, traced, added up or reported of a
+// struct follows from the list.
+#pragma once
+
+#include <algorithm>
+#include <compare>
+#include <concepts>
+#include <map>
+#include <string_view>
+#include <tuple>
+
+namespace rubicon {
+
+template <class Struct, class Value>
+struct field {
+  std::string_view name;
+  Value Struct::*member;
+};
+
+template <class Struct, class Value>
+constexpr field<Struct, Value> make_field(std::string_view name, Value Struct::*member) {
+  return {name, member};
+}
+
+/// A struct whose fields are listed with RUBICON_FIELDS.
+template <class T>
+concept described = requires {
+  fields_of(static_cast<const T*>(nullptr));
+};
+
+/// Calls f(name, value) for each field, in the order of the list.
+template <class T, class F>
+constexpr void for_each_field(T& x, F f) {
+  std::apply([&](const auto&... each) { (f(each.name, x.*(each.member)), ...); },
+             fields_of(static_cast<const T*>(nullptr)));
+}
+
+/// Of several, the largest counts: their sum.
+template <class T>
+struct largest {
+  T value{};
+
+  constexpr largest() = default;
+  template <std::convertible_to<T> U>
+  constexpr largest(U x) : value(x) {}           // NOLINT(google-explicit-constructor): it is one
+  constexpr operator T() const { return value; } // NOLINT(google-explicit-constructor)
+  constexpr largest& operator+=(const largest& x) {
+    value = std::max(value, x.value);
+    return *this;
+  }
+
+  friend constexpr auto operator<=>(const largest&, const largest&) = default;
+
+  /// For messages.
+  template <class F>
+  friend auto inspect(F& f, largest& x) {
+    return f(x.value);
+  }
+};
+
+template <class T>
+constexpr void add_to(T& sum, const T& x) {
+  sum += x;
+}
+
+template <class Key, class Count>
+void add_to(std::map<Key, Count>& sum, const std::map<Key, Count>& x) {
+  for (const auto& [key, count] : x)
+    sum[key] += count;
+}
+
+/// Field by field: maps by their keys, `largest` by its rule, all else by its `+=`.
+template <described T>
+T& operator+=(T& sum, const T& x) {
+  std::apply([&](const auto&... each) { (add_to(sum.*(each.member), x.*(each.member)), ...); },
+             fields_of(&x));
+  return sum;
+}
+
+/// For CAF's inspectors; defined where they are known (actors/inspect.hpp).
+template <class Inspector, class T>
+typename Inspector::result_type inspect_fields(Inspector& f, T& x, const char* type_name);
+
+} // namespace rubicon
+
+// Each of up to 256 arguments.
+#define RUBICON_EXPAND(...)                                                                        \
+  RUBICON_EXPAND_4(RUBICON_EXPAND_4(RUBICON_EXPAND_4(RUBICON_EXPAND_4(__VA_ARGS__))))
+#define RUBICON_EXPAND_4(...)                                                                      \
+  RUBICON_EXPAND_3(RUBICON_EXPAND_3(RUBICON_EXPAND_3(RUBICON_EXPAND_3(__VA_ARGS__))))
+#define RUBICON_EXPAND_3(...)                                                                      \
+  RUBICON_EXPAND_2(RUBICON_EXPAND_2(RUBICON_EXPAND_2(RUBICON_EXPAND_2(__VA_ARGS__))))
+#define RUBICON_EXPAND_2(...)                                                                      \
+  RUBICON_EXPAND_1(RUBICON_EXPAND_1(RUBICON_EXPAND_1(RUBICON_EXPAND_1(__VA_ARGS__))))
+#define RUBICON_EXPAND_1(...) __VA_ARGS__
+#define RUBICON_PARENS ()
+#define RUBICON_EACH_FIELD(Struct, name, ...)                                                      \
+  ::rubicon::make_field(#name, &Struct::name)                                                      \
+      __VA_OPT__(, RUBICON_NEXT_FIELD RUBICON_PARENS(Struct, __VA_ARGS__))
+#define RUBICON_NEXT_FIELD() RUBICON_EACH_FIELD
+
+/// After a struct: the names of all its fields, in their order. Does not compile if one is missing.
+#define RUBICON_FIELDS(Struct, ...)                                                                \
+  constexpr auto fields_of(const Struct*) {                                                        \
+    return std::make_tuple(__VA_OPT__(RUBICON_EXPAND(RUBICON_EACH_FIELD(Struct, __VA_ARGS__))));   \
+  }                                                                                                \
+  [[maybe_unused]] inline void all_fields_are_listed([[maybe_unused]] const Struct& struct_) {     \
+    __VA_OPT__([[maybe_unused]] const auto& [__VA_ARGS__] = struct_;)                              \
+  }                                                                                                \
+  template <class Inspector>                                                                       \
+  typename Inspector::result_type inspect(Inspector& f, Struct& x) {                               \
+    return ::rubicon::inspect_fields(f, x, #Struct);                                               \
+  }                                                                                                \
+  static_assert(true)
