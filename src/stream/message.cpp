@@ -26,22 +26,24 @@ struct writer {
 
 /// What follows SS_OPEN's name.
 result<message> decode_open(std::uint16_t name, byte_reader& from) {
-  open_message x{name};
-  if (from.remaining() == 0)
-    return message{x};
-  x.qos = from.octet();
-  if (from.remaining() == 0)
-    return x.qos == 0 ? result<message>{errc::bad_value} : message{x};
-  x.sequence = from.big<std::uint16_t>();
+  message content{open_message{name}};
+  auto& x = std::get<open_message>(content);
+  const bool has_qos = from.remaining() > 0;
+  if (has_qos)
+    x.qos = from.octet();
+  const bool goes_on = from.remaining() > 0;
+  if (goes_on)
+    x.sequence = from.big<std::uint16_t>();
   while (from.ok() && from.remaining() > 0) {
     const std::size_t size = from.octet();
     x.recent.push_back(to_bytes(from.take(size)));
   }
   if (!from.ok())
     return errc::truncated;
-  if (x.sequence == 0 && x.recent.empty())
+  const bool says_nothing = goes_on ? x.sequence == 0 && x.recent.empty() : has_qos && x.qos == 0;
+  if (says_nothing)
     return errc::bad_value;
-  return message{std::move(x)};
+  return content;
 }
 
 } // namespace
