@@ -25,9 +25,8 @@ struct writer {
 };
 
 /// What follows SS_OPEN's name.
-result<message> decode_open(std::uint16_t name, byte_reader& from) {
-  message content{open_message{name}};
-  auto& x = std::get<open_message>(content);
+/// @returns false if something is said that might have been left out
+bool read_open(byte_reader& from, open_message& x) {
   const bool has_qos = from.remaining() > 0;
   if (has_qos)
     x.qos = from.octet();
@@ -38,12 +37,7 @@ result<message> decode_open(std::uint16_t name, byte_reader& from) {
     const std::size_t size = from.octet();
     x.recent.push_back(to_bytes(from.take(size)));
   }
-  if (!from.ok())
-    return errc::truncated;
-  const bool says_nothing = goes_on ? x.sequence == 0 && x.recent.empty() : has_qos && x.qos == 0;
-  if (says_nothing)
-    return errc::bad_value;
-  return content;
+  return goes_on ? x.sequence != 0 || !x.recent.empty() : !has_qos || x.qos != 0;
 }
 
 } // namespace
@@ -62,13 +56,23 @@ result<message> decode_message(byte_view octets) {
   const auto number = from.big<std::uint16_t>();
   if (!from.ok())
     return errc::truncated;
-  if (kind == 3)
-    return message{write_message{number, to_bytes(from.rest())}};
+  message x;
+  bool is_sound = true;
   if (kind == 1)
-    return decode_open(number, from);
+    is_sound = read_open(from, x.emplace<open_message>(open_message{number}));
+  else if (kind == 2)
+    x.emplace<open_ack_message>(open_ack_message{number});
+  else if (kind == 3)
+    x.emplace<write_message>(write_message{number, to_bytes(from.rest())});
+  else
+    x.emplace<ack_message>(ack_message{number});
+  if (!from.ok())
+    return errc::truncated;
   if (from.remaining() > 0)
     return errc::too_long;
-  return kind == 2 ? message{open_ack_message{number}} : message{ack_message{number}};
+  if (!is_sound)
+    return errc::bad_value;
+  return x;
 }
 
 } // namespace rubicon::stream
