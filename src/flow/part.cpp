@@ -14,8 +14,7 @@ part& part::operator+=(const part& x) {
   delivered += x.delivered;
   octets += x.octets;
   transmissions += x.transmissions;
-  for (const auto& [cause, count] : x.lost)
-    lost[cause] += count;
+  add_to(lost, x.lost);
   active += x.active;
   delay += x.delay;
   return *this;

@@ -231,8 +231,7 @@ struct expectations::judge_one {
     if (!share)
       return decide(false, "no message was offered");
     cause_counts lost = sum.lost;
-    for (const auto& [cause, count] : sum.refused)
-      lost[cause] += count;
+    add_to(lost, sum.refused);
     std::string text;
     for (const auto& [cause, count] : lost)
       if (count > 0)

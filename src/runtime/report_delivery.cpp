@@ -41,8 +41,7 @@ std::string parent_of(const mote_entry& x) {
 
 cause_counts losses(const message_report& x) {
   auto all = x.lost;
-  for (const auto& [cause, count] : x.refused)
-    all[cause] += count;
+  add_to(all, x.refused);
   return all;
 }
 

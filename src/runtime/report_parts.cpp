@@ -19,8 +19,7 @@ public:
     transmissions_ += x.tx_per_packet * static_cast<double>(x.sent);
     delay_ms_ += x.delay_mean_ms * static_cast<double>(x.delivered);
     delivered_ += x.delivered;
-    for (const auto& [cause, count] : x.lost)
-      lost_[cause] += count;
+    add_to(lost_, x.lost);
     lost_["open"] += x.to.mote == broadcast_mote ? 0 : x.open;
     if (x.to.mote != broadcast_mote) {
       unicast_sent_ += x.sent;

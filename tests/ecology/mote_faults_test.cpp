@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "ecology_files.hpp"
+#include "lamp_and_climate.hpp"
 #include "support/catch.hpp"
 #include "support/seeds.hpp"
 
@@ -22,7 +23,7 @@ std::uint64_t usual_seeds() {
 
 /// Two islands apart, each with a lamp and two thermometers, of which one is a hop behind the
 /// other; a PC with their proxies that switches the flat's lamp now and then.
-constexpr std::string_view two_islands = R"(
+const std::string two_islands = std::string(R"(
   ecology = { name = "plan", duration = "20min" }
   [radio]
   range = "15m"
@@ -56,21 +57,13 @@ constexpr std::string_view two_islands = R"(
   name = "pc"
   apps = [{ app = "proxy_manager" }, { app = "rules", rules = [
     { when = "flat.near.temperature", above = 21.5, below = 20.5, write = "flat.lamp.switch", then = "on", otherwise = "off" }] }]
-  [[proxy]]
-  name = "climate"
-  types = [100]
-  field = [{ name = "temperature", channel = 1, scale = 0.1, decimals = 1, unit = "C" }]
-  [[proxy]]
-  name = "lamp"
-  types = [200]
-  field = [{ name = "state", channel = 2, encoding = "u8", words = { 0 = "off", 1 = "on" } }]
-  input = [{ name = "switch", channel = 2, words = { off = "00", on = "01" } }]
-)";
+)")
+                                    .append(lamp_and_climate);
 
 /// Runs it with many seeds and these faults; checks what always holds, and `more` of each report.
 template <class More>
 void run_all(const std::string& faults, More more) {
-  const auto what = ecology_of(std::string(two_islands) + faults);
+  const auto what = ecology_of(two_islands + faults);
   for (std::uint64_t seed = 1; seed <= seeds(usual_seeds()); ++seed) {
     CAPTURE(seed);
     const auto report = run(what, seed);
@@ -278,7 +271,7 @@ TEST_CASE("noise silences who is near, and nobody else", "[ecology][ACT-04]") {
 
 TEST_CASE("noise in bursts costs frames in proportion", "[ecology][ACT-04]") {
   const auto noisy = [](const char* duty) {
-    const auto what = ecology_of(std::string(two_islands) + R"(
+    const auto what = ecology_of(two_islands + R"(
       [[fault]]
       at = "1min"
       kind = "noise"

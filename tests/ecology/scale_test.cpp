@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include "ecology_files.hpp"
+#include "lamp_and_climate.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -23,15 +24,6 @@ transducers = { temperature = { model = "sine", mean = 20, amplitude = 5, period
 [mote_type.lamp]
 type = 200
 actuators = [{ name = "switch", kind = "relay" }]
-[[proxy]]
-name = "climate"
-types = [100]
-field = [{ name = "temperature", channel = 1, scale = 0.1, decimals = 1, unit = "C" }]
-[[proxy]]
-name = "lamp"
-types = [200]
-field = [{ name = "state", channel = 2, encoding = "u8", words = { 0 = "off", 1 = "on" } }]
-input = [{ name = "switch", channel = 2, words = { off = "00", on = "01" } }]
 [[peer]]
 id = 1001
 name = "desk"
@@ -43,7 +35,7 @@ apps = [
   for (unsigned i = 1; i <= count; ++i)
     toml << "{ when = 'clock.odd', above = 0.6, below = 0.4, write = 'island-" << i
          << ".lamp.switch', then = 'on', otherwise = 'off' },\n";
-  toml << "] }]\n";
+  toml << "] }]\n" << lamp_and_climate;
   for (unsigned i = 1; i <= count; ++i) {
     toml << "[[island]]\nid = " << i << "\nname = 'island-" << i << "'\nsink.position_m = ["
          << 1000 * i << ", 0]\ngateway.links = ['inproc://desk']\n";
