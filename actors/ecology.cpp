@@ -545,12 +545,14 @@ void on_network(ecology_pointer self, const network_status& x) {
   if (!x.has_clock)
     return;
   auto& clocks = self->state.clocks[x.address.island];
+  const std::chrono::microseconds doubt(x.clock_doubt_us);
   if (x.has_network_time)
-    clocks.network_ahead_us.push_back(x.network_ahead_us);
+    clocks.network.push_back({std::chrono::microseconds(x.network_ahead_us), doubt});
+  const std::chrono::microseconds ahead(x.clock_ahead_us);
   if (x.is_sink)
-    clocks.sink_ahead_us = x.clock_ahead_us;
+    clocks.sink_ahead = ahead;
   else
-    clocks.motes_ahead_us.push_back(x.clock_ahead_us);
+    clocks.motes.push_back({ahead, doubt});
 }
 
 /// `kitchen/fan`, or the name of a peer.
@@ -645,19 +647,22 @@ void on_sample(ecology_pointer self, const sample_status& x) {
 }
 
 void compare_clocks(ecology_pointer self) {
+  const auto compare_all = [](const std::vector<known_time>& all, duration truth,
+                              largest<duration>& error, largest<duration>& excess) {
+    for (const auto& x : all) {
+      const auto apart = std::chrono::abs(x.ahead - truth);
+      error = std::max(error.value, apart);
+      excess = std::max(excess.value, apart - x.doubt);
+    }
+  };
   for (const auto& [island, clocks] : self->state.clocks) {
-    auto& error = island_of(self, island).network.clock_error_max;
-    for (const auto ahead : clocks.motes_ahead_us) {
-      const auto apart =
-          std::chrono::microseconds(std::abs(ahead - clocks.sink_ahead_us.value_or(ahead)));
-      error = std::max<duration>(error, apart);
-    }
-    auto& time_error = island_of(self, island).network.time_error_max;
-    for (const auto ahead : clocks.network_ahead_us) {
-      const auto apart = std::chrono::microseconds(ahead) - clocks.clock_offset.value_or(0s);
-      time_error =
-          std::max<duration>(time_error, clocks.clock_offset ? std::chrono::abs(apart) : 0s);
-    }
+    auto& network = island_of(self, island).network;
+    if (clocks.sink_ahead)
+      compare_all(clocks.motes, *clocks.sink_ahead, network.clock_error_max,
+                  network.clock_excess_max);
+    if (clocks.clock_offset)
+      compare_all(clocks.network, *clocks.clock_offset, network.time_error_max,
+                  network.time_excess_max);
   }
 }
 
@@ -758,15 +763,12 @@ std::vector<runtime::peer_view> views_of(ecology_pointer self) {
   std::vector<runtime::peer_view> views;
   const auto& state = self->state;
   for (const auto& [name, peer] : state.peers) {
-    const auto hosts = state.known_hosts.find(peer.id);
-    if (peer.handle && hosts != state.known_hosts.end())
-      views.push_back({peer.id, name, hosts->second, state.neighbours.at(peer.id)});
+    const auto view = state.peer_views.find(peer.id);
+    if (peer.handle && view != state.peer_views.end())
+      views.push_back(view->second);
   }
   return views;
 }
-
-/// Island time of motes whose radios are always on (CLK-01).
-constexpr duration clock_bound = 3ms;
 
 /// Whether nothing has happened to an island's motes for longer than any channel lasts without
 /// packets.
@@ -788,6 +790,10 @@ bool has_steady_clock(ecology_pointer self, island_id island) {
   const auto found = faults.find(island);
   return found == faults.end() || now(self) - found->second >= longest;
 }
+
+/// Over a slower line a question for the time and its answer may wait longer than the error that
+/// is allowed.
+constexpr std::uint32_t time_baud_min = 9600;
 
 /// What the invariants compare the report with.
 runtime::run_truth truth_of(ecology_pointer self) {
@@ -837,8 +843,11 @@ runtime::run_truth truth_of(ecology_pointer self) {
   // In wall time a mote reads its clock when the computer comes to it.
   const bool is_exact = state.description.mode == config::run_mode::virtual_time;
   for (const auto& island : state.description.islands)
-    if (is_exact && !island.duty.enabled && has_steady_clock(self, island.id))
-      truth.clock_bounds[island.id] = clock_bound;
+    if (is_exact && has_steady_clock(self, island.id))
+      truth.steady_islands.push_back({island.id, island.duty.enabled,
+                                      island.serial.baud >= time_baud_min &&
+                                          has_settled_gateway(self, island.id) &&
+                                          has_settled_peers(self)});
   return truth;
 }
 
@@ -943,8 +952,8 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const gateway_status& x) { on_lead(self, x); },
       [self](const peer_status& x) {
         self->state.report.peers.push_back(x.peer);
-        self->state.known_hosts[x.peer.id] = x.hosts;
-        self->state.neighbours[x.peer.id] = x.neighbours;
+        self->state.peer_views[x.peer.id] = {x.peer.id, x.peer.name, x.hosts, x.neighbours,
+                                             x.clock_offset};
       },
       [self](const proxy_status& x) { self->state.books.add(x.proxy, x.ended); },
       [self](const program_status& x) { on_program(self, x); },

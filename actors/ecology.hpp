@@ -116,12 +116,19 @@ struct process_facts {
   runtime::expectations* judge = nullptr;
 };
 
-/// How far the clocks of an island's motes and its sink are ahead of real time, at the end.
+/// A time as a mote knows it.
+struct known_time {
+  std::chrono::microseconds ahead; ///< of real time
+  std::chrono::microseconds doubt; ///< how far off it may be, as the mote says
+};
+
+/// What the motes of an island and its sink know at the end.
 struct island_clocks {
-  std::optional<std::int64_t> sink_ahead_us; ///< nothing: it does not know the time either
-  std::vector<std::int64_t> motes_ahead_us;
-  std::vector<std::int64_t> network_ahead_us; ///< as the motes and the sink know the time of peers,
-  std::optional<duration> clock_offset;       ///< and as their gateway's kernel does
+  std::optional<std::chrono::microseconds>
+      sink_ahead; ///< nothing: it does not know the time either
+  std::vector<known_time> motes;
+  std::vector<known_time> network;      ///< as the motes and the sink know the time of peers,
+  std::optional<duration> clock_offset; ///< and as their gateway's kernel does
 };
 
 /// Answers to one question for samples: motes may answer before their sink has.
@@ -148,11 +155,10 @@ struct ecology_state {
   std::map<std::pair<island_id, std::size_t>, serial_line_actor> lines; ///< of sinks, numbered
   std::shared_ptr<const rfid::tags> tags; ///< of the world; nullptr until a reader needs them
   peis_lan_actor lan;
-  peis_bluetooth_actor bluetooth;                      ///< nullptr: no peer has an adapter
-  std::map<std::string, supervised_peer> peers;        ///< by name
-  std::map<std::string, supervised_peer> duplicates;   ///< from the fault plan
-  std::map<peer_id, std::vector<peer_id>> known_hosts; ///< as the peers say at the end
-  std::map<peer_id, std::vector<peer_id>> neighbours;  ///< the same
+  peis_bluetooth_actor bluetooth;                    ///< nullptr: no peer has an adapter
+  std::map<std::string, supervised_peer> peers;      ///< by name
+  std::map<std::string, supervised_peer> duplicates; ///< from the fault plan
+  std::map<peer_id, runtime::peer_view> peer_views;  ///< as the peers say at the end
   std::map<island_id, island_clocks> clocks;
   /// Everything spawned here that answers a status_request with messages to the ecology.
   std::vector<std::pair<caf::actor_addr, std::function<void(status_request)>>> reporters;

@@ -145,6 +145,7 @@ struct network_status {
   bool is_sink = false;
   bool has_clock = false;            ///< it knows the island's time
   std::int64_t clock_ahead_us = 0;   ///< island time minus real time
+  std::int64_t clock_doubt_us = 0;   ///< how far off it says that it may be
   bool has_network_time = false;     ///< it knows the time that peers share (CLK-08)
   std::int64_t network_ahead_us = 0; ///< network time, as it knows it, minus real time
   runtime::network_report network;
@@ -154,8 +155,9 @@ struct network_status {
   std::vector<network::channel_id> channels; ///< that begin, pass or end here
   std::int16_t signal_dbm = 0;               ///< the newest so strong
 };
-RUBICON_FIELDS(network_status, address, is_sink, has_clock, clock_ahead_us, has_network_time,
-               network_ahead_us, network, parent, hops, has_signal, channels, signal_dbm);
+RUBICON_FIELDS(network_status, address, is_sink, has_clock, clock_ahead_us, clock_doubt_us,
+               has_network_time, network_ahead_us, network, parent, hops, has_signal, channels,
+               signal_dbm);
 
 /// What a sink, a serial line or a gateway's serial port has counted.
 struct serial_status {
@@ -183,8 +185,9 @@ struct peer_status {
   runtime::peer_report peer;
   std::vector<peer_id> hosts;      ///< known ones, itself included
   std::vector<peer_id> neighbours; ///< at the other ends of its links
+  duration clock_offset{};         ///< network time, as it knows it, minus ecology time
 };
-RUBICON_FIELDS(peer_status, peer, hosts, neighbours);
+RUBICON_FIELDS(peer_status, peer, hosts, neighbours, clock_offset);
 
 struct proxy_status {
   runtime::proxy_report proxy; ///< of one life

@@ -395,6 +395,9 @@ void report(peer_pointer self) {
     if (link.neighbour)
       status.neighbours.push_back(*link.neighbour);
   }
+  const auto time = state.kernel.network_time(now(self));
+  status.clock_offset = std::chrono::seconds(time.seconds) +
+                        std::chrono::microseconds(time.microseconds) - now(self).time_since_epoch();
   peer.hosts_known = status.hosts.size();
   peer.tuples = state.kernel.own_tuples().size();
   peer.peis.packages = counted.packages_sent;

@@ -16,6 +16,7 @@ network_status status_of(mote_address address, const mote::packet_service& x, in
   if (status.has_clock) {
     const auto real = std::chrono::floor<island_clock::duration>(now.time_since_epoch());
     status.clock_ahead_us = (router.clock().at(own).time_since_epoch() - real).count();
+    status.clock_doubt_us = router.clock().doubt(own).count();
   }
   if (const auto network = router.clock().network_time(own)) {
     status.has_network_time = true;

@@ -3,11 +3,31 @@ set(standard_headers
   <algorithm> <array> <charconv> <chrono> <cmath> <deque> <functional> <map> <memory> <optional>
   <ranges> <set> <span> <string> <string_view> <utility> <variant> <vector>)
 
-# rubicon_room(NAME SOURCES file... NEEDS target...): one room, one library, one list of what it may
-# include. A room without sources of its own is an interface library. Without `PRECOMPILE header...`
-# a room shares the core's precompiled headers.
+# src/rooms: the rooms, needed ones before their users, in `rooms_listed`, and the rooms that each needs in
+# `NAME_rooms`. CMake looks at it again when it changes.
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/rooms)
+file(READ ${PROJECT_SOURCE_DIR}/src/rooms text)
+string(REGEX MATCHALL "(^|\n)[a-z]+ [|][^|]*[|]" lines "${text}")
+foreach(line ${lines})
+  string(REGEX MATCH "([a-z]+) [|]([^|]*)[|]" matched "${line}")
+  set(room ${CMAKE_MATCH_1})
+  string(REGEX REPLACE "/[^ ]*" "" needs "${CMAKE_MATCH_2}") # of a header its room
+  separate_arguments(needs)
+  list(REMOVE_DUPLICATES needs)
+  list(APPEND rooms_listed ${room})
+  set(${room}_rooms ${needs})
+endforeach()
+
+# rubicon_room(NAME SOURCES file... NEEDS target...): one room, one library, linked with the rooms that it may
+# include and with NEEDS. A room without sources of its own is an interface library. Without `PRECOMPILE
+# header...` a room shares the core's precompiled headers.
 function(rubicon_room name)
   cmake_parse_arguments(room "" "" "SOURCES;NEEDS;PRECOMPILE" ${ARGN})
+  foreach(other ${${name}_rooms})
+    if(TARGET rubicon_${other}) # a build of a few rooms may lack one whose headers alone are used
+      list(APPEND room_NEEDS rubicon_${other})
+    endif()
+  endforeach()
   if(room_SOURCES)
     add_library(rubicon_${name} STATIC ${room_SOURCES})
     target_link_libraries(rubicon_${name} PUBLIC rubicon_options ${room_NEEDS})

@@ -10,14 +10,15 @@
 namespace rubicon::cli {
 
 exit_status perform(const check_command& x) {
-  const auto ecology = load_or_complain(x.file, x.instead);
-  if (!ecology)
+  const auto file = load_or_complain(x.file, x.instead);
+  if (!file)
     return exit_status::refused;
+  const auto& ecology = file->ecology;
   std::string warnings;
-  for (const auto& each : config::doubts(*ecology))
+  for (const auto& each : config::doubts(ecology))
     warnings += printable(x.file + ": warning: " + each) + '\n';
   static_cast<void>(print(stderr, warnings)); // nobody reads it, nobody misses it
-  const auto text = x.list ? config::listing(*ecology) : config::summary(*ecology);
+  const auto text = x.list ? config::listing(ecology) : config::summary(ecology);
   return print(stdout, text) ? exit_status::good : exit_status::refused;
 }
 

@@ -1,5 +1,6 @@
 #include "cli/command_line.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -11,7 +12,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/ecology_file.hpp"
 #include "cli/network_command_line.hpp"
+#include "config/near.hpp"
 #include "config/units.hpp"
 #include "core/printable.hpp"
 
@@ -34,7 +37,7 @@ constexpr const char* roles =
     "  init           starts, stops and watches the other components of its host\n"
     "\n"
     "Exit status: 0 good; 1 the run ended with violations, equal runs differed, or nobody\n"
-    "answered; 2 the command line or the file was refused; 130 Ctrl-C ended a swarm.";
+    "answered; 2 the command line or the file was refused; 130 Ctrl-C ended it.";
 
 duration parse_length(const std::string& text, const char* option = "--for") {
   const auto length = config::parse_duration(text);
@@ -81,7 +84,7 @@ std::uint64_t parse_jobs(const std::string& text) {
 }
 
 void add_file(CLI::App& app, std::string& file) {
-  app.add_option("FILE", file, "The TOML file that describes the ecology")
+  app.add_option("FILE", file, "The TOML file that describes the ecology; - reads standard input")
       ->required()
       ->type_name("");
 }
@@ -207,14 +210,55 @@ void check_combination(const run_command& x) {
     throw CLI::ValidationError("--check-determinism", "runs twice, --record records one run");
 }
 
+void check_combination(const swarm_command& x) {
+  if (x.file == standard_input)
+    throw CLI::ValidationError("FILE", "each run reads it anew: not from standard input");
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const auto* option : app.get_options())
+    for (const auto& name : option->get_lnames())
+      names.push_back("--" + name);
+  return names;
+}
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const auto* command : app.get_subcommands({}))
+    names.push_back(command->get_name());
+  return names;
+}
+
+/// What a refused line has that is no command or option; empty if there is no such word.
+std::string unknown_word(const CLI::App& app, std::span<const char* const> arguments) {
+  const auto* at = &app;
+  for (const std::string argument : arguments.subspan(1)) {
+    const auto word = argument.substr(0, argument.find('='));
+    const auto commands = command_names(*at);
+    if (word.starts_with("--")) {
+      const auto options = option_names(*at);
+      if (std::ranges::find(options, word) == options.end())
+        return "there is no option `" + word + '`' + config::suggestion(word, options);
+    } else if (std::ranges::find(commands, word) != commands.end()) {
+      at = at->get_subcommands([&](const auto* x) { return x->get_name() == word; }).front();
+    } else if (!commands.empty() && !word.starts_with('-')) {
+      return "there is no command `" + word + '`' + config::suggestion(word, commands);
+    }
+  }
+  return {};
+}
+
 } // namespace
 
 command parse_command_line(std::span<const char* const> arguments) {
   CLI::App app(about, "rubicon");
   app.set_version_flag("--version", "rubicon " RUBICON_VERSION);
   app.require_subcommand(1);
-  app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return "rubicon: " + printable(error.what()) + "\nrubicon --help explains.\n";
+  app.failure_message([&](const CLI::App*, const CLI::Error& error) {
+    const auto unknown = unknown_word(app, arguments);
+    return "rubicon: " + printable(unknown.empty() ? error.what() : unknown) +
+           "\nrubicon --help explains.\n";
   });
   run_command run;
   run.options.handle_signals = true;
@@ -234,6 +278,7 @@ command parse_command_line(std::span<const char* const> arguments) {
     app.parse(static_cast<int>(arguments.size()), arguments.data());
     check_combination(run);
     check_combination(explain);
+    check_combination(swarm);
     run.instead.seed = run.options.seed;
     run.instead.mode = run.options.mode;
   } catch (const CLI::ParseError& error) {

@@ -1,6 +1,7 @@
 // A file that describes an ecology, or everything that is wrong with it.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -9,9 +10,18 @@
 
 namespace rubicon::cli {
 
-/// Prints every problem on standard error, one a line, and their count when there are several.
+/// What FILE is called that is read from standard input.
+inline constexpr const char* standard_input = "-";
+
+struct ecology_file {
+  config::ecology_description ecology;
+  std::uint64_t text_hash = 0; ///< fold64 of the file's octets
+};
+
+/// Prints problems on standard error, one a line, at most 50 and then their count.
+/// @param file `-`: standard input
 /// @returns nothing if there was a problem (GEN-06)
-[[nodiscard]] std::optional<config::ecology_description>
-load_or_complain(const std::string& file, const config::overrides& instead);
+[[nodiscard]] std::optional<ecology_file> load_or_complain(const std::string& file,
+                                                           const config::overrides& instead);
 
 } // namespace rubicon::cli

@@ -1,8 +1,6 @@
 #include "cli/run_command.hpp"
 
 #include <chrono>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
 #include "cli/console.hpp"
@@ -38,22 +36,15 @@ runtime::report run_watched(const config::ecology_description& ecology, run_opti
 }
 
 exit_status status_of(const runtime::report& x) {
+  if (x.interrupted)
+    return exit_status::interrupted;
   return x.complete && x.violations.empty() ? exit_status::good : exit_status::violated;
 }
 
-/// What a record tells about the file it is of.
-run_source source_of(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  return {file, to_hex(fold64().add(std::string_view(text)).value())};
-}
-
-exit_status report_run(const run_command& x, const config::ecology_description& ecology) {
+exit_status report_run(const run_command& x, const ecology_file& file) {
   auto options = x.options;
-  options.source.file = x.file;
-  if (!options.record_file.empty())
-    options.source = source_of(x.file);
-  const auto report = run_watched(ecology, std::move(options), console_of(stderr));
+  options.source = {x.file, to_hex(file.text_hash)};
+  const auto report = run_watched(file.ecology, std::move(options), console_of(stderr));
   const auto output = console_of(stdout);
   const auto text = x.json ? to_json(report) : to_text(report, output.width, output.colour);
   return print(stdout, text) ? status_of(report) : exit_status::refused;
@@ -70,7 +61,7 @@ exit_status compare_runs(const run_command& x, const config::ecology_description
       first.interrupted ? first : run_watched(ecology, x.options, console_of(stderr));
   if (second.interrupted) {
     static_cast<void>(print(stderr, printable(x.file) + ": interrupted, nothing is compared\n"));
-    return exit_status::refused;
+    return exit_status::interrupted;
   }
   const bool equal = first.trace_hash == second.trace_hash && first.events == second.events;
   const auto tell = [](const char* name, const runtime::report& run) {
@@ -91,10 +82,10 @@ exit_status compare_runs(const run_command& x, const config::ecology_description
 
 exit_status perform(const run_command& x) {
   set_up_logging(x.log_level, console_of(stderr));
-  const auto ecology = load_or_complain(x.file, x.instead);
-  if (!ecology)
+  const auto file = load_or_complain(x.file, x.instead);
+  if (!file)
     return exit_status::refused;
-  return x.check_determinism ? compare_runs(x, *ecology) : report_run(x, *ecology);
+  return x.check_determinism ? compare_runs(x, file->ecology) : report_run(x, *file);
 }
 
 } // namespace rubicon::cli

@@ -210,12 +210,12 @@ exit_status perform(const swarm_command& x) {
   config::overrides instead;
   instead.seed = x.seeds.first;
   instead.mode = config::run_mode::virtual_time;
-  const auto ecology = load_or_complain(x.file, instead);
-  if (!ecology)
+  const auto file = load_or_complain(x.file, instead);
+  if (!file)
     return exit_status::refused;
   swarm_words words{x.file, x.length, x.jobs.value_or(std::thread::hardware_concurrency())};
   words.jobs = std::max<std::uint64_t>(words.jobs, 1);
-  words.from_wall = ecology->mode == config::run_mode::wall;
+  words.from_wall = file->ecology.mode == config::run_mode::wall;
   return swarm_runs(x, std::move(words)).run_all();
 }
 

@@ -252,7 +252,8 @@ exit_status perform(const visit& at, const watch_tuples& x) {
     if (const auto* why = std::get_if<peis::cause>(&watch))
       return fail(refused(*why));
   }
-  const io::signal_watch interrupted(at.loop, [&](int) { over = true; });
+  bool interrupted = false;
+  const io::signal_watch signals(at.loop, [&](int) { over = interrupted = true; });
   const auto end = at.peer().now() + x.length.value_or(0s);
   while (!over && at.peer().links().open_links() > 0) {
     if (x.length && at.peer().now() >= end)
@@ -261,6 +262,8 @@ exit_status perform(const visit& at, const watch_tuples& x) {
   }
   if (!written)
     return exit_status::refused;
+  if (interrupted)
+    return exit_status::interrupted;
   if (at.peer().links().open_links() == 0)
     return fail("the link to " + at.with.peer + " is gone");
   return x.count && tell.count() < *x.count && x.length

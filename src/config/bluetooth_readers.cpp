@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "config/file_readers.hpp"
+#include "peis/bluetooth.hpp"
 
 namespace rubicon::config {
 
@@ -41,9 +42,17 @@ struct device_address {
   }
 };
 
+/// What has `key` cannot run without Bluetooth (LNK-04).
+void need_bluetooth(const table_reader& in, std::string_view key) {
+  if (in.has(key) && !peis::has_bluetooth())
+    in.problems().add(in.at(key), "this rubicon was built without Bluetooth; "
+                                  "build it with -DRUBICON_BLUETOOTH=ON");
+}
+
 } // namespace
 
 void read_bluetooth(table_reader& in, bluetooth_description& out) {
+  need_bluetooth(in, "bluetooth");
   in.table("bluetooth", "[peis.bluetooth]", [&out](table_reader& x) {
     x.optional("range", metres{0.1, 1000}, out.range_m);
     x.optional("rate", bit_rate{}, out.rate_bps);
@@ -54,6 +63,7 @@ void read_bluetooth(table_reader& in, bluetooth_description& out) {
 }
 
 std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root) {
+  need_bluetooth(root, "bluetooth_device");
   std::vector<bluetooth_device> out;
   name_claims names;
   claims<peis::bluetooth_address> addresses;
@@ -71,6 +81,7 @@ std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root) {
 }
 
 void read_adapters(table_reader& in, machine_places& places, peer_description& out) {
+  need_bluetooth(in, "bluetooth");
   std::vector<located<std::string>> adapters;
   in.optional("bluetooth", list_of<adapter_name>{{}, 1, adapters_max}, adapters);
   claims<std::string> named;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -72,6 +73,34 @@ std::optional<problem> unfit(std::string_view text, const std::string& file) {
   return std::nullopt;
 }
 
+/// Where the value on that line begins, and it, if it is a text without quotes.
+std::optional<std::pair<mark, std::string_view>> bare_text(std::string_view text,
+                                                           const unsigned at_line) {
+  auto line = at_line;
+  for (; line > 1; --line) {
+    const auto end = text.find('\n');
+    if (end == std::string_view::npos)
+      return std::nullopt;
+    text.remove_prefix(end + 1);
+  }
+  text = text.substr(0, text.find_first_of("#\r\n"));
+  const auto equals = text.find('=');
+  if (equals == std::string_view::npos || text.find_first_of("\"'[{") < equals)
+    return std::nullopt;
+  const auto first = text.find_first_not_of(" \t", equals + 1);
+  if (first == std::string_view::npos)
+    return std::nullopt;
+  const auto value = text.substr(first, text.find_last_not_of(" \t") + 1 - first);
+  const bool is_plain = std::ranges::all_of(value, [](char x) {
+    const auto octet = static_cast<unsigned char>(x);
+    return octet >= 0x80 || std::isalnum(octet) != 0 ||
+           std::string_view("-_.:/%+ ").find(x) != std::string_view::npos;
+  });
+  if (!is_plain || toml::parse("x = " + std::string(value)))
+    return std::nullopt;
+  return std::pair(mark{at_line, static_cast<unsigned>(first) + 1}, value);
+}
+
 struct describer {
   std::string operator()(const node_table&) const { return "a table"; }
   std::string operator()(const node_array& x) const {
@@ -129,7 +158,11 @@ std::variant<node, problem> parse(std::string_view text, const std::string& file
   if (parsed)
     return to_node(parsed.table());
   complaints found;
-  found.add(to_mark(parsed.error().source()), std::string(parsed.error().description()));
+  const auto at = to_mark(parsed.error().source());
+  if (const auto bare = bare_text(text, at.line))
+    found.add(bare->first, "a text needs quotes: " + quoted(bare->second));
+  else
+    found.add(at, std::string(parsed.error().description()));
   return found.of_file(file).front();
 }
 

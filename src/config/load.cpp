@@ -71,13 +71,17 @@ file_text read_file(const std::string& path, std::size_t octets_max) {
                                                              std::fclose);
   if (file == nullptr)
     return {std::nullopt, "cannot be opened: " + reason(errno)};
+  return read_stream(*file, octets_max);
+}
+
+file_text read_stream(std::FILE& file, std::size_t octets_max) {
   std::string text;
   std::array<char, 65536> part{};
   for (std::size_t got = 1; got > 0 && text.size() <= octets_max;) {
-    got = std::fread(part.data(), 1, part.size(), file.get());
+    got = std::fread(part.data(), 1, part.size(), &file);
     text.append(part.data(), got);
   }
-  if (std::ferror(file.get()) != 0)
+  if (std::ferror(&file) != 0)
     return {std::nullopt, "cannot be read: " + reason(errno)};
   if (text.size() > octets_max)
     return {std::nullopt, "is larger than " + std::to_string(octets_max) + " octets"};
@@ -123,7 +127,12 @@ loaded load_file(const std::string& path, const overrides& instead,
   auto file = read_file(path, file_octets_max);
   if (!file.text)
     return {std::nullopt, {problem{path, 0, 0, std::move(file.reason)}}};
-  return load_text(*file.text, path, instead, read_file, read_folder, programs);
+  return load_with_files(*file.text, path, instead, programs);
+}
+
+loaded load_with_files(std::string_view toml, const std::string& file_name,
+                       const overrides& instead, const proxy::program_registry& programs) {
+  return load_text(toml, file_name, instead, read_file, read_folder, programs);
 }
 
 std::vector<std::pair<std::string, std::string>> accepted_keys() {

@@ -43,6 +43,9 @@ using file_reader = std::function<file_text(const std::string& path, std::size_t
 /// From the disk.
 [[nodiscard]] file_text read_file(const std::string& path, std::size_t octets_max);
 
+/// The same of a file that is open, from where it is to its end.
+[[nodiscard]] file_text read_stream(std::FILE& file, std::size_t octets_max);
+
 /// The names of the files in a folder, sorted, or why they are not known.
 struct folder_names {
   std::optional<std::vector<std::string>> names;
@@ -63,6 +66,11 @@ using folder_reader = std::function<folder_names(const std::string& path)>;
 load_text(std::string_view toml, const std::string& file_name, const overrides& instead = {},
           const file_reader& read = {}, const folder_reader& list = {},
           const proxy::program_registry& programs = proxy::built_in_programs());
+
+/// The same, with what it names read from the disk.
+[[nodiscard]] loaded
+load_with_files(std::string_view toml, const std::string& file_name, const overrides& instead = {},
+                const proxy::program_registry& programs = proxy::built_in_programs());
 
 /// The same for a file. One that is missing, unreadable, a directory, binary or empty is one
 /// problem.

@@ -63,7 +63,7 @@ public:
     }
     for (const auto& input : what.inputs) {
       own(input.name);
-      for (const auto* part : {".latency", ".words", ".outcome"})
+      for (const auto* part : {".deadline", ".latency", ".words", ".outcome"})
         own(input.name + part);
       if (input.meta)
         own("mi-" + input.name);

@@ -382,15 +382,22 @@ void layer::on_channel_closed(stream::channel_handle channel, instant now) {
 
 // Streams.
 
-/// Of what comes over gateways Transport says how long it may be under way.
 std::optional<duration> layer::latency_bound(stream::descriptor stream) const {
   const auto channel = streams_.channel_of(stream);
   return channel ? latency_bound(*channel) : std::nullopt;
 }
 
+/// What comes over gateways takes as long as twice the set-up did, there and back, more for radios
+/// that sleep at another moment, and for what is before it in queues.
 std::optional<duration> layer::latency_bound(stream::channel_handle channel) const {
-  if (is_tunnel(channel))
-    return config_.messages.lifetime;
+  constexpr duration queues = 250ms;
+  if (is_tunnel(channel)) {
+    const auto route = tunnels_.route_of(tunnel_of(channel));
+    if (!route)
+      return config_.messages.lifetime;
+    return std::min(config_.messages.lifetime,
+                    2 * route->round_trip + messages_.slack_to(route->peer) + queues);
+  }
   const auto found = latency_bounds_.find(channel);
   return found == latency_bounds_.end() ? std::nullopt : std::optional(found->second);
 }

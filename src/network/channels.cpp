@@ -10,7 +10,8 @@ namespace {
 /// What the radio takes at most for one round: four transmissions, before each five back-offs of at
 /// most 7, 15, 31, 31 and 31 periods of 320 us; 4.3 ms on the air, and 0.9 ms until it knows that
 /// no acknowledgement comes (IEEE 802.15.4-2006 7.5.1.4).
-constexpr duration radio_round_max = 4 * (115 * 320us + 4300us + 900us);
+constexpr duration radio_try_max = 115 * 320us + 4300us + 900us;
+constexpr duration radio_round_max = 4 * radio_try_max;
 
 constexpr duration offer_lifetime = 5s; ///< what nobody has taken up by then is void
 constexpr int turns_spare =
@@ -536,10 +537,10 @@ std::optional<duration> channels::latency_bound(channel_id channel) const {
   if (found == entries_.end() || !found->second.open)
     return std::nullopt;
   const auto& x = found->second;
-  const auto one = config_.data_rounds_max * radio_round_max +
+  const auto own = config_.data_rounds_max * radio_round_max +
                    2 * config_.round_pause * (config_.data_rounds_max - 1);
-  const auto packets = static_cast<std::int64_t>(2 * config_.queue_max + 1);
-  return x.wish.hops * (packets * one + duration(x.wish.schedule.interval));
+  const auto before = static_cast<std::int64_t>(2 * config_.queue_max) * radio_try_max;
+  return x.wish.hops * (before + own + duration(x.wish.schedule.interval));
 }
 
 std::vector<channel_id> channels::table() const {

@@ -177,8 +177,9 @@ public:
   [[nodiscard]] channels_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
 
-  /// A packet that arrives has been under way for no longer (IF-05). At each hop it waits for those
-  /// that its queue holds before it, and once for the radio of the next mote if that sleeps.
+  /// A packet that arrives has been under way for no longer (IF-05). At each hop it may need all
+  /// its rounds, waits for those that its queue holds before it, which need one try each, and once
+  /// for the radio of the next mote if that sleeps.
   /// @returns nothing: no end of such an open channel is here
   [[nodiscard]] std::optional<duration> latency_bound(channel_id channel) const;
 

@@ -18,6 +18,10 @@ std::string key_of(std::string_view adapter, const bluetooth_address& address,
 
 } // namespace
 
+bool has_bluetooth() {
+  return true;
+}
+
 bluetooth::bluetooth(bluetooth_config config, instant now)
     : config_(std::move(config)), next_scan_(now + first_scan_after) {
   for (const auto& adapter : config_.adapters)

@@ -22,6 +22,9 @@ namespace rubicon::peis {
 /// L2CAP port of HELLO connections (A-18: decimal).
 inline constexpr std::uint16_t hello_port = bluetooth_port_default;
 
+/// Whether this build has Bluetooth (RUBICON_BLUETOOTH, LNK-04). Without it adapters do nothing.
+[[nodiscard]] bool has_bluetooth();
+
 struct bluetooth_config {
   std::vector<std::string> adapters; ///< `hci0`, ...: only these are used (BT-01)
   duration scan_period = 10s;        ///< HELLOs go out after each scan

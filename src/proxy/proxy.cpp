@@ -303,7 +303,9 @@ void proxy::say_prior_information(outputs& out) {
       say(key_of(input.name + ".range"), range_text(*input.numbers), out);
     if (!input.unit.empty())
       say(key_of(input.name + ".unit"), input.unit, out);
-    say(key_of(input.name + ".latency"), to_text(instant(latency_of(input.channel))), out);
+    const auto deadline = to_text(instant(deadline_of(input.channel)));
+    say(key_of(input.name + ".deadline"), deadline, out);
+    say(key_of(input.name + ".latency"), deadline, out);
     say(key_of(input.name), std::string(nothing_word), out);
     if (input.meta)
       declare_meta(input.name, out);
@@ -356,9 +358,22 @@ void proxy::sensed(instant now, outputs& out) {
 }
 
 /// In which a request has its outcome for certain: those before it on the channel come first.
-duration proxy::latency_of(std::uint16_t channel) const {
+duration proxy::deadline_of(std::uint16_t channel) const {
   const auto before = std::ranges::count(class_.inputs, channel, &input::channel);
   return (before + 1) * (class_.settings.answer_timeout + class_.settings.retry_for);
+}
+
+/// Told again where it has grown, or has fallen to less than half.
+void proxy::note_latency(std::uint16_t channel, duration taken, outputs& out) {
+  auto& x = latencies_[channel];
+  x.estimate.add(taken);
+  const auto bound = std::min(*x.estimate.bound(), deadline_of(channel));
+  if (x.told && bound <= *x.told && 2 * bound >= *x.told)
+    return;
+  x.told = bound;
+  for (const auto& input : class_.inputs)
+    if (input.channel == channel)
+      say(key_of(input.name + ".latency"), to_text(instant(bound)), out);
 }
 
 void proxy::apply(std::uint16_t channel, input_channel::outputs todo, outputs& out) {
@@ -371,6 +386,7 @@ void proxy::apply(std::uint16_t channel, input_channel::outputs todo, outputs& o
         continue;
       counters_.slowest = std::max(counters_.slowest, end->after);
       counters_.latency.add(end->after);
+      note_latency(channel, end->after, out);
     }
   }
 }

@@ -17,6 +17,7 @@
 #include "core/bytes.hpp"
 #include "core/delay_histogram.hpp"
 #include "core/device_keys.hpp"
+#include "core/latency_estimate.hpp"
 #include "core/running_mean.hpp"
 #include "core/time.hpp"
 #include "proxy/input_channel.hpp"
@@ -115,9 +116,10 @@ struct proxy_counters {
 ///   INPUT                    others write a word here; `none` at the start, so that it exists and
 ///                            tells everybody who owns it; not set by the proxy afterwards
 ///   mi-INPUT                 of an input with `meta`: which tuple the input is, at first INPUT;
-///   who
-///                            rewrites it decides what the actuator follows (META-05)
-///   INPUT.latency            in seconds: a request has its outcome by then (IF-07)
+///                            who rewrites it decides what the actuator follows (META-05)
+///   INPUT.deadline           in seconds: a request has its outcome by then
+///   INPUT.latency            in seconds: what a request is expected to take at most until it is
+///                            acknowledged, from those before it; the deadline at first (IF-07)
 ///   INPUT.words              the words the input knows, between blanks
 ///   INPUT.range, INPUT.unit  of one that takes numbers: the least and the greatest
 ///   templates                of the class, under keys of their own
@@ -199,7 +201,8 @@ private:
   void enter(state next, instant now, outputs& out);
   void sensed(instant now, outputs& out);
   void apply(std::uint16_t channel, input_channel::outputs todo, outputs& out);
-  [[nodiscard]] duration latency_of(std::uint16_t channel) const;
+  [[nodiscard]] duration deadline_of(std::uint16_t channel) const;
+  void note_latency(std::uint16_t channel, duration taken, outputs& out);
   void tell(std::size_t input, std::string_view word, request_outcome outcome, outputs& out);
   [[nodiscard]] std::optional<instant> presence_deadline() const;
 
@@ -217,6 +220,11 @@ private:
   instant lost_since_{};
   bool retired_ = false;
   std::map<std::uint16_t, input_channel> channels_;
+  struct input_latency {
+    latency_estimate estimate;
+    std::optional<duration> told{};
+  };
+  std::map<std::uint16_t, input_latency> latencies_; ///< of channels that have acknowledged
   std::map<std::string, reading> newest_;
   proxy_counters counters_;
 };

@@ -259,16 +259,58 @@ violations check_streams(const report& x, std::span<const half_open_stream> all)
   return found;
 }
 
-violations check_clocks(const report& x, const std::map<island_id, duration>& bounds) {
+violations check_clocks(const report& x, std::span<const steady_island> islands) {
+  constexpr duration error_max = 3ms;
+  constexpr duration excess_max = 1ms;
   violations found;
   for (const auto& island : x.islands) {
-    const auto bound = bounds.find(island.id);
-    if (bound == bounds.end() || island.network.clock_error_max.value <= bound->second)
+    const auto steady = std::ranges::find(islands, island.id, &steady_island::id);
+    if (steady == islands.end())
       continue;
-    found.push_back(at_end(x, "clocks keep their bound",
-                           island.name + ": a mote's island time is " +
-                               rubicon::to_text(island.network.clock_error_max.value) +
-                               " off, more than " + rubicon::to_text(bound->second)));
+    const auto& network = island.network;
+    if (!steady->sleeps && network.clock_error_max.value > error_max)
+      found.push_back(at_end(x, "clocks keep their bound",
+                             island.name + ": a mote's island time is " +
+                                 rubicon::to_text(network.clock_error_max.value) +
+                                 " off, more than " + rubicon::to_text(error_max)));
+    if (network.clock_excess_max.value > excess_max)
+      found.push_back(at_end(x, "clocks keep their bound",
+                             island.name + ": a mote's island time is " +
+                                 rubicon::to_text(network.clock_excess_max.value) +
+                                 " farther off than it allows for"));
+  }
+  return found;
+}
+
+violations check_ticks(const report& x, std::span<const steady_island> islands,
+                       std::span<const peer_view> peers) {
+  constexpr duration excess_max = 5ms;
+  constexpr duration apart_max = 25ms; // packages over Bluetooth take as long one way at times
+  constexpr const char* invariant = "ticks come together";
+  violations found;
+  for (const auto& island : x.islands) {
+    const auto steady = std::ranges::find(islands, island.id, &steady_island::id);
+    if (steady != islands.end() && steady->has_gateway &&
+        island.network.time_excess_max.value > excess_max)
+      found.push_back(at_end(x, invariant,
+                             island.name + ": a mote's network time is " +
+                                 rubicon::to_text(island.network.time_excess_max.value) +
+                                 " farther off its gateway's than it allows for"));
+  }
+  std::map<peer_id, const peer_view*> by_id;
+  for (const auto& peer : peers)
+    by_id.emplace(peer.id, &peer);
+  for (const auto& peer : peers) {
+    for (const auto& id : peer.hosts) {
+      const auto other = by_id.find(id);
+      if (other == by_id.end() || peer.id >= id)
+        continue;
+      const auto apart = std::chrono::abs(peer.clock_offset - other->second->clock_offset);
+      if (apart > apart_max)
+        found.push_back(at_end(x, invariant,
+                               "the network times of " + peer.name + " and " + other->second->name +
+                                   " are " + rubicon::to_text(apart) + " apart"));
+    }
   }
   return found;
 }
@@ -294,7 +336,8 @@ violations check_all(const report& x, const run_truth& truth) {
   append(all, check_peers(x, truth.peers));
   append(all, check_channels(x, truth.channels));
   append(all, check_streams(x, truth.half_open));
-  append(all, check_clocks(x, truth.clock_bounds));
+  append(all, check_clocks(x, truth.steady_islands));
+  append(all, check_ticks(x, truth.steady_islands, truth.peers));
   return all;
 }
 

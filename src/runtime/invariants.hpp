@@ -61,6 +61,7 @@ struct peer_view {
   std::string name;
   std::vector<peer_id> hosts;      ///< itself included, in any order
   std::vector<peer_id> neighbours; ///< at the other ends of its links; some may be in no view
+  duration clock_offset{};         ///< network time, as it knows it, minus ecology time
 };
 
 /// Every peer knows exactly the hosts that it can reach over links (KH-05, RTE-07). Those that can
@@ -83,8 +84,20 @@ struct channel_entry {
 /// No stream is open at one end and closed at the other for long.
 [[nodiscard]] violations check_streams(const report& x, std::span<const half_open_stream> all);
 
-/// Island time is what it is promised to be, where it is.
-[[nodiscard]] violations check_clocks(const report& x, const std::map<island_id, duration>& bounds);
+/// An island none of whose clocks was set, nor its sink started again, for long.
+struct steady_island {
+  island_id id;
+  bool sleeps = false; ///< its motes' radios do: their clocks hold what they say that they hold
+  bool has_gateway = false; ///< which has told it the network time for long, over a fast line
+};
+
+/// Island time is what it is promised to be (CLK-01).
+[[nodiscard]] violations check_clocks(const report& x, std::span<const steady_island> islands);
+
+/// The RUBICON clock ticks everywhere at once: motes know the network time of their gateway, and
+/// peers that know each other agree on it (SYN-11, CLK-06, CLK-08). @param peers as check_peers()
+[[nodiscard]] violations check_ticks(const report& x, std::span<const steady_island> islands,
+                                     std::span<const peer_view> peers);
 
 /// Timeouts that wait at the end are no more than a few for each actor: none is set again and again
 /// beside those that are there.
@@ -97,7 +110,7 @@ struct run_truth {
   std::vector<peer_view> peers = {}; ///< empty if they have not settled
   std::vector<half_open_stream> half_open = {};
   std::vector<channel_entry> channels = {}; ///< of islands that are quiet
-  std::map<island_id, duration> clock_bounds = {};
+  std::vector<steady_island> steady_islands = {};
 };
 
 /// All checks, in the order above.

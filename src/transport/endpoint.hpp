@@ -118,6 +118,9 @@ public:
   /// sleep.
   void set_answer_slack(duration x) { own_slack_ = x; }
 
+  /// What answers from there take longer for radios that sleep.
+  [[nodiscard]] duration slack_to(mote_address destination) const;
+
   /// This node has been started again, we hear: greet it before the next message.
   void forget_incarnation(mote_address destination);
 
@@ -189,8 +192,6 @@ private:
   void on_hello(mote_address from, const segment& x, outputs& out, instant now);
   void on_reliable(mote_address from, segment x, outputs& out, instant now);
   void answer(mote_address to, const segment& x, segment::kind what, outputs& out) const;
-
-  [[nodiscard]] duration slack_to(mote_address destination) const;
 
   endpoint_config config_;
   duration own_slack_{};

@@ -199,12 +199,22 @@ bool tunnels::is_late(mote_address from, const tunnel_message& x, tunnels_output
   return false;
 }
 
+std::optional<tunnels::route> tunnels::route_of(tunnel_id id) const {
+  const auto at = entries_.find(id);
+  if (at == entries_.end() || !at->second.round_trip)
+    return std::nullopt;
+  return route{at->second.peer, *at->second.round_trip};
+}
+
 void tunnels::on_open(entry at, tunnel_message& x, tunnels_outputs& out, instant now) {
   auto& [id, y] = *at;
   if (x.what == kind::close || x.what == kind::refuse) {
     end(at, x.what == kind::close ? tunnel_end::closed : tunnel_end::refused, out);
     return;
   }
+  // Since the first connect, or since the accept: an opener goes on at once.
+  if (!y.round_trip && x.what != kind::connect)
+    y.round_trip = now - y.heard;
   y.heard = now;
   if (y.peer_life == 0) { // whatever an acceptor says, it has accepted
     y.peer_life = x.acceptor;

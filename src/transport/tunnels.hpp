@@ -136,12 +136,20 @@ public:
   [[nodiscard]] tunnels_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
 
+  struct route {
+    mote_address peer;   ///< the other end
+    duration round_trip; ///< to it and back, as the set-up has shown
+  };
+
+  /// Nothing: the tunnel is not open, or nothing has come back yet.
+  [[nodiscard]] std::optional<route> route_of(tunnel_id id) const;
+
   [[nodiscard]] std::size_t size() const { return entries_.size(); } ///< connecting or open
   [[nodiscard]] const tunnels_counters& counters() const { return counters_; }
 
   /// Octets on a mote.
   [[nodiscard]] std::size_t footprint() const {
-    return config_.tunnels_max * 24 + config_.remembered_max * 8 + 16;
+    return config_.tunnels_max * 28 + config_.remembered_max * 8 + 16;
   }
 
 private:
@@ -153,6 +161,7 @@ private:
     instant sent;
     instant heard;    ///< connecting: when it began
     duration wait{0}; ///< connecting: before the next connect
+    std::optional<duration> round_trip{};
   };
 
   /// A tunnel that was accepted here and has ended.

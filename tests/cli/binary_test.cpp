@@ -53,6 +53,26 @@ TEST_CASE("check tells every mistake of a file with its position", "[cli][GEN-06
   CHECK(lines[3] == file + ": 3 problems");
 }
 
+TEST_CASE("of very many mistakes the first fifty are told, and how many there are",
+          "[cli][GEN-06]") {
+  const auto x = shell("{ echo '[ecology]'; for i in $(seq 60); do echo \"x$i = 1\"; done; } | \"" +
+                       binary + "\" check - 2>&1 >/dev/null");
+  CHECK(x.status == 2);
+  const auto lines = lines_of(x.out);
+  REQUIRE(lines.size() == 51);
+  CHECK(lines[49].starts_with("<stdin>:"));
+  CHECK(lines[50] == "<stdin>: 62 problems, of which the first 50 are above");
+}
+
+TEST_CASE("a file may come from standard input", "[cli]") {
+  const auto file = '\'' + fixture("small.toml") + '\'';
+  const auto named = standard_output("run --for 5s --json " + file);
+  const auto piped = shell("\"" + binary + "\" run --for 5s --json - <" + file + " 2>/dev/null");
+  CHECK(piped.status == 0);
+  const auto hash = [](const outcome& x) { return nlohmann::json::parse(x.out).at("trace_hash"); };
+  CHECK(hash(piped) == hash(named));
+}
+
 TEST_CASE("run refuses what check refuses", "[cli][GEN-06]") {
   const auto file = '\'' + fixture("three_mistakes.toml") + '\'';
   const auto x = standard_error("run " + file);
@@ -208,7 +228,7 @@ components = [{ name = "worker", command = "trap '' INT; while :; do sleep 1000;
                        "' 2>/dev/null");
   std::filesystem::remove_all(folder);
   CAPTURE(x.out);
-  CHECK(x.status == 0);
+  CHECK(x.status == 130);
   const auto off = x.out.find("worker off");
   const auto last = x.out.find(R"(who=peis_peer/pc what="ended")");
   REQUIRE(off != std::string::npos);
@@ -290,4 +310,26 @@ TEST_CASE("a swarm refuses what a run refuses", "[cli][GEN-06]") {
   CHECK(shell('"' + binary + "\" swarm --seeds 1..2 --for 1s '" + fixture("small.toml") +
               "' >/dev/full 2>/dev/null")
             .status == 2);
+}
+
+TEST_CASE("a build without Bluetooth says so where it is asked for, and runs the rest as ever",
+          "[cli][peis][LNK-04]") {
+  const std::string without = RUBICON_WITHOUT_BLUETOOTH;
+  const auto small = '\'' + fixture("small.toml") + '\'';
+  const auto hash = [&](const std::string& of) {
+    const auto x = shell('"' + of + "\" run --for 5s --json " + small + " 2>/dev/null");
+    return nlohmann::json::parse(x.out).at("trace_hash");
+  };
+  CHECK(hash(without) == hash(binary));
+
+  constexpr const char* robot = "[ecology]\nname = \"robots\"\n[[peer]]\nid = 1\nname = \"robot\"\n"
+                                "bluetooth = [\"hci0\"]\nposition_m = [0, 0]\n";
+  const auto check = [&](const std::string& with) {
+    return shell("printf '%s' '" + std::string(robot) + "' | \"" + with + "\" check - 2>&1");
+  };
+  CHECK(check(binary).status == 0);
+  const auto refused = check(without);
+  CHECK(refused.status == 2);
+  CHECK(refused.out == "<stdin>:6:13: this rubicon was built without Bluetooth; "
+                       "build it with -DRUBICON_BLUETOOTH=ON\n");
 }

@@ -190,6 +190,21 @@ TEST_CASE("a refusal names the option and what was wrong with it", "[cli]") {
   CHECK(contains(refusal({"run"}), "FILE"));
 }
 
+TEST_CASE("who mistypes a command or an option is told what was meant", "[cli]") {
+  const auto meant = [](const std::string& what) {
+    return "rubicon: " + what + "\nrubicon --help explains.\n";
+  };
+  CHECK(refusal({"rnu", "a.toml"}) == meant("there is no command `rnu`: did you mean `run`?"));
+  CHECK(refusal({"run", "a.toml", "--sed", "3"}) ==
+        meant("there is no option `--sed`: did you mean `--seed`?"));
+  CHECK(refusal({"swarm", "a.toml", "--seed=1..3"}) ==
+        meant("there is no option `--seed`: did you mean `--seeds`?"));
+  CHECK(refusal({"tuples", "gte"})
+            .starts_with("rubicon: there is no command `gte`: did you mean `get`?"));
+  CHECK(refusal({"frobnicate"}).starts_with("rubicon: there is no command `frobnicate`: "));
+  CHECK(refusal({"swarm", "-", "--seeds", "1..3"}).find("standard input") != std::string::npos);
+}
+
 TEST_CASE("help names every role and every exit status", "[cli][GEN-01]") {
   const auto x = parse({"--help"});
   REQUIRE(std::holds_alternative<show_command>(x));

@@ -97,7 +97,7 @@ TEST_CASE("with a fifth of all frames lost every actuation has one outcome, in t
     CHECK(actuations.requested == actuations.acknowledged + runtime::total(actuations.failed));
     CHECK(actuations.acknowledged >= actuations.requested * 95 / 100);
     CHECK(actuations.slowest > 0s);
-    CHECK(actuations.slowest <= 40s); // hall.relay.switch.latency
+    CHECK(actuations.slowest <= 40s); // hall.relay.switch.deadline
     // Each word differs from the one before, so each execution is a switch.
     const auto executed = told_times(report, "hall/relay", "switch ");
     CHECK(executed >= actuations.acknowledged);

@@ -296,7 +296,7 @@ for = "40s"
   REQUIRE(lasting.at(key).size() == 1);
   CHECK(lasting.at(key)[0].text == "on acknowledged");
   CHECK(lasting.at(key)[0].time > instant(110s));
-  CHECK(lasting.texts_at("kitchen.board.fan.latency") ==
+  CHECK(lasting.texts_at("kitchen.board.fan.deadline") ==
         std::vector<std::string>{"140.000000"}); // twice 60 s and 10 s
 }
 

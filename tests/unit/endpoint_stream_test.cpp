@@ -102,8 +102,8 @@ TEST_CASE(
   s.open_both(false);
   const auto bound = s.reader.layer->latency_bound(s.drain());
   REQUIRE(bound);
-  CHECK(s.writer.layer->latency_bound(s.source()) == bound);
-  CHECK(*bound <= 60s);
+  CHECK(s.writer.layer->latency_bound(s.source()).has_value());
+  CHECK(*bound <= 12s); // of the longest paths
   duration oldest{};
   for (std::size_t i = 1; i <= 1000; ++i) {
     CHECK(s.write(bytes{1}) == 1);

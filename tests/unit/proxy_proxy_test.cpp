@@ -19,7 +19,8 @@ TEST_CASE("a proxy starts with what it knows already", "[proxy][PXY-05][PXY-06][
         lines{base + "class = climate", base + "id = 5/7", base + "island = kitchen",
               base + "colour = white", base + "size.height = 0.1 m", base + "temperature.unit = C",
               base + "humidity.unit = %", base + "switch.words = on off",
-              base + "switch.latency = 40.000000", base + "switch = none", base + "led.words = red",
+              base + "switch.deadline = 40.000000", base + "switch.latency = 40.000000",
+              base + "switch = none", base + "led.words = red", base + "led.deadline = 40.000000",
               base + "led.latency = 40.000000", base + "led = none"} +
             became("active"));
   CHECK_FALSE(aut.deadline());
@@ -74,8 +75,10 @@ TEST_CASE("a word written to an input reaches the mote and has an outcome", "[pr
     CHECK(told(aut.on_input("switch", "on", start)) == lines{"write 5/7 devices.7.input.2 01"});
     CHECK(aut.open_requests() == 1);
     CHECK(aut.on_input_status(2, "1 pending", start).empty());
-    CHECK(told(aut.on_input_status(2, "1 " + outcome, start)) ==
-          lines{base + "switch.outcome = on " + outcome});
+    auto expected = lines{base + "switch.outcome = on " + outcome};
+    if (outcome == "acknowledged")
+      expected = expected + lines{base + "switch.latency = 0.000000"};
+    CHECK(told(aut.on_input_status(2, "1 " + outcome, start)) == expected);
     CHECK(aut.open_requests() == 0);
     CHECK(aut.counters().requested == 1);
     CHECK(aut.counters().acknowledged == (outcome == "acknowledged" ? 1 : 0));
@@ -144,6 +147,30 @@ TEST_CASE("an input that may be any tuple is the one that its meta tuple points 
   for (const auto& line : told(longer.start(start)))
     CHECK(line.find("mi-") == std::string::npos);
   CHECK(longer.counters().bad_keys > before);
+}
+
+TEST_CASE("what a request is expected to take is told from those before it", "[proxy][IF-07]") {
+  auto aut = started();
+  std::uint64_t number = 0;
+  const auto take = [&](duration taken) {
+    const auto asked = start + ++number * 1min;
+    static_cast<void>(aut.on_input("switch", number % 2 == 0 ? "off" : "on", asked));
+    static_cast<void>(aut.on_input_status(2, std::to_string(number) + " pending", asked));
+    auto lines =
+        told(aut.on_input_status(2, std::to_string(number) + " acknowledged", asked + taken));
+    REQUIRE(!lines.empty());
+    lines.erase(lines.begin());
+    return lines;
+  };
+  CHECK(take(20ms) == lines{base + "switch.latency = 0.060000"});
+  std::size_t told_again = 0;
+  for (int i = 0; i < 10; ++i)
+    told_again += take(20ms).size();
+  CHECK(told_again == 1); // when it has fallen below half of it
+  CHECK(take(1s).size() == 1);
+  CHECK(take(15s).size() == 1);
+  CHECK(take(20s).size() == 1);
+  CHECK(take(20s) == lines{base + "switch.latency = 40.000000"}); // never beyond the deadline
 }
 
 TEST_CASE("a request the gateway leaves alone times out", "[proxy][PXY-12][IF-07]") {
@@ -278,7 +305,7 @@ TEST_CASE("a gateway's tuples find their way by their keys", "[proxy][PXY-08][PX
   };
   CHECK(aut.on_gateway_tuple("devices.7.input.2.status", value("1 pending"), start).empty());
   CHECK(told(aut.on_gateway_tuple("devices.7.INPUT.2.status", value("1 acknowledged"), start)) ==
-        lines{base + "switch.outcome = on acknowledged"});
+        lines{base + "switch.outcome = on acknowledged", base + "switch.latency = 0.000000"});
   for (const auto* const key : {"devices.8.output.2", "devices.7.type", "devices", "", "kernel.id",
                                 "devices.7.input.2", "devices.7.input.9.status"})
     CHECK(aut.on_gateway_tuple(key, bytes{0}, start).empty());
@@ -293,13 +320,14 @@ TEST_CASE("keys over the limits are counted and not set", "[proxy][TUP-03]") {
   face deep(what, identity());
   for (const auto& line : told(deep.start(start)))
     CHECK(line.find(".unit") == std::string::npos);
-  // Eight parts: status.cause, two units, size.height and two words tuples.
-  CHECK(deep.counters().bad_keys == 9);
+  // Eight parts: status.cause and status.since, two units, size.height, and words, deadline and
+  // latency of two inputs.
+  CHECK(deep.counters().bad_keys == 11);
   auto who = identity();
   who.mote_name = std::string(200, 'n');
   face wide(climate(), who);
   CHECK(wide.start(start).empty());
-  CHECK(wide.counters().bad_keys == 16);
+  CHECK(wide.counters().bad_keys == 18);
 }
 
 TEST_CASE("whatever happens, requests and outcomes balance", "[proxy][PXY-12][IF-07]") {

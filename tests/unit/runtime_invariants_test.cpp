@@ -104,11 +104,41 @@ TEST_CASE("a stream may be half open for a while only", "[runtime][invariants]")
 TEST_CASE("island time has a bound where it is promised", "[runtime][invariants]") {
   auto x = sample_report();
   x.islands[0].network.clock_error_max = 4ms;
+  using islands = std::vector<steady_island>;
   CHECK(check_clocks(x, {}).empty());
-  CHECK(check_clocks(x, {{island_id{3}, 4ms}, {island_id{12}, 1ms}}).empty());
-  const auto found = check_clocks(x, {{island_id{3}, 3ms}});
-  REQUIRE(found.size() == 1);
-  CHECK(found[0].detail == "kitchen: a mote's island time is 4 ms off, more than 3 ms");
+  CHECK(check_clocks(x, islands{{island_id{3}, true}, {island_id{12}, false}}).empty());
+  const auto off = check_clocks(x, islands{{island_id{3}, false}});
+  REQUIRE(off.size() == 1);
+  CHECK(off[0].detail == "kitchen: a mote's island time is 4 ms off, more than 3 ms");
+
+  x.islands[0].network.clock_excess_max = 2ms;
+  const auto unforeseen = check_clocks(x, islands{{island_id{3}, true}});
+  REQUIRE(unforeseen.size() == 1);
+  CHECK(unforeseen[0].detail ==
+        "kitchen: a mote's island time is 2 ms farther off than it allows for");
+}
+
+TEST_CASE("ticks come together in islands and among peers",
+          "[runtime][invariants][CLK-06][CLK-08]") {
+  using islands = std::vector<steady_island>;
+  auto x = sample_report();
+  x.islands[0].network.time_excess_max = 6ms;
+  CHECK(check_ticks(x, islands{{island_id{3}, true, false}}, {}).empty());
+  const auto late = check_ticks(x, islands{{island_id{3}, true, true}}, {});
+  REQUIRE(late.size() == 1);
+  CHECK(late[0].invariant == "ticks come together");
+  CHECK(late[0].detail ==
+        "kitchen: a mote's network time is 6 ms farther off its gateway's than it allows for");
+
+  const peer_view pc{peer_id{1}, "pc", {peer_id{1}, peer_id{2}}, {}, 1h};
+  const peer_view robot{peer_id{2}, "robot", {peer_id{1}, peer_id{2}}, {}, 1h + 25ms};
+  const peer_view stranger{peer_id{3}, "stranger", {peer_id{3}}, {}, 0s};
+  auto others = std::vector{pc, robot, stranger};
+  CHECK(check_ticks({}, {}, others).empty());
+  others[1].clock_offset += 1ms;
+  const auto apart = check_ticks({}, {}, others);
+  REQUIRE(apart.size() == 1);
+  CHECK(apart[0].detail == "the network times of pc and robot are 26 ms apart");
 }
 
 TEST_CASE("timeouts are a few for each actor", "[runtime][invariants]") {

@@ -423,7 +423,7 @@ TEST_CASE("only the last tunnels that ended are remembered", "[transport]") {
   }
   CHECK(pick<tunnel_accepted>(b.on_packet(alice.island, connects[1], start)).empty());
   CHECK(pick<tunnel_accepted>(b.on_packet(alice.island, connects[0], start)).size() == 1);
-  CHECK(b.footprint() == 4 * 24 + 4 * 8 + 16);
+  CHECK(b.footprint() == 4 * 28 + 4 * 8 + 16);
 }
 
 TEST_CASE("a packet for an unknown tunnel is answered with close, and a close with nothing",
