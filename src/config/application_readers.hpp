@@ -19,6 +19,7 @@ struct node_name {
   using type = mote_address; ///< no_mote in the mote part: a peer
   const directory& names;
   [[nodiscard]] std::optional<mote_address> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("mote, peer or gateway"); }
 };
 
 /// A program, and where the file names each transducer that it needs.

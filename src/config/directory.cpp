@@ -353,7 +353,7 @@ std::optional<std::string> tuple_reference::read(const node& x, const asker& who
   const auto owner = found == names.ends.end() ? peer_id_of(name) : found->second;
   if (!owner)
     return unknown(x, who, "peer or gateway", name, keys_of(names.ends));
-  const auto key = tuple_key{}.read({x.at, text->substr(colon + 1)}, who);
+  const auto key = config::read(tuple_key{}, {x.at, text->substr(colon + 1)}, who);
   if (!key)
     return std::nullopt;
   return peis::format_meta(peis::meta_target{*owner, *peis::key::parse(*key)});

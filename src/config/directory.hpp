@@ -77,6 +77,9 @@ struct island_name {
   const directory& names;
   bool any = false;
   [[nodiscard]] std::optional<island_id> read(const node& x, const asker& who) const;
+  [[nodiscard]] form takes() const {
+    return string_form(any ? "name of an island, or `\"*\"`" : "name of an island");
+  }
 };
 
 /// A peer or gateway by its name, or "*" for any_peer.
@@ -84,6 +87,7 @@ struct peer_name {
   using type = peer_id;
   const directory& names;
   [[nodiscard]] std::optional<peer_id> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("name of a peer or gateway, or `\"*\"`"); }
 };
 
 /// A peer or gateway by its name, or all peers of a table with a `count` by its name.
@@ -91,6 +95,7 @@ struct peer_group_name {
   using type = std::vector<peer_id>;
   const directory& names;
   [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("name of a peer or gateway"); }
 };
 
 /// A mote as "island/mote", or "*" for any_mote where that is allowed.
@@ -99,6 +104,7 @@ struct mote_name {
   const directory& names;
   bool any = false;
   [[nodiscard]] std::optional<mote_address> read(const node& x, const asker& who) const;
+  [[nodiscard]] form takes() const { return string_form(any ? "mote, or `\"*\"`" : "mote"); }
 };
 
 /// A mote as "island/mote", or a sink as "island/sink".
@@ -106,6 +112,7 @@ struct radio_name {
   using type = mote_address;
   const directory& names;
   [[nodiscard]] std::optional<mote_address> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("radio"); }
 };
 
 /// Where packets of a measuring app go.
@@ -120,6 +127,10 @@ struct flow_end_name {
   const directory& names;
   bool broadcast = false; ///< "*" is taken
   [[nodiscard]] std::optional<flow_end> read(const node& x, const asker& who) const;
+  [[nodiscard]] form takes() const {
+    return string_form("radio of the same island, `\"sink\"`" +
+                       std::string(broadcast ? " or `\"*\"`" : ""));
+  }
 };
 
 /// A host by its name.
@@ -127,6 +138,7 @@ struct host_name {
   using type = std::string;
   const directory& names;
   [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("name of a host"); }
 };
 
 /// The other end of a link, "inproc://NAME"; the value is NAME.
@@ -134,6 +146,7 @@ struct link_end {
   using type = std::string;
   const directory& names;
   [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("link"); }
 };
 
 /// A tuple of a peer or gateway, "NAME:KEY", or of a peer that the file does not have, "ID:KEY"; or
@@ -142,6 +155,9 @@ struct tuple_reference {
   using type = std::string;
   const directory& names;
   [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() {
+    return string_form("tuple, as in `\"robot:robot.state\"`, or `\"nowhere\"`");
+  }
 };
 
 } // namespace rubicon::config

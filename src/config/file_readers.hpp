@@ -92,8 +92,10 @@ read_peers(table_reader& root, surroundings& with, const std::vector<island_desc
 
 /// links = ["inproc://NAME"]
 /// @param own_names of the peers whose links they are
+/// @param whom what is said of the key
 [[nodiscard]] std::vector<std::string> read_links(table_reader& in, const directory& names,
-                                                  const std::vector<std::string>& own_names);
+                                                  const std::vector<std::string>& own_names,
+                                                  const char* whom);
 
 /// [[proxy]]. Samplers of `islands` compute what a field says that they do.
 [[nodiscard]] std::vector<proxy::proxy_class>

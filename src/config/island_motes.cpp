@@ -27,7 +27,7 @@ struct mote_kind {
   [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const {
     const auto* name = x.as<std::string>();
     if (name == nullptr) {
-      const auto number = whole<std::uint32_t>{1}.read(x, who);
+      const auto number = config::read(whole<std::uint32_t>{1}, x, who);
       return number ? std::optional(type{*number, {}}) : std::nullopt;
     }
     if (names.mote_types.contains(*name))
@@ -35,6 +35,9 @@ struct mote_kind {
     who.complain(x, "no mote type is called `" + *name + '`' +
                         suggestion(*name, {names.mote_types.begin(), names.mote_types.end()}));
     return std::nullopt;
+  }
+  [[nodiscard]] static form takes() {
+    return form{"name of a mote type, or a number", R"({"type":["integer","string"]})"};
   }
 };
 
@@ -48,6 +51,7 @@ struct prefix_text {
       return who.refuse(x, "1 to 26 letters, digits, - and _");
     return *found;
   }
+  [[nodiscard]] static form takes() { return string_form("1 to 26 letters, digits, `-` and `_`"); }
 };
 
 std::string metres_text(double x) {
@@ -97,10 +101,9 @@ void island_motes::add_sink(table_reader& island, std::vector<placed_app> apps, 
 /// What a mote and a group have in common; starts from what the mote's type says.
 mote_profile island_motes::read_profile_of(table_reader& in, std::string& type_name) {
   mote_kind::type kind;
-  if (is_mac())
-    in.optional("type", mote_kind{with_.names}, kind);
-  else
-    in.required("type", mote_kind{with_.names}, kind);
+  in.required_if(!is_mac(), "type", mote_kind{with_.names}, kind,
+                 {"its mote type, or the number that it reports at join; required but with "
+                  "`stack = \"mac\"`"});
   mote_profile profile;
   profile.platform = radio::find_platform("micaz");
   profile.type = kind.number;
@@ -133,18 +136,25 @@ void island_motes::check_mac_profile(const table_reader& in, const mote_profile&
 
 void island_motes::read_mote(table_reader& in) {
   mote_description out;
-  const bool has_id = in.required("id", whole<std::uint16_t>{1, mote_id_max}, out.id);
+  const bool has_id = in.required("id", whole<std::uint16_t>{1, mote_id_max}, out.id,
+                                  "TinyOS id, one of a kind in the island");
   const auto profile = read_profile_of(in, out.type_name);
   out.name = default_mote_name(out.type_name, out.id);
-  if (in.optional("name", name_text{}, out.name) && is_sink_name(out.name))
+  if (in.optional("name", name_text{}, out.name,
+                  {"one of a kind in the island",
+                   "the mote type's, or `mote`, with the id behind: `climate-7`",
+                   "name, but not `sink`"}) &&
+      is_sink_name(out.name))
     in.problems().add(in.at("name"), "`" + out.name + "` stands for the sink of an island");
   const bool may_lack_place = !positions_matter_ || in.has("path");
-  const bool has_place = may_lack_place ? in.optional("position_m", place{}, out.place)
-                                        : in.required("position_m", place{}, out.place);
+  const bool has_place =
+      in.required_if(!may_lack_place, "position_m", place{}, out.place,
+                     "where it is; required but with `path` or `model = \"gains\"`");
   if (in.has("path") && with_.radio_is_known && !positions_matter_)
     in.problems().add(in.at("path"), "`path` decides nothing with model = \"gains\"");
   read_path(in, has_place, out.place, out.path);
-  in.optional("step", time_span{10ms, 1h}, out.step);
+  in.optional("step", time_span{10ms, 1h}, out.step,
+              "how often its place is brought up to date while it moves");
   if (in.has("step") && !in.has("path"))
     in.problems().add(in.at("step"), "`step` means nothing without a `path`");
   copy_profile(profile, out);
@@ -165,10 +175,15 @@ void island_motes::read_mote(table_reader& in) {
 void island_motes::read_group(table_reader& in) {
   std::uint32_t count = 0;
   std::string prefix;
-  in.required("count", whole<std::uint32_t>{1, mote_id_max}, count);
+  in.required("count", whole<std::uint32_t>{1, mote_id_max}, count, "how many");
   auto first = lowest_free(taken_, count);
-  in.optional("first", whole<std::uint32_t>{1, mote_id_max}, first);
-  const bool has_prefix = in.optional("prefix", prefix_text{}, prefix);
+  in.optional("first", whole<std::uint32_t>{1, mote_id_max}, first,
+              {"id of the first; the others follow",
+               "the lowest from which so many in a row are free: not of the sink, of an "
+               "`[[island.mote]]` or of a group before"});
+  const bool has_prefix =
+      in.optional("prefix", prefix_text{}, prefix,
+                  {"how their names begin: `node-7`", "the mote type's name, or `mote`"});
   if (first + count - 1 > mote_id_max) {
     in.problems().add(in.at("count"), "mote ids from " + std::to_string(first) + " to " +
                                           std::to_string(first + count - 1) + " are more than " +

@@ -126,9 +126,15 @@ struct end_setter {
 } // namespace
 
 void read_profile(table_reader& in, const directory& names, mote_profile& out) {
-  in.optional("platform", platform_name{}, out.platform);
-  in.optional("battery", charge{}, out.battery_mah);
-  if (in.optional("power", power_level{-100, 30}, out.transmit_dbm))
+  in.optional("platform", platform_name(), out.platform,
+              {"currents, receive slots and speed; a mote's is that of its type, if it has one",
+               "`\"micaz\"`"});
+  in.optional("battery", charge{}, out.battery_mah,
+              {"what is in the battery at the start", "the mote type's, or the platform's"});
+  if (in.optional(
+          "power", power_level{-100, 30}, out.transmit_dbm,
+          {"at which it sends: -25 to 0 dBm on a MicaZ or a TelosB, -17 to 3 dBm on an IRIS",
+           "the mote type's, or the platform's most", "power, as the platform has it"}))
     out.transmit_at = in.at("power");
   read_transducers(in, out.transducers);
   read_actuators(in, out.actuators);
@@ -185,13 +191,15 @@ bool is_flow_app(const mote_app& x) {
 mote_types read_mote_types(table_reader& root, const directory& names) {
   mote_types out;
   root.named_tables(
-      "mote_type", "[mote_type.NAME]", [&](const located<std::string>& name, table_reader& in) {
+      "mote_type", "[mote_type.NAME]", "kinds of mote",
+      [&](const located<std::string>& name, table_reader& in) {
         if (!is_name(name.value))
           in.problems().add(name.at, "mote type " + quoted(name.value) +
                                          " must have a name of 1 to 32 letters, digits, - and _");
         mote_profile profile;
         profile.platform = radio::find_platform("micaz");
-        in.required("type", whole<std::uint32_t>{1}, profile.type);
+        in.required("type", whole<std::uint32_t>{1}, profile.type,
+                    "the signature that the mote reports at join and by which its proxy is chosen");
         read_profile(in, names, profile);
         out.emplace(name.value, std::move(profile));
       });

@@ -29,6 +29,10 @@ struct template_key {
                          "digits, -, _ and names in braces, as in \"{room}.climate\"");
   }
 
+  [[nodiscard]] static form takes() {
+    return string_form("1 to 7 parts between dots, at most 100 characters");
+  }
+
 private:
   static bool is_good(const std::string& x) {
     const auto parts = proxy::template_parts(x);
@@ -38,7 +42,7 @@ private:
     for (const auto& part : *parts)
       plain += part.is_name ? "n" : part.text;
     complaints ignored;
-    return tuple_key{}.read(node{{}, plain}, asker{"", ignored}).has_value();
+    return config::read(tuple_key{}, node{{}, plain}, asker{"", ignored}).has_value();
   }
 };
 
@@ -47,12 +51,13 @@ struct template_text {
   using type = std::string;
 
   [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
-    const auto found = text{template_octets_max}.read(x, who);
+    const auto found = config::read(text{template_octets_max}, x, who);
     if (!found || proxy::template_parts(*found))
       return found;
     return who.refuse(x, "text in which { and } enclose a name, as in \"{temperature} C\"; {{ and "
                          "}} are braces");
   }
+  [[nodiscard]] static form takes() { return string_form("text of 1 to 200 octets"); }
 };
 
 /// Names that keys and texts of the class may have: those known from the start.
@@ -101,11 +106,19 @@ void tuple_names::claim(const std::string& name, mark at, complaints& problems) 
 
 placed_template read_tuple_template(table_reader& in) {
   placed_template out;
-  std::vector<located<std::string>> fields;
-  in.required("key", template_key{}, out.what.key);
-  in.optional("value", template_text{}, out.what.text);
-  in.optional("json", list_of<name_text>{{}, 1, json_fields_max}, fields);
-  out.what.json = values_of(std::move(fields));
+  in.required("key", template_key{}, out.what.key,
+              "the whole key. In braces: `{island}`, `{id}`, `{name}` as in `prefix`; `{class}`; "
+              "`{room}`, the property of that name, else the island's name; any property of the "
+              "class. With `ids` `{channel}` instead of `{island}` and `{room}`");
+  in.optional("value", template_text{}, out.what.text,
+              {"the same names; properties of [objects](#proxyobject), of others without text; "
+               "fields, and their units as `{FIELD.unit}`; `{{` and `}}` are braces",
+               "either this"});
+  in.optional(
+      "json", list_of<name_text>{{}, 1, json_fields_max}, out.what.json,
+      {"one JSON object: the `time` of the message in seconds of the ecology, and for each field "
+       "its `value`, a number unless the field has words, and its `unit`, if it has one",
+       "or this", "array of 1 to 32 names of fields"});
   out.key_at = in.at("key");
   out.text_at = in.at(in.has("json") ? "json" : "value");
   if (in.has("value") == in.has("json"))
@@ -151,23 +164,37 @@ void check_tuple_template(const placed_template& x, const proxy::proxy_class& of
 }
 
 void read_quality(table_reader& in, proxy::proxy_settings& out) {
-  duration inactive_after{};
-  duration retire_after{};
-  in.optional("answer_timeout", time_span{1s, 1h}, out.answer_timeout);
-  in.optional("retry_for", time_span{0s, 24h}, out.retry_for);
-  in.optional("period", time_span{10ms, 24h * 10}, out.period);
-  in.optional("stale_after", time_span{10ms, 24h * 10}, out.stale_after);
-  if (in.optional("inactive_after", time_span{1s, 24h * 10}, inactive_after))
-    out.inactive_after = inactive_after;
-  if (in.optional("retire_after", time_span{1s, 24h * 10}, retire_after))
-    out.retire_after = retire_after;
+  in.optional("answer_timeout", time_span{1s, 1h}, out.answer_timeout,
+              "how long one write may wait for what the gateway tells of it");
+  in.optional(
+      "retry_for", time_span{0s, 24h}, out.retry_for,
+      "what has failed, is unreachable or got no answer is written again, until so long after the "
+      "first time, and has its one outcome then; a newer word for the same input takes its place");
+  in.optional("period", time_span{10ms, 24h * 10}, out.period,
+              {"how far apart the messages on the channels that its fields read are to be; asked "
+               "of the gateway whenever it lists the mote",
+               "as the mote likes"});
+  in.optional("stale_after", time_span{10ms, 24h * 10}, out.stale_after,
+              {"[`FIELD.freshness`](gateway.md#of-a-proxy) becomes `stale` so long after the "
+               "newest message",
+               "never"});
+  in.optional("inactive_after", time_span{1s, 24h * 10}, out.inactive_after,
+              {"the proxy is `inactive` so long after its mote was last heard", "never"});
+  in.optional(
+      "retire_after", time_span{1s, 24h * 10}, out.retire_after,
+      {"the proxy ends so long after its mote was lost; its tuples stay as they are", "never"});
 }
 
 void read_program(table_reader& in, const proxy::program_registry& programs, tuple_names& names,
                   proxy::proxy_class& out) {
-  pairs_of<real>::type found;
-  const bool named = in.optional("program", name_text{}, out.program);
-  const bool set = in.optional("settings", pairs_of<real>{}, found);
+  named_values<double> found;
+  const bool named =
+      in.optional("program", name_text{}, out.program,
+                  {"of motes: code that completes the table; a file that names one which the "
+                   "binary does not have is refused. There is `occupancy`, see below; "
+                   "[others](architecture.md#proxies-with-code) are written in C++",
+                   "none"});
+  const bool set = in.optional("settings", pairs_of<real>{}, found, {"of the `program`", "none"});
   if (set && !in.has("program"))
     in.problems().add(in.at("settings"), "`settings` are those of a `program`");
   const auto* const make = named ? programs.find(out.program) : nullptr;

@@ -11,44 +11,53 @@ namespace {
 
 using mote::quantity;
 
-constexpr std::array<std::pair<std::string_view, quantity>, 9> quantity_words{
-    {{"temperature", quantity::temperature},
-     {"humidity", quantity::humidity},
-     {"light", quantity::light},
-     {"voltage", quantity::voltage},
-     {"presence", quantity::presence},
-     {"acceleration", quantity::acceleration},
-     {"magnetism", quantity::magnetism},
-     {"sound", quantity::sound},
-     {"signal", quantity::signal}}};
+struct quantity_word {
+  std::string_view name;
+  quantity kind;
+  const char* unit; ///< by convention
+};
+
+constexpr std::array<quantity_word, 9> quantity_words{
+    {{"temperature", quantity::temperature, "degrees Celsius"},
+     {"humidity", quantity::humidity, "percent"},
+     {"light", quantity::light, "lux"},
+     {"voltage", quantity::voltage, "volts"},
+     {"presence", quantity::presence, "0 or 1"},
+     {"acceleration", quantity::acceleration, "metres per second squared"},
+     {"magnetism", quantity::magnetism, "microtesla, or 0 and 1 of a reed contact"},
+     {"sound", quantity::sound, "decibels"},
+     {"signal", quantity::signal, "dBm"}}};
 
 void read_constant(table_reader& in, mote::transducer_model& out) {
   mote::constant_model model;
-  in.required("value", real{}, model.value);
+  in.required("value", real{}, model.value, "always this");
   out = model;
 }
 
 void read_sine(table_reader& in, mote::transducer_model& out) {
   mote::sine_model model;
-  in.required("mean", real{}, model.mean);
-  in.required("amplitude", real{}, model.amplitude);
-  in.optional("period", time_span{1ms}, model.period);
-  in.optional("phase_turns", real{-1, 1}, model.phase_turns);
+  in.required("mean", real{}, model.mean, "in the middle");
+  in.required("amplitude", real{}, model.amplitude, "from the mean to a crest");
+  in.optional("period", time_span{1ms}, model.period, "from crest to crest");
+  in.optional("phase_turns", real{-1, 1}, model.phase_turns, "`0.25` starts at the crest");
   out = model;
 }
 
 void read_points(table_reader& in, mote::transducer_model& out) {
   mote::points_model model;
-  in.required("points", time_points{}, model.points);
+  in.required("points", time_points{}, model.points,
+              "times since the start, each later than the one before, and values");
   out = std::move(model);
 }
 
 void read_random_walk(table_reader& in, mote::transducer_model& out) {
   mote::random_walk_model model;
-  in.required("start", real{}, model.start);
-  in.required("step", real{0, 1e9}, model.step);
-  in.required("min", real{}, model.min);
-  in.required("max", real{}, model.max);
+  in.required("start", real{}, model.start, {"value at the start", "", "`min` to `max`"});
+  in.required("step", real{0, 1e9}, model.step,
+              "standard deviation of the change within a second; within t seconds it is sqrt(t) "
+              "times this");
+  in.required("min", real{}, model.min, "it does not go below");
+  in.required("max", real{}, model.max, {"it does not go above", "", "number, more than `min`"});
   if (in.sound() && model.min >= model.max)
     in.problems().add(in.at("max"), "`max` must be more than `min`, which is " + shown(model.min));
   else if (in.sound() && (model.start < model.min || model.start > model.max))
@@ -101,14 +110,17 @@ bool has_model(const mote::transducer_model& x) {
 
 void read_transducer(table_reader& in, mote::transducer_config& out) {
   constexpr double count_max = 32767;
-  in.optional("noise", real{0}, out.noise);
-  in.optional("resolution", real{1e-9, 1e9}, out.resolution);
-  in.one_of("model", {{"constant", [&](table_reader& x) { read_constant(x, out.model); }},
-                      {"sine", [&](table_reader& x) { read_sine(x, out.model); }},
-                      {"points", [&](table_reader& x) { read_points(x, out.model); }},
-                      {"random_walk", [&](table_reader& x) { read_random_walk(x, out.model); }},
-                      {"field", [&](table_reader& x) { out.model = read_field(x); }},
-                      {"trace", [&](table_reader& x) { out.model = read_trace(x, out.kind); }}});
+  in.optional("noise", real{0}, out.noise,
+              "standard deviation of Gaussian noise, in the value's unit");
+  in.optional("resolution", real{1e-9, 1e9}, out.resolution,
+              "value of one count; the model must stay within 32767 counts");
+  in.one_of("model", "how the value behaves",
+            {{"constant", [&](table_reader& x) { read_constant(x, out.model); }},
+             {"sine", [&](table_reader& x) { read_sine(x, out.model); }},
+             {"points", [&](table_reader& x) { read_points(x, out.model); }},
+             {"random_walk", [&](table_reader& x) { read_random_walk(x, out.model); }},
+             {"field", [&](table_reader& x) { out.model = read_field(x); }},
+             {"trace", [&](table_reader& x) { out.model = read_trace(x, out.kind); }}});
   if (!in.sound() || in.walks() || !has_model(out.model))
     return;
   const auto most = std::visit(extreme{}, out.model);
@@ -122,26 +134,31 @@ void read_transducer(table_reader& in, mote::transducer_config& out) {
 } // namespace
 
 std::string_view word_of(mote::quantity x) {
-  return quantity_words[static_cast<std::size_t>(x)].first;
+  return quantity_words[static_cast<std::size_t>(x)].name;
 }
 
 void read_transducers(table_reader& in, std::vector<mote::transducer_config>& out) {
-  in.table("transducers", "transducers", [&out](table_reader& all) {
-    for (const auto& [name, kind] : quantity_words) {
-      if (kind == quantity::signal)
-        continue; // nobody describes it
-      mote::transducer_config config;
-      config.kind = kind;
-      const auto read = [&config](table_reader& x) { read_transducer(x, config); };
-      if (!all.table(name, "transducers.QUANTITY", read))
-        continue;
-      const auto at = std::ranges::lower_bound(out, kind, {}, &mote::transducer_config::kind);
-      if (at != out.end() && at->kind == kind)
-        *at = std::move(config);
-      else
-        out.insert(at, std::move(config));
-    }
-  });
+  in.table("transducers", "transducers",
+           {"what it measures, by quantity; a mote's replace its type's of the same quantity, or "
+            "are added",
+            "none"},
+           [&out](table_reader& all) {
+             for (const auto& [name, kind, unit] : quantity_words) {
+               if (kind == quantity::signal)
+                 continue; // nobody describes it
+               mote::transducer_config config;
+               config.kind = kind;
+               const auto read = [&config](table_reader& x) { read_transducer(x, config); };
+               if (!all.table(name, "transducers.QUANTITY", unit, read))
+                 continue;
+               const auto at =
+                   std::ranges::lower_bound(out, kind, {}, &mote::transducer_config::kind);
+               if (at != out.end() && at->kind == kind)
+                 *at = std::move(config);
+               else
+                 out.insert(at, std::move(config));
+             }
+           });
 }
 
 } // namespace rubicon::config
