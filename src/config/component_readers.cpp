@@ -1,4 +1,5 @@
 #include "config/component_readers.hpp"
+#include "init/component_keys.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -77,14 +78,7 @@ placed_component read_component(table_reader& in, const directory& names, run_mo
       "options of its kernel, and the extra arguments, in the environment variable `PEISINIT`");
   in.optional("id", component_id{own}, x.id,
               "PEIS id of a command, or how many more than the init's it is; nobody else has it");
-  in.optional("state", word<bool>{{{"on", true}, {"off", false}}}, x.on,
-              "whether it starts with its init");
-  in.optional("delay", time_span{100ms, 1h}, x.delay,
-              "from an end that nobody has asked for to the next start");
-  in.optional("semantics", description, x.semantics,
-              {"what it can do, for planners; told as a tuple", "none"});
-  in.optional("proxy", description, x.proxy, {"what it is a proxy of; told as a tuple", "none"});
-  in.optional("arguments", description, x.arguments, {"extra arguments of a command", "none"});
+  in.all(x);
   if (in.has("peer") == in.has("command"))
     in.problems().add(in.at(), "a component is either a `peer` or a `command`");
   else if (in.has("peer") && in.has("id"))

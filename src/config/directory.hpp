@@ -36,10 +36,6 @@ inline constexpr std::uint32_t peer_count_max = 1000;
 /// Motes that all groups of a file may have together.
 inline constexpr std::uint32_t group_motes_max = 100'000;
 
-/// The first of the lowest `count` ids in a row from 1 on that nobody has: a mote that is added
-/// somewhere else does not move a group.
-[[nodiscard]] std::uint32_t lowest_free(const std::set<std::uint32_t>& taken, std::uint32_t count);
-
 /// Names as the file has them. What has no usable name is left out, an unusable id is 0: the reader
 /// of its table complains, and nobody else needs to.
 struct directory {
@@ -51,8 +47,18 @@ struct directory {
     std::map<std::string, mote_id, std::less<>> motes;
   };
 
+  /// Which ids a group has.
+  struct group {
+    std::uint32_t first = 1; ///< given, or the lowest from which so many in a row are free: a mote
+                             ///< that is added somewhere else does not move a group
+    bool fits = true;        ///< all groups so far have at most group_motes_max motes together
+  };
+
   directory() = default;
   explicit directory(const node& root);
+
+  /// The group whose table is there.
+  [[nodiscard]] group group_at(mark at) const;
 
   /// The island with that id; nullptr if there is none.
   [[nodiscard]] const island* find(island_id id) const;
@@ -64,6 +70,7 @@ struct directory {
   std::map<std::string, peer_id, std::less<>> ends; ///< of links: peers and gateways
   /// Peers of one table with a `count`, under its name.
   std::map<std::string, std::vector<peer_id>, std::less<>> peer_groups;
+  std::map<mark, group> groups; ///< by the places of their tables
   std::set<std::string, std::less<>> hosts;
   std::set<std::string, std::less<>> mote_types;
 

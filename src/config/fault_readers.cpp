@@ -98,14 +98,15 @@ struct kind_reader {
     const auto profile = with.types.find(type);
     if (before == nullptr || profile == with.types.end())
       return std::nullopt;
-    auto x = *before;
-    x.type = profile->second.type;
-    x.type_name = type;
-    x.transducers = profile->second.transducers;
-    x.actuators = profile->second.actuators;
-    x.apps.clear();
-    for (const auto& each : profile->second.apps)
-      x.apps.push_back(each.app);
+    auto x = profile->second.mote();
+    x.id = before->id;
+    x.name = before->name;
+    x.platform = before->platform;
+    x.place = before->place;
+    x.path = before->path;
+    x.step = before->step;
+    x.transmit_dbm = before->transmit_dbm;
+    x.battery_mah = before->battery_mah;
     if (const auto* of = names.find(who.island); of != nullptr && !of->has_gateway)
       in.problems().add(in.at("type"),
                         "in an island with stack = \"mac\" nobody is told a mote's type");

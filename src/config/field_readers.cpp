@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "config/model_readers.hpp"
+#include "mote/transducer_keys.hpp"
 
 namespace rubicon::config {
 
@@ -28,25 +29,7 @@ struct gradient {
 mote::field_source read_source(table_reader& in) {
   using mote::falloff;
   mote::field_source out;
-  in.required("position_m", place{}, out.place, "where it is");
-  in.required("strength", real{}, out.strength, "what it adds at its own place");
-  in.optional("radius", metres{0.01, 100'000}, out.radius_m,
-              "how far it reaches, as `falloff` has it");
-  in.optional("falloff",
-              word<falloff>{{{"inverse_square", falloff::inverse_square},
-                             {"gaussian", falloff::gaussian},
-                             {"linear", falloff::linear},
-                             {"disk", falloff::disk}}},
-              out.shape,
-              "share of the strength at the distance d: 1 / (1 + (d / r)^2), exp(-(d / r)^2 / 2), "
-              "1 - d / r up to r, or all of it up to r");
-  in.optional(
-      "schedule", time_points{}, out.schedule,
-      {"factor of the strength, in straight lines as in [`model = \"points\"`](#model--points)",
-       "always 1", "`[[\"0s\", 0], [\"1h\", 1]]`, at least 1"});
-  in.optional("period", time_span{1ms}, out.period,
-              {"the schedule begins again", "it does not repeat",
-               "time from 1 ms, not before the schedule's end"});
+  in.all(out);
   if (in.sound() && out.period > 0s && out.schedule.empty())
     in.problems().add(in.at("period"), "`period` means nothing without a `schedule`");
   else if (in.sound() && out.period > 0s && out.period < out.schedule.back().first)

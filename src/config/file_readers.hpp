@@ -43,8 +43,7 @@ struct surroundings {
   name_claims end_names; ///< of peers and gateways (ADR-02)
   claims<std::int64_t> end_ids;
   claims<std::uint32_t> island_ids;
-  claims<std::string> files;     ///< that recorders write
-  std::uint32_t group_motes = 0; ///< of all groups so far
+  claims<std::string> files; ///< that recorders write
 };
 
 /// [[radio.link]], to be checked when the airs are known.

@@ -6,6 +6,7 @@
 
 #include "config/claims.hpp"
 #include "config/file_readers.hpp"
+#include "goal/pursuer_keys.hpp"
 
 namespace rubicon::config {
 
@@ -76,10 +77,7 @@ void read_output(table_reader& in, pursuer_names& own, goal::pursuer_config& out
   if (in.required("name", name_text{}, found.name, "last part of the key"))
     own.claim(in, found.name);
   const bool has_value = in.required("value", told_value{}, found.value, "at first");
-  in.optional("every", time_span{shortest, longest}, found.every,
-              "how often it is told; also whenever a state sets it");
-  in.optional("step", real{}, found.step, "added each time; `value` must be a number then");
-  in.optional("until", real{}, found.until, {"no step leads beyond this", "no limit"});
+  in.all(found);
   if (has_value && in.has("step") && !is_number(found.value))
     in.problems().add(in.at("step"),
                       "`step` needs a number as `value`, not " + quoted(found.value));
@@ -137,11 +135,7 @@ void read_state(table_reader& in, const goal::pursuer_config& own, goal::goal_co
                   "told as `NAME.state`; not `idle` or `waiting`, which it tells in between") &&
       (found.name == "idle" || found.name == "waiting"))
     in.problems().add(in.at("state"), '`' + found.name + "` is what it is in between");
-  in.required("for", time_span{shortest, longest}, found.length, "how long it lasts");
-  in.optional("jitter", time_span{0s, longest}, found.jitter,
-              "it lasts up to so much longer, uniform");
-  in.optional("failure_rate", ratio{}, found.failure_rate,
-              "chance that it ends the goal as failed instead of going on");
+  in.all(found);
   read_needs(in, own, found);
   read_sets(in, own, found);
   out.states.push_back(std::move(found));

@@ -5,7 +5,9 @@
 #include "config/application_readers.hpp"
 #include "config/file_readers.hpp"
 #include "config/island_motes.hpp"
+#include "mote/duty_keys.hpp"
 #include "radio/tossim_files.hpp"
+#include "serial/line_keys.hpp"
 
 namespace rubicon::config {
 
@@ -26,7 +28,7 @@ std::vector<placed_app> read_sink(table_reader& in, const directory& names, sink
               "it takes frames of other islands and for other motes");
   auto apps = read_mote_apps(in, names);
   mote_profile as_mote;
-  as_mote.platform = out.platform;
+  as_mote.like.platform = out.platform;
   for (const auto& each : apps) {
     if (is_flow_app(each.app))
       as_mote.apps.push_back(each);
@@ -38,24 +40,11 @@ std::vector<placed_app> read_sink(table_reader& in, const directory& names, sink
   return as_mote.apps;
 }
 
-void read_serial(table_reader& in, serial::line_config& out) {
-  in.optional("baud", baud{}, out.baud, {"10 bit times an octet", "the sink's platform's"});
-  in.optional("latency", time_span{0s, 10s}, out.latency, "of adapter and driver, each way");
-  in.optional("octet_error", ratio{}, out.octet_error, "chance that one octet is corrupted");
-  in.optional("buffer", whole<std::size_t>{64, 1U << 24U}, out.buffer,
-              "octets waiting to be sent, each way; more are lost and counted");
-}
-
 void read_duty_cycle(table_reader& island, mote::duty_config& out) {
   island.table("duty_cycle", "[island.duty_cycle]",
                {"lets radios sleep", "none: radios are always on"}, [&out](table_reader& in) {
                  out.enabled = true;
-                 in.optional("period", time_span{100ms, 1h}, out.period,
-                             "from one window to the next, by the island's time");
-                 in.optional("window", time_span{10ms, 1h}, out.window,
-                             {"its length", "", "time from 10 ms to half the period"});
-                 in.optional("settling", time_span{0s, 24h}, out.settling,
-                             "until the island's time shows this, all radios stay on");
+                 in.all(out);
                  if (in.sound() && 2 * out.window > out.period)
                    in.problems().add(in.at("window"),
                                      "`window` must not be longer than half the `period`, which "
@@ -101,7 +90,7 @@ alias_description read_alias(table_reader& in, surroundings& with, const island_
                          in.problems());
   out.links = read_links(in, with.names, {out.name}, "whom it connects to");
   in.table("serial", "[island.alias.serial]", "its cable",
-           [&out](table_reader& x) { read_serial(x, out.serial); });
+           [&out](table_reader& x) { x.all(out.serial); });
   return out;
 }
 
@@ -117,7 +106,7 @@ void check_aliases(const table_reader& in, const island_description& x) {
 void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_description& out) {
   out.serial.baud = out.sink.platform->serial_baud;
   in.table("serial", "[island.serial]", "the cable between sink and gateway",
-           [&out](table_reader& x) { read_serial(x, out.serial); });
+           [&out](table_reader& x) { x.all(out.serial); });
   out.gateway_name = default_gateway_name(out.name);
   mark name_at = in.at("name");
   bool claims_name = name_is_free; // a default name is taken together with the island's

@@ -25,14 +25,14 @@ struct placed_app {
 
 /// What a mote type and a mote have in common. A mote starts with its type's and changes it.
 struct mote_profile {
-  std::uint32_t type = 0;
-  const radio::platform* platform = nullptr;
-  std::optional<double> battery_mah;
-  std::optional<double> transmit_dbm;
+  mote_description like; ///< without id, name, place and apps; a micaz; transducers ascend by kind
   mark transmit_at;
-  std::vector<mote::transducer_config> transducers; ///< ascending by kind
-  std::vector<mote::actuator_config> actuators;
   std::vector<placed_app> apps;
+
+  mote_profile() { like.platform = radio::find_platform("micaz"); }
+
+  /// The same with its apps.
+  [[nodiscard]] mote_description mote() const;
 };
 
 using mote_types = std::map<std::string, mote_profile, std::less<>>;

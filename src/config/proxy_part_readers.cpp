@@ -163,28 +163,6 @@ void check_tuple_template(const placed_template& x, const proxy::proxy_class& of
   }
 }
 
-void read_quality(table_reader& in, proxy::proxy_settings& out) {
-  in.optional("answer_timeout", time_span{1s, 1h}, out.answer_timeout,
-              "how long one write may wait for what the gateway tells of it");
-  in.optional(
-      "retry_for", time_span{0s, 24h}, out.retry_for,
-      "what has failed, is unreachable or got no answer is written again, until so long after the "
-      "first time, and has its one outcome then; a newer word for the same input takes its place");
-  in.optional("period", time_span{10ms, 24h * 10}, out.period,
-              {"how far apart the messages on the channels that its fields read are to be; asked "
-               "of the gateway whenever it lists the mote",
-               "as the mote likes"});
-  in.optional("stale_after", time_span{10ms, 24h * 10}, out.stale_after,
-              {"[`FIELD.freshness`](gateway.md#of-a-proxy) becomes `stale` so long after the "
-               "newest message",
-               "never"});
-  in.optional("inactive_after", time_span{1s, 24h * 10}, out.inactive_after,
-              {"the proxy is `inactive` so long after its mote was last heard", "never"});
-  in.optional(
-      "retire_after", time_span{1s, 24h * 10}, out.retire_after,
-      {"the proxy ends so long after its mote was lost; its tuples stay as they are", "never"});
-}
-
 void read_program(table_reader& in, const proxy::program_registry& programs, tuple_names& names,
                   proxy::proxy_class& out) {
   named_values<double> found;

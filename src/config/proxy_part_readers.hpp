@@ -36,9 +36,6 @@ struct placed_template {
 void check_tuple_template(const placed_template& x, const proxy::proxy_class& of,
                           complaints& problems);
 
-/// [proxy.qos]
-void read_quality(table_reader& in, proxy::proxy_settings& out);
-
 /// program and settings, when all else of the class is read.
 void read_program(table_reader& in, const proxy::program_registry& programs, tuple_names& names,
                   proxy::proxy_class& out);

@@ -6,6 +6,7 @@
 
 #include "config/file_readers.hpp"
 #include "config/proxy_part_readers.hpp"
+#include "proxy/class_keys.hpp"
 #include "proxy/layout.hpp"
 #include "proxy/signature.hpp"
 
@@ -123,10 +124,7 @@ void read_field(table_reader& in, tuple_names& names, std::vector<placed_computa
   const bool sized = in.optional("encoding", encoding_words(), field.layout,
                                  "how its octets are read, in network byte order") ||
                      !in.has("encoding");
-  in.optional("scale", real{}, field.scale, "factor of the count");
-  in.optional("add", real{}, field.add, "added to the scaled count");
-  in.optional("decimals", whole<int>{0, 6}, field.decimals, "digits after the point");
-  in.optional("unit", text{16}, field.unit, {"published beside the value", "none"});
+  in.all(field);
   read_field_words(in, sized, field);
   if (out.ids.empty())
     read_computation(in, field, out.name, computations);
@@ -364,8 +362,7 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root, const directory
         in.optional("indirect", flag{}, found.indirect,
                     "of motes: tell the [interface and the position](gateway.md#of-a-proxy) too, "
                     "as those of tagged things always do");
-        in.table("qos", "[proxy.qos]", "of motes",
-                 [&](table_reader& x) { read_quality(x, found.settings); });
+        in.table("qos", "[proxy.qos]", "of motes", [&](table_reader& x) { x.all(found.settings); });
         in.tables("field", "[[proxy.field]]", {"values that it publishes", "none"},
                   [&](table_reader& x) { read_field(x, names, computations, found); });
         in.tables("input", "[[proxy.input]]", {"motes alone have inputs", "none"},

@@ -4,6 +4,7 @@
 
 #include "config/file_readers.hpp"
 #include "radio/noise.hpp"
+#include "radio/parameter_keys.hpp"
 #include "radio/tossim_files.hpp"
 
 namespace rubicon::config {
@@ -88,33 +89,14 @@ radio::noise_model read_trace(table_reader& in, const named_files& files) {
   return out;
 }
 
-radio::unit_disk read_unit_disk(table_reader& in) {
-  radio::unit_disk out;
-  in.optional("range", range_kind, out.range_m, "a radio farther away hears nothing");
-  return out;
-}
-
-radio::log_distance read_log_distance(table_reader& in) {
-  radio::log_distance out;
-  in.optional("exponent", real{1, 10}, out.exponent, "2 in free space, 3 indoors");
-  in.optional("reference", decibels{0, 200}, out.reference_db, "loss at the first metre");
-  in.optional("shadowing", decibels{0, 30}, out.shadowing_db,
-              "standard deviation of what both directions of a link share");
-  in.optional("asymmetry", decibels{0, 30}, out.asymmetry_db,
-              "standard deviation of what each direction has for itself");
-  return out;
-}
-
-radio::friis read_friis(table_reader& in) {
-  radio::friis out;
-  in.optional("frequency", frequency{}, out.frequency_mhz, "TinyOS's default channel, 26");
-  return out;
-}
-
-radio::constant_noise read_constant_noise(table_reader& in) {
-  radio::constant_noise out;
-  in.optional("floor", power_level{}, out.floor_dbm, "the same at every radio");
-  return out;
+/// A model whose keys are listed beside it.
+template <class Model, class Out>
+table_reader::part_reader model_of(Out& out) {
+  return [&out](table_reader& in) {
+    Model found;
+    in.all(found);
+    out = found;
+  };
 }
 
 bool is_disk(const radio::channel_config& x) {
@@ -128,9 +110,9 @@ bool is_noisy(const radio::channel_config& x) {
 void read_propagation(table_reader& in, const named_files& files, radio::propagation& out) {
   const std::string within = in.title();
   in.one_of("model", "how strongly frames arrive",
-            {{"unit_disk", [&](table_reader& x) { out = read_unit_disk(x); }},
-             {"log_distance", [&](table_reader& x) { out = read_log_distance(x); }},
-             {"friis", [&](table_reader& x) { out = read_friis(x); }},
+            {{"unit_disk", model_of<radio::unit_disk>(out)},
+             {"log_distance", model_of<radio::log_distance>(out)},
+             {"friis", model_of<radio::friis>(out)},
              {"gains", [&](table_reader& x) { out = read_gains(x, files); }}},
             within);
 }
@@ -139,7 +121,7 @@ void read_noise(table_reader& in, const named_files& files, radio::noise_model& 
   const std::string within = in.title();
   in.one_of("model", "what disturbs frames",
             {{"none", [&](table_reader&) { out = radio::no_noise{}; }},
-             {"constant", [&](table_reader& x) { out = read_constant_noise(x); }},
+             {"constant", model_of<radio::constant_noise>(out)},
              {"table", [&](table_reader&) { out = radio::table_noise{}; }},
              {"trace", [&](table_reader& x) { out = read_trace(x, files); }}},
             within);
@@ -163,50 +145,8 @@ void read_range(table_reader& in, radio::channel_config& out) {
 
 void read_reception(table_reader& in, radio::channel_config& out) {
   using radio::collision_rule;
-  using radio::error_curve;
-  using radio::sensing;
-  using radio::sensing_window;
-  using radio::sensitivity_edge;
-  in.optional("sensitivity", power_level{}, out.sensitivity_dbm,
-              {"what arrives more weakly is not received; not for a unit disk", "the platform's"});
-  in.optional("cca_threshold", power_level{}, out.cca_dbm,
-              {"energy at which the channel counts as busy; not for a unit disk with `collisions = "
-               "\"strict\"`, nor with `sensing = \"carrier\"`",
-               "the platform's"});
-  in.optional("cutoff", power_level{}, out.cutoff_dbm,
-              "what arrives more weakly is not even interference; not for a unit disk");
-  in.optional("sensing",
-              word<sensing>{{{"energy", sensing::energy},
-                             {"carrier", sensing::carrier},
-                             {"energy_or_carrier", sensing::energy_or_carrier}}},
-              out.sensing,
-              "what makes the channel busy: power at the threshold (CCA mode 1), a frame being "
-              "received (mode 2), or either");
-  in.optional(
-      "sensing_window",
-      word<sensing_window>{{{"whole", sensing_window::whole}, {"end", sensing_window::end}}},
-      out.window, "at any moment of the 128 us of an assessment, or at the last");
   out.collisions = is_disk(out) ? collision_rule::strict : collision_rule::sinr;
-  in.optional(
-      "collisions",
-      word<collision_rule>{{{"sinr", collision_rule::sinr}, {"strict", collision_rule::strict}}},
-      out.collisions,
-      {"interference causes bit errors while it lasts, or any overlap loses both frames",
-       "`\"strict\"` for a unit disk, else `\"sinr\"`"});
-  in.optional("sensitivity_edge",
-              word<sensitivity_edge>{
-                  {{"sharp", sensitivity_edge::sharp}, {"noise", sensitivity_edge::noise}}},
-              out.edge,
-              "at the sensitivity frames stop at once, or fade out: the receiver has so much noise "
-              "of its own that it loses 1 % of frames of 20 octets there; not for a unit disk");
-  in.optional("capture", flag{}, out.capture,
-              "a receiver leaves the frame it is receiving for a much stronger later one; not with "
-              "`collisions = \"strict\"`");
-  in.optional(
-      "curve", word<error_curve>{{{"oqpsk", error_curve::oqpsk}, {"tossim", error_curve::tossim}}},
-      out.curve,
-      "from signal to noise and interference to errors: bit errors of IEEE 802.15.4-2006 E.4.1.8, "
-      "or TOSSIM's chance for a whole frame; not with `collisions = \"strict\"` without noise");
+  in.all(out, radio::reception_keys());
 }
 
 void read_macs(table_reader& in, radio::channel_config& out) {
@@ -305,20 +245,7 @@ placed_links read_radio(table_reader& root, const directory& names, const named_
   placed_links links;
   const auto before = root.problems().size();
   root.table("radio", "[radio]", "what all radios have in common", [&](table_reader& in) {
-    in.optional("loss", ratio{}, out.loss,
-                "chance that one copy of a frame is lost, beside everything else");
-    in.optional("queue", whole<std::size_t>{1, 1024}, out.queue,
-                "frames a radio's transmit queue holds; more are refused and counted");
-    in.optional("retries", whole<unsigned>{0, 7}, out.retries_max,
-                {"repetitions of a frame that is not acknowledged",
-                 "the medium access's: 3 for `\"standard\"` (macMaxFrameRetries), 0 for TinyOS's"});
-    in.optional("receive_slots", whole<std::size_t>{1, 1024}, out.receive_slots,
-                {"frames a mote can hold while its MCU is busy; more are dropped and counted "
-                 "as `overflow`",
-                 "the platform's: 3"});
-    in.optional("service_time", time_span{0s, 1s}, out.service_time,
-                {"how long the MCU needs for a frame, received or sent",
-                 "the platform's: 2 ms MicaZ, 1.5 ms IRIS, 2.5 ms TelosB"});
+    in.all(out, radio::medium_keys());
     in.table("propagation", "[radio.propagation]", {"how strongly frames arrive", "a unit disk"},
              [&](table_reader& x) { read_propagation(x, files, out.propagation); });
     const bool propagation_is_good = in.sound();

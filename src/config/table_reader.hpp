@@ -77,7 +77,11 @@ public:
   /// All keys that are listed beside a struct.
   template <class Struct>
   void all(Struct& out) {
-    std::apply([&](const auto&... each) { (one(each, out), ...); }, Struct::keys());
+    all(out, keys_of(static_cast<const Struct*>(nullptr)));
+  }
+  template <class Struct, class... Keys>
+  void all(Struct& out, const std::tuple<Keys...>& those) {
+    std::apply([&](const auto&... each) { (one(each, out), ...); }, those);
   }
 
   using part_reader = std::function<void(table_reader&)>;

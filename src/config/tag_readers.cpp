@@ -2,22 +2,14 @@
 
 #include "config/file_readers.hpp"
 #include "config/model_readers.hpp"
+#include "rfid/reader_keys.hpp"
 
 namespace rubicon::config {
 
 rfid::reader_config read_rfid_reader(table_reader& in, std::string_view peer_name) {
   rfid::reader_config out;
   out.name = peer_name;
-  in.optional("name", name_text{}, out.name,
-              {"of the interface; no two readers have the same", "that of the peer"});
-  in.required("position_m", config::place{}, out.place, "of its antenna");
-  in.optional("range", metres{0.05, 100}, out.range_m,
-              "tags that are farther away are not perceived");
-  in.optional("period", time_span{10ms, 1h}, out.period, "between two inventories");
-  in.optional("miss_rate", ratio{}, out.miss_rate,
-              "chance that an inventory misses a tag in range");
-  in.optional("missed_max", whole<unsigned>{1, 1000}, out.missed_max,
-              "inventories in a row that miss a tag until it is taken for gone");
+  in.all(out);
   return out;
 }
 

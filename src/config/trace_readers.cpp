@@ -1,6 +1,8 @@
 #include "config/model_readers.hpp"
 #include "config/mote_readers.hpp"
 #include "config/trace_files.hpp"
+#include "mote/trace_keys.hpp"
+#include "mote/transducer_keys.hpp"
 
 namespace rubicon::config {
 
@@ -25,29 +27,6 @@ struct start_text {
   }
 };
 
-void read_format(table_reader& in, mote::trace_format& out) {
-  in.optional("separator",
-              word<char>{{{"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {"blanks", ' '}}},
-              out.separator,
-              {"what stands between two fields",
-               "what the first line has: a semicolon, else a tab, else a comma, else blanks"});
-  in.optional("columns", list_of<text>{{}, 1, mote::trace_columns_max}, out.columns,
-              {"names of the columns, in order", "the first line names them"});
-  in.optional("time_column", text{}, out.time_column, "seconds, or a time of day");
-  in.optional("date_column", text{}, out.date_column,
-              {"stands before the time, if date and time of day have a column each", "none"});
-  in.optional("mote_column", text{}, out.mote_column,
-              {"numbers from 0 to 4294967295", "none: all readings are of one mote"});
-  in.optional("column", text{}, out.value_column, {"the values", "the quantity"});
-  constexpr real any_value{-mote::trace_value_max, mote::trace_value_max};
-  in.optional("min", any_value, out.least,
-              {"values below it, in the file's unit, are taken for missing", "none"});
-  in.optional("max", any_value, out.most, {"values above it are taken for missing", "none"});
-  in.optional(
-      "start", start_text{}, out.start,
-      {"the time that is the start of the run", "`\"0\"`, or the earliest date in the file"});
-}
-
 /// Whether the trace has what the mote named in the TOML file replays; complains if not.
 bool has_mote(const table_reader& in, const mote::trace_model& x) {
   const bool found = !x.mote || x.table->of_mote.contains(*x.mote);
@@ -66,16 +45,11 @@ mote::trace_model read_trace(table_reader& in, mote::quantity kind) {
   std::string file;
   in.required("file", text{path_octets_max}, file,
               {"relative to the folder of the TOML file", "", "file"});
-  read_format(in, format);
-  in.optional("mote", whole<std::uint32_t>{}, out.mote,
-              {"whose readings are replayed; only with `mote_column`", "the mote's own id"});
-  in.optional("repeat", flag{}, out.repeats,
-              "begin again from the start after the last reading of all motes, which lasts as long "
-              "as the one before it");
-  in.optional("interpolation", word<bool>{{{"hold", false}, {"linear", true}}}, out.straight,
-              "between two readings: the earlier one, or a straight line");
-  in.optional("scale", real{-1e9, 1e9}, out.scale, "factor of the values");
-  in.optional("offset", real{-1e9, 1e9}, out.offset, "added to the scaled value");
+  in.all(format);
+  in.optional(
+      "start", start_text{}, format.start,
+      {"the time that is the start of the run", "`\"0\"`, or the earliest date in the file"});
+  in.all(out);
   if (in.walks() || !in.sound())
     return out;
   if (format.mote_column.empty()) {

@@ -4,6 +4,7 @@
 
 #include "config/model_readers.hpp"
 #include "config/mote_readers.hpp"
+#include "mote/transducer_keys.hpp"
 
 namespace rubicon::config {
 
@@ -28,36 +29,17 @@ constexpr std::array<quantity_word, 9> quantity_words{
      {"sound", quantity::sound, "decibels"},
      {"signal", quantity::signal, "dBm"}}};
 
-void read_constant(table_reader& in, mote::transducer_model& out) {
-  mote::constant_model model;
-  in.required("value", real{}, model.value, "always this");
-  out = model;
-}
-
-void read_sine(table_reader& in, mote::transducer_model& out) {
-  mote::sine_model model;
-  in.required("mean", real{}, model.mean, "in the middle");
-  in.required("amplitude", real{}, model.amplitude, "from the mean to a crest");
-  in.optional("period", time_span{1ms}, model.period, "from crest to crest");
-  in.optional("phase_turns", real{-1, 1}, model.phase_turns, "`0.25` starts at the crest");
-  out = model;
-}
-
-void read_points(table_reader& in, mote::transducer_model& out) {
-  mote::points_model model;
-  in.required("points", time_points{}, model.points,
-              "times since the start, each later than the one before, and values");
-  out = std::move(model);
+/// A model whose keys are listed beside it.
+template <class Model>
+void read_model(table_reader& in, mote::transducer_model& out) {
+  Model found;
+  in.all(found);
+  out = std::move(found);
 }
 
 void read_random_walk(table_reader& in, mote::transducer_model& out) {
   mote::random_walk_model model;
-  in.required("start", real{}, model.start, {"value at the start", "", "`min` to `max`"});
-  in.required("step", real{0, 1e9}, model.step,
-              "standard deviation of the change within a second; within t seconds it is sqrt(t) "
-              "times this");
-  in.required("min", real{}, model.min, "it does not go below");
-  in.required("max", real{}, model.max, {"it does not go above", "", "number, more than `min`"});
+  in.all(model);
   if (in.sound() && model.min >= model.max)
     in.problems().add(in.at("max"), "`max` must be more than `min`, which is " + shown(model.min));
   else if (in.sound() && (model.start < model.min || model.start > model.max))
@@ -110,14 +92,11 @@ bool has_model(const mote::transducer_model& x) {
 
 void read_transducer(table_reader& in, mote::transducer_config& out) {
   constexpr double count_max = 32767;
-  in.optional("noise", real{0}, out.noise,
-              "standard deviation of Gaussian noise, in the value's unit");
-  in.optional("resolution", real{1e-9, 1e9}, out.resolution,
-              "value of one count; the model must stay within 32767 counts");
+  in.all(out);
   in.one_of("model", "how the value behaves",
-            {{"constant", [&](table_reader& x) { read_constant(x, out.model); }},
-             {"sine", [&](table_reader& x) { read_sine(x, out.model); }},
-             {"points", [&](table_reader& x) { read_points(x, out.model); }},
+            {{"constant", [&](table_reader& x) { read_model<mote::constant_model>(x, out.model); }},
+             {"sine", [&](table_reader& x) { read_model<mote::sine_model>(x, out.model); }},
+             {"points", [&](table_reader& x) { read_model<mote::points_model>(x, out.model); }},
              {"random_walk", [&](table_reader& x) { read_random_walk(x, out.model); }},
              {"field", [&](table_reader& x) { out.model = read_field(x); }},
              {"trace", [&](table_reader& x) { out.model = read_trace(x, out.kind); }}});

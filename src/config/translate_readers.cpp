@@ -4,6 +4,7 @@
 
 #include "config/file_readers.hpp"
 #include "translate/pattern.hpp"
+#include "translate/translation_keys.hpp"
 
 namespace rubicon::config {
 
@@ -61,13 +62,7 @@ translate::translation read_translation(table_reader& in) {
            "is no number is dropped and counted, as is a result that is not finite",
            "the text as it is"}))
     out.value = std::move(value);
-  in.optional("decimals", whole<int>{0, 6}, out.decimals, "digits after the point");
-  in.optional("unit", text{16}, out.unit, {"told as `TO.unit`", "none"});
-  in.optional("history", whole<std::size_t>{1, translate::history_max}, out.history,
-              {"the newest values, in the tuple `TO.history`, or `FROM.history` without `to`: CSV, "
-               "a line each, oldest first, the time in seconds of the ecology and the value, of "
-               "which up to 100 octets",
-               "none"});
+  in.all(out);
   if (!in.has("to") && !in.has("history"))
     in.problems().add(in.at(), "a translation needs `to`, `history` or both");
   if (in.has("decimals") && !in.has("value"))

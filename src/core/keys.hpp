@@ -1,14 +1,11 @@
-// What a file may say about a struct: its keys, listed once, beside the struct. The configuration's
-// reader, its documents and its JSON Schema are made from the list.
+// What a file may say about a struct: its keys, listed once, in the struct's room. The
+// configuration's reader, its documents and its JSON Schema are made from the list. It has a header
+// of its own, so that nobody but the configuration is compiled anew for a sentence:
 //
-//   struct line_config {
-//     duration latency = 1ms;
-//
-//     static auto keys() {
-//       return keys::of(keys::optional("latency", &line_config::latency, keys::time_span{0s, 10s},
-//                                      "of adapter and driver, each way"));
-//     }
-//   };
+//   inline auto keys_of(const line_config*) {
+//     return keys::of(keys::optional("latency", &line_config::latency, keys::time_span{0s, 10s},
+//                                    "of adapter and driver, each way"));
+//   }
 //
 // Kinds say what a value may be; they are plain, and `config` knows how each is read and told.
 #pragma once
