@@ -111,10 +111,15 @@ TEST_CASE("masks of types have to be possible, and to leave no doubt", "[config]
   CHECK(problem_after(head, "[[proxy]]\nname = \"p\"\ntypes = [\"0x0100/0xff00\"]\n[[proxy]]\nname "
                             "= \"q\"\ntypes = [\"0x0010/0x00ff\", \"0x0100/0xf0\"]\n")
             .starts_with("11:"));
-  CHECK(problem_after(head, "[[proxy]]\nname = \"p\"\ntypes = [\"0x0100/0xff00\"]\n[[proxy]]\nname "
-                            "= \"q\"\ntypes = [\"0x0010/0x00ff\"]\n") ==
-        "11:10: proxies `p` and `q` both claim type 272, with equally wide ranges (line 8, column "
-        "10)");
+  check_mistakes(head, R"(
+[[proxy]]
+name = "p"
+types = ["0x0100/0xff00"]
+[[proxy]]
+name = "q"
+types = ["0x0010/0x00ff"]
+#        ^ proxies `p` and `q` both claim type 272, with equally wide ranges (line 8, column 10)
+)");
 }
 
 TEST_CASE("a program is one that is known, with settings that it takes",
