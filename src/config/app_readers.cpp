@@ -23,9 +23,7 @@ placed_app read_sampler(table_reader& in) {
   sampler_app app;
   placed_app out;
   std::vector<located<mote::quantity>> found;
-  auto readable = quantities();
-  readable.emplace_back(word_of(mote::quantity::signal), mote::quantity::signal);
-  in.required("transducers", list_of<word<mote::quantity>>{{readable}, 1, 8}, found,
+  in.required("transducers", list_of<word<mote::quantity>>{{sampled_quantities()}, 1, 8}, found,
               {"each is a transducer of the mote, or `\"signal\"`: how strongly the mote receives "
                "its parent, the next mote or sink on the way to the gateway, in dBm; 127 before it "
                "has heard it",

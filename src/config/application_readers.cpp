@@ -172,6 +172,12 @@ std::vector<std::pair<std::string_view, mote::quantity>> quantities() {
   return words;
 }
 
+std::vector<std::pair<std::string_view, mote::quantity>> sampled_quantities() {
+  auto words = quantities();
+  words.emplace_back(word_of(mote::quantity::signal), mote::quantity::signal);
+  return words;
+}
+
 std::vector<program_kind> mote_programs(const directory& names) {
   return {{"stream_writer", [&](table_reader& x) { return read_stream_writer(x, names); }},
           {"stream_reader", read_stream_reader},

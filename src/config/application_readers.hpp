@@ -50,4 +50,7 @@ using program_kind = std::pair<std::string_view, std::function<placed_program(ta
 /// The words for quantities in a file.
 [[nodiscard]] std::vector<std::pair<std::string_view, mote::quantity>> quantities();
 
+/// The same, and what samplers read beside them.
+[[nodiscard]] std::vector<std::pair<std::string_view, mote::quantity>> sampled_quantities();
+
 } // namespace rubicon::config

@@ -78,4 +78,7 @@ void read_actuators(table_reader& in, std::vector<mote::actuator_config>& out);
 /// The word for a quantity in a file.
 [[nodiscard]] std::string_view word_of(mote::quantity x);
 
+/// Its unit by convention, as tuples tell it; empty: none.
+[[nodiscard]] std::string_view unit_of(mote::quantity x);
+
 } // namespace rubicon::config

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "config/mote_readers.hpp"
 #include "config/near.hpp"
 #include "config/units.hpp"
 #include "proxy/class_table.hpp"
@@ -84,14 +85,53 @@ std::vector<std::string> field_names(const proxy::proxy_class& of) {
   return names;
 }
 
-/// The sampler of a mote that sends on the channel.
-sampler_app* sampler_on(mote_description& mote, std::uint16_t channel) {
+/// The sampler of a mote that sends on the channel. @param mote const, if the sampler is to be
+template <class Mote>
+auto sampler_on(Mote& mote, std::uint16_t channel) {
+  decltype(std::get_if<sampler_app>(&mote.apps[0])) found = nullptr;
   for (auto& app : mote.apps) {
-    auto* const found = std::get_if<sampler_app>(&app);
-    if (found != nullptr && found->channel == channel)
-      return found;
+    auto* const sampler = std::get_if<sampler_app>(&app);
+    if (found == nullptr && sampler != nullptr && sampler->channel == channel)
+      found = sampler;
   }
-  return nullptr;
+  return found;
+}
+
+/// Calls `use` with the name, as in `kitchen/fan`, and each mote that a class claims.
+template <class Islands, class Use>
+void each_mote_of(const std::string& proxy, const proxy::class_table& table, Islands& islands,
+                  Use use) {
+  for (auto& island : islands) {
+    for (auto& mote : island.motes) {
+      const auto* const its = table.find(proxy::signature_of({island.id, mote.id}, mote.type));
+      if (its != nullptr && its->name == proxy)
+        use(island.name + '/' + mote.name, mote);
+    }
+  }
+}
+
+/// How a mote sends the counts of a transducer.
+struct sent_count {
+  std::size_t offset = 0;
+  double resolution = 1;
+
+  friend bool operator==(const sent_count&, const sent_count&) = default;
+};
+
+std::optional<sent_count> count_of(const mote_description& mote, std::uint16_t channel,
+                                   mote::quantity kind) {
+  const auto* const sampler = sampler_on(mote, channel);
+  if (sampler == nullptr)
+    return std::nullopt;
+  const auto& sent = sampler->transducers;
+  const auto at = std::ranges::find(sent, kind);
+  if (at == sent.end())
+    return std::nullopt;
+  sent_count out{static_cast<std::size_t>(at - sent.begin()) * 2, 1}; // 1 of the signal
+  const auto is = std::ranges::find(mote.transducers, kind, &mote::transducer_config::kind);
+  if (is != mote.transducers.end())
+    out.resolution = is->resolution;
+  return out;
 }
 
 } // namespace
@@ -207,24 +247,56 @@ void place_computations(const std::vector<placed_computation>& all,
     const auto* const field = of == nullptr ? nullptr : proxy::field_named(*of, x.field);
     if (field == nullptr || field->mean_of <= 1)
       continue;
-    for (auto& island : islands) {
-      for (auto& mote : island.motes) {
-        const auto* const its = table.find(proxy::signature_of({island.id, mote.id}, mote.type));
-        if (its == nullptr || its->name != x.proxy)
-          continue;
-        auto* const sampler = sampler_on(mote, field->channel);
-        const auto index = field->offset / 2;
-        if (sampler == nullptr || field->layout != proxy::encoding::i16 || field->offset % 2 != 0 ||
-            index >= sampler->transducers.size()) {
-          problems.add(x.at,
-                       "mote `" + island.name + '/' + mote.name +
-                           "` has no sampler that sends a count there which it could average");
-          continue;
-        }
-        sampler->mean_of.resize(sampler->transducers.size(), 1);
-        sampler->mean_of[index] = field->mean_of;
+    each_mote_of(x.proxy, table, islands, [&](const std::string& name, mote_description& mote) {
+      auto* const sampler = sampler_on(mote, field->channel);
+      const auto index = field->offset / 2;
+      if (sampler == nullptr || field->layout != proxy::encoding::i16 || field->offset % 2 != 0 ||
+          index >= sampler->transducers.size()) {
+        problems.add(x.at, "mote `" + name +
+                               "` has no sampler that sends a count there which it could average");
+        return;
       }
-    }
+      sampler->mean_of.resize(sampler->transducers.size(), 1);
+      sampler->mean_of[index] = field->mean_of;
+    });
+  }
+}
+
+void place_transducers(const std::vector<placed_transducer>& all,
+                       std::vector<proxy::proxy_class>& classes,
+                       const std::vector<island_description>& islands, complaints& problems) {
+  const proxy::class_table table(classes);
+  for (const auto& x : all) {
+    const auto of = std::ranges::find(classes, x.proxy, &proxy::proxy_class::name);
+    const auto field = std::ranges::find(of->fields, x.field, &proxy::field::name);
+    const auto what = std::string(word_of(x.kind));
+    const auto from = "on channel " + std::to_string(field->channel);
+    std::optional<sent_count> agreed;
+    std::string first; // the mote that has it so
+    bool good = true;  // the first mistake will do
+    each_mote_of(x.proxy, table, islands, [&](const std::string& name, const auto& mote) {
+      const auto found = good ? count_of(mote, field->channel, x.kind) : std::nullopt;
+      if (good && !found)
+        problems.add(x.at, "mote `" + name + "` has no sampler that sends `" + what + "` " + from);
+      else if (good && agreed && *agreed != *found)
+        problems.add(x.at, "motes `" + first + "` and `" + name + "` send `" + what +
+                               "` in different ways: a class of its own, or `offset` and `scale`");
+      good = good && found && (!agreed || *agreed == *found);
+      if (!agreed) {
+        agreed = found;
+        first = name;
+      }
+    });
+    if (good && !agreed)
+      problems.add(x.at, "the file has no mote of this class whose `" + what + "` it could be");
+    if (!agreed)
+      continue;
+    if (!x.has_offset)
+      field->offset = agreed->offset;
+    if (!x.has_scale)
+      field->scale = agreed->resolution;
+    if (!x.has_unit)
+      field->unit = unit_of(x.kind);
   }
 }
 

@@ -47,6 +47,23 @@ struct placed_computation {
   mark at;
 };
 
+/// Where a field names its transducer, and what the file says of the field nevertheless.
+struct placed_transducer {
+  std::string proxy;
+  std::string field;
+  mote::quantity kind;
+  mark at;
+  bool has_offset = false;
+  bool has_scale = false;
+  bool has_unit = false;
+};
+
+/// Gives fields the offset, scale and unit of their transducers, as samplers of the motes send them
+/// that the classes claim.
+void place_transducers(const std::vector<placed_transducer>& all,
+                       std::vector<proxy::proxy_class>& classes,
+                       const std::vector<island_description>& islands, complaints& problems);
+
 /// Gives the computations to the samplers of the motes that the classes claim (PXY-17).
 void place_computations(const std::vector<placed_computation>& all,
                         const std::vector<proxy::proxy_class>& classes,

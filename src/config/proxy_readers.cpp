@@ -4,6 +4,7 @@
 #include <system_error>
 #include <utility>
 
+#include "config/application_readers.hpp"
 #include "config/file_readers.hpp"
 #include "config/proxy_part_readers.hpp"
 #include "proxy/class_keys.hpp"
@@ -94,6 +95,28 @@ void read_field_words(table_reader& in, bool sized, proxy::field& out) {
   }
 }
 
+/// What other tables decide about a field of motes.
+struct placed_fields {
+  std::vector<placed_computation> computations;
+  std::vector<placed_transducer> transducers;
+};
+
+/// transducer, of fields of motes.
+void read_source(table_reader& in, const proxy::field& field, const std::string& of,
+                 placed_fields& placed) {
+  mote::quantity kind{};
+  if (in.optional(
+          "transducer", word<mote::quantity>{sampled_quantities()}, kind,
+          {"whose counts the [samplers](#app--sampler) of the class send on the channel: it "
+           "gives `offset`, its resolution as `scale` and its unit, where the field has none",
+           "none", "quantity"}) &&
+      !field.name.empty())
+    placed.transducers.push_back({of, field.name, kind, in.at("transducer"), in.has("offset"),
+                                  in.has("scale"), in.has("unit")});
+  if (in.has("transducer") && in.has("encoding"))
+    in.problems().add(in.at("encoding"), "`encoding` means nothing with `transducer`");
+}
+
 /// mean_of and computed_by, of fields of motes.
 void read_computation(table_reader& in, proxy::field& field, const std::string& of,
                       std::vector<placed_computation>& computations) {
@@ -110,7 +133,7 @@ void read_computation(table_reader& in, proxy::field& field, const std::string& 
     computations.push_back({of, field.name, in.at("computed_by")});
 }
 
-void read_field(table_reader& in, tuple_names& names, std::vector<placed_computation>& computations,
+void read_field(table_reader& in, tuple_names& names, placed_fields& placed,
                 proxy::proxy_class& out) {
   proxy::field field;
   if (in.required("name", name_text{}, field.name, "last part of the key"))
@@ -126,8 +149,10 @@ void read_field(table_reader& in, tuple_names& names, std::vector<placed_computa
                      !in.has("encoding");
   in.all(field);
   read_field_words(in, sized, field);
-  if (out.ids.empty())
-    read_computation(in, field, out.name, computations);
+  if (out.ids.empty()) {
+    read_computation(in, field, out.name, placed.computations);
+    read_source(in, field, out.name, placed);
+  }
   if (field.offset + proxy::octets_of(field.layout) > payload_octets_max)
     in.problems().add(in.at("offset"), "the field ends beyond the " +
                                            std::to_string(payload_octets_max) +
@@ -330,7 +355,7 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root, const directory
   name_claims classes;
   name_claims ids;
   name_claims objects;
-  std::vector<placed_computation> computations;
+  placed_fields placed;
   root.tables(
       "proxy", "[[proxy]]", "what gives a mote's octets, or a tag, a meaning",
       [&](table_reader& in) {
@@ -364,7 +389,7 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root, const directory
                     "as those of tagged things always do");
         in.table("qos", "[proxy.qos]", "of motes", [&](table_reader& x) { x.all(found.settings); });
         in.tables("field", "[[proxy.field]]", {"values that it publishes", "none"},
-                  [&](table_reader& x) { read_field(x, names, computations, found); });
+                  [&](table_reader& x) { read_field(x, names, placed, found); });
         in.tables("input", "[[proxy.input]]", {"motes alone have inputs", "none"},
                   [&](table_reader& x) { read_input(x, names, found); });
         in.tables("object", "[[proxy.object]]",
@@ -385,7 +410,9 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root, const directory
       });
   check_overlaps(ranges, root.problems());
   if (root.sound())
-    place_computations(computations, out, islands, root.problems());
+    place_transducers(placed.transducers, out, islands, root.problems());
+  if (root.sound())
+    place_computations(placed.computations, out, islands, root.problems());
   return out;
 }
 

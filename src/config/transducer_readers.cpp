@@ -15,19 +15,20 @@ using mote::quantity;
 struct quantity_word {
   std::string_view name;
   quantity kind;
-  const char* unit; ///< by convention
+  const char* unit;        ///< by convention,
+  std::string_view symbol; ///< and what is published; empty: none
 };
 
 constexpr std::array<quantity_word, 9> quantity_words{
-    {{"temperature", quantity::temperature, "degrees Celsius"},
-     {"humidity", quantity::humidity, "percent"},
-     {"light", quantity::light, "lux"},
-     {"voltage", quantity::voltage, "volts"},
-     {"presence", quantity::presence, "0 or 1"},
-     {"acceleration", quantity::acceleration, "metres per second squared"},
-     {"magnetism", quantity::magnetism, "microtesla, or 0 and 1 of a reed contact"},
-     {"sound", quantity::sound, "decibels"},
-     {"signal", quantity::signal, "dBm"}}};
+    {{"temperature", quantity::temperature, "degrees Celsius", "C"},
+     {"humidity", quantity::humidity, "percent", "%"},
+     {"light", quantity::light, "lux", "lx"},
+     {"voltage", quantity::voltage, "volts", "V"},
+     {"presence", quantity::presence, "0 or 1", ""},
+     {"acceleration", quantity::acceleration, "metres per second squared", "m/s2"},
+     {"magnetism", quantity::magnetism, "microtesla, or 0 and 1 of a reed contact", "uT"},
+     {"sound", quantity::sound, "decibels", "dB"},
+     {"signal", quantity::signal, "dBm", "dBm"}}};
 
 /// A model whose keys are listed beside it.
 template <class Model>
@@ -116,13 +117,17 @@ std::string_view word_of(mote::quantity x) {
   return quantity_words[static_cast<std::size_t>(x)].name;
 }
 
+std::string_view unit_of(mote::quantity x) {
+  return quantity_words[static_cast<std::size_t>(x)].symbol;
+}
+
 void read_transducers(table_reader& in, std::vector<mote::transducer_config>& out) {
   in.table("transducers", "transducers",
            {"what it measures, by quantity; a mote's replace its type's of the same quantity, or "
             "are added",
             "none"},
            [&out](table_reader& all) {
-             for (const auto& [name, kind, unit] : quantity_words) {
+             for (const auto& [name, kind, unit, symbol] : quantity_words) {
                if (kind == quantity::signal)
                  continue; // nobody describes it
                mote::transducer_config config;
