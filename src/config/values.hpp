@@ -177,9 +177,9 @@ template <class T>
 
 template <class T>
 [[nodiscard]] form form_of(const whole<T>& kind) {
-  return whole_form(kind.min, kind.max < std::numeric_limits<std::int64_t>::max()
-                                  ? std::optional<std::int64_t>(kind.max)
-                                  : std::nullopt);
+  const bool is_bounded = std::cmp_less(kind.max, std::numeric_limits<std::int64_t>::max());
+  return whole_form(static_cast<std::int64_t>(kind.min),
+                    is_bounded ? std::optional(static_cast<std::int64_t>(kind.max)) : std::nullopt);
 }
 
 template <class T>
