@@ -268,6 +268,10 @@ command parse_command_line(std::span<const char* const> arguments) {
   add_file(check_app, check.file);
   check_app.add_flag("--list", check.list, "List motes, peers and tuple keys instead");
   add_overrides(check_app, check.instead);
+  schema_command schema;
+  auto& schema_app = *app.add_subcommand(
+      "schema", "Print a JSON Schema of such files, for editors and validators");
+  schema_app.add_option("--tables", schema.tables_of)->group(""); // of docs/configuration.md
   swarm_command swarm;
   const auto& swarm_app = add_swarm(app, swarm);
   explain_command explain;
@@ -290,6 +294,8 @@ command parse_command_line(std::span<const char* const> arguments) {
   }
   if (check_app.parsed())
     return check;
+  if (schema_app.parsed())
+    return schema;
   if (swarm_app.parsed())
     return swarm;
   if (explain_app.parsed())

@@ -32,6 +32,11 @@ struct check_command {
   bool list = false; ///< motes, peers and tuples instead of a summary
 };
 
+/// `rubicon schema`
+struct schema_command {
+  std::string tables_of; ///< a document whose tables of keys are made anew; empty: JSON Schema
+};
+
 /// `rubicon swarm FILE`
 struct swarm_command {
   std::string file;
@@ -62,8 +67,8 @@ struct refused_command {
   std::string text;
 };
 
-using command = std::variant<run_command, check_command, swarm_command, explain_command,
-                             network_command, show_command, refused_command>;
+using command = std::variant<run_command, check_command, schema_command, swarm_command,
+                             explain_command, network_command, show_command, refused_command>;
 
 /// @param arguments the program's name first
 [[nodiscard]] command parse_command_line(std::span<const char* const> arguments);

@@ -16,6 +16,7 @@
 #include "cli/explain_command.hpp"
 #include "cli/network_commands.hpp"
 #include "cli/run_command.hpp"
+#include "cli/schema_command.hpp"
 #include "cli/swarm_command.hpp"
 #include "core/printable.hpp"
 

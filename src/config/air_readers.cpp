@@ -51,12 +51,13 @@ std::vector<air_description> read_airs(table_reader& root, const directory& name
   std::vector<air_description> out;
   name_claims air_names;
   island_airs placed(islands);
-  root.tables("air", "[[air]]", [&](table_reader& in) {
+  root.tables("air", "[[air]]", "islands that share a place", [&](table_reader& in) {
     air_description air;
     std::vector<located<island_id>> members;
-    if (in.required("name", name_text{}, air.name))
+    if (in.required("name", name_text{}, air.name, "not that of an island outside of it"))
       air_names.claim(air.name, "air name", in.at("name"), in.problems());
-    in.required("islands", list_of<island_name>{{names}, 1}, members);
+    in.required("islands", list_of<island_name>{{names}, 1}, members,
+                "an island is in one air only");
     placed.place(members, in.problems());
     air.islands = values_of(std::move(members));
     for (const auto& island : islands) {

@@ -18,15 +18,15 @@ constexpr std::size_t streams_max = 32;
 constexpr std::uint8_t vector_max = 64;
 
 std::vector<apps::synapse> read_synapses(table_reader& in, std::string_view key,
-                                         const directory& names) {
+                                         const directory& names, const about& what) {
   std::vector<apps::synapse> out;
   claims<mote_address> listed;
-  in.tables(key, "synapses", [&](table_reader& x) {
+  in.tables(key, "synapses", what, [&](table_reader& x) {
     apps::synapse end;
-    if (x.required("node", node_name{names}, end.other))
+    if (x.required("node", node_name{names}, end.other, "who has the other end"))
       listed.claim(end.other, "the channel with " + to_string(end.other), x.at("node"),
                    x.problems(), "is already listed");
-    x.optional("size", whole<std::uint8_t>{1, vector_max}, end.size);
+    x.optional("size", whole<std::uint8_t>{1, vector_max}, end.size, "elements");
     out.push_back(end);
   });
   if (out.size() > synapses_max)
@@ -37,17 +37,18 @@ std::vector<apps::synapse> read_synapses(table_reader& in, std::string_view key,
 
 placed_program read_stream_writer(table_reader& in, const directory& names) {
   apps::stream_writer_config app;
-  in.required("transducer", word<mote::quantity>{quantities()}, app.transducer);
-  in.required("to", node_name{names}, app.to);
-  in.optional("every", time_span{every_min, every_max}, app.every);
-  in.optional("stream", whole<std::uint16_t>{}, app.stream);
+  in.required("transducer", word<mote::quantity>{quantities()}, app.transducer,
+              {"a transducer of the mote", "", "quantity"});
+  in.required("to", node_name{names}, app.to, "where the read end is");
+  in.optional("every", time_span{every_min, every_max}, app.every, "from one record to the next");
+  in.optional("stream", whole<std::uint16_t>{}, app.stream, "symbolic name, the same at both ends");
   return {app, {in.at("transducer")}};
 }
 
 placed_program read_stream_reader(table_reader& in) {
   apps::stream_reader_config app;
-  in.optional("every", time_span{every_min, every_max}, app.every);
-  in.optional("stream", whole<std::uint16_t>{}, app.stream);
+  in.optional("every", time_span{every_min, every_max}, app.every, "as the writer's");
+  in.optional("stream", whole<std::uint16_t>{}, app.stream, "symbolic name");
   return {app, {}};
 }
 
@@ -56,33 +57,40 @@ placed_program read_reservoir(table_reader& in, const directory& names, bool sen
   placed_program out;
   if (senses) {
     std::vector<located<mote::quantity>> found;
-    in.optional("transducers", list_of<word<mote::quantity>>{{quantities()}, 0, 8}, found);
+    in.optional("transducers", list_of<word<mote::quantity>>{{quantities()}, 0, 8}, found,
+                {"on a mote only; each is scaled by its range so far", "none",
+                 "array of up to 8 quantities"});
     for (const auto& each : found)
       out.needs_at.push_back(each.at);
     app.transducers = values_of(std::move(found));
   }
-  app.from = read_synapses(in, "from", names);
-  app.to = read_synapses(in, "to", names);
-  in.optional("units", whole<std::uint8_t>{1, vector_max}, app.units);
-  in.optional("leak", ratio{}, app.leak);
-  in.optional("radius", ratio{}, app.radius);
+  app.from = read_synapses(in, "from", names, {"channels that come in", "none"});
+  app.to = read_synapses(
+      in, "to", names,
+      {"channels that go out: the first transducer, if there is one, then the units", "none"});
+  in.optional("units", whole<std::uint8_t>{1, vector_max}, app.units, "how many it has");
+  in.optional("leak", ratio{}, app.leak, "share of the new in a unit's next state");
+  in.optional("radius", ratio{}, app.radius,
+              "bound of the spectral radius of the units' own weights");
   out.app = std::move(app);
   return out;
 }
 
 placed_program read_readout(table_reader& in, const directory& names) {
   apps::readout_config app;
-  app.from = read_synapses(in, "from", names);
+  app.from = read_synapses(in, "from", names, "channels that come in, at least 1");
   if (in.sound() && app.from.empty())
     in.problems().add(in.at("app"), "a readout needs at least one channel in `from`");
-  in.optional("warm_up", whole<std::uint32_t>{}, app.warm_up);
-  in.optional("forgetting", real{0.5, 1}, app.forgetting);
+  in.optional("warm_up", whole<std::uint32_t>{}, app.warm_up, "ticks before errors count");
+  in.optional("forgetting", real{0.5, 1}, app.forgetting, "weight of the past, per tick");
   return {std::move(app), {}};
 }
 
 std::vector<std::uint16_t> read_streams(table_reader& in) {
   std::vector<located<std::uint16_t>> found;
-  in.required("streams", list_of<whole<std::uint16_t>>{{}, 1, streams_max}, found);
+  in.required("streams", list_of<whole<std::uint16_t>>{{}, 1, streams_max}, found,
+              {"symbolic names of the streams that end here", "",
+               "array of 1 to 32 numbers from 0 to 65535"});
   claims<std::uint16_t> listed;
   for (const auto& each : found)
     listed.claim(each.value, "stream " + std::to_string(each.value), each.at, in.problems(),
@@ -93,14 +101,17 @@ std::vector<std::uint16_t> read_streams(table_reader& in) {
 placed_program read_average(table_reader& in, const directory& names) {
   apps::average_config app;
   app.streams = read_streams(in);
-  in.optional("every", time_span{every_min, every_max}, app.every);
+  in.optional("every", time_span{every_min, every_max}, app.every,
+              "from one mean to the next, and as the writers'");
   claims<std::uint16_t> listed;
   in.tables(
-      "outputs", "outputs of an average",
+      "outputs", "outputs of an average", "where the mean goes",
       [&](table_reader& x) {
         apps::stream_output to;
-        x.required("to", node_name{names}, to.to);
-        x.optional("stream", whole<std::uint16_t>{}, to.stream);
+        x.required("to", node_name{names}, to.to,
+                   "where the read end is; it may be the node of the average itself");
+        x.optional("stream", whole<std::uint16_t>{}, to.stream,
+                   "symbolic name; no other output has it, nor is it among `streams`");
         if (std::ranges::find(app.streams, to.stream) != app.streams.end())
           x.problems().add(x.at("stream"),
                            "stream " + std::to_string(to.stream) + " is read by this average");
@@ -114,12 +125,13 @@ placed_program read_average(table_reader& in, const directory& names) {
 
 placed_program read_stream_switch(table_reader& in, const directory& names) {
   apps::stream_switch_config app;
-  in.optional("stream", whole<std::uint16_t>{}, app.stream);
-  in.optional("every", time_span{every_min, every_max}, app.every);
-  in.required("on_at", real{}, app.on_at);
-  in.required("off_at", real{}, app.off_at);
-  in.required("to", mote_name{names}, app.to);
-  in.optional("channel", whole<std::uint8_t>{}, app.channel);
+  in.optional("stream", whole<std::uint16_t>{}, app.stream,
+              "symbolic name of the stream that ends here");
+  in.optional("every", time_span{every_min, every_max}, app.every, "as the writer's");
+  in.required("on_at", real{}, app.on_at, "in counts of the stream");
+  in.required("off_at", real{}, app.off_at, "the same; not equal to `on_at`");
+  in.required("to", mote_name{names}, app.to, "whose actuator it is");
+  in.optional("channel", whole<std::uint8_t>{}, app.channel, "channel of its app `actuator`");
   if (in.sound() && app.on_at == app.off_at)
     in.problems().add(in.at("off_at"), "`off_at` must not be equal to `on_at`");
   return {app, {}};
@@ -128,8 +140,9 @@ placed_program read_stream_switch(table_reader& in, const directory& names) {
 placed_program read_recorder(table_reader& in, claims<std::string>& files) {
   apps::recorder_config app;
   app.streams = read_streams(in);
-  in.optional("every", time_span{every_min, every_max}, app.every);
-  if (in.required("file", text{}, app.file))
+  in.optional("every", time_span{every_min, every_max}, app.every, "as the writers'");
+  if (in.required("file", text{}, app.file,
+                  "relative to the folder where the run is started; no other recorder writes it"))
     files.claim(app.file, "file `" + app.file + '`', in.at("file"), in.problems(),
                 "is already written by the recorder");
   return {std::move(app), {}};
@@ -159,6 +172,12 @@ std::vector<std::pair<std::string_view, mote::quantity>> quantities() {
   return words;
 }
 
+std::vector<std::pair<std::string_view, mote::quantity>> sampled_quantities() {
+  auto words = quantities();
+  words.emplace_back(word_of(mote::quantity::signal), mote::quantity::signal);
+  return words;
+}
+
 std::vector<program_kind> mote_programs(const directory& names) {
   return {{"stream_writer", [&](table_reader& x) { return read_stream_writer(x, names); }},
           {"stream_reader", read_stream_reader},
@@ -182,15 +201,20 @@ std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_vie
                                                claims<std::string>& files) {
   std::vector<apps::app_config> out;
   end_claims ends;
-  in.tables(key, title, [&](table_reader& x) {
-    std::vector<std::pair<std::string_view, table_reader::part_reader>> choices;
-    for (const auto& [word, read] : pc_programs(names, files))
-      choices.emplace_back(word, [&, read = read](table_reader& y) {
-        out.push_back(read(y).app);
-        ends.claim(out.back(), y.at("app"), y.problems());
+  in.tables(
+      key, title,
+      {"programs of its PC; they hear of each mote that joins the island; only where it is the "
+       "island's only gateway",
+       "none"},
+      [&](table_reader& x) {
+        std::vector<std::pair<std::string_view, table_reader::part_reader>> choices;
+        for (const auto& [word, read] : pc_programs(names, files))
+          choices.emplace_back(word, [&, read = read](table_reader& y) {
+            out.push_back(read(y).app);
+            ends.claim(out.back(), y.at("app"), y.problems());
+          });
+        x.one_of("app", "which program", choices);
       });
-    x.one_of("app", choices);
-  });
   return out;
 }
 

@@ -19,6 +19,7 @@ struct node_name {
   using type = mote_address; ///< no_mote in the mote part: a peer
   const directory& names;
   [[nodiscard]] std::optional<mote_address> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("mote, peer or gateway"); }
 };
 
 /// A program, and where the file names each transducer that it needs.
@@ -48,5 +49,8 @@ using program_kind = std::pair<std::string_view, std::function<placed_program(ta
 
 /// The words for quantities in a file.
 [[nodiscard]] std::vector<std::pair<std::string_view, mote::quantity>> quantities();
+
+/// The same, and what samplers read beside them.
+[[nodiscard]] std::vector<std::pair<std::string_view, mote::quantity>> sampled_quantities();
 
 } // namespace rubicon::config

@@ -26,6 +26,7 @@ struct adapter_name {
     return good ? std::optional(*found)
                 : who.refuse(x, "the name of a Bluetooth adapter, as in \"hci0\"");
   }
+  [[nodiscard]] static form takes() { return string_form("adapter, `\"hci0\"`"); }
 };
 
 /// "00:1B:44:11:3A:B7"
@@ -40,6 +41,7 @@ struct device_address {
       return who.refuse(x, "the address of a Bluetooth device, as in \"00:1B:44:11:3A:B7\"");
     return *address;
   }
+  [[nodiscard]] static form takes() { return string_form("text `\"00:1B:44:11:3A:B7\"`"); }
 };
 
 /// What has `key` cannot run without Bluetooth (LNK-04).
@@ -53,13 +55,20 @@ void need_bluetooth(const table_reader& in, std::string_view key) {
 
 void read_bluetooth(table_reader& in, bluetooth_description& out) {
   need_bluetooth(in, "bluetooth");
-  in.table("bluetooth", "[peis.bluetooth]", [&out](table_reader& x) {
-    x.optional("range", metres{0.1, 1000}, out.range_m);
-    x.optional("rate", bit_rate{}, out.rate_bps);
-    x.optional("scan_period", time_span{1s, 30s}, out.scan_period);
-    x.optional("rssi_threshold", power_level{}, out.threshold_dbm);
-    x.optional("takeover", flag{}, out.takeover);
-  });
+  in.table(
+      "bluetooth", "[peis.bluetooth]",
+      {"simulated Bluetooth between the adapters of peers", "see there"}, [&out](table_reader& x) {
+        x.optional("range", metres{0.1, 1000}, out.range_m,
+                   "devices farther away are not seen, and links longer than this are dropped");
+        x.optional("rate", bit_rate{}, out.rate_bps, "of each link, each way; 0 for no limit");
+        x.optional("scan_period", time_span{1s, 30s}, out.scan_period,
+                   "between two scans of an adapter");
+        x.optional("rssi_threshold", power_level{}, out.threshold_dbm,
+                   "no link is begun with what is received more weakly; by default beyond 7.9 m");
+        x.optional("takeover", flag{}, out.takeover,
+                   "when the peer ends that announces on a shared adapter, the next one does it; "
+                   "`false`: nobody does, and nobody behind that adapter is found any more");
+      });
 }
 
 std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root) {
@@ -67,30 +76,39 @@ std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root) {
   std::vector<bluetooth_device> out;
   name_claims names;
   claims<peis::bluetooth_address> addresses;
-  root.tables("bluetooth_device", "[[bluetooth_device]]", [&](table_reader& in) {
-    bluetooth_device x;
-    if (in.required("name", name_text{}, x.name))
-      names.claim(x.name, "device name", in.at("name"), in.problems());
-    if (in.required("address", device_address{}, x.address))
-      addresses.claim(x.address, "Bluetooth address " + to_string(x.address), in.at("address"),
-                      in.problems());
-    in.required("position_m", place{}, x.place);
-    out.push_back(std::move(x));
-  });
+  root.tables("bluetooth_device", "[[bluetooth_device]]", "what has Bluetooth and is no peer",
+              [&](table_reader& in) {
+                bluetooth_device x;
+                if (in.required("name", name_text{}, x.name, "no other device has it"))
+                  names.claim(x.name, "device name", in.at("name"), in.problems());
+                if (in.required("address", device_address{}, x.address, "no other device has it"))
+                  addresses.claim(x.address, "Bluetooth address " + to_string(x.address),
+                                  in.at("address"), in.problems());
+                in.required("position_m", place{}, x.place, "where it is");
+                out.push_back(std::move(x));
+              });
   return out;
 }
 
 void read_adapters(table_reader& in, machine_places& places, peer_description& out) {
   need_bluetooth(in, "bluetooth");
   std::vector<located<std::string>> adapters;
-  in.optional("bluetooth", list_of<adapter_name>{{}, 1, adapters_max}, adapters);
+  in.optional("bluetooth", list_of<adapter_name>{{}, 1, adapters_max}, adapters,
+              {"adapters of its computer that it uses; peers of one host share them, and the first "
+               "to start announces for all of them",
+               "none"});
   claims<std::string> named;
   for (const auto& each : adapters)
     named.claim(each.value, "the adapter `" + each.value + '`', each.at, in.problems(),
                 "is already listed");
   out.bluetooth = values_of(std::move(adapters));
-  const bool placed = in.optional("position_m", place{}, out.place);
-  in.optional("wired", flag{}, out.wired);
+  const bool placed = in.optional(
+      "position_m", place{}, out.place,
+      {"where its computer is; needed by `bluetooth`, and the same for all peers of a host",
+       "none"});
+  in.optional("wired", flag{}, out.wired,
+              "it is on the simulated network between hosts; `false`: it has links over Bluetooth "
+              "only, or over the real network");
   if (in.has("bluetooth") && !in.has("position_m"))
     in.problems().add(in.at("bluetooth"), "`bluetooth` needs a `position_m`");
   if (in.has("position_m") && !in.has("bluetooth"))

@@ -1,4 +1,5 @@
 #include "config/component_readers.hpp"
+#include "init/component_keys.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -38,6 +39,9 @@ struct component_id {
                                ", or one that counts from the init's own, as in \"+1\"");
     return peer_id(static_cast<std::int32_t>(id));
   }
+  [[nodiscard]] static form takes() {
+    return form{"1 to 65535, or `\"+1\"`", R"({"type":["integer","string"]})"};
+  }
 };
 
 /// A peer of the file.
@@ -57,21 +61,24 @@ struct component_peer {
     who.complain(x, "no peer is called `" + *name + '`' + suggestion(*name, known));
     return std::nullopt;
   }
+  [[nodiscard]] static form takes() { return string_form("name of a peer"); }
 };
 
 placed_component read_component(table_reader& in, const directory& names, run_mode mode,
                                 peer_id own) {
   placed_component out;
   auto& x = out.what;
-  in.required("name", name_text{}, x.name);
-  in.optional("peer", component_peer{names}, x.peer);
-  in.optional("command", text{4000}, x.command);
-  in.optional("id", component_id{own}, x.id);
-  in.optional("state", word<bool>{{{"on", true}, {"off", false}}}, x.on);
-  in.optional("delay", time_span{100ms, 1h}, x.delay);
-  in.optional("semantics", description, x.semantics);
-  in.optional("proxy", description, x.proxy);
-  in.optional("arguments", description, x.arguments);
+  in.required("name", name_text{}, x.name, "no other component of the init has it");
+  in.optional("peer", component_peer{names}, x.peer,
+              "the component is this peer, with all its apps; it is on the host of its init, and "
+              "no component of another");
+  in.optional(
+      "command", text{4000}, x.command,
+      "the component is a process that `/bin/sh` runs; needs `mode = \"wall\"`. It finds the "
+      "options of its kernel, and the extra arguments, in the environment variable `PEISINIT`");
+  in.optional("id", component_id{own}, x.id,
+              "PEIS id of a command, or how many more than the init's it is; nobody else has it");
+  in.all(x);
   if (in.has("peer") == in.has("command"))
     in.problems().add(in.at(), "a component is either a `peer` or a `command`");
   else if (in.has("peer") && in.has("id"))
@@ -228,13 +235,22 @@ init_app read_init(table_reader& in, surroundings& with, peer_id own,
                    std::vector<placed_init>& placed) {
   init_app out;
   placed_init x{own, in.at("app"), {}, {}, in.at("folder")};
-  in.tables("components", "components", [&](table_reader& y) {
-    auto found = read_component(y, with.names, with.mode, own);
-    if (y.sound())
-      x.components.push_back(std::move(found));
-  });
-  in.optional("folder", text{path_octets_max}, x.folder);
-  if (in.optional("lock", text{path_octets_max}, out.lock) && with.shared.files != nullptr)
+  in.tables("components", "components",
+            "at most 64 with those of the folder, see below; also as `[[peer.apps.components]]`",
+            [&](table_reader& y) {
+              auto found = read_component(y, with.names, with.mode, own);
+              if (y.sound())
+                x.components.push_back(std::move(found));
+            });
+  in.optional("folder", text{path_octets_max}, x.folder,
+              {"each of its files `*.toml` describes one component with the keys below; one that "
+               "is wrong is told of and left out",
+               "none", "folder"});
+  if (in.optional(
+          "lock", text{path_octets_max}, out.lock,
+          {"in wall time the init holds this file; a second one that wants it refuses to run",
+           "one of the host and the user, in `$XDG_RUNTIME_DIR` or `/tmp`", "file"}) &&
+      with.shared.files != nullptr)
     out.lock = (std::filesystem::path(with.shared.files->toml).parent_path() / out.lock).string();
   if (!in.has("components") && !in.has("folder"))
     in.problems().add(in.at(), "an init needs `components`, a `folder` of them, or both");

@@ -50,8 +50,20 @@ std::optional<std::uint32_t> number_at(const node& x, std::string_view key, std:
   return static_cast<std::uint32_t>(*content);
 }
 
+/// The first of the lowest `count` ids in a row from 1 on that nobody has.
+std::uint32_t lowest_free(const std::set<std::uint32_t>& taken, std::uint32_t count) {
+  std::uint32_t first = 1;
+  for (const auto id : taken) {
+    if (id >= first + count)
+      break;
+    first = std::max(first, id + 1);
+  }
+  return first;
+}
+
 /// Fills the directory's islands; what all groups have together is limited.
 struct island_walk {
+  std::map<mark, directory::group>& groups;
   std::uint32_t group_motes = 0;
 
   directory::island island_at(const node& x) {
@@ -78,7 +90,9 @@ struct island_walk {
     const auto count = number_at(x, "count", mote_id_max).value_or(0);
     const auto given = number_at(x, "first", mote_id_max);
     const auto first = given ? *given : lowest_free(taken, count);
-    if (count == 0 || first + count - 1 > mote_id_max || count > group_motes_max - group_motes)
+    const bool fits = count <= group_motes_max - group_motes;
+    groups.emplace(x.at, directory::group{first, fits});
+    if (count == 0 || first + count - 1 > mote_id_max || !fits)
       return;
     group_motes += count;
     const auto prefix = text_at(x, "prefix");
@@ -181,16 +195,6 @@ std::optional<peer_id> peer_id_of(std::string_view digits) {
 
 } // namespace
 
-std::uint32_t lowest_free(const std::set<std::uint32_t>& taken, std::uint32_t count) {
-  std::uint32_t first = 1;
-  for (const auto id : taken) {
-    if (id >= first + count)
-      break;
-    first = std::max(first, id + 1);
-  }
-  return first;
-}
-
 std::string default_mote_name(std::string_view type_name, mote_id id) {
   return (type_name.empty() ? "mote" : std::string(type_name)) + '-' + to_string(id);
 }
@@ -208,10 +212,11 @@ std::string counted_peer_name(std::string_view name, std::uint32_t number) {
 }
 
 directory::directory(const node& root) {
-  island_walk walk;
+  island_walk walk{groups};
   each_table(root, "island", [&](const node& x) {
+    auto found = walk.island_at(x);
     if (const auto name = text_at(x, "name")) {
-      auto& added = islands.emplace(*name, walk.island_at(x)).first->second;
+      auto& added = islands.emplace(*name, std::move(found)).first->second;
       if (added.has_gateway)
         add_gateways(x, *name, added);
     }
@@ -236,6 +241,11 @@ void directory::add_gateways(const node& x, const std::string& name, island& of)
     of.gateways.push_back(id);
     ends.emplace(text_at(alias, "name").value_or(default_alias_name(name, of.gateways.size())), id);
   });
+}
+
+directory::group directory::group_at(mark at) const {
+  const auto found = groups.find(at);
+  return found == groups.end() ? group{} : found->second;
 }
 
 const directory::island* directory::island_of_gateway(peer_id id) const {
@@ -353,7 +363,7 @@ std::optional<std::string> tuple_reference::read(const node& x, const asker& who
   const auto owner = found == names.ends.end() ? peer_id_of(name) : found->second;
   if (!owner)
     return unknown(x, who, "peer or gateway", name, keys_of(names.ends));
-  const auto key = tuple_key{}.read({x.at, text->substr(colon + 1)}, who);
+  const auto key = config::read(tuple_key{}, {x.at, text->substr(colon + 1)}, who);
   if (!key)
     return std::nullopt;
   return peis::format_meta(peis::meta_target{*owner, *peis::key::parse(*key)});

@@ -36,10 +36,6 @@ inline constexpr std::uint32_t peer_count_max = 1000;
 /// Motes that all groups of a file may have together.
 inline constexpr std::uint32_t group_motes_max = 100'000;
 
-/// The first of the lowest `count` ids in a row from 1 on that nobody has: a mote that is added
-/// somewhere else does not move a group.
-[[nodiscard]] std::uint32_t lowest_free(const std::set<std::uint32_t>& taken, std::uint32_t count);
-
 /// Names as the file has them. What has no usable name is left out, an unusable id is 0: the reader
 /// of its table complains, and nobody else needs to.
 struct directory {
@@ -51,8 +47,18 @@ struct directory {
     std::map<std::string, mote_id, std::less<>> motes;
   };
 
+  /// Which ids a group has.
+  struct group {
+    std::uint32_t first = 1; ///< given, or the lowest from which so many in a row are free: a mote
+                             ///< that is added somewhere else does not move a group
+    bool fits = true;        ///< all groups so far have at most group_motes_max motes together
+  };
+
   directory() = default;
   explicit directory(const node& root);
+
+  /// The group whose table is there.
+  [[nodiscard]] group group_at(mark at) const;
 
   /// The island with that id; nullptr if there is none.
   [[nodiscard]] const island* find(island_id id) const;
@@ -64,6 +70,7 @@ struct directory {
   std::map<std::string, peer_id, std::less<>> ends; ///< of links: peers and gateways
   /// Peers of one table with a `count`, under its name.
   std::map<std::string, std::vector<peer_id>, std::less<>> peer_groups;
+  std::map<mark, group> groups; ///< by the places of their tables
   std::set<std::string, std::less<>> hosts;
   std::set<std::string, std::less<>> mote_types;
 
@@ -77,6 +84,9 @@ struct island_name {
   const directory& names;
   bool any = false;
   [[nodiscard]] std::optional<island_id> read(const node& x, const asker& who) const;
+  [[nodiscard]] form takes() const {
+    return string_form(any ? "name of an island, or `\"*\"`" : "name of an island");
+  }
 };
 
 /// A peer or gateway by its name, or "*" for any_peer.
@@ -84,6 +94,7 @@ struct peer_name {
   using type = peer_id;
   const directory& names;
   [[nodiscard]] std::optional<peer_id> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("name of a peer or gateway, or `\"*\"`"); }
 };
 
 /// A peer or gateway by its name, or all peers of a table with a `count` by its name.
@@ -91,6 +102,7 @@ struct peer_group_name {
   using type = std::vector<peer_id>;
   const directory& names;
   [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("name of a peer or gateway"); }
 };
 
 /// A mote as "island/mote", or "*" for any_mote where that is allowed.
@@ -99,6 +111,7 @@ struct mote_name {
   const directory& names;
   bool any = false;
   [[nodiscard]] std::optional<mote_address> read(const node& x, const asker& who) const;
+  [[nodiscard]] form takes() const { return string_form(any ? "mote, or `\"*\"`" : "mote"); }
 };
 
 /// A mote as "island/mote", or a sink as "island/sink".
@@ -106,6 +119,7 @@ struct radio_name {
   using type = mote_address;
   const directory& names;
   [[nodiscard]] std::optional<mote_address> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("radio"); }
 };
 
 /// Where packets of a measuring app go.
@@ -120,6 +134,10 @@ struct flow_end_name {
   const directory& names;
   bool broadcast = false; ///< "*" is taken
   [[nodiscard]] std::optional<flow_end> read(const node& x, const asker& who) const;
+  [[nodiscard]] form takes() const {
+    return string_form("radio of the same island, `\"sink\"`" +
+                       std::string(broadcast ? " or `\"*\"`" : ""));
+  }
 };
 
 /// A host by its name.
@@ -127,6 +145,7 @@ struct host_name {
   using type = std::string;
   const directory& names;
   [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("name of a host"); }
 };
 
 /// The other end of a link, "inproc://NAME"; the value is NAME.
@@ -134,6 +153,7 @@ struct link_end {
   using type = std::string;
   const directory& names;
   [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("link"); }
 };
 
 /// A tuple of a peer or gateway, "NAME:KEY", or of a peer that the file does not have, "ID:KEY"; or
@@ -142,6 +162,9 @@ struct tuple_reference {
   using type = std::string;
   const directory& names;
   [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() {
+    return string_form("tuple, as in `\"robot:robot.state\"`, or `\"nowhere\"`");
+  }
 };
 
 } // namespace rubicon::config

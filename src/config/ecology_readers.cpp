@@ -12,21 +12,27 @@ constexpr duration tick_max = 8191ms;          ///< 13 bits of a clock stamp
 } // namespace
 
 void read_ecology(table_reader& root, ecology_description& out) {
-  const bool found = root.table("ecology", "[ecology]", [&out](table_reader& in) {
-    in.required("name", name_text{}, out.name);
-    in.optional("seed", whole<std::uint64_t>{0, INT64_MAX}, out.seed);
-    in.optional("mode",
-                word<run_mode>{{{"virtual", run_mode::virtual_time}, {"wall", run_mode::wall}}},
-                out.mode);
-    in.optional("duration", time_span{1ms}, out.length);
-    in.optional("network", text{network_octets_max}, out.network);
-    duration tick = out.tick;
-    if (in.optional("tick", time_span{10ms, tick_max}, tick)) {
-      out.tick = std::chrono::duration_cast<std::chrono::milliseconds>(tick);
-      if (out.tick != tick)
-        in.problems().add(in.at("tick"), "`tick` must be whole milliseconds");
-    }
-  });
+  const bool found =
+      root.table("ecology", "[ecology]", "the run as a whole", [&out](table_reader& in) {
+        in.required("name", name_text{}, out.name, "of the ecology, in reports");
+        in.optional("seed", whole<std::uint64_t>{0, INT64_MAX}, out.seed,
+                    "of all dice; the same file and seed give the same virtual run");
+        in.optional("mode",
+                    word<run_mode>{{{"virtual", run_mode::virtual_time}, {"wall", run_mode::wall}}},
+                    out.mode, "as fast as the computer can, or in real time");
+        in.optional("duration", time_span{1ms}, out.length, "of ecology time");
+        in.optional("network", text{network_octets_max}, out.network,
+                    "PEIS network string: peers with another one never connect");
+        duration tick = out.tick;
+        if (in.optional("tick", time_span{10ms, tick_max}, tick,
+                        {"period of the RUBICON clock, on all motes and PCs: it ticks at its "
+                         "multiples in the time that peers share",
+                         "", "time from 10 ms to 8191 ms, whole milliseconds"})) {
+          out.tick = std::chrono::duration_cast<std::chrono::milliseconds>(tick);
+          if (out.tick != tick)
+            in.problems().add(in.at("tick"), "`tick` must be whole milliseconds");
+        }
+      });
   if (!found && !root.has("ecology"))
     root.problems().add(root.at(), "the file lacks the table [ecology]");
 }
@@ -34,11 +40,11 @@ void read_ecology(table_reader& root, ecology_description& out) {
 std::vector<host_description> read_hosts(table_reader& root) {
   std::vector<host_description> out;
   name_claims names;
-  root.tables("host", "[[host]]", [&](table_reader& in) {
+  root.tables("host", "[[host]]", "computers", [&](table_reader& in) {
     host_description host;
-    if (in.required("name", name_text{}, host.name))
+    if (in.required("name", name_text{}, host.name, "what `host` of islands and peers refers to"))
       names.claim(host.name, "host name", in.at("name"), in.problems());
-    in.required("address", text{253}, host.address);
+    in.required("address", text{253}, host.address, "DNS name or IP address");
     out.push_back(std::move(host));
   });
   return out;

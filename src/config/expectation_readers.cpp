@@ -29,6 +29,7 @@ struct scope_name {
     const auto island = island_name{names}.read(x, who);
     return island ? std::optional(mote_scope{*text, *island, {}}) : std::nullopt;
   }
+  [[nodiscard]] static form takes() { return string_form("island, mote or `\"*\"`"); }
 };
 
 /// A node as node_name has it, or "*"; its name as the file has it.
@@ -42,6 +43,7 @@ struct node_text {
       return *text;
     return node_name{names}.read(x, who) ? std::optional(*text) : std::nullopt;
   }
+  [[nodiscard]] static form takes() { return string_form("mote, name of a peer, or `\"*\"`"); }
 };
 
 struct proxy_text {
@@ -49,16 +51,18 @@ struct proxy_text {
 
   [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
     const auto* found = x.as<std::string>();
-    return found != nullptr && *found == "*" ? std::optional(*found) : tuple_key{}.read(x, who);
+    return found != nullptr && *found == "*" ? std::optional(*found)
+                                             : config::read(tuple_key{}, x, who);
+  }
+  [[nodiscard]] static form takes() {
+    return string_form("prefix of its keys, as in `\"kitchen.fan\"`, or `\"*\"`");
   }
 };
 
 void read_bounds(table_reader& in, tuple_condition& out) {
-  std::vector<located<std::string>> texts;
-  in.optional("equals", list_of<text>{text{}, 1}, texts);
-  out.equals = values_of(std::move(texts));
-  in.optional("above", real{}, out.above);
-  in.optional("below", real{}, out.below);
+  in.optional("equals", list_of<text>{{}, 1}, out.equals, "it is one of these,");
+  in.optional("above", real{}, out.above, "or a number at or above this,");
+  in.optional("below", real{}, out.below, {"and below this", "", "number, more than `above`"});
   const bool has_bounds = in.has("above") || in.has("below");
   if (has_bounds == in.has("equals"))
     in.problems().add(in.at(), "a condition needs either `equals`, or `above`, `below` or both");
@@ -73,9 +77,10 @@ struct kind_reader {
   expectation& out;
 
   /// A time within the run.
-  void time(table_reader& in, const char* key, duration& to, bool is_required = false) const {
-    const bool found =
-        is_required ? in.required(key, time_span{}, to) : in.optional(key, time_span{}, to);
+  void time(table_reader& in, const char* key, duration& to, const about& what,
+            bool is_required = false) const {
+    const bool found = is_required ? in.required(key, time_span{}, to, what)
+                                   : in.optional(key, time_span{}, to, what);
     if (found && to > length)
       in.problems().add(in.at(key), '`' + std::string(key) +
                                         "` is after the end of the run, which is at " +
@@ -83,100 +88,109 @@ struct kind_reader {
   }
 
   template <class Expectation>
-  void share(table_reader& in) const {
+  void share(table_reader& in, const char* of, const char* at_least = "this share") const {
     Expectation x;
-    in.optional("of", scope_name{names}, x.of);
-    in.required("at_least", ratio{}, x.at_least);
+    in.optional("of", scope_name{names}, x.of, {of, "`\"*\"`"});
+    in.required("at_least", ratio{}, x.at_least, at_least);
     out = std::move(x);
   }
 
   void stream(table_reader& in) const {
     stream_expectation x;
-    in.required("stream", whole<std::uint16_t>{}, x.stream);
-    if (in.required("to", node_name{names}, x.to))
+    in.required("stream", whole<std::uint16_t>{}, x.stream, "number of the stream");
+    if (in.required("to", node_name{names}, x.to, "where it is read"))
       x.to_name = *in.value("to")->as<std::string>();
-    in.required("at_least", ratio{}, x.at_least);
-    duration pause{};
-    if (in.optional("pause", time_span{1ms}, pause))
-      x.pause = pause;
+    in.required("at_least", ratio{}, x.at_least, "this share");
+    in.optional(
+        "pause", time_span{1ms}, x.pause,
+        {"the longest that the reader may go without a record, from its first one to the end "
+         "of the run",
+         "any"});
     out = std::move(x);
   }
 
   void actuations(table_reader& in) const {
     actuations_expectation x;
-    in.optional("proxy", proxy_text{}, x.proxy);
-    in.optional("count", whole<std::uint64_t>{1, INT64_MAX}, x.count);
-    in.required("at_least", ratio{}, x.at_least);
+    in.optional("proxy", proxy_text{}, x.proxy, {"whose inputs", "`\"*\"`"});
+    in.optional("count", whole<std::uint64_t>{1, INT64_MAX}, x.count,
+                "so many must have been asked for");
+    in.required("at_least", ratio{}, x.at_least, "this share");
     out = std::move(x);
   }
 
   void tuple(table_reader& in) const {
     tuple_expectation x;
-    in.required("key", tuple_key{}, x.then.key);
+    in.required("key", tuple_key{}, x.then.key, "the tuple");
     read_bounds(in, x.then);
-    in.table("when", "when of an expectation", [&x](table_reader& part) {
-      auto& condition = x.when.emplace();
-      part.required("key", tuple_key{}, condition.key);
-      read_bounds(part, condition);
-    });
-    time(in, "within", x.within, true);
+    in.table("when", "when of an expectation",
+             {"the condition before it, see below", "from the start"}, [&x](table_reader& part) {
+               auto& condition = x.when.emplace();
+               part.required("key", tuple_key{}, condition.key, "the tuple");
+               read_bounds(part, condition);
+             });
+    time(in, "within", x.within, "so soon", true);
     out = std::move(x);
   }
 
   void clock(table_reader& in) const {
     clock_expectation x;
-    in.optional("of", scope_name{names}, x.of);
-    in.required("at_most", time_span{1us}, x.at_most);
-    in.optional("share", ratio{}, x.share);
-    time(in, "from", x.from);
-    in.optional("every", time_span{10ms}, x.every);
+    in.optional("of", scope_name{names}, x.of, {"whose clocks", "`\"*\"`"});
+    in.required("at_most", time_span{1us}, x.at_most, "no farther");
+    in.optional("share", ratio{}, x.share, "in this share of the comparisons");
+    time(in, "from", x.from, "the first comparison");
+    in.optional("every", time_span{10ms}, x.every, "from one comparison to the next");
     out = std::move(x);
   }
 
   void joined(table_reader& in) const {
     joined_expectation x;
-    in.optional("of", scope_name{names}, x.of);
-    time(in, "within", x.within, true);
+    in.optional("of", scope_name{names}, x.of,
+                {"who is listed by its gateway for the first time", "`\"*\"`"});
+    time(in, "within", x.within, "so long after the start of the run", true);
     out = std::move(x);
   }
 
   void members(table_reader& in) const {
     members_expectation x;
     std::uint64_t count = 0;
-    in.optional("of", scope_name{names}, x.of);
-    if (in.optional("at_least", whole<std::uint64_t>{1, 1'000'000}, count))
+    in.optional("of", scope_name{names}, x.of, {"who is listed at the end", "`\"*\"`"});
+    if (in.optional("at_least", whole<std::uint64_t>{1, 1'000'000}, count,
+                    {"so many", "all of them"}))
       x.at_least = count;
     out = std::move(x);
   }
 
   void radio(table_reader& in) const {
     radio_expectation x;
-    in.optional("of", scope_name{names}, x.of);
-    in.required("at_most", ratio{}, x.at_most);
+    in.optional("of", scope_name{names}, x.of, {"whose radios, each of them", "`\"*\"`"});
+    in.required("at_most", ratio{}, x.at_most, "share of the time that it was on");
     out = std::move(x);
   }
 
   void vectors(table_reader& in) const {
     vectors_expectation x;
-    in.optional("node", node_text{names}, x.node);
-    in.optional("missed", whole<std::uint64_t>{0, INT64_MAX}, x.missed);
-    time(in, "from", x.from);
+    in.optional("node", node_text{names}, x.node, {"whose programs", "`\"*\"`"});
+    in.optional("missed", whole<std::uint64_t>{0, INT64_MAX}, x.missed,
+                "so many vectors of synaptic channels they may miss, all together");
+    time(in, "from", x.from, "not counting those before");
     out = std::move(x);
   }
 
   void events(table_reader& in) const {
     events_expectation x;
-    in.required("at_most", whole<std::uint64_t>{1, INT64_MAX}, x.at_most);
+    in.required("at_most", whole<std::uint64_t>{1, INT64_MAX}, x.at_most,
+                "messages between actors in the whole run");
     out = x;
   }
 
   void story(table_reader& in) const {
     story_expectation x;
     std::uint64_t most = 0;
-    in.required("text", text{}, x.text);
-    in.optional("who", text{}, x.who);
-    in.optional("at_least", whole<std::uint64_t>{0, INT64_MAX}, x.at_least);
-    if (in.optional("at_most", whole<std::uint64_t>{0, INT64_MAX}, most))
+    in.required("text", text{}, x.text, "what they contain");
+    in.optional("who", text{}, x.who, {"what their `who` contains", "anybody"});
+    in.optional("at_least", whole<std::uint64_t>{0, INT64_MAX}, x.at_least, "so many lines");
+    if (in.optional("at_most", whole<std::uint64_t>{0, INT64_MAX}, most,
+                    {"no more of them", "any number", "number, not less than `at_least`"}))
       x.at_most = most;
     if (x.at_most && in.sound() && *x.at_most < x.at_least)
       in.problems().add(in.at("at_most"), "`at_most` must not be less than `at_least`, which is " +
@@ -188,16 +202,22 @@ struct kind_reader {
 expectation read_expectation(table_reader& in, const directory& names, duration length) {
   expectation out;
   const kind_reader read{names, length, out};
-  in.one_of("kind",
-            {{"delivery", [&](table_reader& x) { read.share<delivery_expectation>(x); }},
-             {"acknowledged", [&](table_reader& x) { read.share<acknowledged_expectation>(x); }},
+  in.one_of("kind", "what must come of the run",
+            {{"delivery",
+              [&](table_reader& x) { read.share<delivery_expectation>(x, "whose messages"); }},
+             {"acknowledged",
+              [&](table_reader& x) { read.share<acknowledged_expectation>(x, "whose messages"); }},
              {"stream", [&](table_reader& x) { read.stream(x); }},
              {"actuations", [&](table_reader& x) { read.actuations(x); }},
              {"tuple", [&](table_reader& x) { read.tuple(x); }},
              {"clock", [&](table_reader& x) { read.clock(x); }},
              {"joined", [&](table_reader& x) { read.joined(x); }},
              {"members", [&](table_reader& x) { read.members(x); }},
-             {"battery", [&](table_reader& x) { read.share<battery_expectation>(x); }},
+             {"battery",
+              [&](table_reader& x) {
+                read.share<battery_expectation>(x, "whose batteries, each of them",
+                                                "share of the charge that is left at the end");
+              }},
              {"radio", [&](table_reader& x) { read.radio(x); }},
              {"vectors", [&](table_reader& x) { read.vectors(x); }},
              {"events", [&](table_reader& x) { read.events(x); }},
@@ -212,7 +232,7 @@ std::vector<expectation> read_expectations(table_reader& root, const directory& 
                                            duration length) {
   constexpr std::size_t expectations_max = 1000;
   std::vector<expectation> out;
-  root.tables("expect", "[[expect]]", [&](table_reader& x) {
+  root.tables("expect", "[[expect]]", "what must come of a run, up to 1000", [&](table_reader& x) {
     out.push_back(read_expectation(x, names, length));
     if (out.size() == expectations_max + 1)
       x.problems().add(x.at(), "a file must not expect more than " +

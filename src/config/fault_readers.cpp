@@ -27,6 +27,7 @@ struct mote_type_name {
                         suggestion(*name, {names.mote_types.begin(), names.mote_types.end()}));
     return std::nullopt;
   }
+  [[nodiscard]] static form takes() { return string_form("name of a mote type"); }
 };
 
 bool has_separate_app(const std::vector<mote_app>& all) {
@@ -43,24 +44,36 @@ struct kind_reader {
 
   void battery_end(table_reader& in) const {
     battery_end_fault x;
-    in.required("mote", mote_name{names, true}, x.mote);
+    in.required(
+        "mote", mote_name{names, true}, x.mote,
+        "it sees that its battery ends, and tells its sink; a second later it is flat, for good");
     out = x;
   }
 
   void crash(table_reader& in) const {
-    if (choose(in, {"mote", "sink"}) == "sink") {
-      sink_crash_fault x;
-      read_sink(in, x.island);
-      in.optional("for", time_span{span_min}, x.length);
-      refuse(in, {"type"}, "sink");
-      out = x;
-      return;
-    }
+    in.either({{"mote", [this](table_reader& x) { crash_mote(x); }},
+               {"sink", [this](table_reader& x) { crash_sink(x); }}});
+  }
+
+  void crash_sink(table_reader& in) const {
+    sink_crash_fault x;
+    read_sink(in, x.island,
+              "the sink of that island instead; its end of the serial cables is dead as long");
+    in.optional("for", time_span{span_min}, x.length, "how long it is off");
+    refuse(in, {"type"}, "sink");
+    out = x;
+  }
+
+  void crash_mote(table_reader& in) const {
     crash_fault x;
-    in.required("mote", mote_name{names, true}, x.mote);
-    in.optional("for", time_span{span_min}, x.length);
+    in.required("mote", mote_name{names, true}, x.mote,
+                "its program fails; it is off for a while and then started again");
+    in.optional("for", time_span{span_min}, x.length, "how long it is off");
     std::string type;
-    if (in.optional("type", mote_type_name{names}, type))
+    if (in.optional("type", mote_type_name{names}, type,
+                    {"with a single `mote`: what it is from its next start on; platform, power and "
+                     "battery stay, and the type too once it was carried to another island",
+                     "the one it has"}))
       x.becomes = of_another_type(in, x.mote, type);
     out = std::move(x);
   }
@@ -85,14 +98,15 @@ struct kind_reader {
     const auto profile = with.types.find(type);
     if (before == nullptr || profile == with.types.end())
       return std::nullopt;
-    auto x = *before;
-    x.type = profile->second.type;
-    x.type_name = type;
-    x.transducers = profile->second.transducers;
-    x.actuators = profile->second.actuators;
-    x.apps.clear();
-    for (const auto& each : profile->second.apps)
-      x.apps.push_back(each.app);
+    auto x = profile->second.mote();
+    x.id = before->id;
+    x.name = before->name;
+    x.platform = before->platform;
+    x.place = before->place;
+    x.path = before->path;
+    x.step = before->step;
+    x.transmit_dbm = before->transmit_dbm;
+    x.battery_mah = before->battery_mah;
     if (const auto* of = names.find(who.island); of != nullptr && !of->has_gateway)
       in.problems().add(in.at("type"),
                         "in an island with stack = \"mac\" nobody is told a mote's type");
@@ -107,8 +121,8 @@ struct kind_reader {
   }
 
   /// A mote of an island with a gateway, by its name.
-  void read_joining_mote(table_reader& in, mote_address& out_mote) const {
-    in.required("mote", mote_name{names}, out_mote);
+  void read_joining_mote(table_reader& in, mote_address& out_mote, const about& what) const {
+    in.required("mote", mote_name{names}, out_mote, what);
     if (const auto* of = names.find(out_mote.island); of != nullptr && !of->has_gateway)
       in.problems().add(in.at("mote"),
                         "a mote of an island with stack = \"mac\" does not join anything");
@@ -117,25 +131,34 @@ struct kind_reader {
                                        "leave `separate` out");
   }
 
+  static constexpr about duplicate_length{"after this it ends without a word, its links reset",
+                                          "to the end of the run"};
+
   void duplicate_id(table_reader& in) const {
-    if (choose(in, {"peer", "mote"}) == "peer") {
-      refuse(in, {"position_m"}, "peer");
-      absence<duplicate_id_fault>(in);
-      return;
-    }
+    in.either({{"peer",
+                [this](table_reader& x) {
+                  refuse(x, {"position_m"}, "peer");
+                  absence<duplicate_id_fault>(x, "whose id", duplicate_length);
+                }},
+               {"mote", [this](table_reader& x) { duplicate_mote(x); }}});
+  }
+
+  void duplicate_mote(table_reader& in) const {
     mote_double_fault x;
-    read_joining_mote(in, x.mote);
-    in.required("position_m", place{}, x.place);
-    in.optional("for", time_span{span_min}, x.length);
+    read_joining_mote(in, x.mote, "the mote whose address, instead");
+    in.required("position_m", place{}, x.place, "where that second mote is");
+    in.optional("for", time_span{span_min}, x.length, duplicate_length);
     out = x;
   }
 
   void move_mote(table_reader& in) const {
     move_island_fault x;
-    read_joining_mote(in, x.mote);
-    in.required("to_island", island_name{names}, x.to);
-    in.required("to_m", place{}, x.place);
-    in.optional("for", time_span{span_min}, x.length);
+    read_joining_mote(in, x.mote, "the mote that is carried to another island, instead; only once");
+    in.required("to_island", island_name{names}, x.to,
+                "with `mote`: switched on there, it is a mote of this one, under its old id, in "
+                "its next life");
+    in.required("to_m", place{}, x.place, "where to");
+    in.optional("for", time_span{span_min}, x.length, "with `mote`: how long it is off");
     if (in.sound() && x.to == x.mote.island)
       in.problems().add(in.at("to_island"),
                         "it is in that island already; a `path` of the mote lets it move there");
@@ -151,21 +174,6 @@ struct kind_reader {
     out = x;
   }
 
-  /// Which of the keys the table has, of which it must have one and no other; the first if none.
-  static std::string choose(table_reader& in, const std::vector<std::string>& keys) {
-    std::string chosen;
-    for (const auto& key : keys) {
-      in.expect(key);
-      if (!in.has(key))
-        continue;
-      if (chosen.empty())
-        chosen = key;
-      else
-        in.problems().add(in.at(key), '`' + key + "` means nothing with `" + chosen + '`');
-    }
-    return chosen.empty() ? keys.front() : chosen;
-  }
-
   /// These keys are of the other kinds of who is hit.
   static void refuse(table_reader& in, const std::vector<std::string>& keys, const char* of) {
     for (const auto& key : keys) {
@@ -176,8 +184,8 @@ struct kind_reader {
   }
 
   /// The sink of an island with a gateway.
-  void read_sink(table_reader& in, island_id& island) const {
-    in.required("sink", island_name{names, true}, island);
+  void read_sink(table_reader& in, island_id& island, const about& what) const {
+    in.required("sink", island_name{names, true}, island, what);
     if (const auto* of = names.find(island); of != nullptr && !of->has_gateway)
       in.problems().add(in.at("sink"),
                         "the sink of an island with stack = \"mac\" only measures; name another");
@@ -191,12 +199,13 @@ struct kind_reader {
 
   void noise(table_reader& in) const {
     noise_fault x;
-    in.required("island", island_name{names}, x.island);
-    in.required("position_m", place{}, x.place);
-    in.optional("power", power_level{-100, 30}, x.transmit_dbm);
-    in.optional("duty", ratio{}, x.duty);
-    in.optional("burst", time_span{100us, 1h}, x.burst);
-    in.optional("for", time_span{span_min}, x.length);
+    in.required("island", island_name{names}, x.island, "in whose air");
+    in.required("position_m", place{}, x.place, "where");
+    in.optional("power", power_level{-100, 30}, x.transmit_dbm, "how strong");
+    in.optional("duty", ratio{}, x.duty, {"share of the time that it sends", "", "ratio above 0"});
+    in.optional("burst", time_span{100us, 1h}, x.burst,
+                "how long each time, if not always; gaps are drawn from 0 to twice their mean");
+    in.optional("for", time_span{span_min}, x.length, "how long in all");
     if (in.has("duty") && in.sound() && x.duty == 0)
       in.problems().add(in.at("duty"), "`duty` must be above 0: leave the fault out instead");
     if (in.has("kind") && with.radio_is_known &&
@@ -210,17 +219,22 @@ struct kind_reader {
   void radio_loss(table_reader& in) const {
     radio_loss_fault x;
     island_id island;
-    in.required("loss", ratio{}, x.loss);
-    if (in.optional("island", island_name{names, true}, island))
+    in.required("loss", ratio{}, x.loss,
+                "chance that a copy of a frame is lost on its way to a radio, beside `loss` of "
+                "`[radio]` and its links");
+    if (in.optional("island", island_name{names, true}, island,
+                    {"to radios of this one only", "all islands"}))
       x.island = island;
-    in.optional("for", time_span{span_min}, x.length);
+    in.optional("for", time_span{span_min}, x.length, "how long");
     out = x;
   }
 
   void unplug(table_reader& in) const {
     unplug_fault x;
     peer_id gateway;
-    if (in.optional("gateway", peer_name{names}, gateway)) {
+    if (in.optional(
+            "gateway", peer_name{names}, gateway,
+            {"the one whose cable is out, and no other of its island", "", "name of a gateway"})) {
       const auto* of = gateway == any_peer ? nullptr : names.island_of_gateway(gateway);
       if (of == nullptr)
         in.problems().add(in.at("gateway"), "that is not the name of a gateway");
@@ -230,70 +244,83 @@ struct kind_reader {
         x.island = of->id;
       x.gateway = gateway;
     } else if (!in.has("gateway")) {
-      in.required("island", island_name{names, true}, x.island);
+      in.required_if(true, "island", island_name{names, true}, x.island,
+                     {"whose serial cables are out; `\"*\"`: one cable of any island",
+                      "with `gateway`, none"});
     }
     in.expect("island");
     if (const auto* island = names.find(x.island); island != nullptr && !island->has_gateway)
       in.problems().add(in.at("island"), "an island with stack = \"mac\" has no serial cable");
-    in.optional("for", time_span{span_min}, x.length);
+    in.optional("for", time_span{span_min}, x.length, "how long");
     out = x;
   }
 
   /// A peer that is away, or one too many, for a while or for good.
   template <class Fault>
-  void absence(table_reader& in) const {
+  void absence(table_reader& in, const about& who, const about& length) const {
     Fault x;
-    in.required("peer", peer_name{names}, x.peer);
-    in.optional("for", time_span{span_min}, x.length);
+    in.required("peer", peer_name{names}, x.peer, who);
+    in.optional("for", time_span{span_min}, x.length, length);
     out = x;
   }
 
   void pause(table_reader& in) const {
     pause_fault x;
-    in.required("peer", peer_name{names}, x.peer);
-    in.optional("for", time_span{span_min, 1h}, x.length);
+    in.required("peer", peer_name{names}, x.peer, "who");
+    in.optional("for", time_span{span_min, 1h}, x.length, "how long");
     out = x;
   }
 
   void clock_step(table_reader& in) const {
-    const auto who = choose(in, {"peer", "mote", "sink"});
-    if (who != "peer") {
-      crystal_step_fault x;
-      x.is_sink = who == "sink";
-      if (x.is_sink)
-        read_sink(in, x.mote.island);
-      else
-        in.required("mote", mote_name{names, true}, x.mote);
-      if (const auto* of = names.find(x.mote.island);
-          !x.is_sink && of != nullptr && !of->has_gateway)
-        in.problems().add(in.at("mote"),
-                          "a mote of an island with stack = \"mac\" has no use for its clock");
-      in.required("by", time_step{}, x.by);
-      out = x;
-      return;
-    }
+    in.either({{"peer", [this](table_reader& x) { peer_step(x); }},
+               {"mote", [this](table_reader& x) { crystal_step(x, false); }},
+               {"sink", [this](table_reader& x) { crystal_step(x, true); }}});
+  }
+
+  void peer_step(table_reader& in) const {
     clock_step_fault x;
-    in.required("peer", peer_name{names}, x.peer);
-    in.required("by", time_step{}, x.by);
+    in.required("peer", peer_name{names}, x.peer, "whose clock is set");
+    in.required("by", time_step{}, x.by, "forward or back");
+    out = x;
+  }
+
+  void crystal_step(table_reader& in, bool is_sink) const {
+    crystal_step_fault x;
+    x.is_sink = is_sink;
+    if (is_sink)
+      read_sink(in, x.mote.island, "that of the island's sink, by which all its motes go");
+    else
+      in.required(
+          "mote", mote_name{names, true}, x.mote,
+          "the clock of its crystal instead; what it waits for comes earlier or later by as "
+          "much");
+    if (const auto* of = names.find(x.mote.island); !is_sink && of != nullptr && !of->has_gateway)
+      in.problems().add(in.at("mote"),
+                        "a mote of an island with stack = \"mac\" has no use for its clock");
+    in.required("by", time_step{}, x.by, "forward or back");
     out = x;
   }
 
   void move(table_reader& in) const {
-    if (choose(in, {"peer", "mote"}) == "mote") {
-      move_mote(in);
-      return;
-    }
+    in.either({{"peer", [this](table_reader& x) { move_peer(x); }},
+               {"mote", [this](table_reader& x) { move_mote(x); }}});
+  }
+
+  void move_peer(table_reader& in) const {
     refuse(in, {"to_island", "for"}, "peer");
     move_fault x;
-    in.required("peer", peer_name{names}, x.peer);
-    in.required("to_m", place{}, x.to);
+    in.required("peer", peer_name{names}, x.peer, "whose computer");
+    in.required("to_m", place{}, x.to, "where to");
     out = x;
   }
 
   void partition(table_reader& in) const {
     partition_fault x;
     std::vector<located<std::vector<located<std::vector<peer_id>>>>> groups;
-    in.required("groups", list_of<list_of<peer_group_name>>{{{names}, 1}, 1}, groups);
+    in.required("groups", list_of<list_of<peer_group_name>>{{{names}, 1}, 1}, groups,
+                {"the name of a table with `count` stands for all of its peers; those in no group "
+                 "make one more",
+                 "", "array of arrays of names of peers and gateways, at least 1 of each"});
     claims<peer_id> placed;
     for (const auto& group : groups) {
       auto& peers = x.groups.emplace_back();
@@ -304,21 +331,25 @@ struct kind_reader {
           peers.push_back(id);
         }
     }
-    in.optional("for", time_span{span_min}, x.length);
+    in.optional("for", time_span{span_min}, x.length, "how long");
     out = std::move(x);
   }
 
   void link_loss(table_reader& in) const {
     link_loss_fault x;
     std::vector<located<std::vector<peer_id>>> peers;
-    in.required("loss", ratio{}, x.loss);
-    if (in.optional("peers", list_of<peer_group_name>{{names}, 1}, peers)) {
+    in.required("loss", ratio{}, x.loss,
+                "chance that a package is lost, beside `loss` of `[peis]`");
+    if (in.optional("peers", list_of<peer_group_name>{{names}, 1}, peers,
+                    {"on links between two of these; the name of a table with `count` stands for "
+                     "all of its peers",
+                     "all links", "array of names of peers and gateways, at least 2"})) {
       for (const auto& each : peers)
         x.peers.insert(x.peers.end(), each.value.begin(), each.value.end());
       if (x.peers.size() < 2)
         in.problems().add(in.at("peers"), "a link has two ends: name another peer");
     }
-    in.optional("for", time_span{span_min}, x.length);
+    in.optional("for", time_span{span_min}, x.length, "how long");
     out = std::move(x);
   }
 };
@@ -326,24 +357,37 @@ struct kind_reader {
 void read_kind(table_reader& in, const surroundings& with,
                const std::vector<island_description>& islands, fault& out) {
   const kind_reader read{with.names, with, islands, out};
-  in.one_of("kind", {{"battery_end", [&](table_reader& x) { read.battery_end(x); }},
-                     {"crash", [&](table_reader& x) { read.crash(x); }},
-                     {"unplug", [&](table_reader& x) { read.unplug(x); }},
-                     {"kill", [&](table_reader& x) { read.absence<kill_fault>(x); }},
-                     {"power_off", [&](table_reader& x) { read.absence<power_off_fault>(x); }},
-                     {"pause", [&](table_reader& x) { read.pause(x); }},
-                     {"partition", [&](table_reader& x) { read.partition(x); }},
-                     {"link_loss", [&](table_reader& x) { read.link_loss(x); }},
-                     {"duplicate_id", [&](table_reader& x) { read.duplicate_id(x); }},
-                     {"clock_step", [&](table_reader& x) { read.clock_step(x); }},
-                     {"move", [&](table_reader& x) { read.move(x); }},
-                     {"noise", [&](table_reader& x) { read.noise(x); }},
-                     {"radio_loss", [&](table_reader& x) { read.radio_loss(x); }}});
+  in.one_of(
+      "kind", "what goes wrong",
+      {{"battery_end", [&](table_reader& x) { read.battery_end(x); }},
+       {"crash", [&](table_reader& x) { read.crash(x); }},
+       {"unplug", [&](table_reader& x) { read.unplug(x); }},
+       {"kill",
+        [&](table_reader& x) {
+          read.absence<kill_fault>(
+              x, "who",
+              {"after this it is started again, and knows nothing of its life before", "for good"});
+        }},
+       {"power_off",
+        [&](table_reader& x) {
+          read.absence<power_off_fault>(
+              x, "who",
+              {"after this it is started again; its links of before are reset then", "for good"});
+        }},
+       {"pause", [&](table_reader& x) { read.pause(x); }},
+       {"partition", [&](table_reader& x) { read.partition(x); }},
+       {"link_loss", [&](table_reader& x) { read.link_loss(x); }},
+       {"duplicate_id", [&](table_reader& x) { read.duplicate_id(x); }},
+       {"clock_step", [&](table_reader& x) { read.clock_step(x); }},
+       {"move", [&](table_reader& x) { read.move(x); }},
+       {"noise", [&](table_reader& x) { read.noise(x); }},
+       {"radio_loss", [&](table_reader& x) { read.radio_loss(x); }}});
 }
 
 /// A time of a fault; not after the end of the run.
-bool read_time(table_reader& in, std::string_view key, duration length, duration& out) {
-  if (!in.optional(key, time_span{}, out))
+bool read_time(table_reader& in, std::string_view key, duration length, duration& out,
+               const about& what) {
+  if (!in.optional(key, time_span{}, out, what))
     return false;
   if (out > length)
     in.problems().add(in.at(key), '`' + std::string(key) +
@@ -356,10 +400,13 @@ bool read_time(table_reader& in, std::string_view key, duration length, duration
 void read_repetition(table_reader& in, duration length, fault_description& out) {
   fault_times x;
   duration until = length;
-  const bool is_periodic = in.optional("every", time_span{span_min}, x.every);
-  in.optional("random", whole<std::uint32_t>{1, times_max}, x.count);
-  read_time(in, "from", length, x.from);
-  if (read_time(in, "until", length, until))
+  const bool is_periodic = in.optional("every", time_span{span_min}, x.every,
+                                       {"from one time to the next, at most 100000 times", "none"});
+  in.optional("random", whole<std::uint32_t>{1, times_max}, x.count,
+              {"how many times, at random moments from `from` to `until`", "none"});
+  read_time(in, "from", length, x.from, "with `every` and `random`, not before this");
+  if (read_time(in, "until", length, until,
+                {"with `every` and `random`, not after this", "the end of the run"}))
     x.until = until;
   if (!in.has("every") && !in.has("random")) {
     for (const auto* key : {"from", "until"}) {
@@ -384,9 +431,10 @@ fault_description read_fault(table_reader& in, const surroundings& with,
                              const std::vector<island_description>& islands, duration length) {
   fault_description out;
   const bool repeated = in.has("every") || in.has("random");
+  const about when{"when it happens; required without `every` and `random`"};
   if (!repeated && !in.has("at")) {
-    in.required("at", time_span{}, out.at); // is missing
-  } else if (read_time(in, "at", length, out.at) && repeated) {
+    in.required_if(true, "at", time_span{}, out.at, when); // is missing
+  } else if (read_time(in, "at", length, out.at, when) && repeated) {
     in.problems().add(in.at("at"), "`at` means nothing with `every` or `random`");
   }
   read_repetition(in, length, out);
@@ -400,7 +448,7 @@ std::vector<fault_description> read_faults(table_reader& root, const surrounding
                                            const std::vector<island_description>& islands,
                                            duration length) {
   std::vector<fault_description> out;
-  root.tables("fault", "[[fault]]",
+  root.tables("fault", "[[fault]]", "what goes wrong, and when",
               [&](table_reader& x) { out.push_back(read_fault(x, with, islands, length)); });
   std::stable_sort(out.begin(), out.end(),
                    [](const auto& a, const auto& b) { return a.at < b.at; });

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "config/model_readers.hpp"
+#include "mote/transducer_keys.hpp"
 
 namespace rubicon::config {
 
@@ -12,29 +13,23 @@ struct gradient {
 
   [[nodiscard]] static std::optional<type> read(const node& x, const asker& who) {
     constexpr double steepest = 1e6;
-    const auto found = list_of<real>{{-steepest, steepest}, 2, 3}.read(x, who);
+    const auto found = config::read(list_of<real>{{-steepest, steepest}, 2, 3}, x, who);
     if (!found)
       return std::nullopt;
     type out{};
     std::ranges::transform(*found, out.begin(), &located<double>::value);
     return out;
   }
+  [[nodiscard]] static form takes() {
+    return form{"`[x, y]` or `[x, y, z]`, each -1e6 to 1e6",
+                form_of(list_of<real>{{}, 2, 3}).schema};
+  }
 };
 
 mote::field_source read_source(table_reader& in) {
   using mote::falloff;
   mote::field_source out;
-  in.required("position_m", place{}, out.place);
-  in.required("strength", real{}, out.strength);
-  in.optional("radius", metres{0.01, 100'000}, out.radius_m);
-  in.optional("falloff",
-              word<falloff>{{{"inverse_square", falloff::inverse_square},
-                             {"gaussian", falloff::gaussian},
-                             {"linear", falloff::linear},
-                             {"disk", falloff::disk}}},
-              out.shape);
-  in.optional("schedule", time_points{}, out.schedule);
-  in.optional("period", time_span{1ms}, out.period);
+  in.all(out);
   if (in.sound() && out.period > 0s && out.schedule.empty())
     in.problems().add(in.at("period"), "`period` means nothing without a `schedule`");
   else if (in.sound() && out.period > 0s && out.period < out.schedule.back().first)
@@ -48,9 +43,9 @@ mote::field_source read_source(table_reader& in) {
 
 mote::field_model read_field(table_reader& in) {
   mote::field_model out;
-  in.required("base", real{}, out.base);
-  in.optional("gradient", gradient{}, out.gradient_per_m);
-  in.tables("sources", "sources",
+  in.required("base", real{}, out.base, "value far from all sources, at the origin");
+  in.optional("gradient", gradient{}, out.gradient_per_m, {"change per metre", "`[0, 0]`"});
+  in.tables("sources", "sources", {"heaters, lamps, people", "none"},
             [&out](table_reader& x) { out.sources.push_back(read_source(x)); });
   return out;
 }

@@ -43,8 +43,7 @@ struct surroundings {
   name_claims end_names; ///< of peers and gateways (ADR-02)
   claims<std::int64_t> end_ids;
   claims<std::uint32_t> island_ids;
-  claims<std::string> files;     ///< that recorders write
-  std::uint32_t group_motes = 0; ///< of all groups so far
+  claims<std::string> files; ///< that recorders write
 };
 
 /// [[radio.link]], to be checked when the airs are known.
@@ -92,8 +91,10 @@ read_peers(table_reader& root, surroundings& with, const std::vector<island_desc
 
 /// links = ["inproc://NAME"]
 /// @param own_names of the peers whose links they are
+/// @param whom what is said of the key
 [[nodiscard]] std::vector<std::string> read_links(table_reader& in, const directory& names,
-                                                  const std::vector<std::string>& own_names);
+                                                  const std::vector<std::string>& own_names,
+                                                  const char* whom);
 
 /// [[proxy]]. Samplers of `islands` compute what a field says that they do.
 [[nodiscard]] std::vector<proxy::proxy_class>

@@ -6,6 +6,7 @@
 
 #include "config/claims.hpp"
 #include "config/file_readers.hpp"
+#include "goal/pursuer_keys.hpp"
 
 namespace rubicon::config {
 
@@ -26,7 +27,10 @@ struct told_value {
       return shown(*decimal);
     if (x.as<std::string>() == nullptr)
       return who.refuse(x, "a text or a number");
-    return text{}.read(x, who);
+    return config::read(text{}, x, who);
+  }
+  [[nodiscard]] static form takes() {
+    return form{"text of 1 to 100 octets, or number", R"({"type":["string","number"]})"};
   }
 };
 
@@ -53,7 +57,9 @@ private:
 void read_input(table_reader& in, const directory& names, pursuer_names& own,
                 goal::pursuer_config& out) {
   goal::input_config found;
-  if (in.required("name", name_text{}, found.name)) {
+  if (in.required("name", name_text{}, found.name,
+                  {"the input is the tuple that the meta tuple `NAME.mi-INPUT` points at", "",
+                   "name of up to 29 characters"})) {
     own.claim(in, found.name);
     if (is_name("mi-" + found.name))
       own.claim(in, "mi-" + found.name);
@@ -61,20 +67,17 @@ void read_input(table_reader& in, const directory& names, pursuer_names& own,
       in.problems().add(in.at("name"),
                         "`mi-" + found.name + "` would be longer than 32 characters");
   }
-  in.optional("from", tuple_reference{names}, found.reference);
+  in.optional("from", tuple_reference{names}, found.reference,
+              {"where that points at first", "its own tuple `NAME.INPUT`"});
   out.inputs.push_back(std::move(found));
 }
 
 void read_output(table_reader& in, pursuer_names& own, goal::pursuer_config& out) {
   goal::output_config found;
-  double until = 0;
-  if (in.required("name", name_text{}, found.name))
+  if (in.required("name", name_text{}, found.name, "last part of the key"))
     own.claim(in, found.name);
-  const bool has_value = in.required("value", told_value{}, found.value);
-  in.optional("every", time_span{shortest, longest}, found.every);
-  in.optional("step", real{}, found.step);
-  if (in.optional("until", real{}, until))
-    found.until = until;
+  const bool has_value = in.required("value", told_value{}, found.value, "at first");
+  in.all(found);
   if (has_value && in.has("step") && !is_number(found.value))
     in.problems().add(in.at("step"),
                       "`step` needs a number as `value`, not " + quoted(found.value));
@@ -86,12 +89,14 @@ void read_output(table_reader& in, pursuer_names& own, goal::pursuer_config& out
 /// input, equals, above and below of a state.
 void read_needs(table_reader& in, const goal::pursuer_config& own, goal::state_config& out) {
   goal::condition found;
-  std::vector<located<std::string>> texts;
-  const bool has_input = in.optional("input", name_text{}, found.input);
-  in.optional("equals", list_of<text>{text{}, 1}, texts);
-  found.equals = values_of(std::move(texts));
-  in.optional("above", real{}, found.above);
-  in.optional("below", real{}, found.below);
+  const bool has_input =
+      in.optional("input", name_text{}, found.input,
+                  {"which must be as follows before the state is entered; until then it waits", "",
+                   "name of an input"});
+  in.optional("equals", list_of<text>{{}, 1}, found.equals, "the input is one of these");
+  in.optional("above", real{}, found.above, "or a number, this or more");
+  in.optional("below", real{}, found.below,
+              {"and less than this", "", "number, more than `above`"});
   const bool has_range = in.has("above") || in.has("below");
   const bool known =
       std::ranges::any_of(own.inputs, [&](const auto& x) { return x.name == found.input; });
@@ -110,8 +115,9 @@ void read_needs(table_reader& in, const goal::pursuer_config& own, goal::state_c
 }
 
 void read_sets(table_reader& in, const goal::pursuer_config& own, goal::state_config& out) {
-  pairs_of<told_value>::type found;
-  in.optional("sets", pairs_of<told_value>{}, found);
+  named_values<std::string> found;
+  in.optional("sets", pairs_of<told_value>{}, found,
+              {"outputs, and their values when the state is over", "none"});
   for (auto& [name, value] : found) {
     const auto output = std::ranges::find(own.outputs, name.value, &goal::output_config::name);
     if (output == own.outputs.end())
@@ -125,12 +131,11 @@ void read_sets(table_reader& in, const goal::pursuer_config& own, goal::state_co
 
 void read_state(table_reader& in, const goal::pursuer_config& own, goal::goal_config& out) {
   goal::state_config found;
-  if (in.required("state", name_text{}, found.name) &&
+  if (in.required("state", name_text{}, found.name,
+                  "told as `NAME.state`; not `idle` or `waiting`, which it tells in between") &&
       (found.name == "idle" || found.name == "waiting"))
     in.problems().add(in.at("state"), '`' + found.name + "` is what it is in between");
-  in.required("for", time_span{shortest, longest}, found.length);
-  in.optional("jitter", time_span{0s, longest}, found.jitter);
-  in.optional("failure_rate", ratio{}, found.failure_rate);
+  in.all(found);
   read_needs(in, own, found);
   read_sets(in, own, found);
   out.states.push_back(std::move(found));
@@ -138,14 +143,19 @@ void read_state(table_reader& in, const goal::pursuer_config& own, goal::goal_co
 
 void read_goal(table_reader& in, claims<std::string>& goals, goal::pursuer_config& out) {
   goal::goal_config found;
-  if (in.required("goal", text{goal_octets_max}, found.text)) {
+  if (in.required(
+          "goal", text{goal_octets_max}, found.text,
+          {"what others write, letter by letter", "", "text of 1 to 64 octets, but not `none`"})) {
     if (found.text == "none")
       in.problems().add(in.at("goal"), "`none` is what stands for no goal");
     goals.claim(found.text, "goal `" + found.text + '`', in.at("goal"), in.problems());
   }
-  in.optional("timeout", time_span{shortest, longest}, found.timeout);
+  in.optional(
+      "timeout", time_span{shortest, longest}, found.timeout,
+      "after so long it has failed; when its last state is over just then, it has succeeded");
   in.tables(
-      "states", "states", [&](table_reader& x) { read_state(x, out, found); }, 1);
+      "states", "states", "one after the other, see below",
+      [&](table_reader& x) { read_state(x, out, found); }, 1);
   out.goals.push_back(std::move(found));
 }
 
@@ -155,11 +165,15 @@ goal::pursuer_config read_pursuer(table_reader& in, const directory& names) {
   goal::pursuer_config out;
   pursuer_names own;
   claims<std::string> goals;
-  in.optional("name", name_text{}, out.name);
+  in.optional("name", name_text{}, out.name,
+              {"first part of its keys; no two have the same", "that of the peer"});
   in.tables("inputs", "inputs of a goal app",
+            {"see below; also as `[[peer.apps.inputs]]`, as the next two", "none"},
             [&](table_reader& x) { read_input(x, names, own, out); });
-  in.tables("outputs", "outputs of a goal app", [&](table_reader& x) { read_output(x, own, out); });
-  in.tables("goals", "goals", [&](table_reader& x) { read_goal(x, goals, out); });
+  in.tables("outputs", "outputs of a goal app", {"tuples that it tells", "none"},
+            [&](table_reader& x) { read_output(x, own, out); });
+  in.tables("goals", "goals", {"what it can be asked for; any other goal fails at once", "none"},
+            [&](table_reader& x) { read_goal(x, goals, out); });
   return out;
 }
 

@@ -27,7 +27,7 @@ struct mote_kind {
   [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const {
     const auto* name = x.as<std::string>();
     if (name == nullptr) {
-      const auto number = whole<std::uint32_t>{1}.read(x, who);
+      const auto number = config::read(whole<std::uint32_t>{1}, x, who);
       return number ? std::optional(type{*number, {}}) : std::nullopt;
     }
     if (names.mote_types.contains(*name))
@@ -35,6 +35,9 @@ struct mote_kind {
     who.complain(x, "no mote type is called `" + *name + '`' +
                         suggestion(*name, {names.mote_types.begin(), names.mote_types.end()}));
     return std::nullopt;
+  }
+  [[nodiscard]] static form takes() {
+    return form{"name of a mote type, or a number", R"({"type":["integer","string"]})"};
   }
 };
 
@@ -48,6 +51,7 @@ struct prefix_text {
       return who.refuse(x, "1 to 26 letters, digits, - and _");
     return *found;
   }
+  [[nodiscard]] static form takes() { return string_form("1 to 26 letters, digits, `-` and `_`"); }
 };
 
 std::string metres_text(double x) {
@@ -64,21 +68,10 @@ bool has_floor(const radio::gain_table& table, std::uint16_t node) {
   return found != table.floors.end() && found->node == node;
 }
 
-void copy_profile(const mote_profile& from, mote_description& to) {
-  to.type = from.type;
-  to.platform = from.platform;
-  to.transmit_dbm = from.transmit_dbm;
-  to.battery_mah = from.battery_mah;
-  to.transducers = from.transducers;
-  to.actuators = from.actuators;
-  for (const auto& each : from.apps)
-    to.apps.push_back(each.app);
-}
-
 } // namespace
 
 island_motes::island_motes(surroundings& with, island_description& island, bool sink_is_good)
-    : with_(with), island_(island), taken_{island.sink.id.value} {
+    : with_(with), island_(island) {
   const auto* disk = std::get_if<radio::unit_disk>(&with.radio.propagation);
   const bool known = with.radio_is_known;
   if (known && disk != nullptr && sink_is_good && !is_mac())
@@ -95,15 +88,13 @@ void island_motes::add_sink(table_reader& island, std::vector<placed_app> apps, 
 }
 
 /// What a mote and a group have in common; starts from what the mote's type says.
-mote_profile island_motes::read_profile_of(table_reader& in, std::string& type_name) {
+mote_profile island_motes::read_profile_of(table_reader& in) {
   mote_kind::type kind;
-  if (is_mac())
-    in.optional("type", mote_kind{with_.names}, kind);
-  else
-    in.required("type", mote_kind{with_.names}, kind);
+  in.required_if(!is_mac(), "type", mote_kind{with_.names}, kind,
+                 {"its mote type, or the number that it reports at join; required but with "
+                  "`stack = \"mac\"`"});
   mote_profile profile;
-  profile.platform = radio::find_platform("micaz");
-  profile.type = kind.number;
+  profile.like.type = kind.number;
   if (const auto found = with_.types.find(kind.name); found != with_.types.end()) {
     profile = found->second;
     with_.types_used.insert(kind.name);
@@ -113,7 +104,6 @@ mote_profile island_motes::read_profile_of(table_reader& in, std::string& type_n
   settle_flows(profile.apps, island_.id, island_.sink.id, in.problems());
   if (is_mac())
     check_mac_profile(in, profile);
-  type_name = std::move(kind.name);
   return profile;
 }
 
@@ -122,9 +112,9 @@ void island_motes::check_mac_profile(const table_reader& in, const mote_profile&
     in.problems().add(in.has(key) ? in.at(key) : in.at("type"),
                       std::string("a mote of an island with stack = \"mac\" has no ") + what);
   };
-  if (!profile.transducers.empty())
+  if (!profile.like.transducers.empty())
     refuse("transducers", "transducers");
-  if (!profile.actuators.empty())
+  if (!profile.like.actuators.empty())
     refuse("actuators", "actuators");
   if (!std::all_of(profile.apps.begin(), profile.apps.end(),
                    [](const auto& x) { return is_flow_app(x.app); }))
@@ -132,22 +122,30 @@ void island_motes::check_mac_profile(const table_reader& in, const mote_profile&
 }
 
 void island_motes::read_mote(table_reader& in) {
-  mote_description out;
-  const bool has_id = in.required("id", whole<std::uint16_t>{1, mote_id_max}, out.id);
-  const auto profile = read_profile_of(in, out.type_name);
+  mote_id id;
+  const bool has_id = in.required("id", whole<std::uint16_t>{1, mote_id_max}, id,
+                                  "TinyOS id, one of a kind in the island");
+  const auto profile = read_profile_of(in);
+  auto out = profile.mote();
+  out.id = id;
   out.name = default_mote_name(out.type_name, out.id);
-  if (in.optional("name", name_text{}, out.name) && is_sink_name(out.name))
+  if (in.optional("name", name_text{}, out.name,
+                  {"one of a kind in the island",
+                   "the mote type's, or `mote`, with the id behind: `climate-7`",
+                   "name, but not `sink`"}) &&
+      is_sink_name(out.name))
     in.problems().add(in.at("name"), "`" + out.name + "` stands for the sink of an island");
   const bool may_lack_place = !positions_matter_ || in.has("path");
-  const bool has_place = may_lack_place ? in.optional("position_m", place{}, out.place)
-                                        : in.required("position_m", place{}, out.place);
+  const bool has_place =
+      in.required_if(!may_lack_place, "position_m", place{}, out.place,
+                     "where it is; required but with `path` or `model = \"gains\"`");
   if (in.has("path") && with_.radio_is_known && !positions_matter_)
     in.problems().add(in.at("path"), "`path` decides nothing with model = \"gains\"");
   read_path(in, has_place, out.place, out.path);
-  in.optional("step", time_span{10ms, 1h}, out.step);
+  in.optional("step", time_span{10ms, 1h}, out.step,
+              "how often its place is brought up to date while it moves");
   if (in.has("step") && !in.has("path"))
     in.problems().add(in.at("step"), "`step` means nothing without a `path`");
-  copy_profile(profile, out);
   if (has_id) {
     static_cast<void>(settle_traces(out.transducers, out.id, in.at("id"), in.problems()));
     const bool id_is_free = claim_id(out.id, in.at("id"), in.problems());
@@ -165,24 +163,27 @@ void island_motes::read_mote(table_reader& in) {
 void island_motes::read_group(table_reader& in) {
   std::uint32_t count = 0;
   std::string prefix;
-  in.required("count", whole<std::uint32_t>{1, mote_id_max}, count);
-  auto first = lowest_free(taken_, count);
-  in.optional("first", whole<std::uint32_t>{1, mote_id_max}, first);
-  const bool has_prefix = in.optional("prefix", prefix_text{}, prefix);
+  in.required("count", whole<std::uint32_t>{1, mote_id_max}, count, "how many");
+  auto [first, fits] = with_.names.group_at(in.at());
+  in.optional("first", whole<std::uint32_t>{1, mote_id_max}, first,
+              {"id of the first; the others follow",
+               "the lowest from which so many in a row are free: not of the sink, of an "
+               "`[[island.mote]]` or of a group before"});
+  const bool has_prefix =
+      in.optional("prefix", prefix_text{}, prefix,
+                  {"how their names begin: `node-7`", "the mote type's name, or `mote`"});
   if (first + count - 1 > mote_id_max) {
     in.problems().add(in.at("count"), "mote ids from " + std::to_string(first) + " to " +
                                           std::to_string(first + count - 1) + " are more than " +
                                           std::to_string(mote_id_max));
     count = 0;
-  } else if (count > group_motes_max - with_.group_motes) {
+  } else if (!fits) {
     in.problems().add(in.at("count"), "the groups of a file must not have more than " +
                                           std::to_string(group_motes_max) + " motes together");
     count = 0;
   }
-  with_.group_motes += count;
-  mote_description like;
-  const auto profile = read_profile_of(in, like.type_name);
-  copy_profile(profile, like);
+  const auto profile = read_profile_of(in);
+  const auto like = profile.mote();
   if (!has_prefix) {
     prefix = default_mote_name(like.type_name, mote_id{});
     prefix.resize(prefix.rfind('-'));
@@ -241,7 +242,6 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
 }
 
 bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
-  taken_.insert(id.value);
   if (id == island_.sink.id)
     problems.add(at, "mote id " + to_string(id) + " is the sink's");
   return ids_.claim(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id;

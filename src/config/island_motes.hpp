@@ -40,7 +40,7 @@ private:
   };
 
   [[nodiscard]] bool is_mac() const { return island_.stack == stack::mac; }
-  mote_profile read_profile_of(table_reader& in, std::string& type_name);
+  mote_profile read_profile_of(table_reader& in);
   void check_mac_profile(const table_reader& in, const mote_profile& profile) const;
   void read_layout_of(table_reader& in, std::uint32_t first, std::vector<mote_description>& motes);
   void add_group(table_reader& in, std::uint32_t first, std::uint32_t count,
@@ -61,7 +61,6 @@ private:
   std::optional<double> range_m_;     ///< of all radios, if a disk
   std::map<mote_id, mark> placed_at_; ///< where the file says where each mote stands
   bool positions_matter_ = true;
-  std::set<std::uint32_t> taken_;        ///< ids so far
   std::map<placed_flow, mote_id> flows_; ///< and the first mote that sends so
   std::map<mote_id, mote_id> relays_;    ///< and where each passes on to
   std::set<mote_id> receivers_;

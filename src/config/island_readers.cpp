@@ -5,7 +5,9 @@
 #include "config/application_readers.hpp"
 #include "config/file_readers.hpp"
 #include "config/island_motes.hpp"
+#include "mote/duty_keys.hpp"
 #include "radio/tossim_files.hpp"
+#include "serial/line_keys.hpp"
 
 namespace rubicon::config {
 
@@ -13,15 +15,20 @@ namespace {
 
 /// @returns the sink's programs
 std::vector<placed_app> read_sink(table_reader& in, const directory& names, sink_description& out) {
-  in.optional("id", whole<std::uint16_t>{1, mote_id_max}, out.id);
-  in.optional("platform", platform_name{}, out.platform);
-  in.optional("position_m", place{}, out.place);
-  in.optional("power", power_level{-100, 30}, out.transmit_dbm);
+  in.optional("id", whole<std::uint16_t>{1, mote_id_max}, out.id,
+              "its mote id; no other mote of the island has it");
+  in.optional("platform", platform_name(), out.platform, "as of a mote");
+  in.optional(
+      "position_m", place{}, out.place,
+      "in a unit disk, every mote of an island with the full stack must be within `range` of it");
+  in.optional("power", power_level{-100, 30}, out.transmit_dbm,
+              {"at which it sends, as of a mote", "the platform's most", "power, as of a mote"});
   check_power(*out.platform, out.transmit_dbm, in.at("power"), in.problems());
-  in.optional("promiscuous", flag{}, out.promiscuous);
+  in.optional("promiscuous", flag{}, out.promiscuous,
+              "it takes frames of other islands and for other motes");
   auto apps = read_mote_apps(in, names);
   mote_profile as_mote;
-  as_mote.platform = out.platform;
+  as_mote.like.platform = out.platform;
   for (const auto& each : apps) {
     if (is_flow_app(each.app))
       as_mote.apps.push_back(each);
@@ -33,33 +40,31 @@ std::vector<placed_app> read_sink(table_reader& in, const directory& names, sink
   return as_mote.apps;
 }
 
-void read_serial(table_reader& in, serial::line_config& out) {
-  in.optional("baud", baud{}, out.baud);
-  in.optional("latency", time_span{0s, 10s}, out.latency);
-  in.optional("octet_error", ratio{}, out.octet_error);
-  in.optional("buffer", whole<std::size_t>{64, 1U << 24U}, out.buffer);
-}
-
 void read_duty_cycle(table_reader& island, mote::duty_config& out) {
-  island.table("duty_cycle", "[island.duty_cycle]", [&out](table_reader& in) {
-    out.enabled = true;
-    in.optional("period", time_span{100ms, 1h}, out.period);
-    in.optional("window", time_span{10ms, 1h}, out.window);
-    in.optional("settling", time_span{0s, 24h}, out.settling);
-    if (in.sound() && 2 * out.window > out.period)
-      in.problems().add(in.at("window"),
-                        "`window` must not be longer than half the `period`, which "
-                        "is " +
-                            to_text(out.period));
-  });
+  island.table("duty_cycle", "[island.duty_cycle]",
+               {"lets radios sleep", "none: radios are always on"}, [&out](table_reader& in) {
+                 out.enabled = true;
+                 in.all(out);
+                 if (in.sound() && 2 * out.window > out.period)
+                   in.problems().add(in.at("window"),
+                                     "`window` must not be longer than half the `period`, which "
+                                     "is " +
+                                         to_text(out.period));
+               });
 }
 
 void read_gateway(table_reader& in, surroundings& with, island_description& out) {
-  in.optional("name", name_text{}, out.gateway_name);
-  out.gateway_links = read_links(in, with.names, {out.gateway_name});
-  in.optional("wire",
-              word<wire_form>{{{"segment", wire_form::segment}, {"strict54", wire_form::strict54}}},
-              out.gateway_wire);
+  in.optional("name", name_text{}, out.gateway_name,
+              {"its PEIS name; no peer has it", "the island's with `-gateway` behind"});
+  out.gateway_links = read_links(in, with.names, {out.gateway_name},
+                                 "whom it connects to; a link works both ways, and rings are fine");
+  in.optional(
+      "wire", word<wire_form>{{{"segment", wire_form::segment}, {"strict54", wire_form::strict54}}},
+      out.gateway_wire,
+      "what it and other gateways send each other behind the header of D1.1 5.4: who sent the "
+      "message and whether it is to be acknowledged, or the payload alone. A gateway that "
+      "announces itself on port 20 in another way than ours is spoken to in the strict form in any "
+      "case; reliable messages, streams and synaptic channels cannot be said in it");
   out.gateway_apps = read_pc_programs(in, "apps", "apps of a gateway", with.names, with.files);
 }
 
@@ -70,18 +75,22 @@ alias_description read_alias(table_reader& in, surroundings& with, const island_
   if (of.aliases.size() == aliases_max)
     in.problems().add(in.at("id"),
                       "an island has at most " + std::to_string(aliases_max + 1) + " gateways");
-  const bool has_id = in.required("id", whole<std::int32_t>{1, island_id_max}, out.id);
+  const bool has_id = in.required(
+      "id", whole<std::int32_t>{1, island_id_max}, out.id,
+      "its PEIS id, by which the island is addressed too; no peer, island or other gateway has it");
   if (has_id &&
       with.end_ids.claim(out.id.value, "PEIS id " + to_string(out.id), in.at("id"), in.problems()))
     with.island_ids.claim(static_cast<std::uint32_t>(out.id.value),
                           "island id " + to_string(out.id), in.at("id"), in.problems());
-  in.optional("name", name_text{}, out.name);
+  in.optional(
+      "name", name_text{}, out.name,
+      {"its PEIS name; no peer has it", "the island's with `-gateway-2` behind, or `-3`, `-4`"});
   if (!of.name.empty() || in.has("name"))
     with.end_names.claim(out.name, "peer or gateway name", in.at(in.has("name") ? "name" : "id"),
                          in.problems());
-  out.links = read_links(in, with.names, {out.name});
-  in.table("serial", "[island.alias.serial]",
-           [&out](table_reader& x) { read_serial(x, out.serial); });
+  out.links = read_links(in, with.names, {out.name}, "whom it connects to");
+  in.table("serial", "[island.alias.serial]", "its cable",
+           [&out](table_reader& x) { x.all(out.serial); });
   return out;
 }
 
@@ -96,20 +105,22 @@ void check_aliases(const table_reader& in, const island_description& x) {
 /// The cable and the gateway of an island, and its further ones.
 void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_description& out) {
   out.serial.baud = out.sink.platform->serial_baud;
-  in.table("serial", "[island.serial]", [&out](table_reader& x) { read_serial(x, out.serial); });
+  in.table("serial", "[island.serial]", "the cable between sink and gateway",
+           [&out](table_reader& x) { x.all(out.serial); });
   out.gateway_name = default_gateway_name(out.name);
   mark name_at = in.at("name");
   bool claims_name = name_is_free; // a default name is taken together with the island's
-  in.table("gateway", "[island.gateway]", [&](table_reader& x) {
-    read_gateway(x, with, out);
-    if (x.has("name")) {
-      name_at = x.at("name");
-      claims_name = true;
-    }
-  });
+  in.table("gateway", "[island.gateway]", "what joins the island to the PEIS network",
+           [&](table_reader& x) {
+             read_gateway(x, with, out);
+             if (x.has("name")) {
+               name_at = x.at("name");
+               claims_name = true;
+             }
+           });
   if (claims_name)
     with.end_names.claim(out.gateway_name, "peer or gateway name", name_at, in.problems());
-  in.tables("alias", "[[island.alias]]",
+  in.tables("alias", "[[island.alias]]", {"further gateways, at most 3", "none"},
             [&](table_reader& x) { out.aliases.push_back(read_alias(x, with, out)); });
   check_aliases(in, out);
 }
@@ -136,34 +147,48 @@ void claim_island_id(const table_reader& in, surroundings& with, const island_de
 
 island_description read_island(table_reader& in, surroundings& with, name_claims& names) {
   island_description out;
-  const bool has_id = in.required("id", whole<std::uint32_t>{1, island_id_max}, out.id);
-  const bool name_is_free = in.required("name", name_text{}, out.name) &&
-                            names.claim(out.name, "island name", in.at("name"), in.problems());
-  in.optional("host", host_name{with.names}, out.host);
-  in.optional("stack", word<stack>{{{"full", stack::full}, {"mac", stack::mac}}}, out.stack);
+  const bool has_id =
+      in.required("id", whole<std::uint32_t>{1, island_id_max}, out.id,
+                  "address of the island and PEIS id of its gateway; no peer has it");
+  const bool name_is_free =
+      in.required("name", name_text{}, out.name, "first part of the names of its motes") &&
+      names.claim(out.name, "island name", in.at("name"), in.problems());
+  in.optional("host", host_name{with.names}, out.host,
+              {"where the island runs", "wherever the run is started"});
+  in.optional("stack", word<stack>{{{"full", stack::full}, {"mac", stack::mac}}}, out.stack,
+              "`\"mac\"`: radios and medium access only, see below");
   if (has_id)
     claim_island_id(in, with, out);
   const auto before_sink = in.problems().size();
   out.sink.platform = radio::find_platform("micaz");
   std::vector<placed_app> sink_apps;
-  in.table("sink", "[island.sink]",
+  in.table("sink", "[island.sink]", "the mote at the cable",
            [&](table_reader& x) { sink_apps = read_sink(x, with.names, out.sink); });
   const bool sink_is_good = in.problems().size() == before_sink;
   if (out.stack == stack::mac) {
     refuse_parts(in);
   } else {
-    in.optional("keep_alive", time_span{1s, 24h}, out.keep_alive);
-    in.optional("crystal_ppm", real{0, 100}, out.crystal_ppm);
-    in.optional("crystal_wander_ppm", real{0, 20}, out.crystal_wander_ppm);
-    in.optional("crystal_wander_period", time_span{10min, 365 * 24h}, out.crystal_wander_period);
+    in.optional("keep_alive", time_span{1s, 24h}, out.keep_alive,
+                "a mote that is silent for so long is gone; motes that report more rarely get "
+                "three of their periods");
+    in.optional(
+        "crystal_ppm", real{0, 100}, out.crystal_ppm,
+        "each mote's crystal, and the sink's, runs too fast or too slow by up to so many parts per "
+        "million, drawn with the seed. Each life of a mote begins with another time on its clock");
+    in.optional("crystal_wander_ppm", real{0, 20}, out.crystal_wander_ppm,
+                "beside that it goes so much faster and slower as temperature rises and falls,");
+    in.optional("crystal_wander_period", time_span{10min, 365 * 24h}, out.crystal_wander_period,
+                "once in such a period, each at another time");
     read_duty_cycle(in, out.duty);
     read_parts(in, with, name_is_free, out);
   }
   const auto before_motes = in.problems().size();
   island_motes motes(with, out, sink_is_good);
   motes.add_sink(in, std::move(sink_apps), in.at("sink"));
-  in.tables("mote", "[[island.mote]]", [&](table_reader& x) { motes.read_mote(x); });
-  in.tables("group", "[[island.group]]", [&](table_reader& x) { motes.read_group(x); });
+  in.tables("mote", "[[island.mote]]", {"also as `mote = [{ ... }, { ... }]`", "none"},
+            [&](table_reader& x) { motes.read_mote(x); });
+  in.tables("group", "[[island.group]]", {"many motes in one table", "none"},
+            [&](table_reader& x) { motes.read_group(x); });
   if (sink_is_good && in.problems().size() == before_motes)
     motes.finish(in.problems());
   return out;
@@ -186,6 +211,7 @@ std::vector<island_description> read_islands(table_reader& root, surroundings& w
   std::vector<island_description> out;
   name_claims names;
   root.tables("island", "[[island]]",
+              "motes around one sink; a file has at least an island or a peer",
               [&](table_reader& x) { out.push_back(read_island(x, with, names)); });
   for (const auto& [name, profile] : with.types) {
     if (!with.types_used.contains(name))

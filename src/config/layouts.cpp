@@ -35,9 +35,10 @@ void read_grid(table_reader& in, std::vector<position>& out) {
   auto columns = square_side(out.size());
   double spacing_m = 1;
   position origin;
-  in.optional("columns", whole<std::size_t>{1, mote_id_max}, columns);
-  in.required("spacing", spacing_kind, spacing_m);
-  in.optional("origin", place{}, origin);
+  in.optional("columns", whole<std::size_t>{1, mote_id_max}, columns,
+              {"motes along x; further rows follow along y", "as square as possible"});
+  in.required("spacing", spacing_kind, spacing_m, "between neighbours");
+  in.optional("origin", place{}, origin, "of the first mote");
   for (std::size_t i = 0; i < out.size(); ++i)
     out[i] = moved(origin, spacing_m * static_cast<double>(i % columns),
                    spacing_m * static_cast<double>(i / columns));
@@ -47,12 +48,12 @@ void read_line(table_reader& in, std::vector<position>& out) {
   double spacing_m = 1;
   position origin;
   position step{1, 0, 0};
-  in.required("spacing", spacing_kind, spacing_m);
-  in.optional("origin", place{}, origin);
+  in.required("spacing", spacing_kind, spacing_m, "between neighbours");
+  in.optional("origin", place{}, origin, "of the first mote");
   in.optional("direction",
               word<position>{
                   {{"x", position{1, 0, 0}}, {"y", position{0, 1, 0}}, {"z", position{0, 0, 1}}}},
-              step);
+              step, "along which axis");
   for (std::size_t i = 0; i < out.size(); ++i) {
     const auto way_m = spacing_m * static_cast<double>(i);
     out[i] = moved(origin, step.x_m * way_m, step.y_m * way_m, step.z_m * way_m);
@@ -62,8 +63,8 @@ void read_line(table_reader& in, std::vector<position>& out) {
 void read_ring(table_reader& in, std::vector<position>& out) {
   double radius_m = 0;
   position centre;
-  in.required("radius", radius_kind, radius_m);
-  in.optional("centre", place{}, centre);
+  in.required("radius", radius_kind, radius_m, "from the centre");
+  in.optional("centre", place{}, centre, "the first mote stands from here in the direction of x");
   for (std::size_t i = 0; i < out.size(); ++i)
     out[i] = around(centre, radius_m, static_cast<double>(i) / static_cast<double>(out.size()));
 }
@@ -71,8 +72,8 @@ void read_ring(table_reader& in, std::vector<position>& out) {
 void read_disk(table_reader& in, std::vector<position>& out, const layout_dice& dice) {
   double radius_m = 0;
   position centre;
-  in.required("radius", radius_kind, radius_m);
-  in.optional("centre", place{}, centre);
+  in.required("radius", radius_kind, radius_m, "from the centre");
+  in.optional("centre", place{}, centre, "its middle");
   random_stream stream(dice.seed, dice.path);
   for (auto& each : out) {
     const auto share = std::sqrt(stream.unit()); // as many within half the radius as its area holds
@@ -90,10 +91,12 @@ bool is_far(const position& x) {
 std::vector<position> read_layout(table_reader& in, std::size_t count, const layout_dice& dice) {
   std::vector<position> out(count);
   const auto before = in.problems().size();
-  in.one_of("layout", {{"grid", [&](table_reader& x) { read_grid(x, out); }},
-                       {"line", [&](table_reader& x) { read_line(x, out); }},
-                       {"ring", [&](table_reader& x) { read_ring(x, out); }},
-                       {"disk", [&](table_reader& x) { read_disk(x, out, dice); }}});
+  in.one_of("layout", "how they stand; with `model = \"gains\"` it may be left out",
+            {{"grid", [&](table_reader& x) { read_grid(x, out); }},
+             {"line", [&](table_reader& x) { read_line(x, out); }},
+             {"ring", [&](table_reader& x) { read_ring(x, out); }},
+             {"disk", [&](table_reader& x) { read_disk(x, out, dice); }}},
+            {}, false);
   if (in.problems().size() != before)
     return {};
   if (std::any_of(out.begin(), out.end(), is_far)) {

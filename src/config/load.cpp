@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
-#include <set>
 #include <system_error>
 #include <variant>
 
@@ -19,9 +18,9 @@ namespace rubicon::config {
 
 namespace {
 
-ecology_description read_file_tables(const node& root, const named_files& files, reading& shared) {
-  const directory names(root);
-  table_reader in(root, "the file", shared);
+ecology_description read_file_tables(table_reader& in, const named_files& files) {
+  const directory names(in.content());
+  auto& shared = in.shared();
   ecology_description out;
   read_ecology(in, out);
   const auto end = in.sound() ? out.length : duration::max();
@@ -116,7 +115,8 @@ loaded load_text(std::string_view toml, const std::string& file_name, const over
   trace_files traces(files);
   shared.traces = &traces;
   shared.files = &files;
-  auto ecology = read_file_tables(std::get<node>(parsed), files, shared);
+  table_reader in(std::get<node>(parsed), "the file", shared);
+  auto ecology = read_file_tables(in, files);
   if (!shared.problems.empty())
     return {std::nullopt, shared.problems.of_file(file_name), shared.problems.warnings()};
   return {std::move(ecology), {}, shared.problems.warnings()};
@@ -135,12 +135,13 @@ loaded load_with_files(std::string_view toml, const std::string& file_name,
   return load_text(toml, file_name, instead, read_file, read_folder, programs);
 }
 
-std::vector<std::pair<std::string, std::string>> accepted_keys() {
-  std::set<accepted_key> keys;
+table_description describe_file() {
   reading walk;
-  walk.accepted = &keys;
-  static_cast<void>(read_file_tables(node{{1, 1}, node_table{}}, {"", {}, no_file}, walk));
-  return {keys.begin(), keys.end()};
+  walk.walks = true;
+  const node nothing{{1, 1}, node_table{}};
+  table_reader in(nothing, "the file", walk);
+  static_cast<void>(read_file_tables(in, {"", {}, no_file}));
+  return in.found();
 }
 
 } // namespace rubicon::config

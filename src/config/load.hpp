@@ -8,11 +8,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "config/ecology.hpp"
 #include "config/problem.hpp"
+#include "config/schema.hpp"
 #include "proxy/program.hpp"
 
 namespace rubicon::config {
@@ -78,8 +78,7 @@ load_with_files(std::string_view toml, const std::string& file_name, const overr
 load_file(const std::string& path, const overrides& instead = {},
           const proxy::program_registry& programs = proxy::built_in_programs());
 
-/// Every key a file may have, with the table it belongs to as docs/configuration.md calls it;
-/// sorted.
-[[nodiscard]] std::vector<std::pair<std::string, std::string>> accepted_keys();
+/// All that a file may say.
+[[nodiscard]] table_description describe_file();
 
 } // namespace rubicon::config

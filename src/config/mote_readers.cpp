@@ -66,7 +66,7 @@ struct app_check {
 
   void operator()(const actuator_app& x) const {
     std::vector<std::string> present;
-    for (const auto& each : on.actuators)
+    for (const auto& each : on.like.actuators)
       present.push_back(each.name);
     if (!x.actuator.empty() &&
         std::find(present.begin(), present.end(), x.actuator) == present.end())
@@ -89,7 +89,7 @@ struct app_check {
 private:
   void check_transducers(const std::vector<mote::quantity>& wanted) const {
     std::vector<std::string> present;
-    for (const auto& each : on.transducers)
+    for (const auto& each : on.like.transducers)
       present.emplace_back(word_of(each.kind));
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       const std::string name(word_of(wanted[i]));
@@ -125,13 +125,26 @@ struct end_setter {
 
 } // namespace
 
+mote_description mote_profile::mote() const {
+  auto out = like;
+  for (const auto& each : apps)
+    out.apps.push_back(each.app);
+  return out;
+}
+
 void read_profile(table_reader& in, const directory& names, mote_profile& out) {
-  in.optional("platform", platform_name{}, out.platform);
-  in.optional("battery", charge{}, out.battery_mah);
-  if (in.optional("power", power_level{-100, 30}, out.transmit_dbm))
+  in.optional("platform", platform_name(), out.like.platform,
+              {"currents, receive slots and speed; a mote's is that of its type, if it has one",
+               "`\"micaz\"`"});
+  in.optional("battery", charge{}, out.like.battery_mah,
+              {"what is in the battery at the start", "the mote type's, or the platform's"});
+  if (in.optional(
+          "power", power_level{-100, 30}, out.like.transmit_dbm,
+          {"at which it sends: -25 to 0 dBm on a MicaZ or a TelosB, -17 to 3 dBm on an IRIS",
+           "the mote type's, or the platform's most", "power, as the platform has it"}))
     out.transmit_at = in.at("power");
-  read_transducers(in, out.transducers);
-  read_actuators(in, out.actuators);
+  read_transducers(in, out.like.transducers);
+  read_actuators(in, out.like.actuators);
   merge(out.apps, read_mote_apps(in, names));
 }
 
@@ -146,7 +159,7 @@ void check_profile(const mote_profile& x, reading& shared) {
     for (const auto& program : programs_of({app}))
       ends.claim(program, app.channel_at, shared.problems);
   }
-  check_power(*x.platform, x.transmit_dbm, x.transmit_at, shared.problems);
+  check_power(*x.like.platform, x.like.transmit_dbm, x.transmit_at, shared.problems);
 }
 
 void check_power(const radio::platform& platform, const std::optional<double>& dbm, mark at,
@@ -185,14 +198,16 @@ bool is_flow_app(const mote_app& x) {
 mote_types read_mote_types(table_reader& root, const directory& names) {
   mote_types out;
   root.named_tables(
-      "mote_type", "[mote_type.NAME]", [&](const located<std::string>& name, table_reader& in) {
+      "mote_type", "[mote_type.NAME]", "kinds of mote",
+      [&](const located<std::string>& name, table_reader& in) {
         if (!is_name(name.value))
           in.problems().add(name.at, "mote type " + quoted(name.value) +
                                          " must have a name of 1 to 32 letters, digits, - and _");
         mote_profile profile;
-        profile.platform = radio::find_platform("micaz");
-        in.required("type", whole<std::uint32_t>{1}, profile.type);
+        in.required("type", whole<std::uint32_t>{1}, profile.like.type,
+                    "the signature that the mote reports at join and by which its proxy is chosen");
         read_profile(in, names, profile);
+        profile.like.type_name = name.value;
         out.emplace(name.value, std::move(profile));
       });
   return out;

@@ -25,14 +25,14 @@ struct placed_app {
 
 /// What a mote type and a mote have in common. A mote starts with its type's and changes it.
 struct mote_profile {
-  std::uint32_t type = 0;
-  const radio::platform* platform = nullptr;
-  std::optional<double> battery_mah;
-  std::optional<double> transmit_dbm;
+  mote_description like; ///< without id, name, place and apps; a micaz; transducers ascend by kind
   mark transmit_at;
-  std::vector<mote::transducer_config> transducers; ///< ascending by kind
-  std::vector<mote::actuator_config> actuators;
   std::vector<placed_app> apps;
+
+  mote_profile() { like.platform = radio::find_platform("micaz"); }
+
+  /// The same with its apps.
+  [[nodiscard]] mote_description mote() const;
 };
 
 using mote_types = std::map<std::string, mote_profile, std::less<>>;
@@ -77,5 +77,8 @@ void read_actuators(table_reader& in, std::vector<mote::actuator_config>& out);
 
 /// The word for a quantity in a file.
 [[nodiscard]] std::string_view word_of(mote::quantity x);
+
+/// Its unit by convention, as tuples tell it; empty: none.
+[[nodiscard]] std::string_view unit_of(mote::quantity x);
 
 } // namespace rubicon::config

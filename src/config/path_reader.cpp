@@ -6,7 +6,11 @@ namespace rubicon::config {
 void read_path(table_reader& in, bool has_place, position& place,
                std::vector<mote::way_point>& out) {
   way::type points;
-  if (!in.optional("path", way{}, points))
+  if (!in.optional("path", way{}, points,
+                   {"times since the start, each later than the one before, and positions; in "
+                    "between it moves in straight lines, after the last it stays. It begins at "
+                    "`\"0s\"`, or at `position_m` if there is one",
+                    "it stays where it is"}))
     return;
   if (has_place && points.front().first == 0s)
     in.problems().add(in.at("path"),

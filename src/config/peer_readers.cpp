@@ -29,10 +29,16 @@ struct peer_surroundings {
 proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
   proxy_manager_app out;
   std::vector<located<island_id>> found;
-  if (in.optional("objects", flag{}, out.objects) && out.objects)
+  if (in.optional("objects", flag{}, out.objects,
+                  "it also starts the proxies of [tagged objects](#tag), whichever reader "
+                  "perceives them; one manager of a file may") &&
+      out.objects)
     with.object_managers.claim("objects", "the proxy manager of tagged objects", in.at("objects"),
                                in.problems());
-  in.optional("islands", list_of<island_name>{{with.names}, out.objects ? 0U : 1U}, found);
+  in.optional("islands", list_of<island_name>{{with.names}, out.objects || in.walks() ? 0U : 1U},
+              found,
+              {"whose gateways it listens to; an island has one proxy manager",
+               "all islands with the full stack"});
   if (!in.has("islands")) {
     for (const auto& each : with.islands)
       if (each.stack == stack::full)
@@ -58,11 +64,13 @@ bool names_output_channel(const std::string& key) {
 }
 
 collector_app read_collector(table_reader& in) {
-  std::vector<located<std::string>> keys;
-  in.required("keys", list_of<tuple_key>{{true}, 1}, keys);
   collector_app app;
-  const bool asks = in.optional("every", time_span{10ms, 24h * 10}, app.every);
-  app.keys = values_of(std::move(keys));
+  in.required("keys", list_of<tuple_key>{{true}, 1}, app.keys,
+              "a part may be `*`, which stands for any one part");
+  const bool asks = in.optional("every", time_span{10ms, 24h * 10}, app.every,
+                                {"how far apart the messages of motes are to be whose output "
+                                 "channels the keys name (`devices.*.output.1`)",
+                                 "as the motes like"});
   if (asks && std::ranges::none_of(app.keys, names_output_channel))
     in.problems().add(in.at("every"), "`every` needs a key that names an output channel of motes, "
                                       "such as `devices.*.output.1`");
@@ -85,9 +93,15 @@ struct peer_table {
 
 /// id, name and count: who they are. Of a table that is not good no more than one peer is left.
 void read_identity(table_reader& in, surroundings& with, peer_table& out) {
-  const bool has_id = in.required("id", whole<std::int32_t>{1, peer_id_max}, out.like.id);
-  const bool has_name = in.required("name", name_text{}, out.like.name);
-  out.counted = in.optional("count", whole<std::uint32_t>{1, peer_count_max}, out.count);
+  const bool has_id =
+      in.required("id", whole<std::int32_t>{1, peer_id_max}, out.like.id,
+                  "PEIS id; no other peer and no island has it. Motes can address ids up to 254");
+  const bool has_name =
+      in.required("name", name_text{}, out.like.name, "no other peer and no gateway has it");
+  out.counted = in.optional("count", whole<std::uint32_t>{1, peer_count_max}, out.count,
+                            {"so many peers, with the ids from `id` on and the names `NAME-1`, "
+                             "`NAME-2`, ...; they have everything else in common",
+                             "one peer"});
   if (out.id(out.count - 1).value > peer_id_max) {
     in.problems().add(in.at("count"), "PEIS ids from " + to_string(out.like.id) + " to " +
                                           to_string(out.id(out.count - 1)) + " are more than " +
@@ -122,22 +136,32 @@ void read_tcp(table_reader& in, const peer_table& peers, peer_surroundings& all,
       out.emplace();
     return;
   }
-  in.table("tcp", "[peer.tcp]", [&](table_reader& x) {
-    std::uint16_t port = 0;
-    out.emplace();
-    if (!x.optional("port", whole<std::uint16_t>{1, 65535}, port))
-      return;
-    out->port = port;
-    if (port + peers.count - 1 > 65535) {
-      x.problems().add(x.at("port"), "ports from " + std::to_string(port) + " on are too few for " +
-                                         std::to_string(peers.count) + " peers");
-      return;
-    }
-    bool free = true;
-    for (std::uint32_t i = 0; i < peers.count && free; ++i)
-      free = all.ports.claim({peers.like.host, port + i}, "TCP port " + std::to_string(port + i),
-                             x.at("port"), x.problems());
-  });
+  in.table(
+      "tcp", "[peer.tcp]",
+      {"takes links from the real network, on this computer's loopback address unless `lan` is "
+       "set; needs `mode = \"wall\"`",
+       "`false`"},
+      [&](table_reader& x) {
+        std::uint16_t port = 0;
+        out.emplace();
+        if (!x.optional("port", whole<std::uint16_t>{1, 65535}, port,
+                        {"with `count`, the first peer's; the others have the next ones",
+                         "the first free one from 8000 on"}))
+          return;
+        out->port = port;
+        if (port + peers.count - 1 > 65535) {
+          x.problems().add(x.at("port"), "ports from " + std::to_string(port) +
+                                             " on are too few for " + std::to_string(peers.count) +
+                                             " peers");
+          return;
+        }
+        bool free = true;
+        for (std::uint32_t i = 0; i < peers.count && free; ++i)
+          free =
+              all.ports.claim({peers.like.host, port + i}, "TCP port " + std::to_string(port + i),
+                              x.at("port"), x.problems());
+      });
+  in.instead_of_table("tcp", flag{});
 }
 
 /// What only the real network has.
@@ -154,28 +178,45 @@ void read_connections(table_reader& in, surroundings& with, const peer_table& pe
   std::vector<std::string> own;
   for (std::uint32_t i = 0; i < peers.count; ++i)
     own.push_back(peers.name(i));
-  out.links = read_links(in, with.names, own);
-  std::vector<located<std::string>> urls;
-  in.optional("connect", list_of<tcp_url>{{}, 0, links_max}, urls);
-  out.connect = values_of(std::move(urls));
+  out.links =
+      read_links(in, with.names, own, "whom it always keeps a link to, over the simulated network");
+  in.optional(
+      "connect", list_of<tcp_url>{{}, 0, links_max}, out.connect,
+      {"whom it always keeps a link to, over the real network; needs `mode = \"wall\"`", "none"});
   read_tcp(in, peers, all, out.tcp);
-  in.optional("lan", flag{}, out.lan);
+  in.optional(
+      "lan", flag{}, out.lan,
+      "meets the peers of the real local network: it listens at all addresses of this computer, "
+      "and announces itself to the multicast group 227.1.3.5, port 10001; needs `mode = \"wall\"`");
   if (with.mode == run_mode::virtual_time) {
     refuse_in_virtual_time(in, "connect", !out.connect.empty());
     refuse_in_virtual_time(in, "tcp", out.tcp.has_value());
     refuse_in_virtual_time(in, "lan", out.lan);
   }
-  in.optional("leaf", flag{}, out.leaf);
-  in.optional("manager", flag{}, out.manager);
+  in.optional("leaf", flag{}, out.leaf,
+              "it has no other links than those to `links`, to `connect`, and within its host");
+  in.optional("manager", flag{}, out.manager,
+              "it makes and closes links as traffic and distances ask for it; `false`: only links "
+              "that somebody has configured");
   out.discovery = out.links.empty() && out.connect.empty();
-  in.optional("discovery", flag{}, out.discovery);
-  in.optional("time_master", flag{}, out.time_master);
-  in.optional("clock_offset", time_step{}, out.clock_offset);
-  in.optional("clock_ppm", real{-200, 200}, out.clock_ppm);
-  std::vector<located<std::int32_t>> managers;
-  in.optional("managers", list_of<whole<std::int32_t>>{{1, peer_id_max}}, managers);
-  for (const auto& each : managers)
-    out.managers.emplace_back(each.value);
+  in.optional(
+      "discovery", flag{}, out.discovery,
+      {"it takes part in the announcements of the simulated network, by which peers find each "
+       "other",
+       "`true` if neither `links` nor `connect` is given, else `false`"});
+  in.optional("time_master", flag{}, out.time_master,
+              "its clock is everybody's, forwards and backwards; without one, clocks follow the "
+              "one that is ahead");
+  in.optional(
+      "clock_offset", time_step{}, out.clock_offset,
+      {"its own clock is so much ahead of the true time; peers agree on one time within seconds",
+       "none"});
+  in.optional("clock_ppm", real{-200, 200}, out.clock_ppm,
+              "its own clock runs too fast by so many parts per million");
+  in.optional(
+      "managers", list_of<whole<std::int32_t>>{{1, peer_id_max}}, out.managers,
+      {"who may stop it by writing its tuple `kernel.do-quit`, besides the peers of its host",
+       "none", "array of PEIS ids"});
 }
 
 /// Readers have names of their own, by default that of their peer.
@@ -205,11 +246,14 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
   peer_table peers;
   read_identity(in, with, peers);
   auto& like = peers.like;
-  in.optional("host", host_name{with.names}, like.host);
+  in.optional(
+      "host", host_name{with.names}, like.host,
+      {"peers of one host are neighbours at no cost; without it, each has a computer of its own",
+       "wherever the run is started"});
   read_connections(in, with, peers, apps, like);
   read_adapters(in, apps.places, like);
   end_claims ends;
-  in.tables("apps", "apps of a peer", [&](table_reader& x) {
+  in.tables("apps", "apps of a peer", {"its programs", "none"}, [&](table_reader& x) {
     const auto add = [&like](peer_app app) { like.apps.push_back(std::move(app)); };
     std::vector<std::pair<std::string_view, table_reader::part_reader>> choices{
         {"proxy_manager",
@@ -247,7 +291,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
         ends.claim(program, y.at("app"), y.problems());
         add(std::move(program));
       });
-    x.one_of("app", choices);
+    x.one_of("app", "which program", choices);
   });
   for (std::uint32_t i = 0; i < peers.count; ++i) {
     auto peer = like;
@@ -267,9 +311,9 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
 } // namespace
 
 std::vector<std::string> read_links(table_reader& in, const directory& names,
-                                    const std::vector<std::string>& own_names) {
+                                    const std::vector<std::string>& own_names, const char* whom) {
   std::vector<located<std::string>> found;
-  in.optional("links", list_of<link_end>{{names}, 0, links_max}, found);
+  in.optional("links", list_of<link_end>{{names}, 0, links_max}, found, {whom, "none"});
   claims<std::string> listed;
   for (const auto& each : found) {
     if (std::find(own_names.begin(), own_names.end(), each.value) != own_names.end())
@@ -282,10 +326,13 @@ std::vector<std::string> read_links(table_reader& in, const directory& names,
 
 peis_description read_peis(table_reader& root) {
   peis_description out;
-  root.table("peis", "[peis]", [&out](table_reader& in) {
-    in.optional("delay", time_span{0s, 10s}, out.delay);
-    in.optional("loss", ratio{}, out.loss);
-    in.optional("bandwidth", bit_rate{}, out.bandwidth_bps);
+  root.table("peis", "[peis]", "the network between the hosts of peers", [&out](table_reader& in) {
+    in.optional("delay", time_span{0s, 10s}, out.delay, "of whatever is sent, each way");
+    in.optional("loss", ratio{}, out.loss,
+                "chance that a package, or an announcement at one of those who hear it, is "
+                "lost; a link's first octets, by which peers tell who they are, never are");
+    in.optional("bandwidth", bit_rate{}, out.bandwidth_bps,
+                "of each link, each way; no limit by default");
     read_bluetooth(in, out.bluetooth);
   });
   return out;
@@ -295,7 +342,8 @@ std::vector<peer_description> read_peers(table_reader& root, surroundings& with,
                                          const std::vector<island_description>& islands) {
   std::vector<peer_description> out;
   peer_surroundings apps{.names = with.names, .islands = islands, .managed = {}};
-  root.tables("peer", "[[peer]]", [&](table_reader& x) { read_peer(x, with, apps, out); });
+  root.tables("peer", "[[peer]]", "PCs and robots",
+              [&](table_reader& x) { read_peer(x, with, apps, out); });
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   settle_inits(std::move(apps.inits), out, with);
   return out;

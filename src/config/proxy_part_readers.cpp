@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "config/mote_readers.hpp"
 #include "config/near.hpp"
 #include "config/units.hpp"
 #include "proxy/class_table.hpp"
@@ -29,6 +30,10 @@ struct template_key {
                          "digits, -, _ and names in braces, as in \"{room}.climate\"");
   }
 
+  [[nodiscard]] static form takes() {
+    return string_form("1 to 7 parts between dots, at most 100 characters");
+  }
+
 private:
   static bool is_good(const std::string& x) {
     const auto parts = proxy::template_parts(x);
@@ -38,7 +43,7 @@ private:
     for (const auto& part : *parts)
       plain += part.is_name ? "n" : part.text;
     complaints ignored;
-    return tuple_key{}.read(node{{}, plain}, asker{"", ignored}).has_value();
+    return config::read(tuple_key{}, node{{}, plain}, asker{"", ignored}).has_value();
   }
 };
 
@@ -47,12 +52,13 @@ struct template_text {
   using type = std::string;
 
   [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
-    const auto found = text{template_octets_max}.read(x, who);
+    const auto found = config::read(text{template_octets_max}, x, who);
     if (!found || proxy::template_parts(*found))
       return found;
     return who.refuse(x, "text in which { and } enclose a name, as in \"{temperature} C\"; {{ and "
                          "}} are braces");
   }
+  [[nodiscard]] static form takes() { return string_form("text of 1 to 200 octets"); }
 };
 
 /// Names that keys and texts of the class may have: those known from the start.
@@ -79,14 +85,53 @@ std::vector<std::string> field_names(const proxy::proxy_class& of) {
   return names;
 }
 
-/// The sampler of a mote that sends on the channel.
-sampler_app* sampler_on(mote_description& mote, std::uint16_t channel) {
+/// The sampler of a mote that sends on the channel. @param mote const, if the sampler is to be
+template <class Mote>
+auto sampler_on(Mote& mote, std::uint16_t channel) {
+  decltype(std::get_if<sampler_app>(&mote.apps[0])) found = nullptr;
   for (auto& app : mote.apps) {
-    auto* const found = std::get_if<sampler_app>(&app);
-    if (found != nullptr && found->channel == channel)
-      return found;
+    auto* const sampler = std::get_if<sampler_app>(&app);
+    if (found == nullptr && sampler != nullptr && sampler->channel == channel)
+      found = sampler;
   }
-  return nullptr;
+  return found;
+}
+
+/// Calls `use` with the name, as in `kitchen/fan`, and each mote that a class claims.
+template <class Islands, class Use>
+void each_mote_of(const std::string& proxy, const proxy::class_table& table, Islands& islands,
+                  Use use) {
+  for (auto& island : islands) {
+    for (auto& mote : island.motes) {
+      const auto* const its = table.find(proxy::signature_of({island.id, mote.id}, mote.type));
+      if (its != nullptr && its->name == proxy)
+        use(island.name + '/' + mote.name, mote);
+    }
+  }
+}
+
+/// How a mote sends the counts of a transducer.
+struct sent_count {
+  std::size_t offset = 0;
+  double resolution = 1;
+
+  friend bool operator==(const sent_count&, const sent_count&) = default;
+};
+
+std::optional<sent_count> count_of(const mote_description& mote, std::uint16_t channel,
+                                   mote::quantity kind) {
+  const auto* const sampler = sampler_on(mote, channel);
+  if (sampler == nullptr)
+    return std::nullopt;
+  const auto& sent = sampler->transducers;
+  const auto at = std::ranges::find(sent, kind);
+  if (at == sent.end())
+    return std::nullopt;
+  sent_count out{static_cast<std::size_t>(at - sent.begin()) * 2, 1}; // 1 of the signal
+  const auto is = std::ranges::find(mote.transducers, kind, &mote::transducer_config::kind);
+  if (is != mote.transducers.end())
+    out.resolution = is->resolution;
+  return out;
 }
 
 } // namespace
@@ -101,11 +146,19 @@ void tuple_names::claim(const std::string& name, mark at, complaints& problems) 
 
 placed_template read_tuple_template(table_reader& in) {
   placed_template out;
-  std::vector<located<std::string>> fields;
-  in.required("key", template_key{}, out.what.key);
-  in.optional("value", template_text{}, out.what.text);
-  in.optional("json", list_of<name_text>{{}, 1, json_fields_max}, fields);
-  out.what.json = values_of(std::move(fields));
+  in.required("key", template_key{}, out.what.key,
+              "the whole key. In braces: `{island}`, `{id}`, `{name}` as in `prefix`; `{class}`; "
+              "`{room}`, the property of that name, else the island's name; any property of the "
+              "class. With `ids` `{channel}` instead of `{island}` and `{room}`");
+  in.optional("value", template_text{}, out.what.text,
+              {"the same names; properties of [objects](#proxyobject), of others without text; "
+               "fields, and their units as `{FIELD.unit}`; `{{` and `}}` are braces",
+               "either this"});
+  in.optional(
+      "json", list_of<name_text>{{}, 1, json_fields_max}, out.what.json,
+      {"one JSON object: the `time` of the message in seconds of the ecology, and for each field "
+       "its `value`, a number unless the field has words, and its `unit`, if it has one",
+       "or this", "array of 1 to 32 names of fields"});
   out.key_at = in.at("key");
   out.text_at = in.at(in.has("json") ? "json" : "value");
   if (in.has("value") == in.has("json"))
@@ -150,24 +203,16 @@ void check_tuple_template(const placed_template& x, const proxy::proxy_class& of
   }
 }
 
-void read_quality(table_reader& in, proxy::proxy_settings& out) {
-  duration inactive_after{};
-  duration retire_after{};
-  in.optional("answer_timeout", time_span{1s, 1h}, out.answer_timeout);
-  in.optional("retry_for", time_span{0s, 24h}, out.retry_for);
-  in.optional("period", time_span{10ms, 24h * 10}, out.period);
-  in.optional("stale_after", time_span{10ms, 24h * 10}, out.stale_after);
-  if (in.optional("inactive_after", time_span{1s, 24h * 10}, inactive_after))
-    out.inactive_after = inactive_after;
-  if (in.optional("retire_after", time_span{1s, 24h * 10}, retire_after))
-    out.retire_after = retire_after;
-}
-
 void read_program(table_reader& in, const proxy::program_registry& programs, tuple_names& names,
                   proxy::proxy_class& out) {
-  pairs_of<real>::type found;
-  const bool named = in.optional("program", name_text{}, out.program);
-  const bool set = in.optional("settings", pairs_of<real>{}, found);
+  named_values<double> found;
+  const bool named =
+      in.optional("program", name_text{}, out.program,
+                  {"of motes: code that completes the table; a file that names one which the "
+                   "binary does not have is refused. There is `occupancy`, see below; "
+                   "[others](architecture.md#proxies-with-code) are written in C++",
+                   "none"});
+  const bool set = in.optional("settings", pairs_of<real>{}, found, {"of the `program`", "none"});
   if (set && !in.has("program"))
     in.problems().add(in.at("settings"), "`settings` are those of a `program`");
   const auto* const make = named ? programs.find(out.program) : nullptr;
@@ -202,24 +247,56 @@ void place_computations(const std::vector<placed_computation>& all,
     const auto* const field = of == nullptr ? nullptr : proxy::field_named(*of, x.field);
     if (field == nullptr || field->mean_of <= 1)
       continue;
-    for (auto& island : islands) {
-      for (auto& mote : island.motes) {
-        const auto* const its = table.find(proxy::signature_of({island.id, mote.id}, mote.type));
-        if (its == nullptr || its->name != x.proxy)
-          continue;
-        auto* const sampler = sampler_on(mote, field->channel);
-        const auto index = field->offset / 2;
-        if (sampler == nullptr || field->layout != proxy::encoding::i16 || field->offset % 2 != 0 ||
-            index >= sampler->transducers.size()) {
-          problems.add(x.at,
-                       "mote `" + island.name + '/' + mote.name +
-                           "` has no sampler that sends a count there which it could average");
-          continue;
-        }
-        sampler->mean_of.resize(sampler->transducers.size(), 1);
-        sampler->mean_of[index] = field->mean_of;
+    each_mote_of(x.proxy, table, islands, [&](const std::string& name, mote_description& mote) {
+      auto* const sampler = sampler_on(mote, field->channel);
+      const auto index = field->offset / 2;
+      if (sampler == nullptr || field->layout != proxy::encoding::i16 || field->offset % 2 != 0 ||
+          index >= sampler->transducers.size()) {
+        problems.add(x.at, "mote `" + name +
+                               "` has no sampler that sends a count there which it could average");
+        return;
       }
-    }
+      sampler->mean_of.resize(sampler->transducers.size(), 1);
+      sampler->mean_of[index] = field->mean_of;
+    });
+  }
+}
+
+void place_transducers(const std::vector<placed_transducer>& all,
+                       std::vector<proxy::proxy_class>& classes,
+                       const std::vector<island_description>& islands, complaints& problems) {
+  const proxy::class_table table(classes);
+  for (const auto& x : all) {
+    const auto of = std::ranges::find(classes, x.proxy, &proxy::proxy_class::name);
+    const auto field = std::ranges::find(of->fields, x.field, &proxy::field::name);
+    const auto what = std::string(word_of(x.kind));
+    const auto from = "on channel " + std::to_string(field->channel);
+    std::optional<sent_count> agreed;
+    std::string first; // the mote that has it so
+    bool good = true;  // the first mistake will do
+    each_mote_of(x.proxy, table, islands, [&](const std::string& name, const auto& mote) {
+      const auto found = good ? count_of(mote, field->channel, x.kind) : std::nullopt;
+      if (good && !found)
+        problems.add(x.at, "mote `" + name + "` has no sampler that sends `" + what + "` " + from);
+      else if (good && agreed && *agreed != *found)
+        problems.add(x.at, "motes `" + first + "` and `" + name + "` send `" + what +
+                               "` in different ways: a class of its own, or `offset` and `scale`");
+      good = good && found && (!agreed || *agreed == *found);
+      if (!agreed) {
+        agreed = found;
+        first = name;
+      }
+    });
+    if (good && !agreed)
+      problems.add(x.at, "the file has no mote of this class whose `" + what + "` it could be");
+    if (!agreed)
+      continue;
+    if (!x.has_offset)
+      field->offset = agreed->offset;
+    if (!x.has_scale)
+      field->scale = agreed->resolution;
+    if (!x.has_unit)
+      field->unit = unit_of(x.kind);
   }
 }
 

@@ -36,9 +36,6 @@ struct placed_template {
 void check_tuple_template(const placed_template& x, const proxy::proxy_class& of,
                           complaints& problems);
 
-/// [proxy.qos]
-void read_quality(table_reader& in, proxy::proxy_settings& out);
-
 /// program and settings, when all else of the class is read.
 void read_program(table_reader& in, const proxy::program_registry& programs, tuple_names& names,
                   proxy::proxy_class& out);
@@ -49,6 +46,23 @@ struct placed_computation {
   std::string field;
   mark at;
 };
+
+/// Where a field names its transducer, and what the file says of the field nevertheless.
+struct placed_transducer {
+  std::string proxy;
+  std::string field;
+  mote::quantity kind;
+  mark at;
+  bool has_offset = false;
+  bool has_scale = false;
+  bool has_unit = false;
+};
+
+/// Gives fields the offset, scale and unit of their transducers, as samplers of the motes send them
+/// that the classes claim.
+void place_transducers(const std::vector<placed_transducer>& all,
+                       std::vector<proxy::proxy_class>& classes,
+                       const std::vector<island_description>& islands, complaints& problems);
 
 /// Gives the computations to the samplers of the motes that the classes claim (PXY-17).
 void place_computations(const std::vector<placed_computation>& all,

@@ -4,8 +4,10 @@
 #include <system_error>
 #include <utility>
 
+#include "config/application_readers.hpp"
 #include "config/file_readers.hpp"
 #include "config/proxy_part_readers.hpp"
+#include "proxy/class_keys.hpp"
 #include "proxy/layout.hpp"
 #include "proxy/signature.hpp"
 
@@ -30,6 +32,8 @@ struct key_prefix {
     return who.refuse(x, "1 to 5 parts between dots, at most 48 characters, each of letters, "
                          "digits, -, _, {island}, {channel}, {id} and {name}");
   }
+
+  [[nodiscard]] static form takes() { return string_form("1 to 5 parts, at most 48 characters"); }
 
 private:
   static bool is_good(std::string_view x) {
@@ -71,8 +75,10 @@ word<encoding> encoding_words() {
 
 /// words = { "0" = "off" } of a field: every key is a count that its encoding can hold.
 void read_field_words(table_reader& in, bool sized, proxy::field& out) {
-  pairs_of<text>::type found;
-  in.optional("words", pairs_of<text>{{32}}, found);
+  named_values<std::string> found;
+  in.optional("words", pairs_of<text>{{32}}, found,
+              {"words for counts, instead of numbers", "none",
+               "`{ 0 = \"off\", 1 = \"on\" }`, texts of 1 to 32 octets"});
   const auto [least, most] = proxy::range_of(out.layout);
   for (auto& [key, value] : found) {
     const auto& digits = key.value;
@@ -89,12 +95,36 @@ void read_field_words(table_reader& in, bool sized, proxy::field& out) {
   }
 }
 
+/// What other tables decide about a field of motes.
+struct placed_fields {
+  std::vector<placed_computation> computations;
+  std::vector<placed_transducer> transducers;
+};
+
+/// transducer, of fields of motes.
+void read_source(table_reader& in, const proxy::field& field, const std::string& of,
+                 placed_fields& placed) {
+  mote::quantity kind{};
+  if (in.optional(
+          "transducer", word<mote::quantity>{sampled_quantities()}, kind,
+          {"whose counts the [samplers](#app--sampler) of the class send on the channel: it "
+           "gives `offset`, its resolution as `scale` and its unit, where the field has none",
+           "none", "quantity"}) &&
+      !field.name.empty())
+    placed.transducers.push_back({of, field.name, kind, in.at("transducer"), in.has("offset"),
+                                  in.has("scale"), in.has("unit")});
+  if (in.has("transducer") && in.has("encoding"))
+    in.problems().add(in.at("encoding"), "`encoding` means nothing with `transducer`");
+}
+
 /// mean_of and computed_by, of fields of motes.
 void read_computation(table_reader& in, proxy::field& field, const std::string& of,
                       std::vector<placed_computation>& computations) {
-  in.optional("mean_of", whole<std::size_t>{1, proxy::mean_of_max}, field.mean_of);
-  in.optional("computed_by", word<bool>{{{"proxy", false}, {"mote", true}}},
-              field.computed_by_mote);
+  in.optional("mean_of", whole<std::size_t>{1, proxy::mean_of_max}, field.mean_of,
+              "of motes: the value is the mean of so many counts, rounded to a whole count");
+  in.optional("computed_by", word<bool>{{{"proxy", false}, {"mote", true}}}, field.computed_by_mote,
+              "who computes that mean. With `\"mote\"` the [sampler](#app--sampler) of each mote "
+              "of the class that sends on the channel does; the tuples are the same");
   if (in.has("computed_by") && !in.has("mean_of"))
     in.problems().add(in.at("computed_by"), "`computed_by` needs `mean_of`: what is computed");
   if (field.mean_of > 1 && !field.words.empty())
@@ -103,22 +133,26 @@ void read_computation(table_reader& in, proxy::field& field, const std::string& 
     computations.push_back({of, field.name, in.at("computed_by")});
 }
 
-void read_field(table_reader& in, tuple_names& names, std::vector<placed_computation>& computations,
+void read_field(table_reader& in, tuple_names& names, placed_fields& placed,
                 proxy::proxy_class& out) {
   proxy::field field;
-  if (in.required("name", name_text{}, field.name))
+  if (in.required("name", name_text{}, field.name, "last part of the key"))
     names.claim(field.name, in.at("name"), in.problems());
   if (out.ids.empty())
-    in.required("channel", message_channel, field.channel);
-  in.optional("offset", whole<std::size_t>{0, payload_octets_max - 1}, field.offset);
-  const bool sized = in.optional("encoding", encoding_words(), field.layout) || !in.has("encoding");
-  in.optional("scale", real{}, field.scale);
-  in.optional("add", real{}, field.add);
-  in.optional("decimals", whole<int>{0, 6}, field.decimals);
-  in.optional("unit", text{16}, field.unit);
+    in.required_if(true, "channel", message_channel, field.channel,
+                   "of the message it is read from; with `ids` there is none: it is read from the "
+                   "tag's memory");
+  in.optional("offset", whole<std::size_t>{0, payload_octets_max - 1}, field.offset,
+              "its first octet in the message, which has up to 100");
+  const bool sized = in.optional("encoding", encoding_words(), field.layout,
+                                 "how its octets are read, in network byte order") ||
+                     !in.has("encoding");
+  in.all(field);
   read_field_words(in, sized, field);
-  if (out.ids.empty())
-    read_computation(in, field, out.name, computations);
+  if (out.ids.empty()) {
+    read_computation(in, field, out.name, placed.computations);
+    read_source(in, field, out.name, placed);
+  }
   if (field.offset + proxy::octets_of(field.layout) > payload_octets_max)
     in.problems().add(in.at("offset"), "the field ends beyond the " +
                                            std::to_string(payload_octets_max) +
@@ -129,10 +163,13 @@ void read_field(table_reader& in, tuple_names& names, std::vector<placed_computa
 /// encoding and what belongs to it, of an input.
 void read_numbers(table_reader& in, proxy::input& out) {
   proxy::number_form form;
-  const bool sized = in.optional("encoding", encoding_words(), form.layout);
-  in.optional("scale", real{}, form.scale);
-  in.optional("add", real{}, form.add);
-  in.optional("unit", text{16}, out.unit);
+  const bool sized = in.optional("encoding", encoding_words(), form.layout,
+                                 {"a number that is no word becomes a count so, rounded: the "
+                                  "number less `add`, divided by `scale`",
+                                  "it takes no numbers"});
+  in.optional("scale", real{}, form.scale, {"value of one count, not 0", "", "number, not 0"});
+  in.optional("add", real{}, form.add, "value of the count 0");
+  in.optional("unit", text{16}, out.unit, {"of the numbers, published beside the range", "none"});
   for (const auto* key : {"scale", "add", "unit", "min", "max"})
     if (in.has(key) && !in.has("encoding"))
       in.problems().add(in.at(key), '`' + std::string(key) +
@@ -146,24 +183,31 @@ void read_numbers(table_reader& in, proxy::input& out) {
                                         static_cast<double>(most) * form.scale + form.add});
   form.min = low;
   form.max = high;
-  in.optional("min", real{low, high}, form.min);
-  in.optional("max", real{form.min, high}, form.max);
+  in.optional("min", in.walks() ? real{} : real{low, high}, form.min,
+              {"smaller numbers are refused", "what the encoding can hold"});
+  in.optional("max", in.walks() ? real{} : real{form.min, high}, form.max,
+              {"larger ones are", "what the encoding can hold", "number, at least `min`"});
   if (sized)
     out.numbers = form;
 }
 
 void read_input(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
   proxy::input input;
-  pairs_of<hex_octets>::type words;
-  if (in.required("name", name_text{}, input.name))
+  named_values<bytes> words;
+  if (in.required("name", name_text{}, input.name, "last part of the key"))
     names.claim(input.name, in.at("name"), in.problems());
-  in.required("channel", message_channel, input.channel);
-  if (in.optional("meta", flag{}, input.meta) && input.meta && !input.name.empty())
+  in.required("channel", message_channel, input.channel, "where the mote receives them");
+  if (in.optional("meta", flag{}, input.meta,
+                  "the input is the tuple that `PREFIX.mi-INPUT` points at, at first "
+                  "`PREFIX.INPUT`: whoever rewrites that [meta tuple](peis.md#meta-tuples) decides "
+                  "what the actuator follows") &&
+      input.meta && !input.name.empty())
     names.claim("mi-" + input.name, in.at("meta"), in.problems());
   read_numbers(in, input);
-  const bool found = in.has("encoding") && !in.walks()
-                         ? in.optional("words", pairs_of<hex_octets>{}, words)
-                         : in.required("words", pairs_of<hex_octets>{}, words);
+  const bool found =
+      in.required_if(!in.has("encoding"), "words", pairs_of<hex_octets>{}, words,
+                     {"1 to 100 octets in hexadecimal for each word", "none with `encoding`",
+                      "`{ on = \"01\", off = \"00\" }`, at least 1"});
   if (found && words.empty())
     in.problems().add(in.at("words"), "`words` must have at least one word");
   for (auto& [key, octets] : words) {
@@ -178,8 +222,9 @@ void read_input(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
 std::vector<std::pair<std::string, std::string>> read_properties(table_reader& in,
                                                                  tuple_names& names) {
   std::vector<std::pair<std::string, std::string>> out;
-  pairs_of<text>::type found;
-  in.optional("properties", pairs_of<text>{{200}}, found);
+  named_values<std::string> found;
+  in.optional("properties", pairs_of<text>{{200}}, found,
+              {"published as they are, under their names", "none"});
   for (auto& [key, value] : found) {
     if (!is_name(key.value))
       in.problems().add(key.at, "a property's name must have 1 to 32 letters, digits, - and _, "
@@ -205,19 +250,19 @@ struct id_pattern {
     }
     return who.refuse(x, "\"rfid/\" and how ids begin, as in \"rfid/e004\"");
   }
+  [[nodiscard]] static form takes() { return string_form("`\"rfid/e004\"`"); }
 };
 
 /// Who of a [[proxy.object]] it is: a mote by its name.
 void read_known_mote(table_reader& in, const directory& directory, name_claims& ids,
                      proxy::known_object& found) {
   mote_address mote;
-  if (in.required("mote", mote_name{directory}, mote)) {
+  if (in.required_if(true, "mote", mote_name{directory}, mote, "if the class has `types`")) {
     found.id = proxy::proxy_id(mote);
     ids.claim(found.id, "mote", in.at("mote"), in.problems());
   }
-  position place;
-  if (in.optional("position_m", config::place{}, place))
-    found.place = place;
+  in.optional("position_m", place{}, found.place,
+              {"of a mote: where it was put, for a class with `indirect`", "not known"});
 }
 
 /// [[proxy.object]]
@@ -228,9 +273,10 @@ void read_object(table_reader& in, const directory& directory, const tuple_names
     read_known_mote(in, directory, ids, found);
   }
   if (!out.ids.empty() || in.walks()) {
-    if (in.required("id", name_text{}, found.id))
+    if (in.required_if(true, "id", name_text{}, found.id, "of its tag, if the class has `ids`"))
       ids.claim(found.id, "object", in.at("id"), in.problems());
-    in.optional("name", name_text{}, found.name);
+    in.optional("name", name_text{}, found.name,
+                {"for `{name}` of the prefix, the same", "its id"});
   }
   auto names = of_class;
   found.properties = read_properties(in, names);
@@ -245,8 +291,11 @@ struct claimed {
 
 claimed read_claims(table_reader& in) {
   claimed out;
-  in.optional("types", list_of<type_span>{{}, 1}, out.types);
-  in.optional("ids", list_of<id_pattern>{{}, 1}, out.ids);
+  in.optional("types", list_of<type_span>{{}, 1}, out.types,
+              {"the motes' types it claims; of a mask, those that have this value under it",
+               "either these"});
+  in.optional("ids", list_of<id_pattern>{{}, 1}, out.ids,
+              {"the ids of tags it claims: those that begin so; `\"rfid/\"`: all", "or these"});
   if (in.has("types") == in.has("ids"))
     in.problems().add(in.at(),
                       "a proxy needs either `types`, of motes, or `ids`, of tagged objects");
@@ -306,50 +355,64 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root, const directory
   name_claims classes;
   name_claims ids;
   name_claims objects;
-  std::vector<placed_computation> computations;
-  root.tables("proxy", "[[proxy]]", [&](table_reader& in) {
-    proxy::proxy_class found;
-    tuple_names names;
-    if (in.required("name", name_text{}, found.name))
-      classes.claim(found.name, "proxy name", in.at("name"), in.problems());
-    auto claims_it = read_claims(in);
-    for (const auto& [value, at] : claims_it.ids)
-      ids.claim(value.channel + '/' + value.prefix, "id pattern", at, in.problems());
-    for (const auto& each : claims_it.types)
-      ranges.push_back({each.value, each.at, found.name});
-    found.types = values_of(std::move(claims_it.types));
-    found.ids = values_of(std::move(claims_it.ids));
-    if (in.has("ids"))
-      found.prefix = "{channel}.{name}";
-    in.optional("prefix", key_prefix{}, found.prefix);
-    check_kind(in, in.has("ids"), found.prefix);
-    duration known_from{};
-    in.optional("known_from", time_span{0s, 24h * 10}, known_from);
-    found.known_from = instant(known_from);
-    found.properties = read_properties(in, names);
-    in.optional("indirect", flag{}, found.indirect);
-    in.table("qos", "[proxy.qos]", [&](table_reader& x) { read_quality(x, found.settings); });
-    in.tables("field", "[[proxy.field]]",
-              [&](table_reader& x) { read_field(x, names, computations, found); });
-    in.tables("input", "[[proxy.input]]", [&](table_reader& x) { read_input(x, names, found); });
-    in.tables("object", "[[proxy.object]]",
-              [&](table_reader& x) { read_object(x, directory, names, objects, found); });
-    std::vector<placed_template> templates;
-    in.tables("tuple", "[[proxy.tuple]]",
-              [&](table_reader& x) { templates.push_back(read_tuple_template(x)); });
-    claims<std::string> keys;
-    for (auto& each : templates) {
-      keys.claim(folded(each.what.key), "the key `" + each.what.key + '`', each.key_at,
-                 in.problems());
-      check_tuple_template(each, found, in.problems());
-      found.tuples.push_back(std::move(each.what));
-    }
-    read_program(in, programs, names, found);
-    out.push_back(std::move(found));
-  });
+  placed_fields placed;
+  root.tables(
+      "proxy", "[[proxy]]", "what gives a mote's octets, or a tag, a meaning",
+      [&](table_reader& in) {
+        proxy::proxy_class found;
+        tuple_names names;
+        if (in.required("name", name_text{}, found.name, "of the class"))
+          classes.claim(found.name, "proxy name", in.at("name"), in.problems());
+        auto claims_it = read_claims(in);
+        for (const auto& [value, at] : claims_it.ids)
+          ids.claim(value.channel + '/' + value.prefix, "id pattern", at, in.problems());
+        for (const auto& each : claims_it.types)
+          ranges.push_back({each.value, each.at, found.name});
+        found.types = values_of(std::move(claims_it.types));
+        found.ids = values_of(std::move(claims_it.ids));
+        if (in.has("ids"))
+          found.prefix = "{channel}.{name}";
+        in.optional("prefix", key_prefix{}, found.prefix,
+                    {"how the keys begin; `{island}`, `{id}` and `{name}` stand for the island's "
+                     "name, the mote's id and the mote's name; `{channel}` for `rfid`, `{id}` for "
+                     "the tag's id, `{name}` for the object's name",
+                     "`\"{island}.{name}\"`, with `ids` `\"{channel}.{name}\"`"});
+        check_kind(in, in.has("ids"), found.prefix);
+        duration known_from{};
+        in.optional("known_from", time_span{0s, 24h * 10}, known_from,
+                    "when proxy managers learn of the class; what it claims and no other does is "
+                    "without a proxy until then");
+        found.known_from = instant(known_from);
+        found.properties = read_properties(in, names);
+        in.optional("indirect", flag{}, found.indirect,
+                    "of motes: tell the [interface and the position](gateway.md#of-a-proxy) too, "
+                    "as those of tagged things always do");
+        in.table("qos", "[proxy.qos]", "of motes", [&](table_reader& x) { x.all(found.settings); });
+        in.tables("field", "[[proxy.field]]", {"values that it publishes", "none"},
+                  [&](table_reader& x) { read_field(x, names, placed, found); });
+        in.tables("input", "[[proxy.input]]", {"motes alone have inputs", "none"},
+                  [&](table_reader& x) { read_input(x, names, found); });
+        in.tables("object", "[[proxy.object]]",
+                  {"what is known of single motes or tagged things", "none"},
+                  [&](table_reader& x) { read_object(x, directory, names, objects, found); });
+        std::vector<placed_template> templates;
+        in.tables("tuple", "[[proxy.tuple]]", {"tuples of other keys and forms", "none"},
+                  [&](table_reader& x) { templates.push_back(read_tuple_template(x)); });
+        claims<std::string> keys;
+        for (auto& each : templates) {
+          keys.claim(folded(each.what.key), "the key `" + each.what.key + '`', each.key_at,
+                     in.problems());
+          check_tuple_template(each, found, in.problems());
+          found.tuples.push_back(std::move(each.what));
+        }
+        read_program(in, programs, names, found);
+        out.push_back(std::move(found));
+      });
   check_overlaps(ranges, root.problems());
   if (root.sound())
-    place_computations(computations, out, islands, root.problems());
+    place_transducers(placed.transducers, out, islands, root.problems());
+  if (root.sound())
+    place_computations(placed.computations, out, islands, root.problems());
   return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include "config/file_readers.hpp"
 #include "radio/noise.hpp"
+#include "radio/parameter_keys.hpp"
 #include "radio/tossim_files.hpp"
 
 namespace rubicon::config {
@@ -18,13 +19,15 @@ struct file_choice {
   std::string_view key;
   std::string_view option;
   const std::string& instead;
+  const char* meaning;
 };
 
 /// The file's path and text; complains if it is not named or cannot be read.
 std::optional<std::pair<std::string, std::string>>
 named_text(table_reader& in, const file_choice& x, const named_files& files) {
   std::string name;
-  const bool good = in.optional(x.key, text{path_octets_max}, name) || !in.has(x.key);
+  const bool good =
+      in.optional(x.key, text{path_octets_max}, name, {x.meaning, {}, "file"}) || !in.has(x.key);
   if (in.walks() || !good)
     return std::nullopt;
   if (name.empty() && x.instead.empty()) {
@@ -51,8 +54,13 @@ void tell(complaints& problems, const std::string& path, const radio::file_probl
 
 radio::gain_matrix read_gains(table_reader& in, const named_files& files) {
   radio::gain_matrix out;
-  in.optional("first_mote", whole<std::uint16_t>{0, mote_id_max}, out.first_mote);
-  const auto file = named_text(in, {"topology", "--topology", files.instead.topology}, files);
+  in.optional("first_mote", whole<std::uint16_t>{0, mote_id_max}, out.first_mote,
+              "id of the mote that node 0 is; node 1 is the next one, and so on");
+  const auto file =
+      named_text(in,
+                 {"topology", "--topology", files.instead.topology,
+                  "relative to this file's folder; may be given by `--topology` instead"},
+                 files);
   if (!file)
     return out;
   auto read = radio::read_topology(file->second);
@@ -66,7 +74,11 @@ radio::gain_matrix read_gains(table_reader& in, const named_files& files) {
 
 radio::noise_model read_trace(table_reader& in, const named_files& files) {
   radio::traced_noise out;
-  const auto file = named_text(in, {"file", "--noise-trace", files.instead.noise_trace}, files);
+  const auto file =
+      named_text(in,
+                 {"file", "--noise-trace", files.instead.noise_trace,
+                  "relative to this file's folder; may be given by `--noise-trace` instead"},
+                 files);
   if (!file)
     return out;
   auto read = radio::read_noise_trace(file->second);
@@ -77,31 +89,14 @@ radio::noise_model read_trace(table_reader& in, const named_files& files) {
   return out;
 }
 
-radio::unit_disk read_unit_disk(table_reader& in) {
-  radio::unit_disk out;
-  in.optional("range", range_kind, out.range_m);
-  return out;
-}
-
-radio::log_distance read_log_distance(table_reader& in) {
-  radio::log_distance out;
-  in.optional("exponent", real{1, 10}, out.exponent);
-  in.optional("reference", decibels{0, 200}, out.reference_db);
-  in.optional("shadowing", decibels{0, 30}, out.shadowing_db);
-  in.optional("asymmetry", decibels{0, 30}, out.asymmetry_db);
-  return out;
-}
-
-radio::friis read_friis(table_reader& in) {
-  radio::friis out;
-  in.optional("frequency", frequency{}, out.frequency_mhz);
-  return out;
-}
-
-radio::constant_noise read_constant_noise(table_reader& in) {
-  radio::constant_noise out;
-  in.optional("floor", power_level{}, out.floor_dbm);
-  return out;
+/// A model whose keys are listed beside it.
+template <class Model, class Out>
+table_reader::part_reader model_of(Out& out) {
+  return [&out](table_reader& in) {
+    Model found;
+    in.all(found);
+    out = found;
+  };
 }
 
 bool is_disk(const radio::channel_config& x) {
@@ -114,19 +109,19 @@ bool is_noisy(const radio::channel_config& x) {
 
 void read_propagation(table_reader& in, const named_files& files, radio::propagation& out) {
   const std::string within = in.title();
-  in.one_of("model",
-            {{"unit_disk", [&](table_reader& x) { out = read_unit_disk(x); }},
-             {"log_distance", [&](table_reader& x) { out = read_log_distance(x); }},
-             {"friis", [&](table_reader& x) { out = read_friis(x); }},
+  in.one_of("model", "how strongly frames arrive",
+            {{"unit_disk", model_of<radio::unit_disk>(out)},
+             {"log_distance", model_of<radio::log_distance>(out)},
+             {"friis", model_of<radio::friis>(out)},
              {"gains", [&](table_reader& x) { out = read_gains(x, files); }}},
             within);
 }
 
 void read_noise(table_reader& in, const named_files& files, radio::noise_model& out) {
   const std::string within = in.title();
-  in.one_of("model",
+  in.one_of("model", "what disturbs frames",
             {{"none", [&](table_reader&) { out = radio::no_noise{}; }},
-             {"constant", [&](table_reader& x) { out = read_constant_noise(x); }},
+             {"constant", model_of<radio::constant_noise>(out)},
              {"table", [&](table_reader&) { out = radio::table_noise{}; }},
              {"trace", [&](table_reader& x) { out = read_trace(x, files); }}},
             within);
@@ -135,8 +130,8 @@ void read_noise(table_reader& in, const named_files& files, radio::noise_model& 
 /// `range` of [radio] is short for the table of a unit disk.
 void read_range(table_reader& in, radio::channel_config& out) {
   auto* disk = std::get_if<radio::unit_disk>(&out.propagation);
-  double range_m = 0;
-  if (!in.optional("range", range_kind, range_m))
+  double range_m = radio::unit_disk{}.range_m;
+  if (!in.optional("range", range_kind, range_m, "short for `range` of a unit disk"))
     return;
   if (disk == nullptr)
     in.problems().add(in.at("range"), "`range` belongs to model = \"unit_disk\": "
@@ -150,42 +145,15 @@ void read_range(table_reader& in, radio::channel_config& out) {
 
 void read_reception(table_reader& in, radio::channel_config& out) {
   using radio::collision_rule;
-  using radio::error_curve;
-  using radio::sensing;
-  using radio::sensing_window;
-  using radio::sensitivity_edge;
-  in.optional("sensitivity", power_level{}, out.sensitivity_dbm);
-  in.optional("cca_threshold", power_level{}, out.cca_dbm);
-  in.optional("cutoff", power_level{}, out.cutoff_dbm);
-  in.optional("sensing",
-              word<sensing>{{{"energy", sensing::energy},
-                             {"carrier", sensing::carrier},
-                             {"energy_or_carrier", sensing::energy_or_carrier}}},
-              out.sensing);
-  in.optional(
-      "sensing_window",
-      word<sensing_window>{{{"whole", sensing_window::whole}, {"end", sensing_window::end}}},
-      out.window);
   out.collisions = is_disk(out) ? collision_rule::strict : collision_rule::sinr;
-  in.optional(
-      "collisions",
-      word<collision_rule>{{{"sinr", collision_rule::sinr}, {"strict", collision_rule::strict}}},
-      out.collisions);
-  in.optional("sensitivity_edge",
-              word<sensitivity_edge>{
-                  {{"sharp", sensitivity_edge::sharp}, {"noise", sensitivity_edge::noise}}},
-              out.edge);
-  in.optional("capture", flag{}, out.capture);
-  in.optional("curve",
-              word<error_curve>{{{"oqpsk", error_curve::oqpsk}, {"tossim", error_curve::tossim}}},
-              out.curve);
+  in.all(out, radio::reception_keys());
 }
 
 void read_macs(table_reader& in, radio::channel_config& out) {
-  in.table("mac", "[radio.mac]", [&out](table_reader& x) {
+  in.table("mac", "[radio.mac]", "rules of medium access", [&out](table_reader& x) {
     for (const auto& platform : radio::platforms()) {
       std::string name;
-      if (x.optional(platform.name, mac_name{}, name))
+      if (x.optional(platform.name, mac_name(), name, {"of this platform", "`\"standard\"`"}))
         out.macs.emplace_back(platform.name, std::move(name));
     }
   });
@@ -194,13 +162,16 @@ void read_macs(table_reader& in, radio::channel_config& out) {
 void read_radio_links(table_reader& in, const directory& names, radio::channel_config& out,
                       std::vector<mark>& places) {
   claims<std::pair<mote_address, mote_address>> pairs;
-  in.tables("link", "[[radio.link]]", [&](table_reader& x) {
+  in.tables("link", "[[radio.link]]", {"links unlike the others", "none"}, [&](table_reader& x) {
     radio::link_override link;
-    const bool ends = static_cast<int>(x.required("from", radio_name{names}, link.from)) +
-                          static_cast<int>(x.required("to", radio_name{names}, link.to)) ==
-                      2;
-    x.optional("loss", ratio{}, link.loss);
-    x.optional("gain", decibels{-200, 20}, link.gain_db);
+    const bool ends =
+        static_cast<int>(x.required("from", radio_name{names}, link.from, "who sends")) +
+            static_cast<int>(x.required("to", radio_name{names}, link.to, "who receives")) ==
+        2;
+    x.optional("loss", ratio{}, link.loss,
+               {"chance that a copy is lost on this way", "as in `[radio]`"});
+    x.optional("gain", decibels{-200, 20}, link.gain_db,
+               {"received dBm at 0 dBm sent", "the model's"});
     if (!x.has("loss") && !x.has("gain"))
       x.problems().add(x.at(), "a link needs `loss`, `gain` or both");
     if (ends && link.from == link.to)
@@ -273,13 +244,9 @@ placed_links read_radio(table_reader& root, const directory& names, const named_
                         radio::channel_config& out) {
   placed_links links;
   const auto before = root.problems().size();
-  root.table("radio", "[radio]", [&](table_reader& in) {
-    in.optional("loss", ratio{}, out.loss);
-    in.optional("queue", whole<std::size_t>{1, 1024}, out.queue);
-    in.optional("retries", whole<unsigned>{0, 7}, out.retries_max);
-    in.optional("receive_slots", whole<std::size_t>{1, 1024}, out.receive_slots);
-    in.optional("service_time", time_span{0s, 1s}, out.service_time);
-    in.table("propagation", "[radio.propagation]",
+  root.table("radio", "[radio]", "what all radios have in common", [&](table_reader& in) {
+    in.all(out, radio::medium_keys());
+    in.table("propagation", "[radio.propagation]", {"how strongly frames arrive", "a unit disk"},
              [&](table_reader& x) { read_propagation(x, files, out.propagation); });
     const bool propagation_is_good = in.sound();
     if (propagation_is_good || in.walks())
@@ -288,7 +255,9 @@ placed_links read_radio(table_reader& root, const directory& names, const named_
       in.expect("range");
     if (!is_disk(out))
       out.noise = radio::constant_noise{};
-    in.table("noise", "[radio.noise]", [&](table_reader& x) { read_noise(x, files, out.noise); });
+    in.table("noise", "[radio.noise]",
+             {"what disturbs them besides other frames", "none for a unit disk, else -98 dBm"},
+             [&](table_reader& x) { read_noise(x, files, out.noise); });
     read_reception(in, out);
     read_macs(in, out);
     if (in.sound()) {

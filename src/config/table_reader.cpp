@@ -15,9 +15,25 @@ const node nothing{{}, node_table{}};
 const node* table_reader::ask(std::string_view key) {
   if (std::find(asked_.begin(), asked_.end(), key) == asked_.end())
     asked_.emplace_back(key);
-  if (shared_.accepted != nullptr)
-    shared_.accepted->emplace(title_, key);
   return table_.find(key);
+}
+
+void table_reader::add(key_description x) {
+  if (described_->find(x.name) == nullptr)
+    described_->keys.push_back(std::move(x));
+}
+
+void table_reader::walk(std::string_view key, part kind, const std::string& title,
+                        const about& what, const part_reader& read, bool is_required) {
+  table_reader part(nothing, title, shared_);
+  read(part);
+  add({.name = std::string(key),
+       .meaning = std::string(what.meaning),
+       .wanted = std::string(what.wanted),
+       .unset = std::string(what.unset),
+       .is_required = is_required,
+       .part = kind,
+       .table = std::make_shared<const table_description>(std::move(part.own_))});
 }
 
 void table_reader::lacks(std::string_view key) const {
@@ -37,12 +53,13 @@ void table_reader::read_part(const node& x, const std::string& title,
   part.finish();
 }
 
-bool table_reader::table(std::string_view key, const std::string& title, const part_reader& read) {
+bool table_reader::table(std::string_view key, const std::string& title, const about& what,
+                         const part_reader& read) {
+  if (walks())
+    walk(key, part::table, title, what, read);
   const auto* x = ask(key);
-  if (shared_.accepted != nullptr)
-    x = &nothing;
   if (x == nullptr)
-    return false;
+    return walks();
   if (x->as<node_table>() == nullptr) {
     asker{key, shared_.problems}.refuse(*x, "a table");
     return false;
@@ -51,11 +68,11 @@ bool table_reader::table(std::string_view key, const std::string& title, const p
   return true;
 }
 
-void table_reader::tables(std::string_view key, const std::string& title, const part_reader& read,
-                          std::size_t at_least) {
+void table_reader::tables(std::string_view key, const std::string& title, const about& what,
+                          const part_reader& read, std::size_t at_least) {
+  if (walks())
+    walk(key, part::tables, title, what, read, at_least > 0);
   const auto* x = ask(key);
-  if (shared_.accepted != nullptr)
-    read_part(nothing, title, read);
   if (x == nullptr) {
     if (at_least > 0)
       lacks(key);
@@ -80,11 +97,13 @@ void table_reader::tables(std::string_view key, const std::string& title, const 
 }
 
 void table_reader::named_tables(
-    std::string_view key, const std::string& title,
+    std::string_view key, const std::string& title, const about& what,
     const std::function<void(const located<std::string>&, table_reader&)>& read) {
+  if (walks())
+    walk(key, part::named_tables, title, what, [&](table_reader& part) {
+      read({"NAME", {}}, part);
+    });
   const auto* x = ask(key);
-  if (shared_.accepted != nullptr)
-    read_part(nothing, title, [&](table_reader& part) { read({"NAME", {}}, part); });
   if (x == nullptr)
     return;
   const auto wanted = "tables under headers " + title;
@@ -101,28 +120,56 @@ void table_reader::named_tables(
   }
 }
 
-void table_reader::one_of(std::string_view key,
+void table_reader::one_of(std::string_view key, const about& what,
                           const std::vector<std::pair<std::string_view, part_reader>>& choices,
-                          std::string_view within) {
-  const auto become = [&](std::string_view choice, const part_reader& read) {
-    title_ = std::string(within) + (within.empty() ? "" : " ") + std::string(key) + " = \"" +
-             std::string(choice) + '"';
-    static_cast<void>(ask(key));
-    read(*this);
-  };
-  if (shared_.accepted != nullptr) {
-    for (const auto& [choice, read] : choices)
-      become(choice, read);
-    return;
-  }
+                          std::string_view within, bool is_required) {
   word<std::size_t> words;
   for (std::size_t i = 0; i < choices.size(); ++i)
     words.choices.emplace_back(choices[i].first, i);
+  const auto title_of = [&](std::string_view choice) {
+    return std::string(within) + (within.empty() ? "" : " ") + std::string(key) + " = \"" +
+           std::string(choice) + '"';
+  };
+  if (walks()) {
+    describe({.is_required = is_required}, key, words, what);
+    own_.choice = key;
+    for (const auto& [choice, read] : choices) {
+      table_description variant{
+          .title = title_of(choice), .keys = {}, .choice = {}, .variants = {}};
+      described_ = &variant;
+      read(*this);
+      own_.variants.push_back(std::move(variant));
+    }
+    described_ = &own_;
+    return;
+  }
   std::size_t chosen = 0;
-  if (required(key, words, chosen))
-    become(choices[chosen].first, choices[chosen].second);
-  else
+  if (get(true, key, words, chosen)) {
+    title_ = title_of(choices[chosen].first);
+    choices[chosen].second(*this);
+  } else {
     silent_ = true;
+  }
+}
+
+void table_reader::either(const std::vector<std::pair<std::string_view, part_reader>>& choices) {
+  const std::pair<std::string_view, part_reader>* chosen = nullptr;
+  in_choice_ = walks();
+  for (const auto& each : choices) {
+    static_cast<void>(ask(each.first));
+    if (walks())
+      each.second(*this);
+    if (!has(each.first))
+      continue;
+    if (chosen == nullptr)
+      chosen = &each;
+    else
+      complain(at(each.first), '`' + std::string(each.first) + "` means nothing with `" +
+                                   std::string(chosen->first) + '`');
+  }
+  in_choice_ = false;
+  if (!walks())
+    (chosen == nullptr ? choices.front() : *chosen).second(*this);
 }
 
 void table_reader::finish() const {

@@ -1,6 +1,8 @@
 #include "config/model_readers.hpp"
 #include "config/mote_readers.hpp"
 #include "config/trace_files.hpp"
+#include "mote/trace_keys.hpp"
+#include "mote/transducer_keys.hpp"
 
 namespace rubicon::config {
 
@@ -20,24 +22,10 @@ struct start_text {
                            "\"12.5\" or \"2004-02-28 00:59:16\"");
     return time;
   }
+  [[nodiscard]] static form takes() {
+    return string_form("seconds or date, as in `\"12.5\"` or `\"2004-02-28 00:59:16\"`");
+  }
 };
-
-void read_format(table_reader& in, mote::trace_format& out) {
-  in.optional("separator",
-              word<char>{{{"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {"blanks", ' '}}},
-              out.separator);
-  std::vector<located<std::string>> columns;
-  in.optional("columns", list_of<text>{{}, 1, mote::trace_columns_max}, columns);
-  out.columns = values_of(std::move(columns));
-  in.optional("time_column", text{}, out.time_column);
-  in.optional("date_column", text{}, out.date_column);
-  in.optional("mote_column", text{}, out.mote_column);
-  in.optional("column", text{}, out.value_column);
-  constexpr real any_value{-mote::trace_value_max, mote::trace_value_max};
-  in.optional("min", any_value, out.least);
-  in.optional("max", any_value, out.most);
-  in.optional("start", start_text{}, out.start);
-}
 
 /// Whether the trace has what the mote named in the TOML file replays; complains if not.
 bool has_mote(const table_reader& in, const mote::trace_model& x) {
@@ -55,13 +43,13 @@ mote::trace_model read_trace(table_reader& in, mote::quantity kind) {
   mote::trace_format format;
   format.value_column = word_of(kind);
   std::string file;
-  in.required("file", text{path_octets_max}, file);
-  read_format(in, format);
-  in.optional("mote", whole<std::uint32_t>{}, out.mote);
-  in.optional("repeat", flag{}, out.repeats);
-  in.optional("interpolation", word<bool>{{{"hold", false}, {"linear", true}}}, out.straight);
-  in.optional("scale", real{-1e9, 1e9}, out.scale);
-  in.optional("offset", real{-1e9, 1e9}, out.offset);
+  in.required("file", text{path_octets_max}, file,
+              {"relative to the folder of the TOML file", "", "file"});
+  in.all(format);
+  in.optional(
+      "start", start_text{}, format.start,
+      {"the time that is the start of the run", "`\"0\"`, or the earliest date in the file"});
+  in.all(out);
   if (in.walks() || !in.sound())
     return out;
   if (format.mote_column.empty()) {

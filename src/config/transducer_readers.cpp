@@ -4,6 +4,7 @@
 
 #include "config/model_readers.hpp"
 #include "config/mote_readers.hpp"
+#include "mote/transducer_keys.hpp"
 
 namespace rubicon::config {
 
@@ -11,44 +12,35 @@ namespace {
 
 using mote::quantity;
 
-constexpr std::array<std::pair<std::string_view, quantity>, 9> quantity_words{
-    {{"temperature", quantity::temperature},
-     {"humidity", quantity::humidity},
-     {"light", quantity::light},
-     {"voltage", quantity::voltage},
-     {"presence", quantity::presence},
-     {"acceleration", quantity::acceleration},
-     {"magnetism", quantity::magnetism},
-     {"sound", quantity::sound},
-     {"signal", quantity::signal}}};
+struct quantity_word {
+  std::string_view name;
+  quantity kind;
+  const char* unit;        ///< by convention,
+  std::string_view symbol; ///< and what is published; empty: none
+};
 
-void read_constant(table_reader& in, mote::transducer_model& out) {
-  mote::constant_model model;
-  in.required("value", real{}, model.value);
-  out = model;
-}
+constexpr std::array<quantity_word, 9> quantity_words{
+    {{"temperature", quantity::temperature, "degrees Celsius", "C"},
+     {"humidity", quantity::humidity, "percent", "%"},
+     {"light", quantity::light, "lux", "lx"},
+     {"voltage", quantity::voltage, "volts", "V"},
+     {"presence", quantity::presence, "0 or 1", ""},
+     {"acceleration", quantity::acceleration, "metres per second squared", "m/s2"},
+     {"magnetism", quantity::magnetism, "microtesla, or 0 and 1 of a reed contact", "uT"},
+     {"sound", quantity::sound, "decibels", "dB"},
+     {"signal", quantity::signal, "dBm", "dBm"}}};
 
-void read_sine(table_reader& in, mote::transducer_model& out) {
-  mote::sine_model model;
-  in.required("mean", real{}, model.mean);
-  in.required("amplitude", real{}, model.amplitude);
-  in.optional("period", time_span{1ms}, model.period);
-  in.optional("phase_turns", real{-1, 1}, model.phase_turns);
-  out = model;
-}
-
-void read_points(table_reader& in, mote::transducer_model& out) {
-  mote::points_model model;
-  in.required("points", time_points{}, model.points);
-  out = std::move(model);
+/// A model whose keys are listed beside it.
+template <class Model>
+void read_model(table_reader& in, mote::transducer_model& out) {
+  Model found;
+  in.all(found);
+  out = std::move(found);
 }
 
 void read_random_walk(table_reader& in, mote::transducer_model& out) {
   mote::random_walk_model model;
-  in.required("start", real{}, model.start);
-  in.required("step", real{0, 1e9}, model.step);
-  in.required("min", real{}, model.min);
-  in.required("max", real{}, model.max);
+  in.all(model);
   if (in.sound() && model.min >= model.max)
     in.problems().add(in.at("max"), "`max` must be more than `min`, which is " + shown(model.min));
   else if (in.sound() && (model.start < model.min || model.start > model.max))
@@ -101,14 +93,14 @@ bool has_model(const mote::transducer_model& x) {
 
 void read_transducer(table_reader& in, mote::transducer_config& out) {
   constexpr double count_max = 32767;
-  in.optional("noise", real{0}, out.noise);
-  in.optional("resolution", real{1e-9, 1e9}, out.resolution);
-  in.one_of("model", {{"constant", [&](table_reader& x) { read_constant(x, out.model); }},
-                      {"sine", [&](table_reader& x) { read_sine(x, out.model); }},
-                      {"points", [&](table_reader& x) { read_points(x, out.model); }},
-                      {"random_walk", [&](table_reader& x) { read_random_walk(x, out.model); }},
-                      {"field", [&](table_reader& x) { out.model = read_field(x); }},
-                      {"trace", [&](table_reader& x) { out.model = read_trace(x, out.kind); }}});
+  in.all(out);
+  in.one_of("model", "how the value behaves",
+            {{"constant", [&](table_reader& x) { read_model<mote::constant_model>(x, out.model); }},
+             {"sine", [&](table_reader& x) { read_model<mote::sine_model>(x, out.model); }},
+             {"points", [&](table_reader& x) { read_model<mote::points_model>(x, out.model); }},
+             {"random_walk", [&](table_reader& x) { read_random_walk(x, out.model); }},
+             {"field", [&](table_reader& x) { out.model = read_field(x); }},
+             {"trace", [&](table_reader& x) { out.model = read_trace(x, out.kind); }}});
   if (!in.sound() || in.walks() || !has_model(out.model))
     return;
   const auto most = std::visit(extreme{}, out.model);
@@ -122,26 +114,35 @@ void read_transducer(table_reader& in, mote::transducer_config& out) {
 } // namespace
 
 std::string_view word_of(mote::quantity x) {
-  return quantity_words[static_cast<std::size_t>(x)].first;
+  return quantity_words[static_cast<std::size_t>(x)].name;
+}
+
+std::string_view unit_of(mote::quantity x) {
+  return quantity_words[static_cast<std::size_t>(x)].symbol;
 }
 
 void read_transducers(table_reader& in, std::vector<mote::transducer_config>& out) {
-  in.table("transducers", "transducers", [&out](table_reader& all) {
-    for (const auto& [name, kind] : quantity_words) {
-      if (kind == quantity::signal)
-        continue; // nobody describes it
-      mote::transducer_config config;
-      config.kind = kind;
-      const auto read = [&config](table_reader& x) { read_transducer(x, config); };
-      if (!all.table(name, "transducers.QUANTITY", read))
-        continue;
-      const auto at = std::ranges::lower_bound(out, kind, {}, &mote::transducer_config::kind);
-      if (at != out.end() && at->kind == kind)
-        *at = std::move(config);
-      else
-        out.insert(at, std::move(config));
-    }
-  });
+  in.table("transducers", "transducers",
+           {"what it measures, by quantity; a mote's replace its type's of the same quantity, or "
+            "are added",
+            "none"},
+           [&out](table_reader& all) {
+             for (const auto& [name, kind, unit, symbol] : quantity_words) {
+               if (kind == quantity::signal)
+                 continue; // nobody describes it
+               mote::transducer_config config;
+               config.kind = kind;
+               const auto read = [&config](table_reader& x) { read_transducer(x, config); };
+               if (!all.table(name, "transducers.QUANTITY", unit, read))
+                 continue;
+               const auto at =
+                   std::ranges::lower_bound(out, kind, {}, &mote::transducer_config::kind);
+               if (at != out.end() && at->kind == kind)
+                 *at = std::move(config);
+               else
+                 out.insert(at, std::move(config));
+             }
+           });
 }
 
 } // namespace rubicon::config

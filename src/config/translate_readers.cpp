@@ -4,6 +4,7 @@
 
 #include "config/file_readers.hpp"
 #include "translate/pattern.hpp"
+#include "translate/translation_keys.hpp"
 
 namespace rubicon::config {
 
@@ -25,6 +26,7 @@ struct target_key {
                 ", which the `*` of `from` stand for";
     return who.refuse(x, wanted);
   }
+  [[nodiscard]] static form takes() { return string_form("tuple key"); }
 };
 
 /// Arithmetic on `x`.
@@ -43,18 +45,24 @@ struct arithmetic {
                         " of " + quoted(*found) + ": " + wrong.message);
     return std::nullopt;
   }
+  [[nodiscard]] static form takes() { return string_form("text of up to 200 octets"); }
 };
 
 translate::translation read_translation(table_reader& in) {
   translate::translation out;
   translate::expression value;
-  in.required("from", tuple_key{true}, out.from);
-  in.optional("to", target_key{translate::stars_in(out.from)}, out.to);
-  if (in.optional("value", arithmetic{}, value))
+  in.required("from", tuple_key{true}, out.from,
+              "of any owner; a part may be `*`, which stands for any one part");
+  in.optional("to", target_key{translate::stars_in(out.from)}, out.to,
+              {"what is told; `{1}` is the part that the first `*` stands for", "none"});
+  if (in.optional(
+          "value", arithmetic{}, value,
+          {"arithmetic on the number `x` that the tuple holds: `+`, `-`, `*`, `/`, parentheses, "
+           "`abs(a)`, `floor(a)`, `ceil(a)`, `round(a)`, `sqrt(a)`, `min(a, b)`, `max(a, b)`. What "
+           "is no number is dropped and counted, as is a result that is not finite",
+           "the text as it is"}))
     out.value = std::move(value);
-  in.optional("decimals", whole<int>{0, 6}, out.decimals);
-  in.optional("unit", text{16}, out.unit);
-  in.optional("history", whole<std::size_t>{1, translate::history_max}, out.history);
+  in.all(out);
   if (!in.has("to") && !in.has("history"))
     in.problems().add(in.at(), "a translation needs `to`, `history` or both");
   if (in.has("decimals") && !in.has("value"))
@@ -69,7 +77,7 @@ translate::translation read_translation(table_reader& in) {
 translate_app read_translate(table_reader& in) {
   translate_app out;
   in.tables(
-      "rules", "rules of a translation",
+      "rules", "rules of a translation", "see below; also as `[[peer.apps.rules]]`",
       [&](table_reader& x) { out.rules.push_back(read_translation(x)); }, 1);
   return out;
 }

@@ -104,8 +104,8 @@ points(const node& x, const asker& who, const Kind& kind, const std::string& wan
     const auto* pair = each.as<node_array>();
     if (pair == nullptr || pair->size() != 2)
       return who.refuse(each, wanted);
-    const auto at = time_span{}.read(pair->front(), who);
-    const auto value = kind.read(pair->back(), who);
+    const auto at = read(time_span{}, pair->front(), who);
+    const auto value = read(kind, pair->back(), who);
     if (!at || !value)
       return std::nullopt;
     if (!out.empty() && *at <= out.back().first) {
@@ -130,29 +130,29 @@ std::nullopt_t asker::refuse(const node& x, const std::string& wanted,
   return std::nullopt;
 }
 
-std::optional<double> real::read(const node& x, const asker& who) const {
+std::optional<double> read(const real& kind, const node& x, const asker& who) {
   const auto found = number_in(x);
-  if (found && *found >= min && *found <= max)
+  if (found && *found >= kind.min && *found <= kind.max)
     return found;
-  if (min <= -std::numeric_limits<double>::max())
+  if (kind.min <= -std::numeric_limits<double>::max())
     return who.refuse(x, "a number");
-  if (max >= std::numeric_limits<double>::max())
-    return who.refuse(x, "a number from " + shown(min));
-  return who.refuse(x, "a number from " + shown(min) + " to " + shown(max));
+  if (kind.max >= std::numeric_limits<double>::max())
+    return who.refuse(x, "a number from " + shown(kind.min));
+  return who.refuse(x, "a number from " + shown(kind.min) + " to " + shown(kind.max));
 }
 
-std::optional<bool> flag::read(const node& x, const asker& who) {
+std::optional<bool> read(const flag& /*kind*/, const node& x, const asker& who) {
   if (const auto* found = x.as<bool>())
     return *found;
   return who.refuse(x, "true or false");
 }
 
-std::optional<std::string> text::read(const node& x, const asker& who) const {
+std::optional<std::string> read(const text& kind, const node& x, const asker& who) {
   const auto* found = x.as<std::string>();
   const auto control = [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; };
-  if (found == nullptr || found->empty() || found->size() > octets_max ||
+  if (found == nullptr || found->empty() || found->size() > kind.octets_max ||
       std::any_of(found->begin(), found->end(), control))
-    return who.refuse(x, "a text of 1 to " + std::to_string(octets_max) +
+    return who.refuse(x, "a text of 1 to " + std::to_string(kind.octets_max) +
                              " octets without control characters");
   return *found;
 }
@@ -162,33 +162,33 @@ bool is_name(std::string_view x) {
          std::all_of(x.begin(), x.end(), is_name_character);
 }
 
-std::optional<std::string> name_text::read(const node& x, const asker& who) {
+std::optional<std::string> read(const name_text& /*kind*/, const node& x, const asker& who) {
   const auto* found = x.as<std::string>();
   if (found == nullptr || !is_name(*found))
     return who.refuse(x, "a name of 1 to 32 letters, digits, - and _");
   return *found;
 }
 
-std::optional<std::string> tuple_key::read(const node& x, const asker& who) const {
+std::optional<std::string> read(const tuple_key& kind, const node& x, const asker& who) {
   const auto* found = x.as<std::string>();
-  if (found == nullptr || !is_tuple_key(*found, wildcards))
+  if (found == nullptr || !is_tuple_key(*found, kind.wildcards))
     return who.refuse(x, std::string("a tuple key of 1 to 7 parts between dots, each of letters, "
                                      "digits, - and _") +
-                             (wildcards ? " or a single *" : ""));
+                             (kind.wildcards ? " or a single *" : ""));
   return *found;
 }
 
-std::optional<duration> time_span::read(const node& x, const asker& who) const {
+std::optional<duration> read(const time_span& kind, const node& x, const asker& who) {
   const auto found = parsed(x, parse_duration);
-  if (found && *found >= min && *found <= max)
+  if (found && *found >= kind.min && *found <= kind.max)
     return found;
   if (found)
-    return who.refuse(x, "a time from " + to_text(min) + " to " + to_text(max));
+    return who.refuse(x, "a time from " + to_text(kind.min) + " to " + to_text(kind.max));
   return who.refuse(x, "a time with its unit (ns, us, ms, s, min, h or d), as in \"31s\" or "
                        "\"1min30s\"");
 }
 
-std::optional<duration> time_step::read(const node& x, const asker& who) {
+std::optional<duration> read(const time_step& /*kind*/, const node& x, const asker& who) {
   constexpr duration longest = 24h * 3650;
   const auto* found = x.as<std::string>();
   const bool back = found != nullptr && found->starts_with('-');
@@ -199,7 +199,7 @@ std::optional<duration> time_step::read(const node& x, const asker& who) {
   return back ? -*size : *size;
 }
 
-std::optional<double> ratio::read(const node& x, const asker& who) {
+std::optional<double> read(const ratio& /*kind*/, const node& x, const asker& who) {
   auto found = parsed(x, parse_ratio);
   if (!found)
     found = number_in(x);
@@ -208,15 +208,15 @@ std::optional<double> ratio::read(const node& x, const asker& who) {
   return found;
 }
 
-std::optional<double> metres::read(const node& x, const asker& who) const {
+std::optional<double> read(const metres& kind, const node& x, const asker& who) {
   const auto found = parsed(x, parse_length_m);
-  if (found && *found >= min && *found <= max)
+  if (found && *found >= kind.min && *found <= kind.max)
     return found;
-  return who.refuse(x, "a length from " + shown(min) + " m to " + shown(max) +
+  return who.refuse(x, "a length from " + shown(kind.min) + " m to " + shown(kind.max) +
                            " m with its unit (cm, m or km), as in \"25m\"");
 }
 
-std::optional<double> charge::read(const node& x, const asker& who) {
+std::optional<double> read(const charge& /*kind*/, const node& x, const asker& who) {
   constexpr double min_mah = 0.001;
   constexpr double max_mah = 1e6;
   const auto found = parsed(x, parse_charge_mah);
@@ -226,23 +226,23 @@ std::optional<double> charge::read(const node& x, const asker& who) {
                        "\"2000mAh\"");
 }
 
-std::optional<double> power_level::read(const node& x, const asker& who) const {
+std::optional<double> read(const power_level& kind, const node& x, const asker& who) {
   const auto found = parsed(x, parse_dbm);
-  if (found && *found >= min_dbm && *found <= max_dbm)
+  if (found && *found >= kind.min_dbm && *found <= kind.max_dbm)
     return found;
-  return who.refuse(x, "a power from " + shown(min_dbm) + " to " + shown(max_dbm) +
+  return who.refuse(x, "a power from " + shown(kind.min_dbm) + " to " + shown(kind.max_dbm) +
                            " dBm with its unit, as in \"-98dBm\"");
 }
 
-std::optional<double> decibels::read(const node& x, const asker& who) const {
+std::optional<double> read(const decibels& kind, const node& x, const asker& who) {
   const auto found = parsed(x, parse_db);
-  if (found && *found >= min && *found <= max)
+  if (found && *found >= kind.min && *found <= kind.max)
     return found;
-  return who.refuse(x, "a ratio from " + shown(min) + " to " + shown(max) +
+  return who.refuse(x, "a ratio from " + shown(kind.min) + " to " + shown(kind.max) +
                            " dB with its unit, as in \"3.5dB\"");
 }
 
-std::optional<double> frequency::read(const node& x, const asker& who) {
+std::optional<double> read(const frequency& /*kind*/, const node& x, const asker& who) {
   constexpr double min_mhz = 100;
   constexpr double max_mhz = 100'000;
   const auto found = parsed(x, parse_frequency_mhz);
@@ -252,7 +252,7 @@ std::optional<double> frequency::read(const node& x, const asker& who) {
                        "\"2480MHz\"");
 }
 
-std::optional<std::uint32_t> baud::read(const node& x, const asker& who) {
+std::optional<std::uint32_t> read(const baud& /*kind*/, const node& x, const asker& who) {
   constexpr std::int64_t min = 300;
   constexpr std::int64_t max = 4'000'000;
   auto found = parsed(x, parse_baud);
@@ -263,7 +263,7 @@ std::optional<std::uint32_t> baud::read(const node& x, const asker& who) {
   return static_cast<std::uint32_t>(*found);
 }
 
-std::optional<std::uint64_t> bit_rate::read(const node& x, const asker& who) {
+std::optional<std::uint64_t> read(const bit_rate& /*kind*/, const node& x, const asker& who) {
   constexpr double min_bps = 1000;
   constexpr double max_bps = 1e12;
   auto found = parsed(x, parse_bit_rate_bps);
@@ -284,7 +284,7 @@ std::optional<std::string> tcp_url::read(const node& x, const asker& who) {
   return to_string(*url);
 }
 
-std::optional<position> place::read(const node& x, const asker& who) {
+std::optional<position> read(const place& /*kind*/, const node& x, const asker& who) {
   constexpr double farthest_m = 1e6;
   const auto* elements = x.as<node_array>();
   const auto refuse = [&](const node& what) {
@@ -308,7 +308,8 @@ std::optional<way::type> way::read(const node& x, const asker& who) {
                 "[[\"0s\", [0, 2]], [\"1min\", [30, 2]]]");
 }
 
-std::optional<time_points::type> time_points::read(const node& x, const asker& who) {
+std::optional<time_points::type> read(const time_points& /*kind*/, const node& x,
+                                      const asker& who) {
   return points(x, who, real{},
                 "points of a time and a number, as in [[\"0s\", 21.0], [\"5min\", 27]]");
 }
@@ -327,21 +328,21 @@ std::optional<proxy::type_range> type_span::read(const node& x, const asker& who
   return out;
 }
 
-std::optional<const radio::platform*> platform_name::read(const node& x, const asker& who) {
-  std::vector<std::pair<std::string_view, const radio::platform*>> choices;
+word<const radio::platform*> platform_name() {
+  word<const radio::platform*> out;
   for (const auto& each : radio::platforms())
-    choices.emplace_back(each.name, &each);
-  return word<const radio::platform*>{std::move(choices)}.read(x, who);
+    out.choices.emplace_back(each.name, &each);
+  return out;
 }
 
-std::optional<std::string> mac_name::read(const node& x, const asker& who) {
-  word<std::string> words;
+word<std::string> mac_name() {
+  word<std::string> out;
   for (const auto& each : radio::mac_names())
-    words.choices.emplace_back(each, each);
-  return words.read(x, who);
+    out.choices.emplace_back(each, each);
+  return out;
 }
 
-std::optional<bytes> hex_octets::read(const node& x, const asker& who) {
+std::optional<bytes> read(const hex_octets& /*kind*/, const node& x, const asker& who) {
   const auto* found = x.as<std::string>();
   auto octets = found == nullptr ? std::nullopt : from_hex(*found);
   if (!octets || octets->empty() || octets->size() > payload_octets_max)

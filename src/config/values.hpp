@@ -1,7 +1,4 @@
-// The kinds of value a key may take. Each knows its range, reads a node, and says what it wants:
-//
-//   using type = ...;
-//   std::optional<type> read(const node&, asker&) const;  // complains if it returns nothing
+// How the values of keys are read and told, by their kinds (core/keys.hpp).
 #pragma once
 
 #include <cstddef>
@@ -18,8 +15,8 @@
 #include "config/near.hpp"
 #include "config/problem.hpp"
 #include "core/address.hpp"
+#include "core/keys.hpp"
 #include "core/time.hpp"
-#include "mote/transducer_config.hpp"
 #include "proxy/proxy_class.hpp"
 #include "radio/parameters.hpp"
 
@@ -41,6 +38,20 @@ struct asker {
   }
 };
 
+/// What a kind takes.
+struct form {
+  std::string wanted; ///< for people, in Markdown: `time from 1 s to 1 d`
+  std::string schema; ///< a JSON Schema
+};
+
+[[nodiscard]] inline form string_form(std::string wanted) {
+  return {std::move(wanted), R"({"type":"string"})"};
+}
+[[nodiscard]] form whole_form(std::int64_t min, std::optional<std::int64_t> max);
+[[nodiscard]] form word_form(const std::vector<std::string>& words);
+[[nodiscard]] form list_form(const form& of, std::size_t min, std::size_t max);
+[[nodiscard]] form pairs_form(const form& of);
+
 /// A value and its place.
 template <class T>
 struct located {
@@ -48,257 +59,248 @@ struct located {
   mark at;
 };
 
-/// An integer from `min` to `max`.
-template <class T>
-struct whole {
-  using type = T;
-  T min = std::numeric_limits<T>::min();
-  T max = std::numeric_limits<T>::max();
-
-  [[nodiscard]] std::optional<T> read(const node& x, const asker& who) const {
-    const auto* found = x.as<std::int64_t>();
-    if (found == nullptr || !std::in_range<T>(*found) || static_cast<T>(*found) < min ||
-        static_cast<T>(*found) > max)
-      return who.refuse(x, "a whole number from " + std::to_string(min) + " to " +
-                               std::to_string(max));
-    return static_cast<T>(*found);
-  }
-};
-
-/// A finite number from `min` to `max`, with or without decimals.
-struct real {
-  using type = double;
-  double min = -std::numeric_limits<double>::max();
-  double max = std::numeric_limits<double>::max();
-
-  [[nodiscard]] std::optional<double> read(const node& x, const asker& who) const;
-};
-
-struct flag {
-  using type = bool;
-  [[nodiscard]] static std::optional<bool> read(const node& x, const asker& who);
-};
-
-/// Text of 1 to `octets_max` octets without control characters.
-struct text {
-  using type = std::string;
-  std::size_t octets_max = 100;
-
-  [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
-};
+using keys::about;
+using keys::baud;
+using keys::bit_rate;
+using keys::charge;
+using keys::decibels;
+using keys::flag;
+using keys::frequency;
+using keys::hex_octets;
+using keys::list_of;
+using keys::metres;
+using keys::name_text;
+using keys::pairs_of;
+using keys::place;
+using keys::power_level;
+using keys::ratio;
+using keys::real;
+using keys::text;
+using keys::time_points;
+using keys::time_span;
+using keys::time_step;
+using keys::tuple_key;
+using keys::whole;
+using keys::word;
 
 inline constexpr std::size_t name_length_max = 32;
 
-/// 1 to 32 letters, digits, `-` and `_`: fits in one part of a tuple's key and in an actor's path.
+/// What a name_text may be.
 [[nodiscard]] bool is_name(std::string_view x);
 
-struct name_text {
-  using type = std::string;
-  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who);
+/// `"a", "b" or "c"`
+[[nodiscard]] std::string alternatives(const std::vector<std::string>& words);
+
+// Each kind has a function that reads a node, or complains and returns nothing; one that says what
+// it takes; and, if a key of it may have a default, one that writes a value as a file would. Kinds
+// that only the configuration has bring them along as members, of which only `read` is needed.
+
+std::optional<double> read(const real& kind, const node& x, const asker& who);
+std::optional<bool> read(const flag& kind, const node& x, const asker& who);
+std::optional<std::string> read(const text& kind, const node& x, const asker& who);
+std::optional<std::string> read(const name_text& kind, const node& x, const asker& who);
+std::optional<std::string> read(const tuple_key& kind, const node& x, const asker& who);
+std::optional<duration> read(const time_span& kind, const node& x, const asker& who);
+std::optional<duration> read(const time_step& kind, const node& x, const asker& who);
+std::optional<double> read(const ratio& kind, const node& x, const asker& who);
+std::optional<double> read(const metres& kind, const node& x, const asker& who);
+std::optional<double> read(const charge& kind, const node& x, const asker& who);
+std::optional<double> read(const power_level& kind, const node& x, const asker& who);
+std::optional<double> read(const decibels& kind, const node& x, const asker& who);
+std::optional<double> read(const frequency& kind, const node& x, const asker& who);
+std::optional<std::uint32_t> read(const baud& kind, const node& x, const asker& who);
+std::optional<std::uint64_t> read(const bit_rate& kind, const node& x, const asker& who);
+std::optional<position> read(const place& kind, const node& x, const asker& who);
+std::optional<time_points::type> read(const time_points& kind, const node& x, const asker& who);
+std::optional<bytes> read(const hex_octets& kind, const node& x, const asker& who);
+
+form form_of(const real& kind);
+form form_of(const flag& kind);
+form form_of(const text& kind);
+form form_of(const name_text& kind);
+form form_of(const tuple_key& kind);
+form form_of(const time_span& kind);
+form form_of(const time_step& kind);
+form form_of(const ratio& kind);
+form form_of(const metres& kind);
+form form_of(const charge& kind);
+form form_of(const power_level& kind);
+form form_of(const decibels& kind);
+form form_of(const frequency& kind);
+form form_of(const baud& kind);
+form form_of(const bit_rate& kind);
+form form_of(const place& kind);
+form form_of(const time_points& kind);
+form form_of(const hex_octets& kind);
+
+std::string written(const real& kind, double x);
+std::string written(const flag& kind, bool x);
+std::string written(const text& kind, const std::string& x);
+std::string written(const time_span& kind, duration x);
+std::string written(const ratio& kind, double x);
+std::string written(const metres& kind, double x);
+std::string written(const power_level& kind, double x);
+std::string written(const decibels& kind, double x);
+std::string written(const frequency& kind, double x);
+std::string written(const baud& kind, std::uint32_t x);
+std::string written(const bit_rate& kind, std::uint64_t x);
+std::string written(const place& kind, const position& x);
+
+/// A kind with functions of its own.
+template <class Kind>
+concept own_kind = requires(const Kind& kind, const node& x, const asker& who) {
+  kind.read(x, who);
 };
 
-/// A tuple's key (TUP-03): 1 to 7 parts of letters, digits, `-` and `_`, at most 127 characters.
-struct tuple_key {
-  using type = std::string;
-  bool wildcards = false; ///< a part may be `*`
+template <own_kind Kind>
+[[nodiscard]] auto read(const Kind& kind, const node& x, const asker& who) {
+  return kind.read(x, who);
+}
 
-  [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
-};
+template <own_kind Kind>
+[[nodiscard]] form form_of(const Kind& kind) {
+  if constexpr (requires { kind.takes(); })
+    return kind.takes();
+  else
+    return {"text", R"({"type":"string"})"};
+}
 
-/// "31s"
-struct time_span {
-  using type = duration;
-  duration min = 0s;
-  duration max = 24h * 3650;
+template <class T>
+[[nodiscard]] std::optional<T> read(const whole<T>& kind, const node& x, const asker& who) {
+  const auto* found = x.as<std::int64_t>();
+  if (found == nullptr || !std::in_range<T>(*found) || static_cast<T>(*found) < kind.min ||
+      static_cast<T>(*found) > kind.max)
+    return who.refuse(x, "a whole number from " + std::to_string(kind.min) + " to " +
+                             std::to_string(kind.max));
+  return static_cast<T>(*found);
+}
 
-  [[nodiscard]] std::optional<duration> read(const node& x, const asker& who) const;
-};
+template <class T>
+[[nodiscard]] form form_of(const whole<T>& kind) {
+  const bool is_bounded = std::cmp_less(kind.max, std::numeric_limits<std::int64_t>::max());
+  return whole_form(static_cast<std::int64_t>(kind.min),
+                    is_bounded ? std::optional(static_cast<std::int64_t>(kind.max)) : std::nullopt);
+}
 
-/// "-5s" or "5s", but not 0
-struct time_step {
-  using type = duration;
-  [[nodiscard]] static std::optional<duration> read(const node& x, const asker& who);
-};
+template <class T>
+[[nodiscard]] std::string written(const whole<T>& /*kind*/, T x) {
+  return std::to_string(x);
+}
 
-/// 0.02 or "2%"
-struct ratio {
-  using type = double;
-  [[nodiscard]] static std::optional<double> read(const node& x, const asker& who);
-};
+template <class T>
+[[nodiscard]] std::vector<std::string> words_of(const word<T>& kind) {
+  std::vector<std::string> out;
+  for (const auto& [name, value] : kind.choices)
+    out.emplace_back(name);
+  return out;
+}
 
-/// "25m"
-struct metres {
-  using type = double;
-  double min = 0;
-  double max = 0;
+template <class T>
+[[nodiscard]] std::optional<T> read(const word<T>& kind, const node& x, const asker& who) {
+  const auto* found = x.as<std::string>();
+  for (const auto& [name, value] : kind.choices)
+    if (found != nullptr && *found == name)
+      return value;
+  const auto known = words_of(kind);
+  const auto meant = found == nullptr ? std::string() : nearest(*found, known);
+  return who.refuse(x, alternatives(known),
+                    meant.empty() ? "" : "; did you mean \"" + meant + "\"?");
+}
 
-  [[nodiscard]] std::optional<double> read(const node& x, const asker& who) const;
-};
+template <class T>
+[[nodiscard]] form form_of(const word<T>& kind) {
+  return word_form(words_of(kind));
+}
 
-/// "2000mAh"
-struct charge {
-  using type = double;
-  [[nodiscard]] static std::optional<double> read(const node& x, const asker& who);
-};
+template <class T>
+[[nodiscard]] std::string written(const word<T>& kind, const T& x) {
+  for (const auto& [name, value] : kind.choices)
+    if (value == x)
+      return '"' + std::string(name) + '"';
+  return {};
+}
 
-/// "-98dBm"
-struct power_level {
-  using type = double;
-  double min_dbm = -150;
-  double max_dbm = 20;
+template <class Kind>
+using value_of = typename decltype(read(std::declval<Kind>(), std::declval<node>(),
+                                        std::declval<asker>()))::value_type;
 
-  [[nodiscard]] std::optional<double> read(const node& x, const asker& who) const;
-};
+/// Each with its place.
+template <class Kind>
+[[nodiscard]] auto read(const list_of<Kind>& kind, const node& x, const asker& who)
+    -> std::optional<std::vector<located<value_of<Kind>>>> {
+  const auto* elements = x.as<node_array>();
+  if (elements == nullptr)
+    return who.refuse(x, "an array in [ ]");
+  if (elements->size() < kind.min || elements->size() > kind.max) {
+    const bool few = elements->size() < kind.min;
+    return who.refuse(x, "an array of " + std::string(few ? "at least " : "at most ") +
+                             std::to_string(few ? kind.min : kind.max));
+  }
+  std::vector<located<value_of<Kind>>> out;
+  bool good = true;
+  for (const auto& each : *elements) {
+    if (auto value = read(kind.kind, each, who))
+      out.push_back({*std::move(value), each.at});
+    else
+      good = false;
+  }
+  return good ? std::optional(std::move(out)) : std::nullopt;
+}
 
-/// "46.68dB"
-struct decibels {
-  using type = double;
-  double min = 0;
-  double max = 200;
+template <class Kind>
+[[nodiscard]] form form_of(const list_of<Kind>& kind) {
+  return list_form(form_of(kind.kind), kind.min, kind.max);
+}
 
-  [[nodiscard]] std::optional<double> read(const node& x, const asker& who) const;
-};
+template <class T>
+using named_values = std::vector<std::pair<located<std::string>, T>>;
 
-/// "2480MHz", in MHz
-struct frequency {
-  using type = double;
-  [[nodiscard]] static std::optional<double> read(const node& x, const asker& who);
-};
+template <class Kind>
+[[nodiscard]] auto read(const pairs_of<Kind>& kind, const node& x, const asker& who)
+    -> std::optional<named_values<value_of<Kind>>> {
+  const auto* members = x.as<node_table>();
+  if (members == nullptr)
+    return who.refuse(x, "a table, as in { key = \"value\" }");
+  named_values<value_of<Kind>> out;
+  bool good = true;
+  for (const auto& each : *members) {
+    if (auto value = read(kind.kind, each.value, asker{each.key, who.problems}))
+      out.push_back({{each.key, each.at}, *std::move(value)});
+    else
+      good = false;
+  }
+  return good ? std::optional(std::move(out)) : std::nullopt;
+}
 
-/// 57600 or "57600baud"
-struct baud {
-  using type = std::uint32_t;
-  [[nodiscard]] static std::optional<std::uint32_t> read(const node& x, const asker& who);
-};
-
-/// "10Mbit/s" or 10000000; 0 for no limit
-struct bit_rate {
-  using type = std::uint64_t;
-  [[nodiscard]] static std::optional<std::uint64_t> read(const node& x, const asker& who);
-};
+template <class Kind>
+[[nodiscard]] form form_of(const pairs_of<Kind>& kind) {
+  return pairs_form(form_of(kind.kind));
+}
 
 /// The URL of a TCP link, "tcp://host:port"
 struct tcp_url {
-  using type = std::string;
   [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who);
-};
-
-/// [x, y] or [x, y, z] in metres
-struct place {
-  using type = position;
-  [[nodiscard]] static std::optional<position> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes();
 };
 
 /// [["0s", [0, 2]], ["1min", [30, 2]]], times strictly increasing
 struct way {
   using type = std::vector<std::pair<duration, position>>;
   [[nodiscard]] static std::optional<type> read(const node& x, const asker& who);
-};
-
-/// [["0s", 21.0], ["5min", 27.5]], times strictly increasing
-struct time_points {
-  using type = std::vector<std::pair<duration, double>>;
-  [[nodiscard]] static std::optional<type> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes();
 };
 
 /// 101, "100..119" or, a value and a mask, "0x0100/0xff00"
 struct type_span {
-  using type = proxy::type_range;
   [[nodiscard]] static std::optional<proxy::type_range> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes();
 };
 
 /// The name of a platform.
-struct platform_name {
-  using type = const radio::platform*;
-  [[nodiscard]] static std::optional<const radio::platform*> read(const node& x, const asker& who);
-};
+[[nodiscard]] word<const radio::platform*> platform_name();
 
 /// The name of medium access rules.
-struct mac_name {
-  using type = std::string;
-  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who);
-};
-
-/// Octets in hexadecimal, "01" or "00ff", 1 to 100 of them.
-struct hex_octets {
-  using type = bytes;
-  [[nodiscard]] static std::optional<bytes> read(const node& x, const asker& who);
-};
-
-/// `"a", "b" or "c"`
-[[nodiscard]] std::string alternatives(const std::vector<std::string>& words);
-
-/// One of some words.
-template <class T>
-struct word {
-  using type = T;
-  std::vector<std::pair<std::string_view, T>> choices;
-
-  [[nodiscard]] std::optional<T> read(const node& x, const asker& who) const {
-    const auto* found = x.as<std::string>();
-    std::vector<std::string> known;
-    for (const auto& [name, value] : choices) {
-      if (found != nullptr && *found == name)
-        return value;
-      known.emplace_back(name);
-    }
-    const auto meant = found == nullptr ? std::string() : nearest(*found, known);
-    return who.refuse(x, alternatives(known),
-                      meant.empty() ? "" : "; did you mean \"" + meant + "\"?");
-  }
-};
-
-/// An array of values, each with its place.
-template <class Kind>
-struct list_of {
-  using element = typename Kind::type;
-  using type = std::vector<located<element>>;
-  Kind kind;
-  std::size_t min = 0;
-  std::size_t max = std::numeric_limits<std::size_t>::max();
-
-  [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const {
-    const auto* elements = x.as<node_array>();
-    if (elements == nullptr)
-      return who.refuse(x, "an array in [ ]");
-    if (elements->size() < min || elements->size() > max) {
-      const bool few = elements->size() < min;
-      return who.refuse(x, "an array of " + std::string(few ? "at least " : "at most ") +
-                               std::to_string(few ? min : max));
-    }
-    type out;
-    bool good = true;
-    for (const auto& each : *elements) {
-      if (auto value = kind.read(each, who))
-        out.push_back({*std::move(value), each.at});
-      else
-        good = false;
-    }
-    return good ? std::optional(std::move(out)) : std::nullopt;
-  }
-};
-
-/// A table whose keys the file's author chooses, in the order of the file.
-template <class Kind>
-struct pairs_of {
-  using type = std::vector<std::pair<located<std::string>, typename Kind::type>>;
-  Kind kind;
-
-  [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const {
-    const auto* members = x.as<node_table>();
-    if (members == nullptr)
-      return who.refuse(x, "a table, as in { key = \"value\" }");
-    type out;
-    bool good = true;
-    for (const auto& each : *members) {
-      if (auto value = kind.read(each.value, asker{each.key, who.problems}))
-        out.push_back({{each.key, each.at}, *std::move(value)});
-      else
-        good = false;
-    }
-    return good ? std::optional(std::move(out)) : std::nullopt;
-  }
-};
+[[nodiscard]] word<std::string> mac_name();
 
 /// The values without their places.
 template <class T>

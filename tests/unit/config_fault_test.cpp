@@ -91,55 +91,137 @@ TEST_CASE("a mote or an island may be drawn", "[config][ACT-04]") {
   CHECK(std::get<crash_fault>(x.at(0).what).mote == any_mote);
   CHECK(std::get<battery_end_fault>(x.at(1).what).mote == any_mote);
   CHECK(std::get<unplug_fault>(x.at(2).what).island == any_island);
-  CHECK(problem_after(mote_head, "[[island.mote.apps]]\napp = \"messenger\"\nto = \"*\"\n"
-                                 "text = \"a\"\n") ==
-        "21:6: `to` must be the island and the name of a mote, as in \"kitchen/climate-7\", not "
-        "\"*\"");
+  check_mistakes(mote_head, R"(
+[[island.mote.apps]]
+app = "messenger"
+to = "*"
+#    ^ `to` must be the island and the name of a mote, as in "kitchen/climate-7", not "*"
+text = "a"
+)");
 }
 
 TEST_CASE("faults that cannot be are refused", "[config][GEN-06][ACT-04]") {
-  const auto x = GENERATE(values<row>({
-      {"at = \"1s\"\nkind = \"kill\"\npeer = \"p\"\n",
-       "14:8: no peer or gateway is called `p`: did you mean `q`?"},
-      {"at = \"1s\"\nkind = \"kill\"\npeer = 7\n",
-       "14:8: `peer` must be the name of a peer or gateway, or \"*\", not 7"},
-      {"at = \"1s\"\nkind = \"kill\"\npeer = \"q\"\nfor = \"0s\"\n",
-       "15:7: `for` must be a time from 1 ms to 3650 d, not \"0s\""},
-      {"at = \"1s\"\nkind = \"pause\"\npeer = \"q\"\nfor = \"61min\"\n",
-       "15:7: `for` must be a time from 1 ms to 1 h, not \"61min\""},
-      {"at = \"1s\"\nkind = \"clock_step\"\npeer = \"q\"\nby = \"0s\"\n",
-       "15:6: `by` must be a time with its unit, forward or back, as in \"5s\" or \"-5s\", not "
-       "\"0s\""},
-      {"at = \"1s\"\nkind = \"clock_step\"\npeer = \"q\"\nby = \"--5s\"\n",
-       "15:6: `by` must be a time with its unit, forward or back, as in \"5s\" or \"-5s\", not "
-       "\"--5s\""},
-      {"at = \"1s\"\nkind = \"partition\"\ngroups = []\n",
-       "14:10: `groups` must be an array of at least 1, not an empty array"},
-      {"at = \"1s\"\nkind = \"partition\"\ngroups = [[]]\n",
-       "14:11: `groups` must be an array of at least 1, not an empty array"},
-      {"at = \"1s\"\nkind = \"partition\"\ngroups = [[\"p\"], [\"p-2\"]]\n",
-       "14:19: the peer with the id 12 is already in a group (line 14, column 12)"},
-      {"at = \"1s\"\nkind = \"link_loss\"\nloss = 0.1\npeers = [\"q\"]\n",
-       "15:9: a link has two ends: name another peer"},
-      {"at = \"1s\"\nevery = \"1s\"\nkind = \"pause\"\npeer = \"q\"\n",
-       "12:6: `at` means nothing with `every` or `random`"},
-      {"every = \"1s\"\nrandom = 2\nkind = \"pause\"\npeer = \"q\"\n",
-       "13:10: `random` means nothing with `every`"},
-      {"at = \"1s\"\nfrom = \"1s\"\nuntil = \"2s\"\nkind = \"pause\"\npeer = \"q\"\n",
-       "13:8: `from` means nothing without `every` or `random`\n"
-       "14:9: `until` means nothing without `every` or `random`"},
-      {"random = 1\nfrom = \"2s\"\nuntil = \"1s\"\nkind = \"pause\"\npeer = \"q\"\n",
-       "14:9: `until` must not be before `from`, which is 2 s"},
-      {"random = 1\nuntil = \"2h\"\nkind = \"pause\"\npeer = \"q\"\n",
-       "13:9: `until` is after the end of the run, which is at 1 h"},
-      {"random = 0\nkind = \"pause\"\npeer = \"q\"\n",
-       "12:10: `random` must be a whole number from 1 to 100000, not 0"},
-      {"every = \"36ms\"\nkind = \"pause\"\npeer = \"q\"\n",
-       "12:9: that is more than 100000 times"},
-      {"every = \"37ms\"\nkind = \"pause\"\npeer = \"q\"\n", "none"},
-  }));
-  CAPTURE(x.toml);
-  CHECK(problem_after(peers_head, "[[fault]]\n" + std::string(x.toml)) == x.problem);
+  check_mistakes(peers_head, R"(
+[[fault]]
+at = "1s"
+kind = "kill"
+peer = "p"
+#      ^ no peer or gateway is called `p`: did you mean `q`?
+
+[[fault]]
+at = "1s"
+kind = "kill"
+peer = 7
+#      ^ `peer` must be the name of a peer or gateway, or "*", not 7
+
+[[fault]]
+at = "1s"
+kind = "kill"
+peer = "q"
+for = "0s"
+#     ^ `for` must be a time from 1 ms to 3650 d, not "0s"
+
+[[fault]]
+at = "1s"
+kind = "pause"
+peer = "q"
+for = "61min"
+#     ^ `for` must be a time from 1 ms to 1 h, not "61min"
+
+[[fault]]
+at = "1s"
+kind = "clock_step"
+peer = "q"
+by = "0s"
+#    ^ `by` must be a time with its unit, forward or back, as in "5s" or "-5s", not "0s"
+
+[[fault]]
+at = "1s"
+kind = "clock_step"
+peer = "q"
+by = "--5s"
+#    ^ `by` must be a time with its unit, forward or back, as in "5s" or "-5s", not "--5s"
+
+[[fault]]
+at = "1s"
+kind = "partition"
+groups = []
+#        ^ `groups` must be an array of at least 1, not an empty array
+
+[[fault]]
+at = "1s"
+kind = "partition"
+groups = [[]]
+#         ^ `groups` must be an array of at least 1, not an empty array
+
+[[fault]]
+at = "1s"
+kind = "partition"
+groups = [["p"], ["p-2"]]
+#                 ^ the peer with the id 12 is already in a group (line 14, column 12)
+
+[[fault]]
+at = "1s"
+kind = "link_loss"
+loss = 0.1
+peers = ["q"]
+#       ^ a link has two ends: name another peer
+
+[[fault]]
+at = "1s"
+#    ^ `at` means nothing with `every` or `random`
+every = "1s"
+kind = "pause"
+peer = "q"
+
+[[fault]]
+every = "1s"
+random = 2
+#        ^ `random` means nothing with `every`
+kind = "pause"
+peer = "q"
+
+[[fault]]
+at = "1s"
+from = "1s"
+#      ^ `from` means nothing without `every` or `random`
+until = "2s"
+#       ^ `until` means nothing without `every` or `random`
+kind = "pause"
+peer = "q"
+
+[[fault]]
+random = 1
+from = "2s"
+until = "1s"
+#       ^ `until` must not be before `from`, which is 2 s
+kind = "pause"
+peer = "q"
+
+[[fault]]
+random = 1
+until = "2h"
+#       ^ `until` is after the end of the run, which is at 1 h
+kind = "pause"
+peer = "q"
+
+[[fault]]
+random = 0
+#        ^ `random` must be a whole number from 1 to 100000, not 0
+kind = "pause"
+peer = "q"
+
+[[fault]]
+every = "36ms"
+#       ^ that is more than 100000 times
+kind = "pause"
+peer = "q"
+
+[[fault]]
+every = "37ms"
+kind = "pause"
+peer = "q"
+)");
 }
 
 TEST_CASE("a summary shows when faults happen, and to whom", "[config]") {
@@ -225,21 +307,54 @@ TEST_CASE("noise and losses of the radio arrive with their keys", "[config][ACT-
 }
 
 TEST_CASE("faults of motes and radios that cannot be are refused", "[config][GEN-06][ACT-04]") {
-  const auto x = GENERATE(values<row>({
-      {"kind = \"crash\"\n", "19:1: `mote` is missing in kind = \"crash\""},
-      {"kind = \"crash\"\nmote = \"*\"\nsink = \"k\"\n", "23:8: `sink` means nothing with `mote`"},
-      {"kind = \"crash\"\nsink = \"b\"\n", "22:8: no island is called `b`: did you mean `k`?"},
-      {"kind = \"clock_step\"\npeer = \"*\"\nmote = \"*\"\nby = \"1s\"\n",
-       "23:8: `mote` means nothing with `peer`"},
-      {"kind = \"noise\"\nisland = \"*\"\nposition_m = [0, 0]\n",
-       "22:10: no island is called `*`: did you mean `k`?"},
-      {"kind = \"noise\"\nisland = \"k\"\nposition_m = [0, 0]\nduty = 0\n",
-       "24:8: `duty` must be above 0: leave the fault out instead"},
-      {"kind = \"radio_loss\"\nloss = 2\n",
-       "22:8: `loss` must be a ratio from 0 to 1, or from \"0%\" to \"100%\", not 2"},
-  }));
-  CAPTURE(x.toml);
-  CHECK(problem_after(mote_head, "[[fault]]\nat = \"1s\"\n" + std::string(x.toml)) == x.problem);
+  check_mistakes(mote_head, R"(
+[[fault]]
+#< `mote` is missing in kind = "crash"
+at = "1s"
+kind = "crash"
+
+[[fault]]
+at = "1s"
+kind = "crash"
+mote = "*"
+sink = "k"
+#      ^ `sink` means nothing with `mote`
+
+[[fault]]
+at = "1s"
+kind = "crash"
+sink = "b"
+#      ^ no island is called `b`: did you mean `k`?
+
+[[fault]]
+at = "1s"
+kind = "clock_step"
+peer = "*"
+mote = "*"
+#      ^ `mote` means nothing with `peer`
+by = "1s"
+
+[[fault]]
+at = "1s"
+kind = "noise"
+island = "*"
+#        ^ no island is called `*`: did you mean `k`?
+position_m = [0, 0]
+
+[[fault]]
+at = "1s"
+kind = "noise"
+island = "k"
+position_m = [0, 0]
+duty = 0
+#      ^ `duty` must be above 0: leave the fault out instead
+
+[[fault]]
+at = "1s"
+kind = "radio_loss"
+loss = 2
+#      ^ `loss` must be a ratio from 0 to 1, or from "0%" to "100%", not 2
+)");
 }
 
 TEST_CASE("motes may have a double, another island or another type", "[config][ACT-04][ADR-04]") {

@@ -142,15 +142,21 @@ TEST_CASE("the keys of a sender make sense together", "[config][GEN-06]") {
 }
 
 TEST_CASE("relays that go in circles are told", "[config][GEN-06]") {
-  CHECK(problem_in("[ecology]\nname = \"t\"\n[[island]]\nname = \"k\"\nid = 1\nstack = \"mac\"\n"
-                   "sink.apps = [{ app = \"receiver\" }]\nmote = [\n"
-                   "{ id = 2, position_m = [0, 0], apps = [{ app = \"relay\", next = \"k/mote-3\" "
-                   "}] },\n"
-                   "{ id = 3, position_m = [0, 0], apps = [{ app = \"relay\", next = \"k/mote-2\" "
-                   "}] },\n"
-                   "{ id = 4, position_m = [0, 0], "
-                   "apps = [{ app = \"sender\", to = \"sink\", via = \"k/mote-2\" }] }]\n") ==
-        "11:77: by way of `mote-2` packets do not reach `sink` within 1024 hops");
+  check_mistakes("", R"(
+[ecology]
+name = "t"
+[[island]]
+name = "k"
+id = 1
+stack = "mac"
+sink.apps = [{ app = "receiver" }]
+mote = [
+{ id = 2, position_m = [0, 0], apps = [{ app = "relay", next = "k/mote-3" }] },
+{ id = 3, position_m = [0, 0], apps = [{ app = "relay", next = "k/mote-2" }] },
+{ id = 4, position_m = [0, 0], apps = [{ app = "sender", to = "sink", via = "k/mote-2" }] }]
+#                                                                           ^ by way of `mote-2`
+#   packets do not reach `sink` within 1024 hops
+)");
 }
 
 TEST_CASE("channel 240 is that of the measuring apps", "[config][GEN-06]") {

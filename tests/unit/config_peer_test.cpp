@@ -81,63 +81,148 @@ TEST_CASE("a table with a count makes peers with numbers", "[config][GEN-04]") {
 }
 
 TEST_CASE("peers that cannot be are refused", "[config][GEN-06]") {
-  const auto x = GENERATE(values<row>({
-      {"count = 0\n", "6:9: `count` must be a whole number from 1 to 1000, not 0"},
-      {"count = 1001\n", "6:9: `count` must be a whole number from 1 to 1000, not 1001"},
-      {"[[peer]]\nname = \"b\"\nid = 298\ncount = 3\n",
-       "8:6: PEIS id 300 is already taken (line 5, column 6)"},
-      {"[[peer]]\nname = \"b\"\nid = 65000\ncount = 537\n",
-       "9:9: PEIS ids from 65000 to 65536 are more than 65535"},
-      {"[[peer]]\nname = \"b\"\nid = 65000\ncount = 536\n", "none"},
-      {"[[peer]]\nname = \"b\"\nid = 1\ncount = 2\n[[peer]]\nname = \"B-2\"\nid = 9\n",
-       "11:8: peer or gateway name `B-2` is already taken (line 7, column 8)"},
-      {"[[peer]]\nname = \"a2345678901234567890123456789x\"\nid = 1\ncount = 10\n",
-       "7:8: `a2345678901234567890123456789x-10` would be longer than 32 characters"},
-      {"[[peer]]\nname = \"b\"\nid = 1\ncount = 2\nlinks = [\"inproc://b-2\"]\n",
-       "10:10: `b-2` cannot have a link to itself"},
-      {"[[peer]]\nname = \"b\"\nid = 1\ncount = 2\nlinks = [\"inproc://b\"]\n",
-       "10:10: no peer or gateway is called `b`: there is b-1, b-2, pc"},
-      {"count = 2\napps = [{ app = \"proxy_manager\" }]\n",
-       "7:17: an island has one proxy manager, not 2"},
-      {"managers = [0]\n", "6:13: `managers` must be a whole number from 1 to 65535, not 0"},
-      {"leaf = 1\n", "6:8: `leaf` must be true or false, not 1"},
-      {"connect = [\"tcp://a:1\"]\n",
-       "6:11: `connect` needs mode = \"wall\": in virtual time there is no real network"},
-      {"tcp = true\n",
-       "6:7: `tcp` needs mode = \"wall\": in virtual time there is no real network"},
-      {"lan = true\n",
-       "6:7: `lan` needs mode = \"wall\": in virtual time there is no real network"},
-      {"tcp = false\nlan = false\nconnect = []\n", "none"},
-  }));
-  CAPTURE(x.toml);
-  CHECK(problem_after(head, x.toml) == x.problem);
+  check_mistakes(head, R"(
+count = 0
+#       ^ `count` must be a whole number from 1 to 1000, not 0
+
+count = 1001
+#       ^ `count` must be a whole number from 1 to 1000, not 1001
+
+[[peer]]
+name = "b"
+id = 298
+#    ^ PEIS id 300 is already taken (line 5, column 6)
+count = 3
+
+[[peer]]
+name = "b"
+id = 65000
+count = 537
+#       ^ PEIS ids from 65000 to 65536 are more than 65535
+
+[[peer]]
+name = "b"
+id = 65000
+count = 536
+
+[[peer]]
+name = "b"
+id = 1
+count = 2
+[[peer]]
+name = "B-2"
+#      ^ peer or gateway name `B-2` is already taken (line 7, column 8)
+id = 9
+
+[[peer]]
+name = "a2345678901234567890123456789x"
+#      ^ `a2345678901234567890123456789x-10` would be longer than 32 characters
+id = 1
+count = 10
+
+[[peer]]
+name = "b"
+id = 1
+count = 2
+links = ["inproc://b-2"]
+#        ^ `b-2` cannot have a link to itself
+
+[[peer]]
+name = "b"
+id = 1
+count = 2
+links = ["inproc://b"]
+#        ^ no peer or gateway is called `b`: there is b-1, b-2, pc
+
+count = 2
+apps = [{ app = "proxy_manager" }]
+#               ^ an island has one proxy manager, not 2
+
+managers = [0]
+#           ^ `managers` must be a whole number from 1 to 65535, not 0
+
+leaf = 1
+#      ^ `leaf` must be true or false, not 1
+
+connect = ["tcp://a:1"]
+#         ^ `connect` needs mode = "wall": in virtual time there is no real network
+
+tcp = true
+#     ^ `tcp` needs mode = "wall": in virtual time there is no real network
+
+lan = true
+#     ^ `lan` needs mode = "wall": in virtual time there is no real network
+
+tcp = false
+lan = false
+connect = []
+)");
 }
 
 TEST_CASE("real links that cannot be are refused", "[config][GEN-06][LNK-05]") {
-  const auto x = GENERATE(values<row>({
-      {"connect = [\"inproc://b\"]\n",
-       "7:12: `connect` must be the address of a peer, as in \"tcp://192.168.1.7:8000\", not "
-       "\"inproc://b\""},
-      {"connect = [\"tcp://b:0\"]\n",
-       "7:12: `connect` must be the address of a peer, as in \"tcp://192.168.1.7:8000\", not "
-       "\"tcp://b:0\""},
-      {"connect = [\"udp://b\"]\n",
-       "7:12: `connect` must be the address of a peer, as in \"tcp://192.168.1.7:8000\", not "
-       "\"udp://b\""},
-      {"connect = [7]\n", "7:12: `connect` must be the address of a peer, as in "
-                          "\"tcp://192.168.1.7:8000\", not 7"},
-      {"tcp = 8000\n",
-       "7:7: `tcp` must be true, false or a table, as in { port = 8000 }, not 8000"},
-      {"tcp = { prot = 8000 }\n", "7:9: unknown key `prot` in [peer.tcp]: did you mean `port`?"},
-      {"tcp = { port = 0 }\n", "7:16: `port` must be a whole number from 1 to 65535, not 0"},
-      {"count = 2\ntcp = { port = 65535 }\n", "8:16: ports from 65535 on are too few for 2 peers"},
-      {"tcp = { port = 9001 }\n[[peer]]\nname = \"b\"\nid = 1\ncount = 2\n"
-       "tcp = { port = 9000 }\n",
-       "12:16: TCP port 9001 is already taken (line 7, column 16)"},
-  }));
-  CAPTURE(x.toml);
-  CHECK(problem_in(std::string(wall_head) + "[[peer]]\nid = 300\n" + "name = \"pc\"\n" + x.toml) ==
-        x.problem);
+  check_mistakes(wall_head, R"(
+[[peer]]
+id = 300
+name = "pc"
+connect = ["inproc://b"]
+#          ^ `connect` must be the address of a peer, as in "tcp://192.168.1.7:8000", not
+#   "inproc://b"
+
+[[peer]]
+id = 300
+name = "pc"
+connect = ["tcp://b:0"]
+#          ^ `connect` must be the address of a peer, as in "tcp://192.168.1.7:8000", not
+#   "tcp://b:0"
+
+[[peer]]
+id = 300
+name = "pc"
+connect = ["udp://b"]
+#          ^ `connect` must be the address of a peer, as in "tcp://192.168.1.7:8000", not "udp://b"
+
+[[peer]]
+id = 300
+name = "pc"
+connect = [7]
+#          ^ `connect` must be the address of a peer, as in "tcp://192.168.1.7:8000", not 7
+
+[[peer]]
+id = 300
+name = "pc"
+tcp = 8000
+#     ^ `tcp` must be true, false or a table, as in { port = 8000 }, not 8000
+
+[[peer]]
+id = 300
+name = "pc"
+tcp = { prot = 8000 }
+#       ^ unknown key `prot` in [peer.tcp]: did you mean `port`?
+
+[[peer]]
+id = 300
+name = "pc"
+tcp = { port = 0 }
+#              ^ `port` must be a whole number from 1 to 65535, not 0
+
+[[peer]]
+id = 300
+name = "pc"
+count = 2
+tcp = { port = 65535 }
+#              ^ ports from 65535 on are too few for 2 peers
+
+[[peer]]
+id = 300
+name = "pc"
+tcp = { port = 9001 }
+[[peer]]
+name = "b"
+id = 1
+count = 2
+tcp = { port = 9000 }
+#              ^ TCP port 9001 is already taken (line 7, column 16)
+)");
 }
 
 TEST_CASE("a mode given beside the file decides what may be real", "[config][GEN-06]") {

@@ -111,10 +111,15 @@ TEST_CASE("masks of types have to be possible, and to leave no doubt", "[config]
   CHECK(problem_after(head, "[[proxy]]\nname = \"p\"\ntypes = [\"0x0100/0xff00\"]\n[[proxy]]\nname "
                             "= \"q\"\ntypes = [\"0x0010/0x00ff\", \"0x0100/0xf0\"]\n")
             .starts_with("11:"));
-  CHECK(problem_after(head, "[[proxy]]\nname = \"p\"\ntypes = [\"0x0100/0xff00\"]\n[[proxy]]\nname "
-                            "= \"q\"\ntypes = [\"0x0010/0x00ff\"]\n") ==
-        "11:10: proxies `p` and `q` both claim type 272, with equally wide ranges (line 8, column "
-        "10)");
+  check_mistakes(head, R"(
+[[proxy]]
+name = "p"
+types = ["0x0100/0xff00"]
+[[proxy]]
+name = "q"
+types = ["0x0010/0x00ff"]
+#        ^ proxies `p` and `q` both claim type 272, with equally wide ranges (line 8, column 10)
+)");
 }
 
 TEST_CASE("a program is one that is known, with settings that it takes",
@@ -191,6 +196,73 @@ channel = 1
   }));
   CAPTURE(x.toml);
   CHECK(problem_in(text(x.toml)) == x.problem);
+}
+
+TEST_CASE("a field takes offset, scale and unit from its transducer", "[config][PXY-05]") {
+  const auto motes = std::string(island_head) + R"([mote_type.b]
+type = 8
+transducers.temperature = { model = "constant", value = 20, resolution = 0.5 }
+transducers.light = { model = "constant", value = 20, resolution = 2 }
+apps = [{ app = "sampler", transducers = ["light", "temperature", "signal"] }]
+[[island.mote]]
+id = 2
+type = "b"
+position_m = [1, 2]
+[[island.mote]]
+id = 3
+type = "b"
+position_m = [2, 2]
+[[proxy]]
+name = "p"
+types = [8]
+[[proxy.field]]
+name = "t"
+channel = 1
+)";
+  const auto field = [&motes](const std::string& keys) {
+    return good(motes + keys).proxies.at(0).fields.at(0);
+  };
+  const auto all = field("transducer = \"temperature\"\n");
+  CHECK(all.offset == 2);
+  CHECK(all.scale == 0.5);
+  CHECK(all.unit == "C");
+  const auto signal = field("transducer = \"signal\"\n");
+  CHECK(signal.offset == 4);
+  CHECK(signal.scale == 1);
+  CHECK(signal.unit == "dBm");
+  const auto own = field("transducer = \"light\"\nscale = 3\nunit = \"klx\"\noffset = 4\n");
+  CHECK(own.offset == 4);
+  CHECK(own.scale == 3);
+  CHECK(own.unit == "klx");
+  check_mistakes(motes, R"(
+transducer = "sound"
+#            ^ mote `k/b-2` has no sampler that sends `sound` on channel 1
+
+transducer = "temprature"
+#            ^ `transducer` must be "temperature", "humidity", "light", "voltage", "presence",
+#   "acceleration", "magnetism", "sound" or "signal", not "temprature"; did you mean "temperature"?
+
+transducer = "light"
+encoding = "u8"
+#          ^ `encoding` means nothing with `transducer`
+
+transducer = "light"
+#            ^ motes `k/b-2` and `k/warm` send `light` in different ways: a class of its own, or `offset`
+#   and `scale`
+[[island.mote]]
+id = 4
+name = "warm"
+type = "b"
+position_m = [2, 2]
+transducers.light = { model = "constant", value = 20, resolution = 1 }
+)");
+  check_mistakes(proxy_head, R"(
+[[proxy.field]]
+name = "t"
+channel = 1
+transducer = "light"
+#            ^ the file has no mote of this class whose `light` it could be
+)");
 }
 
 TEST_CASE("what is known of single motes arrives", "[config][PXY-05][PXY-06]") {

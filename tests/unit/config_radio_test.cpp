@@ -106,76 +106,145 @@ TEST_CASE("reception, sensing and medium access arrive with their keys", "[confi
 }
 
 TEST_CASE("values of the radio need their units and ranges", "[config][GEN-06]") {
-  const auto x = GENERATE(values<row>({
-      {"sensitivity = -94\n", "7:15: `sensitivity` must be a power from -150 to 20 dBm with its "
-                              "unit, as in \"-98dBm\", not -94"},
-      {"cutoff = \"-94dB\"\n", "7:10: `cutoff` must be a power from -150 to 20 dBm with its "
-                               "unit, as in \"-98dBm\", not \"-94dB\""},
-      {"cca_threshold = \"-151dBm\"\n", "7:17: `cca_threshold` must be a power from -150 to 20 "
-                                        "dBm with its unit, as in \"-98dBm\", not \"-151dBm\""},
-      {"propagation = { model = \"log_distance\", reference = \"200.1dB\" }\n",
-       "7:53: `reference` must be a ratio from 0 to 200 dB with its unit, as in \"3.5dB\", not "
-       "\"200.1dB\""},
-      {"propagation = { model = \"log_distance\", exponent = 0.5 }\n",
-       "7:52: `exponent` must be a number from 1 to 10, not 0.5"},
-      {"propagation = { model = \"friis\", frequency = 2480 }\n",
-       "7:46: `frequency` must be a frequency from 100 MHz to 100 GHz with its unit (MHz or GHz), "
-       "as in \"2480MHz\", not 2480"},
-      {"propagation = { model = \"disk\" }\n",
-       "7:25: `model` must be \"unit_disk\", \"log_distance\", \"friis\" or \"gains\", not "
-       "\"disk\""},
-      {"propagation = {}\n", "7:15: `model` is missing in [radio.propagation]"},
-      {"propagation = { model = \"friis\", range = \"5m\" }\n",
-       "7:34: unknown key `range` in [radio.propagation] model = \"friis\": there is model, "
-       "frequency"},
-      {"noise = { model = \"none\", floor = \"-98dBm\" }\n",
-       "7:27: unknown key `floor` in [radio.noise] model = \"none\": there is model"},
-      {"mac = { micaz = \"tinyos\" }\n",
-       "7:17: `micaz` must be \"standard\", \"cc2420\" or \"rf230\", not \"tinyos\""},
-      {"mac = { mica2 = \"cc2420\" }\n",
-       "7:9: unknown key `mica2` in [radio.mac]: did you mean `micaz`?"},
-      {"sensing = \"both\"\n",
-       "7:11: `sensing` must be \"energy\", \"carrier\" or \"energy_or_carrier\", not \"both\""},
-  }));
-  CAPTURE(x.toml);
-  CHECK(problem_after(std::string(head) + "[radio]\n", x.toml) == x.problem);
+  check_mistakes(head, R"(
+[radio]
+sensitivity = -94
+#             ^ `sensitivity` must be a power from -150 to 20 dBm with its unit, as in "-98dBm", not
+#   -94
+
+[radio]
+cutoff = "-94dB"
+#        ^ `cutoff` must be a power from -150 to 20 dBm with its unit, as in "-98dBm", not "-94dB"
+
+[radio]
+cca_threshold = "-151dBm"
+#               ^ `cca_threshold` must be a power from -150 to 20 dBm with its unit, as in "-98dBm",
+#   not "-151dBm"
+
+[radio]
+propagation = { model = "log_distance", reference = "200.1dB" }
+#                                                   ^ `reference` must be a ratio from 0 to 200 dB
+#   with its unit, as in "3.5dB", not "200.1dB"
+
+[radio]
+propagation = { model = "log_distance", exponent = 0.5 }
+#                                                  ^ `exponent` must be a number from 1 to 10, not
+#   0.5
+
+[radio]
+propagation = { model = "friis", frequency = 2480 }
+#                                            ^ `frequency` must be a frequency from 100 MHz to 100
+#   GHz with its unit (MHz or GHz), as in "2480MHz", not 2480
+
+[radio]
+propagation = { model = "disk" }
+#                       ^ `model` must be "unit_disk", "log_distance", "friis" or "gains", not
+#   "disk"
+
+[radio]
+propagation = {}
+#             ^ `model` is missing in [radio.propagation]
+
+[radio]
+propagation = { model = "friis", range = "5m" }
+#                                ^ unknown key `range` in [radio.propagation] model = "friis": there
+#   is model, frequency
+
+[radio]
+noise = { model = "none", floor = "-98dBm" }
+#                         ^ unknown key `floor` in [radio.noise] model = "none": there is model
+
+[radio]
+mac = { micaz = "tinyos" }
+#               ^ `micaz` must be "standard", "cc2420" or "rf230", not "tinyos"
+
+[radio]
+mac = { mica2 = "cc2420" }
+#       ^ unknown key `mica2` in [radio.mac]: did you mean `micaz`?
+
+[radio]
+sensing = "both"
+#         ^ `sensing` must be "energy", "carrier" or "energy_or_carrier", not "both"
+)");
 }
 
 TEST_CASE("what decides nothing beside the rest of [radio] is refused", "[config][GEN-06]") {
-  const auto x = GENERATE(values<row>({
-      {"range = \"9m\"\npropagation = { model = \"friis\" }\n",
-       "7:9: `range` belongs to model = \"unit_disk\": [radio.propagation] has another"},
-      {"range = \"9m\"\npropagation = { model = \"unit_disk\", range = \"9m\" }\n",
-       "7:9: `range` is in [radio.propagation] already (line 8, column 46)"},
-      {"range = \"9m\"\npropagation = { model = \"unit_disk\" }\n", "none"},
-      {"sensitivity = \"-94dBm\"\n",
-       "7:15: `sensitivity` decides nothing with model = \"unit_disk\": all within range hear"},
-      {"cutoff = \"-94dBm\"\n",
-       "7:10: `cutoff` decides nothing with model = \"unit_disk\": all within range hear"},
-      {"cca_threshold = \"-94dBm\"\n",
-       "7:17: `cca_threshold` decides nothing with model = \"unit_disk\" and collisions = "
-       "\"strict\": only overlaps lose frames"},
-      {"cca_threshold = \"-94dBm\"\ncollisions = \"sinr\"\n", "none"},
-      {"cca_threshold = \"-94dBm\"\nsensing = \"carrier\"\ncollisions = \"sinr\"\n",
-       "7:17: `cca_threshold` decides nothing with sensing = \"carrier\""},
-      {"noise = { model = \"constant\" }\n",
-       "7:9: `noise` decides nothing with model = \"unit_disk\" and collisions = \"strict\": only "
-       "overlaps lose frames"},
-      {"noise = { model = \"none\" }\n", "none"},
-      {"noise = { model = \"constant\" }\ncollisions = \"sinr\"\n", "none"},
-      {"curve = \"tossim\"\n",
-       "7:9: `curve` decides nothing with collisions = \"strict\" and without noise"},
-      {"curve = \"tossim\"\npropagation = { model = \"friis\" }\ncollisions = \"strict\"\n",
-       "none"},
-      {"capture = true\n", "7:11: `capture` decides nothing with collisions = \"strict\": every "
-                           "frame that overlaps another is lost"},
-      {"capture = false\n", "none"},
-      {"capture = true\ncollisions = \"sinr\"\n", "none"},
-      {"noise = { model = \"table\" }\npropagation = { model = \"friis\" }\n",
-       "7:9: noise from the topology needs [radio.propagation] with model = \"gains\""},
-  }));
-  CAPTURE(x.toml);
-  CHECK(problem_after(std::string(head) + "[radio]\n", x.toml) == x.problem);
+  check_mistakes(head, R"(
+[radio]
+range = "9m"
+#       ^ `range` belongs to model = "unit_disk": [radio.propagation] has another
+propagation = { model = "friis" }
+
+[radio]
+range = "9m"
+#       ^ `range` is in [radio.propagation] already (line 8, column 46)
+propagation = { model = "unit_disk", range = "9m" }
+
+[radio]
+range = "9m"
+propagation = { model = "unit_disk" }
+
+[radio]
+sensitivity = "-94dBm"
+#             ^ `sensitivity` decides nothing with model = "unit_disk": all within range hear
+
+[radio]
+cutoff = "-94dBm"
+#        ^ `cutoff` decides nothing with model = "unit_disk": all within range hear
+
+[radio]
+cca_threshold = "-94dBm"
+#               ^ `cca_threshold` decides nothing with model = "unit_disk" and collisions =
+#   "strict": only overlaps lose frames
+
+[radio]
+cca_threshold = "-94dBm"
+collisions = "sinr"
+
+[radio]
+cca_threshold = "-94dBm"
+#               ^ `cca_threshold` decides nothing with sensing = "carrier"
+sensing = "carrier"
+collisions = "sinr"
+
+[radio]
+noise = { model = "constant" }
+#       ^ `noise` decides nothing with model = "unit_disk" and collisions = "strict": only overlaps
+#   lose frames
+
+[radio]
+noise = { model = "none" }
+
+[radio]
+noise = { model = "constant" }
+collisions = "sinr"
+
+[radio]
+curve = "tossim"
+#       ^ `curve` decides nothing with collisions = "strict" and without noise
+
+[radio]
+curve = "tossim"
+propagation = { model = "friis" }
+collisions = "strict"
+
+[radio]
+capture = true
+#         ^ `capture` decides nothing with collisions = "strict": every frame that overlaps another
+#   is lost
+
+[radio]
+capture = false
+
+[radio]
+capture = true
+collisions = "sinr"
+
+[radio]
+noise = { model = "table" }
+#       ^ noise from the topology needs [radio.propagation] with model = "gains"
+propagation = { model = "friis" }
+)");
 }
 
 TEST_CASE("gains and noise come from the files that are named", "[config][radio]") {

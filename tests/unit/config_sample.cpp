@@ -1,8 +1,72 @@
 #include "config_sample.hpp"
 
+#include <algorithm>
+#include <sstream>
 #include <stdexcept>
 
+#include "support/catch.hpp"
+
 namespace rubicon::test {
+
+namespace {
+
+/// A piece of a file without its comments about mistakes, and these as problem_in() has them.
+struct marked_piece {
+  std::string toml;
+  std::vector<std::string> problems;
+};
+
+/// @param line of the file, the last one before the comment
+/// @returns whether `text` is such a comment
+bool take_mark(const std::string& text, std::size_t line, std::vector<std::string>& problems) {
+  const auto caret = text.find_first_not_of(' ', 1);
+  if (!text.starts_with('#') || caret == std::string::npos)
+    return false;
+  const auto place = [line](std::size_t column) {
+    return std::to_string(line) + ':' + std::to_string(column) + ": ";
+  };
+  if (text.starts_with("#@ "))
+    problems.push_back(text.substr(3));
+  else if (text.starts_with("#< "))
+    problems.push_back(place(1) + text.substr(3));
+  else if (text.substr(caret).starts_with("^ "))
+    problems.push_back(place(caret + 1) + text.substr(caret + 2));
+  else if (caret >= 4 && !problems.empty())
+    problems.back() += ' ' + text.substr(caret);
+  else
+    return false;
+  return true;
+}
+
+std::vector<marked_piece> pieces_of(std::string_view start, const std::string& text) {
+  const auto lines_before = static_cast<std::size_t>(std::count(start.begin(), start.end(), '\n'));
+  std::vector<marked_piece> out(1);
+  auto at = lines_before;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty()) {
+      out.emplace_back();
+      at = lines_before;
+    } else if (!take_mark(line, at, out.back().problems)) {
+      out.back().toml += line + '\n';
+      ++at;
+    }
+  }
+  return out;
+}
+
+} // namespace
+
+void check_mistakes(std::string_view start, std::string_view pieces) {
+  pieces.remove_prefix(pieces.starts_with('\n') ? 1 : 0);
+  for (const auto& [toml, problems] : pieces_of(start, std::string(pieces))) {
+    std::string expected = problems.empty() ? "none" : problems.front();
+    for (std::size_t i = 1; i < problems.size(); ++i)
+      expected += '\n' + problems[i];
+    CAPTURE(toml);
+    CHECK(problem_after(start, toml) == expected);
+  }
+}
 
 std::vector<std::string> problems_in(const std::string& toml) {
   std::vector<std::string> all;

@@ -48,6 +48,20 @@ struct row {
 [[nodiscard]] std::string problem_in(const std::string& toml);
 [[nodiscard]] std::string problem_after(std::string_view start, std::string_view rest);
 
+/// Reads each of some pieces of files, which blank lines separate, behind `start`, and checks all
+/// that is wrong with it. Comments in the piece tell what must be, each below the line of the
+/// mistake:
+///
+///   queue = 0
+///   #       ^ `queue` must be a whole number from 1 to 1024, not 0
+///   [radios]
+///   #^ unknown key `radios` in the file: did you mean `radio`?
+///
+/// The caret is below the place; `#<` stands for the first column, and `#@ LINE:COLUMN: ...` tells
+/// a mistake outside of the piece. Comments that begin with `#   ` and have no caret go on with the
+/// message before.
+void check_mistakes(std::string_view start, std::string_view pieces);
+
 /// @pre there are no problems: throws std::runtime_error that tells them
 [[nodiscard]] config::ecology_description good(const std::string& toml);
 

@@ -116,13 +116,22 @@ TEST_CASE("tags, readers and classes of objects have to be possible", "[config][
     const auto found = problem_after(object_head, x.toml);
     CHECK(found == x.problem);
   }
-  CHECK(problem_after(head, "apps = [{ app = \"rfid_reader\", position_m = [0, 0], "
-                            "range = \"1km\" }]\n") ==
-        "6:61: `range` must be a length from 0.05 m to 100 m with its unit (cm, m or km), as in "
-        "\"25m\", not \"1km\"");
-  CHECK(problem_after(head, "[[proxy]]\nname = \"p\"\nids = [\"rfid/a\"]\n") ==
-        "6:1: nobody starts proxies of tagged objects: a \"proxy_manager\" needs `objects = true`");
-  CHECK(problem_after(object_head, "[[peer]]\nname = \"pc2\"\nid = 301\n"
-                                   "apps = [{ app = \"proxy_manager\", objects = true }]\n") ==
-        "10:44: the proxy manager of tagged objects is already taken (line 6, column 58)");
+  check_mistakes(head, R"(
+apps = [{ app = "rfid_reader", position_m = [0, 0], range = "1km" }]
+#                                                           ^ `range` must be a length from 0.05 m
+#   to 100 m with its unit (cm, m or km), as in "25m", not "1km"
+
+[[proxy]]
+#< nobody starts proxies of tagged objects: a "proxy_manager" needs `objects = true`
+name = "p"
+ids = ["rfid/a"]
+)");
+  check_mistakes(object_head, R"(
+[[peer]]
+name = "pc2"
+id = 301
+apps = [{ app = "proxy_manager", objects = true }]
+#                                          ^ the proxy manager of tagged objects is already taken
+#   (line 6, column 58)
+)");
 }

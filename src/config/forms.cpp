@@ -1,0 +1,268 @@
+// What the kinds of values take, for documents and for editors.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "config/values.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+/// JSON Schema of a text that a regular expression holds for.
+std::string pattern(std::string_view x) {
+  std::string out = R"({"type":"string","pattern":"^)";
+  for (const char c : x)
+    out += c == '\\' ? std::string("\\\\") : std::string(1, c);
+  return out + R"($"})";
+}
+
+/// A number and one of some units; the units are a part of a regular expression.
+std::string quantity(const std::string& units, bool is_signed = false) {
+  return pattern(std::string(is_signed ? "-?" : "") + R"([0-9]+(\.[0-9]+)? *()" + units + ')');
+}
+
+std::string either(const std::string& a, const std::string& b) {
+  return R"({"anyOf":[)" + a + ',' + b + "]}";
+}
+
+const std::string times = R"(([0-9]+(\.[0-9]+)? *(ns|us|ms|s|min|h|d) *)+)";
+const std::string number = R"({"type":"number"})";
+const std::string key_part = "[A-Za-z0-9_-]+";
+
+std::string points_schema(const std::string& value) {
+  return R"({"type":"array","minItems":1,"items":{"type":"array","minItems":2,"maxItems":2,)"
+         R"("items":[)" +
+         pattern(times) + ',' + value + "]}}";
+}
+
+std::string place_schema() {
+  return R"({"type":"array","minItems":2,"maxItems":3,"items":{"type":"number"}})";
+}
+
+std::string quoted_text(const std::string& x) {
+  return '"' + x + '"';
+}
+
+/// `10s`: the largest unit of which it is a whole number.
+std::string duration_text(duration x) {
+  constexpr std::array<std::pair<duration, const char*>, 6> units{
+      {{24h, "d"}, {1h, "h"}, {1min, "min"}, {1s, "s"}, {1ms, "ms"}, {1us, "us"}}};
+  for (const auto& [length, name] : units)
+    if (x != 0s && x % length == 0s)
+      return std::to_string(x / length) + name;
+  return x == 0s ? "0s" : std::to_string(x.count()) + "ns";
+}
+
+std::string length_text(double x) {
+  if (x >= 1000)
+    return shown(x / 1000) + " km";
+  return x > 0 && x < 1 ? shown(x * 100) + " cm" : shown(x) + " m";
+}
+
+bool is_open(double x) {
+  return std::abs(x) >= std::numeric_limits<double>::max();
+}
+
+} // namespace
+
+form whole_form(std::int64_t min, std::optional<std::int64_t> max) {
+  const auto least = R"({"type":"integer","minimum":)" + std::to_string(min);
+  if (!max)
+    return {"number from " + std::to_string(min), least + '}'};
+  return {std::to_string(min) + " to " + std::to_string(*max),
+          least + R"(,"maximum":)" + std::to_string(*max) + '}'};
+}
+
+form word_form(const std::vector<std::string>& words) {
+  form out{{}, R"({"enum":[)"};
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto join = i + 1 == words.size() ? " or " : ", ";
+    out.wanted += (i == 0 ? "" : join) + ("`\"" + words[i] + "\"`");
+    out.schema += (i == 0 ? "" : ",") + quoted_text(words[i]);
+  }
+  out.schema += "]}";
+  return out;
+}
+
+form list_form(const form& of, std::size_t min, std::size_t max) {
+  form out{"array", R"({"type":"array","items":)" + of.schema};
+  if (min > 0)
+    out.schema += R"(,"minItems":)" + std::to_string(min);
+  if (max < std::numeric_limits<std::size_t>::max()) {
+    out.schema += R"(,"maxItems":)" + std::to_string(max);
+    out.wanted +=
+        (min == 0 ? " of up to " : " of " + std::to_string(min) + " to ") + std::to_string(max);
+  } else if (min > 0) {
+    out.wanted += " of at least " + std::to_string(min);
+  }
+  out.wanted += ", each a " + of.wanted;
+  out.schema += '}';
+  return out;
+}
+
+form pairs_form(const form& of) {
+  return {"table, each value a " + of.wanted,
+          R"({"type":"object","additionalProperties":)" + of.schema + '}'};
+}
+
+form form_of(const real& kind) {
+  std::string schema = R"({"type":"number")";
+  if (!is_open(kind.min))
+    schema += R"(,"minimum":)" + shown(kind.min);
+  if (!is_open(kind.max))
+    schema += R"(,"maximum":)" + shown(kind.max);
+  std::string wanted = "number";
+  if (!is_open(kind.min))
+    wanted += " from " + shown(kind.min);
+  if (!is_open(kind.max))
+    wanted += " to " + shown(kind.max);
+  return {wanted, schema + '}'};
+}
+
+form form_of(const flag& /*kind*/) {
+  return {"true or false", R"({"type":"boolean"})"};
+}
+
+form form_of(const text& kind) {
+  return {"text of 1 to " + std::to_string(kind.octets_max) + " octets",
+          R"({"type":"string","minLength":1,"maxLength":)" + std::to_string(kind.octets_max) + '}'};
+}
+
+form form_of(const name_text& /*kind*/) {
+  return {"name", pattern("[A-Za-z0-9_-]{1,32}")};
+}
+
+form form_of(const tuple_key& kind) {
+  const auto part = kind.wildcards ? "(\\*|" + key_part + ')' : key_part;
+  return {kind.wildcards ? "tuple key, in which a part may be `*`" : "tuple key",
+          pattern(part + "(\\." + part + "){0,6}")};
+}
+
+form form_of(const time_span& kind) {
+  std::string wanted = "time";
+  if (kind.min > 0s)
+    wanted += " from " + to_text(kind.min);
+  if (kind.max < time_span{}.max)
+    wanted += (kind.min > 0s ? " to " : " up to ") + to_text(kind.max);
+  return {wanted, pattern(times)};
+}
+
+form form_of(const time_step& /*kind*/) {
+  return {"time, `\"5s\"` or `\"-5s\"`", pattern("-?" + times)};
+}
+
+form form_of(const ratio& /*kind*/) {
+  return {"ratio", either(R"({"type":"number","minimum":0,"maximum":1})", quantity("%"))};
+}
+
+form form_of(const metres& kind) {
+  return {(kind.min > 0 ? "length from " + length_text(kind.min) + " to " : "length up to ") +
+              length_text(kind.max),
+          quantity("cm|m|km")};
+}
+
+form form_of(const charge& /*kind*/) {
+  return {"charge", quantity("mAh|Ah")};
+}
+
+form form_of(const power_level& kind) {
+  return {"power from " + shown(kind.min_dbm) + " to " + shown(kind.max_dbm) + " dBm",
+          quantity("dBm", true)};
+}
+
+form form_of(const decibels& kind) {
+  return {"decibels from " + shown(kind.min) + " to " + shown(kind.max), quantity("dB", true)};
+}
+
+form form_of(const frequency& /*kind*/) {
+  return {"frequency", quantity("MHz|GHz")};
+}
+
+form form_of(const baud& /*kind*/) {
+  return {"baud",
+          either(R"({"type":"integer","minimum":300,"maximum":4000000})", pattern("[0-9]+ *baud"))};
+}
+
+form form_of(const bit_rate& /*kind*/) {
+  return {"rate", either(R"({"type":"integer","minimum":0})", quantity("[kMG]?bit/s"))};
+}
+
+form form_of(const place& /*kind*/) {
+  return {"position", place_schema()};
+}
+
+form form_of(const time_points& /*kind*/) {
+  return {"`[[\"0s\", 21.0], [\"5min\", 27.5]]`, at least 1", points_schema(number)};
+}
+
+form form_of(const hex_octets& /*kind*/) {
+  return {"1 to 100 octets in hexadecimal", pattern("([0-9A-Fa-f]{2}){1,100}")};
+}
+
+form way::takes() {
+  return {"`[[\"0s\", [0, 2]], [\"1min\", [30, 2]]]`, at least 1", points_schema(place_schema())};
+}
+
+form tcp_url::takes() {
+  return {"URL", pattern("tcp://.+")};
+}
+
+form type_span::takes() {
+  return {"number, range `\"110..119\"` or mask `\"0x0100/0xff00\"`, 1 to 4294967295",
+          either(R"({"type":"integer","minimum":1,"maximum":4294967295})",
+                 pattern(R"([0-9]+\.\.[0-9]+|[0-9a-fA-Fx]+/[0-9a-fA-Fx]+)"))};
+}
+
+std::string written(const real& /*kind*/, double x) {
+  return is_open(x) ? std::string() : shown(x);
+}
+
+std::string written(const flag& /*kind*/, bool x) {
+  return x ? "true" : "false";
+}
+
+std::string written(const text& /*kind*/, const std::string& x) {
+  return x.empty() ? x : quoted_text(x);
+}
+
+std::string written(const time_span& /*kind*/, duration x) {
+  return quoted_text(duration_text(x));
+}
+
+std::string written(const ratio& /*kind*/, double x) {
+  return shown(x);
+}
+
+std::string written(const metres& /*kind*/, double x) {
+  return quoted_text(shown(x) + 'm');
+}
+
+std::string written(const power_level& /*kind*/, double x) {
+  return quoted_text(shown(x) + "dBm");
+}
+
+std::string written(const decibels& /*kind*/, double x) {
+  return quoted_text(shown(x) + "dB");
+}
+
+std::string written(const frequency& /*kind*/, double x) {
+  return quoted_text(shown(x) + "MHz");
+}
+
+std::string written(const baud& /*kind*/, std::uint32_t x) {
+  return std::to_string(x);
+}
+
+std::string written(const bit_rate& /*kind*/, std::uint64_t x) {
+  constexpr std::uint64_t thousand = 1000;
+  return x == 0 || x % thousand != 0 ? std::to_string(x)
+                                     : quoted_text(std::to_string(x / thousand) + "kbit/s");
+}
+
+std::string written(const place& /*kind*/, const position& x) {
+  return '[' + shown(x.x_m) + ", " + shown(x.y_m) + (x.z_m == 0 ? "]" : ", " + shown(x.z_m) + ']');
+}
+
+} // namespace rubicon::config
