@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "apps/registry.hpp"
 #include "core/address.hpp"
 #include "core/time.hpp"
 #include "mote/transducer_config.hpp"
@@ -123,11 +124,13 @@ struct recorder_config {
 
 using app_config =
     std::variant<stream_writer_config, stream_reader_config, reservoir_config, readout_config,
-                 average_config, stream_switch_config, recorder_config>;
+                 average_config, stream_switch_config, recorder_config, custom_config>;
 
 /// What files and reports call it: `stream_writer`.
-[[nodiscard]] constexpr std::string_view kind_of(const app_config& x) {
-  constexpr std::array<std::string_view, std::variant_size_v<app_config>> kinds{
+[[nodiscard]] inline std::string_view kind_of(const app_config& x) {
+  if (const auto* custom = std::get_if<custom_config>(&x))
+    return custom->kind->name;
+  constexpr std::array<std::string_view, std::variant_size_v<app_config> - 1> kinds{
       "stream_writer", "stream_reader", "reservoir", "readout",
       "average",       "stream_switch", "recorder"};
   return kinds[x.index()];

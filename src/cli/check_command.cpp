@@ -10,7 +10,7 @@
 namespace rubicon::cli {
 
 exit_status perform(const check_command& x) {
-  const auto ecology = load_or_complain(x.file, x.instead);
+  const auto ecology = load_or_complain(x.file, x.instead, x.known);
   if (!ecology)
     return exit_status::refused;
   std::string warnings;

@@ -8,8 +8,9 @@
 namespace rubicon::cli {
 
 std::optional<config::ecology_description> load_or_complain(const std::string& file,
-                                                            const config::overrides& instead) {
-  auto loaded = config::load_file(file, instead);
+                                                            const config::overrides& instead,
+                                                            const config::extensions& known) {
+  auto loaded = config::load_file(file, instead, known);
   std::string text;
   for (const auto& skipped : loaded.warnings)
     text += to_string(skipped) + " (left out)\n";

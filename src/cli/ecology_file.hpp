@@ -12,6 +12,7 @@ namespace rubicon::cli {
 /// Prints every problem on standard error, one a line, and their count when there are several.
 /// @returns nothing if there was a problem (GEN-06)
 [[nodiscard]] std::optional<config::ecology_description>
-load_or_complain(const std::string& file, const config::overrides& instead);
+load_or_complain(const std::string& file, const config::overrides& instead,
+                 const config::extensions& known);
 
 } // namespace rubicon::cli

@@ -37,7 +37,7 @@ ecology_description read_file_tables(const node& root, const named_files& files,
   check_links(links, out.radio, out.airs, shared.problems);
   out.peis = read_peis(in);
   out.peers = read_peers(in, with, out.islands);
-  out.proxies = read_proxies(in, names, files.programs, out.islands);
+  out.proxies = read_proxies(in, names, files.known.programs, out.islands);
   out.tags = read_tags(in);
   check_object_manager(in, out.peers, out.proxies);
   out.faults = read_faults(in, with, out.islands, end);
@@ -101,14 +101,13 @@ folder_names read_folder(const std::string& path) {
 }
 
 loaded load_text(std::string_view toml, const std::string& file_name, const overrides& instead,
-                 const file_reader& read, const folder_reader& list,
-                 const proxy::program_registry& programs) {
+                 const file_reader& read, const folder_reader& list, const extensions& known) {
   const auto parsed = parse(toml, file_name);
   if (const auto* wrong = std::get_if<problem>(&parsed))
     return {std::nullopt, {*wrong}};
   reading shared;
   const named_files files{file_name, instead, read ? read : no_file, list ? list : no_folder,
-                          programs};
+                          known};
   trace_files traces(files);
   shared.traces = &traces;
   shared.files = &files;
@@ -118,12 +117,11 @@ loaded load_text(std::string_view toml, const std::string& file_name, const over
   return {std::move(ecology), {}, shared.problems.warnings()};
 }
 
-loaded load_file(const std::string& path, const overrides& instead,
-                 const proxy::program_registry& programs) {
+loaded load_file(const std::string& path, const overrides& instead, const extensions& known) {
   auto file = read_file(path, file_octets_max);
   if (!file.text)
     return {std::nullopt, {problem{path, 0, 0, std::move(file.reason)}}};
-  return load_text(*file.text, path, instead, read_file, read_folder, programs);
+  return load_text(*file.text, path, instead, read_file, read_folder, known);
 }
 
 std::vector<std::pair<std::string, std::string>> accepted_keys() {
