@@ -1,5 +1,6 @@
 #include "actors/debug_log.hpp"
 
+#include <any>
 #include <cerrno>
 #include <filesystem>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 
 #include "core/printable.hpp"
 #include "core/time.hpp"
+#include "explain/record.hpp"
 
 namespace rubicon {
 
@@ -55,6 +57,21 @@ void debug_log::write(const scheduler::delivery& x) {
   if (!x.sender.empty() && x.sender != x.path)
     write_line(x.sender,
                fmt::format("{} {} sent to={} length={} {}", time, x.sender, x.path, length, text));
+}
+
+void debug_log::write(const scheduler::remark& x) {
+  const auto* told = std::any_cast<explain::record>(&x.content);
+  if (told == nullptr)
+    return;
+  const auto time = to_text(x.time);
+  const auto text =
+      fmt::format("{} number={} with={} am_type={} {} {}", to_string(told->what), told->id,
+                  to_string(told->mote), told->channel, told->yes ? "yes" : "no", told->text);
+  const auto length = told->octets.size();
+  write_line(told->from, fmt::format("{} {} sent to={} length={} {}", time, told->from, told->to,
+                                     length, text));
+  write_line(told->to, fmt::format("{} {} received from={} length={} {}", time, told->to,
+                                   told->from, length, text));
 }
 
 std::string debug_log::finish() {

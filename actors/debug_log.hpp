@@ -26,6 +26,7 @@ public:
   debug_log& operator=(const debug_log&) = delete;
 
   void write(const scheduler::delivery& x);
+  void write(const scheduler::remark& x); ///< of what a program and its mote tell each other
 
   /// @returns what could not be written, and why; empty if nothing is missing
   [[nodiscard]] std::string finish();

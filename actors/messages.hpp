@@ -450,90 +450,8 @@ using serial_line_actor =
                      caf::reacts_to<plug_serial>, caf::reacts_to<timer_expired>,
                      caf::reacts_to<status_request>>;
 
-// ------------------------------------------------------------------------------- motes, their apps
-
-/// The mote has joined its island, or has lost it.
-struct membership_changed {
-  bool joined = false;
-  island_id island;
-};
-RUBICON_FIELDS(membership_changed, joined, island);
-
-/// A message of an AM type that this app has claimed (D1.1 5.3.3 receive).
-struct message_received {
-  mote_address source;
-  std::uint8_t am_type = 0;
-  payload octets;
-};
-RUBICON_FIELDS(message_received, source, am_type, octets);
-
-/// How a send ended: refused at once (FAIL), or for a reliable one acknowledged or not (D1.1 5.3.3
-/// ack). An accepted unreliable send ends as acked = false, refused = false at once.
-struct send_ended {
-  std::uint64_t token = 0;
-  bool refused = false;
-  bool acked = false;
-};
-RUBICON_FIELDS(send_ended, token, refused, acked);
-
-/// Counts of the transducers asked for, in that order, and when that was, as in sensor_record.
-struct transducers_read {
-  std::vector<std::int16_t> counts;
-  std::uint32_t time_ms = 0;
-};
-RUBICON_FIELDS(transducers_read, counts, time_ms);
-
-/// An actuator has been asked to change; `state` is what it is now.
-struct actuator_changed {
-  std::string name;
-  std::uint8_t state = 0;
-  bool obeyed = false;
-};
-RUBICON_FIELDS(actuator_changed, name, state, obeyed);
-
-/// What the gateway wants the mote to send (GW-10); replaces what it wanted before.
-struct outputs_wanted {
-  std::vector<mote::output_wanted> all;
-};
-RUBICON_FIELDS(outputs_wanted, all);
-
-/// A program on a mote.
-using mote_app_actor =
-    caf::typed_actor<caf::reacts_to<membership_changed>, caf::reacts_to<message_received>,
-                     caf::reacts_to<send_ended>, caf::reacts_to<transducers_read>,
-                     caf::reacts_to<actuator_changed>, caf::reacts_to<outputs_wanted>,
-                     caf::reacts_to<timer_expired>>;
-
-/// The app wants the messages of this AM type, which nobody else on the mote has (AM-05).
-struct claim_am_type {
-  carried<mote_app_actor> app;
-  std::uint8_t am_type = 0;
-};
-RUBICON_FIELDS(claim_am_type, app, am_type);
-
-/// D1.1 5.3.3 send.
-struct send_message {
-  carried<mote_app_actor> app;
-  std::uint64_t token = 0; ///< comes back in send_ended
-  mote_address destination;
-  std::uint8_t am_type = 0;
-  payload octets;
-  bool reliable = false;
-};
-RUBICON_FIELDS(send_message, app, token, destination, am_type, octets, reliable);
-
-struct read_transducers {
-  carried<mote_app_actor> app;
-  std::vector<mote::quantity> kinds;
-};
-RUBICON_FIELDS(read_transducers, app, kinds);
-
-struct set_actuator {
-  carried<mote_app_actor> app;
-  std::string name;
-  std::uint8_t state = 0;
-};
-RUBICON_FIELDS(set_actuator, app, name, state);
+// ------------------------------------------------------------------------------- motes, their
+// programs
 
 /// The app has carried its mote somewhere; its way-points, if it has any, count no more.
 struct move_mote {
@@ -594,11 +512,11 @@ struct step_clock {
 };
 RUBICON_FIELDS(step_clock, by);
 
-using mote_actor = radio_user_actor::extend<
-    caf::reacts_to<claim_am_type>, caf::reacts_to<send_message>, caf::reacts_to<read_transducers>,
-    caf::reacts_to<set_actuator>, caf::reacts_to<attach_program>, caf::reacts_to<program_commands>,
-    caf::reacts_to<move_mote>, caf::reacts_to<crash_now>, caf::reacts_to<end_battery>,
-    caf::reacts_to<step_clock>, caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+using mote_actor =
+    radio_user_actor::extend<caf::reacts_to<attach_program>, caf::reacts_to<program_commands>,
+                             caf::reacts_to<move_mote>, caf::reacts_to<crash_now>,
+                             caf::reacts_to<end_battery>, caf::reacts_to<step_clock>,
+                             caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// From whoever spawned both: the program's mote runs, for the first time or again.
 struct mote_started {

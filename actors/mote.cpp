@@ -1,14 +1,20 @@
 #include "actors/mote.hpp"
 
 #include <algorithm>
+#include <any>
+#include <array>
 #include <iterator>
 #include <stdexcept>
 
-#include "actors/apps/mote_apps.hpp"
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
 #include "actors/network_radio.hpp"
 #include "actors/statuses.hpp"
+#include "apps/actuator.hpp"
+#include "apps/listener.hpp"
+#include "apps/messenger.hpp"
+#include "apps/sampler.hpp"
+#include "explain/record.hpp"
 #include "scheduler/spawn.hpp"
 #include "scheduler/supervision.hpp"
 
@@ -40,12 +46,7 @@ struct performer {
     self->send(self->state.arguments->air, request_of(self->state.arguments->radio, std::move(x)));
   }
 
-  void operator()(const mote::actuator_arrived& x) const {
-    tell_state(self, x.name, x.state);
-    const auto mover = self->state.movers.find(x.name);
-    if (mover != self->state.movers.end())
-      self->send(mover->second, actuator_changed{x.name, x.state, true});
-  }
+  void operator()(const mote::actuator_arrived& x) const { tell_state(self, x.name, x.state); }
 
   void operator()(const mote::radio_switch& x) const {
     self->send(
@@ -66,22 +67,25 @@ struct performer {
 
   void operator()(const mote::membership& x) const {
     log(self, spdlog::level::info, "event={}", x.joined ? "joined" : "lost_island");
-    for (const auto& app : self->state.apps)
-      self->send(app, membership_changed{x.joined, x.island});
   }
 };
 
 void perform(mote_pointer self, mote::node_outputs todo) {
+  auto& state = self->state;
+  state.reports.tell(self, state.arguments->ecology);
+  state.programs.tell(self, state.arguments->ecology);
   for (auto& output : todo)
     std::visit(performer{self}, output);
-  auto& state = self->state;
   for (auto& [number, x] : state.separate) {
     if (auto events = x.port->take_events())
       self->send(x.actor, program_events{*std::move(events)});
   }
-  state.programs.tell(self, state.arguments->ecology);
   const auto due = earliest(state.node->deadline(), state.programs.deadline());
   state.wake.follow(self, state.crystal.real(*due));
+  if (const auto report = state.reports.deadline())
+    state.reports_wake.follow(self, std::max(*report, now(self)));
+  else
+    state.reports_wake.stop();
 }
 
 void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
@@ -133,49 +137,10 @@ void on_timer(mote_pointer self, const timer_expired& x) {
     perform(self, state.node->on_time(own_time(self)));
     perform(self, state.programs.on_time(*state.node, own_time(self)));
   }
+  if (state.reports_wake.accepts(x) && !state.flat)
+    perform(self, state.reports.on_time(*state.node, own_time(self), now(self)));
   if (state.walk_wake.accepts(x)) // a mote is carried on even if its battery is flat
     go(self);
-}
-
-/// @pre the mote has a node
-app_port& port_of(mote_pointer self, const mote_app_actor& app) {
-  auto& ports = self->state.ports;
-  const auto found = std::ranges::find(ports, app, [](const auto& x) { return x->app(); });
-  if (found != ports.end())
-    return **found;
-  ports.push_back(std::make_unique<app_port>(self, app));
-  return *ports.back();
-}
-
-void on_send(mote_pointer self, const send_message& x) {
-  self->state.node->begin(own_time(self));
-  port_of(self, x.app.actor).send(x);
-  perform(self, self->state.node->settle(own_time(self)));
-}
-
-void on_claim(mote_pointer self, const claim_am_type& x) {
-  if (self->state.node && !port_of(self, x.app.actor).claim(x.am_type))
-    log(self, spdlog::level::err, "event=claim_refused am_type={}", x.am_type);
-}
-
-void on_read(mote_pointer self, const read_transducers& x) {
-  transducers_read answer;
-  answer.time_ms = self->state.node->time_ms(own_time(self));
-  for (const auto kind : x.kinds) {
-    if (const auto count = self->state.node->read(kind, now(self))) // the world knows no crystal
-      answer.counts.push_back(*count);
-  }
-  self->send(x.app.actor, std::move(answer));
-}
-
-void on_set(mote_pointer self, const set_actuator& x) {
-  const bool obeyed = self->state.node->actuate(x.name, x.state, own_time(self));
-  const auto state = self->state.node->actuator_state(x.name, own_time(self)).value_or(0);
-  self->state.movers[x.name] = x.app.actor;
-  perform(self, {});
-  if (obeyed && state == x.state)
-    tell_state(self, x.name, state);
-  self->send(x.app.actor, actuator_changed{x.name, state, obeyed});
 }
 
 /// @pre the node runs
@@ -219,13 +184,11 @@ void on_program_down(mote_pointer self, const caf::down_msg& x) {
     detach(self, found->first);
 }
 
-/// The MCU has stopped: no apps, no timers, no answers on the radio.
+/// The MCU has stopped: no programs, no timers, no answers on the radio.
 void die(mote_pointer self) {
   if (self->state.flat)
     return;
   self->state.flat = true;
-  for (const auto& app : self->state.apps)
-    self->send(app, membership_changed{});
   for (const auto& [number, x] : self->state.separate)
     self->send(x.actor, program_detached{});
   log(self, spdlog::level::info, "event=battery_flat");
@@ -243,8 +206,7 @@ void on_battery_low(mote_pointer self) {
 void report_messages(mote_pointer self, bool is_alive) {
   const auto& state = self->state;
   auto status = messages_of(state.arguments->address, state.node->above(), !is_alive);
-  status.messages.offered += state.offered_in_vain;
-  status.messages.refused["off"] = state.offered_in_vain;
+  status.messages.refused["off"] = 0; // its programs stop with it
   self->send(state.arguments->ecology, std::move(status));
 }
 
@@ -306,13 +268,79 @@ void tell_sample(mote_pointer self, std::uint64_t number) {
   self->send(arguments.ecology, std::move(x));
 }
 
+explain::record record_of(const mote::program_note& x, const std::string& mote) {
+  using explain::kind;
+  constexpr std::array kinds{kind::send_message, kind::send_ended, kind::message_received,
+                             kind::actuator_changed};
+  using note = mote::program_note::kind;
+  explain::record r;
+  r.what = kinds[static_cast<std::size_t>(x.what)];
+  r.from = x.what == note::sent ? std::string(x.program) : mote;
+  r.to = x.what == note::sent ? mote : std::string(x.program);
+  r.id = x.number;
+  r.mote = x.other;
+  r.channel = x.am_type;
+  r.text = x.what == note::send_ended && x.number == 0 ? "refused" : std::string(x.actuator);
+  r.octets = to_bytes(x.octets);
+  r.count = x.state;
+  r.yes = x.yes;
+  return r;
+}
+
+/// Starts what reports to others and obeys them.
+struct report_starter {
+  mote_pointer self;
+
+  void operator()(const apps::sampler_config& x) const {
+    const auto path = path_of("sampler", x.channel);
+    const random_stream dice(self->state.arguments->seed, path);
+    begin(path, std::make_unique<apps::sampler>(x, dice));
+  }
+  void operator()(const apps::actuator_config& x) const {
+    const auto state = self->state.node->actuator_state(x.actuator, {}).value_or(0);
+    begin(path_of("actuator", x.actuator), std::make_unique<apps::actuator>(x, state));
+  }
+  void operator()(const apps::messenger_config& x) const {
+    begin(path_of("messenger", x.am_type), std::make_unique<apps::messenger>(x));
+  }
+  void operator()(const apps::listener_config& x) const {
+    begin(path_of("listener", x.am_type), std::make_unique<apps::listener>(x));
+  }
+  template <class Other>
+  void operator()(const Other&) const {}
+
+  template <class What>
+  [[nodiscard]] std::string path_of(std::string_view kind, const What& what) const {
+    return fmt::format("mote_app/{}/{}-{}", self->state.arguments->name, kind, what);
+  }
+  void begin(std::string path, std::unique_ptr<apps::application> program) const {
+    self->state.reports.start_as(*self->state.node, std::move(path), std::move(program), now(self));
+  }
+};
+
+void start_programs(mote_pointer self, const std::string& life) {
+  auto& state = self->state;
+  const auto& arguments = *state.arguments;
+  state.node->observe([self](const mote::program_note& x) {
+    self->remark_any("program", [&] { return std::any(record_of(x, self->path())); });
+  });
+  for (const auto& app : arguments.apps)
+    std::visit(report_starter{self}, app);
+  for (const auto& x : programs_among(arguments.apps)) {
+    if (!x.is_separate)
+      state.programs.start_one(*state.node, x.config, x.number, life, arguments.seed,
+                               state.store.starts > 0, own_time(self));
+  }
+}
+
 void start(mote_pointer self) {
   auto& state = self->state;
   const auto& arguments = *state.arguments;
   const auto life = "mote/" + arguments.name + '#' + std::to_string(state.store.starts);
   auto config = arguments.node;
-  config.clock_ahead = mote::boot_time(random_stream(arguments.seed, life + "/clock"));
-  state.crystal = arguments.crystal.ahead_by(config.clock_ahead);
+  state.crystal =
+      arguments.crystal.ahead_by(mote::boot_time(random_stream(arguments.seed, life + "/clock")));
+  config.clock = state.crystal;
   self->send(arguments.air,
              attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
   if (arguments.stack == config::stack::full)
@@ -322,15 +350,8 @@ void start(mote_pointer self) {
     performer{self}(mote::store_nonvolatile{begin_life(state.store)});
   state.walk = mote::walk(arguments.path, arguments.step);
   go(self);
-  state.apps = spawn_mote_apps(self);
   if (state.node) {
-    for (const auto& app : state.apps)
-      port_of(self, app); // which hears what is wanted from now on
-    for (const auto& x : programs_among(arguments.apps)) {
-      if (!x.is_separate)
-        state.programs.start_one(*state.node, x.config, x.number, life, arguments.seed,
-                                 state.store.starts > 0, own_time(self));
-    }
+    start_programs(self, life);
     perform(self, state.node->start(own_time(self)));
   }
   state.flows.start(self, arguments.apps, arguments.address, arguments.radio, arguments.air,
@@ -338,35 +359,6 @@ void start(mote_pointer self) {
 }
 
 } // namespace
-
-app_port::app_port(mote_pointer self, mote_app_actor app)
-    : self_(self), app_(std::move(app)), layer_(self->state.node->attach(*this)) {}
-
-bool app_port::claim(std::uint8_t am_type) {
-  return layer_.provide(am_type) == mote::SUCCESS;
-}
-
-void app_port::send(const send_message& x) {
-  const auto number = layer_.send_numbered(x.destination, x.octets.view(), x.reliable, x.am_type);
-  if (number && x.reliable)
-    tokens_[*number] = x.token;
-  else
-    self_->send(app_, send_ended{x.token, !number, false});
-}
-
-void app_port::receiveFrom(mote_address source, byte_view octets, std::uint8_t am_type) {
-  self_->send(app_, message_received{source, am_type, payload(to_bytes(octets))});
-}
-
-void app_port::ackOf(std::uint32_t number, mote::status success) {
-  const auto token = tokens_.extract(number);
-  if (!token.empty())
-    self_->send(app_, send_ended{token.mapped(), false, success == mote::SUCCESS});
-}
-
-void app_port::outputsWanted(std::span<const mote::output_wanted> all) {
-  self_->send(app_, outputs_wanted{{all.begin(), all.end()}});
-}
 
 mote_actor::behavior_type mote_behavior(mote_pointer self,
                                         std::shared_ptr<const mote_arguments> arguments,
@@ -383,21 +375,6 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
       [self](const radio_done& x) { on_done(self, x); },
       [self](battery_low) { on_battery_low(self); },
       [self](battery_flat) { die(self); },
-      [self](const claim_am_type& x) { on_claim(self, x); },
-      [self](const send_message& x) {
-        if (self->state.node && !self->state.flat)
-          on_send(self, x);
-        else if (self->state.node)
-          ++self->state.offered_in_vain;
-      },
-      [self](const read_transducers& x) {
-        if (self->state.node && !self->state.flat)
-          on_read(self, x);
-      },
-      [self](const set_actuator& x) {
-        if (self->state.node && !self->state.flat)
-          on_set(self, x);
-      },
       [self](const attach_program& x) {
         if (self->state.node && !self->state.flat)
           on_attach(self, x);

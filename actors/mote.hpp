@@ -1,4 +1,5 @@
-// A mote: its communication layer, its radio client, its transducers, and the apps that run on it.
+// A mote: its communication layer, its radio client, its transducers, and the programs that run on
+// it.
 #pragma once
 
 #include <map>
@@ -35,33 +36,6 @@ struct mote_arguments {
   ecology_actor ecology;
 };
 
-struct mote_state;
-
-/// An app that is an actor of its own, as the mote's layer sees it.
-class app_port final : public mote::communication_events {
-public:
-  using mote_pointer = scheduler::traced_pointer<mote_state, mote_actor>;
-
-  /// @param self has a node
-  app_port(mote_pointer self, mote_app_actor app);
-
-  [[nodiscard]] bool claim(std::uint8_t am_type); ///< false: it is another's
-  void send(const send_message& x);
-
-  void receiveFrom(mote_address source, byte_view octets, std::uint8_t am_type) override;
-  void ackOf(std::uint32_t number, mote::status success) override;
-  void outputsWanted(std::span<const mote::output_wanted> all) override;
-  [[nodiscard]] bool wants_ticks() const override { return false; }
-
-  [[nodiscard]] const mote_app_actor& app() const { return app_; }
-
-private:
-  mote_pointer self_;
-  mote_app_actor app_;
-  mote::communication layer_;
-  std::map<std::uint32_t, std::uint64_t> tokens_; ///< of reliable sends
-};
-
 /// A program in an actor of its own, as the mote sees it.
 struct separate_program {
   program_client_actor actor;
@@ -71,6 +45,7 @@ struct separate_program {
 struct mote_state {
   static constexpr std::uint8_t walk_timer = 2;
   static constexpr std::uint8_t last_words_timer = 3;
+  static constexpr std::uint8_t reports_timer = 4;
 
   std::shared_ptr<const mote_arguments> arguments;
   mote::crystal crystal;          ///< as the clock of this life shows it
@@ -81,16 +56,16 @@ struct mote_state {
   timer wake;
   timer walk_wake{walk_timer};
   timer last_words{last_words_timer}; ///< until the fault plan's end of the battery
-  std::vector<mote_app_actor> apps;
-  std::vector<std::unique_ptr<app_port>> ports;
-  program_host programs;
+  timer reports_wake{reports_timer};
+  /// Samplers, actuators, messengers and listeners. They go by the world's time: what they are
+  /// asked for, and judged by, are periods of those who listen to them.
+  program_host reports;
+  program_host programs;                              ///< all others, in the mote's own time
   std::map<std::uint32_t, separate_program> separate; ///< by number
-  std::map<std::string, mote_app_actor> movers;       ///< who has set which actuator last
   bool flat = false;
-  std::uint64_t offered_in_vain = 0; ///< messages of apps that had not heard that it is flat
 };
 
-/// Spawns the mote's apps and, with the full stack, lets it join its island. Apps end with it. An
+/// With the full stack, starts the mote's programs and lets it join its island. An
 /// exception in a handler ends the mote; its supervisor starts it again (ACT-03).
 /// @param arguments not nullptr
 /// @param store as earlier lives have written it

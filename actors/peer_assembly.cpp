@@ -2,11 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "actors/apps/goal.hpp"
-#include "actors/apps/peer_apps.hpp"
-#include "actors/apps/rfid_reader.hpp"
-#include "actors/apps/translate.hpp"
 #include "actors/assembly.hpp"
+#include "actors/component.hpp"
 #include "actors/gateway.hpp"
 #include "actors/init.hpp"
 #include "actors/object_manager.hpp"
@@ -15,9 +12,14 @@
 #include "actors/peis_peer.hpp"
 #include "actors/proxy_manager.hpp"
 #include "apps/tables.hpp"
+#include "goal/component.hpp"
 #include "peis/host_record.hpp"
 #include "peis/link_url.hpp"
 #include "peis/package.hpp"
+#include "proxy/collector.hpp"
+#include "proxy/rules_component.hpp"
+#include "rfid/reader.hpp"
+#include "translate/component.hpp"
 
 namespace rubicon {
 
@@ -157,6 +159,14 @@ rfid::tags tags_of(const config::ecology_description& x) {
   return all;
 }
 
+/// The same rule, as the config room and the proxy room know it.
+proxy::rule rule_of(const config::rule& x) {
+  proxy::rule y{x.when, x.above, x.below, x.equals, x.lasting, x.otherwise_lasting, {}};
+  for (const auto& each : x.writes)
+    y.writes.push_back({each.key, each.then, each.otherwise, each.meta});
+  return y;
+}
+
 /// Spawns one app of a peer, whichever kind it is.
 struct peer_app_spawner {
   ecology_pointer self;
@@ -181,42 +191,32 @@ struct peer_app_spawner {
     std::vector<proxy::rule> rules;
     for (const auto& rule : x.rules)
       rules.push_back(rule_of(rule));
-    add(spawn_child(self, path("rules"), rules_program, proxy::rules(std::move(rules), x.retry),
-                    peer.handle, ecology_handle(self)));
+    add_component<proxy::rules_component>("rules", proxy::rules(std::move(rules), x.retry));
   }
 
   void operator()(const apps::app_config&) const {} // all in one actor
 
   void operator()(const config::collector_app& x) const {
-    add(spawn_child(self, path("collector"), collector, x, peer.name, peer.handle,
-                    ecology_handle(self)));
+    add_component<proxy::collector>("collector", x.keys, x.every);
   }
 
   void operator()(const config::translate_app& x) const {
-    add(spawn_child(self, path("translate"), translate_behavior,
-                    translate_arguments{translate::translator(x.rules), peer.name, peer.id,
-                                        peer.handle, ecology_handle(self)}));
+    add_component<translate::component>("translate", translate::translator(x.rules), peer.id);
   }
 
   void operator()(const rfid::reader_config& x) const {
     auto& tags = self->state.tags;
     if (tags == nullptr)
       tags = std::make_shared<const rfid::tags>(tags_of(self->state.description));
-    add(spawn_child(
-        self, path("rfid_reader"), rfid_reader,
-        rfid::reader(x, tags, random_stream(self->state.description.seed, "rfid_reader/" + x.name)),
-        peer.handle));
+    add_component<rfid::reader>(
+        "rfid_reader", x, tags,
+        random_stream(self->state.description.seed, "rfid_reader/" + x.name));
   }
 
   void operator()(const goal::pursuer_config& x) const {
     const auto dice = path("goal") + '#' + std::to_string(peer.incarnation);
-    pursuer_arguments arguments;
-    arguments.core = goal::pursuer(x, random_stream(self->state.description.seed, dice));
-    arguments.who = peer.name;
-    arguments.peer_number = peer.id;
-    arguments.peer = peer.handle;
-    arguments.ecology = ecology_handle(self);
-    add(spawn_child(self, path("goal"), pursuer_behavior, std::move(arguments)));
+    add_component<goal::component>(
+        "goal", goal::pursuer(x, random_stream(self->state.description.seed, dice)), peer.id);
   }
 
   void operator()(const config::init_app& x) const {
@@ -247,6 +247,14 @@ struct peer_app_spawner {
 
   [[nodiscard]] std::string path(const std::string& kind) const {
     return "peer_app/" + peer.name + '/' + kind + '-' + std::to_string(number);
+  }
+
+  template <class Core, class... Arguments>
+  void add_component(const std::string& kind, Arguments&&... arguments) const {
+    add(spawn_child(
+        self, path(kind), component_behavior,
+        component_arguments{std::make_shared<Core>(std::forward<Arguments>(arguments)...),
+                            peer.name, kind, peer.id, peer.handle, ecology_handle(self)}));
   }
 
   template <class Handle>

@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "actors/log.hpp"
 #include "actors/messages.hpp"
 #include "apps/application.hpp"
 #include "config/ecology.hpp"
@@ -47,12 +48,23 @@ public:
     x.program->start(node.attach(*x.program), now);
   }
 
-  /// Lets programs do what is due. @returns what comes of that at their node
+  /// Starts one that has a name of its own, for stories, logs and records.
   template <class Node>
-  [[nodiscard]] auto on_time(Node& node, instant now) {
+  void start_as(Node& node, std::string path, std::unique_ptr<apps::application> program,
+                instant now) {
+    auto& x = programs_.emplace_back();
+    x.path = std::move(path);
+    x.program = std::move(program);
+    x.program->start(node.attach(*x.program, x.path), now);
+  }
+
+  /// Lets programs do what is due. @param theirs what their clock shows, at `now` of the node's
+  /// @returns what comes of that at their node
+  template <class Node>
+  [[nodiscard]] auto on_time(Node& node, instant now, instant theirs) {
     node.begin(now);
     for (auto& x : programs_)
-      x.program->on_time(now);
+      x.program->on_time(theirs);
     if constexpr (requires { node.settle(now); })
       return node.settle(now);
     else
@@ -66,15 +78,23 @@ public:
     return due;
   }
 
+  template <class Node>
+  [[nodiscard]] auto on_time(Node& node, instant now) {
+    return on_time(node, now, now);
+  }
+
   /// Passes on what programs have to tell, and writes what they have for their files.
   template <class Self>
   void tell(Self* self, const ecology_actor& ecology) {
     for (auto& x : programs_) {
+      const auto& who = x.path.empty() ? self->path() : x.path;
       for (auto& what : x.program->take_stories())
-        self->send(ecology, story{self->path(), std::move(what)});
+        self->send(ecology, story{who, std::move(what)});
+      for (const auto& what : x.program->take_warnings())
+        log_as(self, who, spdlog::level::warn, "{}", what);
       if (x.file && x.write(x.program->take_lines())) {
         const auto what = std::string(x.program->file()) + ": " + x.failure;
-        self->send(ecology, request_unmet{self->path(), "cannot write " + what});
+        self->send(ecology, request_unmet{who, "cannot write " + what});
       }
     }
   }
@@ -127,6 +147,7 @@ public:
 
 private:
   struct hosted {
+    std::string path; ///< empty: its actor's
     std::string name;
     std::uint32_t number = 0; ///< among the programs of the node
     std::unique_ptr<apps::application> program;
@@ -135,11 +156,11 @@ private:
     std::uint64_t unwritten = 0;         ///< lines
 
     void open(bool again) {
-      const std::string path(program->file());
-      if (path.empty())
+      const std::string name_of_file(program->file());
+      if (name_of_file.empty())
         return;
-      file = std::make_unique<std::ofstream>(path, std::ios::binary |
-                                                       (again ? std::ios::app : std::ios::trunc));
+      file = std::make_unique<std::ofstream>(
+          name_of_file, std::ios::binary | (again ? std::ios::app : std::ios::trunc));
       if (!again)
         *file << program->file_heading() << std::flush;
     }

@@ -111,8 +111,13 @@ public:
   }
 
   void watch(scheduler::trace_recorder& trace) {
-    if (record_)
-      trace.observe_remarks([this](const scheduler::remark& x) { record_->write(x); });
+    if (debug_ || record_)
+      trace.observe_remarks([this](const scheduler::remark& x) {
+        if (debug_)
+          debug_->write(x);
+        if (record_)
+          record_->write(x);
+      });
     if (debug_ || record_ || judge_ != nullptr)
       trace.observe([this](const scheduler::delivery& x) {
         if (judge_ != nullptr)

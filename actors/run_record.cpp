@@ -177,42 +177,10 @@ bool fill(record& r, const peis_outcome& x) {
   return true;
 }
 
-bool fill(record& r, const send_message& x) {
-  r.what = kind::send_message;
-  r.id = x.token;
-  r.mote = x.destination;
-  r.channel = x.am_type;
-  r.octets = to_bytes(x.octets.view());
-  r.yes = x.reliable;
-  return true;
-}
-
-bool fill(record& r, const message_received& x) {
-  r.what = kind::message_received;
-  r.mote = x.source;
-  r.channel = x.am_type;
-  r.octets = to_bytes(x.octets.view());
-  return true;
-}
-
-bool fill(record& r, const send_ended& x) {
-  r.what = kind::send_ended;
-  r.id = x.token;
-  r.yes = x.acked;
-  r.text = x.refused ? "refused" : "";
-  return true;
-}
-
-bool fill(record& r, const actuator_changed& x) {
-  r.what = kind::actuator_changed;
-  r.text = x.name;
-  r.count = x.state;
-  r.yes = x.obeyed;
-  return true;
-}
-
 bool fill(record& r, const story& x) {
   r.what = kind::story;
+  if (x.who.starts_with("mote_app/")) // in its mote's actor
+    r.from = x.who;
   r.text = x.what;
   return true;
 }
@@ -273,9 +241,9 @@ void run_record::write(const scheduler::delivery& x) {
   record r;
   const bool worth =
       take_any<radio_send, radio_done, frame_received, link_octets, set_tuple, tuple_event,
-               serial_write, serial_octets, send_message, send_ended, message_received,
-               watch_tuples, set_remote_tuple, set_meta_tuple, send_peis_message, delete_tuple,
-               peis_outcome, link_opened, actuator_changed, plug_serial, story>(x.content, r);
+               serial_write, serial_octets, watch_tuples, set_remote_tuple, set_meta_tuple,
+               send_peis_message, delete_tuple, peis_outcome, link_opened, plug_serial, story>(
+          x.content, r);
   const auto cause = recorded_cause(x.cause);
   if (!worth) {
     if (cause != 0)
@@ -284,7 +252,8 @@ void run_record::write(const scheduler::delivery& x) {
   }
   r.number = x.number;
   r.time = x.time;
-  r.from = x.sender;
+  if (r.from.empty())
+    r.from = x.sender;
   r.to = x.path;
   r.cause = cause;
   r.unheard = !x.heard;
@@ -302,6 +271,13 @@ std::uint64_t run_record::recorded_cause(std::uint64_t number) const {
 void run_record::write(const scheduler::remark& x) {
   if (x.what == "story") {
     put_story(x);
+    return;
+  }
+  if (const auto* told = std::any_cast<record>(&x.content)) {
+    auto r = *told;
+    r.time = x.time;
+    r.cause = recorded_cause(x.cause);
+    put(r);
     return;
   }
   record r;

@@ -13,13 +13,15 @@ if(CCACHE)
 endif()
 
 add_library(rubicon_options INTERFACE)
+target_compile_features(rubicon_options INTERFACE cxx_std_20)
 target_compile_options(rubicon_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror
+  "$<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wconversion;-Wshadow;-Werror>"
   -ffp-contract=off) # same bits on every machine (design.md section 5)
 target_include_directories(rubicon_options INTERFACE
-  ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})
+  "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src;${PROJECT_SOURCE_DIR}>"
+  $<INSTALL_INTERFACE:include/rubicon>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  target_compile_options(rubicon_options INTERFACE -fpch-preprocess)
+  target_compile_options(rubicon_options INTERFACE $<BUILD_INTERFACE:-fpch-preprocess>)
 endif()
 
 # Release keeps asserts: they guard our own logic.

@@ -2,17 +2,54 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "apps/registry.hpp"
 #include "core/address.hpp"
 #include "core/time.hpp"
 #include "mote/transducer_config.hpp"
 
 namespace rubicon::apps {
+
+/// Reads transducers and sends their counts, big-endian signed 16 bit, in the order listed.
+struct sampler_config {
+  std::vector<mote::quantity> transducers; ///< at least one, each present on the mote
+  duration every = 31s;
+  duration jitter = 0s;         ///< each period starts up to this much late, uniform
+  std::uint16_t channel = 1;    ///< output channel of section 5.4; equals the AM type, 0..255
+  bool reliable = false;        ///< ask for an end-to-end acknowledgement
+  bool only_subscribed = false; ///< send while somebody subscribes to the channel only (GW-10)
+  duration every_min = 100ms;   ///< at most `every`: nobody may ask for a shorter period (IF-04)
+  bool stamped = false;         ///< after the counts: uint32, when that was, as in sensor_record
+  /// How many counts of each transducer are averaged here, for a proxy's field with
+  /// `computed_by = "mote"` (PXY-17); none: no count is averaged.
+  std::vector<std::size_t> mean_of = {};
+};
+
+/// Sets an actuator from the first octet received on a channel and answers with its new state.
+struct actuator_config {
+  std::string actuator;
+  std::uint16_t channel = 2; ///< input channel; the state goes out on the same channel
+};
+
+/// Sends text to another mote, of any island.
+struct messenger_config {
+  mote_address to;
+  std::string text;
+  duration every = 30s;
+  std::uint8_t am_type = 10;
+  bool reliable = true;
+};
+
+/// Tells the first message that it receives on one AM type; the other end of a messenger.
+struct listener_config {
+  std::uint8_t am_type = 10;
+};
 
 /// Samples a transducer and streams the records to another node (STR-07, STR-16).
 struct stream_writer_config {
@@ -87,11 +124,13 @@ struct recorder_config {
 
 using app_config =
     std::variant<stream_writer_config, stream_reader_config, reservoir_config, readout_config,
-                 average_config, stream_switch_config, recorder_config>;
+                 average_config, stream_switch_config, recorder_config, custom_config>;
 
 /// What files and reports call it: `stream_writer`.
-[[nodiscard]] constexpr std::string_view kind_of(const app_config& x) {
-  constexpr std::array<std::string_view, std::variant_size_v<app_config>> kinds{
+[[nodiscard]] inline std::string_view kind_of(const app_config& x) {
+  if (const auto* custom = std::get_if<custom_config>(&x))
+    return custom->kind->name;
+  constexpr std::array<std::string_view, std::variant_size_v<app_config> - 1> kinds{
       "stream_writer", "stream_reader", "reservoir", "readout",
       "average",       "stream_switch", "recorder"};
   return kinds[x.index()];

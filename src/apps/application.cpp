@@ -36,6 +36,9 @@ struct maker {
   std::unique_ptr<application> operator()(const recorder_config& x) const {
     return std::make_unique<recorder>(x);
   }
+  std::unique_ptr<application> operator()(const custom_config& x) const {
+    return x.kind->make(x.values, dice);
+  }
 };
 
 } // namespace

@@ -48,6 +48,9 @@ struct stream_end {
 RUBICON_FIELDS(stream_end, stream, writes, reader, records, unwritten, openings, opens_failed, open,
                steady, first_ms, last_ms, every, pause);
 
+/// Where readings and states go: the PC of the own island, which is its gateway (RTG-03).
+inline constexpr mote_address own_gateway{own_island, no_mote};
+
 /// Whoever hosts a program attaches it, starts it, calls on_time() at its deadline, and settles the
 /// layer after each of these.
 class application : public mote::communication_events {
@@ -71,6 +74,9 @@ public:
   /// What people following the run would want to hear, since the last call.
   [[nodiscard]] std::vector<std::string> take_stories() { return std::exchange(stories_, {}); }
 
+  /// Lines for the log, of what should not be, since the last call.
+  [[nodiscard]] std::vector<std::string> take_warnings() { return std::exchange(warnings_, {}); }
+
   /// Where its lines go; empty: nowhere. Its host begins an empty file with the heading.
   [[nodiscard]] virtual std::string_view file() const { return {}; }
   [[nodiscard]] virtual std::string_view file_heading() const { return {}; }
@@ -80,10 +86,18 @@ protected:
   virtual void on_start(instant now) = 0;
   [[nodiscard]] mote::communication& layer() { return *layer_; }
   void tell(std::string what) { stories_.push_back(std::move(what)); }
+  void warn(std::string what) { warnings_.push_back(std::move(what)); } ///< `event=lost number=3`
+
+  /// As layer().provide(); warns if the type is another's.
+  void provide(std::uint8_t am_type) {
+    if (layer().provide(am_type) == mote::FAIL)
+      warn("event=claim_refused am_type=" + std::to_string(am_type));
+  }
 
 private:
   std::optional<mote::communication> layer_;
   std::vector<std::string> stories_;
+  std::vector<std::string> warnings_;
 };
 
 [[nodiscard]] std::unique_ptr<application> make_application(const app_config& config,

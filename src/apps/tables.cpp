@@ -23,6 +23,7 @@ struct demand {
   void operator()(const average_config& x) { streams += x.streams.size() + x.outputs.size(); }
   void operator()(const stream_switch_config&) { ++streams; }
   void operator()(const recorder_config& x) { streams += x.streams.size(); }
+  void operator()(const custom_config& x) { streams += x.kind->streams; }
 
   void add(const std::vector<synapse>& ends, std::size_t& count) {
     count += ends.size();

@@ -56,6 +56,10 @@ struct counter {
   }
   void operator()(const stream_switch_config&) { ++sum.streams_in; }
   void operator()(const recorder_config& x) { sum.streams_in += x.streams.size(); }
+  void operator()(const custom_config& x) { // which of them are read, nobody knows
+    sum.channels += x.kind->streams;
+    sum.streams_in += x.kind->streams;
+  }
 };
 
 } // namespace

@@ -10,7 +10,7 @@
 namespace rubicon::cli {
 
 exit_status perform(const check_command& x) {
-  const auto file = load_or_complain(x.file, x.instead);
+  const auto file = load_or_complain(x.file, x.instead, x.known);
   if (!file)
     return exit_status::refused;
   const auto& ecology = file->ecology;

@@ -20,6 +20,7 @@ struct run_command {
   std::string file;
   run_options options;
   config::overrides instead; ///< files, and the seed of `options`
+  config::extensions known;
   bool json = false;
   bool check_determinism = false; ///< ACT-05
   std::string log_level = "warn"; ///< trace, debug, info, warn, error or off
@@ -29,6 +30,7 @@ struct run_command {
 struct check_command {
   std::string file;
   config::overrides instead;
+  config::extensions known;
   bool list = false; ///< motes, peers and tuples instead of a summary
 };
 
@@ -40,6 +42,7 @@ struct schema_command {
 /// `rubicon swarm FILE`
 struct swarm_command {
   std::string file;
+  config::extensions known;
   seed_range seeds;
   std::optional<std::uint64_t> jobs; ///< runs at a time, 1 to 1024; unset: one a core
   std::string length;      ///< as given, understood by `run --for`; empty: as the file says

@@ -30,7 +30,8 @@ std::string told(const std::vector<config::problem>& problems, const std::string
 } // namespace
 
 std::optional<ecology_file> load_or_complain(const std::string& file,
-                                             const config::overrides& instead) {
+                                             const config::overrides& instead,
+                                             const config::extensions& known) {
   const bool is_input = file == standard_input;
   const std::string name = is_input ? "<stdin>" : file;
   const auto read = is_input ? config::read_stream(*stdin, config::file_octets_max)
@@ -39,7 +40,7 @@ std::optional<ecology_file> load_or_complain(const std::string& file,
     static_cast<void>(print(stderr, told({config::problem{name, 0, 0, read.reason}}, name)));
     return std::nullopt;
   }
-  auto loaded = config::load_with_files(*read.text, name, instead);
+  auto loaded = config::load_with_files(*read.text, name, instead, known);
   std::string text;
   for (const auto& skipped : loaded.warnings)
     text += to_string(skipped) + " (left out)\n";

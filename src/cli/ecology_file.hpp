@@ -22,6 +22,7 @@ struct ecology_file {
 /// @param file `-`: standard input
 /// @returns nothing if there was a problem (GEN-06)
 [[nodiscard]] std::optional<ecology_file> load_or_complain(const std::string& file,
-                                                           const config::overrides& instead);
+                                                           const config::overrides& instead,
+                                                           const config::extensions& known);
 
 } // namespace rubicon::cli

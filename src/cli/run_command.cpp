@@ -82,7 +82,7 @@ exit_status compare_runs(const run_command& x, const config::ecology_description
 
 exit_status perform(const run_command& x) {
   set_up_logging(x.log_level, console_of(stderr));
-  const auto file = load_or_complain(x.file, x.instead);
+  const auto file = load_or_complain(x.file, x.instead, x.known);
   if (!file)
     return exit_status::refused;
   return x.check_determinism ? compare_runs(x, file->ecology) : report_run(x, *file);

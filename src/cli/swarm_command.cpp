@@ -210,7 +210,7 @@ exit_status perform(const swarm_command& x) {
   config::overrides instead;
   instead.seed = x.seeds.first;
   instead.mode = config::run_mode::virtual_time;
-  const auto file = load_or_complain(x.file, instead);
+  const auto file = load_or_complain(x.file, instead, x.known);
   if (!file)
     return exit_status::refused;
   swarm_words words{x.file, x.length, x.jobs.value_or(std::thread::hardware_concurrency())};

@@ -208,7 +208,7 @@ std::vector<placed_app> read_mote_apps(table_reader& in, const directory& names)
             {"actuator", [&](table_reader& y) { add(y, "channel", read_actuator_app(y)); }},
             {"messenger", [&](table_reader& y) { add(y, "am_type", read_messenger(y, names)); }},
             {"listener", [&](table_reader& y) { add(y, "am_type", read_listener(y)); }}};
-        for (const auto& kind : mote_programs(names))
+        for (const auto& kind : mote_programs(in, names))
           choices.emplace_back(
               kind.first, [&add, kind](table_reader& y) { add(y, "app", read_program(y, kind)); });
         choices.insert(choices.end(),

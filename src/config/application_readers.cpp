@@ -1,8 +1,10 @@
 #include "config/application_readers.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
+#include "config/file_readers.hpp"
 #include "config/mote_readers.hpp"
 #include "config/size_check.hpp"
 #include "config/values.hpp"
@@ -148,6 +150,45 @@ placed_program read_recorder(table_reader& in, claims<std::string>& files) {
   return {std::move(app), {}};
 }
 
+/// Reads one key as its description has it.
+struct setting_reader {
+  table_reader& in;
+  const apps::setting_key& key;
+
+  std::optional<apps::setting> operator()(double) const {
+    return take(real{key.min, key.max}, 0.0);
+  }
+  std::optional<apps::setting> operator()(bool) const { return take(flag{}, false); }
+  std::optional<apps::setting> operator()(const std::string&) const {
+    return take(text{}, std::string());
+  }
+  std::optional<apps::setting> operator()(duration) const { return take(time_span{}, 0ns); }
+
+  template <class Kind, class Value>
+  std::optional<apps::setting> take(const Kind& kind, Value value) const {
+    const bool found =
+        key.required ? in.required(key.name, kind, value, key.meaning.c_str())
+                     : in.optional(key.name, kind, value, key.meaning.c_str());
+    return found ? std::optional<apps::setting>(value) : std::nullopt;
+  }
+};
+
+placed_program read_custom(table_reader& in,
+                           const std::shared_ptr<const apps::application_kind>& kind) {
+  apps::custom_config app{kind, {}};
+  for (const auto& key : kind->keys)
+    app.values.set(key.name,
+                   std::visit(setting_reader{in, key}, key.otherwise).value_or(key.otherwise));
+  return {std::move(app), {}};
+}
+
+std::vector<program_kind> with_custom(std::vector<program_kind> out, const table_reader& in) {
+  if (const auto* files = in.shared().files)
+    for (const auto& [name, kind] : files->known.applications.all())
+      out.emplace_back(name, [x = kind](table_reader& y) { return read_custom(y, x); });
+  return out;
+}
+
 } // namespace
 
 std::optional<mote_address> node_name::read(const node& x, const asker& who) const {
@@ -178,22 +219,27 @@ std::vector<std::pair<std::string_view, mote::quantity>> sampled_quantities() {
   return words;
 }
 
-std::vector<program_kind> mote_programs(const directory& names) {
-  return {{"stream_writer", [&](table_reader& x) { return read_stream_writer(x, names); }},
-          {"stream_reader", read_stream_reader},
-          {"reservoir", [&](table_reader& x) { return read_reservoir(x, names, true); }},
-          {"readout", [&](table_reader& x) { return read_readout(x, names); }},
-          {"average", [&](table_reader& x) { return read_average(x, names); }},
-          {"stream_switch", [&](table_reader& x) { return read_stream_switch(x, names); }}};
+std::vector<program_kind> mote_programs(const table_reader& in, const directory& names) {
+  return with_custom(
+      {{"stream_writer", [&](table_reader& x) { return read_stream_writer(x, names); }},
+       {"stream_reader", read_stream_reader},
+       {"reservoir", [&](table_reader& x) { return read_reservoir(x, names, true); }},
+       {"readout", [&](table_reader& x) { return read_readout(x, names); }},
+       {"average", [&](table_reader& x) { return read_average(x, names); }},
+       {"stream_switch", [&](table_reader& x) { return read_stream_switch(x, names); }}},
+      in);
 }
 
-std::vector<program_kind> pc_programs(const directory& names, claims<std::string>& files) {
-  return {{"stream_reader", read_stream_reader},
-          {"reservoir", [&](table_reader& x) { return read_reservoir(x, names, false); }},
-          {"readout", [&](table_reader& x) { return read_readout(x, names); }},
-          {"average", [&](table_reader& x) { return read_average(x, names); }},
-          {"stream_switch", [&](table_reader& x) { return read_stream_switch(x, names); }},
-          {"recorder", [&](table_reader& x) { return read_recorder(x, files); }}};
+std::vector<program_kind> pc_programs(const table_reader& in, const directory& names,
+                                      claims<std::string>& files) {
+  return with_custom(
+      {{"stream_reader", read_stream_reader},
+       {"reservoir", [&](table_reader& x) { return read_reservoir(x, names, false); }},
+       {"readout", [&](table_reader& x) { return read_readout(x, names); }},
+       {"average", [&](table_reader& x) { return read_average(x, names); }},
+       {"stream_switch", [&](table_reader& x) { return read_stream_switch(x, names); }},
+       {"recorder", [&](table_reader& x) { return read_recorder(x, files); }}},
+      in);
 }
 
 std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_view key,
@@ -208,7 +254,7 @@ std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_vie
        "none"},
       [&](table_reader& x) {
         std::vector<std::pair<std::string_view, table_reader::part_reader>> choices;
-        for (const auto& [word, read] : pc_programs(names, files))
+        for (const auto& [word, read] : pc_programs(in, names, files))
           choices.emplace_back(word, [&, read = read](table_reader& y) {
             out.push_back(read(y).app);
             ends.claim(out.back(), y.at("app"), y.problems());

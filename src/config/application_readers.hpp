@@ -31,11 +31,13 @@ struct placed_program {
 /// One kind of program: the word for it in a file, and what reads its table.
 using program_kind = std::pair<std::string_view, std::function<placed_program(table_reader&)>>;
 
-/// Programs for motes. @param names outlives what is returned, as in the next one
-[[nodiscard]] std::vector<program_kind> mote_programs(const directory& names);
+/// Programs for motes, with those that the binary has brought along.
+/// @param in where they are listed @param names outlives what is returned, as in the next one
+[[nodiscard]] std::vector<program_kind> mote_programs(const table_reader& in,
+                                                      const directory& names);
 
 /// Programs for PCs. @param files those that recorders write so far; outlives what is returned
-[[nodiscard]] std::vector<program_kind> pc_programs(const directory& names,
+[[nodiscard]] std::vector<program_kind> pc_programs(const table_reader& in, const directory& names,
                                                     claims<std::string>& files);
 
 /// All programs of a PC. @param key of their array

@@ -35,40 +35,10 @@ namespace rubicon::config {
 
 enum class run_mode : std::uint8_t { virtual_time, wall };
 
-/// Reads transducers and sends their counts, big-endian signed 16 bit, in the order listed.
-struct sampler_app {
-  std::vector<mote::quantity> transducers; ///< at least one, each present on the mote
-  duration every = 31s;
-  duration jitter = 0s;         ///< each period starts up to this much late, uniform
-  std::uint16_t channel = 1;    ///< output channel of section 5.4; equals the AM type, 0..255
-  bool reliable = false;        ///< ask for an end-to-end acknowledgement
-  bool only_subscribed = false; ///< send while somebody subscribes to the channel only (GW-10)
-  duration every_min = 100ms;   ///< at most `every`: nobody may ask for a shorter period (IF-04)
-  bool stamped = false;         ///< after the counts: uint32, when that was, as in sensor_record
-  /// How many counts of each transducer are averaged here, for a proxy's field with
-  /// `computed_by = "mote"` (PXY-17); none: no count is averaged.
-  std::vector<std::size_t> mean_of = {};
-};
-
-/// Sets an actuator from the first octet received on a channel and answers with its new state.
-struct actuator_app {
-  std::string actuator;
-  std::uint16_t channel = 2; ///< input channel; the state goes out on the same channel
-};
-
-/// Sends text to another mote, of any island.
-struct messenger_app {
-  mote_address to;
-  std::string text;
-  duration every = 30s;
-  std::uint8_t am_type = 10;
-  bool reliable = true;
-};
-
-/// Counts what it receives on one AM type and remembers the last; the other end of a messenger.
-struct listener_app {
-  std::uint8_t am_type = 10;
-};
+using sampler_app = apps::sampler_config;
+using actuator_app = apps::actuator_config;
+using messenger_app = apps::messenger_config;
+using listener_app = apps::listener_config;
 
 /// A program in an actor of its own, beside its mote's.
 struct separate_app {

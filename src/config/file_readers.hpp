@@ -22,7 +22,7 @@ struct named_files {
   overrides instead;
   file_reader read;
   folder_reader list = {};
-  proxy::program_registry programs = {};
+  extensions known = {};
 };
 
 /// What the readers of islands and peers need from the tables before them, and must not share.

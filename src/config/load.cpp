@@ -36,7 +36,7 @@ ecology_description read_file_tables(table_reader& in, const named_files& files)
   check_links(links, out.radio, out.airs, shared.problems);
   out.peis = read_peis(in);
   out.peers = read_peers(in, with, out.islands);
-  out.proxies = read_proxies(in, names, files.programs, out.islands);
+  out.proxies = read_proxies(in, names, files.known.programs, out.islands);
   out.tags = read_tags(in);
   check_object_manager(in, out.peers, out.proxies);
   out.faults = read_faults(in, with, out.islands, end);
@@ -104,14 +104,13 @@ folder_names read_folder(const std::string& path) {
 }
 
 loaded load_text(std::string_view toml, const std::string& file_name, const overrides& instead,
-                 const file_reader& read, const folder_reader& list,
-                 const proxy::program_registry& programs) {
+                 const file_reader& read, const folder_reader& list, const extensions& known) {
   const auto parsed = parse(toml, file_name);
   if (const auto* wrong = std::get_if<problem>(&parsed))
     return {std::nullopt, {*wrong}};
   reading shared;
   const named_files files{file_name, instead, read ? read : no_file, list ? list : no_folder,
-                          programs};
+                          known};
   trace_files traces(files);
   shared.traces = &traces;
   shared.files = &files;
@@ -122,17 +121,16 @@ loaded load_text(std::string_view toml, const std::string& file_name, const over
   return {std::move(ecology), {}, shared.problems.warnings()};
 }
 
-loaded load_file(const std::string& path, const overrides& instead,
-                 const proxy::program_registry& programs) {
+loaded load_file(const std::string& path, const overrides& instead, const extensions& known) {
   auto file = read_file(path, file_octets_max);
   if (!file.text)
     return {std::nullopt, {problem{path, 0, 0, std::move(file.reason)}}};
-  return load_with_files(*file.text, path, instead, programs);
+  return load_with_files(*file.text, path, instead, known);
 }
 
 loaded load_with_files(std::string_view toml, const std::string& file_name,
-                       const overrides& instead, const proxy::program_registry& programs) {
-  return load_text(toml, file_name, instead, read_file, read_folder, programs);
+                       const overrides& instead, const extensions& known) {
+  return load_text(toml, file_name, instead, read_file, read_folder, known);
 }
 
 table_description describe_file() {

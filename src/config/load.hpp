@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/registry.hpp"
 #include "config/ecology.hpp"
 #include "config/problem.hpp"
 #include "config/schema.hpp"
@@ -29,6 +30,12 @@ struct overrides {
   std::string noise_trace;                     ///< path; empty: [radio.noise] file
   std::optional<std::uint64_t> seed;           ///< it decides where the motes of a disk are
   std::optional<run_mode> mode = std::nullopt; ///< it decides what may be real
+};
+
+/// What files may name beside what every binary has.
+struct extensions {
+  proxy::program_registry programs = proxy::built_in_programs(); ///< `program` of a [[proxy]]
+  apps::registry applications = {};                              ///< `app` of motes and peers
 };
 
 /// The text of a file, or why there is none: `cannot be opened: No such file or directory`.
@@ -60,23 +67,20 @@ using folder_reader = std::function<folder_names(const std::string& path)>;
 /// A syntax error hides everything else; all other problems are told together.
 /// @param file_name how problems call the text; names in it are relative to this file's folder
 /// @param read reads the files that the text names; without it, none can be opened
-/// @param programs that proxies may have; a file that names another one has a problem
+/// @param known a file that names another program or application has a problem
 /// @param list tells what is in the folders that the text names; the same
-[[nodiscard]] loaded
-load_text(std::string_view toml, const std::string& file_name, const overrides& instead = {},
-          const file_reader& read = {}, const folder_reader& list = {},
-          const proxy::program_registry& programs = proxy::built_in_programs());
+[[nodiscard]] loaded load_text(std::string_view toml, const std::string& file_name,
+                               const overrides& instead = {}, const file_reader& read = {},
+                               const folder_reader& list = {}, const extensions& known = {});
 
 /// The same, with what it names read from the disk.
-[[nodiscard]] loaded
-load_with_files(std::string_view toml, const std::string& file_name, const overrides& instead = {},
-                const proxy::program_registry& programs = proxy::built_in_programs());
+[[nodiscard]] loaded load_with_files(std::string_view toml, const std::string& file_name,
+                                     const overrides& instead = {}, const extensions& known = {});
 
 /// The same for a file. One that is missing, unreadable, a directory, binary or empty is one
 /// problem.
-[[nodiscard]] loaded
-load_file(const std::string& path, const overrides& instead = {},
-          const proxy::program_registry& programs = proxy::built_in_programs());
+[[nodiscard]] loaded load_file(const std::string& path, const overrides& instead = {},
+                               const extensions& known = {});
 
 /// All that a file may say.
 [[nodiscard]] table_description describe_file();

@@ -282,7 +282,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
              y.problems().add(y.at("app"), "the peer already has an init");
            add(read_init(y, with, peers.like.id, apps.inits));
          }}};
-    for (const auto& [word, read] : pc_programs(with.names, with.files))
+    for (const auto& [word, read] : pc_programs(in, with.names, with.files))
       choices.emplace_back(word, [&, word = word, read = read](table_reader& y) {
         if (peers.count > 1 && word == "recorder")
           y.problems().add(y.at("app"),

@@ -116,6 +116,7 @@ private:
   std::map<session_key, session_entry> greetings_;
   /// Given to a mote and not yet seen on their way, oldest first.
   std::map<std::pair<mote_address, mote_address>, std::deque<std::uint32_t>> waiting_;
+  std::map<std::uint64_t, std::vector<std::uint32_t>> sent_by_; ///< in the course of a delivery
   std::map<std::pair<std::string, std::uint64_t>, std::deque<std::uint32_t>> unended_;
   std::map<mote_address, std::uint32_t> numbers_; ///< of the last message by source
   struct partial_packet {

@@ -39,6 +39,11 @@ bool is_stream_record(byte_view octets) {
   return x && std::holds_alternative<stream::write_message>(*x);
 }
 
+/// What a program does in its mote's actor is no delivery, but part of one.
+std::uint64_t delivery_of(const record& r) {
+  return r.number != 0 ? r.number : r.cause;
+}
+
 } // namespace
 
 std::uint32_t builder::begin_message(message x, const record& r) {
@@ -72,7 +77,7 @@ void builder::on_send(const record& r) {
   const auto destination = x.destination;
   const auto index = begin_message(std::move(x), r);
   waiting_[{*self, destination}].push_back(index);
-  arrivals_[r.number].push_back(all_.messages[index].root);
+  sent_by_[delivery_of(r)].push_back(index);
   unended_[{r.from, r.id}].push_back(index);
 }
 
@@ -86,7 +91,7 @@ void builder::on_message(const record& r) {
   x.from = r.to;
   x.begin = r.time;
   x.arrived = r.time;
-  arrivals_[r.number].push_back(add(std::move(x), parent));
+  arrivals_[delivery_of(r)].push_back(add(std::move(x), parent));
 }
 
 void builder::on_send_ended(const record& r) {
@@ -113,7 +118,7 @@ void builder::on_send_ended(const record& r) {
   auto parent = caused(r.cause);
   if (parent == no_node || at(parent).about != subject{false, index})
     parent = m.root;
-  arrivals_[r.number].push_back(add(std::move(x), parent));
+  add(std::move(x), parent);
 }
 
 // ------------------------------------------------------------------------------- which one is it?
@@ -207,10 +212,11 @@ std::optional<std::uint32_t> builder::take_waiting(const message& x, const recor
   auto found = std::ranges::find_if(waiting, fits);
   if (found == waiting.end())
     return std::nullopt;
-  if (const auto sent = arrivals_.find(r.cause); sent != arrivals_.end()) {
-    const auto about = at(sent->second.back()).about;
-    const auto just_now = std::ranges::find(waiting, about.index);
-    if (!about.is_tuple && just_now != waiting.end() && fits(about.index))
+  if (const auto sent = sent_by_.find(r.cause); sent != sent_by_.end()) {
+    const auto just_now = std::ranges::find_if(waiting, [&](std::uint32_t index) {
+      return std::ranges::find(sent->second, index) != sent->second.end() && fits(index);
+    });
+    if (just_now != waiting.end())
       found = just_now;
   }
   const auto index = *found;

@@ -187,6 +187,13 @@ void builder::on_story(const record& r) {
   x.arrived = r.time;
   x.text = r.text;
   add(std::move(x), parent);
+  // What is sent at that moment is sent because of it.
+  auto& siblings = at(parent).children;
+  const auto sent = std::ranges::find_if(siblings, [&](node_index each) {
+    return at(each).what == step::sends && at(each).begin == r.time;
+  });
+  if (sent != siblings.end())
+    std::rotate(sent, std::prev(siblings.end()), siblings.end());
 }
 
 // --------------------------------------------------------------------------------------- packages

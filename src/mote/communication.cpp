@@ -144,6 +144,16 @@ void communication::release(std::uint8_t am_type) {
   below_->release(am_type);
 }
 
+// What the mote carries.
+
+status communication::read_transducers(std::span<const quantity> kinds) {
+  return below_->read_transducers(kinds);
+}
+
+status communication::set_actuator(std::string_view name, std::uint8_t state) {
+  return below_->set_actuator(name, state);
+}
+
 // 5.3.4
 
 status communication::initCommunications() {

@@ -13,6 +13,7 @@
 //   read, write            readDone with FAIL, also at a write end: the stream has ended
 //   send                   ackOf and ack with FAIL, if reliable
 //   provide                receive with FAIL, the AM type, and neither source nor octets
+//   read_transducers       transducersRead without counts
 //   joinIsland             joined with FAIL
 // start, stop, dispose and close are refused late only for what has ended: that was told already.
 #pragma once
@@ -21,6 +22,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
@@ -83,6 +85,14 @@ public:
   /// Extension: what its gateway wants this mote to send (GW-10); replaces what it wanted before.
   /// A program that comes later is told when it comes.
   virtual void outputsWanted(std::span<const output_wanted> /*all*/) {}
+
+  // Extensions: what its mote carries.
+  /// In the order asked for. @param time_ms when that was, as in stream::sensor_record
+  virtual void transducersRead(std::span<const std::int16_t> /*counts*/,
+                               std::uint32_t /*time_ms*/) {}
+  /// It was asked to change, or has come to where it was sent. @param state what it is now
+  virtual void actuatorChanged(std::string_view /*name*/, std::uint8_t /*state*/, bool /*obeyed*/) {
+  }
 
   // 5.3.4 Component management
   virtual void initCommunicationsDone(status /*success*/) {}
@@ -154,6 +164,12 @@ public:
   /// Types that it does not provide are left alone.
   void hold(std::uint8_t am_type);
   void release(std::uint8_t am_type);
+
+  // Extensions: what its mote carries.
+  /// transducersRead() follows. FAIL: the node has not all of them, which no PC has.
+  status read_transducers(std::span<const quantity> kinds);
+  /// actuatorChanged() follows, and again when what takes its time has come there. FAIL: a PC.
+  status set_actuator(std::string_view name, std::uint8_t state);
 
   // 5.3.4
   status initCommunications();

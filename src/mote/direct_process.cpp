@@ -160,6 +160,27 @@ void direct_process::release(std::uint8_t am_type) {
     below_.messages_.release(am_type);
 }
 
+// What the mote carries.
+
+status direct_process::read_transducers(std::span<const quantity> kinds) {
+  const auto& own = below_.config_;
+  const bool has_all = own.self != no_mote && std::ranges::all_of(kinds, [&own](quantity x) {
+                         return x == quantity::signal ||
+                                has_transducer(own.transducer_mask, static_cast<std::uint8_t>(x));
+                       });
+  if (!has_all)
+    return refuse();
+  below_.outputs_.emplace_back(transducers_wanted{number_, {kinds.begin(), kinds.end()}});
+  return SUCCESS;
+}
+
+status direct_process::set_actuator(std::string_view name, std::uint8_t state) {
+  if (below_.config_.self == no_mote)
+    return refuse();
+  below_.outputs_.emplace_back(actuator_wanted{number_, std::string(name), state});
+  return SUCCESS;
+}
+
 // Membership.
 
 status direct_process::init() {
@@ -195,6 +216,7 @@ void direct_process::leave() {
   }
   for (const auto number : owned(below_.senders_, number_))
     below_.senders_.erase(number);
+  std::erase_if(below_.movers_, [this](const auto& x) { return x.second == number_; });
   if (below_.rest_owner_ == number_)
     below_.rest_owner_.reset();
   std::erase_if(below_.events_, [this](const auto& x) { return x.first == number_; });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "mote/process.hpp"
@@ -14,8 +15,7 @@ class communication_events;
 
 class direct_process final : public process {
 public:
-  direct_process(layer& below, std::size_t number, communication_events& events)
-      : below_(below), number_(number), events_(&events) {}
+  direct_process(layer& below, std::size_t number) : below_(below), number_(number) {}
 
   status refuse() override;
 
@@ -42,6 +42,9 @@ public:
   void hold(std::uint8_t am_type) override;
   void release(std::uint8_t am_type) override;
 
+  status read_transducers(std::span<const quantity> kinds) override;
+  status set_actuator(std::string_view name, std::uint8_t state) override;
+
   status init() override;
   status join(byte_view description) override;
   [[nodiscard]] std::optional<mote_address> address() const override;
@@ -62,8 +65,9 @@ private:
 
   layer& below_;
   std::size_t number_;
-  communication_events* events_; ///< nullptr: it has left
-  std::vector<unsettled> sends_; ///< ack() keeps their order (A-56)
+  communication_events* events_ = nullptr; ///< nullptr: it has left
+  std::string name_;                       ///< for layer::observe(); empty: not observed
+  std::vector<unsettled> sends_;           ///< ack() keeps their order (A-56)
 };
 
 } // namespace rubicon::mote

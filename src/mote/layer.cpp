@@ -51,14 +51,15 @@ layer::layer(layer_config config, random_stream dice) : config_(std::move(config
   synaptic_ = synaptic::channels(config_.synaptic);
 }
 
-communication layer::attach(communication_events& events) {
+communication layer::attach(communication_events& events, std::string name) {
   const auto left =
       std::ranges::find_if(programs_, [](const auto& x) { return x->events_ == nullptr; });
-  auto& program = left != programs_.end()
-                      ? **left
-                      : *programs_.emplace_back(
-                            std::make_unique<direct_process>(*this, programs_.size(), events));
+  auto& program =
+      left != programs_.end()
+          ? **left
+          : *programs_.emplace_back(std::make_unique<direct_process>(*this, programs_.size()));
   program.events_ = &events;
+  program.name_ = std::move(name);
   if (!outputs_wanted_.empty())
     tell_wanted(program.number_);
   return communication(program);
@@ -92,6 +93,12 @@ void layer::dispatch() {
 void layer::tell(std::size_t process, event x) {
   if (programs_[process]->events_ != nullptr)
     events_.emplace_back(process, std::move(x));
+}
+
+void layer::note(std::size_t process, program_note x) const {
+  x.program = programs_[process]->name_;
+  if (observer_ && !x.program.empty())
+    observer_(x);
 }
 
 void layer::tell_all(const event& x) {
@@ -161,15 +168,18 @@ void layer::on_mote_joined(mote_id mote, byte_view description, instant now) {
 
 std::optional<std::uint32_t> layer::send(direct_process& from, mote_address to, byte_view buf,
                                          bool reliable, std::uint8_t am_type) {
+  using kind = program_note::kind;
   const bool is_valid = to.island.value > 0 && to.mote != mote_id{};
   ++counters_.offered;
-  if (!may_talk() || !is_valid) {
+  std::optional<transport::outputs> accepted;
+  if (!may_talk() || !is_valid)
     ++(island_ ? counters_.misaddressed : counters_.unjoined);
-    refuse();
-    return std::nullopt;
-  }
-  const auto number = ++last_number_;
-  auto accepted = messages_.send(number, to, am_type, to_bytes(buf), reliable, now_);
+  else
+    accepted = messages_.send(++last_number_, to, am_type, to_bytes(buf), reliable, now_);
+  const auto number = accepted ? last_number_ : 0;
+  note(from.number_, {kind::sent, {}, number, to, am_type, buf, {}, 0, reliable});
+  if (!accepted || !reliable)
+    note(from.number_, {.what = kind::send_ended, .number = number});
   if (!accepted) {
     refuse();
     return std::nullopt;
@@ -220,6 +230,7 @@ void layer::on_received(transport::received& x) {
     ++counters_.unowned;
     return;
   }
+  note(*owner, {program_note::kind::received, {}, 0, x.source, x.am_type, x.payload, {}, 0, false});
   tell(*owner, [message = std::move(x)](auto& events) {
     events.receiveFrom(message.source, message.payload, message.am_type);
   });
@@ -232,6 +243,7 @@ void layer::on_outcome(const transport::outcome& x) {
   const auto process = sender.mapped();
   const auto number = static_cast<std::uint32_t>(x.id);
   const auto result = status_of(x.acked);
+  note(process, {.what = program_note::kind::send_ended, .number = number, .yes = x.acked});
   tell(process, [number, result](auto& events) { events.ackOf(number, result); });
   auto& sends = programs_[process]->sends_;
   std::ranges::find(sends, x.id, &direct_process::unsettled::number)->acked = x.acked;
@@ -447,6 +459,31 @@ void layer::on_read(stream::read_done& x) {
 void layer::on_sample(stream::descriptor stream, const stream::sensor_record& x, instant now) {
   now_ = now;
   take(streams_.on_sample(stream, x));
+}
+
+// What the mote carries.
+
+void layer::on_transducers(std::size_t process, std::vector<std::int16_t> counts,
+                           std::uint32_t time_ms, instant now) {
+  now_ = now;
+  tell(process,
+       [counts = std::move(counts), time_ms](auto& x) { x.transducersRead(counts, time_ms); });
+}
+
+void layer::on_actuator(std::size_t process, const std::string& name, std::uint8_t state,
+                        bool obeyed, instant now) {
+  now_ = now;
+  movers_[name] = process;
+  note(process, {.what = program_note::kind::actuator_changed,
+                 .actuator = name,
+                 .state = state,
+                 .yes = obeyed});
+  tell(process, [=](auto& x) { x.actuatorChanged(name, state, obeyed); });
+}
+
+void layer::on_actuator_arrived(const std::string& name, std::uint8_t state, instant now) {
+  if (const auto mover = movers_.find(name); mover != movers_.end())
+    on_actuator(mover->second, name, state, true, now);
 }
 
 // Synaptic channels.

@@ -10,6 +10,8 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -62,6 +64,19 @@ struct sample_wanted {
   std::uint8_t transducer = 0;
 };
 
+/// Read these; answered by on_transducers().
+struct transducers_wanted {
+  std::size_t process = 0;
+  std::vector<quantity> kinds;
+};
+
+/// Move this; answered by on_actuator().
+struct actuator_wanted {
+  std::size_t process = 0;
+  std::string name;
+  std::uint8_t state = 0;
+};
+
 /// A program wants radio and serial line up; answered by on_initialised().
 struct init_wanted {};
 
@@ -70,9 +85,26 @@ struct join_wanted {
   bytes description;
 };
 
-using layer_output = std::variant<transport::to_network, channel_wanted, channel_packet,
-                                  channel_unwanted, sample_wanted, init_wanted, join_wanted>;
+using layer_output =
+    std::variant<transport::to_network, channel_wanted, channel_packet, channel_unwanted,
+                 sample_wanted, transducers_wanted, actuator_wanted, init_wanted, join_wanted>;
 using layer_outputs = std::vector<layer_output>;
+
+/// What a program has done or was told, for whoever observes the node. Views are valid during the
+/// call only.
+struct program_note {
+  enum class kind : std::uint8_t { sent, send_ended, received, actuator_changed };
+
+  kind what = kind::sent;
+  std::string_view program = {};
+  std::uint32_t number = 0; ///< of a send; 0: refused
+  mote_address other = {};  ///< destination, or source
+  std::uint8_t am_type = 0;
+  byte_view octets = {};
+  std::string_view actuator = {};
+  std::uint8_t state = 0; ///< of the actuator
+  bool yes = false;       ///< sent: reliable; send_ended: acknowledged; actuator_changed: obeyed
+};
 
 inline constexpr std::uint8_t transducers_max = 32; ///< bits of a mask
 
@@ -118,7 +150,13 @@ public:
   layer& operator=(const layer&) = delete;
 
   /// @param events a program's, which outlives this
-  [[nodiscard]] communication attach(communication_events& events);
+  /// @param name for observe(); empty: it is not observed
+  [[nodiscard]] communication attach(communication_events& events, std::string name = {});
+
+  /// Called at once for what named programs do and are told. Must not give commands.
+  void observe(std::function<void(const program_note&)> observer) {
+    observer_ = std::move(observer);
+  }
 
   /// The program that gets messages of types that no other provides; at most one.
   [[nodiscard]] communication attach_for_rest(communication_events& events);
@@ -150,6 +188,15 @@ public:
   void on_channel_closed(stream::channel_handle channel, instant now);
 
   void on_sample(stream::descriptor stream, const stream::sensor_record& x, instant now);
+  /// @param process that asked @param counts of all that it asked for
+  void on_transducers(std::size_t process, std::vector<std::int16_t> counts, std::uint32_t time_ms,
+                      instant now);
+  /// @param process that asked @param state what it is now
+  void on_actuator(std::size_t process, const std::string& name, std::uint8_t state, bool obeyed,
+                   instant now);
+  /// Who has set it last is told. @param state what it is now
+  void on_actuator_arrived(const std::string& name, std::uint8_t state, instant now);
+
   void on_tick(std::uint32_t tick, instant now);
   /// Whether on_tick() matters to anybody here: a synaptic channel is open, or a program asks for
   /// it.
@@ -215,6 +262,7 @@ private:
   void send_on(stream::channel_handle channel, bytes octets, bool in_slot = false);
   void disconnect(stream::channel_handle channel);
   void tell(std::size_t process, event x);
+  void note(std::size_t process, program_note x) const;
   void tell_all(const event& x);
   template <class Owners>
   void tell_owner(const Owners& owners, typename Owners::key_type of, event x);
@@ -238,6 +286,7 @@ private:
   std::vector<std::unique_ptr<direct_process>> programs_; ///< programs point to them
   std::map<std::uint8_t, std::size_t> owners_;            ///< of AM types
   std::optional<std::size_t> rest_owner_;                 ///< of all others
+  std::map<std::string, std::size_t> movers_;             ///< who has set an actuator last
   std::map<stream::descriptor, std::size_t> stream_owners_;
   std::map<synaptic::descriptor, std::size_t> synaptic_owners_;
   std::map<transport::ticket, std::size_t> senders_; ///< of reliable sends under way
@@ -250,6 +299,7 @@ private:
 
   std::vector<std::pair<std::size_t, event>> events_;
   bool dispatching_ = false;
+  std::function<void(const program_note&)> observer_;
   layer_outputs outputs_;
   layer_counters counters_;
 };

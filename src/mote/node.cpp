@@ -95,8 +95,8 @@ node::node(node_config config, const nonvolatile& store, random_stream dice, ins
     actuators_.emplace(x.name, actuator(x));
 }
 
-communication node::attach(communication_events& events) {
-  return use_layer().attach(events);
+communication node::attach(communication_events& events, std::string name) {
+  return use_layer().attach(events, std::move(name));
 }
 
 // Joining.
@@ -226,8 +226,10 @@ node_outputs node::on_time(instant now) {
   if (const auto due = layer_deadline(); due && *due <= now)
     use_layer().on_time(now);
   for (auto& [name, x] : actuators_) {
-    if (x.on_time(now))
-      out.emplace_back(actuator_arrived{name, x.target()});
+    if (!x.on_time(now))
+      continue;
+    out.emplace_back(actuator_arrived{name, x.target()});
+    use_layer().on_actuator_arrived(name, x.target(), now);
   }
   send_paced(out, now);
   settle(out, now);
@@ -412,9 +414,14 @@ void node::perform(layer_output& x, node_outputs& out, instant now) {
   } else if (const auto* over = std::get_if<channel_unwanted>(&x)) {
     take(packets_.router().disconnect(channel_of(over->channel), now), out, now);
   } else if (const auto* sample = std::get_if<sample_wanted>(&x)) {
-    const auto count = read(static_cast<quantity>(sample->transducer), now - config_.clock_ahead);
+    const auto ahead = config_.clock.own({}) - instant{}; // streams go by the mote's crystal
+    const auto count = read(static_cast<quantity>(sample->transducer), now - ahead);
     use_layer().on_sample(sample->stream, {{island_, config_.id}, time_ms(now), count.value_or(0)},
                           now);
+  } else if (const auto* counts = std::get_if<transducers_wanted>(&x)) {
+    carry_out(*counts, now);
+  } else if (const auto* change = std::get_if<actuator_wanted>(&x)) {
+    carry_out(*change, out, now);
   } else if (std::holds_alternative<init_wanted>(x)) {
     use_layer().on_initialised(true, now);
   } else {
@@ -536,9 +543,20 @@ std::uint32_t node::time_ms(instant now) const {
                                     std::chrono::milliseconds(1));
 }
 
-bool node::actuate(const std::string& name, std::uint8_t state, instant now) {
-  const auto found = actuators_.find(name);
-  return found != actuators_.end() && found->second.set(state, now);
+void node::carry_out(const transducers_wanted& x, instant now) {
+  std::vector<std::int16_t> counts;
+  for (const auto kind : x.kinds)
+    counts.push_back(read(kind, config_.clock.real(now)).value_or(0));
+  use_layer().on_transducers(x.process, std::move(counts), time_ms(now), now);
+}
+
+void node::carry_out(const actuator_wanted& x, node_outputs& out, instant now) {
+  const auto found = actuators_.find(x.name);
+  const bool obeyed = found != actuators_.end() && found->second.set(x.state, now);
+  const auto state = actuator_state(x.name, now).value_or(0);
+  if (obeyed && state == x.state)
+    out.emplace_back(actuator_arrived{x.name, state});
+  use_layer().on_actuator(x.process, x.name, state, obeyed, now);
 }
 
 std::optional<std::uint8_t> node::actuator_state(const std::string& name, instant now) const {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,6 +17,7 @@
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "mote/actuator.hpp"
+#include "mote/crystal.hpp"
 #include "mote/descriptor.hpp"
 #include "mote/duty_cycle.hpp"
 #include "mote/join_client.hpp"
@@ -40,7 +42,7 @@ struct node_config {
   layer_config layer;                ///< sizes of tables
   network::router_config network;    ///< the same
   duty_config duty;
-  duration clock_ahead{}; ///< of the world's: what transducers see goes by that
+  crystal clock; ///< its own: what transducers see goes by the world's
 };
 
 /// The mote is a member of its island, or is one no longer.
@@ -80,7 +82,13 @@ public:
 
   /// A program on this mote. Commands that are not given from within an event are followed by
   /// settle(). @param events outlives this
-  [[nodiscard]] communication attach(communication_events& events);
+  /// @param name as in layer::attach()
+  [[nodiscard]] communication attach(communication_events& events, std::string name = {});
+
+  /// As layer::observe().
+  void observe(std::function<void(const program_note&)> observer) {
+    layer_->observe(std::move(observer));
+  }
 
   /// Carries out commands that programs have given at `now`; begin() sets the time they see.
   void begin(instant now) { use_layer().set_time(now); }
@@ -106,13 +114,10 @@ public:
   static constexpr std::int16_t signal_unknown = 127;
 
   /// Its clock was set: all times are ahead by so much more from now on, or less.
-  void on_clock_set(duration by) { config_.clock_ahead += by; }
+  void on_clock_set(duration by) { config_.clock = config_.clock.ahead_by(by); }
 
   /// The mote is somewhere else from now on.
   void move(position x) { config_.place = x; }
-
-  /// @returns false if there is no such actuator, or it has no such state
-  bool actuate(const std::string& name, std::uint8_t state, instant now);
 
   /// Where it is; nothing: there is no such actuator.
   [[nodiscard]] std::optional<std::uint8_t> actuator_state(const std::string& name,
@@ -158,6 +163,8 @@ private:
   void on_packet(const network::island_packet& x, instant now);
   void route(transport::to_network& x, node_outputs& out, instant now);
   void connect(const channel_wanted& x, node_outputs& out, instant now);
+  void carry_out(const transducers_wanted& x, instant now);
+  void carry_out(const actuator_wanted& x, node_outputs& out, instant now);
   void tell_latency(network::channel_id channel);
   void ask_to_join(bytes description, node_outputs& out, instant now);
   void tick(instant now);

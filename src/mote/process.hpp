@@ -5,11 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/fields.hpp"
 #include "core/time.hpp"
+#include "mote/transducer_config.hpp"
 #include "stream/events.hpp"
 #include "synaptic/parameters.hpp"
 
@@ -68,6 +71,9 @@ public:
   virtual status provide(std::uint8_t am_type) = 0;
   virtual void hold(std::uint8_t am_type) = 0;
   virtual void release(std::uint8_t am_type) = 0;
+
+  virtual status read_transducers(std::span<const quantity> kinds) = 0;
+  virtual status set_actuator(std::string_view name, std::uint8_t state) = 0;
 
   virtual status init() = 0;
   virtual status join(byte_view description) = 0;

@@ -304,6 +304,30 @@ void program_port::receiveFrom(mote_address source, byte_view octets, std::uint8
   tell_if_room(remote::message_received{source, am_type, payload(to_bytes(octets))});
 }
 
+// What the mote carries.
+
+void program_port::carry_out(const remote::read_transducers& x) {
+  if (layer_.read_transducers(x.kinds) == SUCCESS)
+    return;
+  ++counters_.refused;
+  tell(remote::transducers_read{});
+}
+
+void program_port::carry_out(const remote::set_actuator& x) {
+  if (layer_.set_actuator(x.name, x.state) == SUCCESS)
+    return;
+  ++counters_.refused;
+  tell(remote::actuator_changed{x.name, 0, false});
+}
+
+void program_port::transducersRead(std::span<const std::int16_t> counts, std::uint32_t time_ms) {
+  tell(remote::transducers_read{{counts.begin(), counts.end()}, time_ms});
+}
+
+void program_port::actuatorChanged(std::string_view name, std::uint8_t state, bool obeyed) {
+  tell(remote::actuator_changed{std::string(name), state, obeyed});
+}
+
 // Membership.
 
 void program_port::carry_out(const remote::init&) {

@@ -56,6 +56,8 @@ public:
   void readDone(int stream, byte_view record, status success) override;
   void ackOf(std::uint32_t number, status success) override;
   void receiveFrom(mote_address source, byte_view octets, std::uint8_t am_type) override;
+  void transducersRead(std::span<const std::int16_t> counts, std::uint32_t time_ms) override;
+  void actuatorChanged(std::string_view name, std::uint8_t state, bool obeyed) override;
   void initCommunicationsDone(status success) override;
   void joined(island_octet island, std::uint16_t mote, status success) override;
   void moteJoined(std::uint16_t mote, byte_view description) override;
@@ -91,6 +93,8 @@ private:
   void carry_out(const remote::provide_type& x);
   void carry_out(const remote::hold_type& x);
   void carry_out(const remote::want_ticks& x);
+  void carry_out(const remote::read_transducers& x);
+  void carry_out(const remote::set_actuator& x);
   void carry_out(const remote::init& x);
   void carry_out(const remote::join& x);
   void carry_out(const remote::leave& x);

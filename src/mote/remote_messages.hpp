@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "core/fields.hpp"
 #include "mote/outputs_wanted.hpp"
 #include "mote/process.hpp"
+#include "mote/transducer_config.hpp"
 #include "stream/events.hpp"
 #include "synaptic/events.hpp"
 #include "synaptic/parameters.hpp"
@@ -126,6 +128,17 @@ RUBICON_FIELDS(hold_type, am_type, holds);
 struct want_ticks {};
 RUBICON_FIELDS(want_ticks);
 
+struct read_transducers {
+  std::vector<quantity> kinds;
+};
+RUBICON_FIELDS(read_transducers, kinds);
+
+struct set_actuator {
+  std::string name;
+  std::uint8_t state = 0;
+};
+RUBICON_FIELDS(set_actuator, name, state);
+
 struct init {};
 RUBICON_FIELDS(init);
 
@@ -138,10 +151,10 @@ RUBICON_FIELDS(join, description);
 struct leave {};
 RUBICON_FIELDS(leave);
 
-using command =
-    std::variant<create_channel, start_channel, stop_channel, dispose_channel, set_outputs,
-                 open_end, open_sensor, open_local, close_stream, read_stream, write_stream,
-                 send_message, provide_type, hold_type, want_ticks, init, join, leave>;
+using command = std::variant<create_channel, start_channel, stop_channel, dispose_channel,
+                             set_outputs, open_end, open_sensor, open_local, close_stream,
+                             read_stream, write_stream, send_message, provide_type, hold_type,
+                             want_ticks, read_transducers, set_actuator, init, join, leave>;
 using commands = std::vector<command>;
 
 // Events.
@@ -214,6 +227,19 @@ struct type_refused {
 };
 RUBICON_FIELDS(type_refused, am_type);
 
+struct transducers_read {
+  std::vector<std::int16_t> counts; ///< none: the node has not all that were asked for
+  std::uint32_t time_ms = 0;
+};
+RUBICON_FIELDS(transducers_read, counts, time_ms);
+
+struct actuator_changed {
+  std::string name;
+  std::uint8_t state = 0;
+  bool obeyed = false;
+};
+RUBICON_FIELDS(actuator_changed, name, state, obeyed);
+
 struct initialised {
   bool success = false;
 };
@@ -237,9 +263,10 @@ struct outputs_asked {
 };
 RUBICON_FIELDS(outputs_asked, all);
 
-using event = std::variant<channel_created, inputs_shown, channel_failed, ticked, stream_opened,
-                           record_read, stream_ended, send_ended, message_received, type_refused,
-                           initialised, joined, mote_joined, outputs_asked>;
+using event =
+    std::variant<channel_created, inputs_shown, channel_failed, ticked, stream_opened, record_read,
+                 stream_ended, send_ended, message_received, type_refused, transducers_read,
+                 actuator_changed, initialised, joined, mote_joined, outputs_asked>;
 using events = std::vector<event>;
 
 /// What goes from the program to its node at once, or back, in order. `taken` is how many events,

@@ -282,6 +282,30 @@ void remote_process::apply(const remote::type_refused& x) {
   told_.emplace_back([am_type = x.am_type](auto& y) { y.receive(0, 0, {}, am_type, FAIL); });
 }
 
+// What the mote carries.
+
+status remote_process::read_transducers(std::span<const quantity> kinds) {
+  if (!has_room())
+    return refuse();
+  commands_.emplace_back(remote::read_transducers{{kinds.begin(), kinds.end()}});
+  return SUCCESS;
+}
+
+status remote_process::set_actuator(std::string_view name, std::uint8_t state) {
+  if (!has_room())
+    return refuse();
+  commands_.emplace_back(remote::set_actuator{std::string(name), state});
+  return SUCCESS;
+}
+
+void remote_process::apply(const remote::transducers_read& x) {
+  told_.emplace_back([x](auto& y) { y.transducersRead(x.counts, x.time_ms); });
+}
+
+void remote_process::apply(const remote::actuator_changed& x) {
+  told_.emplace_back([x](auto& y) { y.actuatorChanged(x.name, x.state, x.obeyed); });
+}
+
 // Membership.
 
 status remote_process::init() {

@@ -71,6 +71,9 @@ public:
   void hold(std::uint8_t am_type) override;
   void release(std::uint8_t am_type) override;
 
+  status read_transducers(std::span<const quantity> kinds) override;
+  status set_actuator(std::string_view name, std::uint8_t state) override;
+
   status init() override;
   status join(byte_view description) override;
   [[nodiscard]] std::optional<mote_address> address() const override { return self_; }
@@ -141,6 +144,8 @@ private:
   void apply(const remote::send_ended& x);
   void apply(const remote::message_received& x);
   void apply(const remote::type_refused& x);
+  void apply(const remote::transducers_read& x);
+  void apply(const remote::actuator_changed& x);
   void apply(const remote::initialised& x);
   void apply(const remote::joined& x);
   void apply(const remote::mote_joined& x);

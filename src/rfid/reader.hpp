@@ -12,6 +12,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/component.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "mote/walk.hpp"
@@ -28,31 +29,21 @@ struct tag {
 
 using tags = std::vector<tag>;
 
-/// Set this own tuple.
-struct publish {
-  std::string key;
-  bytes value;
-  bool text = true;
-};
-
-/// Delete this own tuple.
-struct erase {
-  std::string key;
-};
-
-using output = std::variant<publish, erase>;
-using outputs = std::vector<output>;
+using components::erase;
+using components::output;
+using components::outputs;
+using components::publish;
 
 /// Publishes what it perceives, in the tuples of core/interface_keys.hpp, and interprets nothing.
-class reader {
+class reader final : public components::component {
 public:
   reader() = default;
   /// @param world shared by all readers, never null
   reader(reader_config config, std::shared_ptr<const tags> world, random_stream dice);
 
-  [[nodiscard]] outputs start(instant now);
-  [[nodiscard]] outputs on_time(instant now); ///< an inventory; harmless before deadline()
-  [[nodiscard]] std::optional<instant> deadline() const { return due_; }
+  [[nodiscard]] outputs start(instant now) override;
+  [[nodiscard]] outputs on_time(instant now) override; ///< an inventory
+  [[nodiscard]] std::optional<instant> deadline() const override { return due_; }
 
   [[nodiscard]] std::size_t perceived() const { return seen_.size(); }
 

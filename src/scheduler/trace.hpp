@@ -2,6 +2,7 @@
 // runs can be compared by one number (GEN-07, ACT-05).
 #pragma once
 
+#include <any>
 #include <cstdint>
 #include <functional>
 #include <mutex>
@@ -47,6 +48,7 @@ struct remark {
   std::uint64_t id = 0;    ///< of what it is about
   byte_view octets;        ///< that it is about
   std::uint64_t cause = 0; ///< the delivery that is being handled
+  std::any content = {};   ///< instead of octets
 };
 
 /// Folds deliveries: receiver's path, ecology time, types and content, in order of delivery.
@@ -142,6 +144,13 @@ public:
       const auto content = octets();
       recorder_->note({{}, path_, what, id, content}, handled());
     }
+  }
+
+  /// The same of what is not octets. @param make returns a std::any
+  template <class Make>
+  void remark_any(std::string_view what, Make make) const {
+    if (recorder_ != nullptr && recorder_->wants_remarks())
+      recorder_->note({{}, path_, what, 0, {}, 0, make()}, handled());
   }
 
 protected:

@@ -1,5 +1,6 @@
-#include "actors/apps/goal.hpp"
+#include "actors/component.hpp"
 #include "actors/sample_class.hpp"
+#include "goal/component.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -35,9 +36,14 @@ struct rig {
     x.goals[0].states[0].length = 5s;
     x.goals[0].states[0].needs = goal::condition{"door", {"open"}, {}, {}};
     x.goals[0].states[0].sets = {{"place", "kitchen"}};
-    app = world.spawn_at("peer_app/robot/goal-1", pursuer_behavior,
-                         pursuer_arguments{goal::pursuer(x, random_stream(1)), "robot", robot,
-                                           peer.handle(), ecology.handle()});
+    component_arguments made;
+    made.core = std::make_shared<goal::component>(goal::pursuer(x, random_stream(1)), robot);
+    made.who = "robot";
+    made.kind = "goal";
+    made.self = robot;
+    made.peer = peer.handle();
+    made.ecology = ecology.handle();
+    app = world.spawn_at("peer_app/robot/goal-1", component_behavior, std::move(made));
   }
 
   void want(std::string_view goal) { set_watched(world, peer, "robot.goal", text_value(goal)); }

@@ -19,17 +19,31 @@ constexpr mote_id sink{1};
 constexpr mote_id neighbour{3};
 constexpr radio::radio_index stove_radio{3};
 
+namespace r = mote::remote;
+
+/// What a program beside the mote has been told, of that kind.
+template <class Event>
+std::vector<Event> told(const fake<program_client_actor>& program) {
+  std::vector<Event> found;
+  for (const auto& message : program.all<program_events>()) {
+    for (const auto& x : message.batch.all) {
+      if (const auto* event = std::get_if<Event>(&x))
+        found.push_back(*event);
+    }
+  }
+  return found;
+}
+
 struct rig {
   virtual_world world;
   fake<air_actor> air{world};
   fake<ecology_actor> ecology{world};
-  fake<mote_app_actor> app{world};
+  fake<program_client_actor> app{world}; ///< a program beside the mote
   mote_actor mote;
   test::island_partner<mote_actor> island{
       world, air, mote, stove.mote, {.width = 2, .height = 2, .island = stove.island}};
 
   explicit rig(std::vector<config::mote_app> apps = {}, std::vector<mote::way_point> path = {}) {
-    world.follow("mote_app/");
     mote_arguments x;
     x.address = stove;
     x.name = "kitchen/stove";
@@ -45,6 +59,14 @@ struct rig {
     x.ecology = ecology.handle();
     mote = world.spawn_at("mote/kitchen/stove", mote_behavior,
                           std::make_shared<const mote_arguments>(x), mote::nonvolatile{});
+    attach(1, app);
+  }
+
+  void attach(std::uint32_t number, const fake<program_client_actor>& program) {
+    world.send(mote, attach_program{number, program});
+  }
+  void command(r::command x, std::uint32_t of = 1) {
+    world.send(mote, program_commands{of, {0, {std::move(x)}}});
   }
 
   [[nodiscard]] bool is_member() {
@@ -93,8 +115,8 @@ struct rig {
     island.run_for(200ms);
   }
 
-  void send(std::uint64_t token, mote_address to, bool reliable) {
-    world.send(mote, send_message{app, token, to, 10, bytes{1, 2}, reliable});
+  void send(std::uint32_t number, mote_address to, bool reliable) {
+    command(r::send_message{number, to, payload(bytes{1, 2}), reliable, 10});
     island.run_for(200ms);
   }
 };
@@ -143,10 +165,10 @@ TEST_CASE("a mote that hears no one has nobody to ask, but tells that it is ther
 
 TEST_CASE("a send before the join is refused", "[actors][mote][MCK-16]") {
   rig x;
-  x.send(5, {own_island, neighbour}, false);
-  REQUIRE(x.app.count<send_ended>() == 1);
-  CHECK(x.app.all<send_ended>()[0].token == 5);
-  CHECK(x.app.all<send_ended>()[0].refused);
+  x.send(5, {own_island, neighbour}, true);
+  REQUIRE(told<r::send_ended>(x.app).size() == 1);
+  CHECK(told<r::send_ended>(x.app)[0].number == 5);
+  CHECK_FALSE(told<r::send_ended>(x.app)[0].acked);
   CHECK(x.air.count<radio_send>() == 0);
 }
 
@@ -155,9 +177,6 @@ TEST_CASE("a message to a mote of the island goes out as one frame to that mote"
   rig x;
   x.join();
   x.send(5, {own_island, neighbour}, false);
-  const auto ended = x.app.all<send_ended>();
-  REQUIRE(ended.size() == 1);
-  CHECK((ended[0].token == 5 && !ended[0].refused && !ended[0].acked));
   std::vector<radio_send> local;
   for (const auto& sent : x.island.sent) {
     if (sent.am_type == network::am::local)
@@ -180,21 +199,20 @@ TEST_CASE("two reliable sends end when and as each of them is acknowledged",
   x.join();
   x.send(5, {own_island, no_mote}, true);
   x.send(6, {own_island, no_mote}, true);
-  CHECK(x.app.count<send_ended>() == 0);
+  CHECK(told<r::send_ended>(x.app).empty());
   REQUIRE(x.sent_up().size() == 1);
   CHECK(x.sent_up()[0].what == transport::segment::kind::hello);
   x.accept(x.sent_up()[0]);
   REQUIRE(x.sent_up().size() == 2);
   x.accept(x.sent_up()[1]);
-  REQUIRE(x.app.count<send_ended>() == 1);
-  CHECK(x.app.all<send_ended>()[0].token == 5);
-  CHECK(x.app.all<send_ended>()[0].acked);
+  REQUIRE(told<r::send_ended>(x.app).size() == 1);
+  CHECK(told<r::send_ended>(x.app)[0].number == 5);
+  CHECK(told<r::send_ended>(x.app)[0].acked);
 
   x.island.run_for(1min);
-  REQUIRE(x.app.count<send_ended>() == 2);
-  CHECK(x.app.all<send_ended>()[1].token == 6);
-  CHECK(!x.app.all<send_ended>()[1].acked);
-  CHECK(!x.app.all<send_ended>()[1].refused);
+  REQUIRE(told<r::send_ended>(x.app).size() == 2);
+  CHECK(told<r::send_ended>(x.app)[1].number == 6);
+  CHECK(!told<r::send_ended>(x.app)[1].acked);
   x.world.send(x.mote, status_request{});
   const auto status = x.ecology.all<message_status>().at(0).messages;
   CHECK(status.reliable_sent == 2);
@@ -203,19 +221,21 @@ TEST_CASE("two reliable sends end when and as each of them is acknowledged",
   CHECK(status.reliable_open == 0);
 }
 
-TEST_CASE("an AM type belongs to the app that claimed it first", "[actors][mote][AM-05]") {
-  rig x;
-  fake<mote_app_actor> late(x.world);
-  x.world.send(x.mote, claim_am_type{x.app, 10});
-  x.world.send(x.mote, claim_am_type{x.app, 10});
-  CHECK(x.world.logged("claim_refused") == 0);
-  x.world.send(x.mote, claim_am_type{late, 10});
-  CHECK(x.world.logged("claim_refused am_type=10") == 1);
+TEST_CASE("an AM type belongs to the program that claimed it first", "[actors][mote][AM-05]") {
+  rig x({config::listener_app{11}, config::listener_app{11}});
+  fake<program_client_actor> late(x.world);
+  x.attach(2, late);
+  x.command(r::provide_type{10});
+  x.command(r::provide_type{10});
+  CHECK(told<r::type_refused>(x.app).empty());
+  x.command(r::provide_type{10}, 2);
+  CHECK(told<r::type_refused>(late).size() == 1);
   x.join();
+  CHECK(x.world.logged("claim_refused am_type=11") == 1);
   x.hear_local(test::plain(neighbour, 10, bytes{3}));
-  CHECK(late.count<message_received>() == 0);
-  REQUIRE(x.app.count<message_received>() == 1);
-  const auto got = x.app.all<message_received>()[0];
+  CHECK(told<r::message_received>(late).empty());
+  REQUIRE(told<r::message_received>(x.app).size() == 1);
+  const auto got = told<r::message_received>(x.app)[0];
   CHECK(got.source == mote_address{stove.island, neighbour});
   CHECK(got.am_type == 10);
   CHECK(got.octets == payload(bytes{3}));
@@ -223,41 +243,45 @@ TEST_CASE("an AM type belongs to the app that claimed it first", "[actors][mote]
 
 TEST_CASE("a mote takes no frames of another island", "[actors][mote][RTG-06][GEN-11]") {
   rig x;
-  x.world.send(x.mote, claim_am_type{x.app, 10});
+  x.command(r::provide_type{10});
   x.join();
   x.hear_local(test::plain(neighbour, 10, bytes{3}), 6);
-  CHECK(x.app.count<message_received>() == 0);
+  CHECK(told<r::message_received>(x.app).empty());
   x.hear_local(test::plain(neighbour, 10, bytes{3}));
-  CHECK(x.app.count<message_received>() == 1);
+  CHECK(told<r::message_received>(x.app).size() == 1);
 }
 
-TEST_CASE("two apps hear their own AM types only, whatever burst the other gets",
+TEST_CASE("two programs hear their own AM types only, whatever burst the other gets",
           "[actors][mote][NFR-04]") {
   rig x;
-  fake<mote_app_actor> other(x.world);
-  x.world.send(x.mote, claim_am_type{x.app, 10});
-  x.world.send(x.mote, claim_am_type{other, 11});
+  fake<program_client_actor> other(x.world);
+  x.attach(2, other);
+  x.command(r::provide_type{10});
+  x.command(r::provide_type{11}, 2);
   x.join();
   for (std::uint16_t i = 0; i < 1000; ++i)
     x.hear_local(test::plain(neighbour, 10, bytes{1}));
   x.hear_local(test::plain(neighbour, 11, bytes{2}));
   x.hear_local(test::plain(neighbour, 12, bytes{3})); // nobody's
-  CHECK(x.app.count<message_received>() == 1000);
-  REQUIRE(other.count<message_received>() == 1);
-  CHECK(other.all<message_received>()[0].octets == payload(bytes{2}));
-  for (const auto& got : x.app.all<message_received>())
+  CHECK(told<r::message_received>(x.app).size() == 1000);
+  REQUIRE(told<r::message_received>(other).size() == 1);
+  CHECK(told<r::message_received>(other)[0].octets == payload(bytes{2}));
+  for (const auto& got : told<r::message_received>(x.app))
     REQUIRE(got.am_type == 10);
 }
 
-TEST_CASE("a mote reads its transducers and sets its actuators for its apps", "[actors][mote]") {
+TEST_CASE("a mote reads its transducers and sets its actuators for its programs",
+          "[actors][mote][PAR-05]") {
   rig x;
-  x.world.send(x.mote, read_transducers{x.app, {mote::quantity::temperature}});
-  CHECK(x.app.all<transducers_read>().at(0).counts == std::vector<std::int16_t>{215});
+  x.command(r::read_transducers{{mote::quantity::temperature}});
+  CHECK(told<r::transducers_read>(x.app).at(0).counts == std::vector<std::int16_t>{215});
+  x.command(r::read_transducers{{mote::quantity::temperature, mote::quantity::light}});
+  CHECK(told<r::transducers_read>(x.app).at(1).counts.empty()); // it has no eye
 
-  x.world.send(x.mote, set_actuator{x.app, "switch", 0});
-  x.world.send(x.mote, set_actuator{x.app, "switch", 7});
-  x.world.send(x.mote, set_actuator{x.app, "wings", 1});
-  const auto answers = x.app.all<actuator_changed>();
+  x.command(r::set_actuator{"switch", 0});
+  x.command(r::set_actuator{"switch", 7});
+  x.command(r::set_actuator{"wings", 1});
+  const auto answers = told<r::actuator_changed>(x.app);
   REQUIRE(answers.size() == 3);
   CHECK((answers[0].name == "switch" && answers[0].state == 0 && answers[0].obeyed));
   CHECK((answers[1].name == "switch" && answers[1].state == 0 && !answers[1].obeyed));
@@ -266,12 +290,16 @@ TEST_CASE("a mote reads its transducers and sets its actuators for its apps", "[
   CHECK(x.ecology.all<story>()[0].what == "switch off");
 }
 
-TEST_CASE("a mote tells its apps that it has joined", "[actors][mote][MCK-15]") {
-  rig x({config::listener_app{10}});
+TEST_CASE("what samplers, messengers and listeners do is told under their own names",
+          "[actors][mote]") {
+  rig x({config::listener_app{10}, config::messenger_app{{}, "nobody", 10s}});
   x.join();
-  CHECK(
-      x.world.followed() ==
-      std::vector<std::string>{"mote_app/kitchen/stove/listener-10 (membership_changed(true, 5))"});
+  x.hear_local(test::plain(neighbour, 10, to_bytes(std::string_view("dinner"))));
+  REQUIRE(x.ecology.count<story>() == 1);
+  CHECK(x.ecology.all<story>()[0].who == "mote_app/kitchen/stove/listener-10");
+  CHECK(x.ecology.all<story>()[0].what == "heard \"dinner\" from mote 5/3");
+  CHECK(x.world.logged("mote_app/kitchen/stove/messenger-10 event=undelivered number=1 "
+                       "refused=true") == 1);
 }
 
 TEST_CASE("a mote whose battery is flat tells it once and is silent from then on",
@@ -297,15 +325,14 @@ TEST_CASE("a mote whose battery is flat tells it once and is silent from then on
   REQUIRE(x.ecology.count<mote_flat>() == 1);
   CHECK(x.ecology.all<mote_flat>()[0].mote == stove);
   CHECK(x.ecology.all<story>().back().what == "battery flat");
-  CHECK(x.world.followed().back() ==
-        "mote_app/kitchen/stove/sampler-1 (membership_changed(false, 0))");
+  CHECK(x.app.count<program_detached>() == 1);
 
   x.air.forget();
   x.app.forget();
   x.world.run_for(5min);
   x.send(5, {own_island, no_mote}, true);
-  x.world.send(x.mote, read_transducers{x.app, {mote::quantity::temperature}});
-  x.world.send(x.mote, set_actuator{x.app, "switch", 0});
+  x.command(r::read_transducers{{mote::quantity::temperature}});
+  x.command(r::set_actuator{"switch", 0});
   x.hear_local(test::hello(neighbour, 1, 10));
   x.world.send(x.mote, crash_now{});
   x.world.run_for(5min);
@@ -371,33 +398,13 @@ TEST_CASE("an app may carry its mote away from its way-points", "[actors][mote][
   CHECK(moves[2].place == position{7, 7, 7});
 }
 
-namespace {
-
-namespace r = mote::remote;
-
-/// What a program beside the mote has been told, of that kind.
-template <class Event>
-std::vector<Event> told(const fake<program_client_actor>& program) {
-  std::vector<Event> found;
-  for (const auto& message : program.all<program_events>()) {
-    for (const auto& x : message.batch.all) {
-      if (const auto* event = std::get_if<Event>(&x))
-        found.push_back(*event);
-    }
-  }
-  return found;
-}
-
-} // namespace
-
 TEST_CASE("a mote carries out the commands of a program in another actor, until that ends",
           "[actors][mote][PAR-05][MCK-04][MCK-07][AM-05]") {
   rig x;
   x.join();
-  fake<program_client_actor> first(x.world);
+  auto& first = x.app;
   fake<program_client_actor> second(x.world);
-  x.world.send(x.mote, attach_program{1, first});
-  x.world.send(x.mote, attach_program{2, second});
+  x.attach(2, second);
   REQUIRE(first.count<program_attached>() == 1);
   CHECK(first.all<program_attached>()[0].limits.transducer_mask == 1);
   REQUIRE(told<r::joined>(first).size() == 1);

@@ -1,5 +1,7 @@
-#include "actors/apps/peer_apps.hpp"
+#include "actors/component.hpp"
 #include "actors/sample_class.hpp"
+#include "proxy/collector.hpp"
+#include "proxy/rules_component.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -13,6 +15,20 @@ namespace {
 
 constexpr peer_id fan_owner{11};
 
+/// A component on the robot's peer.
+timed_peer_app_actor hosted(virtual_world& world, const fake<peis_peer_actor>& peer,
+                            const fake<ecology_actor>& ecology, std::string kind,
+                            std::shared_ptr<components::component> core) {
+  component_arguments x;
+  x.core = std::move(core);
+  x.who = "robot";
+  x.kind = kind;
+  x.self = peer_id{9};
+  x.peer = peer.handle();
+  x.ecology = ecology.handle();
+  return world.spawn_at("peer_app/care-pc/" + kind + "-1", component_behavior, std::move(x));
+}
+
 struct rig {
   virtual_world world;
   fake<peis_peer_actor> peer{world};
@@ -25,8 +41,8 @@ struct rig {
     rule.above = 26;
     rule.below = 24;
     rule.writes = {{"kitchen.fan.switch", "on", "off"}};
-    rules = world.spawn_at("peer_app/care-pc/rules-1", rules_program, proxy::rules({rule}),
-                           peer.handle(), ecology.handle());
+    rules = hosted(world, peer, ecology, "rules",
+                   std::make_shared<proxy::rules_component>(proxy::rules({rule})));
   }
 
   void read(std::string_view temperature) {
@@ -104,10 +120,10 @@ TEST_CASE("a collector asks for its period whenever a mote is listed whose outpu
           "[actors][collector][IF-04]") {
   virtual_world world;
   fake<peis_peer_actor> peer(world);
-  config::collector_app config{{"devices.*.output.1", "devices.8.output.2", "devices.*.type"}};
-  config.every = 250ms;
+  const std::vector<std::string> keys{"devices.*.output.1", "devices.8.output.2", "devices.*.type"};
   fake<ecology_actor> ecology(world);
-  const auto app = world.spawn(collector, config, "robot", peer.handle(), ecology.handle());
+  const auto app =
+      hosted(world, peer, ecology, "collector", std::make_shared<proxy::collector>(keys, 250ms));
   CHECK(watch_on(peer, "devices.*.status").owner == any_peer);
   const auto watch = watch_on(peer, "devices.*.status").watch;
   const auto tell = [&](int owner, const char* key, const char* value) {
@@ -137,8 +153,9 @@ TEST_CASE("a collector watches its keys with any owner and keeps the newest of e
   virtual_world world;
   fake<peis_peer_actor> peer(world);
   fake<ecology_actor> ecology(world);
-  const config::collector_app config{{"*.*.temperature", "*.presence"}};
-  const auto app = world.spawn(collector, config, "robot", peer.handle(), ecology.handle());
+  const std::vector<std::string> keys{"*.*.temperature", "*.presence"};
+  const auto app =
+      hosted(world, peer, ecology, "collector", std::make_shared<proxy::collector>(keys, 0ns));
   REQUIRE(peer.count<watch_tuples>() == 2);
   CHECK(watch_on(peer, "*.*.temperature").owner == any_peer);
   CHECK(watch_on(peer, "*.presence").owner == any_peer);
@@ -167,8 +184,8 @@ TEST_CASE("a rule points a meta tuple, and again when its owner has been away",
   rule.equals = {"night"};
   rule.writes = {{"lamp.mi-switch", "(META 7 night.light)", "(META -1 NULL)", true},
                  {"fan.switch", "on", "off"}};
-  const auto rules = world.spawn_at("peer_app/care-pc/rules-1", rules_program, proxy::rules({rule}),
-                                    peer.handle(), ecology.handle());
+  const auto rules = hosted(world, peer, ecology, "rules",
+                            std::make_shared<proxy::rules_component>(proxy::rules({rule})));
   const auto owner_is = [&](const std::string& key, bool gone) {
     const auto watch = watch_on(peer, key);
     world.send(rules, tuple_event{watch.watch, fan_owner, key, text_value("x"), gone});

@@ -118,11 +118,13 @@ TEST_CASE("commands and events survive the way through octets", "[actors][progra
       {r::create_channel{1, true, stove, 3, {island_id{2}, 4, 5}}, r::set_outputs{1, {0.5F, -2}},
        r::open_end{2, {true, stove, 9, 1000, 1, 12}}, r::open_sensor{3, 4, false, 5},
        r::write_stream{2, payload(bytes{1, 2})},
-       r::send_message{6, stove, payload(bytes{3}), true, 64}, r::hold_type{64, true}, r::leave{}}};
-  const r::events_batch events{8,
-                               {r::inputs_shown{1, true, {1, 2}},
-                                r::record_read{2, payload(bytes{4}), true}, r::joined{stove, true},
-                                r::message_received{stove, 64, payload(bytes{5})}}};
+       r::send_message{6, stove, payload(bytes{3}), true, 64}, r::hold_type{64, true},
+       r::read_transducers{{mote::quantity::light}}, r::set_actuator{"fan", 1}, r::leave{}}};
+  const r::events_batch events{
+      8,
+      {r::inputs_shown{1, true, {1, 2}}, r::record_read{2, payload(bytes{4}), true},
+       r::joined{stove, true}, r::message_received{stove, 64, payload(bytes{5})},
+       r::transducers_read{{-7, 300}, 9}, r::actuator_changed{"fan", 1, true}}};
   virtual_world world;
   auto& system = world.world().system();
   const auto back = [&system](const auto& x) {

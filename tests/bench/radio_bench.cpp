@@ -138,22 +138,12 @@ struct empty_state {};
 
 mote_actor::behavior_type empty_mote(scheduler::traced_pointer<empty_state, mote_actor>) {
   return {
-      [](const frame_received&) {},
-      [](const radio_done&) {},
-      [](battery_low) {},
-      [](battery_flat) {},
-      [](const claim_am_type&) {},
-      [](const send_message&) {},
-      [](const read_transducers&) {},
-      [](const set_actuator&) {},
-      [](const attach_program&) {},
-      [](const program_commands&) {},
-      [](const move_mote&) {},
-      [](crash_now) {},
-      [](end_battery) {},
-      [](const step_clock&) {},
-      [](const timer_expired&) {},
-      [](status_request) {},
+      [](const frame_received&) {}, [](const radio_done&) {},
+      [](battery_low) {},           [](battery_flat) {},
+      [](const attach_program&) {}, [](const program_commands&) {},
+      [](const move_mote&) {},      [](crash_now) {},
+      [](end_battery) {},           [](const step_clock&) {},
+      [](const timer_expired&) {},  [](status_request) {},
   };
 }
 

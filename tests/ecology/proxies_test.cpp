@@ -386,7 +386,7 @@ TEST_CASE("a file may name any program of the registry that it is loaded with",
     return proxy::program_factory([] { return std::make_unique<counter>(); });
   }));
   const auto text = kitchen(climate_mote, "program = \"counter\"\n" + std::string(climate_fields));
-  const auto loaded = config::load_text(text, "test", {}, {}, {}, programs);
+  const auto loaded = config::load_text(text, "test", {}, {}, {}, {programs});
   REQUIRE(loaded.ecology);
   const auto x = run_recorded(*loaded.ecology);
   const auto messages = x.texts_at("kitchen.board.messages");

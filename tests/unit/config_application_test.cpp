@@ -1,6 +1,9 @@
 // Programs that use the Mockup interface, in files.
+#include <memory>
 #include <string>
 
+#include "apps/application.hpp"
+#include "apps/tables.hpp"
 #include "config/summary.hpp"
 #include "config_sample.hpp"
 #include "support/catch.hpp"
@@ -155,4 +158,50 @@ TEST_CASE("vectors that a tick has no time for are told, with the numbers", "[co
   CHECK(problem_in(to_gateway("4800"))
             .find("synaptic vectors take 871 ms of the serial line at each tick (6 packets of 322 "
                   "octets at 4800 baud), but a tick is 500 ms") != std::string::npos);
+}
+
+TEST_CASE("applications that the binary brings along have the keys that they list",
+          "[config][GEN-04][PAR-05]") {
+  class idle final : public apps::application {
+    void on_start(instant) override {}
+  };
+  extensions known;
+  apps::application_kind kind;
+  kind.name = "guard";
+  kind.keys = {{.name = "below", .otherwise = 0.0, .required = true, .min = -40, .max = 60},
+               {.name = "loud", .otherwise = false},
+               {.name = "word", .otherwise = std::string("frost")},
+               {.name = "every", .otherwise = duration(10s)}};
+  kind.make = [](const apps::settings&, random_stream) { return std::make_unique<idle>(); };
+  kind.streams = 20;
+  CHECK(known.applications.add(kind));
+  CHECK_FALSE(known.applications.add(kind));
+  const auto load = [&known](const std::string& text) {
+    return load_text(text, "test", {}, {}, {}, known);
+  };
+  const auto problem = [&load](const std::string& text) {
+    const auto x = load(text);
+    return x.problems.size() == 1 ? to_string(x.problems[0]) : std::to_string(x.problems.size());
+  };
+
+  const auto x = load(mote_with("\"guard\", below = 3, loud = true, every = \"2s\""));
+  REQUIRE(x.ecology);
+  const auto& app = std::get<apps::app_config>(x.ecology->islands.at(0).motes.at(0).apps.at(0));
+  CHECK(kind_of(app) == "guard");
+  const auto& values = std::get<apps::custom_config>(app).values;
+  CHECK(values.get<double>("below") == 3);
+  CHECK(values.get<bool>("loud"));
+  CHECK(values.get<std::string>("word") == "frost");
+  CHECK(values.get<duration>("every") == 2s);
+  CHECK(apps::make_application(app, random_stream(1)) != nullptr);
+  CHECK(apps::ends_max(4, {app}) == 20);
+
+  CHECK(load(peer_with("\"guard\", below = 3")).ecology);
+  const auto beside = load(mote_with("\"guard\", below = 3, place = \"actor\""));
+  REQUIRE(beside.ecology);
+  CHECK(std::holds_alternative<separate_app>(beside.ecology->islands.at(0).motes.at(0).apps.at(0)));
+  CHECK(problem(mote_with("\"guard\"")).find("`below`") != std::string::npos);
+  CHECK(problem(mote_with("\"guard\", below = 61")).starts_with("test:19:"));
+  CHECK(problem(mote_with("\"guard\", below = 3, above = 4")).find("`above`") != std::string::npos);
+  CHECK(problem_in(mote_with("\"guard\", below = 3")).find("guard") != std::string::npos);
 }

@@ -1,3 +1,8 @@
+#include <algorithm>
+#include <array>
+#include <string>
+#include <tuple>
+
 #include "mote/communication.hpp"
 #include "mote/node.hpp"
 #include "network/am.hpp"
@@ -53,6 +58,19 @@ void send_down(island_world& x, island_id from, const transport::segment& segmen
   x.down(network::am::from_gateway,
          encode(network::island_packet{from, self, segment.am_type, encode(segment)}));
 }
+
+/// A program that writes down what its mote's transducers and actuators tell.
+struct carried_by_mote final : communication_events {
+  void transducersRead(std::span<const std::int16_t> all, std::uint32_t) override {
+    counts.assign(all.begin(), all.end());
+  }
+  void actuatorChanged(std::string_view name, std::uint8_t state, bool obeyed) override {
+    changes.emplace_back(name, state, obeyed);
+  }
+
+  std::vector<std::int16_t> counts;
+  std::vector<std::tuple<std::string, unsigned, bool>> changes;
+};
 
 } // namespace
 
@@ -166,12 +184,43 @@ TEST_CASE("a mote reads only the transducers and moves only the actuators it has
   CHECK(x.read(quantity::light, {}) == std::int16_t{100});
   CHECK_FALSE(x.read(quantity::sound, {}).has_value());
   CHECK(x.actuator_state("lamp", {}) == std::uint8_t{9});
-  CHECK(x.actuate("fan", 1, {}));
-  CHECK(x.actuator_state("fan", {}) == std::uint8_t{1});
-  CHECK_FALSE(x.actuate("fan", 2, {})); // a relay is on or off
-  CHECK(x.actuate("lamp", 200, {}));
-  CHECK_FALSE(x.actuate("door", 1, {}));
   CHECK_FALSE(x.actuator_state("door", {}).has_value());
+
+  carried_by_mote program;
+  auto commands = x.attach(program);
+  CHECK(commands.read_transducers(std::array{quantity::light, quantity::light}) == SUCCESS);
+  CHECK(commands.read_transducers(std::array{quantity::sound}) == FAIL);
+  for (const auto& [name, state] :
+       {std::pair{"fan", 1}, std::pair{"fan", 2}, std::pair{"lamp", 200}, std::pair{"door", 1}})
+    CHECK(commands.set_actuator(name, static_cast<std::uint8_t>(state)) == SUCCESS);
+  const auto todo = x.settle({});
+  CHECK(program.counts == std::vector<std::int16_t>{100, 100});
+  using change = std::tuple<std::string, unsigned, bool>;
+  CHECK(program.changes == std::vector<change>{{"fan", 1U, true},
+                                               {"fan", 1U, false}, // a relay is on or off
+                                               {"lamp", 200U, true},
+                                               {"door", 0U, false}});
+  const auto arrived = std::ranges::count_if(
+      todo, [](const auto& y) { return std::holds_alternative<actuator_arrived>(y); });
+  CHECK(arrived == 2);
+}
+
+TEST_CASE("what a named program does and is told is seen by who observes its mote", "[mote]") {
+  auto x = lonely();
+  std::vector<std::string> seen;
+  x.observe([&seen](const program_note& y) {
+    const auto what = static_cast<int>(y.what);
+    seen.push_back(std::string(y.program) + ' ' + std::to_string(what) + ' ' +
+                   std::to_string(y.number) + ' ' + std::string(y.actuator));
+  });
+  carried_by_mote named;
+  carried_by_mote nameless;
+  auto commands = x.attach(named, "a");
+  static_cast<void>(x.attach(nameless).set_actuator("lamp", 1));
+  static_cast<void>(commands.send_numbered({own_island, no_mote}, bytes{1}, true, 9)); // not joined
+  static_cast<void>(commands.set_actuator("fan", 1));
+  static_cast<void>(x.settle({}));
+  CHECK(seen == std::vector<std::string>{"a 0 0 ", "a 1 0 ", "a 3 0 fan"});
 }
 
 TEST_CASE("a leaving mote says goodbye and fails what it was waiting for", "[mote][DIS-06]") {

@@ -1,0 +1,107 @@
+#include "actors/component.hpp"
+
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "actors/log.hpp"
+#include "peis/meta_tuple.hpp"
+#include "scheduler/supervision.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using component_pointer = scheduler::traced_pointer<component_state, timed_peer_app_actor>;
+
+struct performer {
+  component_pointer self;
+
+  void operator()(components::watch& x) const {
+    if (x.what == components::watched::reference)
+      self->state.references.insert(x.number);
+    if (x.what == components::watched::target)
+      send(watch_indirectly{handle(), x.number, x.owner, std::move(x.key)});
+    else
+      send(watch_tuples{handle(), x.number, x.owner, std::move(x.key)});
+  }
+  void operator()(components::publish& x) const {
+    send(set_tuple{std::move(x.key), payload(std::move(x.value)), x.text});
+  }
+  void operator()(components::erase& x) const { send(delete_tuple{std::move(x.key)}); }
+  void operator()(components::declare& x) const {
+    const auto own = peis::key::parse(x.target);
+    if (x.reference.empty() && own)
+      x.reference = peis::format_meta(peis::meta_target{self->state.arguments.self, *own});
+    send(declare_meta_tuple{std::move(x.key), std::move(x.reference)});
+  }
+  void operator()(components::write& x) const {
+    if (x.meta)
+      send(set_meta_tuple{handle(), 0, x.owner, std::move(x.key), std::move(x.text)});
+    else
+      send(set_remote_tuple{handle(), 0, x.owner, std::move(x.key),
+                            payload(to_bytes(std::string_view(x.text))), true});
+  }
+  void operator()(components::tell& x) const {
+    self->send(self->state.arguments.ecology,
+               story{x.who.empty() ? self->path() : std::move(x.who), std::move(x.what)});
+  }
+
+  template <class Message>
+  void send(Message x) const {
+    self->send(self->state.arguments.peer, std::move(x));
+  }
+  [[nodiscard]] carried<peis_client_actor> handle() const {
+    return {caf::actor_cast<peis_client_actor>(self)};
+  }
+};
+
+void perform(component_pointer self, components::outputs todo) {
+  for (auto& output : todo)
+    std::visit(performer{self}, output);
+  self->state.wake.follow(self, self->state.arguments.core->deadline());
+}
+
+void on_tuple(component_pointer self, const tuple_event& x) {
+  auto& core = *self->state.arguments.core;
+  const auto text = to_string(x.value.view());
+  if (!self->state.references.contains(x.watch)) {
+    perform(self, core.on_tuple({x.watch, x.owner, x.key, text, x.deleted}, now(self)));
+    return;
+  }
+  std::optional<components::tuple_name> to;
+  const auto target = peis::parse_meta(text);
+  if (!x.deleted && target && *target)
+    to = components::tuple_name{(*target)->owner, (*target)->name.text()};
+  core.on_reference(x.watch, to);
+}
+
+void report(component_pointer self) {
+  const auto& x = self->state.arguments;
+  if (auto figures = x.core->figures(); !figures.empty())
+    self->send(x.ecology, program_status{{x.who, x.kind, std::move(figures)}, 0, {}, {}});
+}
+
+} // namespace
+
+timed_peer_app_actor::behavior_type component_behavior(component_pointer self,
+                                                       component_arguments arguments) {
+  scheduler::tell_monitors_of_exceptions(self);
+  self->state.arguments = std::move(arguments);
+  perform(self, self->state.arguments.core->start(now(self)));
+  return {
+      [self](const tuple_event& x) { on_tuple(self, x); },
+      [](const peis_message&) {}, // hooks no port
+      [self](const peis_outcome& x) {
+        if (!x.success)
+          log(self, spdlog::level::warn, "event=write_failed cause={}", x.cause);
+      },
+      [self](status_request) { report(self); },
+      [self](const timer_expired& x) {
+        if (self->state.wake.accepts(x))
+          perform(self, self->state.arguments.core->on_time(now(self)));
+      },
+  };
+}
+
+} // namespace rubicon

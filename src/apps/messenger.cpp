@@ -1,0 +1,42 @@
+#include "apps/messenger.hpp"
+
+#include <string>
+#include <utility>
+
+namespace rubicon::apps {
+
+void messenger::joined(mote::island_octet, std::uint16_t, mote::status success) {
+  begins_ = success == mote::SUCCESS;
+  next_.reset();
+}
+
+std::optional<instant> messenger::deadline() const {
+  return begins_ ? std::optional(instant{}) : next_;
+}
+
+void messenger::on_time(instant now) {
+  if (std::exchange(begins_, false)) {
+    next_ = now + config_.every;
+  } else if (next_ && *next_ <= now) {
+    *next_ += config_.every;
+    send();
+  }
+}
+
+void messenger::send() {
+  ++sent_;
+  const auto number = layer().send_numbered(config_.to, to_bytes(std::string_view(config_.text)),
+                                            config_.reliable, config_.am_type);
+  if (!number)
+    warn("event=undelivered number=" + std::to_string(sent_) + " refused=true");
+  else if (config_.reliable)
+    under_way_[*number] = sent_;
+}
+
+void messenger::ackOf(std::uint32_t number, mote::status success) {
+  const auto sent = under_way_.extract(number);
+  if (!sent.empty() && success == mote::FAIL)
+    warn("event=undelivered number=" + std::to_string(sent.mapped()) + " refused=false");
+}
+
+} // namespace rubicon::apps

@@ -1,0 +1,35 @@
+// Sends a text to a mote again and again.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+
+#include "apps/application.hpp"
+
+namespace rubicon::apps {
+
+/// Sends every period while its mote is in an island, the first time one period after it has
+/// joined; warns of what is not delivered.
+class messenger final : public application {
+public:
+  explicit messenger(messenger_config config) : config_(std::move(config)) {}
+
+  void on_time(instant now) override;
+  [[nodiscard]] std::optional<instant> deadline() const override;
+
+  void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
+  void ackOf(std::uint32_t number, mote::status success) override;
+
+private:
+  void on_start(instant) override {}
+  void send();
+
+  messenger_config config_;
+  bool begins_ = false;         ///< its periods do, at the next on_time()
+  std::optional<instant> next_; ///< nothing: it rests
+  std::uint64_t sent_ = 0;
+  std::map<std::uint32_t, std::uint64_t> under_way_; ///< which message a reliable send is
+};
+
+} // namespace rubicon::apps

@@ -1,0 +1,58 @@
+#include "apps/sampler.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/codec.hpp"
+
+namespace rubicon::apps {
+
+sampler::sampler(sampler_config config, random_stream dice)
+    : config_(std::move(config)), dice_(dice),
+      means_(config_.mean_of.begin(), config_.mean_of.end()) {}
+
+std::optional<duration> sampler::period() const {
+  const bool asked = wanted_ && wanted_->period.count() > 0;
+  if (!in_island_ || (config_.only_subscribed && !wanted_))
+    return std::nullopt;
+  return asked ? std::max<duration>(wanted_->period, config_.every_min) : config_.every;
+}
+
+void sampler::joined(mote::island_octet, std::uint16_t, mote::status success) {
+  in_island_ = success == mote::SUCCESS;
+  begins_ = true;
+}
+
+void sampler::outputsWanted(std::span<const mote::output_wanted> all) {
+  wanted_ = mote::wanted_on(all, config_.channel);
+  begins_ = begins_ || period() != every_;
+}
+
+std::optional<instant> sampler::deadline() const {
+  if (begins_)
+    return instant{};
+  return every_ ? std::optional(due_) : std::nullopt;
+}
+
+void sampler::on_time(instant now) {
+  if (std::exchange(begins_, false)) {
+    every_ = period();
+    due_ = next_period_ = every_ ? now + dice_.between(0s, *every_) : now;
+  } else if (every_ && due_ <= now) {
+    layer().read_transducers(config_.transducers);
+    next_period_ += *every_;
+    due_ = next_period_ + dice_.between(0s, config_.jitter);
+  }
+}
+
+void sampler::transducersRead(std::span<const std::int16_t> counts, std::uint32_t time_ms) {
+  byte_writer out;
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    out.big(i < means_.size() ? static_cast<std::int16_t>(means_[i].add(counts[i])) : counts[i]);
+  if (config_.stamped)
+    out.big(time_ms);
+  layer().send_numbered(own_gateway, out.finish(), config_.reliable,
+                        static_cast<std::uint8_t>(config_.channel));
+}
+
+} // namespace rubicon::apps

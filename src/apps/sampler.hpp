@@ -1,0 +1,42 @@
+// Samples transducers and sends their counts to the gateway.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "apps/application.hpp"
+#include "core/running_mean.hpp"
+
+namespace rubicon::apps {
+
+/// Samples and sends while its mote is in the island and, if so configured, somebody subscribes to
+/// its channel; at the period that somebody has asked for (IF-04), or its own. Periods start at a
+/// random phase.
+class sampler final : public application {
+public:
+  sampler(sampler_config config, random_stream dice);
+
+  void on_time(instant now) override;
+  [[nodiscard]] std::optional<instant> deadline() const override;
+
+  void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
+  void outputsWanted(std::span<const mote::output_wanted> all) override;
+  void transducersRead(std::span<const std::int16_t> counts, std::uint32_t time_ms) override;
+
+private:
+  void on_start(instant) override {}
+  [[nodiscard]] std::optional<duration> period() const; ///< nothing: it is not to send
+
+  sampler_config config_;
+  random_stream dice_;
+  std::vector<running_mean> means_; ///< of each transducer; empty: counts go as they are
+  bool in_island_ = false;
+  std::optional<mote::output_wanted> wanted_; ///< of its channel, by the gateway
+  bool begins_ = false;                       ///< its periods do, at the next on_time()
+  std::optional<duration> every_;             ///< nothing: it rests
+  instant next_period_;
+  instant due_; ///< next_period_ and its jitter
+};
+
+} // namespace rubicon::apps
