@@ -82,7 +82,7 @@ TEST_CASE("the trace of the home is the same on every machine and in every build
   auto home = example("home.toml");
   home.length = 5min;
   const auto report = run(home);
-  CHECK(report.trace_hash == "2616f4d3e83d39e8");
+  CHECK(report.trace_hash == "970bc10a2fd2a277");
 }
 
 TEST_CASE("an ecology can be stopped after any time", "[ecology]") {
