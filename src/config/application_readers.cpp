@@ -166,9 +166,8 @@ struct setting_reader {
 
   template <class Kind, class Value>
   std::optional<apps::setting> take(const Kind& kind, Value value) const {
-    const bool found =
-        key.required ? in.required(key.name, kind, value, key.meaning.c_str())
-                     : in.optional(key.name, kind, value, key.meaning.c_str());
+    const bool found = key.required ? in.required(key.name, kind, value, key.meaning.c_str())
+                                    : in.optional(key.name, kind, value, key.meaning.c_str());
     return found ? std::optional<apps::setting>(value) : std::nullopt;
   }
 };
