@@ -76,6 +76,7 @@ router::router(router_config config, random_stream dice, instant now)
     paths.octets_max = std::max(paths.octets_max, 16 * channel_packet_max);
   }
   if (config_.duty.enabled()) {
+    paths.round_pause = 8ms;   // the next mote waits for a late packet
     paths.data_rounds_max = 4; // the second one waits for a window: then it had better arrive
     paths.flood_spread = std::min(paths.flood_spread, spread_in_window());
     config_.relay_spread = std::min(config_.relay_spread, spread_in_window());
