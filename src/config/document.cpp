@@ -75,9 +75,8 @@ std::optional<problem> unfit(std::string_view text, const std::string& file) {
 
 /// Where the value on that line begins, and it, if it is a text without quotes.
 std::optional<std::pair<mark, std::string_view>> bare_text(std::string_view text,
-                                                           const unsigned at_line) {
-  auto line = at_line;
-  for (; line > 1; --line) {
+                                                           unsigned at_line) {
+  for (unsigned line = 1; line < at_line; ++line) {
     const auto end = text.find('\n');
     if (end == std::string_view::npos)
       return std::nullopt;

@@ -18,10 +18,8 @@ using json = nlohmann::ordered_json;
 class schema_writer {
 public:
   json object_of(const table_description& x) {
-    if (x.choice.empty()) {
-      auto out = plain(x.keys);
-      return out;
-    }
+    if (x.choice.empty())
+      return plain(x.keys);
     json out{{"type", "object"}, {"required", json::array({x.choice})}};
     if (x.find(x.choice) != nullptr && !x.find(x.choice)->is_required)
       out.erase("required");

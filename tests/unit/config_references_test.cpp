@@ -315,8 +315,7 @@ apps = [{ app = "messenger", text = "x", to = "k/c-2" }]
 }
 
 TEST_CASE("a mistake in a mote type is told once", "[config][GEN-06]") {
-  check_mistakes("", R"(
-[ecology]
+  constexpr const char* start = R"([ecology]
 name = "t"
 duration = "1h"
 [[peer]]
@@ -325,6 +324,8 @@ id = 300
 [mote_type.c]
 type = 7
 transducers.temperature = { model = "constant", value = 20 }
+)";
+  check_mistakes(start, R"(
 apps = [{ app = "sampler", transducers = ["light"] }]
 #                                         ^ the mote has no transducer `light`; it has: temperature
 actuators = [{ name = "fan", kind = "relay" }]
@@ -332,15 +333,6 @@ actuators = [{ name = "fan", kind = "relay" }]
 name = "k"
 id = 1
 
-[ecology]
-name = "t"
-duration = "1h"
-[[peer]]
-name = "pc"
-id = 300
-[mote_type.c]
-type = 7
-transducers.temperature = { model = "constant", value = 20 }
 apps = [{ app = "sampler", transducers = ["light"] }]
 #                                         ^ the mote has no transducer `light`; it has: temperature
 actuators = [{ name = "fan", kind = "relay" }]
@@ -356,15 +348,6 @@ id = 3
 type = "c"
 position_m = [1, 2]
 
-[ecology]
-name = "t"
-duration = "1h"
-[[peer]]
-name = "pc"
-id = 300
-[mote_type.c]
-type = 7
-transducers.temperature = { model = "constant", value = 20 }
 apps = [{ app = "sampler", transducers = ["light"] }]
 actuators = [{ name = "fan", kind = "relay" }]
 [[island]]
