@@ -748,11 +748,12 @@ bool has_settled_gateway(ecology_pointer self, island_id island) {
          (found->second.incarnation == 0 || now(self) - found->second.changed >= 1min);
 }
 
-/// Whether nothing has happened for a while to any peer, nor to the network between them.
+/// Whether nothing has happened for a while to any peer, nor to the network between them, nor to a
+/// link to another process.
 bool has_settled_peers(ecology_pointer self) {
   constexpr duration settling = 2min;
   const auto& state = self->state;
-  auto last = state.last_lan_fault;
+  auto last = std::max(state.last_lan_fault, state.last_outside_change);
   for (const auto& [name, peer] : state.peers)
     last = std::max(last, peer.changed);
   return state.duplicates.empty() && state.description.peis.loss == 0 &&
@@ -969,6 +970,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const restart_program& x) { restart(self, x); },
       [self](const restart_peer& x) { restart(self, self->state.peers.at(x.name)); },
       [self](const end_duplicate& x) { end_duplicate_peer(self, x.name); },
+      [self](outside_link_changed) { self->state.last_outside_change = now(self); },
       [self](const start_component& x) { start_component_peer(self, x); },
       [self](const stop_component& x) { stop_component_peer(self, x); },
       [self](end_run) { end_peers(self); },

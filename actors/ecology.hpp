@@ -183,6 +183,7 @@ struct ecology_state {
   random_stream dice;                            ///< draws whom a fault hits
   std::map<island_id, instant> last_clock_fault; ///< clocks set, and sinks started again
   instant last_lan_fault;                        ///< when the simulated network last changed
+  instant last_outside_change;                   ///< of a link to another process
 };
 
 /// @param on_report called once, from the actor, when deliver_report comes

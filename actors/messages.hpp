@@ -235,6 +235,10 @@ struct stop_component {
 };
 RUBICON_FIELDS(stop_component, peer, at_once);
 
+/// From a peer: a link to another process has opened or closed.
+struct outside_link_changed {};
+RUBICON_FIELDS(outside_link_changed);
+
 /// The root supervisor, as those below it see it.
 using ecology_actor = caf::typed_actor<
     caf::reacts_to<story>, caf::reacts_to<mote_flat>, caf::reacts_to<listing_changed>,
@@ -243,7 +247,8 @@ using ecology_actor = caf::typed_actor<
     caf::reacts_to<devices_status>, caf::reacts_to<gateway_status>, caf::reacts_to<peer_status>,
     caf::reacts_to<proxy_status>, caf::reacts_to<program_status>, caf::reacts_to<sample_status>,
     caf::reacts_to<start_component>, caf::reacts_to<stop_component>, caf::reacts_to<actor_failed>,
-    caf::reacts_to<request_unmet>, caf::reacts_to<store_written>, caf::reacts_to<radio_left>>;
+    caf::reacts_to<request_unmet>, caf::reacts_to<store_written>, caf::reacts_to<radio_left>,
+    caf::reacts_to<outside_link_changed>>;
 
 /// To itself: this fault of the description's plan is due.
 struct apply_fault {
@@ -450,8 +455,7 @@ using serial_line_actor =
                      caf::reacts_to<plug_serial>, caf::reacts_to<timer_expired>,
                      caf::reacts_to<status_request>>;
 
-// ------------------------------------------------------------------------------- motes, their
-// programs
+// --------------------------------------------------------------------- motes and their programs
 
 /// The app has carried its mote somewhere; its way-points, if it has any, count no more.
 struct move_mote {
@@ -459,44 +463,48 @@ struct move_mote {
 };
 RUBICON_FIELDS(move_mote, place);
 
-// Programs that use the Mockup interface and are not in their mote's actor.
+// Programs that use the Mockup interface and are not in their node's actor.
 
-/// The mote has this program now. What it offers; and how often it was started before.
+/// The node has this program now. What it offers; and how often it was started before.
 struct program_attached {
   mote::remote::limits limits;
   std::uint32_t incarnation = 0;
 };
 RUBICON_FIELDS(program_attached, limits, incarnation);
 
-/// The mote has stopped for good, and all that is on it.
+/// The node has stopped for good, and all that is on it.
 struct program_detached {};
 RUBICON_FIELDS(program_detached);
 
-/// Events, and how far the mote is with the program's commands.
+/// Events, and how far the node is with the program's commands.
 struct program_events {
   mote::remote::events_batch batch;
 };
 RUBICON_FIELDS(program_events, batch);
 
-/// A program, as its mote sees it.
+/// A program, as its node sees it.
 using program_client_actor =
     caf::typed_actor<caf::reacts_to<program_attached>, caf::reacts_to<program_detached>,
                      caf::reacts_to<program_events>>;
 
-/// A program begins on this mote; what it had there before is closed. program_attached follows, if
-/// the mote still runs.
+/// A program begins on this node; what it had there before is closed. program_attached follows, if
+/// the node still runs.
 struct attach_program {
-  std::uint32_t number = 0; ///< among the mote's programs
+  std::uint32_t number = 0; ///< among the node's programs
   carried<program_client_actor> program;
 };
 RUBICON_FIELDS(attach_program, number, program);
 
-/// Commands, and how far the program is with the mote's events.
+/// Commands, and how far the program is with the node's events.
 struct program_commands {
   std::uint32_t number = 0;
   mote::remote::commands_batch batch;
 };
 RUBICON_FIELDS(program_commands, number, batch);
+
+/// A mote or PC, as such a program sees it.
+using program_node_actor =
+    caf::typed_actor<caf::reacts_to<attach_program>, caf::reacts_to<program_commands>>;
 
 /// From the fault plan: the next handler throws.
 struct crash_now {};
@@ -1009,7 +1017,9 @@ RUBICON_FIELDS(gateway_changed, gateway, name);
 /// What speaks for one mote.
 using proxy_actor =
     peis_client_actor::extend<caf::reacts_to<mote_presence>, caf::reacts_to<gateway_changed>,
-                              caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+                              caf::reacts_to<program_attached>, caf::reacts_to<program_detached>,
+                              caf::reacts_to<program_events>, caf::reacts_to<timer_expired>,
+                              caf::reacts_to<status_request>>;
 
 /// To itself: a proxy that has ended may be started again.
 struct restart_proxy {
@@ -1027,7 +1037,9 @@ using peer_app_actor = peis_client_actor::extend<caf::reacts_to<status_request>>
 /// The same with deadlines: rules, pursuers of goals; a peer's Communication Layer and the programs
 /// that use it.
 using timed_peer_app_actor = peer_app_actor::extend<caf::reacts_to<timer_expired>>;
-using pc_actor = timed_peer_app_actor::extend<caf::reacts_to<clock_changed>>;
+using pc_actor =
+    timed_peer_app_actor::extend<caf::reacts_to<clock_changed>, caf::reacts_to<attach_program>,
+                                 caf::reacts_to<program_commands>>;
 
 } // namespace rubicon
 

@@ -76,10 +76,7 @@ void perform(mote_pointer self, mote::node_outputs todo) {
   state.programs.tell(self, state.arguments->ecology);
   for (auto& output : todo)
     std::visit(performer{self}, output);
-  for (auto& [number, x] : state.separate) {
-    if (auto events = x.port->take_events())
-      self->send(x.actor, program_events{*std::move(events)});
-  }
+  state.separate.send_events(self);
   const auto due = earliest(state.node->deadline(), state.programs.deadline());
   state.wake.follow(self, state.crystal.real(*due));
   if (const auto report = state.reports.deadline())
@@ -144,44 +141,20 @@ void on_timer(mote_pointer self, const timer_expired& x) {
 }
 
 /// @pre the node runs
-void detach(mote_pointer self, std::uint32_t number) {
+template <class Change>
+void change_programs(mote_pointer self, Change change) {
   auto& state = self->state;
-  const auto gone = state.separate.extract(number);
-  if (gone.empty())
-    return;
   state.node->begin(own_time(self));
-  gone.mapped().port->leave();
+  change(state.separate);
   perform(self, state.node->settle(own_time(self)));
 }
 
 void on_attach(mote_pointer self, const attach_program& x) {
   auto& state = self->state;
-  detach(self, x.number);
-  self->monitor(x.program.actor);
-  auto& added = state.separate[x.number];
-  added.actor = x.program.actor;
-  added.port = std::make_unique<mote::program_port>(*state.node);
-  self->send(added.actor, program_attached{added.port->limits(), state.store.starts});
+  if (state.separate.contains(x.number))
+    change_programs(self, [&x](auto& programs) { programs.leave(x.number); });
+  state.separate.attach(self, *state.node, x, state.store.starts);
   perform(self, {});
-}
-
-void on_commands(mote_pointer self, const program_commands& x) {
-  auto& state = self->state;
-  const auto from = state.separate.find(x.number);
-  if (from == state.separate.end())
-    return;
-  state.node->begin(own_time(self));
-  from->second.port->on_commands(x.batch);
-  perform(self, state.node->settle(own_time(self)));
-}
-
-/// A program has ended: what it had open is closed.
-void on_program_down(mote_pointer self, const caf::down_msg& x) {
-  auto& all = self->state.separate;
-  const auto found = std::ranges::find_if(
-      all, [&x](const auto& each) { return each.second.actor.address() == x.source; });
-  if (found != all.end() && !self->state.flat)
-    detach(self, found->first);
 }
 
 /// The MCU has stopped: no programs, no timers, no answers on the radio.
@@ -189,8 +162,7 @@ void die(mote_pointer self) {
   if (self->state.flat)
     return;
   self->state.flat = true;
-  for (const auto& [number, x] : self->state.separate)
-    self->send(x.actor, program_detached{});
+  self->state.separate.send_detached(self);
   log(self, spdlog::level::info, "event=battery_flat");
   self->send(self->state.arguments->ecology, story{self->path(), "battery flat"});
   self->send(self->state.arguments->ecology, mote_flat{self->state.arguments->address});
@@ -364,7 +336,11 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
                                         std::shared_ptr<const mote_arguments> arguments,
                                         mote::nonvolatile store) {
   report_failures(self);
-  self->set_down_handler([self](const caf::down_msg& x) { on_program_down(self, x); });
+  self->set_down_handler([self](const caf::down_msg& x) {
+    const auto ended = self->state.separate.number_of(x.source);
+    if (ended && !self->state.flat)
+      change_programs(self, [&ended](auto& programs) { programs.leave(*ended); });
+  });
   self->state.arguments = std::move(arguments);
   self->state.store = store;
   start(self);
@@ -380,8 +356,8 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
           on_attach(self, x);
       },
       [self](const program_commands& x) {
-        if (!self->state.flat)
-          on_commands(self, x);
+        if (!self->state.flat && self->state.separate.contains(x.number))
+          change_programs(self, [&x](auto& programs) { programs.on_commands(x); });
       },
       [self](const move_mote& x) {
         self->state.walk_wake.stop();

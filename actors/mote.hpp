@@ -10,12 +10,12 @@
 #include "actors/flow_host.hpp"
 #include "actors/messages.hpp"
 #include "actors/program_host.hpp"
+#include "actors/separate_programs.hpp"
 #include "actors/timer.hpp"
 #include "config/ecology.hpp"
 #include "mote/crystal.hpp"
 #include "mote/node.hpp"
 #include "mote/nonvolatile.hpp"
-#include "mote/program_port.hpp"
 #include "mote/walk.hpp"
 
 namespace rubicon {
@@ -36,12 +36,6 @@ struct mote_arguments {
   ecology_actor ecology;
 };
 
-/// A program in an actor of its own, as the mote sees it.
-struct separate_program {
-  program_client_actor actor;
-  std::unique_ptr<mote::program_port> port;
-};
-
 struct mote_state {
   static constexpr std::uint8_t walk_timer = 2;
   static constexpr std::uint8_t last_words_timer = 3;
@@ -60,8 +54,8 @@ struct mote_state {
   /// Samplers, actuators, messengers and listeners. They go by the world's time: what they are
   /// asked for, and judged by, are periods of those who listen to them.
   program_host reports;
-  program_host programs;                              ///< all others, in the mote's own time
-  std::map<std::uint32_t, separate_program> separate; ///< by number
+  program_host programs; ///< all others, in the mote's own time
+  separate_programs separate;
   bool flat = false;
 };
 

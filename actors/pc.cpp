@@ -26,6 +26,7 @@ void perform(pc_pointer self, endpoint::outputs todo) {
                                                        false});
   }
   state.programs.tell(self, state.arguments.ecology);
+  state.separate.send_events(self);
   state.wake.follow(self, earliest(state.pc.deadline(), state.programs.deadline()));
 }
 
@@ -55,6 +56,22 @@ void on_timer(pc_pointer self) {
   perform(self, state.programs.on_time(state.pc, now(self)));
 }
 
+template <class Change>
+void change_programs(pc_pointer self, Change change) {
+  auto& state = self->state;
+  state.pc.begin(now(self));
+  change(state.separate);
+  perform(self, state.pc.settle());
+}
+
+void on_attach(pc_pointer self, const attach_program& x) {
+  auto& state = self->state;
+  if (state.separate.contains(x.number))
+    change_programs(self, [&x](auto& programs) { programs.leave(x.number); });
+  state.separate.attach(self, state.pc, x, state.arguments.config.incarnation);
+  perform(self, {});
+}
+
 /// @param ends its life does
 void report(pc_pointer self, bool ends) {
   const auto& state = self->state;
@@ -74,6 +91,10 @@ pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
   self->set_exit_handler([self](const caf::exit_msg& x) {
     report(self, true); // a life that a fault has ended counts as well
     self->quit(x.reason);
+  });
+  self->set_down_handler([self](const caf::down_msg& x) {
+    if (const auto ended = self->state.separate.number_of(x.source))
+      change_programs(self, [&ended](auto& programs) { programs.leave(*ended); });
   });
   auto& state = self->state;
   state.arguments = std::move(arguments);
@@ -96,6 +117,11 @@ pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
       [](const peis_outcome&) {},
       [self](const clock_changed& x) {
         perform(self, self->state.pc.on_clock(x.offset, now(self)));
+      },
+      [self](const attach_program& x) { on_attach(self, x); },
+      [self](const program_commands& x) {
+        if (self->state.separate.contains(x.number))
+          change_programs(self, [&x](auto& programs) { programs.on_commands(x); });
       },
       [self](const status_request& x) {
         if (x.sample > 0)

@@ -6,6 +6,7 @@
 
 #include "actors/messages.hpp"
 #include "actors/program_host.hpp"
+#include "actors/separate_programs.hpp"
 #include "actors/timer.hpp"
 #include "endpoint/pc.hpp"
 #include "gateway/alias_talks.hpp"
@@ -29,6 +30,7 @@ struct pc_state {
   gateway::directory gateways; ///< empty without aliases
   gateway::alias_talks talks;
   program_host programs;
+  separate_programs separate; ///< of proxies
   timer wake;
 };
 

@@ -172,6 +172,7 @@ struct peer_app_spawner {
   ecology_pointer self;
   supervised_peer& peer;
   std::size_t number;
+  program_node_actor layer; ///< the peer's; nullptr: no proxy needs it
 
   void operator()(const config::proxy_manager_app& x) const {
     proxy_manager_arguments arguments;
@@ -181,6 +182,8 @@ struct peer_app_spawner {
     arguments.peer_number = peer.id;
     arguments.peer = peer.handle;
     arguments.ecology = ecology_handle(self);
+    arguments.layer = layer;
+    arguments.peer_name = peer.name;
     add(spawn_child(self, "proxy_manager/" + peer.name, proxy_manager, std::move(arguments)));
     if (x.objects)
       add(spawn_child(self, "object_manager/" + peer.name, object_manager,
@@ -293,14 +296,27 @@ void spawn_kernel(ecology_pointer self, supervised_peer& peer, const std::string
 
 namespace {
 
-void spawn_pc(ecology_pointer self, supervised_peer& peer, std::vector<apps::app_config> programs) {
+/// How many streams proxies read at a peer with such programs.
+std::size_t streams_of_proxies(ecology_pointer self, const std::vector<config::peer_app>& apps) {
+  const bool manages = std::ranges::any_of(apps, [](const config::peer_app& app) {
+    return std::holds_alternative<config::proxy_manager_app>(app);
+  });
+  std::size_t streams = 0;
+  for (const auto& each : self->state.description.proxies)
+    streams += manages ? proxy::streams_of(each).size() : 0;
+  return streams;
+}
+
+/// @param streams that proxies read
+pc_actor spawn_pc(ecology_pointer self, supervised_peer& peer,
+                  std::vector<apps::app_config> programs, std::size_t streams) {
   pc_arguments x;
   x.config.self = peer.id;
   x.config.incarnation = peer.incarnation;
   x.config.awaits_clock = true;
   x.config.tick_period = self->state.description.tick;
   x.config.answer_slack = self->state.answer_slack;
-  x.config.channels_max = apps::ends_max(x.config.channels_max, programs);
+  x.config.channels_max = apps::ends_max(x.config.channels_max, programs) + streams;
   x.aliases = std::ranges::any_of(self->state.description.islands,
                                   [](const auto& each) { return !each.aliases.empty(); });
   x.name = peer.name;
@@ -308,8 +324,9 @@ void spawn_pc(ecology_pointer self, supervised_peer& peer, std::vector<apps::app
   x.seed = self->state.description.seed;
   x.peer = peer.handle;
   x.ecology = ecology_handle(self);
-  peer.programs.push_back(
-      caf::actor_cast<caf::actor>(spawn_child(self, "pc/" + peer.name, pc, std::move(x))));
+  auto layer = spawn_child(self, "pc/" + peer.name, pc, std::move(x));
+  peer.programs.push_back(caf::actor_cast<caf::actor>(layer));
+  return layer;
 }
 
 } // namespace
@@ -318,10 +335,15 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   if (!peer.island) {
     std::size_t number = 0;
     const auto& apps = description_of(self, peer).apps;
+    auto programs = configs_of(programs_among(apps));
+    const auto streams = streams_of_proxies(self, apps);
+    program_node_actor layer;
+    if (streams > 0)
+      layer = spawn_pc(self, peer, programs, streams);
     for (const auto& app : apps)
-      std::visit(peer_app_spawner{self, peer, ++number}, app);
-    if (auto programs = configs_of(programs_among(apps)); !programs.empty())
-      spawn_pc(self, peer, std::move(programs));
+      std::visit(peer_app_spawner{self, peer, ++number, layer}, app);
+    if (!layer && !programs.empty())
+      spawn_pc(self, peer, std::move(programs), 0);
     return;
   }
   const auto& island = island_of(self, *peer.island);

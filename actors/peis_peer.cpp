@@ -96,6 +96,7 @@ struct performer {
     if (state.tcp_links.erase(x.link) > 0 && state.real != nullptr) {
       state.real->links().carry_out(x);
       state.real->hold(x.link, false);
+      self->send(state.arguments.ecology, outside_link_changed{});
     }
     const auto found = state.links.find(x.link);
     if (found == state.links.end())
@@ -425,9 +426,10 @@ void on_opened(peer_pointer self, const link_opened& x, std::uint64_t rate_bps) 
   const peis::link_id id{x.link};
   if (state.left)
     return;
-  if (x.link >= first_real_link)
+  if (x.link >= first_real_link) {
     state.tcp_links.insert(id);
-  else
+    self->send(state.arguments.ecology, outside_link_changed{});
+  } else
     state.links[id] = {x.other.actor, x.condition, x.initiator, {}, rate_bps};
   const auto role = x.initiator ? peis::link_role::initiator : peis::link_role::acceptor;
   const auto attempt = x.attempt == 0 ? std::nullopt : std::optional(peis::attempt_id{x.attempt});
@@ -437,7 +439,10 @@ void on_opened(peer_pointer self, const link_opened& x, std::uint64_t rate_bps) 
 void on_closed(peer_pointer self, const link_closed& x) {
   auto& state = self->state;
   const peis::link_id id{x.link};
-  if (state.links.erase(id) + state.tcp_links.erase(id) > 0)
+  const bool was_outside = state.tcp_links.erase(id) > 0;
+  if (was_outside)
+    self->send(state.arguments.ecology, outside_link_changed{});
+  if (was_outside || state.links.erase(id) > 0)
     ++state.links_closed["far_end"];
   perform(self, state.kernel.on_link_closed(id, now(self)));
 }

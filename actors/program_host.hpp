@@ -39,11 +39,21 @@ public:
   template <class Node>
   void start_one(Node& node, const apps::app_config& config, std::size_t number,
                  const std::string& who, std::uint64_t seed, bool again, instant now) {
+    const auto kind = std::string(apps::kind_of(config));
+    start_made(node,
+               apps::make_application(
+                   config, random_stream(seed, who + '/' + kind + std::to_string(number))),
+               kind, number, again, now);
+  }
+
+  /// The same for one that is made already.
+  template <class Node>
+  void start_made(Node& node, std::unique_ptr<apps::application> program, std::string kind,
+                  std::size_t number, bool again, instant now) {
     auto& x = programs_.emplace_back();
-    x.name = std::string(apps::kind_of(config));
+    x.name = std::move(kind);
     x.number = static_cast<std::uint32_t>(number);
-    x.program = apps::make_application(
-        config, random_stream(seed, who + '/' + x.name + std::to_string(number)));
+    x.program = std::move(program);
     x.open(again);
     x.program->start(node.attach(*x.program), now);
   }

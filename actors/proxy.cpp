@@ -55,7 +55,53 @@ struct performer {
 void perform(proxy_pointer self, proxy::proxy::outputs todo) {
   for (auto& output : todo)
     std::visit(performer{self}, output);
-  self->state.wake.follow(self, self->state.arguments.core.deadline());
+  const auto& state = self->state;
+  self->state.wake.follow(
+      self, earliest(state.arguments.core.deadline(), state.streams.programs.deadline()));
+}
+
+/// Among the programs of its peer; those of the peer's file have small ones.
+std::uint32_t number_of_streams(proxy_pointer self) {
+  const auto& mote = self->state.arguments.core.who().mote;
+  return mote.island.value << 16 | mote.mote.value;
+}
+
+/// After anything that the stream program did.
+void settle_streams(proxy_pointer self) {
+  auto& state = self->state;
+  auto& streams = state.streams;
+  if (auto commands = streams.process->settle())
+    self->send(state.arguments.layer,
+               program_commands{number_of_streams(self), *std::move(commands)});
+  streams.programs.tell(self, state.arguments.ecology);
+  for (const auto& x : streams.tap->take_values())
+    perform(self, state.arguments.core.on_record(x.stream, x.count, now(self)));
+  perform(self, {});
+}
+
+void on_attached(proxy_pointer self, const program_attached& x) {
+  auto& state = self->state;
+  auto& streams = state.streams;
+  std::vector<apps::stream_tap::read_stream> inputs;
+  for (const auto& each : state.arguments.core.streams())
+    inputs.push_back({each.number, each.every});
+  auto tap = std::make_unique<apps::stream_tap>(inputs);
+  streams.tap = tap.get();
+  streams.process = std::make_unique<mote::remote_process>(x.limits);
+  streams.process->begin(now(self));
+  streams.programs.start_made(*streams.process, std::move(tap), "proxy", number_of_streams(self),
+                              x.incarnation > 0, now(self));
+  settle_streams(self);
+}
+
+void on_timer(proxy_pointer self) {
+  auto& state = self->state;
+  perform(self, state.arguments.core.on_time(now(self)));
+  if (state.streams.process == nullptr)
+    return;
+  state.streams.process->begin(now(self));
+  state.streams.tap->on_time(now(self));
+  settle_streams(self);
 }
 
 void watch_all(proxy_pointer self) {
@@ -120,7 +166,9 @@ void report(proxy_pointer self, bool ends) {
     if (ended < counted.requested)
       r.actuations.failed["proxy_ended"] = counted.requested - ended;
   }
-  self->send(self->state.arguments.ecology, proxy_status{std::move(r), ends});
+  const auto& given = self->state.arguments;
+  self->send(given.ecology, proxy_status{std::move(r), ends});
+  self->state.streams.programs.report(self, given.ecology, given.peer_name, now(self), ends);
 }
 
 void performer::operator()(const proxy::retire&) const {
@@ -145,6 +193,9 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
   self->state.written_to = given.gateway;
   perform(self, self->state.arguments.core.start(now(self)));
   watch_all(self);
+  if (given.layer)
+    self->send(given.layer, attach_program{number_of_streams(self),
+                                           {caf::actor_cast<program_client_actor>(self)}});
   return {
       [self](const tuple_event& x) { on_tuple(self, x); },
       [](const peis_message&) {}, // hooks no port
@@ -160,9 +211,15 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
             proxy::to_string(self->state.arguments.core.status()), x.cause);
       },
       [self](const gateway_changed& x) { on_gateway(self, x); },
+      [self](const program_attached& x) { on_attached(self, x); },
+      [](program_detached) {}, // a PC ends with its kernel, and so does this
+      [self](const program_events& x) {
+        self->state.streams.process->on_events(x.batch, now(self));
+        settle_streams(self);
+      },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
-          perform(self, self->state.arguments.core.on_time(now(self)));
+          on_timer(self);
       },
       [self](status_request) { report(self, false); },
   };

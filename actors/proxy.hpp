@@ -1,11 +1,15 @@
 // A proxy: speaks for one mote, through tuples only.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "actors/messages.hpp"
+#include "actors/program_host.hpp"
 #include "actors/timer.hpp"
+#include "apps/stream_tap.hpp"
+#include "mote/remote_process.hpp"
 #include "proxy/proxy.hpp"
 
 namespace rubicon {
@@ -18,6 +22,15 @@ struct proxy_arguments {
   ecology_actor ecology;
   std::vector<peer_id> gateways = {}; ///< of the mote's island; empty: the one with its id
   peer_id gateway = any_peer;         ///< of them, the one that leads it
+  program_node_actor layer = {};      ///< of its peer; nullptr: its class reads no streams
+  std::string peer_name = {};
+};
+
+/// The read ends of a proxy's streams, in the Communication Layer of its peer (PXY-18).
+struct proxy_streams {
+  std::unique_ptr<mote::remote_process> process; ///< nullptr: not attached
+  program_host programs;
+  apps::stream_tap* tap = nullptr; ///< among these
 };
 
 struct proxy_actor_state {
@@ -25,6 +38,7 @@ struct proxy_actor_state {
   std::vector<proxy::watch> watches; ///< watch n has the name n + 1
   std::uint64_t failed_writes = 0;   ///< to the gateway; the core's timeout tells its user
   peer_id written_to = any_peer;     ///< the gateway whose answers count
+  proxy_streams streams;
   timer wake;
 };
 

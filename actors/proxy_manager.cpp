@@ -51,11 +51,13 @@ struct performer {
     const auto& gateways = state.gateways.at(x.mote.island);
     proxy::proxy core(*what, identity_of(state.arguments, x.mote, gateways.current()));
     const auto name = core.prefix();
+    const auto layer = core.streams().empty() ? program_node_actor() : state.arguments.layer;
     log(self, spdlog::level::info, "event=started proxy={} class={}", name, x.class_name);
     state.proxies[x.mote] = scheduler::spawn_at<caf::monitored>(
         self, "proxy/" + name, proxy_behavior,
         proxy_arguments{std::move(core), state.arguments.peer_number, state.arguments.peer,
-                        state.arguments.ecology, gateways.gateways(), gateways.current()});
+                        state.arguments.ecology, gateways.gateways(), gateways.current(), layer,
+                        state.arguments.peer_name});
   }
 
   void operator()(const proxy::stop_proxy& x) const {

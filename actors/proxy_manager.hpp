@@ -37,6 +37,8 @@ struct proxy_manager_arguments {
   peer_id peer_number;
   peis_peer_actor peer;
   ecology_actor ecology;
+  program_node_actor layer = {}; ///< of the peer; nullptr: no class reads streams
+  std::string peer_name = {};
 };
 
 struct proxy_manager_state {

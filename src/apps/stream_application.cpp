@@ -10,10 +10,14 @@ constexpr duration pause = 5s; ///< before a stream is opened again
 
 } // namespace
 
-stream_application::stream_application(const std::vector<std::uint16_t>& streams, duration every)
-    : every_(every) {
+stream_application::stream_application(const std::vector<read_stream>& streams) {
+  for (const auto& x : streams)
+    inputs_.push_back({.name = x.name, .every = x.every});
+}
+
+stream_application::stream_application(const std::vector<std::uint16_t>& streams, duration every) {
   for (const auto name : streams)
-    inputs_.push_back({.name = name});
+    inputs_.push_back({.name = name, .every = every});
 }
 
 void stream_application::joined(mote::island_octet, std::uint16_t, mote::status success) {
@@ -35,9 +39,9 @@ void stream_application::joined(mote::island_octet, std::uint16_t, mote::status 
 
 void stream_application::open(read_end& x) {
   x.is_wanted = false;
-  const auto accepted =
-      layer().open_remote(static_cast<mote::island_octet>(own_island.value), own_mote.value, x.name,
-                          static_cast<std::uint32_t>(every_ / 1ms), 0, stream::sensor_record::size);
+  const auto accepted = layer().open_remote(
+      static_cast<mote::island_octet>(own_island.value), own_mote.value, x.name,
+      static_cast<std::uint32_t>(x.every / 1ms), 0, stream::sensor_record::size);
   if (accepted == mote::FAIL) {
     ++opens_failed_;
     retry(x);
@@ -105,7 +109,7 @@ std::vector<stream_end> stream_application::stream_ends(instant now) const {
     end.pause = x.records > 0 ? std::max(x.pause, now - x.last) : 0s;
     end.first_ms = x.first_ms;
     end.last_ms = x.last_ms;
-    end.every = every_;
+    end.every = x.every;
     all.push_back(end);
   }
   return all;

@@ -24,7 +24,14 @@ public:
   [[nodiscard]] std::vector<stream_end> stream_ends(instant now) const override;
 
 protected:
-  /// @param streams symbolic names, all different @param every as their writers'
+  /// A stream that is read.
+  struct read_stream {
+    std::uint16_t name = 0; ///< symbolic
+    duration every{};       ///< as its writer's
+  };
+
+  /// @param streams all different
+  explicit stream_application(const std::vector<read_stream>& streams);
   stream_application(const std::vector<std::uint16_t>& streams, duration every);
 
   virtual void on_opened(std::size_t /*input*/) {} ///< a place in the constructor's list
@@ -39,6 +46,7 @@ protected:
 private:
   struct read_end {
     std::uint16_t name = 0;
+    duration every{};
     int stream = -1;
     bool is_wanted = false; ///< to be opened at retry_
     std::uint64_t records = 0;
@@ -55,7 +63,6 @@ private:
   void retry(read_end& x);
 
   std::vector<read_end> inputs_;
-  duration every_{};
   std::optional<instant> retry_;
   std::uint64_t openings_ = 0;
   std::uint64_t opens_failed_ = 0;

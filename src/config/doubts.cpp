@@ -136,18 +136,46 @@ private:
       look_for("an expectation", "looks at", tuple->when->key);
   }
 
-  [[nodiscard]] bool has_manager(island_id island) const {
-    return std::ranges::any_of(all_.peers, [island](const peer_description& peer) {
-      return std::ranges::any_of(peer.apps, [island](const peer_app& app) {
-        const auto* manager = std::get_if<proxy_manager_app>(&app);
-        return manager != nullptr &&
-               std::ranges::find(manager->islands, island) != manager->islands.end();
+  /// nullptr: nobody starts proxies of its motes.
+  [[nodiscard]] const peer_description* manager_of(island_id island) const {
+    const auto manages = [island](const peer_app& app) {
+      const auto* manager = std::get_if<proxy_manager_app>(&app);
+      return manager != nullptr &&
+             std::ranges::find(manager->islands, island) != manager->islands.end();
+    };
+    const auto found = std::ranges::find_if(all_.peers, [&](const peer_description& peer) {
+      return std::ranges::any_of(peer.apps, manages);
+    });
+    return found == all_.peers.end() ? nullptr : &*found;
+  }
+
+  /// Whether a mote's program may write the stream to the peer.
+  [[nodiscard]] bool is_written(std::uint16_t stream, peer_id to) const {
+    const mote_address reader{island_id(static_cast<std::uint32_t>(to.value)), no_mote};
+    const auto writes = [&](const apps::app_config& x) {
+      if (const auto* writer = std::get_if<apps::stream_writer_config>(&x))
+        return writer->stream == stream && writer->to == reader;
+      if (const auto* average = std::get_if<apps::average_config>(&x))
+        return std::ranges::any_of(average->outputs, [&](const auto& output) {
+          return output.stream == stream && output.to == reader;
+        });
+      return std::holds_alternative<apps::custom_config>(x);
+    };
+    return std::ranges::any_of(all_.islands, [&](const island_description& island) {
+      return std::ranges::any_of(island.motes, [&](const mote_description& mote) {
+        return std::ranges::any_of(mote.apps, [&](const mote_app& app) {
+          if (const auto* separate = std::get_if<separate_app>(&app))
+            return writes(separate->program);
+          const auto* program = std::get_if<apps::app_config>(&app);
+          return program != nullptr && writes(*program);
+        });
       });
     });
   }
 
   void look_at(const island_description& island, const mote_description& mote) {
-    if (island.stack != stack::full || !has_manager(island.id))
+    const auto* const manager = manager_of(island.id);
+    if (island.stack != stack::full || manager == nullptr)
       return;
     const auto* what = class_of(all_, island.id, mote);
     if (what == nullptr) {
@@ -160,11 +188,20 @@ private:
             " is one");
       return;
     }
+    const auto named = [what](const proxy::field& x) {
+      return "field `" + x.name + "` of [[proxy]] `" + what->name + '`';
+    };
+    for (const auto& field : what->fields)
+      if (field.stream && !is_written(field.stream->number, manager->id))
+        doubt(named(field) + ": no program writes stream " + std::to_string(field.stream->number) +
+              " to " + manager->name);
     if (may_send_anything(mote))
       return;
     const auto messages = messages_of(mote);
     for (const auto& field : what->fields) {
-      const auto who = "field `" + field.name + "` of [[proxy]] `" + what->name + '`';
+      if (field.stream)
+        continue;
+      const auto who = named(field);
       const auto sent = messages.find(field.channel);
       if (sent == messages.end())
         doubt(who + ": no program of " + of_kind(island, mote) + " sends on channel " +

@@ -97,9 +97,10 @@ read_peers(table_reader& root, surroundings& with, const std::vector<island_desc
                                                   const char* whom);
 
 /// [[proxy]]. Samplers of `islands` compute what a field says that they do.
+/// @param peers complete
 [[nodiscard]] std::vector<proxy::proxy_class>
 read_proxies(table_reader& root, const directory& names, const proxy::program_registry& programs,
-             std::vector<island_description>& islands);
+             std::vector<island_description>& islands, const std::vector<peer_description>& peers);
 
 /// Complains about classes of tagged objects whose proxies nobody would start.
 void check_object_manager(const table_reader& root, const std::vector<peer_description>& peers,

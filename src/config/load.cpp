@@ -36,7 +36,7 @@ ecology_description read_file_tables(table_reader& in, const named_files& files)
   check_links(links, out.radio, out.airs, shared.problems);
   out.peis = read_peis(in);
   out.peers = read_peers(in, with, out.islands);
-  out.proxies = read_proxies(in, names, files.known.programs, out.islands);
+  out.proxies = read_proxies(in, names, files.known.programs, out.islands, out.peers);
   out.tags = read_tags(in);
   check_object_manager(in, out.peers, out.proxies);
   out.faults = read_faults(in, with, out.islands, end);

@@ -7,6 +7,7 @@
 
 #include "config/mote_readers.hpp"
 #include "config/near.hpp"
+#include "config/size_check.hpp"
 #include "config/units.hpp"
 #include "proxy/class_table.hpp"
 #include "proxy/tuple_template.hpp"
@@ -183,7 +184,10 @@ void check_tuple_template(const placed_template& x, const proxy::proxy_class& of
       if (part.is_name && !is_prior(part.text) && !is_of_some(of, part.text))
         used.push_back(part.text);
   }
-  std::optional<std::uint16_t> channel;
+  const auto text_of = [](const proxy::reading_source& from) {
+    return (from.is_stream ? "stream " : "channel ") + std::to_string(from.number);
+  };
+  std::optional<proxy::reading_source> source;
   for (const auto& name : used) {
     const auto* const field = proxy::field_named(of, name);
     if (field == nullptr) {
@@ -191,14 +195,13 @@ void check_tuple_template(const placed_template& x, const proxy::proxy_class& of
       if (x.what.json.empty())
         known.insert(known.end(), prior.begin(), prior.end());
       problems.add(x.text_at, "the proxy has no field `" + name + '`' + suggestion(name, known));
-    } else if (channel && *channel != field->channel) {
-      problems.add(x.text_at, "`" + name + "` is of channel " + std::to_string(field->channel) +
-                                  ", not of channel " + std::to_string(*channel) +
-                                  ": the fields of a tuple come in one message");
+    } else if (source && *source != field->source()) {
+      problems.add(x.text_at, "`" + name + "` is of " + text_of(field->source()) + ", not of " +
+                                  text_of(*source) + ": the fields of a tuple come in one message");
     } else if (!x.what.json.empty() && name == "time") {
       problems.add(x.text_at, "`time` is in every JSON object: its field needs another name");
     } else {
-      channel = field->channel;
+      source = field->source();
     }
   }
 }
@@ -236,6 +239,43 @@ void read_program(table_reader& in, const proxy::program_registry& programs, tup
   out.make_program = std::get<proxy::program_factory>(std::move(made));
   for (const auto& name : out.make_program()->names())
     names.claim(name, in.at("program"), in.problems());
+}
+
+void check_streams(const std::vector<placed_stream>& all,
+                   const std::vector<proxy::proxy_class>& classes,
+                   const std::vector<island_description>& islands,
+                   const std::vector<peer_description>& peers, complaints& problems) {
+  const auto reads_it = [](const peer_description& peer, std::uint16_t number) {
+    return std::ranges::any_of(peer.apps, [number](const peer_app& app) {
+      const auto* program = std::get_if<apps::app_config>(&app);
+      return program != nullptr && std::ranges::count(streams_read(*program), number) > 0;
+    });
+  };
+  const proxy::class_table table(classes);
+  for (auto x = all.begin(); x != all.end(); ++x) {
+    const auto number = std::to_string(x->what.number);
+    const auto before = std::find_if(
+        all.begin(), x, [x](const auto& y) { return y.what.number == x->what.number; });
+    if (before != x) {
+      if (before->proxy != x->proxy)
+        problems.add(x->at, "stream " + number + " is read by proxies of `" + before->proxy + '`');
+      else if (before->what.every != x->what.every)
+        problems.add(x->at, "the fields of a stream need the same `every`");
+      continue;
+    }
+    std::size_t motes = 0;
+    each_mote_of(x->proxy, table, islands, [&](const auto&, const auto&) { ++motes; });
+    if (motes > 1)
+      problems.add(x->at, std::to_string(motes) + " motes are of this class, but stream " + number +
+                              " can be read by the proxy of one: a class of its own");
+    for (const auto& peer : peers)
+      if (std::ranges::any_of(
+              peer.apps,
+              [](const peer_app& app) { return std::holds_alternative<proxy_manager_app>(app); }) &&
+          reads_it(peer, x->what.number))
+        problems.add(x->at, "stream " + number + " is read by a program of `" + peer.name +
+                                "`, where the proxies are");
+  }
 }
 
 void place_computations(const std::vector<placed_computation>& all,

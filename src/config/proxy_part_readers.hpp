@@ -58,6 +58,20 @@ struct placed_transducer {
   bool has_unit = false;
 };
 
+/// Where a field says that it is read from a stream.
+struct placed_stream {
+  std::string proxy;
+  proxy::stream_input what;
+  mark at;
+};
+
+/// Complains about streams that could not be read: they end at the peer of the proxy manager, where
+/// each number has one read end.
+void check_streams(const std::vector<placed_stream>& all,
+                   const std::vector<proxy::proxy_class>& classes,
+                   const std::vector<island_description>& islands,
+                   const std::vector<peer_description>& peers, complaints& problems);
+
 /// Gives fields the offset, scale and unit of their transducers, as samplers of the motes send them
 /// that the classes claim.
 void place_transducers(const std::vector<placed_transducer>& all,

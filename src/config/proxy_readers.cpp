@@ -97,6 +97,7 @@ void read_field_words(table_reader& in, bool sized, proxy::field& out) {
 
 /// What other tables decide about a field of motes.
 struct placed_fields {
+  std::vector<placed_stream> streams;
   std::vector<placed_computation> computations;
   std::vector<placed_transducer> transducers;
 };
@@ -133,15 +134,41 @@ void read_computation(table_reader& in, proxy::field& field, const std::string& 
     computations.push_back({of, field.name, in.at("computed_by")});
 }
 
+/// stream and every, of fields of motes.
+void read_stream(table_reader& in, proxy::field& field, const std::string& of,
+                 placed_fields& placed) {
+  proxy::stream_input stream;
+  const bool named = in.optional(
+      "stream", whole<std::uint16_t>{}, stream.number,
+      {"instead of `channel`: the proxy itself reads this stream of sensor records, which a "
+       "[`stream_writer`](#app--stream_writer) of a mote in any island writes `to` the peer of the "
+       "proxy manager; of a class that one mote is of",
+       "none"});
+  in.optional("every", time_span{10ms, 24h}, stream.every, "of a stream: as its writer's");
+  if (!named) {
+    if (in.has("every"))
+      in.problems().add(in.at("every"), "`every` is of a `stream`");
+    return;
+  }
+  field.stream = stream;
+  placed.streams.push_back({of, stream, in.at("stream")});
+  for (const auto* key : {"channel", "offset", "encoding", "transducer", "computed_by"})
+    if (in.has(key))
+      in.problems().add(in.at(key), '`' + std::string(key) +
+                                        "` means nothing with `stream`: it is of messages");
+}
+
 void read_field(table_reader& in, tuple_names& names, placed_fields& placed,
                 proxy::proxy_class& out) {
   proxy::field field;
   if (in.required("name", name_text{}, field.name, "last part of the key"))
     names.claim(field.name, in.at("name"), in.problems());
-  if (out.ids.empty())
-    in.required_if(true, "channel", message_channel, field.channel,
+  if (out.ids.empty()) {
+    in.required_if(!in.has("stream"), "channel", message_channel, field.channel,
                    "of the message it is read from; with `ids` there is none: it is read from the "
                    "tag's memory");
+    read_stream(in, field, out.name, placed);
+  }
   in.optional("offset", whole<std::size_t>{0, payload_octets_max - 1}, field.offset,
               "its first octet in the message, which has up to 100");
   const bool sized = in.optional("encoding", encoding_words(), field.layout,
@@ -349,7 +376,8 @@ void check_overlaps(const std::vector<placed_range>& all, complaints& problems) 
 
 std::vector<proxy::proxy_class> read_proxies(table_reader& root, const directory& directory,
                                              const proxy::program_registry& programs,
-                                             std::vector<island_description>& islands) {
+                                             std::vector<island_description>& islands,
+                                             const std::vector<peer_description>& peers) {
   std::vector<proxy::proxy_class> out;
   std::vector<placed_range> ranges;
   name_claims classes;
@@ -409,6 +437,8 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root, const directory
         out.push_back(std::move(found));
       });
   check_overlaps(ranges, root.problems());
+  if (root.sound())
+    check_streams(placed.streams, out, islands, peers, root.problems());
   if (root.sound())
     place_transducers(placed.transducers, out, islands, root.problems());
   if (root.sound())

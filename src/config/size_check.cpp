@@ -35,21 +35,24 @@ std::string vectors_text(const apps::load& x) {
 
 } // namespace
 
+std::vector<std::uint16_t> streams_read(const apps::app_config& x) {
+  if (const auto* reader = std::get_if<apps::stream_reader_config>(&x))
+    return {reader->stream};
+  if (const auto* switched = std::get_if<apps::stream_switch_config>(&x))
+    return {switched->stream};
+  if (const auto* recorder = std::get_if<apps::recorder_config>(&x))
+    return recorder->streams;
+  if (const auto* average = std::get_if<apps::average_config>(&x))
+    return average->streams;
+  return {};
+}
+
 void end_claims::claim(const apps::app_config& x, mark at, complaints& problems) {
-  const auto reads = [&](const std::vector<std::uint16_t>& names) {
-    for (const auto name : names)
-      claim_stream(false, name, at, problems);
-  };
+  for (const auto name : streams_read(x))
+    claim_stream(false, name, at, problems);
   if (const auto* writer = std::get_if<apps::stream_writer_config>(&x)) {
     claim_stream(true, writer->stream, at, problems);
-  } else if (const auto* reader = std::get_if<apps::stream_reader_config>(&x)) {
-    claim_stream(false, reader->stream, at, problems);
-  } else if (const auto* switched = std::get_if<apps::stream_switch_config>(&x)) {
-    claim_stream(false, switched->stream, at, problems);
-  } else if (const auto* recorder = std::get_if<apps::recorder_config>(&x)) {
-    reads(recorder->streams);
   } else if (const auto* average = std::get_if<apps::average_config>(&x)) {
-    reads(average->streams);
     for (const auto& to : average->outputs)
       claim_stream(true, to.stream, at, problems);
   } else if (const auto* units = std::get_if<apps::reservoir_config>(&x)) {

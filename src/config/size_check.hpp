@@ -30,6 +30,9 @@ private:
   claims<std::pair<bool, mote_address>> synapses_;
 };
 
+/// Streams whose read ends a program has.
+[[nodiscard]] std::vector<std::uint16_t> streams_read(const apps::app_config& x);
+
 /// Programs of a mote, wherever they run.
 [[nodiscard]] std::vector<apps::app_config> programs_of(const std::vector<placed_app>& all);
 

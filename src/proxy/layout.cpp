@@ -93,16 +93,24 @@ std::size_t octets_of(encoding x) {
   return 0;
 }
 
-bool reads_channel(const proxy_class& what, std::uint16_t channel) {
+bool reads(const proxy_class& what, reading_source from) {
   return std::any_of(what.fields.begin(), what.fields.end(),
-                     [&](const auto& x) { return x.channel == channel; });
+                     [&](const auto& x) { return x.source() == from; });
 }
 
-result<std::vector<std::pair<const field*, std::int64_t>>>
-counts_in(const proxy_class& what, std::uint16_t channel, byte_view payload) {
-  std::vector<std::pair<const field*, std::int64_t>> counts;
+std::vector<stream_input> streams_of(const proxy_class& what) {
+  std::vector<stream_input> all;
+  for (const auto& field : what.fields)
+    if (field.stream &&
+        std::ranges::find(all, field.stream->number, &stream_input::number) == all.end())
+      all.push_back(*field.stream);
+  return all;
+}
+
+result<field_counts> counts_in(const proxy_class& what, std::uint16_t channel, byte_view payload) {
+  field_counts counts;
   for (const auto& field : what.fields) {
-    if (field.channel != channel)
+    if (field.source() != channel)
       continue;
     const auto count = count_in(field, payload);
     if (!count)

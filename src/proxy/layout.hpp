@@ -26,13 +26,19 @@ struct reading {
 /// Octets of one count.
 [[nodiscard]] std::size_t octets_of(encoding x);
 
-/// Whether a field of the class is read from the output channel.
-[[nodiscard]] bool reads_channel(const proxy_class& what, std::uint16_t channel);
+/// Whether a field of the class is read from there.
+[[nodiscard]] bool reads(const proxy_class& what, reading_source from);
+
+/// The streams that fields of the class are read from, each once.
+[[nodiscard]] std::vector<stream_input> streams_of(const proxy_class& what);
+
+/// Fields and what was read for them.
+using field_counts = std::vector<std::pair<const field*, std::int64_t>>;
 
 /// The counts in one message, with their fields, in the class's order.
 /// @returns errc::truncated as decode(); the pointers are valid as long as the class
-[[nodiscard]] result<std::vector<std::pair<const field*, std::int64_t>>>
-counts_in(const proxy_class& what, std::uint16_t channel, byte_view payload);
+[[nodiscard]] result<field_counts> counts_in(const proxy_class& what, std::uint16_t channel,
+                                             byte_view payload);
 
 /// What a field's count means.
 [[nodiscard]] reading reading_of(const field& what, std::int64_t count);

@@ -113,7 +113,7 @@ std::vector<watch> proxy::watches() const {
     list.push_back({watch::source::gateway, device_output_key(who_.mote.mote, channel), {}});
   for (const auto& [channel, requests] : channels_)
     list.push_back({watch::source::gateway, device_input_status_key(who_.mote.mote, channel), {}});
-  if (class_.settings.period > 0s && !class_.fields.empty())
+  if (class_.settings.period > 0s && !output_channels().empty())
     list.push_back({watch::source::gateway, device_status_key(who_.mote.mote), {}});
   return list;
 }
@@ -121,7 +121,8 @@ std::vector<watch> proxy::watches() const {
 std::set<std::uint16_t> proxy::output_channels() const {
   std::set<std::uint16_t> channels;
   for (const auto& field : class_.fields)
-    channels.insert(field.channel);
+    if (!field.stream)
+      channels.insert(field.channel);
   return channels;
 }
 
@@ -246,7 +247,7 @@ std::optional<instant> proxy::deadline() const {
   auto due = presence_deadline();
   for (const auto& [channel, requests] : channels_)
     due = earliest(due, requests.deadline());
-  for (const auto& [channel, stale_at] : stale_at_)
+  for (const auto& [source, stale_at] : stale_at_)
     due = earliest(due, stale_at);
   return program_ ? earliest(due, program_->deadline()) : due;
 }

@@ -154,6 +154,12 @@ public:
   /// The mote has sent a message on an output channel.
   [[nodiscard]] outputs on_output(std::uint16_t channel, byte_view payload, instant now);
 
+  /// What its fields read of streams; whoever runs it opens their read ends, at its peer.
+  [[nodiscard]] std::vector<stream_input> streams() const;
+
+  /// A record of one of them.
+  [[nodiscard]] outputs on_record(std::uint16_t stream, std::int16_t value, instant now);
+
   /// The gateway tells what became of a write on an input channel.
   [[nodiscard]] outputs on_input_status(std::uint16_t channel, std::string_view text, instant now);
 
@@ -194,9 +200,10 @@ private:
   void say_of_program(std::vector<reading> all, outputs& out);
   void tell_program_the_time(instant now, outputs& out);
   void ask_for_period(outputs& out) const;
-  void refresh(std::uint16_t channel, instant now, outputs& out);
+  void say_counts(reading_source from, const field_counts& counts, instant now, outputs& out);
+  void refresh(reading_source from, instant now, outputs& out);
   void mark_stale(instant now, outputs& out);
-  void say_freshness(std::uint16_t channel, std::string_view word, outputs& out);
+  void say_freshness(reading_source from, std::string_view word, outputs& out);
   [[nodiscard]] std::set<std::uint16_t> output_channels() const;
   void enter(state next, instant now, outputs& out);
   void sensed(instant now, outputs& out);
@@ -210,10 +217,10 @@ private:
   proxy_identity who_;
   std::string prefix_;
   tuple_templates templates_;
-  std::unique_ptr<program> program_;          ///< nullptr: none
-  std::map<std::string, bool> program_names_; ///< and whether its unit was told
-  std::map<std::string, running_mean> means_; ///< of fields that are computed here
-  std::map<std::uint16_t, instant> stale_at_; ///< of channels whose values are fresh
+  std::unique_ptr<program> program_;           ///< nullptr: none
+  std::map<std::string, bool> program_names_;  ///< and whether its unit was told
+  std::map<std::string, running_mean> means_;  ///< of fields that are computed here
+  std::map<reading_source, instant> stale_at_; ///< of those whose values are fresh
   state state_ = state::active;
   std::optional<instant> last_sensed_; ///< nothing before start()
   std::string cause_{nothing_word};    ///< of being lost

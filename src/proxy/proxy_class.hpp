@@ -2,6 +2,7 @@
 // 05, 11..13).
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -25,6 +26,25 @@ inline constexpr std::size_t mean_of_max = 16;
 /// How a field's octets are read; multi-byte ones in network byte order (GW-11).
 enum class encoding : std::uint8_t { u8, i8, u16, i16, u32, i32 };
 
+/// A stream of sensor records that ends at the proxy (PXY-18).
+struct stream_input {
+  std::uint16_t number = 0; ///< symbolic name
+  duration every = 1s;      ///< as its writer's
+};
+
+/// What fields are read from together: a message on an output channel, or a record of a stream.
+struct reading_source {
+  bool is_stream = false;
+  std::uint16_t number = 0;
+
+  reading_source() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): most are
+  constexpr reading_source(std::uint16_t channel) : number(channel) {}
+  constexpr explicit reading_source(const stream_input& x) : is_stream(true), number(x.number) {}
+
+  friend auto operator<=>(const reading_source&, const reading_source&) = default;
+};
+
 /// One published value: `count * scale + add`, or a word for a count.
 struct field {
   std::string name;          ///< last part of the tuple's key, `temperature`
@@ -38,6 +58,12 @@ struct field {
   std::vector<std::pair<std::int64_t, std::string>> words; ///< count -> word, instead of a number
   std::size_t mean_of = 1;       ///< the value is the mean of so many counts, 1..mean_of_max
   bool computed_by_mote = false; ///< that mean is what the mote sends (PXY-17)
+  std::optional<stream_input> stream =
+      {}; ///< instead of the channel: the count is a record's value
+
+  [[nodiscard]] reading_source source() const {
+    return stream ? reading_source(*stream) : reading_source(channel);
+  }
 };
 
 /// One more tuple of a proxy, beside those that every proxy has. It is set for each message that

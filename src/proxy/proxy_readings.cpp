@@ -10,7 +10,7 @@ namespace rubicon::proxy {
 proxy::outputs proxy::on_output(std::uint16_t channel, byte_view payload, instant now) {
   outputs out;
   sensed(now, out);
-  if (!reads_channel(class_, channel)) {
+  if (!reads(class_, channel)) {
     ++counters_.unread_messages;
     return out;
   }
@@ -20,18 +20,37 @@ proxy::outputs proxy::on_output(std::uint16_t channel, byte_view payload, instan
     return out;
   }
   ++counters_.messages;
+  say_counts(channel, *counts, now, out);
+  return out;
+}
+
+proxy::outputs proxy::on_record(std::uint16_t stream, std::int16_t value, instant now) {
+  outputs out;
+  const reading_source from(stream_input{stream});
+  field_counts counts;
+  for (const auto& field : class_.fields)
+    if (field.source() == from)
+      counts.emplace_back(&field, value);
+  say_counts(from, counts, now, out);
+  return out;
+}
+
+std::vector<stream_input> proxy::streams() const {
+  return streams_of(class_);
+}
+
+void proxy::say_counts(reading_source from, const field_counts& counts, instant now, outputs& out) {
   std::vector<reading> readings;
-  for (const auto& [field, count] : *counts) {
+  for (const auto& [field, count] : counts) {
     const auto mean = means_.find(field->name);
     readings.push_back(reading_of(*field, mean == means_.end() ? count : mean->second.add(count)));
   }
   say_readings(readings, out);
-  for (auto& [key, text] : templates_.on_readings(channel, readings, now))
+  for (auto& [key, text] : templates_.on_readings(from, readings, now))
     say(std::move(key), std::move(text), out);
-  refresh(channel, now, out);
+  refresh(from, now, out);
   if (program_)
     say_of_program(program_->on_readings(readings, now), out);
-  return out;
 }
 
 void proxy::say_readings(std::vector<reading> all, outputs& out) {
@@ -64,13 +83,13 @@ void proxy::ask_for_period(outputs& out) const {
     out.emplace_back(write_period{who_.mote, channel, class_.settings.period});
 }
 
-void proxy::refresh(std::uint16_t channel, instant now, outputs& out) {
+void proxy::refresh(reading_source from, instant now, outputs& out) {
   if (class_.settings.stale_after == 0s)
     return;
-  const bool was_fresh = stale_at_.contains(channel);
-  stale_at_.insert_or_assign(channel, now + class_.settings.stale_after);
+  const bool was_fresh = stale_at_.contains(from);
+  stale_at_.insert_or_assign(from, now + class_.settings.stale_after);
   if (!was_fresh)
-    say_freshness(channel, "fresh", out);
+    say_freshness(from, "fresh", out);
 }
 
 void proxy::mark_stale(instant now, outputs& out) {
@@ -84,9 +103,9 @@ void proxy::mark_stale(instant now, outputs& out) {
   }
 }
 
-void proxy::say_freshness(std::uint16_t channel, std::string_view word, outputs& out) {
+void proxy::say_freshness(reading_source from, std::string_view word, outputs& out) {
   for (const auto& field : class_.fields)
-    if (field.channel == channel)
+    if (field.source() == from)
       say(key_of(field.name + ".freshness"), std::string(word), out);
 }
 

@@ -127,16 +127,16 @@ const field* field_named(const proxy_class& what, std::string_view name) {
   return found == what.fields.end() ? nullptr : &*found;
 }
 
-std::optional<std::uint16_t> channel_of(const proxy_class& what, const tuple_template& x) {
+std::optional<reading_source> source_of(const proxy_class& what, const tuple_template& x) {
   for (const auto& name : x.json)
     if (const auto* of = field_named(what, name))
-      return of->channel;
+      return of->source();
   const auto parts = template_parts(x.text);
   if (!parts)
     return std::nullopt;
   for (const auto& part : *parts)
     if (const auto* of = part.is_name ? field_named(what, part.text) : nullptr)
-      return of->channel;
+      return of->source();
   return std::nullopt;
 }
 
@@ -148,7 +148,7 @@ tuple_templates::tuple_templates(const proxy_class& what, name_values names) {
   for (const auto& x : what.tuples)
     all_.push_back({filled_key(x.key, names),
                     x.json.empty() ? prefilled(x.text, names) : std::vector<template_part>{},
-                    x.json, channel_of(what, x)});
+                    x.json, source_of(what, x)});
   for (const auto& x : what.fields)
     if (!x.words.empty())
       words_.push_back(x.name);
@@ -157,17 +157,17 @@ tuple_templates::tuple_templates(const proxy_class& what, name_values names) {
 std::vector<tuple_templates::tuple> tuple_templates::at_start() const {
   std::vector<tuple> out;
   for (const auto& x : all_)
-    if (!x.channel)
+    if (!x.source)
       out.push_back({x.key, text_of(x.parts, {})});
   return out;
 }
 
-std::vector<tuple_templates::tuple> tuple_templates::on_readings(std::uint16_t channel,
+std::vector<tuple_templates::tuple> tuple_templates::on_readings(reading_source from,
                                                                  const std::vector<reading>& all,
                                                                  instant now) const {
   std::vector<tuple> out;
   for (const auto& x : all_)
-    if (x.channel == channel)
+    if (x.source == from)
       out.push_back(
           {x.key, x.json.empty() ? text_of(x.parts, all) : json_of(x.json, all, words_, now)});
   return out;

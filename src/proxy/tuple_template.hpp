@@ -39,9 +39,9 @@ using name_values = std::vector<std::pair<std::string, std::string>>;
 /// if it is about none.
 [[nodiscard]] const field* field_named(const proxy_class& what, std::string_view name);
 
-/// The channel that the template's fields are read from; nothing if it has none. @pre all its
-/// fields are of one channel
-[[nodiscard]] std::optional<std::uint16_t> channel_of(const proxy_class& what,
+/// What the template's fields are read from; nothing if it has none. @pre all its fields are read
+/// together
+[[nodiscard]] std::optional<reading_source> source_of(const proxy_class& what,
                                                       const tuple_template& x);
 
 /// The tuples of one proxy.
@@ -60,18 +60,18 @@ public:
   /// Those without fields.
   [[nodiscard]] std::vector<tuple> at_start() const;
 
-  /// Those whose fields are on the channel. A JSON object has their values by name, in the order of
-  /// the template, after the time of the message in seconds:
+  /// Those whose fields are read from there. A JSON object has their values by name, in the order
+  /// of the template, after the time of the message in seconds:
   /// `{"time":12.0,"temperature":{"value":22.3,"unit":"C"},"door":{"value":"open"}}`
-  [[nodiscard]] std::vector<tuple> on_readings(std::uint16_t channel,
-                                               const std::vector<reading>& all, instant now) const;
+  [[nodiscard]] std::vector<tuple> on_readings(reading_source from, const std::vector<reading>& all,
+                                               instant now) const;
 
 private:
   struct prepared {
     std::string key;
     std::vector<template_part> parts; ///< prior names are filled in; empty for JSON
     std::vector<std::string> json;
-    std::optional<std::uint16_t> channel;
+    std::optional<reading_source> source;
   };
 
   std::vector<prepared> all_;

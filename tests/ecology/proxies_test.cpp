@@ -2,6 +2,7 @@
 // at.
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -230,6 +231,65 @@ mote = "kitchen/board"
   CHECK(as_it_likes >= 5);
   CHECK(as_it_likes <= 9);
   CHECK(readings("qos = { period = \"1s\" }\n") > 130); // also after the crash
+}
+
+TEST_CASE("a proxy reads a stream of a mote in another island", "[ecology][PXY-18]") {
+  const auto garden = [](const std::string& fault) {
+    return kitchen(climate_mote, std::string(climate_fields) + R"(
+[[proxy.field]]
+name = "outside"
+stream = 7
+every = "2s"
+scale = 0.1
+unit = "C"
+[[proxy.tuple]]
+key = "weather"
+value = "{outside} {outside.unit}"
+)",
+                   R"(
+[[island]]
+id = 2
+name = "garden"
+gateway.links = ["inproc://pc"]
+[island.sink]
+position_m = [101, 2]
+[[island.mote]]
+id = 3
+name = "shed"
+type = 301
+position_m = [105, 0]
+transducers.temperature = { model = "sine", mean = 4, amplitude = 9, period = "50s" }
+apps = [{ app = "stream_writer", transducer = "temperature", to = "pc", stream = 7, every = "2s" }]
+)" + fault);
+  };
+  for (std::uint64_t seed = 1; seed <= seeds(3); ++seed) {
+    CAPTURE(seed);
+    const auto x = run_recorded(ecology_of(garden({})), seed);
+    CHECK(x.report.violations.empty());
+    REQUIRE(x.report.streams.size() == 1);
+    const auto& stream = x.report.streams.front();
+    CHECK(stream.from == "garden/shed");
+    CHECK(stream.to == "pc");
+    CHECK(stream.read > 60);
+    CHECK(stream.missing == 0);
+    const auto outside = x.texts_at("kitchen.board.outside");
+    CHECK(outside.size() == stream.read);
+    CHECK(x.texts_at("weather").size() == stream.read);
+    CHECK(x.texts_at("kitchen.board.outside.unit") == std::vector<std::string>{"C"});
+    CHECK(std::set<std::string>(outside.begin(), outside.end()).size() > 10);
+    CHECK(x.texts_at("kitchen.board.temperature").size() > 60); // what its mote says goes on
+  }
+
+  // Whatever of them begins again, the stream opens anew.
+  for (const auto* fault : {"kind = \"crash\"\nmote = \"garden/shed\"",
+                            "kind = \"kill\"\npeer = \"pc\"\nfor = \"5s\"",
+                            "kind = \"kill\"\npeer = \"garden-gateway\"\nfor = \"5s\""}) {
+    CAPTURE(fault);
+    const auto x =
+        run_recorded(ecology_of(garden("[[fault]]\nat = \"60s\"\n" + std::string(fault) + '\n')));
+    CHECK(x.report.violations.empty());
+    CHECK(x.at("kitchen.board.outside").back().time > instant(170s));
+  }
 }
 
 TEST_CASE("a value that is not renewed is marked stale", "[ecology][PXY-20]") {

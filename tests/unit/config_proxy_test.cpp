@@ -265,6 +265,91 @@ transducer = "light"
 )");
 }
 
+TEST_CASE("a proxy reads a stream that can end at it", "[config][PXY-18]") {
+  const auto motes = std::string(island_head) + R"([[island.mote]]
+id = 2
+name = "a"
+type = 8
+position_m = [1, 2]
+[[island.mote]]
+id = 3
+name = "b"
+type = 9
+position_m = [2, 2]
+[[proxy]]
+name = "p"
+types = [8]
+)";
+  const auto field = good(motes + R"([[proxy.field]]
+name = "t"
+stream = 7
+every = "3s"
+)")
+                         .proxies.at(0)
+                         .fields.at(0);
+  REQUIRE(field.stream);
+  CHECK(field.stream->number == 7);
+  CHECK(field.stream->every == 3s);
+  check_mistakes(motes, R"(
+[[proxy.field]]
+name = "t"
+every = "3s"
+#       ^ `every` is of a `stream`
+channel = 1
+
+[[proxy.field]]
+name = "t"
+stream = 7
+channel = 1
+#         ^ `channel` means nothing with `stream`: it is of messages
+
+[[proxy.field]]
+name = "t"
+stream = 7
+[[proxy.field]]
+name = "u"
+stream = 7
+#        ^ the fields of a stream need the same `every`
+every = "2s"
+
+[[proxy.field]]
+name = "t"
+stream = 7
+[[proxy]]
+name = "q"
+types = [9]
+[[proxy.field]]
+name = "t"
+stream = 7
+#        ^ stream 7 is read by proxies of `p`
+
+[[proxy.field]]
+name = "t"
+stream = 7
+[[proxy]]
+name = "q"
+types = [10, 9]
+[[island.mote]]
+id = 4
+name = "c"
+type = 9
+position_m = [2, 2]
+[[proxy.field]]
+name = "t"
+stream = 8
+#        ^ 2 motes are of this class, but stream 8 can be read by the proxy of one: a class of its own
+
+[[proxy.field]]
+name = "t"
+stream = 7
+#        ^ stream 7 is read by a program of `pc`, where the proxies are
+[[peer]]
+id = 30
+name = "pc"
+apps = [{ app = "proxy_manager" }, { app = "stream_reader", stream = 7 }]
+)");
+}
+
 TEST_CASE("what is known of single motes arrives", "[config][PXY-05][PXY-06]") {
   const auto of_motes = mote_head + "[[proxy]]\nname = \"p\"\ntypes = [7]\n";
   const auto all = good(of_motes + R"([[proxy.object]]

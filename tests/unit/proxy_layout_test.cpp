@@ -97,9 +97,9 @@ TEST_CASE("raw octets become a value with a name and a unit", "[proxy][PXY-04]")
   REQUIRE(readings);
   CHECK(*readings == std::vector<reading>{{"humidity", "45", "%"}, {"temperature", "22.3", "C"}});
   CHECK(decode(what, 3, bytes{})->empty());
-  CHECK(reads_channel(what, 1));
-  CHECK(reads_channel(what, 2));
-  CHECK_FALSE(reads_channel(what, 3));
+  CHECK(reads(what, 1));
+  CHECK(reads(what, 2));
+  CHECK_FALSE(reads(what, 3));
 }
 
 TEST_CASE("counts are scaled, shifted and rounded", "[proxy][PXY-04]") {

@@ -31,6 +31,28 @@ TEST_CASE("values that are not renewed are marked stale", "[proxy][PXY-20]") {
         lines{base + "state = off", base + "state.freshness = fresh"});
 }
 
+TEST_CASE("a field is read from a stream", "[proxy][PXY-18]") {
+  auto what = climate();
+  what.settings.stale_after = 10s;
+  proxy::field outside;
+  outside.name = "outside";
+  outside.scale = 0.1;
+  outside.stream = proxy::stream_input{2, 3s};
+  what.fields.push_back(outside);
+  face aut(what, identity());
+  static_cast<void>(aut.start(start));
+  REQUIRE(aut.streams().size() == 1);
+  CHECK(aut.streams().front().number == 2);
+  CHECK(aut.streams().front().every == 3s);
+  CHECK(aut.watches().size() == face(climate(), identity()).watches().size());
+  CHECK(told(aut.on_record(2, -15, start)) ==
+        lines{base + "outside = -1.5", base + "outside.freshness = fresh"});
+  CHECK(aut.on_record(7, 1, start).empty());            // of no field
+  CHECK(told(aut.on_output(2, bytes{1}, start + 5s)) == // channel 2 is not stream 2
+        lines{base + "state = on", base + "state.freshness = fresh"});
+  CHECK(told(aut.on_time(start + 10s)) == lines{base + "outside.freshness = stale"});
+}
+
 TEST_CASE("a period is asked for whenever the mote is listed", "[proxy][GW-10][IF-04]") {
   proxy_settings settings;
   settings.period = 2500ms;
