@@ -342,10 +342,10 @@ stream = 8
 [[proxy.field]]
 name = "t"
 stream = 7
-#        ^ stream 7 is read by a program of `pc`, where the proxies are
+#        ^ stream 7 is read by a program of `house`, where the proxies are
 [[peer]]
-id = 30
-name = "pc"
+id = 31
+name = "house"
 apps = [{ app = "proxy_manager" }, { app = "stream_reader", stream = 7 }]
 )");
 }
