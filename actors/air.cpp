@@ -19,11 +19,13 @@ struct performer {
   air_pointer self;
 
   void operator()(radio::delivered& x) const {
+    const acting_on its(x.from);
     if (const auto& user = self->state.users[slot(x.to)])
       self->send(user, frame_received{std::move(x.psdu), x.rssi_dbm});
   }
 
   void operator()(const radio::done& x) const {
+    const acting_on its(x.from);
     if (x.status != radio::send_status::sent)
       log(self, spdlog::level::debug, "event=unsent radio={} cause={}",
           to_string(self->state.addresses[slot(x.radio)]), radio::to_string(x.status));

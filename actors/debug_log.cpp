@@ -61,7 +61,7 @@ void debug_log::write(const scheduler::delivery& x) {
 
 void debug_log::write(const scheduler::remark& x) {
   const auto* told = std::any_cast<explain::record>(&x.content);
-  if (told == nullptr)
+  if (told == nullptr || told->from == told->to)
     return;
   const auto time = to_text(x.time);
   const auto text =

@@ -1,6 +1,7 @@
 #include "actors/gateway.hpp"
 
 #include "actors/log.hpp"
+#include "actors/program_note.hpp"
 #include "actors/statuses.hpp"
 #include "core/device_keys.hpp"
 #include "scheduler/supervision.hpp"
@@ -39,6 +40,7 @@ struct performer {
   }
 
   void operator()(gateway::to_sink& x) const {
+    const acting_on its(x.from);
     serial::am_packet packet{x.mote.value, 0, static_cast<std::uint8_t>(island().value), x.am_type,
                              std::move(x.payload)};
     perform(self, self->state.port.send(serial::packet_id{self->state.next_packet++},
@@ -46,6 +48,7 @@ struct performer {
   }
 
   void operator()(gateway::to_gateway& x) const {
+    const acting_on its(x.from);
     self->send(self->state.arguments.peer,
                send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
                                  static_cast<std::uint64_t>(x.peer.value), // as the outcome's token
@@ -99,6 +102,7 @@ struct performer {
   // what the serial port wants
 
   void operator()(serial::to_line& x) const {
+    const acting_on its(x.from);
     self->send(self->state.arguments.line,
                serial_write{serial::direction::to_mote, payload(std::move(x.octets))});
   }
@@ -220,6 +224,7 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   state.arguments = std::move(arguments);
   state.gateway =
       gateway::gateway(state.arguments.config, random_stream(state.arguments.seed, self->path()));
+  observe_programs(self, state.gateway);
   state.port = serial::endpoint(state.arguments.port);
   const auto client = caf::actor_cast<peis_client_actor>(self);
   self->send(state.arguments.line,

@@ -1,20 +1,18 @@
 #include "actors/mote.hpp"
 
 #include <algorithm>
-#include <any>
-#include <array>
 #include <iterator>
 #include <stdexcept>
 
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
 #include "actors/network_radio.hpp"
+#include "actors/program_note.hpp"
 #include "actors/statuses.hpp"
 #include "apps/actuator.hpp"
 #include "apps/listener.hpp"
 #include "apps/messenger.hpp"
 #include "apps/sampler.hpp"
-#include "explain/record.hpp"
 #include "scheduler/spawn.hpp"
 #include "scheduler/supervision.hpp"
 
@@ -43,6 +41,7 @@ struct performer {
   mote_pointer self;
 
   void operator()(network::frame_out& x) const {
+    const acting_on its(x.from);
     self->send(self->state.arguments->air, request_of(self->state.arguments->radio, std::move(x)));
   }
 
@@ -240,25 +239,6 @@ void tell_sample(mote_pointer self, std::uint64_t number) {
   self->send(arguments.ecology, std::move(x));
 }
 
-explain::record record_of(const mote::program_note& x, const std::string& mote) {
-  using explain::kind;
-  constexpr std::array kinds{kind::send_message, kind::send_ended, kind::message_received,
-                             kind::actuator_changed};
-  using note = mote::program_note::kind;
-  explain::record r;
-  r.what = kinds[static_cast<std::size_t>(x.what)];
-  r.from = x.what == note::sent ? std::string(x.program) : mote;
-  r.to = x.what == note::sent ? mote : std::string(x.program);
-  r.id = x.number;
-  r.mote = x.other;
-  r.channel = x.am_type;
-  r.text = x.what == note::send_ended && x.number == 0 ? "refused" : std::string(x.actuator);
-  r.octets = to_bytes(x.octets);
-  r.count = x.state;
-  r.yes = x.yes;
-  return r;
-}
-
 /// Starts what reports to others and obeys them.
 struct report_starter {
   mote_pointer self;
@@ -293,9 +273,7 @@ struct report_starter {
 void start_programs(mote_pointer self, const std::string& life) {
   auto& state = self->state;
   const auto& arguments = *state.arguments;
-  state.node->observe([self](const mote::program_note& x) {
-    self->remark_any("program", [&] { return std::any(record_of(x, self->path())); });
-  });
+  observe_programs(self, *state.node);
   for (const auto& app : arguments.apps)
     std::visit(report_starter{self}, app);
   for (const auto& x : programs_among(arguments.apps)) {

@@ -1,6 +1,7 @@
 #include "actors/pc.hpp"
 
 #include "actors/gateway.hpp"
+#include "actors/program_note.hpp"
 #include "actors/statuses.hpp"
 #include "scheduler/supervision.hpp"
 
@@ -13,6 +14,7 @@ using pc_pointer = scheduler::traced_pointer<pc_state, pc_actor>;
 void perform(pc_pointer self, endpoint::outputs todo) {
   auto& state = self->state;
   for (auto& packet : todo) { // Transport repeats what is lost
+    const acting_on its(packet.from);
     const auto [called, mote] = packet.destination;
     if (const auto meant = state.gateways.meant_by(called); meant != called)
       state.talks.note(called, meant, mote, packet.segment);
@@ -102,6 +104,7 @@ pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
       state.arguments.config,
       random_stream(state.arguments.seed,
                     self->path() + '#' + std::to_string(state.arguments.config.incarnation)));
+  observe_programs(self, state.pc);
   self->send(state.arguments.peer,
              hook_port{{caf::actor_cast<peis_client_actor>(self)}, endpoint::island_message_port});
   if (state.arguments.aliases)

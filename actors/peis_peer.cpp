@@ -144,10 +144,17 @@ struct performer {
 
   void operator()(const peis::traced&) const {} // nobody here asks
 
-  void operator()(const peis::tuple_changed& x) const { tell(x.subscription, *x.content, false); }
-  void operator()(const peis::tuple_deleted& x) const { tell(x.subscription, *x.content, true); }
+  void operator()(const peis::tuple_changed& x) const {
+    const acting_on its(x.content->from);
+    tell(x.subscription, *x.content, false);
+  }
+  void operator()(const peis::tuple_deleted& x) const {
+    const acting_on its(x.from);
+    tell(x.subscription, *x.content, true);
+  }
 
   void operator()(peis::message& x) const {
+    const acting_on its(x.from);
     const auto found = self->state.ports.find(x.port);
     if (found != self->state.ports.end())
       self->send(found->second, peis_message{x.source, x.port, std::move(x.octets)});
@@ -157,6 +164,7 @@ struct performer {
     const auto found = self->state.requests.find(x.request);
     if (found == self->state.requests.end())
       return;
+    const acting_on its(found->second.from);
     self->send(found->second.client,
                peis_outcome{found->second.name, x.success,
                             x.success ? std::string() : std::string(peis::to_string(x.why))});

@@ -42,6 +42,7 @@ struct peis_peer_state {
   struct interest {
     peis_client_actor client;
     std::uint64_t name = 0;
+    provenance from = {};
   };
 
   /// Our end of a simulated link.

@@ -10,6 +10,7 @@
 #include "core/printable.hpp"
 #include "network/am.hpp"
 #include "peis/link.hpp"
+#include "peis/package.hpp"
 
 namespace rubicon {
 
@@ -20,31 +21,6 @@ using explain::record;
 
 bool is_beacon(std::uint8_t am_type) {
   return am_type == network::am::beacon;
-}
-
-/// Whether packages on this port carry tuples or messages of components.
-bool carries_content(std::uint16_t port) {
-  namespace of = peis::port;
-  return port == of::push || port == of::set || port == of::append_request ||
-         port == of::append_notice || port >= of::user_first;
-}
-
-/// The packages of a link's octets that carry content; what is no package is left out.
-bytes content_packages(byte_view octets) {
-  bytes kept;
-  if (const auto request = peis::decode_connect_request(octets);
-      request && request->version == peis::protocol_version)
-    octets = octets.subspan(peis::connect_request_size);
-  for (auto header = peis::decode_header(octets); header; header = peis::decode_header(octets)) {
-    const auto size = peis::header_size + header->length;
-    if (size > octets.size())
-      break;
-    const auto package = octets.first(size);
-    if (carries_content(header->port))
-      kept.insert(kept.end(), package.begin(), package.end());
-    octets = octets.subspan(size);
-  }
-  return kept;
 }
 
 // What each message adds to its record. @returns whether it is worth one
@@ -98,13 +74,6 @@ bool fill(record& r, const link_opened& x) {
   r.what = kind::link_opened;
   r.id = x.link;
   return true;
-}
-
-bool fill(record& r, const link_octets& x) {
-  r.what = kind::link_octets;
-  r.id = x.link;
-  r.octets = content_packages(x.octets.view());
-  return !r.octets.empty();
 }
 
 bool fill(record& r, const set_tuple& x) {
@@ -179,8 +148,7 @@ bool fill(record& r, const peis_outcome& x) {
 
 bool fill(record& r, const story& x) {
   r.what = kind::story;
-  if (x.who.starts_with("mote_app/")) // in its mote's actor
-    r.from = x.who;
+  r.from = x.who;
   r.text = x.what;
   return true;
 }
@@ -208,8 +176,8 @@ explain::header header_of(const config::ecology_description& ecology, const run_
   x.file = source.file;
   x.digest = source.digest;
   for (const auto& island : ecology.islands) {
-    explain::header::island named{island.id.value,     island.name, island.sink.id.value,
-                                  island.gateway_name, {},          {}};
+    explain::island_names named{island.id.value,     island.name, island.sink.id.value,
+                                island.gateway_name, {},          {}};
     for (const auto& mote : island.motes)
       named.motes[mote.id.value] = mote.name;
     for (const auto& alias : island.aliases) {
@@ -232,18 +200,28 @@ run_record::run_record(const std::string& path, const config::ecology_descriptio
   if (!file_)
     throw std::runtime_error("cannot write record " + path + ": " +
                              std::generic_category().message(errno));
-  file_ << explain::encoder::encode(header_of(ecology, source));
+  file_ << encode(header_of(ecology, source));
 }
 
 void run_record::write(const scheduler::delivery& x) {
   if (x.content.match_elements<timer_expired>())
     return;
+  if (x.content.match_elements<link_octets>()) {
+    record r;
+    r.what = kind::link_octets;
+    r.time = x.time;
+    r.from = x.sender;
+    r.to = x.path;
+    r.id = x.content.get_as<link_octets>(0).link;
+    r.unheard = !x.heard;
+    put_packages(std::move(r), x.content.get_as<link_octets>(0).octets.view());
+    return;
+  }
   record r;
   const bool worth =
-      take_any<radio_send, radio_done, frame_received, link_octets, set_tuple, tuple_event,
-               serial_write, serial_octets, watch_tuples, set_remote_tuple, set_meta_tuple,
-               send_peis_message, delete_tuple, peis_outcome, link_opened, plug_serial, story>(
-          x.content, r);
+      take_any<radio_send, radio_done, frame_received, set_tuple, tuple_event, serial_write,
+               serial_octets, watch_tuples, set_remote_tuple, set_meta_tuple, send_peis_message,
+               delete_tuple, peis_outcome, link_opened, plug_serial, story>(x.content, r);
   const auto cause = recorded_cause(x.cause);
   if (!worth) {
     if (cause != 0)
@@ -281,15 +259,60 @@ void run_record::write(const scheduler::remark& x) {
     return;
   }
   record r;
-  r.what = kind::link_lost;
+  r.what = x.number != 0 ? kind::begun : kind::link_lost;
+  r.number = x.number;
   r.time = x.time;
   r.from = x.path;
   r.cause = recorded_cause(x.cause);
   r.id = x.id;
   r.text = x.what;
-  r.octets = content_packages(x.octets);
-  if (!r.octets.empty())
+  if (x.what == "package_sent")
+    note_sent(r);
+  else if (x.what == "package_received")
+    note_received(r);
+  else if (r.what == kind::begun)
     put(r);
+  else
+    put_packages(std::move(r), x.octets);
+}
+
+/// Those on real links are never seen to come.
+void run_record::note_sent(const record& x) {
+  constexpr std::size_t packages_max = 1U << 16U;
+  if (sent_.size() >= packages_max)
+    sent_.clear();
+  sent_[{x.from, x.id}] = {x.number, x.cause};
+}
+
+/// What a package causes is caused by its own record.
+void run_record::note_received(const record& x) {
+  const auto here = arrived_.extract({x.from, x.id});
+  left_out_[x.number] = here.empty() ? x.cause : here.mapped();
+}
+
+/// Those packages that carry content, each in a record of its own.
+/// @param octets of a link, or packages of it that are lost
+void run_record::put_packages(record r, byte_view octets) {
+  if (const auto request = peis::decode_connect_request(octets);
+      request && request->version == peis::protocol_version)
+    octets = octets.subspan(peis::connect_request_size);
+  for (auto header = peis::decode_header(octets); header; header = peis::decode_header(octets)) {
+    const auto size = peis::header_size + header->length;
+    if (size > octets.size())
+      return;
+    if (peis::carries_content(header->port)) {
+      const auto name = peis::name_of(*header);
+      const auto sent = sent_.extract({r.from, name});
+      const auto [number, cause] = sent.empty() ? numbers{} : sent.mapped();
+      r.number = number;
+      r.cause = cause;
+      r.octets = to_bytes(octets.first(size));
+      put(r);
+      if (!r.to.empty())
+        arrived_[{r.to, name}] = number;
+    }
+    octets = octets.subspan(size);
+  }
 }
 
 void run_record::put_story(const scheduler::remark& x) {
@@ -316,6 +339,7 @@ void run_record::write(const radio::overheard& x) {
   r.text = radio::to_string(x.fate);
   r.octets = to_bytes(x.psdu.view());
   r.yes = x.received;
+  r.cause = recorded_cause(x.from.number());
   put(r);
 }
 
@@ -323,7 +347,7 @@ void run_record::put(const record& x) {
   if (!error_.empty())
     return;
   errno = 0;
-  file_ << encoder_.encode(x);
+  file_ << encode(x);
   check();
 }
 

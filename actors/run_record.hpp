@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <fstream>
+#include <map>
 #include <string>
 #include <unordered_map>
+#include <utility>
 
 #include "config/ecology.hpp"
 #include "explain/record.hpp"
@@ -39,14 +41,23 @@ private:
   void put(const explain::record& x);
   void check();
   void put_story(const scheduler::remark& x);
+  void put_packages(explain::record r, byte_view octets);
+  void note_sent(const explain::record& x);
+  void note_received(const explain::record& x);
   [[nodiscard]] std::uint64_t recorded_cause(std::uint64_t number) const;
 
   std::string path_;
   std::ofstream file_;
   std::string error_; ///< the first; nothing is written after it
-  explain::encoder encoder_;
   /// What a delivery that is not in the record was caused by; only ever looked up.
   std::unordered_map<std::uint64_t, std::uint64_t> left_out_;
+  using package = std::pair<std::string, std::uint64_t>; ///< where, and its name
+  struct numbers {
+    std::uint64_t own = 0;
+    std::uint64_t cause = 0;
+  };
+  std::map<package, numbers> sent_;          ///< and not come yet
+  std::map<package, std::uint64_t> arrived_; ///< and not handled yet
   std::string last_story_; ///< that came as a message; the ecology remarks it once more
 };
 

@@ -11,6 +11,7 @@ using line_pointer = scheduler::traced_pointer<serial_line_state, serial_line_ac
 
 void perform(line_pointer self, serial::line_outputs todo) {
   for (auto& x : todo) {
+    const acting_on its(x.from);
     if (const auto& end = self->state.ends[static_cast<std::size_t>(x.towards)])
       self->send(end, serial_octets{std::move(x.octets)});
     else

@@ -28,6 +28,7 @@ struct performer {
   void write(const bytes& packet, std::size_t to) const;
 
   void operator()(network::frame_out& x) const {
+    const acting_on its(x.from);
     self->send(self->state.arguments.air, request_of(self->state.arguments.radio, std::move(x)));
   }
 
@@ -60,6 +61,7 @@ struct performer {
   }
 
   void operator()(serial::to_line& x) const {
+    const acting_on its(x.from);
     self->send(self->state.arguments.lines[line].line,
                serial_write{serial::direction::to_pc, payload(std::move(x.octets))});
   }

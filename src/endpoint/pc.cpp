@@ -58,6 +58,10 @@ mote::communication pc::attach(mote::communication_events& events) {
   return layer_->attach(events);
 }
 
+void pc::observe(std::function<void(const mote::program_note&)> observer) {
+  layer_->observe(std::move(observer));
+}
+
 outputs pc::start(instant now) {
   now_ = now;
   layer_->on_initialised(true, now);

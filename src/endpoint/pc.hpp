@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -61,6 +62,9 @@ public:
   /// A program on this PC. Commands that are not given from within an event are preceded by begin()
   /// and followed by settle(). @param events outlives this
   [[nodiscard]] mote::communication attach(mote::communication_events& events);
+
+  /// As mote::layer::observe().
+  void observe(std::function<void(const mote::program_note&)> observer);
 
   /// Gets the messages of types that no program provides (mote::layer). @param events as above
   [[nodiscard]] mote::communication attach_for_rest(mote::communication_events& events) {

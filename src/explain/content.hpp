@@ -10,7 +10,6 @@
 #include "core/bytes.hpp"
 #include "peis/package.hpp"
 #include "peis/tuple.hpp"
-#include "serial/frame.hpp"
 
 namespace rubicon::explain {
 
@@ -26,7 +25,6 @@ struct envelope {
 struct piece {
   std::uint8_t index = 0;
   std::uint8_t last = 0;
-  std::uint8_t tag = 0;
   bytes content;
 };
 
@@ -34,16 +32,13 @@ struct piece {
 
 /// A piece of a packet on its way through an island.
 struct carried_piece {
-  bool is_down = false;       ///< its header says where it comes from
-  mote_id origin;             ///< that has cut the packet
-  std::uint32_t sequence = 0; ///< tells it from others of the same way; 0 if nothing does
+  bool is_down = false; ///< its header says where it comes from
   piece part;
 };
 
 /// Something on a channel of an island's Network: a stream's record or a synaptic vector.
 struct channel_content {
   std::uint32_t channel = 0; ///< source and number
-  std::uint8_t sequence = 0;
   bytes content;
 };
 
@@ -53,13 +48,8 @@ using frame_content = std::variant<std::monostate, carried_piece, channel_conten
 [[nodiscard]] frame_content frame_content_of(std::uint8_t am_type, byte_view payload,
                                              mote_id sender, mote_id sink);
 
-/// Of the octets of one write to a serial line.
-struct serial_content {
-  serial::frame_type type = serial::frame_type::packet;
-  std::uint8_t sequence = 0;
-  std::optional<carried_piece> part;
-};
-[[nodiscard]] std::optional<serial_content> serial_content_of(byte_view octets, bool to_mote);
+/// In the octets of one write to a serial line.
+[[nodiscard]] std::optional<carried_piece> serial_part_of(byte_view octets, bool to_mote);
 
 /// @param packet a D1.1 5.4 packet of an island, whole or only its beginning
 /// @param is_down whether its island is where it comes from
@@ -75,7 +65,7 @@ struct carried_package {
   peis::package_header header;
   bytes data;
 };
-[[nodiscard]] std::vector<carried_package> packages_of(byte_view octets);
+[[nodiscard]] std::optional<carried_package> package_of(byte_view octets);
 
 /// The beginning of a push or set message of several fragments, too: then the value is incomplete.
 [[nodiscard]] std::optional<peis::tuple> tuple_of(const carried_package& x);

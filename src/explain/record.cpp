@@ -1,7 +1,9 @@
 #include "explain/record.hpp"
 
 #include <array>
+#include <concepts>
 #include <limits>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -11,7 +13,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::string_view, 22> kind_words = {
+constexpr std::array<std::string_view, 23> kind_words = {
+    "begun",
     "radio_send",
     "radio_done",
     "frame",
@@ -37,188 +40,190 @@ constexpr std::array<std::string_view, 22> kind_words = {
 };
 static_assert(kind_words.size() == static_cast<std::size_t>(kind::story) + 1);
 
+/// The first line's, before its fields.
+constexpr const char* version_key = "rubicon_record";
+
+// How values are written, one overload for each type that a field has.
+
+template <class First, class Second>
+void write(std::string& out, const std::pair<First, Second>& x);
+template <class List>
+requires requires(const List& x) {
+  x.begin();
+}
+void write(std::string& out, const List& all);
+template <described Struct>
+void write(std::string& out, const Struct& x);
+
+template <std::integral Number>
+void write(std::string& out, Number x) {
+  out += std::to_string(x);
+}
+void write(std::string& out, bool x) {
+  out += x ? "true" : "false";
+}
+void write(std::string& out, const std::string& x) {
+  out += json(x).dump(-1, ' ', false, json::error_handler_t::replace);
+}
+void write(std::string& out, const bytes& x) {
+  (out += '"') += to_hex(x) += '"';
+}
+void write(std::string& out, instant x) {
+  write(out, x.time_since_epoch().count());
+}
+void write(std::string& out, kind x) {
+  ((out += '"') += to_string(x)) += '"';
+}
+void write(std::string& out, const mote_address& x) {
+  write(out, std::pair{x.island.value, x.mote.value});
+}
+template <class First, class Second>
+void write(std::string& out, const std::pair<First, Second>& x) {
+  write(out += '[', x.first);
+  write(out += ',', x.second);
+  out += ']';
+}
+template <class List>
+requires requires(const List& x) {
+  x.begin();
+}
+void write(std::string& out, const List& all) {
+  out += '[';
+  for (const auto& x : all) {
+    write(out, x);
+    out += ',';
+  }
+  if (!all.empty())
+    out.pop_back();
+  out += ']';
+}
+
+/// Those that are not as usual, without braces.
+template <class Struct>
+void write_fields(std::string& out, const Struct& x, const Struct& usual = {}) {
+  const auto begin = out.size();
+  const auto all = fields_of(&x);
+  const auto one = [&](const auto& field) {
+    if (x.*(field.member) == usual.*(field.member))
+      return;
+    if (out.size() != begin)
+      out += ',';
+    ((out += '"') += field.name) += "\":";
+    write(out, x.*(field.member));
+  };
+  std::apply([&](const auto&... field) { (one(field), ...); }, all);
+}
+
+template <described Struct>
+void write(std::string& out, const Struct& x) {
+  write_fields(out += '{', x);
+  out += '}';
+}
+
+// And read.
+
 /// Why a line is refused.
 struct refusal {
   std::string message;
 };
 
-template <class T>
-T number_in(const json& from, const char* name, T otherwise) {
-  const auto found = from.find(name);
-  if (found == from.end())
-    return otherwise;
-  const bool is_negative = found->is_number_integer() && !found->is_number_unsigned();
-  if (is_negative && std::numeric_limits<T>::is_signed) {
-    const auto x = found->get<std::int64_t>();
-    if (x >= static_cast<std::int64_t>(std::numeric_limits<T>::min()))
-      return static_cast<T>(x);
-  } else if (found->is_number_unsigned()) {
-    const auto x = found->get<std::uint64_t>();
-    if (x <= static_cast<std::uint64_t>(std::numeric_limits<T>::max()))
-      return static_cast<T>(x);
-  }
-  throw refusal{"`" + std::string(name) + "` is no number that fits"};
+[[noreturn]] void refuse(std::string_view name, std::string_view why) {
+  throw refusal{"`" + std::string(name) + "` is " + std::string(why)};
 }
 
-std::string text_in(const json& from, const char* name) {
-  const auto found = from.find(name);
-  if (found == from.end())
-    return {};
-  if (!found->is_string())
-    throw refusal{"`" + std::string(name) + "` is no text"};
-  return found->get<std::string>();
+template <class Value>
+void read(const json& from, std::string_view name, std::vector<Value>& all);
+template <class Key, class Value>
+void read(const json& from, std::string_view name, std::map<Key, Value>& all);
+template <described Struct>
+void read(const json& from, std::string_view name, Struct& x);
+
+template <std::integral Number>
+void read(const json& from, std::string_view name, Number& x) {
+  using most = std::conditional_t<std::is_signed_v<Number>, std::int64_t, std::uint64_t>;
+  const bool is_negative = from.is_number_integer() && !from.is_number_unsigned();
+  const bool is_possible = from.is_number_unsigned()
+                               ? std::in_range<Number>(from.get<std::uint64_t>())
+                           : is_negative ? std::in_range<Number>(from.get<std::int64_t>())
+                                         : false;
+  if (!is_possible)
+    refuse(name, "no number that fits");
+  x = static_cast<Number>(from.get<most>());
+}
+void read(const json& from, std::string_view name, bool& x) {
+  if (!from.is_boolean())
+    refuse(name, "neither true nor false");
+  x = from.get<bool>();
+}
+void read(const json& from, std::string_view name, std::string& x) {
+  if (!from.is_string())
+    refuse(name, "no text");
+  x = from.get<std::string>();
+}
+void read(const json& from, std::string_view name, bytes& x) {
+  std::string text;
+  read(from, name, text);
+  auto octets = from_hex(text);
+  if (!octets)
+    refuse(name, "not hexadecimal");
+  x = *std::move(octets);
+}
+void read(const json& from, std::string_view name, instant& x) {
+  duration::rep count = 0;
+  read(from, name, count);
+  x = instant(duration(count));
+}
+void read(const json& from, std::string_view name, kind& x) {
+  std::string word;
+  read(from, name, word);
+  const auto known = parse_kind(word);
+  if (!known)
+    refuse(name, '"' + word.substr(0, 40) + "\", which is no kind of record");
+  x = *known;
+}
+template <class First, class Second>
+void read(const json& from, std::string_view name, std::pair<First, Second>& x) {
+  if (!from.is_array() || from.size() != 2)
+    refuse(name, "no pair");
+  read(from[0], name, x.first);
+  read(from[1], name, x.second);
+}
+void read(const json& from, std::string_view name, mote_address& x) {
+  std::pair<island_id::rep, mote_id::rep> both;
+  read(from, name, both);
+  x = {island_id(both.first), mote_id(both.second)};
+}
+template <class Value>
+void read(const json& from, std::string_view name, std::vector<Value>& all) {
+  if (!from.is_array())
+    refuse(name, "no list");
+  for (const auto& each : from)
+    read(each, name, all.emplace_back());
+}
+template <class Key, class Value>
+void read(const json& from, std::string_view name, std::map<Key, Value>& all) {
+  std::vector<std::pair<Key, Value>> pairs;
+  read(from, name, pairs);
+  all.insert(pairs.begin(), pairs.end());
+}
+template <described Struct>
+void read(const json& from, std::string_view name, Struct& x) {
+  if (!from.is_object())
+    refuse(name, "no object");
+  for_each_field(x, [&](std::string_view field, auto& value) {
+    if (const auto found = from.find(field); found != from.end())
+      read(*found, field, value);
+  });
 }
 
-bool flag_in(const json& from, const char* name) {
-  const auto found = from.find(name);
-  if (found != from.end() && !found->is_boolean())
-    throw refusal{"`" + std::string(name) + "` is neither true nor false"};
-  return found != from.end() && found->get<bool>();
-}
-
-const json& list_in(const json& from, const char* name) {
-  static const json none = json::array();
-  const auto found = from.find(name);
-  if (found == from.end())
-    return none;
-  if (!found->is_array())
-    throw refusal{"`" + std::string(name) + "` is no list"};
-  return *found;
-}
-
-template <class Id>
-std::map<Id, std::string> names_in(const json& from, const char* name) {
-  std::map<Id, std::string> names;
-  for (const auto& each : list_in(from, name)) {
-    if (!each.is_object())
-      throw refusal{"`" + std::string(name) + "` holds something else than objects"};
-    names[number_in<Id>(each, "id", 0)] = text_in(each, "name");
-  }
-  return names;
-}
-
-template <class Id>
-json list_of(const std::map<Id, std::string>& names) {
-  auto list = json::array();
-  for (const auto& [id, name] : names)
-    list.push_back({{"id", id}, {"name", name}});
-  return list;
-}
-
-header header_in(const json& x) {
-  const auto version = x.find("rubicon_record");
+void check_version(const json& x) {
+  const auto version = x.find(version_key);
   if (version == x.end())
     throw refusal{"this is no record: the first line must say `rubicon_record`"};
   if (!version->is_number_integer() || *version != record_version)
     throw refusal{"a record of version " + version->dump() + ", this program reads version " +
-                  std::to_string(record_version)};
-  header about;
-  about.ecology = text_in(x, "ecology");
-  about.seed = number_in<std::uint64_t>(x, "seed", 0);
-  about.file = text_in(x, "file");
-  about.digest = text_in(x, "digest");
-  about.peers = names_in<std::int32_t>(x, "peers");
-  for (const auto& each : list_in(x, "islands")) {
-    if (!each.is_object())
-      throw refusal{"`islands` holds something else than objects"};
-    about.islands.push_back({number_in<std::uint32_t>(each, "id", 0),
-                             text_in(each, "name"),
-                             number_in<std::uint16_t>(each, "sink", 0),
-                             text_in(each, "gateway"),
-                             names_in<std::uint16_t>(each, "motes"),
-                             {}});
-    for (const auto& alias : list_in(each, "aliases")) {
-      if (!alias.is_string())
-        throw refusal{"`aliases` holds something else than names"};
-      about.islands.back().aliases.push_back(alias.get<std::string>());
-    }
-  }
-  return about;
+                  std::to_string(record_version) + ": record the run again"};
 }
-
-bytes octets_in(const json& x) {
-  auto octets = from_hex(text_in(x, "octets"));
-  if (!octets)
-    throw refusal{"`octets` is not hexadecimal"};
-  return *std::move(octets);
-}
-
-record record_in(const json& x, const std::map<std::uint64_t, std::string>& actors) {
-  const auto path = [&](const char* name) {
-    const auto number = number_in<std::uint64_t>(x, name, 0);
-    if (number == 0)
-      return std::string();
-    const auto found = actors.find(number);
-    if (found == actors.end())
-      throw refusal{"`" + std::string(name) + "` names actor " + std::to_string(number) +
-                    ", which no line before has introduced"};
-    return found->second;
-  };
-  record r;
-  const auto word = text_in(x, "what");
-  const auto what = parse_kind(word);
-  if (!what)
-    throw refusal{"`what` is \"" + word.substr(0, 40) + "\", which is no kind of record"};
-  r.what = *what;
-  r.number = number_in<std::uint64_t>(x, "n", 0);
-  r.time = instant(duration(number_in<std::int64_t>(x, "ns", 0)));
-  r.from = path("from");
-  r.to = path("to");
-  r.cause = number_in<std::uint64_t>(x, "cause", 0);
-  r.id = number_in<std::uint64_t>(x, "id", 0);
-  r.mote = {island_id(number_in<std::uint32_t>(x, "island", 0)),
-            mote_id(number_in<std::uint16_t>(x, "mote", 0))};
-  r.peer = number_in<std::int32_t>(x, "peer", 0);
-  r.channel = number_in<std::uint16_t>(x, "channel", 0);
-  r.text = text_in(x, "text");
-  r.octets = octets_in(x);
-  r.count = number_in<std::uint32_t>(x, "count", 0);
-  r.yes = flag_in(x, "yes");
-  r.unheard = flag_in(x, "unheard");
-  return r;
-}
-
-/// Appends fields that differ from their defaults, without the detour over a json object.
-class line_writer {
-public:
-  explicit line_writer(std::string& out) : out_(out) { out_ += '{'; }
-
-  template <class T>
-  line_writer& number(std::string_view name, T x) {
-    if (x != 0)
-      (begin(name) += std::to_string(x)) += ',';
-    return *this;
-  }
-  line_writer& text(std::string_view name, std::string_view x) {
-    if (!x.empty())
-      (begin(name) += json(x).dump(-1, ' ', false, json::error_handler_t::replace)) += ',';
-    return *this;
-  }
-  line_writer& octets(std::string_view name, byte_view x) {
-    if (!x.empty())
-      ((begin(name) += '"') += to_hex(x)) += "\",";
-    return *this;
-  }
-  line_writer& flag(std::string_view name, bool x) {
-    if (x)
-      begin(name) += "true,";
-    return *this;
-  }
-  void end() {
-    if (out_.back() == ',')
-      out_.pop_back();
-    out_ += "}\n";
-  }
-
-private:
-  std::string& begin(std::string_view name) {
-    out_ += '"';
-    out_ += name;
-    return out_ += "\":";
-  }
-
-  std::string& out_;
-};
 
 } // namespace
 
@@ -233,53 +238,20 @@ std::optional<kind> parse_kind(std::string_view word) {
   return std::nullopt;
 }
 
-std::string encoder::encode(const header& x) {
-  json islands = json::array();
-  for (const auto& island : x.islands) {
-    islands.push_back({{"id", island.id},
-                       {"name", island.name},
-                       {"sink", island.sink},
-                       {"gateway", island.gateway},
-                       {"motes", list_of(island.motes)}});
-    if (!island.aliases.empty())
-      islands.back()["aliases"] = island.aliases;
-  }
-  const json line = {{"rubicon_record", record_version},
-                     {"ecology", x.ecology},
-                     {"seed", x.seed},
-                     {"file", x.file},
-                     {"digest", x.digest},
-                     {"islands", islands},
-                     {"peers", list_of(x.peers)}};
-  return line.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
+std::string encode(const header& x) {
+  std::string out = '{' + json(version_key).dump() + ':' + std::to_string(record_version) + ',';
+  write_fields(out, x);
+  if (out.back() == ',')
+    out.pop_back();
+  return out + "}\n";
 }
 
-std::string encoder::encode(const record& x) {
-  std::string out;
-  const auto from = number_of(x.from, out);
-  const auto to = number_of(x.to, out);
-  line_writer line(out);
-  line.number("n", x.number).number("ns", x.time.time_since_epoch().count());
-  line.text("what", to_string(x.what)).number("from", from).number("to", to);
-  line.number("cause", x.cause).number("id", x.id).number("island", x.mote.island.value);
-  line.number("mote", x.mote.mote.value).number("peer", x.peer).number("channel", x.channel);
-  line.text("text", x.text).octets("octets", x.octets).number("count", x.count);
-  line.flag("yes", x.yes).flag("unheard", x.unheard);
-  line.end();
-  return out;
-}
-
-std::uint32_t encoder::number_of(const std::string& path, std::string& out) {
-  if (path.empty())
-    return 0;
-  const auto next = static_cast<std::uint32_t>(actors_.size() + 1);
-  const auto [entry, is_new] = actors_.try_emplace(path, next);
-  if (is_new) {
-    line_writer line(out);
-    line.number("actor", next).text("path", path);
-    line.end();
-  }
-  return entry->second;
+std::string encode(const record& x) {
+  record usual;
+  usual.what = static_cast<kind>(kind_words.size()); // it is always told
+  std::string out = "{";
+  write_fields(out, x, usual);
+  return out += "}\n";
 }
 
 std::optional<bad_line> decoder::take(std::string_view text) {
@@ -289,12 +261,16 @@ std::optional<bad_line> decoder::take(std::string_view text) {
     if (x.is_discarded() || !x.is_object())
       throw refusal{lines_ == 1 ? "this is no record: the first line is no JSON object"
                                 : "this is no JSON object"};
-    if (lines_ == 1)
-      result_.about = header_in(x);
-    else if (const auto actor = number_in<std::uint64_t>(x, "actor", 0); actor != 0)
-      actors_[actor] = text_in(x, "path");
-    else
-      result_.records.push_back(record_in(x, actors_));
+    if (lines_ == 1) {
+      check_version(x);
+      read(x, "header", result_.about);
+    } else {
+      if (!x.contains("what"))
+        throw refusal{"`what` is missing"};
+      record r;
+      read(x, "record", r);
+      result_.records.push_back(std::move(r));
+    }
   } catch (const refusal& why) {
     return bad_line{lines_, why.message};
   }

@@ -1,5 +1,6 @@
 // The record of a run: what `rubicon run --record` writes and `rubicon explain` reads, a JSON
-// object a line (docs/explain.md). The first line is the header.
+// object a line (docs/explain.md). The first line is the header. Fields are written under their
+// names, those that are as in an object made by default are left out.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +12,16 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::explain {
 
-inline constexpr int record_version = 1;
+inline constexpr int record_version = 2;
 
 /// What happened. Each is a message between actors, or what an actor remarked.
 enum class kind : std::uint8_t {
+  begun,             ///< something that is followed by itself from here on
   radio_send,        ///< a mote or sink asks its radio for a frame
   radio_done,        ///< how that ended
   frame,             ///< a data frame was on the air
@@ -36,7 +39,7 @@ enum class kind : std::uint8_t {
   watch_tuples,      ///< and wants to
   send_peis_message, ///< a component sends a message to another peer
   peis_outcome,      ///< how a request of a component ended
-  send_message,      ///< a program gives its mote a message
+  send_message,      ///< a program gives its mote, gateway or PC a message
   message_received,  ///< a mote gives a program a message
   send_ended,        ///< a program learns how its send ended
   actuator_changed,  ///< an actuator has been asked to change
@@ -48,17 +51,17 @@ enum class kind : std::uint8_t {
 
 /// One line. Which fields mean something depends on the kind; the others keep their defaults.
 struct record {
-  std::uint64_t number = 0; ///< of the delivery, ascending; 0: a remark, which no cause names
+  std::uint64_t number = 0; ///< ascending; 0: no cause names it
   instant time;
-  std::string from; ///< actor path; empty: nobody, or a clock
-  std::string to;   ///< actor path; empty for remarks
   kind what = kind::story;
-  std::uint64_t cause = 0;   ///< number of what `from` was handling; 0: none, or not recorded
-  std::uint64_t id = 0;      ///< token of a request; link; watch
+  std::string from;          ///< actor path; empty: nobody, or a clock
+  std::string to;            ///< actor path; empty for remarks
+  std::uint64_t cause = 0;   ///< number of what led to it, exactly; 0: nothing that is recorded
+  std::uint64_t id = 0;      ///< token of a request; link; watch; package
   mote_address mote;         ///< the other mote: destination or source
   std::int32_t peer = 0;     ///< owner of a tuple
   std::uint16_t channel = 0; ///< AM type
-  std::string text;          ///< key, status, fate, name, story
+  std::string text;          ///< key, status, fate, name, story, what has begun
   bytes octets;              ///< frame, payload, value
   std::uint32_t count = 0;   ///< transmissions; 1 to_mote, 0 to_pc; state of an actuator
   bool yes = false;          ///< acked, received, reliable, deleted, plugged, text
@@ -66,42 +69,37 @@ struct record {
 
   friend bool operator==(const record&, const record&) = default;
 };
+RUBICON_FIELDS(record, number, time, what, from, to, cause, id, mote, peer, channel, text, octets,
+               count, yes, unheard);
 
 /// Names of what the ecology has.
+struct island_names {
+  std::uint32_t id = 0;
+  std::string name;
+  std::uint16_t sink = 0;
+  std::string gateway;                        ///< name of its peer
+  std::map<std::uint16_t, std::string> motes; ///< without the sink
+  std::vector<std::string> aliases;           ///< names of its other gateways' peers (GW-14)
+
+  friend bool operator==(const island_names&, const island_names&) = default;
+};
+RUBICON_FIELDS(island_names, id, name, sink, gateway, motes, aliases);
+
 struct header {
-  struct island {
-    std::uint32_t id = 0;
-    std::string name;
-    std::uint16_t sink = 0;
-    std::string gateway;                        ///< name of its peer
-    std::map<std::uint16_t, std::string> motes; ///< without the sink
-    std::vector<std::string> aliases;           ///< names of its other gateways' peers (GW-14)
-
-    friend bool operator==(const island&, const island&) = default;
-  };
-
   std::string ecology;
   std::uint64_t seed = 0;
   std::string file;   ///< that describes the ecology
   std::string digest; ///< of its text
-  std::vector<island> islands;
+  std::vector<island_names> islands;
   std::map<std::int32_t, std::string> peers; ///< gateways are peers too
 
   friend bool operator==(const header&, const header&) = default;
 };
+RUBICON_FIELDS(header, ecology, seed, file, digest, islands, peers);
 
-/// Writes lines, each ending in a newline. Actor paths are written once, then as numbers.
-class encoder {
-public:
-  [[nodiscard]] static std::string encode(const header& x);
-  /// @returns one line, or more if an actor is new
-  [[nodiscard]] std::string encode(const record& x);
-
-private:
-  std::uint32_t number_of(const std::string& path, std::string& out);
-
-  std::map<std::string, std::uint32_t, std::less<>> actors_;
-};
+/// A line, ending in a newline.
+[[nodiscard]] std::string encode(const header& x);
+[[nodiscard]] std::string encode(const record& x);
 
 /// A whole record.
 struct recording {
@@ -132,7 +130,6 @@ public:
 
 private:
   std::size_t lines_ = 0;
-  std::map<std::uint64_t, std::string> actors_;
   recording result_;
 };
 

@@ -41,6 +41,11 @@ gateway::gateway(gateway_config config, random_stream dice)
   messages_->layer = pc_.attach_for_rest(*messages_);
 }
 
+void gateway::observe(std::function<void(const mote::program_note&)> observer) {
+  observer_ = std::move(observer);
+  pc_.observe(observer_);
+}
+
 outputs gateway::start(instant now) {
   now_ = now;
   clock_settled_ = config_.incarnation > 0 ? now + config_.clock_settling : now;
@@ -292,6 +297,7 @@ void gateway::ask_for_outputs(outputs& out, instant now) {
 outputs gateway::take(endpoint::outputs from_pc) {
   outputs out;
   for (auto& x : from_pc) {
+    const acting_on its(x.from);
     const auto [island, mote] = x.destination;
     if (island == config_.island) {
       down({island, mote, x.channel, std::move(x.segment)}, out);

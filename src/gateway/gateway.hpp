@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "endpoint/pc.hpp"
@@ -46,6 +48,7 @@ struct to_sink {
   mote_id mote; ///< whom it is for in the end
   std::uint8_t am_type = 0;
   bytes payload; ///< at most network::frame_payload_max octets
+  provenance from = {};
 };
 
 /// Send this to another gateway of the island, PEIS port 22, reliably.
@@ -65,6 +68,7 @@ struct to_gateway {
   peer_id peer;
   bytes octets;
   bool reliable = false; ///< as the sending mote asked (ACK-09)
+  provenance from = {};
 };
 
 /// Broadcast this on announcement_port.
@@ -161,6 +165,9 @@ public:
 
   /// Publishes the empty device list and asks the sink who is there; programs are joined.
   [[nodiscard]] outputs start(instant now);
+
+  /// As mote::layer::observe().
+  void observe(std::function<void(const mote::program_note&)> observer);
 
   /// A program, as in endpoint::pc. It hears of motes that join (MCK-15).
   [[nodiscard]] mote::communication attach(mote::communication_events& events);
@@ -292,6 +299,7 @@ private:
   std::uint32_t relay_number_ = 0;
   alias_talks talks_;
   endpoint::pc pc_;
+  std::function<void(const mote::program_note&)> observer_;
   std::unique_ptr<device_messages> messages_;
   transport::assembly pieces_; ///< of packets from the sink
   std::uint8_t tag_ = 0;

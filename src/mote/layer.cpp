@@ -97,7 +97,7 @@ void layer::tell(std::size_t process, event x) {
 
 void layer::note(std::size_t process, program_note x) const {
   x.program = programs_[process]->name_;
-  if (observer_ && !x.program.empty())
+  if (observer_ && (!x.program.empty() || x.what == program_note::kind::sent))
     observer_(x);
 }
 
@@ -171,6 +171,7 @@ std::optional<std::uint32_t> layer::send(direct_process& from, mote_address to, 
   using kind = program_note::kind;
   const bool is_valid = to.island.value > 0 && to.mote != mote_id{};
   ++counters_.offered;
+  const acting_on message(provenance::begin("message"));
   std::optional<transport::outputs> accepted;
   if (!may_talk() || !is_valid)
     ++(island_ ? counters_.misaddressed : counters_.unjoined);
@@ -301,6 +302,7 @@ void layer::take(transport::tunnels_outputs todo, bool in_slot) {
 }
 
 void layer::send_on(stream::channel_handle channel, bytes octets, bool in_slot) {
+  const acting_on message(provenance::begin("message"));
   if (!is_tunnel(channel))
     outputs_.emplace_back(channel_packet{channel, std::move(octets), in_slot});
   else if (auto todo = tunnels_.send(tunnel_of(channel), octets, now_))

@@ -52,6 +52,7 @@ struct channel_packet {
   stream::channel_handle channel;
   bytes octets;
   bool in_slot = false; ///< of set_slot(): no other mote sends now
+  provenance from = {};
 };
 
 struct channel_unwanted {
@@ -150,10 +151,11 @@ public:
   layer& operator=(const layer&) = delete;
 
   /// @param events a program's, which outlives this
-  /// @param name for observe(); empty: it is not observed
+  /// @param name for observe(); empty: what it is told is not observed
   [[nodiscard]] communication attach(communication_events& events, std::string name = {});
 
-  /// Called at once for what named programs do and are told. Must not give commands.
+  /// Called at once for what programs send, and for what those with names are told. Must not give
+  /// commands.
   void observe(std::function<void(const program_note&)> observer) {
     observer_ = std::move(observer);
   }

@@ -406,10 +406,12 @@ void node::settle(node_outputs& out, instant now) {
 
 void node::perform(layer_output& x, node_outputs& out, instant now) {
   if (auto* packet = std::get_if<transport::to_network>(&x)) {
+    const acting_on its(packet->from);
     route(*packet, out, now);
   } else if (const auto* wanted = std::get_if<channel_wanted>(&x)) {
     connect(*wanted, out, now);
   } else if (auto* content = std::get_if<channel_packet>(&x)) {
+    const acting_on its(content->from);
     pace(std::move(*content), out, now);
   } else if (const auto* over = std::get_if<channel_unwanted>(&x)) {
     take(packets_.router().disconnect(channel_of(over->channel), now), out, now);
@@ -446,7 +448,7 @@ void node::pace(channel_packet x, node_outputs& out, instant now) {
     ++counters_.paced_out;
     waiting.packets.pop_front();
   }
-  waiting.packets.push_back(std::move(x.octets));
+  waiting.packets.emplace_back(std::move(x.octets), x.from);
 }
 
 /// One at each turn, in order: who reads a stream drops what newer records have overtaken. Turns
@@ -460,7 +462,9 @@ void node::send_paced(node_outputs& out, instant now) {
     }
     const auto count = waiting.packets.size() > paced_usual ? 2 : 1;
     for (int i = 0; i < count; ++i) {
-      send_on(channel, std::move(waiting.packets.front()), network::departure::at_once, out, now);
+      auto& [octets, from] = waiting.packets.front();
+      const acting_on its(from);
+      send_on(channel, std::move(octets), network::departure::at_once, out, now);
       waiting.packets.pop_front();
     }
     if (waiting.packets.empty()) {

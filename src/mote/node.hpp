@@ -14,6 +14,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/fields.hpp"
+#include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "mote/actuator.hpp"
@@ -209,7 +210,7 @@ private:
   duty_cycle duty_;
   struct paced {
     instant due; ///< the channel's turn
-    std::deque<bytes> packets;
+    std::deque<std::pair<bytes, provenance>> packets;
   };
   std::map<stream::channel_handle, paced> paced_; ///< none without packets
   duration slack_{};                              ///< as told to the layer

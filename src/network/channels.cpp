@@ -430,6 +430,7 @@ void channels::pump(channels_outputs& out, instant now) {
   under_way_ = std::move(*next);
   queue_.erase(next);
   const bool in_slot = under_way_->how == departure::in_slot && under_way_->rounds == 0;
+  const acting_on its(under_way_->from);
   out.emplace_back(channel_hop{under_way_->next, encode(under_way_->message), in_slot});
 }
 

@@ -13,6 +13,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/fields.hpp"
+#include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "network/channel_message.hpp"
@@ -84,6 +85,7 @@ struct channel_hop {
   mote_id next; ///< broadcast_mote: to all
   bytes octets;
   bool in_slot = false; ///< as in radio::request
+  provenance from = {};
 };
 
 /// As source: the channel is open.
@@ -228,6 +230,7 @@ private:
     unsigned rounds = 0;
     instant due;
     departure how = departure::in_turn;
+    provenance from = {};
   };
 
   void queue(mote_id next, channel_message message, instant due,

@@ -208,6 +208,7 @@ void collection::pump(collection_outputs& out, instant now) {
       ++x;
       continue;
     }
+    const acting_on its(x->from);
     if (auto frame = hop_of(*x)) {
       frame->in_slot = x->in_slot && x->rounds == 0;
       under_way_ = std::move(*x);

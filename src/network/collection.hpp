@@ -12,6 +12,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/fields.hpp"
+#include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "network/collection_packet.hpp"
@@ -59,6 +60,7 @@ struct hop {
   std::uint8_t am_type = 0;
   bytes octets;
   bool in_slot = false; ///< as in radio::request
+  provenance from = {};
 };
 
 /// For us.
@@ -140,6 +142,7 @@ private:
     unsigned rounds = 0;
     instant due;
     bool in_slot = false; ///< in its first round
+    provenance from = {};
   };
 
   [[nodiscard]] static bool gives_way(const waiting& x);

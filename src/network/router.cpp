@@ -185,6 +185,7 @@ void router::take(collection_outputs todo, router_outputs& out, instant now) {
       continue;
     }
     auto& next = std::get<hop>(x);
+    const acting_on its(next.from);
     auto frame = frame_for(purpose::packet, next.next, next.am_type, std::move(next.octets));
     frame.in_slot = next.in_slot;
     if (next.next != broadcast_mote)
@@ -323,6 +324,7 @@ surroundings router::around(instant now) const {
 void router::take(channels_outputs todo, router_outputs& out) {
   for (auto& x : todo) {
     if (auto* next = std::get_if<channel_hop>(&x)) {
+      const acting_on its(next->from);
       auto frame = frame_for(purpose::channel, next->next, am::channel, std::move(next->octets));
       frame.in_slot = next->in_slot;
       if (next->next != broadcast_mote)
@@ -566,6 +568,7 @@ router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmi
     if (auto sent = directs_.extract(token); !sent.empty() && !acked) {
       ++counters_.detours;
       auto& x = sent.mapped();
+      const acting_on its(x.from);
       send_router_message(x.to, user_content{std::move(x.content)}, out, now);
     }
     break;

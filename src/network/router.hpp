@@ -12,6 +12,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/fields.hpp"
+#include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "network/beacon.hpp"
@@ -71,6 +72,7 @@ struct frame_out {
   bytes payload;
   std::optional<std::size_t> age_at; ///< as in radio::request; the next too
   bool in_slot = false;
+  provenance from = {};
 };
 
 /// For the user of Network at this node.
@@ -176,6 +178,7 @@ private:
   struct direct {
     mote_id to;
     bytes content;
+    provenance from = {};
   };
 
   void keep_turns(instant now);

@@ -104,6 +104,7 @@ outgoing_package delivery::package_of(const transfer& x, std::uint16_t fragment,
   header.seqid = x.seqid;
   header.seqnum = fragment;
   package.content = x.message.content;
+  package.from = x.message.from;
   return package;
 }
 

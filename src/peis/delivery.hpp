@@ -47,6 +47,7 @@ struct reliable_message {
   request_id request;
   std::shared_ptr<const message_octets> content;
   std::optional<link_id> for_neighbour = std::nullopt; ///< it answers what came over this link
+  provenance from = {};
 };
 
 /// Keeps messages until every package of them has been acknowledged. Per destination a window

@@ -166,6 +166,7 @@ void kernel::handle(undelivered& x, instant now) {
 
 /// Whoever sent a message over a link pays there for all that it brings about.
 void kernel::handle(arrived& x, instant now) {
+  const acting_on its(x.origin);
   static_cast<void>(tuples_.take_work());
   events_made_ = 0;
   const auto link = x.from;
@@ -230,6 +231,7 @@ void kernel::perform(tuple_events todo, instant now) {
   events_made_ += todo.size();
   for (auto& x : todo) {
     if (auto* sent = std::get_if<transmit>(&x)) {
+      const acting_on its(sent->from);
       network_.send({sent->destination, sent->port, std::move(sent->content), true,
                      priority::normal, sent->request});
     } else if (auto* flooded = std::get_if<transmit_all>(&x)) {

@@ -44,6 +44,7 @@ struct message {
   peer_id source;
   bool broadcast = false;
   payload octets;
+  provenance from = {};
 };
 
 /// How a request ended, once per request. Success of a reliable request means that the destination

@@ -168,8 +168,10 @@ outputs kernel::unsubscribe(subscription_id id, instant now, request_id request)
 }
 
 void kernel::publish(const kernel_statistics::texts& values, instant now) {
-  for (const auto& [name, text] : values)
+  for (const auto& [name, text] : values) {
+    const acting_on its(provenance::begin("value"));
     perform(tuples_.set(name, text_content(text), now).second, now);
+  }
 }
 
 /// Nobody watches these, so this sends nothing (TUP-14).

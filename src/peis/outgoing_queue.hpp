@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "peis/package.hpp"
 #include "peis/types.hpp"
@@ -33,6 +34,7 @@ struct outgoing_package {
   package_header header; ///< without length and counter: encode() tells them
   std::shared_ptr<const message_octets> content;
   std::size_t offset = 0; ///< at most the content's size
+  provenance from = {};
 
   /// Octets of data. The only source of the header's length, which so cannot disagree with them.
   [[nodiscard]] std::size_t length() const { return std::min(data_max, content->size() - offset); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "core/provenance.hpp"
 #include "peis/bluetooth.hpp"
 #include "peis/types.hpp"
 
@@ -62,6 +63,7 @@ struct arrived {
   bool broadcast = false;
   link_id from; ///< over which it, or its last part, came: who is charged for what it costs
   bytes octets;
+  provenance origin = {};
 };
 
 /// A message that asked for an outcome has been acknowledged in full (or sent, if unreliable).

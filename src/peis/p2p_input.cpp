@@ -74,6 +74,9 @@ void p2p::serve_link(connection& from, instant now) {
     x.last_heard = now;
     note_counter(x, package->header.counter);
     x.budget.charge_package(header_size + package->data.size(), now);
+    const acting_on its(carries_content(package->header.port)
+                            ? provenance::begin("package_received", name_of(package->header))
+                            : provenance());
     on_package(link, package->header, package->data, now);
     charge(link, work_.take(), now);
     spend(link, 1);

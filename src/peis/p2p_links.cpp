@@ -323,6 +323,10 @@ bool p2p::write(connection& to, instant now) {
     const bool awaited = x->header.reliable() && x->header.source == self_.id;
     if (awaited && !delivery_.wanted(x->header.ack_id))
       continue;
+    if (carries_content(x->header.port)) {
+      const acting_on its(x->from);
+      static_cast<void>(provenance::begin("package_sent", name_of(x->header)));
+    }
     encode(*x, to.counter++, out);
     if (to.id >= config_.outside_from && x->header.port == port::host_record && x->offset == 0)
       hide_inproc(std::span(out).last(x->length()));

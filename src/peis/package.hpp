@@ -67,6 +67,18 @@ struct package_header {
   friend bool operator==(const package_header&, const package_header&) = default;
 };
 
+/// Whether packages on this port carry tuples or messages of components.
+[[nodiscard]] constexpr bool carries_content(std::uint16_t where) {
+  return where == port::push || where == port::set || where == port::append_request ||
+         where == port::append_notice || where >= port::user_first;
+}
+
+/// Tells a package from all others, wherever it is met.
+[[nodiscard]] constexpr std::uint64_t name_of(const package_header& x) {
+  return std::uint64_t{static_cast<std::uint32_t>(x.source.value)} << 32U |
+         static_cast<std::uint32_t>(x.id);
+}
+
 /// Appends the header's 40 octets.
 void encode(const package_header& header, bytes& out);
 

@@ -10,6 +10,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/provenance.hpp"
 #include "core/time.hpp"
 #include "peis/key.hpp"
 
@@ -61,6 +62,7 @@ struct tuple {
   std::int32_t seqno = 0;        ///< grows with each set by the owner
   std::int32_t append_seqno = 0; ///< appends since the last set; garbage from real kernels
   bool stale = false; ///< last value known of an owner that is gone (TUP-19); not on the wire
+  provenance from = {};
 
   /// The value as characters up to the first NUL.
   [[nodiscard]] std::string_view text() const;

@@ -23,6 +23,7 @@ struct tuple_changed {
 struct tuple_deleted {
   subscription_id subscription;
   tuple_pointer content;
+  provenance from = {};
 };
 
 /// To be sent reliably to one peer.
@@ -31,6 +32,7 @@ struct transmit {
   std::uint16_t port = 0;
   message_octets content;
   request_id request;
+  provenance from = {};
 };
 
 /// To be broadcast.

@@ -26,7 +26,8 @@ transmit push_message(const tuple& x, peer_id subscriber) {
   return {subscriber,
           port::push,
           {encode_tuple_head(x, tuple_message_kind::push), encode_tuple_value(x)},
-          no_request};
+          no_request,
+          x.from};
 }
 
 std::size_t message_size(const tuple& x) {

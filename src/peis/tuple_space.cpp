@@ -149,6 +149,7 @@ tuple_events tuple_space::remove(const key& name, instant now) {
   last.written = network_time(now);
   last.expiry = deleted;
   last.value = payload(bytes{0});
+  last.from = {};
   push(last, now, out);
   tell_deleted(gone, out);
   return out;

@@ -379,7 +379,7 @@ void channel::conclude(radio_index radio, const finished& x, outputs& out) {
     ++book.aborted;
     break;
   }
-  out.emplace_back(done{radio, x.token, x.status, x.transmissions, x.arrived, x.last});
+  out.emplace_back(done{radio, x.token, x.status, x.transmissions, x.arrived, x.last, x.from});
 }
 
 /// A radio that was on goes off.

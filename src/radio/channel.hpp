@@ -9,6 +9,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "radio/books.hpp"
@@ -67,6 +68,7 @@ struct delivered {
   frame content;            ///< views `psdu`, valid as long as any copy of it
   std::int8_t rssi_dbm = 0; ///< whole dBm, as the chips report it
   std::uint8_t lqi = 0;     ///< 50..110 (tinyos.md 4.1)
+  provenance from = {};     ///< of the request
 };
 
 /// A request has come to its end; each gets exactly one.
@@ -77,6 +79,7 @@ struct done {
   unsigned transmissions = 0; ///< times the frame was put on the air
   bool arrived = false;       ///< its destination accepted it, whether or not the sender knows
   copy_fate last = copy_fate::out_of_reach; ///< of the last copy at its destination; unicast only
+  provenance from = {};                     ///< of the request
 };
 
 /// The battery of a mote is flat. The radio has already been switched to power::flat.
@@ -99,6 +102,7 @@ struct overheard {
   payload psdu;                             ///< acks included
   bool received = false;                    ///< by anybody it was meant for
   copy_fate fate = copy_fate::out_of_reach; ///< of the copy at its destination; unicast data only
+  provenance from = {};                     ///< of the request
 };
 
 using output = std::variant<delivered, done, exhausted, running_low, overheard>;

@@ -14,8 +14,11 @@ namespace {
 
 /// The frame as it goes on the air from `begin` on.
 transmission stamped(radio_index from, const outgoing& x, instant begin) {
-  transmission sent{
-      .from = from, .content = x.content, .psdu = x.psdu, .length = air_time(x.psdu.size())};
+  transmission sent{.from = from,
+                    .content = x.content,
+                    .psdu = x.psdu,
+                    .length = air_time(x.psdu.size()),
+                    .origin = x.from};
   if (!x.age_at)
     return sent;
   auto octets = to_bytes(x.content.payload);
@@ -141,7 +144,8 @@ overheard channel::describe(const transmission& x) const {
   const bool is_ack = x.content.type == frame_type::ack;
   return {.pan = at(x.from).pan,
           .begin = x.begin,
-          .psdu = is_ack ? payload(encode(x.content)) : x.psdu};
+          .psdu = is_ack ? payload(encode(x.content)) : x.psdu,
+          .from = x.origin};
 }
 
 copy_fate channel::on_ack(radio_index radio, std::uint8_t dsn, instant now, outputs& out) {
@@ -164,7 +168,7 @@ copy_fate channel::on_data(const transmission& sent, const hearer& x, instant no
     break;
   case verdict::accepted:
     fate = copy_fate::delivered;
-    out.emplace_back(delivered{x.radio, sent.psdu, sent.content, x.rssi_dbm, x.lqi});
+    out.emplace_back(delivered{x.radio, sent.psdu, sent.content, x.rssi_dbm, x.lqi, sent.origin});
     break;
   }
   if (sent.content.ack_request && addressed) {

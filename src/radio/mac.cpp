@@ -115,7 +115,7 @@ std::vector<finished> mac::abort() {
   std::vector<finished> all;
   while (!open_.empty()) {
     const auto x = open_.pop();
-    all.push_back({x.token, send_status::aborted, x.transmissions, x.arrived, x.last});
+    all.push_back({x.token, send_status::aborted, x.transmissions, x.arrived, x.last, x.from});
   }
   state_ = state::idle;
   deadline_.reset();
@@ -161,7 +161,7 @@ mac_action mac::finish(send_status status, instant now, random_stream& dice) {
   if (!open_.empty())
     attempt(now, dice);
   return {.transmit = false,
-          .ended = finished{x.token, status, x.transmissions, x.arrived, x.last}};
+          .ended = finished{x.token, status, x.transmissions, x.arrived, x.last, x.from}};
 }
 
 } // namespace rubicon::radio

@@ -10,6 +10,7 @@
 
 #include "core/bounded_queue.hpp"
 #include "core/bytes.hpp"
+#include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "radio/books.hpp"
@@ -41,6 +42,7 @@ struct outgoing {
   unsigned transmissions = 0;               ///< so far
   bool arrived = false;                     ///< a copy of it was accepted by its destination
   copy_fate last = copy_fate::out_of_reach; ///< of the copy at its destination
+  provenance from = {};
 };
 
 struct finished {
@@ -49,6 +51,7 @@ struct finished {
   unsigned transmissions = 0;
   bool arrived = false;
   copy_fate last = copy_fate::out_of_reach;
+  provenance from = {};
 };
 
 /// What the owner has to do.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "radio/energy.hpp"
@@ -32,6 +33,7 @@ struct transmission {
   payload psdu;  ///< empty for acks: only their DSN is ever asked for
   instant begin{};
   duration length{}; ///< preamble, SFD and length octet included
+  provenance origin = {};
 };
 
 /// A place in the medium's table of frames on the air.

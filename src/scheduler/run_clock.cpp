@@ -32,7 +32,10 @@ timeout_key request_key(const caf::abstract_actor* self, caf::message_id id) {
 struct shipper {
   caf::execution_unit& unit;
 
-  void operator()(actor_message& x) const { x.receiver->enqueue(std::move(x.content), &unit); }
+  void operator()(actor_message& x) const {
+    const acting_on sent(x.from);
+    x.receiver->enqueue(std::move(x.content), &unit);
+  }
 
   void operator()(actor_timeout& x) const {
     if (x.key.kind == timeout_kind::request)
@@ -123,9 +126,9 @@ movable_message run_clock::schedule(instant due, caf::strong_actor_ptr receiver,
   if (closed_)
     return {};
   const auto number = ++movable_messages_;
-  return {
-      timers_.add(not_past(due), actor_message{std::move(receiver), std::move(content), number}),
-      number};
+  return {timers_.add(not_past(due), actor_message{std::move(receiver), std::move(content), number,
+                                                   provenance::none()}),
+          number};
 }
 
 bool run_clock::move(const movable_message& x, instant due) {

@@ -72,6 +72,7 @@ public:
   void fire_next(caf::execution_unit& unit);
 
   /// Delivers `content` at `due`, or now if that is past, unless it is moved or taken back before.
+  /// It comes from nothing but the time.
   [[nodiscard]] movable_message schedule(instant due, caf::strong_actor_ptr receiver,
                                          caf::mailbox_element_ptr content);
 

@@ -12,6 +12,7 @@
 #include <caf/message.hpp>
 #include <caf/message_id.hpp>
 
+#include "core/provenance.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::scheduler {
@@ -21,6 +22,7 @@ struct actor_message {
   caf::strong_actor_ptr receiver;
   caf::mailbox_element_ptr content;
   std::uint64_t number = 0; ///< of a message that may be moved; 0: it may not
+  provenance from = {};
 };
 
 /// A delayed message to the members of a group.

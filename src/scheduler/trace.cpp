@@ -54,7 +54,7 @@ void trace_recorder::stop() {
   clock_ = nullptr;
 }
 
-std::unique_lock<std::mutex> trace_recorder::guard() {
+std::unique_lock<std::mutex> trace_recorder::guard() const {
   return shared_ ? std::unique_lock(mutex_) : std::unique_lock<std::mutex>();
 }
 
@@ -62,6 +62,7 @@ void trace_recorder::record(std::uint64_t path_hash, std::string_view path,
                             const caf::mailbox_element& x, bool heard) {
   if (!shared_ && std::this_thread::get_id() != home_)
     return;
+  const auto cause = provenance().number();
   const auto lock = guard();
   if (clock_ == nullptr)
     return;
@@ -72,24 +73,36 @@ void trace_recorder::record(std::uint64_t path_hash, std::string_view path,
   if (!observer_)
     return;
   const auto* sender = traced_in(x.sender);
-  const auto cause = sender != nullptr ? number_of(sender->handled()) : 0;
-  numbers_[&x] = events_;
+  const auto number = wants_remarks() ? ++numbers_given_ : 0;
+  if (number != 0)
+    numbers_[&x] = number;
   observer_(delivery{time, path, sender != nullptr ? std::string_view(sender->path()) : "",
-                     x.content(), events_, cause, heard});
+                     x.content(), number, cause, heard});
 }
 
-void trace_recorder::note(remark x, const caf::mailbox_element* handled) {
+void trace_recorder::note(remark x) {
+  x.cause = provenance().number();
   if (!shared_ && std::this_thread::get_id() != home_)
     return;
   const auto lock = guard();
   if (clock_ == nullptr)
     return;
   x.time = to_instant(clock_->now());
-  x.cause = number_of(handled);
   remark_observer_(x);
 }
 
+std::uint64_t trace_recorder::begin(std::string_view path, std::string_view what,
+                                    std::uint64_t id) {
+  const auto number = [&] {
+    const auto lock = guard();
+    return ++numbers_given_;
+  }();
+  note({.time = {}, .path = path, .what = what, .id = id, .octets = {}, .number = number});
+  return number;
+}
+
 std::uint64_t trace_recorder::number_of(const caf::mailbox_element* x) const {
+  const auto lock = guard();
   const auto found = x != nullptr ? numbers_.find(x) : numbers_.end();
   return found != numbers_.end() ? found->second : 0;
 }

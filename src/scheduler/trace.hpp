@@ -24,6 +24,7 @@
 
 #include "core/bytes.hpp"
 #include "core/hash.hpp"
+#include "core/provenance.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::scheduler {
@@ -34,8 +35,9 @@ struct delivery {
   std::string_view path;                 ///< receiver; valid during the call only
   std::string_view sender;               ///< empty for none and for actors without a path
   const caf::type_erased_tuple& content; ///< `content.stringify()` shows it
-  std::uint64_t number = 0;              ///< counts deliveries, from 1
-  std::uint64_t cause = 0; ///< the delivery that its sender handles; 0: none, or sent by a clock
+  std::uint64_t number = 0;              ///< ascending, from 1, as those of remarks that begin
+                                         ///< something; 0 unless remarks are observed too
+  std::uint64_t cause = 0; ///< number of what led to it (core/provenance.hpp); 0: nothing known
   bool heard = true;       ///< false: the receiver has ended
 };
 
@@ -43,12 +45,13 @@ struct delivery {
 /// observers only and never part of the trace.
 struct remark {
   instant time;
-  std::string_view path;   ///< whose; valid during the call only, like the next
-  std::string_view what;   ///< its kind
-  std::uint64_t id = 0;    ///< of what it is about
-  byte_view octets;        ///< that it is about
-  std::uint64_t cause = 0; ///< the delivery that is being handled
-  std::any content = {};   ///< instead of octets
+  std::string_view path;    ///< whose; valid during the call only, like the next
+  std::string_view what;    ///< its kind
+  std::uint64_t id = 0;     ///< of what it is about
+  byte_view octets;         ///< that it is about
+  std::uint64_t cause = 0;  ///< as in delivery
+  std::any content = {};    ///< instead of octets
+  std::uint64_t number = 0; ///< of what begins here (provenance::begin); 0: nothing does
 };
 
 /// Folds deliveries: receiver's path, ecology time, types and content, in order of delivery.
@@ -73,7 +76,7 @@ public:
   /// Called for every delivery from now on, after it is folded; for debugging. Must not send.
   void observe(observer x) { observer_ = std::move(x); }
 
-  /// The same for remarks. Must not send.
+  /// The same for remarks. Must not send. From now on it is known what led to what.
   void observe_remarks(remark_observer x) { remark_observer_ = std::move(x); }
   [[nodiscard]] bool wants_remarks() const { return static_cast<bool>(remark_observer_); }
 
@@ -81,8 +84,13 @@ public:
   void record(std::uint64_t path_hash, std::string_view path, const caf::mailbox_element& x,
               bool heard = true);
 
-  /// @param handled what the remarking actor is handling; nullptr for nothing
-  void note(remark x, const caf::mailbox_element* handled);
+  void note(remark x);
+
+  /// Gives a number to what `path` begins, and tells it. @pre wants_remarks()
+  [[nodiscard]] std::uint64_t begin(std::string_view path, std::string_view what, std::uint64_t id);
+
+  /// Of a delivery that is being handled; 0: none, or nothing is.
+  [[nodiscard]] std::uint64_t number_of(const caf::mailbox_element* x) const;
 
   /// The trace so far: equal for equal runs, on any machine.
   [[nodiscard]] std::uint64_t hash() const { return fold_.value(); }
@@ -99,15 +107,15 @@ private:
   void fold(const caf::type_erased_tuple& content);
   [[nodiscard]] type_entry entry_of(caf::rtti_pair type);
   [[nodiscard]] type_entry entry_of_number(std::uint16_t number);
-  [[nodiscard]] std::unique_lock<std::mutex> guard();
-  [[nodiscard]] std::uint64_t number_of(const caf::mailbox_element* x) const;
+  [[nodiscard]] std::unique_lock<std::mutex> guard() const;
 
   const caf::actor_clock* clock_ = nullptr;
   bool shared_ = false;
   std::thread::id home_;
-  std::mutex mutex_; ///< held while recording if shared_
+  mutable std::mutex mutex_; ///< held while recording if shared_
   fold64 fold_;
   std::uint64_t events_ = 0;
+  std::uint64_t numbers_given_ = 0;
   observer observer_;
   remark_observer remark_observer_;
   /// The newest delivery at each address that a mailbox element has had; kept for an observer only,
@@ -120,11 +128,8 @@ private:
 };
 
 /// What a traced actor knows about itself.
-class traced_base {
+class traced_base : public provenance_source {
 public:
-  traced_base(const traced_base&) = delete;
-  traced_base& operator=(const traced_base&) = delete;
-
   /// Where the actor stands in the ecology, such as `island/7/mote/12`; empty if it was never
   /// placed.
   [[nodiscard]] const std::string& path() const { return path_; }
@@ -133,8 +138,12 @@ public:
   /// runs; the spawn helpers in spawn.hpp and world.hpp do it.
   void place(std::string path, trace_recorder* recorder);
 
-  /// What the actor is handling at this moment; nullptr while it has no turn.
-  [[nodiscard]] virtual const caf::mailbox_element* handled() const = 0;
+  [[nodiscard]] std::uint64_t handled_number() const override {
+    return recorder_->number_of(handled());
+  }
+  [[nodiscard]] std::uint64_t begin(std::string_view what, std::uint64_t id) override {
+    return recorder_->begin(path_, what, id);
+  }
 
   /// Tells observers; costs nothing without any.
   /// @param octets made only if somebody observes
@@ -142,7 +151,7 @@ public:
   void remark(std::string_view what, std::uint64_t id, Octets octets) const {
     if (recorder_ != nullptr && recorder_->wants_remarks()) {
       const auto content = octets();
-      recorder_->note({{}, path_, what, id, content}, handled());
+      recorder_->note({{}, path_, what, id, content});
     }
   }
 
@@ -150,12 +159,20 @@ public:
   template <class Make>
   void remark_any(std::string_view what, Make make) const {
     if (recorder_ != nullptr && recorder_->wants_remarks())
-      recorder_->note({{}, path_, what, 0, {}, 0, make()}, handled());
+      recorder_->note({{}, path_, what, 0, {}, 0, make()});
   }
 
 protected:
   traced_base() = default;
-  virtual ~traced_base() = default;
+  ~traced_base() override = default;
+
+  /// What the actor is handling at this moment. @pre it has its turn
+  [[nodiscard]] virtual const caf::mailbox_element* handled() const = 0;
+
+  /// Who gives numbers to what it does; nullptr: nobody records.
+  [[nodiscard]] provenance_source* recorded() {
+    return recorder_ != nullptr && recorder_->wants_remarks() ? this : nullptr;
+  }
 
   void record(const caf::mailbox_element& x, bool heard) {
     if (recorder_ != nullptr)
@@ -182,19 +199,14 @@ public:
   }
 
   caf::resumable::resume_result resume(caf::execution_unit* unit, std::size_t messages) override {
-    has_turn_ = true;
-    const auto result = Base::resume(unit, messages);
-    has_turn_ = false;
-    return result;
+    const turn_of turn(recorded());
+    return Base::resume(unit, messages);
   }
 
+protected:
   [[nodiscard]] const caf::mailbox_element* handled() const override {
-    // CAF's accessor is not const
-    return has_turn_ ? const_cast<traced*>(this)->current_mailbox_element() : nullptr;
+    return const_cast<traced*>(this)->current_mailbox_element(); // CAF's accessor is not const
   }
-
-private:
-  bool has_turn_ = false;
 };
 
 /// A traced function-based actor with state; its behaviour function is

@@ -158,7 +158,7 @@ void endpoint::write_attempt(waiting& x, instant now, outputs& out) {
   x.attempts.push_back({sequence, line_free_});
   x.due = begins + patience_.wait(own, longest, x.attempts.size() == config_.attempts_max);
   ++counters_.attempts;
-  out.push_back(to_line{std::move(wire)});
+  out.push_back(to_line{std::move(wire), x.what.from});
 }
 
 duration endpoint::on_line(std::size_t octets) const {

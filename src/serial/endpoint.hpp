@@ -11,6 +11,7 @@
 #include "core/address.hpp"
 #include "core/bounded_queue.hpp"
 #include "core/bytes.hpp"
+#include "core/provenance.hpp"
 #include "core/time.hpp"
 #include "serial/ack_patience.hpp"
 #include "serial/frame.hpp"
@@ -106,6 +107,7 @@ private:
   struct outgoing {
     packet_id id;
     bytes packet;
+    provenance from = {};
   };
 
   struct attempt {

@@ -48,7 +48,8 @@ line_outputs line::on_time(instant now) {
                              : direction::to_mote;
     auto& lane = of(towards);
     lane.counters.arrived += lane.chunks.front().octets.size();
-    out.push_back({towards, std::move(lane.chunks.front().octets)});
+    auto& first = lane.chunks.front();
+    out.push_back({towards, std::move(first.octets), first.from});
     lane.chunks.pop_front();
   }
   return out;

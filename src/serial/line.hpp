@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "serial/line_config.hpp"
@@ -24,6 +25,7 @@ enum class direction : std::uint8_t { to_pc, to_mote };
 struct arrived {
   direction towards = direction::to_pc;
   payload octets;
+  provenance from = {};
 };
 
 using line_outputs = std::vector<arrived>;
@@ -66,6 +68,7 @@ private:
   struct written_chunk {
     payload octets;
     instant due;
+    provenance from = {};
   };
 
   struct one_way {

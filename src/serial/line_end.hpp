@@ -2,12 +2,14 @@
 #pragma once
 
 #include "core/bytes.hpp"
+#include "core/provenance.hpp"
 
 namespace rubicon::serial {
 
 /// Write these octets, one or more whole frames, in one go.
 struct to_line {
   bytes octets;
+  provenance from = {};
 };
 
 /// A packet has come over the line with a good CRC.

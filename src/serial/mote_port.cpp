@@ -36,7 +36,7 @@ mote_port_outputs mote_port::send(bytes packet, instant now) {
     ++counters_.discarded;
     return out;
   }
-  if (!packets_.push(std::move(packet)))
+  if (!packets_.push({std::move(packet)}))
     ++counters_.queue_full;
   transmit(now, out);
   return out;
@@ -215,16 +215,17 @@ void mote_port::pass_up(mote_port_outputs& out) {
 void mote_port::transmit(instant now, mote_port_outputs& out) {
   if (now < uart_free_at_ || (acks_.empty() && packets_.empty()))
     return;
-  bytes wire;
+  to_line next;
   if (!acks_.empty()) {
     ++counters_.acks_sent;
-    wire = encode(frame{frame_type::ack, acks_.pop(), {}});
+    next.octets = encode(frame{frame_type::ack, acks_.pop(), {}});
   } else {
     ++counters_.packets_sent;
-    wire = encode(frame{frame_type::packet, 0, packets_.pop()});
+    auto first = packets_.pop();
+    next = {encode(frame{frame_type::packet, 0, std::move(first.packet)}), first.from};
   }
-  uart_free_at_ = now + transmission_time(wire.size(), config_.baud);
-  out.push_back(to_line{std::move(wire)});
+  uart_free_at_ = now + transmission_time(next.octets.size(), config_.baud);
+  out.push_back(std::move(next));
 }
 
 } // namespace rubicon::serial

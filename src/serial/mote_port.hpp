@@ -9,6 +9,7 @@
 
 #include "core/bounded_queue.hpp"
 #include "core/bytes.hpp"
+#include "core/provenance.hpp"
 #include "core/time.hpp"
 #include "serial/line_end.hpp"
 #include "serial/packet.hpp"
@@ -110,7 +111,11 @@ private:
   std::size_t filling_ = 0; ///< the buffer of the frame coming in
 
   bounded_queue<std::uint8_t> acks_; ///< sequence numbers
-  bounded_queue<bytes> packets_;
+  struct waiting {
+    bytes packet;
+    provenance from = {};
+  };
+  bounded_queue<waiting> packets_;
   instant uart_free_at_ = instant::min();
   mote_port_counters counters_;
 };

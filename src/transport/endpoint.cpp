@@ -104,6 +104,8 @@ void endpoint::begin(mote_address destination, session& x, outputs& out, instant
 
 void endpoint::attempt(mote_address destination, session& x, outputs& out, instant now) {
   const auto& first = x.messages.front();
+  const acting_on its(first.from);
+  const acting_on this_one(provenance::begin("attempt"));
   segment content;
   content.source = config_.self;
   content.counter = x.counter;

@@ -14,6 +14,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/fields.hpp"
+#include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "transport/segment.hpp"
@@ -29,6 +30,7 @@ struct to_network {
   std::uint16_t channel = 0; ///< equals the AM type (WIR-01)
   bytes segment;
   bool in_slot = false; ///< never of endpoint's: nobody near sends now
+  provenance from = {};
 };
 
 /// A message for the process that owns its AM type.
@@ -156,6 +158,7 @@ private:
     ticket id = 0;
     std::uint8_t am_type = 0;
     bytes payload;
+    provenance from = {};
   };
 
   /// What is on its way to one receiver.

@@ -10,10 +10,9 @@ using namespace rubicon::explain;
 namespace {
 
 void check_round_trip(const recording& x) {
-  encoder out;
-  auto text = encoder::encode(x.about);
+  auto text = encode(x.about);
   for (const auto& r : x.records)
-    text += out.encode(r);
+    text += encode(r);
   const auto back = read(text);
   if (back.problem || back.content.about != x.about || back.content.records != x.records)
     std::abort();

@@ -115,7 +115,7 @@ TEST_CASE("a message that no frame brings to the sink is lost there", "[explain]
         far_mote, sink_actor,      8,
         1,        network::am::up, world.up(8, attempt, world.whole(world.packet_up(segment))),
         attempt};
-    world.asks_radio(frame, attempt == 1 ? cause : 0);
+    world.asks_radio(frame, world.attempt(cause));
     for (int i = 0; i < 4; ++i)
       world.on_air(frame, "out_of_reach");
     world.radio_ends(frame, "no_ack");
@@ -178,7 +178,7 @@ TEST_CASE("a write that is repeated on the serial line is one hop", "[explain][G
   const auto there = way.to_gateway(world.program_sends(near_mote, reading, true));
   world.writes(true, way.serial_down(3), there);
   world.now += 100ms;
-  world.writes(true, way.serial_down(3), 0);
+  world.writes(true, way.serial_down(3), there);
   world.line_gives(true, way.serial_down(3));
   const auto all = follow(world.x);
   CHECK(outcome_of(all, all.messages.front()).retries.serial == 1);
@@ -191,7 +191,7 @@ TEST_CASE("a new attempt of Transport is told from a repeat", "[explain]") {
   const auto there = way.to_gateway(cause);
   static_cast<void>(there); // its answer never comes
   way.sequence = 2;
-  way.answer(way.to_gateway(0));
+  way.answer(way.to_gateway(world.attempt(cause)));
   const auto all = follow(world.x);
   const auto& m = all.messages.front();
   CHECK(m.sends == 2);
@@ -263,6 +263,44 @@ TEST_CASE("unreliable messages of equal content are told apart", "[explain]") {
   CHECK(outcome_of(all, all.messages[2]).fate == fate::delivered);
 }
 
+TEST_CASE("equal messages of one moment are told apart, whatever overtakes what", "[explain]") {
+  explain_world world;
+  transport::segment plain;
+  plain.source = mote_id{7};
+  plain.am_type = 2;
+  plain.payload = reading;
+  const auto first = world.program_sends(near_mote, reading, false, 1);
+  const auto second = world.program_sends(near_mote, reading, false, 2);
+  delivery way_of_second{world, plain, 1};
+  delivery way_of_first{world, plain, 2};
+  const auto there = way_of_second.to_gateway(second);
+  world.sets(gateway_actor, gateway_kernel, "devices.7.output.2", "x", there);
+  world.asks_radio(way_of_first.frame_up(), first);
+  world.on_air(way_of_first.frame_up(), "weak");
+  world.radio_ends(way_of_first.frame_up(), "no_ack");
+  const auto all = follow(world.x);
+  REQUIRE(all.messages.size() == 2);
+  CHECK(outcome_of(all, all.messages[0]).fate == fate::lost);
+  CHECK(outcome_of(all, all.messages[0]).why == "too weak");
+  CHECK(outcome_of(all, all.messages[1]).fate == fate::delivered);
+  CHECK(contains(tell_tuple(all, 0, wide), "kitchen/near → sink"));
+}
+
+TEST_CASE("a message from outside begins where it is seen first", "[explain]") {
+  explain_world world;
+  transport::segment plain;
+  plain.source = mote_id{9};
+  plain.am_type = 2;
+  plain.payload = reading;
+  delivery way{world, plain};
+  world.writes(true, way.serial_down(1), 0); // an answer to nothing
+  way.to_gateway(0);
+  const auto all = follow(world.x);
+  REQUIRE(all.messages.size() == 1);
+  CHECK(all.messages.front().content == reading);
+  CHECK(outcome_of(all, all.messages.front()).fate == fate::delivered);
+}
+
 TEST_CASE("the greeting before the first message is one row", "[explain]") {
   explain_world world;
   const auto cause = world.program_sends(near_mote, reading, true);
@@ -271,7 +309,7 @@ TEST_CASE("the greeting before the first message is one row", "[explain]") {
   delivery greeting{world, hello};
   greeting.answer(greeting.to_gateway(cause));
   delivery way{world, world.reliable(7, 5, reading), 2};
-  way.answer(way.to_gateway(0));
+  way.answer(way.to_gateway(world.attempt(cause)));
   const auto all = follow(world.x);
   REQUIRE(all.messages.size() == 1);
   CHECK(all.messages.front().sends == 1);
@@ -295,6 +333,18 @@ TEST_CASE("a message can be asked for by name or by numbers", "[explain]") {
     REQUIRE(std::holds_alternative<nothing_found>(found));
     CHECK(std::get<nothing_found>(found).known == std::vector<std::string>{"kitchen/near#1..2"});
   }
+}
+
+TEST_CASE("a message to its own mote is there at once", "[explain]") {
+  explain_world world;
+  record r;
+  r.mote = {own_island, own_mote};
+  r.octets = reading;
+  world.put(kind::send_message, near_mote, near_mote, 0, r);
+  const auto all = follow(world.x);
+  REQUIRE(all.messages.size() == 1);
+  CHECK(all.messages.front().name == "kitchen/near#1");
+  CHECK(outcome_of(all, all.messages.front()).fate == fate::delivered);
 }
 
 TEST_CASE("a message that its mote refuses says so", "[explain]") {
@@ -329,7 +379,8 @@ TEST_CASE("a message that never left is not taken for the next one", "[explain]"
 TEST_CASE("a receiver that has started again turns a message away", "[explain][DIS-07]") {
   explain_world world;
   delivery way{world, world.reliable(7, 5, reading)};
-  const auto there = way.to_gateway(world.program_sends(near_mote, reading, true));
+  const auto cause = world.program_sends(near_mote, reading, true);
+  const auto there = way.to_gateway(cause);
   auto refused = world.answer_to(way.segment);
   refused.what = transport::segment::kind::refused;
   const auto octets = world.serial(
@@ -345,7 +396,7 @@ TEST_CASE("a receiver that has started again turns a message away", "[explain][D
   }
   SECTION("and takes it under another number") {
     delivery again{world, world.reliable(7, 9, reading), 2};
-    again.answer(again.to_gateway(0));
+    again.answer(again.to_gateway(world.attempt(cause)));
     const auto all = follow(world.x);
     REQUIRE(all.messages.size() == 1);
     CHECK(outcome_of(all, all.messages.front()).fate == fate::delivered);

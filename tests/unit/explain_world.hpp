@@ -2,6 +2,9 @@
 // do, with the octets that the product's own encoders make of it.
 #pragma once
 
+#include <array>
+#include <deque>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,7 +56,18 @@ public:
     r.number = ++number_;
     r.time = now;
     x.records.push_back(std::move(r));
+    if (what == explain::kind::set_tuple || what == explain::kind::set_remote_tuple)
+      value_ = number_;
+    if (what == explain::kind::set_tuple || what == explain::kind::link_octets)
+      news_ = number_;
     return number_;
+  }
+
+  /// Transport tries again.
+  std::uint64_t attempt(std::uint64_t message) {
+    explain::record r;
+    r.text = "attempt";
+    return put(explain::kind::begun, "", "", message, std::move(r));
   }
 
   /// A program on a mote sends to the gateway.
@@ -127,7 +141,8 @@ public:
     r.mote.mote = mote_id(f.destination);
     r.channel = f.am_type;
     r.octets = f.payload;
-    put(explain::kind::radio_send, f.from, air_actor, cause, std::move(r));
+    asked_[{f.from, f.token}] =
+        put(explain::kind::radio_send, f.from, air_actor, cause, std::move(r));
   }
 
   /// One frame on the air; it is received if its fate is `delivered`.
@@ -145,13 +160,14 @@ public:
     now += 3ms;
     std::uint64_t received = 0;
     if (fate == "delivered")
-      received = put(explain::kind::frame_received, air_actor, f.to, 0, r);
+      received = put(explain::kind::frame_received, air_actor, f.to, asked_[{f.from, f.token}], r);
     r.text = fate;
     r.yes = fate == "delivered";
     r.mote.island = island_id{1};
     r.time = begin;
     r.what = explain::kind::frame;
     r.number = 0;
+    r.cause = asked_[{f.from, f.token}];
     x.records.push_back(std::move(r));
     now += 1ms;
     return received;
@@ -161,7 +177,7 @@ public:
     explain::record r;
     r.id = f.token;
     r.text = status;
-    put(explain::kind::radio_done, air_actor, f.from, 0, std::move(r));
+    put(explain::kind::radio_done, air_actor, f.from, asked_[{f.from, f.token}], std::move(r));
   }
 
   /// Asked, on the air once, received, done.
@@ -182,15 +198,19 @@ public:
     explain::record r;
     r.octets = octets;
     r.count = to_mote ? 1 : 0;
-    put(explain::kind::serial_write, to_mote ? gateway_actor : sink_actor, line_actor, cause,
-        std::move(r));
+    written_[to_mote ? 1 : 0].push_back(put(explain::kind::serial_write,
+                                            to_mote ? gateway_actor : sink_actor, line_actor, cause,
+                                            std::move(r)));
   }
   std::uint64_t line_gives(bool to_mote, const bytes& octets) {
     explain::record r;
     r.octets = octets;
     now += 2ms;
-    return put(explain::kind::serial_octets, line_actor, to_mote ? sink_actor : gateway_actor, 0,
-               std::move(r));
+    auto& written = written_[to_mote ? 1 : 0];
+    const auto cause = written.front();
+    written.pop_front();
+    return put(explain::kind::serial_octets, line_actor, to_mote ? sink_actor : gateway_actor,
+               cause, std::move(r));
   }
   void plug(bool plugged) {
     explain::record r;
@@ -221,10 +241,10 @@ public:
     r.peer = owner;
     r.text = key;
     r.octets = to_bytes(std::string_view(value));
-    return put(explain::kind::tuple_event, kernel, component, 0, std::move(r));
+    return put(explain::kind::tuple_event, kernel, component, news_, std::move(r));
   }
 
-  /// A push or set package over one link, which may lose it.
+  /// A push or set package with the newest value over one link, which may lose it.
   void package(std::uint16_t port, const std::string& from, const std::string& to,
                std::int32_t owner, std::int32_t destination, const std::string& key,
                const std::string& value, std::int32_t seqno, bool lost = false) {
@@ -252,13 +272,14 @@ public:
     r.id = 5;
     now += 1ms;
     if (!lost) {
-      put(explain::kind::link_octets, from, to, 0, std::move(r));
+      put(explain::kind::link_octets, from, to, value_, std::move(r));
       return;
     }
     r.text = "link_lost";
     r.from = from;
     r.what = explain::kind::link_lost;
     r.time = now;
+    r.cause = value_;
     x.records.push_back(std::move(r));
   }
   void link(const std::string& a, const std::string& b) {
@@ -276,6 +297,10 @@ private:
   }
 
   std::uint64_t number_ = 0;
+  std::uint64_t value_ = 0; ///< number of the newest request for one
+  std::uint64_t news_ = 0;  ///< of what components hear of next
+  std::map<std::pair<std::string, std::uint64_t>, std::uint64_t> asked_; ///< of the radio
+  std::array<std::deque<std::uint64_t>, 2> written_; ///< and not come out of the line, by direction
   std::int32_t packages_ = 0;
 };
 

@@ -228,19 +228,20 @@ TEST_CASE("a delivery tells what its sender was handling, and whether anybody he
   world.trace().observe([&](const delivery& x) {
     seen.push_back({x.number, x.cause, x.heard ? 1U : 0U});
   });
+  world.trace().observe_remarks([](const remark&) {});
   const auto to = world.spawn("to", sink);
   using relay_pointer = traced<caf::event_based_actor>*;
   const auto relay = world.spawn("relay", [to](relay_pointer self) -> caf::behavior {
     return {[self, to](mark x) {
       self->send(to, x);
-      self->delayed_send(to, 1ms, x); // by the clock: nobody is handling anything then
+      self->delayed_send(to, 1ms, x); // by the clock, which keeps where it came from
     }};
   });
   caf::anon_send(relay, mark{1});
   caf::anon_send(relay, mark{2});
   world.run_for(1s);
   CHECK(seen == std::vector<std::vector<std::uint64_t>>{
-                    {1, 0, 1}, {2, 0, 1}, {3, 1, 1}, {4, 2, 1}, {5, 0, 1}, {6, 0, 1}});
+                    {1, 0, 1}, {2, 0, 1}, {3, 1, 1}, {4, 2, 1}, {5, 1, 1}, {6, 2, 1}});
   caf::anon_send_exit(to, caf::exit_reason::kill);
   world.run_for(1s);
   seen.clear();

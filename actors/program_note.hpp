@@ -1,0 +1,22 @@
+// What programs do and are told inside the actor of their node, for who observes the run.
+#pragma once
+
+#include <any>
+
+#include "explain/record.hpp"
+#include "mote/layer.hpp"
+
+namespace rubicon {
+
+/// @param node path of the node's actor
+[[nodiscard]] explain::record record_of(const mote::program_note& x, const std::string& node);
+
+/// @param node of the actor `self`: a mote::node, endpoint::pc or gateway::gateway
+template <class Self, class Node>
+void observe_programs(Self* self, Node& node) {
+  node.observe([self](const mote::program_note& x) {
+    self->remark_any("program", [&] { return std::any(record_of(x, self->path())); });
+  });
+}
+
+} // namespace rubicon

@@ -1,0 +1,117 @@
+#include <algorithm>
+
+#include "explain/media.hpp"
+
+namespace rubicon::explain {
+
+namespace {
+
+/// Hands each record to those whom it concerns.
+class follower {
+public:
+  explicit follower(const recording& x) : all_(x) {}
+
+  void take(const record& r);
+  [[nodiscard]] journeys finish() { return std::move(all_.all); }
+
+private:
+  void on_story(const record& r);
+
+  growth all_;
+  message_follower messages_{all_};
+  tuple_follower tuples_{all_};
+  air_follower air_{all_, messages_};
+  line_follower lines_{all_, messages_};
+  link_follower links_{all_, messages_, tuples_};
+};
+
+void follower::take(const record& r) {
+  all_.note(r);
+  const bool is_hop = r.what == kind::serial_octets || r.what == kind::link_octets;
+  if (r.unheard && !is_hop) // nobody makes anything of it
+    return;
+  switch (r.what) {
+  case kind::begun:
+    return; // what comes of it tells
+  case kind::radio_send:
+    return air_.on_send(r);
+  case kind::radio_done:
+    return air_.on_done(r);
+  case kind::frame:
+    return air_.on_frame(r);
+  case kind::frame_received:
+    return air_.on_received(r);
+  case kind::serial_write:
+    return lines_.on_write(r);
+  case kind::serial_octets:
+    return lines_.on_octets(r);
+  case kind::plug_serial:
+    return lines_.on_plug(r);
+  case kind::link_opened:
+    return links_.on_opened(r);
+  case kind::link_octets:
+  case kind::link_lost:
+    return links_.on_package(r);
+  case kind::set_tuple:
+    return tuples_.on_set(r, false);
+  case kind::delete_tuple:
+    return tuples_.on_set(r, true);
+  case kind::set_remote_tuple:
+    if (const auto asked = tuples_.on_set_remote(r))
+      links_.on_asked(r, *asked);
+    return;
+  case kind::tuple_event:
+    return tuples_.on_event(r);
+  case kind::watch_tuples:
+    all_.all.watchers.push_back({r.from, r.peer, r.text, r.time});
+    return;
+  case kind::send_peis_message:
+    return links_.on_send(r);
+  case kind::peis_outcome:
+    return links_.on_outcome(r);
+  case kind::send_message:
+    return messages_.on_send(r);
+  case kind::message_received:
+    return messages_.on_message(r);
+  case kind::send_ended:
+    return messages_.on_send_ended(r);
+  case kind::actuator_changed:
+    return; // its story tells more
+  case kind::story:
+    return on_story(r);
+  }
+}
+
+void follower::on_story(const record& r) {
+  all_.all.stories.push_back(r);
+  const auto parent = all_.step_of(r.cause);
+  const bool is_of_mote = r.from.starts_with("mote/") || r.from.starts_with("mote_app/");
+  if (parent == no_node || !is_of_mote) // what components do, their tuples tell
+    return;
+  node x;
+  x.what = step::acts;
+  x.about = all_.at(parent).about;
+  x.from = r.from;
+  x.begin = r.time;
+  x.arrived = r.time;
+  x.text = r.text;
+  all_.add(std::move(x), parent);
+  // What is sent at that moment is sent because of it.
+  auto& siblings = all_.at(parent).children;
+  const auto sent = std::ranges::find_if(siblings, [&](node_index each) {
+    return all_.at(each).what == step::sends && all_.at(each).begin == r.time;
+  });
+  if (sent != siblings.end())
+    std::rotate(sent, std::prev(siblings.end()), siblings.end());
+}
+
+} // namespace
+
+journeys follow(const recording& x) {
+  follower all(x);
+  for (const auto& r : x.records)
+    all.take(r);
+  return all.finish();
+}
+
+} // namespace rubicon::explain
