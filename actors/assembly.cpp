@@ -44,7 +44,7 @@ duration keep_alive_of(const config::island_description& island,
   for (const auto& app : mote.apps) {
     const auto* sampler = std::get_if<config::sampler_app>(&app);
     if (sampler != nullptr && !sampler->only_subscribed)
-      period = std::max(period, sampler->every * 3 / 2);
+      period = std::max(period, std::max(sampler->every, sampler->silence_max) * 3 / 2);
   }
   return period;
 }

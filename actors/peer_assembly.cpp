@@ -159,14 +159,6 @@ rfid::tags tags_of(const config::ecology_description& x) {
   return all;
 }
 
-/// The same rule, as the config room and the proxy room know it.
-proxy::rule rule_of(const config::rule& x) {
-  proxy::rule y{x.when, x.above, x.below, x.equals, x.lasting, x.otherwise_lasting, {}};
-  for (const auto& each : x.writes)
-    y.writes.push_back({each.key, each.then, each.otherwise, each.meta});
-  return y;
-}
-
 /// Spawns one app of a peer, whichever kind it is.
 struct peer_app_spawner {
   ecology_pointer self;
@@ -190,11 +182,8 @@ struct peer_app_spawner {
                       self->state.description.proxies, peer.handle, ecology_handle(self)));
   }
 
-  void operator()(const config::rules_app& x) const {
-    std::vector<proxy::rule> rules;
-    for (const auto& rule : x.rules)
-      rules.push_back(rule_of(rule));
-    add_component<proxy::rules_component>("rules", proxy::rules(std::move(rules), x.retry));
+  void operator()(const proxy::rules_config& x) const {
+    add_component<proxy::rules_component>("rules", proxy::rules(x.rules, x.retry));
   }
 
   void operator()(const apps::app_config&) const {} // all in one actor

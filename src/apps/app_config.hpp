@@ -29,6 +29,10 @@ struct sampler_config {
   /// How many counts of each transducer are averaged here, for a proxy's field with
   /// `computed_by = "mote"` (PXY-17); none: no count is averaged.
   std::vector<std::size_t> mean_of = {};
+  /// A message goes only when the count of a transducer is so far, or farther, from the one that
+  /// was sent last; 0: that of this transducer decides nothing. Empty: each message goes.
+  std::vector<std::int32_t> dead_band = {};
+  duration silence_max = 0s; ///< with a dead band: at least every so often, at least `every`
 };
 
 /// Sets an actuator from the first octet received on a channel and answers with its new state.

@@ -1,6 +1,7 @@
 #include "apps/sampler.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "core/codec.hpp"
@@ -37,22 +38,41 @@ std::optional<instant> sampler::deadline() const {
 void sampler::on_time(instant now) {
   if (std::exchange(begins_, false)) {
     every_ = period();
+    sent_.clear();
     due_ = next_period_ = every_ ? now + dice_.between(0s, *every_) : now;
   } else if (every_ && due_ <= now) {
+    sampled_ = now;
     layer().read_transducers(config_.transducers);
     next_period_ += *every_;
     due_ = next_period_ + dice_.between(0s, config_.jitter);
   }
 }
 
+bool sampler::is_news(const std::vector<std::int16_t>& counts) const {
+  if (config_.dead_band.empty() || sent_.size() != counts.size() || !every_ ||
+      sampled_ + *every_ + config_.jitter > sent_at_ + config_.silence_max)
+    return true;
+  for (std::size_t i = 0; i < counts.size() && i < config_.dead_band.size(); ++i)
+    if (config_.dead_band[i] > 0 && std::abs(counts[i] - sent_[i]) >= config_.dead_band[i])
+      return true;
+  return false;
+}
+
 void sampler::transducersRead(std::span<const std::int16_t> counts, std::uint32_t time_ms) {
+  std::vector<std::int16_t> told(counts.begin(), counts.end());
+  for (std::size_t i = 0; i < means_.size() && i < told.size(); ++i)
+    told[i] = static_cast<std::int16_t>(means_[i].add(told[i]));
+  if (!is_news(told))
+    return;
   byte_writer out;
-  for (std::size_t i = 0; i < counts.size(); ++i)
-    out.big(i < means_.size() ? static_cast<std::int16_t>(means_[i].add(counts[i])) : counts[i]);
+  for (const auto count : told)
+    out.big(count);
   if (config_.stamped)
     out.big(time_ms);
   layer().send_numbered(own_gateway, out.finish(), config_.reliable,
                         static_cast<std::uint8_t>(config_.channel));
+  sent_ = std::move(told);
+  sent_at_ = sampled_;
 }
 
 } // namespace rubicon::apps

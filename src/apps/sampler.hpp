@@ -12,7 +12,8 @@ namespace rubicon::apps {
 
 /// Samples and sends while its mote is in the island and, if so configured, somebody subscribes to
 /// its channel; at the period that somebody has asked for (IF-04), or its own. Periods start at a
-/// random phase.
+/// random phase. With a dead band it samples as often, but sends only what differs enough from what
+/// it has sent, the first of a phase, and what would come too late if it waited for the next.
 class sampler final : public application {
 public:
   sampler(sampler_config config, random_stream dice);
@@ -27,6 +28,7 @@ public:
 private:
   void on_start(instant) override {}
   [[nodiscard]] std::optional<duration> period() const; ///< nothing: it is not to send
+  [[nodiscard]] bool is_news(const std::vector<std::int16_t>& counts) const;
 
   sampler_config config_;
   random_stream dice_;
@@ -36,7 +38,10 @@ private:
   bool begins_ = false;                       ///< its periods do, at the next on_time()
   std::optional<duration> every_;             ///< nothing: it rests
   instant next_period_;
-  instant due_; ///< next_period_ and its jitter
+  instant due_;                    ///< next_period_ and its jitter
+  instant sampled_;                ///< the last time
+  instant sent_at_;                ///< when that was,
+  std::vector<std::int16_t> sent_; ///< what was sent last; empty: nothing in this phase
 };
 
 } // namespace rubicon::apps

@@ -3,6 +3,7 @@
 #include "cli/console.hpp"
 #include "config/document.hpp"
 #include "config/load.hpp"
+#include "config/schema.hpp"
 #include "core/printable.hpp"
 
 namespace rubicon::cli {

@@ -46,7 +46,7 @@ bool holds(const air_description& air, island_id island) {
 
 } // namespace
 
-std::vector<air_description> read_airs(table_reader& root, const directory& names,
+std::vector<air_description> read_airs(table_reader& root,
                                        const std::vector<island_description>& islands) {
   std::vector<air_description> out;
   name_claims air_names;
@@ -56,8 +56,7 @@ std::vector<air_description> read_airs(table_reader& root, const directory& name
     std::vector<located<island_id>> members;
     if (in.required("name", name_text{}, air.name, "not that of an island outside of it"))
       air_names.claim(air.name, "air name", in.at("name"), in.problems());
-    in.required("islands", list_of<island_name>{{names}, 1}, members,
-                "an island is in one air only");
+    in.required("islands", list_of<island_name>{{}, 1}, members, "an island is in one air only");
     placed.place(members, in.problems());
     air.islands = values_of(std::move(members));
     for (const auto& island : islands) {

@@ -9,18 +9,10 @@
 
 #include "apps/app_config.hpp"
 #include "config/claims.hpp"
-#include "config/directory.hpp"
+#include "config/references.hpp"
 #include "config/table_reader.hpp"
 
 namespace rubicon::config {
-
-/// A mote as "island/mote", or a peer by its name.
-struct node_name {
-  using type = mote_address; ///< no_mote in the mote part: a peer
-  const directory& names;
-  [[nodiscard]] std::optional<mote_address> read(const node& x, const asker& who) const;
-  [[nodiscard]] static form takes() { return string_form("mote, peer or gateway"); }
-};
 
 /// A program, and where the file names each transducer that it needs.
 struct placed_program {
@@ -32,27 +24,19 @@ struct placed_program {
 using program_kind = std::pair<std::string_view, std::function<placed_program(table_reader&)>>;
 
 /// Programs for motes, with those that the binary has brought along.
-/// @param in where they are listed @param names outlives what is returned, as in the next one
-[[nodiscard]] std::vector<program_kind> mote_programs(const table_reader& in,
-                                                      const directory& names);
+/// @param in where they are listed, as in the next one
+[[nodiscard]] std::vector<program_kind> mote_programs(const table_reader& in);
 
 /// Programs for PCs. @param files those that recorders write so far; outlives what is returned
-[[nodiscard]] std::vector<program_kind> pc_programs(const table_reader& in, const directory& names,
+[[nodiscard]] std::vector<program_kind> pc_programs(const table_reader& in,
                                                     claims<std::string>& files);
 
 /// All programs of a PC. @param key of their array
 [[nodiscard]] std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_view key,
                                                              const std::string& title,
-                                                             const directory& names,
                                                              claims<std::string>& files);
 
 /// The transducers that a program needs, in the order of needs_at.
 [[nodiscard]] std::vector<mote::quantity> needs(const apps::app_config& x);
-
-/// The words for quantities in a file.
-[[nodiscard]] std::vector<std::pair<std::string_view, mote::quantity>> quantities();
-
-/// The same, and what samplers read beside them.
-[[nodiscard]] std::vector<std::pair<std::string_view, mote::quantity>> sampled_quantities();
 
 } // namespace rubicon::config

@@ -40,23 +40,22 @@ struct component_id {
     return peer_id(static_cast<std::int32_t>(id));
   }
   [[nodiscard]] static form takes() {
-    return form{"1 to 65535, or `\"+1\"`", R"({"type":["integer","string"]})"};
+    return form{"1 to 65535, or `\"+1\"`", {{"type", {"integer", "string"}}}};
   }
 };
 
 /// A peer of the file.
 struct component_peer {
   using type = std::string;
-  const directory& names;
 
   [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const {
     const auto* name = x.as<std::string>();
     if (name == nullptr)
       return who.refuse(x, "the name of a peer");
-    if (names.ends.contains(*name))
+    if (who.in.names->ends.contains(*name))
       return *name;
     std::vector<std::string> known;
-    for (const auto& [each, id] : names.ends)
+    for (const auto& [each, id] : who.in.names->ends)
       known.push_back(each);
     who.complain(x, "no peer is called `" + *name + '`' + suggestion(*name, known));
     return std::nullopt;
@@ -64,12 +63,11 @@ struct component_peer {
   [[nodiscard]] static form takes() { return string_form("name of a peer"); }
 };
 
-placed_component read_component(table_reader& in, const directory& names, run_mode mode,
-                                peer_id own) {
+placed_component read_component(table_reader& in, run_mode mode, peer_id own) {
   placed_component out;
   auto& x = out.what;
   in.required("name", name_text{}, x.name, "no other component of the init has it");
-  in.optional("peer", component_peer{names}, x.peer,
+  in.optional("peer", component_peer{}, x.peer,
               "the component is this peer, with all its apps; it is on the host of its init, and "
               "no component of another");
   in.optional(
@@ -96,12 +94,6 @@ placed_component read_component(table_reader& in, const directory& names, run_mo
   return out;
 }
 
-std::string folded(std::string x) {
-  for (auto& c : x)
-    c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return x;
-}
-
 using complain = std::function<void(mark at, std::string message)>;
 
 /// Gives components to inits.
@@ -109,7 +101,7 @@ class settlement {
 public:
   settlement(std::vector<peer_description>& peers, surroundings& with)
       : peers_(peers), with_(with) {
-    for (const auto& [name, id] : with.names.ends)
+    for (const auto& [name, id] : with.shared.names->ends)
       ids_.insert(id);
   }
 
@@ -166,7 +158,7 @@ private:
   }
 
   bool take_peer(const placed_init& init, placed_component& x, const complain& wrong) {
-    auto* peer = peer_at(with_.names.ends.find(x.what.peer)->second);
+    auto* peer = peer_at(with_.shared.names->ends.find(x.what.peer)->second);
     const auto& own = *peer_at(init.peer);
     const auto name = "peer `" + x.what.peer + '`';
     if (peer == nullptr || peer->name != x.what.peer)
@@ -218,8 +210,9 @@ void take_folder(const placed_init& init, settlement& all, surroundings& with) {
       continue;
     }
     reading own;
+    own.names = with.shared.names;
     table_reader in(std::get<node>(parsed), "a component", own);
-    auto found = read_component(in, with.names, with.mode, init.peer);
+    auto found = read_component(in, with.mode, init.peer);
     in.finish();
     if (own.problems.empty())
       all.take(init, found,
@@ -238,7 +231,7 @@ init_app read_init(table_reader& in, surroundings& with, peer_id own,
   in.tables("components", "components",
             "at most 64 with those of the folder, see below; also as `[[peer.apps.components]]`",
             [&](table_reader& y) {
-              auto found = read_component(y, with.names, with.mode, own);
+              auto found = read_component(y, with.mode, own);
               if (y.sound())
                 x.components.push_back(std::move(found));
             });
@@ -277,7 +270,7 @@ void settle_inits(std::vector<placed_init> inits, std::vector<peer_description>&
       static_cast<void>(all.take(x, std::move(each), wrong));
   }
   for (const auto& x : inits) {
-    if (!x.folder.empty())
+    if (!x.folder.empty() && with.shared.files != nullptr)
       take_folder(x, all, with);
   }
 }

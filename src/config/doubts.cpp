@@ -9,25 +9,11 @@
 
 #include "config/near.hpp"
 #include "config/tuple_keys.hpp"
+#include "proxy/layout.hpp"
 
 namespace rubicon::config {
 
 namespace {
-
-constexpr std::size_t size_of(proxy::encoding x) {
-  switch (x) {
-  case proxy::encoding::u8:
-  case proxy::encoding::i8:
-    return 1;
-  case proxy::encoding::u16:
-  case proxy::encoding::i16:
-    return 2;
-  case proxy::encoding::u32:
-  case proxy::encoding::i32:
-    return 4;
-  }
-  return 0;
-}
 
 /// Octets of the longest message that a mote's programs send on each channel; nothing: nobody
 /// knows.
@@ -111,11 +97,15 @@ private:
 
   void look_at(const peer_description& peer) {
     for (const auto& app : peer.apps) {
-      if (const auto* rules = std::get_if<rules_app>(&app)) {
+      if (const auto* rules = std::get_if<proxy::rules_config>(&app)) {
         for (const auto& rule : rules->rules) {
-          look_for("a rule of " + peer.name, "waits for", rule.when);
-          for (const auto& write : rule.writes)
+          if (!rule.when.empty())
+            look_for("a rule of " + peer.name, "waits for", rule.when);
+          for (const auto& write : rule.writes) {
             look_for("a rule of " + peer.name, write.meta ? "points" : "writes", write.key);
+            if (!write.from.empty())
+              look_for("a rule of " + peer.name, "reads", write.from);
+          }
         }
       } else if (const auto* collector = std::get_if<collector_app>(&app)) {
         for (const auto& key : collector->keys)
@@ -206,10 +196,11 @@ private:
       if (sent == messages.end())
         doubt(who + ": no program of " + of_kind(island, mote) + " sends on channel " +
               std::to_string(field.channel));
-      else if (field.offset + size_of(field.layout) > sent->second)
-        doubt(who + " ends at octet " + std::to_string(field.offset + size_of(field.layout)) +
-              ", but messages of " + of_kind(island, mote) + " on channel " +
-              std::to_string(field.channel) + " have " + std::to_string(sent->second));
+      else if (field.offset + proxy::octets_of(field.layout) > sent->second)
+        doubt(who + " ends at octet " +
+              std::to_string(field.offset + proxy::octets_of(field.layout)) + ", but messages of " +
+              of_kind(island, mote) + " on channel " + std::to_string(field.channel) + " have " +
+              std::to_string(sent->second));
     }
     for (const auto& input : what->inputs) {
       const bool is_heard = std::ranges::any_of(mote.apps, [&input](const mote_app& app) {

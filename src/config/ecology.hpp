@@ -26,6 +26,7 @@
 #include "mote/way_point.hpp"
 #include "peis/link_url.hpp"
 #include "proxy/proxy_class.hpp"
+#include "proxy/rules_config.hpp"
 #include "radio/parameters.hpp"
 #include "rfid/reader_config.hpp"
 #include "serial/line_config.hpp"
@@ -135,31 +136,6 @@ struct proxy_manager_app {
   bool objects = false; ///< it also starts those of tagged objects, whichever reader perceives them
 };
 
-/// Written to one key, at its owner.
-struct rule_write {
-  std::string key;
-  std::string then;      ///< empty: nothing is written
-  std::string otherwise; ///< empty: nothing is written
-  bool meta = false;     ///< a meta tuple, and both texts are `(META <owner> <key>)`
-};
-
-/// When a tuple meets a condition for long enough, writes others; `below` and `above` give the
-/// hysteresis.
-struct rule {
-  std::string when;                ///< key watched, any owner
-  std::optional<double> above;     ///< at or above this,
-  std::optional<double> below;     ///< until it is below this
-  std::vector<std::string> equals; ///< or while it is one of these
-  duration lasting{};
-  duration otherwise_lasting{};
-  std::vector<rule_write> writes; ///< at least one
-};
-
-struct rules_app {
-  std::vector<rule> rules; ///< at least one
-  duration retry = 5s;     ///< after an actuation has failed; 0: never
-};
-
 /// Subscribes to keys of any owner and keeps the newest value of each.
 struct collector_app {
   std::vector<std::string> keys; ///< may hold `*` parts
@@ -177,8 +153,9 @@ struct init_app {
   std::string lock; ///< path of the file that says so in wall time; empty: one of the host
 };
 
-using peer_app = std::variant<proxy_manager_app, rules_app, collector_app, rfid::reader_config,
-                              goal::pursuer_config, apps::app_config, init_app, translate_app>;
+using peer_app =
+    std::variant<proxy_manager_app, proxy::rules_config, collector_app, rfid::reader_config,
+                 goal::pursuer_config, apps::app_config, init_app, translate_app>;
 
 /// Where a peer takes links over real TCP.
 struct tcp_listener {
@@ -188,6 +165,7 @@ struct tcp_listener {
 struct peer_description {
   peer_id id;
   std::string name;
+  std::string table; ///< name of several peers of one table, which have numbers; else empty
   std::string host;
   std::vector<std::string> links;     ///< names of peers or gateways; always kept (AUT-01)
   std::vector<std::string> connect;   ///< `tcp://host:port`, always kept, over the real network
@@ -378,6 +356,7 @@ struct ecology_description {
   std::uint64_t seed = 1;
   run_mode mode = run_mode::virtual_time;
   duration length = 10min;
+  duration day_begins{};               ///< time of day at the start of the run, 0 to 24 h
   std::chrono::milliseconds tick{500}; ///< period of the RUBICON clock, everywhere (CLK-03)
   std::string network =
       "rubicon"; ///< PEIS network string: ecologies that differ never meet (LNK-06)

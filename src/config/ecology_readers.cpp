@@ -21,6 +21,9 @@ void read_ecology(table_reader& root, ecology_description& out) {
                     word<run_mode>{{{"virtual", run_mode::virtual_time}, {"wall", run_mode::wall}}},
                     out.mode, "as fast as the computer can, or in real time");
         in.optional("duration", time_span{1ms}, out.length, "of ecology time");
+        in.optional(
+            "start", time_of_day{}, out.day_begins,
+            {"time of day at the start of the run, for [rules](#rules) with `at`", "`\"00:00\"`"});
         in.optional("network", text{network_octets_max}, out.network,
                     "PEIS network string: peers with another one never connect");
         duration tick = out.tick;

@@ -12,21 +12,18 @@ namespace {
 /// "kitchen/fan", "kitchen" or "*".
 struct scope_name {
   using type = mote_scope;
-  const directory& names;
-  bool one_mote = true; ///< may be named
 
-  [[nodiscard]] std::optional<mote_scope> read(const node& x, const asker& who) const {
+  [[nodiscard]] static std::optional<mote_scope> read(const node& x, const asker& who) {
     const auto* text = x.as<std::string>();
     if (text == nullptr)
-      return who.refuse(x, one_mote ? "an island, a mote as in \"kitchen/fan\", or \"*\""
-                                    : "the name of an island, or \"*\"");
+      return who.refuse(x, "an island, a mote as in \"kitchen/fan\", or \"*\"");
     if (*text == "*")
       return mote_scope{};
-    if (one_mote && text->find('/') != std::string::npos) {
-      const auto mote = mote_name{names}.read(x, who);
+    if (text->find('/') != std::string::npos) {
+      const auto mote = config::read(mote_name{}, x, who);
       return mote ? std::optional(mote_scope{*text, mote->island, mote->mote}) : std::nullopt;
     }
-    const auto island = island_name{names}.read(x, who);
+    const auto island = island_name{}.read(x, who);
     return island ? std::optional(mote_scope{*text, *island, {}}) : std::nullopt;
   }
   [[nodiscard]] static form takes() { return string_form("island, mote or `\"*\"`"); }
@@ -35,13 +32,12 @@ struct scope_name {
 /// A node as node_name has it, or "*"; its name as the file has it.
 struct node_text {
   using type = std::string;
-  const directory& names;
 
   [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const {
     const auto* text = x.as<std::string>();
     if (text != nullptr && *text == "*")
       return *text;
-    return node_name{names}.read(x, who) ? std::optional(*text) : std::nullopt;
+    return config::read(node_name{}, x, who) ? std::optional(*text) : std::nullopt;
   }
   [[nodiscard]] static form takes() { return string_form("mote, name of a peer, or `\"*\"`"); }
 };
@@ -72,7 +68,6 @@ void read_bounds(table_reader& in, tuple_condition& out) {
 }
 
 struct kind_reader {
-  const directory& names;
   duration length;
   expectation& out;
 
@@ -90,7 +85,7 @@ struct kind_reader {
   template <class Expectation>
   void share(table_reader& in, const char* of, const char* at_least = "this share") const {
     Expectation x;
-    in.optional("of", scope_name{names}, x.of, {of, "`\"*\"`"});
+    in.optional("of", scope_name{}, x.of, {of, "`\"*\"`"});
     in.required("at_least", ratio{}, x.at_least, at_least);
     out = std::move(x);
   }
@@ -98,7 +93,7 @@ struct kind_reader {
   void stream(table_reader& in) const {
     stream_expectation x;
     in.required("stream", whole<std::uint16_t>{}, x.stream, "number of the stream");
-    if (in.required("to", node_name{names}, x.to, "where it is read"))
+    if (in.required("to", node_name{}, x.to, "where it is read"))
       x.to_name = *in.value("to")->as<std::string>();
     in.required("at_least", ratio{}, x.at_least, "this share");
     in.optional(
@@ -134,7 +129,7 @@ struct kind_reader {
 
   void clock(table_reader& in) const {
     clock_expectation x;
-    in.optional("of", scope_name{names}, x.of, {"whose clocks", "`\"*\"`"});
+    in.optional("of", scope_name{}, x.of, {"whose clocks", "`\"*\"`"});
     in.required("at_most", time_span{1us}, x.at_most, "no farther");
     in.optional("share", ratio{}, x.share, "in this share of the comparisons");
     time(in, "from", x.from, "the first comparison");
@@ -144,7 +139,7 @@ struct kind_reader {
 
   void joined(table_reader& in) const {
     joined_expectation x;
-    in.optional("of", scope_name{names}, x.of,
+    in.optional("of", scope_name{}, x.of,
                 {"who is listed by its gateway for the first time", "`\"*\"`"});
     time(in, "within", x.within, "so long after the start of the run", true);
     out = std::move(x);
@@ -153,7 +148,7 @@ struct kind_reader {
   void members(table_reader& in) const {
     members_expectation x;
     std::uint64_t count = 0;
-    in.optional("of", scope_name{names}, x.of, {"who is listed at the end", "`\"*\"`"});
+    in.optional("of", scope_name{}, x.of, {"who is listed at the end", "`\"*\"`"});
     if (in.optional("at_least", whole<std::uint64_t>{1, 1'000'000}, count,
                     {"so many", "all of them"}))
       x.at_least = count;
@@ -162,14 +157,14 @@ struct kind_reader {
 
   void radio(table_reader& in) const {
     radio_expectation x;
-    in.optional("of", scope_name{names}, x.of, {"whose radios, each of them", "`\"*\"`"});
+    in.optional("of", scope_name{}, x.of, {"whose radios, each of them", "`\"*\"`"});
     in.required("at_most", ratio{}, x.at_most, "share of the time that it was on");
     out = std::move(x);
   }
 
   void vectors(table_reader& in) const {
     vectors_expectation x;
-    in.optional("node", node_text{names}, x.node, {"whose programs", "`\"*\"`"});
+    in.optional("node", node_text{}, x.node, {"whose programs", "`\"*\"`"});
     in.optional("missed", whole<std::uint64_t>{0, INT64_MAX}, x.missed,
                 "so many vectors of synaptic channels they may miss, all together");
     time(in, "from", x.from, "not counting those before");
@@ -199,9 +194,9 @@ struct kind_reader {
   }
 };
 
-expectation read_expectation(table_reader& in, const directory& names, duration length) {
+expectation read_expectation(table_reader& in, duration length) {
   expectation out;
-  const kind_reader read{names, length, out};
+  const kind_reader read{length, out};
   in.one_of("kind", "what must come of the run",
             {{"delivery",
               [&](table_reader& x) { read.share<delivery_expectation>(x, "whose messages"); }},
@@ -228,12 +223,11 @@ expectation read_expectation(table_reader& in, const directory& names, duration 
 
 } // namespace
 
-std::vector<expectation> read_expectations(table_reader& root, const directory& names,
-                                           duration length) {
+std::vector<expectation> read_expectations(table_reader& root, duration length) {
   constexpr std::size_t expectations_max = 1000;
   std::vector<expectation> out;
   root.tables("expect", "[[expect]]", "what must come of a run, up to 1000", [&](table_reader& x) {
-    out.push_back(read_expectation(x, names, length));
+    out.push_back(read_expectation(x, length));
     if (out.size() == expectations_max + 1)
       x.problems().add(x.at(), "a file must not expect more than " +
                                    std::to_string(expectations_max) + " things");

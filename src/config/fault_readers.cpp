@@ -12,24 +12,6 @@ namespace {
 constexpr std::int64_t times_max = 100'000;
 constexpr duration span_min = 1ms;
 
-/// The name of a mote type.
-struct mote_type_name {
-  using type = std::string;
-  const directory& names;
-
-  [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const {
-    const auto* name = x.as<std::string>();
-    if (name == nullptr)
-      return who.refuse(x, "the name of a mote type");
-    if (names.mote_types.contains(*name))
-      return *name;
-    who.complain(x, "no mote type is called `" + *name + '`' +
-                        suggestion(*name, {names.mote_types.begin(), names.mote_types.end()}));
-    return std::nullopt;
-  }
-  [[nodiscard]] static form takes() { return string_form("name of a mote type"); }
-};
-
 bool has_separate_app(const std::vector<mote_app>& all) {
   return std::ranges::any_of(all,
                              [](const auto& x) { return std::holds_alternative<separate_app>(x); });
@@ -37,7 +19,6 @@ bool has_separate_app(const std::vector<mote_app>& all) {
 
 /// What a reader of one kind needs, and what it fills.
 struct kind_reader {
-  const directory& names;
   const surroundings& with;
   const std::vector<island_description>& islands;
   fault& out;
@@ -45,7 +26,7 @@ struct kind_reader {
   void battery_end(table_reader& in) const {
     battery_end_fault x;
     in.required(
-        "mote", mote_name{names, true}, x.mote,
+        "mote", mote_name{true}, x.mote,
         "it sees that its battery ends, and tells its sink; a second later it is flat, for good");
     out = x;
   }
@@ -66,11 +47,11 @@ struct kind_reader {
 
   void crash_mote(table_reader& in) const {
     crash_fault x;
-    in.required("mote", mote_name{names, true}, x.mote,
+    in.required("mote", mote_name{true}, x.mote,
                 "its program fails; it is off for a while and then started again");
     in.optional("for", time_span{span_min}, x.length, "how long it is off");
     std::string type;
-    if (in.optional("type", mote_type_name{names}, type,
+    if (in.optional("type", mote_type_name{with.types}, type,
                     {"with a single `mote`: what it is from its next start on; platform, power and "
                      "battery stay, and the type too once it was carried to another island",
                      "the one it has"}))
@@ -107,7 +88,7 @@ struct kind_reader {
     x.step = before->step;
     x.transmit_dbm = before->transmit_dbm;
     x.battery_mah = before->battery_mah;
-    if (const auto* of = names.find(who.island); of != nullptr && !of->has_gateway)
+    if (const auto* of = in.names().find(who.island); of != nullptr && !of->has_gateway)
       in.problems().add(in.at("type"),
                         "in an island with stack = \"mac\" nobody is told a mote's type");
     if (has_separate_app(before->apps) || has_separate_app(x.apps))
@@ -116,14 +97,14 @@ struct kind_reader {
     if (std::ranges::any_of(x.apps, is_flow_app))
       in.problems().add(in.at("type"), "a mote of that type would be an end of flows, which are "
                                        "the same all the time");
-    static_cast<void>(settle_traces(x.transducers, x.id, in.at("type"), in.problems()));
+    static_cast<void>(settle_traces(x.transducers, x.id, in.at("type"), in.shared()));
     return x;
   }
 
   /// A mote of an island with a gateway, by its name.
   void read_joining_mote(table_reader& in, mote_address& out_mote, const about& what) const {
-    in.required("mote", mote_name{names}, out_mote, what);
-    if (const auto* of = names.find(out_mote.island); of != nullptr && !of->has_gateway)
+    in.required("mote", mote_name{}, out_mote, what);
+    if (const auto* of = in.names().find(out_mote.island); of != nullptr && !of->has_gateway)
       in.problems().add(in.at("mote"),
                         "a mote of an island with stack = \"mac\" does not join anything");
     if (const auto* mote = find(out_mote); mote != nullptr && has_separate_app(mote->apps))
@@ -154,7 +135,7 @@ struct kind_reader {
   void move_mote(table_reader& in) const {
     move_island_fault x;
     read_joining_mote(in, x.mote, "the mote that is carried to another island, instead; only once");
-    in.required("to_island", island_name{names}, x.to,
+    in.required("to_island", island_name{}, x.to,
                 "with `mote`: switched on there, it is a mote of this one, under its old id, in "
                 "its next life");
     in.required("to_m", place{}, x.place, "where to");
@@ -162,7 +143,7 @@ struct kind_reader {
     if (in.sound() && x.to == x.mote.island)
       in.problems().add(in.at("to_island"),
                         "it is in that island already; a `path` of the mote lets it move there");
-    if (const auto* to = names.find(x.to); in.sound() && to != nullptr) {
+    if (const auto* to = in.names().find(x.to); in.sound() && to != nullptr) {
       if (!to->has_gateway)
         in.problems().add(in.at("to_island"),
                           "nobody joins an island with stack = \"mac\"; name another");
@@ -185,8 +166,8 @@ struct kind_reader {
 
   /// The sink of an island with a gateway.
   void read_sink(table_reader& in, island_id& island, const about& what) const {
-    in.required("sink", island_name{names, true}, island, what);
-    if (const auto* of = names.find(island); of != nullptr && !of->has_gateway)
+    in.required("sink", island_name{true}, island, what);
+    if (const auto* of = in.names().find(island); of != nullptr && !of->has_gateway)
       in.problems().add(in.at("sink"),
                         "the sink of an island with stack = \"mac\" only measures; name another");
     if (in.sound() && island == any_island && !has_full_stack())
@@ -199,7 +180,7 @@ struct kind_reader {
 
   void noise(table_reader& in) const {
     noise_fault x;
-    in.required("island", island_name{names}, x.island, "in whose air");
+    in.required("island", island_name{}, x.island, "in whose air");
     in.required("position_m", place{}, x.place, "where");
     in.optional("power", power_level{-100, 30}, x.transmit_dbm, "how strong");
     in.optional("duty", ratio{}, x.duty, {"share of the time that it sends", "", "ratio above 0"});
@@ -222,7 +203,7 @@ struct kind_reader {
     in.required("loss", ratio{}, x.loss,
                 "chance that a copy of a frame is lost on its way to a radio, beside `loss` of "
                 "`[radio]` and its links");
-    if (in.optional("island", island_name{names, true}, island,
+    if (in.optional("island", island_name{true}, island,
                     {"to radios of this one only", "all islands"}))
       x.island = island;
     in.optional("for", time_span{span_min}, x.length, "how long");
@@ -233,9 +214,9 @@ struct kind_reader {
     unplug_fault x;
     peer_id gateway;
     if (in.optional(
-            "gateway", peer_name{names}, gateway,
+            "gateway", peer_name{}, gateway,
             {"the one whose cable is out, and no other of its island", "", "name of a gateway"})) {
-      const auto* of = gateway == any_peer ? nullptr : names.island_of_gateway(gateway);
+      const auto* of = gateway == any_peer ? nullptr : in.names().island_of_gateway(gateway);
       if (of == nullptr)
         in.problems().add(in.at("gateway"), "that is not the name of a gateway");
       else if (in.has("island"))
@@ -244,12 +225,12 @@ struct kind_reader {
         x.island = of->id;
       x.gateway = gateway;
     } else if (!in.has("gateway")) {
-      in.required_if(true, "island", island_name{names, true}, x.island,
+      in.required_if(true, "island", island_name{true}, x.island,
                      {"whose serial cables are out; `\"*\"`: one cable of any island",
                       "with `gateway`, none"});
     }
     in.expect("island");
-    if (const auto* island = names.find(x.island); island != nullptr && !island->has_gateway)
+    if (const auto* island = in.names().find(x.island); island != nullptr && !island->has_gateway)
       in.problems().add(in.at("island"), "an island with stack = \"mac\" has no serial cable");
     in.optional("for", time_span{span_min}, x.length, "how long");
     out = x;
@@ -259,14 +240,14 @@ struct kind_reader {
   template <class Fault>
   void absence(table_reader& in, const about& who, const about& length) const {
     Fault x;
-    in.required("peer", peer_name{names}, x.peer, who);
+    in.required("peer", peer_name{}, x.peer, who);
     in.optional("for", time_span{span_min}, x.length, length);
     out = x;
   }
 
   void pause(table_reader& in) const {
     pause_fault x;
-    in.required("peer", peer_name{names}, x.peer, "who");
+    in.required("peer", peer_name{}, x.peer, "who");
     in.optional("for", time_span{span_min, 1h}, x.length, "how long");
     out = x;
   }
@@ -279,7 +260,7 @@ struct kind_reader {
 
   void peer_step(table_reader& in) const {
     clock_step_fault x;
-    in.required("peer", peer_name{names}, x.peer, "whose clock is set");
+    in.required("peer", peer_name{}, x.peer, "whose clock is set");
     in.required("by", time_step{}, x.by, "forward or back");
     out = x;
   }
@@ -291,10 +272,11 @@ struct kind_reader {
       read_sink(in, x.mote.island, "that of the island's sink, by which all its motes go");
     else
       in.required(
-          "mote", mote_name{names, true}, x.mote,
+          "mote", mote_name{true}, x.mote,
           "the clock of its crystal instead; what it waits for comes earlier or later by as "
           "much");
-    if (const auto* of = names.find(x.mote.island); !is_sink && of != nullptr && !of->has_gateway)
+    if (const auto* of = in.names().find(x.mote.island);
+        !is_sink && of != nullptr && !of->has_gateway)
       in.problems().add(in.at("mote"),
                         "a mote of an island with stack = \"mac\" has no use for its clock");
     in.required("by", time_step{}, x.by, "forward or back");
@@ -309,7 +291,7 @@ struct kind_reader {
   void move_peer(table_reader& in) const {
     refuse(in, {"to_island", "for"}, "peer");
     move_fault x;
-    in.required("peer", peer_name{names}, x.peer, "whose computer");
+    in.required("peer", peer_name{}, x.peer, "whose computer");
     in.required("to_m", place{}, x.to, "where to");
     out = x;
   }
@@ -317,7 +299,7 @@ struct kind_reader {
   void partition(table_reader& in) const {
     partition_fault x;
     std::vector<located<std::vector<located<std::vector<peer_id>>>>> groups;
-    in.required("groups", list_of<list_of<peer_group_name>>{{{names}, 1}, 1}, groups,
+    in.required("groups", list_of<list_of<peer_group_name>>{{{}, 1}, 1}, groups,
                 {"the name of a table with `count` stands for all of its peers; those in no group "
                  "make one more",
                  "", "array of arrays of names of peers and gateways, at least 1 of each"});
@@ -340,7 +322,7 @@ struct kind_reader {
     std::vector<located<std::vector<peer_id>>> peers;
     in.required("loss", ratio{}, x.loss,
                 "chance that a package is lost, beside `loss` of `[peis]`");
-    if (in.optional("peers", list_of<peer_group_name>{{names}, 1}, peers,
+    if (in.optional("peers", list_of<peer_group_name>{{}, 1}, peers,
                     {"on links between two of these; the name of a table with `count` stands for "
                      "all of its peers",
                      "all links", "array of names of peers and gateways, at least 2"})) {
@@ -356,7 +338,7 @@ struct kind_reader {
 
 void read_kind(table_reader& in, const surroundings& with,
                const std::vector<island_description>& islands, fault& out) {
-  const kind_reader read{with.names, with, islands, out};
+  const kind_reader read{with, islands, out};
   in.one_of(
       "kind", "what goes wrong",
       {{"battery_end", [&](table_reader& x) { read.battery_end(x); }},

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "config/claims.hpp"
-#include "config/directory.hpp"
 #include "config/ecology.hpp"
 #include "config/load.hpp"
 #include "config/mote_readers.hpp"
+#include "config/references.hpp"
 #include "config/table_reader.hpp"
 
 namespace rubicon::config {
@@ -27,17 +27,17 @@ struct named_files {
 
 /// What the readers of islands and peers need from the tables before them, and must not share.
 struct surroundings {
-  surroundings(reading& all, const directory& directory, const radio::channel_config& channel,
-               std::uint64_t ecology_seed);
+  surroundings(reading& all, const radio::channel_config& channel, std::uint64_t ecology_seed);
 
   reading& shared;
-  const directory& names;
   const radio::channel_config& radio;
   bool radio_is_known = true; ///< [radio] is free of mistakes
   std::vector<bool> nodes;    ///< of a topology: whether a gain leads from or to it
   std::uint64_t seed = 1;
   run_mode mode = run_mode::virtual_time;
-  duration tick = 500ms; ///< of the RUBICON clock
+  duration tick = 500ms;         ///< of the RUBICON clock
+  duration day_begins{};         ///< time of day at the start of the run
+  std::uint32_t group_motes = 0; ///< of all groups so far
   mote_types types;
   std::set<std::string> types_used;
   name_claims end_names; ///< of peers and gateways (ADR-02)
@@ -55,8 +55,8 @@ struct placed_links {
 void read_ecology(table_reader& root, ecology_description& out);
 
 /// [radio], with the files that it names.
-[[nodiscard]] placed_links read_radio(table_reader& root, const directory& names,
-                                      const named_files& files, radio::channel_config& out);
+[[nodiscard]] placed_links read_radio(table_reader& root, const named_files& files,
+                                      radio::channel_config& out);
 
 /// Complains about links between two airs.
 void check_links(const placed_links& links, const radio::channel_config& config,
@@ -64,13 +64,15 @@ void check_links(const placed_links& links, const radio::channel_config& config,
 
 [[nodiscard]] std::vector<host_description> read_hosts(table_reader& root);
 
+/// [[quantity]], into the quantities that the readers share.
+void read_quantities(table_reader& root);
+
 /// [[island]] with all its motes, ascending by id.
 [[nodiscard]] std::vector<island_description> read_islands(table_reader& root, surroundings& with);
 
 /// [[air]]; an island that no table names gets an air of its own.
 [[nodiscard]] std::vector<air_description>
-read_airs(table_reader& root, const directory& names,
-          const std::vector<island_description>& islands);
+read_airs(table_reader& root, const std::vector<island_description>& islands);
 
 [[nodiscard]] peis_description read_peis(table_reader& root);
 
@@ -92,14 +94,13 @@ read_peers(table_reader& root, surroundings& with, const std::vector<island_desc
 /// links = ["inproc://NAME"]
 /// @param own_names of the peers whose links they are
 /// @param whom what is said of the key
-[[nodiscard]] std::vector<std::string> read_links(table_reader& in, const directory& names,
-                                                  const std::vector<std::string>& own_names,
-                                                  const char* whom);
+[[nodiscard]] std::vector<std::string>
+read_links(table_reader& in, const std::vector<std::string>& own_names, const char* whom);
 
 /// [[proxy]]. Samplers of `islands` compute what a field says that they do.
 /// @param peers complete
 [[nodiscard]] std::vector<proxy::proxy_class>
-read_proxies(table_reader& root, const directory& names, const proxy::program_registry& programs,
+read_proxies(table_reader& root, const proxy::program_registry& programs,
              std::vector<island_description>& islands, const std::vector<peer_description>& peers);
 
 /// Complains about classes of tagged objects whose proxies nobody would start.
@@ -110,13 +111,13 @@ void check_object_manager(const table_reader& root, const std::vector<peer_descr
 [[nodiscard]] rfid::reader_config read_rfid_reader(table_reader& in, std::string_view peer_name);
 
 /// app = "rules" of a peer.
-[[nodiscard]] rules_app read_rules(table_reader& in, const directory& names);
+[[nodiscard]] proxy::rules_config read_rules(table_reader& in, const surroundings& with);
 
 /// app = "translate" of a peer.
 [[nodiscard]] translate_app read_translate(table_reader& in);
 
 /// app = "goal" of a peer; the name is empty if it has none.
-[[nodiscard]] goal::pursuer_config read_pursuer(table_reader& in, const directory& names);
+[[nodiscard]] goal::pursuer_config read_pursuer(table_reader& in);
 
 [[nodiscard]] std::vector<tag_description> read_tags(table_reader& root);
 
@@ -126,7 +127,6 @@ read_faults(table_reader& root, const surroundings& with,
             const std::vector<island_description>& islands, duration length);
 
 /// [[expect]], in the order of the file; what it looks at must be before `length`.
-[[nodiscard]] std::vector<expectation> read_expectations(table_reader& root, const directory& names,
-                                                         duration length);
+[[nodiscard]] std::vector<expectation> read_expectations(table_reader& root, duration length);
 
 } // namespace rubicon::config

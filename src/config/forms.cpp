@@ -11,38 +11,56 @@ namespace rubicon::config {
 namespace {
 
 /// JSON Schema of a text that a regular expression holds for.
-std::string pattern(std::string_view x) {
-  std::string out = R"({"type":"string","pattern":"^)";
-  for (const char c : x)
-    out += c == '\\' ? std::string("\\\\") : std::string(1, c);
-  return out + R"($"})";
+json pattern(const std::string& x) {
+  return {{"type", "string"}, {"pattern", '^' + x + '$'}};
 }
 
 /// A number and one of some units; the units are a part of a regular expression.
-std::string quantity(const std::string& units, bool is_signed = false) {
+json quantity(const std::string& units, bool is_signed = false) {
   return pattern(std::string(is_signed ? "-?" : "") + R"([0-9]+(\.[0-9]+)? *()" + units + ')');
 }
 
-std::string either(const std::string& a, const std::string& b) {
-  return R"({"anyOf":[)" + a + ',' + b + "]}";
+json either(const json& a, const json& b) {
+  return {{"anyOf", json::array({a, b})}};
+}
+
+json integer(std::int64_t min, std::optional<std::int64_t> max = std::nullopt) {
+  json out{{"type", "integer"}, {"minimum", min}};
+  if (max)
+    out["maximum"] = *max;
+  return out;
+}
+
+/// Whole numbers without a point.
+json number(double x) {
+  constexpr double exact_max = 1e15;
+  if (std::abs(x) < exact_max && x == std::floor(x))
+    return static_cast<std::int64_t>(x);
+  return x;
 }
 
 const std::string times = R"(([0-9]+(\.[0-9]+)? *(ns|us|ms|s|min|h|d) *)+)";
-const std::string number = R"({"type":"number"})";
 const std::string key_part = "[A-Za-z0-9_-]+";
 
-std::string points_schema(const std::string& value) {
-  return R"({"type":"array","minItems":1,"items":{"type":"array","minItems":2,"maxItems":2,)"
-         R"("items":[)" +
-         pattern(times) + ',' + value + "]}}";
+json array_schema(const json& of, std::size_t min, std::size_t max) {
+  json out{{"type", "array"}, {"items", of}};
+  if (min > 0)
+    out["minItems"] = min;
+  if (max < std::numeric_limits<std::size_t>::max())
+    out["maxItems"] = max;
+  return out;
 }
 
-std::string place_schema() {
-  return R"({"type":"array","minItems":2,"maxItems":3,"items":{"type":"number"}})";
+json points_schema(const json& value) {
+  const json pair{{"type", "array"},
+                  {"minItems", 2},
+                  {"maxItems", 2},
+                  {"items", json::array({pattern(times), value})}};
+  return {{"type", "array"}, {"minItems", 1}, {"items", pair}};
 }
 
-std::string quoted_text(const std::string& x) {
-  return '"' + x + '"';
+json place_schema() {
+  return {{"type", "array"}, {"minItems", 2}, {"maxItems", 3}, {"items", {{"type", "number"}}}};
 }
 
 /// `10s`: the largest unit of which it is a whole number.
@@ -68,66 +86,56 @@ bool is_open(double x) {
 } // namespace
 
 form whole_form(std::int64_t min, std::optional<std::int64_t> max) {
-  const auto least = R"({"type":"integer","minimum":)" + std::to_string(min);
-  if (!max)
-    return {"number from " + std::to_string(min), least + '}'};
-  return {std::to_string(min) + " to " + std::to_string(*max),
-          least + R"(,"maximum":)" + std::to_string(*max) + '}'};
+  return {max ? std::to_string(min) + " to " + std::to_string(*max)
+              : "number from " + std::to_string(min),
+          integer(min, max)};
 }
 
 form word_form(const std::vector<std::string>& words) {
-  form out{{}, R"({"enum":[)"};
+  form out{{}, {{"enum", words}}};
   for (std::size_t i = 0; i < words.size(); ++i) {
     const auto join = i + 1 == words.size() ? " or " : ", ";
     out.wanted += (i == 0 ? "" : join) + ("`\"" + words[i] + "\"`");
-    out.schema += (i == 0 ? "" : ",") + quoted_text(words[i]);
   }
-  out.schema += "]}";
   return out;
 }
 
 form list_form(const form& of, std::size_t min, std::size_t max) {
-  form out{"array", R"({"type":"array","items":)" + of.schema};
-  if (min > 0)
-    out.schema += R"(,"minItems":)" + std::to_string(min);
-  if (max < std::numeric_limits<std::size_t>::max()) {
-    out.schema += R"(,"maxItems":)" + std::to_string(max);
+  form out{"array", array_schema(of.schema, min, max)};
+  if (max < std::numeric_limits<std::size_t>::max())
     out.wanted +=
         (min == 0 ? " of up to " : " of " + std::to_string(min) + " to ") + std::to_string(max);
-  } else if (min > 0) {
+  else if (min > 0)
     out.wanted += " of at least " + std::to_string(min);
-  }
   out.wanted += ", each a " + of.wanted;
-  out.schema += '}';
   return out;
 }
 
 form pairs_form(const form& of) {
   return {"table, each value a " + of.wanted,
-          R"({"type":"object","additionalProperties":)" + of.schema + '}'};
+          {{"type", "object"}, {"additionalProperties", of.schema}}};
 }
 
 form form_of(const real& kind) {
-  std::string schema = R"({"type":"number")";
-  if (!is_open(kind.min))
-    schema += R"(,"minimum":)" + shown(kind.min);
-  if (!is_open(kind.max))
-    schema += R"(,"maximum":)" + shown(kind.max);
-  std::string wanted = "number";
-  if (!is_open(kind.min))
-    wanted += " from " + shown(kind.min);
-  if (!is_open(kind.max))
-    wanted += " to " + shown(kind.max);
-  return {wanted, schema + '}'};
+  form out{"number", {{"type", "number"}}};
+  if (!is_open(kind.min)) {
+    out.schema["minimum"] = number(kind.min);
+    out.wanted += " from " + shown(kind.min);
+  }
+  if (!is_open(kind.max)) {
+    out.schema["maximum"] = number(kind.max);
+    out.wanted += " to " + shown(kind.max);
+  }
+  return out;
 }
 
 form form_of(const flag& /*kind*/) {
-  return {"true or false", R"({"type":"boolean"})"};
+  return {"true or false", {{"type", "boolean"}}};
 }
 
 form form_of(const text& kind) {
   return {"text of 1 to " + std::to_string(kind.octets_max) + " octets",
-          R"({"type":"string","minLength":1,"maxLength":)" + std::to_string(kind.octets_max) + '}'};
+          {{"type", "string"}, {"minLength", 1}, {"maxLength", kind.octets_max}}};
 }
 
 form form_of(const name_text& /*kind*/) {
@@ -154,7 +162,7 @@ form form_of(const time_step& /*kind*/) {
 }
 
 form form_of(const ratio& /*kind*/) {
-  return {"ratio", either(R"({"type":"number","minimum":0,"maximum":1})", quantity("%"))};
+  return {"ratio", either(json{{"type", "number"}, {"minimum", 0}, {"maximum", 1}}, quantity("%"))};
 }
 
 form form_of(const metres& kind) {
@@ -181,12 +189,11 @@ form form_of(const frequency& /*kind*/) {
 }
 
 form form_of(const baud& /*kind*/) {
-  return {"baud",
-          either(R"({"type":"integer","minimum":300,"maximum":4000000})", pattern("[0-9]+ *baud"))};
+  return {"baud", either(integer(300, 4'000'000), pattern("[0-9]+ *baud"))};
 }
 
 form form_of(const bit_rate& /*kind*/) {
-  return {"rate", either(R"({"type":"integer","minimum":0})", quantity("[kMG]?bit/s"))};
+  return {"rate", either(integer(0), quantity("[kMG]?bit/s"))};
 }
 
 form form_of(const place& /*kind*/) {
@@ -194,11 +201,16 @@ form form_of(const place& /*kind*/) {
 }
 
 form form_of(const time_points& /*kind*/) {
-  return {"`[[\"0s\", 21.0], [\"5min\", 27.5]]`, at least 1", points_schema(number)};
+  return {"`[[\"0s\", 21.0], [\"5min\", 27.5]]`, at least 1", points_schema({{"type", "number"}})};
 }
 
 form form_of(const hex_octets& /*kind*/) {
   return {"1 to 100 octets in hexadecimal", pattern("([0-9A-Fa-f]{2}){1,100}")};
+}
+
+form time_of_day::takes() {
+  return {"time of day, `\"07:30\"` or `\"07:30:15\"`",
+          pattern("([01][0-9]|2[0-3]):[0-5][0-9](:[0-5][0-9])?")};
 }
 
 form way::takes() {
@@ -210,59 +222,61 @@ form tcp_url::takes() {
 }
 
 form type_span::takes() {
-  return {"number, range `\"110..119\"` or mask `\"0x0100/0xff00\"`, 1 to 4294967295",
-          either(R"({"type":"integer","minimum":1,"maximum":4294967295})",
-                 pattern(R"([0-9]+\.\.[0-9]+|[0-9a-fA-Fx]+/[0-9a-fA-Fx]+)"))};
+  return {
+      "number, range `\"110..119\"` or mask `\"0x0100/0xff00\"`, 1 to 4294967295",
+      either(integer(1, 4294967295), pattern(R"([0-9]+\.\.[0-9]+|[0-9a-fA-Fx]+/[0-9a-fA-Fx]+)"))};
 }
 
-std::string written(const real& /*kind*/, double x) {
-  return is_open(x) ? std::string() : shown(x);
+json written(const real& /*kind*/, double x) {
+  return is_open(x) ? json() : number(x);
 }
 
-std::string written(const flag& /*kind*/, bool x) {
-  return x ? "true" : "false";
+json written(const flag& /*kind*/, bool x) {
+  return x;
 }
 
-std::string written(const text& /*kind*/, const std::string& x) {
-  return x.empty() ? x : quoted_text(x);
+json written(const text& /*kind*/, const std::string& x) {
+  return x.empty() ? json() : json(x);
 }
 
-std::string written(const time_span& /*kind*/, duration x) {
-  return quoted_text(duration_text(x));
+json written(const time_span& /*kind*/, duration x) {
+  return duration_text(x);
 }
 
-std::string written(const ratio& /*kind*/, double x) {
-  return shown(x);
+json written(const ratio& /*kind*/, double x) {
+  return number(x);
 }
 
-std::string written(const metres& /*kind*/, double x) {
-  return quoted_text(shown(x) + 'm');
+json written(const metres& /*kind*/, double x) {
+  return shown(x) + 'm';
 }
 
-std::string written(const power_level& /*kind*/, double x) {
-  return quoted_text(shown(x) + "dBm");
+json written(const power_level& /*kind*/, double x) {
+  return shown(x) + "dBm";
 }
 
-std::string written(const decibels& /*kind*/, double x) {
-  return quoted_text(shown(x) + "dB");
+json written(const decibels& /*kind*/, double x) {
+  return shown(x) + "dB";
 }
 
-std::string written(const frequency& /*kind*/, double x) {
-  return quoted_text(shown(x) + "MHz");
+json written(const frequency& /*kind*/, double x) {
+  return shown(x) + "MHz";
 }
 
-std::string written(const baud& /*kind*/, std::uint32_t x) {
-  return std::to_string(x);
+json written(const baud& /*kind*/, std::uint32_t x) {
+  return x;
 }
 
-std::string written(const bit_rate& /*kind*/, std::uint64_t x) {
+json written(const bit_rate& /*kind*/, std::uint64_t x) {
   constexpr std::uint64_t thousand = 1000;
-  return x == 0 || x % thousand != 0 ? std::to_string(x)
-                                     : quoted_text(std::to_string(x / thousand) + "kbit/s");
+  return x == 0 || x % thousand != 0 ? json(x) : json(std::to_string(x / thousand) + "kbit/s");
 }
 
-std::string written(const place& /*kind*/, const position& x) {
-  return '[' + shown(x.x_m) + ", " + shown(x.y_m) + (x.z_m == 0 ? "]" : ", " + shown(x.z_m) + ']');
+json written(const place& /*kind*/, const position& x) {
+  auto out = json::array({number(x.x_m), number(x.y_m)});
+  if (x.z_m != 0)
+    out.push_back(number(x.z_m));
+  return out;
 }
 
 } // namespace rubicon::config

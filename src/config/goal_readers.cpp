@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "config/claims.hpp"
 #include "config/file_readers.hpp"
+#include "core/decimal.hpp"
 #include "goal/pursuer_keys.hpp"
 
 namespace rubicon::config {
@@ -30,15 +30,9 @@ struct told_value {
     return config::read(text{}, x, who);
   }
   [[nodiscard]] static form takes() {
-    return form{"text of 1 to 100 octets, or number", R"({"type":["string","number"]})"};
+    return form{"text of 1 to 100 octets, or number", {{"type", {"string", "number"}}}};
   }
 };
-
-bool is_number(std::string_view x) {
-  double value = 0;
-  const auto [stop, error] = std::from_chars(x.data(), x.data() + x.size(), value);
-  return error == std::errc{} && stop == x.data() + x.size() && std::isfinite(value);
-}
 
 /// The names below that of one pursuer.
 class pursuer_names {
@@ -54,8 +48,7 @@ private:
   name_claims names_;
 };
 
-void read_input(table_reader& in, const directory& names, pursuer_names& own,
-                goal::pursuer_config& out) {
+void read_input(table_reader& in, pursuer_names& own, goal::pursuer_config& out) {
   goal::input_config found;
   if (in.required("name", name_text{}, found.name,
                   {"the input is the tuple that the meta tuple `NAME.mi-INPUT` points at", "",
@@ -67,7 +60,7 @@ void read_input(table_reader& in, const directory& names, pursuer_names& own,
       in.problems().add(in.at("name"),
                         "`mi-" + found.name + "` would be longer than 32 characters");
   }
-  in.optional("from", tuple_reference{names}, found.reference,
+  in.optional("from", tuple_reference{}, found.reference,
               {"where that points at first", "its own tuple `NAME.INPUT`"});
   out.inputs.push_back(std::move(found));
 }
@@ -78,9 +71,9 @@ void read_output(table_reader& in, pursuer_names& own, goal::pursuer_config& out
     own.claim(in, found.name);
   const bool has_value = in.required("value", told_value{}, found.value, "at first");
   in.all(found);
-  if (has_value && in.has("step") && !is_number(found.value))
+  if (has_value && in.has("step") && !number_in(found.value))
     in.problems().add(in.at("step"),
-                      "`step` needs a number as `value`, not " + quoted(found.value));
+                      "`step` needs a number as `value`, not " + config::quoted(found.value));
   if (in.has("until") && !in.has("step"))
     in.problems().add(in.at("until"), "`until` means nothing without `step`");
   out.outputs.push_back(std::move(found));
@@ -122,9 +115,9 @@ void read_sets(table_reader& in, const goal::pursuer_config& own, goal::state_co
     const auto output = std::ranges::find(own.outputs, name.value, &goal::output_config::name);
     if (output == own.outputs.end())
       in.problems().add(name.at, "the app has no output `" + name.value + '`');
-    else if (output->step != 0 && !is_number(value))
+    else if (output->step != 0 && !number_in(value))
       in.problems().add(name.at, '`' + name.value + "` has a `step` and must be a number, not " +
-                                     quoted(value));
+                                     config::quoted(value));
     out.sets.emplace_back(name.value, std::move(value));
   }
 }
@@ -161,7 +154,7 @@ void read_goal(table_reader& in, claims<std::string>& goals, goal::pursuer_confi
 
 } // namespace
 
-goal::pursuer_config read_pursuer(table_reader& in, const directory& names) {
+goal::pursuer_config read_pursuer(table_reader& in) {
   goal::pursuer_config out;
   pursuer_names own;
   claims<std::string> goals;
@@ -169,7 +162,7 @@ goal::pursuer_config read_pursuer(table_reader& in, const directory& names) {
               {"first part of its keys; no two have the same", "that of the peer"});
   in.tables("inputs", "inputs of a goal app",
             {"see below; also as `[[peer.apps.inputs]]`, as the next two", "none"},
-            [&](table_reader& x) { read_input(x, names, own, out); });
+            [&](table_reader& x) { read_input(x, own, out); });
   in.tables("outputs", "outputs of a goal app", {"tuples that it tells", "none"},
             [&](table_reader& x) { read_output(x, own, out); });
   in.tables("goals", "goals", {"what it can be asked for; any other goal fails at once", "none"},

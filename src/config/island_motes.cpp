@@ -22,22 +22,18 @@ struct mote_kind {
     std::uint32_t number = 0;
     std::string name;
   };
-  const directory& names;
+  const mote_types& types;
 
   [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const {
-    const auto* name = x.as<std::string>();
-    if (name == nullptr) {
+    if (x.as<std::string>() == nullptr) {
       const auto number = config::read(whole<std::uint32_t>{1}, x, who);
       return number ? std::optional(type{*number, {}}) : std::nullopt;
     }
-    if (names.mote_types.contains(*name))
-      return type{0, *name};
-    who.complain(x, "no mote type is called `" + *name + '`' +
-                        suggestion(*name, {names.mote_types.begin(), names.mote_types.end()}));
-    return std::nullopt;
+    const auto name = mote_type_name{types}.read(x, who);
+    return name ? std::optional(type{0, *name}) : std::nullopt;
   }
   [[nodiscard]] static form takes() {
-    return form{"name of a mote type, or a number", R"({"type":["integer","string"]})"};
+    return form{"name of a mote type, or a number", {{"type", {"integer", "string"}}}};
   }
 };
 
@@ -58,6 +54,17 @@ std::string metres_text(double x) {
   return shown(std::ceil(x * 100) / 100) + " m"; // upwards: 30.001 m is more than 30 m
 }
 
+/// The first of the lowest `count` ids in a row from 1 on that nobody has.
+std::uint32_t lowest_free(const std::set<std::uint32_t>& taken, std::uint32_t count) {
+  std::uint32_t first = 1;
+  for (const auto id : taken) {
+    if (id >= first + count)
+      break;
+    first = std::max(first, id + 1);
+  }
+  return first;
+}
+
 bool is_sink_name(std::string_view x) {
   return edit_distance(x, sink_name) == 0; // whatever the letter case
 }
@@ -71,7 +78,7 @@ bool has_floor(const radio::gain_table& table, std::uint16_t node) {
 } // namespace
 
 island_motes::island_motes(surroundings& with, island_description& island, bool sink_is_good)
-    : with_(with), island_(island) {
+    : with_(with), island_(island), taken_{island.sink.id.value} {
   const auto* disk = std::get_if<radio::unit_disk>(&with.radio.propagation);
   const bool known = with.radio_is_known;
   if (known && disk != nullptr && sink_is_good && !is_mac())
@@ -90,16 +97,20 @@ void island_motes::add_sink(table_reader& island, std::vector<placed_app> apps, 
 /// What a mote and a group have in common; starts from what the mote's type says.
 mote_profile island_motes::read_profile_of(table_reader& in) {
   mote_kind::type kind;
-  in.required_if(!is_mac(), "type", mote_kind{with_.names}, kind,
-                 {"its mote type, or the number that it reports at join; required but with "
-                  "`stack = \"mac\"`"});
+  const bool known =
+      in.required_if(!is_mac(), "type", mote_kind{with_.types}, kind,
+                     {"its mote type, or the number that it reports at join; required but with "
+                      "`stack = \"mac\"`"});
   mote_profile profile;
   profile.like.type = kind.number;
+  if (const auto* given = in.value("type"); !known && given != nullptr)
+    if (const auto* name = given->as<std::string>())
+      profile.like.type_name = *name; // others name the mote by it
   if (const auto found = with_.types.find(kind.name); found != with_.types.end()) {
     profile = found->second;
     with_.types_used.insert(kind.name);
   }
-  read_profile(in, with_.names, profile);
+  read_profile(in, profile);
   check_profile(profile, with_.shared);
   settle_flows(profile.apps, island_.id, island_.sink.id, in.problems());
   if (is_mac())
@@ -147,7 +158,7 @@ void island_motes::read_mote(table_reader& in) {
   if (in.has("step") && !in.has("path"))
     in.problems().add(in.at("step"), "`step` means nothing without a `path`");
   if (has_id) {
-    static_cast<void>(settle_traces(out.transducers, out.id, in.at("id"), in.problems()));
+    static_cast<void>(settle_traces(out.transducers, out.id, in.at("id"), in.shared()));
     const bool id_is_free = claim_id(out.id, in.at("id"), in.problems());
     if (id_is_free || in.has("name")) // a default name is taken together with its id
       names_.claim(out.name, "mote name", in.at("name"), in.problems());
@@ -164,7 +175,7 @@ void island_motes::read_group(table_reader& in) {
   std::uint32_t count = 0;
   std::string prefix;
   in.required("count", whole<std::uint32_t>{1, mote_id_max}, count, "how many");
-  auto [first, fits] = with_.names.group_at(in.at());
+  auto first = lowest_free(taken_, count);
   in.optional("first", whole<std::uint32_t>{1, mote_id_max}, first,
               {"id of the first; the others follow",
                "the lowest from which so many in a row are free: not of the sink, of an "
@@ -177,11 +188,12 @@ void island_motes::read_group(table_reader& in) {
                                           std::to_string(first + count - 1) + " are more than " +
                                           std::to_string(mote_id_max));
     count = 0;
-  } else if (!fits) {
+  } else if (count > group_motes_max - with_.group_motes) {
     in.problems().add(in.at("count"), "the groups of a file must not have more than " +
                                           std::to_string(group_motes_max) + " motes together");
     count = 0;
   }
+  with_.group_motes += count;
   const auto profile = read_profile_of(in);
   const auto like = profile.mote();
   if (!has_prefix) {
@@ -234,7 +246,7 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
                    names_.claim(mote.name, "mote name",
                                 in.at(in.has("prefix") ? "prefix" : "count"), in.problems());
     has_node = has_node && check_node(mote.id, mote.name, id_at, in.problems());
-    has_traces = has_traces && settle_traces(mote.transducers, mote.id, id_at, in.problems());
+    has_traces = has_traces && settle_traces(mote.transducers, mote.id, id_at, in.shared());
     if (i < places.size())
       placed_at_[mote.id] = in.at("layout");
     island_.motes.push_back(std::move(mote));
@@ -242,6 +254,7 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
 }
 
 bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
+  taken_.insert(id.value);
   if (id == island_.sink.id)
     problems.add(at, "mote id " + to_string(id) + " is the sink's");
   return ids_.claim(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id;

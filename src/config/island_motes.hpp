@@ -57,6 +57,7 @@ private:
   surroundings& with_;
   island_description& island_;
   claims<std::uint16_t> ids_;
+  std::set<std::uint32_t> taken_; ///< of them and the sink's, in order
   name_claims names_;
   std::optional<double> range_m_;     ///< of all radios, if a disk
   std::map<mote_id, mark> placed_at_; ///< where the file says where each mote stands

@@ -14,7 +14,7 @@ namespace rubicon::config {
 namespace {
 
 /// @returns the sink's programs
-std::vector<placed_app> read_sink(table_reader& in, const directory& names, sink_description& out) {
+std::vector<placed_app> read_sink(table_reader& in, sink_description& out) {
   in.optional("id", whole<std::uint16_t>{1, mote_id_max}, out.id,
               "its mote id; no other mote of the island has it");
   in.optional("platform", platform_name(), out.platform, "as of a mote");
@@ -26,7 +26,7 @@ std::vector<placed_app> read_sink(table_reader& in, const directory& names, sink
   check_power(*out.platform, out.transmit_dbm, in.at("power"), in.problems());
   in.optional("promiscuous", flag{}, out.promiscuous,
               "it takes frames of other islands and for other motes");
-  auto apps = read_mote_apps(in, names);
+  auto apps = read_mote_apps(in);
   mote_profile as_mote;
   as_mote.like.platform = out.platform;
   for (const auto& each : apps) {
@@ -56,7 +56,7 @@ void read_duty_cycle(table_reader& island, mote::duty_config& out) {
 void read_gateway(table_reader& in, surroundings& with, island_description& out) {
   in.optional("name", name_text{}, out.gateway_name,
               {"its PEIS name; no peer has it", "the island's with `-gateway` behind"});
-  out.gateway_links = read_links(in, with.names, {out.gateway_name},
+  out.gateway_links = read_links(in, {out.gateway_name},
                                  "whom it connects to; a link works both ways, and rings are fine");
   in.optional(
       "wire", word<wire_form>{{{"segment", wire_form::segment}, {"strict54", wire_form::strict54}}},
@@ -65,7 +65,7 @@ void read_gateway(table_reader& in, surroundings& with, island_description& out)
       "message and whether it is to be acknowledged, or the payload alone. A gateway that "
       "announces itself on port 20 in another way than ours is spoken to in the strict form in any "
       "case; reliable messages, streams and synaptic channels cannot be said in it");
-  out.gateway_apps = read_pc_programs(in, "apps", "apps of a gateway", with.names, with.files);
+  out.gateway_apps = read_pc_programs(in, "apps", "apps of a gateway", with.files);
 }
 
 alias_description read_alias(table_reader& in, surroundings& with, const island_description& of) {
@@ -88,7 +88,7 @@ alias_description read_alias(table_reader& in, surroundings& with, const island_
   if (!of.name.empty() || in.has("name"))
     with.end_names.claim(out.name, "peer or gateway name", in.at(in.has("name") ? "name" : "id"),
                          in.problems());
-  out.links = read_links(in, with.names, {out.name}, "whom it connects to");
+  out.links = read_links(in, {out.name}, "whom it connects to");
   in.table("serial", "[island.alias.serial]", "its cable",
            [&out](table_reader& x) { x.all(out.serial); });
   return out;
@@ -153,7 +153,7 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
   const bool name_is_free =
       in.required("name", name_text{}, out.name, "first part of the names of its motes") &&
       names.claim(out.name, "island name", in.at("name"), in.problems());
-  in.optional("host", host_name{with.names}, out.host,
+  in.optional("host", host_name{}, out.host,
               {"where the island runs", "wherever the run is started"});
   in.optional("stack", word<stack>{{{"full", stack::full}, {"mac", stack::mac}}}, out.stack,
               "`\"mac\"`: radios and medium access only, see below");
@@ -163,7 +163,7 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
   out.sink.platform = radio::find_platform("micaz");
   std::vector<placed_app> sink_apps;
   in.table("sink", "[island.sink]", "the mote at the cable",
-           [&](table_reader& x) { sink_apps = read_sink(x, with.names, out.sink); });
+           [&](table_reader& x) { sink_apps = read_sink(x, out.sink); });
   const bool sink_is_good = in.problems().size() == before_sink;
   if (out.stack == stack::mac) {
     refuse_parts(in);
@@ -196,9 +196,9 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
 
 } // namespace
 
-surroundings::surroundings(reading& all, const directory& directory,
-                           const radio::channel_config& channel, std::uint64_t ecology_seed)
-    : shared(all), names(directory), radio(channel), seed(ecology_seed) {
+surroundings::surroundings(reading& all, const radio::channel_config& channel,
+                           std::uint64_t ecology_seed)
+    : shared(all), radio(channel), seed(ecology_seed) {
   const auto* gains = std::get_if<radio::gain_matrix>(&channel.propagation);
   if (gains == nullptr || gains->table == nullptr)
     return;

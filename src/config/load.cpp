@@ -12,35 +12,54 @@
 
 #include "config/document.hpp"
 #include "config/file_readers.hpp"
+#include "config/schema.hpp"
 #include "config/trace_files.hpp"
 
 namespace rubicon::config {
 
 namespace {
 
+/// Who is there, as the readers see it while they know of nobody; what is wrong they tell later.
+directory names_in(const node& root) {
+  reading quiet;
+  table_reader in(root, "the file", quiet);
+  ecology_description all;
+  surroundings with(quiet, all.radio, all.seed);
+  with.radio_is_known = false;
+  read_quantities(in);
+  with.types = read_mote_types(in);
+  all.hosts = read_hosts(in);
+  all.islands = read_islands(in, with);
+  all.peers = read_peers(in, with, all.islands);
+  return directory(all);
+}
+
 ecology_description read_file_tables(table_reader& in, const named_files& files) {
-  const directory names(in.content());
   auto& shared = in.shared();
+  if (!in.walks())
+    shared.names = std::make_shared<const directory>(names_in(in.content()));
   ecology_description out;
   read_ecology(in, out);
   const auto end = in.sound() ? out.length : duration::max();
-  const auto links = read_radio(in, names, files, out.radio);
+  const auto links = read_radio(in, files, out.radio);
   out.hosts = read_hosts(in);
-  surroundings with(shared, names, out.radio, files.instead.seed.value_or(out.seed));
+  surroundings with(shared, out.radio, files.instead.seed.value_or(out.seed));
   with.mode = files.instead.mode.value_or(out.mode);
   with.tick = out.tick;
+  with.day_begins = out.day_begins;
+  read_quantities(in);
   with.radio_is_known = links.sound;
-  with.types = read_mote_types(in, names);
+  with.types = read_mote_types(in);
   out.islands = read_islands(in, with);
-  out.airs = read_airs(in, names, out.islands);
+  out.airs = read_airs(in, out.islands);
   check_links(links, out.radio, out.airs, shared.problems);
   out.peis = read_peis(in);
   out.peers = read_peers(in, with, out.islands);
-  out.proxies = read_proxies(in, names, files.known.programs, out.islands, out.peers);
+  out.proxies = read_proxies(in, files.known.programs, out.islands, out.peers);
   out.tags = read_tags(in);
   check_object_manager(in, out.peers, out.proxies);
   out.faults = read_faults(in, with, out.islands, end);
-  out.expectations = read_expectations(in, names, end);
+  out.expectations = read_expectations(in, end);
   out.bluetooth_devices = read_bluetooth_devices(in);
   in.finish();
   if (!in.has("island") && !in.has("peer"))

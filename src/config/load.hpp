@@ -13,7 +13,6 @@
 #include "apps/registry.hpp"
 #include "config/ecology.hpp"
 #include "config/problem.hpp"
-#include "config/schema.hpp"
 #include "proxy/program.hpp"
 
 namespace rubicon::config {
@@ -81,8 +80,5 @@ using folder_reader = std::function<folder_names(const std::string& path)>;
 /// problem.
 [[nodiscard]] loaded load_file(const std::string& path, const overrides& instead = {},
                                const extensions& known = {});
-
-/// All that a file may say.
-[[nodiscard]] table_description describe_file();
 
 } // namespace rubicon::config

@@ -1,6 +1,7 @@
 #include "config/mote_readers.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "config/application_readers.hpp"
@@ -53,7 +54,8 @@ struct app_check {
   claims<std::uint16_t>& inputs;  ///< channels and AM types received
   claims<std::uint16_t>& outputs; ///< channels sent
   claims<std::string>& singles;   ///< what a mote has once
-  complaints& problems;
+  reading& shared;
+  complaints& problems = shared.problems;
 
   void operator()(const sampler_app& x) const {
     check_transducers(x.transducers);
@@ -90,9 +92,9 @@ private:
   void check_transducers(const std::vector<mote::quantity>& wanted) const {
     std::vector<std::string> present;
     for (const auto& each : on.like.transducers)
-      present.emplace_back(word_of(each.kind));
+      present.push_back(shared.quantities.word_of(each.kind));
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-      const std::string name(word_of(wanted[i]));
+      const auto& name = shared.quantities.word_of(wanted[i]);
       if (wanted[i] != mote::quantity::signal && // which is of its radio
           std::find(present.begin(), present.end(), name) == present.end())
         problems.add(app.needs_at[i],
@@ -110,6 +112,22 @@ private:
   }
 };
 
+/// A dead band in counts: at least one.
+std::vector<std::int32_t> band_counts(const std::vector<mote::transducer_config>& transducers,
+                                      const sampler_app& sampler,
+                                      const std::vector<std::optional<double>>& bands) {
+  constexpr double most = 65536; // more than two counts can differ
+  std::vector<std::int32_t> out;
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    const auto of =
+        std::ranges::find(transducers, sampler.transducers[i], &mote::transducer_config::kind);
+    const auto resolution = of == transducers.end() ? 1 : of->resolution; // 1 of the signal
+    const auto counts = std::clamp(std::round(bands[i].value_or(0) / resolution), 1.0, most);
+    out.push_back(bands[i] ? static_cast<std::int32_t>(counts) : 0);
+  }
+  return out;
+}
+
 /// Sets the ends of an app.
 struct end_setter {
   const std::vector<std::optional<mote_id>>& ends;
@@ -125,14 +143,30 @@ struct end_setter {
 
 } // namespace
 
+std::optional<std::string> mote_type_name::read(const node& x, const asker& who) const {
+  const auto* name = x.as<std::string>();
+  if (name == nullptr)
+    return who.refuse(x, "the name of a mote type");
+  if (types.contains(*name))
+    return *name;
+  std::vector<std::string> known;
+  for (const auto& [each, profile] : types)
+    known.push_back(each);
+  who.complain(x, "no mote type is called `" + *name + '`' + suggestion(*name, known));
+  return std::nullopt;
+}
+
 mote_description mote_profile::mote() const {
   auto out = like;
-  for (const auto& each : apps)
+  for (const auto& each : apps) {
     out.apps.push_back(each.app);
+    if (auto* sampler = std::get_if<sampler_app>(&out.apps.back()))
+      sampler->dead_band = band_counts(like.transducers, *sampler, each.dead_band);
+  }
   return out;
 }
 
-void read_profile(table_reader& in, const directory& names, mote_profile& out) {
+void read_profile(table_reader& in, mote_profile& out) {
   in.optional("platform", platform_name(), out.like.platform,
               {"currents, receive slots and speed; a mote's is that of its type, if it has one",
                "`\"micaz\"`"});
@@ -145,7 +179,7 @@ void read_profile(table_reader& in, const directory& names, mote_profile& out) {
     out.transmit_at = in.at("power");
   read_transducers(in, out.like.transducers);
   read_actuators(in, out.like.actuators);
-  merge(out.apps, read_mote_apps(in, names));
+  merge(out.apps, read_mote_apps(in));
 }
 
 void check_profile(const mote_profile& x, reading& shared) {
@@ -153,7 +187,7 @@ void check_profile(const mote_profile& x, reading& shared) {
   claims<std::uint16_t> outputs;
   claims<std::string> singles;
   for (const auto& app : x.apps)
-    std::visit(app_check{x, app, inputs, outputs, singles, shared.problems}, app.app);
+    std::visit(app_check{x, app, inputs, outputs, singles, shared}, app.app);
   end_claims ends;
   for (const auto& app : x.apps) {
     for (const auto& program : programs_of({app}))
@@ -195,18 +229,18 @@ bool is_flow_app(const mote_app& x) {
          std::holds_alternative<flow::receiver_config>(x);
 }
 
-mote_types read_mote_types(table_reader& root, const directory& names) {
+mote_types read_mote_types(table_reader& root) {
   mote_types out;
   root.named_tables(
       "mote_type", "[mote_type.NAME]", "kinds of mote",
       [&](const located<std::string>& name, table_reader& in) {
         if (!is_name(name.value))
-          in.problems().add(name.at, "mote type " + quoted(name.value) +
+          in.problems().add(name.at, "mote type " + config::quoted(name.value) +
                                          " must have a name of 1 to 32 letters, digits, - and _");
         mote_profile profile;
         in.required("type", whole<std::uint32_t>{1}, profile.like.type,
                     "the signature that the mote reports at join and by which its proxy is chosen");
-        read_profile(in, names, profile);
+        read_profile(in, profile);
         profile.like.type_name = name.value;
         out.emplace(name.value, std::move(profile));
       });

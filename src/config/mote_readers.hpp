@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "config/claims.hpp"
-#include "config/directory.hpp"
 #include "config/ecology.hpp"
+#include "config/references.hpp"
 #include "config/table_reader.hpp"
 
 namespace rubicon::config {
@@ -21,6 +21,7 @@ struct placed_app {
   std::vector<mark> needs_at; ///< of each transducer, or of the actuator
   /// `to` and `via` of a sender, `next` of a relay; unset: not in the file, or wrong.
   std::vector<located<std::optional<flow_end>>> ends;
+  std::vector<std::optional<double>> dead_band = {}; ///< of each transducer, in its unit
 };
 
 /// What a mote type and a mote have in common. A mote starts with its type's and changes it.
@@ -37,10 +38,18 @@ struct mote_profile {
 
 using mote_types = std::map<std::string, mote_profile, std::less<>>;
 
+/// The name of a mote type.
+struct mote_type_name {
+  using type = std::string;
+  const mote_types& types;
+  [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
+  [[nodiscard]] static form takes() { return string_form("name of a mote type"); }
+};
+
 /// The keys of both [mote_type.NAME] and [[island.mote]], except `type`. Transducers replace those
 /// of the same quantity, actuators those of the same name; an app replaces one of the same kind on
 /// the same channel or AM type, and is added otherwise.
-void read_profile(table_reader& in, const directory& names, mote_profile& out);
+void read_profile(table_reader& in, mote_profile& out);
 
 /// Complains about apps that name an absent transducer or actuator, about two apps with one channel
 /// and two relays or receivers, and about a power that the platform does not have.
@@ -58,7 +67,7 @@ void settle_flows(std::vector<placed_app>& apps, island_id island, mote_id sink,
 [[nodiscard]] bool is_flow_app(const mote_app& x);
 
 /// [mote_type.NAME]
-[[nodiscard]] mote_types read_mote_types(table_reader& root, const directory& names);
+[[nodiscard]] mote_types read_mote_types(table_reader& root);
 
 /// transducers.QUANTITY, into `out`.
 void read_transducers(table_reader& in, std::vector<mote::transducer_config>& out);
@@ -67,18 +76,12 @@ void read_transducers(table_reader& in, std::vector<mote::transducer_config>& ou
 /// they have nothing.
 /// @returns whether they have it
 [[nodiscard]] bool settle_traces(std::vector<mote::transducer_config>& transducers, mote_id mote,
-                                 mark at, complaints& problems);
+                                 mark at, reading& shared);
 
 /// actuators = [{ ... }], into `out`.
 void read_actuators(table_reader& in, std::vector<mote::actuator_config>& out);
 
 /// apps = [{ app = ... }] of a mote.
-[[nodiscard]] std::vector<placed_app> read_mote_apps(table_reader& in, const directory& names);
-
-/// The word for a quantity in a file.
-[[nodiscard]] std::string_view word_of(mote::quantity x);
-
-/// Its unit by convention, as tuples tell it; empty: none.
-[[nodiscard]] std::string_view unit_of(mote::quantity x);
+[[nodiscard]] std::vector<placed_app> read_mote_apps(table_reader& in);
 
 } // namespace rubicon::config

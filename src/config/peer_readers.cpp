@@ -15,7 +15,6 @@ constexpr std::size_t links_max = 16;
 
 /// What all peers have in common.
 struct peer_surroundings {
-  const directory& names;
   const std::vector<island_description>& islands;
   claims<island_id> managed; ///< proxies map one-to-one to motes, so managers to islands (PXY-15)
   claims<std::string> object_managers{}; ///< "objects": a tagged object has one proxy as well
@@ -35,8 +34,7 @@ proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
       out.objects)
     with.object_managers.claim("objects", "the proxy manager of tagged objects", in.at("objects"),
                                in.problems());
-  in.optional("islands", list_of<island_name>{{with.names}, out.objects || in.walks() ? 0U : 1U},
-              found,
+  in.optional("islands", list_of<island_name>{{}, out.objects || in.walks() ? 0U : 1U}, found,
               {"whose gateways it listens to; an island has one proxy manager",
                "all islands with the full stack"});
   if (!in.has("islands")) {
@@ -131,7 +129,7 @@ void read_tcp(table_reader& in, const peer_table& peers, peer_surroundings& all,
     in.expect("tcp");
     const auto* on = given->as<bool>();
     if (on == nullptr)
-      asker{"tcp", in.problems()}.refuse(*given, "true, false or a table, as in { port = 8000 }");
+      asker{"tcp", in.shared()}.refuse(*given, "true, false or a table, as in { port = 8000 }");
     else if (*on)
       out.emplace();
     return;
@@ -178,8 +176,7 @@ void read_connections(table_reader& in, surroundings& with, const peer_table& pe
   std::vector<std::string> own;
   for (std::uint32_t i = 0; i < peers.count; ++i)
     own.push_back(peers.name(i));
-  out.links =
-      read_links(in, with.names, own, "whom it always keeps a link to, over the simulated network");
+  out.links = read_links(in, own, "whom it always keeps a link to, over the simulated network");
   in.optional(
       "connect", list_of<tcp_url>{{}, 0, links_max}, out.connect,
       {"whom it always keeps a link to, over the real network; needs `mode = \"wall\"`", "none"});
@@ -247,7 +244,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
   read_identity(in, with, peers);
   auto& like = peers.like;
   in.optional(
-      "host", host_name{with.names}, like.host,
+      "host", host_name{}, like.host,
       {"peers of one host are neighbours at no cost; without it, each has a computer of its own",
        "wherever the run is started"});
   read_connections(in, with, peers, apps, like);
@@ -263,13 +260,13 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
                                                std::to_string(peers.count));
            add(read_manager(y, apps));
          }},
-        {"rules", [&](table_reader& y) { add(read_rules(y, with.names)); }},
+        {"rules", [&](table_reader& y) { add(read_rules(y, with)); }},
         {"collector", [&](table_reader& y) { add(read_collector(y)); }},
         {"translate", [&](table_reader& y) { add(read_translate(y)); }},
         {"rfid_reader", [&](table_reader& y) { add(read_reader(y, peers, apps)); }},
         {"goal",
          [&](table_reader& y) {
-           auto app = read_pursuer(y, with.names);
+           auto app = read_pursuer(y);
            claim_pursuer(y, peers, apps, app.name);
            add(std::move(app));
          }},
@@ -282,7 +279,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
              y.problems().add(y.at("app"), "the peer already has an init");
            add(read_init(y, with, peers.like.id, apps.inits));
          }}};
-    for (const auto& [word, read] : pc_programs(in, with.names, with.files))
+    for (const auto& [word, read] : pc_programs(in, with.files))
       choices.emplace_back(word, [&, word = word, read = read](table_reader& y) {
         if (peers.count > 1 && word == "recorder")
           y.problems().add(y.at("app"),
@@ -297,6 +294,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
     auto peer = like;
     peer.id = peers.id(i);
     peer.name = peers.name(i);
+    peer.table = peers.counted ? peers.like.name : std::string();
     for (auto& app : peer.apps) {
       auto* const pursuer = std::get_if<goal::pursuer_config>(&app);
       if (pursuer != nullptr && pursuer->name.empty())
@@ -310,10 +308,10 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
 
 } // namespace
 
-std::vector<std::string> read_links(table_reader& in, const directory& names,
-                                    const std::vector<std::string>& own_names, const char* whom) {
+std::vector<std::string> read_links(table_reader& in, const std::vector<std::string>& own_names,
+                                    const char* whom) {
   std::vector<located<std::string>> found;
-  in.optional("links", list_of<link_end>{{names}, 0, links_max}, found, {whom, "none"});
+  in.optional("links", list_of<link_end>{{}, 0, links_max}, found, {whom, "none"});
   claims<std::string> listed;
   for (const auto& each : found) {
     if (std::find(own_names.begin(), own_names.end(), each.value) != own_names.end())
@@ -341,7 +339,7 @@ peis_description read_peis(table_reader& root) {
 std::vector<peer_description> read_peers(table_reader& root, surroundings& with,
                                          const std::vector<island_description>& islands) {
   std::vector<peer_description> out;
-  peer_surroundings apps{.names = with.names, .islands = islands, .managed = {}};
+  peer_surroundings apps{.islands = islands, .managed = {}};
   root.tables("peer", "[[peer]]", "PCs and robots",
               [&](table_reader& x) { read_peer(x, with, apps, out); });
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });

@@ -43,7 +43,7 @@ private:
     std::string plain; // a letter for each name: what is left must be a key
     for (const auto& part : *parts)
       plain += part.is_name ? "n" : part.text;
-    complaints ignored;
+    reading ignored;
     return config::read(tuple_key{}, node{{}, plain}, asker{"", ignored}).has_value();
   }
 };
@@ -304,12 +304,13 @@ void place_computations(const std::vector<placed_computation>& all,
 
 void place_transducers(const std::vector<placed_transducer>& all,
                        std::vector<proxy::proxy_class>& classes,
-                       const std::vector<island_description>& islands, complaints& problems) {
+                       const std::vector<island_description>& islands, reading& shared) {
+  auto& problems = shared.problems;
   const proxy::class_table table(classes);
   for (const auto& x : all) {
     const auto of = std::ranges::find(classes, x.proxy, &proxy::proxy_class::name);
     const auto field = std::ranges::find(of->fields, x.field, &proxy::field::name);
-    const auto what = std::string(word_of(x.kind));
+    const auto& what = shared.quantities.word_of(x.kind);
     const auto from = "on channel " + std::to_string(field->channel);
     std::optional<sent_count> agreed;
     std::string first; // the mote that has it so
@@ -336,7 +337,7 @@ void place_transducers(const std::vector<placed_transducer>& all,
     if (!x.has_scale)
       field->scale = agreed->resolution;
     if (!x.has_unit)
-      field->unit = unit_of(x.kind);
+      field->unit = shared.quantities.unit_of(x.kind);
   }
 }
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "config/claims.hpp"
-#include "config/directory.hpp"
 #include "config/ecology.hpp"
+#include "config/references.hpp"
 #include "config/table_reader.hpp"
 #include "proxy/program.hpp"
 
@@ -76,7 +76,7 @@ void check_streams(const std::vector<placed_stream>& all,
 /// that the classes claim.
 void place_transducers(const std::vector<placed_transducer>& all,
                        std::vector<proxy::proxy_class>& classes,
-                       const std::vector<island_description>& islands, complaints& problems);
+                       const std::vector<island_description>& islands, reading& shared);
 
 /// Gives the computations to the samplers of the motes that the classes claim (PXY-17).
 void place_computations(const std::vector<placed_computation>& all,

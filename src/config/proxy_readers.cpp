@@ -90,7 +90,7 @@ void read_field_words(table_reader& in, bool sized, proxy::field& out) {
     if (sized && (!whole_number || count < least || count > most))
       in.problems().add(key.at, "a count of `words` must be a whole number from " +
                                     std::to_string(least) + " to " + std::to_string(most) +
-                                    ", not " + quoted(digits));
+                                    ", not " + config::quoted(digits));
     out.words.emplace_back(count, std::move(value));
   }
 }
@@ -107,7 +107,7 @@ void read_source(table_reader& in, const proxy::field& field, const std::string&
                  placed_fields& placed) {
   mote::quantity kind{};
   if (in.optional(
-          "transducer", word<mote::quantity>{sampled_quantities()}, kind,
+          "transducer", quantity_name{true}, kind,
           {"whose counts the [samplers](#app--sampler) of the class send on the channel: it "
            "gives `offset`, its resolution as `scale` and its unit, where the field has none",
            "none", "quantity"}) &&
@@ -240,7 +240,7 @@ void read_input(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
   for (auto& [key, octets] : words) {
     if (!is_name(key.value))
       in.problems().add(key.at, "a word must have 1 to 32 letters, digits, - and _, unlike " +
-                                    quoted(key.value));
+                                    config::quoted(key.value));
     input.words.emplace_back(key.value, std::move(octets));
   }
   out.inputs.push_back(std::move(input));
@@ -256,7 +256,7 @@ std::vector<std::pair<std::string, std::string>> read_properties(table_reader& i
     if (!is_name(key.value))
       in.problems().add(key.at, "a property's name must have 1 to 32 letters, digits, - and _, "
                                 "unlike " +
-                                    quoted(key.value));
+                                    config::quoted(key.value));
     names.claim(key.value, key.at, in.problems());
     out.emplace_back(key.value, std::move(value));
   }
@@ -281,10 +281,9 @@ struct id_pattern {
 };
 
 /// Who of a [[proxy.object]] it is: a mote by its name.
-void read_known_mote(table_reader& in, const directory& directory, name_claims& ids,
-                     proxy::known_object& found) {
+void read_known_mote(table_reader& in, name_claims& ids, proxy::known_object& found) {
   mote_address mote;
-  if (in.required_if(true, "mote", mote_name{directory}, mote, "if the class has `types`")) {
+  if (in.required_if(true, "mote", mote_name{}, mote, "if the class has `types`")) {
     found.id = proxy::proxy_id(mote);
     ids.claim(found.id, "mote", in.at("mote"), in.problems());
   }
@@ -293,11 +292,11 @@ void read_known_mote(table_reader& in, const directory& directory, name_claims& 
 }
 
 /// [[proxy.object]]
-void read_object(table_reader& in, const directory& directory, const tuple_names& of_class,
-                 name_claims& ids, proxy::proxy_class& out) {
+void read_object(table_reader& in, const tuple_names& of_class, name_claims& ids,
+                 proxy::proxy_class& out) {
   proxy::known_object found;
   if (out.ids.empty() || in.walks()) {
-    read_known_mote(in, directory, ids, found);
+    read_known_mote(in, ids, found);
   }
   if (!out.ids.empty() || in.walks()) {
     if (in.required_if(true, "id", name_text{}, found.id, "of its tag, if the class has `ids`"))
@@ -374,7 +373,7 @@ void check_overlaps(const std::vector<placed_range>& all, complaints& problems) 
 
 } // namespace
 
-std::vector<proxy::proxy_class> read_proxies(table_reader& root, const directory& directory,
+std::vector<proxy::proxy_class> read_proxies(table_reader& root,
                                              const proxy::program_registry& programs,
                                              std::vector<island_description>& islands,
                                              const std::vector<peer_description>& peers) {
@@ -422,7 +421,7 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root, const directory
                   [&](table_reader& x) { read_input(x, names, found); });
         in.tables("object", "[[proxy.object]]",
                   {"what is known of single motes or tagged things", "none"},
-                  [&](table_reader& x) { read_object(x, directory, names, objects, found); });
+                  [&](table_reader& x) { read_object(x, names, objects, found); });
         std::vector<placed_template> templates;
         in.tables("tuple", "[[proxy.tuple]]", {"tuples of other keys and forms", "none"},
                   [&](table_reader& x) { templates.push_back(read_tuple_template(x)); });
@@ -440,7 +439,7 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root, const directory
   if (root.sound())
     check_streams(placed.streams, out, islands, peers, root.problems());
   if (root.sound())
-    place_transducers(placed.transducers, out, islands, root.problems());
+    place_transducers(placed.transducers, out, islands, root.shared());
   if (root.sound())
     place_computations(placed.computations, out, islands, root.problems());
   return out;

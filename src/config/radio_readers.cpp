@@ -159,14 +159,13 @@ void read_macs(table_reader& in, radio::channel_config& out) {
   });
 }
 
-void read_radio_links(table_reader& in, const directory& names, radio::channel_config& out,
-                      std::vector<mark>& places) {
+void read_radio_links(table_reader& in, radio::channel_config& out, std::vector<mark>& places) {
   claims<std::pair<mote_address, mote_address>> pairs;
   in.tables("link", "[[radio.link]]", {"links unlike the others", "none"}, [&](table_reader& x) {
     radio::link_override link;
     const bool ends =
-        static_cast<int>(x.required("from", radio_name{names}, link.from, "who sends")) +
-            static_cast<int>(x.required("to", radio_name{names}, link.to, "who receives")) ==
+        static_cast<int>(x.required("from", radio_name{}, link.from, "who sends")) +
+            static_cast<int>(x.required("to", radio_name{}, link.to, "who receives")) ==
         2;
     x.optional("loss", ratio{}, link.loss,
                {"chance that a copy is lost on this way", "as in `[radio]`"});
@@ -240,8 +239,7 @@ void check_overrides(const named_files& files, const radio::channel_config& x,
 
 } // namespace
 
-placed_links read_radio(table_reader& root, const directory& names, const named_files& files,
-                        radio::channel_config& out) {
+placed_links read_radio(table_reader& root, const named_files& files, radio::channel_config& out) {
   placed_links links;
   const auto before = root.problems().size();
   root.table("radio", "[radio]", "what all radios have in common", [&](table_reader& in) {
@@ -264,7 +262,7 @@ placed_links read_radio(table_reader& root, const directory& names, const named_
       check_effects(in, out);
       check_table_noise(in, out);
     }
-    read_radio_links(in, names, out, links.at);
+    read_radio_links(in, out, links.at);
   });
   links.sound = root.problems().size() == before;
   if (links.sound && !root.walks())

@@ -1,3 +1,4 @@
+#include <initializer_list>
 #include <set>
 #include <string>
 #include <utility>
@@ -5,14 +6,22 @@
 
 #include "config/claims.hpp"
 #include "config/file_readers.hpp"
+#include "proxy/rules_keys.hpp"
 
 namespace rubicon::config {
 
 namespace {
 
-/// What a rule writes: a word, or where a meta tuple is to point.
-rule_write read_rule_write(table_reader& in, const directory& names) {
-  rule_write out;
+/// Complains about what means nothing in a table that has, or lacks, another key.
+void refuse(const table_reader& in, std::initializer_list<const char*> keys, const char* why) {
+  for (const auto* key : keys)
+    if (in.has(key))
+      in.problems().add(in.at(key), '`' + std::string(key) + "` means nothing " + why);
+}
+
+/// What a rule writes: a word, what another tuple tells, or where a meta tuple is to point.
+proxy::rule_write read_rule_write(table_reader& in) {
+  proxy::rule_write out;
   out.meta = in.has("point");
   in.optional(
       "point", tuple_key{}, out.key,
@@ -27,37 +36,52 @@ rule_write read_rule_write(table_reader& in, const directory& names) {
                    "nothing is written"};
   const about or_else{"the same when it has ended", "nothing is written"};
   if (out.meta) {
-    in.optional("then", tuple_reference{names}, out.then, what);
-    in.optional("otherwise", tuple_reference{names}, out.otherwise, or_else);
+    in.optional("then", tuple_reference{}, out.then, what);
+    in.optional("otherwise", tuple_reference{}, out.otherwise, or_else);
   } else {
     in.optional("then", text{}, out.then, what);
     in.optional("otherwise", text{}, out.otherwise, or_else);
   }
-  if (!in.has("then") && !in.has("otherwise"))
+  in.optional("from", tuple_key{}, out.from,
+              {"with `write`, instead of `then`: what this tuple, of any owner, tells at that "
+               "moment is written; nothing, if nobody has it",
+               "none"});
+  if (in.has("from"))
+    refuse(in, {"then", "point"}, "with `from`");
+  if (!in.has("then") && !in.has("otherwise") && !in.has("from"))
     in.problems().add(in.at(), "a rule needs `then`, `otherwise` or both");
   return out;
 }
 
-rule read_rule(table_reader& in, const directory& names) {
-  rule out;
-  in.required("when", tuple_key{}, out.when, "the tuple that is watched, of any owner");
-  in.optional("above", real{}, out.above, "the condition holds at or above this");
-  in.optional("below", real{}, out.below,
-              {"and has ended below this", "", "number, at most `above`"});
-  in.optional("equals", list_of<text>{{}, 1}, out.equals,
-              "instead: the condition holds while the value is one of these");
-  in.optional("lasting", time_span{}, out.lasting,
-              "the condition holds for so long before `then` is written");
-  in.optional("otherwise_lasting", time_span{}, out.otherwise_lasting,
-              "it has ended for so long before `otherwise` is written");
+/// at, and what then means nothing. `day_begins` is the time of day at the start of the run.
+void read_time(table_reader& in, duration day_begins, proxy::rule& out) {
+  duration at{};
+  if (in.optional(
+          "at", time_of_day{}, at,
+          {"every day at this time, which `start` of [`[ecology]`](#ecology) sets, `then` is "
+           "written; with `when` only if its condition holds then, else `otherwise`",
+           "whenever the condition comes to hold or ends"}))
+    out.daily = (at - day_begins + 24h) % 24h;
+  if (!in.has("at"))
+    return;
+  refuse(in, {"lasting", "otherwise_lasting"}, "with `at`");
+  if (!in.has("when"))
+    refuse(in, {"above", "below", "equals", "otherwise"}, "without `when`");
+}
+
+proxy::rule read_rule(table_reader& in, const surroundings& with) {
+  proxy::rule out;
+  in.required_if(!in.has("at"), "when", tuple_key{}, out.when,
+                 "the tuple that is watched, of any owner; required without `at`");
+  read_time(in, with.day_begins, out);
+  in.all(out);
   in.tables(
-      "writes", "writes", "instead of these four: several tuples to be written, see below",
-      [&](table_reader& x) { out.writes.push_back(read_rule_write(x, names)); },
-      in.has("writes") ? 1 : 0);
+      "writes", "writes", "instead of these five: several tuples to be written, see below",
+      [&](table_reader& x) { out.writes.push_back(read_rule_write(x)); }, in.has("writes") ? 1 : 0);
   if (!in.has("writes"))
-    out.writes.push_back(read_rule_write(in, names));
+    out.writes.push_back(read_rule_write(in));
   const bool has_threshold = in.has("above") || in.has("below");
-  if (has_threshold == in.has("equals"))
+  if (has_threshold == in.has("equals") && (in.has("when") || !in.has("at")))
     in.problems().add(in.at(), "a rule needs either `above`, `below` or both, or `equals`");
   if (out.above && out.below && *out.below > *out.above)
     in.problems().add(in.at("below"),
@@ -66,7 +90,7 @@ rule read_rule(table_reader& in, const directory& names) {
 }
 
 /// A tuple that is pointed somewhere is given no words.
-void check_points(const table_reader& in, const rules_app& x) {
+void check_points(const table_reader& in, const proxy::rules_config& x) {
   std::set<std::string> words;
   std::set<std::string> points;
   for (const auto& each : x.rules)
@@ -81,15 +105,12 @@ void check_points(const table_reader& in, const rules_app& x) {
 
 } // namespace
 
-rules_app read_rules(table_reader& in, const directory& names) {
-  rules_app out;
+proxy::rules_config read_rules(table_reader& in, const surroundings& with) {
+  proxy::rules_config out;
   in.tables(
       "rules", "rules", "see below; also as `[[peer.apps.rules]]`",
-      [&](table_reader& x) { out.rules.push_back(read_rule(x, names)); }, 1);
-  in.optional("retry", time_span{0s, 1min}, out.retry,
-              "when a proxy's [`INPUT.outcome`](gateway.md#of-a-proxy) tells that what was written "
-              "has failed, is unreachable or timed out, it is written again after so long, then "
-              "after twice as long, up to 1 min; `\"0s\"`: never");
+      [&](table_reader& x) { out.rules.push_back(read_rule(x, with)); }, 1);
+  in.all(out);
   check_points(in, out);
   return out;
 }

@@ -49,6 +49,10 @@ private:
     for (const auto& key : keys) {
       if (key.name == but)
         continue;
+      if (key.part == part::other_tables) {
+        out["additionalProperties"] = value_of(key);
+        continue;
+      }
       out["properties"][key.name] = value_of(key);
       if (key.is_required)
         out["required"].push_back(key.name);
@@ -57,14 +61,14 @@ private:
   }
 
   json value_of(const key_description& x) {
-    json out = x.part == part::value ? json::parse(x.schema) : part_of(x);
+    json out = x.part == part::value ? x.schema : part_of(x);
     auto meaning = x.meaning;
     if (!x.unset.empty())
       meaning += (meaning.empty() ? "default: " : "; default: ") + x.unset;
     if (!meaning.empty())
       out["description"] = std::move(meaning);
-    if (!x.standard.empty() && x.unset.empty())
-      out["default"] = json::parse(x.standard);
+    if (!x.standard.is_null() && x.unset.empty())
+      out["default"] = x.standard;
     return out;
   }
 
@@ -79,8 +83,8 @@ private:
     if (x.part == part::named_tables)
       return {{"type", "object"}, {"additionalProperties", one}};
     // Beside a reference nothing else counts.
-    if (!x.schema.empty())
-      return {{"anyOf", json::array({json::parse(x.schema), one})}};
+    if (!x.schema.is_null())
+      return {{"anyOf", json::array({x.schema, one})}};
     return {{"allOf", json::array({one})}};
   }
 
@@ -125,10 +129,20 @@ std::string link_to(const std::string& text, const table_description& x) {
   return '[' + text + "](#" + anchor_of(x.title) + ')';
 }
 
+/// A value as a file has it.
+std::string toml_of(const json& x) {
+  if (!x.is_array())
+    return x.dump();
+  std::string out;
+  for (const auto& each : x)
+    out += (out.empty() ? "" : ", ") + toml_of(each);
+  return '[' + out + ']';
+}
+
 std::string default_of(const key_description& x) {
-  if (!x.unset.empty() || x.standard.empty())
+  if (!x.unset.empty() || x.standard.is_null())
     return x.unset;
-  return '`' + x.standard + '`';
+  return '`' + toml_of(x.standard) + '`';
 }
 
 } // namespace
@@ -142,7 +156,7 @@ std::string wanted_of(const key_description& x) {
   if (!x.wanted.empty() || x.table == nullptr)
     return x.wanted;
   const auto& title = x.table->title;
-  if (x.part == part::table)
+  if (x.part == part::table || x.part == part::other_tables)
     return title.front() == '[' ? "table " + link_to('`' + title + '`', *x.table)
                                 : link_to("table", *x.table);
   return (title.front() == '[' ? "tables " + link_to('`' + title + '`', *x.table)

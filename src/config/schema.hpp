@@ -8,20 +8,23 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 namespace rubicon::config {
 
 struct table_description;
 
 /// What stands behind a key.
-enum class part : std::uint8_t { value, table, tables, named_tables };
+/// other_tables: those of all other keys, too.
+enum class part : std::uint8_t { value, table, tables, named_tables, other_tables };
 
 struct key_description {
   std::string name{};
-  std::string meaning{};  ///< one sentence in Markdown
-  std::string wanted{};   ///< what it may be, in Markdown
-  std::string unset{};    ///< what holds without it, in words; empty: `standard` does
-  std::string standard{}; ///< default as a file would write it, if it has one
-  std::string schema{};   ///< JSON Schema of a value
+  std::string meaning{};             ///< one sentence in Markdown
+  std::string wanted{};              ///< what it may be, in Markdown
+  std::string unset{};               ///< what holds without it, in words; empty: `standard` does
+  nlohmann::ordered_json standard{}; ///< default as a file would write it; null: none
+  nlohmann::ordered_json schema{};   ///< JSON Schema of a value
   bool is_required = false;
   config::part part = config::part::value;
   std::shared_ptr<const table_description> table{}; ///< of a part that is no value
@@ -35,6 +38,9 @@ struct table_description {
 
   [[nodiscard]] const key_description* find(std::string_view key) const;
 };
+
+/// All that a file may say.
+[[nodiscard]] table_description describe_file();
 
 /// What a key may be, in Markdown; of a table a link to what is said of it.
 [[nodiscard]] std::string wanted_of(const key_description& x);

@@ -141,7 +141,9 @@ struct app_text {
       whose.emplace_back("tagged objects");
     return "proxy manager (" + joined(whose) + ')';
   }
-  std::string operator()(const rules_app& x) const { return counted(x.rules.size(), "rule"); }
+  std::string operator()(const proxy::rules_config& x) const {
+    return counted(x.rules.size(), "rule");
+  }
   std::string operator()(const collector_app& x) const {
     constexpr std::size_t keys_shown_max = 3;
     return "collector (" +

@@ -61,11 +61,22 @@ bool table_reader::table(std::string_view key, const std::string& title, const a
   if (x == nullptr)
     return walks();
   if (x->as<node_table>() == nullptr) {
-    asker{key, shared_.problems}.refuse(*x, "a table");
+    asker{key, shared_}.refuse(*x, "a table");
     return false;
   }
   read_part(*x, title, read);
   return true;
+}
+
+void table_reader::other_tables(const std::string& title, const about& what) {
+  if (!walks())
+    return;
+  const auto like = std::ranges::find_if(
+      own_.keys, [&title](const auto& x) { return x.table && x.table->title == title; });
+  add({.name = "NAME",
+       .meaning = std::string(what.meaning),
+       .part = part::other_tables,
+       .table = like->table});
 }
 
 void table_reader::tables(std::string_view key, const std::string& title, const about& what,
@@ -78,7 +89,7 @@ void table_reader::tables(std::string_view key, const std::string& title, const 
       lacks(key);
     return;
   }
-  const asker who{key, shared_.problems};
+  const asker who{key, shared_};
   const auto wanted = title.starts_with("[[") ? "tables under headers " + title
                                               : "an array of tables, as in [{ ... }]";
   const auto* elements = x->as<node_array>();
@@ -109,12 +120,12 @@ void table_reader::named_tables(
   const auto wanted = "tables under headers " + title;
   const auto* members = x->as<node_table>();
   if (members == nullptr) {
-    asker{key, shared_.problems}.refuse(*x, wanted);
+    asker{key, shared_}.refuse(*x, wanted);
     return;
   }
   for (const auto& each : *members) {
     if (each.value.as<node_table>() == nullptr)
-      asker{each.key, shared_.problems}.refuse(each.value, wanted);
+      asker{each.key, shared_}.refuse(each.value, wanted);
     else
       read_part(each.value, title, [&](table_reader& part) { read({each.key, each.at}, part); });
   }

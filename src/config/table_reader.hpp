@@ -11,23 +11,11 @@
 
 #include "config/document.hpp"
 #include "config/problem.hpp"
+#include "config/reading.hpp"
 #include "config/schema.hpp"
 #include "config/values.hpp"
 
 namespace rubicon::config {
-
-class trace_files;
-struct named_files;
-
-/// What the readers of one file share.
-struct reading {
-  complaints problems;
-  /// Nothing is read: every reader walks through all the tables it might meet, and they are
-  /// described.
-  bool walks = false;
-  trace_files* traces = nullptr;      ///< set unless it walks
-  const named_files* files = nullptr; ///< the same
-};
 
 class table_reader {
 public:
@@ -94,6 +82,10 @@ public:
   void tables(std::string_view key, const std::string& title, const about& what,
               const part_reader& read, std::size_t at_least = 0);
 
+  /// Describes the tables of other names that there may be, like those of that title. @pre one is
+  /// described
+  void other_tables(const std::string& title, const about& what);
+
   /// Reads each table in the table at `key`; the keys in between are names of the author's choice.
   void named_tables(std::string_view key, const std::string& title, const about& what,
                     const std::function<void(const located<std::string>&, table_reader&)>& read);
@@ -137,6 +129,7 @@ public:
   [[nodiscard]] bool sound() const { return shared_.problems.size() == problems_before_; }
 
   [[nodiscard]] complaints& problems() const { return shared_.problems; }
+  [[nodiscard]] const directory& names() const { return *shared_.names; }
   [[nodiscard]] reading& shared() const { return shared_; }
 
 private:
@@ -166,15 +159,15 @@ private:
     add(std::move(x));
   }
 
-  /// What a file would write for a default; empty if it cannot.
+  /// What a file would write for a default; null if it cannot.
   template <class Kind, class Out>
-  [[nodiscard]] std::string written_of(const Kind& kind, const Out& x) const {
+  [[nodiscard]] json written_of(const Kind& kind, const Out& x) const {
     if constexpr (requires { x.has_value(); })
-      return x.has_value() ? written_of(kind, *x) : std::string();
+      return x.has_value() ? written_of(kind, *x) : json();
     else if constexpr (requires { written(kind, x); })
-      return walks() ? written(kind, x) : std::string();
+      return walks() ? written(kind, x) : json();
     else if constexpr (requires { written(kind, x.value); })
-      return walks() ? written(kind, x.value) : std::string();
+      return walks() ? written(kind, x.value) : json();
     else
       return {};
   }
@@ -194,7 +187,7 @@ private:
       lacks(key);
     if (x == nullptr)
       return false;
-    auto value = read(kind, *x, asker{key, shared_.problems});
+    auto value = read(kind, *x, asker{key, shared_});
     if (value)
       set(out, *std::move(value));
     return value.has_value();

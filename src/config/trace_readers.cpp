@@ -41,7 +41,7 @@ bool has_mote(const table_reader& in, const mote::trace_model& x) {
 mote::trace_model read_trace(table_reader& in, mote::quantity kind) {
   mote::trace_model out;
   mote::trace_format format;
-  format.value_column = word_of(kind);
+  format.value_column = in.shared().quantities.word_of(kind);
   std::string file;
   in.required("file", text{path_octets_max}, file,
               {"relative to the folder of the TOML file", "", "file"});
@@ -50,7 +50,7 @@ mote::trace_model read_trace(table_reader& in, mote::quantity kind) {
       "start", start_text{}, format.start,
       {"the time that is the start of the run", "`\"0\"`, or the earliest date in the file"});
   in.all(out);
-  if (in.walks() || !in.sound())
+  if (in.shared().traces == nullptr || !in.sound())
     return out;
   if (format.mote_column.empty()) {
     if (out.mote)
@@ -64,7 +64,7 @@ mote::trace_model read_trace(table_reader& in, mote::quantity kind) {
 }
 
 bool settle_traces(std::vector<mote::transducer_config>& transducers, mote_id mote, mark at,
-                   complaints& problems) {
+                   reading& shared) {
   bool good = true;
   for (auto& each : transducers) {
     auto* trace = std::get_if<mote::trace_model>(&each.model);
@@ -74,9 +74,9 @@ bool settle_traces(std::vector<mote::transducer_config>& transducers, mote_id mo
     if (trace->table->of_mote.contains(mote.value))
       continue;
     good = false;
-    problems.add(at, "the trace of `" + std::string(word_of(each.kind)) +
-                         "` has no readings of mote " + to_string(mote) +
-                         ": name one that it has with `mote`");
+    shared.problems.add(at, "the trace of `" + shared.quantities.word_of(each.kind) +
+                                "` has no readings of mote " + to_string(mote) +
+                                ": name one that it has with `mote`");
   }
   return good;
 }

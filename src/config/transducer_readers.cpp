@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "config/model_readers.hpp"
@@ -9,26 +8,6 @@
 namespace rubicon::config {
 
 namespace {
-
-using mote::quantity;
-
-struct quantity_word {
-  std::string_view name;
-  quantity kind;
-  const char* unit;        ///< by convention,
-  std::string_view symbol; ///< and what is published; empty: none
-};
-
-constexpr std::array<quantity_word, 9> quantity_words{
-    {{"temperature", quantity::temperature, "degrees Celsius", "C"},
-     {"humidity", quantity::humidity, "percent", "%"},
-     {"light", quantity::light, "lux", "lx"},
-     {"voltage", quantity::voltage, "volts", "V"},
-     {"presence", quantity::presence, "0 or 1", ""},
-     {"acceleration", quantity::acceleration, "metres per second squared", "m/s2"},
-     {"magnetism", quantity::magnetism, "microtesla, or 0 and 1 of a reed contact", "uT"},
-     {"sound", quantity::sound, "decibels", "dB"},
-     {"signal", quantity::signal, "dBm", "dBm"}}};
 
 /// A model whose keys are listed beside it.
 template <class Model>
@@ -113,36 +92,31 @@ void read_transducer(table_reader& in, mote::transducer_config& out) {
 
 } // namespace
 
-std::string_view word_of(mote::quantity x) {
-  return quantity_words[static_cast<std::size_t>(x)].name;
-}
-
-std::string_view unit_of(mote::quantity x) {
-  return quantity_words[static_cast<std::size_t>(x)].symbol;
-}
-
 void read_transducers(table_reader& in, std::vector<mote::transducer_config>& out) {
-  in.table("transducers", "transducers",
-           {"what it measures, by quantity; a mote's replace its type's of the same quantity, or "
-            "are added",
-            "none"},
-           [&out](table_reader& all) {
-             for (const auto& [name, kind, unit, symbol] : quantity_words) {
-               if (kind == quantity::signal)
-                 continue; // nobody describes it
-               mote::transducer_config config;
-               config.kind = kind;
-               const auto read = [&config](table_reader& x) { read_transducer(x, config); };
-               if (!all.table(name, "transducers.QUANTITY", unit, read))
-                 continue;
-               const auto at =
-                   std::ranges::lower_bound(out, kind, {}, &mote::transducer_config::kind);
-               if (at != out.end() && at->kind == kind)
-                 *at = std::move(config);
-               else
-                 out.insert(at, std::move(config));
-             }
-           });
+  const auto& known = in.shared().quantities.all();
+  in.table(
+      "transducers", "transducers",
+      {"what it measures, by quantity; a mote's replace its type's of the same quantity, or "
+       "are added",
+       "none"},
+      [&](table_reader& all) {
+        for (std::size_t i = 0; i < known.size(); ++i) {
+          mote::transducer_config config;
+          config.kind = static_cast<mote::quantity>(i);
+          if (config.kind == mote::quantity::signal)
+            continue; // nobody describes it
+          const auto read = [&config](table_reader& x) { read_transducer(x, config); };
+          if (!all.table(known[i].name, "transducers.QUANTITY", known[i].meaning.c_str(), read))
+            continue;
+          const auto at =
+              std::ranges::lower_bound(out, config.kind, {}, &mote::transducer_config::kind);
+          if (at != out.end() && at->kind == config.kind)
+            *at = std::move(config);
+          else
+            out.insert(at, std::move(config));
+        }
+        all.other_tables("transducers.QUANTITY", "of a [quantity](#quantity) of the file");
+      });
 }
 
 } // namespace rubicon::config

@@ -126,8 +126,30 @@ std::nullopt_t asker::refuse(const node& x, const std::string& wanted) const {
 
 std::nullopt_t asker::refuse(const node& x, const std::string& wanted,
                              const std::string& end) const {
-  problems.add(x.at, '`' + std::string(key) + "` must be " + wanted + ", not " + describe(x) + end);
+  in.problems.add(x.at,
+                  '`' + std::string(key) + "` must be " + wanted + ", not " + describe(x) + end);
   return std::nullopt;
+}
+
+std::optional<duration> time_of_day::read(const node& x, const asker& who) {
+  constexpr std::size_t hours_and_minutes = 5;
+  constexpr std::size_t with_seconds = 8;
+  const auto* found = x.as<std::string>();
+  const auto number = [&](std::size_t from, std::uint32_t end) -> std::optional<std::uint32_t> {
+    const auto out = unsigned_in(std::string_view(*found).substr(from, 2));
+    return out && *out < end ? out : std::nullopt;
+  };
+  if (found != nullptr &&
+      (found->size() == hours_and_minutes ||
+       (found->size() == with_seconds && (*found)[hours_and_minutes] == ':')) &&
+      (*found)[2] == ':') {
+    const auto hours = number(0, 24);
+    const auto minutes = number(3, 60);
+    const auto seconds = found->size() == with_seconds ? number(6, 60) : std::optional(0U);
+    if (hours && minutes && seconds)
+      return *hours * 1h + *minutes * 1min + *seconds * 1s;
+  }
+  return who.refuse(x, "a time of day in quotation marks, as in \"07:30\" or \"07:30:15\"");
 }
 
 std::optional<double> read(const real& kind, const node& x, const asker& who) {

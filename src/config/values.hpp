@@ -11,9 +11,12 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "config/document.hpp"
 #include "config/near.hpp"
 #include "config/problem.hpp"
+#include "config/reading.hpp"
 #include "core/address.hpp"
 #include "core/keys.hpp"
 #include "core/time.hpp"
@@ -22,10 +25,10 @@
 
 namespace rubicon::config {
 
-/// Whose value is read, and where complaints about it go.
+/// Whose value is read, and what its reader knows.
 struct asker {
   std::string_view key;
-  complaints& problems;
+  reading& in;
 
   /// `KEY` must be WANTED, not FOUND.
   std::nullopt_t refuse(const node& x, const std::string& wanted) const;
@@ -34,18 +37,20 @@ struct asker {
   std::nullopt_t refuse(const node& x, const std::string& wanted, const std::string& end) const;
 
   void complain(const node& x, std::string message) const {
-    problems.add(x.at, std::move(message));
+    in.problems.add(x.at, std::move(message));
   }
 };
+
+using json = nlohmann::ordered_json;
 
 /// What a kind takes.
 struct form {
   std::string wanted; ///< for people, in Markdown: `time from 1 s to 1 d`
-  std::string schema; ///< a JSON Schema
+  json schema;        ///< a JSON Schema
 };
 
 [[nodiscard]] inline form string_form(std::string wanted) {
-  return {std::move(wanted), R"({"type":"string"})"};
+  return {std::move(wanted), {{"type", "string"}}};
 }
 [[nodiscard]] form whole_form(std::int64_t min, std::optional<std::int64_t> max);
 [[nodiscard]] form word_form(const std::vector<std::string>& words);
@@ -69,10 +74,13 @@ using keys::frequency;
 using keys::hex_octets;
 using keys::list_of;
 using keys::metres;
+using keys::mote_name;
 using keys::name_text;
+using keys::node_name;
 using keys::pairs_of;
 using keys::place;
 using keys::power_level;
+using keys::quantity_name;
 using keys::ratio;
 using keys::real;
 using keys::text;
@@ -113,6 +121,9 @@ std::optional<std::uint64_t> read(const bit_rate& kind, const node& x, const ask
 std::optional<position> read(const place& kind, const node& x, const asker& who);
 std::optional<time_points::type> read(const time_points& kind, const node& x, const asker& who);
 std::optional<bytes> read(const hex_octets& kind, const node& x, const asker& who);
+std::optional<mote_address> read(const mote_name& kind, const node& x, const asker& who);
+std::optional<mote_address> read(const node_name& kind, const node& x, const asker& who);
+std::optional<mote::quantity> read(const quantity_name& kind, const node& x, const asker& who);
 
 form form_of(const real& kind);
 form form_of(const flag& kind);
@@ -132,19 +143,22 @@ form form_of(const bit_rate& kind);
 form form_of(const place& kind);
 form form_of(const time_points& kind);
 form form_of(const hex_octets& kind);
+form form_of(const mote_name& kind);
+form form_of(const node_name& kind);
+form form_of(const quantity_name& kind); ///< without those that the file adds
 
-std::string written(const real& kind, double x);
-std::string written(const flag& kind, bool x);
-std::string written(const text& kind, const std::string& x);
-std::string written(const time_span& kind, duration x);
-std::string written(const ratio& kind, double x);
-std::string written(const metres& kind, double x);
-std::string written(const power_level& kind, double x);
-std::string written(const decibels& kind, double x);
-std::string written(const frequency& kind, double x);
-std::string written(const baud& kind, std::uint32_t x);
-std::string written(const bit_rate& kind, std::uint64_t x);
-std::string written(const place& kind, const position& x);
+json written(const real& kind, double x);
+json written(const flag& kind, bool x);
+json written(const text& kind, const std::string& x);
+json written(const time_span& kind, duration x);
+json written(const ratio& kind, double x);
+json written(const metres& kind, double x);
+json written(const power_level& kind, double x);
+json written(const decibels& kind, double x);
+json written(const frequency& kind, double x);
+json written(const baud& kind, std::uint32_t x);
+json written(const bit_rate& kind, std::uint64_t x);
+json written(const place& kind, const position& x);
 
 /// A kind with functions of its own.
 template <class Kind>
@@ -162,7 +176,7 @@ template <own_kind Kind>
   if constexpr (requires { kind.takes(); })
     return kind.takes();
   else
-    return {"text", R"({"type":"string"})"};
+    return string_form("text");
 }
 
 template <class T>
@@ -183,8 +197,8 @@ template <class T>
 }
 
 template <class T>
-[[nodiscard]] std::string written(const whole<T>& /*kind*/, T x) {
-  return std::to_string(x);
+[[nodiscard]] json written(const whole<T>& /*kind*/, T x) {
+  return x;
 }
 
 template <class T>
@@ -213,10 +227,10 @@ template <class T>
 }
 
 template <class T>
-[[nodiscard]] std::string written(const word<T>& kind, const T& x) {
+[[nodiscard]] json written(const word<T>& kind, const T& x) {
   for (const auto& [name, value] : kind.choices)
     if (value == x)
-      return '"' + std::string(name) + '"';
+      return name;
   return {};
 }
 
@@ -264,7 +278,7 @@ template <class Kind>
   named_values<value_of<Kind>> out;
   bool good = true;
   for (const auto& each : *members) {
-    if (auto value = read(kind.kind, each.value, asker{each.key, who.problems}))
+    if (auto value = read(kind.kind, each.value, asker{each.key, who.in}))
       out.push_back({{each.key, each.at}, *std::move(value)});
     else
       good = false;
@@ -280,6 +294,13 @@ template <class Kind>
 /// The URL of a TCP link, "tcp://host:port"
 struct tcp_url {
   [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes();
+};
+
+/// "07:30" or "07:30:15"
+struct time_of_day {
+  using type = duration; ///< since midnight, below 24 h
+  [[nodiscard]] static std::optional<duration> read(const node& x, const asker& who);
   [[nodiscard]] static form takes();
 };
 

@@ -134,6 +134,22 @@ struct hex_octets {
   using type = bytes;
 };
 
+/// A mote as "island/mote".
+struct mote_name {
+  using type = mote_address;
+  bool any = false; ///< or "*", for any_mote
+};
+
+/// A mote as "island/mote", or a peer by its name.
+struct node_name {
+  using type = mote_address; ///< no_mote in the mote part: a peer
+};
+
+/// A quantity that motes measure, by its name.
+struct quantity_name {
+  bool signal = false; ///< how strongly a mote receives its parent counts, too
+};
+
 /// One of some words.
 template <class T>
 struct word {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -92,6 +93,11 @@ enum class quantity : std::uint8_t {
   signal = 8, ///< not a transducer: how strongly the mote's parent is received, in dBm. Every mote
               ///< has it, none describes it
 };
+
+/// Own quantities of a file have the numbers from this one on, one behind the other; the mask of a
+/// descriptor has room for so many in all.
+inline constexpr std::size_t first_own_quantity = 9;
+inline constexpr std::size_t quantities_max = 32;
 
 /// One transducer. A reading is round(value / resolution), as a signed 16-bit count.
 struct transducer_config {

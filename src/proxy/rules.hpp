@@ -6,33 +6,13 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/time.hpp"
+#include "proxy/rules_config.hpp"
 
 namespace rubicon::proxy {
-
-/// Written to one key at its owner when a rule's condition comes to hold, and when it ends.
-struct rule_write {
-  std::string key;
-  std::string then;      ///< empty: nothing is written
-  std::string otherwise; ///< empty: nothing is written
-  bool meta = false;     ///< a meta tuple, and both texts say where it is to point (META-05)
-};
-
-/// When a tuple meets a condition, and has done so for long enough, writes others. The condition is
-/// a threshold with hysteresis, or one of some texts. A threshold that is not given is the same as
-/// the other one; without any condition the rule never writes. @pre below <= above if both are
-/// given
-struct rule {
-  std::string when;            ///< key watched, whoever owns it; keys have no letter case (TUP-03)
-  std::optional<double> above; ///< holds at or above this,
-  std::optional<double> below; ///< ends below this
-  std::vector<std::string> equals; ///< holds while the text is one of these, ends with any other
-  duration lasting{};              ///< holds for so long before `then` is written
-  duration otherwise_lasting{};    ///< has ended for so long before `otherwise` is written
-  std::vector<rule_write> writes;
-};
 
 /// Write the word to the key, at the key's owner.
 struct write_tuple {
@@ -61,6 +41,10 @@ struct rules_counters {
 /// Between `below` (inclusive) and `above` (exclusive) a rule stays what it is. A delay begins anew
 /// when the value leaves the range that the rule is waiting for, or its tuple is deleted.
 ///
+/// A rule with `after` writes its `then` so much later, whatever the value is by then; one with a
+/// time of day writes on no crossing, but at that time what its level asks for. What is read `from`
+/// a tuple that nobody has is not written.
+///
 /// Where a proxy tells by `KEY.outcome` that what was written to KEY has failed, is unreachable or
 /// timed out, the word that stands is written again: after `retry`, then after twice that, up to
 /// retry_max.
@@ -78,6 +62,9 @@ public:
 
   /// Whether this key is that of a meta tuple, as written() and write_tuple have it.
   [[nodiscard]] bool is_meta(std::string_view key) const;
+
+  /// Before anything else: finds the next time of each rule that has one. deadline() is good then.
+  void start(instant now);
 
   /// A tuple has a new value; for thresholds a number as std::from_chars reads it, the whole text,
   /// finite.
@@ -103,10 +90,15 @@ private:
     level is = level::unknown;
     level next = level::unknown; ///< what it becomes at `due`
     std::optional<instant> due;
+    std::optional<instant> then_due; ///< of a rule with `after`: when `then` is written
   };
 
   [[nodiscard]] level judge(const rule& x, std::string_view text);
-  void enter(state& x, level next, std::vector<write_tuple>& out);
+  void follow(state& x, std::string_view text, instant now);
+  void on_time_of(state& x, instant now, std::vector<write_tuple>& out);
+  void enter(state& x, level next, instant now, std::vector<write_tuple>& out);
+  void write_then(const rule& x, std::vector<write_tuple>& out);
+  [[nodiscard]] std::string* read_from(std::string_view key);
   void write(const std::string& to, const std::string& word, std::vector<write_tuple>& out);
   [[nodiscard]] bool take_outcome(std::string_view key, std::string_view text, instant now);
 
@@ -121,8 +113,9 @@ private:
   duration retry_{};
   std::vector<std::string> watched_;
   std::vector<std::string> written_;
-  std::vector<std::string> meta_;            ///< of them those of meta tuples
-  std::map<std::string, standing> standing_; ///< by key, as in written_
+  std::vector<std::string> meta_;                         ///< of them those of meta tuples
+  std::map<std::string, standing> standing_;              ///< by key, as in written_
+  std::vector<std::pair<std::string, std::string>> read_; ///< keys read `from`, newest texts
   rules_counters counters_;
 };
 

@@ -9,7 +9,8 @@ constexpr std::uint64_t watch_read = 0;
 
 } // namespace
 
-components::outputs rules_component::start(instant) {
+components::outputs rules_component::start(instant now) {
+  rules_.start(now);
   components::outputs out;
   for (const auto& key : rules_.watched())
     out.emplace_back(components::watch{watch_read, any_peer, key});

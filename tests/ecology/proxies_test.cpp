@@ -281,9 +281,9 @@ apps = [{ app = "stream_writer", transducer = "temperature", to = "pc", stream =
   }
 
   // Whatever of them begins again, the stream opens anew.
-  for (const auto* fault : {"kind = \"crash\"\nmote = \"garden/shed\"",
-                            "kind = \"kill\"\npeer = \"pc\"\nfor = \"5s\"",
-                            "kind = \"kill\"\npeer = \"garden-gateway\"\nfor = \"5s\""}) {
+  for (const auto* fault :
+       {"kind = \"crash\"\nmote = \"garden/shed\"", "kind = \"kill\"\npeer = \"pc\"\nfor = \"5s\"",
+        "kind = \"kill\"\npeer = \"garden-gateway\"\nfor = \"5s\""}) {
     CAPTURE(fault);
     const auto x =
         run_recorded(ecology_of(garden("[[fault]]\nat = \"60s\"\n" + std::string(fault) + '\n')));

@@ -205,6 +205,67 @@ TEST_CASE("a sampler averages the counts that it is to", "[apps][PXY-17]") {
   CHECK(x.sent[2].what.payload == bytes{0xff, 0xf5, 0xff, 0xd7}); // -10.5 and -41
 }
 
+TEST_CASE(
+    "a sampler with a dead band sends what has changed by so much, and is never quiet for long",
+    "[apps]") {
+  apps::sampler_config config{{quantity::temperature, quantity::light}, 10s};
+  config.dead_band = {5, 0}; // light decides nothing
+  config.silence_max = 1min;
+  rig x(sampler(config));
+  x.join();
+  const auto messages_after = [&x](std::int16_t temperature, std::int16_t light) {
+    x.counts = {temperature, light};
+    const auto before = x.sent.size();
+    x.run_for(10s);
+    return x.sent.size() - before;
+  };
+  CHECK(messages_after(200, 10) == 1); // the first
+  CHECK(messages_after(204, 10) == 0);
+  CHECK(messages_after(196, 999) == 0); // near what was sent, though not what was read before
+  CHECK(messages_after(195, 10) == 1);
+  CHECK(x.sent.back().what.payload == bytes{0x00, 0xc3, 0x00, 0x0a});
+  CHECK(messages_after(200, 10) == 1);
+  const auto told = x.sent.size();
+  x.run_for(10min);
+  REQUIRE(x.sent.size() == told + 10);
+  for (auto i = told; i < x.sent.size(); ++i)
+    CHECK(x.sent[i].when - x.sent[i - 1].when == 1min);
+  CHECK(x.readings.size() == 65);
+}
+
+TEST_CASE("a dead band that the period does not divide is quiet for less, not for longer",
+          "[apps]") {
+  apps::sampler_config config{{quantity::temperature}, 10s, 2s};
+  config.dead_band = {5};
+  config.silence_max = 35s;
+  rig x(sampler(config));
+  x.counts = {200};
+  x.join();
+  x.run_for(10min);
+  REQUIRE(x.sent.size() > 17);
+  for (std::size_t i = 1; i < x.sent.size(); ++i)
+    CHECK(x.sent[i].when - x.sent[i - 1].when <= 35s);
+}
+
+TEST_CASE("a sampler with a dead band tells its value to who has just asked for it",
+          "[apps][IF-04]") {
+  apps::sampler_config config{{quantity::temperature}, 10s};
+  config.dead_band = {5};
+  config.silence_max = 1h;
+  rig x(sampler(config));
+  x.counts = {200};
+  x.join();
+  x.run_for(5min);
+  CHECK(x.sent.size() == 1);
+  x.ask({{1, 5000ms}});
+  x.run_for(20s);
+  CHECK(x.sent.size() == 2);
+  x.lose();
+  x.join();
+  x.run_for(20s);
+  CHECK(x.sent.size() == 3);
+}
+
 TEST_CASE("a sampler rests while its mote is in no island and starts afresh afterwards", "[apps]") {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     rig x(sampler({{quantity::temperature}, 10s}, seed));

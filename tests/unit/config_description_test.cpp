@@ -255,7 +255,7 @@ TEST_CASE("apps of peers arrive with their keys", "[config]") {
   REQUIRE(x.size() == 3);
   CHECK(std::get<proxy_manager_app>(x[0]).islands == std::vector{island_id{1}});
   CHECK(std::get<collector_app>(x[1]).keys == std::vector<std::string>{"*.t", "a"});
-  const auto& rule = std::get<rules_app>(x[2]).rules.at(0);
+  const auto& rule = std::get<proxy::rules_config>(x[2]).rules.at(0);
   CHECK(rule.when == "a");
   CHECK(rule.above == 2.0);
   CHECK(rule.below == 1.5);

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "config/load.hpp"
+#include "config/schema.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon::config;

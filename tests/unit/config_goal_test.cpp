@@ -160,7 +160,7 @@ TEST_CASE("a rule points a meta tuple at a tuple of a peer", "[config][rules][ME
                                "then = \"pc:night.light\", otherwise = \"nowhere\" }, "
                                "{ when = \"a\", above = 1, writes = [{ point = \"c.mi-d\", "
                                "then = \"9:e\" }, { write = \"f\", then = \"on\" }] }"));
-  const auto& rules = std::get<rules_app>(x.peers.at(0).apps.at(0)).rules;
+  const auto& rules = std::get<proxy::rules_config>(x.peers.at(0).apps.at(0)).rules;
   REQUIRE(rules.size() == 2);
   const auto& one = rules[0].writes.at(0);
   CHECK(one.meta);

@@ -242,3 +242,89 @@ TEST_CASE("a rule that points a meta tuple writes references and waits for no ou
   CHECK(aut.on_value("home.mode", "day", instant{}) ==
         writes{{"lamp.mi-switch", "(META -1 NULL)", false, true}, {"fan.switch", "off"}});
 }
+
+namespace {
+
+instant at(duration x) {
+  return instant{} + x;
+}
+
+} // namespace
+
+TEST_CASE("what is written after a while is written though the condition has ended since",
+          "[proxy][rules]") {
+  rule x;
+  x.when = "hall.door.door";
+  x.equals = {"open"};
+  x.after = 30s;
+  x.writes = {{"hall.lamp.switch", "off", "on"}};
+  rules aut({x});
+  aut.start(at(0s));
+  CHECK(aut.on_value("hall.door.door", "open", at(10s)).empty());
+  CHECK(aut.deadline() == at(40s));
+  CHECK(aut.on_value("hall.door.door", "shut", at(20s)) == writes{{"hall.lamp.switch", "on"}});
+  CHECK(aut.on_time(at(39s)).empty());
+  CHECK(aut.on_time(at(40s)) == writes{{"hall.lamp.switch", "off"}});
+  CHECK_FALSE(aut.deadline());
+
+  static_cast<void>(aut.on_value("hall.door.door", "open", at(50s)));
+  static_cast<void>(aut.on_value("hall.door.door", "shut", at(60s)));
+  static_cast<void>(aut.on_value("hall.door.door", "open", at(70s))); // anew
+  CHECK(aut.on_time(at(80s)).empty());
+  CHECK(aut.on_time(at(100s)) == writes{{"hall.lamp.switch", "off"}});
+}
+
+TEST_CASE("a rule with a time of day writes each day at that time", "[proxy][rules]") {
+  rule x;
+  x.daily = 90min;
+  x.writes = {{"hall.blind.position", "up", ""}};
+  rules aut({x});
+  CHECK(aut.watched() == std::vector<std::string>{"hall.blind.position.outcome"});
+  aut.start(at(2h)); // today's is over
+  CHECK(aut.deadline() == at(25h + 30min));
+  CHECK(aut.on_time(at(25h)).empty());
+  for (int day = 1; day <= 3; ++day)
+    CHECK(aut.on_time(at(day * 24h + 90min)) == writes{{"hall.blind.position", "up"}});
+
+  rules early({x});
+  early.start(at(90min));
+  CHECK(early.deadline() == at(90min));
+}
+
+TEST_CASE("with a condition a time of day decides by what holds then", "[proxy][rules]") {
+  auto x = heat();
+  x.daily = 7h;
+  rules aut({x});
+  aut.start(at(0s));
+  const auto value = [&aut](const char* text, duration when) {
+    return aut.on_value("kitchen.climate.temperature", text, at(when));
+  };
+  CHECK(aut.on_time(at(7h)).empty()); // nobody knows
+  CHECK(value("30", 8h).empty());
+  CHECK(value("20", 9h).empty());
+  CHECK(value("26", 30h).empty());
+  CHECK(value("23", 30h).empty()); // between the thresholds: as it was
+  CHECK(aut.on_time(at(31h)) == writes{{"kitchen.fan.switch", "on"}});
+  CHECK(value("21", 40h).empty());
+  CHECK(aut.on_time(at(55h)) == writes{{"kitchen.fan.switch", "off"}});
+  aut.on_gone("kitchen.climate.temperature");
+  CHECK(aut.on_time(at(79h)).empty());
+  CHECK(aut.deadline() == at(103h));
+}
+
+TEST_CASE("a rule writes what another tuple tells at that moment", "[proxy][rules]") {
+  rule x;
+  x.daily = 1h;
+  x.writes = {{"robot.goal", "", "", false, "home.Plan"}};
+  rules aut({x}, 0s);
+  CHECK(aut.watched() == std::vector<std::string>{"home.Plan"});
+  aut.start(at(0s));
+  CHECK(aut.on_time(at(1h)).empty()); // nobody has it
+  CHECK(aut.on_value("home.plan", "clean", at(2h)).empty());
+  CHECK(aut.on_value("home.plan", "cook", at(3h)).empty());
+  CHECK(aut.counters().unwatched == 0);
+  CHECK(aut.on_time(at(25h)) == writes{{"robot.goal", "cook"}});
+  CHECK(aut.on_owner("robot.goal", at(26h)) == writes{{"robot.goal", "cook"}});
+  aut.on_gone("home.plan");
+  CHECK(aut.on_time(at(49h)).empty());
+}

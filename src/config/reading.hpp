@@ -1,0 +1,27 @@
+// What the readers of one file share.
+#pragma once
+
+#include <memory>
+
+#include "config/directory.hpp"
+#include "config/problem.hpp"
+#include "config/quantities.hpp"
+
+namespace rubicon::config {
+
+class trace_files;
+struct named_files;
+
+struct reading {
+  complaints problems;
+  /// Nothing is read: every reader walks through all the tables it might meet, and they are
+  /// described.
+  bool walks = false;
+  trace_files* traces = nullptr;      ///< not set where other files are not read
+  const named_files* files = nullptr; ///< the same
+  /// Empty where nobody knows yet who is there; never nullptr.
+  std::shared_ptr<const directory> names = std::make_shared<const directory>();
+  config::quantities quantities;
+};
+
+} // namespace rubicon::config

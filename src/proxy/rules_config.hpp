@@ -1,0 +1,45 @@
+// What a file may say about rules, the smallest control program.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/time.hpp"
+
+namespace rubicon::proxy {
+
+/// Written to one key at its owner when a rule's condition comes to hold, and when it ends.
+struct rule_write {
+  std::string key;
+  std::string then;      ///< empty: nothing is written
+  std::string otherwise; ///< empty: nothing is written
+  bool meta = false;     ///< a meta tuple, and both texts are `(META <owner> <key>)` (META-05)
+  std::string from = {}; ///< instead of `then`: what this tuple, of any owner, tells at that moment
+};
+
+/// When a tuple meets a condition, and has done so for long enough, writes others. The condition is
+/// a threshold with hysteresis, or one of some texts. A threshold that is not given is the same as
+/// the other one; without any condition the rule never writes, unless it has a time of day. @pre
+/// below <= above if both are given
+struct rule {
+  std::string when;            ///< key watched, whoever owns it; keys have no letter case (TUP-03)
+  std::optional<double> above; ///< holds at or above this,
+  std::optional<double> below; ///< ends below this
+  std::vector<std::string> equals; ///< holds while the text is one of these, ends with any other
+  duration lasting{};              ///< holds for so long before `then` is written
+  duration otherwise_lasting{};    ///< has ended for so long before `otherwise` is written
+  std::vector<rule_write> writes;  ///< at least one
+  duration after{}; ///< `then` is written so long after it has come to hold, though it may have
+                    ///< ended since; anew when it comes to hold again
+  /// Instead of when it changes, the condition counts at this time of each day, in time since the
+  /// start of the run, 0 to 24 h: `then` if it holds, `otherwise` if not; without `when`: `then`.
+  std::optional<duration> daily;
+};
+
+struct rules_config {
+  std::vector<rule> rules; ///< at least one
+  duration retry = 5s;     ///< after an actuation has failed; 0: never
+};
+
+} // namespace rubicon::proxy
