@@ -138,7 +138,19 @@ struct clock_samples {
   std::vector<std::pair<mote_address, std::int64_t>> waiting;
 };
 
-struct ecology_state {
+/// What the answers to collect_report are put together from.
+struct collected_answers {
+  std::map<peer_id, runtime::peer_view> peer_views; ///< as the peers say at the end
+  std::map<island_id, island_clocks> clocks;
+  runtime::report report;
+  runtime::books books;
+  std::map<mote_address, std::vector<network::channel_id>> channel_tables; ///< of the living
+  std::map<std::pair<mote_address, mote_address>, flow::part> flows;       ///< by origin and target
+  std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
+  bool delivered = false;                           ///< deliver_report has come
+};
+
+struct ecology_state : collected_answers {
   config::ecology_description description;
   report_receiver on_report;
   process_facts process;
@@ -158,25 +170,17 @@ struct ecology_state {
   peis_bluetooth_actor bluetooth;                    ///< nullptr: no peer has an adapter
   std::map<std::string, supervised_peer> peers;      ///< by name
   std::map<std::string, supervised_peer> duplicates; ///< from the fault plan
-  std::map<peer_id, runtime::peer_view> peer_views;  ///< as the peers say at the end
-  std::map<island_id, island_clocks> clocks;
   /// Everything spawned here that answers a status_request with messages to the ecology.
   std::vector<std::pair<caf::actor_addr, std::function<void(status_request)>>> reporters;
   std::map<caf::actor_addr, std::string> names; ///< of monitored actors other than motes
-  runtime::report report;
-  runtime::books books;
-  std::uint64_t samples = 0; ///< asked for so far
+  std::uint64_t samples = 0;                    ///< asked for so far
   std::map<island_id, clock_samples> sampled;
-  std::map<mote_address, std::vector<network::channel_id>> channel_tables; ///< of the living
-  std::map<std::pair<mote_address, mote_address>, flow::part> flows;       ///< by origin and target
-  std::map<island_id, std::vector<mote_id>> listed;   ///< as the gateways say at the end
   std::map<std::uint32_t, supervised_double> doubles; ///< by the fault's index
   std::map<mote_address, mote_address> moved;         ///< where motes of other islands are now
   std::map<mote_address, instant> gone;  ///< since when they are no more where they were
   std::vector<planned_end> planned_ends; ///< that are still to come
   std::vector<runtime::planned_fault> plan;
   bool ending = false;                           ///< end_run has come
-  bool delivered = false;                        ///< deliver_report has come
   std::size_t next_fault = 0;                    ///< in `plan`
   std::uint64_t lan_faults = 0;                  ///< so far
   std::uint64_t stations = 0;                    ///< so far

@@ -1,8 +1,10 @@
-#include "actors/run.hpp"
+#include "actors/ecology_run.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <new>
+#include <stdexcept>
+#include <utility>
 
 #include <caf/send.hpp>
 #include <unistd.h>
@@ -190,8 +192,26 @@ public:
   one_run(const one_run&) = delete;
   one_run& operator=(const one_run&) = delete;
 
+  [[nodiscard]] scheduler::world& world() { return world_; }
+  [[nodiscard]] const root_actor& root() const { return root_; }
+  [[nodiscard]] const std::string& ended_early() const { return ended_early_; }
+
+  [[nodiscard]] runtime::report report_so_far() {
+    static_cast<void>(world_.drain());
+    using impl = scheduler::traced_actor<ecology_state, root_actor>;
+    auto& state = static_cast<impl*>(caf::actor_cast<caf::abstract_actor*>(root_))->state;
+    const collected_answers kept = state;
+    const auto before = report_;
+    timers_ = world_.stats().waiting;
+    tell(collect_report{});
+    tell(deliver_report{});
+    measure();
+    static_cast<collected_answers&>(state) = kept;
+    return std::exchange(report_, before);
+  }
+
   void perform() {
-    const auto end = instant(description_.length);
+    const auto end = std::max(instant(description_.length), world_.now());
     const auto cause = run_with_progress(world_, end, options_, speed_);
     timers_ = world_.stats().waiting;
     tell(collect_report{});
@@ -303,24 +323,6 @@ runtime::report empty_report(const config::ecology_description& x) {
   return report;
 }
 
-/// Runs it, whatever happens.
-void run_into(runtime::report& report, const config::ecology_description& description,
-              const run_options& options, run_files& files, runtime::expectations& judge) {
-  const auto break_off = [&report](const std::string& why) {
-    report.complete = false;
-    report.reason = why;
-  };
-  try {
-    one_run run(description, options, files, judge, report);
-    run.perform();
-    run.measure();
-  } catch (const std::bad_alloc&) {
-    break_off("out of memory");
-  } catch (const std::exception& error) {
-    break_off(error.what());
-  }
-}
-
 /// `rubicon run home.toml --seed 7 --for 20s --record run.rec && rubicon explain run.rec --lost`
 std::string command_for(const runtime::expectation_report& x, const runtime::report& report,
                         const run_options& options) {
@@ -351,21 +353,91 @@ void judge_run(runtime::report& report, const runtime::expectations& judge,
 
 } // namespace
 
+/// Members are in the order in which they need each other.
+class ecology_run::parts {
+public:
+  parts(const config::ecology_description& file, run_options options)
+      : options_(std::move(options)), description_(overridden(file, options_)),
+        judge_(description_.expectations, description_.length),
+        files_(description_, options_, judge_), report_(empty_report(description_)) {
+    attempt([this] { run_.emplace(description_, options_, files_, judge_, report_); });
+  }
+
+  one_run& run() {
+    if (!run_)
+      throw std::runtime_error(report_.reason);
+    if (!run_->ended_early().empty())
+      throw std::runtime_error(run_->ended_early());
+    return *run_;
+  }
+
+  runtime::report finish() {
+    if (run_)
+      attempt([this] {
+        run_->perform();
+        run_->measure();
+      });
+    run_.reset();
+    const auto at_end = instant() + report_.simulated;
+    for (auto& missing : files_.finish())
+      report_.violations.push_back({at_end, runtime::requests_are_met, std::move(missing)});
+    if (!report_.complete)
+      report_.violations.push_back({at_end, runtime::run_is_complete, report_.reason});
+    judge_run(report_, judge_, options_);
+    report_.wall_s = std::chrono::duration<double>(steady::now() - started_).count();
+    return std::move(report_);
+  }
+
+private:
+  /// Does it, whatever happens.
+  template <class Action>
+  void attempt(Action action) {
+    const auto break_off = [this](const std::string& why) {
+      report_.complete = false;
+      report_.reason = why;
+    };
+    try {
+      action();
+    } catch (const std::bad_alloc&) {
+      break_off("out of memory");
+    } catch (const std::exception& error) {
+      break_off(error.what());
+    }
+  }
+
+  const steady::time_point started_ = steady::now();
+  const run_options options_;
+  const config::ecology_description description_;
+  runtime::expectations judge_;
+  run_files files_;
+  runtime::report report_;
+  std::optional<one_run> run_;
+};
+
+ecology_run::ecology_run(const config::ecology_description& description, run_options options)
+    : parts_(std::make_unique<parts>(description, std::move(options))) {}
+ecology_run::~ecology_run() = default;
+ecology_run::ecology_run(ecology_run&&) noexcept = default;
+ecology_run& ecology_run::operator=(ecology_run&&) noexcept = default;
+
+scheduler::world& ecology_run::world() {
+  return parts_->run().world();
+}
+
+const root_actor& ecology_run::root() {
+  return parts_->run().root();
+}
+
+runtime::report ecology_run::report_so_far() {
+  return parts_->run().report_so_far();
+}
+
+runtime::report ecology_run::finish() {
+  return parts_->finish();
+}
+
 runtime::report run_ecology(const config::ecology_description& file, const run_options& options) {
-  const auto description = overridden(file, options);
-  runtime::expectations judge(description.expectations, description.length);
-  run_files files(description, options, judge);
-  auto report = empty_report(description);
-  const auto started = steady::now();
-  run_into(report, description, options, files, judge);
-  const auto at_end = instant() + report.simulated;
-  for (auto& missing : files.finish())
-    report.violations.push_back({at_end, runtime::requests_are_met, std::move(missing)});
-  if (!report.complete)
-    report.violations.push_back({at_end, runtime::run_is_complete, report.reason});
-  judge_run(report, judge, options);
-  report.wall_s = std::chrono::duration<double>(steady::now() - started).count();
-  return report;
+  return ecology_run(file, options).finish();
 }
 
 } // namespace rubicon

@@ -1,0 +1,41 @@
+// A run that somebody may stop to look at, and go on with.
+#pragma once
+
+#include <memory>
+
+#include "actors/messages.hpp"
+#include "actors/run.hpp"
+#include "config/ecology.hpp"
+#include "runtime/report.hpp"
+#include "scheduler/world.hpp"
+
+namespace rubicon {
+
+/// A run that goes on as far as it is told, so that somebody can look at it in between.
+class ecology_run {
+public:
+  /// @throws std::runtime_error if the debug folder, a capture or the record cannot be begun
+  ecology_run(const config::ecology_description& description, run_options options);
+  ~ecology_run();
+  ecology_run(ecology_run&&) noexcept;
+  ecology_run& operator=(ecology_run&&) noexcept;
+
+  /// Its actors and its time, until finish(). @throws std::runtime_error if the run has broken off
+  [[nodiscard]] scheduler::world& world();
+  [[nodiscard]] const root_actor& root();
+
+  /// What the report would be if the run were over; what is expected of the run is not judged yet.
+  /// Everybody is asked at this instant: the run goes on as it would have, but its trace and its
+  /// events hold the questions and answers. @throws as world()
+  [[nodiscard]] runtime::report report_so_far();
+
+  /// Runs it to its end, if that has not come yet, and collects the report, as run_ecology() does.
+  /// To be called once, at last.
+  [[nodiscard]] runtime::report finish();
+
+private:
+  class parts;
+  std::unique_ptr<parts> parts_;
+};
+
+} // namespace rubicon

@@ -1,0 +1,127 @@
+// Messages between the actors of a fixture, on their way: held, lost, late or repeated as a test
+// wants it.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <caf/actor_addr.hpp>
+#include <caf/actor_control_block.hpp>
+#include <caf/execution_unit.hpp>
+#include <caf/mailbox_element.hpp>
+#include <caf/type_erased_tuple.hpp>
+
+#include "core/time.hpp"
+
+namespace rubicon::test {
+
+/// Which messages are meant.
+struct message_pattern {
+  std::string type; ///< its name
+  std::function<bool(const caf::type_erased_tuple&)> is_of_type;
+  std::function<bool(const caf::type_erased_tuple&)> fits; ///< of that type; empty: all do
+  std::optional<caf::actor_addr> from;                     ///< unset: anybody's
+  std::optional<caf::actor_addr> to;                       ///< unset: for anybody
+};
+
+/// What becomes of a message that fits.
+struct mishap {
+  enum class kind : std::uint8_t { drop, delay, duplicate };
+  kind what = kind::drop;
+  duration length{}; ///< of a delay
+};
+
+class mail {
+public:
+  struct letter {
+    caf::strong_actor_ptr to;
+    caf::mailbox_element_ptr content;
+  };
+
+  /// Puts a message on its way for good, at a time.
+  using late_delivery = std::function<void(letter, duration)>;
+
+  /// @param hold whether messages wait until they are delivered here
+  mail(bool hold, late_delivery later) : hold_(hold), later_(std::move(later)) {}
+
+  /// A message is sent. @returns whether it is kept here; the content is moved out then
+  bool takes(caf::abstract_actor& to, caf::mailbox_element_ptr& content);
+
+  /// It happens to the first message on its way that fits, or else to the next that is sent.
+  void plan(message_pattern which, mishap what);
+
+  /// The next message for the receiver that the pattern names, if it fits; nothing: another is
+  /// next, or none.
+  [[nodiscard]] const letter* next(const message_pattern& x) const;
+
+  /// The first that fits, whatever is before it.
+  [[nodiscard]] const letter* find(const message_pattern& x) const;
+
+  /// Hands over that message, or the first of all. Nobody has handled anything yet.
+  void deliver(const letter& x);
+  bool deliver_first();
+
+  [[nodiscard]] bool holds() const { return hold_; }
+  [[nodiscard]] bool empty() const { return letters_.empty(); }
+
+  /// From now on nothing is kept, and what was is gone.
+  void close();
+
+  void name(caf::actor_id who, std::string path) { names_[who] = std::move(path); }
+
+  /// `radio_send from sink/kitchen to fake/1`
+  [[nodiscard]] std::string text(const message_pattern& x) const;
+
+  /// A line for each message on its way.
+  [[nodiscard]] std::string text() const;
+
+  /// What the next message for that receiver is, for a failure.
+  [[nodiscard]] std::string text_of_next(const message_pattern& x) const;
+
+private:
+  struct planned {
+    message_pattern which;
+    mishap what;
+  };
+
+  [[nodiscard]] static bool matches(const message_pattern& x, const letter& y);
+  [[nodiscard]] std::string text(const letter& x) const;
+  [[nodiscard]] std::string name_of(const caf::actor_addr& x) const;
+  void hand_over(letter x);
+  /// Lets it happen to a message. @returns what is left of it to be sent now, in order
+  std::vector<letter> befall(letter x, mishap what);
+
+  bool hold_;
+  bool closed_ = false;
+  bool passes_ = false; ///< what is sent at this moment was here before
+  late_delivery later_;
+  std::deque<letter> letters_;
+  std::vector<planned> planned_;
+  std::map<caf::actor_id, std::string> names_;
+};
+
+/// An actor whose messages go through a mail.
+template <class Base>
+class tapped final : public Base {
+public:
+  using Base::Base;
+  using Base::enqueue;
+
+  void tap(mail& x) { mail_ = &x; }
+
+  void enqueue(caf::mailbox_element_ptr x, caf::execution_unit* unit) override {
+    if (mail_ == nullptr || !mail_->takes(*this, x))
+      Base::enqueue(std::move(x), unit);
+  }
+
+private:
+  mail* mail_ = nullptr;
+};
+
+} // namespace rubicon::test
