@@ -1,10 +1,10 @@
 #include "actors/air.hpp"
 #include "support/catch.hpp"
-#include "support/fakes.hpp"
+#include "testkit/fake.hpp"
 
 using namespace rubicon;
 using test::fake;
-using test::virtual_world;
+using test::fixture;
 
 namespace {
 
@@ -17,7 +17,7 @@ constexpr island_id kitchen{5};
 
 /// Three radios of one island within earshot of each other.
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<ecology_actor> ecology{world};
   fake<radio_user_actor> left{world};
   fake<radio_user_actor> right{world};
@@ -57,7 +57,7 @@ struct rig {
 } // namespace
 
 TEST_CASE("a frame reaches its mote after back-off and air time, and its sender hears of it",
-          "[actors][air][GEN-03][NET-15]") {
+          "[actors][air][GEN-03][NET-15][ACT-01]") {
   rig x;
   x.send_right(true);
   CHECK(x.right.size() == 0); // nothing arrives at the moment of sending

@@ -7,10 +7,10 @@
 #include "config/load.hpp"
 #include "runtime/invariants.hpp"
 #include "support/catch.hpp"
-#include "support/fakes.hpp"
+#include "testkit/fake.hpp"
 
 using namespace rubicon;
-using test::virtual_world;
+using test::fixture;
 
 namespace {
 
@@ -101,7 +101,7 @@ std::string fault(const std::string& at, const std::string& kind, const std::str
 
 /// A run of it.
 struct rig {
-  virtual_world world;
+  fixture world;
   runtime::report report;
   root_actor root;
 
@@ -148,7 +148,8 @@ std::string list_of(const std::vector<runtime::violation>& violations) {
 
 } // namespace
 
-TEST_CASE("a small ecology joins, reports and keeps its invariants", "[actors][ecology][GEN-04]") {
+TEST_CASE("a small ecology joins, reports and keeps its invariants",
+          "[actors][ecology][GEN-04][ACT-01]") {
   rig x;
   CHECK(x.world.run_until([&] { return x.world.logged("event=listed") == 2; }, 5s));
   CHECK(x.world.now() <= instant(2s)); // motes ask within their first second

@@ -4,13 +4,13 @@
 #include "core/device_keys.hpp"
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
-#include "support/fakes.hpp"
 #include "support/segments.hpp"
+#include "testkit/fake.hpp"
 #include "transport/segment.hpp"
 
 using namespace rubicon;
 using test::fake;
-using test::virtual_world;
+using test::fixture;
 
 namespace {
 
@@ -19,7 +19,7 @@ constexpr mote_id fan{7};
 constexpr mote_id sink{1};
 
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<peis_peer_actor> peer{world};
   fake<serial_line_actor> line{world};
   fake<ecology_actor> ecology{world};
@@ -91,7 +91,7 @@ const bytes message_for_fan = encode(
 } // namespace
 
 TEST_CASE("a gateway takes its end of the line, its ports and its inputs, and has no devices",
-          "[actors][gateway][GW-03][GW-13]") {
+          "[actors][gateway][GW-03][GW-13][ACT-01]") {
   rig x;
   CHECK(x.end_taken == serial::direction::to_pc);
   CHECK(x.peer.all<hook_port>().at(0).port == 20);

@@ -5,10 +5,10 @@
 
 using namespace rubicon;
 using test::fake;
+using test::fixture;
 using test::set_watched;
 using test::text_value;
 using test::tuple_at;
-using test::virtual_world;
 using test::watch_on;
 
 namespace {
@@ -18,7 +18,7 @@ constexpr peer_id opener{32};
 const std::string meta_key = "robot.mi-door";
 
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<peis_peer_actor> peer{world};
   fake<ecology_actor> ecology{world};
   timed_peer_app_actor app;
@@ -65,7 +65,7 @@ struct rig {
 } // namespace
 
 TEST_CASE("a pursuer declares and follows the meta tuple of its input",
-          "[actors][goal][SVC-10][META-04]") {
+          "[actors][goal][SVC-10][META-04][ACT-01]") {
   rig x;
   const auto declared = x.peer.all<declare_meta_tuple>();
   REQUIRE(declared.size() == 1);

@@ -2,11 +2,11 @@
 
 #include "actors/peis_peer.hpp"
 #include "support/catch.hpp"
-#include "support/fakes.hpp"
+#include "testkit/fake.hpp"
 
 using namespace rubicon;
 using test::fake;
-using test::virtual_world;
+using test::fixture;
 
 namespace {
 
@@ -24,7 +24,7 @@ init::component rules() {
 
 /// An init whose kernel and ecology are fakes, with one component.
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<peis_peer_actor> kernel{world};
   fake<ecology_actor> ecology{world};
   init_actor aut;
@@ -58,7 +58,7 @@ struct rig {
 
 } // namespace
 
-TEST_CASE("an init guards its kernel before it starts anything", "[actors][init][SVC-01]") {
+TEST_CASE("an init guards its kernel before it starts anything", "[actors][init][SVC-01][ACT-01]") {
   rig x;
   CHECK(x.kernel.count<guard_kernel>() == 1);
   CHECK(x.kernel.count<set_tuple>() == 0);
@@ -130,7 +130,7 @@ TEST_CASE("a guarded kernel ends when all components are off", "[actors][init][S
 }
 
 TEST_CASE("a guarded peer asks its init before it ends", "[actors][peis_peer][SVC-01][TUP-22]") {
-  virtual_world world;
+  fixture world;
   fake<ecology_actor> ecology(world);
   fake<peis_client_actor> client(world);
   fake<init_actor> init(world);

@@ -7,8 +7,8 @@
 
 #include "actors/frames.hpp"
 #include "actors/messages.hpp"
-#include "support/fakes.hpp"
 #include "support/island_world.hpp"
+#include "testkit/fake.hpp"
 
 namespace rubicon::test {
 
@@ -18,7 +18,7 @@ template <class Actor>
 class island_partner {
 public:
   /// @param actor of mote `self`, which is the outsider of `config`
-  island_partner(virtual_world& world, fake<air_actor>& air, Actor& actor, mote_id self,
+  island_partner(fixture& world, fake<air_actor>& air, Actor& actor, mote_id self,
                  island_world_config config)
       : cores((config.outsider = self, config)), world_(world), air_(air), actor_(actor),
         self_(self) {
@@ -70,7 +70,7 @@ private:
     air_.forget<radio_send>();
   }
 
-  virtual_world& world_;
+  fixture& world_;
   fake<air_actor>& air_;
   Actor& actor_;
   mote_id self_;

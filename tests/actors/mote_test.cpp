@@ -4,13 +4,13 @@
 #include "core/codec.hpp"
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
-#include "support/fakes.hpp"
 #include "support/segments.hpp"
+#include "testkit/fake.hpp"
 #include "transport/segment.hpp"
 
 using namespace rubicon;
 using test::fake;
-using test::virtual_world;
+using test::fixture;
 
 namespace {
 
@@ -35,7 +35,7 @@ std::vector<Event> told(const fake<program_client_actor>& program) {
 }
 
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<air_actor> air{world};
   fake<ecology_actor> ecology{world};
   fake<program_client_actor> app{world}; ///< a program beside the mote
@@ -124,7 +124,7 @@ struct rig {
 } // namespace
 
 TEST_CASE("a mote asks its sink to take it in once it knows a way, and confirms the answer",
-          "[actors][mote][DIS-08][MCK-14]") {
+          "[actors][mote][DIS-08][MCK-14][ACT-01]") {
   rig x;
   CHECK(x.air.all<attach_radio>().at(0).radio == stove_radio);
   REQUIRE(x.island.run_until([&x] { return x.is_member(); }, 1min));

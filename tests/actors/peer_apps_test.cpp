@@ -6,9 +6,9 @@
 
 using namespace rubicon;
 using test::fake;
+using test::fixture;
 using test::set_watched;
 using test::text_value;
-using test::virtual_world;
 using test::watch_on;
 
 namespace {
@@ -16,7 +16,7 @@ namespace {
 constexpr peer_id fan_owner{11};
 
 /// A component on the robot's peer.
-timed_peer_app_actor hosted(virtual_world& world, const fake<peis_peer_actor>& peer,
+timed_peer_app_actor hosted(fixture& world, const fake<peis_peer_actor>& peer,
                             const fake<ecology_actor>& ecology, std::string kind,
                             std::shared_ptr<components::component> core) {
   component_arguments x;
@@ -30,7 +30,7 @@ timed_peer_app_actor hosted(virtual_world& world, const fake<peis_peer_actor>& p
 }
 
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<peis_peer_actor> peer{world};
   fake<ecology_actor> ecology{world};
   timed_peer_app_actor rules;
@@ -69,7 +69,7 @@ struct rig {
 } // namespace
 
 TEST_CASE("rules watch what they read and look for what they write, whoever owns it",
-          "[actors][rules]") {
+          "[actors][rules][ACT-01]") {
   rig x;
   CHECK(x.peer.count<watch_tuples>() == 3); // the outcome, too
   CHECK(watch_on(x.peer, "kitchen.stove.temperature").owner == any_peer);
@@ -118,7 +118,7 @@ TEST_CASE("deleted tuples and failed writes do not disturb a rule", "[actors][ru
 
 TEST_CASE("a collector asks for its period whenever a mote is listed whose outputs it names",
           "[actors][collector][IF-04]") {
-  virtual_world world;
+  fixture world;
   fake<peis_peer_actor> peer(world);
   const std::vector<std::string> keys{"devices.*.output.1", "devices.8.output.2", "devices.*.type"};
   fake<ecology_actor> ecology(world);
@@ -150,7 +150,7 @@ TEST_CASE("a collector asks for its period whenever a mote is listed whose outpu
 
 TEST_CASE("a collector watches its keys with any owner and keeps the newest of each tuple",
           "[actors][collector]") {
-  virtual_world world;
+  fixture world;
   fake<peis_peer_actor> peer(world);
   fake<ecology_actor> ecology(world);
   const std::vector<std::string> keys{"*.*.temperature", "*.presence"};
@@ -176,7 +176,7 @@ TEST_CASE("a collector watches its keys with any owner and keeps the newest of e
 
 TEST_CASE("a rule points a meta tuple, and again when its owner has been away",
           "[actors][rules][META-05]") {
-  virtual_world world;
+  fixture world;
   fake<peis_peer_actor> peer{world};
   fake<ecology_actor> ecology{world};
   proxy::rule rule;

@@ -1,11 +1,11 @@
 #include "actors/peis_bluetooth.hpp"
 #include "actors/peis_peer.hpp"
 #include "support/catch.hpp"
-#include "support/fakes.hpp"
+#include "testkit/fake.hpp"
 
 using namespace rubicon;
 using test::fake;
-using test::virtual_world;
+using test::fixture;
 
 namespace {
 
@@ -27,7 +27,7 @@ using strengths = std::vector<std::pair<peis::bluetooth_address, int>>;
 
 /// Two peers (stations 1 and 2) that share the desk's adapter, a robot (3) 5 m away, a phone.
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<bluetooth_user_actor> a{world};
   fake<bluetooth_user_actor> b{world};
   fake<bluetooth_user_actor> c{world};
@@ -71,7 +71,7 @@ struct rig {
 } // namespace
 
 TEST_CASE("a scan shows who is in range, peers or not, and how strongly",
-          "[actors][peis_bluetooth][BT-02][BT-04]") {
+          "[actors][peis_bluetooth][BT-02][BT-04][ACT-01]") {
   rig x;
   CHECK(bluetooth_strength_dbm(0) == -40);
   CHECK(bluetooth_strength_dbm(10) == -70);
@@ -206,7 +206,7 @@ namespace {
 
 /// Two kernels with nothing but Bluetooth, 5 m apart, and a component that watches at the first.
 struct kernels {
-  virtual_world world;
+  fixture world;
   fake<ecology_actor> ecology{world};
   fake<peis_client_actor> watcher{world};
   fake<peis_client_actor> listener{world};

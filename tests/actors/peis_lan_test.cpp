@@ -1,10 +1,10 @@
 #include "actors/peis_lan.hpp"
 #include "support/catch.hpp"
-#include "support/fakes.hpp"
+#include "testkit/fake.hpp"
 
 using namespace rubicon;
 using test::fake;
-using test::virtual_world;
+using test::fixture;
 
 namespace {
 
@@ -16,7 +16,7 @@ constexpr peer_id third{13};
 
 /// A network with three peers, whose stations are 1, 2 and 3.
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<lan_user_actor> a{world};
   fake<lan_user_actor> b{world};
   fake<lan_user_actor> c{world};
@@ -49,7 +49,7 @@ struct rig {
 } // namespace
 
 TEST_CASE("both ends of a link that is asked for hear of it after the delay",
-          "[actors][peis_lan][LNK-05]") {
+          "[actors][peis_lan][LNK-05][ACT-01]") {
   rig x;
   x.world.send(x.lan, lan_connect{1, 5, second});
   CHECK(x.a.size() + x.b.size() == 0);

@@ -8,11 +8,11 @@
 #include "peis/link_url.hpp"
 #include "peis/package.hpp"
 #include "support/catch.hpp"
-#include "support/fakes.hpp"
+#include "testkit/fake.hpp"
 
 using namespace rubicon;
 using test::fake;
-using test::virtual_world;
+using test::fixture;
 
 namespace {
 
@@ -25,7 +25,7 @@ payload text(std::string_view x) {
 
 /// Two kernels with a component each and a link between them.
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<ecology_actor> ecology{world};
   fake<peis_client_actor> on_robot{world};
   fake<peis_client_actor> on_pc{world};
@@ -59,7 +59,7 @@ struct rig {
 } // namespace
 
 TEST_CASE("a watched tuple of another peer is told with the watch's name when it is set",
-          "[actors][peis_peer][TUP-08]") {
+          "[actors][peis_peer][TUP-08][ACT-01]") {
   rig x;
   x.world.send(x.robot_peer, watch_tuples{x.on_robot, 77, any_peer, "kitchen.*"});
   x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", text("on"), true});
@@ -268,7 +268,7 @@ namespace {
 
 /// A robot that keeps a link to a PC over a simulated network, and a component on each.
 struct network_rig {
-  virtual_world world;
+  fixture world;
   fake<ecology_actor> ecology{world};
   fake<peis_client_actor> on_robot{world};
   fake<peis_client_actor> on_pc{world};

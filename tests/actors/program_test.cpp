@@ -6,11 +6,11 @@
 
 #include "mote/program_port.hpp"
 #include "support/catch.hpp"
-#include "support/fakes.hpp"
+#include "testkit/fake.hpp"
 
 using namespace rubicon;
 using test::fake;
-using test::virtual_world;
+using test::fixture;
 
 namespace {
 
@@ -43,7 +43,7 @@ struct rig {
     world.send(program, program_events{{taken, std::move(events)}});
   }
 
-  virtual_world world;
+  fixture world;
   fake<mote_actor> mote{world};
   fake<ecology_actor> ecology{world};
   program_actor program;
@@ -52,7 +52,7 @@ struct rig {
 } // namespace
 
 TEST_CASE("a program attaches itself to its mote, and gives it commands as it hears of events",
-          "[actors][program][PAR-05][AM-02]") {
+          "[actors][program][PAR-05][AM-02][ACT-01]") {
   rig x;
   CHECK(x.mote.size() == 0);
   x.world.send(x.program, mote_started{x.mote});
@@ -125,7 +125,7 @@ TEST_CASE("commands and events survive the way through octets", "[actors][progra
       {r::inputs_shown{1, true, {1, 2}}, r::record_read{2, payload(bytes{4}), true},
        r::joined{stove, true}, r::message_received{stove, 64, payload(bytes{5})},
        r::transducers_read{{-7, 300}, 9}, r::actuator_changed{"fan", 1, true}}};
-  virtual_world world;
+  fixture world;
   auto& system = world.world().system();
   const auto back = [&system](const auto& x) {
     std::vector<char> octets;

@@ -5,10 +5,10 @@
 
 using namespace rubicon;
 using test::fake;
+using test::fixture;
 using test::set_watched;
 using test::text_value;
 using test::tuple_at;
-using test::virtual_world;
 using test::watch_on;
 
 namespace {
@@ -17,7 +17,7 @@ constexpr island_id kitchen{5};
 constexpr mote_id heater{7};
 
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<peis_peer_actor> peer{world};
   fake<ecology_actor> ecology{world};
   proxy_manager_actor manager;
@@ -50,7 +50,7 @@ struct rig {
 } // namespace
 
 TEST_CASE("a manager watches the list, types and statuses of its islands' gateways",
-          "[actors][proxy_manager][PXY-09]") {
+          "[actors][proxy_manager][PXY-09][ACT-01]") {
   rig x;
   REQUIRE(x.peer.count<watch_tuples>() == 3);
   CHECK(watch_on(x.peer, "devices").owner == gateway_of(kitchen));

@@ -4,10 +4,10 @@
 
 using namespace rubicon;
 using test::fake;
+using test::fixture;
 using test::set_watched;
 using test::text_value;
 using test::tuple_at;
-using test::virtual_world;
 using test::watch_on;
 
 namespace {
@@ -16,7 +16,7 @@ constexpr peer_id care_pc{40};
 constexpr mote_address heater{island_id{5}, mote_id{7}};
 
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<peis_peer_actor> peer{world};
   fake<ecology_actor> ecology{world};
   proxy_actor proxy;
@@ -44,7 +44,7 @@ struct rig {
 } // namespace
 
 TEST_CASE("a proxy says what it is and watches its gateway and its own input",
-          "[actors][proxy][PXY-14]") {
+          "[actors][proxy][PXY-14][ACT-01]") {
   rig x;
   CHECK(tuple_at(x.peer, "kitchen.heater.status") == "active");
   CHECK(tuple_at(x.peer, "kitchen.heater.class") == "heater");
@@ -149,7 +149,7 @@ TEST_CASE("a proxy reports its status, values and actuations", "[actors][proxy]"
 
 TEST_CASE("an input that may be any tuple is declared and followed by its meta tuple",
           "[actors][proxy][PXY-12][META-05]") {
-  virtual_world world;
+  fixture world;
   fake<peis_peer_actor> peer{world};
   fake<ecology_actor> ecology{world};
   auto what = test::sample_class();

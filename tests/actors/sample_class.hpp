@@ -8,7 +8,7 @@
 #include "actors/messages.hpp"
 #include "proxy/proxy_class.hpp"
 #include "support/catch.hpp"
-#include "support/fakes.hpp"
+#include "testkit/fake.hpp"
 
 namespace rubicon::test {
 
@@ -51,8 +51,8 @@ namespace rubicon::test {
 }
 
 /// Tells the newest watcher of a key that its tuple is `value` now.
-inline void set_watched(virtual_world& world, const fake<peis_peer_actor>& peer,
-                        const std::string& key, payload value) {
+inline void set_watched(fixture& world, const fake<peis_peer_actor>& peer, const std::string& key,
+                        payload value) {
   const auto watch = watch_on(peer, key);
   world.send(watch.client.actor,
              tuple_event{watch.watch, watch.owner, key, std::move(value), false});

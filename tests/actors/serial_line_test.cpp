@@ -1,18 +1,18 @@
 #include "actors/serial_line.hpp"
 #include "support/catch.hpp"
-#include "support/fakes.hpp"
+#include "testkit/fake.hpp"
 
 using namespace rubicon;
 using serial::direction;
 using test::fake;
-using test::virtual_world;
+using test::fixture;
 
 namespace {
 
 constexpr island_id kitchen{5};
 
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<ecology_actor> ecology{world};
   fake<serial_end_actor> pc{world};
   fake<serial_end_actor> mote{world};
@@ -41,7 +41,7 @@ struct rig {
 } // namespace
 
 TEST_CASE("octets arrive ten bit times an octet and the latency after they are written",
-          "[actors][serial][GEN-03]") {
+          "[actors][serial][GEN-03][ACT-01]") {
   rig x;
   x.write(direction::to_pc, 48);
   const auto due = serial::transmission_time(48, 57600) + 1ms;
@@ -111,7 +111,7 @@ TEST_CASE("a line's report names its island and counts corrupted and overflowed 
 }
 
 TEST_CASE("octets for an end to which nobody is attached go nowhere", "[actors][serial]") {
-  virtual_world world;
+  fixture world;
   fake<ecology_actor> ecology(world);
   const auto line =
       world.spawn(serial_line, serial::line({}, random_stream(3)), kitchen, ecology.handle());

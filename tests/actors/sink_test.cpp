@@ -4,12 +4,12 @@
 #include "mote/descriptor.hpp"
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
-#include "support/fakes.hpp"
 #include "support/segments.hpp"
+#include "testkit/fake.hpp"
 
 using namespace rubicon;
 using test::fake;
-using test::virtual_world;
+using test::fixture;
 
 namespace {
 
@@ -18,7 +18,7 @@ constexpr mote_id stove{2};
 constexpr radio::radio_index sink_radio{3};
 
 struct rig {
-  virtual_world world;
+  fixture world;
   fake<air_actor> air{world};
   fake<serial_line_actor> line{world};
   fake<ecology_actor> ecology{world};
@@ -70,7 +70,7 @@ serial::am_packet packet_down() {
 
 } // namespace
 
-TEST_CASE("a sink takes its radio and its end of the line", "[actors][sink][GW-01]") {
+TEST_CASE("a sink takes its radio and its end of the line", "[actors][sink][GW-01][ACT-01]") {
   rig x;
   REQUIRE(x.air.count<attach_radio>() == 1);
   CHECK(x.air.all<attach_radio>()[0].radio == sink_radio);

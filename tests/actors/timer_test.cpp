@@ -1,9 +1,9 @@
 #include "actors/timer.hpp"
 #include "support/catch.hpp"
-#include "support/virtual_world.hpp"
+#include "testkit/fixture.hpp"
 
 using namespace rubicon;
-using test::virtual_world;
+using test::fixture;
 
 namespace {
 
@@ -39,7 +39,7 @@ probe_actor::behavior_type probe(probe_pointer self, script* what) {
 script play(std::function<void(timer&, probe_pointer)> at_start,
             std::function<void(timer&, probe_pointer)> at_nudge = {}) {
   script what{std::move(at_start), std::move(at_nudge), {}, 0};
-  virtual_world world;
+  fixture world;
   world.spawn(probe, &what);
   world.run_for(1min);
   return what;
@@ -47,7 +47,7 @@ script play(std::function<void(timer&, probe_pointer)> at_start,
 
 } // namespace
 
-TEST_CASE("a timer wakes its actor at the deadline, once", "[actors][timer]") {
+TEST_CASE("a timer wakes its actor at the deadline, once", "[actors][timer][ACT-01]") {
   const auto x = play([](timer& t, probe_pointer self) { t.follow(self, instant(3s)); });
   CHECK(x.accepted == std::vector<duration>{3s});
 }
@@ -105,7 +105,7 @@ TEST_CASE("an expiry that waits in the mailbox is not doubled by its own deadlin
 }
 
 TEST_CASE("the timer of an actor that ends holds nothing any more", "[actors][timer]") {
-  virtual_world world;
+  fixture world;
   script what{[](timer& t, probe_pointer self) { t.follow(self, instant(24h)); }, {}, {}, 0};
   auto handle = world.spawn(probe, &what);
   const auto weak = caf::actor_cast<caf::weak_actor_ptr>(handle);

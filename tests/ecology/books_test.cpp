@@ -46,7 +46,7 @@ TEST_CASE("a message that is refused is counted as one that was offered", "[ecol
       line(4, "{ app = 'listener', am_type = 10 }",
            "{ app = 'messenger', to = 'a/m-2', text = 'x', every = '50ms' }") +
       "[[fault]]\nat = '5min'\nkind = 'battery_end'\nmote = 'a/m-3'\n"; // the way is cut for good
-  const auto x = run(ecology_of(toml));
+  const auto x = run(describe(toml));
   const auto& far = mote_of(x, 5).messages;
   CHECK(far.offered > 5'000);
   CHECK(far.refused.at("crowded") > 100);
@@ -63,7 +63,7 @@ TEST_CASE("records that fell between two openings are missing", "[ecology][books
       "[[fault]]\nevery = '41s'\nfrom = '2min'\nuntil = '15min'\nkind = 'crash'\nmote = 'a/m-4'\n"
       "[[fault]]\nat = '10min'\nkind = 'crash'\nmote = 'a/m-6'\n"
       "[[fault]]\nat = '11min'\nkind = 'crash'\nmote = 'a/m-2'\n";
-  const auto x = run(ecology_of(toml));
+  const auto x = run(describe(toml));
   REQUIRE(x.streams.size() == 1);
   const auto& stream = x.streams[0];
   CHECK(stream.from == "a/m-6");
@@ -94,7 +94,7 @@ TEST_CASE("packets of channels are lost once, and the living alone are aligned",
            "{ app = 'stream_writer', transducer = 'temperature', stream = 3, every = '1s', "
            "to = 'a/m-2' }") +
       "[[fault]]\nevery = '60s'\nfrom = '2min'\nkind = 'crash'\nmote = 'a/m-3'\n";
-  auto what = ecology_of(toml);
+  auto what = describe(toml);
   what.radio.loss = 0.3;
   const auto x = run(what);
   const auto& network = x.islands.at(0).network;
@@ -125,7 +125,7 @@ TEST_CASE("actuations survive the end of the PC that has asked for them", "[ecol
 }
 
 TEST_CASE("the report tells the tree and how strongly a parent is heard", "[ecology][books]") {
-  const auto x = run(ecology_of(line(3, "", "")));
+  const auto x = run(describe(line(3, "", "")));
   CHECK(mote_of(x, 2).parent == default_sink);
   CHECK(mote_of(x, 3).parent == mote_id{2});
   CHECK(mote_of(x, 4).parent == mote_id{3});
@@ -144,7 +144,7 @@ TEST_CASE("a run is judged by what its file expects", "[ecology][expect]") {
   expect("kind = 'battery'\nat_least = '99%'\n");
   expect("kind = 'events'\nat_most = 10\n");
   expect("kind = 'joined'\nof = 'a/m-2'\nwithin = '1ms'\n");
-  const auto x = run(ecology_of(toml));
+  const auto x = run(describe(toml));
   REQUIRE(x.expectations.size() == 6);
   for (std::size_t i = 0; i < 4; ++i) {
     INFO(x.expectations[i].text << ": " << x.expectations[i].measured);
@@ -172,7 +172,7 @@ TEST_CASE("tuples are seen as programs set them", "[ecology][expect]") {
   expect("key = 'g.twice'\nabove = 6\nwithin = '1s'\nwhen = { key = 'g.n', equals = ['3'] }\n");
   expect("key = 'g.twice'\nabove = 100\nwithin = '1s'\nwhen = { key = 'g.n', equals = ['3'] }\n");
   expect("key = 'g.n'\nabove = 5\nwithin = '1min'\n");
-  const auto x = run(ecology_of(toml));
+  const auto x = run(describe(toml));
   REQUIRE(x.expectations.size() == 3);
   INFO(x.expectations[0].measured);
   CHECK(x.expectations[0].outcome == verdict::met);

@@ -161,7 +161,7 @@ TEST_CASE("each island's air is captured, and the run is the same", "[ecology][A
 
 TEST_CASE("what nobody received is captured if it is asked for", "[ecology][ACT-07]") {
   // Every other frame or so is lost on its only way.
-  const auto what = ecology_of(R"(
+  const auto what = describe(R"(
     ecology = { name = "lossy", duration = "20s" }
     radio.loss = "40%"
     [[island]]
@@ -196,7 +196,7 @@ TEST_CASE("what nobody received is captured if it is asked for", "[ecology][ACT-
 }
 
 TEST_CASE("acknowledgements are in the capture", "[ecology][ACT-07]") {
-  const auto what = ecology_of(R"(
+  const auto what = describe(R"(
     ecology = { name = "acked", duration = "10s" }
     [[island]]
     id = 1

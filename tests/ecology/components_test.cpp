@@ -48,7 +48,7 @@ double figure(const runtime::report& x, std::string_view who, std::string_view n
 }
 
 runtime::report run_in_wall_time(const std::string& toml) {
-  auto x = run(ecology_of(toml));
+  auto x = run(describe(toml));
   CHECK(x.mode == "wall");
   return x;
 }

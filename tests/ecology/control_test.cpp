@@ -90,7 +90,7 @@ TEST_CASE("with a fifth of all frames lost every actuation has one outcome, in t
   std::uint64_t requested = 0;
   for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
     CAPTURE(seed);
-    const auto report = run(ecology_of(round_trip), seed);
+    const auto report = run(describe(round_trip), seed);
     CHECK(told_violations(report).empty());
     const auto& actuations = proxy_of(report, "hall.relay").actuations;
     requested += actuations.requested;
@@ -107,8 +107,8 @@ TEST_CASE("with a fifth of all frames lost every actuation has one outcome, in t
 }
 
 TEST_CASE("what a mote says once is heard by all who want it", "[ecology][IF-09]") {
-  const auto alone = run(ecology_of(round_trip));
-  auto shared = ecology_of(round_trip);
+  const auto alone = run(describe(round_trip));
+  auto shared = describe(round_trip);
   for (auto& peer : shared.peers)
     peer.apps.emplace_back(config::collector_app{{"hall.light.light", "devices.*.output.*"}});
   const auto together = run(shared);
@@ -122,10 +122,10 @@ TEST_CASE("what a mote says once is heard by all who want it", "[ecology][IF-09]
 TEST_CASE("control goes on behind a partition, once it has healed", "[ecology][NFR-08][PXY-19]") {
   for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
     CAPTURE(seed);
-    auto what = ecology_of(std::string(round_trip) +
-                           "[[fault]]\nat = \"100s\"\nkind = \"partition\"\n"
-                           "groups = [[\"robot\", \"care-pc\"], [\"pc\", \"hall-gateway\"]]\n"
-                           "for = \"60s\"\n");
+    auto what = describe(std::string(round_trip) +
+                         "[[fault]]\nat = \"100s\"\nkind = \"partition\"\n"
+                         "groups = [[\"robot\", \"care-pc\"], [\"pc\", \"hall-gateway\"]]\n"
+                         "for = \"60s\"\n");
     what.radio.loss = 0;
     const auto report = run(what, seed);
     CHECK(told_violations(report).empty());
@@ -143,9 +143,9 @@ TEST_CASE("a gateway that crashes while both directions are busy is made up for"
           "[ecology][GW-15][PXY-15][PXY-16][NFR-08]") {
   for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
     CAPTURE(seed);
-    auto what = ecology_of(std::string(round_trip) +
-                           "[[fault]]\nevery = \"100s\"\nfrom = \"100s\"\nkind = \"kill\"\n"
-                           "peer = \"hall-gateway\"\nfor = \"10s\"\n");
+    auto what = describe(std::string(round_trip) +
+                         "[[fault]]\nevery = \"100s\"\nfrom = \"100s\"\nkind = \"kill\"\n"
+                         "peer = \"hall-gateway\"\nfor = \"10s\"\n");
     what.radio.loss = 0.05;
     const auto report = run(what, seed);
     CHECK(told_violations(report).empty());

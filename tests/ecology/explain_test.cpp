@@ -113,7 +113,7 @@ position_m = [5, 0]
 apps = [{ app = "listener" }]
 )";
   constexpr std::string_view text = "dinner";
-  auto what = ecology_of(two_islands);
+  auto what = describe(two_islands);
   what.length = 40s;
   const auto x = run_recorded(what);
   words hops;

@@ -179,7 +179,7 @@ void check_seeds(const network& x, std::uint64_t count) {
   for (std::uint64_t seed = 1; seed <= count; ++seed) {
     CAPTURE(x.name, seed);
     const auto text = ecology_text(x, seed);
-    CHECK(told_violations(run(ecology_of(text), seed)) == "");
+    CHECK(told_violations(run(describe(text), seed)) == "");
   }
 }
 
@@ -199,7 +199,7 @@ TEST_CASE("the same, hundreds of times", "[.][long]") {
 TEST_CASE("of two peers with one id one leaves, is told so, and comes back when it is free",
           "[ecology][RTE-08][IF-12][ADR-02]") {
   const auto seed = GENERATE(1, 2, 3, 4, 5);
-  const auto what = ecology_of(R"(
+  const auto what = describe(R"(
 [ecology]
 name = "twins"
 duration = "10min"

@@ -76,7 +76,7 @@ config::ecology_description ring(int count, int size, std::string_view radio = "
          << "apps = [{ app = 'reservoir', units = " << size << ", from = " << end(i + count - 1)
          << ", to = " << end(i + 1) << " }]\n";
   }
-  return ecology_of(toml.str());
+  return describe(toml.str());
 }
 
 struct vectors {

@@ -13,7 +13,7 @@ using namespace rubicon::test;
 
 TEST_CASE("each mote that leaves does so once, for its reason", "[ecology][IF-13][DIS-06]") {
   spdlog::set_level(spdlog::level::off);
-  const auto what = ecology_of(R"(
+  const auto what = describe(R"(
 [ecology]
 name = "leaving"
 duration = "5min"

@@ -56,7 +56,7 @@ TEST_CASE("programs of a mote share a transducer, wherever they run and send to"
     return "{ app = 'stream_writer', transducer = 'light', every = '2s', stream = " +
            std::to_string(stream) + ", to = '" + to + "', place = " + place + " }";
   };
-  auto x = ecology_of(
+  auto x = describe(
       std::string(head) + island() +
       a_mote(2, 3, 0, writer(1, "k/n-3") + ", " + writer(2, "pc") + ", " + writer(3, "k/n-3")) +
       a_mote(3, 6, 0,
@@ -81,10 +81,10 @@ TEST_CASE("vectors of the longest size arrive, over several hops and at a PC",
     return "{ app = 'reservoir', units = 8, from = [" + from + "], to = [" + to + "] }";
   };
   auto x =
-      ecology_of("[radio]\nrange = '12m'\n" + std::string(head) + island() +
-                 a_mote(2, 10, 0, unit("", out("k/n-4"))) + a_mote(3, 20, 0, "") +
-                 a_mote(4, 30, 0, unit(out("k/n-2"), "")) + a_mote(5, 5, 5, unit("", out("pc"))) +
-                 pc + "apps = [{ app = 'readout', from = [" + out("k/n-5") + "] }]\n");
+      describe("[radio]\nrange = '12m'\n" + std::string(head) + island() +
+               a_mote(2, 10, 0, unit("", out("k/n-4"))) + a_mote(3, 20, 0, "") +
+               a_mote(4, 30, 0, unit(out("k/n-2"), "")) + a_mote(5, 5, 5, unit("", out("pc"))) +
+               pc + "apps = [{ app = 'readout', from = [" + out("k/n-5") + "] }]\n");
   x.length = 5min;
   const auto report = run(x);
   CHECK(report.violations.empty());
@@ -106,9 +106,9 @@ TEST_CASE("thirty-two vectors of sixteen elements leave a mote, or come to one, 
                     "to = [{ node = 'k/n-3', size = 16 }] }");
     ends += "{ node = 'k/n-" + std::to_string(10 + i) + "', size = 16 }, ";
   }
-  auto x = ecology_of(std::string(head) + island() +
-                      a_mote(2, 4, 6, "{ app = 'reservoir', units = 16, to = [" + ends + "] }") +
-                      a_mote(3, 5, 6, "{ app = 'readout', from = [" + ends + "] }") + motes + pc);
+  auto x = describe(std::string(head) + island() +
+                    a_mote(2, 4, 6, "{ app = 'reservoir', units = 16, to = [" + ends + "] }") +
+                    a_mote(3, 5, 6, "{ app = 'readout', from = [" + ends + "] }") + motes + pc);
   x.length = 6min;
   const auto report = run(x);
   CHECK(report.violations.empty());
@@ -131,12 +131,12 @@ TEST_CASE("a mote has as many streams as its file says, and the motes on their w
     streams += std::to_string(i) + ", ";
   }
   // From one side of the sink to the other, over one mote: it carries all of them.
-  auto x = ecology_of("[radio]\nrange = '15m'\n" + std::string(head) + island("[0, 16]") +
-                      a_mote(2, 0, 2, "") +
-                      a_mote(3, 12, 2,
-                             "{ app = 'average', every = '3s', streams = [" + streams +
-                                 "], outputs = [{ to = 'k/n-2', stream = 90 }] }") +
-                      motes + pc);
+  auto x = describe("[radio]\nrange = '15m'\n" + std::string(head) + island("[0, 16]") +
+                    a_mote(2, 0, 2, "") +
+                    a_mote(3, 12, 2,
+                           "{ app = 'average', every = '3s', streams = [" + streams +
+                               "], outputs = [{ to = 'k/n-2', stream = 90 }] }") +
+                    motes + pc);
   x.length = 10min;
   const auto report = run(x);
   CHECK(report.violations.empty());
@@ -165,7 +165,7 @@ TEST_CASE("a slow serial line carries what it has room for", "[ecology][GW-16][I
        << "[[island.group]]\ncount = " << motes
        << "\nfirst = 2\ntype = 'm'\nlayout = 'ring'\nradius = '8m'\n"
        << pc << "apps = [{ app = 'collector', keys = ['devices.*.output.1'] }]\n";
-  auto x = ecology_of(toml.str());
+  auto x = describe(toml.str());
   x.length = 15min;
   const auto report = run(x);
   const auto messages = report.messages();

@@ -63,7 +63,7 @@ const std::string two_islands = std::string(R"(
 /// Runs it with many seeds and these faults; checks what always holds, and `more` of each report.
 template <class More>
 void run_all(const std::string& faults, More more) {
-  const auto what = ecology_of(two_islands + faults);
+  const auto what = describe(two_islands + faults);
   for (std::uint64_t seed = 1; seed <= seeds(usual_seeds()); ++seed) {
     CAPTURE(seed);
     const auto report = run(what, seed);
@@ -271,7 +271,7 @@ TEST_CASE("noise silences who is near, and nobody else", "[ecology][ACT-04]") {
 
 TEST_CASE("noise in bursts costs frames in proportion", "[ecology][ACT-04]") {
   const auto noisy = [](const char* duty) {
-    const auto what = ecology_of(two_islands + R"(
+    const auto what = describe(two_islands + R"(
       [[fault]]
       at = "1min"
       kind = "noise"

@@ -64,7 +64,7 @@ name = "juice"
 
 TEST_CASE("a tagged thing is followed from reader to reader by one proxy",
           "[ecology][PXY-03][PXY-05][PXY-06][PXY-07][PXY-08][PXY-19]") {
-  const auto what = ecology_of(house);
+  const auto what = describe(house);
   for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
     CAPTURE(seed);
     auto before = what;
@@ -93,7 +93,7 @@ TEST_CASE("a tagged thing is followed from reader to reader by one proxy",
 TEST_CASE(
     "a thing carried past three readers has one proxy, of its class, as soon as that is known",
     "[ecology][PXY-03][PXY-09][PXY-10][PXY-11]") {
-  auto what = ecology_of(std::string(house) + R"(
+  auto what = describe(std::string(house) + R"(
 [[peer]]
 id = 12
 name = "bath-pc"
@@ -146,7 +146,7 @@ name = "hammer"
 }
 
 TEST_CASE("a thing that nobody sees is lost where it was last", "[ecology][PXY-16][PXY-20]") {
-  auto what = ecology_of(house);
+  auto what = describe(house);
   what.tags[0].path = {{0s, {0.5, 0, 1}}, {60s, {0.5, 0, 1}}, {61s, {100, 0, 1}}};
   const auto report = run(what);
   const auto& juice = proxy_of(report, "things.juice");
@@ -157,8 +157,8 @@ TEST_CASE("a thing that nobody sees is lost where it was last", "[ecology][PXY-1
 
 TEST_CASE("a reader whose computer ends sees nothing any more, until it is started again",
           "[ecology][PXY-07]") {
-  auto what = ecology_of(std::string(house) + "[[fault]]\nat = \"20s\"\nkind = \"kill\"\n"
-                                              "peer = \"kitchen-pc\"\nfor = \"40s\"\n");
+  auto what = describe(std::string(house) + "[[fault]]\nat = \"20s\"\nkind = \"kill\"\n"
+                                            "peer = \"kitchen-pc\"\nfor = \"40s\"\n");
   what.tags[0].path.clear();
   what.tags[0].place = {0.5, 0, 1};
   auto during = what;

@@ -46,7 +46,7 @@ apps = [{ app = "collector", )" +
 
 std::uint64_t readings(const std::string& collector, const std::string& faults = {},
                        std::uint64_t seed = 1) {
-  const auto x = run(ecology_of(reading_room(collector, faults)), seed);
+  const auto x = run(describe(reading_room(collector, faults)), seed);
   CHECK(x.violations.empty());
   return x.islands.at(0).messages.unreliable_sent;
 }
@@ -61,7 +61,7 @@ TEST_CASE("anybody finds all motes of all islands by one pattern", "[ecology][DI
              "\"\ngateway.links = [\"inproc://pc\"]\nsink.position_m = [0, 0]\n"
              "[[island.group]]\ncount = 4\nlayout = \"ring\"\nradius = \"5m\"\ntype = 1\n";
   }
-  const auto x = run(ecology_of("[ecology]\nname = \"rooms\"\nduration = \"30s\"\n" + three + R"(
+  const auto x = run(describe("[ecology]\nname = \"rooms\"\nduration = \"30s\"\n" + three + R"(
 [[peer]]
 id = 12
 name = "pc"

@@ -164,7 +164,7 @@ TEST_CASE("peers on hosts of their own talk through their masters", "[ecology][p
             "\nname = \"leaf-" + std::to_string(host) + "\"\ncount = 20\nleaf = true\nhost = \"" +
             name + "\"\nlinks = [\"inproc://" + master + "\"]\n";
   }
-  const auto x = run(ecology_of(text));
+  const auto x = run(describe(text));
   CHECK(x.violations.empty());
   CHECK(hosts_known_min(x) == 63);
   CHECK(clusters(x) == std::set<std::int32_t>{1});
@@ -177,10 +177,10 @@ TEST_CASE("peers on hosts of their own talk through their masters", "[ecology][p
 }
 
 TEST_CASE("two processes with one id are noticed and go again", "[ecology][peis][RTE-08][IF-12]") {
-  auto what = ecology_of("[ecology]\nname = \"two\"\nduration = \"5min\"\n"
-                         "[[peer]]\nid = 1\nname = \"pc\"\ncount = 5\n"
-                         "[[fault]]\nat = \"1min\"\nkind = \"duplicate_id\"\npeer = \"pc-3\"\n"
-                         "for = \"30s\"\n");
+  auto what = describe("[ecology]\nname = \"two\"\nduration = \"5min\"\n"
+                       "[[peer]]\nid = 1\nname = \"pc\"\ncount = 5\n"
+                       "[[fault]]\nat = \"1min\"\nkind = \"duplicate_id\"\npeer = \"pc-3\"\n"
+                       "for = \"30s\"\n");
   const auto x = run(what);
   CHECK(x.violations.empty());
   CHECK(tells(x, "pc-3", "a second one with its id appears for 30 s"));
@@ -212,7 +212,7 @@ TEST_CASE("a PC that is killed comes back with its proxies", "[ecology][peis][AC
 
 TEST_CASE("with faults of every kind at random moments peers find together again",
           "[ecology][peis][ACT-04]") {
-  auto what = ecology_of(R"(
+  auto what = describe(R"(
 [ecology]
 name = "storm"
 duration = "8min"

@@ -77,7 +77,7 @@ unit = "%"
 } // namespace
 
 TEST_CASE("templates of a class are tuples beside the usual ones", "[ecology][PXY-04][PXY-05]") {
-  const auto x = run_recorded(ecology_of(kitchen(climate_mote, std::string(climate_fields) + R"(
+  const auto x = run_recorded(describe(kitchen(climate_mote, std::string(climate_fields) + R"(
 [[proxy.tuple]]
 key = "{room}.climate"
 json = ["temperature", "humidity"]
@@ -106,12 +106,12 @@ value = "{temperature} {temperature.unit} in {room}"
 TEST_CASE("a mean moved from the mote to its proxy leaves all tuples as they are",
           "[ecology][PXY-17]") {
   const auto with = [](const std::string& place, std::uint64_t seed) {
-    return run_recorded(ecology_of(kitchen(R"(
+    return run_recorded(describe(kitchen(R"(
 transducers.temperature = { model = "sine", mean = 0, amplitude = 9, period = "40s", noise = 0.7 }
 transducers.humidity = { model = "constant", value = 45, resolution = 1 }
 apps = [{ app = "sampler", transducers = ["temperature", "humidity"], every = "2s" }]
 )",
-                                           R"(
+                                         R"(
 [[proxy.field]]
 name = "temperature"
 channel = 1
@@ -157,7 +157,7 @@ offset = 2
 decimals = 0
 unit = "dBm"
 )";
-  const auto x = run_recorded(ecology_of(kitchen(mote, proxy)));
+  const auto x = run_recorded(describe(kitchen(mote, proxy)));
   CHECK(x.texts_at("kitchen.board.interface") == std::vector<std::string>{"kitchen-gateway"});
   CHECK(x.texts_at("kitchen.board.position") == std::vector<std::string>{"1.00 2.00 3.00"});
   CHECK(x.texts_at("kitchen.board.position.accuracy") == std::vector<std::string>{"interface"});
@@ -168,7 +168,7 @@ unit = "dBm"
     CHECK(std::stoi(each) > -95);
   }
 
-  const auto placed = run_recorded(ecology_of(kitchen(mote, proxy, R"(
+  const auto placed = run_recorded(describe(kitchen(mote, proxy, R"(
 [[proxy.object]]
 mote = "kitchen/board"
 position_m = [5, 0.25]
@@ -201,7 +201,7 @@ decimals = 0
 )");
   const auto disk = text.find("range = \"20m\"\n");
   text.replace(disk, 14, "propagation = { model = \"log_distance\", exponent = 3 }\n");
-  const auto strengths = run_recorded(ecology_of(text)).texts_at("kitchen.board.rssi");
+  const auto strengths = run_recorded(describe(text)).texts_at("kitchen.board.rssi");
   REQUIRE(strengths.size() > 60);
   CHECK(std::stoi(strengths.back()) < std::stoi(strengths[5]) - 8);
 }
@@ -213,12 +213,12 @@ transducers.temperature = { model = "constant", value = 21 }
 apps = [{ app = "sampler", transducers = ["temperature"], every = "20s", only_subscribed = true }]
 )";
   const auto readings = [&](const std::string& quality) {
-    return run_recorded(ecology_of(kitchen(mote, quality + R"(
+    return run_recorded(describe(kitchen(mote, quality + R"(
 [[proxy.field]]
 name = "temperature"
 channel = 1
 )",
-                                           R"(
+                                         R"(
 [[fault]]
 at = "60s"
 kind = "crash"
@@ -264,7 +264,7 @@ apps = [{ app = "stream_writer", transducer = "temperature", to = "pc", stream =
   };
   for (std::uint64_t seed = 1; seed <= seeds(3); ++seed) {
     CAPTURE(seed);
-    const auto x = run_recorded(ecology_of(garden({})), seed);
+    const auto x = run_recorded(describe(garden({})), seed);
     CHECK(x.report.violations.empty());
     REQUIRE(x.report.streams.size() == 1);
     const auto& stream = x.report.streams.front();
@@ -286,14 +286,14 @@ apps = [{ app = "stream_writer", transducer = "temperature", to = "pc", stream =
         "kind = \"kill\"\npeer = \"garden-gateway\"\nfor = \"5s\""}) {
     CAPTURE(fault);
     const auto x =
-        run_recorded(ecology_of(garden("[[fault]]\nat = \"60s\"\n" + std::string(fault) + '\n')));
+        run_recorded(describe(garden("[[fault]]\nat = \"60s\"\n" + std::string(fault) + '\n')));
     CHECK(x.report.violations.empty());
     CHECK(x.at("kitchen.board.outside").back().time > instant(170s));
   }
 }
 
 TEST_CASE("a value that is not renewed is marked stale", "[ecology][PXY-20]") {
-  const auto x = run_recorded(ecology_of(kitchen(climate_mote, R"(
+  const auto x = run_recorded(describe(kitchen(climate_mote, R"(
 qos = { stale_after = "5s", inactive_after = "8s", retire_after = "30s" }
 )" + std::string(climate_fields) + R"(
 [[fault]]
@@ -318,13 +318,13 @@ mote = "kitchen/board"
 
 TEST_CASE("an actuation is tried for as long as its class says", "[ecology][PXY-12]") {
   const auto outcomes = [](const std::string& quality) {
-    return run_recorded(ecology_of(kitchen(R"(
+    return run_recorded(describe(kitchen(R"(
 transducers.temperature = { model = "points", points = [["0s", 20.0], ["58s", 20.0], ["60s", 30.0]] }
 actuators = [{ name = "fan", kind = "relay" }]
 apps = [{ app = "sampler", transducers = ["temperature"], every = "1s" },
         { app = "actuator", actuator = "fan" }]
 )",
-                                           quality + R"(
+                                         quality + R"(
 [[proxy.field]]
 name = "temperature"
 channel = 1
@@ -361,13 +361,13 @@ for = "40s"
 }
 
 TEST_CASE("a number written to an input moves an actuator", "[ecology][PXY-12]") {
-  const auto x = run_recorded(ecology_of(kitchen(R"(
+  const auto x = run_recorded(describe(kitchen(R"(
 transducers.temperature = { model = "points", points = [["0s", 20.0], ["58s", 20.0], ["60s", 30.0]] }
 actuators = [{ name = "lamp", kind = "dimmer" }]
 apps = [{ app = "sampler", transducers = ["temperature"], every = "1s" },
         { app = "actuator", actuator = "lamp" }]
 )",
-                                                 R"(
+                                               R"(
 [[proxy.field]]
 name = "temperature"
 channel = 1
@@ -398,11 +398,11 @@ rules = [{ when = "kitchen.board.temperature", above = 25, write = "kitchen.boar
 }
 
 TEST_CASE("a program of a class says what no table can", "[ecology][PXY-04]") {
-  const auto x = run_recorded(ecology_of(kitchen(R"(
+  const auto x = run_recorded(describe(kitchen(R"(
 transducers.presence = { model = "points", points = [["0s", 0.0], ["60s", 0.0], ["61s", 1.0], ["70s", 1.0], ["71s", 0.0]], resolution = 1 }
 apps = [{ app = "sampler", transducers = ["presence"], every = "1s" }]
 )",
-                                                 R"(
+                                               R"(
 program = "occupancy"
 settings = { presence = 0.5, hold_s = 20 }
 [[proxy.field]]

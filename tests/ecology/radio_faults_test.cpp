@@ -49,7 +49,7 @@ constexpr const char* chain = R"(
 )";
 
 runtime::report run_with(std::string_view faults) {
-  return run(ecology_of(std::string(chain).append(faults)));
+  return run(describe(std::string(chain).append(faults)));
 }
 
 } // namespace
@@ -122,8 +122,8 @@ TEST_CASE("a saturated sender goes on after a restart", "[ecology][radio][ACT-03
     mote = [{ id = 2, name = "busy", position_m = [5, 0], apps = [
       { app = "sender", to = "sink", pattern = "saturated" }] }]
   )";
-  const auto whole = run(ecology_of(toml));
-  const auto restarted = run(ecology_of(toml + R"(
+  const auto whole = run(describe(toml));
+  const auto restarted = run(describe(toml + R"(
     [[fault]]
     at = "5s"
     kind = "crash"

@@ -241,7 +241,7 @@ TEST_CASE("an actuator's input is pointed at another tuple while it runs, and fo
           "[ecology][META-05][PXY-12]") {
   for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
     CAPTURE(seed);
-    const auto x = run(ecology_of(lamp), seed);
+    const auto x = run(describe(lamp), seed);
     show(x);
     CHECK(x.violations.empty());
     const auto pointed = times(x, "rules-1", "writes hall.lamp.mi-switch = (META 32 right.light)");

@@ -52,7 +52,7 @@ apps = [
            << "]\n";
     }
   }
-  return ecology_of(toml.str());
+  return describe(toml.str());
 }
 
 struct load_result {

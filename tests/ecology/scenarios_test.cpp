@@ -294,7 +294,7 @@ TEST_CASE("a scenario runs equally twice, and otherwise with another seed", "[ec
 TEST_CASE("the trace of a shadowed hall is the same on every machine and in every build",
           "[ecology][radio][GEN-07]") {
   // Changes with any change of behaviour; must never differ between machines or build types.
-  const auto report = run(ecology_of(R"(
+  const auto report = run(describe(R"(
     ecology = { name = "shadows", duration = "5s" }
     radio.propagation = { model = "log_distance", shadowing = "6dB", asymmetry = "2dB" }
     radio.noise = { model = "constant", floor = "-95dBm" }
@@ -317,7 +317,7 @@ TEST_CASE("the trace of a shadowed hall is the same on every machine and in ever
 TEST_CASE("no packet crosses to another island of the same air", "[ecology][RTG-06][GEN-11]") {
   for (const bool promiscuous : {false, true}) {
     INFO("promiscuous " << promiscuous);
-    auto what = ecology_of(R"(
+    auto what = describe(R"(
       ecology = { name = "two", duration = "20s" }
       air = [{ name = "shared", islands = ["talks", "listens"] }]
       [[island]]
@@ -390,8 +390,8 @@ TEST_CASE("islands with an air of their own do not disturb each other", "[ecolog
     radius = "1m"
     apps = [{ app = "sender", to = "sink", pattern = "saturated" }]
   )";
-  const auto quiet = run(ecology_of(alone));
-  const auto both = run(ecology_of(noisy));
+  const auto quiet = run(describe(alone));
+  const auto both = run(describe(noisy));
   check_books(quiet);
   check_books(both);
   const auto& before = flow_to(quiet, "a/sink");
@@ -400,13 +400,13 @@ TEST_CASE("islands with an air of their own do not disturb each other", "[ecolog
   CHECK(before.delivered == after.delivered);
   CHECK(after.lost.empty());
   const auto shared = noisy + "\n[[air]]\nname = \"one\"\nislands = [\"a\", \"b\"]\n";
-  const auto disturbed = run(ecology_of(shared));
+  const auto disturbed = run(describe(shared));
   check_books(disturbed);
   CHECK(flow_to(disturbed, "a/sink").delay_mean_ms > after.delay_mean_ms);
 }
 
 TEST_CASE("a sink that is too slow for its motes overflows, and says so", "[ecology][radio]") {
-  const auto report = run(ecology_of(R"(
+  const auto report = run(describe(R"(
     ecology = { name = "flood", duration = "10s" }
     radio.propagation = { model = "log_distance" }
     [[island]]
@@ -439,7 +439,7 @@ TEST_CASE("a sink that is too slow for its motes overflows, and says so", "[ecol
 TEST_CASE("a mote that walks away is heard only while it is near", "[ecology][radio]") {
   // Unit disk of 30 m. It stands 5 m from the sink for 10 s, walks 100 m in 10 s and back in 10 s:
   // it is out of range from 12.5 s to 27.5 s, its place being known to a second.
-  auto what = ecology_of(R"(
+  auto what = describe(R"(
     ecology = { name = "walk", duration = "50s" }
     [[island]]
     id = 1
@@ -472,7 +472,7 @@ TEST_CASE("a mote that walks away is heard only while it is near", "[ecology][ra
 }
 
 TEST_CASE("flows run beside the island's own protocol", "[ecology][RTG-02][PXY-09]") {
-  const auto report = run(ecology_of(R"(
+  const auto report = run(describe(R"(
     ecology = { name = "both", duration = "2min" }
     [[island]]
     id = 1

@@ -45,7 +45,7 @@ config::ecology_description two_islands(int seconds, std::string_view serial = "
        << "decimals = 0\n"
        << "[[fault]]\nat = '500ms'\nkind = 'clock_step'\npeer = 'east-gateway'\nby = '5s'\n"
        << "[[fault]]\nat = '500ms'\nkind = 'clock_step'\npeer = 'pc'\nby = '-5s'\n";
-  return ecology_of(toml.str());
+  return describe(toml.str());
 }
 
 /// What the motes of an island say last, with their stamps.
