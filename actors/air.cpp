@@ -52,14 +52,14 @@ void perform(air_pointer self, radio::outputs todo) {
   self->state.wake.follow(self, self->state.channel.deadline());
 }
 
-runtime::radio_report report_of(const radio::books& x) {
+runtime::radio_report report_of(const radio::radio_counters& x) {
   runtime::radio_report r;
   r.sent = x.copies.sent;
-  r.delivered = x.copies.of(radio::copy_fate::delivered);
-  for (std::size_t i = 0; i < radio::copy_fates; ++i) {
-    const auto fate = static_cast<radio::copy_fate>(i);
-    if (fate != radio::copy_fate::delivered)
-      r.lost[radio::to_string(fate)] = x.copies.of(fate);
+  r.delivered = x.copies.of(radio::copy_outcome::delivered);
+  for (std::size_t i = 0; i < radio::copy_outcomes; ++i) {
+    const auto outcome = static_cast<radio::copy_outcome>(i);
+    if (outcome != radio::copy_outcome::delivered)
+      r.lost[radio::to_string(outcome)] = x.copies.of(outcome);
   }
   r.requests = x.requests.requests;
   r.mac_sent = x.requests.sent;
@@ -89,7 +89,7 @@ energy_status energy_of(air_pointer self, radio::radio_index radio) {
 void report(air_pointer self) {
   auto& state = self->state;
   perform(self, state.channel.on_time(now(self)));
-  std::map<island_id, radio::books> islands;
+  std::map<island_id, radio::radio_counters> islands;
   for (std::size_t i = 0; i < state.addresses.size(); ++i) {
     if (state.tells_energy[i])
       self->send(state.ecology, energy_of(self, radio::radio_index(static_cast<std::uint32_t>(i))));
@@ -97,8 +97,8 @@ void report(air_pointer self) {
   const auto counted = state.channel.counted_by_radio();
   for (std::size_t i = 0; i < state.addresses.size(); ++i) // sources of noise count nothing
     islands[state.addresses[i].island] += counted[i];
-  for (const auto& [island, books] : islands)
-    self->send(state.ecology, radio_status{island, report_of(books)});
+  for (const auto& [island, counters] : islands)
+    self->send(state.ecology, radio_status{island, report_of(counters)});
 }
 
 void follow_faults(air_pointer self) {

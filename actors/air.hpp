@@ -37,7 +37,7 @@ struct air_state {
   std::vector<noise_at_work> noises;
   std::vector<loss_at_work> losses;
   std::uint64_t noises_so_far = 0;
-  std::uint64_t seed = 0; ///< of their dice
+  std::uint64_t seed = 0; ///< of their random numbers
   ecology_actor ecology;
   timer wake;
   timer fault_wake{fault_timer};
@@ -53,7 +53,7 @@ struct extra_radios {
 /// Owns every radio of `channel`. @param addresses whose radio each is, by radio index; the PAN of
 /// a radio is its island's id
 /// @param extra how many of the last ones are not those of motes from the start
-/// @param seed of dice that only faults need
+/// @param seed of random numbers that only faults need
 /// @param observe may be empty
 air_actor::behavior_type air(scheduler::traced_pointer<air_state, air_actor> self,
                              radio::channel channel, std::vector<mote_address> addresses,

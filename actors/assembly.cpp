@@ -52,13 +52,13 @@ duration keep_alive_of(const config::island_description& island,
 /// @param who names a mote or a sink
 mote::crystal crystal_of(ecology_pointer self, const config::island_description& island,
                          const std::string& who) {
-  random_stream dice(self->state.description.seed, "crystal/" + who);
+  random_stream rng(self->state.description.seed, "crystal/" + who);
   const auto bound = static_cast<std::uint64_t>(island.crystal_ppm * 1000);
   mote::crystal_config x;
-  x.ppb = static_cast<std::int64_t>(dice.below(2 * bound + 1)) - static_cast<std::int64_t>(bound);
+  x.ppb = static_cast<std::int64_t>(rng.below(2 * bound + 1)) - static_cast<std::int64_t>(bound);
   x.wander_ppb = static_cast<std::int64_t>(island.crystal_wander_ppm * 1000);
   x.wander_period = island.crystal_wander_period;
-  x.phase = dice.between(0s, x.wander_period);
+  x.phase = rng.between(0s, x.wander_period);
   return mote::crystal(x);
 }
 

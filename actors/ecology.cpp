@@ -240,7 +240,7 @@ auto* draw(ecology_pointer self, Map& all, Predicate fits) {
     if (fits(x))
       found.push_back(&x);
   }
-  return found.empty() ? nullptr : found[self->state.dice.below(found.size())];
+  return found.empty() ? nullptr : found[self->state.rng.below(found.size())];
 }
 
 /// The mote that a fault names, or one that is drawn.
@@ -409,9 +409,9 @@ struct fault_applier : peer_fault_applier {
     } else {
       auto island = *x.island;
       if (island == config::any_island)
-        island = std::next(airs.begin(),
-                           static_cast<std::ptrdiff_t>(self->state.dice.below(airs.size())))
-                     ->first;
+        island =
+            std::next(airs.begin(), static_cast<std::ptrdiff_t>(self->state.rng.below(airs.size())))
+                ->first;
       self->send(airs.at(island), lose_frames{false, island, x.loss, x.length});
       tell_story(self, island_of(self, island).name, "radio loses frames for " + to_text(x.length));
       return;
@@ -586,7 +586,7 @@ void on_program(ecology_pointer self, const program_status& x) {
     part.every = end.every;
     parts.push_back(std::move(part));
   }
-  self->state.books.add(x.program, x.number, x.measured, parts);
+  self->state.counters.add(x.program, x.number, x.measured, parts);
 }
 
 void schedule_sample(ecology_pointer self) {
@@ -627,8 +627,8 @@ void on_sample(ecology_pointer self, const sample_status& x) {
   if (state.process.judge == nullptr)
     return;
   for (const auto& [number, missed] : x.missed)
-    state.process.judge->on_vectors(x.who, number,
-                                    missed + state.books.vectors_missed(x.who, number), now(self));
+    state.process.judge->on_vectors(
+        x.who, number, missed + state.counters.vectors_missed(x.who, number), now(self));
   if (!x.has_address || !x.has_clock)
     return;
   auto& samples = state.sampled[x.address.island];
@@ -836,7 +836,7 @@ runtime::run_truth truth_of(ecology_pointer self) {
   }
   if (has_settled_peers(self))
     truth.peers = views_of(self);
-  truth.half_open = state.books.half_open();
+  truth.half_open = state.counters.half_open();
   for (const auto& [address, table] : state.channel_tables)
     if (is_quiet(self, address.island))
       for (const auto& id : table)
@@ -891,7 +891,7 @@ void deliver(ecology_pointer self) {
   compare_clocks(self);
   report.simulated = now(self).time_since_epoch();
   std::ranges::sort(report.peers, {}, &runtime::peer_report::id);
-  self->state.books.settle(report);
+  self->state.counters.settle(report);
   for (auto& x : runtime::check_all(report, truth_of(self)))
     report.violations.push_back(std::move(x));
   if (report.islands.empty() && report.peers.empty())
@@ -913,7 +913,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
   self->state.process = std::move(process);
   self->state.plan = runtime::plan_faults(self->state.description);
-  self->state.dice = random_stream(self->state.description.seed, self->path() + "/faults");
+  self->state.rng = random_stream(self->state.description.seed, self->path() + "/faults");
   prepare_report(self);
   assemble(self);
   for (auto& island : self->state.description.islands)
@@ -938,7 +938,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
           self->state.flows[{part.from, part.to}] += part;
       },
       [self](const message_status& x) {
-        self->state.books.add(x.who, x.is_pc, x.messages, x.arrivals);
+        self->state.counters.add(x.who, x.is_pc, x.messages, x.arrivals);
       },
       [self](const network_status& x) {
         if (!on_double_network(self, x))
@@ -956,7 +956,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
         self->state.peer_views[x.peer.id] = {x.peer.id, x.peer.name, x.hosts, x.neighbours,
                                              x.clock_offset};
       },
-      [self](const proxy_status& x) { self->state.books.add(x.proxy, x.ended); },
+      [self](const proxy_status& x) { self->state.counters.add(x.proxy, x.ended); },
       [self](const program_status& x) { on_program(self, x); },
       [self](const sample_status& x) { on_sample(self, x); },
       [self](take_sample) { on_take_sample(self); },

@@ -19,11 +19,11 @@
 #include "core/random.hpp"
 #include "io/loop.hpp"
 #include "rfid/reader.hpp"
-#include "runtime/books.hpp"
 #include "runtime/expectations.hpp"
 #include "runtime/fault_plan.hpp"
 #include "runtime/invariants.hpp"
 #include "runtime/report.hpp"
+#include "runtime/run_counters.hpp"
 
 namespace rubicon {
 
@@ -143,7 +143,7 @@ struct collected_answers {
   std::map<peer_id, runtime::peer_view> peer_views; ///< as the peers say at the end
   std::map<island_id, island_clocks> clocks;
   runtime::report report;
-  runtime::books books;
+  runtime::run_counters counters;
   std::map<mote_address, std::vector<network::channel_id>> channel_tables; ///< of the living
   std::map<std::pair<mote_address, mote_address>, flow::part> flows;       ///< by origin and target
   std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
@@ -184,7 +184,7 @@ struct ecology_state : collected_answers {
   std::size_t next_fault = 0;                    ///< in `plan`
   std::uint64_t lan_faults = 0;                  ///< so far
   std::uint64_t stations = 0;                    ///< so far
-  random_stream dice;                            ///< draws whom a fault hits
+  random_stream rng;                             ///< draws whom a fault hits
   std::map<island_id, instant> last_clock_fault; ///< clocks set, and sinks started again
   instant last_lan_fault;                        ///< when the simulated network last changed
   instant last_outside_change;                   ///< of a link to another process

@@ -27,13 +27,13 @@ public:
 
   template <class Self>
   void start(Self self, const std::vector<config::mote_app>& apps, mote_address address,
-             radio::radio_index radio, air_actor air, random_stream dice) {
+             radio::radio_index radio, air_actor air, random_stream rng) {
     radio_ = radio;
     air_ = std::move(air);
     const auto config = config_of(apps);
     if (config.empty())
       return;
-    program_ = std::make_unique<flow::program>(config, address, dice);
+    program_ = std::make_unique<flow::program>(config, address, rng);
     perform(self, program_->start(now(self)));
   }
 

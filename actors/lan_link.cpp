@@ -94,7 +94,7 @@ void transmit(peer_pointer self, peis::link_id id, payload octets) {
   if (link.condition.loss > 0) {
     auto rest = peis::without_lost_packages(octets.view(),
                                             begins_with_request ? peis::connect_request_size : 0,
-                                            [&] { return state.dice.chance(link.condition.loss); });
+                                            [&] { return state.rng.chance(link.condition.loss); });
     state.packages_lost += rest.lost;
     const auto request =
         std::min(begins_with_request ? peis::connect_request_size : std::size_t{0}, octets.size());

@@ -94,7 +94,7 @@ struct listing_changed {
 };
 RUBICON_FIELDS(listing_changed, mote, listed, incarnation, cause);
 
-/// Of one island's radios: the two books.
+/// Of one island's radios: copies and requests.
 struct radio_status {
   island_id island;
   runtime::radio_report radio;
@@ -329,7 +329,8 @@ struct radio_done {
   radio::send_status status = radio::send_status::sent;
   unsigned transmissions = 0;
   bool arrived = false; ///< its destination has it; only a simulated air knows
-  radio::copy_fate last = radio::copy_fate::out_of_reach; ///< of the last copy at its destination
+  radio::copy_outcome last =
+      radio::copy_outcome::out_of_reach; ///< of the last copy at its destination
 };
 RUBICON_FIELDS(radio_done, token, status, transmissions, arrived, last);
 

@@ -245,8 +245,8 @@ struct report_starter {
 
   void operator()(const apps::sampler_config& x) const {
     const auto path = path_of("sampler", x.channel);
-    const random_stream dice(self->state.arguments->seed, path);
-    begin(path, std::make_unique<apps::sampler>(x, dice));
+    const random_stream rng(self->state.arguments->seed, path);
+    begin(path, std::make_unique<apps::sampler>(x, rng));
   }
   void operator()(const apps::actuator_config& x) const {
     const auto state = self->state.node->actuator_state(x.actuator, {}).value_or(0);

@@ -127,7 +127,7 @@ supervised_peer* find_running(ecology_pointer self, peer_id id) {
   const auto& all = peers.empty() ? gateways : peers;
   if (all.empty())
     return nullptr;
-  return all.size() == 1 ? all.front() : all[self->state.dice.below(all.size())];
+  return all.size() == 1 ? all.front() : all[self->state.rng.below(all.size())];
 }
 
 void restart(ecology_pointer self, supervised_peer& peer) {

@@ -116,7 +116,7 @@ void on_announce(lan_pointer self, const lan_announce& x) {
     if (number == x.station || other.user == nullptr || !other.hears)
       continue;
     const auto condition = condition_between(self, from->second, other);
-    if (!condition.cut && !state.dice.chance(condition.loss))
+    if (!condition.cut && !state.rng.chance(condition.loss))
       self->delayed_send(other.user, state.network.delay, announcement{x.octets});
   }
 }
@@ -161,7 +161,7 @@ peis_lan_actor::behavior_type peis_lan(lan_pointer self, config::peis_descriptio
   scheduler::tell_monitors_of_exceptions(self);
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
   self->state.network = network;
-  self->state.dice = random_stream(seed, self->path());
+  self->state.rng = random_stream(seed, self->path());
   return {
       [self](const join_lan& x) { on_join(self, x); },
       [self](const lan_connect& x) { on_connect(self, x); },

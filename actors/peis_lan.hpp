@@ -36,7 +36,7 @@ struct peis_lan_state {
   };
 
   config::peis_description network;
-  random_stream dice;
+  random_stream rng;
   std::map<std::uint64_t, station> stations;
   std::map<std::uint64_t, link> links;
   std::map<std::uint64_t, fault> faults;

@@ -519,13 +519,12 @@ void open_real_links(peer_pointer self) {
 void start(peer_pointer self) {
   auto& state = self->state;
   const auto& arguments = state.arguments;
-  state.dice = random_stream(arguments.seed, self->path() + "/network");
+  state.rng = random_stream(arguments.seed, self->path() + "/network");
   open_real_links(self);
-  const auto dice_path =
+  const auto rng_path =
       self->path() +
       (arguments.incarnation == 0 ? std::string() : '#' + std::to_string(arguments.incarnation));
-  state.kernel =
-      peis::kernel(arguments.config, random_stream(arguments.seed, dice_path), now(self));
+  state.kernel = peis::kernel(arguments.config, random_stream(arguments.seed, rng_path), now(self));
   if (arguments.lan)
     self->send(arguments.lan, join_lan{arguments.station,
                                        arguments.config.network.id,

@@ -56,7 +56,7 @@ struct peis_peer_state {
 
   peis_peer_arguments arguments;
   peis::kernel kernel;
-  random_stream dice;
+  random_stream rng;
   std::map<peis::link_id, link_end> links;
   std::set<peis::link_id> tcp_links; ///< open ones
   std::unique_ptr<real_links> real;  ///< nullptr: none

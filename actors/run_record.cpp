@@ -336,7 +336,7 @@ void run_record::write(const radio::overheard& x) {
   r.what = kind::frame;
   r.time = x.begin;
   r.mote.island = island_id(x.pan);
-  r.text = radio::to_string(x.fate);
+  r.text = radio::to_string(x.outcome);
   r.octets = to_bytes(x.psdu.view());
   r.yes = x.received;
   r.cause = recorded_cause(x.from.number());

@@ -13,16 +13,16 @@ namespace rubicon::apps {
 namespace {
 
 struct maker {
-  random_stream dice;
+  random_stream rng;
 
   std::unique_ptr<application> operator()(const stream_writer_config& x) const {
-    return std::make_unique<stream_writer>(x, dice);
+    return std::make_unique<stream_writer>(x, rng);
   }
   std::unique_ptr<application> operator()(const stream_reader_config& x) const {
     return std::make_unique<stream_reader>(x);
   }
   std::unique_ptr<application> operator()(const reservoir_config& x) const {
-    return std::make_unique<reservoir>(x, dice);
+    return std::make_unique<reservoir>(x, rng);
   }
   std::unique_ptr<application> operator()(const readout_config& x) const {
     return std::make_unique<readout>(x);
@@ -37,14 +37,14 @@ struct maker {
     return std::make_unique<recorder>(x);
   }
   std::unique_ptr<application> operator()(const custom_config& x) const {
-    return x.kind->make(x.values, dice);
+    return x.kind->make(x.values, rng);
   }
 };
 
 } // namespace
 
-std::unique_ptr<application> make_application(const app_config& config, random_stream dice) {
-  return std::visit(maker{dice}, config);
+std::unique_ptr<application> make_application(const app_config& config, random_stream rng) {
+  return std::visit(maker{rng}, config);
 }
 
 } // namespace rubicon::apps

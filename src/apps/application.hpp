@@ -101,6 +101,6 @@ private:
 };
 
 [[nodiscard]] std::unique_ptr<application> make_application(const app_config& config,
-                                                            random_stream dice);
+                                                            random_stream rng);
 
 } // namespace rubicon::apps

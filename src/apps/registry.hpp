@@ -54,8 +54,8 @@ struct application_kind {
   std::string name; ///< `app = "NAME"`; none of ours has it
   std::vector<setting_key> keys;
   /// Called once for each life of each application, so that no two share state.
-  /// @param dice its own
-  std::function<std::unique_ptr<application>(const settings& x, random_stream dice)> make;
+  /// @param rng its own
+  std::function<std::unique_ptr<application>(const settings& x, random_stream rng)> make;
   std::size_t streams = 0; ///< that it has open at most, of each sort
 };
 

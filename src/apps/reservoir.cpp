@@ -18,7 +18,7 @@ double tanh(double x) {
 
 } // namespace
 
-reservoir::reservoir(reservoir_config config, random_stream dice)
+reservoir::reservoir(reservoir_config config, random_stream rng)
     : synaptic_application(config.from, config.to), config_(std::move(config)),
       senses_(config_.transducers.size()), states_(config_.units) {
   std::size_t remote = 0;
@@ -27,7 +27,7 @@ reservoir::reservoir(reservoir_config config, random_stream dice)
   for (std::size_t i = 0; i < config_.units; ++i) {
     auto& row = weights_.emplace_back();
     for (std::size_t k = 0; k < senses_.size() + states_.size() + remote; ++k)
-      row.push_back(2 * dice.unit() - 1);
+      row.push_back(2 * rng.unit() - 1);
     double sum = 0; // of a row of the units' own weights: its greatest bounds the spectral radius
     for (std::size_t k = 0; k < states_.size(); ++k)
       sum += std::abs(row[senses_.size() + k]);

@@ -13,7 +13,7 @@ namespace rubicon::apps {
 /// scaled to -1..1 by their range so far, and the values r of the in channels. Weights are drawn.
 class reservoir final : public synaptic_application {
 public:
-  reservoir(reservoir_config config, random_stream dice);
+  reservoir(reservoir_config config, random_stream rng);
 
   void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
   void clock_tick(std::uint32_t tick) override;

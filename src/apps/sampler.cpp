@@ -8,8 +8,8 @@
 
 namespace rubicon::apps {
 
-sampler::sampler(sampler_config config, random_stream dice)
-    : config_(std::move(config)), dice_(dice),
+sampler::sampler(sampler_config config, random_stream rng)
+    : config_(std::move(config)), rng_(rng),
       means_(config_.mean_of.begin(), config_.mean_of.end()) {}
 
 std::optional<duration> sampler::period() const {
@@ -39,12 +39,12 @@ void sampler::on_time(instant now) {
   if (std::exchange(begins_, false)) {
     every_ = period();
     sent_.clear();
-    due_ = next_period_ = every_ ? now + dice_.between(0s, *every_) : now;
+    due_ = next_period_ = every_ ? now + rng_.between(0s, *every_) : now;
   } else if (every_ && due_ <= now) {
     sampled_ = now;
     layer().read_transducers(config_.transducers);
     next_period_ += *every_;
-    due_ = next_period_ + dice_.between(0s, config_.jitter);
+    due_ = next_period_ + rng_.between(0s, config_.jitter);
   }
 }
 

@@ -16,7 +16,7 @@ namespace rubicon::apps {
 /// it has sent, the first of a phase, and what would come too late if it waited for the next.
 class sampler final : public application {
 public:
-  sampler(sampler_config config, random_stream dice);
+  sampler(sampler_config config, random_stream rng);
 
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override;
@@ -31,7 +31,7 @@ private:
   [[nodiscard]] bool is_news(const std::vector<std::int16_t>& counts) const;
 
   sampler_config config_;
-  random_stream dice_;
+  random_stream rng_;
   std::vector<running_mean> means_; ///< of each transducer; empty: counts go as they are
   bool in_island_ = false;
   std::optional<mote::output_wanted> wanted_; ///< of its channel, by the gateway

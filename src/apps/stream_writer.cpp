@@ -33,7 +33,7 @@ void stream_writer::give_up() {
   ++opens_failed_;
   stop();
   if (is_member_)
-    retry_ = layer().now() + dice_.between(pause / 2, 2 * pause);
+    retry_ = layer().now() + rng_.between(pause / 2, 2 * pause);
 }
 
 /// Whatever is open is closed.
@@ -79,7 +79,7 @@ void stream_writer::readDone(int stream, byte_view record, mote::status success)
   }
   ++unwritten_;
   stop();
-  retry_ = layer().now() + dice_.between(pause / 2, 2 * pause);
+  retry_ = layer().now() + rng_.between(pause / 2, 2 * pause);
 }
 
 void stream_writer::on_time(instant now) {

@@ -9,9 +9,9 @@ namespace rubicon::apps {
 /// An open that fails, of the remote stream or of the sensor's, is counted, and tried again.
 class stream_writer final : public application {
 public:
-  /// @param dice of its pauses: writers that have failed together do not go on together
-  explicit stream_writer(stream_writer_config config, random_stream dice = random_stream(1))
-      : config_(config), dice_(dice) {}
+  /// @param rng of its pauses: writers that have failed together do not go on together
+  explicit stream_writer(stream_writer_config config, random_stream rng = random_stream(1))
+      : config_(config), rng_(rng) {}
 
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override { return retry_; }
@@ -29,7 +29,7 @@ private:
   void stop();
 
   stream_writer_config config_;
-  random_stream dice_;
+  random_stream rng_;
   bool is_member_ = false;
   int sensor_ = -1;
   int remote_ = -1;

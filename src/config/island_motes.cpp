@@ -228,9 +228,9 @@ void island_motes::note_programs(const std::vector<placed_app>& placed, std::siz
 void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_t count,
                              const mote_description& like, const std::string& prefix) {
   std::vector<position> places;
-  const layout_dice dice{with_.seed, island_.name + "/layout/" + std::to_string(first)};
+  const layout_rng rng{with_.seed, island_.name + "/layout/" + std::to_string(first)};
   if (positions_matter_ || in.has("layout") || in.walks())
-    places = read_layout(in, count, dice);
+    places = read_layout(in, count, rng);
   bool ids_are_free = true;
   bool has_node = true;
   bool has_traces = true;

@@ -69,12 +69,12 @@ void read_ring(table_reader& in, std::vector<position>& out) {
     out[i] = around(centre, radius_m, static_cast<double>(i) / static_cast<double>(out.size()));
 }
 
-void read_disk(table_reader& in, std::vector<position>& out, const layout_dice& dice) {
+void read_disk(table_reader& in, std::vector<position>& out, const layout_rng& rng) {
   double radius_m = 0;
   position centre;
   in.required("radius", radius_kind, radius_m, "from the centre");
   in.optional("centre", place{}, centre, "its middle");
-  random_stream stream(dice.seed, dice.path);
+  random_stream stream(rng.seed, rng.path);
   for (auto& each : out) {
     const auto share = std::sqrt(stream.unit()); // as many within half the radius as its area holds
     each = around(centre, radius_m * share, stream.unit());
@@ -88,14 +88,14 @@ bool is_far(const position& x) {
 
 } // namespace
 
-std::vector<position> read_layout(table_reader& in, std::size_t count, const layout_dice& dice) {
+std::vector<position> read_layout(table_reader& in, std::size_t count, const layout_rng& rng) {
   std::vector<position> out(count);
   const auto before = in.problems().size();
   in.one_of("layout", "how they stand; with `model = \"gains\"` it may be left out",
             {{"grid", [&](table_reader& x) { read_grid(x, out); }},
              {"line", [&](table_reader& x) { read_line(x, out); }},
              {"ring", [&](table_reader& x) { read_ring(x, out); }},
-             {"disk", [&](table_reader& x) { read_disk(x, out, dice); }}},
+             {"disk", [&](table_reader& x) { read_disk(x, out, rng); }}},
             {}, false);
   if (in.problems().size() != before)
     return {};

@@ -11,8 +11,8 @@
 
 namespace rubicon::config {
 
-/// Whose dice place the motes of a disk.
-struct layout_dice {
+/// Whose random numbers place the motes of a disk.
+struct layout_rng {
   std::uint64_t seed = 1;
   std::string path; ///< unlike that of any other group
 };
@@ -20,6 +20,6 @@ struct layout_dice {
 /// layout = "grid", "line", "ring" or "disk" with its keys.
 /// @returns `count` places; nothing if there was a mistake
 [[nodiscard]] std::vector<position> read_layout(table_reader& in, std::size_t count,
-                                                const layout_dice& dice);
+                                                const layout_rng& rng);
 
 } // namespace rubicon::config

@@ -16,7 +16,7 @@ public:
   explicit random_stream(std::uint64_t seed = 0);
 
   /// The stream of one actor: depends on the ecology's seed and the actor's path alone, so adding a
-  /// mote does not shift another's dice.
+  /// mote does not shift another's random numbers.
   random_stream(std::uint64_t ecology_seed, std::string_view path);
 
   [[nodiscard]] std::uint64_t next();

@@ -41,8 +41,8 @@ peer_message message_of(transport::to_network x) {
           encode(network::gateway_packet{mote, x.channel, std::move(x.segment)})};
 }
 
-pc::pc(pc_config config, random_stream dice)
-    : config_(config), layer_(std::make_unique<mote::layer>(layer_of(config), dice)) {
+pc::pc(pc_config config, random_stream rng)
+    : config_(config), layer_(std::make_unique<mote::layer>(layer_of(config), rng)) {
   if (!config_.awaits_clock)
     ahead_ = 0s;
   if (config_.answer_slack) {

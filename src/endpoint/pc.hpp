@@ -57,7 +57,7 @@ struct pc_counters {
 class pc {
 public:
   pc() = default;
-  pc(pc_config config, random_stream dice);
+  pc(pc_config config, random_stream rng);
 
   /// A program on this PC. Commands that are not given from within an event are preceded by begin()
   /// and followed by settle(). @param events outlives this

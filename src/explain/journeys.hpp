@@ -45,7 +45,7 @@ enum class cargo : std::uint8_t {
 /// One frame on the air, one write to a line, one package on a link.
 struct attempt {
   instant begin;
-  std::string fate; ///< `delivered`, or why not
+  std::string outcome; ///< `delivered`, or why not
   bool arrived = false;
 };
 

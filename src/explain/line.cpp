@@ -40,9 +40,9 @@ void line_follower::on_write(const record& r) {
   under_way.push_back(std::move(write));
 }
 
-void line_follower::tell(const written& x, const char* fate) {
+void line_follower::tell(const written& x, const char* outcome) {
   if (x.hop != no_node)
-    all_.at(x.hop).attempts[x.attempt].fate = fate;
+    all_.at(x.hop).attempts[x.attempt].outcome = outcome;
 }
 
 void line_follower::on_octets(const record& r) {

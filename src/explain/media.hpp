@@ -62,7 +62,7 @@ private:
     std::array<std::deque<written>, 2> under_way; ///< by direction
   };
 
-  void tell(const written& x, const char* fate);
+  void tell(const written& x, const char* outcome);
 
   growth& all_;
   message_follower& messages_;

@@ -12,34 +12,34 @@ namespace {
 constexpr duration patience = 60s;
 
 /// As people say it.
-std::string words_of(const std::string& fate) {
-  if (fate == "loss")
+std::string words_of(const std::string& outcome) {
+  if (outcome == "loss")
     return "lost in the air";
-  if (fate == "weak")
+  if (outcome == "weak")
     return "too weak";
-  if (fate == "off")
+  if (outcome == "off")
     return "a radio was off";
-  if (fate == "captured")
+  if (outcome == "captured")
     return "the receiver heard another frame";
-  if (fate == "half_duplex")
+  if (outcome == "half_duplex")
     return "the receiver was sending";
-  if (fate == "overflow")
+  if (outcome == "overflow")
     return "no receive buffer";
-  if (fate == "out_of_reach")
+  if (outcome == "out_of_reach")
     return "out of range";
-  if (fate == "filtered")
+  if (outcome == "filtered")
     return "nobody there has this address";
-  if (fate == "nobody")
+  if (outcome == "nobody")
     return "heard by nobody";
-  if (fate == "channel_access_failure")
+  if (outcome == "channel_access_failure")
     return "the channel was busy too often";
-  if (fate == "no_ack")
+  if (outcome == "no_ack")
     return "no acknowledgement";
-  if (fate == "queue_full")
+  if (outcome == "queue_full")
     return "the radio's queue was full";
-  if (fate == "aborted")
+  if (outcome == "aborted")
     return "the radio was switched off";
-  return fate.empty() ? "not answered" : fate;
+  return outcome.empty() ? "not answered" : outcome;
 }
 
 retries retries_of(const journeys& all, const message& x) {
@@ -79,7 +79,7 @@ bool is_given_up(const node* last) {
   if (last == nullptr || last->arrived)
     return false;
   if (last->over == medium::serial)
-    return !last->attempts.empty() && !last->attempts.back().fate.empty();
+    return !last->attempts.empty() && !last->attempts.back().outcome.empty();
   return !last->failure.empty();
 }
 
@@ -95,15 +95,15 @@ std::string stuck_at(const journeys& all, const node& hop) {
 
 } // namespace
 
-std::string_view to_string(fate x) {
+std::string_view to_string(message_status x) {
   switch (x) {
-  case fate::delivered:
+  case message_status::delivered:
     return "delivered";
-  case fate::lost:
+  case message_status::lost:
     return "lost";
-  case fate::refused:
+  case message_status::refused:
     return "refused";
-  case fate::under_way:
+  case message_status::under_way:
     return "under way";
   }
   return "unknown";
@@ -119,15 +119,15 @@ std::string failures(const node& x) {
   for (const auto& each : x.attempts) {
     if (each.arrived)
       continue;
-    const auto fate = words_of(each.fate);
-    if (!runs.empty() && runs.back().first == fate)
+    const auto outcome = words_of(each.outcome);
+    if (!runs.empty() && runs.back().first == outcome)
       ++runs.back().second;
     else
-      runs.emplace_back(fate, 1);
+      runs.emplace_back(outcome, 1);
   }
   std::string text;
-  for (const auto& [fate, times] : runs)
-    text += (text.empty() ? "" : ", ") + (times > 1 ? std::to_string(times) + " × " : "") + fate;
+  for (const auto& [outcome, times] : runs)
+    text += (text.empty() ? "" : ", ") + (times > 1 ? std::to_string(times) + " × " : "") + outcome;
   return text;
 }
 
@@ -168,12 +168,12 @@ outcome outcome_of(const journeys& all, const message& x) {
   y.retries = retries_of(all, x);
   const auto begun = all.nodes[x.root].begin;
   if (x.delivered) {
-    y.fate = fate::delivered;
+    y.status = message_status::delivered;
     y.took = *x.delivered - begun;
     return y;
   }
   if (x.refused) {
-    y.fate = fate::refused;
+    y.status = message_status::refused;
     y.why = "its mote did not take it: no island joined, or too much waits already";
     return y;
   }
@@ -181,7 +181,7 @@ outcome outcome_of(const journeys& all, const message& x) {
   const auto quiet_since = last != nullptr ? last->time() : begun;
   const bool is_over =
       x.failed || all.end - quiet_since > patience || (!x.is_reliable && is_given_up(last));
-  y.fate = is_over ? fate::lost : fate::under_way;
+  y.status = is_over ? message_status::lost : message_status::under_way;
   if (last == nullptr) {
     y.why = "it never left the sender";
   } else if (last->of == cargo::greeting_answer && last->arrived) {

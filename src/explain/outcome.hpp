@@ -10,14 +10,14 @@
 
 namespace rubicon::explain {
 
-enum class fate : std::uint8_t {
+enum class message_status : std::uint8_t {
   delivered,
   lost,      ///< not there, and nobody carries it any more
   refused,   ///< by the sender's own mote, at once
   under_way, ///< at the end of the record
 };
 
-[[nodiscard]] std::string_view to_string(fate x);
+[[nodiscard]] std::string_view to_string(message_status x);
 
 /// Tries beyond the first of each hop or message.
 struct retries {
@@ -28,7 +28,7 @@ struct retries {
 };
 
 struct outcome {
-  explain::fate fate = explain::fate::under_way;
+  message_status status = message_status::under_way;
   std::optional<duration> took; ///< until it was delivered
   explain::retries retries;
   std::string where; ///< it was lost: `kitchen/mote-5 → kitchen/sink`; empty: nowhere special
@@ -40,7 +40,7 @@ struct outcome {
 /// What kept a hop from arriving, such as `4 tries: collision, 3 × out of reach`; empty if it did.
 [[nodiscard]] std::string obstacle(const node& x);
 
-/// `collision, 3 × loss`: fates of those attempts that did not arrive, in order.
+/// `collision, 3 × loss`: outcomes of those attempts that did not arrive, in order.
 [[nodiscard]] std::string failures(const node& x);
 
 /// Attempts beyond the first of each piece.

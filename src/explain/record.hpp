@@ -61,7 +61,7 @@ struct record {
   mote_address mote;         ///< the other mote: destination or source
   std::int32_t peer = 0;     ///< owner of a tuple
   std::uint16_t channel = 0; ///< AM type
-  std::string text;          ///< key, status, fate, name, story, what has begun
+  std::string text;          ///< key, status, outcome, name, story, what has begun
   bytes octets;              ///< frame, payload, value
   std::uint32_t count = 0;   ///< transmissions; 1 to_mote, 0 to_pc; state of an actuator
   bool yes = false;          ///< acked, received, reliable, deleted, plugged, text

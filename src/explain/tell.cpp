@@ -109,8 +109,8 @@ std::string conclusion(const journeys& all, const message& x, const paper& on) {
   const auto y = outcome_of(all, x);
   std::string text;
   auto how = look::good;
-  switch (y.fate) {
-  case fate::delivered:
+  switch (y.status) {
+  case message_status::delivered:
     text = "delivered after " + span(*y.took);
     if (x.acknowledged)
       text += ", acknowledged after " + span(*x.acknowledged - all.nodes[x.root].begin);
@@ -119,17 +119,17 @@ std::string conclusion(const journeys& all, const message& x, const paper& on) {
     else if (x.is_reliable)
       text += ", no acknowledgement reached the sender";
     break;
-  case fate::lost:
+  case message_status::lost:
     how = look::bad;
     text = "lost" + (y.where.empty() ? ": " : " between " + y.where + ": ") + y.why;
     if (x.failed)
       text += "; reported failed to the sender at " + clock(*x.failed) + " s";
     break;
-  case fate::refused:
+  case message_status::refused:
     how = look::bad;
     text = "refused: " + y.why;
     break;
-  case fate::under_way:
+  case message_status::under_way:
     how = look::plain;
     text = "under way when the record ends" + (y.why.empty() ? "" : " (" + y.why + ')');
     break;
@@ -252,8 +252,8 @@ std::vector<std::size_t> selected(const journeys& all, const listing& asked) {
     const auto& x = all.messages[i];
     if (!is_from(all, x, asked.from))
       continue;
-    const auto how = asked.lost_only ? outcome_of(all, x).fate : fate::lost;
-    if (how == fate::lost || how == fate::refused)
+    const auto how = asked.lost_only ? outcome_of(all, x).status : message_status::lost;
+    if (how == message_status::lost || how == message_status::refused)
       out.push_back(i);
   }
   if (asked.limit != 0 && out.size() > asked.limit)
@@ -268,8 +268,8 @@ std::vector<std::pair<std::string, std::size_t>> loss_causes(const journeys& all
     if (!is_from(all, x, asked.from))
       continue;
     const auto how = outcome_of(all, x);
-    if (how.fate == fate::lost || how.fate == fate::refused)
-      ++counts[how.fate == fate::refused ? "refused: " + how.why : how.why];
+    if (how.status == message_status::lost || how.status == message_status::refused)
+      ++counts[how.status == message_status::refused ? "refused: " + how.why : how.why];
   }
   std::vector<std::pair<std::string, std::size_t>> sorted(counts.begin(), counts.end());
   std::stable_sort(sorted.begin(), sorted.end(),
@@ -315,29 +315,30 @@ std::string tell_list(const journeys& all, const listing& asked, const paper& on
   std::size_t counts[4] = {};
   for (const auto& x : all.messages)
     if (is_from(all, x, asked.from))
-      ++counts[static_cast<std::size_t>(outcome_of(all, x).fate)];
+      ++counts[static_cast<std::size_t>(outcome_of(all, x).status)];
   for (const auto i : shown) {
     const auto& x = all.messages[i];
     const auto how = outcome_of(all, x);
-    const bool is_bad = how.fate == fate::lost || how.fate == fate::refused;
+    const bool is_bad = how.status == message_status::lost || how.status == message_status::refused;
     rows.add(
         {clock(all.nodes[x.root].begin),
          x.name,
          all.known.of(x.destination),
          x.content ? content_text(x) : "",
          how.took ? span(*how.took) : "",
-         {std::string(to_string(how.fate)) +
+         {std::string(to_string(how.status)) +
               (how.why.empty() ? "" : ": " + (how.where.empty() ? "" : how.where + ", ") + how.why),
           is_bad ? look::bad : look::plain}});
   }
-  const auto of = [&](fate x) { return counts[static_cast<std::size_t>(x)]; };
-  const auto total = of(fate::delivered) + of(fate::lost) + of(fate::refused) + of(fate::under_way);
+  const auto of = [&](message_status x) { return counts[static_cast<std::size_t>(x)]; };
+  const auto total = of(message_status::delivered) + of(message_status::lost) +
+                     of(message_status::refused) + of(message_status::under_way);
   auto text = title(printable(all.about.ecology) + ", seed " + std::to_string(all.about.seed) +
                         ", " + clock(all.end) + " s: " + runtime::counted(total, "message") +
                         (asked.from.empty() ? "" : " from " + printable(asked.from)) + ", " +
-                        std::to_string(of(fate::delivered)) + " delivered, " +
-                        std::to_string(of(fate::lost) + of(fate::refused)) + " lost, " +
-                        std::to_string(of(fate::under_way)) + " under way",
+                        std::to_string(of(message_status::delivered)) + " delivered, " +
+                        std::to_string(of(message_status::lost) + of(message_status::refused)) +
+                        " lost, " + std::to_string(of(message_status::under_way)) + " under way",
                     on);
   text += histogram(all, asked, on) + rows.render(never_cut, on.colour);
   if (fits > shown.size())

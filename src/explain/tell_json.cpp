@@ -96,7 +96,7 @@ json step_of(const journeys& all, node_index n, std::size_t depth) {
     y["pieces"] = x.pieces;
     auto& attempts = y["attempts"] = json::array();
     for (const auto& each : x.attempts)
-      attempts.push_back({{"time_s", in_seconds(each.begin)}, {"fate", each.fate}});
+      attempts.push_back({{"time_s", in_seconds(each.begin)}, {"outcome", each.outcome}});
     if (!x.arrived)
       y["why"] = obstacle(x);
   }
@@ -128,7 +128,7 @@ json summary_of(const journeys& all, std::size_t index) {
               {"to", all.known.of(x.destination)},
               {"channel", x.channel},
               {"reliable", x.is_reliable},
-              {"outcome", to_string(y.fate)}};
+              {"outcome", to_string(y.status)}};
   if (x.content)
     out["octets"] = to_hex(*x.content);
   if (y.took)

@@ -17,11 +17,11 @@ bool is_broadcast(std::pair<mote_id, mote_id> flow) {
 
 } // namespace
 
-program::program(const program_config& config, mote_address self, random_stream dice)
+program::program(const program_config& config, mote_address self, random_stream rng)
     : relay_(config.relay), receives_(config.receives), self_(self) {
   for (const auto& x : config.senders) {
     assert(x.payload >= payload_min && x.payload <= payload_max);
-    senders_.push_back({x, schedule(x, random_stream(dice.next()))});
+    senders_.push_back({x, schedule(x, random_stream(rng.next()))});
     static_cast<void>(flow_of({self.mote, x.to}));
   }
 }

@@ -75,7 +75,7 @@ public:
   /// @param self flows end in the island they begin in
   /// @pre of each sender: payload in payload_min..payload_max, every > 0 unless it is saturated,
   /// jitter >= 0
-  program(const program_config& config, mote_address self, random_stream dice);
+  program(const program_config& config, mote_address self, random_stream rng);
 
   /// Once, before anything else.
   [[nodiscard]] outputs start(instant now);

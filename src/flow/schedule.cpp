@@ -24,10 +24,10 @@ instant later(instant at, duration x) {
 
 } // namespace
 
-schedule::schedule(const sender_config& config, random_stream dice)
+schedule::schedule(const sender_config& config, random_stream rng)
     : pattern_(config.pattern), every_(config.every), jitter_(config.jitter),
       start_(instant_of(config.start)), stop_(instant_of(config.stop)), count_(config.count),
-      dice_(dice) {
+      rng_(rng) {
   assert(pattern_ == arrivals::saturated || every_ > 0s);
   assert(jitter_ >= 0s);
 }
@@ -42,14 +42,14 @@ void schedule::start(instant now) {
     plan(first_of_poisson(now));
     return;
   case arrivals::saturated:
-    plan(later(std::max(now, start_.value_or(now)), dice_.between(0s, phase_max)));
+    plan(later(std::max(now, start_.value_or(now)), rng_.between(0s, phase_max)));
     return;
   }
 }
 
 instant schedule::first_of_grid(instant now) {
   if (!start_)
-    return later(now, dice_.between(0s, every_));
+    return later(now, rng_.between(0s, every_));
   if (*start_ >= now)
     return *start_;
   const auto behind = (now - *start_) % every_;
@@ -58,7 +58,7 @@ instant schedule::first_of_grid(instant now) {
 
 instant schedule::first_of_poisson(instant now) {
   if (!start_)
-    return later(now, dice_.between(0s, every_));
+    return later(now, rng_.between(0s, every_));
   return *start_ >= now ? *start_ : later(now, gap());
 }
 
@@ -104,12 +104,12 @@ std::optional<schedule::span> schedule::active(instant now) const {
 }
 
 duration schedule::jitter() {
-  return dice_.between(0s, jitter_);
+  return rng_.between(0s, jitter_);
 }
 
 /// Exponential, of mean `every`.
 duration schedule::gap() {
-  const auto ns = -math::log(1 - dice_.unit()) * static_cast<double>(every_.count());
+  const auto ns = -math::log(1 - rng_.unit()) * static_cast<double>(every_.count());
   return duration(static_cast<duration::rep>(std::min(ns, gap_max_ns)));
 }
 

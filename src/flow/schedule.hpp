@@ -30,7 +30,7 @@ public:
 
   schedule() = default;
   /// @pre every > 0 unless saturated; jitter >= 0
-  schedule(const sender_config& config, random_stream dice);
+  schedule(const sender_config& config, random_stream rng);
 
   void start(instant now);
 
@@ -67,7 +67,7 @@ private:
   std::optional<instant> start_;
   std::optional<instant> stop_;
   std::optional<std::uint64_t> count_;
-  random_stream dice_;
+  random_stream rng_;
 
   std::uint64_t requests_ = 0;
   instant base_; ///< of a periodic request: when it is due but for the jitter

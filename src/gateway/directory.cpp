@@ -6,7 +6,7 @@ namespace rubicon::gateway {
 
 void directory::start(instant now) {
   gap_ = config_.first_gap;
-  due_ = now + dice_.between(0s, config_.first_gap);
+  due_ = now + rng_.between(0s, config_.first_gap);
 }
 
 void directory::on_announcement(peer_id source, byte_view octets, instant now) {
@@ -31,7 +31,7 @@ void directory::on_announcement(peer_id source, byte_view octets, instant now) {
   if (gateway_of(said->island) != source && has_room)
     aliases_[source] = said->island;
   if (is_new && due_)
-    due_ = std::min(*due_, now + dice_.between(0s, config_.answer_max));
+    due_ = std::min(*due_, now + rng_.between(0s, config_.answer_max));
 }
 
 bool directory::on_time(instant now) {

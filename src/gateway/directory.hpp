@@ -39,7 +39,7 @@ struct known_gateway {
 class directory {
 public:
   directory() = default;
-  directory(directory_config config, random_stream dice) : config_(config), dice_(dice) {}
+  directory(directory_config config, random_stream rng) : config_(config), rng_(rng) {}
 
   void start(instant now);
 
@@ -83,7 +83,7 @@ public:
 
 private:
   directory_config config_;
-  random_stream dice_;
+  random_stream rng_;
   std::map<peer_id, known_gateway> known_;
   std::map<peer_id, island_id> aliases_; ///< ever heard, also of gateways that have gone
   duration gap_{};

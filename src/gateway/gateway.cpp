@@ -30,13 +30,13 @@ gateway::gateway(gateway&& x) noexcept = default;
 gateway& gateway::operator=(gateway&& x) noexcept = default;
 gateway::~gateway() = default;
 
-gateway::gateway(gateway_config config, random_stream dice)
+gateway::gateway(gateway_config config, random_stream rng)
     : config_(std::move(config)),
       lead_({config_.gateways.empty(), config_.incarnation, config_.lead_lease}),
-      pc_(pc_of(config_, config_.incarnation), random_stream(dice.next())),
+      pc_(pc_of(config_, config_.incarnation), random_stream(rng.next())),
       messages_(std::make_unique<device_messages>()), pieces_({.packets_max = assemblies_max}),
-      others_(config_.others, random_stream(dice.next())) {
-  dice_ = random_stream(dice.next());
+      others_(config_.others, random_stream(rng.next())) {
+  rng_ = random_stream(rng.next());
   pc_.set_line(false); // until the sink is heard
   messages_->layer = pc_.attach_for_rest(*messages_);
 }

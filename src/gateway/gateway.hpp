@@ -158,7 +158,7 @@ inline constexpr std::uint16_t announcement_port = 20;
 class gateway {
 public:
   gateway();
-  gateway(gateway_config config, random_stream dice);
+  gateway(gateway_config config, random_stream rng);
   gateway(gateway&& x) noexcept;
   gateway& operator=(gateway&& x) noexcept;
   ~gateway();
@@ -291,7 +291,7 @@ private:
 
   gateway_config config_;
   leadership lead_;
-  random_stream dice_; ///< of the terms
+  random_stream rng_; ///< of the terms
   transport::endpoint_counters earlier_terms_;
   mote::layer_counters earlier_offers_;
   transport::endpoint::arrival_counts earlier_arrivals_;

@@ -97,7 +97,7 @@ void gateway::take_lead(outputs& out) {
   earlier_offers_.unjoined += above().counters().unjoined;
   earlier_offers_.misaddressed += above().counters().misaddressed;
   messages_->layer.reset();
-  pc_ = endpoint::pc(pc_of(config_, lead_.term()), random_stream(dice_.next()));
+  pc_ = endpoint::pc(pc_of(config_, lead_.term()), random_stream(rng_.next()));
   pc_.observe(observer_);
   pc_.set_line(line_up_);
   messages_->layer = pc_.attach_for_rest(*messages_);

@@ -84,8 +84,8 @@ std::string_view to_string(goal_cause x) {
   return "unknown";
 }
 
-pursuer::pursuer(pursuer_config config, random_stream dice)
-    : config_(std::move(config)), dice_(std::move(dice)), inputs_(config_.inputs.size()) {
+pursuer::pursuer(pursuer_config config, random_stream rng)
+    : config_(std::move(config)), rng_(std::move(rng)), inputs_(config_.inputs.size()) {
   for (const auto& x : config_.outputs)
     outputs_.push_back({x.value, {}});
 }
@@ -209,13 +209,13 @@ void pursuer::enter_state(instant now, outputs& out) {
     return;
   }
   phase_ = phase::busy;
-  due_ = now + x.length + (x.jitter > 0s ? dice_.between(0s, x.jitter) : 0s);
+  due_ = now + x.length + (x.jitter > 0s ? rng_.between(0s, x.jitter) : 0s);
   say_state(x.name, out);
 }
 
 void pursuer::leave_state(instant now, outputs& out) {
   const auto& x = pursued().states[state_];
-  if (x.failure_rate > 0 && dice_.chance(x.failure_rate)) {
+  if (x.failure_rate > 0 && rng_.chance(x.failure_rate)) {
     rest(out);
     end(goal_outcome::failed, goal_cause::broken, out);
     return;

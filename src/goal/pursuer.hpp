@@ -102,7 +102,7 @@ public:
 
   pursuer() = default;
   /// @pre names of inputs and outputs are unique; conditions and `sets` name such
-  pursuer(pursuer_config config, random_stream dice);
+  pursuer(pursuer_config config, random_stream rng);
 
   [[nodiscard]] outputs start(instant now);
 
@@ -157,7 +157,7 @@ private:
   void tell_end(std::string goal, goal_outcome outcome, goal_cause cause, outputs& out);
 
   pursuer_config config_;
-  random_stream dice_;
+  random_stream rng_;
   std::vector<std::optional<input_value>> inputs_; ///< as in config_
   std::vector<output_value> outputs_;              ///< as in config_
   phase phase_ = phase::idle;

@@ -11,8 +11,8 @@ constexpr duration boot_time_max = 1h;
 
 } // namespace
 
-duration boot_time(random_stream dice) {
-  return dice.between(0s, boot_time_max);
+duration boot_time(random_stream rng) {
+  return rng.between(0s, boot_time_max);
 }
 
 crystal::crystal(const crystal_config& config) : config_(config) {}

@@ -19,7 +19,7 @@ struct crystal_config {
 };
 
 /// What a mote's clock shows more than real time when it starts: nobody knows. Up to an hour.
-[[nodiscard]] duration boot_time(random_stream dice);
+[[nodiscard]] duration boot_time(random_stream rng);
 
 /// All timing of a mote is by its own crystal; only whoever feeds it knows the real time.
 class crystal {

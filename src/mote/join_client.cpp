@@ -6,11 +6,11 @@
 namespace rubicon::mote {
 
 join_client::join_client(join_config config, bytes descriptor, std::uint32_t incarnation,
-                         random_stream dice, std::uint32_t device)
+                         random_stream rng, std::uint32_t device)
     : config_(config), descriptor_(std::move(descriptor)), incarnation_(incarnation),
-      device_(device), dice_(dice), pause_(config.pause), refused_pause_(config.refused_pause) {
+      device_(device), rng_(rng), pause_(config.pause), refused_pause_(config.refused_pause) {
   if (device != 0) // what is for another mote with our address has other numbers, most likely
-    sequence_ = static_cast<std::uint16_t>(dice_.below(0x10000));
+    sequence_ = static_cast<std::uint16_t>(rng_.below(0x10000));
 }
 
 join_outputs join_client::start(unsigned hops, instant now) {
@@ -18,8 +18,7 @@ join_outputs join_client::start(unsigned hops, instant now) {
   state_ = state::requesting;
   attempts_ = 0;
   pause_ = config_.pause;
-  deadline_ =
-      now + dice_.between(0s, config_.start_jitter + config_.start_jitter_hop * (hops_ - 1));
+  deadline_ = now + rng_.between(0s, config_.start_jitter + config_.start_jitter_hop * (hops_ - 1));
   return {};
 }
 
@@ -54,7 +53,7 @@ join_outputs join_client::on_message(mote_id source, const management& message, 
     if (state_ != state::requesting || refusal->sequence != sequence_)
       return {};
     state_ = state::refused;
-    deadline_ = now + refused_pause_ + dice_.between(0s, refused_pause_ / 2);
+    deadline_ = now + refused_pause_ + rng_.between(0s, refused_pause_ / 2);
     refused_pause_ = std::min(2 * refused_pause_, config_.refused_pause_max);
     return {join_refused{}};
   }
@@ -97,7 +96,7 @@ join_outputs join_client::tell(const mote_condition& x, instant now) {
 instant join_client::next_keep_alive(instant now) {
   const auto gap = std::min(gap_, config_.keep_alive);
   gap_ = 2 * gap;
-  const auto early = turn_wait_ > 0s ? dice_.between(0s, gap / 4) : 0s;
+  const auto early = turn_wait_ > 0s ? rng_.between(0s, gap / 4) : 0s;
   return now + gap - early;
 }
 
@@ -109,7 +108,7 @@ join_outputs join_client::request(instant now) {
     return {to_registrar{join_request{sequence_, incarnation_, descriptor_}}};
   }
   attempts_ = 0;
-  deadline_ = now + pause_ + dice_.between(0s, pause_ / 2);
+  deadline_ = now + pause_ + rng_.between(0s, pause_ / 2);
   pause_ = std::min(2 * pause_, config_.pause_max);
   return {};
 }

@@ -64,7 +64,7 @@ public:
 
   join_client() = default;
   /// @param device as in descriptor
-  join_client(join_config config, bytes descriptor, std::uint32_t incarnation, random_stream dice,
+  join_client(join_config config, bytes descriptor, std::uint32_t incarnation, random_stream rng,
               std::uint32_t device = 0);
 
   /// @param hops of the way to the sink
@@ -99,7 +99,7 @@ private:
   std::uint32_t incarnation_ = 0;
   std::uint32_t device_ = 0;
   mote_condition condition_;
-  random_stream dice_;
+  random_stream rng_;
   state state_ = state::off;
   mote_id sink_;
   unsigned hops_ = 1;

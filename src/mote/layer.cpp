@@ -39,10 +39,10 @@ void set_island(bytes& record, island_id island) {
 
 } // namespace
 
-layer::layer(layer_config config, random_stream dice) : config_(std::move(config)) {
+layer::layer(layer_config config, random_stream rng) : config_(std::move(config)) {
   config_.messages.self = config_.self;
   config_.messages.incarnation = config_.incarnation;
-  messages_ = transport::endpoint(config_.messages, dice);
+  messages_ = transport::endpoint(config_.messages, rng);
   config_.tunnels.self = config_.self;
   config_.tunnels.incarnation = config_.incarnation;
   tunnels_ = transport::tunnels(config_.tunnels);

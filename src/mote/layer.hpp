@@ -146,7 +146,7 @@ RUBICON_FIELDS(layer_counters, unowned, offered, unjoined, misaddressed, refused
 class layer {
 public:
   layer() = default;
-  layer(layer_config config, random_stream dice);
+  layer(layer_config config, random_stream rng);
   layer(const layer&) = delete; // programs point to it
   layer& operator=(const layer&) = delete;
 

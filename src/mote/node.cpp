@@ -65,7 +65,7 @@ network::channel_id channel_of(stream::channel_handle x) {
 /// Where radios sleep all else goes in the common window: a channel whose turns come again at the
 /// same place of each keeps out of it, with all of its way.
 island_time beside_the_window(island_time first, duration interval, const duty_config& duty,
-                              random_stream& dice) {
+                              random_stream& rng) {
   using std::chrono::microseconds;
   const auto begin = duty.window + way_max / 5;
   const auto end = interval - way_max;
@@ -74,22 +74,22 @@ island_time beside_the_window(island_time first, duration interval, const duty_c
   const auto phase = first.time_since_epoch() % in_us(interval);
   if (phase >= begin && phase <= end)
     return first;
-  return first - phase + in_us(interval + dice.between(begin, end));
+  return first - phase + in_us(interval + rng.between(begin, end));
 }
 
 } // namespace
 
-node::node(node_config config, const nonvolatile& store, random_stream dice, instant now)
-    : config_(std::move(config)), dice_(dice), store_(store) {
+node::node(node_config config, const nonvolatile& store, random_stream rng, instant now)
+    : config_(std::move(config)), rng_(rng), store_(store) {
   auto above = config_.layer;
   above.self = config_.id;
   above.incarnation = incarnation();
   above.transducer_mask = describe(config_).transducer_mask;
-  layer_.emplace(above, random_stream(dice_.next()));
+  layer_.emplace(above, random_stream(rng_.next()));
   auto network = config_.network;
   network.self = config_.id;
   network.duty = config_.duty.common();
-  packets_ = packet_service(network, random_stream(dice_.next()), now);
+  packets_ = packet_service(network, random_stream(rng_.next()), now);
   duty_ = duty_cycle(config_.duty, false);
   for (const auto& x : config_.actuators)
     actuators_.emplace(x.name, actuator(x));
@@ -114,7 +114,7 @@ void node::ask_to_join(bytes description, node_outputs& out, instant now) {
   join_config config;
   config.keep_alive = config_.keep_alive;
   join_ = join_client(config, with_device(std::move(description), config_.device), incarnation(),
-                      random_stream(dice_.next()), config_.device);
+                      random_stream(rng_.next()), config_.device);
   wants_to_join_ = true;
   take(packet_service_outputs{}, out, now);
 }
@@ -289,7 +289,7 @@ void node::watch_slots(instant now) {
     tells_at_.reset();
     has_told_ = false;
   } else if (!tells_at_ && packets_.router().clock().slots_used() == 0) {
-    tells_at_ = now + dice_.between(0s, notice_spread);
+    tells_at_ = now + rng_.between(0s, notice_spread);
   }
 }
 
@@ -342,7 +342,7 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
   }
   if (wants_to_join_ && packets_.router().has_route()) {
     wants_to_join_ = false;
-    joins_at_ = now + dice_.between(0s, join_spread(packets_.router().links()));
+    joins_at_ = now + rng_.between(0s, join_spread(packets_.router().links()));
   }
 }
 
@@ -521,7 +521,7 @@ void node::connect(const channel_wanted& x, node_outputs& out, instant now) {
   schedule.size = static_cast<std::uint8_t>(std::min(x.size, network::channel_packet_max));
   if (router.clock().synchronised())
     schedule.first =
-        beside_the_window(router.clock().at(now + x.interval), x.interval, config_.duty, dice_);
+        beside_the_window(router.clock().at(now + x.interval), x.interval, config_.duty, rng_);
   const auto expiry = std::max<duration>(expiry_min, expiry_intervals * x.interval);
   auto [id, todo] = router.connect(x.destination, schedule, expiry, now);
   connecting_[id] = x.request;
@@ -536,7 +536,7 @@ std::optional<std::int16_t> node::read(quantity kind, instant now) {
   const auto found = std::ranges::find(config_.transducers, kind, &transducer_config::kind);
   if (found == config_.transducers.end())
     return std::nullopt;
-  return sample(*found, now, dice_, {config_.place, config_.transducer_seed});
+  return sample(*found, now, rng_, {config_.place, config_.transducer_seed});
 }
 
 std::uint32_t node::time_ms(instant now) const {

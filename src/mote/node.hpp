@@ -79,7 +79,7 @@ class node {
 public:
   /// Starts, and looks for its island.
   /// @param store what the mote remembers, of which its incarnation (DIS-07)
-  node(node_config config, const nonvolatile& store, random_stream dice, instant now);
+  node(node_config config, const nonvolatile& store, random_stream rng, instant now);
 
   /// A program on this mote. Commands that are not given from within an event are followed by
   /// settle(). @param events outlives this
@@ -184,7 +184,7 @@ private:
   [[nodiscard]] bool layer_wants_ticks() const;
 
   node_config config_;
-  random_stream dice_;
+  random_stream rng_;
   packet_service packets_;
   join_client join_;
   mote_condition condition_;

@@ -22,8 +22,8 @@ void append(packet_service_outputs& to, packet_service_outputs from) {
 
 } // namespace
 
-packet_service::packet_service(network::router_config config, random_stream dice, instant now)
-    : router_(config, dice, now), pieces_({.packets_max = config.is_sink ? 32U : 1U}) {}
+packet_service::packet_service(network::router_config config, random_stream rng, instant now)
+    : router_(config, rng, now), pieces_({.packets_max = config.is_sink ? 32U : 1U}) {}
 
 packet_service_outputs packet_service::send(mote_id to, const network::island_packet& x,
                                             instant now, bool in_slot) {

@@ -49,7 +49,7 @@ RUBICON_FIELDS(packet_service_counters, unroutable, malformed);
 class packet_service {
 public:
   packet_service() = default;
-  packet_service(network::router_config config, random_stream dice, instant now);
+  packet_service(network::router_config config, random_stream rng, instant now);
 
   /// To a mote of the island. A mote that is no neighbour is reached by way of the sink, which gets
   /// the packet and must send it on.

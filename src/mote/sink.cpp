@@ -17,14 +17,14 @@ void append(sink_outputs& to, sink_outputs from) {
 } // namespace
 
 sink::sink(network::router_config network, registrar_config members, const duty_config& duty,
-           random_stream dice, instant now, gateway_lines_config lines, const nonvolatile& store)
+           random_stream rng, instant now, gateway_lines_config lines, const nonvolatile& store)
     : self_(network.self), store_(begin_life(store)), island_(members.island), duty_(duty, true),
       lines_(lines, now, store.term), pieces_(lines.lines) {
   network.is_sink = true;
   network.duty = duty.common();
   members.confirm_wait += duty.answer_slack(0);
   registrar_ = registrar(members);
-  packets_ = packet_service(network, dice, now);
+  packets_ = packet_service(network, rng, now);
   network::time_reference_config timing;
   timing.gap *= lines.slowness;
   timing.gap_first *= lines.slowness;

@@ -51,7 +51,7 @@ public:
   sink() = default;
   /// @param store what it remembers: its incarnation, and the term that its gateways are in
   sink(network::router_config network, registrar_config members, const duty_config& duty,
-       random_stream dice, instant now, gateway_lines_config lines = {},
+       random_stream rng, instant now, gateway_lines_config lines = {},
        const nonvolatile& store = {});
 
   /// Nothing comes before the new content of its store.

@@ -98,16 +98,16 @@ struct evaluator {
 
 } // namespace
 
-double value_of(const transducer_config& config, instant now, random_stream& dice,
+double value_of(const transducer_config& config, instant now, random_stream& rng,
                 const reader& who) {
   const auto value = std::visit(evaluator{now.time_since_epoch(), config.kind, who}, config.model);
-  return config.noise > 0 ? value + config.noise * dice.normal() : value;
+  return config.noise > 0 ? value + config.noise * rng.normal() : value;
 }
 
-std::int16_t sample(const transducer_config& config, instant now, random_stream& dice,
+std::int16_t sample(const transducer_config& config, instant now, random_stream& rng,
                     const reader& who) {
   using limits = std::numeric_limits<std::int16_t>;
-  const auto count = std::floor(value_of(config, now, dice, who) / config.resolution + 0.5);
+  const auto count = std::floor(value_of(config, now, rng, who) / config.resolution + 0.5);
   return static_cast<std::int16_t>(std::clamp(count, double{limits::min()}, double{limits::max()}));
 }
 

@@ -18,12 +18,12 @@ struct reader {
   std::uint64_t seed = 0; ///< of random walks: the same in all lives of a mote
 };
 
-/// The model's value at `now`, noise included, in its own unit. Draws from `dice` for noise only.
-[[nodiscard]] double value_of(const transducer_config& config, instant now, random_stream& dice,
+/// The model's value at `now`, noise included, in its own unit. Draws from `rng` for noise only.
+[[nodiscard]] double value_of(const transducer_config& config, instant now, random_stream& rng,
                               const reader& who = {});
 
 /// The reading a mote sends: round(value / resolution), kept within a signed 16-bit count.
-[[nodiscard]] std::int16_t sample(const transducer_config& config, instant now, random_stream& dice,
+[[nodiscard]] std::int16_t sample(const transducer_config& config, instant now, random_stream& rng,
                                   const reader& who = {});
 
 [[nodiscard]] std::string to_string(quantity x);

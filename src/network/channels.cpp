@@ -52,8 +52,8 @@ duration turns_of(const surroundings& around, int hops) {
 
 } // namespace
 
-channels::channels(channels_config config, random_stream dice)
-    : config_(config), dice_(dice), next_number_(static_cast<std::uint16_t>(dice_.next())) {}
+channels::channels(channels_config config, random_stream rng)
+    : config_(config), rng_(rng), next_number_(static_cast<std::uint16_t>(rng_.next())) {}
 
 channels_outputs channels::connect(channel_id channel, mote_id destination,
                                    std::optional<virtual_coordinates> place,
@@ -251,7 +251,7 @@ void channels::take_flooded(mote_id from, channel_id id, const connect_message& 
   if (std::ranges::any_of(around.motes, is_near)) // perhaps of all who hear this we alone
     queue(x.destination, {id, one_hop_on(x)}, now);
   else
-    queue(broadcast_mote, {id, one_hop_on(x)}, now + dice_.between(0s, config_.flood_spread));
+    queue(broadcast_mote, {id, one_hop_on(x)}, now + rng_.between(0s, config_.flood_spread));
 }
 
 /// We say `own_hops + 1`, and who passes it on one more.
@@ -448,7 +448,7 @@ channels_outputs channels::on_sent(bool acked, const surroundings& around, insta
     found->second.losses = 0;
   if (!acked || x.next == broadcast_mote) {
     if (x.rounds < rounds_max) {
-      x.due = now + dice_.between(config_.round_pause, 2 * config_.round_pause);
+      x.due = now + rng_.between(config_.round_pause, 2 * config_.round_pause);
       queue_.insert(queue_.begin(), std::move(x));
     } else if (x.next != broadcast_mote) {
       on_lost(x, around, out, now);

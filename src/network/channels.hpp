@@ -137,7 +137,7 @@ using channels_outputs = std::vector<channels_output>;
 class channels {
 public:
   channels() = default;
-  channels(channels_config config, random_stream dice);
+  channels(channels_config config, random_stream rng);
 
   /// A name for a channel that this mote will open (NET-01).
   [[nodiscard]] channel_id next_id() { return {config_.self, next_number_++}; }
@@ -265,7 +265,7 @@ private:
             channels_outputs& out, instant now);
 
   channels_config config_;
-  random_stream dice_;
+  random_stream rng_;
   std::uint16_t next_number_ = 0;
   std::map<channel_id, entry> entries_;
   std::map<channel_id, offer> offers_;

@@ -17,9 +17,9 @@ std::size_t octets_of(const std::variant<up_packet, down_packet, flood_packet>& 
 
 } // namespace
 
-collection::collection(collection_config config, random_stream dice)
-    : config_(config), dice_(dice), routes_(config.self),
-      sequence_(static_cast<std::uint16_t>(dice_.next())) {
+collection::collection(collection_config config, random_stream rng)
+    : config_(config), rng_(rng), routes_(config.self),
+      sequence_(static_cast<std::uint16_t>(rng_.next())) {
   if (config_.is_root)
     cost_ = 0;
 }
@@ -139,7 +139,7 @@ void collection::take(flood_packet x, collection_outputs& out, instant now) {
     return;
   }
   ++counters_.forwarded;
-  enqueue({std::move(x), 0, now + dice_.between(0s, config_.flood_spread)});
+  enqueue({std::move(x), 0, now + rng_.between(0s, config_.flood_spread)});
 }
 
 /// Of all that is kept here, without headers. A route down is content too.
@@ -227,7 +227,7 @@ void collection::pump(collection_outputs& out, instant now) {
 }
 
 duration collection::pause_after(unsigned rounds) {
-  return dice_.between(config_.pause, 2 * config_.pause) * rounds;
+  return rng_.between(config_.pause, 2 * config_.pause) * rounds;
 }
 
 collection_outputs collection::on_sent(bool acked, instant now) {
@@ -241,7 +241,7 @@ collection_outputs collection::on_sent(bool acked, instant now) {
   const bool over = is_flood ? x.rounds >= rounds_max : acked || x.rounds >= rounds_max;
   if (!over) {
     ++counters_.repeated;
-    x.due = now + (is_flood ? config_.flood_spread + dice_.between(0s, config_.flood_spread)
+    x.due = now + (is_flood ? config_.flood_spread + rng_.between(0s, config_.flood_spread)
                             : pause_after(x.rounds));
     queue_.insert(queue_.begin(), std::move(x));
   } else if (!is_flood && !acked) {

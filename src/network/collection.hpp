@@ -79,7 +79,7 @@ using collection_outputs = std::vector<collection_output>;
 class collection {
 public:
   collection() = default;
-  collection(collection_config config, random_stream dice);
+  collection(collection_config config, random_stream rng);
 
   /// How much content fits one packet to the sink, or down such a route, or for everybody.
   [[nodiscard]] static std::size_t room_up() { return frame_payload_max - up_packet::header_size; }
@@ -158,7 +158,7 @@ private:
   [[nodiscard]] duration pause_after(unsigned rounds);
 
   collection_config config_;
-  random_stream dice_;
+  random_stream rng_;
   source_routes routes_;
   mote_id parent_ = no_mote;
   etx_cost cost_ = etx_infinite;

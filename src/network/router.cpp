@@ -44,11 +44,11 @@ trickle_config beacons_of(const router_config& config) {
 
 } // namespace
 
-router::router(router_config config, random_stream dice, instant now)
-    : config_(config), dice_(dice), links_(links_of(config)),
+router::router(router_config config, random_stream rng, instant now)
+    : config_(config), rng_(rng), links_(links_of(config)),
       tree_({.self = config.self, .is_root = config.is_sink}),
       place_({.self = config.self, .is_sink = config.is_sink}, now),
-      timer_(beacons_of(config), random_stream(dice_.next()), now), reported_(now),
+      timer_(beacons_of(config), random_stream(rng_.next()), now), reported_(now),
       seek_end_(now + config.seek_length), report_gap_(config.report_gap),
       helped_(now - config.help_gap), answered_(now - config.help_gap), ask_from_(now),
       ask_due_(now + config.ask_quiet), ask_pause_(config.ask_pause) {
@@ -66,7 +66,7 @@ router::router(router_config config, random_stream dice, instant now)
     packets.octets_max = std::max(packets.octets_max, 32 * frame_payload_max);
     packets.seen_max = 64;
   }
-  packets_ = collection(packets, random_stream(dice_.next()));
+  packets_ = collection(packets, random_stream(rng_.next()));
   auto paths = config_.paths;
   paths.self = config_.self;
   if (config_.is_sink) {
@@ -81,8 +81,8 @@ router::router(router_config config, random_stream dice, instant now)
     paths.flood_spread = std::min(paths.flood_spread, spread_in_window());
     config_.relay_spread = std::min(config_.relay_spread, spread_in_window());
   }
-  paths_ = channels(paths, random_stream(dice_.next()));
-  auto further = dice_; // the others' dice fall as they do without turns
+  paths_ = channels(paths, random_stream(rng_.next()));
+  auto further = rng_; // the others draw as they do without turns
   if (!config_.is_sink && config_.duty.enabled())
     ask_due_ =
         now + further.between(config_.ask_quiet, std::max(config_.duty.period, config_.ask_quiet));
@@ -390,7 +390,7 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   if (x->clock.root != mote_id{} && clock_.on_stamp(x->clock, sfd)) {
     out.emplace_back(clock_corrected{});
     if (!relay_due_)
-      relay_due_ = now + dice_.between(0s, config_.relay_spread);
+      relay_due_ = now + rng_.between(0s, config_.relay_spread);
     copies_ = 1;
   } else if (clock_.is_of_last_round(x->clock) && ++copies_ >= config_.relay_copies &&
              !tree_.is_urgent()) {
@@ -430,7 +430,7 @@ void router::feed(mote_id neighbour, router_outputs& out, instant now) {
     }
   }
   if (tree_.is_urgent() && !config_.is_sink && !relay_due_)
-    relay_due_ = now + dice_.between(0s, config_.relay_spread);
+    relay_due_ = now + rng_.between(0s, config_.relay_spread);
 }
 
 /// Who sleeps hears little of what others say, and who does not know the time cannot tell when they
@@ -452,7 +452,7 @@ void router::seek_time(router_outputs& out, instant now) {
   const bool goes_on = now < ask_end_;
   const bool has_company = heard_ && now - *heard_ < config_.ask_quiet && !config_.is_sink;
   if (!goes_on && has_company && now < ask_from_ + config_.ask_after) {
-    ask_due_ = ask_from_ + dice_.between(config_.ask_after, 2 * config_.ask_after);
+    ask_due_ = ask_from_ + rng_.between(config_.ask_after, 2 * config_.ask_after);
     return;
   }
   if (!goes_on)
@@ -461,7 +461,7 @@ void router::seek_time(router_outputs& out, instant now) {
   send_beacon(out, now, goes_on);
   ask_due_ = now + config_.duty.length * 2 / 3;
   if (*ask_due_ >= ask_end_) {
-    ask_due_ = now + dice_.between(ask_pause_, 2 * ask_pause_);
+    ask_due_ = now + rng_.between(ask_pause_, 2 * ask_pause_);
     ask_pause_ = std::min(2 * ask_pause_, config_.ask_pause_max);
   }
 }
@@ -474,7 +474,7 @@ void router::answer_asker(const clock_stamp& told, instant now) {
     return;
   answered_ = now;
   ++counters_.answers;
-  answer_due_ = now + dice_.between(0s, config_.answer_spread);
+  answer_due_ = now + rng_.between(0s, config_.answer_spread);
 }
 
 /// What is known of links has changed: so may the tree and the coordinates.
@@ -512,7 +512,7 @@ void router::report(router_outputs& out, instant now) {
   told_place_ = place_.place();
   reported_ = now;
   if (turn_wait(now) > 0s) // who has begun with others does not go on with them
-    reported_ -= dice_.between(0s, config_.report_period / 4);
+    reported_ -= rng_.between(0s, config_.report_period / 4);
   send_router_message(tree_.root(), place_report{told_place_}, out, now);
 }
 

@@ -109,7 +109,7 @@ RUBICON_FIELDS(router_counters, beacons, malformed, unknown_type, questions, una
 class router {
 public:
   router() = default;
-  router(router_config config, random_stream dice, instant now);
+  router(router_config config, random_stream rng, instant now);
 
   /// Longest content for a destination: what its way leaves room for. Nothing: no way is known.
   [[nodiscard]] std::optional<std::size_t> room_to(mote_id destination) const;
@@ -210,7 +210,7 @@ private:
   [[nodiscard]] frame_out frame_for(purpose why, mote_id to, std::uint8_t am_type, bytes payload);
 
   router_config config_;
-  random_stream dice_;
+  random_stream rng_;
   neighbours links_;
   gradient tree_;
   coordinates place_;

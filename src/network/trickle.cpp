@@ -5,8 +5,8 @@
 
 namespace rubicon::network {
 
-trickle::trickle(trickle_config config, random_stream dice, instant now)
-    : config_(config), dice_(dice) {
+trickle::trickle(trickle_config config, random_stream rng, instant now)
+    : config_(config), rng_(rng) {
   assert(config.interval_min > 0ns && config.interval_min <= config.interval_max);
   begin(config_.interval_min, now);
 }
@@ -14,7 +14,7 @@ trickle::trickle(trickle_config config, random_stream dice, instant now)
 void trickle::begin(duration interval, instant at) {
   interval_ = interval;
   start_ = at;
-  due_ = at + dice_.between(interval / 2, interval);
+  due_ = at + rng_.between(interval / 2, interval);
   heard_ = 0;
 }
 

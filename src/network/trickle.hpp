@@ -23,7 +23,7 @@ public:
   trickle() = default;
 
   /// The first interval begins `now`. @pre 0 < interval_min <= interval_max
-  trickle(trickle_config config, random_stream dice, instant now);
+  trickle(trickle_config config, random_stream rng, instant now);
 
   /// @returns whether it fires; then deadline() is already that of the next firing
   [[nodiscard]] bool on_time(instant now);
@@ -55,7 +55,7 @@ private:
   void begin(duration interval, instant at);
 
   trickle_config config_;
-  random_stream dice_;
+  random_stream rng_;
   duration interval_{};
   instant start_; ///< of the interval in which it fires next
   instant due_;

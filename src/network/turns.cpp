@@ -24,7 +24,7 @@ std::optional<tick_setting> slotted(instant now, const clock_sync& clock) {
 duration turns::draw(std::int64_t number, duration spread) {
   if (drawn_for_ != number) {
     drawn_for_ = number;
-    offset_ = is_sink_ ? 0ns : dice_.between(0s, spread);
+    offset_ = is_sink_ ? 0ns : rng_.between(0s, spread);
   }
   return offset_;
 }

@@ -21,8 +21,8 @@ namespace rubicon::network {
 class turns {
 public:
   turns() = default;
-  turns(bool is_sink, duty_window window, random_stream dice)
-      : is_sink_(is_sink), window_(window), dice_(dice) {}
+  turns(bool is_sink, duty_window window, random_stream rng)
+      : is_sink_(is_sink), window_(window), rng_(rng) {}
 
   /// @returns `now`, or the next moment at which a frame without a slot may be handed to the radio
   [[nodiscard]] instant next(instant now, const clock_sync& clock);
@@ -38,7 +38,7 @@ private:
 
   bool is_sink_ = false;
   duty_window window_;
-  random_stream dice_;
+  random_stream rng_;
   std::optional<std::int64_t> drawn_for_; ///< number of a tick or window
   duration offset_{};                     ///< from when it is free
 };

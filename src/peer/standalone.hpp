@@ -26,7 +26,7 @@ struct standalone_config {
   /// offset with the Unix time. `network.id` must be 1..65535.
   peis::kernel_config kernel;
   links_config links;
-  std::optional<std::uint64_t> seed; ///< of ids and other dice; unset: from the system
+  std::optional<std::uint64_t> seed; ///< of ids and other random numbers; unset: from the system
   /// Hears what a person should know: steps that come too rarely, callbacks that take too long,
   /// links that failed. May be empty.
   std::function<void(const std::string&)> on_warning;

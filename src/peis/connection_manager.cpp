@@ -27,10 +27,10 @@ bool same_process(const host_record& self, const low_level_address& x) {
 
 } // namespace
 
-int value_of(const host_option& x, const connection_config& config, random_stream& dice) {
+int value_of(const host_option& x, const connection_config& config, random_stream& rng) {
   const auto gain = static_cast<int>(x.metric) - static_cast<int>(x.direct);
   const auto crowd = static_cast<int>(std::max(x.connections, config.links_min) - config.links_min);
-  return value_per_metric * (gain - crowd) + static_cast<int>(dice.below(random_values));
+  return value_per_metric * (gain - crowd) + static_cast<int>(rng.below(random_values));
 }
 
 int value_of(const link_option& x) {
@@ -47,7 +47,7 @@ std::optional<link_option> worst_of(std::span<const link_option> links) {
 }
 
 link_decision decide(std::span<const link_option> links, std::span<const host_option> hosts,
-                     const connection_config& config, random_stream& dice) {
+                     const connection_config& config, random_stream& rng) {
   const auto worst = worst_of(links);
   if (links.size() > config.links_suitable) {
     if (worst)
@@ -59,7 +59,7 @@ link_decision decide(std::span<const link_option> links, std::span<const host_op
   std::optional<peer_id> best;
   int best_value = 0;
   for (const auto& x : hosts) {
-    const auto value = value_of(x, config, dice);
+    const auto value = value_of(x, config, rng);
     if (!best || value > best_value) {
       best = x.host;
       best_value = value;

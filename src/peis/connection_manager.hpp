@@ -67,7 +67,7 @@ using link_decision = std::variant<std::monostate, open_link_to, close_worst>;
 /// Deviation: minus 100 for every connection above `links_min` that the host has, as real kernels
 /// do (peis-wire.md 14); without it full hosts are asked again and again and close others instead.
 [[nodiscard]] int value_of(const host_option& x, const connection_config& config,
-                           random_stream& dice);
+                           random_stream& rng);
 
 /// V(c), CM-04, comparable with V(h). @pre x.loss
 [[nodiscard]] int value_of(const link_option& x);
@@ -75,7 +75,7 @@ using link_decision = std::variant<std::monostate, open_link_to, close_worst>;
 /// CM-06 to CM-08, A-25. @param links all but those of `always`, closable or not
 [[nodiscard]] link_decision decide(std::span<const link_option> links,
                                    std::span<const host_option> hosts,
-                                   const connection_config& config, random_stream& dice);
+                                   const connection_config& config, random_stream& rng);
 
 /// The closable link of least value.
 [[nodiscard]] std::optional<link_option> worst_of(std::span<const link_option> links);

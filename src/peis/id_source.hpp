@@ -12,10 +12,10 @@ namespace rubicon::peis {
 class id_source {
 public:
   id_source() = default;
-  explicit id_source(random_stream& dice)
-      : id_(static_cast<std::uint32_t>(dice.next())),
-        stride_(static_cast<std::uint32_t>(dice.next()) | 1),
-        group_(static_cast<std::uint16_t>(dice.below(groups))) {}
+  explicit id_source(random_stream& rng)
+      : id_(static_cast<std::uint32_t>(rng.next())),
+        stride_(static_cast<std::uint32_t>(rng.next()) | 1),
+        group_(static_cast<std::uint16_t>(rng.below(groups))) {}
 
   /// For a package, or for the acknowledgement of one.
   [[nodiscard]] std::int32_t next() {

@@ -21,8 +21,8 @@ bool asks_to_quit(const tuple& x) {
 
 } // namespace
 
-kernel::kernel(kernel_config config, random_stream dice, instant now)
-    : config_(std::move(config)), network_(config_.network, dice, now),
+kernel::kernel(kernel_config config, random_stream rng, instant now)
+    : config_(std::move(config)), network_(config_.network, rng, now),
       tuples_(config_.tuples, config_.network.id, config_.network.clock_offset), statistics_(now) {
   assert(config_.network.id.value >= 1 && config_.network.id.value <= peer_id_max);
   network_.share_memory(tuples_.memory());

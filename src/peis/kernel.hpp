@@ -85,7 +85,7 @@ public:
 
   /// Publishes kernel.hostname, .version, .name, .user, .id and .do-quit (peis-wire.md 18).
   /// @pre config.network.id is 1..65535
-  kernel(kernel_config config, random_stream dice, instant now);
+  kernel(kernel_config config, random_stream rng, instant now);
 
   // What the world does.
 

@@ -34,7 +34,7 @@ constexpr std::size_t control_divisor = 4; ///< of the octets of all other class
 } // namespace
 
 cause outgoing_queue::admission(lane where, std::size_t count, std::size_t octets, link_id origin,
-                                random_stream& dice) const {
+                                random_stream& rng) const {
   const auto& x = classes_[static_cast<std::size_t>(where)];
   if (x.depth + count > limits_.packages)
     return cause::queue_full;
@@ -49,7 +49,7 @@ cause outgoing_queue::admission(lane where, std::size_t count, std::size_t octet
     return cause::queue_full;
   const auto used = static_cast<double>(at_or_above(where)) / static_cast<double>(limits_.packages);
   const bool modest = held * x.streams.size() < x.depth;
-  return used > 0.5 && !modest && dice.chance(2 * (used - 0.5)) ? cause::early_drop : cause::none;
+  return used > 0.5 && !modest && rng.chance(2 * (used - 0.5)) ? cause::early_drop : cause::none;
 }
 
 bool outgoing_queue::has_room(lane where) const {

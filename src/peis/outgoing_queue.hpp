@@ -80,10 +80,10 @@ public:
   explicit outgoing_queue(queue_limits limits = {}, std::shared_ptr<queues_memory> memory = nullptr)
       : limits_(limits), memory_(std::move(memory)) {}
 
-  /// Would so many packages, together of so many octets with their headers, be taken? Throws dice
-  /// only when more than half full.
+  /// Would so many packages, together of so many octets with their headers, be taken? Draws from
+  /// rng only when more than half full.
   [[nodiscard]] cause admission(lane where, std::size_t count, std::size_t octets, link_id origin,
-                                random_stream& dice) const;
+                                random_stream& rng) const;
 
   /// May we add one more of our own, that can wait, without early drop?
   [[nodiscard]] bool has_room(lane where) const;

@@ -23,15 +23,15 @@ lane lane_of(const package_header& header) {
 
 } // namespace
 
-p2p::p2p(p2p_config config, random_stream dice, instant now)
-    : config_(std::move(config)), dice_(dice), ids_(dice_), seen_(config_.tables.seen, dice_),
+p2p::p2p(p2p_config config, random_stream rng, instant now)
+    : config_(std::move(config)), rng_(rng), ids_(rng_), seen_(config_.tables.seen, rng_),
       assembly_(config_.assembly), acknowledger_(config_.ack_delay), delivery_(config_.reliable),
       bluetooth_(config_.bluetooth, now),
       clock_({config_.time_master, config_.clock_period, config_.clock_offset, config_.clock_ppb},
              config_.id, now),
       next_manager_(now + config_.connections.manager_period), next_merge_(now),
       next_announcement_(now), last_measured_(now), joined_(now),
-      next_period_(now + dice_.between(config_.routing_period / 2, config_.routing_period)),
+      next_period_(now + rng_.between(config_.routing_period / 2, config_.routing_period)),
       last_trigger_(now - config_.trigger_gap), latest_(now),
       routing_rate_(config_.tables.routing_work_per_second, 1s, 2s),
       asking_rate_(config_.tables.questions_per_second, 1s, 1s) {
@@ -283,7 +283,7 @@ package_header p2p::fresh_header(package_type type, std::uint16_t port) {
 
 cause p2p::enqueue(connection& to, lane where, outgoing_package x) {
   const auto origin = serving_.value_or(own_origin);
-  const auto verdict = to.queue.admission(where, 1, header_size + x.length(), origin, dice_);
+  const auto verdict = to.queue.admission(where, 1, header_size + x.length(), origin, rng_);
   if (verdict == cause::none)
     to.queue.push(where, std::move(x), origin);
   return verdict;
@@ -308,7 +308,7 @@ cause p2p::flood(const package_header& header, const std::shared_ptr<const messa
       (config_.broadcast_fanout == 0 || x.always() ? chosen : others).push_back(&x);
   }
   for (unsigned i = 0; i < config_.broadcast_fanout && !others.empty(); ++i) {
-    const auto lot = others.begin() + static_cast<std::ptrdiff_t>(dice_.below(others.size()));
+    const auto lot = others.begin() + static_cast<std::ptrdiff_t>(rng_.below(others.size()));
     chosen.push_back(*lot);
     others.erase(lot);
   }
@@ -391,7 +391,7 @@ cause p2p::send_unreliable(const posting& x, link_id way) {
                                : static_cast<lane>(static_cast<std::size_t>(lane::high) +
                                                    static_cast<std::size_t>(x.class_of_service));
   if (const auto verdict = queue.admission(where, count, size + count * header_size,
-                                           serving_.value_or(own_origin), dice_);
+                                           serving_.value_or(own_origin), rng_);
       verdict != cause::none)
     return verdict;
   const auto content = std::make_shared<const message_octets>(x.content);

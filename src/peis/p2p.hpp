@@ -177,7 +177,7 @@ using transit_hook = std::function<verdict(const package_header&, byte_view)>;
 class p2p {
 public:
   p2p() = default;
-  p2p(p2p_config config, random_stream dice, instant now);
+  p2p(p2p_config config, random_stream rng, instant now);
 
   void on_link_open(link_id link, link_role role, instant now,
                     std::optional<attempt_id> attempt = std::nullopt);
@@ -551,7 +551,7 @@ private:
   void refuse_own_id(connection& to);
 
   p2p_config config_;
-  random_stream dice_;
+  random_stream rng_;
   id_source ids_;
   host_record self_;
   bool left_ = false;

@@ -43,7 +43,7 @@ bool p2p::connect_host(const host_record& record, std::uint32_t flags, instant n
   const auto urls = urls_to(record);
   if (urls.empty() || open_links() + attempts_.size() >= config_.links_max)
     return false;
-  const auto& url = urls[urls.size() == 1 ? 0 : dice_.below(urls.size())];
+  const auto& url = urls[urls.size() == 1 ? 0 : rng_.below(urls.size())];
   connect(url, {flags, record.id, std::nullopt, {}}, now);
   return true;
 }
@@ -145,13 +145,13 @@ void p2p::merge_clusters(instant now) {
     consider(x.record, true);
   if (foreign.empty())
     return;
-  const auto& chosen = *foreign[dice_.below(foreign.size())];
+  const auto& chosen = *foreign[rng_.below(foreign.size())];
   static_cast<void>(connect_host(chosen, connect_request::for_merge, now));
   next_merge_ = now + merge_soon;
 }
 
 void p2p::hasten_merge(instant now) {
-  const auto soon = now + dice_.between(duration(0), news_jitter);
+  const auto soon = now + rng_.between(duration(0), news_jitter);
   next_merge_ = std::min(next_merge_,
                          std::max(soon, last_merge_ + static_cast<int>(hosts_.size()) * merge_gap));
 }
@@ -207,7 +207,7 @@ void p2p::manage(instant now) {
   close_doubles(now);
   if (force_by_traffic(now))
     return;
-  const auto decision = decide(link_options(now), host_options(now), config_.connections, dice_);
+  const auto decision = decide(link_options(now), host_options(now), config_.connections, rng_);
   if (const auto* open = std::get_if<open_link_to>(&decision)) {
     static_cast<void>(connect_host(hosts_.at(open->host).record, 0, now));
   } else if (const auto* worst = std::get_if<close_worst>(&decision)) {
@@ -342,7 +342,7 @@ void p2p::refer_elsewhere(connection& to, instant now) {
       known.push_back(&x.record);
   }
   for (std::size_t i = 1; i < known.size() && i <= referrals; ++i)
-    std::swap(known[i], known[i + dice_.below(known.size() - i)]);
+    std::swap(known[i], known[i + rng_.below(known.size() - i)]);
   known.resize(std::min(known.size(), referrals + 1));
   for (const auto* record : known)
     tell_neighbour(to, port::host_record, encode(host_record_message{*record, true}));

@@ -13,9 +13,9 @@ constexpr std::size_t memory_per_search = 1024;
 
 } // namespace
 
-seen_ids::seen_ids(std::size_t memory, random_stream dice) : memory_(memory) {
-  static_cast<void>(dice.next()); // of which others see something
-  secret_ = dice.next();
+seen_ids::seen_ids(std::size_t memory, random_stream rng) : memory_(memory) {
+  static_cast<void>(rng.next()); // the first is one that others see
+  secret_ = rng.next();
 }
 
 bool seen_ids::insert(peer_id source, std::int32_t id, link_id over) {

@@ -18,7 +18,7 @@ namespace rubicon::peis {
 /// the others bring. What closed links have brought counts as that of one link.
 class seen_ids {
 public:
-  explicit seen_ids(std::size_t memory = 65536, random_stream dice = random_stream());
+  explicit seen_ids(std::size_t memory = 65536, random_stream rng = random_stream());
 
   /// Ids of different sources are different: real kernels, which compare ids alone, lose a package
   /// now and then.

@@ -15,7 +15,7 @@
 #include "core/time.hpp"
 #include "peis/neighbour_budget.hpp"
 #include "peis/push_window.hpp"
-#include "peis/subscriber_book.hpp"
+#include "peis/subscriber_table.hpp"
 #include "peis/subscription_index.hpp"
 #include "peis/tuple.hpp"
 #include "peis/tuple_channels.hpp"
@@ -347,7 +347,7 @@ private:
   std::map<std::string, question> questions_; ///< by identity
   std::map<std::uint64_t, const question*> questions_by_serial_;
   std::uint64_t next_serial_ = 0;
-  subscriber_book subscribers_;
+  subscriber_table subscribers_;
   std::uint64_t subscribers_version_ = 0;
   std::uint64_t own_keys_version_ = 0;
   std::map<peer_id, known_host> hosts_;

@@ -52,9 +52,9 @@ mote_address name_of(const radio_config& x) {
 
 } // namespace
 
-channel::channel(const channel_config& config, random_stream dice)
-    : config_(config), dice_(dice), topology_(config, dice_.next()), medium_(config),
-      noise_seed_(dice_.next()) {}
+channel::channel(const channel_config& config, random_stream rng)
+    : config_(config), rng_(rng), topology_(config, rng_.next()), medium_(config),
+      noise_seed_(rng_.next()) {}
 
 void channel::reserve(std::size_t radios) {
   stations_.reserve(radios);
@@ -92,7 +92,7 @@ radio_index channel::add(const radio_config& config, instant now) {
   x.pan = config.pan;
   x.added_at = now;
   x.next_dsn = static_cast<std::uint8_t>(rules->dsn_from_address ? 16 * config.address.value
-                                                                 : dice_.below(256));
+                                                                 : rng_.below(256));
   x.sender = mac(rules, config_.queue, retries);
   x.inbox = receiver(rules, config_.receive_slots.value_or(kind.receive_slots),
                      rules->repeats_for(retries));
@@ -167,7 +167,7 @@ outputs channel::send(radio_index radio, request what, instant now) {
   frame.age_at = what.age_at;
   frame.in_slot = what.in_slot;
   frame.asked = now;
-  x.sender.submit(std::move(frame), now, dice_);
+  x.sender.submit(std::move(frame), now, rng_);
   follow(radio, {}, now, out);
   return out;
 }
@@ -255,7 +255,7 @@ void channel::on_mac_timer(radio_index radio, instant now, outputs& out) {
   auto& x = at(radio);
   x.scheduled.reset();
   const bool clear = !x.sender.assesses() || (x.guarded_until <= now && medium_.clear(radio, now));
-  const auto todo = x.sender.on_time(now, clear, dice_);
+  const auto todo = x.sender.on_time(now, clear, rng_);
   follow(radio, todo, now, out);
 }
 
@@ -278,7 +278,7 @@ void channel::on_frame_end(slot_index slot, instant now, outputs& out) {
   const bool is_data = medium_.content(slot).content.type == frame_type::data;
   end_frame(slot, now, out);
   if (is_data)
-    follow(sender, at(sender).sender.on_sent(now, dice_), now, out);
+    follow(sender, at(sender).sender.on_sent(now, rng_), now, out);
 }
 
 void channel::on_battery_low(radio_index radio, instant now, outputs& out) {
@@ -361,22 +361,22 @@ void channel::schedule(const event& x) {
 }
 
 void channel::conclude(radio_index radio, const finished& x, outputs& out) {
-  auto& book = at(radio).counted.requests;
+  auto& counters = at(radio).counted.requests;
   switch (x.status) {
   case send_status::sent:
-    ++book.sent;
+    ++counters.sent;
     break;
   case send_status::no_ack:
-    ++book.no_ack;
+    ++counters.no_ack;
     break;
   case send_status::channel_access_failure:
-    ++book.channel_access_failure;
+    ++counters.channel_access_failure;
     break;
   case send_status::queue_full:
-    ++book.queue_full;
+    ++counters.queue_full;
     break;
   case send_status::aborted:
-    ++book.aborted;
+    ++counters.aborted;
     break;
   }
   out.emplace_back(done{radio, x.token, x.status, x.transmissions, x.arrived, x.last, x.from});

@@ -12,7 +12,6 @@
 #include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
-#include "radio/books.hpp"
 #include "radio/energy.hpp"
 #include "radio/event_queue.hpp"
 #include "radio/frame.hpp"
@@ -20,6 +19,7 @@
 #include "radio/mac_rules.hpp"
 #include "radio/medium.hpp"
 #include "radio/parameters.hpp"
+#include "radio/radio_counters.hpp"
 #include "radio/receiver.hpp"
 #include "radio/topology.hpp"
 
@@ -78,8 +78,9 @@ struct done {
   send_status status = send_status::sent;
   unsigned transmissions = 0; ///< times the frame was put on the air
   bool arrived = false;       ///< its destination accepted it, whether or not the sender knows
-  copy_fate last = copy_fate::out_of_reach; ///< of the last copy at its destination; unicast only
-  provenance from = {};                     ///< of the request
+  copy_outcome last =
+      copy_outcome::out_of_reach; ///< of the last copy at its destination; unicast only
+  provenance from = {};           ///< of the request
 };
 
 /// The battery of a mote is flat. The radio has already been switched to power::flat.
@@ -97,12 +98,13 @@ struct running_low {
 
 /// A frame has ended; only while the channel is watched.
 struct overheard {
-  std::uint16_t pan = 0;                    ///< of its sender
-  instant begin;                            ///< of its preamble
-  payload psdu;                             ///< acks included
-  bool received = false;                    ///< by anybody it was meant for
-  copy_fate fate = copy_fate::out_of_reach; ///< of the copy at its destination; unicast data only
-  provenance from = {};                     ///< of the request
+  std::uint16_t pan = 0; ///< of its sender
+  instant begin;         ///< of its preamble
+  payload psdu;          ///< acks included
+  bool received = false; ///< by anybody it was meant for
+  copy_outcome outcome =
+      copy_outcome::out_of_reach; ///< of the copy at its destination; unicast data only
+  provenance from = {};           ///< of the request
 };
 
 using output = std::variant<delivered, done, exhausted, running_low, overheard>;
@@ -138,9 +140,9 @@ public:
   channel() = default;
 
   /// @param config its macs name platforms and rules that exist
-  /// @param dice decides back-offs, losses and first sequence numbers; what belongs to links and
+  /// @param rng decides back-offs, losses and first sequence numbers; what belongs to links and
   /// to the noise of a radio is seeded from it
-  channel(const channel_config& config, random_stream dice);
+  channel(const channel_config& config, random_stream rng);
 
   /// Makes room for so many radios; gives back what is kept for more than have been added.
   void reserve(std::size_t radios);
@@ -159,7 +161,7 @@ public:
   void set_loss(radio_index from, radio_index to, double loss);
 
   /// Lets a radio send what is no frame, or stop: it disturbs all in reach, who sense its energy
-  /// but no carrier. It is in no book. @pre the radio is off and does the other now
+  /// but no carrier. It is not counted. @pre the radio is off and does the other now
   [[nodiscard]] outputs set_noise(radio_index from, bool on, instant now);
 
   /// From now on copies for radios of a PAN, or of all, are lost by this chance besides; several
@@ -189,17 +191,17 @@ public:
   /// From now on frames come out as `overheard` too; that changes nothing else.
   void watch() { watched_ = true; }
 
-  [[nodiscard]] books counted_by(radio_index radio) const;   ///< costs O(links)
-  [[nodiscard]] std::vector<books> counted_by_radio() const; ///< costs O(links)
-  [[nodiscard]] books counted_in_pan(std::uint16_t pan) const;
-  [[nodiscard]] books counted() const; ///< by all radios
+  [[nodiscard]] radio_counters counted_by(radio_index radio) const;   ///< costs O(links)
+  [[nodiscard]] std::vector<radio_counters> counted_by_radio() const; ///< costs O(links)
+  [[nodiscard]] radio_counters counted_in_pan(std::uint16_t pan) const;
+  [[nodiscard]] radio_counters counted() const; ///< by all radios
 
   /// The copies on one link while `from` has had it last: they begin anew when `from` gets another
   /// list of hearers, because a radio near it is added or moves or set_loss() concerns it.
-  [[nodiscard]] copy_book counted_on(radio_index from, radio_index to) const;
+  [[nodiscard]] copy_counters counted_on(radio_index from, radio_index to) const;
 
-  /// Whether both books of every radio and the copies of every link balance, and no copy is missing
-  /// from the sum of them. Always true; costs O(links).
+  /// Whether the counters of every radio and the copies of every link balance, and no copy is
+  /// missing from the sum of them. Always true; costs O(links).
   [[nodiscard]] bool balanced() const;
 
   /// @pre now is not before any earlier call's, and on_time(now) has been called
@@ -221,8 +223,9 @@ private:
     std::uint8_t next_dsn = 0;
     mac sender;
     receiver inbox;
-    books counted;     ///< copies: of links that are no more; requests.open: filled in when asked
-    link_books copies; ///< that it has sent
+    radio_counters
+        counted; ///< copies: of links that are no more; requests.open: filled in when asked
+    link_counters copies; ///< that it has sent
     instant added_at;
     bool runs_low = false; ///< its owner knows
     instant flat_at = instant::max();
@@ -241,11 +244,11 @@ private:
   void on_frame_end(slot_index slot, instant now, outputs& out);
   void on_battery_low(radio_index radio, instant now, outputs& out);
   [[nodiscard]] bool is_disturbed(radio_index radio);
-  [[nodiscard]] copy_fate on_ack(radio_index radio, std::uint8_t dsn, instant now, outputs& out);
-  [[nodiscard]] copy_fate on_data(const transmission& sent, const hearer& x, instant now,
-                                  outputs& out);
+  [[nodiscard]] copy_outcome on_ack(radio_index radio, std::uint8_t dsn, instant now, outputs& out);
+  [[nodiscard]] copy_outcome on_data(const transmission& sent, const hearer& x, instant now,
+                                     outputs& out);
   void book_frame(slot_index slot);
-  void retire(const link_books& x);
+  void retire(const link_counters& x);
   [[nodiscard]] overheard describe(const transmission& x) const;
   void put_on_air(transmission x, instant now);
   void send_current(radio_index radio, instant now);
@@ -262,7 +265,7 @@ private:
   [[nodiscard]] const station& at(radio_index radio) const { return stations_[radio.value]; }
 
   channel_config config_;
-  random_stream dice_;
+  random_stream rng_;
   topology topology_;
   medium medium_;
   std::uint64_t noise_seed_ = 0;

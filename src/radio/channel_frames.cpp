@@ -33,22 +33,22 @@ transmission stamped(radio_index from, const outgoing& x, instant begin) {
   return sent;
 }
 
-copy_fate to_copy_fate(fate x) {
+copy_outcome to_copy_outcome(outcome x) {
   switch (x) {
-  case fate::weak:
-    return copy_fate::weak;
-  case fate::collision:
-    return copy_fate::collision;
-  case fate::captured:
-    return copy_fate::captured;
-  case fate::half_duplex:
-    return copy_fate::half_duplex;
-  case fate::off:
-    return copy_fate::off;
-  case fate::intact:
+  case outcome::weak:
+    return copy_outcome::weak;
+  case outcome::collision:
+    return copy_outcome::collision;
+  case outcome::captured:
+    return copy_outcome::captured;
+  case outcome::half_duplex:
+    return copy_outcome::half_duplex;
+  case outcome::off:
+    return copy_outcome::off;
+  case outcome::intact:
     break;
   }
-  return copy_fate::delivered;
+  return copy_outcome::delivered;
 }
 
 } // namespace
@@ -85,32 +85,32 @@ void channel::end_frame(slot_index slot, instant now, outputs& out) {
   if (watched_)
     seen = describe(frame);
   // Nearly all copies of a busy place are filtered: that way is short.
-  const auto judge = [&](const transmission& sent, const hearer& x, fate end) {
-    if (end != fate::intact)
-      return to_copy_fate(end);
-    if (x.loss != 0 && dice_.chance(static_cast<double>(x.loss) / 65535))
-      return copy_fate::loss;
+  const auto judge = [&](const transmission& sent, const hearer& x, outcome end) {
+    if (end != outcome::intact)
+      return to_copy_outcome(end);
+    if (x.loss != 0 && rng_.chance(static_cast<double>(x.loss) / 65535))
+      return copy_outcome::loss;
     if (!disturbances_.empty() && is_disturbed(x.radio))
-      return copy_fate::loss;
+      return copy_outcome::loss;
     if (guards)
       at(x.radio).guarded_until = now + at(x.radio).sender.rules().guard;
     if (is_ack ? !medium_.awaits_ack(x.radio) : !medium_.wanted(x.radio, sent.content))
-      return copy_fate::filtered;
+      return copy_outcome::filtered;
     return is_ack ? on_ack(x.radio, sent.content.dsn, now, out) : on_data(sent, x, now, out);
   };
-  medium_.end(slot, now, dice_,
-              [&](const transmission& sent, std::size_t place, const hearer& x, fate end) {
+  medium_.end(slot, now, rng_,
+              [&](const transmission& sent, std::size_t place, const hearer& x, outcome end) {
                 const auto result = judge(sent, x, end);
                 sender.copies.count(place, result);
                 const bool arrived =
-                    result == copy_fate::delivered || result == copy_fate::duplicate;
+                    result == copy_outcome::delivered || result == copy_outcome::duplicate;
                 seen.received = seen.received || arrived;
                 if (!is_current || !medium_.addressed(x.radio, sent.content))
                   return;
                 auto& request = sender.sender.current();
                 request.last = result;
                 request.arrived = request.arrived || arrived;
-                seen.fate = result;
+                seen.outcome = result;
               });
   if (watched_)
     out.emplace_back(std::move(seen));
@@ -120,20 +120,20 @@ bool channel::is_disturbed(radio_index radio) {
   double arrives = 1;
   for (const auto& x : disturbances_)
     arrives *= x.pan.value_or(at(radio).pan) == at(radio).pan ? 1 - x.loss : 1;
-  return dice_.chance(1 - arrives);
+  return rng_.chance(1 - arrives);
 }
 
-/// Makes the sender's book one about the frame's hearers, and counts the frame there.
+/// Makes the sender's counters those about the frame's hearers, and counts the frame there.
 void channel::book_frame(slot_index slot) {
-  auto& book = at(medium_.content(slot).from).copies;
-  if (!book.is_about(medium_.heard_by(slot))) {
-    retire(book);
-    book.begin(medium_.heard_by(slot));
+  auto& counters = at(medium_.content(slot).from).copies;
+  if (!counters.is_about(medium_.heard_by(slot))) {
+    retire(counters);
+    counters.begin(medium_.heard_by(slot));
   }
-  book.count_frame();
+  counters.count_frame();
 }
 
-void channel::retire(const link_books& x) {
+void channel::retire(const link_counters& x) {
   if (x.to() == nullptr)
     return;
   for (std::size_t place = 0; place < x.to()->size(); ++place)
@@ -148,26 +148,27 @@ overheard channel::describe(const transmission& x) const {
           .from = x.origin};
 }
 
-copy_fate channel::on_ack(radio_index radio, std::uint8_t dsn, instant now, outputs& out) {
+copy_outcome channel::on_ack(radio_index radio, std::uint8_t dsn, instant now, outputs& out) {
   auto& x = at(radio);
   if (!x.sender.awaits(dsn))
-    return copy_fate::filtered;
+    return copy_outcome::filtered;
   ++x.counted.acks_received;
-  follow(radio, x.sender.on_ack(now, dice_), now, out);
-  return copy_fate::delivered;
+  follow(radio, x.sender.on_ack(now, rng_), now, out);
+  return copy_outcome::delivered;
 }
 
-copy_fate channel::on_data(const transmission& sent, const hearer& x, instant now, outputs& out) {
+copy_outcome channel::on_data(const transmission& sent, const hearer& x, instant now,
+                              outputs& out) {
   auto& y = at(x.radio);
   const bool addressed = medium_.addressed(x.radio, sent.content);
-  auto fate = copy_fate::duplicate;
+  auto outcome = copy_outcome::duplicate;
   switch (y.inbox.on_frame(sent.content, addressed, y.service_time, medium_.meter(x.radio), now)) {
   case verdict::overflow:
-    return copy_fate::overflow;
+    return copy_outcome::overflow;
   case verdict::duplicate:
     break;
   case verdict::accepted:
-    fate = copy_fate::delivered;
+    outcome = copy_outcome::delivered;
     out.emplace_back(delivered{x.radio, sent.psdu, sent.content, x.rssi_dbm, x.lqi, sent.origin});
     break;
   }
@@ -179,10 +180,10 @@ copy_fate channel::on_data(const transmission& sent, const hearer& x, instant no
               .stamp = ++y.ack_stamp,
               .subject = x.radio.value,
               .kind = event_kind::ack_due});
-    y.sender.on_own_ack(begin + air_time(ack_size), dice_);
+    y.sender.on_own_ack(begin + air_time(ack_size), rng_);
     follow(x.radio, {}, now, out);
   }
-  return fate;
+  return outcome;
 }
 
 } // namespace rubicon::radio

@@ -28,7 +28,7 @@ struct energy_times {
 /// @param transmit_ma current while sending, at the power the mote sends with
 [[nodiscard]] double used_mah(const energy_times& times, const platform& kind, double transmit_ma);
 
-/// The book of one mote's times. `now` never goes back from one call to the next. Receiving draws
+/// Counts one mote's times. `now` never goes back from one call to the next. Receiving draws
 /// the same current as listening (tinyos.md 8.1) and is not told apart here: the medium knows it.
 class energy_meter {
 public:

@@ -5,15 +5,15 @@
 
 namespace rubicon::radio {
 
-interferer::interferer(interferer_config config, random_stream dice, instant now, instant until)
-    : config_(config), dice_(dice), until_(until) {
+interferer::interferer(interferer_config config, random_stream rng, instant now, instant until)
+    : config_(config), rng_(rng), until_(until) {
   assert(config.duty > 0 && config.duty <= 1 && config.burst > 0s);
   next_ = std::min(now + gap(), until_);
 }
 
 duration interferer::gap() {
   const auto mean = static_cast<double>(config_.burst.count()) * (1 / config_.duty - 1);
-  return duration(static_cast<duration::rep>(2 * mean * dice_.unit()));
+  return duration(static_cast<duration::rep>(2 * mean * rng_.unit()));
 }
 
 bool interferer::on_time(instant now) {

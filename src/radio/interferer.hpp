@@ -20,7 +20,7 @@ struct interferer_config {
 class interferer {
 public:
   interferer() = default;
-  interferer(interferer_config config, random_stream dice, instant now, instant until);
+  interferer(interferer_config config, random_stream rng, instant now, instant until);
 
   /// Harmless before deadline(). @returns whether it sends from now on
   bool on_time(instant now);
@@ -31,7 +31,7 @@ private:
   [[nodiscard]] duration gap();
 
   interferer_config config_;
-  random_stream dice_;
+  random_stream rng_;
   instant until_;
   bool sends_ = false;
   std::optional<instant> next_;

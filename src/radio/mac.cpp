@@ -22,20 +22,20 @@ std::string to_string(send_status x) {
   return "unknown";
 }
 
-void mac::submit(outgoing x, instant now, random_stream& dice) {
+void mac::submit(outgoing x, instant now, random_stream& rng) {
   assert(!full());
   open_.push(std::move(x));
   if (state_ == state::idle)
-    attempt(now, dice);
+    attempt(now, rng);
 }
 
-mac_action mac::on_time(instant now, bool clear, random_stream& dice) {
+mac_action mac::on_time(instant now, bool clear, random_stream& rng) {
   if (!deadline_ || now < *deadline_)
     return {};
   switch (state_) {
   case state::backing_off:
   case state::looking_again:
-    return on_assessed(now, clear, dice);
+    return on_assessed(now, clear, rng);
   case state::turning:
     state_ = state::sending;
     deadline_.reset();
@@ -43,8 +43,8 @@ mac_action mac::on_time(instant now, bool clear, random_stream& dice) {
     return {.transmit = true, .ended = {}};
   case state::ack_wait:
     if (open_.front().in_slot || open_.front().transmissions > retries_max_)
-      return finish(send_status::no_ack, now, dice);
-    attempt(now, dice);
+      return finish(send_status::no_ack, now, rng);
+    attempt(now, rng);
     return {};
   case state::idle:
   case state::sending:
@@ -53,7 +53,7 @@ mac_action mac::on_time(instant now, bool clear, random_stream& dice) {
   return {};
 }
 
-mac_action mac::on_assessed(instant now, bool clear, random_stream& dice) {
+mac_action mac::on_assessed(instant now, bool clear, random_stream& rng) {
   if (clear) {
     const bool again = state_ == state::backing_off && rules_->second_look > 0s;
     state_ = again ? state::looking_again : state::turning;
@@ -61,38 +61,38 @@ mac_action mac::on_assessed(instant now, bool clear, random_stream& dice) {
     return {};
   }
   if (open_.front().in_slot)
-    return finish(send_status::channel_access_failure, now, dice);
+    return finish(send_status::channel_access_failure, now, rng);
   ++busy_;
   if (rules_->assessments_max != 0 && busy_ >= rules_->assessments_max) {
     if (++rounds_ >= rules_->rounds_max)
-      return finish(send_status::channel_access_failure, now, dice);
+      return finish(send_status::channel_access_failure, now, rng);
     busy_ = 0;
   }
-  begin(now, dice);
+  begin(now, rng);
   return {};
 }
 
-mac_action mac::on_sent(instant now, random_stream& dice) {
+mac_action mac::on_sent(instant now, random_stream& rng) {
   assert(state_ == state::sending);
   leave_space(now);
   if (!open_.front().content.ack_request)
-    return finish(send_status::sent, now, dice);
+    return finish(send_status::sent, now, rng);
   state_ = state::ack_wait;
   deadline_ = now + rules_->ack_wait;
   return {};
 }
 
-void mac::on_own_ack(instant until, random_stream& dice) {
+void mac::on_own_ack(instant until, random_stream& rng) {
   free_from_ = std::max(free_from_, until);
   if (assesses())
-    attempt(until, dice);
+    attempt(until, rng);
 }
 
-mac_action mac::on_ack(instant now, random_stream& dice) {
+mac_action mac::on_ack(instant now, random_stream& rng) {
   assert(state_ == state::ack_wait);
   // IEEE 802.15.4-2006 7.5.1.3: an acked frame's space is counted from the end of its ack.
   leave_space(now);
-  return finish(send_status::sent, now, dice);
+  return finish(send_status::sent, now, rng);
 }
 
 instant mac::told_at() const {
@@ -129,17 +129,17 @@ void mac::leave_space(instant now) {
   free_from_ = std::max(free_from_, now + (is_short ? timing::sifs : timing::lifs));
 }
 
-void mac::attempt(instant now, random_stream& dice) {
+void mac::attempt(instant now, random_stream& rng) {
   busy_ = 0;
   rounds_ = 0;
-  begin(now, dice);
+  begin(now, rng);
 }
 
 /// The next back-off, as soon as the transceiver is free.
-void mac::begin(instant now, random_stream& dice) {
+void mac::begin(instant now, random_stream& rng) {
   const auto from = std::max(now, free_from_);
   if (!open_.front().in_slot) {
-    back_off(from, dice);
+    back_off(from, rng);
     return;
   }
   state_ = state::backing_off;
@@ -147,19 +147,19 @@ void mac::begin(instant now, random_stream& dice) {
   deadline_ = from + (from == free_from_ ? timing::cca : rules_->assessment);
 }
 
-void mac::back_off(instant from, random_stream& dice) {
+void mac::back_off(instant from, random_stream& rng) {
   const auto& window = rules_->backoffs[std::min<std::size_t>(busy_, rules_->backoffs.size() - 1)];
-  const auto steps = static_cast<duration::rep>(dice.below(window.count));
+  const auto steps = static_cast<duration::rep>(rng.below(window.count));
   state_ = state::backing_off;
   deadline_ = from + window.first + steps * window.step + rules_->assessment;
 }
 
-mac_action mac::finish(send_status status, instant now, random_stream& dice) {
+mac_action mac::finish(send_status status, instant now, random_stream& rng) {
   const auto x = open_.pop();
   state_ = state::idle;
   deadline_.reset();
   if (!open_.empty())
-    attempt(now, dice);
+    attempt(now, rng);
   return {.transmit = false,
           .ended = finished{x.token, status, x.transmissions, x.arrived, x.last, x.from}};
 }

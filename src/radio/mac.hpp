@@ -13,9 +13,9 @@
 #include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
-#include "radio/books.hpp"
 #include "radio/frame.hpp"
 #include "radio/mac_rules.hpp"
+#include "radio/radio_counters.hpp"
 
 namespace rubicon::radio {
 
@@ -38,10 +38,10 @@ struct outgoing {
   frame content;                          ///< views `psdu`
   std::optional<std::size_t> age_at = {}; ///< as in radio::request; the next too
   bool in_slot = false;
-  instant asked;                            ///< for it
-  unsigned transmissions = 0;               ///< so far
-  bool arrived = false;                     ///< a copy of it was accepted by its destination
-  copy_fate last = copy_fate::out_of_reach; ///< of the copy at its destination
+  instant asked;                                  ///< for it
+  unsigned transmissions = 0;                     ///< so far
+  bool arrived = false;                           ///< a copy of it was accepted by its destination
+  copy_outcome last = copy_outcome::out_of_reach; ///< of the copy at its destination
   provenance from = {};
 };
 
@@ -50,7 +50,7 @@ struct finished {
   send_status status = send_status::sent;
   unsigned transmissions = 0;
   bool arrived = false;
-  copy_fate last = copy_fate::out_of_reach;
+  copy_outcome last = copy_outcome::out_of_reach;
   provenance from = {};
 };
 
@@ -81,7 +81,7 @@ public:
       : rules_(rules), open_(queue), retries_max_(retries_max) {}
 
   /// @pre !full()
-  void submit(outgoing x, instant now, random_stream& dice);
+  void submit(outgoing x, instant now, random_stream& rng);
 
   /// Whether on_time() will assess the channel.
   [[nodiscard]] bool assesses() const {
@@ -90,19 +90,19 @@ public:
 
   /// @param clear whether the channel has been clear for the last timing::cca; matters only if
   /// assesses()
-  [[nodiscard]] mac_action on_time(instant now, bool clear, random_stream& dice);
+  [[nodiscard]] mac_action on_time(instant now, bool clear, random_stream& rng);
 
   /// The last octet of the frame has left. @pre state is sending
-  [[nodiscard]] mac_action on_sent(instant now, random_stream& dice);
+  [[nodiscard]] mac_action on_sent(instant now, random_stream& rng);
 
   /// The transceiver answers a frame with an ack of its own, which has left by `until`. An ack
   /// needs no CSMA and goes first (IEEE 802.15.4-2006 7.5.6.4.2): CSMA for our next frame begins
   /// after it, anew if it was under way, so that neither the frame received nor the ack counts as a
   /// busy channel.
-  void on_own_ack(instant until, random_stream& dice);
+  void on_own_ack(instant until, random_stream& rng);
 
   /// An ack has come in. @pre awaits(its DSN)
-  [[nodiscard]] mac_action on_ack(instant now, random_stream& dice);
+  [[nodiscard]] mac_action on_ack(instant now, random_stream& rng);
 
   /// Gives up everything, in the order of the queue.
   [[nodiscard]] std::vector<finished> abort();
@@ -134,11 +134,11 @@ public:
 
 private:
   void leave_space(instant now);
-  void begin(instant now, random_stream& dice);
-  void attempt(instant now, random_stream& dice);
-  void back_off(instant from, random_stream& dice);
-  [[nodiscard]] mac_action on_assessed(instant now, bool clear, random_stream& dice);
-  [[nodiscard]] mac_action finish(send_status status, instant now, random_stream& dice);
+  void begin(instant now, random_stream& rng);
+  void attempt(instant now, random_stream& rng);
+  void back_off(instant from, random_stream& rng);
+  [[nodiscard]] mac_action on_assessed(instant now, bool clear, random_stream& rng);
+  [[nodiscard]] mac_action finish(send_status status, instant now, random_stream& rng);
 
   const mac_rules* rules_ = nullptr;
   bounded_queue<outgoing> open_;

@@ -74,7 +74,7 @@ slot_index medium::start(transmission x, std::shared_ptr<const hearers> heard_by
   auto& sender = heads_[x.from.value];
   assert(sender.state == mode::listening);
   if (sender.locked != nothing) {
-    spoil_locked(x.from, fate::half_duplex);
+    spoil_locked(x.from, outcome::half_duplex);
     unlock(sender, now);
   }
   sender.state = mode::sending;
@@ -85,19 +85,19 @@ slot_index medium::start(transmission x, std::shared_ptr<const hearers> heard_by
   sent.what = std::move(x);
   sent.heard_by = std::move(heard_by);
   ++sent.stamp;
-  sent.fates.resize(sent.heard_by->size());
+  sent.outcomes.resize(sent.heard_by->size());
   std::uint32_t place = 0;
   for (const auto& y : *sent.heard_by) {
-    sent.fates[place] = meet(y, slot, place, now);
+    sent.outcomes[place] = meet(y, slot, place, now);
     ++place;
   }
   return slot;
 }
 
 void medium::cut(slot_index slot) {
-  for (auto& x : on_air_[slot].fates)
-    if (x == fate::intact)
-      x = fate::off;
+  for (auto& x : on_air_[slot].outcomes)
+    if (x == outcome::intact)
+      x = outcome::off;
 }
 
 void medium::start_noise(radio_index from, std::shared_ptr<const hearers> heard_by, instant now) {
@@ -106,7 +106,7 @@ void medium::start_noise(radio_index from, std::shared_ptr<const hearers> heard_
     ++at.audible;
     if (at.locked != nothing) {
       if (strict_)
-        spoil_locked(x.radio, fate::collision);
+        spoil_locked(x.radio, outcome::collision);
       settle(x.radio, now);
       at.flags |= interfered;
     }
@@ -139,7 +139,7 @@ void medium::switch_off(radio_index radio, instant now) {
   auto& x = heads_[radio.value];
   assert(x.state != mode::sending);
   if (x.locked != nothing) {
-    spoil_locked(radio, fate::off);
+    spoil_locked(radio, outcome::off);
     unlock(x, now);
   }
   x.state = mode::off;
@@ -202,12 +202,12 @@ slot_index medium::free_slot() {
 // ----------------------------------------------------------------------------- a frame's first bit
 
 /// @returns what is to become of the copy if nothing else happens
-fate medium::meet(const hearer& x, slot_index slot, std::uint32_t place, instant now) {
+outcome medium::meet(const hearer& x, slot_index slot, std::uint32_t place, instant now) {
   auto& at = heads_[x.radio.value];
   const bool alone = at.audible++ == 0;
   if ((at.flags & turning) != 0 && turns_back(x.radio, now)) {
     at.power += units_of(x);
-    return fate::half_duplex;
+    return outcome::half_duplex;
   }
   if (!alone || at.state != mode::listening || tails_[x.radio.value].traced_noise != nullptr) {
     const auto what = meet_others(x, slot, place, now);
@@ -216,10 +216,10 @@ fate medium::meet(const hearer& x, slot_index slot, std::uint32_t place, instant
   }
   at.power += units_of(x);
   if (x.power < at.lock_floor)
-    return fate::weak;
+    return outcome::weak;
   lock(at, slot, place, now);
   at.flags &= static_cast<std::uint8_t>(~interfered);
-  return fate::intact;
+  return outcome::intact;
 }
 
 bool medium::turns_back(radio_index radio, instant now) {
@@ -232,14 +232,14 @@ bool medium::turns_back(radio_index radio, instant now) {
 
 /// The same for a transceiver that is not simply listening into silence. `power` is still without
 /// the newcomer.
-fate medium::meet_others(const hearer& x, slot_index slot, std::uint32_t place, instant now) {
+outcome medium::meet_others(const hearer& x, slot_index slot, std::uint32_t place, instant now) {
   auto& at = heads_[x.radio.value];
   auto& rest = tails_[x.radio.value];
   const bool alone = at.audible == 1;
   if (at.state == mode::off)
-    return fate::off;
+    return outcome::off;
   if (at.state == mode::sending)
-    return fate::half_duplex;
+    return outcome::half_duplex;
   if (strict_ && !alone)
     return overlap(x, slot, place, now);
   if (at.locked != nothing)
@@ -251,38 +251,38 @@ fate medium::meet_others(const hearer& x, slot_index slot, std::uint32_t place, 
   if (at.locked != nothing) {
     at.flags |= interfered;
     if (!audible_alone)
-      return fate::weak;
+      return outcome::weak;
     if (!capture_ || power < capture_ratio_ * disturbance)
-      return fate::captured;
-    spoil_locked(x.radio, fate::captured);
+      return outcome::captured;
+    spoil_locked(x.radio, outcome::captured);
     unlock(at, now);
   } else if (!audible_alone) {
-    return fate::weak;
+    return outcome::weak;
   } else if (power < lock_ratio_ * disturbance) {
-    return fate::collision;
+    return outcome::collision;
   }
   lock(at, slot, place, now);
   at.flags |= interfered; // it is not alone, or its noise changes
   rest.settled_to = now;
   rest.damage = 0;
   rest.noise_damage = 0;
-  return fate::intact;
+  return outcome::intact;
 }
 
 /// Under the strict rule nobody gets either frame, but a carrier is sensed to the end of the
 /// longer.
-fate medium::overlap(const hearer& x, slot_index slot, std::uint32_t place, instant now) {
+outcome medium::overlap(const hearer& x, slot_index slot, std::uint32_t place, instant now) {
   auto& at = heads_[x.radio.value];
-  spoil_locked(x.radio, fate::collision);
+  spoil_locked(x.radio, outcome::collision);
   if (x.power < at.lock_floor)
-    return fate::weak;
+    return outcome::weak;
   if (at.locked == nothing || end_of(at.locked) < end_of(slot)) {
     if (at.locked != nothing)
       unlock(at, now);
     lock(at, slot, place, now);
     tails_[x.radio.value].settled_to = now;
   }
-  return fate::collision;
+  return outcome::collision;
 }
 
 instant medium::end_of(slot_index slot) const {
@@ -290,12 +290,12 @@ instant medium::end_of(slot_index slot) const {
   return x.begin + x.length;
 }
 
-void medium::spoil_locked(radio_index radio, fate cause) {
+void medium::spoil_locked(radio_index radio, outcome cause) {
   const auto& at = heads_[radio.value];
   if (at.locked == nothing)
     return;
-  auto& copy = on_air_[at.locked].fates[at.place];
-  if (copy == fate::intact) // what spoiled it first stays the cause
+  auto& copy = on_air_[at.locked].outcomes[at.place];
+  if (copy == outcome::intact) // what spoiled it first stays the cause
     copy = cause;
 }
 
@@ -332,15 +332,15 @@ void medium::settle(radio_index radio, instant now) {
 // ------------------------------------------------------------------------------ a frame's last bit
 
 /// What becomes of the locked frame at its end, if nothing has spoiled it.
-fate medium::survive(radio_index radio, instant now, random_stream& dice) {
+outcome medium::survive(radio_index radio, instant now, random_stream& rng) {
   settle(radio, now);
   const auto& rest = tails_[radio.value];
   if (rest.damage < harmless)
-    return fate::intact;
-  const auto die = dice.unit();
+    return outcome::intact;
+  const auto die = rng.unit();
   if (die < math::exp(-rest.damage))
-    return fate::intact;
-  return die < math::exp(-rest.noise_damage) ? fate::collision : fate::weak;
+    return outcome::intact;
+  return die < math::exp(-rest.noise_damage) ? outcome::collision : outcome::weak;
 }
 
 /// What disturbs the reception of a frame.
@@ -367,7 +367,7 @@ void medium::release(slot_index slot) {
   auto& x = on_air_[slot];
   copies_ += x.heard_by->size();
   x.heard_by.reset();
-  x.fates.clear();
+  x.outcomes.clear();
   x.what.psdu = {};
   ++x.stamp;
   free_.push_back(slot);

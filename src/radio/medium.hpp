@@ -24,7 +24,7 @@
 namespace rubicon::radio {
 
 /// What the air has done to one copy of a frame.
-enum class fate : std::uint8_t { intact, weak, collision, captured, half_duplex, off };
+enum class outcome : std::uint8_t { intact, weak, collision, captured, half_duplex, off };
 
 /// A frame on the air.
 struct transmission {
@@ -82,16 +82,16 @@ public:
   void cut(slot_index slot);
 
   /// The last octet has left. Calls `on_copy(const transmission&, std::size_t place, const hearer&,
-  /// fate)` for each radio in reach, in ascending order; it must not start a frame.
+  /// outcome)` for each radio in reach, in ascending order; it must not start a frame.
   template <class OnCopy>
-  void end(slot_index slot, instant now, random_stream& dice, OnCopy on_copy) {
+  void end(slot_index slot, instant now, random_stream& rng, OnCopy on_copy) {
     auto& sent = on_air_[slot];
     assert(sent.heard_by != nullptr);
     stop_sending(sent.what.from, now);
     const auto count = static_cast<std::uint32_t>(sent.heard_by->size());
     for (std::uint32_t place = 0; place < count; ++place) {
       const auto& x = (*sent.heard_by)[place];
-      const auto result = leave(x, slot, sent.fates[place], now, dice);
+      const auto result = leave(x, slot, sent.outcomes[place], now, rng);
       on_copy(sent.what, place, x, result);
     }
     release(slot);
@@ -208,16 +208,16 @@ private:
   struct on_air {
     transmission what;
     std::shared_ptr<const hearers> heard_by; ///< nullptr: the slot is free
-    std::vector<fate> fates;                 ///< one for each hearer, of locked ones provisional
+    std::vector<outcome> outcomes;           ///< one for each hearer, of locked ones provisional
     std::uint64_t stamp = 0;
   };
 
   [[nodiscard]] slot_index free_slot();
-  [[nodiscard]] fate meet(const hearer& x, slot_index slot, std::uint32_t place, instant now);
-  [[nodiscard]] fate meet_others(const hearer& x, slot_index slot, std::uint32_t place,
-                                 instant now);
+  [[nodiscard]] outcome meet(const hearer& x, slot_index slot, std::uint32_t place, instant now);
+  [[nodiscard]] outcome meet_others(const hearer& x, slot_index slot, std::uint32_t place,
+                                    instant now);
   [[nodiscard]] bool turns_back(radio_index radio, instant now);
-  [[nodiscard]] fate overlap(const hearer& x, slot_index slot, std::uint32_t place, instant now);
+  [[nodiscard]] outcome overlap(const hearer& x, slot_index slot, std::uint32_t place, instant now);
   [[nodiscard]] instant end_of(slot_index slot) const;
   static void lock(head& at, slot_index slot, std::uint32_t place, instant now) {
     at.locked = slot;
@@ -232,11 +232,11 @@ private:
     return static_cast<power_units>(
         static_cast<std::int64_t>(x.power)); // signed is one instruction
   }
-  void spoil_locked(radio_index radio, fate cause);
+  void spoil_locked(radio_index radio, outcome cause);
   void settle(radio_index radio, instant now);
-  [[nodiscard]] fate leave(const hearer& x, slot_index slot, fate so_far, instant now,
-                           random_stream& dice);
-  [[nodiscard]] fate survive(radio_index radio, instant now, random_stream& dice);
+  [[nodiscard]] outcome leave(const hearer& x, slot_index slot, outcome so_far, instant now,
+                              random_stream& rng);
+  [[nodiscard]] outcome survive(radio_index radio, instant now, random_stream& rng);
   [[nodiscard]] power_units reading_at(radio_index radio, instant now);
   [[nodiscard]] power_units noise_at(radio_index radio, instant now);
   void stop_sending(radio_index radio, instant now);
@@ -259,13 +259,13 @@ private:
   std::uint64_t copies_ = 0;
 };
 
-inline fate medium::leave(const hearer& x, slot_index slot, fate so_far, instant now,
-                          random_stream& dice) {
+inline outcome medium::leave(const hearer& x, slot_index slot, outcome so_far, instant now,
+                             random_stream& rng) {
   auto& at = heads_[x.radio.value];
   const bool was_locked = at.locked == slot;
   if (was_locked) {
-    if (so_far == fate::intact && (x.clean_damage > 0 || (at.flags & interfered) != 0))
-      so_far = survive(x.radio, now, dice);
+    if (so_far == outcome::intact && (x.clean_damage > 0 || (at.flags & interfered) != 0))
+      so_far = survive(x.radio, now, rng);
     unlock(at, now);
   } else if (at.locked != nothing) {
     settle(x.radio, now);

@@ -91,19 +91,19 @@ noise_trace::noise_trace(std::vector<std::int8_t> readings_dbm)
     patterns_.back() = commonest;
 }
 
-std::uint32_t noise_trace::random_place(random_stream& dice) const {
-  return static_cast<std::uint32_t>(history + dice.below(readings_.size() - history));
+std::uint32_t noise_trace::random_place(random_stream& rng) const {
+  return static_cast<std::uint32_t>(history + rng.below(readings_.size() - history));
 }
 
-std::uint32_t noise_trace::next_place(std::uint32_t place, random_stream& dice) const {
+std::uint32_t noise_trace::next_place(std::uint32_t place, random_stream& rng) const {
   const auto now = patterns_[place + 1 - history];
   const auto start = starts_[now];
   const auto count = starts_[now + 1] - start;
-  return places_[count == 1 ? start : start + dice.below(count)];
+  return places_[count == 1 ? start : start + rng.below(count)];
 }
 
-noise_source::noise_source(std::shared_ptr<const noise_trace> trace, random_stream dice)
-    : trace_(std::move(trace)), dice_(dice) {
+noise_source::noise_source(std::shared_ptr<const noise_trace> trace, random_stream rng)
+    : trace_(std::move(trace)), rng_(rng) {
   assert(trace_);
 }
 
@@ -111,11 +111,11 @@ std::int8_t noise_source::at(instant at) {
   const auto now = std::chrono::floor<std::chrono::milliseconds>(at.time_since_epoch()).count();
   assert(!started_ || now >= millisecond_);
   if (!started_ || now - millisecond_ > memory / 1ms) {
-    place_ = trace_->random_place(dice_);
+    place_ = trace_->random_place(rng_);
     started_ = true;
   } else {
     for (; millisecond_ < now; ++millisecond_)
-      place_ = trace_->next_place(place_, dice_);
+      place_ = trace_->next_place(place_, rng_);
   }
   millisecond_ = now;
   return trace_->readings_[place_];

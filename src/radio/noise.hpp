@@ -29,9 +29,9 @@ public:
 private:
   friend class noise_source;
 
-  [[nodiscard]] std::uint32_t random_place(random_stream& dice) const;
+  [[nodiscard]] std::uint32_t random_place(random_stream& rng) const;
   /// A place whose reading may follow that at `place` and those before it.
-  [[nodiscard]] std::uint32_t next_place(std::uint32_t place, random_stream& dice) const;
+  [[nodiscard]] std::uint32_t next_place(std::uint32_t place, random_stream& rng) const;
 
   std::vector<std::int8_t> readings_;
   // A pattern is met at each place that it precedes. So the place of the last reading tells the
@@ -50,7 +50,7 @@ public:
   static constexpr duration memory = 1s;
 
   /// @param trace not nullptr
-  noise_source(std::shared_ptr<const noise_trace> trace, random_stream dice);
+  noise_source(std::shared_ptr<const noise_trace> trace, random_stream rng);
 
   /// The reading of the millisecond that `at` is in, in dBm. @pre not before the millisecond of an
   /// earlier call
@@ -58,7 +58,7 @@ public:
 
 private:
   std::shared_ptr<const noise_trace> trace_;
-  random_stream dice_;
+  random_stream rng_;
   std::int64_t millisecond_ = 0; ///< of the last reading
   std::uint32_t place_ = 0;      ///< in the trace, of the last reading
   bool started_ = false;

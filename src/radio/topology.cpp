@@ -51,7 +51,8 @@ std::uint16_t in_65535ths(double chance) {
   return static_cast<std::uint16_t>(std::lround(chance * 65535));
 }
 
-// ------------------------------------------------------------------------------------------- dice
+// -------------------------------------------------------------------------------------------
+// random numbers
 
 std::uint64_t key(const mote_address& x) {
   return std::uint64_t{x.island.value} << 16U | x.mote.value;
@@ -294,7 +295,7 @@ std::optional<double> topology::by_law_dbm(const site& from, const site& to,
   const auto* law = std::get_if<log_distance>(&config_.propagation);
   if (!law || law->asymmetry_db <= 0)
     return dbm;
-  if (dbm + deviations_max * law->asymmetry_db < config_.cutoff_dbm) // whatever the dice say
+  if (dbm + deviations_max * law->asymmetry_db < config_.cutoff_dbm) // whatever is drawn
     return std::nullopt;
   return dbm + law->asymmetry_db * own_deviate(seed_, from.mote, to.mote);
 }

@@ -41,7 +41,7 @@ using hearers = std::vector<hearer>;
 
 /// Where and how a radio stands.
 struct site {
-  mote_address mote; ///< decides its dice; for gain_matrix its node
+  mote_address mote; ///< decides its random numbers; for gain_matrix its node
   position place;
   double transmit_dbm = 0;
   power_units own_noise = 0; ///< of its receiver: noise counts with no less than this
@@ -58,7 +58,7 @@ struct site {
 class topology {
 public:
   topology() : topology(channel_config{}, 0) {}
-  /// @param seed of the links' dice
+  /// @param seed of the links' random numbers
   topology(const channel_config& config, std::uint64_t seed);
 
   /// Costs O(radios near it); for a gain_matrix O(its links). @pre the place is finite

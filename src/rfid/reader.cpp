@@ -22,11 +22,11 @@ std::string rssi_text(double dbm) {
 
 } // namespace
 
-reader::reader(reader_config config, std::shared_ptr<const tags> world, random_stream dice)
-    : config_(std::move(config)), world_(std::move(world)), dice_(dice) {}
+reader::reader(reader_config config, std::shared_ptr<const tags> world, random_stream rng)
+    : config_(std::move(config)), world_(std::move(world)), rng_(rng) {}
 
 outputs reader::start(instant now) {
-  due_ = now + dice_.between(0s, config_.period); // readers do not go in step
+  due_ = now + rng_.between(0s, config_.period); // readers do not go in step
   return {text_tuple({interface_tuple::channel, config_.name, {}}, "rfid"),
           text_tuple({interface_tuple::position, config_.name, {}}, position_text(config_.place)),
           list()};
@@ -75,7 +75,7 @@ std::optional<double> reader::strength(const tag& x, instant now) {
   const auto there = x.way.at(now);
   const auto distance_m = math::length(there.x_m - config_.place.x_m, there.y_m - config_.place.y_m,
                                        there.z_m - config_.place.z_m);
-  if (distance_m > config_.range_m || dice_.chance(config_.miss_rate))
+  if (distance_m > config_.range_m || rng_.chance(config_.miss_rate))
     return std::nullopt;
   return config_.rssi_1m_dbm - 10 * config_.exponent * math::log10(std::max(distance_m, nearest_m));
 }

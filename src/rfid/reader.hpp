@@ -39,7 +39,7 @@ class reader final : public components::component {
 public:
   reader() = default;
   /// @param world shared by all readers, never null
-  reader(reader_config config, std::shared_ptr<const tags> world, random_stream dice);
+  reader(reader_config config, std::shared_ptr<const tags> world, random_stream rng);
 
   [[nodiscard]] outputs start(instant now) override;
   [[nodiscard]] outputs on_time(instant now) override; ///< an inventory
@@ -58,7 +58,7 @@ private:
 
   reader_config config_;
   std::shared_ptr<const tags> world_;
-  random_stream dice_;
+  random_stream rng_;
   std::map<std::string, sight> seen_;
   std::optional<instant> due_;
 };

@@ -23,9 +23,9 @@ std::vector<planned_fault> plan_faults(const config::ecology_description& x) {
       for (auto at = times.from; at <= until; at += times.every)
         plan.push_back({at, index});
     }
-    random_stream dice(x.seed, "fault/" + std::to_string(index));
+    random_stream rng(x.seed, "fault/" + std::to_string(index));
     for (std::uint32_t i = 0; i < times.count; ++i)
-      plan.push_back({dice.between(times.from, until), index});
+      plan.push_back({rng.between(times.from, until), index});
   }
   std::ranges::stable_sort(plan, {}, &planned_fault::at);
   std::erase_if(plan, [&x](const auto& each) { return each.at > x.length; });

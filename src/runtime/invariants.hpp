@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/books.hpp"
 #include "runtime/report.hpp"
+#include "runtime/run_counters.hpp"
 
 namespace rubicon::runtime {
 
@@ -23,7 +23,7 @@ inline constexpr const char* requests_are_met = "what was asked for is there";
 /// The run has come to its end, and its report tells of all of it.
 inline constexpr const char* run_is_complete = "the run is complete";
 
-/// Both books of every island's radios balance: no copy and no request vanishes uncounted.
+/// The counters of every island's radios balance: no copy and no request vanishes uncounted.
 [[nodiscard]] violations check_radio(const report& x);
 
 /// Every message that a program has offered is refused, sent unreliably, or sent reliably; the last

@@ -31,7 +31,7 @@ void add_counters(cause_counts& sum, const std::string& module, const Counters& 
 /// The sum over all causes.
 [[nodiscard]] std::uint64_t total(const cause_counts& x);
 
-/// The radio's two books (both balance, checked as invariants).
+/// Copies and requests of the radio (both balance, checked as invariants).
 struct radio_report {
   /// Copies, one per radio in range of a transmission: sent = delivered + sum of lost.
   std::uint64_t sent = 0;

@@ -16,7 +16,7 @@ std::string to_string(direction x) {
   return "unknown";
 }
 
-line::line(line_config config, random_stream dice) : config_(config), dice_(dice) {
+line::line(line_config config, random_stream rng) : config_(config), rng_(rng) {
   assert(config_.baud > 0);
 }
 
@@ -103,9 +103,9 @@ payload line::carry(payload octets, std::size_t kept, line_counters& counters) {
     return octets;
   auto copy = to_bytes(octets.view().first(kept));
   for (auto& octet : copy) {
-    if (!dice_.chance(config_.octet_error))
+    if (!rng_.chance(config_.octet_error))
       continue;
-    octet = static_cast<std::uint8_t>(octet ^ (1 + dice_.below(255)));
+    octet = static_cast<std::uint8_t>(octet ^ (1 + rng_.below(255)));
     ++counters.corrupted;
   }
   return copy;

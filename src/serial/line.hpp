@@ -47,7 +47,7 @@ public:
   line() = default;
 
   /// @pre config.baud > 0
-  line(line_config config, random_stream dice);
+  line(line_config config, random_stream rng);
 
   /// Octets beyond what the buffer still takes are lost from the end of the chunk.
   void send(direction towards, payload octets, instant now);
@@ -83,7 +83,7 @@ private:
   [[nodiscard]] payload carry(payload octets, std::size_t kept, line_counters& counters);
 
   line_config config_;
-  random_stream dice_;
+  random_stream rng_;
   std::array<one_way, 2> lanes_;
   bool plugged_ = true;
 };

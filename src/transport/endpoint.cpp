@@ -34,8 +34,8 @@ void forget_oldest(Map& entries, MayGo may_go) {
 
 } // namespace
 
-endpoint::endpoint(endpoint_config config, random_stream dice)
-    : config_(config), next_counter_(static_cast<std::uint16_t>(dice.next() & counter_max)) {}
+endpoint::endpoint(endpoint_config config, random_stream rng)
+    : config_(config), next_counter_(static_cast<std::uint16_t>(rng.next() & counter_max)) {}
 
 mote_address endpoint::resolved(mote_address x) const {
   if (x.island == own_island)

@@ -105,7 +105,7 @@ RUBICON_FIELDS(endpoint_counters, reliable_sent, reliable_acked, reliable_failed
 class endpoint {
 public:
   endpoint() = default;
-  endpoint(endpoint_config config, random_stream dice);
+  endpoint(endpoint_config config, random_stream rng);
 
   /// Where own_island is.
   void join(island_id island) { island_ = island; }

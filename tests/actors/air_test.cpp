@@ -138,7 +138,7 @@ TEST_CASE("frames go to the newest owner of a radio", "[actors][air][ACT-03]") {
   CHECK(heir.count<frame_received>() == 1);
 }
 
-TEST_CASE("the air reports books that balance and the energy of every radio",
+TEST_CASE("the air reports counters that balance and the energy of every radio",
           "[actors][air][GEN-03]") {
   rig x({}, 0.3);
   for (std::uint64_t i = 0; i < 200; ++i) {
@@ -150,12 +150,13 @@ TEST_CASE("the air reports books that balance and the energy of every radio",
   const auto statuses = x.ecology.all<radio_status>();
   REQUIRE(statuses.size() == 1);
   CHECK(statuses[0].island == kitchen);
-  const auto& books = statuses[0].radio;
-  CHECK(books.requests == 400);
-  CHECK(books.requests == books.mac_sent + runtime::total(books.mac_failed) + books.mac_open);
-  CHECK(books.sent == books.delivered + runtime::total(books.lost));
-  CHECK(books.lost.at("loss") > 0);
-  CHECK(books.delivered > 0);
+  const auto& counters = statuses[0].radio;
+  CHECK(counters.requests == 400);
+  CHECK(counters.requests ==
+        counters.mac_sent + runtime::total(counters.mac_failed) + counters.mac_open);
+  CHECK(counters.sent == counters.delivered + runtime::total(counters.lost));
+  CHECK(counters.lost.at("loss") > 0);
+  CHECK(counters.delivered > 0);
 
   const auto energies = x.ecology.all<energy_status>();
   REQUIRE(energies.size() == 3);
@@ -199,5 +200,5 @@ TEST_CASE("a radio that moves away is heard no more", "[actors][air][NET-15]") {
   CHECK(ends[0].arrived);
   CHECK(ends[1].status == radio::send_status::sent); // nobody had to acknowledge it
   CHECK_FALSE(ends[1].arrived);
-  CHECK(ends[1].last == radio::copy_fate::out_of_reach);
+  CHECK(ends[1].last == radio::copy_outcome::out_of_reach);
 }

@@ -258,7 +258,7 @@ private:
   void next_ping() {
     ping_->waiting = false;
     ++ping_->number;
-    ping_->at_s = monotonic_s() + ping_->gap_s * (0.5 + dice_.unit());
+    ping_->at_s = monotonic_s() + ping_->gap_s * (0.5 + rng_.unit());
   }
 
   void carry_on(double now_s) {
@@ -330,7 +330,7 @@ private:
   std::optional<flood> flood_;
   std::optional<ping> ping_;
   watched watched_;
-  random_stream dice_{1};
+  random_stream rng_{1};
 };
 
 /// @returns the value of an option with a number, or ends the program

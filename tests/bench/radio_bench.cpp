@@ -34,15 +34,15 @@ double allocated() {
 }
 
 /// Uniform in a disk around `centre`.
-position near(const position& centre, double radius_m, random_stream& dice) {
-  const auto distance = radius_m * std::sqrt(dice.unit());
-  const auto turns = dice.unit();
+position near(const position& centre, double radius_m, random_stream& rng) {
+  const auto distance = radius_m * std::sqrt(rng.unit());
+  const auto turns = rng.unit();
   return {centre.x_m + distance * math::sine_of_turns(turns + 0.25),
           centre.y_m + distance * math::sine_of_turns(turns), 0};
 }
 
 config::island_description island_of(std::uint32_t id, std::uint32_t motes, const position& centre,
-                                     double radius_m, bool sending, random_stream& dice) {
+                                     double radius_m, bool sending, random_stream& rng) {
   const auto* kind = radio::find_platform("micaz");
   config::island_description island;
   island.id = island_id{id};
@@ -56,7 +56,7 @@ config::island_description island_of(std::uint32_t id, std::uint32_t motes, cons
     mote.id = mote_id{static_cast<std::uint16_t>(island.sink.id.value + i)};
     mote.name = "mote-" + std::to_string(i);
     mote.platform = kind;
-    mote.place = near(centre, radius_m, dice);
+    mote.place = near(centre, radius_m, rng);
     if (sending) {
       flow::sender_config sender;
       sender.to = island.sink.id;
@@ -79,9 +79,9 @@ config::ecology_description base(double cutoff_dbm) {
 
 config::ecology_description islands(std::uint32_t motes, bool sending) {
   auto x = base(-95);
-  random_stream dice(7);
+  random_stream rng(7);
   for (std::uint32_t i = 0; i < motes / 100; ++i) {
-    x.islands.push_back(island_of(i + 1, 100, {100.0 * i, 0, 0}, 10, sending, dice));
+    x.islands.push_back(island_of(i + 1, 100, {100.0 * i, 0, 0}, 10, sending, rng));
     x.airs.push_back({x.islands.back().name, {x.islands.back().id}});
   }
   return x;
@@ -91,13 +91,13 @@ config::ecology_description field(std::uint32_t motes, bool sending) {
   constexpr double cell_m = 60;
   constexpr double reach_m = 37.2; // pi reach^2 x 17 radios / cell^2 = 20.5
   auto x = base(-46.68 - 30 * std::log10(reach_m));
-  random_stream dice(7);
+  random_stream rng(7);
   const auto count = motes / 16;
   const auto columns = static_cast<std::uint32_t>(std::ceil(std::sqrt(count)));
   x.airs.push_back({"field", {}});
   for (std::uint32_t i = 0; i < count; ++i) {
     const position centre{cell_m * (i % columns), cell_m * (i / columns), 0};
-    x.islands.push_back(island_of(i + 1, 16, centre, cell_m / 2, sending, dice));
+    x.islands.push_back(island_of(i + 1, 16, centre, cell_m / 2, sending, rng));
     x.airs[0].islands.push_back(x.islands.back().id);
   }
   return x;

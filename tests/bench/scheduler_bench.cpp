@@ -46,7 +46,7 @@ namespace bench {
 using station_actor = caf::typed_actor<caf::reacts_to<parcel>>;
 
 struct station_state {
-  random_stream dice;
+  random_stream rng;
   std::uint16_t index = 0;
   const std::vector<station_actor>* all = nullptr;
 };
@@ -56,12 +56,12 @@ using station_pointer = scheduler::traced_pointer<station_state, station_actor>;
 /// Passes every parcel on to another station, 1 to 10 ms later.
 station_actor::behavior_type station(station_pointer self, std::uint16_t index,
                                      const std::vector<station_actor>* all) {
-  self->state.dice = random_stream(index);
+  self->state.rng = random_stream(index);
   self->state.index = index;
   self->state.all = all;
   return {[self](const parcel& x) {
-    auto& [dice, from, others] = self->state;
-    const auto dice_word = dice.next();
+    auto& [rng, from, others] = self->state;
+    const auto dice_word = rng.next();
     const auto& next = (*others)[dice_word % others->size()];
     const duration delay = 1ms + duration((dice_word >> 32) % 9'000'000);
     self->delayed_send(next, delay, parcel{x.hops + 1, from, x.octets});

@@ -81,7 +81,7 @@ TEST_CASE("a message to another island passes exactly the hops it must",
                                   "kitchen/sink → gateway", "kitchen-gateway → bedroom-gateway",
                                   "bedroom/gateway → sink", "bedroom/sink → pager",
                                   "bedroom/pager/listener-10"});
-  CHECK(explain::outcome_of(all, m).fate == explain::fate::delivered);
+  CHECK(explain::outcome_of(all, m).status == explain::message_status::delivered);
   CHECK(m.acknowledged.has_value());
 }
 
@@ -231,7 +231,7 @@ TEST_CASE("what an unplugged cable keeps back is lost there", "[ecology][explain
   const auto index = message_called(all, "kitchen/button#1"); // at 31 s
   const auto& m = all.messages[index];
   const auto y = explain::outcome_of(all, m);
-  CHECK(y.fate == explain::fate::lost);
+  CHECK(y.status == explain::message_status::lost);
   CHECK(y.where == "kitchen/sink → gateway");
   CHECK(y.why == "cable unplugged");
   REQUIRE(m.failed);
@@ -246,9 +246,9 @@ TEST_CASE("messages are followed while gateways end and start again", "[ecology]
   home.faults.insert(home.faults.begin(), {25s, config::kill_fault{peer_id{2}, 20s}});
   const auto all = record_of(home, 100s).all;
   const auto& lost = all.messages[message_called(all, "kitchen/button#1")]; // at 31 s
-  CHECK(explain::outcome_of(all, lost).fate == explain::fate::lost);
+  CHECK(explain::outcome_of(all, lost).status == explain::message_status::lost);
   const auto& there = all.messages[message_called(all, "kitchen/button#2")]; // at 61 s
-  CHECK(explain::outcome_of(all, there).fate == explain::fate::delivered);
+  CHECK(explain::outcome_of(all, there).status == explain::message_status::delivered);
 }
 
 TEST_CASE("a record that cannot be written is an error", "[ecology][explain]") {

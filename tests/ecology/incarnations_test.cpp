@@ -151,14 +151,14 @@ count = 6
      {"p-1", "p-2", "p-3", "p-4", "p-5", "p-6"}},
 }};
 
-std::string fault(const network& x, random_stream& dice) {
+std::string fault(const network& x, random_stream& rng) {
   constexpr std::array kinds{"pause", "kill", "power_off", "pause", "kill", "partition"};
-  const auto uniform = [&](double from, double to) { return from + (to - from) * dice.unit(); };
-  const auto one = [&] { return std::string(x.names[dice.below(x.names.size())]); };
-  const std::string kind = kinds[dice.below(kinds.size())];
+  const auto uniform = [&](double from, double to) { return from + (to - from) * rng.unit(); };
+  const auto one = [&] { return std::string(x.names[rng.below(x.names.size())]); };
+  const std::string kind = kinds[rng.below(kinds.size())];
   const auto text = [](double s) { return '"' + std::to_string(s) + "s\"\n"; };
   const double at = uniform(20, 210);
-  const double length = dice.below(3) == 0 ? uniform(0.01, 2) : uniform(2, 50);
+  const double length = rng.below(3) == 0 ? uniform(0.01, 2) : uniform(2, 50);
   auto out = "[[fault]]\nat = " + text(at) + "kind = \"" + kind + "\"\nfor = " + text(length);
   if (kind == "partition")
     return out + "groups = [[\"" + one() + "\"]]\n";
@@ -166,12 +166,12 @@ std::string fault(const network& x, random_stream& dice) {
 }
 
 std::string ecology_text(const network& x, std::uint64_t seed) {
-  random_stream dice(seed, std::string(x.name));
+  random_stream rng(seed, std::string(x.name));
   std::string text = "[ecology]\nname = \"restarts\"\nduration = \"7min\"\n";
   text += x.peers;
-  const auto faults = 2 + dice.below(7);
+  const auto faults = 2 + rng.below(7);
   for (std::uint64_t i = 0; i < faults; ++i)
-    text += fault(x, dice);
+    text += fault(x, rng);
   return text;
 }
 

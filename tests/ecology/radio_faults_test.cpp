@@ -19,7 +19,7 @@ const runtime::flow_report& flow_of(const runtime::report& x, std::string_view f
   throw std::runtime_error("no flow from " + std::string(from));
 }
 
-void check_books(const runtime::report& x) {
+void check_counters(const runtime::report& x) {
   for (const auto& violation : x.violations)
     FAIL_CHECK(violation.invariant << ": " << violation.detail);
   for (const auto& flow : x.flows) {
@@ -56,7 +56,7 @@ runtime::report run_with(std::string_view faults) {
 
 TEST_CASE("a flow ends with its sender's battery", "[ecology][radio][NRG-05]") {
   const auto whole = run_with("");
-  check_books(whole);
+  check_counters(whole);
   CHECK(whole.motes_alive() == 3);
   CHECK(flow_of(whole, "hall/far").sent == 600);
   CHECK(flow_of(whole, "hall/far").pdr > 0.98);
@@ -67,7 +67,7 @@ TEST_CASE("a flow ends with its sender's battery", "[ecology][radio][NRG-05]") {
     kind = "battery_end"
     mote = "hall/far"
   )");
-  check_books(cut);
+  check_counters(cut);
   CHECK(cut.motes_alive() == 2);
   CHECK(flow_of(cut, "hall/far").sent == 200);
   CHECK(flow_of(cut, "hall/far").pdr > 0.98);
@@ -82,7 +82,7 @@ TEST_CASE("a flow whose relay is dead is lost, with causes", "[ecology][radio]")
     kind = "battery_end"
     mote = "hall/middle"
   )");
-  check_books(report);
+  check_counters(report);
   const auto& flow = flow_of(report, "hall/far");
   CHECK(flow.sent == 600);
   CHECK(flow.delivered == Approx(200).margin(4));
@@ -98,7 +98,7 @@ TEST_CASE("a flow goes on when its sender or its relay is restarted", "[ecology]
     INFO(mote);
     const auto report = run_with("[[fault]]\nat = \"10s\"\nkind = \"crash\"\nmote = \"" +
                                  std::string(mote) + "\"\n");
-    check_books(report);
+    check_counters(report);
     CHECK(report.actors.restarted == 1);
     REQUIRE(report.actors.failures.size() == 1);
     const auto& flow = flow_of(report, "hall/far");
@@ -129,8 +129,8 @@ TEST_CASE("a saturated sender goes on after a restart", "[ecology][radio][ACT-03
     kind = "crash"
     mote = "hall/busy"
   )"));
-  check_books(whole);
-  check_books(restarted);
+  check_counters(whole);
+  check_counters(restarted);
   CHECK(restarted.actors.restarted == 1);
   const auto sent = static_cast<double>(flow_of(whole, "hall/busy").sent);
   CHECK(static_cast<double>(flow_of(restarted, "hall/busy").sent) == Approx(sent).epsilon(0.15));
@@ -143,7 +143,7 @@ TEST_CASE("a run may end while packets are under way", "[ecology][radio]") {
     what.length = length;
     const auto report = run(what);
     CHECK(report.simulated == length);
-    check_books(report);
+    check_counters(report);
     CHECK(flow_of(report, "saturated/sender").sent > 0);
     CHECK(flow_of(report, "saturated/sender").open > 0);
   }

@@ -81,7 +81,7 @@ const runtime::flow_report& flow_to(const runtime::report& x, const std::string&
 }
 
 /// What holds in every run: nothing is lost without a cause, and no figure contradicts another.
-void check_books(const runtime::report& x) {
+void check_counters(const runtime::report& x) {
   for (const auto& violation : x.violations)
     FAIL_CHECK(violation.invariant << ": " << violation.detail);
   CHECK(x.actors.failures.empty());
@@ -106,7 +106,7 @@ runtime::report run_for(std::string_view file, duration length) {
   auto what = example(file);
   what.length = length;
   auto report = run(what, what.seed);
-  check_books(report);
+  check_counters(report);
   return report;
 }
 
@@ -309,7 +309,7 @@ TEST_CASE("the trace of a shadowed hall is the same on every machine and in ever
     radius = "50m"
     apps = [{ app = "sender", to = "sink", payload = 60, pattern = "poisson", every = "60ms" }]
   )"));
-  check_books(report);
+  check_counters(report);
   CHECK(report.radio().lost.contains("weak"));
   CHECK(report.trace_hash == "29847df43877680c");
 }
@@ -339,7 +339,7 @@ TEST_CASE("no packet crosses to another island of the same air", "[ecology][RTG-
     )");
     what.islands.at(1).sink.promiscuous = promiscuous;
     const auto report = run(what);
-    check_books(report);
+    check_counters(report);
     REQUIRE(report.flows.size() == 2);
     const auto& unicast = report.flows[0];
     const auto& broadcast = report.flows[1];
@@ -392,8 +392,8 @@ TEST_CASE("islands with an air of their own do not disturb each other", "[ecolog
   )";
   const auto quiet = run(describe(alone));
   const auto both = run(describe(noisy));
-  check_books(quiet);
-  check_books(both);
+  check_counters(quiet);
+  check_counters(both);
   const auto& before = flow_to(quiet, "a/sink");
   const auto& after = flow_to(both, "a/sink");
   CHECK(before.sent == after.sent);
@@ -401,7 +401,7 @@ TEST_CASE("islands with an air of their own do not disturb each other", "[ecolog
   CHECK(after.lost.empty());
   const auto shared = noisy + "\n[[air]]\nname = \"one\"\nislands = [\"a\", \"b\"]\n";
   const auto disturbed = run(describe(shared));
-  check_books(disturbed);
+  check_counters(disturbed);
   CHECK(flow_to(disturbed, "a/sink").delay_mean_ms > after.delay_mean_ms);
 }
 
@@ -420,7 +420,7 @@ TEST_CASE("a sink that is too slow for its motes overflows, and says so", "[ecol
     radius = "5m"
     apps = [{ app = "sender", to = "sink", payload = 20, every = "30ms", ack = false }]
   )"));
-  check_books(report);
+  check_counters(report);
   const auto all = flows_to(report, "hall/sink");
   CHECK(all.sent > 500 * 10);
   const auto& radio = report.islands.at(0).radio;
@@ -455,7 +455,7 @@ TEST_CASE("a mote that walks away is heard only while it is near", "[ecology][ra
   const auto delivered_until = [&](duration end) {
     what.length = end;
     const auto report = run(what);
-    check_books(report);
+    check_counters(report);
     const auto& flow = flow_to(report, "yard/sink");
     CHECK(flow.sent == Approx(static_cast<double>(end / 100ms)).margin(1.5));
     return flow.delivered;
@@ -509,7 +509,7 @@ TEST_CASE("flows run beside the island's own protocol", "[ecology][RTG-02][PXY-0
     decimals = 1
     unit = "C"
   )"));
-  check_books(report);
+  check_counters(report);
   CHECK(report.motes_joined() == 2);
   CHECK(report.motes_measuring() == 0);
   CHECK(report.motes_alive() == 2);

@@ -40,7 +40,7 @@ void check_series(const time_series& series, duration turn) {
 /// Replays it: a reading is within the values of the series.
 void check_readings(const std::shared_ptr<const trace_table>& table, std::uint32_t mote,
                     bool straight) {
-  random_stream dice(1);
+  random_stream rng(1);
   const auto& series = table->of_mote.at(mote);
   double least = series.front().second;
   double most = least;
@@ -51,7 +51,7 @@ void check_readings(const std::shared_ptr<const trace_table>& table, std::uint32
   const transducer_config config{quantity::light, trace_model{table, mote, true, straight, 1, 0}};
   const auto slack = 1e-9 * (std::abs(least) + std::abs(most));
   for (int i = 0; i < 18; ++i) {
-    const auto value = value_of(config, instant{table->turn / 16 * i}, dice);
+    const auto value = value_of(config, instant{table->turn / 16 * i}, rng);
     assert(value >= least - slack && value <= most + slack);
   }
 }

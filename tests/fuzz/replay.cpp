@@ -24,21 +24,21 @@ bytes read_file(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-void mutate(bytes& input, rubicon::random_stream& dice) {
-  for (auto edits = 1 + dice.below(4); edits > 0; --edits) {
-    const auto at = input.empty() ? 0 : dice.below(input.size());
-    switch (dice.below(4)) {
+void mutate(bytes& input, rubicon::random_stream& rng) {
+  for (auto edits = 1 + rng.below(4); edits > 0; --edits) {
+    const auto at = input.empty() ? 0 : rng.below(input.size());
+    switch (rng.below(4)) {
     case 0:
       if (!input.empty())
-        input[at] = static_cast<std::uint8_t>(dice.next());
+        input[at] = static_cast<std::uint8_t>(rng.next());
       break;
     case 1:
       if (!input.empty())
-        input[at] ^= static_cast<std::uint8_t>(1U << dice.below(8));
+        input[at] ^= static_cast<std::uint8_t>(1U << rng.below(8));
       break;
     case 2:
       input.insert(input.begin() + static_cast<std::ptrdiff_t>(at),
-                   static_cast<std::uint8_t>(dice.next()));
+                   static_cast<std::uint8_t>(rng.next()));
       break;
     case 3:
       input.resize(at);
@@ -62,7 +62,7 @@ int main(int argc, char* argv[]) {
     std::fprintf(stderr, "empty corpus: %s\n", argv[1]);
     return 2;
   }
-  rubicon::random_stream dice(1);
+  rubicon::random_stream rng(1);
   for (const auto& file : files) {
     const auto original = read_file(file);
     LLVMFuzzerTestOneInput(original.data(), original.size());
@@ -70,7 +70,7 @@ int main(int argc, char* argv[]) {
     for (int i = 0; i < mutations_per_input; ++i) {
       if (i % 8 == 0)
         input = original;
-      mutate(input, dice);
+      mutate(input, rng);
       LLVMFuzzerTestOneInput(input.data(), input.size());
     }
   }

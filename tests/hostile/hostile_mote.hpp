@@ -30,12 +30,12 @@ enum class malice : std::uint8_t {
 class hostile_mote {
 public:
   hostile_mote(island_world& world, int motes, std::uint64_t seed)
-      : world_(world), motes_(motes), dice_(seed) {
+      : world_(world), motes_(motes), rng_(seed) {
     world_.on_air = [this](mote_id, const network::frame_out& x) {
       if (heard_.size() < 512)
         heard_.push_back(x);
       else
-        heard_[dice_.below(512)] = x;
+        heard_[rng_.below(512)] = x;
     };
   }
   ~hostile_mote() { world_.on_air = {}; }
@@ -66,9 +66,9 @@ private:
   }
 
   mote_id any_mote() {
-    if (dice_.chance(0.1))
-      return mote_id{static_cast<std::uint16_t>(dice_.below(0x10000))};
-    return mote_id{static_cast<std::uint16_t>(1 + dice_.below(static_cast<std::uint32_t>(motes_)))};
+    if (rng_.chance(0.1))
+      return mote_id{static_cast<std::uint16_t>(rng_.below(0x10000))};
+    return mote_id{static_cast<std::uint16_t>(1 + rng_.below(static_cast<std::uint32_t>(motes_)))};
   }
 
   mote_id forged_source() {
@@ -81,18 +81,18 @@ private:
 
   network::frame_out make(malice what) {
     if (what == malice::anything)
-      what = static_cast<malice>(1 + dice_.below(5));
+      what = static_cast<malice>(1 + rng_.below(5));
     network::frame_out x;
     if (!heard_.empty())
-      x = heard_[dice_.below(static_cast<std::uint32_t>(heard_.size()))];
-    x.next_hop = dice_.chance(0.5) ? broadcast_mote : any_mote();
+      x = heard_[rng_.below(static_cast<std::uint32_t>(heard_.size()))];
+    x.next_hop = rng_.chance(0.5) ? broadcast_mote : any_mote();
     switch (what) {
     case malice::mutation:
       mutate(x.payload);
       break;
     case malice::noise:
-      x.am_type = static_cast<std::uint8_t>(dice_.below(256));
-      x.payload = random_octets(dice_.below(network::frame_payload_max + 1));
+      x.am_type = static_cast<std::uint8_t>(rng_.below(256));
+      x.payload = random_octets(rng_.below(network::frame_payload_max + 1));
       break;
     case malice::beacons:
       x.am_type = network::am::beacon;
@@ -102,7 +102,7 @@ private:
     case malice::management:
       x.am_type = network::am::component_management;
       x.payload = management();
-      if (dice_.chance(0.5)) {
+      if (rng_.chance(0.5)) {
         x.am_type = network::am::up;
         x.payload = routed(x.payload);
       }
@@ -117,56 +117,55 @@ private:
   bytes random_octets(std::size_t count) {
     bytes x(count);
     for (auto& each : x)
-      each = static_cast<std::uint8_t>(dice_.below(256));
+      each = static_cast<std::uint8_t>(rng_.below(256));
     return x;
   }
 
   void mutate(bytes& x) {
-    for (auto i = 1 + dice_.below(6); i > 0 && !x.empty(); --i)
-      x[dice_.below(static_cast<std::uint32_t>(x.size()))] =
-          static_cast<std::uint8_t>(dice_.below(256));
-    if (dice_.chance(0.2))
-      x.resize(dice_.below(network::frame_payload_max + 1));
+    for (auto i = 1 + rng_.below(6); i > 0 && !x.empty(); --i)
+      x[rng_.below(static_cast<std::uint32_t>(x.size()))] =
+          static_cast<std::uint8_t>(rng_.below(256));
+    if (rng_.chance(0.2))
+      x.resize(rng_.below(network::frame_payload_max + 1));
   }
 
   bytes beacon() {
     network::beacon x;
     for (const auto& each : heard_) // of a real one, for what is to look real
-      if (each.am_type == network::am::beacon && dice_.chance(0.1))
+      if (each.am_type == network::am::beacon && rng_.chance(0.1))
         if (auto real = network::decode_beacon(each.payload))
           x = *std::move(real);
-    const auto word = [this] { return static_cast<std::uint16_t>(dice_.below(0x10000)); };
+    const auto word = [this] { return static_cast<std::uint16_t>(rng_.below(0x10000)); };
     const auto maybe = [this](auto& field, auto value) {
-      if (dice_.chance(0.4))
+      if (rng_.chance(0.4))
         field = value;
     };
     maybe(x.sequence, word());
-    maybe(x.next_quarters, static_cast<std::uint16_t>(dice_.below(65536)));
+    maybe(x.next_quarters, static_cast<std::uint16_t>(rng_.below(65536)));
     maybe(x.gradient.root, any_mote());
     maybe(x.gradient.root_sequence, word());
     maybe(x.gradient.parent, any_mote());
-    maybe(x.gradient.cost, dice_.chance(0.7) ? network::etx_cost{0} : word());
+    maybe(x.gradient.cost, rng_.chance(0.7) ? network::etx_cost{0} : word());
     maybe(x.gradient.hops, std::uint8_t{0});
     maybe(x.clock.root, mote_id{1});
     maybe(x.clock.sequence, word());
-    maybe(x.clock.time, island_time(std::chrono::microseconds(dice_.next() >> 17)));
-    maybe(x.clock.age_us, static_cast<std::uint32_t>(dice_.next()));
-    maybe(x.clock.tick.first, static_cast<std::uint32_t>(dice_.next()));
-    maybe(x.clock.tick.from, island_time(std::chrono::microseconds(dice_.next() >> 18)));
-    maybe(x.clock.tick.period, std::chrono::milliseconds(dice_.below(1U << 13)));
-    maybe(x.clock.slots_used, static_cast<std::uint8_t>(dice_.below(8)));
-    if (dice_.chance(0.3))
+    maybe(x.clock.time, island_time(std::chrono::microseconds(rng_.next() >> 17)));
+    maybe(x.clock.age_us, static_cast<std::uint32_t>(rng_.next()));
+    maybe(x.clock.tick.first, static_cast<std::uint32_t>(rng_.next()));
+    maybe(x.clock.tick.from, island_time(std::chrono::microseconds(rng_.next() >> 18)));
+    maybe(x.clock.tick.period, std::chrono::milliseconds(rng_.below(1U << 13)));
+    maybe(x.clock.slots_used, static_cast<std::uint8_t>(rng_.below(8)));
+    if (rng_.chance(0.3))
       x.clock.network = network::network_line{
-          std::chrono::microseconds(static_cast<std::int64_t>(dice_.next())), 0};
+          std::chrono::microseconds(static_cast<std::int64_t>(rng_.next())), 0};
     x.heard.resize(std::min(x.heard.size(), network::beacon::heard_max(x.clock)));
     return encode(x);
   }
 
   bytes management() {
-    const auto word = [this] { return static_cast<std::uint16_t>(dice_.below(0x10000)); };
-    const auto small =
-        static_cast<std::uint32_t>(dice_.chance(0.5) ? dice_.below(4) : dice_.next());
-    switch (dice_.below(6)) {
+    const auto word = [this] { return static_cast<std::uint16_t>(rng_.below(0x10000)); };
+    const auto small = static_cast<std::uint32_t>(rng_.chance(0.5) ? rng_.below(4) : rng_.next());
+    switch (rng_.below(6)) {
     case 0: {
       mote::join_request x;
       x.sequence = word();
@@ -201,14 +200,14 @@ private:
     network::up_packet x;
     x.origin = forged_source();
     x.parent = any_mote();
-    x.sequence = static_cast<std::uint16_t>(dice_.below(0x10000));
+    x.sequence = static_cast<std::uint16_t>(rng_.below(0x10000));
     x.content = encode(network::router_message(user));
     return encode(x);
   }
 
   island_world& world_;
   int motes_ = 0;
-  random_stream dice_;
+  random_stream rng_;
   std::vector<network::frame_out> heard_;
   std::uint64_t sent_ = 0;
 };

@@ -14,7 +14,7 @@ using peis::package_type;
 peer_id victim_of(link& x) {
   const std::array all{peer_id{1}, x.whom().hub, x.whom().keeper, x.whom().porch,
                        x.whom().bystander};
-  return all.at(x.dice().below(all.size()));
+  return all.at(x.rng().below(all.size()));
 }
 
 /// We are as near to everybody as can be, and always know the newest.
@@ -24,9 +24,9 @@ void say_false_routes(link& x) {
   page.entries.push_back({x.id, page.seqno, x.magic, 0, 1});
   for (const auto who :
        {peer_id{1}, x.whom().hub, x.whom().keeper, x.whom().porch, x.whom().bystander})
-    page.entries.push_back({who, static_cast<std::int32_t>(0x7fffffff - x.dice().below(1000)),
-                            x.dice().chance(0.5) ? x.magic : x.number(),
-                            static_cast<std::uint8_t>(x.dice().below(2) * x.dice().below(256)), 1});
+    page.entries.push_back({who, static_cast<std::int32_t>(0x7fffffff - x.rng().below(1000)),
+                            x.rng().chance(0.5) ? x.magic : x.number(),
+                            static_cast<std::uint8_t>(x.rng().below(2) * x.rng().below(256)), 1});
   x.say({.type = package_type::link, .port = peis::port::routing}, encode(page));
 }
 
@@ -45,24 +45,24 @@ public:
     auto record = x.record();
     record.id = victim_of(x);
     record.magic = x.number();
-    const auto kind = static_cast<package_type>(x.dice().below(3));
+    const auto kind = static_cast<package_type>(x.rng().below(3));
     x.say({.type = kind,
            .port = peis::port::host_record,
            .source = record.id,
            .destination = kind == package_type::direct ? whom().hub : any_peer},
-          encode(peis::host_record_message{record, x.dice().chance(0.5)}));
+          encode(peis::host_record_message{record, x.rng().chance(0.5)}));
   }
 };
 
 /// The living are dead, says somebody, or they themselves.
 void say_dead(link& x) {
   const auto who = victim_of(x);
-  const auto kind = x.dice().chance(0.5) ? package_type::broadcast : package_type::direct;
-  const auto why = static_cast<peis::dead_host_message::reason>(x.dice().below(3));
+  const auto kind = x.rng().chance(0.5) ? package_type::broadcast : package_type::direct;
+  const auto why = static_cast<peis::dead_host_message::reason>(x.rng().below(3));
   draft message{.type = kind, .port = peis::port::dead_host};
   if (kind == package_type::direct)
-    message.destination = x.dice().chance(0.5) ? x.whom().hub : x.whom().keeper;
-  if (x.dice().chance(0.7))
+    message.destination = x.rng().chance(0.5) ? x.whom().hub : x.whom().keeper;
+  if (x.rng().chance(0.7))
     message.source = who;
   x.say(message, encode(peis::dead_host_message{who, why}));
 }

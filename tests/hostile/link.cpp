@@ -25,9 +25,9 @@ constexpr std::uint8_t filler = 'x';
 
 } // namespace
 
-link::link(const target& whom, std::size_t index, random_stream dice)
+link::link(const target& whom, std::size_t index, random_stream rng)
     : id(first_id + static_cast<std::int32_t>(index)), host_name("stranger"), whom_(whom),
-      index_(index), dice_(dice) {
+      index_(index), rng_(rng) {
   magic = number();
 }
 
@@ -37,7 +37,7 @@ link::~link() {
 }
 
 std::int32_t link::number() {
-  return static_cast<std::int32_t>(1 + dice_.below(0x7ffffffe));
+  return static_cast<std::int32_t>(1 + rng_.below(0x7ffffffe));
 }
 
 void link::connect(int receive_buffer) {
@@ -172,7 +172,7 @@ void link::begin(const draft& x, bytes message, std::size_t filling) {
   message_ = std::move(message);
   fragments_ = (message_size_ + peis::data_max - 1) / peis::data_max;
   next_fragment_ = 0;
-  group_ = static_cast<std::uint16_t>(1 + dice_.below(32767));
+  group_ = static_cast<std::uint16_t>(1 + rng_.below(32767));
 }
 
 void link::say_fragment() {

@@ -47,7 +47,7 @@ struct link_counts {
 /// Never waits. The owner polls descriptor() for events() and passes on what happened.
 class link {
 public:
-  link(const target& whom, std::size_t index, random_stream dice);
+  link(const target& whom, std::size_t index, random_stream rng);
   ~link();
   link(const link&) = delete;
   link& operator=(const link&) = delete;
@@ -95,7 +95,7 @@ public:
   [[nodiscard]] std::int32_t next_seqno() { return ++seqno_; }
   [[nodiscard]] const target& whom() const { return whom_; }
   [[nodiscard]] std::size_t index() const { return index_; }
-  [[nodiscard]] random_stream& dice() { return dice_; }
+  [[nodiscard]] random_stream& rng() { return rng_; }
   [[nodiscard]] const link_counts& counts() const { return counts_; }
 
   std::uint64_t said_since_open = 0; ///< packages
@@ -107,7 +107,7 @@ private:
 
   target whom_;
   std::size_t index_;
-  random_stream dice_;
+  random_stream rng_;
   int descriptor_ = -1;
   bool open_ = false;
   bytes out_;

@@ -34,14 +34,14 @@ class churn : public attack {
 public:
   using attack::attack;
   void open(link& x) override {
-    x.id = peer_id{static_cast<std::int32_t>(1000 + x.dice().below(60000))};
+    x.id = peer_id{static_cast<std::int32_t>(1000 + x.rng().below(60000))};
     x.magic = x.number();
-    if (x.dice().chance(0.8))
-      x.greet(x.dice().chance(0.5) ? 4 : 0);
+    if (x.rng().chance(0.8))
+      x.greet(x.rng().chance(0.5) ? 4 : 0);
   }
   void say(link& x) override {
-    if (x.waiting() == 0 || x.dice().chance(0.2))
-      x.drop(x.dice().chance(0.5));
+    if (x.waiting() == 0 || x.rng().chance(0.2))
+      x.drop(x.rng().chance(0.5));
   }
   [[nodiscard]] duration reopened_after() const override { return 0ms; }
 };
@@ -51,13 +51,13 @@ class garbage : public attack {
 public:
   using attack::attack;
   void open(link& x) override {
-    if (x.dice().chance(0.7))
+    if (x.rng().chance(0.7))
       x.greet();
   }
   void say(link& x) override {
-    bytes octets(1 + x.dice().below(4000));
+    bytes octets(1 + x.rng().below(4000));
     for (auto& octet : octets)
-      octet = static_cast<std::uint8_t>(x.dice().next());
+      octet = static_cast<std::uint8_t>(x.rng().next());
     x.say_octets(octets);
   }
 };

@@ -35,13 +35,13 @@ public:
     const auto all = peis::prototype_of(any_peer, {});
     if (x.said_since_open < 5)
       return x.begin({.port = peis::port::subscribe,
-                      .destination = x.dice().chance(0.7) ? whom().hub : whom().keeper,
+                      .destination = x.rng().chance(0.7) ? whom().hub : whom().keeper,
                       .reliable = true},
                      encode(peis::subscribe_message{all, peis::lifetime_tag{}}));
     peis::tuple t;
     t.owner = whom().hub;
     t.creator = x.id;
-    t.name = *peis::key::parse("heap.n" + std::to_string(x.dice().below(50)));
+    t.name = *peis::key::parse("heap.n" + std::to_string(x.rng().below(50)));
     t.value = payload(bytes(4000, 'x'));
     auto octets = encode_tuple_head(t, peis::tuple_message_kind::set);
     octets.insert(octets.end(), t.value.view().begin(), t.value.view().end());
@@ -71,34 +71,34 @@ public:
 /// One fragment of many messages each, never the last one, by whomever.
 void say_fragment(link& x) {
   const bytes octets(peis::data_max, 'x');
-  auto header = x.header_of({.port = static_cast<std::uint16_t>(5 + x.dice().below(40)),
+  auto header = x.header_of({.port = static_cast<std::uint16_t>(5 + x.rng().below(40)),
                              .destination = x.whom().hub,
-                             .reliable = x.dice().chance(0.5)},
+                             .reliable = x.rng().chance(0.5)},
                             octets.size());
-  if (x.dice().chance(0.5))
-    header.source = peer_id{static_cast<std::int32_t>(1 + x.dice().below(peer_id_max))};
-  header.seqlen = static_cast<std::uint16_t>(2 + x.dice().below(peis::fragments_max - 1));
-  header.seqid = static_cast<std::uint16_t>(1 + x.dice().below(32767));
-  header.seqnum = static_cast<std::uint16_t>(x.dice().below(header.seqlen - 1U));
+  if (x.rng().chance(0.5))
+    header.source = peer_id{static_cast<std::int32_t>(1 + x.rng().below(peer_id_max))};
+  header.seqlen = static_cast<std::uint16_t>(2 + x.rng().below(peis::fragments_max - 1));
+  header.seqid = static_cast<std::uint16_t>(1 + x.rng().below(32767));
+  header.seqnum = static_cast<std::uint16_t>(x.rng().below(header.seqlen - 1U));
   x.say_as(header, octets);
 }
 
 /// Messages to ports that nobody listens to, by us or by nobody.
 void say_message(link& x) {
-  draft message{.port = static_cast<std::uint16_t>(peis::port::user_first + x.dice().below(30)),
-                .destination = x.dice().chance(0.5) ? x.whom().hub : x.whom().keeper,
-                .reliable = x.dice().chance(0.8)};
-  if (x.dice().chance(0.3))
+  draft message{.port = static_cast<std::uint16_t>(peis::port::user_first + x.rng().below(30)),
+                .destination = x.rng().chance(0.5) ? x.whom().hub : x.whom().keeper,
+                .reliable = x.rng().chance(0.8)};
+  if (x.rng().chance(0.3))
     message.source = peer_id{x.number()};
-  x.begin(message, bytes(x.dice().below(3000), 'x'));
+  x.begin(message, bytes(x.rng().below(3000), 'x'));
 }
 
 /// Packages that the hub is to pass on, to all that it has links to.
 void say_for_others(link& x) {
   const std::array others{peer_id{1}, x.whom().keeper, x.whom().porch, x.whom().bystander};
-  x.say({.port = static_cast<std::uint16_t>(peis::port::user_first + x.dice().below(30)),
-         .destination = others.at(x.dice().below(others.size())),
-         .reliable = x.dice().chance(0.5)},
+  x.say({.port = static_cast<std::uint16_t>(peis::port::user_first + x.rng().below(30)),
+         .destination = others.at(x.rng().below(others.size())),
+         .reliable = x.rng().chance(0.5)},
         bytes(peis::data_max, 'x'));
 }
 
@@ -147,35 +147,35 @@ bytes good_message(link& x, std::uint16_t port) {
 
 /// Good messages of every service, then a few octets and the length are changed, then the header.
 void say_mutated(link& x) {
-  auto& dice = x.dice();
-  const auto port = static_cast<std::uint16_t>(dice.below(17));
+  auto& rng = x.rng();
+  const auto port = static_cast<std::uint16_t>(rng.below(17));
   auto octets = good_message(x, port);
-  if (dice.chance(0.5))
-    octets.resize(dice.below(peis::data_max + 1), static_cast<std::uint8_t>(dice.next()));
-  for (auto changes = dice.below(6); changes > 0 && !octets.empty(); --changes) {
+  if (rng.chance(0.5))
+    octets.resize(rng.below(peis::data_max + 1), static_cast<std::uint8_t>(rng.next()));
+  for (auto changes = rng.below(6); changes > 0 && !octets.empty(); --changes) {
     const std::array values{std::uint8_t{0}, std::uint8_t{0xff}, std::uint8_t{0x80},
-                            static_cast<std::uint8_t>(dice.next())};
-    octets[dice.below(octets.size())] = values.at(dice.below(values.size()));
+                            static_cast<std::uint8_t>(rng.next())};
+    octets[rng.below(octets.size())] = values.at(rng.below(values.size()));
   }
-  draft form{.type = static_cast<package_type>(dice.below(3)),
+  draft form{.type = static_cast<package_type>(rng.below(3)),
              .port = port,
              .destination = x.whom().hub,
-             .reliable = dice.chance(0.3)};
+             .reliable = rng.chance(0.3)};
   auto header = x.header_of(form, octets.size());
-  if (dice.chance(0.5))
-    header.destination = dice.chance(0.5) ? any_peer : x.whom().keeper;
-  if (dice.chance(0.2))
-    header.source = peer_id{static_cast<std::int32_t>(dice.next())};
-  if (dice.chance(0.2))
-    header.hops = static_cast<std::uint8_t>(dice.next());
-  if (dice.chance(0.2))
-    header.flags = static_cast<std::uint16_t>(dice.next());
-  if (dice.chance(0.1)) {
-    header.seqlen = static_cast<std::uint16_t>(dice.below(4));
-    header.seqnum = static_cast<std::uint16_t>(dice.below(4));
+  if (rng.chance(0.5))
+    header.destination = rng.chance(0.5) ? any_peer : x.whom().keeper;
+  if (rng.chance(0.2))
+    header.source = peer_id{static_cast<std::int32_t>(rng.next())};
+  if (rng.chance(0.2))
+    header.hops = static_cast<std::uint8_t>(rng.next());
+  if (rng.chance(0.2))
+    header.flags = static_cast<std::uint16_t>(rng.next());
+  if (rng.chance(0.1)) {
+    header.seqlen = static_cast<std::uint16_t>(rng.below(4));
+    header.seqnum = static_cast<std::uint16_t>(rng.below(4));
   }
-  if (dice.chance(0.05))
-    header.port = static_cast<std::uint16_t>(dice.next());
+  if (rng.chance(0.05))
+    header.port = static_cast<std::uint16_t>(rng.next());
   x.say_as(header, octets);
 }
 

@@ -16,7 +16,7 @@ constexpr int calls_a_turn = 16; ///< of say(), a link, before sockets are asked
 player::player(const attack_kind& kind, const play_config& config)
     : config_(config), rate_(config.rate < 0 ? kind.rate : config.rate),
       attack_(kind.make(config.whom)) {
-  const random_stream dice(config.seed, kind.name);
+  const random_stream rng(config.seed, kind.name);
   for (std::size_t i = 0; i < config.links; ++i) {
     const random_stream own(config.seed, std::string(kind.name) + '/' + std::to_string(i));
     seats_.push_back({std::make_unique<link>(config.whom, i, own), {}});

@@ -31,7 +31,7 @@ constexpr auto recovery_max = 150s;
 class bridge {
 public:
   explicit bridge(std::uint64_t seed)
-      : island({.width = side, .height = side, .seed = seed}), dice_(seed) {
+      : island({.width = side, .height = side, .seed = seed}), rng_(seed) {
     gateway::gateway_config config;
     config.island = island_id{1};
     pc = gateway::gateway(config, random_stream(seed));
@@ -98,7 +98,7 @@ private:
     if (seen.size() < 256)
       seen.push_back(frame);
     else
-      seen[dice_.below(256)] = frame;
+      seen[rng_.below(256)] = frame;
   }
 
   void perform(const serial::mote_port_outputs& todo) {
@@ -149,29 +149,29 @@ private:
     }
   }
 
-  random_stream dice_;
+  random_stream rng_;
   std::uint64_t packets_ = 0;
 };
 
 /// What comes out of a cable that somebody has cut open.
 class hostile_octets {
 public:
-  explicit hostile_octets(std::uint64_t seed) : dice_(seed) {}
+  explicit hostile_octets(std::uint64_t seed) : rng_(seed) {}
 
   bytes next(const std::vector<bytes>& seen) {
     const auto any = [&] {
-      return seen.empty() ? bytes{} : seen[dice_.below(static_cast<std::uint32_t>(seen.size()))];
+      return seen.empty() ? bytes{} : seen[rng_.below(static_cast<std::uint32_t>(seen.size()))];
     };
-    switch (dice_.below(8)) {
+    switch (rng_.below(8)) {
     case 0:
-      return random_octets(1 + dice_.below(300));
+      return random_octets(1 + rng_.below(300));
     case 1: { // half a frame
       auto x = any();
-      x.resize(dice_.below(static_cast<std::uint32_t>(x.size() + 1)));
+      x.resize(rng_.below(static_cast<std::uint32_t>(x.size() + 1)));
       return x;
     }
     case 2: { // a giant one
-      auto x = bytes(20'000, static_cast<std::uint8_t>(dice_.below(256)));
+      auto x = bytes(20'000, static_cast<std::uint8_t>(rng_.below(256)));
       x.front() = serial::flag_octet;
       return x;
     }
@@ -186,9 +186,9 @@ public:
       return any(); // again
     case 5: {       // with other octets
       auto x = any();
-      for (auto i = dice_.below(4); !x.empty() && i > 0; --i)
-        x[dice_.below(static_cast<std::uint32_t>(x.size()))] =
-            static_cast<std::uint8_t>(dice_.below(256));
+      for (auto i = rng_.below(4); !x.empty() && i > 0; --i)
+        x[rng_.below(static_cast<std::uint32_t>(x.size()))] =
+            static_cast<std::uint8_t>(rng_.below(256));
       return x;
     }
     default:
@@ -204,12 +204,12 @@ private:
   bytes random_octets(std::size_t count) {
     bytes x(count);
     for (auto& each : x)
-      each = static_cast<std::uint8_t>(dice_.below(256));
+      each = static_cast<std::uint8_t>(rng_.below(256));
     return x;
   }
 
   mote_id any_mote() {
-    const auto x = dice_.chance(0.5) ? 1 + dice_.below(5) : dice_.below(0x10000);
+    const auto x = rng_.chance(0.5) ? 1 + rng_.below(5) : rng_.below(0x10000);
     return mote_id{static_cast<std::uint16_t>(x)};
   }
 
@@ -218,9 +218,8 @@ private:
     serial::am_packet x;
     x.source = any_mote().value;
     x.am_type = network::am::sink_event;
-    const auto small =
-        static_cast<std::uint32_t>(dice_.chance(0.5) ? dice_.below(3) : dice_.next());
-    switch (dice_.below(10)) {
+    const auto small = static_cast<std::uint32_t>(rng_.chance(0.5) ? rng_.below(3) : rng_.next());
+    switch (rng_.below(10)) {
     case 0:
     case 1:
       x.payload = encode(
@@ -232,9 +231,9 @@ private:
       break;
     case 3: {
       network::roster roster;
-      roster.number = static_cast<std::uint16_t>(dice_.below(0x10000));
-      roster.pages = static_cast<std::uint8_t>(1 + dice_.below(255));
-      for (auto i = dice_.below(18); i > 0; --i)
+      roster.number = static_cast<std::uint16_t>(rng_.below(0x10000));
+      roster.pages = static_cast<std::uint8_t>(1 + rng_.below(255));
+      for (auto i = rng_.below(18); i > 0; --i)
         roster.entries.push_back({any_mote(), small});
       x.payload = encode(network::sink_event(roster));
       break;
@@ -244,8 +243,8 @@ private:
       break;
     case 5:
       x.payload = encode(network::sink_event(network::time_answer{
-          static_cast<std::uint16_t>(dice_.below(64)),
-          std::chrono::microseconds(static_cast<std::int64_t>(dice_.next() >> 12))}));
+          static_cast<std::uint16_t>(rng_.below(64)),
+          std::chrono::microseconds(static_cast<std::int64_t>(rng_.next() >> 12))}));
       break;
     case 6:
       x.payload = encode(network::sink_event(network::gateway_poll{small, small, true}));
@@ -254,21 +253,21 @@ private:
       x.payload = encode(network::sink_event(network::describe{any_mote()}));
       break;
     case 8:
-      x.am_type = dice_.chance(0.5) ? network::am::to_gateway : network::am::from_gateway;
+      x.am_type = rng_.chance(0.5) ? network::am::to_gateway : network::am::from_gateway;
       x.payload = encode(network::island_packet{
           island_id{1}, any_mote(), static_cast<std::uint16_t>(small), random_octets(30)});
       break;
     default:
-      x.am_type = static_cast<std::uint8_t>(dice_.below(256));
-      x.payload = random_octets(dice_.below(115));
+      x.am_type = static_cast<std::uint8_t>(rng_.below(256));
+      x.payload = random_octets(rng_.below(115));
     }
     const auto type =
-        dice_.chance(0.5) ? serial::frame_type::packet : serial::frame_type::packet_with_ack;
+        rng_.chance(0.5) ? serial::frame_type::packet : serial::frame_type::packet_with_ack;
     return encode(
-        serial::frame{type, static_cast<std::uint8_t>(dice_.below(256)), serial::encode(x)});
+        serial::frame{type, static_cast<std::uint8_t>(rng_.below(256)), serial::encode(x)});
   }
 
-  random_stream dice_;
+  random_stream rng_;
 };
 
 } // namespace

@@ -63,9 +63,9 @@ private:
 
 void say_subscription(link& x) {
   auto wanted = peis::prototype_of(x.whom().hub, key_of(numbered(x, "wish.")));
-  if (x.dice().chance(0.2))
+  if (x.rng().chance(0.2))
     wanted.name = key_of(numbered(x, "*.wish"));
-  subscribe(x, x.dice().chance(0.8) ? x.whom().hub : x.whom().keeper, wanted);
+  subscribe(x, x.rng().chance(0.8) ? x.whom().hub : x.whom().keeper, wanted);
 }
 
 /// Subscribers who are not there, each of them once.
@@ -73,13 +73,13 @@ void say_ghost_subscription(link& x) {
   const auto who = peer_id{x.number()};
   x.say({.port = peis::port::subscribe,
          .source = who,
-         .destination = x.dice().chance(0.5) ? x.whom().hub : x.whom().keeper,
+         .destination = x.rng().chance(0.5) ? x.whom().hub : x.whom().keeper,
          .reliable = true},
         encode(peis::subscribe_message{peis::prototype_of(any_peer, {}), peis::lifetime_tag{}}));
 }
 
 void say_tuple(link& x) {
-  if (x.dice().chance(0.5))
+  if (x.rng().chance(0.5))
     set(x, numbered(x, "heap."), 40);
   else
     push(x, numbered(x, "hoard."), 40); // which the hub collects
@@ -87,8 +87,8 @@ void say_tuple(link& x) {
 
 /// The same few tuples, each time longer or shorter.
 void say_changed_tuple(link& x) {
-  const auto name = "hoard.c" + std::to_string(x.dice().below(20));
-  set(x, name, 1 + x.dice().below(700));
+  const auto name = "hoard.c" + std::to_string(x.rng().below(20));
+  set(x, name, 1 + x.rng().below(700));
 }
 
 /// Values of 10 MB, half of them the hub's own, half of them ours; then the link ends.
@@ -99,7 +99,7 @@ public:
   void say(link& x) override {
     if (x.said_since_open > 2 + 20 * (big_size / peis::data_max))
       return x.drop(false);
-    if (x.dice().chance(0.5))
+    if (x.rng().chance(0.5))
       set(x, numbered(x, "heap."), big_size);
     else
       push(x, numbered(x, "hoard."), big_size);
@@ -141,7 +141,7 @@ public:
           x, whom().hub,
           peis::prototype_of(whom().hub,
                              key_of(mine + std::to_string(x.said_since_open % own_tuples))));
-    set(x, mine + std::to_string(x.dice().below(own_tuples)), size);
+    set(x, mine + std::to_string(x.rng().below(own_tuples)), size);
   }
   void hear(link&, const peis::received_package&) override {}
 
@@ -153,7 +153,7 @@ private:
 /// Points the fan's input hither and thither, and many inputs that nobody has.
 void say_meta_tuple(link& x) {
   const auto name =
-      x.dice().chance(0.7) ? std::string("kitchen.fan.mi-switch") : numbered(x, "heap.mi-");
+      x.rng().chance(0.7) ? std::string("kitchen.fan.mi-switch") : numbered(x, "heap.mi-");
   const peis::meta_target there{peer_id{x.number()}, key_of(numbered(x, "wish."))};
   peis::tuple t;
   t.owner = x.whom().keeper;

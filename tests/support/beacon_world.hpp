@@ -25,11 +25,11 @@ namespace rubicon::test {
 /// 16 s apart: there is no traffic here that would tell sooner what has become of a link.
 class beacon_mote {
 public:
-  beacon_mote(mote_id self, bool is_sink, random_stream dice, instant now)
+  beacon_mote(mote_id self, bool is_sink, random_stream rng, instant now)
       : self_(self), links({.beacon_gap_max = 24s}),
         tree({.self = self, .is_root = is_sink, .root_patience = 3min}),
         place({.self = self, .is_sink = is_sink, .sequence_patience = 6min}, now),
-        timer({.interval_max = 16s}, dice, now) {}
+        timer({.interval_max = 16s}, rng, now) {}
 
   /// @returns the beacon to send, if one is due
   std::optional<bytes> on_time(instant now) {
@@ -98,7 +98,7 @@ public:
 class beacon_world {
 public:
   explicit beacon_world(std::size_t size, std::uint64_t seed = 1, mote_id sink = mote_id{1})
-      : sink_(sink), seed_(seed), dice_(seed, "air"), links_(size) {
+      : sink_(sink), seed_(seed), rng_(seed, "air"), links_(size) {
     for (std::size_t i = 0; i < size; ++i) {
       motes_.emplace_back();
       start(id(i));
@@ -224,13 +224,13 @@ private:
     return found == links_[from].end() ? 0 : found->second;
   }
 
-  bool arrives(std::size_t from, std::size_t to) { return dice_.chance(delivery(from, to)); }
+  bool arrives(std::size_t from, std::size_t to) { return rng_.chance(delivery(from, to)); }
 
   void wake(std::size_t i) { wakes_.emplace(motes_[i]->deadline(), i); }
 
   void spread(std::size_t from, const bytes& frame) {
     for (const auto& [to, chance] : links_[from]) {
-      if (!motes_[to] || !dice_.chance(chance))
+      if (!motes_[to] || !rng_.chance(chance))
         continue;
       motes_[to]->on_frame(id(from), frame, now);
       wake(to);
@@ -242,7 +242,7 @@ private:
   mote_id sink_;
   std::uint64_t seed_;
   std::uint64_t starts_ = 0;
-  random_stream dice_;
+  random_stream rng_;
   std::vector<std::map<std::size_t, double>> links_; ///< by sender, then receiver
   std::vector<std::optional<beacon_mote>> motes_;
   std::priority_queue<wake_up, std::vector<wake_up>, std::greater<>> wakes_;

@@ -40,7 +40,7 @@ public:
   island_world(const island_world&) = delete; // programs and events point to it
   island_world& operator=(const island_world&) = delete;
 
-  explicit island_world(island_world_config config) : config_(config), dice_(config.seed) {
+  explicit island_world(island_world_config config) : config_(config), rng_(config.seed) {
     for (int i = 1; i <= config.width * config.height; ++i) {
       const mote_id id{static_cast<std::uint16_t>(i)};
       if (id != config.outsider)
@@ -52,8 +52,8 @@ public:
   void start(mote_id id) {
     auto& here = places_[id];
     here.listens = true;
-    here.crystal = mote::crystal(static_cast<std::int64_t>(dice_.below(80'001)) - 40'000);
-    const random_stream dice(dice_.next());
+    here.crystal = mote::crystal(static_cast<std::int64_t>(rng_.below(80'001)) - 40'000);
+    const random_stream rng(rng_.next());
     if (id == sink_id) {
       network::router_config network;
       network.self = id;
@@ -62,7 +62,7 @@ public:
       members.aliases = config_.aliases;
       ++lives_[id];
       here.sink =
-          std::make_unique<mote::sink>(network, members, mote::duty_config{}, dice, own_time(id),
+          std::make_unique<mote::sink>(network, members, mote::duty_config{}, rng, own_time(id),
                                        mote::gateway_lines_config{}, stores[id]);
       perform(id, here.sink->start(own_time(id)));
       return;
@@ -72,7 +72,7 @@ public:
     node.type = 301;
     node.joins_alone = config_.joins_alone;
     node.transducers = config_.transducers;
-    here.node = std::make_unique<mote::node>(std::move(node), stores[id], dice, own_time(id));
+    here.node = std::make_unique<mote::node>(std::move(node), stores[id], rng, own_time(id));
     ++lives_[id];
     here.app = std::make_unique<program>(*this, id, *here.node);
     perform(id, here.node->start(own_time(id)));
@@ -121,8 +121,8 @@ public:
     ++frames;
     if (on_air)
       on_air(from, frame);
-    const auto wait = dice_.between(1ms, 6ms);
-    auto [heard, tries, acked] = fate_of(from, frame.next_hop);
+    const auto wait = rng_.between(1ms, 6ms);
+    auto [heard, tries, acked] = delivery_of(from, frame.next_hop);
     if (frame.age_at) {
       byte_writer age;
       age.big(static_cast<std::uint32_t>(wait / 1us));
@@ -225,7 +225,7 @@ private:
     std::unique_ptr<mote::node> node; ///< this
   };
 
-  struct fate {
+  struct delivery {
     std::vector<mote_id> heard;
     unsigned tries = 0;
     bool acked = false;
@@ -252,12 +252,12 @@ private:
            std::abs(ia / config_.width - ib / config_.width) <= 1;
   }
 
-  fate fate_of(mote_id from, mote_id to) {
-    fate x;
+  delivery delivery_of(mote_id from, mote_id to) {
+    delivery x;
     if (to == broadcast_mote) {
       for (int i = 1; i <= config_.width * config_.height; ++i) {
         const mote_id id{static_cast<std::uint16_t>(i)};
-        if (is_there(id) && near(from, id) && dice_.chance(config_.delivery))
+        if (is_there(id) && near(from, id) && rng_.chance(config_.delivery))
           x.heard.push_back(id);
       }
       x.tries = 1;
@@ -267,10 +267,10 @@ private:
     const bool reachable = is_there(to) && near(from, to);
     while (x.tries < 4 && !x.acked) {
       ++x.tries;
-      if (!reachable || !dice_.chance(config_.delivery))
+      if (!reachable || !rng_.chance(config_.delivery))
         continue;
       x.heard = {to}; // copies are the medium access's to drop
-      x.acked = dice_.chance(config_.delivery);
+      x.acked = rng_.chance(config_.delivery);
     }
     return x;
   }
@@ -288,7 +288,7 @@ private:
   }
 
   island_world_config config_;
-  random_stream dice_;
+  random_stream rng_;
   instant now_;
   std::map<mote_id, place> places_;
   std::map<mote_id, std::uint32_t> lives_;

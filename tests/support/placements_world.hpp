@@ -34,19 +34,19 @@ class placements_world {
 public:
   explicit placements_world(placements_config config = {})
       : config_(config),
-        dice_(config.seed), islands_{std::make_unique<island_world>(
-                                         island_world_config{.width = 7,
-                                                             .delivery = config.frame_delivery,
-                                                             .seed = config.seed,
-                                                             .island = island_id{1}}),
-                                     std::make_unique<island_world>(
-                                         island_world_config{.width = 3,
-                                                             .delivery = config.frame_delivery,
-                                                             .seed = config.seed + 1,
-                                                             .island = island_id{2}})} {
+        rng_(config.seed), islands_{std::make_unique<island_world>(
+                                        island_world_config{.width = 7,
+                                                            .delivery = config.frame_delivery,
+                                                            .seed = config.seed,
+                                                            .island = island_id{1}}),
+                                    std::make_unique<island_world>(
+                                        island_world_config{.width = 3,
+                                                            .delivery = config.frame_delivery,
+                                                            .seed = config.seed + 1,
+                                                            .island = island_id{2}})} {
     for (std::uint32_t i = 1; i <= 2; ++i) {
       gateways_.emplace(peer_id(static_cast<std::int32_t>(i)),
-                        gateway::gateway({.island = island_id(i)}, random_stream(dice_.next())));
+                        gateway::gateway({.island = island_id(i)}, random_stream(rng_.next())));
       perform(island_id(i), gateway_at(island_id(i)).on_clock(0s, now_));
       perform(island_id(i), gateway_at(island_id(i)).start(now_));
     }
@@ -61,7 +61,7 @@ public:
     endpoint::pc_config config;
     config.self = id;
     config.incarnation = lives_[id]++;
-    pcs_[id] = endpoint::pc(config, random_stream(dice_.next()));
+    pcs_[id] = endpoint::pc(config, random_stream(rng_.next()));
     perform(id, pcs_[id].start(now_));
   }
 
@@ -225,7 +225,7 @@ private:
 
   void post(peer_id from, peer_id to, bytes octets) {
     ++messages_between_peers;
-    if (!dice_.chance(config_.message_delivery))
+    if (!rng_.chance(config_.message_delivery))
       return;
     agenda_.add(now_ + 3ms, [this, from, to, x = std::move(octets)] {
       if (const auto gate = gateways_.find(to); gate != gateways_.end())
@@ -237,7 +237,7 @@ private:
   }
 
   placements_config config_;
-  random_stream dice_;
+  random_stream rng_;
   instant now_;
   std::array<std::unique_ptr<island_world>, 2> islands_;
   std::map<peer_id, gateway::gateway> gateways_;

@@ -74,7 +74,7 @@ TEST_CASE("relays and receivers arrive, on motes and sinks of both stacks", "[co
   CHECK(full.islands[0].sink.apps.size() == 1);
 }
 
-TEST_CASE("a type's sender goes to the sink of each mote's island", "[config][flow]") {
+TEST_CASE("a type's sender goes to the sink of each mote's island", "[config][flow][NET-13]") {
   const auto x = good("[ecology]\nname = \"t\"\n"
                       "[mote_type.s]\ntype = 1\napps = [{ app = \"sender\", to = \"sink\" },\n"
                       "{ app = \"receiver\" }]\n"

@@ -21,14 +21,14 @@ TEST_CASE("chains of places lead as far as each step is within range", "[config]
 TEST_CASE("which places are out of reach does not depend on the grid they are looked up in",
           "[config][GEN-06]") {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    random_stream dice(seed);
-    const auto draw = [&dice] {
-      return position{dice.unit() * 100 - 50, dice.unit() * 100 - 50, dice.unit() * 20 - 10};
+    random_stream rng(seed);
+    const auto draw = [&rng] {
+      return position{rng.unit() * 100 - 50, rng.unit() * 100 - 50, rng.unit() * 20 - 10};
     };
     const position from = draw();
     std::vector<position> places(60);
     std::ranges::generate(places, draw);
-    const double range = 8 + dice.unit() * 8;
+    const double range = 8 + rng.unit() * 8;
     const auto near = [range](const position& a, const position& b) {
       return math::length(a.x_m - b.x_m, a.y_m - b.y_m, a.z_m - b.z_m) <= range;
     };

@@ -18,9 +18,9 @@ double exact_quantile_ms(const std::vector<duration>& sorted, double q) {
 }
 
 /// From `from` to `to`, each order of magnitude as likely as the next.
-duration any_magnitude(random_stream& dice) {
-  const auto bits = dice.below(45);
-  return duration(static_cast<duration::rep>(dice.below(std::uint64_t{2} << bits)));
+duration any_magnitude(random_stream& rng) {
+  const auto bits = rng.below(45);
+  return duration(static_cast<duration::rep>(rng.below(std::uint64_t{2} << bits)));
 }
 
 } // namespace
@@ -70,12 +70,12 @@ TEST_CASE("a histogram takes the shortest and the longest time there is", "[core
 
 TEST_CASE("quantiles are within 0.8 % of those of the sorted delays", "[core]") {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U}) {
-    random_stream dice(seed);
+    random_stream rng(seed);
     delay_histogram x;
     std::vector<duration> delays;
     double sum = 0;
     for (int i = 0; i < 2000; ++i) {
-      delays.push_back(any_magnitude(dice));
+      delays.push_back(any_magnitude(rng));
       x.add(delays.back());
       sum += static_cast<double>(delays.back().count());
     }
@@ -90,11 +90,11 @@ TEST_CASE("quantiles are within 0.8 % of those of the sorted delays", "[core]") 
 }
 
 TEST_CASE("histograms added up are the histogram of all their delays", "[core]") {
-  random_stream dice(6);
+  random_stream rng(6);
   delay_histogram all;
   std::vector<delay_histogram> shares(3);
   for (std::uint64_t i = 0; i < 900; ++i) {
-    const auto delay = dice.between(0s, 2s);
+    const auto delay = rng.between(0s, 2s);
     all.add(delay);
     shares[i % 3].add(delay);
   }

@@ -17,21 +17,21 @@ TEST_CASE("streams depend on seed and path alone", "[core][random][GEN-07]") {
 }
 
 TEST_CASE("uniform numbers fill their range evenly", "[core][random]") {
-  random_stream dice(5);
+  random_stream rng(5);
   std::array<int, 10> counts{};
   for (int i = 0; i < 100'000; ++i)
-    ++counts[dice.below(10)];
+    ++counts[rng.below(10)];
   for (const auto count : counts)
     CHECK(std::abs(count - 10'000) < 500); // 5 sigma
   for (int i = 0; i < 1000; ++i) {
-    const auto x = dice.unit();
+    const auto x = rng.unit();
     CHECK(x >= 0);
     CHECK(x < 1);
-    const auto t = dice.between(2s, 3s);
+    const auto t = rng.between(2s, 3s);
     CHECK(t >= 2s);
     CHECK(t < 3s);
   }
-  CHECK(dice.between(2s, 2s) == 2s);
+  CHECK(rng.between(2s, 2s) == 2s);
 }
 
 TEST_CASE("certainty and impossibility draw nothing", "[core][random]") {
@@ -43,12 +43,12 @@ TEST_CASE("certainty and impossibility draw nothing", "[core][random]") {
 }
 
 TEST_CASE("normal deviates have mean 0 and variance 1", "[core][random]") {
-  random_stream dice(6);
+  random_stream rng(6);
   double sum = 0;
   double squares = 0;
   constexpr int n = 100'000;
   for (int i = 0; i < n; ++i) {
-    const auto x = dice.normal();
+    const auto x = rng.normal();
     sum += x;
     squares += x * x;
   }

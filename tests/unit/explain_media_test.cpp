@@ -72,11 +72,11 @@ record come(std::uint64_t cause) {
   return r;
 }
 
-std::vector<std::string> fates(const followers& x, std::uint32_t message) {
+std::vector<std::string> outcomes(const followers& x, std::uint32_t message) {
   std::vector<std::string> all;
   for (const auto n : x.all.all.messages[message].nodes)
     for (const auto& each : x.all.all.nodes[n].attempts)
-      all.push_back(each.fate);
+      all.push_back(each.outcome);
   return all;
 }
 
@@ -91,8 +91,8 @@ TEST_CASE("equal octets on a line are told apart by what wrote them", "[explain]
   static_cast<void>(x.take(written(first), &line_follower::on_write));
   const auto last = x.take(written(second), &line_follower::on_write);
   static_cast<void>(x.take(come(last.number), &line_follower::on_octets));
-  CHECK(fates(x, 0) == words{"lost on the line"});
-  CHECK(fates(x, 1) == words{"delivered"});
+  CHECK(outcomes(x, 0) == words{"lost on the line"});
+  CHECK(outcomes(x, 1) == words{"delivered"});
   CHECK(!x.all.all.messages[0].delivered);
   CHECK(x.all.all.messages[1].delivered);
 }
@@ -102,7 +102,7 @@ TEST_CASE("octets that nobody has written are nobody's", "[explain]") {
   const auto message = x.begin_message();
   static_cast<void>(x.take(written(message), &line_follower::on_write));
   static_cast<void>(x.take(come(77), &line_follower::on_octets));
-  CHECK(fates(x, 0) == words{""});
+  CHECK(outcomes(x, 0) == words{""});
 }
 
 TEST_CASE("an unplugged cable loses what is under way and what is written then",
@@ -114,8 +114,8 @@ TEST_CASE("an unplugged cable loses what is under way and what is written then",
   static_cast<void>(x.take(written(x.begin_message()), &line_follower::on_write));
   static_cast<void>(x.take(plug, &line_follower::on_plug));
   static_cast<void>(x.take(written(x.begin_message()), &line_follower::on_write));
-  CHECK(fates(x, 0) == words{"cable unplugged"});
-  CHECK(fates(x, 1) == words{"cable unplugged"});
+  CHECK(outcomes(x, 0) == words{"cable unplugged"});
+  CHECK(outcomes(x, 1) == words{"cable unplugged"});
 }
 
 TEST_CASE("a request that fails is where its own value ends", "[explain]") {

@@ -126,7 +126,7 @@ TEST_CASE("a message that no frame brings to the sink is lost there", "[explain]
   world.put(kind::send_ended, far_mote, "mote_app/kitchen/far/sampler-1", 0, failed);
   const auto all = follow(world.x);
   const auto y = outcome_of(all, all.messages.front());
-  CHECK(y.fate == fate::lost);
+  CHECK(y.status == message_status::lost);
   CHECK(y.where == "kitchen/far → sink");
   CHECK(y.why == "4 tries: 4 × out of range");
   CHECK(y.retries.transport == 1);
@@ -152,7 +152,7 @@ TEST_CASE("an unplugged serial line is where a message ends", "[explain][GW-16]"
   world.put(kind::story, "ecology/test", "", 0);
   const auto all = follow(world.x);
   const auto y = outcome_of(all, all.messages.front());
-  CHECK(y.fate == fate::lost);
+  CHECK(y.status == message_status::lost);
   CHECK(y.where == "kitchen/sink → gateway");
   CHECK(y.why == "cable unplugged");
 }
@@ -168,7 +168,7 @@ TEST_CASE("octets that a serial line corrupts are not received", "[explain]") {
   world.line_gives(false, octets);
   const auto all = follow(world.x);
   const auto y = outcome_of(all, all.messages.front());
-  CHECK(y.fate == fate::under_way); // it may be sent again
+  CHECK(y.status == message_status::under_way); // it may be sent again
   CHECK(y.why == "octets corrupted");
 }
 
@@ -257,10 +257,10 @@ TEST_CASE("unreliable messages of equal content are told apart", "[explain]") {
   }
   const auto all = follow(world.x);
   REQUIRE(all.messages.size() == 3);
-  CHECK(outcome_of(all, all.messages[0]).fate == fate::delivered);
-  CHECK(outcome_of(all, all.messages[1]).fate == fate::lost);
+  CHECK(outcome_of(all, all.messages[0]).status == message_status::delivered);
+  CHECK(outcome_of(all, all.messages[1]).status == message_status::lost);
   CHECK(outcome_of(all, all.messages[1]).why == "too weak");
-  CHECK(outcome_of(all, all.messages[2]).fate == fate::delivered);
+  CHECK(outcome_of(all, all.messages[2]).status == message_status::delivered);
 }
 
 TEST_CASE("equal messages of one moment are told apart, whatever overtakes what", "[explain]") {
@@ -280,9 +280,9 @@ TEST_CASE("equal messages of one moment are told apart, whatever overtakes what"
   world.radio_ends(way_of_first.frame_up(), "no_ack");
   const auto all = follow(world.x);
   REQUIRE(all.messages.size() == 2);
-  CHECK(outcome_of(all, all.messages[0]).fate == fate::lost);
+  CHECK(outcome_of(all, all.messages[0]).status == message_status::lost);
   CHECK(outcome_of(all, all.messages[0]).why == "too weak");
-  CHECK(outcome_of(all, all.messages[1]).fate == fate::delivered);
+  CHECK(outcome_of(all, all.messages[1]).status == message_status::delivered);
   CHECK(contains(tell_tuple(all, 0, wide), "kitchen/near → sink"));
 }
 
@@ -298,7 +298,7 @@ TEST_CASE("a message from outside begins where it is seen first", "[explain]") {
   const auto all = follow(world.x);
   REQUIRE(all.messages.size() == 1);
   CHECK(all.messages.front().content == reading);
-  CHECK(outcome_of(all, all.messages.front()).fate == fate::delivered);
+  CHECK(outcome_of(all, all.messages.front()).outcome == message_status::delivered);
 }
 
 TEST_CASE("the greeting before the first message is one row", "[explain]") {
@@ -344,7 +344,7 @@ TEST_CASE("a message to its own mote is there at once", "[explain]") {
   const auto all = follow(world.x);
   REQUIRE(all.messages.size() == 1);
   CHECK(all.messages.front().name == "kitchen/near#1");
-  CHECK(outcome_of(all, all.messages.front()).fate == fate::delivered);
+  CHECK(outcome_of(all, all.messages.front()).outcome == message_status::delivered);
 }
 
 TEST_CASE("a message that its mote refuses says so", "[explain]") {
@@ -355,7 +355,7 @@ TEST_CASE("a message that its mote refuses says so", "[explain]") {
   refused.text = "refused";
   world.put(kind::send_ended, near_mote, "mote_app/kitchen/near/sampler-1", 1, refused);
   const auto all = follow(world.x);
-  CHECK(outcome_of(all, all.messages.front()).fate == fate::refused);
+  CHECK(outcome_of(all, all.messages.front()).outcome == message_status::refused);
   CHECK(contains(tell_message(all, 0, wide), "refused: its mote did not take it"));
 }
 
@@ -371,9 +371,9 @@ TEST_CASE("a message that never left is not taken for the next one", "[explain]"
   way.to_gateway(world.program_sends(near_mote, reading, false, 2));
   const auto all = follow(world.x);
   REQUIRE(all.messages.size() == 2);
-  CHECK(outcome_of(all, all.messages[0]).fate == fate::lost);
+  CHECK(outcome_of(all, all.messages[0]).status == message_status::lost);
   CHECK(outcome_of(all, all.messages[0]).why == "it never left the sender");
-  CHECK(outcome_of(all, all.messages[1]).fate == fate::delivered);
+  CHECK(outcome_of(all, all.messages[1]).status == message_status::delivered);
 }
 
 TEST_CASE("a receiver that has started again turns a message away", "[explain][DIS-07]") {
@@ -391,7 +391,7 @@ TEST_CASE("a receiver that has started again turns a message away", "[explain][D
     failed.id = 1;
     world.put(kind::send_ended, near_mote, "mote_app/kitchen/near/sampler-1", 0, failed);
     const auto all = follow(world.x);
-    CHECK(outcome_of(all, all.messages.front()).fate == fate::lost);
+    CHECK(outcome_of(all, all.messages.front()).outcome == message_status::lost);
     CHECK(contains(outcome_of(all, all.messages.front()).why, "kitchen/gateway did not take it"));
   }
   SECTION("and takes it under another number") {
@@ -399,7 +399,7 @@ TEST_CASE("a receiver that has started again turns a message away", "[explain][D
     again.answer(again.to_gateway(world.attempt(cause)));
     const auto all = follow(world.x);
     REQUIRE(all.messages.size() == 1);
-    CHECK(outcome_of(all, all.messages.front()).fate == fate::delivered);
+    CHECK(outcome_of(all, all.messages.front()).outcome == message_status::delivered);
     CHECK(all.messages.front().acknowledged);
   }
 }

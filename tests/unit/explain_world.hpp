@@ -145,9 +145,9 @@ public:
         put(explain::kind::radio_send, f.from, air_actor, cause, std::move(r));
   }
 
-  /// One frame on the air; it is received if its fate is `delivered`.
+  /// One frame on the air; it is received if its outcome is `delivered`.
   /// @returns the number of its reception
-  std::uint64_t on_air(const frame_of& f, const std::string& fate) {
+  std::uint64_t on_air(const frame_of& f, const std::string& outcome) {
     radio::frame content;
     content.pan = 1;
     content.source = mote_id(f.source);
@@ -159,10 +159,10 @@ public:
     const auto begin = now;
     now += 3ms;
     std::uint64_t received = 0;
-    if (fate == "delivered")
+    if (outcome == "delivered")
       received = put(explain::kind::frame_received, air_actor, f.to, asked_[{f.from, f.token}], r);
-    r.text = fate;
-    r.yes = fate == "delivered";
+    r.text = outcome;
+    r.yes = outcome == "delivered";
     r.mote.island = island_id{1};
     r.time = begin;
     r.what = explain::kind::frame;

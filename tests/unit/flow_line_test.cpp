@@ -1,5 +1,5 @@
 // Programs of motes in a line over a MAC that does what it likes, tells the truth about it, and
-// keeps its own books.
+// keeps counters of its own.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -47,7 +47,7 @@ sender_config sender(arrivals pattern, int to, std::optional<int> via, duration 
 
 class line {
 public:
-  line(std::uint64_t seed, const mac_habits& habits) : habits_(habits), dice_(seed) {}
+  line(std::uint64_t seed, const mac_habits& habits) : habits_(habits), rng_(seed) {}
 
   void add(int mote, program_config config) {
     configs_[id(mote)] = std::move(config);
@@ -126,7 +126,7 @@ private:
 
   void boot(mote_id mote) {
     motes_.insert_or_assign(
-        mote, program(configs_.at(mote), {island_id{1}, mote}, random_stream(dice_.next())));
+        mote, program(configs_.at(mote), {island_id{1}, mote}, random_stream(rng_.next())));
     perform(mote, motes_.at(mote).start(now_));
   }
 
@@ -144,13 +144,13 @@ private:
 
   void attempt(mote_id mote, transmit x) {
     const auto token = x.token;
-    if (dice_.chance(habits_.refused)) {
+    if (rng_.chance(habits_.refused)) {
       perform(mote, motes_.at(mote).on_done(token, {false, false, "queue_full", 0}, now_));
       return;
     }
     const auto key = std::pair(mote, token);
     open_[key] = {};
-    after(dice_.between(1us, habits_.slowest), [this, key, x = std::move(x)] {
+    after(rng_.between(1us, habits_.slowest), [this, key, x = std::move(x)] {
       if (!open_.at(key).dropped)
         put_on_air(key, x);
     });
@@ -158,12 +158,12 @@ private:
 
   void put_on_air(std::pair<mote_id, std::uint64_t> key, const transmit& x) {
     open_.at(key).on_air = true;
-    const auto arrives = !off_.contains(x.next_hop) && dice_.chance(habits_.arrives);
-    const auto copies = arrives ? 1 + dice_.below(habits_.copies_max) : 0;
-    const auto acked = arrives && !dice_.chance(habits_.ack_lost);
+    const auto arrives = !off_.contains(x.next_hop) && rng_.chance(habits_.arrives);
+    const auto copies = arrives ? 1 + rng_.below(habits_.copies_max) : 0;
+    const auto acked = arrives && !rng_.chance(habits_.ack_lost);
     for (std::uint64_t i = 0; i < copies; ++i)
-      after(dice_.between(0s, habits_.slowest), [this, key, x] { deliver(key.first, x); });
-    after(dice_.between(0s, habits_.slowest), [this, key, arrives, copies, acked] {
+      after(rng_.between(0s, habits_.slowest), [this, key, x] { deliver(key.first, x); });
+    after(rng_.between(0s, habits_.slowest), [this, key, arrives, copies, acked] {
       const outcome end{acked, arrives, acked ? "" : "no_ack", static_cast<unsigned>(copies) + 1};
       perform(key.first, motes_.at(key.first).on_done(key.second, end, now_));
     });
@@ -184,7 +184,7 @@ private:
   }
 
   mac_habits habits_;
-  random_stream dice_;
+  random_stream rng_;
   instant now_;
   std::map<mote_id, program_config> configs_;
   std::map<mote_id, program> motes_;
@@ -272,19 +272,19 @@ TEST_CASE("over a perfect MAC everything arrives", "[flow]") {
   }
 }
 
-TEST_CASE("the books balance over power failures of every mote", "[flow]") {
+TEST_CASE("the counters balance over power failures of every mote", "[flow]") {
   for (std::uint64_t seed = 21; seed <= 30; ++seed) {
     INFO("seed " << seed);
-    random_stream dice(seed);
+    random_stream rng(seed);
     line x(seed, {});
     populate(x);
     auto now = 0ns;
     for (int i = 0; i < 10; ++i) {
-      const auto mote = 1 + static_cast<int>(dice.below(5));
-      now += dice.between(1s, 4s);
+      const auto mote = 1 + static_cast<int>(rng.below(5));
+      now += rng.between(1s, 4s);
       x.run_until(now);
       x.crash(mote);
-      now += dice.between(100ms, 1s); // longer than a copy is on its way
+      now += rng.between(100ms, 1s); // longer than a copy is on its way
       x.run_until(now);
       x.reboot(mote);
     }

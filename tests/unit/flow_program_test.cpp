@@ -217,7 +217,7 @@ TEST_CASE("a saturated sender beside a full program waits, too", "[flow]") {
   CHECK(x.on_time(begin + 1ms).size() == 1);
 }
 
-TEST_CASE("each sender of a mote has dice of its own", "[flow]") {
+TEST_CASE("each sender of a mote has rng of its own", "[flow]") {
   auto random = sender(mote_id{1}, arrivals::poisson);
   random.start.reset();
   auto x = sending(random);

@@ -171,7 +171,7 @@ TEST_CASE("not all motes are asked at once", "[gateway][GW-10]") {
 
 TEST_CASE("whatever happens, a mote that stays knows in the end what is wanted",
           "[gateway][GW-10]") {
-  random_stream dice(5);
+  random_stream rng(5);
   for (auto run = 0; run < 200; ++run) {
     fixture x(run % 2 == 1);
     std::map<mote_id, wanted> known;
@@ -184,18 +184,18 @@ TEST_CASE("whatever happens, a mote that stays knows in the end what is wanted",
     };
     const auto deliver = [&](bool loses) {
       for (auto& [each, life] : std::exchange(under_way, {})) {
-        const auto fate = loses ? dice.below(3) : 2;
-        if (fate > 0 && life == lives[each.mote])
+        const auto outcome = loses ? rng.below(3) : 2;
+        if (outcome > 0 && life == lives[each.mote])
           known[each.mote] = each.outputs; // its acknowledgement may be lost
-        x.core.on_outcome(each.mote, fate == 2, x.now);
+        x.core.on_outcome(each.mote, outcome == 2, x.now);
       }
     };
     for (auto step = 0; step < 30; ++step) {
-      x.now += dice.between(0s, 3s);
-      const auto mote = motes[dice.below(3)];
-      switch (dice.below(5)) {
+      x.now += rng.between(0s, 3s);
+      const auto mote = motes[rng.below(3)];
+      switch (rng.below(5)) {
       case 0:
-        x.subscribe(dice.below(2) == 0
+        x.subscribe(rng.below(2) == 0
                         ? std::vector<std::string>{}
                         : std::vector<std::string>{"devices.2.output.1", "devices.*.output.4"});
         break;

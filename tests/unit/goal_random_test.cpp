@@ -16,36 +16,36 @@ namespace {
 
 const std::vector<std::string> texts{"a", "b", "1", "2.5", "none", ""};
 
-condition any_condition(random_stream& dice) {
+condition any_condition(random_stream& rng) {
   condition x;
-  x.input = dice.chance(0.5) ? "x" : "y";
-  if (dice.chance(0.5))
-    x.equals = {texts[dice.below(2)]};
+  x.input = rng.chance(0.5) ? "x" : "y";
+  if (rng.chance(0.5))
+    x.equals = {texts[rng.below(2)]};
   else
-    x.above = static_cast<double>(dice.below(3));
+    x.above = static_cast<double>(rng.below(3));
   return x;
 }
 
-pursuer_config any_config(random_stream& dice) {
+pursuer_config any_config(random_stream& rng) {
   pursuer_config x;
   x.name = "p";
   x.inputs = {{"x", ""}, {"y", ""}};
-  x.outputs = {{"out", "0", dice.between(100ms, 5s), dice.chance(0.5) ? 1.0 : 0.0, 10.0}};
-  for (std::uint64_t i = 0; i <= dice.below(4); ++i) {
+  x.outputs = {{"out", "0", rng.between(100ms, 5s), rng.chance(0.5) ? 1.0 : 0.0, 10.0}};
+  for (std::uint64_t i = 0; i <= rng.below(4); ++i) {
     goal_config goal;
     goal.text = "goal " + std::to_string(i);
-    goal.timeout = dice.between(10ms, 20s);
-    goal.states.resize(1 + dice.below(4));
+    goal.timeout = rng.between(10ms, 20s);
+    goal.states.resize(1 + rng.below(4));
     for (auto& state : goal.states) {
-      state.name = "s" + std::to_string(dice.below(3));
-      state.length = dice.between(1ms, 8s);
-      if (dice.chance(0.3))
-        state.jitter = dice.between(0s, 3s);
-      if (dice.chance(0.2))
+      state.name = "s" + std::to_string(rng.below(3));
+      state.length = rng.between(1ms, 8s);
+      if (rng.chance(0.3))
+        state.jitter = rng.between(0s, 3s);
+      if (rng.chance(0.2))
         state.failure_rate = 0.3;
-      if (dice.chance(0.4))
-        state.needs = any_condition(dice);
-      if (dice.chance(0.3))
+      if (rng.chance(0.4))
+        state.needs = any_condition(rng);
+      if (rng.chance(0.3))
         state.sets = {{"out", "3"}};
     }
     x.goals.push_back(std::move(goal));
@@ -91,28 +91,28 @@ TEST_CASE("whatever is wanted and whatever inputs say, every goal has one outcom
   std::uint64_t by_outcome[3] = {};
   for (std::uint64_t seed = 1; seed <= test::seeds(200); ++seed) {
     CAPTURE(seed);
-    random_stream dice(seed);
-    const auto config = any_config(dice);
+    random_stream rng(seed);
+    const auto config = any_config(rng);
     pursuer core(config, random_stream(seed, "core"));
     account told;
     instant now{};
     std::uint64_t wanted = 0;
     told.add(core.start(now));
     for (int i = 0; i < 300; ++i) {
-      now += dice.between(0s, 4s);
+      now += rng.between(0s, 4s);
       // Wake-ups come in time, and sometimes late.
-      while (dice.chance(0.9) && core.deadline() && *core.deadline() <= now)
+      while (rng.chance(0.9) && core.deadline() && *core.deadline() <= now)
         told.add(core.on_time(*core.deadline()));
-      const auto choice = dice.below(10);
-      const source from{peer_id(static_cast<std::int32_t>(1 + dice.below(2))), "t"};
-      const auto input = dice.below(2);
+      const auto choice = rng.below(10);
+      const source from{peer_id(static_cast<std::int32_t>(1 + rng.below(2))), "t"};
+      const auto input = rng.below(2);
       if (choice < 3) {
         ++wanted;
-        told.add(core.on_goal("goal " + std::to_string(dice.below(5)), now));
+        told.add(core.on_goal("goal " + std::to_string(rng.below(5)), now));
       } else if (choice == 3) {
         told.add(core.on_goal("none", now));
       } else if (choice < 8) {
-        told.add(core.on_input(input, from, texts[dice.below(texts.size())], now));
+        told.add(core.on_input(input, from, texts[rng.below(texts.size())], now));
       } else if (choice == 8) {
         core.on_input_gone(input, from);
       } else {

@@ -20,7 +20,7 @@ constexpr duration stop_time_max = 4s;
 /// Components that start after a while or not at all, crash, and may ignore all but SIGKILL.
 class random_host {
 public:
-  explicit random_host(std::uint64_t seed) : dice_(seed) {
+  explicit random_host(std::uint64_t seed) : rng_(seed) {
     std::vector<component> all;
     for (std::size_t i = 0; i < count; ++i) {
       component x;
@@ -28,7 +28,7 @@ public:
       x.id = peer_id{static_cast<std::int32_t>(i + 1)};
       if (i % 2 == 0)
         x.peer = x.name;
-      x.on = dice_.below(2) == 0;
+      x.on = rng_.below(2) == 0;
       x.delay = delay_of_all;
       all.push_back(std::move(x));
     }
@@ -75,7 +75,7 @@ private:
   };
 
   void next_moment() {
-    const auto step = now_ + std::chrono::milliseconds(1 + dice_.below(400));
+    const auto step = now_ + std::chrono::milliseconds(1 + rng_.below(400));
     const auto due = supervisor_.deadline();
     now_ = due ? std::max(now_, std::min(step, *due)) : step;
   }
@@ -100,7 +100,7 @@ private:
     part.crashed.reset();
     part.life = x.life;
     part.told = false;
-    part.stubborn = dice_.below(3) == 0;
+    part.stubborn = rng_.below(3) == 0;
     part.ends_at.reset();
   }
 
@@ -108,8 +108,8 @@ private:
     auto& part = parts_[x.component];
     if (!part.life)
       return;
-    if (x.step == stop_step::kill || (!part.stubborn && dice_.below(3) == 0))
-      part.ends_at = now_ + std::chrono::milliseconds(dice_.below(300));
+    if (x.step == stop_step::kill || (!part.stubborn && rng_.below(3) == 0))
+      part.ends_at = now_ + std::chrono::milliseconds(rng_.below(300));
   }
 
   void on_all_off() {
@@ -122,18 +122,18 @@ private:
   void happen() {
     for (std::size_t i = 0; i < count; ++i) {
       auto& part = parts_[i];
-      if (part.life && (!part.told && dice_.below(2) == 0)) {
+      if (part.life && (!part.told && rng_.below(2) == 0)) {
         part.told = true;
         perform(supervisor_.on_started(i, *part.life, 0));
       }
-      if (part.life && ((part.ends_at && *part.ends_at <= now_) || dice_.below(30) == 0))
+      if (part.life && ((part.ends_at && *part.ends_at <= now_) || rng_.below(30) == 0))
         end(i);
     }
-    const auto who = dice_.below(count);
+    const auto who = rng_.below(count);
     static constexpr std::array words{"on", "off", "start", "abort", "what", "OFF"};
-    if (dice_.below(4) == 0)
-      write(who, words[dice_.below(words.size())]);
-    if (dice_.below(10) == 0) // from an earlier life
+    if (rng_.below(4) == 0)
+      write(who, words[rng_.below(words.size())]);
+    if (rng_.below(10) == 0) // from an earlier life
       perform(supervisor_.on_ended(who, 0, "", now_));
   }
 
@@ -172,7 +172,7 @@ private:
     }
   }
 
-  random_stream dice_;
+  random_stream rng_;
   supervisor supervisor_;
   std::array<one, count> parts_;
   instant now_{};

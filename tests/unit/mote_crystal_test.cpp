@@ -19,7 +19,7 @@ TEST_CASE("a crystal never goes back, and real() is the first time that shows a 
           "[mote][CLK-01]") {
   const auto ppb = GENERATE(std::int64_t{0}, 1, -1, 40'000, -40'000, 1'000'000, -1'000'000);
   const crystal x(ppb);
-  random_stream dice(static_cast<std::uint64_t>(ppb + 2'000'000));
+  random_stream rng(static_cast<std::uint64_t>(ppb + 2'000'000));
   const auto check = [&x](instant t) {
     CHECK(x.own(t) <= x.own(t + 1ns));
     const auto real = x.real(t);
@@ -29,7 +29,7 @@ TEST_CASE("a crystal never goes back, and real() is the first time that shows a 
   for (std::int64_t i = 0; i < 200; ++i)
     check(instant{1s - 100ns + i * 1ns}); // where whole seconds meet
   for (int i = 0; i < 1000; ++i)
-    check(instant{duration(dice.below(1'000'000'000'000'000))});
+    check(instant{duration(rng.below(1'000'000'000'000'000))});
 }
 
 TEST_CASE("a crystal that wanders gains and loses with the temperature, and in the end nothing",

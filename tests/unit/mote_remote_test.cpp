@@ -88,13 +88,13 @@ struct rig {
 /// The same commands at a node and beside one; and the same happens to both nodes.
 class twins {
 public:
-  explicit twins(std::uint64_t seed) : dice_(seed) {
+  explicit twins(std::uint64_t seed) : rng_(seed) {
     at_node_.layer = direct_.attach(at_node_);
     settle();
   }
 
   void step() {
-    const auto what = dice_.below(24);
+    const auto what = rng_.below(24);
     if (what < 17)
       command(what);
     else
@@ -141,11 +141,11 @@ private:
 
   /// @param what 0..16
   void command(std::uint64_t what) {
-    const auto desc = static_cast<int>(dice_.below(12));
-    const auto name = static_cast<std::uint16_t>(dice_.below(3));
-    const auto size = static_cast<std::uint8_t>(dice_.below(6));
-    const mote_address other{self.island, mote_id(static_cast<std::uint16_t>(6 + dice_.below(3)))};
-    const bytes octets(dice_.below(20), 7);
+    const auto desc = static_cast<int>(rng_.below(12));
+    const auto name = static_cast<std::uint16_t>(rng_.below(3));
+    const auto size = static_cast<std::uint8_t>(rng_.below(6));
+    const mote_address other{self.island, mote_id(static_cast<std::uint16_t>(6 + rng_.below(3)))};
+    const bytes octets(rng_.below(20), 7);
     switch (what) {
     case 0:
       return both([&](auto& x) { return x.open_remote(255, own_mote.value, name, 0, 0); });
@@ -190,10 +190,10 @@ private:
 
   /// @param what 17..23
   void happen(std::uint64_t what) {
-    const auto length = 1ms * dice_.below(2000);
+    const auto length = 1ms * rng_.below(2000);
     direct_.now += length;
     beside_.here.now += length;
-    if (what == 17 && dice_.chance(0.2))
+    if (what == 17 && rng_.chance(0.2))
       return input([](auto& x, instant now) { x.on_left(now); });
     if (what == 18)
       return input([](auto& x, instant now) {
@@ -201,7 +201,7 @@ private:
         x.on_joined(self.island, now);
       });
     if (what == 19 && channels_ > 0) {
-      const stream::channel_handle gone{1 + static_cast<std::uint32_t>(dice_.below(channels_))};
+      const stream::channel_handle gone{1 + static_cast<std::uint32_t>(rng_.below(channels_))};
       return input([gone](auto& x, instant now) { x.on_channel_closed(gone, now); });
     }
     if (what == 20)
@@ -214,7 +214,7 @@ private:
 
   void ask_for_outputs() {
     const std::vector<mote::output_wanted> wanted{
-        {static_cast<std::uint16_t>(dice_.below(9)), std::chrono::milliseconds(dice_.below(1000))}};
+        {static_cast<std::uint16_t>(rng_.below(9)), std::chrono::milliseconds(rng_.below(1000))}};
     constexpr auto request = network::am::outputs_wanted;
     input([&](auto& x, instant now) {
       x.on_packet(self.island, request, encode(test::plain(no_mote, request, encode(wanted))), now);
@@ -238,7 +238,7 @@ private:
   void answer(const mote::layer_output& x) {
     if (const auto* channel = std::get_if<mote::channel_wanted>(&x)) {
       const auto who = channel->request;
-      if (dice_.chance(0.3))
+      if (rng_.chance(0.3))
         return input([who](auto& y, instant now) { y.on_connect_failed(who, now); });
       const stream::channel_handle handle{++channels_};
       input([=](auto& y, instant now) { y.on_connected(who, handle, now); });
@@ -247,14 +247,14 @@ private:
     } else if (const auto* packet = std::get_if<mote::channel_packet>(&x)) {
       const auto name = stream::decode_message(packet->octets);
       const auto* open = name ? std::get_if<stream::open_message>(&*name) : nullptr;
-      if (open != nullptr && dice_.chance(0.7))
+      if (open != nullptr && rng_.chance(0.7))
         input([&](auto& y, instant now) {
           y.on_channel_octets(packet->channel, encode(stream::open_ack_message{open->name}), now);
         });
     }
   }
 
-  random_stream dice_;
+  random_stream rng_;
   node direct_;
   program at_node_;
   rig beside_;

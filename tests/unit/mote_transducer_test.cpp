@@ -11,8 +11,8 @@ using namespace rubicon::mote;
 namespace {
 
 double value_at(const transducer_model& model, duration t, const reader& who = {}) {
-  random_stream dice(1);
-  return value_of({quantity::temperature, model, 0, 0.1}, instant{t}, dice, who);
+  random_stream rng(1);
+  return value_of({quantity::temperature, model, 0, 0.1}, instant{t}, rng, who);
 }
 
 double value_at(const field_source& source, double x_m, duration t = 0s) {
@@ -49,9 +49,9 @@ TEST_CASE("transducer models give the value of their time", "[mote][STR-21]") {
 }
 
 TEST_CASE("a reading is a rounded count within 16 bits", "[mote]") {
-  random_stream dice(1);
+  random_stream rng(1);
   const auto count = [&](double value) {
-    return sample({quantity::light, constant_model{value}, 0, 0.5}, instant{}, dice);
+    return sample({quantity::light, constant_model{value}, 0, 0.5}, instant{}, rng);
   };
   CHECK(count(10) == 20);
   CHECK(count(10.24) == 20);
@@ -62,11 +62,11 @@ TEST_CASE("a reading is a rounded count within 16 bits", "[mote]") {
 }
 
 TEST_CASE("noise has the configured deviation and is drawn only where there is some", "[mote]") {
-  random_stream dice(2);
+  random_stream rng(2);
   double sum = 0;
   double squares = 0;
   for (int i = 0; i < 10'000; ++i) {
-    const auto x = value_of({quantity::light, constant_model{5}, 2, 1}, instant{}, dice) - 5;
+    const auto x = value_of({quantity::light, constant_model{5}, 2, 1}, instant{}, rng) - 5;
     sum += x;
     squares += x * x;
   }
@@ -92,9 +92,9 @@ TEST_CASE("a random walk is a function of the seed, the quantity and the time", 
   CHECK(at(7, 1h) == Approx(29.512227081933844).epsilon(1e-12));
   CHECK(at(7, 24h) == Approx(28.986152349516999).epsilon(1e-12));
   CHECK(at(8, 1h) == Approx(14.083075823986109).epsilon(1e-12));
-  random_stream dice(1);
-  CHECK(value_of({quantity::light, walk, 0, 1}, instant{1h}, dice, {{}, 7}) != at(7, 1h));
-  CHECK(dice.next() == random_stream(1).next());
+  random_stream rng(1);
+  CHECK(value_of({quantity::light, walk, 0, 1}, instant{1h}, rng, {{}, 7}) != at(7, 1h));
+  CHECK(rng.next() == random_stream(1).next());
   // Within a few milliseconds it moves a little, and without a step not at all.
   CHECK(std::abs(at(7, 1h + 5ms) - at(7, 1h)) < 0.5);
   CHECK(at(7, 1h + 5ms) != at(7, 1h));

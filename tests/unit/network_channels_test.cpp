@@ -17,7 +17,7 @@ class grid {
 public:
   grid(int width, int height, double delivery, std::uint64_t seed = 1, std::set<int> holes = {},
        channels_config config = {})
-      : width_(width), delivery_(delivery), dice_(seed), config_(config) {
+      : width_(width), delivery_(delivery), rng_(seed), config_(config) {
     for (int i = 0; i < width * height; ++i) {
       if (!holes.contains(i))
         start(id(i));
@@ -44,7 +44,7 @@ public:
   void start(mote_id x) {
     auto config = config_;
     config.self = x;
-    motes_[x] = channels(config, random_stream(dice_.next()));
+    motes_[x] = channels(config, random_stream(rng_.next()));
   }
 
   void kill(mote_id x) { motes_.erase(x); }
@@ -163,17 +163,17 @@ private:
     const auto near = next_to(from);
     if (frame.next == broadcast_mote) {
       for (const auto x : near) {
-        if (dice_.chance(delivery_))
+        if (rng_.chance(delivery_))
           heard.push_back(x);
       }
     }
     const bool reachable = std::ranges::find(near, frame.next) != near.end();
     for (int attempt = 0; attempt < 4 && reachable && !acked; ++attempt) {
-      if (!dice_.chance(delivery_))
+      if (!rng_.chance(delivery_))
         continue;
       if (heard.empty())
         heard.push_back(frame.next);
-      acked = dice_.chance(delivery_);
+      acked = rng_.chance(delivery_);
     }
     const auto when = now_ + 5ms;
     for (const auto to : heard) {
@@ -190,7 +190,7 @@ private:
 
   int width_;
   double delivery_;
-  random_stream dice_;
+  random_stream rng_;
   channels_config config_;
   instant now_;
   std::map<mote_id, channels> motes_;
@@ -376,10 +376,10 @@ TEST_CASE("channel ids of all motes are distinct", "[network][NET-01]") {
 
 TEST_CASE("greedy forwarding takes the neighbour nearest to the destination", "[network][NET-10]") {
   grid x(9, 9, 1);
-  random_stream dice(2);
+  random_stream rng(2);
   for (int i = 0; i < 40; ++i) {
-    const auto from = grid::id(static_cast<int>(dice.below(81)));
-    const auto to = grid::id(static_cast<int>(dice.below(81)));
+    const auto from = grid::id(static_cast<int>(rng.below(81)));
+    const auto to = grid::id(static_cast<int>(rng.below(81)));
     if (from == to)
       continue;
     const auto id = x.connect(from, to);
@@ -394,12 +394,12 @@ TEST_CASE("greedy forwarding takes the neighbour nearest to the destination", "[
 TEST_CASE("behind a wall every pair still connects, and fallbacks are counted",
           "[network][NET-12]") {
   grid x(10, 10, 0.95, 3, wall);
-  random_stream dice(4);
+  random_stream rng(4);
   const auto motes = x.motes();
   int pairs = 0;
   for (int i = 0; i < 150; ++i) {
-    const auto from = motes[dice.below(motes.size())];
-    const auto to = motes[dice.below(motes.size())];
+    const auto from = motes[rng.below(motes.size())];
+    const auto to = motes[rng.below(motes.size())];
     if (from == to || !x.hops_from(from).contains(to))
       continue;
     ++pairs;
@@ -458,11 +458,11 @@ TEST_CASE("each mote of the path knows when packets are due, later ones later",
 TEST_CASE("over bad links all connects end, and no table keeps anything", "[network][NET-04]") {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     grid x(6, 6, 0.6, seed);
-    random_stream dice(seed);
+    random_stream rng(seed);
     std::vector<std::pair<mote_id, channel_id>> all;
     for (int i = 0; i < 8; ++i) {
-      const auto from = grid::id(static_cast<int>(dice.below(36)));
-      const auto to = grid::id(static_cast<int>(dice.below(36)));
+      const auto from = grid::id(static_cast<int>(rng.below(36)));
+      const auto to = grid::id(static_cast<int>(rng.below(36)));
       if (from != to)
         all.emplace_back(from, x.connect(from, to));
     }

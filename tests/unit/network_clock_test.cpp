@@ -28,11 +28,11 @@ struct line {
   std::vector<crystal> crystals;
   std::vector<clock_sync> clocks;
   duration now{};
-  random_stream dice{7};
+  random_stream rng{7};
 
   line(std::size_t length, double ppm) {
     for (std::size_t i = 0; i < length; ++i) {
-      crystals.push_back({dice.unit() * 2 * ppm - ppm, duration(dice.below(1'000'000'000'000))});
+      crystals.push_back({rng.unit() * 2 * ppm - ppm, duration(rng.below(1'000'000'000'000))});
       clock_sync_config config;
       config.self = mote_id{static_cast<std::uint16_t>(i + 1)};
       config.is_root = i == 0;
@@ -45,7 +45,7 @@ struct line {
     auto x = clocks[from].stamp(crystals[from].read(now));
     if (!x)
       return;
-    const auto wait = duration(dice.below(8'000'000));
+    const auto wait = duration(rng.below(8'000'000));
     x->age_us = static_cast<std::uint32_t>(wait / 1us);
     clocks[from + 1].on_stamp(*x, crystals[from + 1].read(now + wait));
   }
@@ -391,7 +391,7 @@ TEST_CASE("nobody is farther off than its guard, over eight lossy hops, for a da
   std::uint64_t beyond_1ms = 0;
   for (std::uint64_t seed = 1; seed <= test::seeds(2); ++seed) {
     line x(9, 100);
-    x.dice = random_stream(seed);
+    x.rng = random_stream(seed);
     const auto drift = [&](std::size_t i) { // temperature: 5 ppm up and down in six hours
       x.crystals[i].start += duration(static_cast<duration::rep>(
           5e-6 * 1e9 * std::sin(static_cast<double>(i) + seconds(x.now) * 6.283 / (6 * 3600))));
@@ -399,9 +399,9 @@ TEST_CASE("nobody is farther off than its guard, over eight lossy hops, for a da
     for (; x.now < 24h; x.now += 1s) {
       for (std::size_t i = 0; i < 9; ++i)
         drift(i);
-      if (x.clocks[0].on_time(x.crystals[0].read(x.now)) || x.dice.chance(1.0 / 300)) {
+      if (x.clocks[0].on_time(x.crystals[0].read(x.now)) || x.rng.chance(1.0 / 300)) {
         for (std::size_t i = 0; i + 1 < 9; ++i) {
-          if (!x.dice.chance(0.05))
+          if (!x.rng.chance(0.05))
             x.pass(i);
         }
       }

@@ -22,7 +22,7 @@ mote_id mote(int x) {
 /// times.
 class island {
 public:
-  explicit island(double delivery, std::uint64_t seed = 1) : delivery_(delivery), dice_(seed) {
+  explicit island(double delivery, std::uint64_t seed = 1) : delivery_(delivery), rng_(seed) {
     add(sink, no_mote, 0);
   }
 
@@ -30,7 +30,7 @@ public:
     collection_config config;
     config.self = id;
     config.is_root = id == sink;
-    motes_[id] = collection(config, random_stream(dice_.next()));
+    motes_[id] = collection(config, random_stream(rng_.next()));
     parents_[id] = parent;
     if (!config.is_root)
       perform(id, motes_[id].on_route(parent, static_cast<etx_cost>(depth * etx_one), now_));
@@ -97,11 +97,11 @@ private:
   }
 
   [[nodiscard]] bool reaches(mote_id from, mote_id to) {
-    return motes_.contains(to) && !cut.contains({from, to}) && dice_.chance(delivery_);
+    return motes_.contains(to) && !cut.contains({from, to}) && rng_.chance(delivery_);
   }
 
   double delivery_;
-  random_stream dice_;
+  random_stream rng_;
   instant now_;
   std::map<mote_id, collection> motes_;
   std::map<mote_id, mote_id> parents_;

@@ -371,22 +371,22 @@ TEST_CASE("every neighbour has its turn in the list of those heard", "[network][
 TEST_CASE("the deadline is the earliest of all neighbours', whoever comes, goes and is late",
           "[network][NET-09]") {
   neighbours at({.capacity = 4});
-  std::uint32_t dice = 7;
+  std::uint32_t rng = 7;
   auto now = start;
   std::uint64_t seen_departures = 0;
   for (int i = 0; i < 2000; ++i) {
-    dice = dice * 1664525U + 1013904223U;
-    now += std::chrono::milliseconds(dice >> 20);
+    rng = rng * 1664525U + 1013904223U;
+    now += std::chrono::milliseconds(rng >> 20);
     link_report x;
-    x.source = mote_id{static_cast<std::uint16_t>(1 + (dice >> 8) % 7)};
+    x.source = mote_id{static_cast<std::uint16_t>(1 + (rng >> 8) % 7)};
     x.sequence = static_cast<std::uint16_t>(i);
-    x.next = std::chrono::milliseconds((dice >> 4) % 8000);
+    x.next = std::chrono::milliseconds((rng >> 4) % 8000);
     x.hears_us = 255;
-    x.matters = (dice & 256U) != 0;
+    x.matters = (rng & 256U) != 0;
     const auto before = at.all().size();
     const auto departures = at.departures();
-    static_cast<void>((dice & 512U) != 0 ? at.on_time(now).size()
-                                         : static_cast<std::size_t>(at.on_beacon(x, now)));
+    static_cast<void>((rng & 512U) != 0 ? at.on_time(now).size()
+                                        : static_cast<std::size_t>(at.on_beacon(x, now)));
     const bool has_shrunk = at.all().size() < before;
     CHECK((!has_shrunk || at.departures() > departures));
     seen_departures = at.departures();

@@ -21,14 +21,14 @@ struct rig {
   duration queue_max = 40ms;       ///< so long at most
   bool answers = true;
   duration now{};
-  random_stream dice{1};
+  random_stream rng{1};
   time_reference reference;
   std::optional<std::uint16_t> question = {};
   duration there{}; ///< when the question is there,
   duration back{};  ///< and its answer here
 
   explicit rig(double off_ppm, std::uint64_t seed = 1)
-      : ppm(off_ppm), dice(seed), reference({}, own()) {}
+      : ppm(off_ppm), rng(seed), reference({}, own()) {}
 
   [[nodiscard]] instant own() const {
     return instant(
@@ -36,7 +36,7 @@ struct rig {
         duration(static_cast<duration::rep>(static_cast<double>(now.count()) * ppm * 1e-6)));
   }
 
-  duration queue() { return dice.chance(busy) ? dice.between(0s, queue_max) : 0s; }
+  duration queue() { return rng.chance(busy) ? rng.between(0s, queue_max) : 0s; }
 
   void run_for(duration length) {
     for (const auto end = now + length; now < end; now += 100us) {

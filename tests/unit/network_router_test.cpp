@@ -24,7 +24,7 @@ mote_id mote(int x) {
 class island {
 public:
   island(int width, int height, double delivery, std::uint64_t seed = 1)
-      : width_(width), delivery_(delivery), dice_(seed) {
+      : width_(width), delivery_(delivery), rng_(seed) {
     for (int i = 1; i <= width * height; ++i)
       start(mote(i));
   }
@@ -34,9 +34,9 @@ public:
     config.self = x;
     config.is_sink = x == sink;
     auto& here = nodes_[x];
-    here.ppm = dice_.unit() * 100 - 50;
-    here.ahead = duration(dice_.below(100'000'000'000));
-    here.life = router(config, random_stream(dice_.next()), own_time(x));
+    here.ppm = rng_.unit() * 100 - 50;
+    here.ahead = duration(rng_.below(100'000'000'000));
+    here.life = router(config, random_stream(rng_.next()), own_time(x));
   }
 
   void kill(mote_id x) { nodes_.erase(x); }
@@ -129,22 +129,22 @@ private:
   }
 
   void put_on_air(mote_id from, frame_out frame) {
-    const auto wait = dice_.between(1ms, 6ms);
+    const auto wait = rng_.between(1ms, 6ms);
     std::vector<mote_id> heard;
     bool acked = false;
     unsigned tries = 0;
     for (const auto& [id, x] : nodes_) {
-      if (frame.next_hop == broadcast_mote && near(from, id) && dice_.chance(delivery_))
+      if (frame.next_hop == broadcast_mote && near(from, id) && rng_.chance(delivery_))
         heard.push_back(id);
     }
     while (frame.next_hop != broadcast_mote && tries < 4 && !acked) {
       ++tries;
       if (!nodes_.contains(frame.next_hop) || !near(from, frame.next_hop) ||
-          !dice_.chance(delivery_))
+          !rng_.chance(delivery_))
         continue;
       if (heard.empty())
         heard.push_back(frame.next_hop);
-      acked = dice_.chance(delivery_);
+      acked = rng_.chance(delivery_);
     }
     if (frame.age_at) {
       byte_writer age;
@@ -168,7 +168,7 @@ private:
 
   int width_;
   double delivery_;
-  random_stream dice_;
+  random_stream rng_;
   instant now_;
   std::map<mote_id, node> nodes_;
   test::agenda agenda_;
@@ -253,10 +253,10 @@ TEST_CASE("everybody hears what is sent to all", "[network][ADR-05]") {
 TEST_CASE("channels open between any two motes of an island", "[network][NET-10][STR-18]") {
   island x(5, 5, 0.95, 2);
   x.run_for(6min);
-  random_stream dice(5);
+  random_stream rng(5);
   for (int i = 0; i < 30; ++i) {
-    const auto from = mote(1 + static_cast<int>(dice.below(25)));
-    const auto to = mote(1 + static_cast<int>(dice.below(25)));
+    const auto from = mote(1 + static_cast<int>(rng.below(25)));
+    const auto to = mote(1 + static_cast<int>(rng.below(25)));
     if (from == to)
       continue;
     const auto id = x.connect(from, to);

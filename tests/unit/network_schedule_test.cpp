@@ -48,14 +48,14 @@ TEST_CASE("a radio goes off when the packet has gone on, until the next", "[netw
 }
 
 TEST_CASE("several needs are met together: the union of their intervals", "[network][NRG-04]") {
-  random_stream dice(3);
+  random_stream rng(3);
   radio_schedule all;
   std::vector<radio_schedule> single(6);
   for (std::uint64_t i = 0; i < single.size(); ++i) {
-    const radio_need need{at(milliseconds{static_cast<int>(dice.below(3000))}),
-                          milliseconds{100 + static_cast<int>(dice.below(900))},
-                          milliseconds{static_cast<int>(dice.below(20))},
-                          milliseconds{1 + static_cast<int>(dice.below(40))}};
+    const radio_need need{at(milliseconds{static_cast<int>(rng.below(3000))}),
+                          milliseconds{100 + static_cast<int>(rng.below(900))},
+                          milliseconds{static_cast<int>(rng.below(20))},
+                          milliseconds{1 + static_cast<int>(rng.below(40))}};
     all.set(i, need);
     single[i].set(1, need);
   }

@@ -74,15 +74,15 @@ std::vector<double> least_costs(const beacon_world& world) {
 beacon_world uneven_world(std::uint64_t seed) {
   constexpr std::size_t side = 6;
   beacon_world world(side * side, seed);
-  random_stream dice(seed, "links");
+  random_stream rng(seed, "links");
   for (std::size_t a = 0; a < side * side; ++a) {
     for (std::size_t b = 0; b < a; ++b) {
       const auto rows = a / side - b / side;
       const auto columns = a % side > b % side ? a % side - b % side : b % side - a % side;
       if (rows > 1 || columns > 1)
         continue;
-      world.set_delivery(beacon_world::id(a), beacon_world::id(b), 0.5 + dice.unit() / 2);
-      world.set_delivery(beacon_world::id(b), beacon_world::id(a), 0.5 + dice.unit() / 2);
+      world.set_delivery(beacon_world::id(a), beacon_world::id(b), 0.5 + rng.unit() / 2);
+      world.set_delivery(beacon_world::id(b), beacon_world::id(a), 0.5 + rng.unit() / 2);
     }
   }
   return world;
@@ -188,13 +188,13 @@ TEST_CASE("when the sink dies every mote knows that it has no route, and again h
 TEST_CASE("motes die and come back, links fade: no loop lasts", "[network][NET-09]") {
   for (std::uint64_t seed = 1; seed <= test::seeds(4); ++seed) {
     auto world = grid_world(6, 0.8, 0.3, seed);
-    random_stream dice(seed, "faults");
+    random_stream rng(seed, "faults");
     std::size_t looping = 0;
     std::size_t longest = 0;
     for (int second = 0; second < 900; ++second) {
       world.run_for(1s);
       if (second % 20 == 0) {
-        const auto x = beacon_world::id(1 + dice.below(35));
+        const auto x = beacon_world::id(1 + rng.below(35));
         if (world.alive(x))
           world.kill(x);
         else

@@ -27,8 +27,8 @@ std::string told(const link_decision& x) {
 
 std::string decided(std::initializer_list<std::optional<unsigned>> losses,
                     const std::vector<host_option>& hosts) {
-  random_stream dice(1);
-  return told(decide(links(losses), hosts, {}, dice));
+  random_stream rng(1);
+  return told(decide(links(losses), hosts, {}, rng));
 }
 
 routing_entry entry(std::int32_t id, std::uint8_t hops) {
@@ -59,13 +59,13 @@ TEST_CASE("the value of a connection is the metric that its loss would cost", "[
 TEST_CASE("the value of a host is a hundred times what a link would gain, and chance",
           "[peis][CM-05]") {
   for (int i = 0; i < 100; ++i) {
-    random_stream dice(static_cast<std::uint64_t>(i));
-    auto same = dice;
-    const auto value = value_of({peer_id{5}, 6, 2, 3}, {}, dice);
+    random_stream rng(static_cast<std::uint64_t>(i));
+    auto same = rng;
+    const auto value = value_of({peer_id{5}, 6, 2, 3}, {}, rng);
     CHECK(value == 400 + static_cast<int>(same.below(100)));
   }
-  random_stream dice(1);
-  CHECK(value_of({peer_id{5}, 6, 2, 5}, {}, dice) < 300); // two connections above three
+  random_stream rng(1);
+  CHECK(value_of({peer_id{5}, 6, 2, 5}, {}, rng) < 300); // two connections above three
 }
 
 TEST_CASE("a peer with fewer than three connections takes the best host", "[peis][CM-06]") {

@@ -22,8 +22,8 @@ reliable_message message_of(std::size_t size, priority service = priority::norma
 
 TEST_CASE("an unacknowledged package is sent at 0, T, 3T, 6T, 10T, 15T, 21T and fails at 28T",
           "[peis][ACK-02][ACK-03][ACK-04]") {
-  random_stream dice(1);
-  id_source numbers(dice);
+  random_stream rng(1);
+  id_source numbers(rng);
   delivery reliable{delivery_config{}};
   REQUIRE(reliable.add(message_of(10), numbers));
   auto package = reliable.next(there, numbers)->second;
@@ -51,8 +51,8 @@ TEST_CASE("an unacknowledged package is sent at 0, T, 3T, 6T, 10T, 15T, 21T and 
 }
 
 TEST_CASE("a long message succeeds when all its fragments have, and once", "[peis][ACK-07]") {
-  random_stream dice(2);
-  id_source numbers(dice);
+  random_stream rng(2);
+  id_source numbers(rng);
   delivery reliable{delivery_config{}};
   REQUIRE(reliable.add(message_of(3000, priority::bulk), numbers));
   std::vector<std::int32_t> ids;
@@ -70,8 +70,8 @@ TEST_CASE("a long message succeeds when all its fragments have, and once", "[pei
 }
 
 TEST_CASE("one lost fragment fails the whole message once", "[peis][ACK-07]") {
-  random_stream dice(3);
-  id_source numbers(dice);
+  random_stream rng(3);
+  id_source numbers(rng);
   delivery reliable{delivery_config{}};
   REQUIRE(reliable.add(message_of(5000, priority::bulk), numbers));
   std::vector<std::int32_t> ids;
@@ -94,8 +94,8 @@ TEST_CASE("one lost fragment fails the whole message once", "[peis][ACK-07]") {
 
 TEST_CASE("at most 256 packages are under way to a destination, and bulk leaves room",
           "[peis][P2P-05][API-03]") {
-  random_stream dice(4);
-  id_source numbers(dice);
+  random_stream rng(4);
+  id_source numbers(rng);
   delivery reliable{delivery_config{}};
   REQUIRE(reliable.add(message_of(1 << 20, priority::bulk), numbers));
   std::size_t bulk = 0;
@@ -113,8 +113,8 @@ TEST_CASE("at most 256 packages are under way to a destination, and bulk leaves 
 }
 
 TEST_CASE("messages that cannot begin wait up to a limit", "[peis][P2P-03]") {
-  random_stream dice(5);
-  id_source numbers(dice);
+  random_stream rng(5);
+  id_source numbers(rng);
   delivery reliable{delivery_config{.window = {1, 2048}, .waiting_max = 3}};
   for (int i = 0; i < 3; ++i)
     CHECK(reliable.add(message_of(1), numbers));
@@ -126,8 +126,8 @@ TEST_CASE("messages that cannot begin wait up to a limit", "[peis][P2P-03]") {
 }
 
 TEST_CASE("long messages that cannot begin wait up to a limit of octets", "[peis][P2P-03]") {
-  random_stream dice(5);
-  id_source numbers(dice);
+  random_stream rng(5);
+  id_source numbers(rng);
   delivery reliable{delivery_config{.window = {1, 2048}, .waiting_octets_max = 1000}};
   CHECK(reliable.add(message_of(2000), numbers)); // alone, any length
   CHECK(!reliable.add(message_of(1), numbers));
@@ -139,8 +139,8 @@ TEST_CASE("long messages that cannot begin wait up to a limit of octets", "[peis
 }
 
 TEST_CASE("an acknowledged package wakes nobody", "[peis][ACK-02]") {
-  random_stream dice(7);
-  id_source numbers(dice);
+  random_stream rng(7);
+  id_source numbers(rng);
   delivery reliable{delivery_config{}};
   for (int i = 0; i < 2; ++i)
     REQUIRE(reliable.add(message_of(1), numbers));
@@ -155,8 +155,8 @@ TEST_CASE("an acknowledged package wakes nobody", "[peis][ACK-02]") {
 }
 
 TEST_CASE("nothing leaves that is too far ahead of what is not acknowledged", "[peis][ACK-08]") {
-  random_stream dice(6);
-  id_source numbers(dice);
+  random_stream rng(6);
+  id_source numbers(rng);
   delivery reliable({.window = {256, 50}});
   std::optional<std::int32_t> oldest;
   std::size_t left = 0;

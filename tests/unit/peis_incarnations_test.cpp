@@ -56,14 +56,14 @@ std::string unknown(world& w) {
 }
 
 /// Kills, power cuts, restarts at once or later, partitions; in the end all run and are joined.
-void disturb(world& w, random_stream& dice, int count) {
+void disturb(world& w, random_stream& rng, int count) {
   std::set<peer_id> down;
   for (int i = 0; i < 12; ++i) {
-    const peer_id who{static_cast<std::int32_t>(1 + dice.below(static_cast<std::uint64_t>(count)))};
-    switch (dice.below(4)) {
+    const peer_id who{static_cast<std::int32_t>(1 + rng.below(static_cast<std::uint64_t>(count)))};
+    switch (rng.below(4)) {
     case 0:
       w.kill(who);
-      w.run_for(dice.between(duration(1ms), 3s));
+      w.run_for(rng.between(duration(1ms), 3s));
       w.restart(who);
       down.erase(who);
       break;
@@ -72,7 +72,7 @@ void disturb(world& w, random_stream& dice, int count) {
         w.power_off(who);
       break;
     case 2: {
-      const auto part = dice.below(static_cast<std::uint64_t>(count));
+      const auto part = rng.below(static_cast<std::uint64_t>(count));
       w.separated = [part](peer_id a, peer_id b) {
         return (static_cast<std::uint64_t>(a.value) <= part) !=
                (static_cast<std::uint64_t>(b.value) <= part);
@@ -83,7 +83,7 @@ void disturb(world& w, random_stream& dice, int count) {
       w.separated = {};
       break;
     }
-    w.run_for(dice.between(duration(10ms), 40s));
+    w.run_for(rng.between(duration(10ms), 40s));
   }
   for (const auto who : down)
     w.restart(who);
@@ -111,8 +111,8 @@ TEST_CASE("after any disturbance everybody is known as it is now, within ten sec
     build(w, shape_of(shape, count), count);
     w.run_for(10s);
     REQUIRE(unknown(w).empty());
-    random_stream dice(seed, shape);
-    disturb(w, dice, count);
+    random_stream rng(seed, shape);
+    disturb(w, rng, count);
     w.run_for(10s);
     CHECK(unknown(w) == "");
   }

@@ -21,10 +21,10 @@ package_header header_of(std::int32_t id, std::size_t length) {
   return x;
 }
 
-bytes stream_of(std::size_t count, random_stream& dice) {
+bytes stream_of(std::size_t count, random_stream& rng) {
   bytes out;
   for (std::size_t i = 1; i <= count; ++i) {
-    const auto length = i % 5 == 0 ? data_max : dice.below(300);
+    const auto length = i % 5 == 0 ? data_max : rng.below(300);
     encode(header_of(static_cast<std::int32_t>(i), length), out);
     out.insert(out.end(), length, static_cast<std::uint8_t>(i));
   }
@@ -35,12 +35,12 @@ bytes stream_of(std::size_t count, random_stream& dice) {
 
 TEST_CASE("packages come out whole, whatever the pieces", "[peis][TCP-05]") {
   const auto longest = GENERATE(1U, 2U, 7U, 39U, 41U, 1000U, 100000U);
-  random_stream dice(longest);
-  const auto stream = stream_of(60, dice);
+  random_stream rng(longest);
+  const auto stream = stream_of(60, rng);
   stream_decoder decoder;
   std::int32_t expected = 1;
   for (std::size_t at = 0; at < stream.size();) {
-    const auto size = std::min<std::size_t>(1 + dice.below(longest), stream.size() - at);
+    const auto size = std::min<std::size_t>(1 + rng.below(longest), stream.size() - at);
     const bytes piece = to_bytes(byte_view(stream).subspan(at, size));
     decoder.feed(piece);
     while (const auto x = decoder.next()) {
@@ -57,9 +57,9 @@ TEST_CASE("packages come out whole, whatever the pieces", "[peis][TCP-05]") {
 }
 
 TEST_CASE("the connect request is taken before the first package", "[peis][LNK-06]") {
-  random_stream dice(1);
+  random_stream rng(1);
   auto stream = encode(connect_request{500, peer_id{7}, 5, "net"});
-  const auto packages = stream_of(1, dice);
+  const auto packages = stream_of(1, rng);
   stream.insert(stream.end(), packages.begin(), packages.end());
   stream_decoder decoder;
   for (std::size_t i = 0; i < 75; ++i) {

@@ -119,9 +119,9 @@ TEST_CASE("a 300 kB message survives loss, and each fragment is taken once",
   w.connect(relay, b);
   w.run_for(2s);
   w.at(b).hook_port(30);
-  random_stream dice(static_cast<std::uint64_t>(seed));
+  random_stream rng(static_cast<std::uint64_t>(seed));
   w.keep = [&](const package_header& x) {
-    return x.type == package_type::link || !dice.chance(0.1);
+    return x.type == package_type::link || !rng.chance(0.1);
   };
   const auto octets = pattern(300'000);
   w.perform(a, w.at(a).send_message(b, 30, octets, true, priority::normal, request_id{5}, w.now()));
@@ -140,9 +140,9 @@ TEST_CASE("lost acknowledgements cause no second delivery", "[peis][ACK-08]") {
   w.connect(a, b);
   w.run_for(1s);
   w.at(b).hook_port(30);
-  random_stream dice(8);
+  random_stream rng(8);
   w.keep = [&](const package_header& x) {
-    return x.port != port::acknowledgements || !dice.chance(0.5);
+    return x.port != port::acknowledgements || !rng.chance(0.5);
   };
   for (std::uint64_t i = 1; i <= 200; ++i) {
     w.perform(

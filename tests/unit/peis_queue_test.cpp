@@ -45,24 +45,24 @@ TEST_CASE("a lower class leaves only when all higher ones are empty", "[peis][P2
 }
 
 TEST_CASE("a full class refuses, others do not", "[peis][P2P-03]") {
-  random_stream dice(1);
+  random_stream rng(1);
   outgoing_queue queue({4});
   for (int i = 0; i < 4; ++i) {
-    CHECK(queue.admission(lane::control, 1, 0, own_origin, dice) == cause::none);
+    CHECK(queue.admission(lane::control, 1, 0, own_origin, rng) == cause::none);
     queue.push(lane::control, numbered(i + 1));
   }
-  CHECK(queue.admission(lane::control, 1, 0, own_origin, dice) == cause::queue_full);
-  CHECK(queue.admission(lane::normal, 4, 0, own_origin, dice) == cause::none);
-  CHECK(queue.admission(lane::normal, 5, 0, own_origin, dice) == cause::queue_full);
+  CHECK(queue.admission(lane::control, 1, 0, own_origin, rng) == cause::queue_full);
+  CHECK(queue.admission(lane::normal, 4, 0, own_origin, rng) == cause::none);
+  CHECK(queue.admission(lane::normal, 5, 0, own_origin, rng) == cause::queue_full);
 }
 
 TEST_CASE("early drop starts at half full and grows to certainty", "[peis][P2P-03]") {
-  random_stream dice(7);
+  random_stream rng(7);
   outgoing_queue queue({100});
   const auto refused = [&] {
     int count = 0;
     for (int i = 0; i < 1000; ++i)
-      count += queue.admission(lane::normal, 1, 0, own_origin, dice) == cause::early_drop ? 1 : 0;
+      count += queue.admission(lane::normal, 1, 0, own_origin, rng) == cause::early_drop ? 1 : 0;
     return count;
   };
   for (int i = 0; i < 50; ++i)
@@ -73,7 +73,7 @@ TEST_CASE("early drop starts at half full and grows to certainty", "[peis][P2P-0
     queue.push(lane::normal, numbered(1));
   CHECK(refused() > 400);
   CHECK(refused() < 600);
-  CHECK(queue.admission(lane::acknowledgements, 1, 0, own_origin, dice) ==
+  CHECK(queue.admission(lane::acknowledgements, 1, 0, own_origin, rng) ==
         cause::none); // above them
 }
 
@@ -97,9 +97,9 @@ TEST_CASE("the queues of all links have a limit together, of which each may have
   full.content = std::make_shared<const message_octets>(message_octets{bytes(data_max), {}});
   const auto memory = std::make_shared<queues_memory>(queues_memory{60 * size});
   std::vector<outgoing_queue> queues(3, outgoing_queue({1000}, memory));
-  random_stream dice(1);
+  random_stream rng(1);
   const auto fill = [&](outgoing_queue& x) {
-    while (x.admission(lane::normal, 1, size, link_id{1}, dice) == cause::none)
+    while (x.admission(lane::normal, 1, size, link_id{1}, rng) == cause::none)
       x.push(lane::normal, full, link_id{1});
     return x.size();
   };
@@ -164,8 +164,8 @@ TEST_CASE("what links have brought is remembered when they are gone, as of one",
 }
 
 TEST_CASE("no id comes again before all others have", "[peis][P2P-06]") {
-  random_stream dice(1);
-  id_source ids(dice);
+  random_stream rng(1);
+  id_source ids(rng);
   std::vector<bool> used(1U << 31);
   for (std::int64_t i = 1; i < 1'000'000; ++i) {
     const auto id = ids.next();
@@ -261,12 +261,12 @@ TEST_CASE("memory for a long message grows with what has come of it", "[peis][P2
 }
 
 TEST_CASE("an origin that floods a link leaves the others their turn", "[peis][P2P-03]") {
-  random_stream dice(3);
+  random_stream rng(3);
   outgoing_queue queue({100});
   const link_id flooder{5};
   const link_id other{6};
   const auto offer = [&](link_id origin, std::int32_t id) {
-    const auto why = queue.admission(lane::normal, 1, header_size, origin, dice);
+    const auto why = queue.admission(lane::normal, 1, header_size, origin, rng);
     if (why == cause::none)
       queue.push(lane::normal, numbered(id), origin);
     return why;
@@ -285,20 +285,20 @@ TEST_CASE("an origin that floods a link leaves the others their turn", "[peis][P
 }
 
 TEST_CASE("a queue is bounded in octets", "[peis][P2P-03]") {
-  random_stream dice(3);
+  random_stream rng(3);
   outgoing_queue queue({100, 10'000});
   const auto content =
       std::make_shared<const message_octets>(message_octets{payload(bytes(data_max)), {}});
   const auto size = header_size + data_max;
   std::size_t taken = 0;
-  while (queue.admission(lane::normal, 1, size, own_origin, dice) == cause::none) {
+  while (queue.admission(lane::normal, 1, size, own_origin, rng) == cause::none) {
     queue.push(lane::normal, {{}, content, 0});
     ++taken;
   }
   CHECK(taken == 9);
   CHECK(queue.octets() == 9 * size);
   CHECK(!queue.has_room(lane::bulk));
-  CHECK(queue.admission(lane::control, 1, size, own_origin, dice) == cause::none); // has its own
+  CHECK(queue.admission(lane::control, 1, size, own_origin, rng) == cause::none); // has its own
   while (queue.pop()) {
   }
   CHECK(queue.octets() == 0);

@@ -318,8 +318,8 @@ TEST_CASE("one configured link joins two networks that cannot hear each other", 
 }
 
 TEST_CASE("a reliable package is kept until it is acknowledged or given up", "[peis][ACK-01]") {
-  random_stream dice(1);
-  id_source ids(dice);
+  random_stream rng(1);
+  id_source ids(rng);
   delivery reliable{delivery_config{}};
   std::vector<std::int32_t> sent;
   for (int i = 0; i < 2; ++i) {

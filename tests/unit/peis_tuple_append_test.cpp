@@ -189,8 +189,8 @@ TEST_CASE("the next notice leaves after the one before is acknowledged", "[peis]
 
 TEST_CASE("appends over a lossy link end in the same value", "[peis][TUP-07][TUP-17]") {
   pair_of_peers p;
-  random_stream dice(3, "loss");
-  p.w.keep = [&](const package_header&) { return dice.below(100) >= 30; };
+  random_stream rng(3, "loss");
+  p.w.keep = [&](const package_header&) { return rng.below(100) >= 30; };
   p.set("begin ");
   for (int i = 0; i < 60; ++i) {
     p.append(i % 3 == 0 ? p.b : p.a, std::to_string(i) + ' ');

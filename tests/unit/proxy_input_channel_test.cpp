@@ -174,7 +174,7 @@ TEST_CASE("what waits ends when the mote is lost, what was written waits for its
 TEST_CASE("with answers lost and repeated, outcomes are single and true",
           "[proxy][PXY-12][IF-07]") {
   const auto seed = GENERATE(range(1, 21));
-  random_stream dice(static_cast<std::uint64_t>(seed));
+  random_stream rng(static_cast<std::uint64_t>(seed));
   input_channel channel(5s);
   std::map<std::string, int> outcomes;           // word -> times told
   std::map<std::string, input_outcome> verdicts; // word -> what the gateway decided
@@ -186,9 +186,9 @@ TEST_CASE("with answers lost and repeated, outcomes are single and true",
   const auto carry_out = [&](const input_channel::outputs& outputs, instant now) {
     for (const auto& x : outputs) {
       if (const auto* const work = std::get_if<submit>(&x)) {
-        if (dice.chance(0.1))
+        if (rng.chance(0.1))
           continue; // the write never reaches the gateway
-        const auto verdict = dice.chance(0.7) ? acked : failed;
+        const auto verdict = rng.chance(0.7) ? acked : failed;
         verdicts.emplace(std::string(work->octets.begin(), work->octets.end()), verdict);
         ++writes;
         pipe.emplace_back(now + 50ms, input_status{writes, pending});
@@ -207,15 +207,15 @@ TEST_CASE("with answers lost and repeated, outcomes are single and true",
     }
   };
   for (instant now = start; now < start + 2000s; now += 50ms) {
-    if (now < start + 1900s && dice.chance(0.03))
+    if (now < start + 1900s && rng.chance(0.03))
       carry_out(channel.add(ask(std::to_string(requests++)), now), now);
     while (!pipe.empty() && pipe.front().first <= now) {
       const auto arriving = pipe.front().second;
       pipe.pop_front();
-      if (dice.chance(0.2))
+      if (rng.chance(0.2))
         continue;
       carry_out(channel.on_status(arriving, now), now);
-      if (dice.chance(0.2))
+      if (rng.chance(0.2))
         carry_out(channel.on_status(arriving, now), now);
     }
     carry_out(channel.on_time(now), now);

@@ -258,7 +258,7 @@ TEST_CASE("proxies hear when a mote is stale, and why it has left",
 TEST_CASE("whatever the order of percepts, proxies match the motes that are there",
           "[proxy][PXY-09][PXY-16]") {
   const auto seed = GENERATE(range(1, 11));
-  random_stream dice(static_cast<std::uint64_t>(seed));
+  random_stream rng(static_cast<std::uint64_t>(seed));
   manager aut(sensors_and_lamps());
   std::map<mote_address, std::string> running; // class of each proxy
   std::map<mote_address, bool> believes;
@@ -279,8 +279,8 @@ TEST_CASE("whatever the order of percepts, proxies match the motes that are ther
   std::set<mote_id> listed;
   std::map<mote_id, std::uint32_t> types;
   for (int step = 0; step < 2000; ++step) {
-    const mote_id mote{static_cast<std::uint16_t>(1 + dice.below(5))};
-    switch (dice.below(4)) {
+    const mote_id mote{static_cast<std::uint16_t>(1 + rng.below(5))};
+    switch (rng.below(4)) {
     case 0:
       listed.insert(mote);
       break;
@@ -288,11 +288,11 @@ TEST_CASE("whatever the order of percepts, proxies match the motes that are ther
       listed.erase(mote);
       break;
     case 2:
-      types[mote] = std::vector<std::uint32_t>{100, 142, 7}[dice.below(3)];
+      types[mote] = std::vector<std::uint32_t>{100, 142, 7}[rng.below(3)];
       carry_out(aut.on_type(kitchen, mote, device_type_octets(types[mote]), now));
       break;
     default:
-      if (dice.chance(0.1)) {
+      if (rng.chance(0.1)) {
         listed.clear();
         carry_out(aut.on_gateway_gone(kitchen, now));
       }

@@ -332,7 +332,7 @@ TEST_CASE("keys over the limits are counted and not set", "[proxy][TUP-03]") {
 
 TEST_CASE("whatever happens, requests and outcomes balance", "[proxy][PXY-12][IF-07]") {
   const auto seed = GENERATE(range(1, 21));
-  random_stream dice(static_cast<std::uint64_t>(seed));
+  random_stream rng(static_cast<std::uint64_t>(seed));
   proxy_settings settings;
   settings.inactive_after = 7s;
   auto aut = started(settings);
@@ -343,22 +343,22 @@ TEST_CASE("whatever happens, requests and outcomes balance", "[proxy][PXY-12][IF
                                           ""};
   for (instant now = start; now < start + 600s; now += 250ms) {
     face::outputs out;
-    switch (dice.below(7)) {
+    switch (rng.below(7)) {
     case 0:
     case 1:
-      out = aut.on_input(dice.chance(0.5) ? "switch" : "led", words[dice.below(5)], now);
+      out = aut.on_input(rng.chance(0.5) ? "switch" : "led", words[rng.below(5)], now);
       break;
     case 2:
-      sequence += dice.below(3);
-      out = aut.on_input_status(static_cast<std::uint16_t>(2 + dice.below(3)),
-                                std::to_string(sequence) + outcomes[dice.below(5)], now);
+      sequence += rng.below(3);
+      out = aut.on_input_status(static_cast<std::uint16_t>(2 + rng.below(3)),
+                                std::to_string(sequence) + outcomes[rng.below(5)], now);
       break;
     case 3:
-      out = dice.chance(0.2) ? aut.on_presence(device_presence::left, "not_listed", now)
-                             : aut.on_presence(device_presence::listed, {}, now);
+      out = rng.chance(0.2) ? aut.on_presence(device_presence::left, "not_listed", now)
+                            : aut.on_presence(device_presence::listed, {}, now);
       break;
     case 4:
-      out = aut.on_output(static_cast<std::uint16_t>(dice.below(4)), bytes(dice.below(4)), now);
+      out = aut.on_output(static_cast<std::uint16_t>(rng.below(4)), bytes(rng.below(4)), now);
       break;
     default:
       out = aut.on_time(now);

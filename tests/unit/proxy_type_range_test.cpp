@@ -42,12 +42,10 @@ TEST_CASE("the tightest of values, ranges and masks claims a type", "[proxy][PXY
 }
 
 TEST_CASE("whether two claims overlap is what trying all types says", "[proxy][PXY-11]") {
-  random_stream dice(7, "overlap");
+  random_stream rng(7, "overlap");
   constexpr std::uint32_t types = 64; // of 6 bits; the higher ones are masked as 0
-  const auto drawn = [&dice] {
-    const auto below = [&dice](std::uint32_t n) {
-      return static_cast<std::uint32_t>(dice.below(n));
-    };
+  const auto drawn = [&rng] {
+    const auto below = [&rng](std::uint32_t n) { return static_cast<std::uint32_t>(rng.below(n)); };
     if (below(2) == 0) {
       const auto first = below(types);
       return type_range{first, first + below(types - first), 0};

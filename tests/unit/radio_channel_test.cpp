@@ -11,12 +11,12 @@ namespace {
 
 /// Units of the first back-off of the first sender, given how many radios were added before.
 duration first_backoff(std::uint64_t seed, int radios) {
-  random_stream dice(seed);
+  random_stream rng(seed);
   for (int i = 0; i < 2; ++i)
-    static_cast<void>(dice.next()); // the links' and the noise's seeds
+    static_cast<void>(rng.next()); // the links' and the noise's seeds
   for (int i = 0; i < radios; ++i)
-    static_cast<void>(dice.below(256)); // their first sequence numbers
-  return static_cast<int>(dice.below(8)) * 320us;
+    static_cast<void>(rng.below(256)); // their first sequence numbers
+  return static_cast<int>(rng.below(8)) * 320us;
 }
 
 } // namespace
@@ -40,7 +40,7 @@ TEST_CASE("an acked exchange takes the standard's time to the microsecond",
     CHECK(ended.status == send_status::sent);
     CHECK(ended.transmissions == 1);
     CHECK(ended.arrived);
-    CHECK(ended.last == copy_fate::delivered);
+    CHECK(ended.last == copy_outcome::delivered);
     const auto got = x.all<delivered>().front();
     CHECK(got.to == b);
     CHECK(got.rssi_dbm == -70); // log distance: 40 dB, and 30 dB for a factor of 10
@@ -52,7 +52,7 @@ TEST_CASE("an acked exchange takes the standard's time to the microsecond",
     CHECK(x.channel.counted().transmissions == 2);
     CHECK(x.channel.counted().acks == 1);
     CHECK(x.channel.counted().acks_received == 1);
-    CHECK(x.channel.counted().copies.of(copy_fate::delivered) == 2);
+    CHECK(x.channel.counted().copies.of(copy_outcome::delivered) == 2);
     CHECK_FALSE(x.channel.deadline() < instant(1h)); // batteries only
   }
 }
@@ -131,13 +131,13 @@ TEST_CASE("with loss 1 nothing crosses and a unicast frame is tried four times",
   CHECK(ended[0].status == send_status::no_ack);
   CHECK(ended[0].transmissions == 4);
   CHECK_FALSE(ended[0].arrived);
-  CHECK(ended[0].last == copy_fate::loss);
-  CHECK(ended[1].last == copy_fate::out_of_reach); // a broadcast has no destination
-  CHECK(ended[1].status == send_status::sent);     // nobody promised more of a broadcast
-  const auto books = x.channel.counted();
-  CHECK(books.copies.sent == 5);
-  CHECK(books.copies.of(copy_fate::loss) == 5);
-  CHECK(books.requests.no_ack == 1);
+  CHECK(ended[0].last == copy_outcome::loss);
+  CHECK(ended[1].last == copy_outcome::out_of_reach); // a broadcast has no destination
+  CHECK(ended[1].status == send_status::sent);        // nobody promised more of a broadcast
+  const auto radio_counters = x.channel.counted();
+  CHECK(radio_counters.copies.sent == 5);
+  CHECK(radio_counters.copies.of(copy_outcome::loss) == 5);
+  CHECK(radio_counters.requests.no_ack == 1);
   CHECK(x.channel.balanced());
 }
 
@@ -158,7 +158,7 @@ TEST_CASE("loss 1 on one link leaves all other links alone", "[radio][channel][G
   CHECK(x.delivered_to(a) == 40);
   CHECK(x.delivered_to(b) == 20); // from c
   CHECK(x.delivered_to(c) == 40);
-  CHECK(x.channel.counted_on(a, b).of(copy_fate::loss) == 20);
+  CHECK(x.channel.counted_on(a, b).of(copy_outcome::loss) == 20);
 }
 
 TEST_CASE("a lost ack makes repeats that are acked but not delivered again", "[radio][channel]") {
@@ -171,10 +171,10 @@ TEST_CASE("a lost ack makes repeats that are acked but not delivered again", "[r
   CHECK(x.delivered_to(b) == 1);
   CHECK(x.all<done>().front().status == send_status::no_ack);
   CHECK(x.all<done>().front().arrived);
-  CHECK(x.all<done>().front().last == copy_fate::duplicate);
-  CHECK(x.channel.counted_by(b).copies.of(copy_fate::duplicate) == 3);
+  CHECK(x.all<done>().front().last == copy_outcome::duplicate);
+  CHECK(x.channel.counted_by(b).copies.of(copy_outcome::duplicate) == 3);
   CHECK(x.channel.counted_by(b).acks == 4);
-  CHECK(x.channel.counted_by(a).copies.of(copy_fate::loss) == 4);
+  CHECK(x.channel.counted_by(a).copies.of(copy_outcome::loss) == 4);
   CHECK(x.channel.balanced());
   // The receiver reads every repeat, the sender has loaded its frame once.
   const auto service = find_platform("micaz")->service_time;
@@ -214,7 +214,7 @@ TEST_CASE("a transmit queue takes its size and not one more", "[radio][channel]"
     CHECK(ended[i + 1].status == send_status::sent);
   }
   CHECK(x.channel.counted_by(a).requests ==
-        request_book{.requests = 4, .sent = 3, .queue_full = 1});
+        request_counters{.requests = 4, .sent = 3, .queue_full = 1});
 }
 
 TEST_CASE("a frame for a mote that is not there is not acked", "[radio][channel]") {
@@ -226,8 +226,8 @@ TEST_CASE("a frame for a mote that is not there is not acked", "[radio][channel]
   CHECK(x.delivered_to(b) == 0);
   CHECK(x.all<done>().front().status == send_status::no_ack);
   CHECK(x.all<done>().front().transmissions == 2);
-  CHECK(x.all<done>().front().last == copy_fate::out_of_reach);
-  CHECK(x.channel.counted_by(b).copies.of(copy_fate::filtered) == 2);
+  CHECK(x.all<done>().front().last == copy_outcome::out_of_reach);
+  CHECK(x.channel.counted_by(b).copies.of(copy_outcome::filtered) == 2);
 }
 
 TEST_CASE("a radio out of range hears and disturbs nothing", "[radio][channel][NET-15]") {
@@ -269,11 +269,11 @@ TEST_CASE("frames of other islands are heard but never delivered",
   for (const auto pan : {std::uint16_t{1}, std::uint16_t{2}})
     for (std::uint16_t i = 1; i <= 4; ++i) // the same ids in both
       all.push_back(x.add(i, i, pan));
-  random_stream dice(3);
+  random_stream rng(3);
   for (std::uint64_t i = 0; i < 2000; ++i) {
-    const auto to = dice.chance(0.3) ? 0xffff : static_cast<std::uint16_t>(1 + dice.below(4));
-    x.send(all[dice.below(all.size())], i, static_cast<std::uint16_t>(to), dice.below(30));
-    x.run_for(dice.between(0ms, 10ms));
+    const auto to = rng.chance(0.3) ? 0xffff : static_cast<std::uint16_t>(1 + rng.below(4));
+    x.send(all[rng.below(all.size())], i, static_cast<std::uint16_t>(to), rng.below(30));
+    x.run_for(rng.between(0ms, 10ms));
   }
   x.run_for(1s);
   std::size_t received = 0;
@@ -284,7 +284,7 @@ TEST_CASE("frames of other islands are heard but never delivered",
   CHECK(received > 1000);
   const auto sum = x.channel.counted();
   auto parts = x.channel.counted_in_pan(1);
-  CHECK(parts.copies.of(copy_fate::filtered) > 100);
+  CHECK(parts.copies.of(copy_outcome::filtered) > 100);
   CHECK(parts.balanced());
   CHECK(x.channel.counted_in_pan(2).balanced());
   parts += x.channel.counted_in_pan(2);
@@ -325,9 +325,9 @@ TEST_CASE("a frame for others takes no receive slot and needs none", "[radio][ch
   x.send(a, 1, 9, 4); // needs none
   x.run_for(1s);
   const auto copies = x.channel.counted_by(full).copies;
-  CHECK(copies.of(copy_fate::filtered) == 4);
-  CHECK(copies.of(copy_fate::delivered) == 3);
-  CHECK(copies.of(copy_fate::overflow) == 1);
+  CHECK(copies.of(copy_outcome::filtered) == 4);
+  CHECK(copies.of(copy_outcome::delivered) == 3);
+  CHECK(copies.of(copy_outcome::overflow) == 1);
 }
 
 TEST_CASE("a late wake-up changes nothing but its own time", "[radio][channel]") {
@@ -352,10 +352,10 @@ TEST_CASE("a late wake-up changes nothing but its own time", "[radio][channel]")
 
 TEST_CASE("events come out in the order of time, then of arrival", "[radio][channel]") {
   event_queue x;
-  random_stream dice(5);
+  random_stream rng(5);
   for (std::uint32_t i = 0; i < 1000; ++i) {
     event next;
-    next.at = instant(duration(dice.below(20)));
+    next.at = instant(duration(rng.below(20)));
     next.stamp = i;
     x.push(next);
   }

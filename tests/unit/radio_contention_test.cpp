@@ -13,19 +13,19 @@ using test::radio_world;
 namespace {
 
 /// Two senders on either side of a receiver, each with a frame every 20 to 40 ms.
-copy_book two_senders(double apart_m) {
+copy_counters two_senders(double apart_m) {
   radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, apart_m);
   const auto middle = x.add(3, apart_m / 2);
-  random_stream dice(11);
+  random_stream rng(11);
   instant next_a;
   instant next_b;
   while (x.now < instant(60s)) {
     auto& next = next_a < next_b ? next_a : next_b;
     x.run_until(next);
     x.send(&next == &next_a ? a : b, 0, 3, 28);
-    next += dice.between(20ms, 40ms);
+    next += rng.between(20ms, 40ms);
   }
   return x.channel.counted_by(middle).copies;
 }
@@ -53,7 +53,7 @@ TEST_CASE("a saturated sender reaches the arithmetic of the standard", "[radio][
     x.add(2, 10, 1, &quick);
     const auto sent = x.saturate({a}, 2, size, ack, 20s);
     CHECK(static_cast<double>(sent) == Approx(20e6 / period_us).epsilon(0.02));
-    CHECK(x.channel.counted().copies.of(copy_fate::overflow) == 0);
+    CHECK(x.channel.counted().copies.of(copy_outcome::overflow) == 0);
   }
 }
 
@@ -85,10 +85,10 @@ TEST_CASE("hidden senders collide, senders in range rarely do", "[radio][channel
   const auto hidden = two_senders(50);
   const auto in_range = two_senders(30);
   REQUIRE(hidden.sent > 3000);
-  CHECK(hidden.of(copy_fate::collision) * 20 > hidden.sent);     // above 5 %
-  CHECK(in_range.of(copy_fate::collision) * 50 < in_range.sent); // below 2 %
-  CHECK(in_range.of(copy_fate::collision) * 5 < hidden.of(copy_fate::collision));
-  CHECK(in_range.of(copy_fate::delivered) > 3000);
+  CHECK(hidden.of(copy_outcome::collision) * 20 > hidden.sent);     // above 5 %
+  CHECK(in_range.of(copy_outcome::collision) * 50 < in_range.sent); // below 2 %
+  CHECK(in_range.of(copy_outcome::collision) * 5 < hidden.of(copy_outcome::collision));
+  CHECK(in_range.of(copy_outcome::delivered) > 3000);
 }
 
 TEST_CASE("saturated hidden senders get almost nothing through", "[radio][channel][NET-15]") {
@@ -114,11 +114,11 @@ TEST_CASE("a crowd that hears each other keeps the channel busy and fails at tim
   for (std::uint16_t i = 1; i <= 30; ++i)
     senders.push_back(x.add(i, 0.1 * i));
   const auto sent = x.saturate(senders, 0xffff, 28, false, 5s);
-  const auto books = x.channel.counted();
-  CHECK(books.requests.channel_access_failure > 100);
+  const auto radio_counters = x.channel.counted();
+  CHECK(radio_counters.requests.channel_access_failure > 100);
   CHECK(sent > 1000);
-  CHECK(books.copies.of(copy_fate::collision) > 0);
-  CHECK(books.copies.of(copy_fate::half_duplex) > 0);
+  CHECK(radio_counters.copies.of(copy_outcome::collision) > 0);
+  CHECK(radio_counters.copies.of(copy_outcome::half_duplex) > 0);
   CHECK(x.channel.balanced());
 }
 
@@ -133,15 +133,16 @@ TEST_CASE("a sink under load runs out of receive slots and acks only what it too
     senders.push_back(x.add(i, i));
   x.saturate(senders, 1, 10, true, 10s);
   x.run_for(1s);
-  const auto books = x.channel.counted_by(sink);
-  CHECK(books.copies.of(copy_fate::overflow) > 100);
+  const auto radio_counters = x.channel.counted_by(sink);
+  CHECK(radio_counters.copies.of(copy_outcome::overflow) > 100);
   CHECK(x.channel.counted().requests.no_ack > 100);
-  CHECK(books.acks ==
-        books.copies.of(copy_fate::delivered) + books.copies.of(copy_fate::duplicate));
+  CHECK(radio_counters.acks == radio_counters.copies.of(copy_outcome::delivered) +
+                                   radio_counters.copies.of(copy_outcome::duplicate));
   // The MCU serves one frame in 30 ms and nothing more.
-  CHECK(books.copies.of(copy_fate::delivered) + books.copies.of(copy_fate::duplicate) <=
+  CHECK(radio_counters.copies.of(copy_outcome::delivered) +
+            radio_counters.copies.of(copy_outcome::duplicate) <=
         11'000 / 30 + 3);
-  CHECK(books.copies.of(copy_fate::delivered) > 300);
+  CHECK(radio_counters.copies.of(copy_outcome::delivered) > 300);
   CHECK(x.channel.balanced());
 }
 
@@ -155,7 +156,7 @@ TEST_CASE("the slots of a radio take exactly their number of frames", "[radio][c
     x.send(a, i, 2, 4);
   x.run_until(instant(500ms));
   CHECK(x.delivered_to(sink) == 3);
-  CHECK(x.channel.counted_by(sink).copies.of(copy_fate::overflow) == 1);
+  CHECK(x.channel.counted_by(sink).copies.of(copy_outcome::overflow) == 1);
   const auto ended = x.all<done>();
   REQUIRE(ended.size() == 4);
   for (std::size_t i = 0; i < 4; ++i)

@@ -49,7 +49,7 @@ TEST_CASE("transmit current lies between the settings of the table", "[radio][en
   CHECK(iris.transmit_ma(0) == Approx(14.75));
 }
 
-TEST_CASE("a meter books each state's time", "[radio][energy][NRG-05]") {
+TEST_CASE("a meter radio_counters each state's time", "[radio][energy][NRG-05]") {
   energy_meter x(&micaz, 2000, 0, instant(10s));
   x.enter(radio_state::listen, instant(11s));
   CHECK(x.work(2s, instant(14s)) == instant(16s));
@@ -88,17 +88,17 @@ TEST_CASE("work queues up, counts as it is done, and can be dropped", "[radio][e
 }
 
 TEST_CASE("times add up to the time that has passed, always", "[radio][energy][NRG-05]") {
-  random_stream dice(4);
+  random_stream rng(4);
   energy_meter x(&micaz, 2000, 0, instant(5ms));
   instant now(5ms);
   for (int i = 0; i < 5000; ++i) {
-    now += dice.between(0ns, 3ms);
-    if (dice.chance(0.3))
-      x.work(dice.between(0ns, 4ms), now);
-    else if (dice.chance(0.05))
+    now += rng.between(0ns, 3ms);
+    if (rng.chance(0.3))
+      x.work(rng.between(0ns, 4ms), now);
+    else if (rng.chance(0.05))
       x.drop_work(now);
     else
-      x.enter(static_cast<radio_state>(dice.below(3)), now);
+      x.enter(static_cast<radio_state>(rng.below(3)), now);
     const auto times = x.times(now);
     const auto passed = now - instant(5ms);
     if (radio_sum(times) != passed || times.mcu_active + times.mcu_sleep != passed ||

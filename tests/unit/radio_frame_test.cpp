@@ -74,19 +74,19 @@ TEST_CASE("the fields of a frame stand where TinyOS puts them", "[radio][frame]"
 }
 
 TEST_CASE("any field values survive encoding", "[radio][frame][NET-14]") {
-  random_stream dice(3);
+  random_stream rng(3);
   for (std::size_t size = 0; size <= payload_max; ++size) {
     for (const bool ack : {false, true}) {
       bytes octets(size);
       for (auto& octet : octets)
-        octet = static_cast<std::uint8_t>(dice.next());
+        octet = static_cast<std::uint8_t>(rng.next());
       frame x;
       x.ack_request = ack;
-      x.dsn = static_cast<std::uint8_t>(dice.next());
-      x.pan = static_cast<std::uint16_t>(dice.next());
-      x.destination = mote_id{static_cast<std::uint16_t>(dice.next())};
-      x.source = mote_id{static_cast<std::uint16_t>(dice.next())};
-      x.am_type = static_cast<std::uint8_t>(dice.next());
+      x.dsn = static_cast<std::uint8_t>(rng.next());
+      x.pan = static_cast<std::uint16_t>(rng.next());
+      x.destination = mote_id{static_cast<std::uint16_t>(rng.next())};
+      x.source = mote_id{static_cast<std::uint16_t>(rng.next())};
+      x.am_type = static_cast<std::uint8_t>(rng.next());
       x.payload = octets;
       const auto psdu = encode(x);
       CHECK(psdu.size() == overhead + size);

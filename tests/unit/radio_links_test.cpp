@@ -29,9 +29,9 @@ link_override gain_of(mote_address from, mote_address to, double gain_db) {
   return {from, to, {}, gain_db};
 }
 
-/// The sum of the books of all links that radios have now.
-copy_book over_links(const channel& x) {
-  copy_book sum;
+/// The sum of the radio_counters of all links that radios have now.
+copy_counters over_links(const channel& x) {
+  copy_counters sum;
   for (std::uint32_t from = 0; from < x.radios(); ++from)
     for (std::uint32_t to = 0; to < x.radios(); ++to)
       sum += x.counted_on(radio_index{from}, radio_index{to});
@@ -53,13 +53,13 @@ std::string text_of(const output& x) {
 
 /// Some traffic between four motes.
 void chatter(radio_world& x, std::uint64_t seed, int frames = 300) {
-  random_stream dice(seed);
+  random_stream rng(seed);
   for (int i = 0; i < frames; ++i) {
-    const radio_index from{static_cast<std::uint32_t>(dice.below(4))};
+    const radio_index from{static_cast<std::uint32_t>(rng.below(4))};
     const auto to =
-        dice.chance(0.3) ? broadcast_mote.value : static_cast<std::uint16_t>(1 + dice.below(4));
-    x.send(from, static_cast<std::uint64_t>(i), to, dice.below(60), dice.chance(0.7));
-    x.run_for(dice.between(0ms, 8ms));
+        rng.chance(0.3) ? broadcast_mote.value : static_cast<std::uint16_t>(1 + rng.below(4));
+    x.send(from, static_cast<std::uint64_t>(i), to, rng.below(60), rng.chance(0.7));
+    x.run_for(rng.between(0ms, 8ms));
   }
   x.run_for(1s);
 }
@@ -88,13 +88,13 @@ TEST_CASE("a file's loss of 1 on one link lets nothing cross it and leaves the o
     for (std::uint32_t to = 0; to < 3; ++to) {
       if (from == to)
         continue;
-      const auto book = lossy.channel.counted_on(radio_index{from}, radio_index{to});
+      const auto counters = lossy.channel.counted_on(radio_index{from}, radio_index{to});
       INFO(from << " to " << to);
-      CHECK(book.sent == 30);
+      CHECK(counters.sent == 30);
       if (from == 0 && to == 1)
-        CHECK(book.of(copy_fate::loss) == 30);
+        CHECK(counters.of(copy_outcome::loss) == 30);
       else
-        CHECK(book == plain.channel.counted_on(radio_index{from}, radio_index{to}));
+        CHECK(counters == plain.channel.counted_on(radio_index{from}, radio_index{to}));
     }
   }
   CHECK(lossy.delivered_to(radio_index{1}) == 30);
@@ -116,7 +116,7 @@ TEST_CASE("a link's loss replaces the channel's", "[radio][links][GEN-03]") {
     x.run_for(10ms);
   }
   const auto lost = [&](radio_index to) {
-    return static_cast<double>(x.channel.counted_on(a, to).of(copy_fate::loss)) / frames;
+    return static_cast<double>(x.channel.counted_on(a, to).of(copy_outcome::loss)) / frames;
   };
   CHECK(lost(b) == Approx(0.1).margin(0.025)); // five standard deviations
   CHECK(lost(c) == 0);
@@ -137,12 +137,12 @@ TEST_CASE("a link's gain holds for its direction only", "[radio][links]") {
     x.send(from, 0, 0xffff, 4);
     x.run_for(100ms);
   }
-  CHECK(x.channel.counted_on(a, b).of(copy_fate::delivered) == 1);
-  CHECK(x.channel.counted_on(b, a).of(copy_fate::delivered) == 1);
-  CHECK(x.channel.counted_on(b, c).of(copy_fate::weak) == 1); // below the sensitivity
-  CHECK(x.channel.counted_on(c, b).of(copy_fate::delivered) == 1);
+  CHECK(x.channel.counted_on(a, b).of(copy_outcome::delivered) == 1);
+  CHECK(x.channel.counted_on(b, a).of(copy_outcome::delivered) == 1);
+  CHECK(x.channel.counted_on(b, c).of(copy_outcome::weak) == 1); // below the sensitivity
+  CHECK(x.channel.counted_on(c, b).of(copy_outcome::delivered) == 1);
   CHECK(x.channel.counted_on(c, a).sent == 0); // below the cutoff: no link
-  CHECK(x.channel.counted_on(a, c).of(copy_fate::delivered) == 1);
+  CHECK(x.channel.counted_on(a, c).of(copy_outcome::delivered) == 1);
   for (const auto& got : x.all<delivered>()) {
     if (got.to == b && got.content.source == mote_id{1})
       CHECK(got.rssi_dbm == -92);
@@ -165,13 +165,13 @@ TEST_CASE("an ack goes back over the other direction", "[radio][links]") {
   CHECK(ended.status == send_status::no_ack);
   CHECK(ended.arrived);
   CHECK(ended.transmissions == 3);
-  CHECK(x.channel.counted_on(a, b).of(copy_fate::delivered) == 1);
-  CHECK(x.channel.counted_on(a, b).of(copy_fate::duplicate) == 2);
+  CHECK(x.channel.counted_on(a, b).of(copy_outcome::delivered) == 1);
+  CHECK(x.channel.counted_on(a, b).of(copy_outcome::duplicate) == 2);
   CHECK(x.channel.counted_by(b).acks == 3);
-  CHECK(x.channel.counted_on(b, a) == copy_book{});
+  CHECK(x.channel.counted_on(b, a) == copy_counters{});
 }
 
-TEST_CASE("a request tells the fate of its last copy at its destination", "[radio][links]") {
+TEST_CASE("a request tells the outcome of its last copy at its destination", "[radio][links]") {
   const auto last = [](float gain, double loss, power state, std::uint16_t to) {
     radio_world x(channel_with([&](auto& c) {
       c.propagation = links_of({{1, 2, gain}});
@@ -185,12 +185,12 @@ TEST_CASE("a request tells the fate of its last copy at its destination", "[radi
     x.run_for(100ms);
     return x.all<done>().front().last;
   };
-  CHECK(last(-60, 0, power::on, 2) == copy_fate::delivered);
-  CHECK(last(-96, 0, power::on, 2) == copy_fate::weak);
-  CHECK(last(-60, 1, power::on, 2) == copy_fate::loss);
-  CHECK(last(-60, 0, power::off, 2) == copy_fate::off);
-  CHECK(last(-116, 0, power::on, 2) == copy_fate::out_of_reach);
-  CHECK(last(-60, 0, power::on, 3) == copy_fate::out_of_reach);
+  CHECK(last(-60, 0, power::on, 2) == copy_outcome::delivered);
+  CHECK(last(-96, 0, power::on, 2) == copy_outcome::weak);
+  CHECK(last(-60, 1, power::on, 2) == copy_outcome::loss);
+  CHECK(last(-60, 0, power::off, 2) == copy_outcome::off);
+  CHECK(last(-116, 0, power::on, 2) == copy_outcome::out_of_reach);
+  CHECK(last(-60, 0, power::on, 3) == copy_outcome::out_of_reach);
 }
 
 TEST_CASE("links add up to the radios and these to the channel", "[radio][links]") {
@@ -208,7 +208,7 @@ TEST_CASE("links add up to the radios and these to the channel", "[radio][links]
     const auto all = x.channel.counted();
     CHECK(over_links(x.channel) == all.copies);
     for (std::uint32_t to = 0; to < 4; ++to) {
-      copy_book into;
+      copy_counters into;
       for (std::uint32_t from = 0; from < 4; ++from) {
         const auto link = x.channel.counted_on(radio_index{from}, radio_index{to});
         CHECK(link.balanced());
@@ -221,7 +221,7 @@ TEST_CASE("links add up to the radios and these to the channel", "[radio][links]
   }
 }
 
-TEST_CASE("a radio that moves closes the books of its links but loses none of them",
+TEST_CASE("a radio that moves closes the radio_counters of its links but loses none of them",
           "[radio][links]") {
   radio_world x;
   const auto a = x.add(1, 0);
@@ -231,11 +231,11 @@ TEST_CASE("a radio that moves closes the books of its links but loses none of th
     x.send(a, 0, 0xffff, 4);
     x.run_for(20ms);
   }
-  CHECK(x.channel.counted_on(a, b).of(copy_fate::delivered) == 5);
+  CHECK(x.channel.counted_on(a, b).of(copy_outcome::delivered) == 5);
   x.channel.move(b, {500, 0, 0});
   x.send(a, 0, 0xffff, 4);
   x.run_for(20ms);
-  CHECK(x.channel.counted_on(a, b) == copy_book{});
+  CHECK(x.channel.counted_on(a, b) == copy_counters{});
   CHECK(x.channel.counted_on(a, c).sent == 1);
   CHECK(x.channel.counted_by(b).copies.sent == 5); // not forgotten
   CHECK(x.channel.counted_by(c).copies.sent == 6);
@@ -243,15 +243,15 @@ TEST_CASE("a radio that moves closes the books of its links but loses none of th
   x.channel.move(b, {10, 0, 0});
   x.send(a, 0, 0xffff, 4);
   x.run_for(20ms);
-  CHECK(x.channel.counted_on(a, b).of(copy_fate::delivered) == 1);
+  CHECK(x.channel.counted_on(a, b).of(copy_outcome::delivered) == 1);
   CHECK(x.channel.counted_by(b).copies.sent == 6);
   CHECK(x.channel.balanced());
 }
 
-TEST_CASE("books balance while radios wander and more of them come", "[radio][links]") {
+TEST_CASE("radio_counters balance while radios wander and more of them come", "[radio][links]") {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     INFO("seed " << seed);
-    random_stream dice(seed);
+    random_stream rng(seed);
     radio_world x(channel_with([&](auto& c) {
                     c.propagation = unit_disk{25};
                     c.loss = 0.1;
@@ -260,14 +260,14 @@ TEST_CASE("books balance while radios wander and more of them come", "[radio][li
     for (std::uint16_t i = 1; i <= 4; ++i)
       x.add(i, 10.0 * i);
     for (int i = 0; i < 300; ++i) {
-      const radio_index any{static_cast<std::uint32_t>(dice.below(x.channel.radios()))};
-      x.send(any, 0, 0xffff, dice.below(100));
-      x.run_for(dice.between(0ms, 3ms));
-      const radio_index mover{static_cast<std::uint32_t>(dice.below(x.channel.radios()))};
-      if (dice.chance(0.3))
-        x.channel.move(mover, {60 * dice.unit(), 0, 0});
-      if (dice.chance(0.02))
-        x.add(static_cast<std::uint16_t>(5 + i), 60 * dice.unit());
+      const radio_index any{static_cast<std::uint32_t>(rng.below(x.channel.radios()))};
+      x.send(any, 0, 0xffff, rng.below(100));
+      x.run_for(rng.between(0ms, 3ms));
+      const radio_index mover{static_cast<std::uint32_t>(rng.below(x.channel.radios()))};
+      if (rng.chance(0.3))
+        x.channel.move(mover, {60 * rng.unit(), 0, 0});
+      if (rng.chance(0.02))
+        x.add(static_cast<std::uint16_t>(5 + i), 60 * rng.unit());
       if (!x.channel.balanced())
         FAIL("out of balance at step " << i);
     }
@@ -283,7 +283,7 @@ TEST_CASE("watching lets frames out and changes nothing else", "[radio][links]")
     std::vector<std::pair<instant, std::string>> plain;
     std::vector<std::pair<instant, std::string>> watched;
     std::vector<overheard> seen;
-    books counted[2];
+    radio_counters counted[2];
     for (const bool watch : {false, true}) {
       radio_world x(channel_with([](auto& c) {
                       c.propagation = log_distance{};
@@ -345,8 +345,8 @@ TEST_CASE("what is overheard tells its beginning and whether it was received", "
   CHECK(decode(seen[1].psdu.view())->dsn == decode(seen[0].psdu.view())->dsn);
   CHECK(seen[1].received);
   CHECK_FALSE(seen[2].received);
-  CHECK(seen[0].fate == copy_fate::delivered);
-  CHECK(seen[2].fate == copy_fate::out_of_reach);
+  CHECK(seen[0].outcome == copy_outcome::delivered);
+  CHECK(seen[2].outcome == copy_outcome::out_of_reach);
 }
 
 TEST_CASE("an ack that falls due while its radio sends is not sent", "[radio][links]") {
@@ -364,17 +364,17 @@ TEST_CASE("an ack that falls due while its radio sends is not sent", "[radio][li
   const auto a = x.add(1, 0, 1, &quick);
   const auto b = x.add(2, 10, 1, &quick);
   const auto until = x.now + 60s;
-  random_stream dice(1);
+  random_stream rng(1);
   while (x.now < until) {
     x.send(a, 1, 2, 4);
     x.send(b, 2, 0xffff, 4);
-    x.run_for(dice.between(0ms, 8ms));
+    x.run_for(rng.between(0ms, 8ms));
   }
   x.run_for(1s);
-  const auto books = x.channel.counted_by(b);
-  CHECK(books.copies.of(copy_fate::delivered) > 1000);
-  CHECK(books.acks > 1000);
-  CHECK(books.acks < books.copies.of(copy_fate::delivered));
+  const auto radio_counters = x.channel.counted_by(b);
+  CHECK(radio_counters.copies.of(copy_outcome::delivered) > 1000);
+  CHECK(radio_counters.acks > 1000);
+  CHECK(radio_counters.acks < radio_counters.copies.of(copy_outcome::delivered));
   CHECK(x.channel.balanced());
 }
 
@@ -393,7 +393,7 @@ TEST_CASE("one mote of two islands with the same id is not the other", "[radio][
   x.run_for(100ms);
   CHECK(x.delivered_to(b1) == 0);
   CHECK(x.delivered_to(b2) == 1);
-  CHECK(x.channel.counted_on(a1, b1).of(copy_fate::loss) == 1);
-  CHECK(x.channel.counted_on(a1, b2).of(copy_fate::filtered) == 1);
-  CHECK(x.channel.counted_on(a2, b1).of(copy_fate::filtered) >= 1);
+  CHECK(x.channel.counted_on(a1, b1).of(copy_outcome::loss) == 1);
+  CHECK(x.channel.counted_on(a1, b2).of(copy_outcome::filtered) == 1);
+  CHECK(x.channel.counted_on(a2, b1).of(copy_outcome::filtered) >= 1);
 }

@@ -34,21 +34,21 @@ outgoing frame_of(bool ack) {
   return x;
 }
 
-mac_action step(mac& x, instant& now, bool clear, random_stream& dice) {
+mac_action step(mac& x, instant& now, bool clear, random_stream& rng) {
   now = x.deadline().value();
-  return x.on_time(now, clear, dice);
+  return x.on_time(now, clear, rng);
 }
 
 /// How long it took to each of `count` assessments, all of them busy, for one frame.
 std::vector<duration> busy_delays(const mac_rules* rules, std::size_t count, std::uint64_t seed) {
-  random_stream dice(seed);
+  random_stream rng(seed);
   mac x(rules, 8, 3);
   instant now;
-  x.submit(frame_of(true), now, dice);
+  x.submit(frame_of(true), now, rng);
   std::vector<duration> all;
   while (all.size() < count && x.deadline()) {
     const auto before = now;
-    static_cast<void>(step(x, now, false, dice));
+    static_cast<void>(step(x, now, false, rng));
     all.push_back(now - before);
   }
   return all;
@@ -147,26 +147,26 @@ TEST_CASE("the CC2420 stack never gives up a busy channel", "[radio][mac_rules]"
 
 TEST_CASE("the CC2420 stack looks twice, 7 ticks apart", "[radio][mac_rules]") {
   for (const auto& [kind, tick] : {std::pair{&micaz, micaz_tick}, {&telosb, telosb_tick}}) {
-    random_stream dice(1);
+    random_stream rng(1);
     mac x(find_mac("cc2420", *kind), 8, 0);
     instant now;
-    x.submit(frame_of(false), now, dice);
+    x.submit(frame_of(false), now, rng);
     for (int busy = 0; busy < 3; ++busy) { // a second look that fails costs a congestion back-off
-      static_cast<void>(step(x, now, true, dice));
+      static_cast<void>(step(x, now, true, rng));
       CHECK(x.now_in() == mac::state::looking_again);
       CHECK(x.assesses());
       CHECK(x.deadline() == now + 7 * tick);
-      static_cast<void>(step(x, now, false, dice));
+      static_cast<void>(step(x, now, false, rng));
       CHECK(x.now_in() == mac::state::backing_off);
       CHECK(*x.deadline() - now >= 11 * tick);
       CHECK(*x.deadline() - now <= 80 * tick);
     }
-    static_cast<void>(step(x, now, true, dice));
-    static_cast<void>(step(x, now, true, dice));
+    static_cast<void>(step(x, now, true, rng));
+    static_cast<void>(step(x, now, true, rng));
     CHECK(x.now_in() == mac::state::turning);
     CHECK_FALSE(x.assesses());
     CHECK(x.deadline() == now + 192us);
-    CHECK(step(x, now, true, dice).transmit);
+    CHECK(step(x, now, true, rng).transmit);
   }
 }
 
@@ -186,12 +186,12 @@ TEST_CASE("the RF230 stack tries 5 times 2 assessments in its two windows", "[ra
 
 TEST_CASE("a request that finds the channel busy too often fails", "[radio][mac_rules]") {
   for (const auto& [name, assessments] : {std::pair{"standard", 5}, {"rf230", 10}}) {
-    random_stream dice(1);
+    random_stream rng(1);
     mac x(find_mac(name, iris), 8, 3);
     instant now;
-    x.submit(frame_of(true), now, dice);
+    x.submit(frame_of(true), now, rng);
     for (int i = 1; i <= assessments; ++i) {
-      const auto end = step(x, now, false, dice).ended;
+      const auto end = step(x, now, false, rng).ended;
       REQUIRE(end.has_value() == (i == assessments));
       if (end)
         CHECK(end->status == send_status::channel_access_failure);
@@ -320,7 +320,7 @@ TEST_CASE("after a frame that wants an ack the RF230 stack keeps quiet for 864 u
     x.channel.watch();
     const auto a = x.add(1, 0);
     const auto b = x.add(2, 10);
-    random_stream dice(1);
+    random_stream rng(1);
     x.send(b, 0, 0xffff, 28, false);
     auto gap = duration(1h);
     std::optional<instant> last_end;
@@ -330,7 +330,7 @@ TEST_CASE("after a frame that wants an ack the RF230 stack keeps quiet for 864 u
     while (x.now < instant(100s)) {
       if (x.now >= next_of_a) {
         x.send(a, 1, 9, 28, ack);
-        next_of_a = x.now + dice.between(10ms, 20ms);
+        next_of_a = x.now + rng.between(10ms, 20ms);
       }
       x.run_until(x.channel.deadline().value());
       for (; seen < x.log.size(); ++seen) {
@@ -414,7 +414,7 @@ TEST_CASE("a saturated sender reaches each stack's arithmetic", "[radio][mac_rul
     x.add(2, 10, 1, &fast);
     const auto sent = x.saturate({a}, 2, 28, false, 60s);
     CHECK(60e6 / static_cast<double>(sent) == Approx(period_us).epsilon(0.02));
-    CHECK(x.channel.counted().copies.of(copy_fate::delivered) >= sent);
+    CHECK(x.channel.counted().copies.of(copy_outcome::delivered) >= sent);
   }
 }
 

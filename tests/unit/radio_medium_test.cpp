@@ -15,19 +15,19 @@ constexpr radio_index b{1};
 constexpr radio_index c{2};
 constexpr radio_index d{3};
 
-std::string_view name_of(fate x) {
+std::string_view name_of(outcome x) {
   switch (x) {
-  case fate::intact:
+  case outcome::intact:
     return "intact";
-  case fate::weak:
+  case outcome::weak:
     return "weak";
-  case fate::captured:
+  case outcome::captured:
     return "captured";
-  case fate::collision:
+  case outcome::collision:
     return "collision";
-  case fate::half_duplex:
+  case outcome::half_duplex:
     return "half_duplex";
-  case fate::off:
+  case outcome::off:
     return "off";
   }
   return "";
@@ -63,12 +63,12 @@ struct row {
     return air.start(x, places.around(from));
   }
 
-  /// What the end of a frame yields: receiver and fate, in order.
+  /// What the end of a frame yields: receiver and outcome, in order.
   std::string end(slot_index slot, duration at) {
     std::string all;
     std::size_t expected = 0;
-    air.end(slot, instant(at), dice,
-            [&](const transmission&, std::size_t place, const hearer& x, fate y) {
+    air.end(slot, instant(at), rng,
+            [&](const transmission&, std::size_t place, const hearer& x, outcome y) {
               CHECK(place == expected++);
               all += "abcd"[x.radio.value] + (":" + std::string(name_of(y))) + ' ';
             });
@@ -86,7 +86,7 @@ struct row {
 
   topology places{disk(10), 0};
   medium air{disk(10)};
-  random_stream dice{1};
+  random_stream rng{1};
 };
 
 } // namespace

@@ -32,7 +32,7 @@ int survivors(Begin begin, End end) {
     c.propagation = log_distance{};
     c.collisions = collision_rule::sinr;
   }));
-  random_stream dice(3);
+  random_stream rng(3);
   for (int i = 0; i < 3; ++i) {
     transceiver_config x;
     x.sensitivity_dbm = -95;
@@ -44,9 +44,10 @@ int survivors(Begin begin, End end) {
     const auto at = instant(i * 10ms);
     const auto slot = air.start(frame_of(1, at, 4ms), heard_with(-80));
     begin(air, at + 1ms);
-    end(air, at + 3ms, dice);
-    air.end(slot, at + 4ms, dice,
-            [&](const auto&, auto, const auto&, fate y) { good += y == fate::intact ? 1 : 0; });
+    end(air, at + 3ms, rng);
+    air.end(slot, at + 4ms, rng, [&](const auto&, auto, const auto&, outcome y) {
+      good += y == outcome::intact ? 1 : 0;
+    });
   }
   return good;
 }
@@ -68,8 +69,8 @@ TEST_CASE("noise damages a frame as another frame of that strength does", "[radi
   slot_index other = 0;
   const auto by_frame = survivors(
       [&](medium& air, instant at) { other = air.start(frame_of(2, at, 2ms), heard_with(dbm)); },
-      [&](medium& air, instant at, random_stream& dice) {
-        air.end(other, at, dice, [](const auto&...) {});
+      [&](medium& air, instant at, random_stream& rng) {
+        air.end(other, at, rng, [](const auto&...) {});
       });
   const auto by_noise = survivors(
       [&](medium& air, instant at) { air.start_noise(radio_index{2}, heard_with(dbm), at); },

@@ -17,13 +17,13 @@ using readings = std::vector<std::int8_t>;
 
 /// A quiet floor, with bursts of some 12 readings 30 dB above it.
 readings bursts(std::size_t count) {
-  random_stream dice(5);
+  random_stream rng(5);
   readings all;
   bool is_burst = false;
   while (all.size() < count) {
-    if (dice.chance(is_burst ? 1.0 / 12 : 1.0 / 150))
+    if (rng.chance(is_burst ? 1.0 / 12 : 1.0 / 150))
       is_burst = !is_burst;
-    const auto dbm = (is_burst ? -68 : -98) + static_cast<int>(dice.below(3)) - 1;
+    const auto dbm = (is_burst ? -68 : -98) + static_cast<int>(rng.below(3)) - 1;
     all.push_back(static_cast<std::int8_t>(dbm));
   }
   return all;
@@ -133,10 +133,10 @@ TEST_CASE("after a pattern never met the commonest one counts", "[radio][noise]"
 
 TEST_CASE("readings within 5 dB are one pattern, and all outside -115 to -5", "[radio][noise]") {
   readings all;
-  random_stream dice(8);
+  random_stream rng(8);
   for (int i = 0; i < 2000; ++i) { // -100..-96 are one level, so is everything from -5 up
-    const auto quiet = static_cast<std::int8_t>(-100 + static_cast<int>(dice.below(5)));
-    const auto loud = static_cast<std::int8_t>(-5 + static_cast<int>(dice.below(132)));
+    const auto quiet = static_cast<std::int8_t>(-100 + static_cast<int>(rng.below(5)));
+    const auto loud = static_cast<std::int8_t>(-5 + static_cast<int>(rng.below(132)));
     all.push_back(i % 2 == 0 ? quiet : loud);
   }
   const auto one = generated(traced(all), 6, 5000);
@@ -149,7 +149,7 @@ TEST_CASE("readings within 5 dB are one pattern, and all outside -115 to -5", "[
     CHECK((one[i] >= -5) != (one[i - 1] >= -5));
 }
 
-TEST_CASE("the same dice make the same noise, others another", "[radio][noise]") {
+TEST_CASE("the same rng make the same noise, others another", "[radio][noise]") {
   const auto trace = traced(bursts(5000));
   CHECK(generated(trace, 9, 3000) == generated(trace, 9, 3000));
   CHECK(generated(trace, 9, 3000) != generated(trace, 10, 3000));

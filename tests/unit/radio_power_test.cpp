@@ -39,8 +39,8 @@ TEST_CASE("switching a sender off aborts all it had and cuts its frame off", "[r
     CHECK(ended[i].status == send_status::aborted);
     CHECK(ended[i].transmissions == (i == 0 ? 1U : 0U));
   }
-  CHECK(x.channel.counted_by(a).requests == request_book{.requests = 3, .aborted = 3});
-  CHECK(x.channel.counted_by(b).copies.of(copy_fate::off) == 1);
+  CHECK(x.channel.counted_by(a).requests == request_counters{.requests = 3, .aborted = 3});
+  CHECK(x.channel.counted_by(b).copies.of(copy_outcome::off) == 1);
   CHECK(x.channel.balanced());
   const auto sent_for = x.channel.energy(a, x.now).times.radio_transmit;
   x.run_for(1s);
@@ -68,11 +68,11 @@ TEST_CASE("a receiver that is off, or was for a moment, gets nothing", "[radio][
   x.set_power(b, power::on);
   x.run_for(100ms);
   CHECK(x.all<delivered>().empty());
-  CHECK(x.channel.counted_by(b).copies.of(copy_fate::off) == 1);
+  CHECK(x.channel.counted_by(b).copies.of(copy_outcome::off) == 1);
   x.set_power(b, power::off);
   x.send(a, 2, 2, 100);
   x.run_for(100ms);
-  CHECK(x.channel.counted_by(b).copies.of(copy_fate::off) == 2);
+  CHECK(x.channel.counted_by(b).copies.of(copy_outcome::off) == 2);
   CHECK(x.channel.counted().requests.no_ack == 2);
 }
 

@@ -37,16 +37,16 @@ const platform* kind_of(std::uint32_t radio) {
   return radio % 3 == 2 ? &slow : &platforms()[radio % 3];
 }
 
-position somewhere(random_stream& dice) {
-  return {dice.unit() * 60, dice.unit() * 60, 0};
+position somewhere(random_stream& rng) {
+  return {rng.unit() * 60, rng.unit() * 60, 0};
 }
 
-propagation any_propagation(random_stream& dice) {
-  switch (dice.below(4)) {
+propagation any_propagation(random_stream& rng) {
+  switch (rng.below(4)) {
   case 0:
-    return unit_disk{20 + 20 * dice.unit()};
+    return unit_disk{20 + 20 * rng.unit()};
   case 1:
-    return log_distance{2 + 2 * dice.unit(), 40, 6 * dice.unit(), 3 * dice.unit()};
+    return log_distance{2 + 2 * rng.unit(), 40, 6 * rng.unit(), 3 * rng.unit()};
   case 2:
     return friis{};
   default:
@@ -55,60 +55,60 @@ propagation any_propagation(random_stream& dice) {
   std::vector<gain_table::gain> gains;
   for (std::uint16_t from = 1; from <= motes; ++from)
     for (std::uint16_t to = 1; to <= motes; ++to)
-      if (from != to && dice.chance(0.8))
-        gains.push_back({from, to, static_cast<float>(-50 - 50 * dice.unit())});
+      if (from != to && rng.chance(0.8))
+        gains.push_back({from, to, static_cast<float>(-50 - 50 * rng.unit())});
   return test::links_of(std::move(gains));
 }
 
-noise_model any_noise(random_stream& dice) {
-  switch (dice.below(3)) {
+noise_model any_noise(random_stream& rng) {
+  switch (rng.below(3)) {
   case 0:
     return no_noise{};
   case 1:
-    return constant_noise{-100 + 15 * dice.unit()};
+    return constant_noise{-100 + 15 * rng.unit()};
   default:
     break;
   }
   std::vector<std::int8_t> readings;
   for (int i = 0; i < 300; ++i)
     readings.push_back(
-        static_cast<std::int8_t>(dice.chance(0.1) ? -75 : static_cast<int>(dice.below(8)) - 100));
+        static_cast<std::int8_t>(rng.chance(0.1) ? -75 : static_cast<int>(rng.below(8)) - 100));
   return traced_noise{std::make_shared<const noise_trace>(std::move(readings))};
 }
 
 template <class T, std::size_t N>
-T one_of(const std::array<T, N>& all, random_stream& dice) {
-  return all[dice.below(N)];
+T one_of(const std::array<T, N>& all, random_stream& rng) {
+  return all[rng.below(N)];
 }
 
 /// Everything that a file may say about a channel, at random.
-channel_config any_channel(random_stream& dice) {
+channel_config any_channel(random_stream& rng) {
   channel_config x;
-  x.propagation = any_propagation(dice);
-  x.noise = any_noise(dice);
-  x.curve = one_of(std::array{error_curve::oqpsk, error_curve::tossim}, dice);
-  x.collisions = one_of(std::array{collision_rule::sinr, collision_rule::strict}, dice);
-  x.capture = dice.chance(0.5);
+  x.propagation = any_propagation(rng);
+  x.noise = any_noise(rng);
+  x.curve = one_of(std::array{error_curve::oqpsk, error_curve::tossim}, rng);
+  x.collisions = one_of(std::array{collision_rule::sinr, collision_rule::strict}, rng);
+  x.capture = rng.chance(0.5);
   x.sensing =
-      one_of(std::array{sensing::energy, sensing::carrier, sensing::energy_or_carrier}, dice);
-  x.window = one_of(std::array{sensing_window::whole, sensing_window::end}, dice);
-  if (dice.chance(0.3))
-    x.cca_dbm = -90 + 30 * dice.unit();
-  if (dice.chance(0.3))
-    x.sensitivity_dbm = -100 + 20 * dice.unit();
+      one_of(std::array{sensing::energy, sensing::carrier, sensing::energy_or_carrier}, rng);
+  x.window = one_of(std::array{sensing_window::whole, sensing_window::end}, rng);
+  if (rng.chance(0.3))
+    x.cca_dbm = -90 + 30 * rng.unit();
+  if (rng.chance(0.3))
+    x.sensitivity_dbm = -100 + 20 * rng.unit();
   for (const auto& kind : platforms())
-    if (dice.chance(0.7))
-      x.macs.emplace_back(std::string(kind.name), mac_names()[dice.below(mac_names().size())]);
-  for (auto count = dice.below(6); count > 0; --count) {
-    const auto any = [&dice] {
-      return mote_address{island_id{static_cast<std::uint32_t>(1 + dice.below(2))},
-                          mote_id{static_cast<std::uint16_t>(1 + dice.below(motes))}};
+    if (rng.chance(0.7))
+      x.macs.emplace_back(std::string(kind.name), mac_names()[rng.below(mac_names().size())]);
+  for (auto count = rng.below(6); count > 0; --count) {
+    const auto any = [&rng] {
+      return mote_address{island_id{static_cast<std::uint32_t>(1 + rng.below(2))},
+                          mote_id{static_cast<std::uint16_t>(1 + rng.below(motes))}};
     };
     link_override link{any(), any(), {}, {}};
-    if (dice.chance(0.5))
-      link.loss = dice.unit();
-    if (dice.chance(0.5))
-      link.gain_db = -40 - 80 * dice.unit();
+    if (rng.chance(0.5))
+      link.loss = rng.unit();
+    if (rng.chance(0.5))
+      link.gain_db = -40 - 80 * rng.unit();
     x.links.push_back(link);
   }
   return x;
@@ -118,15 +118,15 @@ channel_config any_channel(random_stream& dice) {
 class random_run {
 public:
   random_run(std::uint64_t seed, const scenario& what)
-      : world(config_of(seed, what), seed), dice_(seed + 1000), what_(what) {
+      : world(config_of(seed, what), seed), rng_(seed + 1000), what_(what) {
     world.channel.watch();
     for (std::uint16_t i = 0; i < 2 * motes; ++i) {
       radio_config x;
       x.address = mote_id{static_cast<std::uint16_t>(1 + i % motes)};
       x.pan = static_cast<std::uint16_t>(1 + i / motes);
-      x.place = somewhere(dice_);
+      x.place = somewhere(rng_);
       x.kind = kind_of(i);
-      x.transmit_dbm = -20 + 20 * dice_.unit();
+      x.transmit_dbm = -20 + 20 * rng_.unit();
       transmit_dbm.push_back(*x.transmit_dbm);
       world.channel.add(x, world.now);
     }
@@ -136,7 +136,7 @@ public:
     for (int i = 0; i < what_.steps; ++i) {
       step();
       if (!world.channel.balanced())
-        FAIL("books do not balance at " << to_text(world.now));
+        FAIL("radio_counters do not balance at " << to_text(world.now));
     }
     world.run_for(5s); // everything comes to its end, unless a channel is never clear
   }
@@ -152,39 +152,39 @@ public:
 
 private:
   static channel_config config_of(std::uint64_t seed, const scenario& what) {
-    random_stream dice(seed + 2000);
+    random_stream rng(seed + 2000);
     channel_config x;
-    x.propagation = unit_disk{20 + 20 * dice.unit()};
+    x.propagation = unit_disk{20 + 20 * rng.unit()};
     if (what.any_channel)
-      x = any_channel(dice);
-    x.loss = dice.chance(0.5) ? 0.3 * dice.unit() : 0;
-    x.queue = 1 + dice.below(8);
-    x.retries_max = static_cast<unsigned>(dice.below(5));
+      x = any_channel(rng);
+    x.loss = rng.chance(0.5) ? 0.3 * rng.unit() : 0;
+    x.queue = 1 + rng.below(8);
+    x.retries_max = static_cast<unsigned>(rng.below(5));
     return x;
   }
 
-  radio_index any() { return radio_index{static_cast<std::uint32_t>(dice_.below(2 * motes))}; }
+  radio_index any() { return radio_index{static_cast<std::uint32_t>(rng_.below(2 * motes))}; }
 
   void step() {
-    const auto kind = dice_.below(100);
+    const auto kind = rng_.below(100);
     if (kind < 80) {
-      const auto to = dice_.chance(0.2) ? broadcast_mote.value
-                                        : static_cast<std::uint16_t>(1 + dice_.below(motes));
-      bytes octets(8 + dice_.below(100));
+      const auto to = rng_.chance(0.2) ? broadcast_mote.value
+                                       : static_cast<std::uint16_t>(1 + rng_.below(motes));
+      bytes octets(8 + rng_.below(100));
       for (std::size_t i = 0; i < 8; ++i)
         octets[i] = static_cast<std::uint8_t>(requests_ >> (8 * i));
       world.note(world.channel.send(
-          any(), {requests_++, mote_id{to}, 6, std::move(octets), dice_.chance(0.8)}, world.now));
+          any(), {requests_++, mote_id{to}, 6, std::move(octets), rng_.chance(0.8)}, world.now));
     } else if (kind < 90 && what_.power_faults) {
-      world.set_power(any(), dice_.chance(0.5) ? power::off : power::on);
+      world.set_power(any(), rng_.chance(0.5) ? power::off : power::on);
     } else if (kind == 90 && what_.power_faults) {
       world.set_power(any(), power::flat);
     } else if (kind < 95) {
-      world.channel.move(any(), somewhere(dice_));
+      world.channel.move(any(), somewhere(rng_));
     } else {
-      world.channel.set_loss(any(), any(), dice_.unit());
+      world.channel.set_loss(any(), any(), rng_.unit());
     }
-    run_for(dice_.chance(0.5) ? dice_.between(0ms, 1ms) : dice_.between(0ms, 15ms));
+    run_for(rng_.chance(0.5) ? rng_.between(0ms, 1ms) : rng_.between(0ms, 15ms));
   }
 
   void run_for(duration length) {
@@ -199,7 +199,7 @@ private:
     world.run_until(end);
   }
 
-  random_stream dice_;
+  random_stream rng_;
   scenario what_;
   std::uint64_t requests_ = 0;
 };
@@ -228,28 +228,29 @@ std::uint64_t hash_of(const radio_world& x) {
 
 } // namespace
 
-TEST_CASE("both books balance at every moment of a random run", "[radio][random][RTG-06]") {
-  copy_book all;
+TEST_CASE("both radio_counters balance at every moment of a random run",
+          "[radio][random][RTG-06]") {
+  copy_counters all;
   for (std::uint64_t seed = 0; seed < 80; ++seed) {
     INFO("seed " << seed);
     const bool any = seed >= 20;
     random_run run(seed, {.any_channel = any});
     run.go();
-    const auto books = run.world.channel.counted();
+    const auto radio_counters = run.world.channel.counted();
     CHECK(run.world.channel.balanced());
-    CHECK(books.requests.requests == run.requests());
-    CHECK(run.world.all<done>().size() + books.requests.open == run.requests());
+    CHECK(radio_counters.requests.requests == run.requests());
+    CHECK(run.world.all<done>().size() + radio_counters.requests.open == run.requests());
     CHECK(run.world.all<delivered>().size() ==
-          books.copies.of(copy_fate::delivered) - books.acks_received);
-    CHECK(run.world.all<overheard>().size() == books.transmissions);
+          radio_counters.copies.of(copy_outcome::delivered) - radio_counters.acks_received);
+    CHECK(run.world.all<overheard>().size() == radio_counters.transmissions);
     auto parts = run.world.channel.counted_in_pan(1);
     parts += run.world.channel.counted_in_pan(2);
-    CHECK(parts == books);
-    all += books.copies;
+    CHECK(parts == radio_counters);
+    all += radio_counters.copies;
   }
-  // Every line of the book has been in use.
-  for (std::size_t i = 0; i < copy_fates; ++i) {
-    INFO(to_string(static_cast<copy_fate>(i)));
+  // Every line of the counters has been in use.
+  for (std::size_t i = 0; i < copy_outcomes; ++i) {
+    INFO(to_string(static_cast<copy_outcome>(i)));
     CHECK(all.ended[i] > 0);
   }
 }

@@ -22,9 +22,9 @@ TEST_CASE("powers are whole units from -160 dBm up", "[radio][power]") {
 }
 
 TEST_CASE("a power fits into a link's float without rounding", "[radio][power]") {
-  random_stream dice(1);
+  random_stream rng(1);
   for (int i = 0; i < 10000; ++i) {
-    const auto dbm = dice.unit() * 190 - 160;
+    const auto dbm = rng.unit() * 190 - 160;
     const auto x = to_units(dbm);
     CHECK(static_cast<power_units>(static_cast<float>(x)) == x);
     if (dbm > -95)

@@ -33,7 +33,7 @@ channel_config by_sinr(bool capture = false) {
 struct rig {
   explicit rig(const channel_config& config, std::optional<double> noise_dbm = {},
                std::uint64_t seed = 1)
-      : errors(config.curve), air(config), dice(seed) {
+      : errors(config.curve), air(config), rng(seed) {
     if (noise_dbm)
       noise = to_units(*noise_dbm);
     for (int i = 0; i < 5; ++i) {
@@ -59,17 +59,17 @@ struct rig {
     return air.start(std::move(sent), std::make_shared<const hearers>(hearers{x}));
   }
 
-  fate end(slot_index slot, duration at) {
-    std::optional<fate> only;
-    air.end(slot, instant(at), dice,
-            [&](const transmission&, std::size_t, const hearer&, fate y) { only = y; });
+  outcome end(slot_index slot, duration at) {
+    std::optional<outcome> only;
+    air.end(slot, instant(at), rng,
+            [&](const transmission&, std::size_t, const hearer&, outcome y) { only = y; });
     return only.value();
   }
 
   power_units noise = 0;
   error_model errors;
   medium air;
-  random_stream dice;
+  random_stream rng;
 };
 
 /// Chance that bits survive, straight from the standard's formula.
@@ -108,8 +108,8 @@ TEST_CASE("a frame 10 dB stronger survives a later one, which is captured", "[ra
     const auto at = i * 10ms;
     const auto first = x.start(1, -60, at, 2ms);
     const auto second = x.start(2, -70, at + 500us, 2ms);
-    CHECK(x.end(first, at + 2ms) == fate::intact);
-    CHECK(x.end(second, at + 2500us) == fate::captured);
+    CHECK(x.end(first, at + 2ms) == outcome::intact);
+    CHECK(x.end(second, at + 2500us) == outcome::captured);
   }
 }
 
@@ -124,9 +124,9 @@ TEST_CASE("a frame survives an equal one as often as the bits they share do", "[
       const auto first = x.start(1, -60, at, 5ms);
       const auto second = x.start(2, -60, at + 5ms - overlap, 5ms);
       const auto what = x.end(first, at + 5ms);
-      CHECK((what == fate::intact || what == fate::collision));
-      survived += what == fate::intact ? 1 : 0;
-      CHECK(x.end(second, at + 10ms - overlap) == fate::captured);
+      CHECK((what == outcome::intact || what == outcome::collision));
+      survived += what == outcome::intact ? 1 : 0;
+      CHECK(x.end(second, at + 10ms - overlap) == outcome::captured);
     }
     CHECK(survived / double{trials} == Approx(expected).margin(tolerance(expected)));
   }
@@ -146,11 +146,11 @@ TEST_CASE("interference damages the bits it meets and no others", "[radio][sinr]
     const auto frame = x.start(1, -60, at, 4ms);
     const auto one = x.start(2, -61, at + 1ms, 600us);
     const auto other = x.start(3, -59.5, at + 1500us, 400us);
-    CHECK(x.end(one, at + 1600us) == fate::captured);
-    CHECK(x.end(other, at + 1900us) == fate::captured);
+    CHECK(x.end(one, at + 1600us) == outcome::captured);
+    CHECK(x.end(other, at + 1900us) == outcome::captured);
     const auto what = x.end(frame, at + 4ms);
-    CHECK((what == fate::intact || what == fate::collision));
-    survived += what == fate::intact ? 1 : 0;
+    CHECK((what == outcome::intact || what == outcome::collision));
+    survived += what == outcome::intact ? 1 : 0;
   }
   CHECK(survived / double{trials} == Approx(expected).margin(tolerance(expected)));
 }
@@ -168,14 +168,17 @@ TEST_CASE("noise and interference add up, and noise alone gets the blame for wha
     const auto at = i * 20ms;
     const auto frame = x.start(1, signal_dbm, at, 4ms);
     const auto other = x.start(2, -95.5, at + 1ms, 2ms);
-    CHECK(x.end(other, at + 3ms) == fate::weak); // below the sensitivity
+    CHECK(x.end(other, at + 3ms) == outcome::weak); // below the sensitivity
     ++ends[static_cast<std::size_t>(x.end(frame, at + 4ms))];
   }
-  const auto share = [&ends](fate y) { return ends[static_cast<std::size_t>(y)] / double{trials}; };
+  const auto share = [&ends](outcome y) {
+    return ends[static_cast<std::size_t>(y)] / double{trials};
+  };
   REQUIRE(by_noise - by_both > 0.05);
-  CHECK(share(fate::intact) == Approx(by_both).margin(tolerance(by_both)));
-  CHECK(share(fate::weak) == Approx(1 - by_noise).margin(tolerance(by_noise)));
-  CHECK(share(fate::collision) == Approx(by_noise - by_both).margin(tolerance(by_noise - by_both)));
+  CHECK(share(outcome::intact) == Approx(by_both).margin(tolerance(by_both)));
+  CHECK(share(outcome::weak) == Approx(1 - by_noise).margin(tolerance(by_noise)));
+  CHECK(share(outcome::collision) ==
+        Approx(by_noise - by_both).margin(tolerance(by_noise - by_both)));
 }
 
 TEST_CASE("a much stronger later frame takes the receiver over if that is allowed",
@@ -187,13 +190,13 @@ TEST_CASE("a much stronger later frame takes the receiver over if that is allowe
     const auto one = x.end(first, 4ms);
     return std::pair(one, x.end(second, 5ms));
   };
-  CHECK(ends(true, -70) == std::pair(fate::captured, fate::intact));
-  CHECK(ends(true, -76.9) == std::pair(fate::captured, fate::intact));
-  CHECK(ends(true, -77.1) == std::pair(fate::collision, fate::captured));
-  CHECK(ends(false, -70) == std::pair(fate::collision, fate::captured));
+  CHECK(ends(true, -70) == std::pair(outcome::captured, outcome::intact));
+  CHECK(ends(true, -76.9) == std::pair(outcome::captured, outcome::intact));
+  CHECK(ends(true, -77.1) == std::pair(outcome::collision, outcome::captured));
+  CHECK(ends(false, -70) == std::pair(outcome::collision, outcome::captured));
   // 3 dB above everything else: the first frame and the noise.
-  CHECK(ends(true, -76.9, -90).second == fate::captured);
-  CHECK(ends(true, -76, -90).second == fate::intact);
+  CHECK(ends(true, -76.9, -90).second == outcome::captured);
+  CHECK(ends(true, -76, -90).second == outcome::intact);
 }
 
 TEST_CASE("what a receiver was left for can be left in turn", "[radio][sinr]") {
@@ -201,9 +204,9 @@ TEST_CASE("what a receiver was left for can be left in turn", "[radio][sinr]") {
   const auto first = x.start(1, -80, 0ms, 5ms);
   const auto second = x.start(2, -65, 1ms, 5ms);
   const auto third = x.start(3, -50, 2ms, 5ms);
-  CHECK(x.end(first, 5ms) == fate::captured);
-  CHECK(x.end(second, 6ms) == fate::captured);
-  CHECK(x.end(third, 7ms) == fate::intact);
+  CHECK(x.end(first, 5ms) == outcome::captured);
+  CHECK(x.end(second, 6ms) == outcome::captured);
+  CHECK(x.end(third, 7ms) == outcome::intact);
   CHECK(x.air.times(ear, instant(10ms)).radio_receive == 7ms);
 }
 
@@ -216,34 +219,34 @@ TEST_CASE("strict: any overlap loses both frames, however strong one of them is"
       rig x(config);
       const auto first = x.start(1, -60, 0ms, 2ms);
       const auto second = x.start(2, later_dbm, 2ms - 1ns, 2ms);
-      CHECK(x.end(first, 2ms) == fate::collision);
-      CHECK(x.end(second, 4ms) == fate::collision);
+      CHECK(x.end(first, 2ms) == outcome::collision);
+      CHECK(x.end(second, 4ms) == outcome::collision);
     }
     rig x(config); // also one that is too weak to be received
     const auto first = x.start(1, -60, 0ms, 2ms);
     const auto second = x.start(2, -110, 1ms, 2ms);
-    CHECK(x.end(first, 2ms) == fate::collision);
-    CHECK(x.end(second, 3ms) == fate::weak);
+    CHECK(x.end(first, 2ms) == outcome::collision);
+    CHECK(x.end(second, 3ms) == outcome::weak);
   }
 }
 
 TEST_CASE("a receiver locks on nothing below its sensitivity", "[radio][sinr]") {
   rig x(by_sinr());
-  CHECK(x.end(x.start(1, -95.01, 0ms, 1ms), 1ms) == fate::weak);
+  CHECK(x.end(x.start(1, -95.01, 0ms, 1ms), 1ms) == outcome::weak);
   CHECK(x.air.times(ear, instant(1ms)).radio_receive == 0ms);
-  CHECK(x.end(x.start(1, -94.99, 1ms, 1ms), 2ms) == fate::intact);
+  CHECK(x.end(x.start(1, -94.99, 1ms, 1ms), 2ms) == outcome::intact);
   CHECK(x.air.times(ear, instant(2ms)).radio_receive == 1ms);
   const auto whisper = x.start(1, -96, 2ms, 10ms); // it does not keep the receiver busy
-  CHECK(x.end(x.start(2, -80, 3ms, 1ms), 4ms) == fate::intact);
-  CHECK(x.end(whisper, 12ms) == fate::weak);
+  CHECK(x.end(x.start(2, -80, 3ms, 1ms), 4ms) == outcome::intact);
+  CHECK(x.end(whisper, 12ms) == outcome::weak);
 }
 
 TEST_CASE("a receiver locks on nothing that is 5 dB below the disturbance", "[radio][sinr]") {
   SECTION("noise") {
     rig x(by_sinr(), -80);
-    CHECK(x.end(x.start(1, -85.01, 0ms, 1ms), 1ms) == fate::weak);
+    CHECK(x.end(x.start(1, -85.01, 0ms, 1ms), 1ms) == outcome::weak);
     CHECK(x.air.times(ear, instant(1ms)).radio_receive == 0ms);
-    CHECK(x.end(x.start(1, -84.99, 1ms, 1ms), 2ms) == fate::weak); // locked, but to no avail
+    CHECK(x.end(x.start(1, -84.99, 1ms, 1ms), 2ms) == outcome::weak); // locked, but to no avail
     CHECK(x.air.times(ear, instant(2ms)).radio_receive == 1ms);
   }
   SECTION("a frame that was there before it could listen") {
@@ -253,11 +256,11 @@ TEST_CASE("a receiver locks on nothing that is 5 dB below the disturbance", "[ra
           x.air.start({.from = ear, .content = {}, .psdu = {}, .begin = instant{}, .length = 1ms},
                       std::make_shared<const hearers>());
       const auto other = x.start(1, -70, 500us, 5ms);
-      x.air.end(own, instant(1ms), x.dice, [](const auto&, std::size_t, const auto&, fate) {});
+      x.air.end(own, instant(1ms), x.rng, [](const auto&, std::size_t, const auto&, outcome) {});
       const auto later = x.start(2, dbm, 2ms, 1ms);
-      CHECK(x.end(later, 3ms) == fate::collision);
+      CHECK(x.end(later, 3ms) == outcome::collision);
       CHECK(x.air.times(ear, instant(3ms)).radio_receive == (locked ? 1ms : 0ms));
-      CHECK(x.end(other, 5500us) == fate::half_duplex);
+      CHECK(x.end(other, 5500us) == outcome::half_duplex);
     }
   }
 }
@@ -278,8 +281,8 @@ TEST_CASE("a lone frame arrives as often as the bit error rate lets it", "[radio
         const auto at = i * 10ms;
         const auto length = air_time(static_cast<std::size_t>(size));
         const auto what = x.end(x.start(1, noise_dbm + snr_db, at, length), at + length);
-        received += what == fate::intact ? 1 : 0;
-        if (what != fate::intact && what != fate::weak)
+        received += what == outcome::intact ? 1 : 0;
+        if (what != outcome::intact && what != outcome::weak)
           FAIL("noise made a collision");
       }
       const auto share = received / double{frames};
@@ -309,8 +312,8 @@ TEST_CASE("the whole channel delivers by the same curve", "[radio][sinr][channel
     const auto expected = survival(gain, {-89}, 8 * 47);
     const auto copies = x.channel.counted_on(a, b);
     CHECK(copies.sent == frames);
-    CHECK(copies.of(copy_fate::delivered) + copies.of(copy_fate::weak) == frames);
-    CHECK(std::abs(static_cast<double>(copies.of(copy_fate::delivered)) / frames - expected) <
+    CHECK(copies.of(copy_outcome::delivered) + copies.of(copy_outcome::weak) == frames);
+    CHECK(std::abs(static_cast<double>(copies.of(copy_outcome::delivered)) / frames - expected) <
           0.02);
   }
 }
@@ -332,7 +335,7 @@ TEST_CASE("with an edge of noise 1 % is lost at the sensitivity, and more and mo
       x.send(from, 0, 2, 7, false);
       x.run_for(20ms);
     }
-    return static_cast<double>(x.channel.counted_on(from, to).of(copy_fate::delivered)) / trials;
+    return static_cast<double>(x.channel.counted_on(from, to).of(copy_outcome::delivered)) / trials;
   };
   constexpr double sensitivity_dbm = -95; // of a MicaZ
   for (const auto curve : {error_curve::oqpsk, error_curve::tossim}) {
@@ -376,7 +379,7 @@ TEST_CASE("TOSSIM's curve is drawn twice for a frame, once for an ack", "[radio]
       sent.begin = instant(at);
       sent.length = 1ms;
       const auto slot = x.air.start(std::move(sent), std::make_shared<const hearers>(hearers{y}));
-      received += x.end(slot, at + 1ms) == fate::intact ? 1 : 0;
+      received += x.end(slot, at + 1ms) == outcome::intact ? 1 : 0;
     }
     const auto expected = ack ? once : once * once;
     CHECK(received / double{trials} == Approx(expected).margin(tolerance(expected)));
@@ -394,7 +397,7 @@ TEST_CASE("noise that changes during a frame damages it reading by reading", "[r
   config.noise = traced_noise{trace};
   medium air(config);
   add_among(trace, air);
-  random_stream dice(1);
+  random_stream rng(1);
   const auto deliver = [&](double dbm, duration at, duration length) {
     hearer y;
     y.radio = ear;
@@ -404,9 +407,9 @@ TEST_CASE("noise that changes during a frame damages it reading by reading", "[r
     sent.begin = instant(at);
     sent.length = length;
     const auto slot = air.start(std::move(sent), std::make_shared<const hearers>(hearers{y}));
-    fate what = fate::intact;
-    air.end(slot, instant(at + length), dice,
-            [&](const auto&, std::size_t, const auto&, fate z) { what = z; });
+    outcome what = outcome::intact;
+    air.end(slot, instant(at + length), rng,
+            [&](const auto&, std::size_t, const auto&, outcome z) { what = z; });
     return what;
   };
   int quiet_lost = 0;
@@ -414,9 +417,9 @@ TEST_CASE("noise that changes during a frame damages it reading by reading", "[r
   int strong_lost = 0;
   for (int i = 0; i < 200; ++i) {
     const auto at = i * 20ms; // always the same kind of millisecond
-    quiet_lost += deliver(-80, at, 900us) == fate::intact ? 0 : 1;
-    long_lost += deliver(-80, at + 1ms, 4ms) == fate::intact ? 0 : 1;
-    strong_lost += deliver(-60, at + 6ms, 4ms) == fate::intact ? 0 : 1;
+    quiet_lost += deliver(-80, at, 900us) == outcome::intact ? 0 : 1;
+    long_lost += deliver(-80, at + 1ms, 4ms) == outcome::intact ? 0 : 1;
+    strong_lost += deliver(-60, at + 6ms, 4ms) == outcome::intact ? 0 : 1;
   }
   CHECK((quiet_lost == 0 || quiet_lost == 200)); // all in quiet milliseconds, or all in loud ones
   CHECK(long_lost == 200);
@@ -430,7 +433,7 @@ TEST_CASE("a later frame may come at any time into changing noise", "[radio][sin
   for (const double later_dbm : {-100.0, -80.0, -50.0}) {
     medium air(config);
     add_among(trace, air);
-    random_stream dice(1);
+    random_stream rng(1);
     const auto start = [&](std::uint32_t from, double dbm, duration at) {
       hearer y;
       y.radio = ear;
@@ -442,19 +445,19 @@ TEST_CASE("a later frame may come at any time into changing noise", "[radio][sin
       return air.start(std::move(sent), std::make_shared<const hearers>(hearers{y}));
     };
     const auto end = [&](slot_index slot, duration at) {
-      fate what = fate::intact;
-      air.end(slot, instant(at), dice,
-              [&](const auto&, std::size_t, const auto&, fate z) { what = z; });
+      outcome what = outcome::intact;
+      air.end(slot, instant(at), rng,
+              [&](const auto&, std::size_t, const auto&, outcome z) { what = z; });
       return what;
     };
     const auto first = start(1, -65, 500us);
     const auto second = start(2, later_dbm, 3600us); // three readings later
     static_cast<void>(air.clear(ear, instant(4200us)));
     const bool taken_over = later_dbm > -60;
-    CHECK(end(first, 4500us) == (taken_over ? fate::captured : fate::intact));
-    CHECK(end(second, 7600us) == (taken_over        ? fate::intact
-                                  : later_dbm < -95 ? fate::weak
-                                                    : fate::captured));
+    CHECK(end(first, 4500us) == (taken_over ? outcome::captured : outcome::intact));
+    CHECK(end(second, 7600us) == (taken_over        ? outcome::intact
+                                  : later_dbm < -95 ? outcome::weak
+                                                    : outcome::captured));
   }
 }
 
@@ -524,7 +527,7 @@ TEST_CASE("two frames below the threshold can be above it together", "[radio][si
                     std::make_shared<const hearers>());
     const auto one = x.start(1, -79, 500us, 4ms);
     const auto other = x.start(2, -79, 600us, 3ms);
-    x.air.end(own, instant(1ms), x.dice, [](const auto&, std::size_t, const auto&, fate) {});
+    x.air.end(own, instant(1ms), x.rng, [](const auto&, std::size_t, const auto&, outcome) {});
     CHECK_FALSE(x.air.clear(ear, instant(2ms))); // -76 dBm
     x.end(other, 3600us);
     CHECK_FALSE(x.air.clear(ear, instant(3700us))); // within the window
@@ -537,7 +540,7 @@ TEST_CASE("two frames below the threshold can be above it together", "[radio][si
       x.air.start({.from = ear, .content = {}, .psdu = {}, .begin = instant{}, .length = 1ms},
                   std::make_shared<const hearers>());
   const auto one = x.start(1, -50, 500us, 4ms);
-  x.air.end(own, instant(1ms), x.dice, [](const auto&, std::size_t, const auto&, fate) {});
+  x.air.end(own, instant(1ms), x.rng, [](const auto&, std::size_t, const auto&, outcome) {});
   CHECK(x.air.clear(ear, instant(2ms)));
   x.end(one, 4500us);
 }
@@ -571,8 +574,8 @@ TEST_CASE("by default the threshold is the platform's, and a file may say anothe
     // Frames that do not hold each other off overlap nearly always.
     x.saturate({a, b}, 0xffff, 100, false, 10s);
     const auto copies = x.channel.counted_on(a, b);
-    const auto overlapping =
-        static_cast<double>(copies.of(copy_fate::half_duplex)) / static_cast<double>(copies.sent);
+    const auto overlapping = static_cast<double>(copies.of(copy_outcome::half_duplex)) /
+                             static_cast<double>(copies.sent);
     CHECK((overlapping < 0.25 || overlapping > 0.75));
     return overlapping > 0.75;
   };

@@ -62,11 +62,11 @@ double dbm(const hearer& x) {
 }
 
 std::vector<site> scattered(unsigned count, double side_m, std::uint64_t seed) {
-  random_stream dice(seed);
-  const auto at = [&] { return (dice.unit() - 0.5) * side_m; }; // negative places too
+  random_stream rng(seed);
+  const auto at = [&] { return (rng.unit() - 0.5) * side_m; }; // negative places too
   std::vector<site> all;
   for (unsigned i = 0; i < count; ++i) {
-    site x{mote(100 + i), {}, -static_cast<double>(dice.below(5))};
+    site x{mote(100 + i), {}, -static_cast<double>(rng.below(5))};
     x.place.x_m = at();
     x.place.y_m = at();
     x.place.z_m = at() / 4;
@@ -292,11 +292,11 @@ TEST_CASE("links depend on their two ends alone", "[radio][topology]") {
 
 TEST_CASE("the order of adding does not matter", "[radio][topology]") {
   auto sites = scattered(60, 80, 3);
-  random_stream dice(4);
+  random_stream rng(4);
   for (const auto& config : laws()) {
     const auto once = by_address(built(config, sites), sites);
     for (std::size_t i = sites.size(); i > 1; --i)
-      std::swap(sites[i - 1], sites[dice.below(i)]);
+      std::swap(sites[i - 1], sites[rng.below(i)]);
     CHECK(by_address(built(config, sites), sites) == once);
   }
 }
@@ -306,13 +306,13 @@ TEST_CASE("radios that have moved are as if they had been there from the start",
   for (const auto& config : laws()) {
     auto sites = scattered(60, 80, 5);
     auto x = built(config, sites);
-    random_stream dice(6);
+    random_stream rng(6);
     for (int step = 0; step < 100; ++step) {
-      const auto i = dice.below(sites.size());
+      const auto i = rng.below(sites.size());
       auto& place = sites[i].place;
-      const auto far = dice.chance(0.2) ? 100.0 : 4.0;
-      place.x_m += (dice.unit() - 0.5) * far;
-      place.y_m += (dice.unit() - 0.5) * far;
+      const auto far = rng.chance(0.2) ? 100.0 : 4.0;
+      place.x_m += (rng.unit() - 0.5) * far;
+      place.y_m += (rng.unit() - 0.5) * far;
       x.move(radio_index{static_cast<std::uint32_t>(i)}, place);
     }
     const auto fresh = built(config, sites);
@@ -353,7 +353,7 @@ TEST_CASE("shadowing has its deviations, cut off at three", "[radio][topology]")
   constexpr unsigned count = 150;
   topology x(by_law(log_distance{3, 40, 4, 2}, -1000), 9);
   for (unsigned i = 0; i < count; ++i)
-    add(x, {0, 0, 0}); // -40 dBm but for the dice
+    add(x, {0, 0, 0}); // -40 dBm but for the rng
   std::vector<std::vector<double>> deviation(count, std::vector<double>(count, 0));
   for (std::uint32_t i = 0; i < count; ++i) {
     for (const auto& each : *x.around(radio_index{i}))
@@ -391,7 +391,7 @@ TEST_CASE("without asymmetry both directions are alike", "[radio][topology]") {
   CHECK(x.around(a)->front().power == x.around(b)->front().power);
 }
 
-TEST_CASE("another seed, other dice", "[radio][topology]") {
+TEST_CASE("another seed, other rng", "[radio][topology]") {
   const auto config = by_law(log_distance{3, 40, 4, 2}, -1000);
   topology one(config, 1);
   topology other(config, 2);

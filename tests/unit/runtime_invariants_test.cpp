@@ -14,7 +14,7 @@ const std::string crashed = "kitchen/climate-8";
 
 } // namespace
 
-TEST_CASE("a run whose books balance violates nothing", "[runtime][invariants]") {
+TEST_CASE("a run whose run_counters balance violates nothing", "[runtime][invariants]") {
   CHECK(check_radio(test::lab_report()).empty());
   const run_truth truth{{lamp, blinds}, {{island_id{3}, {mote_id{7}}, {mote_id{7}}}}};
   CHECK(check_all(sample_report(), truth).empty());
@@ -45,7 +45,7 @@ TEST_CASE("all checks look at flows and at energy", "[runtime][invariants]") {
   CHECK(check_all(x, {{lamp, blinds}, {}}).size() == 3);
 }
 
-TEST_CASE("every term of the books counts", "[runtime][invariants]") {
+TEST_CASE("every term of the run_counters counts", "[runtime][invariants]") {
   const auto broken = [](auto change) {
     auto x = sample_report();
     change(x.islands[1]);

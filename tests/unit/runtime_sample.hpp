@@ -6,7 +6,7 @@
 namespace rubicon::test {
 
 /// Two islands, five motes of which one ran out of battery, two peers, three proxies, a flow to a
-/// sink and a broadcast; all books balance and nothing is violated.
+/// sink and a broadcast; all run_counters balance and nothing is violated.
 [[nodiscard]] runtime::report sample_report();
 
 /// The same with a third island, whose only mote measures and does not join.

@@ -20,11 +20,11 @@ instant at(std::int64_t ns) {
 } // namespace
 
 TEST_CASE("timers come out by time, equal times in the order they went in", "[scheduler][GEN-07]") {
-  random_stream dice(7);
+  random_stream rng(7);
   queue timers;
   std::multimap<instant, int> expected; // keeps the order of equal keys
   for (int i = 0; i < 5000; ++i) {
-    const auto due = at(static_cast<std::int64_t>(dice.below(500)));
+    const auto due = at(static_cast<std::int64_t>(rng.below(500)));
     timers.add(due, std::make_shared<int>(i));
     expected.emplace(due, i);
   }
@@ -39,25 +39,25 @@ TEST_CASE("timers come out by time, equal times in the order they went in", "[sc
 TEST_CASE("timers behave like a sorted list under any mixture of operations",
           "[scheduler][GEN-07]") {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    random_stream dice(seed);
+    random_stream rng(seed);
     queue timers;
     std::multimap<instant, std::pair<int, queue::ticket>> expected;
     auto now = at(0);
     for (int i = 0; i < 3000; ++i) {
-      const auto what = dice.below(10);
+      const auto what = rng.below(10);
       if (what < 5) {
-        const auto due = now + duration(dice.below(50));
+        const auto due = now + duration(rng.below(50));
         expected.emplace(due, std::pair(i, timers.add(due, std::make_shared<int>(i))));
       } else if (what < 9 && !expected.empty()) {
         const auto victim =
-            std::next(expected.begin(), static_cast<std::ptrdiff_t>(dice.below(expected.size())));
+            std::next(expected.begin(), static_cast<std::ptrdiff_t>(rng.below(expected.size())));
         const auto chosen = victim->second;
         expected.erase(victim);
         if (what < 7) {
           timers.cancel(chosen.second);
           REQUIRE(!timers.pending(chosen.second));
         } else {
-          const auto due = now + duration(dice.below(50));
+          const auto due = now + duration(rng.below(50));
           timers.move(chosen.second, due);
           expected.emplace(due, chosen);
         }
@@ -114,12 +114,12 @@ TEST_CASE("clearing timers destroys them all", "[scheduler]") {
 }
 
 TEST_CASE("the ready queue is first in, first out while it grows and wraps around", "[scheduler]") {
-  random_stream dice(3);
+  random_stream rng(3);
   scheduler::ready_queue<int> ready;
   std::deque<int> expected;
   for (int i = 0; i < 20'000; ++i) {
     // Long stretches of growth and of shrinking.
-    if (dice.chance((i / 2000) % 2 == 0 ? 0.7 : 0.3)) {
+    if (rng.chance((i / 2000) % 2 == 0 ? 0.7 : 0.3)) {
       ready.push(i);
       expected.push_back(i);
     } else if (!expected.empty()) {

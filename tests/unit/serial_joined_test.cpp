@@ -221,11 +221,11 @@ TEST_CASE("with 1 % octet errors a line keeps more than half its throughput", "[
 
 TEST_CASE("after noise that lets nothing through a line recovers by itself", "[serial][GW-16]") {
   rig both(line_config{}, 3);
-  random_stream dice(9);
+  random_stream rng(9);
   for (int burst = 0; burst < 200; ++burst) {
-    bytes noise(dice.below(300));
+    bytes noise(rng.below(300));
     for (auto& octet : noise)
-      octet = static_cast<std::uint8_t>(dice.next());
+      octet = static_cast<std::uint8_t>(rng.next());
     both.cable.send(direction::to_mote, noise, both.now);
     both.cable.send(direction::to_pc, noise, both.now);
     both.run_for(500ms);

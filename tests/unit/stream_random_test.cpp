@@ -15,17 +15,17 @@ using test::stream_world;
 
 namespace {
 
-/// Applications that open, write, read and close at random, and keep books.
+/// Applications that open, write, read and close at random, and keep count.
 class applications {
 public:
   applications(std::uint64_t seed, test::channel_service service)
-      : dice_(seed, "applications"), world_(3, service, seed) {}
+      : rng_(seed, "applications"), world_(3, service, seed) {}
 
   void run(int steps) {
     for (int i = 0; i < steps; ++i) {
-      world_.run_for(dice_.between(1ms, 400ms));
+      world_.run_for(rng_.between(1ms, 400ms));
       look();
-      act(dice_.below(3));
+      act(rng_.below(3));
       look();
     }
     for (const auto& [key, x] : std::map(ends_)) {
@@ -72,7 +72,7 @@ private:
   }
 
   void act(std::size_t node) {
-    const auto action = dice_.below(100);
+    const auto action = rng_.below(100);
     if (action < 1) {
       world_.restart(node);
       for (auto& [key, x] : ends_)
@@ -90,15 +90,15 @@ private:
   }
 
   void open(std::size_t node) {
-    const auto name = static_cast<std::uint16_t>(dice_.below(4));
-    const bool is_local = dice_.chance(0.1);
-    const bool to_self = dice_.chance(0.5);
-    const auto target = to_self ? node : dice_.below(3);
+    const auto name = static_cast<std::uint16_t>(rng_.below(4));
+    const bool is_local = rng_.chance(0.1);
+    const bool to_self = rng_.chance(0.5);
+    const auto target = to_self ? node : rng_.below(3);
     const auto x = is_local ? world_.at(node).open_local(2)
                             : world_.open(node, {.destination = stream_world::address(target),
                                                  .name = name,
                                                  .queue_size = 3,
-                                                 .writes_to_self = dice_.chance(0.1)});
+                                                 .writes_to_self = rng_.chance(0.1)});
     if (x.refused)
       return;
     auto& added = ends_[{node, world_.life(node), x.stream}];
@@ -140,7 +140,7 @@ private:
     }
     if (open.empty())
       return std::nullopt;
-    return open[dice_.below(open.size())];
+    return open[rng_.below(open.size())];
   }
 
   void look() {
@@ -192,7 +192,7 @@ private:
     x.last = number;
   }
 
-  random_stream dice_;
+  random_stream rng_;
   stream_world world_;
   std::map<end_of_stream, end> ends_;
   std::set<std::tuple<std::size_t, unsigned, end_of_stream, std::uint32_t>>

@@ -101,11 +101,11 @@ TEST_CASE("records on their way into a broken channel arrive when the stream is 
           "[stream][NET-09][STR-16]") {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
-    random_stream dice(seed, "cuts");
+    random_stream rng(seed, "cuts");
     resumed_stream x({.delay_min = 5ms, .delay_max = 900ms, .repetition = 0.2}, seed);
     for (int cuts = 0; cuts < 50; ++cuts) {
-      x.write_for(dice.between(1s, 20s));
-      x.world.cut(dice.between(1ms, 5s));
+      x.write_for(rng.between(1s, 20s));
+      x.world.cut(rng.between(1ms, 5s));
       x.write_for(1min); // until it hears of it
       x.open();
     }

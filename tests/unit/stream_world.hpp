@@ -38,7 +38,7 @@ public:
 
   explicit stream_world(std::size_t size, channel_service quality = {}, std::uint64_t seed = 1,
                         stream::streams_config config = {})
-      : service(quality), config_(config), dice_(seed, "world"), nodes_(size) {
+      : service(quality), config_(config), rng_(seed, "world"), nodes_(size) {
     for (auto& x : nodes_)
       x.core = stream::streams(config_);
   }
@@ -133,7 +133,7 @@ private:
   }
 
   void later(std::function<void()> x) {
-    in_flight_.emplace(now + dice_.between(service.delay_min, service.delay_max), std::move(x));
+    in_flight_.emplace(now + rng_.between(service.delay_min, service.delay_max), std::move(x));
   }
 
   void perform(std::size_t node, const stream::outputs& todo) {
@@ -146,7 +146,7 @@ private:
     if (!service.reaches_all)
       return;
     const auto life = nodes_[source].life;
-    const auto fails = dice_.chance(service.connect_loss);
+    const auto fails = rng_.chance(service.connect_loss);
     const std::size_t destination = x.destination.mote.value - 1U;
     later([=, this] {
       if (nodes_[source].life != life)
@@ -167,9 +167,9 @@ private:
     packets.push_back(x.octets);
     const auto i = x.channel.value / 2;
     const auto other = 1 - x.channel.value % 2;
-    if (dice_.chance(service.loss) || channels_[i].is_cut)
+    if (rng_.chance(service.loss) || channels_[i].is_cut)
       return;
-    for (int copies = dice_.chance(service.repetition) ? 2 : 1; copies > 0; --copies) {
+    for (int copies = rng_.chance(service.repetition) ? 2 : 1; copies > 0; --copies) {
       later([=, this] {
         if (!channels_[i].is_open[other] || channels_[i].is_cut)
           return;
@@ -205,7 +205,7 @@ private:
   }
 
   stream::streams_config config_;
-  random_stream dice_;
+  random_stream rng_;
   std::vector<inhabitant> nodes_;
   std::vector<channel> channels_;
   std::multimap<instant, std::function<void()>> in_flight_;

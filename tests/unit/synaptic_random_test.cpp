@@ -14,11 +14,11 @@ using test::value_of;
 
 namespace {
 
-/// Applications that create, start, stop and dispose at random, and keep books.
+/// Applications that create, start, stop and dispose at random, and keep count.
 class applications {
 public:
   applications(std::uint64_t seed, double loss, duration delay_max)
-      : dice_(seed, "applications"), world_(3, {}, seed), delay_max_(delay_max) {
+      : rng_(seed, "applications"), world_(3, {}, seed), delay_max_(delay_max) {
     world_.loss = loss;
     world_.connect_loss = loss / 2;
     world_.delay_max = std::max(delay_max, world_.delay_min);
@@ -28,7 +28,7 @@ public:
   void run(int steps) {
     for (int i = 0; i < steps; ++i) {
       world_.run_ticks(1);
-      act(dice_.below(3));
+      act(rng_.below(3));
       look();
     }
     for (const auto& [id, x] : std::map(ends_)) {
@@ -69,9 +69,9 @@ private:
   };
 
   void act(std::size_t node) {
-    const auto action = dice_.below(100);
+    const auto action = rng_.below(100);
     if (action < 1) {
-      world_.restart(node, dice_.chance(0.5));
+      world_.restart(node, rng_.chance(0.5));
       for (auto& [id, x] : ends_)
         x.gone = x.gone || std::get<0>(id) == node;
     } else if (action < 40) {
@@ -88,9 +88,9 @@ private:
   }
 
   void create(std::size_t node) {
-    const bool is_out = dice_.chance(0.5);
-    const auto other = dice_.below(3);
-    const std::size_t size = dice_.chance(0.1) ? 5 : 2;
+    const bool is_out = rng_.chance(0.5);
+    const auto other = rng_.below(3);
+    const std::size_t size = rng_.chance(0.1) ? 5 : 2;
     const auto self = world_.address(node);
     const auto peer = world_.address(other);
     const auto x = is_out ? world_.at(node).create_out(self, peer, size, {}, world_.now)
@@ -117,7 +117,7 @@ private:
     }
     if (open.empty())
       return std::nullopt;
-    return open[dice_.below(open.size())];
+    return open[rng_.below(open.size())];
   }
 
   void look() {
@@ -167,7 +167,7 @@ private:
       FAIL("node " << from.node << " shows another value than node " << x.other << " wrote");
   }
 
-  random_stream dice_;
+  random_stream rng_;
   synaptic_world world_;
   duration delay_max_;
   std::map<key, end> ends_;

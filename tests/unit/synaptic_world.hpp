@@ -41,7 +41,7 @@ public:
 
   explicit synaptic_world(std::size_t size, synaptic::channels_config config = {},
                           std::uint64_t seed = 1)
-      : config_(config), dice_(seed, "world"), nodes_(size) {
+      : config_(config), rng_(seed, "world"), nodes_(size) {
     for (std::size_t i = 0; i < size; ++i)
       start_node(i);
   }
@@ -185,7 +185,7 @@ private:
   }
 
   void later(std::function<void()> x) {
-    in_flight_.emplace(now + dice_.between(delay_min, delay_max), std::move(x));
+    in_flight_.emplace(now + rng_.between(delay_min, delay_max), std::move(x));
   }
 
   void perform(std::size_t node, const synaptic::outputs& todo) {
@@ -198,7 +198,7 @@ private:
     if (!reaches_all)
       return;
     const auto life = nodes_[source].life;
-    const auto fails = dice_.chance(connect_loss);
+    const auto fails = rng_.chance(connect_loss);
     const std::size_t destination = x.destination.mote.value - 1U;
     later([=, this] {
       if (nodes_[source].life != life)
@@ -222,7 +222,7 @@ private:
     ++packets;
     const auto i = x.channel.value / 2;
     const auto other = 1 - x.channel.value % 2;
-    const bool is_lost = dice_.chance(loss);
+    const bool is_lost = rng_.chance(loss);
     note(channels_[i], x.octets, is_lost);
     if (is_lost)
       return;
@@ -266,7 +266,7 @@ private:
   }
 
   synaptic::channels_config config_;
-  random_stream dice_;
+  random_stream rng_;
   std::vector<inhabitant> nodes_;
   std::vector<channel> channels_;
   std::multimap<instant, std::function<void()>> in_flight_;

@@ -31,7 +31,7 @@ endpoint make(mote_id self, std::uint32_t incarnation = 0, std::uint64_t seed = 
 class pair_of_ends {
 public:
   pair_of_ends(double loss, duration delay_max, std::uint64_t seed = 1)
-      : loss_(loss), delay_max_(delay_max), dice_(seed) {
+      : loss_(loss), delay_max_(delay_max), rng_(seed) {
     restart(alice);
     restart(bob);
   }
@@ -43,7 +43,7 @@ public:
         aborted += ended == 0 ? 1 : 0;
     }
     x.outcomes.clear();
-    x.end = make(who, x.lives++, dice_.next());
+    x.end = make(who, x.lives++, rng_.next());
     x.handled.clear();
   }
 
@@ -100,11 +100,11 @@ private:
 
   void take(mote_id who, const outputs& todo) {
     for (const auto& x : pick<to_network>(todo)) {
-      if (dice_.chance(loss_))
+      if (rng_.chance(loss_))
         continue;
-      const int count = dice_.chance(copies) ? 2 : 1;
+      const int count = rng_.chance(copies) ? 2 : 1;
       for (int i = 0; i < count; ++i)
-        under_way_.emplace(now_ + dice_.between(1ms, delay_max_),
+        under_way_.emplace(now_ + rng_.between(1ms, delay_max_),
                            std::pair(x.destination.mote, x.segment));
     }
     for (const auto& x : pick<outcome>(todo)) {
@@ -119,7 +119,7 @@ private:
 
   double loss_;
   duration delay_max_;
-  random_stream dice_;
+  random_stream rng_;
   instant now_;
   std::map<mote_id, node> nodes_;
   std::multimap<instant, std::pair<mote_id, bytes>> under_way_;
@@ -481,14 +481,14 @@ TEST_CASE("restarts of either end double nothing and leave nothing open",
   for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
     pair_of_ends x(0.2, 600ms, seed);
     x.copies = 0.2;
-    random_stream dice(seed, "restarts");
+    random_stream rng(seed, "restarts");
     std::uint16_t accepted = 0;
     for (std::uint16_t i = 0; i < 40; ++i) {
       if (x.send(i % 2 == 0 ? alice : bob, i % 2 == 0 ? bob : alice, i))
         ++accepted;
-      x.run_for(dice.between(0s, 1s));
-      if (dice.chance(0.15))
-        x.restart(dice.chance(0.5) ? alice : bob);
+      x.run_for(rng.between(0s, 1s));
+      if (rng.chance(0.15))
+        x.restart(rng.chance(0.5) ? alice : bob);
     }
     x.settle();
     REQUIRE(x.ends.size() + static_cast<std::size_t>(x.aborted) == accepted);

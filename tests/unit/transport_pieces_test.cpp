@@ -20,12 +20,12 @@ constexpr mote_id origin{7};
 } // namespace
 
 TEST_CASE("a packet of any length comes together from pieces in any order", "[transport][NET-14]") {
-  random_stream dice(1);
+  random_stream rng(1);
   for (std::size_t size = 0; size <= 270; ++size) {
     auto pieces = cut(packet_of(size), 40, 9);
     REQUIRE(pieces);
     for (std::size_t i = pieces->size(); i > 1; --i)
-      std::swap((*pieces)[i - 1], (*pieces)[dice.below(i)]);
+      std::swap((*pieces)[i - 1], (*pieces)[rng.below(i)]);
     assembly x;
     for (std::size_t i = 0; i < pieces->size(); ++i) {
       CHECK((*pieces)[i].size() <= 40);

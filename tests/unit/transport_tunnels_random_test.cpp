@@ -67,24 +67,23 @@ TEST_CASE("no tunnel is taken for another, whoever opens, closes or restarts whe
   int contents = 0;
   for (std::uint64_t seed = 1; seed <= test::seeds(200); ++seed) {
     CAPTURE(seed);
-    random_stream dice(seed, "play");
+    random_stream rng(seed, "play");
     test::tunnel_world x(2s, 0.2, seed, 3);
     x.copies = 0.3;
     const std::vector<mote_address> all{alice, bob, pc};
     for (int i = 0; i < 400; ++i) {
-      const auto who = all[dice.below(3)];
-      const auto what = dice.below(100);
+      const auto who = all[rng.below(3)];
+      const auto what = rng.below(100);
       if (what < 2) {
         connected += x.at(who).counters().connected;
         strays += x.at(who).counters().strays;
         x.restart(who);
       } else if (what < 20) {
-        x.connect(who, all[dice.below(3)]); // perhaps to itself
+        x.connect(who, all[rng.below(3)]); // perhaps to itself
       } else {
         const auto& ends = x.ends_at(who);
         if (!ends.empty()) {
-          const auto id =
-              std::next(ends.begin(), static_cast<long>(dice.below(ends.size())))->first;
+          const auto id = std::next(ends.begin(), static_cast<long>(rng.below(ends.size())))->first;
           const auto& y = ends.at(id);
           if (what < 25 && !y.is_over)
             x.close(who, id);
@@ -94,7 +93,7 @@ TEST_CASE("no tunnel is taken for another, whoever opens, closes or restarts whe
             CHECK(x.send(who, id, 1) == (y.is_open && !y.is_over));
         }
       }
-      x.run_for(dice.between(0ms, 1s));
+      x.run_for(rng.between(0ms, 1s));
       for (const auto node : all) {
         const auto& ends = x.ends_at(node);
         CHECK(x.at(node).size() <= 3);

@@ -51,7 +51,7 @@ class tunnel_world {
 public:
   explicit tunnel_world(duration delay_max = 20ms, double loss = 0, std::uint64_t seed = 1,
                         std::size_t tunnels_max = 4)
-      : delay_max_(delay_max), loss_(loss), tunnels_max_(tunnels_max), dice_(seed) {
+      : delay_max_(delay_max), loss_(loss), tunnels_max_(tunnels_max), rng_(seed) {
     for (const auto who : {alice, bob, pc})
       nodes_[who].core = make_tunnels(who, 0, tunnels_max_);
   }
@@ -152,10 +152,10 @@ private:
     REQUIRE(message->sender == who.mote);
     REQUIRE(message->receiver == x.destination.mote);
     ++packets[message->what];
-    if (off.contains(who) || dice_.chance(loss_))
+    if (off.contains(who) || rng_.chance(loss_))
       return;
-    for (int copy = dice_.chance(copies) ? 2 : 1; copy > 0; --copy)
-      under_way_.emplace(now + dice_.between(1ms, delay_max_), flight{who, x});
+    for (int copy = rng_.chance(copies) ? 2 : 1; copy > 0; --copy)
+      under_way_.emplace(now + rng_.between(1ms, delay_max_), flight{who, x});
   }
 
   void take(mote_address who, const transport::tunnel_connected& x) {
@@ -196,7 +196,7 @@ private:
   duration delay_max_;
   double loss_;
   std::size_t tunnels_max_;
-  random_stream dice_;
+  random_stream rng_;
   std::map<mote_address, node> nodes_;
   std::multimap<instant, flight> under_way_;
 };

@@ -1,4 +1,4 @@
-#include "peis/subscriber_book.hpp"
+#include "peis/subscriber_table.hpp"
 
 #include <algorithm>
 #include <type_traits>
@@ -49,10 +49,10 @@ std::string identity_of(const prototype& x) {
   return all;
 }
 
-subscriber_book::subscriber_book(const limits& x)
+subscriber_table::subscriber_table(const limits& x)
     : per_key_(x.per_key), count_(x.records), octets_(x.octets, x.pool) {}
 
-subscriber* subscriber_book::find(peer_id host, const prototype& wanted) {
+subscriber* subscriber_table::find(peer_id host, const prototype& wanted) {
   const auto of_host = hosts_.find(host);
   if (of_host == hosts_.end())
     return nullptr;
@@ -60,8 +60,8 @@ subscriber* subscriber_book::find(peer_id host, const prototype& wanted) {
   return at == of_host->second.by_identity.end() ? nullptr : &at->second;
 }
 
-subscriber* subscriber_book::add(peer_id host, const prototype& wanted,
-                                 std::optional<instant> expiry) {
+subscriber* subscriber_table::add(peer_id host, const prototype& wanted,
+                                  std::optional<instant> expiry) {
   auto identity = identity_of(wanted);
   const auto weight = weight_of(wanted, identity);
   std::size_t of_key = 0;
@@ -80,7 +80,7 @@ subscriber* subscriber_book::add(peer_id host, const prototype& wanted,
   return &x;
 }
 
-void subscriber_book::erase(const subscriber& x) {
+void subscriber_table::erase(const subscriber& x) {
   const auto of_host = hosts_.find(x.host);
   index_.erase_if(x.wanted.name, [&](const subscriber* other) { return other == &x; });
   count_.remove(x.host, 1);
@@ -92,7 +92,7 @@ void subscriber_book::erase(const subscriber& x) {
     hosts_.erase(of_host);
 }
 
-std::vector<std::uint64_t> subscriber_book::erase(peer_id host, peer_id owner, const key& wanted) {
+std::vector<std::uint64_t> subscriber_table::erase(peer_id host, peer_id owner, const key& wanted) {
   std::vector<const subscriber*> gone;
   index_.for_equal(wanted, [&](const subscriber* x) {
     if (x->host == host && x->wanted.owner == owner)
@@ -106,7 +106,7 @@ std::vector<std::uint64_t> subscriber_book::erase(peer_id host, peer_id owner, c
   return numbers;
 }
 
-std::size_t subscriber_book::erase_host(peer_id host) {
+std::size_t subscriber_table::erase_host(peer_id host) {
   const auto of_host = hosts_.find(host);
   if (of_host == hosts_.end())
     return 0;
@@ -119,7 +119,7 @@ std::size_t subscriber_book::erase_host(peer_id host) {
   return count;
 }
 
-subscriber_book::expired subscriber_book::find_expired(instant now) {
+subscriber_table::expired subscriber_table::find_expired(instant now) {
   expired found;
   for (auto& [host, of_host] : hosts_) {
     for (auto& [number, x] : of_host.by_number) {
@@ -132,7 +132,7 @@ subscriber_book::expired subscriber_book::find_expired(instant now) {
   return found;
 }
 
-const subscriber_book::records* subscriber_book::of(peer_id host) const {
+const subscriber_table::records* subscriber_table::of(peer_id host) const {
   const auto at = hosts_.find(host);
   return at == hosts_.end() ? nullptr : &at->second.by_number;
 }

@@ -41,7 +41,7 @@ const runtime::mote_report& mote_of(const runtime::report& x, std::uint16_t id) 
 
 } // namespace
 
-TEST_CASE("a message that is refused is counted as one that was offered", "[ecology][books]") {
+TEST_CASE("a message that is refused is counted as one that was offered", "[ecology][counters]") {
   const auto toml =
       line(4, "{ app = 'listener', am_type = 10 }",
            "{ app = 'messenger', to = 'a/m-2', text = 'x', every = '50ms' }") +
@@ -55,7 +55,7 @@ TEST_CASE("a message that is refused is counted as one that was offered", "[ecol
   CHECK(*far.delivery() < 0.9);
 }
 
-TEST_CASE("records that fell between two openings are missing", "[ecology][books]") {
+TEST_CASE("records that fell between two openings are missing", "[ecology][counters]") {
   const auto toml =
       line(5, "{ app = 'stream_reader', stream = 3, every = '1s' }",
            "{ app = 'stream_writer', transducer = 'temperature', stream = 3, every = '1s', "
@@ -88,7 +88,7 @@ TEST_CASE("records that fell between two openings are missing", "[ecology][books
 }
 
 TEST_CASE("packets of channels are lost once, and the living alone are aligned",
-          "[ecology][books]") {
+          "[ecology][counters]") {
   const auto toml =
       line(3, "{ app = 'stream_reader', stream = 3, every = '1s' }",
            "{ app = 'stream_writer', transducer = 'temperature', stream = 3, every = '1s', "
@@ -104,7 +104,7 @@ TEST_CASE("packets of channels are lost once, and the living alone are aligned",
   CHECK(network.synchronised <= 3);
 }
 
-TEST_CASE("actuations survive the end of the PC that has asked for them", "[ecology][books]") {
+TEST_CASE("actuations survive the end of the PC that has asked for them", "[ecology][counters]") {
   auto what = example("home.toml");
   const auto before = run(what);
   const auto pc = std::ranges::find_if(what.peers, [](const auto& peer) {
@@ -124,7 +124,7 @@ TEST_CASE("actuations survive the end of the PC that has asked for them", "[ecol
   CHECK(kept + 2 >= requested); // nearly all were asked for before
 }
 
-TEST_CASE("the report tells the tree and how strongly a parent is heard", "[ecology][books]") {
+TEST_CASE("the report tells the tree and how strongly a parent is heard", "[ecology][counters]") {
   const auto x = run(describe(line(3, "", "")));
   CHECK(mote_of(x, 2).parent == default_sink);
   CHECK(mote_of(x, 3).parent == mote_id{2});
@@ -197,7 +197,7 @@ TEST_CASE("no loss is told that did not happen", "[ecology][explain]") {
   const auto all = explain::follow(run_recorded(what).content);
   std::size_t lost = 0;
   for (const auto& x : all.messages)
-    lost += explain::outcome_of(all, x).fate == explain::fate::lost ? 1 : 0;
+    lost += explain::outcome_of(all, x).status == explain::message_status::lost ? 1 : 0;
   CHECK(all.messages.size() > 1'000);
   CHECK(lost == 0);
 }

@@ -28,7 +28,7 @@ struct subscriber {
 /// Everything another host can put here takes a share of a limit, in records and in octets. All
 /// that concerns one record costs the logarithm of their number, all that concerns a host what it
 /// has here.
-class subscriber_book {
+class subscriber_table {
 public:
   struct limits {
     std::size_t records = 0;
@@ -38,8 +38,8 @@ public:
   };
   using records = std::map<std::uint64_t, subscriber*>; ///< by number
 
-  subscriber_book() = default;
-  explicit subscriber_book(const limits& x);
+  subscriber_table() = default;
+  explicit subscriber_table(const limits& x);
 
   /// The record of an equal subscription; null if there is none.
   [[nodiscard]] subscriber* find(peer_id host, const prototype& wanted);

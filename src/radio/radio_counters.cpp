@@ -1,63 +1,63 @@
-#include "radio/books.hpp"
+#include "radio/radio_counters.hpp"
 
 #include <numeric>
 
 namespace rubicon::radio {
 
-std::string to_string(copy_fate x) {
+std::string to_string(copy_outcome x) {
   switch (x) {
-  case copy_fate::delivered:
+  case copy_outcome::delivered:
     return "delivered";
-  case copy_fate::weak:
+  case copy_outcome::weak:
     return "weak";
-  case copy_fate::loss:
+  case copy_outcome::loss:
     return "loss";
-  case copy_fate::collision:
+  case copy_outcome::collision:
     return "collision";
-  case copy_fate::captured:
+  case copy_outcome::captured:
     return "captured";
-  case copy_fate::half_duplex:
+  case copy_outcome::half_duplex:
     return "half_duplex";
-  case copy_fate::off:
+  case copy_outcome::off:
     return "off";
-  case copy_fate::filtered:
+  case copy_outcome::filtered:
     return "filtered";
-  case copy_fate::overflow:
+  case copy_outcome::overflow:
     return "overflow";
-  case copy_fate::duplicate:
+  case copy_outcome::duplicate:
     return "duplicate";
-  case copy_fate::out_of_reach:
+  case copy_outcome::out_of_reach:
     return "out_of_reach";
   }
   return "unknown";
 }
 
-bool copy_book::balanced() const {
+bool copy_counters::balanced() const {
   return sent == std::accumulate(ended.begin(), ended.end(), std::uint64_t{0});
 }
 
-copy_book& copy_book::operator+=(const copy_book& x) {
+copy_counters& copy_counters::operator+=(const copy_counters& x) {
   sent += x.sent;
-  for (std::size_t i = 0; i < copy_fates; ++i)
+  for (std::size_t i = 0; i < copy_outcomes; ++i)
     ended[i] += x.ended[i];
   return *this;
 }
 
-copy_book link_books::link(std::size_t place) const {
-  copy_book x;
+copy_counters link_counters::link(std::size_t place) const {
+  copy_counters x;
   if (rows_ == nullptr)
     return x;
   x.sent = frames_;
-  for (std::size_t i = 0; i < copy_fates; ++i)
+  for (std::size_t i = 0; i < copy_outcomes; ++i)
     x.ended[i] = (*rows_)[i].empty() ? 0 : (*rows_)[i][place];
   return x;
 }
 
-bool request_book::balanced() const {
+bool request_counters::balanced() const {
   return requests == sent + no_ack + channel_access_failure + queue_full + aborted + open;
 }
 
-request_book& request_book::operator+=(const request_book& x) {
+request_counters& request_counters::operator+=(const request_counters& x) {
   requests += x.requests;
   sent += x.sent;
   no_ack += x.no_ack;
@@ -68,7 +68,7 @@ request_book& request_book::operator+=(const request_book& x) {
   return *this;
 }
 
-books& books::operator+=(const books& x) {
+radio_counters& radio_counters::operator+=(const radio_counters& x) {
   copies += x.copies;
   requests += x.requests;
   transmissions += x.transmissions;

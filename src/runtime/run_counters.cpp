@@ -1,4 +1,4 @@
-#include "runtime/books.hpp"
+#include "runtime/run_counters.hpp"
 
 #include <algorithm>
 
@@ -22,26 +22,27 @@ double& figure_of(program_report& x, const std::string& name) {
 
 } // namespace
 
-void books::add(mote_address who, bool is_pc, const message_report& x,
-                const arrival_counts& arrivals) {
+void run_counters::add(mote_address who, bool is_pc, const message_report& x,
+                       const arrival_counts& arrivals) {
   (is_pc ? pcs_ : messages_)[who] += x;
   for (const auto& [source, count] : arrivals)
     arrivals_[source] += count;
 }
 
-void books::add(const program_report& x, std::uint32_t number,
-                const std::vector<std::string>& measured, const std::vector<stream_part>& streams) {
+void run_counters::add(const program_report& x, std::uint32_t number,
+                       const std::vector<std::string>& measured,
+                       const std::vector<stream_part>& streams) {
   if (number == 0)
     number = first_unnumbered + unnumbered_++;
-  auto& book = programs_[{x.who, number, x.kind}];
-  book.sum.who = x.who;
-  book.sum.kind = x.kind;
+  auto& counters = programs_[{x.who, number, x.kind}];
+  counters.sum.who = x.who;
+  counters.sum.kind = x.kind;
   for (const auto& [name, value] : x.figures) {
-    auto& figure = figure_of(book.sum, name);
+    auto& figure = figure_of(counters.sum, name);
     const bool counts = std::ranges::find(measured, name) == measured.end();
     figure = counts ? figure + value : value;
   }
-  book.read_ends.clear();
+  counters.read_ends.clear();
   for (const auto& part : streams) {
     const std::pair key(part.reader, part.stream);
     auto& stream = streams_[key];
@@ -59,7 +60,7 @@ void books::add(const program_report& x, std::uint32_t number,
       stream.every = part.every;
       stream.written_ms = part.last_ms ? part.last_ms : stream.written_ms;
     } else {
-      book.read_ends.push_back(key);
+      counters.read_ends.push_back(key);
       stream.sum.read += part.records;
       stream.sum.openings += part.openings;
       stream.sum.pause = std::max(stream.sum.pause, part.pause);
@@ -71,7 +72,7 @@ void books::add(const program_report& x, std::uint32_t number,
   }
 }
 
-void books::add(const proxy_report& x, bool ended) {
+void run_counters::add(const proxy_report& x, bool ended) {
   const auto found = proxies_.find(x.name);
   if (found == proxies_.end()) {
     proxies_.emplace(x.name, x);
@@ -84,7 +85,7 @@ void books::add(const proxy_report& x, bool ended) {
   found->second.actuations = std::move(sum);
 }
 
-std::uint64_t books::vectors_missed(const std::string& node, std::uint32_t number) const {
+std::uint64_t run_counters::vectors_missed(const std::string& node, std::uint32_t number) const {
   for (auto x = programs_.lower_bound({node, number, {}});
        x != programs_.end() && std::get<0>(x->first) == node && std::get<1>(x->first) == number;
        ++x) {
@@ -96,7 +97,7 @@ std::uint64_t books::vectors_missed(const std::string& node, std::uint32_t numbe
 }
 
 /// Records come in order: those newer than the newest that was read are under way, if they can be.
-stream_report books::settled(const stream_book& x) {
+stream_report run_counters::settled(const stream_counters& x) {
   auto sum = x.sum;
   const auto unread = above(sum.produced, sum.read);
   if (x.written_ms && x.read_ms && x.every > 0s) {
@@ -108,7 +109,7 @@ stream_report books::settled(const stream_book& x) {
   return sum;
 }
 
-std::vector<half_open_stream> books::half_open() const {
+std::vector<half_open_stream> run_counters::half_open() const {
   std::vector<half_open_stream> found;
   for (const auto& [key, x] : streams_) {
     if (!x.has_ends[0] || !x.has_ends[1] || x.open[0] == x.open[1])
@@ -120,14 +121,14 @@ std::vector<half_open_stream> books::half_open() const {
   return found;
 }
 
-void books::settle_streams(report& x) const {
+void run_counters::settle_streams(report& x) const {
   for (const auto& [key, stream] : streams_)
     x.streams.push_back(settled(stream));
-  for (const auto& [key, book] : programs_) {
-    auto& program = x.programs.emplace_back(book.sum);
-    if (program.kind != "stream_reader" || book.read_ends.size() != 1)
+  for (const auto& [key, counters] : programs_) {
+    auto& program = x.programs.emplace_back(counters.sum);
+    if (program.kind != "stream_reader" || counters.read_ends.size() != 1)
       continue;
-    const auto stream = settled(streams_.at(book.read_ends.front()));
+    const auto stream = settled(streams_.at(counters.read_ends.front()));
     const auto delivery = stream.delivery();
     if (stream.from.empty() || !delivery)
       continue; // nobody of this run writes it: the reader's own clock must do
@@ -136,7 +137,7 @@ void books::settle_streams(report& x) const {
   }
 }
 
-void books::settle_messages(report& x) const {
+void run_counters::settle_messages(report& x) const {
   const auto told = [this](const mote_address& who, message_report sum) {
     const auto arrived = arrivals_.find(who);
     sum.unreliable_arrived = arrived == arrivals_.end() ? 0 : arrived->second;
@@ -157,7 +158,7 @@ void books::settle_messages(report& x) const {
     x.pc_messages += told(who, sum);
 }
 
-void books::settle(report& x) const {
+void run_counters::settle(report& x) const {
   settle_streams(x);
   settle_messages(x);
   for (const auto& [name, proxy] : proxies_)

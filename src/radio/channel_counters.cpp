@@ -5,8 +5,8 @@
 
 namespace rubicon::radio {
 
-std::vector<books> channel::counted_by_radio() const {
-  std::vector<books> all;
+std::vector<radio_counters> channel::counted_by_radio() const {
+  std::vector<radio_counters> all;
   for (const auto& x : stations_) {
     all.push_back(x.counted);
     all.back().requests.open = x.sender.open();
@@ -20,34 +20,34 @@ std::vector<books> channel::counted_by_radio() const {
   return all;
 }
 
-books channel::counted_by(radio_index radio) const {
+radio_counters channel::counted_by(radio_index radio) const {
   return counted_by_radio()[radio.value];
 }
 
-books channel::counted_in_pan(std::uint16_t pan) const {
+radio_counters channel::counted_in_pan(std::uint16_t pan) const {
   const auto all = counted_by_radio();
-  books sum;
+  radio_counters sum;
   for (std::size_t i = 0; i < all.size(); ++i)
     if (stations_[i].pan == pan)
       sum += all[i];
   return sum;
 }
 
-books channel::counted() const {
-  books sum;
+radio_counters channel::counted() const {
+  radio_counters sum;
   for (const auto& x : counted_by_radio())
     sum += x;
   return sum;
 }
 
-copy_book channel::counted_on(radio_index from, radio_index to) const {
-  const auto& book = at(from).copies;
-  if (book.to() == nullptr)
+copy_counters channel::counted_on(radio_index from, radio_index to) const {
+  const auto& counters = at(from).copies;
+  if (counters.to() == nullptr)
     return {};
-  const auto found = std::ranges::lower_bound(*book.to(), to, {}, &hearer::radio);
-  if (found == book.to()->end() || found->radio != to)
+  const auto found = std::ranges::lower_bound(*counters.to(), to, {}, &hearer::radio);
+  if (found == counters.to()->end() || found->radio != to)
     return {};
-  return book.link(static_cast<std::size_t>(found - book.to()->begin()));
+  return counters.link(static_cast<std::size_t>(found - counters.to()->begin()));
 }
 
 bool channel::balanced() const {
@@ -61,7 +61,7 @@ bool channel::balanced() const {
   std::uint64_t copies = 0;
   for (const auto& x : all)
     copies += x.copies.sent;
-  return copies == medium_.copies() && std::ranges::all_of(all, &books::balanced);
+  return copies == medium_.copies() && std::ranges::all_of(all, &radio_counters::balanced);
 }
 
 energy_use channel::energy(radio_index radio, instant now) const {

@@ -1,5 +1,5 @@
-#include "runtime/books.hpp"
 #include "runtime/invariants.hpp"
+#include "runtime/run_counters.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -10,7 +10,7 @@ namespace {
 const mote_address fan{island_id{3}, mote_id{4}};
 const mote_address button{island_id{3}, mote_id{5}};
 
-report of(const books& all) {
+report of(const run_counters& all) {
   report x;
   x.islands.emplace_back();
   x.islands[0].id = island_id{3};
@@ -73,8 +73,8 @@ double figure(const program_report& x, const std::string& name) {
 } // namespace
 
 TEST_CASE("lives of a program are added up, what it measures is the last one's",
-          "[runtime][books]") {
-  books all;
+          "[runtime][run_counters]") {
+  run_counters all;
   all.add({"kitchen/fan", "average", {{"records read", 3}, {"error", 7}}}, 1, {"error"}, {});
   all.add({"kitchen/fan", "average", {{"records read", 4}, {"error", 5}}}, 1, {"error"}, {});
   all.add({"kitchen/fan", "average", {{"records read", 9}}}, 2, {}, {});
@@ -88,8 +88,9 @@ TEST_CASE("lives of a program are added up, what it measures is the last one's",
   CHECK(figure(x.programs[3], "goals") == 2);
 }
 
-TEST_CASE("a stream's delivery is what its writer produced, over all lives", "[runtime][books]") {
-  books all;
+TEST_CASE("a stream's delivery is what its writer produced, over all lives",
+          "[runtime][run_counters]") {
+  run_counters all;
   all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {writer(300, 10, 300'000)});
   all.add(reader_figures(280), 1, {"delivery %"}, {reader(280, 290'000)});
   all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {writer(100, 0, 410'000)});
@@ -114,8 +115,8 @@ TEST_CASE("a stream's delivery is what its writer produced, over all lives", "[r
   CHECK(figure(x.programs[1], "delivery %") == Approx(100 * 375.0 / 398));
 }
 
-TEST_CASE("a stream that is open at one end only is half open", "[runtime][books]") {
-  books all;
+TEST_CASE("a stream that is open at one end only is half open", "[runtime][run_counters]") {
+  run_counters all;
   auto closed = reader(60, 69'000);
   closed.open = false;
   closed.steady = 11min;
@@ -133,16 +134,17 @@ TEST_CASE("a stream that is open at one end only is half open", "[runtime][books
   CHECK(all.half_open().empty());
 }
 
-TEST_CASE("what is older than half a minute is no more under way", "[runtime][books]") {
-  books all;
+TEST_CASE("what is older than half a minute is no more under way", "[runtime][run_counters]") {
+  run_counters all;
   all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {writer(100, 0, 100'000)});
   all.add(reader_figures(60), 1, {}, {reader(60, 69'000)});
   CHECK(of(all).streams[0].open == 0);
   CHECK(of(all).streams[0].missing == 40);
 }
 
-TEST_CASE("a reader whose writer is nobody of this run goes by its own clock", "[runtime][books]") {
-  books all;
+TEST_CASE("a reader whose writer is nobody of this run goes by its own clock",
+          "[runtime][run_counters]") {
+  run_counters all;
   all.add({"robot", "stream_reader", {{"records", 5}, {"records missing", 2}}}, 1, {},
           {reader(5, 5'000)});
   const auto x = of(all);
@@ -151,12 +153,12 @@ TEST_CASE("a reader whose writer is nobody of this run goes by its own clock", "
 }
 
 TEST_CASE("messages are added up over lives, and arrivals are told by those they came to",
-          "[runtime][books]") {
+          "[runtime][run_counters]") {
   message_report life;
   life.offered = 12;
   life.refused = {{"crowded", 2}};
   life.unreliable_sent = 10;
-  books all;
+  run_counters all;
   all.add(fan, false, life, {});
   all.add(fan, false, life, {{button, 1}});
   all.add({island_id{3}, no_mote}, false, {}, {{fan, 17}});
@@ -174,8 +176,8 @@ TEST_CASE("messages are added up over lives, and arrivals are told by those they
   CHECK(check_messages(x).empty());
 }
 
-TEST_CASE("actuations of a proxy that is started again are kept", "[runtime][books]") {
-  books all;
+TEST_CASE("actuations of a proxy that is started again are kept", "[runtime][run_counters]") {
+  run_counters all;
   proxy_report life{"kitchen.fan", "fan", "ended", {}, {3, 2, 10ms, {}, {{"proxy_ended", 1}}}};
   all.add(life, true);
   CHECK(of(all).proxies.at(0).status == "ended");
@@ -192,12 +194,12 @@ TEST_CASE("actuations of a proxy that is started again are kept", "[runtime][boo
 }
 
 TEST_CASE("a packet of a channel that did not arrive is lost, one that was repeated is not",
-          "[runtime][books]") {
+          "[runtime][run_counters]") {
   report x;
   x.islands.emplace_back();
   x.islands[0].network.channel_packets = 100;
   x.islands[0].network.channel_packets_arrived = 97;
   x.islands[0].network.lost["channel_lost"] = 43; // acknowledgements that did not come
-  books{}.settle(x);
+  run_counters{}.settle(x);
   CHECK(x.islands[0].network.lost.at("channel_lost") == 3);
 }

@@ -42,7 +42,7 @@ struct half_open_stream {
   duration steady{};
 };
 
-class books {
+class run_counters {
 public:
   using arrival_counts = std::vector<std::pair<mote_address, std::uint64_t>>;
 
@@ -68,12 +68,12 @@ public:
   void settle(report& x) const;
 
 private:
-  struct program_book {
+  struct program_counters {
     program_report sum;
     std::vector<std::pair<std::string, std::uint16_t>> read_ends; ///< keys of streams
   };
 
-  struct stream_book {
+  struct stream_counters {
     stream_report sum;
     std::optional<std::uint32_t> written_ms; ///< time in the newest record of each end
     std::optional<std::uint32_t> read_ms;
@@ -83,12 +83,12 @@ private:
     duration steady[2] = {};
   };
 
-  [[nodiscard]] static stream_report settled(const stream_book& x);
+  [[nodiscard]] static stream_report settled(const stream_counters& x);
   void settle_streams(report& x) const;
   void settle_messages(report& x) const;
 
-  std::map<std::tuple<std::string, std::uint32_t, std::string>, program_book> programs_;
-  std::map<std::pair<std::string, std::uint16_t>, stream_book> streams_;
+  std::map<std::tuple<std::string, std::uint32_t, std::string>, program_counters> programs_;
+  std::map<std::pair<std::string, std::uint16_t>, stream_counters> streams_;
   std::map<std::string, proxy_report> proxies_;
   std::map<mote_address, message_report> messages_; ///< of motes and gateways
   std::map<mote_address, message_report> pcs_;

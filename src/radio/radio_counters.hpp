@@ -1,4 +1,4 @@
-// The radio's two books. Every copy of a frame and every request ends in exactly one of their
+// What a radio counts. Every copy of a frame and every request ends in exactly one of their
 // lines.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace rubicon::radio {
 
 /// What became of one copy of a frame at one radio in reach. Of several causes the first in time
 /// counts.
-enum class copy_fate : std::uint8_t {
+enum class copy_outcome : std::uint8_t {
   delivered,    ///< data handed to the mote, an ack that completed a request
   weak,         ///< below the sensitivity, or spoiled by noise alone
   loss,         ///< the link's own chance (channel_config::loss, link_override)
@@ -26,36 +26,39 @@ enum class copy_fate : std::uint8_t {
   filtered,     ///< for another mote or PAN, or an ack nobody here waits for
   overflow,     ///< no receive slot was free
   duplicate,    ///< repeated by the sender because it missed the ack
-  out_of_reach, ///< there was no copy: the radio is too far away; in no book
+  out_of_reach, ///< there was no copy: the radio is too far away; not counted
 };
 
-inline constexpr std::size_t copy_fates = 10; ///< those that are in a book
+inline constexpr std::size_t copy_outcomes = 10; ///< those that are counted
 
 /// As the report names them.
-[[nodiscard]] std::string to_string(copy_fate x);
+[[nodiscard]] std::string to_string(copy_outcome x);
 
 /// Copies of frames: one for each radio in reach of a transmission, booked when the frame ends.
-/// Acks are frames too. sent = the sum of all fates.
-struct copy_book {
+/// Acks are frames too. sent = the sum of all outcomes.
+struct copy_counters {
   std::uint64_t sent = 0;
-  std::array<std::uint64_t, copy_fates> ended{}; ///< by fate
+  std::array<std::uint64_t, copy_outcomes> ended{}; ///< by outcome
 
-  [[nodiscard]] std::uint64_t of(copy_fate x) const { return ended[static_cast<std::size_t>(x)]; }
+  [[nodiscard]] std::uint64_t of(copy_outcome x) const {
+    return ended[static_cast<std::size_t>(x)];
+  }
   [[nodiscard]] bool balanced() const;
-  copy_book& operator+=(const copy_book& x);
-  friend bool operator==(const copy_book&, const copy_book&) = default;
+  copy_counters& operator+=(const copy_counters& x);
+  friend bool operator==(const copy_counters&, const copy_counters&) = default;
 };
 
-/// The copies on all links out of one radio. `sent` is counted once a frame, the fates one by one,
-/// so that each link is checked against something. Takes room only for fates that have occurred.
-class link_books {
+/// The copies on all links out of one radio. `sent` is counted once a frame, the outcomes one by
+/// one, so that each link is checked against something. Takes room only for outcomes that have
+/// occurred.
+class link_counters {
 public:
   /// From now on it is about the links to these radios; what was counted is forgotten.
   /// @param to not nullptr
   void begin(const std::shared_ptr<const hearers>& to) {
     to_ = to;
     frames_ = 0;
-    rows_ = std::make_unique<std::array<row, copy_fates>>();
+    rows_ = std::make_unique<std::array<row, copy_outcomes>>();
   }
 
   [[nodiscard]] bool is_about(const std::shared_ptr<const hearers>& to) const { return to_ == to; }
@@ -63,7 +66,7 @@ public:
   void count_frame() { ++frames_; }
 
   /// @param place of the radio in the list
-  void count(std::size_t place, copy_fate x) {
+  void count(std::size_t place, copy_outcome x) {
     auto& counts = (*rows_)[static_cast<std::size_t>(x)];
     if (counts.empty())
       counts.resize(to_->size());
@@ -71,19 +74,19 @@ public:
   }
 
   [[nodiscard]] const hearers* to() const { return to_.get(); } ///< nullptr: nothing sent yet
-  [[nodiscard]] copy_book link(std::size_t place) const;
+  [[nodiscard]] copy_counters link(std::size_t place) const;
 
 private:
   using row = std::vector<std::uint32_t>; ///< empty or one count a link
 
   std::shared_ptr<const hearers> to_;
   std::uint64_t frames_ = 0;
-  std::unique_ptr<std::array<row, copy_fates>> rows_;
+  std::unique_ptr<std::array<row, copy_outcomes>> rows_;
 };
 
 /// Requests to send, booked with the sender.
 ///   requests = sent + no_ack + channel_access_failure + queue_full + aborted + open
-struct request_book {
+struct request_counters {
   std::uint64_t requests = 0;
   std::uint64_t sent = 0;
   std::uint64_t no_ack = 0;
@@ -93,21 +96,21 @@ struct request_book {
   std::uint64_t open = 0; ///< queued or under way, counted where they wait
 
   [[nodiscard]] bool balanced() const;
-  request_book& operator+=(const request_book& x);
-  friend bool operator==(const request_book&, const request_book&) = default;
+  request_counters& operator+=(const request_counters& x);
+  friend bool operator==(const request_counters&, const request_counters&) = default;
 };
 
 /// What one radio, the radios of one PAN or all radios have counted.
-struct books {
-  copy_book copies;                ///< that came to these radios, from whichever PAN
-  request_book requests;           ///< made to these radios
+struct radio_counters {
+  copy_counters copies;            ///< that came to these radios, from whichever PAN
+  request_counters requests;       ///< made to these radios
   std::uint64_t transmissions = 0; ///< frames they put on the air, retries and acks included
   std::uint64_t acks = 0;          ///< of these, acks
   std::uint64_t acks_received = 0; ///< copies delivered that were acks
 
   [[nodiscard]] bool balanced() const { return copies.balanced() && requests.balanced(); }
-  books& operator+=(const books& x);
-  friend bool operator==(const books&, const books&) = default;
+  radio_counters& operator+=(const radio_counters& x);
+  friend bool operator==(const radio_counters&, const radio_counters&) = default;
 };
 
 } // namespace rubicon::radio
