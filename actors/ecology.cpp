@@ -861,7 +861,7 @@ std::string mote_name(ecology_pointer self, const mote_address& x) {
   return found == self->state.motes.end() ? island + "/sink" : found->second.arguments->name;
 }
 
-runtime::flow_report report_of(ecology_pointer self, const flow::part& x) {
+runtime::flow_report report_of(ecology_pointer self, const traffic::part& x) {
   runtime::flow_report r;
   r.from = x.from;
   r.to = x.to;

@@ -145,7 +145,7 @@ struct collected_answers {
   runtime::report report;
   runtime::run_counters counters;
   std::map<mote_address, std::vector<network::channel_id>> channel_tables; ///< of the living
-  std::map<std::pair<mote_address, mote_address>, flow::part> flows;       ///< by origin and target
+  std::map<std::pair<mote_address, mote_address>, traffic::part> flows;    ///< by origin and target
   std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
   bool delivered = false;                           ///< deliver_report has come
 };

@@ -10,8 +10,8 @@
 #include "actors/messages.hpp"
 #include "actors/timer.hpp"
 #include "config/ecology.hpp"
-#include "flow/program.hpp"
 #include "radio/frame.hpp"
+#include "traffic/program.hpp"
 
 namespace rubicon {
 
@@ -33,14 +33,14 @@ public:
     const auto config = config_of(apps);
     if (config.empty())
       return;
-    program_ = std::make_unique<flow::program>(config, address, rng);
+    program_ = std::make_unique<traffic::program>(config, address, rng);
     perform(self, program_->start(now(self)));
   }
 
   /// @returns whether the frame was the flows'
   template <class Self>
   bool take(Self self, const radio::frame& x) {
-    if (x.am_type != flow::am_type)
+    if (x.am_type != traffic::am_type)
       return false;
     if (program_)
       perform(self, program_->on_packet(x.source, x.payload, now(self)));
@@ -85,14 +85,14 @@ public:
   }
 
 private:
-  static flow::program_config config_of(const std::vector<config::mote_app>& apps) {
-    flow::program_config all;
+  static traffic::program_config config_of(const std::vector<config::mote_app>& apps) {
+    traffic::program_config all;
     for (const auto& app : apps) {
-      if (const auto* sender = std::get_if<flow::sender_config>(&app))
+      if (const auto* sender = std::get_if<traffic::sender_config>(&app))
         all.senders.push_back(*sender);
-      else if (const auto* relay = std::get_if<flow::relay_config>(&app))
+      else if (const auto* relay = std::get_if<traffic::relay_config>(&app))
         all.relay = *relay;
-      else if (std::holds_alternative<flow::receiver_config>(app))
+      else if (std::holds_alternative<traffic::receiver_config>(app))
         all.receives = true;
     }
     return all;
@@ -100,14 +100,14 @@ private:
 
   /// Requests of flows have tokens from 1; those of the stack have 0.
   template <class Self>
-  void perform(Self self, flow::outputs todo) {
+  void perform(Self self, traffic::outputs todo) {
     for (auto& x : todo)
-      self->send(air_, radio_send{radio_, x.token + 1, x.next_hop, flow::am_type,
+      self->send(air_, radio_send{radio_, x.token + 1, x.next_hop, traffic::am_type,
                                   payload(std::move(x.payload)), x.ack});
     wake_.follow(self, program_->deadline());
   }
 
-  std::unique_ptr<flow::program> program_; ///< nullptr: nothing to do with flows
+  std::unique_ptr<traffic::program> program_; ///< nullptr: nothing to do with flows
   timer wake_{timer_number};
   radio::radio_index radio_;
   air_actor air_;

@@ -21,7 +21,7 @@ using init_pointer = scheduler::traced_pointer<init_state, init_actor>;
 /// What others may write of each component.
 constexpr std::array fields{"reqState", "stdin", "extra-arguments"};
 
-void perform(init_pointer self, init::outputs todo);
+void perform(init_pointer self, peisinit::outputs todo);
 
 /// Once for each component.
 void tell_unmet(init_pointer self, std::size_t component, const std::string& why) {
@@ -38,16 +38,16 @@ bool is_no_command(const std::string& how) {
          how == io::to_string(io::process_end{126, 0});
 }
 
-void start_process(init_pointer self, const init::start& x) {
+void start_process(init_pointer self, const peisinit::start& x) {
   auto& state = self->state;
   const auto& what = state.supervisor.components()[x.component];
   const auto user = caf::actor_cast<init_actor>(self);
   io::spawn_request request{"/bin/sh", {"sh", "-c", what.command}};
-  request.environment = {"PEISINIT=" + init::options_for(what, x.arguments, *state.host)};
+  request.environment = {"PEISINIT=" + peisinit::options_for(what, x.arguments, *state.host)};
   auto made = io::process::start(
       *state.arguments.loop, std::move(request),
       {[user, at = x.component](io::process::output from, byte_view octets) {
-         const auto last = octets.last(std::min(octets.size(), init::tail_octets_max));
+         const auto last = octets.last(std::min(octets.size(), peisinit::tail_octets_max));
          caf::anon_send(user, process_output{at, from == io::process::output::err, to_bytes(last)});
        },
        [user, at = x.component, life = x.life](io::process_end how) {
@@ -67,11 +67,11 @@ void start_process(init_pointer self, const init::start& x) {
 struct performer {
   init_pointer self;
 
-  void operator()(const init::publish& x) const {
+  void operator()(const peisinit::publish& x) const {
     self->send(self->state.arguments.peer, set_tuple{x.key, payload(to_bytes(x.text)), true});
   }
 
-  void operator()(const init::start& x) const {
+  void operator()(const peisinit::start& x) const {
     const auto& what = self->state.supervisor.components()[x.component];
     if (what.peer.empty())
       start_process(self, x);
@@ -79,40 +79,40 @@ struct performer {
       self->send(self->state.arguments.ecology, start_component{what.peer, x.life});
   }
 
-  void operator()(const init::stop& x) const {
+  void operator()(const peisinit::stop& x) const {
     const auto& what = self->state.supervisor.components()[x.component];
     switch (x.step) {
-    case init::stop_step::do_quit:
+    case peisinit::stop_step::do_quit:
       write(what.id, "do-quit");
       return;
-    case init::stop_step::kernel_quit:
+    case peisinit::stop_step::kernel_quit:
       write(what.id, "kernel.do-quit");
       return;
-    case init::stop_step::interrupt:
+    case peisinit::stop_step::interrupt:
       signal(x.component, SIGINT);
       return;
-    case init::stop_step::terminate:
+    case peisinit::stop_step::terminate:
       signal(x.component, SIGTERM);
       return;
-    case init::stop_step::kill:
+    case peisinit::stop_step::kill:
       signal(x.component, SIGKILL);
       return;
     }
   }
 
-  void operator()(const init::feed& x) const {
+  void operator()(const peisinit::feed& x) const {
     const auto process = self->state.processes.find(x.component);
     if (process == self->state.processes.end() || !process->second.feed(x.text))
       log(self, spdlog::level::warn, "event=input_lost component={} octets={}",
           self->state.supervisor.components()[x.component].name, x.text.size());
   }
 
-  void operator()(init::tell& x) const {
+  void operator()(peisinit::tell& x) const {
     log(self, spdlog::level::info, "event=component what=\"{}\"", x.what);
     self->send(self->state.arguments.ecology, story{self->path(), std::move(x.what)});
   }
 
-  void operator()(const init::all_off&) const {
+  void operator()(const peisinit::all_off&) const {
     self->send(self->state.arguments.peer, quit_peer{});
   }
 
@@ -138,7 +138,7 @@ struct performer {
   }
 };
 
-void perform(init_pointer self, init::outputs todo) {
+void perform(init_pointer self, peisinit::outputs todo) {
   for (auto& output : todo)
     std::visit(performer{self}, output);
   self->state.wake.follow(self, self->state.supervisor.deadline());
@@ -176,7 +176,7 @@ void on_guarded(init_pointer self, const kernel_guarded& x) {
   if (state.host)
     return;
   take_host(self, x.host_name);
-  state.host = init::host_facts{x.host_name, x.network, x.port};
+  state.host = peisinit::host_facts{x.host_name, x.network, x.port};
   perform(self, state.supervisor.begin(now(self)));
   watch_all(self);
   if (state.quit_wanted)
@@ -204,7 +204,7 @@ void on_tuple(init_pointer self, const tuple_event& x) {
 /// The place of the component that is this peer. @pre there is one
 std::size_t component_of(init_pointer self, const std::string& peer) {
   const auto& all = self->state.supervisor.components();
-  return static_cast<std::size_t>(std::ranges::find(all, peer, &init::component::peer) -
+  return static_cast<std::size_t>(std::ranges::find(all, peer, &peisinit::component::peer) -
                                   all.begin());
 }
 
@@ -213,7 +213,7 @@ void report(init_pointer self) {
   const auto& counted = state.supervisor.counted();
   std::size_t on = 0;
   for (std::size_t i = 0; i < state.supervisor.components().size(); ++i)
-    on += state.supervisor.phase_of(i) == init::phase::on ? 1 : 0;
+    on += state.supervisor.phase_of(i) == peisinit::phase::on ? 1 : 0;
   program_status status{{state.arguments.name, "init", {}}, 0, {}, {}};
   status.program.figures = {{"components on", static_cast<double>(on)},
                             {"starts", static_cast<double>(counted.starts)},
@@ -229,7 +229,7 @@ init_actor::behavior_type init_behavior(init_pointer self, init_arguments argume
   scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.arguments = std::move(arguments);
-  state.supervisor = init::supervisor(std::move(state.arguments.components));
+  state.supervisor = peisinit::supervisor(std::move(state.arguments.components));
   self->send(state.arguments.peer, guard_kernel{{caf::actor_cast<init_actor>(self)}});
   return {
       [self](const tuple_event& x) { on_tuple(self, x); },
@@ -251,7 +251,7 @@ init_actor::behavior_type init_behavior(init_pointer self, init_arguments argume
       },
       [self](const process_output& x) {
         perform(self, self->state.supervisor.on_output(
-                          x.component, x.is_error ? init::channel::err : init::channel::out,
+                          x.component, x.is_error ? peisinit::channel::err : peisinit::channel::out,
                           x.octets.view(), now(self)));
       },
       [self](const process_ended& x) {

@@ -10,9 +10,9 @@
 
 #include "actors/messages.hpp"
 #include "actors/timer.hpp"
-#include "init/supervisor.hpp"
 #include "io/file_lock.hpp"
 #include "io/process.hpp"
+#include "peisinit/supervisor.hpp"
 
 namespace rubicon {
 
@@ -20,7 +20,7 @@ namespace rubicon {
 struct init_arguments {
   std::string name; ///< of its peer
   peer_id id;       ///< of its peer
-  std::vector<init::component> components;
+  std::vector<peisinit::component> components;
   io::loop* loop = nullptr; ///< where processes are; nullptr: there are none, as in virtual time
   std::string lock;         ///< path of the file that only one may hold; empty: one of the host
   peis_peer_actor peer;
@@ -29,8 +29,8 @@ struct init_arguments {
 
 struct init_state {
   init_arguments arguments;
-  init::supervisor supervisor;
-  std::optional<init::host_facts> host; ///< known once the kernel is guarded
+  peisinit::supervisor supervisor;
+  std::optional<peisinit::host_facts> host; ///< known once the kernel is guarded
   std::optional<io::file_lock> lock;
   std::map<std::size_t, io::process> processes; ///< by component
   std::set<std::size_t> unmet;                  ///< components that were told not to start

@@ -16,7 +16,6 @@
 #include "core/device_keys.hpp"
 #include "core/fields.hpp"
 #include "core/time.hpp"
-#include "flow/part.hpp"
 #include "mote/nonvolatile.hpp"
 #include "mote/remote_messages.hpp"
 #include "mote/transducer.hpp"
@@ -27,6 +26,7 @@
 #include "runtime/report.hpp"
 #include "scheduler/trace.hpp"
 #include "serial/line.hpp"
+#include "traffic/part.hpp"
 
 namespace rubicon {
 
@@ -103,7 +103,7 @@ RUBICON_FIELDS(radio_status, island, radio);
 
 /// What one mote knows about the flows of measuring packets it has a hand in.
 struct flow_status {
-  std::vector<flow::part> parts;
+  std::vector<traffic::part> parts;
 };
 RUBICON_FIELDS(flow_status, parts);
 

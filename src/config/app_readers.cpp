@@ -3,13 +3,13 @@
 #include "apps/app_keys.hpp"
 #include "config/application_readers.hpp"
 #include "config/mote_readers.hpp"
-#include "flow/flow_keys.hpp"
+#include "traffic/flow_keys.hpp"
 
 namespace rubicon::config {
 
 namespace {
 
-constexpr std::uint16_t flow_channel = 0xf0; // flow::am_type
+constexpr std::uint16_t flow_channel = 0xf0; // traffic::am_type
 
 /// Channels and AM types are free but for that of the measuring apps.
 void check_channel(const table_reader& in, std::string_view key, std::uint16_t channel) {
@@ -126,14 +126,14 @@ void refuse_with(const table_reader& in, std::string_view key, std::string_view 
                                       std::string(pattern) + '"');
 }
 
-void check_times(const table_reader& in, const flow::sender_config& app) {
+void check_times(const table_reader& in, const traffic::sender_config& app) {
   if (!in.sound())
     return;
-  if (app.pattern == flow::arrivals::saturated) {
+  if (app.pattern == traffic::arrivals::saturated) {
     refuse_with(in, "every", "saturated");
     refuse_with(in, "jitter", "saturated");
   }
-  if (app.pattern == flow::arrivals::poisson)
+  if (app.pattern == traffic::arrivals::poisson)
     refuse_with(in, "jitter", "poisson");
   else if (app.jitter > app.every)
     in.problems().add(in.at("jitter"),
@@ -144,7 +144,7 @@ void check_times(const table_reader& in, const flow::sender_config& app) {
 }
 
 placed_app read_sender(table_reader& in) {
-  flow::sender_config app;
+  traffic::sender_config app;
   placed_app out;
   read_end(
       in, "to", {true}, true, out,
@@ -165,7 +165,7 @@ placed_app read_sender(table_reader& in) {
 }
 
 placed_app read_relay(table_reader& in) {
-  flow::relay_config app;
+  traffic::relay_config app;
   placed_app out;
   read_end(in, "next", {}, true, out, "where to");
   in.all(app);
@@ -215,7 +215,7 @@ std::vector<placed_app> read_mote_apps(table_reader& in) {
                        {{"sender", [&](table_reader& y) { add(y, "app", read_sender(y)); }},
                         {"relay", [&](table_reader& y) { add(y, "app", read_relay(y)); }},
                         {"receiver", [&](table_reader& y) {
-                           add(y, "app", {flow::receiver_config{}, {}, {}, {}});
+                           add(y, "app", {traffic::receiver_config{}, {}, {}, {}});
                          }}});
         x.one_of("app", "which program", choices);
       });

@@ -1,5 +1,5 @@
 #include "config/component_readers.hpp"
-#include "init/component_keys.hpp"
+#include "peisinit/component_keys.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -11,7 +11,7 @@ namespace rubicon::config {
 
 /// A component, and the places of the keys that name its peer or command, and its id.
 struct placed_component {
-  init::component what;
+  peisinit::component what;
   mark at;
   mark what_at;
   mark id_at;

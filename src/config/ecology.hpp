@@ -18,18 +18,18 @@
 #include "core/bytes.hpp"
 #include "core/time.hpp"
 #include "core/wire_form.hpp"
-#include "flow/flow_config.hpp"
 #include "goal/pursuer_config.hpp"
-#include "init/component.hpp"
 #include "mote/duty_config.hpp"
 #include "mote/transducer_config.hpp"
 #include "mote/way_point.hpp"
 #include "peis/link_url.hpp"
+#include "peisinit/component.hpp"
 #include "proxy/proxy_class.hpp"
 #include "proxy/rules_config.hpp"
 #include "radio/parameters.hpp"
 #include "rfid/reader_config.hpp"
 #include "serial/line_config.hpp"
+#include "traffic/flow_config.hpp"
 #include "translate/translation.hpp"
 
 namespace rubicon::config {
@@ -46,9 +46,9 @@ struct separate_app {
   apps::app_config program;
 };
 
-using mote_app =
-    std::variant<sampler_app, actuator_app, messenger_app, listener_app, apps::app_config,
-                 flow::sender_config, flow::relay_config, flow::receiver_config, separate_app>;
+using mote_app = std::variant<sampler_app, actuator_app, messenger_app, listener_app,
+                              apps::app_config, traffic::sender_config, traffic::relay_config,
+                              traffic::receiver_config, separate_app>;
 
 /// In between it moves in a straight line, after the last it stays.
 using mote::way_point;
@@ -149,7 +149,7 @@ struct translate_app {
 
 /// Starts, stops and watches the components of its host: the peisinit there (SVC-01).
 struct init_app {
-  std::vector<init::component> components; ///< names and ids unique
+  std::vector<peisinit::component> components; ///< names and ids unique
   std::string lock; ///< path of the file that says so in wall time; empty: one of the host
 };
 

@@ -311,15 +311,15 @@ void island_motes::note_flows(mote_id from, const std::vector<placed_app>& apps,
       if (x == from && from != mote_id{})
         problems.add(each.ends[end].at, "a mote cannot send to itself");
     };
-    if (const auto* sender = std::get_if<flow::sender_config>(&each.app)) {
+    if (const auto* sender = std::get_if<traffic::sender_config>(&each.app)) {
       refuse_self(0, sender->to);
       if (sender->via)
         refuse_self(1, *sender->via);
       flows_.emplace(placed_flow{sender->to, sender->via, each.ends[0].at, each.ends[1].at}, from);
-    } else if (const auto* relay = std::get_if<flow::relay_config>(&each.app)) {
+    } else if (const auto* relay = std::get_if<traffic::relay_config>(&each.app)) {
       refuse_self(0, relay->next);
       relays_.emplace(from, relay->next);
-    } else if (std::holds_alternative<flow::receiver_config>(each.app)) {
+    } else if (std::holds_alternative<traffic::receiver_config>(each.app)) {
       receivers_.insert(from);
     }
   }

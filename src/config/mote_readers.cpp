@@ -23,8 +23,10 @@ struct takes_place_of {
   bool operator()(const listener_app& a, const listener_app& b) const {
     return a.am_type == b.am_type;
   }
-  bool operator()(const flow::relay_config&, const flow::relay_config&) const { return true; }
-  bool operator()(const flow::receiver_config&, const flow::receiver_config&) const { return true; }
+  bool operator()(const traffic::relay_config&, const traffic::relay_config&) const { return true; }
+  bool operator()(const traffic::receiver_config&, const traffic::receiver_config&) const {
+    return true;
+  }
   template <class A, class B>
   bool operator()(const A&, const B&) const {
     return false;
@@ -82,11 +84,11 @@ struct app_check {
 
   void operator()(const listener_app& x) const { claim(inputs, "input", x.am_type); }
 
-  void operator()(const flow::sender_config&) const {}
+  void operator()(const traffic::sender_config&) const {}
 
-  void operator()(const flow::relay_config&) const { claim_single("relay"); }
+  void operator()(const traffic::relay_config&) const { claim_single("relay"); }
 
-  void operator()(const flow::receiver_config&) const { claim_single("receiver"); }
+  void operator()(const traffic::receiver_config&) const { claim_single("receiver"); }
 
 private:
   void check_transducers(const std::vector<mote::quantity>& wanted) const {
@@ -132,11 +134,11 @@ std::vector<std::int32_t> band_counts(const std::vector<mote::transducer_config>
 struct end_setter {
   const std::vector<std::optional<mote_id>>& ends;
 
-  void operator()(flow::sender_config& x) const {
+  void operator()(traffic::sender_config& x) const {
     x.to = ends.at(0).value_or(mote_id{});
     x.via = ends.at(1);
   }
-  void operator()(flow::relay_config& x) const { x.next = ends.at(0).value_or(mote_id{}); }
+  void operator()(traffic::relay_config& x) const { x.next = ends.at(0).value_or(mote_id{}); }
   template <class App>
   void operator()(App&) const {}
 };
@@ -224,9 +226,9 @@ void settle_flows(std::vector<placed_app>& apps, island_id island, mote_id sink,
 }
 
 bool is_flow_app(const mote_app& x) {
-  return std::holds_alternative<flow::sender_config>(x) ||
-         std::holds_alternative<flow::relay_config>(x) ||
-         std::holds_alternative<flow::receiver_config>(x);
+  return std::holds_alternative<traffic::sender_config>(x) ||
+         std::holds_alternative<traffic::relay_config>(x) ||
+         std::holds_alternative<traffic::receiver_config>(x);
 }
 
 mote_types read_mote_types(table_reader& root) {

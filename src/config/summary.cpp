@@ -322,13 +322,15 @@ std::string mac_line(const ecology_description& x) {
 
 /// Measuring apps by kind.
 struct flow_counts {
-  std::size_t senders[3] = {}; ///< by flow::arrivals
+  std::size_t senders[3] = {}; ///< by traffic::arrivals
   std::size_t relays = 0;
   std::size_t receivers = 0;
 
-  void operator()(const flow::sender_config& x) { ++senders[static_cast<std::size_t>(x.pattern)]; }
-  void operator()(const flow::relay_config&) { ++relays; }
-  void operator()(const flow::receiver_config&) { ++receivers; }
+  void operator()(const traffic::sender_config& x) {
+    ++senders[static_cast<std::size_t>(x.pattern)];
+  }
+  void operator()(const traffic::relay_config&) { ++relays; }
+  void operator()(const traffic::receiver_config&) { ++receivers; }
   template <class App>
   void operator()(const App&) {}
 };

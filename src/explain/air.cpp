@@ -1,5 +1,5 @@
 #include "explain/media.hpp"
-#include "flow/program.hpp"
+#include "traffic/program.hpp"
 
 namespace rubicon::explain {
 
@@ -7,7 +7,7 @@ namespace rubicon::explain {
 std::optional<sighting> air_follower::recognise(const record& r, mote_address who,
                                                 std::uint32_t& piece, std::uint32_t& pieces) {
   const auto am_type = static_cast<std::uint8_t>(r.channel);
-  if (am_type == flow::am_type)
+  if (am_type == traffic::am_type)
     return messages_.recognise_flow(r.octets, who.island, r);
   const auto content =
       frame_content_of(am_type, r.octets, who.mote, all_.all.known.sink_of(who.island));

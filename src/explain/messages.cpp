@@ -1,9 +1,9 @@
 #include "explain/messages.hpp"
 
-#include "flow/packet.hpp"
-#include "flow/program.hpp"
 #include "stream/message.hpp"
 #include "synaptic/message.hpp"
+#include "traffic/packet.hpp"
+#include "traffic/program.hpp"
 #include "transport/segment.hpp"
 #include "transport/tunnel_message.hpp"
 
@@ -205,7 +205,7 @@ std::optional<sighting> message_follower::recognise(const channel_content& x, is
 
 std::optional<sighting> message_follower::recognise_flow(byte_view octets, island_id here,
                                                          const record& r) {
-  const auto packet = flow::decode_packet(octets);
+  const auto packet = traffic::decode_packet(octets);
   if (!packet)
     return std::nullopt;
   const std::tuple key(here, packet->origin, packet->number);
@@ -214,7 +214,7 @@ std::optional<sighting> message_follower::recognise_flow(byte_view octets, islan
     message m;
     m.source = {here, packet->origin};
     m.destination = {here, packet->target};
-    m.channel = flow::am_type;
+    m.channel = traffic::am_type;
     m.content = to_bytes(octets);
     known = measuring_.emplace(key, begin(std::move(m), r.number, r)).first;
   }

@@ -14,8 +14,8 @@ payload text(std::string_view x) {
   return to_bytes(x);
 }
 
-init::component rules() {
-  init::component x;
+peisinit::component rules() {
+  peisinit::component x;
   x.name = "rules";
   x.id = peer_id{41};
   x.peer = "care-rules";
@@ -58,7 +58,7 @@ struct rig {
 
 } // namespace
 
-TEST_CASE("an init guards its kernel before it starts anything", "[actors][init][SVC-01][ACT-01]") {
+TEST_CASE("an init guards its kernel before it starts anything", "[actors][peisinit][SVC-01][ACT-01]") {
   rig x;
   CHECK(x.kernel.count<guard_kernel>() == 1);
   CHECK(x.kernel.count<set_tuple>() == 0);
@@ -80,7 +80,7 @@ TEST_CASE("an init guards its kernel before it starts anything", "[actors][init]
 }
 
 TEST_CASE("an init writes at the component's kernel, and then asks the ecology",
-          "[actors][init][SVC-05]") {
+          "[actors][peisinit][SVC-05]") {
   rig x;
   x.guard();
   x.world.send(x.aut, component_started{"care-rules", 1});
@@ -108,7 +108,7 @@ TEST_CASE("an init writes at the component's kernel, and then asks the ecology",
   CHECK(x.ecology.count<stop_component>() == 3);
 }
 
-TEST_CASE("a component that has ended is started again by its init", "[actors][init][SVC-04]") {
+TEST_CASE("a component that has ended is started again by its init", "[actors][peisinit][SVC-04]") {
   rig x;
   x.guard();
   x.world.send(x.aut, component_started{"care-rules", 1});
@@ -120,7 +120,7 @@ TEST_CASE("a component that has ended is started again by its init", "[actors][i
   CHECK(x.ecology.all<start_component>()[1].life == 2);
 }
 
-TEST_CASE("a guarded kernel ends when all components are off", "[actors][init][SVC-01]") {
+TEST_CASE("a guarded kernel ends when all components are off", "[actors][peisinit][SVC-01]") {
   rig x;
   x.world.send(x.aut, quit_wanted{}); // before anything has started
   CHECK(x.kernel.count<quit_peer>() == 0);

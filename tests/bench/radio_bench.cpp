@@ -50,7 +50,7 @@ config::island_description island_of(std::uint32_t id, std::uint32_t motes, cons
   island.stack = config::stack::mac;
   island.sink.platform = kind;
   island.sink.place = centre;
-  island.sink.apps = {flow::receiver_config{}};
+  island.sink.apps = {traffic::receiver_config{}};
   for (std::uint32_t i = 1; i <= motes; ++i) {
     config::mote_description mote;
     mote.id = mote_id{static_cast<std::uint16_t>(island.sink.id.value + i)};
@@ -58,7 +58,7 @@ config::island_description island_of(std::uint32_t id, std::uint32_t motes, cons
     mote.platform = kind;
     mote.place = near(centre, radius_m, rng);
     if (sending) {
-      flow::sender_config sender;
+      traffic::sender_config sender;
       sender.to = island.sink.id;
       mote.apps = {sender};
     }

@@ -61,7 +61,7 @@ std::string temporary(const std::string& name) {
 } // namespace
 
 TEST_CASE("components are started and stopped from another computer by tuples alone",
-          "[ecology][init][SVC-01][SVC-03][SVC-04][SVC-05][LEA-02]") {
+          "[ecology][peisinit][SVC-01][SVC-03][SVC-04][SVC-05][LEA-02]") {
   for (std::uint64_t seed = 1; seed <= seeds(3); ++seed) {
     CAPTURE(seed);
     const auto x = run(example("scenarios/peis/components.toml"), seed);
@@ -107,13 +107,13 @@ TEST_CASE("components are started and stopped from another computer by tuples al
 }
 
 TEST_CASE("the trace of an ecology with components is the same each time",
-          "[ecology][init][GEN-07]") {
+          "[ecology][peisinit][GEN-07]") {
   auto what = example("scenarios/peis/components.toml");
   what.length = 80s;
   CHECK(run(what, 7).trace_hash == run(what, 7).trace_hash);
 }
 
-TEST_CASE("with its init a whole host ends and comes back", "[ecology][init][SVC-01]") {
+TEST_CASE("with its init a whole host ends and comes back", "[ecology][peisinit][SVC-01]") {
   auto what = example("scenarios/peis/components.toml");
   what.length = 50s;
   what.faults = {{10s, config::kill_fault{peer_id{40}, 20s}}};
@@ -129,7 +129,7 @@ TEST_CASE("with its init a whole host ends and comes back", "[ecology][init][SVC
 }
 
 TEST_CASE("a process is watched, fed, started again and stopped by tuples",
-          "[ecology][init][SVC-03][SVC-04][SVC-05]") {
+          "[ecology][peisinit][SVC-03][SVC-04][SVC-05]") {
   const auto lock = temporary("rubicon-components");
   const auto x = run_in_wall_time(R"(
 [ecology]
@@ -181,7 +181,7 @@ then = "7"
   std::filesystem::remove(lock);
 }
 
-TEST_CASE("a second init of a host refuses to run", "[ecology][init][SVC-06]") {
+TEST_CASE("a second init of a host refuses to run", "[ecology][peisinit][SVC-06]") {
   const auto path = temporary("rubicon-init-lock");
   {
     const auto held = io::file_lock::take(path);

@@ -180,7 +180,7 @@ type = 2
 position_m = [5, 0]
 apps = [{ app = "listener" }]
 )";
-  const auto x = record_of(ecology_of(twins), 3min);
+  const auto x = record_of(describe(std::string(twins)), 3min);
   std::size_t received = 0;
   for (const auto& m : x.all.messages) {
     if (m.program.find("messenger") == std::string::npos)

@@ -31,22 +31,22 @@ mote_app app_with(const std::string& app) {
 
 } // namespace
 
-TEST_CASE("a sender arrives with its keys", "[config][flow]") {
-  const auto x = std::get<flow::sender_config>(
+TEST_CASE("a sender arrives with its keys", "[config][traffic]") {
+  const auto x = std::get<traffic::sender_config>(
       app_with("{ app = \"sender\", to = \"k/sink\", via = \"k/n-3\", payload = 116, pattern = "
                "\"periodic\", every = \"20ms\", jitter = \"5ms\", start = \"1s\", stop = \"9s\", "
                "count = 100, ack = false }"));
   CHECK(x.to == mote_id{1});
   CHECK(x.via == mote_id{3});
   CHECK(x.payload == 116);
-  CHECK(x.pattern == flow::arrivals::periodic);
+  CHECK(x.pattern == traffic::arrivals::periodic);
   CHECK(x.every == 20ms);
   CHECK(x.jitter == 5ms);
   CHECK(x.start == 1s);
   CHECK(x.stop == 9s);
   CHECK(x.count == 100U);
   CHECK_FALSE(x.ack);
-  const auto y = std::get<flow::sender_config>(app_with("{ app = \"sender\", to = \"sink\" }"));
+  const auto y = std::get<traffic::sender_config>(app_with("{ app = \"sender\", to = \"sink\" }"));
   CHECK(y.to == mote_id{1});
   CHECK_FALSE(y.via);
   CHECK(y.payload == 20);
@@ -55,26 +55,26 @@ TEST_CASE("a sender arrives with its keys", "[config][flow]") {
   CHECK_FALSE(y.stop);
   CHECK_FALSE(y.count);
   CHECK(y.ack);
-  const auto z = std::get<flow::sender_config>(
+  const auto z = std::get<traffic::sender_config>(
       app_with("{ app = \"sender\", to = \"*\", pattern = \"saturated\" }"));
   CHECK(z.to == broadcast_mote);
-  CHECK(z.pattern == flow::arrivals::saturated);
+  CHECK(z.pattern == traffic::arrivals::saturated);
   CHECK_FALSE(z.ack);
 }
 
-TEST_CASE("relays and receivers arrive, on motes and sinks of both stacks", "[config][flow]") {
+TEST_CASE("relays and receivers arrive, on motes and sinks of both stacks", "[config][traffic]") {
   const auto x = good(flow_head + "{ app = \"relay\", next = \"k/n-3\", ack = false }" + flow_tail);
-  const auto& relay = std::get<flow::relay_config>(x.islands[0].motes.at(0).apps.at(0));
+  const auto& relay = std::get<traffic::relay_config>(x.islands[0].motes.at(0).apps.at(0));
   CHECK(relay.next == mote_id{3});
   CHECK_FALSE(relay.ack);
   const auto full = good(mote_head + "apps = [{ app = \"sender\", to = \"sink\" },\n"
                                      "{ app = \"listener\" }]\n"
                                      "[island.sink]\napps = [{ app = \"receiver\" }]\n");
-  CHECK(std::get<flow::sender_config>(full.islands[0].motes.at(0).apps.at(0)).to == mote_id{1});
+  CHECK(std::get<traffic::sender_config>(full.islands[0].motes.at(0).apps.at(0)).to == mote_id{1});
   CHECK(full.islands[0].sink.apps.size() == 1);
 }
 
-TEST_CASE("a type's sender goes to the sink of each mote's island", "[config][flow][NET-13]") {
+TEST_CASE("a type's sender goes to the sink of each mote's island", "[config][traffic][NET-13]") {
   const auto x = good("[ecology]\nname = \"t\"\n"
                       "[mote_type.s]\ntype = 1\napps = [{ app = \"sender\", to = \"sink\" },\n"
                       "{ app = \"receiver\" }]\n"
@@ -85,9 +85,9 @@ TEST_CASE("a type's sender goes to the sink of each mote's island", "[config][fl
                       "[[island]]\nname = \"b\"\nid = 2\nstack = \"mac\"\n"
                       "sink = { id = 8, apps = [{ app = \"receiver\" }] }\n"
                       "mote = [{ id = 2, type = \"s\", position_m = [0, 0] }]\n");
-  CHECK(std::get<flow::sender_config>(x.islands[0].motes[0].apps[0]).to == mote_id{9});
+  CHECK(std::get<traffic::sender_config>(x.islands[0].motes[0].apps[0]).to == mote_id{9});
   CHECK(x.islands[0].motes[0].apps.size() == 2); // the receiver took the type's place
-  CHECK(std::get<flow::sender_config>(x.islands[1].motes[0].apps[0]).to == mote_id{8});
+  CHECK(std::get<traffic::sender_config>(x.islands[1].motes[0].apps[0]).to == mote_id{8});
 }
 
 TEST_CASE("the keys of a sender make sense together", "[config][GEN-06]") {

@@ -42,7 +42,7 @@ TEST_CASE("an island may have the medium access only", "[config]") {
   CHECK(island.sink.transmit_dbm == -10.0);
   CHECK(island.sink.promiscuous);
   REQUIRE(island.sink.apps.size() == 1);
-  CHECK(std::holds_alternative<flow::receiver_config>(island.sink.apps[0]));
+  CHECK(std::holds_alternative<traffic::receiver_config>(island.sink.apps[0]));
   CHECK(island.motes.at(0).transmit_dbm == -3.0);
   CHECK(island.motes.at(0).type == 0);
   CHECK(x.peers.at(0).id == peer_id{1}); // the island takes no PEIS id

@@ -298,7 +298,7 @@ TEST_CASE("a message from outside begins where it is seen first", "[explain]") {
   const auto all = follow(world.x);
   REQUIRE(all.messages.size() == 1);
   CHECK(all.messages.front().content == reading);
-  CHECK(outcome_of(all, all.messages.front()).outcome == message_status::delivered);
+  CHECK(outcome_of(all, all.messages.front()).status == message_status::delivered);
 }
 
 TEST_CASE("the greeting before the first message is one row", "[explain]") {
@@ -344,7 +344,7 @@ TEST_CASE("a message to its own mote is there at once", "[explain]") {
   const auto all = follow(world.x);
   REQUIRE(all.messages.size() == 1);
   CHECK(all.messages.front().name == "kitchen/near#1");
-  CHECK(outcome_of(all, all.messages.front()).outcome == message_status::delivered);
+  CHECK(outcome_of(all, all.messages.front()).status == message_status::delivered);
 }
 
 TEST_CASE("a message that its mote refuses says so", "[explain]") {
@@ -355,7 +355,7 @@ TEST_CASE("a message that its mote refuses says so", "[explain]") {
   refused.text = "refused";
   world.put(kind::send_ended, near_mote, "mote_app/kitchen/near/sampler-1", 1, refused);
   const auto all = follow(world.x);
-  CHECK(outcome_of(all, all.messages.front()).outcome == message_status::refused);
+  CHECK(outcome_of(all, all.messages.front()).status == message_status::refused);
   CHECK(contains(tell_message(all, 0, wide), "refused: its mote did not take it"));
 }
 
@@ -391,7 +391,7 @@ TEST_CASE("a receiver that has started again turns a message away", "[explain][D
     failed.id = 1;
     world.put(kind::send_ended, near_mote, "mote_app/kitchen/near/sampler-1", 0, failed);
     const auto all = follow(world.x);
-    CHECK(outcome_of(all, all.messages.front()).outcome == message_status::lost);
+    CHECK(outcome_of(all, all.messages.front()).status == message_status::lost);
     CHECK(contains(outcome_of(all, all.messages.front()).why, "kitchen/gateway did not take it"));
   }
   SECTION("and takes it under another number") {
@@ -399,7 +399,7 @@ TEST_CASE("a receiver that has started again turns a message away", "[explain][D
     again.answer(again.to_gateway(world.attempt(cause)));
     const auto all = follow(world.x);
     REQUIRE(all.messages.size() == 1);
-    CHECK(outcome_of(all, all.messages.front()).outcome == message_status::delivered);
+    CHECK(outcome_of(all, all.messages.front()).status == message_status::delivered);
     CHECK(all.messages.front().acknowledged);
   }
 }

@@ -149,7 +149,7 @@ TEST_CASE("timeouts are a few for each actor", "[runtime][invariants]") {
   CHECK(found[0].invariant == "no timer queue grows");
 }
 
-TEST_CASE("a packet of a flow is counted once", "[runtime][invariants][flow]") {
+TEST_CASE("a packet of a flow is counted once", "[runtime][invariants][traffic]") {
   auto x = sample_report();
   REQUIRE(check_flows(x).empty()); // the broadcast arrived thrice as often as it was sent
   const auto detail = [](const report& y) {

@@ -225,7 +225,7 @@ TEST_CASE("motes that only measure are counted apart", "[runtime]") {
   CHECK(mote.at("joins") == false);
 }
 
-TEST_CASE("flows are told a row each, and together", "[runtime][flow]") {
+TEST_CASE("flows are told a row each, and together", "[runtime][traffic]") {
   CHECK(contains(to_text(sample_report(), 120),
                  "  from        to         sent  arrived  bit/s  delay ms   95%  tx each  lost\n"
                  "  lab/node-2  lab/sink  1,000    90.0%  1,440      12.5  30.0     1.25  no_ack "
