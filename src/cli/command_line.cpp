@@ -117,7 +117,7 @@ void add_run(CLI::App& app, run_command& x) {
   add_file(run, x.file);
   add_parsed(run, "--for", "TIME", "Ecology time to run, such as 90s, 10min or 24h",
              [&](const auto& text) { options.length = parse_length(text); });
-  add_parsed(run, "--seed", "N", "Seed of all rng",
+  add_parsed(run, "--seed", "N", "Seed of all random numbers",
              [&](const auto& text) { options.seed = parse_seed(text); });
   add_parsed(run, "--mode", "MODE", "virtual (fast and repeatable) or wall (real time)",
              [&](const auto& text) {

@@ -16,7 +16,7 @@ void read_ecology(table_reader& root, ecology_description& out) {
       root.table("ecology", "[ecology]", "the run as a whole", [&out](table_reader& in) {
         in.required("name", name_text{}, out.name, "of the ecology, in reports");
         in.optional("seed", whole<std::uint64_t>{0, INT64_MAX}, out.seed,
-                    "of all rng; the same file and seed give the same virtual run");
+                    "of all random numbers; the same file and seed give the same virtual run");
         in.optional("mode",
                     word<run_mode>{{{"virtual", run_mode::virtual_time}, {"wall", run_mode::wall}}},
                     out.mode, "as fast as the computer can, or in real time");

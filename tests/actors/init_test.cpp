@@ -58,7 +58,8 @@ struct rig {
 
 } // namespace
 
-TEST_CASE("an init guards its kernel before it starts anything", "[actors][peisinit][SVC-01][ACT-01]") {
+TEST_CASE("an init guards its kernel before it starts anything",
+          "[actors][peisinit][SVC-01][ACT-01]") {
   rig x;
   CHECK(x.kernel.count<guard_kernel>() == 1);
   CHECK(x.kernel.count<set_tuple>() == 0);

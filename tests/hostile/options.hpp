@@ -28,7 +28,7 @@ inline constexpr const char* usage = R"(usage: hostile_peer --attack NAME,...|al
   --list             names the attacks
   --links N,...      how many links at a time (1); several: one play each
   --seconds S        how long each play lasts (1)
-  --seed N           of all rng (1)
+  --seed N           of all random numbers (1)
   --rate N           packages or so a second, over all links; 0: no limit (that of the attack)
   --port P           attacked, on 127.0.0.1 (8700)
   --network NAME     the network string (hostile)

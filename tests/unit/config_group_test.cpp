@@ -294,7 +294,7 @@ TEST_CASE("grids, rings and disks", "[config]") {
   CHECK(inner < 300);
 }
 
-TEST_CASE("the rng of a disk are those of the seed and the group", "[config][GEN-07]") {
+TEST_CASE("the random numbers of a disk are those of the seed and the group", "[config][GEN-07]") {
   const std::string disk = "count = 2\nlayout = \"disk\"\nradius = \"10m\"\n";
   const auto toml = mac_head + "[[island.group]]\n" + disk + "[[island.group]]\n" + disk;
   const auto first = good(toml).islands.at(0).motes;

@@ -189,7 +189,8 @@ TEST_CASE("abort kills at once, also in the middle of a stop", "[peisinit][SVC-0
   CHECK(y.deadline() == due);
 }
 
-TEST_CASE("one that is wanted again while it stops starts when it has ended", "[peisinit][SVC-03]") {
+TEST_CASE("one that is wanted again while it stops starts when it has ended",
+          "[peisinit][SVC-03]") {
   auto x = running();
   static_cast<void>(x.on_request(0, "off", instant{}));
   CHECK(all<start>(x.on_request(0, "on", instant{})).empty()); // never two
@@ -236,7 +237,8 @@ TEST_CASE("extra arguments count from the next start on", "[peisinit][SVC-03]") 
   CHECK(all<start>(x.on_request(0, "on", instant{})) == std::vector{start{0, 1, "--fps 7"}});
 }
 
-TEST_CASE("at the end all components are stopped before all are said to be off", "[peisinit][SVC-01]") {
+TEST_CASE("at the end all components are stopped before all are said to be off",
+          "[peisinit][SVC-01]") {
   supervisor x({program("camera"), peer("rules"), program("arm"), program("lamp", false)});
   static_cast<void>(x.begin(instant{}));
   static_cast<void>(x.on_started(0, 1, 1));

@@ -353,7 +353,7 @@ TEST_CASE("shadowing has its deviations, cut off at three", "[radio][topology]")
   constexpr unsigned count = 150;
   topology x(by_law(log_distance{3, 40, 4, 2}, -1000), 9);
   for (unsigned i = 0; i < count; ++i)
-    add(x, {0, 0, 0}); // -40 dBm but for the rng
+    add(x, {0, 0, 0}); // -40 dBm but for what is drawn
   std::vector<std::vector<double>> deviation(count, std::vector<double>(count, 0));
   for (std::uint32_t i = 0; i < count; ++i) {
     for (const auto& each : *x.around(radio_index{i}))
