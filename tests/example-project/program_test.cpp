@@ -26,7 +26,7 @@ static bool holds(const program_commands& x) {
 }
 
 /// A guard that looks every 10 s and warns below 3.5 degrees, and what is around it.
-struct rig {
+struct guard_alone {
   test::fixture world{test::delivery::when_asked};
   test::fake<mote_actor> mote{world, "mote"};
   test::fake<ecology_actor> ecology{world, "ecology"};
@@ -34,7 +34,7 @@ struct rig {
   std::int16_t counts = 80; ///< of 0.1 degrees
   std::uint64_t taken = 0;
 
-  rig() {
+  guard_alone() {
     program_arguments x;
     x.mote = "bed/south";
     apps::custom_config config;
@@ -74,14 +74,14 @@ struct rig {
 };
 
 TEST_CASE("the guard asks for the temperature, and is silent while it is warm") {
-  rig x;
+  guard_alone x;
   x.look();
   x.world.disallow<story>().to_anybody();
   x.world.disallow<program_commands>().where(holds<remote::send_message>).to(x.mote);
 }
 
 TEST_CASE("the guard sends one warning when it becomes cold") {
-  rig x;
+  guard_alone x;
   x.counts = 34;
   x.look();
   CHECK(x.world.expect<story>().from(x.guard).to(x.ecology).what == "frost!");
@@ -94,7 +94,7 @@ TEST_CASE("the guard sends one warning when it becomes cold") {
 }
 
 TEST_CASE("an answer that is lost does not keep the guard from looking again") {
-  rig x;
+  guard_alone x;
   x.world.drop<program_events>().from(x.mote).to(x.guard);
   x.world.run_for(10s);
   x.counts = 20;
