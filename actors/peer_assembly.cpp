@@ -206,9 +206,9 @@ struct peer_app_spawner {
   }
 
   void operator()(const goal::pursuer_config& x) const {
-    const auto rng = path("goal") + '#' + std::to_string(peer.incarnation);
+    const auto life = path("goal") + '#' + std::to_string(peer.incarnation);
     add_component<goal::component>(
-        "goal", goal::pursuer(x, random_stream(self->state.description.seed, rng)), peer.id);
+        "goal", goal::pursuer(x, random_stream(self->state.description.seed, life)), peer.id);
   }
 
   void operator()(const config::init_app& x) const {

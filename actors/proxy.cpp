@@ -66,17 +66,17 @@ std::uint32_t number_of_streams(proxy_pointer self) {
   return mote.island.value << 16 | mote.mote.value;
 }
 
-/// After anything that the stream program did.
-void settle_streams(proxy_pointer self) {
+/// After anything that the stream program did. @param commands what settling it gave
+void perform(proxy_pointer self, std::optional<mote::remote::commands_batch> commands) {
   auto& state = self->state;
   auto& streams = state.streams;
-  if (auto commands = streams.process->settle())
+  if (commands)
     self->send(state.arguments.layer,
                program_commands{number_of_streams(self), *std::move(commands)});
   streams.programs.tell(self, state.arguments.ecology);
   for (const auto& x : streams.tap->take_values())
     perform(self, state.arguments.core.on_record(x.stream, x.count, now(self)));
-  perform(self, {});
+  perform(self, proxy::proxy::outputs{}); // its deadline may be another
 }
 
 void on_attached(proxy_pointer self, const program_attached& x) {
@@ -91,17 +91,15 @@ void on_attached(proxy_pointer self, const program_attached& x) {
   streams.process->begin(now(self));
   streams.programs.start_made(*streams.process, std::move(tap), "proxy", number_of_streams(self),
                               x.incarnation > 0, now(self));
-  settle_streams(self);
+  perform(self, streams.process->settle());
 }
 
 void on_timer(proxy_pointer self) {
   auto& state = self->state;
+  auto& streams = state.streams;
   perform(self, state.arguments.core.on_time(now(self)));
-  if (state.streams.process == nullptr)
-    return;
-  state.streams.process->begin(now(self));
-  state.streams.tap->on_time(now(self));
-  settle_streams(self);
+  if (streams.process != nullptr)
+    perform(self, streams.programs.on_time(*streams.process, now(self)));
 }
 
 void watch_all(proxy_pointer self) {
@@ -214,8 +212,9 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
       [self](const program_attached& x) { on_attached(self, x); },
       [](program_detached) {}, // a PC ends with its kernel, and so does this
       [self](const program_events& x) {
-        self->state.streams.process->on_events(x.batch, now(self));
-        settle_streams(self);
+        auto& process = *self->state.streams.process;
+        process.on_events(x.batch, now(self));
+        perform(self, process.settle());
       },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))

@@ -61,6 +61,39 @@ std::size_t value_of(const explain::journeys& all, const std::string& key, std::
 
 using words = std::vector<std::string>;
 
+/// Two islands, and what a button of one has for a pager of the other. @param radio keys of [radio]
+std::string button_and_pager(const std::string& apps, const std::string& radio = {}) {
+  return R"(
+[ecology]
+name = "two-islands"
+[radio]
+)" + radio +
+         R"(
+[[island]]
+id = 1
+name = "kitchen"
+gateway.links = ["inproc://bedroom-gateway"]
+sink.position_m = [0, 0]
+[[island.mote]]
+id = 2
+name = "button"
+type = 1
+position_m = [5, 0]
+apps = [)" +
+         apps + R"(]
+[[island]]
+id = 2
+name = "bedroom"
+sink.position_m = [0, 0]
+[[island.mote]]
+id = 2
+name = "pager"
+type = 2
+position_m = [5, 0]
+apps = [{ app = "listener" }]
+)";
+}
+
 } // namespace
 
 TEST_CASE("a recorded run is the run without a record", "[ecology][explain][GEN-07]") {
@@ -87,33 +120,9 @@ TEST_CASE("a message to another island passes exactly the hops it must",
 
 TEST_CASE("a message to another island is these octets on each of its hops",
           "[ecology][explain][RTG-02][WIR-01][WIR-02]") {
-  constexpr std::string_view two_islands = R"(
-[ecology]
-name = "two-islands"
-[[island]]
-id = 1
-name = "kitchen"
-gateway.links = ["inproc://bedroom-gateway"]
-sink.position_m = [0, 0]
-[[island.mote]]
-id = 2
-name = "button"
-type = 1
-position_m = [5, 0]
-apps = [{ app = "messenger", to = "bedroom/pager", text = "dinner", reliable = false }]
-[[island]]
-id = 2
-name = "bedroom"
-sink.position_m = [0, 0]
-[[island.mote]]
-id = 2
-name = "pager"
-type = 2
-position_m = [5, 0]
-apps = [{ app = "listener" }]
-)";
   constexpr std::string_view text = "dinner";
-  auto what = describe(two_islands);
+  auto what = describe(button_and_pager(
+      R"({ app = "messenger", to = "bedroom/pager", text = "dinner", reliable = false })"));
   what.length = 40s;
   const auto x = run_recorded(what);
   words hops;
@@ -150,37 +159,10 @@ TEST_CASE("every message that arrives in the report arrives in the record", "[ec
 }
 
 TEST_CASE("equal messages of one moment each arrive once", "[ecology][explain]") {
-  constexpr std::string_view twins = R"(
-[ecology]
-name = "twins"
-[radio]
-loss = 0.4
-[[island]]
-id = 1
-name = "kitchen"
-gateway.links = ["inproc://bedroom-gateway"]
-sink.position_m = [0, 0]
-[[island.mote]]
-id = 2
-name = "button"
-type = 1
-position_m = [5, 0]
-apps = [
-  { app = "messenger", to = "bedroom/pager", text = "dinner", every = "2s", reliable = false },
-  { app = "messenger", to = "bedroom/pager", text = "dinner", every = "2s", reliable = false },
-]
-[[island]]
-id = 2
-name = "bedroom"
-sink.position_m = [0, 0]
-[[island.mote]]
-id = 2
-name = "pager"
-type = 2
-position_m = [5, 0]
-apps = [{ app = "listener" }]
-)";
-  const auto x = record_of(describe(std::string(twins)), 3min);
+  const std::string twin =
+      R"({ app = "messenger", to = "bedroom/pager", text = "dinner", every = "2s",)"
+      " reliable = false }";
+  const auto x = record_of(describe(button_and_pager(twin + ", " + twin, "loss = 0.4")), 3min);
   std::size_t received = 0;
   for (const auto& m : x.all.messages) {
     if (m.program.find("messenger") == std::string::npos)

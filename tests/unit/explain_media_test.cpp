@@ -52,24 +52,22 @@ bytes line_octets() {
                                false);
 }
 
-record written(std::uint64_t cause) {
+record on_line(kind what, const std::string& from, const std::string& to, std::uint64_t cause) {
   record r;
-  r.what = kind::serial_write;
-  r.from = sink_actor;
-  r.to = line_actor;
+  r.what = what;
+  r.from = from;
+  r.to = to;
   r.cause = cause;
   r.octets = line_octets();
   return r;
 }
 
+record written(std::uint64_t cause) {
+  return on_line(kind::serial_write, sink_actor, line_actor, cause);
+}
+
 record come(std::uint64_t cause) {
-  record r;
-  r.what = kind::serial_octets;
-  r.from = line_actor;
-  r.to = gateway_actor;
-  r.cause = cause;
-  r.octets = line_octets();
-  return r;
+  return on_line(kind::serial_octets, line_actor, gateway_actor, cause);
 }
 
 std::vector<std::string> outcomes(const followers& x, std::uint32_t message) {
