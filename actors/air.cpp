@@ -63,10 +63,9 @@ runtime::radio_report report_of(const radio::radio_counters& x) {
   }
   r.requests = x.requests.requests;
   r.mac_sent = x.requests.sent;
-  r.mac_failed = {{"no_ack", x.requests.no_ack},
-                  {"channel_access_failure", x.requests.channel_access_failure},
-                  {"queue_full", x.requests.queue_full},
-                  {"aborted", x.requests.aborted}};
+  for_each_field(x.requests.failed, [&r](std::string_view cause, std::uint64_t count) {
+    r.mac_failed[std::string(cause)] = count;
+  });
   r.mac_open = x.requests.open;
   r.transmissions = x.transmissions;
   return r;

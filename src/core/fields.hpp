@@ -3,8 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <compare>
 #include <concepts>
+#include <cstddef>
 #include <map>
 #include <string_view>
 #include <tuple>
@@ -58,6 +60,11 @@ struct largest {
   }
 };
 
+/// Field by field: maps by their keys, arrays one by one, `largest` by its rule, all else by its
+/// `+=`.
+template <described T>
+T& operator+=(T& sum, const T& x);
+
 template <class T>
 constexpr void add_to(T& sum, const T& x) {
   sum += x;
@@ -69,7 +76,12 @@ void add_to(std::map<Key, Count>& sum, const std::map<Key, Count>& x) {
     sum[key] += count;
 }
 
-/// Field by field: maps by their keys, `largest` by its rule, all else by its `+=`.
+template <class Count, std::size_t size>
+constexpr void add_to(std::array<Count, size>& sum, const std::array<Count, size>& x) {
+  for (std::size_t i = 0; i < size; ++i)
+    sum[i] += x[i];
+}
+
 template <described T>
 T& operator+=(T& sum, const T& x) {
   std::apply([&](const auto&... each) { (add_to(sum.*(each.member), x.*(each.member)), ...); },

@@ -367,16 +367,16 @@ void channel::conclude(radio_index radio, const finished& x, outputs& out) {
     ++counters.sent;
     break;
   case send_status::no_ack:
-    ++counters.no_ack;
+    ++counters.failed.no_ack;
     break;
   case send_status::channel_access_failure:
-    ++counters.channel_access_failure;
+    ++counters.failed.channel_access_failure;
     break;
   case send_status::queue_full:
-    ++counters.queue_full;
+    ++counters.failed.queue_full;
     break;
   case send_status::aborted:
-    ++counters.aborted;
+    ++counters.failed.aborted;
     break;
   }
   out.emplace_back(done{radio, x.token, x.status, x.transmissions, x.arrived, x.last, x.from});

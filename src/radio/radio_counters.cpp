@@ -36,13 +36,6 @@ bool copy_counters::balanced() const {
   return sent == std::accumulate(ended.begin(), ended.end(), std::uint64_t{0});
 }
 
-copy_counters& copy_counters::operator+=(const copy_counters& x) {
-  sent += x.sent;
-  for (std::size_t i = 0; i < copy_outcomes; ++i)
-    ended[i] += x.ended[i];
-  return *this;
-}
-
 copy_counters link_counters::link(std::size_t place) const {
   copy_counters x;
   if (rows_ == nullptr)
@@ -54,27 +47,9 @@ copy_counters link_counters::link(std::size_t place) const {
 }
 
 bool request_counters::balanced() const {
-  return requests == sent + no_ack + channel_access_failure + queue_full + aborted + open;
-}
-
-request_counters& request_counters::operator+=(const request_counters& x) {
-  requests += x.requests;
-  sent += x.sent;
-  no_ack += x.no_ack;
-  channel_access_failure += x.channel_access_failure;
-  queue_full += x.queue_full;
-  aborted += x.aborted;
-  open += x.open;
-  return *this;
-}
-
-radio_counters& radio_counters::operator+=(const radio_counters& x) {
-  copies += x.copies;
-  requests += x.requests;
-  transmissions += x.transmissions;
-  acks += x.acks;
-  acks_received += x.acks_received;
-  return *this;
+  auto ended = sent;
+  for_each_field(failed, [&ended](std::string_view /*cause*/, auto count) { ended += count; });
+  return requests == ended + open;
 }
 
 } // namespace rubicon::radio

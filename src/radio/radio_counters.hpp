@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/fields.hpp"
 #include "radio/topology.hpp"
 
 namespace rubicon::radio {
@@ -44,9 +45,9 @@ struct copy_counters {
     return ended[static_cast<std::size_t>(x)];
   }
   [[nodiscard]] bool balanced() const;
-  copy_counters& operator+=(const copy_counters& x);
   friend bool operator==(const copy_counters&, const copy_counters&) = default;
 };
+RUBICON_FIELDS(copy_counters, sent, ended);
 
 /// The copies on all links out of one radio. `sent` is counted once a frame, the outcomes one by
 /// one, so that each link is checked against something. Takes room only for outcomes that have
@@ -84,21 +85,28 @@ private:
   std::unique_ptr<std::array<row, copy_outcomes>> rows_;
 };
 
-/// Requests to send, booked with the sender.
-///   requests = sent + no_ack + channel_access_failure + queue_full + aborted + open
-struct request_counters {
-  std::uint64_t requests = 0;
-  std::uint64_t sent = 0;
+/// Requests to send that have failed, by cause, as the report names them.
+struct failure_counters {
   std::uint64_t no_ack = 0;
   std::uint64_t channel_access_failure = 0;
   std::uint64_t queue_full = 0;
   std::uint64_t aborted = 0;
+
+  friend bool operator==(const failure_counters&, const failure_counters&) = default;
+};
+RUBICON_FIELDS(failure_counters, no_ack, channel_access_failure, queue_full, aborted);
+
+/// Requests to send, booked with the sender: requests = sent + those failed + open.
+struct request_counters {
+  std::uint64_t requests = 0;
+  std::uint64_t sent = 0;
+  failure_counters failed = {};
   std::uint64_t open = 0; ///< queued or under way, counted where they wait
 
   [[nodiscard]] bool balanced() const;
-  request_counters& operator+=(const request_counters& x);
   friend bool operator==(const request_counters&, const request_counters&) = default;
 };
+RUBICON_FIELDS(request_counters, requests, sent, failed, open);
 
 /// What one radio, the radios of one PAN or all radios have counted.
 struct radio_counters {
@@ -109,8 +117,8 @@ struct radio_counters {
   std::uint64_t acks_received = 0; ///< copies delivered that were acks
 
   [[nodiscard]] bool balanced() const { return copies.balanced() && requests.balanced(); }
-  radio_counters& operator+=(const radio_counters& x);
   friend bool operator==(const radio_counters&, const radio_counters&) = default;
 };
+RUBICON_FIELDS(radio_counters, copies, requests, transmissions, acks, acks_received);
 
 } // namespace rubicon::radio

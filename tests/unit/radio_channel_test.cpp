@@ -137,7 +137,7 @@ TEST_CASE("with loss 1 nothing crosses and a unicast frame is tried four times",
   const auto radio_counters = x.channel.counted();
   CHECK(radio_counters.copies.sent == 5);
   CHECK(radio_counters.copies.of(copy_outcome::loss) == 5);
-  CHECK(radio_counters.requests.no_ack == 1);
+  CHECK(radio_counters.requests.failed.no_ack == 1);
   CHECK(x.channel.balanced());
 }
 
@@ -214,7 +214,7 @@ TEST_CASE("a transmit queue takes its size and not one more", "[radio][channel]"
     CHECK(ended[i + 1].status == send_status::sent);
   }
   CHECK(x.channel.counted_by(a).requests ==
-        request_counters{.requests = 4, .sent = 3, .queue_full = 1});
+        request_counters{.requests = 4, .sent = 3, .failed = {.queue_full = 1}});
 }
 
 TEST_CASE("a frame for a mote that is not there is not acked", "[radio][channel]") {

@@ -115,7 +115,7 @@ TEST_CASE("a crowd that hears each other keeps the channel busy and fails at tim
     senders.push_back(x.add(i, 0.1 * i));
   const auto sent = x.saturate(senders, 0xffff, 28, false, 5s);
   const auto radio_counters = x.channel.counted();
-  CHECK(radio_counters.requests.channel_access_failure > 100);
+  CHECK(radio_counters.requests.failed.channel_access_failure > 100);
   CHECK(sent > 1000);
   CHECK(radio_counters.copies.of(copy_outcome::collision) > 0);
   CHECK(radio_counters.copies.of(copy_outcome::half_duplex) > 0);
@@ -135,7 +135,7 @@ TEST_CASE("a sink under load runs out of receive slots and acks only what it too
   x.run_for(1s);
   const auto radio_counters = x.channel.counted_by(sink);
   CHECK(radio_counters.copies.of(copy_outcome::overflow) > 100);
-  CHECK(x.channel.counted().requests.no_ack > 100);
+  CHECK(x.channel.counted().requests.failed.no_ack > 100);
   CHECK(radio_counters.acks == radio_counters.copies.of(copy_outcome::delivered) +
                                    radio_counters.copies.of(copy_outcome::duplicate));
   // The MCU serves one frame in 30 ms and nothing more.

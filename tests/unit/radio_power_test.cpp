@@ -39,7 +39,8 @@ TEST_CASE("switching a sender off aborts all it had and cuts its frame off", "[r
     CHECK(ended[i].status == send_status::aborted);
     CHECK(ended[i].transmissions == (i == 0 ? 1U : 0U));
   }
-  CHECK(x.channel.counted_by(a).requests == request_counters{.requests = 3, .aborted = 3});
+  CHECK(x.channel.counted_by(a).requests ==
+        request_counters{.requests = 3, .failed = {.aborted = 3}});
   CHECK(x.channel.counted_by(b).copies.of(copy_outcome::off) == 1);
   CHECK(x.channel.balanced());
   const auto sent_for = x.channel.energy(a, x.now).times.radio_transmit;
@@ -73,7 +74,7 @@ TEST_CASE("a receiver that is off, or was for a moment, gets nothing", "[radio][
   x.send(a, 2, 2, 100);
   x.run_for(100ms);
   CHECK(x.channel.counted_by(b).copies.of(copy_outcome::off) == 2);
-  CHECK(x.channel.counted().requests.no_ack == 2);
+  CHECK(x.channel.counted().requests.failed.no_ack == 2);
 }
 
 TEST_CASE("a receiver switched off before its ack leaves does not ack", "[radio][power]") {
