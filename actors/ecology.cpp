@@ -568,24 +568,9 @@ std::string node_name(ecology_pointer self, const mote_address& x) {
 
 void on_program(ecology_pointer self, const program_status& x) {
   std::vector<runtime::stream_part> parts;
-  for (const auto& end : x.streams) {
-    runtime::stream_part part;
-    part.stream = end.stream;
-    part.writes = end.writes;
-    part.writer = end.writes ? x.program.who : std::string();
-    part.reader = end.writes ? node_name(self, end.reader) : x.program.who;
-    part.records = end.records;
-    part.unwritten = end.unwritten;
-    part.openings = end.openings;
-    part.opens_failed = end.opens_failed;
-    part.open = end.open;
-    part.steady = end.steady;
-    part.first_ms = end.first_ms;
-    part.last_ms = end.last_ms;
-    part.pause = end.pause;
-    part.every = end.every;
-    parts.push_back(std::move(part));
-  }
+  for (const auto& end : x.streams)
+    parts.push_back({end, end.writes ? x.program.who : std::string(),
+                     end.writes ? node_name(self, end.reader) : x.program.who});
   self->state.counters.add(x.program, x.number, x.measured, parts);
 }
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "apps/app_config.hpp"
-#include "core/fields.hpp"
+#include "apps/stream_end.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "mote/communication.hpp"
@@ -26,27 +26,6 @@ struct figure {
 
   friend bool operator==(const figure&, const figure&) = default;
 };
-
-/// What a program knows of its end of a stream of sensor records, however often that was opened.
-struct stream_end {
-  std::uint16_t stream = 0;
-  bool writes = false;
-  mote_address reader;         ///< of a write end
-  std::uint64_t records = 0;   ///< that the program had: written or not; that it has read
-  std::uint64_t unwritten = 0; ///< of a write end: not taken
-  std::uint64_t openings = 0;
-  std::uint64_t opens_failed = 0;
-  bool open = false;                     ///< now,
-  duration steady{};                     ///< and for how long it has been open or not
-  std::optional<std::uint32_t> first_ms; ///< time in the first record of this life
-  std::optional<std::uint32_t> last_ms;  ///< time in the newest record
-  duration every{};                      ///< between two of them
-  duration pause{}; ///< of a read end: the longest without a record, since the first
-
-  friend bool operator==(const stream_end&, const stream_end&) = default;
-};
-RUBICON_FIELDS(stream_end, stream, writes, reader, records, unwritten, openings, opens_failed, open,
-               steady, first_ms, last_ms, every, pause);
 
 /// Where readings and states go: the PC of the own island, which is its gateway (RTG-03).
 inline constexpr mote_address own_gateway{own_island, no_mote};

@@ -44,16 +44,16 @@ void run_counters::add(const program_report& x, std::uint32_t number,
   }
   counters.read_ends.clear();
   for (const auto& part : streams) {
-    const std::pair key(part.reader, part.stream);
+    const std::pair key(part.reader_name, part.stream);
     auto& stream = streams_[key];
     stream.sum.stream = part.stream;
-    stream.sum.to = part.reader;
+    stream.sum.to = part.reader_name;
     const auto side = part.writes ? 0 : 1;
     stream.has_ends[side] = true;
     stream.open[side] = part.open;
     stream.steady[side] = part.steady;
     if (part.writes) {
-      stream.sum.from = part.writer;
+      stream.sum.from = part.writer_name;
       stream.sum.produced += part.records;
       stream.sum.written += above(part.records, part.unwritten);
       stream.sum.opens_failed += part.opens_failed;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/stream_end.hpp"
 #include "core/address.hpp"
 #include "core/time.hpp"
 #include "runtime/report.hpp"
@@ -17,21 +18,9 @@
 namespace rubicon::runtime {
 
 /// What a program tells of one end of a stream, in one life.
-struct stream_part {
-  std::uint16_t stream = 0;
-  bool writes = false;
-  std::string writer;        ///< node; empty for a read end
-  std::string reader;        ///< node
-  std::uint64_t records = 0; ///< that the program had: written or not; that it has read
-  std::uint64_t unwritten = 0;
-  std::uint64_t openings = 0;
-  std::uint64_t opens_failed = 0;
-  bool open = false;                     ///< at the end of this life,
-  duration steady{};                     ///< and for how long it has been so, or not
-  std::optional<std::uint32_t> first_ms; ///< time in the first record of this life
-  std::optional<std::uint32_t> last_ms;  ///< time in the newest one
-  duration every{};                      ///< between two of them
-  duration pause{};                      ///< of a read end: the longest without a record
+struct stream_part : apps::stream_end {
+  std::string writer_name; ///< node; empty for a read end
+  std::string reader_name; ///< node
 };
 
 /// A stream of which only one end has been open for a while.

@@ -28,8 +28,8 @@ stream_part writer(std::uint64_t records, std::uint64_t unwritten, std::uint32_t
   stream_part x;
   x.stream = 7;
   x.writes = true;
-  x.writer = "kitchen/fan";
-  x.reader = "robot";
+  x.writer_name = "kitchen/fan";
+  x.reader_name = "robot";
   x.records = records;
   x.unwritten = unwritten;
   x.openings = 1;
@@ -44,7 +44,7 @@ stream_part writer(std::uint64_t records, std::uint64_t unwritten, std::uint32_t
 stream_part reader(std::uint64_t records, std::uint32_t last_ms) {
   stream_part x;
   x.stream = 7;
-  x.reader = "robot";
+  x.reader_name = "robot";
   x.records = records;
   x.openings = 1;
   x.open = true;
