@@ -74,15 +74,9 @@ runtime::radio_report report_of(const radio::radio_counters& x) {
 energy_status energy_of(air_pointer self, radio::radio_index radio) {
   const auto use = self->state.channel.energy(radio, now(self));
   return {self->state.addresses[slot(radio)],
-          use.elapsed,
-          use.used_mah,
-          use.battery_mah,
-          use.times.mcu_active,
-          use.times.mcu_sleep,
-          use.times.radio_off,
-          use.times.radio_listen,
-          use.times.radio_receive,
-          use.times.radio_transmit};
+          {use.elapsed, use.used_mah, use.battery_mah, use.times.mcu_active, use.times.mcu_sleep,
+           use.times.radio_off, use.times.radio_listen, use.times.radio_receive,
+           use.times.radio_transmit}};
 }
 
 void report(air_pointer self) {

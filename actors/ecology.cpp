@@ -507,8 +507,8 @@ bool on_double_network(ecology_pointer self, network_status x) {
 
 /// A mote comes to another island with the battery that it has.
 void on_radio_left(ecology_pointer self, const radio_left& x) {
-  if (auto* mote = find_mote(self, x.energy.mote))
-    mote->used_mah = x.energy.used_mah;
+  if (auto* mote = find_mote(self, x.used.mote))
+    mote->used_mah = x.used.energy.used_mah;
 }
 
 void restart(ecology_pointer self, const restart_mote& x) {
@@ -653,9 +653,9 @@ void compare_clocks(ecology_pointer self) {
 
 void on_lead(ecology_pointer self, const gateway_status& x) {
   auto& all = island_of(self, x.island).gateways;
-  const auto found = std::ranges::find(all, x.gateway.id, &runtime::gateway_report::id);
+  const auto found = std::ranges::find(all, x.gateway, &runtime::gateway_report::id);
   if (found != all.end())
-    *found += x.gateway;
+    found->lead += x.lead;
 }
 
 void prepare_report(ecology_pointer self) {
@@ -667,9 +667,9 @@ void prepare_report(ecology_pointer self) {
     x.id = island.id;
     x.name = island.name;
     if (!island.aliases.empty())
-      x.gateways.push_back({gateway_of(island.id), island.gateway_name});
+      x.gateways.push_back({gateway_of(island.id), island.gateway_name, {}});
     for (const auto& alias : island.aliases)
-      x.gateways.push_back({alias.id, alias.name});
+      x.gateways.push_back({alias.id, alias.name, {}});
     state.report.islands.push_back(std::move(x));
   }
 }
@@ -708,24 +708,16 @@ void begin_collecting(ecology_pointer self) {
 void on_energy(ecology_pointer self, const energy_status& x) {
   auto& motes = island_of(self, x.mote.island).motes;
   const auto found = std::ranges::find(motes, x.mote, &runtime::mote_report::address);
-  if (found == motes.end())
-    return; // a sink: it lives on its cable
-  found->elapsed = x.elapsed;
-  found->used_mah = x.used_mah;
-  found->battery_mah = x.battery_mah;
-  found->mcu_active = x.mcu_active;
-  found->mcu_sleep = x.mcu_sleep;
-  found->radio_off = x.radio_off;
-  found->radio_listen = x.radio_listen;
-  found->radio_receive = x.radio_receive;
-  found->radio_transmit = x.radio_transmit;
+  if (found != motes.end()) // else a sink: it lives on its cable
+    found->energy = x.energy;
 }
 
 /// Whether an island's gateway runs, and has done so for long enough to know its motes again. One
 /// that leads among several has.
 bool has_settled_gateway(ecology_pointer self, island_id island) {
   if (has_several_gateways(self, island))
-    return std::ranges::any_of(island_of(self, island).gateways, &runtime::gateway_report::leads);
+    return std::ranges::any_of(island_of(self, island).gateways,
+                               [](const auto& x) { return x.lead.leads; });
   const auto& peers = self->state.peers;
   const auto found =
       std::ranges::find_if(peers, [island](const auto& x) { return x.second.island == island; });

@@ -207,8 +207,9 @@ void report_lead(gateway_pointer self, bool ends) {
     return;
   self->send(state.arguments.ecology,
              gateway_status{state.arguments.config.island,
-                            {id_of(self), state.arguments.name, lead.led(), lead.leading(now(self)),
-                             lead.leads() && !ends}});
+                            id_of(self),
+                            state.arguments.name,
+                            {lead.led(), lead.leading(now(self)), lead.leads() && !ends}});
 }
 
 } // namespace

@@ -110,24 +110,15 @@ RUBICON_FIELDS(flow_status, parts);
 /// Energy of one mote, as its radio and MCU have used it.
 struct energy_status {
   mote_address mote;
-  duration elapsed{};
-  double used_mah = 0;
-  double battery_mah = 0;
-  duration mcu_active{};
-  duration mcu_sleep{};
-  duration radio_off{};
-  duration radio_listen{};
-  duration radio_receive{};
-  duration radio_transmit{};
+  runtime::energy_report energy;
 };
-RUBICON_FIELDS(energy_status, mote, elapsed, used_mah, battery_mah, mcu_active, mcu_sleep,
-               radio_off, radio_listen, radio_receive, radio_transmit);
+RUBICON_FIELDS(energy_status, mote, energy);
 
 /// A mote is carried to another air: its radio here is off for good. What it has used so far.
 struct radio_left {
-  energy_status energy;
+  energy_status used;
 };
-RUBICON_FIELDS(radio_left, energy);
+RUBICON_FIELDS(radio_left, used);
 
 /// What the Transport of a mote, gateway or PC has counted, in one life.
 struct message_status {
@@ -177,9 +168,11 @@ RUBICON_FIELDS(devices_status, island, listed, has_clock, clock_offset);
 /// How one of several gateways of an island has fared, in one life (GW-14).
 struct gateway_status {
   island_id island;
-  runtime::gateway_report gateway;
+  peer_id gateway;
+  std::string name;
+  runtime::lead_report lead;
 };
-RUBICON_FIELDS(gateway_status, island, gateway);
+RUBICON_FIELDS(gateway_status, island, gateway, name, lead);
 
 struct peer_status {
   runtime::peer_report peer;

@@ -394,7 +394,9 @@ struct expectations::judge_one {
     worst(
         x.of,
         [](const mote_report& mote) {
-          return mote.battery_mah > 0 ? std::max(0.0, 1 - mote.used_mah / mote.battery_mah) : 0;
+          return mote.energy.battery_mah > 0
+                     ? std::max(0.0, 1 - mote.energy.used_mah / mote.energy.battery_mah)
+                     : 0;
         },
         reaches, x.at_least);
   }
@@ -403,8 +405,9 @@ struct expectations::judge_one {
     worst(
         x.of,
         [](const mote_report& mote) {
-          const auto on = mote.radio_listen + mote.radio_receive + mote.radio_transmit;
-          const auto all_time = on + mote.radio_off;
+          const auto on =
+              mote.energy.radio_listen + mote.energy.radio_receive + mote.energy.radio_transmit;
+          const auto all_time = on + mote.energy.radio_off;
           return all_time > 0s ? seconds(on) / seconds(all_time) : 0;
         },
         keeps_below, x.at_most);

@@ -154,11 +154,12 @@ violations check_energy(const report& x) {
   for (const auto& island : x.islands)
     for (const auto& mote : island.motes) {
       const auto name = island.name + '/' + mote.name;
-      check_equal(found, x, invariant, name, {"elapsed ns", ns(mote.elapsed)},
-                  {"radio ns", ns(mote.radio_off + mote.radio_listen + mote.radio_receive +
-                                  mote.radio_transmit)});
-      check_equal(found, x, invariant, name, {"elapsed ns", ns(mote.elapsed)},
-                  {"MCU ns", ns(mote.mcu_active + mote.mcu_sleep)});
+      const auto& use = mote.energy;
+      check_equal(found, x, invariant, name, {"elapsed ns", ns(use.elapsed)},
+                  {"radio ns",
+                   ns(use.radio_off + use.radio_listen + use.radio_receive + use.radio_transmit)});
+      check_equal(found, x, invariant, name, {"elapsed ns", ns(use.elapsed)},
+                  {"MCU ns", ns(use.mcu_active + use.mcu_sleep)});
     }
   return found;
 }

@@ -45,13 +45,6 @@ std::optional<double> stream_report::delivery() const {
   return static_cast<double>(read) / static_cast<double>(produced - open);
 }
 
-gateway_report& gateway_report::operator+=(const gateway_report& x) {
-  led += x.led;
-  leading += x.leading;
-  leads = x.leads;
-  return *this;
-}
-
 std::uint64_t report::motes_configured() const {
   return count_motes(*this, [](const mote_report& x) { return x.joins; });
 }
@@ -102,7 +95,7 @@ double report::used_mah() const {
   double sum = 0;
   for (const auto& island : islands)
     for (const auto& mote : island.motes)
-      sum += mote.used_mah;
+      sum += mote.energy.used_mah;
   return sum;
 }
 

@@ -31,59 +31,69 @@ void add_counters(cause_counts& sum, const std::string& module, const Counters& 
 /// The sum over all causes.
 [[nodiscard]] std::uint64_t total(const cause_counts& x);
 
-/// Copies and requests of the radio (both balance, checked as invariants).
+/// Two sets of counters. Copies, one for each radio in range of a transmission: sent = delivered +
+/// sum of lost. MAC requests: requests = mac_sent + sum of mac_failed + mac_open.
 struct radio_report {
-  /// Copies, one per radio in range of a transmission: sent = delivered + sum of lost.
-  std::uint64_t sent = 0;
-  std::uint64_t delivered = 0;
-  /// weak, loss, collision, captured, half_duplex, off, filtered, overflow, duplicate
+  std::uint64_t sent = 0;      ///< [copies] put on the air
+  std::uint64_t delivered = 0; ///< [copies] handed to a mote or sink
+  /// `weak` (below the receiver's sensitivity, or spoiled by noise alone), `loss` on the way,
+  /// `collision`, `captured` (the receiver was busy with another frame, or left this one for a
+  /// stronger), `half_duplex` (the receiver was sending), `off`, `filtered` (heard well, addressed
+  /// to another), `overflow` (no receive slot free), `duplicate` (repeated because an
+  /// acknowledgement was missed)
   cause_counts lost;
-  /// MAC requests: requests = mac_sent + sum of mac_failed + those still open at the end.
-  std::uint64_t requests = 0;
+  std::uint64_t requests = 0; ///< frames that motes and sinks asked to have sent
+  /// requests reported as sent; with an acknowledgement where one was asked for
   std::uint64_t mac_sent = 0;
-  cause_counts mac_failed; ///< no_ack, channel_access_failure, queue_full, aborted
-  std::uint64_t mac_open = 0;
-  std::uint64_t transmissions = 0; ///< frames put on the air, retries and acks included
+  cause_counts mac_failed;         ///< `no_ack`, `channel_access_failure`, `queue_full`, `aborted`
+  std::uint64_t mac_open = 0;      ///< requests not finished when the run ended
+  std::uint64_t transmissions = 0; ///< frames put on the air, retries and acknowledgements included
 };
 RUBICON_FIELDS(radio_report, sent, delivered, lost, requests, mac_sent, mac_failed, mac_open,
                transmissions);
 
 struct serial_report {
-  std::uint64_t octets = 0;          ///< carried, both ways
-  std::uint64_t octets_up = 0;       ///< of these, to the PC
-  std::uint64_t frames_sent = 0;     ///< by either end, acks and repeats included
-  std::uint64_t frames_received = 0; ///< good ones, acks included
-  cause_counts lost;                 ///< crc, unplugged, overflow, attempts, ...
+  std::uint64_t octets = 0;          ///< [octets] carried by the cables, both ways
+  std::uint64_t octets_up = 0;       ///< [octets] of these, towards the PCs
+  std::uint64_t frames_sent = 0;     ///< by either end, acknowledgements and repeats included
+  std::uint64_t frames_received = 0; ///< good ones, acknowledgements included
+  /// frames given up, for example `crc`, `overflow`, `attempts`; a cause that ends in `_octets`
+  /// counts octets
+  cause_counts lost;
 };
 RUBICON_FIELDS(serial_report, octets, octets_up, frames_sent, frames_received, lost);
 
 struct peis_report {
-  std::uint64_t peers = 0;
+  std::uint64_t peers = 0;    ///< PEIS peers, gateways included
   std::uint64_t packages = 0; ///< sent over a link, forwarded ones included
   std::uint64_t tuples = 0;   ///< own tuples of all peers at the end
-  cause_counts lost;          ///< queue_full, early_drop, no_route, hops, ...
+  /// packages given up, for example `queue_full`, `early_drop`, `no_route`, `hops`
+  cause_counts lost;
 };
 RUBICON_FIELDS(peis_report, peers, packages, tuples, lost);
 
 /// Every message that a program offers ends in one count: offered = sum of refused + reliable_sent
 /// + unreliable_sent, and reliable_sent = reliable_acked + reliable_failed + reliable_open.
 struct message_report {
-  std::uint64_t offered = 0; ///< by programs
-  /// At once: not_joined, crowded, too_long, no_such_receiver, off
+  std::uint64_t offered = 0; ///< by programs, accepted or not
+  /// at once: `not_joined`, `crowded` (too many reliable ones are under way), `too_long` (or
+  /// reliable and for everybody), `no_such_receiver`, `off` (the battery is flat)
   cause_counts refused = {};
-  std::uint64_t reliable_sent = 0;
-  std::uint64_t reliable_acked = 0;
-  std::uint64_t reliable_failed = 0;
-  std::uint64_t reliable_open = 0; ///< still waiting when the run ended
-  std::uint64_t unreliable_sent = 0;
-  std::uint64_t unreliable_arrived = 0; ///< of those sent here, wherever they went
-  /// What was accepted and did not arrive, as far as anybody can know: unanswered, not_taken,
-  /// left_island, sender_ended for reliable ones; on_the_way for others.
+  std::uint64_t reliable_sent = 0;      ///< sent with an end-to-end acknowledgement asked for
+  std::uint64_t reliable_acked = 0;     ///< acknowledged
+  std::uint64_t reliable_failed = 0;    ///< given up, and told to the sender
+  std::uint64_t reliable_open = 0;      ///< still waiting when the run ended
+  std::uint64_t unreliable_sent = 0;    ///< sent without an acknowledgement
+  std::uint64_t unreliable_arrived = 0; ///< of those, wherever they went
+  /// what was sent and is not known to have arrived: reliable ones that are `unanswered`,
+  /// `not_taken` (the receiver had been started again), whose sender has `left_island` or whose
+  /// life was over (`sender_ended`); unreliable ones lost or still `on_the_way`
   cause_counts lost = {};
   std::uint64_t received = 0;   ///< handed to an application or a gateway
-  std::uint64_t duplicates = 0; ///< suppressed
+  std::uint64_t duplicates = 0; ///< repeats that were recognised and suppressed
 
-  /// Share of what was offered and is not open that has arrived; nothing: there is none.
+  /// `reliable_acked` and `unreliable_arrived` over `offered` without `reliable_open`; `null` if
+  /// that is none
   [[nodiscard]] std::optional<double> delivery() const;
 };
 RUBICON_FIELDS(message_report, offered, refused, reliable_sent, reliable_acked, reliable_failed,
@@ -91,74 +101,104 @@ RUBICON_FIELDS(message_report, offered, refused, reliable_sent, reliable_acked, 
 
 /// What the Network modules of an island's motes and its sink have done.
 struct network_report {
-  std::uint64_t beacons = 0;
-  std::uint64_t packets = 0; ///< begun by a mote or the sink
-  std::uint64_t arrived = 0;
-  std::uint64_t forwarded = 0;
-  std::uint64_t repeated = 0; ///< given to the radio again, which had repeated them itself
-  std::uint64_t channels_asked = 0;
-  std::uint64_t channels_opened = 0;
-  std::uint64_t channels_flooded = 0; ///< asked for by a flood: no greedy way was found (NET-12)
-  std::uint64_t channels_broken = 0;
-  std::uint64_t channel_packets = 0;
-  std::uint64_t channel_packets_arrived = 0;
-  cause_counts lost; ///< queue_full, gave_up, no_route, malformed, ...
-  /// All that the modules of motes and sink have counted, each of their counters by its name,
-  /// `router.beacons`; none that is 0.
+  std::uint64_t beacons = 0;   ///< sent
+  std::uint64_t packets = 0;   ///< begun by a mote or the sink, over the tree; floods count once
+  std::uint64_t arrived = 0;   ///< at whom they were for; a flood arrives at each mote
+  std::uint64_t forwarded = 0; ///< hops that motes in between made
+  /// times a packet was given to the radio again, which had itself repeated it
+  std::uint64_t repeated = 0;
+  std::uint64_t channels_asked = 0;  ///< channels that a mote wanted to another
+  std::uint64_t channels_opened = 0; ///< of them
+  /// searches that found no neighbour nearer to the destination, or did not know where it is, and
+  /// asked everybody (NET-12)
+  std::uint64_t channels_flooded = 0;
+  std::uint64_t channels_broken = 0;         ///< as a mote on their way saw it
+  std::uint64_t channel_packets = 0;         ///< sent by the ends of channels
+  std::uint64_t channel_packets_arrived = 0; ///< at the other end
+  /// packets and channels that went nowhere: `queue_full`, `gave_up` (all repeats failed),
+  /// `no_route`, `too_far` and `malformed` for packets; `channel_lost` (`channel_packets` that are
+  /// not among `channel_packets_arrived`), `channel_full` and `paced_out` (a newer one took its
+  /// turn) for packets of channels; `channel_no_room`, `unclaimed` for channels; `channel_strays`,
+  /// `unknown_channel`, `unowned` and `misdirected` for what arrived and was nobody's; `id_taken`
+  /// for requests to join of a second mote with a member's id
+  cause_counts lost;
+  /// [by name] all that the modules of motes and sink have counted, `router.sequence_requests`,
+  /// `streams.resumed`; none that is 0. What each means stands beside it in the module's header
+  /// (`src/network`, `src/mote`, `src/stream`, `src/synaptic`, `src/transport`)
   cause_counts counters;
 
-  // At the end of the run.
-  largest<std::uint64_t> hops_max{};    ///< from a mote to the sink
-  std::uint64_t synchronised = 0;       ///< motes that know the island's time
-  largest<duration> clock_error_max{};  ///< of them, against the sink's clock (CLK-01)
-  largest<duration> clock_excess_max{}; ///< the same, beyond what a mote itself allowed for
-  std::uint64_t aligned = 0;            ///< motes that know the time that peers share
-  largest<duration> time_error_max{};   ///< of them and the sink, against their gateway (CLK-08)
-  largest<duration> time_excess_max{};  ///< the same, beyond what they allowed for
-  largest<std::uint64_t>
-      state_octets{}; ///< that a mote needs at most for all its protocols (SMP-30)
+  largest<std::uint64_t> hops_max{}; ///< from a mote to the sink, at the end
+  std::uint64_t synchronised = 0;    ///< motes that know the island's time at the end (CLK-01)
+  /// largest difference of their island time to the sink's clock at the end
+  largest<duration> clock_error_max{};
+  /// the same, by how much more than a mote itself said that it may be
+  largest<duration> clock_excess_max{};
+  /// living motes that know the [network time](gateway.md#time) at the end (CLK-08)
+  std::uint64_t aligned = 0;
+  /// largest difference of their, and the sink's, network time to that of the gateway's kernel at
+  /// the end
+  largest<duration> time_error_max{};
+  /// the same, by how much more than a mote itself said that it may be
+  largest<duration> time_excess_max{};
+  /// [octets] of state that the protocols of one mote need with all their tables full, the most of
+  /// all motes (SMP-30)
+  largest<std::uint64_t> state_octets{};
 };
 RUBICON_FIELDS(network_report, beacons, packets, arrived, forwarded, repeated, channels_asked,
                channels_opened, channels_flooded, channels_broken, channel_packets,
                channel_packets_arrived, lost, counters, hops_max, synchronised, clock_error_max,
                clock_excess_max, aligned, time_error_max, time_excess_max, state_octets);
 
-struct mote_report {
-  mote_address address;
-  std::string name;    ///< unique in its island, `climate-7`
-  std::string type;    ///< name of its [mote_type], else the number
-  bool joins = true;   ///< false: it only measures the medium (stack = "mac")
-  bool joined = false; ///< ever
-  bool alive = false;  ///< at the end
-  std::uint32_t incarnations = 0;
-  std::string left_cause; ///< empty while it is listed: battery, silence, leave, ...
-  double used_mah = 0;
-  double battery_mah = 0;
-  duration elapsed{}; ///< since its radio was added, until now or until its battery was flat
-  duration mcu_active{};
-  duration mcu_sleep{};
-  duration radio_off{};
-  duration radio_listen{};
-  duration radio_receive{};
-  duration radio_transmit{};
-  message_report messages = {};       ///< of all its lives; what it received is of the same
-  mote_id parent = {};                ///< in the tree, at the end; 0: none
-  std::uint8_t hops = 0;              ///< to the sink, at the end
-  std::optional<int> signal_dbm = {}; ///< of its parent's newest frame
+/// What a mote used.
+struct energy_report {
+  /// since it was switched on, until its battery was flat or the run ended; the sum of the next two
+  /// durations, and of the last four
+  duration elapsed{};
+  double used_mah = 0;       ///< [mAh] charge used
+  double battery_mah = 0;    ///< [mAh] charge of its full battery
+  duration mcu_active{};     ///< processor awake
+  duration mcu_sleep{};      ///< processor asleep
+  duration radio_off{};      ///< radio off
+  duration radio_listen{};   ///< radio on, nothing on the air
+  duration radio_receive{};  ///< radio receiving a frame
+  duration radio_transmit{}; ///< radio sending a frame
 };
+RUBICON_FIELDS(energy_report, elapsed, used_mah, battery_mah, mcu_active, mcu_sleep, radio_off,
+               radio_listen, radio_receive, radio_transmit);
 
-/// One of several gateways of an island (GW-14).
+struct mote_report {
+  mote_address address;           ///< which mote
+  std::string name;               ///< its name, unique in its island
+  std::string type;               ///< name of its mote type, else the number
+  bool joins = true;              ///< whether it is to join; `false` with `stack = "mac"`
+  bool joined = false;            ///< it joined at least once
+  bool alive = false;             ///< it has power at the end
+  std::uint32_t incarnations = 0; ///< times it started
+  /// why it is not listed: `battery`, `silence`, `leave`, ...; empty while it is
+  std::string left_cause;
+  energy_report energy;         ///< what it used
+  message_report messages = {}; ///< as above, of its programs, in all its lives
+  /// the mote that it sends by at the end, or the sink; 0: it has no way to the sink
+  mote_id parent = {};
+  std::uint8_t hops = 0;              ///< to the sink, at the end
+  std::optional<int> signal_dbm = {}; ///< of its parent's newest frame; `null` if none has come
+};
+RUBICON_FIELDS(mote_report, address, name, type, joins, joined, alive, incarnations, left_cause,
+               energy, messages, parent, hops, signal_dbm);
+
+/// How one of several gateways of an island has led it (GW-14).
+struct lead_report {
+  std::uint64_t led = 0; ///< times that it took the lead
+  duration leading{};    ///< for how long in all
+  largest<bool> leads{}; ///< at the end: no life that has ended does
+};
+RUBICON_FIELDS(lead_report, led, leading, leads);
+
 struct gateway_report {
   peer_id id;
   std::string name;
-  std::uint64_t led = 0; ///< times that it took the lead
-  duration leading{};    ///< in all
-  bool leads = false;    ///< at the end
-
-  /// A later life of the same gateway.
-  gateway_report& operator+=(const gateway_report& x);
+  lead_report lead; ///< in all its lives
 };
-RUBICON_FIELDS(gateway_report, id, name, led, leading, leads);
 
 struct island_report {
   island_id id;
@@ -191,20 +231,33 @@ struct proxy_report {
 RUBICON_FIELDS(proxy_report, name, proxy_class, status, values, actuations);
 
 struct peer_report {
-  peer_id id;
-  std::string name;
-  std::uint64_t links = 0; ///< open at the end
+  peer_id id;              ///< its PEIS id
+  std::string name;        ///< its name
+  std::uint64_t links = 0; ///< open links at the end
+  /// hosts it knows at the end; one that can be reached counts only if its record is that of its
+  /// present incarnation
   std::uint64_t hosts_known = 0;
-  std::uint64_t tuples = 0;       ///< its own, at the end
-  peis_report peis;               ///< `packages` and `lost` of this peer
-  bool alive = true;              ///< at the end; if not, the figures are 0
-  std::uint32_t incarnations = 1; ///< times it was started; the figures are of the last
-  std::uint64_t links_opened = 0;
-  cause_counts links_closed = {}; ///< far_end, or why it closed them: silent, double_link, ...
-  std::uint64_t attempts = 0;     ///< to open a link
-  std::uint64_t attempts_failed = 0;
-  std::int32_t cluster = 0; ///< lowest id that it can reach
-  /// What its limits have refused or put off: hosts_refused, over_budget, ...; none that is 0.
+  std::uint64_t tuples = 0;       ///< its own tuples at the end
+  peis_report peis;               ///< of `packages` and `lost`, this peer's
+  bool alive = true;              ///< it runs at the end; if not, the figures are 0
+  std::uint32_t incarnations = 1; ///< times it started; the figures are of the last
+  std::uint64_t links_opened = 0; ///< links it has had
+  /// those that have ended: `far_end` closed or reset it, or why this peer closed it
+  cause_counts links_closed = {};
+  std::uint64_t attempts = 0;        ///< links it asked for
+  std::uint64_t attempts_failed = 0; ///< of these, refused or not answered
+  std::int32_t cluster = 0;          ///< [number] lowest PEIS id that it can reach at the end
+  /// what its [limits](security.md#limits) have refused or put off: `over_budget` (times a
+  /// neighbour was not read until it was within its budget again), `turns` (times a link was not
+  /// read until its turn came), `hosts_refused`, `routes_refused`, `tables_put_off`,
+  /// `questions_refused`, `fragments_refused`, `greetings_evicted`, `newcomers_referred`,
+  /// `connections_refused`, `claims_refused` (said by others in the name of a neighbour that is
+  /// alive), `rivals_refused` (claimed its id); of the tuple space `tuples_full` (tuples of others,
+  /// or written by others, without room), `tuples_malformed`, `subscriptions_full`, `strangers`
+  /// (messages of hosts that nobody knows), `appends_refused`, `orphans` (own tuples removed
+  /// because their writers are gone), `stale_removed`, `resyncs` (a host missed too many values:
+  /// all it wants was looked at again), `pushes_given_up`, `absent_forgotten` (hosts whose
+  /// subscriptions were kept for their return, and no longer); none that is 0
   cause_counts limits = {};
 };
 RUBICON_FIELDS(peer_report, id, name, links, hosts_known, tuples, peis, alive, incarnations,
@@ -213,23 +266,28 @@ RUBICON_FIELDS(peer_report, id, name, links, hosts_known, tuples, peis, alive, i
 /// Packets of the measuring apps from one mote to another, counted from the origin's request to its
 /// MAC to delivery.
 struct flow_report {
-  mote_address from;
-  mote_address to;       ///< broadcast_mote: whoever heard it
-  std::string from_name; ///< `lab/sender-2`
-  std::string to_name;   ///< `lab/sink`; `lab/*` for a broadcast
-  std::uint64_t sent = 0;
-  std::uint64_t delivered = 0; ///< each packet once; a broadcast once at each mote that heard it
-  double pdr = 0;              ///< delivered / sent; 0 without a packet
-  double goodput_bps = 0;      ///< MAC payload delivered, over the time in which the origin sent
-  double delay_mean_ms = 0;    ///< of those delivered, as the next two
-  double delay_p50_ms = 0;
-  double delay_p95_ms = 0;
-  double tx_per_packet = 0; ///< transmissions of all hops / sent
-  /// By cause, on any hop: how the MAC ended the request, or else what became of the last copy on
-  /// its way, `out_of_reach` if there was none; or what a mote could not do with it.
+  mote_address from;      ///< the sender
+  mote_address to;        ///< the target; `island/65535` for a broadcast
+  std::string from_name;  ///< the sender's name, `lab/node-2`
+  std::string to_name;    ///< the target's name, `lab/sink`; `lab/*` for a broadcast
+  std::uint64_t sent = 0; ///< [packets] that the sender asked its medium access to send
+  /// [packets] that arrived, each once; a broadcast once at each mote with a receiver
+  std::uint64_t delivered = 0;
+  double pdr = 0; ///< [ratio] `delivered` / `sent`; 0 if nothing was sent
+  /// [bit/s] MAC payload delivered, over the time in which the sender sent
+  double goodput_bps = 0;
+  /// [ms] mean delay of what was delivered; 0 if nothing was, as the next two
+  double delay_mean_ms = 0;
+  double delay_p50_ms = 0; ///< [ms] median delay
+  double delay_p95_ms = 0; ///< [ms] delay within which 95 % of them arrived
+  /// [number] transmissions, repeats and those of relays included, / `sent`
+  double tx_per_packet = 0;
+  /// packets lost, on whichever hop: how the MAC failed (`no_ack`, `channel_access_failure`,
+  /// `queue_full`, `aborted`); without acknowledgement what became of the copy (the causes of
+  /// `radio`, or `out_of_reach`); or what a mote could not do with it (`no_relay`, `no_receiver`,
+  /// `loop`)
   cause_counts lost;
-  /// Under way at the end, or when a mote that had it crashed: sent - delivered - lost; 0 for a
-  /// broadcast.
+  /// [packets] under way when the run ended, or when a mote that had them crashed
   std::uint64_t open = 0;
 };
 RUBICON_FIELDS(flow_report, from, to, from_name, to_name, sent, delivered, pdr, goodput_bps,
@@ -244,21 +302,23 @@ struct program_report {
 RUBICON_FIELDS(program_report, who, kind, figures);
 
 /// A stream of records from the program that writes it to the one that reads it, over all their
-/// lives and however often it was opened.
+/// lives and however often it was opened. produced = read + open + missing.
 struct stream_report {
-  std::uint16_t stream = 0;
-  std::string from;               ///< node of the writer; empty: nobody of this run
-  std::string to;                 ///< node of the reader
-  std::uint64_t produced = 0;     ///< records that the writer's program had: written or not
-  std::uint64_t written = 0;      ///< taken by its Stream System
-  std::uint64_t read = 0;         ///< that the reader's program got
-  std::uint64_t open = 0;         ///< under way at the end: newer than the newest that was read
-  std::uint64_t missing = 0;      ///< produced - read - open
+  std::uint16_t stream = 0;   ///< [number] its number
+  std::string from;           ///< the writer's node; empty if nobody of this run writes it
+  std::string to;             ///< the reader's node
+  std::uint64_t produced = 0; ///< [records] that the writer's program had, written or not
+  std::uint64_t written = 0;  ///< [records] of those, taken by the writer's Stream System
+  std::uint64_t read = 0;     ///< [records] that the reader's program got
+  /// [records] under way at the end: newer than the newest that was read, by at most 30 s
+  std::uint64_t open = 0;
+  std::uint64_t missing = 0;      ///< [records] all others
   std::uint64_t openings = 0;     ///< at the reader
   std::uint64_t opens_failed = 0; ///< at the writer
-  duration pause{};               ///< the longest that the reader went without a record
+  /// the longest that the reader's program went without a record, from its first one to the end
+  duration pause{};
 
-  /// read / (produced - open); nothing: nothing was produced.
+  /// `read` / (`produced` - `open`); `null` if that is nothing
   [[nodiscard]] std::optional<double> delivery() const;
 };
 RUBICON_FIELDS(stream_report, stream, from, to, produced, written, read, open, missing, openings,

@@ -1,4 +1,6 @@
 #include <chrono>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -18,21 +20,17 @@ double at_s(instant x) {
   return seconds(x.time_since_epoch());
 }
 
-/// An object even when nothing was counted.
-json counts(const cause_counts& x) {
-  json object = json::object();
-  for (const auto& [cause, count] : x)
-    object[cause] = count;
-  return object;
-}
-
 template <class T>
 requires(std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) json value_of(const T& x) {
   return x;
 }
 
+/// An object even when nothing was counted.
 json value_of(const cause_counts& x) {
-  return counts(x);
+  json object = json::object();
+  for (const auto& [cause, count] : x)
+    object[cause] = count;
+  return object;
 }
 
 json value_of(duration x) {
@@ -47,6 +45,16 @@ json value_of(mote_address x) {
   return to_string(x);
 }
 
+template <class Tag, class Rep>
+json value_of(strong_id<Tag, Rep> x) {
+  return x.value;
+}
+
+template <class T>
+json value_of(const std::optional<T>& x) {
+  return x ? json(*x) : json();
+}
+
 template <class T>
 json value_of(const largest<T>& x) {
   return value_of(x.value);
@@ -56,15 +64,31 @@ template <class T>
 constexpr bool is_time = std::is_same_v<T, duration> || std::is_same_v<T, instant> ||
                          std::is_same_v<T, largest<duration>>;
 
-/// Every field under its name; times in seconds, with `_s` behind.
 template <described T>
-json to_json(const T& x) {
+json to_json(const T& x);
+json to_json(const message_report& x);
+
+template <described T>
+json value_of(const T& x) {
+  return to_json(x);
+}
+
+/// Every field under its name, but one that the report calls otherwise; times in seconds, with `_s`
+/// behind.
+template <described T>
+json to_json(const T& x, std::string_view field, std::string_view is_called) {
   json object = json::object();
   for_each_field(x, [&](std::string_view name, const auto& value) {
     using type = std::remove_cvref_t<decltype(value)>;
-    object[std::string(name) + (is_time<type> ? "_s" : "")] = value_of(value);
+    object[std::string(name == field ? is_called : name) + (is_time<type> ? "_s" : "")] =
+        value_of(value);
   });
   return object;
+}
+
+template <described T>
+json to_json(const T& x) {
+  return to_json(x, {}, {});
 }
 
 template <class T>
@@ -84,47 +108,25 @@ json to_json(const stream_report& x) {
 }
 
 json membership(const mote_report& x) {
-  return {{"mote", to_string(x.address)},
-          {"name", x.name},
-          {"type", x.type},
-          {"joins", x.joins},
-          {"joined", x.joined},
-          {"alive", x.alive},
-          {"incarnations", x.incarnations},
-          {"left_cause", x.left_cause},
-          {"messages", to_json(x.messages)},
-          {"parent", x.parent.value},
-          {"hops", x.hops},
-          {"signal_dbm", x.signal_dbm ? json(*x.signal_dbm) : json()}};
-}
-
-json energy(const mote_report& x) {
-  return {{"mote", to_string(x.address)},
-          {"used_mah", x.used_mah},
-          {"battery_mah", x.battery_mah},
-          {"elapsed_s", seconds(x.elapsed)},
-          {"mcu_active_s", seconds(x.mcu_active)},
-          {"mcu_sleep_s", seconds(x.mcu_sleep)},
-          {"radio_off_s", seconds(x.radio_off)},
-          {"radio_listen_s", seconds(x.radio_listen)},
-          {"radio_receive_s", seconds(x.radio_receive)},
-          {"radio_transmit_s", seconds(x.radio_transmit)}};
+  auto object = to_json(x, "address", "mote");
+  object.erase("energy"); // has a part of its own
+  return object;
 }
 
 json energy(const report& x) {
   json motes = json::array();
   for (const auto& island : x.islands)
-    for (const auto& mote : island.motes)
-      motes.push_back(energy(mote));
+    for (const auto& mote : island.motes) {
+      auto& each = motes.emplace_back(json{{"mote", to_string(mote.address)}});
+      each.update(to_json(mote.energy));
+    }
   return {{"used_mah", x.used_mah()}, {"motes", std::move(motes)}};
 }
 
 json to_json(const gateway_report& x) {
-  return {{"peer", x.id.value},
-          {"name", x.name},
-          {"led", x.led},
-          {"leading_s", seconds(x.leading)},
-          {"leads", x.leads}};
+  json object{{"peer", x.id.value}, {"name", x.name}};
+  object.update(to_json(x.lead));
+  return object;
 }
 
 json to_json(const island_report& x) {
@@ -147,21 +149,11 @@ json to_json(const island_report& x) {
 }
 
 json to_json(const peer_report& x) {
-  return {{"peer", x.id.value},
-          {"name", x.name},
-          {"alive", x.alive},
-          {"incarnations", x.incarnations},
-          {"links", x.links},
-          {"links_opened", x.links_opened},
-          {"links_closed", counts(x.links_closed)},
-          {"attempts", x.attempts},
-          {"attempts_failed", x.attempts_failed},
-          {"hosts_known", x.hosts_known},
-          {"cluster", x.cluster},
-          {"tuples", x.tuples},
-          {"packages", x.peis.packages},
-          {"lost", counts(x.peis.lost)},
-          {"limits", counts(x.limits)}};
+  auto object = to_json(x, "id", "peer");
+  object.erase("peis");
+  object["packages"] = x.peis.packages;
+  object["lost"] = value_of(x.peis.lost);
+  return object;
 }
 
 json to_json(const actuation_report& x) {
@@ -170,7 +162,7 @@ json to_json(const actuation_report& x) {
           {"latency_p50_s", x.latency.quantile_ms(0.5) / 1e3},
           {"latency_p99_s", x.latency.quantile_ms(0.99) / 1e3},
           {"slowest_s", seconds(x.slowest)},
-          {"failed", counts(x.failed)}};
+          {"failed", value_of(x.failed)}};
 }
 
 json to_json(const proxy_report& x) {

@@ -106,10 +106,10 @@ void add_membership_notes(table& rows, const island_report& island) {
 void add_lead_note(table& rows, const island_report& island) {
   std::string text;
   for (const auto& x : island.gateways) {
-    text += (text.empty() ? "" : "; ") + x.name + ": " + counted(x.led, "time");
-    if (x.led > 0)
-      text += ", " + at_s(instant(x.leading)) + " s";
-    if (x.leads)
+    text += (text.empty() ? "" : "; ") + x.name + ": " + counted(x.lead.led, "time");
+    if (x.lead.led > 0)
+      text += ", " + at_s(instant(x.lead.leading)) + " s";
+    if (x.lead.leads)
       text += ", at the end";
   }
   if (!text.empty())
@@ -251,18 +251,19 @@ std::vector<mote_entry> hungriest_first(const report& x) {
     for (const auto& mote : island.motes)
       entries.push_back({&island, &mote});
   std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
-    return a.mote->used_mah > b.mote->used_mah;
+    return a.mote->energy.used_mah > b.mote->energy.used_mah;
   });
   return entries;
 }
 
 std::string projected_life(const mote_report& x) {
-  const auto powered = x.radio_off + x.radio_listen + x.radio_receive + x.radio_transmit;
+  const auto& use = x.energy;
+  const auto powered = use.radio_off + use.radio_listen + use.radio_receive + use.radio_transmit;
   if (!x.alive)
     return x.left_cause.empty() ? "✗" : "✗ " + x.left_cause;
-  if (!(x.used_mah > 0) || powered <= 0s)
+  if (!(use.used_mah > 0) || powered <= 0s)
     return "–";
-  return life_time(seconds(powered) / 3600 * x.battery_mah / x.used_mah);
+  return life_time(seconds(powered) / 3600 * use.battery_mah / use.used_mah);
 }
 
 /// Digits after the point that suit the largest of the figures.
@@ -271,13 +272,14 @@ int decimals_for(double largest_mah) {
 }
 
 void add_energy_row(table& rows, const mote_entry& entry, int decimals) {
-  const auto& x = *entry.mote;
+  const auto& mote = *entry.mote;
+  const auto& x = mote.energy;
   const auto radio_on = x.radio_listen + x.radio_receive + x.radio_transmit;
   const auto radio_all = seconds(radio_on + x.radio_off);
-  rows.add({entry.island->name + '/' + x.name,
+  rows.add({entry.island->name + '/' + mote.name,
             fixed(x.used_mah, decimals),
             percent(x.used_mah, x.battery_mah),
-            {projected_life(x), x.alive ? look::plain : look::bad},
+            {projected_life(mote), mote.alive ? look::plain : look::bad},
             percent(seconds(radio_on), radio_all),
             percent(seconds(x.radio_transmit), radio_all),
             percent(seconds(x.mcu_active), seconds(x.mcu_active + x.mcu_sleep))});
@@ -288,10 +290,12 @@ void add_energy(report_page& page, const report& x) {
   if (entries.empty())
     return;
   page.heading("Energy");
-  const auto decimals = decimals_for(entries.front().mote->used_mah);
+  const auto decimals = decimals_for(entries.front().mote->energy.used_mah);
   const auto many = entries.size() > motes_listed_max;
   if (many) {
-    const auto mah = [&](std::size_t i) { return fixed(entries[i].mote->used_mah, decimals); };
+    const auto mah = [&](std::size_t i) {
+      return fixed(entries[i].mote->energy.used_mah, decimals);
+    };
     page.flow({"all motes " + fixed(x.used_mah(), decimals) + " mAh",
                "least " + mah(entries.size() - 1), "median " + mah(entries.size() / 2),
                "most " + mah(0)});

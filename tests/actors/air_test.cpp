@@ -161,15 +161,15 @@ TEST_CASE("the air reports counters that balance and the energy of every radio",
   const auto energies = x.ecology.all<energy_status>();
   REQUIRE(energies.size() == 3);
   const auto elapsed = x.world.now().time_since_epoch();
-  for (const auto& e : energies) {
-    CHECK(e.mote.island == kitchen);
+  for (const auto& [mote, e] : energies) {
+    CHECK(mote.island == kitchen);
     CHECK(e.used_mah > 0);
     CHECK(e.used_mah < e.battery_mah);
     CHECK(e.mcu_active + e.mcu_sleep == elapsed);
     CHECK(e.radio_off + e.radio_listen + e.radio_receive + e.radio_transmit == elapsed);
   }
   CHECK(energies[0].mote.mote == left_mote);
-  CHECK(energies[0].radio_transmit > energies[1].radio_transmit); // which only acks
+  CHECK(energies[0].energy.radio_transmit > energies[1].energy.radio_transmit); // which only acks
 }
 
 TEST_CASE("a battery at its end is told to the radio's owner, whose radio is silent from then on",

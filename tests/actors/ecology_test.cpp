@@ -169,7 +169,7 @@ TEST_CASE("a small ecology joins, reports and keeps its invariants",
         std::vector<std::pair<std::string, std::string>>{{"temperature", "21.5 C"}});
   CHECK(report.peers.size() == 2);
   CHECK(report.messages().unreliable_sent >= 58); // every 5 s
-  CHECK(x.mote("stove").used_mah > 0);
+  CHECK(x.mote("stove").energy.used_mah > 0);
   CHECK(x.world.ends().empty());
 }
 
@@ -248,7 +248,7 @@ TEST_CASE("a mote whose battery is flat leaves and stays away", "[actors][ecolog
   CHECK(report.actors.failures.empty());
   CHECK(x.told("kitchen/stove", "battery flat") == std::vector{instant(61s)});
   CHECK(x.told("kitchen/stove", "left: battery").size() == 1);
-  CHECK(x.mote("stove").radio_listen < 1min + 2s);
+  CHECK(x.mote("stove").energy.radio_listen < 1min + 2s);
   REQUIRE(report.proxies.size() == 2);
   CHECK(report.proxies[1].status == "lost");
 }

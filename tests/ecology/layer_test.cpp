@@ -28,7 +28,7 @@ double figure(const runtime::report& x, std::string_view who, std::string_view n
 }
 
 double duty_of(const runtime::mote_report& x) {
-  return 1 - seconds(x.radio_off) / seconds(x.elapsed);
+  return 1 - seconds(x.energy.radio_off) / seconds(x.energy.elapsed);
 }
 
 /// All programs of motes, which are in their mote's actor, come into actors of their own.

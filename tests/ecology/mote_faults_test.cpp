@@ -422,8 +422,8 @@ TEST_CASE("a mote that is carried to another island leaves its own and joins tha
               CHECK(mote.incarnations == 2);
               CHECK(mote.alive);
               CHECK(mote.left_cause.empty());
-              CHECK(mote.used_mah > 0);
-              CHECK(mote.elapsed == 15min + 40s);
+              CHECK(mote.energy.used_mah > 0);
+              CHECK(mote.energy.elapsed == 15min + 40s);
             }
             CHECK(there == 1);
             CHECK(x.motes_alive() == 6);

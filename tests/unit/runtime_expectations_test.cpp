@@ -207,7 +207,7 @@ TEST_CASE("batteries and radios are judged by the worst", "[runtime][expect]") {
   auto x = sample_report();
   for (auto& island : x.islands)
     for (auto& mote : island.motes)
-      mote.radio_off = 100 * 600s;
+      mote.energy.radio_off = 100 * 600s;
   CHECK(one(radio_expectation{{}, 0.05}).met(x));
 }
 

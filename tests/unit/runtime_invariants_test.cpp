@@ -41,7 +41,7 @@ TEST_CASE("one island's surplus does not hide another's loss", "[runtime][invari
 TEST_CASE("all checks look at flows and at energy", "[runtime][invariants]") {
   auto x = sample_report();
   ++x.flows[0].sent;
-  ++x.islands[0].motes[0].elapsed;
+  ++x.islands[0].motes[0].energy.elapsed;
   CHECK(check_all(x, {{lamp, blinds}, {}}).size() == 3);
 }
 
@@ -179,16 +179,16 @@ TEST_CASE("a mote's times fill its life to the nanosecond", "[runtime][invariant
     return all;
   };
   CHECK(details([](mote_report&) {}).empty());
-  CHECK(details([](mote_report& x) { x.radio_off += 1ns; }) ==
+  CHECK(details([](mote_report& x) { x.energy.radio_off += 1ns; }) ==
         "energy times sum to elapsed time: living-room/climate-2: elapsed ns 600000000000, radio "
         "ns 600000000001\n");
-  CHECK(details([](mote_report& x) { x.mcu_sleep -= 1ns; }) ==
+  CHECK(details([](mote_report& x) { x.energy.mcu_sleep -= 1ns; }) ==
         "energy times sum to elapsed time: living-room/climate-2: elapsed ns 600000000000, MCU ns "
         "599999999999\n");
-  for (const auto part : {&mote_report::radio_listen, &mote_report::radio_receive,
-                          &mote_report::radio_transmit, &mote_report::mcu_active})
-    CHECK(!details([part](mote_report& x) { x.*part += 1ns; }).empty());
-  CHECK(details([](mote_report& x) { x.elapsed += 1ns; }).find("MCU") != std::string::npos);
+  for (const auto part : {&energy_report::radio_listen, &energy_report::radio_receive,
+                          &energy_report::radio_transmit, &energy_report::mcu_active})
+    CHECK(!details([part](mote_report& x) { x.energy.*part += 1ns; }).empty());
+  CHECK(details([](mote_report& x) { x.energy.elapsed += 1ns; }).find("MCU") != std::string::npos);
 }
 
 TEST_CASE("a mote that only measures need not join", "[runtime][invariants]") {

@@ -328,9 +328,9 @@ TEST_CASE("the report tells which of several gateways has led", "[runtime][GW-14
   x.islands[0].name = "kitchen";
   CHECK(to_json(x).find("gateways") == std::string::npos);
   CHECK(to_text(x).find("led by") == std::string::npos);
-  gateway_report first{peer_id{20}, "kitchen-pc", 1, 60s, false};
-  first += {peer_id{20}, "kitchen-pc", 1, 30s, true};
-  x.islands[0].gateways = {first, {peer_id{21}, "attic-pc", 0, 0s, false}};
+  gateway_report first{peer_id{20}, "kitchen-pc", {1, 60s, false}};
+  first.lead += {1, 30s, true};
+  x.islands[0].gateways = {first, {peer_id{21}, "attic-pc", {0, 0s, false}}};
   CHECK(to_text(x).find("led by kitchen-pc: 2 times, 90.000 s, at the end; attic-pc: 0 times") !=
         std::string::npos);
   const auto written = to_json(x);

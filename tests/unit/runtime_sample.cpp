@@ -21,14 +21,14 @@ mote_report sample_mote(island_id island, std::uint16_t id, std::string name, do
   x.joined = true;
   x.alive = true;
   x.incarnations = 1;
-  x.used_mah = used_mah;
-  x.battery_mah = 2500;
-  x.elapsed = 600s;
-  x.mcu_active = 6s;
-  x.mcu_sleep = 594s;
-  x.radio_listen = 597s;
-  x.radio_receive = 2s;
-  x.radio_transmit = 1s;
+  x.energy.used_mah = used_mah;
+  x.energy.battery_mah = 2500;
+  x.energy.elapsed = 600s;
+  x.energy.mcu_active = 6s;
+  x.energy.mcu_sleep = 594s;
+  x.energy.radio_listen = 597s;
+  x.energy.radio_receive = 2s;
+  x.energy.radio_transmit = 1s;
   return x;
 }
 
