@@ -134,7 +134,7 @@ void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error&
     const auto& crash =
         std::get<config::crash_fault>(state.description.faults.at(plan->fault).what);
     mote.arguments = next->second; // one that was carried away keeps its type
-    mote.type = crash.becomes->type_name;
+    mote.type = crash.type;
   }
   self->delayed_send(self, outage(plan), restart_mote{mote.arguments->address});
 }
@@ -374,19 +374,21 @@ struct fault_applier : peer_fault_applier {
   }
 
   void operator()(const config::crystal_step_fault& x) const {
-    if (!x.is_sink) {
-      if (auto* mote = find_running_mote(self, x.mote)) {
-        self->state.last_clock_fault[mote->arguments->address.island] = now(self);
-        mote->changed = now(self);
-        self->send(mote->handle, step_clock{x.by});
-        tell_story(self, "mote/" + mote->arguments->name, clock_story(x.by));
-      }
-    } else if (auto* sink = find_running_sink(self, x.mote.island)) {
-      self->state.last_clock_fault[sink->arguments->address.island] = now(self);
-      sink->changed = now(self);
-      self->send(sink->handle, step_clock{x.by});
-      tell_story(self, story_name(*sink), clock_story(x.by));
-    }
+    if (auto* mote = find_running_mote(self, x.mote))
+      set_clock(*mote, "mote/" + mote->arguments->name, x.by);
+  }
+
+  void operator()(const config::sink_step_fault& x) const {
+    if (auto* sink = find_running_sink(self, x.island))
+      set_clock(*sink, story_name(*sink), x.by);
+  }
+
+  template <class Supervised>
+  void set_clock(Supervised& who, const std::string& name, duration by) const {
+    self->state.last_clock_fault[who.arguments->address.island] = now(self);
+    who.changed = now(self);
+    self->send(who.handle, step_clock{by});
+    tell_story(self, name, clock_story(by));
   }
 
   void operator()(const config::noise_fault& x) const {

@@ -232,19 +232,24 @@ struct battery_end_fault {
 struct crash_fault {
   mote_address mote;
   duration length = 500ms;
-  std::optional<mote_description> becomes = std::nullopt; ///< from its next start on
+  std::string type{};                                     ///< its mote type from its next start on;
+                                                          ///< empty: as before
+  std::optional<mote_description> becomes = std::nullopt; ///< what it is then
 };
 /// The same of an island's sink.
 struct sink_crash_fault {
   island_id island; ///< any_island: drawn each time
   duration length = 500ms;
 };
-/// The clock of a mote's or sink's crystal is set.
+/// The clock of a mote's crystal is set.
 struct crystal_step_fault {
   mote_address mote; ///< any_mote: drawn each time
-  bool is_sink =
-      false;     ///< the sink of that island, which may be any_island; `mote.mote` is nothing
-  duration by{}; ///< negative: back
+  duration by{};     ///< negative: back
+};
+/// The same of an island's sink.
+struct sink_step_fault {
+  island_id island; ///< any_island: drawn each time
+  duration by{};
 };
 /// Something that is no mote sends bursts of noise.
 struct noise_fault {
@@ -327,11 +332,11 @@ struct move_fault {
   position to;
 };
 
-using fault =
-    std::variant<battery_end_fault, crash_fault, unplug_fault, kill_fault, power_off_fault,
-                 pause_fault, partition_fault, link_loss_fault, duplicate_id_fault,
-                 clock_step_fault, move_fault, sink_crash_fault, crystal_step_fault, noise_fault,
-                 radio_loss_fault, mote_double_fault, move_island_fault>;
+using fault = std::variant<battery_end_fault, crash_fault, unplug_fault, kill_fault,
+                           power_off_fault, pause_fault, partition_fault, link_loss_fault,
+                           duplicate_id_fault, clock_step_fault, move_fault, sink_crash_fault,
+                           crystal_step_fault, sink_step_fault, noise_fault, radio_loss_fault,
+                           mote_double_fault, move_island_fault>;
 
 /// Stands for a mote, or an island, that is drawn when the fault happens; any_peer for a peer.
 inline constexpr mote_address any_mote{{}, broadcast_mote};

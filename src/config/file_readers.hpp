@@ -121,12 +121,12 @@ void check_object_manager(const table_reader& root, const std::vector<peer_descr
 
 [[nodiscard]] std::vector<tag_description> read_tags(table_reader& root);
 
-/// [[fault]], ascending by time; none may be later than `length`.
+/// [[fault]], ascending by time.
 [[nodiscard]] std::vector<fault_description>
 read_faults(table_reader& root, const surroundings& with,
-            const std::vector<island_description>& islands, duration length);
+            const std::vector<island_description>& islands);
 
-/// [[expect]], in the order of the file; what it looks at must be before `length`.
-[[nodiscard]] std::vector<expectation> read_expectations(table_reader& root, duration length);
+/// [[expect]], in the order of the file.
+[[nodiscard]] std::vector<expectation> read_expectations(table_reader& root);
 
 } // namespace rubicon::config

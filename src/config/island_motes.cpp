@@ -22,14 +22,13 @@ struct mote_kind {
     std::uint32_t number = 0;
     std::string name;
   };
-  const mote_types& types;
 
-  [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const {
+  [[nodiscard]] static std::optional<type> read(const node& x, const asker& who) {
     if (x.as<std::string>() == nullptr) {
       const auto number = config::read(whole<std::uint32_t>{1}, x, who);
       return number ? std::optional(type{*number, {}}) : std::nullopt;
     }
-    const auto name = mote_type_name{types}.read(x, who);
+    const auto name = mote_type_name::read(x, who);
     return name ? std::optional(type{0, *name}) : std::nullopt;
   }
   [[nodiscard]] static form takes() {
@@ -98,7 +97,7 @@ void island_motes::add_sink(table_reader& island, std::vector<placed_app> apps, 
 mote_profile island_motes::read_profile_of(table_reader& in) {
   mote_kind::type kind;
   const bool known =
-      in.required_if(!is_mac(), "type", mote_kind{with_.types}, kind,
+      in.required_if(!is_mac(), "type", mote_kind{}, kind,
                      {"its mote type, or the number that it reports at join; required but with "
                       "`stack = \"mac\"`"});
   mote_profile profile;

@@ -31,7 +31,10 @@ directory names_in(const node& root) {
   all.hosts = read_hosts(in);
   all.islands = read_islands(in, with);
   all.peers = read_peers(in, with, all.islands);
-  return directory(all);
+  directory out(all);
+  for (const auto& [name, profile] : with.types)
+    out.mote_types.insert(name);
+  return out;
 }
 
 ecology_description read_file_tables(table_reader& in, const named_files& files) {
@@ -40,7 +43,8 @@ ecology_description read_file_tables(table_reader& in, const named_files& files)
     shared.names = std::make_shared<const directory>(names_in(in.content()));
   ecology_description out;
   read_ecology(in, out);
-  const auto end = in.sound() ? out.length : duration::max();
+  if (in.sound())
+    shared.end = out.length;
   const auto links = read_radio(in, files, out.radio);
   out.hosts = read_hosts(in);
   surroundings with(shared, out.radio, files.instead.seed.value_or(out.seed));
@@ -58,8 +62,8 @@ ecology_description read_file_tables(table_reader& in, const named_files& files)
   out.proxies = read_proxies(in, files.known.programs, out.islands, out.peers);
   out.tags = read_tags(in);
   check_object_manager(in, out.peers, out.proxies);
-  out.faults = read_faults(in, with, out.islands, end);
-  out.expectations = read_expectations(in, end);
+  out.faults = read_faults(in, with, out.islands);
+  out.expectations = read_expectations(in);
   out.bluetooth_devices = read_bluetooth_devices(in);
   in.finish();
   if (!in.has("island") && !in.has("peer"))

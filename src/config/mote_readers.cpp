@@ -145,19 +145,6 @@ struct end_setter {
 
 } // namespace
 
-std::optional<std::string> mote_type_name::read(const node& x, const asker& who) const {
-  const auto* name = x.as<std::string>();
-  if (name == nullptr)
-    return who.refuse(x, "the name of a mote type");
-  if (types.contains(*name))
-    return *name;
-  std::vector<std::string> known;
-  for (const auto& [each, profile] : types)
-    known.push_back(each);
-  who.complain(x, "no mote type is called `" + *name + '`' + suggestion(*name, known));
-  return std::nullopt;
-}
-
 mote_description mote_profile::mote() const {
   auto out = like;
   for (const auto& each : apps) {

@@ -38,14 +38,6 @@ struct mote_profile {
 
 using mote_types = std::map<std::string, mote_profile, std::less<>>;
 
-/// The name of a mote type.
-struct mote_type_name {
-  using type = std::string;
-  const mote_types& types;
-  [[nodiscard]] std::optional<std::string> read(const node& x, const asker& who) const;
-  [[nodiscard]] static form takes() { return string_form("name of a mote type"); }
-};
-
 /// The keys of both [mote_type.NAME] and [[island.mote]], except `type`. Transducers replace those
 /// of the same quantity, actuators those of the same name; an app replaces one of the same kind on
 /// the same channel or AM type, and is added otherwise.

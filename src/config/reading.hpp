@@ -6,6 +6,7 @@
 #include "config/directory.hpp"
 #include "config/problem.hpp"
 #include "config/quantities.hpp"
+#include "core/time.hpp"
 
 namespace rubicon::config {
 
@@ -22,6 +23,7 @@ struct reading {
   /// Empty where nobody knows yet who is there; never nullptr.
   std::shared_ptr<const directory> names = std::make_shared<const directory>();
   config::quantities quantities;
+  duration end = duration::max(); ///< of the run, as far as the file says it well
 };
 
 } // namespace rubicon::config

@@ -1,8 +1,10 @@
 #include "config/references.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <utility>
 
+#include "config/claims.hpp"
 #include "config/near.hpp"
 #include "peis/meta_tuple.hpp"
 
@@ -66,6 +68,11 @@ const std::string* text_with_slash(const node& x) {
   return found != nullptr && found->find('/') != std::string::npos ? found : nullptr;
 }
 
+bool is_star(const node& x) {
+  const auto* found = x.as<std::string>();
+  return found != nullptr && *found == "*";
+}
+
 /// A PEIS id as a file may write it.
 std::optional<peer_id> peer_id_of(std::string_view digits) {
   std::int32_t id = 0;
@@ -92,7 +99,7 @@ std::optional<island_id> island_name::read(const node& x, const asker& who) cons
   const auto* name = x.as<std::string>();
   if (name == nullptr)
     return who.refuse(x, "the name of an island");
-  if (any && *name == "*")
+  if (any && is_star(x))
     return any_island;
   const auto found = who.in.names->islands.find(*name);
   if (found == who.in.names->islands.end())
@@ -104,7 +111,7 @@ std::optional<peer_id> peer_name::read(const node& x, const asker& who) const {
   const auto* name = x.as<std::string>();
   if (name == nullptr)
     return who.refuse(x, "the name of a peer or gateway, or \"*\"");
-  if (*name == "*")
+  if (is_star(x))
     return any_peer;
   return end_of(x, who, *name);
 }
@@ -120,13 +127,105 @@ std::optional<peer_group_name::type> peer_group_name::read(const node& x, const 
   return found ? std::optional(std::vector{*found}) : std::nullopt;
 }
 
+std::optional<peer_id> gateway_name::read(const node& x, const asker& who) {
+  const auto found = peer_name{}.read(x, who);
+  if (!found || (*found != any_peer && who.in.names->island_of_gateway(*found) != nullptr))
+    return found;
+  who.complain(x, "that is not the name of a gateway");
+  return std::nullopt;
+}
+
+std::optional<island_id> joined_sink_name::read(const node& x, const asker& who) {
+  const auto found = island_name{true}.read(x, who);
+  const auto& islands = who.in.names->islands;
+  if (const auto* of = found ? who.in.names->find(*found) : nullptr;
+      of != nullptr && !of->has_gateway)
+    who.complain(x, "the sink of an island with stack = \"mac\" only measures; name another");
+  if (found == any_island &&
+      std::ranges::none_of(islands, [](const auto& each) { return each.second.has_gateway; }))
+    who.complain(x, "no island has a gateway, so that there is no sink to draw");
+  return found;
+}
+
+std::optional<linked_peers::type> linked_peers::read(const node& x, const asker& who) {
+  const auto found = config::read(list_of<peer_group_name>{{}, 1}, x, who);
+  if (!found)
+    return std::nullopt;
+  type out;
+  for (const auto& each : *found)
+    out.insert(out.end(), each.value.begin(), each.value.end());
+  if (out.size() < 2)
+    who.complain(x, "a link has two ends: name another peer");
+  return out;
+}
+
+form linked_peers::takes() {
+  return {"array of names of peers and gateways, at least 2",
+          form_of(list_of<peer_group_name>{{}, 1}).schema};
+}
+
+std::optional<peer_groups::type> peer_groups::read(const node& x, const asker& who) {
+  const auto found = config::read(list_of<list_of<peer_group_name>>{{{}, 1}, 1}, x, who);
+  if (!found)
+    return std::nullopt;
+  type out;
+  claims<peer_id> placed;
+  for (const auto& group : *found) {
+    auto& peers = out.emplace_back();
+    for (const auto& each : group.value)
+      for (const auto id : each.value) {
+        placed.claim(id, "the peer with the id " + to_string(id), each.at, who.in.problems,
+                     "is already in a group");
+        peers.push_back(id);
+      }
+  }
+  return out;
+}
+
+form peer_groups::takes() {
+  return {"array of arrays of names of peers and gateways, at least 1 of each",
+          form_of(list_of<list_of<peer_group_name>>{{{}, 1}, 1}).schema};
+}
+
+std::optional<std::string> mote_type_name::read(const node& x, const asker& who) {
+  const auto* name = x.as<std::string>();
+  if (name == nullptr)
+    return who.refuse(x, "the name of a mote type");
+  if (!who.in.names->mote_types.contains(*name))
+    return unknown(x, who, "mote type", *name, keys_of(who.in.names->mote_types));
+  return *name;
+}
+
 std::optional<mote_address> read(const mote_name& kind, const node& x, const asker& who) {
-  if (const auto* star = x.as<std::string>(); kind.any && star != nullptr && *star == "*")
+  if (kind.any && is_star(x))
     return any_mote;
   const auto* text = text_with_slash(x);
   if (text == nullptr)
     return who.refuse(x, "the island and the name of a mote, as in \"kitchen/climate-7\"");
   return address_of(x, who, *text, false);
+}
+
+std::optional<mote_scope> scope_name::read(const node& x, const asker& who) {
+  const auto* text = x.as<std::string>();
+  if (text == nullptr)
+    return who.refuse(x, "an island, a mote as in \"kitchen/fan\", or \"*\"");
+  if (is_star(x))
+    return mote_scope{};
+  if (text_with_slash(x) != nullptr) {
+    const auto mote = config::read(mote_name{}, x, who);
+    return mote ? std::optional(mote_scope{*text, mote->island, mote->mote}) : std::nullopt;
+  }
+  const auto island = island_name{}.read(x, who);
+  return island ? std::optional(mote_scope{*text, *island, {}}) : std::nullopt;
+}
+
+std::optional<std::string> any_node_name::read(const node& x, const asker& who) {
+  const bool good = is_star(x) || config::read(node_name{}, x, who);
+  return good ? std::optional(*x.as<std::string>()) : std::nullopt;
+}
+
+std::optional<std::string> proxy_name::read(const node& x, const asker& who) {
+  return is_star(x) ? std::optional<std::string>("*") : config::read(tuple_key{}, x, who);
 }
 
 std::optional<mote_address> radio_name::read(const node& x, const asker& who) const {
@@ -141,7 +240,7 @@ std::optional<flow_end> flow_end_name::read(const node& x, const asker& who) con
   const auto* text = x.as<std::string>();
   if (text != nullptr && *text == sink_name)
     return flow_end{};
-  if (broadcast && text != nullptr && *text == "*")
+  if (broadcast && is_star(x))
     return flow_end{std::nullopt, broadcast_mote};
   if (text_with_slash(x) == nullptr)
     return who.refuse(x, "the island and the name of a mote, as in \"lab/node-7\", or \"sink\"" +

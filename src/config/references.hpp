@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "config/expectation.hpp"
 #include "config/values.hpp"
 
 namespace rubicon::config {
@@ -26,11 +27,69 @@ struct peer_name {
   [[nodiscard]] static form takes() { return string_form("name of a peer or gateway, or `\"*\"`"); }
 };
 
+/// A gateway by its name.
+struct gateway_name {
+  using type = peer_id;
+  [[nodiscard]] static std::optional<peer_id> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes() { return string_form("name of a gateway"); }
+};
+
+/// The sink of an island with a gateway by the island's name, or "*" for any_island.
+struct joined_sink_name {
+  using type = island_id;
+  [[nodiscard]] static std::optional<island_id> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes() { return island_name{true}.takes(); }
+};
+
 /// A peer or gateway by its name, or all peers of a table with a `count` by its name.
 struct peer_group_name {
   using type = std::vector<peer_id>;
   [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const;
   [[nodiscard]] static form takes() { return string_form("name of a peer or gateway"); }
+};
+
+/// The two or more peers of which a link has both ends.
+struct linked_peers {
+  using type = std::vector<peer_id>;
+  [[nodiscard]] static std::optional<type> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes();
+};
+
+/// Groups that have no peer in common.
+struct peer_groups {
+  using type = std::vector<std::vector<peer_id>>;
+  [[nodiscard]] static std::optional<type> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes();
+};
+
+/// The name of a mote type.
+struct mote_type_name {
+  using type = std::string;
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes() { return string_form("name of a mote type"); }
+};
+
+/// "kitchen/fan", "kitchen" or "*".
+struct scope_name {
+  using type = mote_scope;
+  [[nodiscard]] static std::optional<mote_scope> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes() { return string_form("island, mote or `\"*\"`"); }
+};
+
+/// A node as node_name has it, or "*"; its name as the file has it.
+struct any_node_name {
+  using type = std::string;
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes() { return string_form("mote, name of a peer, or `\"*\"`"); }
+};
+
+/// The prefix of a proxy's keys, or "*".
+struct proxy_name {
+  using type = std::string;
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes() {
+    return string_form("prefix of its keys, as in `\"kitchen.fan\"`, or `\"*\"`");
+  }
 };
 
 /// A mote as "island/mote", or a sink as "island/sink".

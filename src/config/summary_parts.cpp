@@ -27,14 +27,17 @@ struct fault_cells {
 
   row operator()(const battery_end_fault& x) const { return {"battery_end", mote(x.mote)}; }
   row operator()(const crash_fault& x) const {
-    return {"crash", mote(x.mote) + outage(x.length) +
-                         (x.becomes ? " and then of the type " + x.becomes->type_name : "")};
+    return {"crash",
+            mote(x.mote) + outage(x.length) + (x.becomes ? " and then of the type " + x.type : "")};
   }
   row operator()(const sink_crash_fault& x) const {
     return {"crash", sink(x.island) + outage(x.length)};
   }
   row operator()(const crystal_step_fault& x) const {
-    return {"clock_step", (x.is_sink ? sink(x.mote.island) : mote(x.mote)) + " by " + step(x.by)};
+    return {"clock_step", mote(x.mote) + " by " + step(x.by)};
+  }
+  row operator()(const sink_step_fault& x) const {
+    return {"clock_step", sink(x.island) + " by " + step(x.by)};
   }
   row operator()(const noise_fault& x) const {
     return {"noise", island_names(all, {x.island}) + " at " + place_text(x.place) + ", " +

@@ -163,24 +163,25 @@ void table_reader::one_of(std::string_view key, const about& what,
   }
 }
 
-void table_reader::either(const std::vector<std::pair<std::string_view, part_reader>>& choices) {
-  const std::pair<std::string_view, part_reader>* chosen = nullptr;
-  in_choice_ = walks();
-  for (const auto& each : choices) {
-    static_cast<void>(ask(each.first));
-    if (walks())
+void table_reader::either(const std::vector<alternative>& choices) {
+  if (walks()) {
+    in_choice_ = true;
+    for (const auto& each : choices)
       each.second(*this);
-    if (!has(each.first))
-      continue;
-    if (chosen == nullptr)
-      chosen = &each;
-    else
-      complain(at(each.first), '`' + std::string(each.first) + "` means nothing with `" +
-                                   std::string(chosen->first) + '`');
+    in_choice_ = false;
+    return;
   }
-  in_choice_ = false;
-  if (!walks())
-    (chosen == nullptr ? choices.front() : *chosen).second(*this);
+  const auto found =
+      std::ranges::find_if(choices, [this](const auto& x) { return has(x.first.front()); });
+  const auto& chosen = found == choices.end() ? choices.front() : *found;
+  chosen.second(*this);
+  for (const auto& [keys, read] : choices)
+    for (const auto key : keys) {
+      if (std::ranges::find(asked_, key) == asked_.end() && has(key))
+        complain(at(key), '`' + std::string(key) + "` means nothing with `" +
+                              std::string(chosen.first.front()) + '`');
+      expect(key);
+    }
 }
 
 void table_reader::finish() const {

@@ -96,9 +96,20 @@ public:
               const std::vector<std::pair<std::string_view, part_reader>>& choices,
               std::string_view within = {}, bool is_required = true);
 
-  /// Reads by that of some keys which the table has, and complains about further ones; by the
-  /// first if it has none.
-  void either(const std::vector<std::pair<std::string_view, part_reader>>& choices);
+  /// Reads one of some structs, that of whose keys the table has the first one, or else the first
+  /// struct, and gives it to `use`. Keys that only others have mean nothing with it.
+  template <class Use, class... Lists>
+  void either(const Use& use, const Lists&... lists) {
+    const auto one = [this, &use](const auto& list) {
+      decltype(struct_of(list)) x;
+      this->all(x, list);
+      use(std::move(x));
+    };
+    if constexpr (sizeof...(lists) == 1)
+      (one(lists), ...);
+    else
+      either({{names_of(lists), [&](table_reader& /*self*/) { one(lists); }}...});
+  }
 
   /// Complains about keys nobody asked for. Called once, by who made this reader.
   void finish() const;
@@ -133,6 +144,18 @@ public:
   [[nodiscard]] reading& shared() const { return shared_; }
 
 private:
+  /// The names of keys, and what reads all of them.
+  using alternative = std::pair<std::vector<std::string_view>, part_reader>;
+  void either(const std::vector<alternative>& choices);
+
+  template <class Struct, class Member, class Kind, class... Keys>
+  static Struct struct_of(const std::tuple<keys::key<Struct, Member, Kind>, Keys...>& list);
+
+  template <class... Keys>
+  [[nodiscard]] static std::vector<std::string_view> names_of(const std::tuple<Keys...>& list) {
+    return std::apply([](const auto&... each) { return std::vector{each.name...}; }, list);
+  }
+
   [[nodiscard]] const node* ask(std::string_view key);
   void complain(mark at, std::string message) const {
     shared_.problems.add(at, std::move(message));

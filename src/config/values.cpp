@@ -131,6 +131,14 @@ std::nullopt_t asker::refuse(const node& x, const std::string& wanted,
   return std::nullopt;
 }
 
+std::optional<duration> time_of_run::read(const node& x, const asker& who) {
+  const auto found = config::read(time_span{}, x, who);
+  if (found && *found > who.in.end)
+    who.complain(x, '`' + std::string(who.key) + "` is after the end of the run, which is at " +
+                        to_text(who.in.end));
+  return found;
+}
+
 std::optional<duration> time_of_day::read(const node& x, const asker& who) {
   constexpr std::size_t hours_and_minutes = 5;
   constexpr std::size_t with_seconds = 8;

@@ -297,6 +297,17 @@ struct tcp_url {
   [[nodiscard]] static form takes();
 };
 
+/// A time that is not after the end of the run.
+struct time_of_run {
+  using type = duration;
+  [[nodiscard]] static std::optional<duration> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes() { return form_of(time_span{}); }
+};
+
+[[nodiscard]] inline json written(const time_of_run& /*kind*/, duration x) {
+  return written(time_span{}, x);
+}
+
 /// "07:30" or "07:30:15"
 struct time_of_day {
   using type = duration; ///< since midnight, below 24 h
