@@ -22,6 +22,7 @@ peis::tuple_content content_of(const payload& value, bool text) {
 }
 
 void perform(peer_pointer self, peis::outputs todo);
+void tell(peer_pointer self, peis::kernel_clients::outputs todo);
 
 /// Says goodbye and closes all links.
 void leave(peer_pointer self) {
@@ -77,6 +78,47 @@ void log_closing(peer_pointer self, const peis::close_link& x) {
     return;
   log(self, spdlog::level::warn, "event=link_closed link={} cause={}", x.link.value,
       peis::to_string(x.why));
+}
+
+/// Tells components what is for them.
+struct teller {
+  peer_pointer self;
+
+  void operator()(const peis::tell_tuple& x) const {
+    const acting_on its(x.from);
+    const auto& content = *x.content;
+    send<peis_client_actor>(x.client, tuple_event{x.watch, content.owner, content.name.text(),
+                                                  shown(content), x.deleted});
+  }
+  void operator()(peis::tell_message& x) const {
+    const acting_on its(x.from);
+    send<peis_client_actor>(x.client, peis_message{x.source, x.port, std::move(x.octets)});
+  }
+  void operator()(const peis::tell_outcome& x) const {
+    const acting_on its(x.from);
+    send<peis_client_actor>(
+        x.client, peis_outcome{x.token, x.success,
+                               x.success ? std::string() : std::string(to_string(x.why))});
+  }
+  void operator()(peis::tell_subscribers& x) const {
+    send<subscribers_watcher_actor>(x.client, subscribers_changed{std::move(x.keys)});
+  }
+  void operator()(const peis::tell_clock& x) const {
+    send<clock_watcher_actor>(x.client, clock_changed{x.offset});
+  }
+  void operator()(const peis::withdraw& x) const {
+    perform(self, self->state.kernel.unsubscribe(x.subscription, now(self)));
+  }
+
+  template <class Handle, class Message>
+  void send(peis::client_id to, Message x) const {
+    self->send(caf::actor_cast<Handle>(self->state.components.at(to)), std::move(x));
+  }
+};
+
+void tell(peer_pointer self, peis::kernel_clients::outputs todo) {
+  for (auto& output : todo)
+    std::visit(teller{self}, output);
 }
 
 struct performer {
@@ -144,32 +186,10 @@ struct performer {
 
   void operator()(const peis::traced&) const {} // nobody here asks
 
-  void operator()(const peis::tuple_changed& x) const {
-    const acting_on its(x.content->from);
-    tell(x.subscription, *x.content, false);
-  }
-  void operator()(const peis::tuple_deleted& x) const {
-    const acting_on its(x.from);
-    tell(x.subscription, *x.content, true);
-  }
-
-  void operator()(peis::message& x) const {
-    const acting_on its(x.from);
-    const auto found = self->state.ports.find(x.port);
-    if (found != self->state.ports.end())
-      self->send(found->second, peis_message{x.source, x.port, std::move(x.octets)});
-  }
-
-  void operator()(const peis::outcome& x) const {
-    const auto found = self->state.requests.find(x.request);
-    if (found == self->state.requests.end())
-      return;
-    const acting_on its(found->second.from);
-    self->send(found->second.client,
-               peis_outcome{found->second.name, x.success,
-                            x.success ? std::string() : std::string(peis::to_string(x.why))});
-    self->state.requests.erase(found);
-  }
+  void operator()(const peis::tuple_changed& x) const { tell(self, self->state.clients.on(x)); }
+  void operator()(const peis::tuple_deleted& x) const { tell(self, self->state.clients.on(x)); }
+  void operator()(peis::message& x) const { tell(self, self->state.clients.on(std::move(x))); }
+  void operator()(const peis::outcome& x) const { tell(self, self->state.clients.on(x)); }
 
   void operator()(const peis::host_appeared& x) const {
     log(self, spdlog::level::info, "event=host_appeared host={}", x.host.value);
@@ -197,102 +217,32 @@ struct performer {
       self->send(ecology, story{self->path(), "its id is used by " + x.by});
     }
   }
-
-  void tell(peis::subscription_id subscription, const peis::tuple& x, bool deleted) const {
-    const auto found = self->state.watches.find(subscription);
-    if (found != self->state.watches.end())
-      self->send(found->second.client,
-                 tuple_event{found->second.name, x.owner, x.name.text(), shown(x), deleted});
-  }
 };
 
-void tell_subscribers(peer_pointer self) {
-  auto& state = self->state;
-  const auto version = state.kernel.subscribers_version();
-  if (!state.subscribers_watcher || state.subscribers_version == version)
-    return;
-  const bool first = !state.subscribers_version;
-  const auto pause = 10us * state.subscribers_told.size(); // others choose how many they are
-  if (!first && pause > 1ms && now(self) < state.subscribers_told_at + pause) {
-    state.subscribers_due = state.subscribers_told_at + pause;
-    return;
-  }
-  state.subscribers_due.reset();
-  state.subscribers_told_at = now(self);
-  state.subscribers_version = version;
-  const auto keys = state.kernel.subscribed(state.subscribers_first_part);
-  if (!first && std::ranges::equal(keys, state.subscribers_told))
-    return;
-  state.subscribers_told.assign(keys.begin(), keys.end());
-  self->send(state.subscribers_watcher, subscribers_changed{state.subscribers_told});
-}
-
-void tell_clock(peer_pointer self) {
-  auto& state = self->state;
-  const auto offset = state.kernel.clock().offset();
-  if (std::exchange(state.clock_told, offset) == offset)
-    return;
-  for (const auto& watcher : state.clock_watchers)
-    self->send(watcher, clock_changed{offset});
-}
-
 void perform(peer_pointer self, peis::outputs todo) {
+  auto& state = self->state;
   for (auto& output : todo)
     std::visit(performer{self}, output);
-  tell_subscribers(self);
-  tell_clock(self);
-  self->state.wake.follow(self,
-                          earliest(self->state.kernel.deadline(), self->state.subscribers_due));
+  tell(self, state.clients.review(state.kernel, now(self)));
+  state.wake.follow(self, earliest(state.kernel.deadline(), state.clients.deadline()));
 }
 
+/// The number of a component, which is monitored from now on.
 template <class Handle>
-void know(peer_pointer self, const Handle& client) {
-  if (self->state.clients.insert(client.address()).second)
+peis::client_id known(peer_pointer self, const Handle& client) {
+  const peis::client_id id{client->id()};
+  if (self->state.components.try_emplace(id, caf::actor_cast<caf::strong_actor_ptr>(client)).second)
     self->monitor(client);
+  return id;
 }
 
-/// A component has ended: nobody is to hear of its watches, requests and ports any more.
-void forget(peer_pointer self, const caf::actor_addr& client) {
+void forget(peer_pointer self, const caf::actor_addr& gone) {
   auto& state = self->state;
-  state.clients.erase(client);
-  if (state.subscribers_watcher && state.subscribers_watcher.address() == client)
-    state.subscribers_watcher = nullptr;
-  std::erase_if(state.clock_watchers, [&](const auto& x) { return x.address() == client; });
-  if (state.init && state.init.address() == client)
+  const peis::client_id id{gone.id()};
+  state.components.erase(id);
+  if (state.init && state.init.address() == gone)
     state.init = nullptr;
-  std::erase_if(state.ports, [&](const auto& x) { return x.second.address() == client; });
-  std::erase_if(state.requests, [&](const auto& x) { return x.second.client.address() == client; });
-  for (auto x = state.watches.begin(); x != state.watches.end();) {
-    if (x->second.client.address() != client) {
-      ++x;
-      continue;
-    }
-    const auto subscription = x->first;
-    x = state.watches.erase(x);
-    perform(self, state.kernel.unsubscribe(subscription, now(self)));
-  }
-}
-
-peis::request_id remember(peer_pointer self, const carried<peis_client_actor>& client,
-                          std::uint64_t token) {
-  know(self, client.actor);
-  const peis::request_id request{self->state.next_request++};
-  self->state.requests[request] = {client.actor, token};
-  return request;
-}
-
-void on_watch(peer_pointer self, const watch_tuples& x) {
-  know(self, x.client.actor);
-  const peis::subscription_id id{self->state.next_watch++};
-  self->state.watches[id] = {x.client.actor, x.watch};
-  perform(self, self->state.kernel.subscribe(x.owner, x.key, id, now(self)));
-}
-
-void on_watch_indirectly(peer_pointer self, const watch_indirectly& x) {
-  know(self, x.client.actor);
-  const peis::subscription_id id{self->state.next_watch++};
-  self->state.watches[id] = {x.client.actor, x.watch};
-  perform(self, self->state.kernel.subscribe_indirectly(x.owner, x.key, id, now(self)));
+  tell(self, state.clients.forget(id));
 }
 
 peis::tuple_content reference_content(const std::string& reference) {
@@ -301,169 +251,141 @@ peis::tuple_content reference_content(const std::string& reference) {
   return peis::meta_content(*target);
 }
 
-void on_declare(peer_pointer self, const declare_meta_tuple& x) {
-  auto& kernel = self->state.kernel;
-  if (!kernel.is_meta_tuple(kernel.id(), x.key))
-    perform(self, kernel.set_tuple(x.key, reference_content(x.reference), now(self)));
-}
-
-void on_set_meta(peer_pointer self, const set_meta_tuple& x) {
-  const auto request = remember(self, x.client, x.token);
-  perform(self, self->state.kernel.set_remote_tuple(x.owner, x.key, reference_content(x.reference),
-                                                    request, now(self)));
-}
-
-void on_hook(peer_pointer self, const hook_port& x) {
-  const auto hooked = self->state.ports.find(x.port);
-  const bool free = hooked == self->state.ports.end() || hooked->second == x.client.actor;
-  know(self, x.client.actor);
-  if (free && self->state.kernel.hook_port(x.port))
-    self->state.ports[x.port] = x.client.actor;
-  else
-    log(self, spdlog::level::err, "event=hook_refused port={}", x.port);
-}
-
-void on_watch_subscribers(peer_pointer self, const watch_subscribers& x) {
-  auto& state = self->state;
-  know(self, x.watcher.actor);
-  state.subscribers_watcher = x.watcher.actor;
-  state.subscribers_first_part = x.first_part;
-  state.subscribers_version.reset();
-  tell_subscribers(self);
-}
-
-void on_watch_clock(peer_pointer self, const watch_clock& x) {
-  auto& state = self->state;
-  know(self, x.watcher.actor);
-  state.clock_watchers.push_back(x.watcher.actor);
-  self->send(x.watcher.actor, clock_changed{state.kernel.clock().offset()});
-}
-
-void on_guard(peer_pointer self, const guard_kernel& x) {
-  auto& state = self->state;
-  know(self, caf::actor_cast<peis_client_actor>(x.init.actor));
-  state.init = x.init.actor;
-  const auto& network = state.arguments.config.network;
-  const auto port = state.real == nullptr ? std::nullopt : state.real->links().port();
-  self->send(state.init, kernel_guarded{network.host_name, network.network, port.value_or(0)});
-}
-
-/// What limits have refused or put off (docs/security.md).
-void add_limits(runtime::cause_counts& to, const peis::kernel_counters& counted) {
-  const auto& x = counted.network;
-  const auto& tuples = counted.tuples;
-  const std::pair<const char*, std::uint64_t> all[] = {
-      {"over_budget", x.rests},
-      {"turns", x.held},
-      {"fragments_refused", x.fragments_refused},
-      {"greetings_evicted", x.greetings_evicted},
-      {"hosts_refused", x.hosts_refused},
-      {"newcomers_referred", x.newcomers_referred},
-      {"questions_refused", x.questions_refused},
-      {"routes_refused", x.routes_refused},
-      {"rivals_refused", x.rivals_refused},
-      {"claims_refused", x.claims_refused},
-      {"tables_put_off", x.tables_put_off},
-      {"tuples_full", tuples.overflow},
-      {"tuples_malformed", tuples.malformed},
-      {"subscriptions_full", tuples.subscribers_refused},
-      {"strangers", tuples.strangers_refused},
-      {"appends_refused", tuples.appends_refused},
-      {"orphans", tuples.orphans_removed},
-      {"stale_removed", tuples.stale_removed},
-      {"resyncs", tuples.resyncs},
-      {"pushes_given_up", tuples.pushes_given_up},
-      {"absent_forgotten", tuples.absent_forgotten}};
-  for (const auto& [name, count] : all) {
-    if (count > 0)
-      to[name] = count;
-  }
-}
-
-void report(peer_pointer self) {
-  const auto& state = self->state;
-  const auto all_counted = state.kernel.counters();
-  const auto& counted = all_counted.network;
-  peer_status status;
-  auto& peer = status.peer;
-  peer.id = state.kernel.id();
-  peer.name = state.arguments.name;
-  peer.incarnations = state.arguments.incarnation + 1;
-  peer.links = state.links.size() + state.tcp_links.size();
-  peer.links_opened = counted.links_opened;
-  peer.links_closed = state.links_closed;
-  peer.attempts = counted.attempts;
-  peer.attempts_failed = counted.attempts_failed;
-  for (const auto* host : state.kernel.hosts()) {
-    if (state.kernel.knows_present(host->id) || !state.kernel.reachable(host->id))
-      status.hosts.push_back(host->id);
-    if (host->id == peer.id)
-      peer.cluster = host->cluster;
-  }
-  for (const auto& link : state.kernel.links()) {
-    if (link.neighbour)
-      status.neighbours.push_back(*link.neighbour);
-  }
-  const auto time = state.kernel.network_time(now(self));
-  status.clock_offset = std::chrono::seconds(time.seconds) +
-                        std::chrono::microseconds(time.microseconds) - now(self).time_since_epoch();
-  peer.hosts_known = status.hosts.size();
-  peer.tuples = state.kernel.own_tuples().size();
-  peer.peis.packages = counted.packages_sent;
-  peer.peis.tuples = peer.tuples;
-  peer.peis.lost = {{"queue_full", counted.queue_full},
-                    {"early_drop", counted.early_drop},
-                    {"no_route", counted.no_route},
-                    {"hops", counted.hops},
-                    {"queued_lost", counted.queued_lost},
-                    {"illegal", counted.illegal},
-                    {"malformed", counted.malformed},
-                    {"incomplete", counted.messages_incomplete},
-                    {"network", state.packages_lost},
-                    {"paused", state.held_lost},
-                    {"own_id", counted.own}};
-  add_limits(peer.limits, all_counted);
-  if (state.real != nullptr && state.real->links().counters().refused > 0)
-    peer.limits["connections_refused"] = state.real->links().counters().refused;
-  self->send(state.arguments.ecology, std::move(status));
-}
-
 /// @param rate_bps of a simulated link
 void on_opened(peer_pointer self, const link_opened& x, std::uint64_t rate_bps) {
   auto& state = self->state;
   const peis::link_id id{x.link};
   if (state.left)
     return;
+  const auto role = x.initiator ? peis::link_role::initiator : peis::link_role::acceptor;
   if (x.link >= first_real_link) {
     state.tcp_links.insert(id);
     self->send(state.arguments.ecology, outside_link_changed{});
   } else
     state.links[id] = {x.other.actor, x.condition, x.initiator, {}, rate_bps};
-  const auto role = x.initiator ? peis::link_role::initiator : peis::link_role::acceptor;
   const auto attempt = x.attempt == 0 ? std::nullopt : std::optional(peis::attempt_id{x.attempt});
   perform(self, state.kernel.on_link_open(id, role, now(self), attempt));
 }
 
-void on_closed(peer_pointer self, const link_closed& x) {
-  auto& state = self->state;
-  const peis::link_id id{x.link};
-  const bool was_outside = state.tcp_links.erase(id) > 0;
-  if (was_outside)
-    self->send(state.arguments.ecology, outside_link_changed{});
-  if (was_outside || state.links.erase(id) > 0)
-    ++state.links_closed["far_end"];
-  perform(self, state.kernel.on_link_closed(id, now(self)));
+/// Serves what has come while the kernel does not stand still.
+struct server {
+  peer_pointer self;
+  peis_peer_state& state = self->state;
+  instant at = now(self);
+
+  void operator()(const link_octets& x) const {
+    const peis::link_id link{x.link};
+    perform(self, state.kernel.on_link_octets(link, x.octets.view(), at));
+    if (x.link >= first_real_link && state.real != nullptr)
+      state.real->on_taken(link);
+  }
+  void operator()(const link_closed& x) const {
+    const peis::link_id id{x.link};
+    const bool was_outside = state.tcp_links.erase(id) > 0;
+    if (was_outside)
+      self->send(state.arguments.ecology, outside_link_changed{});
+    if (was_outside || state.links.erase(id) > 0)
+      ++state.links_closed["far_end"];
+    perform(self, state.kernel.on_link_closed(id, at));
+  }
+  void operator()(const link_opened& x) const {
+    on_opened(self, x, state.arguments.network.bandwidth_bps);
+  }
+  void operator()(const bluetooth_opened& x) const { on_opened(self, x.link, x.rate_bps); }
+  void operator()(const bluetooth_seen& x) const {
+    perform(self, state.kernel.on_bluetooth_scan(x.adapter, x.devices, at));
+  }
+  /// Tells who asks that we are a peer, and learns who that is.
+  void operator()(const hello_arrived& x) const {
+    if (state.left)
+      return;
+    perform(self, state.kernel.on_hello(x.question.octets.view(), at));
+    self->delayed_send(x.sender.actor, state.arguments.network.delay,
+                       hello_answer{x.question.adapter, x.question.device, state.kernel.hello()});
+  }
+  void operator()(const hello_answer& x) const {
+    perform(self, state.kernel.on_hello_answer(x.adapter, x.device, x.octets.view(), at));
+  }
+  void operator()(const attempt_failed& x) const {
+    perform(self, state.kernel.on_attempt_failed(peis::attempt_id{x.attempt}, at));
+  }
+  void operator()(const announcement& x) const {
+    perform(self, state.kernel.on_announcement(x.octets.view(), at));
+  }
+  void operator()(const link_sent& x) const {
+    perform(self, state.kernel.on_link_sent(peis::link_id{x.link}, x.octets, at));
+  }
+  void operator()(const set_tuple& x) const {
+    perform(self, state.kernel.set_tuple(x.key, content_of(x.value, x.text), at));
+  }
+  void operator()(const delete_tuple& x) const {
+    perform(self, state.kernel.delete_tuple(x.key, at));
+  }
+  void operator()(const set_remote_tuple& x) const {
+    const auto request = state.clients.request(known(self, x.client.actor), x.token);
+    perform(self, state.kernel.set_remote_tuple(x.owner, x.key, content_of(x.value, x.text),
+                                                request, at));
+  }
+  void operator()(const watch_tuples& x) const {
+    const auto watch = state.clients.watch(known(self, x.client.actor), x.watch);
+    perform(self, state.kernel.subscribe(x.owner, x.key, watch, at));
+  }
+  void operator()(const watch_indirectly& x) const {
+    const auto watch = state.clients.watch(known(self, x.client.actor), x.watch);
+    perform(self, state.kernel.subscribe_indirectly(x.owner, x.key, watch, at));
+  }
+  void operator()(const declare_meta_tuple& x) const {
+    auto& kernel = state.kernel;
+    if (!kernel.is_meta_tuple(kernel.id(), x.key))
+      perform(self, kernel.set_tuple(x.key, reference_content(x.reference), at));
+  }
+  void operator()(const set_meta_tuple& x) const {
+    const auto request = state.clients.request(known(self, x.client.actor), x.token);
+    perform(self, state.kernel.set_remote_tuple(x.owner, x.key, reference_content(x.reference),
+                                                request, at));
+  }
+  void operator()(const watch_subscribers& x) const {
+    const auto who = known(self, x.watcher.actor);
+    tell(self, state.clients.watch_subscribers(who, x.first_part, state.kernel, at));
+  }
+  void operator()(const watch_clock& x) const {
+    tell(self, state.clients.watch_clock(known(self, x.watcher.actor), state.kernel));
+  }
+  void operator()(const hook_port& x) const {
+    const auto who = known(self, x.client.actor);
+    if (!state.kernel.hook_port(x.port) || !state.clients.hook(who, x.port))
+      log(self, spdlog::level::err, "event=hook_refused port={}", x.port);
+  }
+  void operator()(const send_peis_message& x) const {
+    const auto request = state.clients.request(known(self, x.client.actor), x.token);
+    perform(self, state.kernel.send_message(x.destination, x.port, x.octets, x.reliable,
+                                            peis::priority::normal, request, at));
+  }
+  void operator()(const broadcast_peis_message& x) const {
+    perform(self, state.kernel.broadcast(x.port, x.octets, peis::no_request, at));
+  }
+  void operator()(const step_clock& x) const { perform(self, state.kernel.step_clock(x.by, at)); }
+  void operator()(quit_peer) const { quit(self); }
+  void operator()(const timer_expired& x) const {
+    if (state.wake.accepts(x))
+      perform(self, state.kernel.on_time(at));
+  }
+};
+
+template <class Message>
+auto served(peer_pointer self) {
+  return [self](const Message& x) {
+    auto& state = self->state;
+    if (!state.paused)
+      server{self}(x);
+    else if (state.held.size() < held_max)
+      state.held.emplace_back([self, x] { server{self}(x); });
+    else
+      ++state.held_lost;
+  };
 }
 
-/// Tells who asks that we are a peer, and learns who that is.
-void on_hello(peer_pointer self, const hello_arrived& x) {
-  auto& state = self->state;
-  if (state.left)
-    return;
-  perform(self, state.kernel.on_hello(x.question.octets.view(), now(self)));
-  self->delayed_send(x.sender.actor, state.arguments.network.delay,
-                     hello_answer{x.question.adapter, x.question.device, state.kernel.hello()});
-}
+// What is done at once.
 
 void on_pause(peer_pointer self, const pause_peer& x) {
   if (std::exchange(self->state.paused, true))
@@ -479,18 +401,19 @@ void on_resume(peer_pointer self) {
     serve();
 }
 
-/// A handler that waits while the kernel stands still.
-template <class Message, class Handler>
-auto served(peer_pointer self, Handler handle) {
-  return [self, handle](const Message& x) {
-    auto& state = self->state;
-    if (!state.paused)
-      handle(x);
-    else if (state.held.size() < held_max)
-      state.held.emplace_back([handle, x] { handle(x); });
-    else
-      ++state.held_lost;
-  };
+void on_condition(peer_pointer self, const condition_changed& x) {
+  const auto found = self->state.links.find(peis::link_id{x.link});
+  if (found != self->state.links.end())
+    found->second.condition = x.condition;
+}
+
+void on_guard(peer_pointer self, const guard_kernel& x) {
+  auto& state = self->state;
+  known(self, x.init.actor);
+  state.init = x.init.actor;
+  const auto& network = state.arguments.config.network;
+  const auto port = state.real == nullptr ? std::nullopt : state.real->links().port();
+  self->send(state.init, kernel_guarded{network.host_name, network.network, port.value_or(0)});
 }
 
 /// Opens the real links, if any. Without them there is no point in a run that only begins; a peer
@@ -546,107 +469,39 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
   self->state.arguments = std::move(arguments);
   start(self);
   return {
-      served<link_octets>(self,
-                          [self](const link_octets& x) {
-                            perform(self, self->state.kernel.on_link_octets(
-                                              peis::link_id{x.link}, x.octets.view(), now(self)));
-                            if (x.link >= first_real_link && self->state.real != nullptr)
-                              self->state.real->on_taken(peis::link_id{x.link});
-                          }),
-      served<link_closed>(self, [self](const link_closed& x) { on_closed(self, x); }),
-      served<link_opened>(self,
-                          [self](const link_opened& x) {
-                            on_opened(self, x, self->state.arguments.network.bandwidth_bps);
-                          }),
-      served<bluetooth_opened>(
-          self, [self](const bluetooth_opened& x) { on_opened(self, x.link, x.rate_bps); }),
-      served<bluetooth_seen>(self,
-                             [self](const bluetooth_seen& x) {
-                               perform(self, self->state.kernel.on_bluetooth_scan(
-                                                 x.adapter, x.devices, now(self)));
-                             }),
-      served<hello_arrived>(self, [self](const hello_arrived& x) { on_hello(self, x); }),
-      served<hello_answer>(self,
-                           [self](const hello_answer& x) {
-                             perform(self, self->state.kernel.on_hello_answer(
-                                               x.adapter, x.device, x.octets.view(), now(self)));
-                           }),
-      [self](const condition_changed& x) {
-        const auto found = self->state.links.find(peis::link_id{x.link});
-        if (found != self->state.links.end())
-          found->second.condition = x.condition;
-      },
-      served<attempt_failed>(self,
-                             [self](const attempt_failed& x) {
-                               perform(self, self->state.kernel.on_attempt_failed(
-                                                 peis::attempt_id{x.attempt}, now(self)));
-                             }),
-      served<announcement>(self,
-                           [self](const announcement& x) {
-                             perform(self, self->state.kernel.on_announcement(x.octets.view(),
-                                                                              now(self)));
-                           }),
-      served<link_sent>(self,
-                        [self](const link_sent& x) {
-                          perform(self, self->state.kernel.on_link_sent(peis::link_id{x.link},
-                                                                        x.octets, now(self)));
-                        }),
-      served<set_tuple>(self,
-                        [self](const set_tuple& x) {
-                          perform(self, self->state.kernel.set_tuple(
-                                            x.key, content_of(x.value, x.text), now(self)));
-                        }),
-      served<delete_tuple>(self,
-                           [self](const delete_tuple& x) {
-                             perform(self, self->state.kernel.delete_tuple(x.key, now(self)));
-                           }),
-      served<set_remote_tuple>(self,
-                               [self](const set_remote_tuple& x) {
-                                 const auto request = remember(self, x.client, x.token);
-                                 perform(self, self->state.kernel.set_remote_tuple(
-                                                   x.owner, x.key, content_of(x.value, x.text),
-                                                   request, now(self)));
-                               }),
-      served<watch_tuples>(self, [self](const watch_tuples& x) { on_watch(self, x); }),
-      served<declare_meta_tuple>(self,
-                                 [self](const declare_meta_tuple& x) { on_declare(self, x); }),
-      served<set_meta_tuple>(self, [self](const set_meta_tuple& x) { on_set_meta(self, x); }),
-      served<watch_indirectly>(self,
-                               [self](const watch_indirectly& x) { on_watch_indirectly(self, x); }),
-      served<watch_subscribers>(
-          self, [self](const watch_subscribers& x) { on_watch_subscribers(self, x); }),
-      served<watch_clock>(self, [self](const watch_clock& x) { on_watch_clock(self, x); }),
-      served<broadcast_peis_message>(self,
-                                     [self](const broadcast_peis_message& x) {
-                                       perform(self, self->state.kernel.broadcast(x.port, x.octets,
-                                                                                  peis::no_request,
-                                                                                  now(self)));
-                                     }),
-      served<hook_port>(self, [self](const hook_port& x) { on_hook(self, x); }),
-      served<send_peis_message>(self,
-                                [self](const send_peis_message& x) {
-                                  const auto request = remember(self, x.client, x.token);
-                                  perform(self, self->state.kernel.send_message(
-                                                    x.destination, x.port, x.octets, x.reliable,
-                                                    peis::priority::normal, request, now(self)));
-                                }),
+      served<link_octets>(self),
+      served<link_closed>(self),
+      served<link_opened>(self),
+      served<bluetooth_opened>(self),
+      served<bluetooth_seen>(self),
+      served<hello_arrived>(self),
+      served<hello_answer>(self),
+      [self](const condition_changed& x) { on_condition(self, x); },
+      served<attempt_failed>(self),
+      served<announcement>(self),
+      served<link_sent>(self),
+      served<set_tuple>(self),
+      served<delete_tuple>(self),
+      served<set_remote_tuple>(self),
+      served<watch_tuples>(self),
+      served<declare_meta_tuple>(self),
+      served<set_meta_tuple>(self),
+      served<watch_indirectly>(self),
+      served<watch_subscribers>(self),
+      served<watch_clock>(self),
+      served<broadcast_peis_message>(self),
+      served<hook_port>(self),
+      served<send_peis_message>(self),
       [self](const pause_peer& x) { on_pause(self, x); },
       [self](resume_peer) { on_resume(self); },
-      served<step_clock>(self,
-                         [self](const step_clock& x) {
-                           perform(self, self->state.kernel.step_clock(x.by, now(self)));
-                         }),
+      served<step_clock>(self),
       [self](leave_network) {
         if (!ask_init(self))
           leave(self);
       },
-      served<quit_peer>(self, [self](quit_peer) { quit(self); }),
+      served<quit_peer>(self),
       [self](const guard_kernel& x) { on_guard(self, x); },
-      served<timer_expired>(self,
-                            [self](const timer_expired& x) {
-                              if (self->state.wake.accepts(x))
-                                perform(self, self->state.kernel.on_time(now(self)));
-                            }),
+      served<timer_expired>(self),
       [self](status_request) { report(self); },
   };
 }

@@ -17,6 +17,7 @@
 #include "config/ecology.hpp"
 #include "core/random.hpp"
 #include "peis/kernel.hpp"
+#include "peis/kernel_clients.hpp"
 #include "runtime/report.hpp"
 
 namespace rubicon {
@@ -38,13 +39,6 @@ struct peis_peer_arguments {
 };
 
 struct peis_peer_state {
-  /// Who hears of a subscription or a request, and under which name of its own.
-  struct interest {
-    peis_client_actor client;
-    std::uint64_t name = 0;
-    provenance from = {};
-  };
-
   /// Our end of a simulated link.
   struct link_end {
     link_end_actor other;
@@ -60,20 +54,8 @@ struct peis_peer_state {
   std::map<peis::link_id, link_end> links;
   std::set<peis::link_id> tcp_links; ///< open ones
   std::unique_ptr<real_links> real;  ///< nullptr: none
-  std::map<peis::subscription_id, interest> watches;
-  std::map<peis::request_id, interest> requests;
-  std::map<std::uint16_t, peis_client_actor> ports;
-  subscribers_watcher_actor subscribers_watcher; ///< of tuples with this first part
-  std::string subscribers_first_part;
-  std::vector<std::string> subscribers_told;
-  std::optional<std::uint64_t> subscribers_version; ///< of what was told
-  instant subscribers_told_at{};
-  std::optional<instant> subscribers_due; ///< when they are told again, if a pause is to end
-  std::vector<clock_watcher_actor> clock_watchers;
-  std::optional<duration> clock_told;
-  std::set<caf::actor_addr> clients; ///< monitored: one that ends leaves nothing behind
-  std::uint64_t next_watch = 1;
-  std::uint64_t next_request = 1;
+  peis::kernel_clients clients;
+  std::map<peis::client_id, caf::strong_actor_ptr> components; ///< by CAF's ids, and monitored
   bool paused = false;
   bool left = false;
   init_actor init;                         ///< which is asked before this ends; nullptr: nobody is
@@ -88,6 +70,9 @@ struct peis_peer_state {
 };
 
 using peer_pointer = scheduler::traced_pointer<peis_peer_state, peis_peer_actor>;
+
+// actors/peis_report.cpp
+void report(peer_pointer self);
 
 // actors/lan_link.cpp
 

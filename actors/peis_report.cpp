@@ -1,0 +1,92 @@
+// What a peer reports of itself.
+#include <utility>
+
+#include "actors/peis_peer.hpp"
+
+namespace rubicon {
+
+namespace {
+
+/// What limits have refused or put off (docs/security.md).
+void add_limits(runtime::cause_counts& to, const peis::kernel_counters& counted) {
+  const auto& x = counted.network;
+  const auto& tuples = counted.tuples;
+  const std::pair<const char*, std::uint64_t> all[] = {
+      {"over_budget", x.rests},
+      {"turns", x.held},
+      {"fragments_refused", x.fragments_refused},
+      {"greetings_evicted", x.greetings_evicted},
+      {"hosts_refused", x.hosts_refused},
+      {"newcomers_referred", x.newcomers_referred},
+      {"questions_refused", x.questions_refused},
+      {"routes_refused", x.routes_refused},
+      {"rivals_refused", x.rivals_refused},
+      {"claims_refused", x.claims_refused},
+      {"tables_put_off", x.tables_put_off},
+      {"tuples_full", tuples.overflow},
+      {"tuples_malformed", tuples.malformed},
+      {"subscriptions_full", tuples.subscribers_refused},
+      {"strangers", tuples.strangers_refused},
+      {"appends_refused", tuples.appends_refused},
+      {"orphans", tuples.orphans_removed},
+      {"stale_removed", tuples.stale_removed},
+      {"resyncs", tuples.resyncs},
+      {"pushes_given_up", tuples.pushes_given_up},
+      {"absent_forgotten", tuples.absent_forgotten}};
+  for (const auto& [name, count] : all) {
+    if (count > 0)
+      to[name] = count;
+  }
+}
+
+} // namespace
+
+void report(peer_pointer self) {
+  const auto& state = self->state;
+  const auto all_counted = state.kernel.counters();
+  const auto& counted = all_counted.network;
+  peer_status status;
+  auto& peer = status.peer;
+  peer.id = state.kernel.id();
+  peer.name = state.arguments.name;
+  peer.incarnations = state.arguments.incarnation + 1;
+  peer.links = state.links.size() + state.tcp_links.size();
+  peer.links_opened = counted.links_opened;
+  peer.links_closed = state.links_closed;
+  peer.attempts = counted.attempts;
+  peer.attempts_failed = counted.attempts_failed;
+  for (const auto* host : state.kernel.hosts()) {
+    if (state.kernel.knows_present(host->id) || !state.kernel.reachable(host->id))
+      status.hosts.push_back(host->id);
+    if (host->id == peer.id)
+      peer.cluster = host->cluster;
+  }
+  for (const auto& link : state.kernel.links()) {
+    if (link.neighbour)
+      status.neighbours.push_back(*link.neighbour);
+  }
+  const auto time = state.kernel.network_time(now(self));
+  status.clock_offset = std::chrono::seconds(time.seconds) +
+                        std::chrono::microseconds(time.microseconds) - now(self).time_since_epoch();
+  peer.hosts_known = status.hosts.size();
+  peer.tuples = state.kernel.own_tuples().size();
+  peer.peis.packages = counted.packages_sent;
+  peer.peis.tuples = peer.tuples;
+  peer.peis.lost = {{"queue_full", counted.queue_full},
+                    {"early_drop", counted.early_drop},
+                    {"no_route", counted.no_route},
+                    {"hops", counted.hops},
+                    {"queued_lost", counted.queued_lost},
+                    {"illegal", counted.illegal},
+                    {"malformed", counted.malformed},
+                    {"incomplete", counted.messages_incomplete},
+                    {"network", state.packages_lost},
+                    {"paused", state.held_lost},
+                    {"own_id", counted.own}};
+  add_limits(peer.limits, all_counted);
+  if (state.real != nullptr && state.real->links().counters().refused > 0)
+    peer.limits["connections_refused"] = state.real->links().counters().refused;
+  self->send(state.arguments.ecology, std::move(status));
+}
+
+} // namespace rubicon
