@@ -22,6 +22,7 @@
 #include "network/channel_message.hpp"
 #include "network/sink_event.hpp"
 #include "peis/bluetooth.hpp"
+#include "peis/simulated_media.hpp"
 #include "radio/channel.hpp"
 #include "runtime/report.hpp"
 #include "scheduler/trace.hpp"
@@ -553,12 +554,7 @@ RUBICON_FIELDS(link_closed, link);
 /// The far end of an in-process link.
 using link_end_actor = caf::typed_actor<caf::reacts_to<link_octets>, caf::reacts_to<link_closed>>;
 
-/// What the simulated network does to a link.
-struct link_condition {
-  bool cut = false; ///< nothing gets through
-  double loss = 0;  ///< chance that a package is lost, 0..1
-};
-RUBICON_FIELDS(link_condition, cut, loss);
+using peis::link_condition;
 
 /// A link is up. Both ends of a simulated one know it by the same number; a real one has no
 /// `other`.

@@ -75,7 +75,7 @@ std::uint16_t bluetooth_port_of(ecology_pointer self, const config::peer_descrip
   std::size_t before = 0;
   for (const auto& each : self->state.description.peers)
     before += each.id < peer.id && host_of(self, each) == machine ? 1 : 0;
-  return bluetooth_port(before);
+  return peis::bluetooth_port(before);
 }
 
 /// What a full package takes: its acknowledgement cannot come sooner.
@@ -94,8 +94,8 @@ void add_bluetooth(ecology_pointer self, const config::peer_description& peer,
   network.bluetooth.threshold_dbm = static_cast<int>(std::ceil(given.threshold_dbm));
   const auto port = bluetooth_port_of(self, peer);
   for (const auto& adapter : peer.bluetooth)
-    network.addresses.push_back(
-        peis::bluetooth_interface(adapter, address_of_adapter(network.host_name, adapter), port));
+    network.addresses.push_back(peis::bluetooth_interface(
+        adapter, peis::address_of_adapter(network.host_name, adapter), port));
   if (given.rate_bps == 0)
     return;
   network.link_window = bluetooth_link_window;

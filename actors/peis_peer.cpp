@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "actors/log.hpp"
-#include "actors/peis_bluetooth.hpp"
+#include "peis/simulated_bluetooth.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
@@ -145,7 +145,7 @@ struct performer {
       return;
     tell_closed(self, x.link, found->second);
     state.links.erase(found);
-    if (x.link.value >= first_bluetooth_link)
+    if (x.link.value >= peis::first_bluetooth_link)
       self->send(state.arguments.bluetooth, lan_link_ended{x.link.value});
     else if (state.arguments.lan)
       self->send(state.arguments.lan, lan_link_ended{x.link.value});
@@ -262,7 +262,9 @@ void on_opened(peer_pointer self, const link_opened& x, std::uint64_t rate_bps) 
     state.tcp_links.insert(id);
     self->send(state.arguments.ecology, outside_link_changed{});
   } else
-    state.links[id] = {x.other.actor, x.condition, x.initiator, {}, rate_bps};
+    state.links[id] = {
+        x.other.actor,
+        peis::simulated_link(role, x.condition, state.arguments.network.delay, rate_bps)};
   const auto attempt = x.attempt == 0 ? std::nullopt : std::optional(peis::attempt_id{x.attempt});
   perform(self, state.kernel.on_link_open(id, role, now(self), attempt));
 }
@@ -404,7 +406,7 @@ void on_resume(peer_pointer self) {
 void on_condition(peer_pointer self, const condition_changed& x) {
   const auto found = self->state.links.find(peis::link_id{x.link});
   if (found != self->state.links.end())
-    found->second.condition = x.condition;
+    found->second.line.set_condition(x.condition);
 }
 
 void on_guard(peer_pointer self, const guard_kernel& x) {

@@ -18,6 +18,7 @@
 #include "core/random.hpp"
 #include "peis/kernel.hpp"
 #include "peis/kernel_clients.hpp"
+#include "peis/simulated_link.hpp"
 #include "runtime/report.hpp"
 
 namespace rubicon {
@@ -42,10 +43,7 @@ struct peis_peer_state {
   /// Our end of a simulated link.
   struct link_end {
     link_end_actor other;
-    link_condition condition;
-    bool request_is_next = false; ///< the next octets begin with a connect request
-    instant free_at;              ///< when what was handed out has left
-    std::uint64_t rate_bps = 0;   ///< 0: unlimited
+    peis::simulated_link line;
   };
 
   peis_peer_arguments arguments;
@@ -62,7 +60,6 @@ struct peis_peer_state {
   std::vector<std::function<void()>> held; ///< what has come during a pause
   std::uint64_t held_lost = 0;
   std::uint64_t packages_lost = 0; ///< on the simulated network, sent by us
-  std::uint64_t octets_cut = 0;    ///< sent into links that carried nothing
   runtime::cause_counts links_closed;
   line_allowance closings; ///< told of in the log
   line_allowance claims;   ///< to our id, the same

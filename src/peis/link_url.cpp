@@ -99,6 +99,20 @@ std::string to_string(const link_url& x) {
   return text;
 }
 
+std::optional<peer_id> inproc_peer(const link_url& x) {
+  std::int32_t id = 0;
+  const auto* const end = x.host.data() + x.host.size();
+  const auto [stop, error] = std::from_chars(x.host.data(), end, id);
+  if (x.medium != scheme::inproc || error != std::errc() || stop != end)
+    return std::nullopt;
+  return peer_id{id};
+}
+
+std::optional<bluetooth_address> bluetooth_device(const link_url& x) {
+  const auto address = parse_bluetooth_address(x.host);
+  return x.medium == scheme::bluetooth && address ? std::optional(*address) : std::nullopt;
+}
+
 link_url url_of(const low_level_address& x) {
   using kind = low_level_address::kind;
   const auto& a = x.address;

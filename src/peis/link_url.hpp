@@ -5,6 +5,7 @@
 #include <array>
 #include <compare>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -44,6 +45,12 @@ struct link_url {
 [[nodiscard]] result<link_url> parse_link_url(std::string_view text);
 
 [[nodiscard]] std::string to_string(const link_url& x);
+
+/// Whom `inproc://id` names; nullopt for another link.
+[[nodiscard]] std::optional<peer_id> inproc_peer(const link_url& x);
+
+/// Which device `bt://address;port` names; nullopt for another link.
+[[nodiscard]] std::optional<bluetooth_address> bluetooth_device(const link_url& x);
 
 /// Where an interface of a peer's record can be reached. An in-process address names the peer by
 /// its id.

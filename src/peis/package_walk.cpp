@@ -22,23 +22,21 @@ thinned without_lost_packages(byte_view octets, std::size_t kept,
                               const std::function<bool()>& is_lost) {
   thinned out;
   out.octets.reserve(octets.size());
-  const auto copy = [&](std::size_t count) {
-    const auto part = octets.subspan(0, count);
-    out.octets.insert(out.octets.end(), part.begin(), part.end());
+  const auto take = [&octets](bytes& into, std::size_t count) {
+    const auto part = octets.first(count);
+    into.insert(into.end(), part.begin(), part.end());
+    octets = octets.subspan(count);
   };
-  copy(std::min(kept, octets.size()));
-  octets = octets.subspan(std::min(kept, octets.size()));
+  take(out.octets, std::min(kept, octets.size()));
   while (!octets.empty()) {
     const auto size = package_size(octets);
     if (size == 0) {
-      copy(octets.size());
-      break;
-    }
-    if (is_lost())
+      take(out.octets, octets.size());
+    } else if (is_lost()) {
+      take(out.lost_octets, size);
       ++out.lost;
-    else
-      copy(size);
-    octets = octets.subspan(size);
+    } else
+      take(out.octets, size);
   }
   return out;
 }

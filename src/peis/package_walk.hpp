@@ -10,6 +10,7 @@ namespace rubicon::peis {
 
 struct thinned {
   bytes octets;
+  bytes lost_octets;
   std::size_t lost = 0; ///< packages
 };
 

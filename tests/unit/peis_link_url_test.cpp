@@ -52,3 +52,15 @@ TEST_CASE("addresses of a record say where they lead", "[peis][LNK-03]") {
                               {0, 0x1a, 0x7d, 0xda, 0x71, 0x13, 0x1c, 0x93}};
   CHECK(to_string(url_of(bluetooth)) == "bt://00:1A:7D:DA:71:13;7315");
 }
+
+TEST_CASE("links of simulated media name a peer or a device", "[peis][LNK-05]") {
+  CHECK(inproc_peer(*parse_link_url("inproc://70000")) == peer_id{70000});
+  CHECK(!inproc_peer(*parse_link_url("inproc://kitchen")));
+  CHECK(!inproc_peer(*parse_link_url("inproc://7x")));
+  CHECK(!inproc_peer(*parse_link_url("tcp://7")));
+  const auto* const address = "00:1A:7D:DA:71:13";
+  const auto device = bluetooth_device(*parse_link_url(std::string("bt://") + address));
+  REQUIRE(device);
+  CHECK(to_string(*device) == address);
+  CHECK(!bluetooth_device(*parse_link_url("tcp://a")));
+}

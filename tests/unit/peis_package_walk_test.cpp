@@ -44,6 +44,7 @@ TEST_CASE("lost packages are taken out whole", "[peis]") {
   const auto middle = without(all, {false, true, false});
   CHECK(middle.octets == first + third);
   CHECK(middle.lost == 1);
+  CHECK(middle.lost_octets == second);
   CHECK(without(all, {true, false, true}).octets == second);
   const auto none = without(all, {true, true, true});
   CHECK(none.octets.empty());
