@@ -24,13 +24,15 @@ lane lane_of(const package_header& header) {
 } // namespace
 
 p2p::p2p(p2p_config config, random_stream rng, instant now)
-    : config_(std::move(config)), rng_(rng), ids_(rng_), seen_(config_.tables.seen, rng_),
-      assembly_(config_.assembly), acknowledger_(config_.ack_delay), delivery_(config_.reliable),
-      bluetooth_(config_.bluetooth, now),
+    : config_(std::move(config)), rng_(rng), ids_(rng_), strangers_(config_.routing_period),
+      seen_(config_.tables.seen, rng_), assembly_(config_.assembly),
+      acknowledger_(config_.ack_delay), delivery_(config_.reliable),
+      bluetooth_(config_.bluetooth, now), traffic_(config_.tables.routes, now),
+      probes_(config_.tables.probes, config_.probe_timeout),
       clock_({config_.time_master, config_.clock_period, config_.clock_offset, config_.clock_ppb},
              config_.id, now),
       next_manager_(now + config_.connections.manager_period), next_merge_(now),
-      next_announcement_(now), last_measured_(now), joined_(now),
+      next_announcement_(now),
       next_period_(now + rng_.between(config_.routing_period / 2, config_.routing_period)),
       last_trigger_(now - config_.trigger_gap), latest_(now),
       routing_rate_(config_.tables.routing_work_per_second, 1s, 2s),
@@ -38,6 +40,7 @@ p2p::p2p(p2p_config config, random_stream rng, instant now)
   queues_ = std::make_shared<queues_memory>(queues_memory{config_.queues_octets_max});
   self_.id = config_.id;
   self_.magic = ids_.next();
+  rivalry_ = id_rivalry(self_.magic, now);
   self_.host_name = config_.host_name;
   self_.full_name = config_.name + '@' + config_.host_name + '!' + std::to_string(config_.process);
   self_.addresses = config_.addresses;
@@ -56,8 +59,8 @@ p2p::p2p(p2p_config config, random_stream rng, instant now)
 
 void p2p::on_time(instant now) {
   latest_ = now;
-  mind_identity(now);
-  if (yielded_until_)
+  settle(rivalry_.on_time(now), now);
+  if (rivalry_.is_away() && !left_)
     return;
   if (!left_ && now >= next_period_)
     on_period(now);
@@ -69,10 +72,10 @@ void p2p::on_time(instant now) {
 }
 
 std::optional<instant> p2p::deadline() const {
-  if (yielded_until_ && !left_)
-    return yielded_until_;
+  if (rivalry_.is_away() && !left_)
+    return rivalry_.deadline();
   auto next = earliest(acknowledger_.deadline(), delivery_.deadline());
-  next = earliest(next, identity_deadline());
+  next = earliest(next, rivalry_.deadline());
   next = earliest(next, assembly_.deadline());
   next = earliest(next, next_silence_check_);
   next = earliest(next, input_deadline());
@@ -81,8 +84,8 @@ std::optional<instant> p2p::deadline() const {
   next = earliest(next, connections_deadline());
   if (left_)
     return next;
-  if (!questions_.empty())
-    next = earliest(next, std::max(questions_.begin()->first, asking_rate_.free_at()));
+  if (const auto question = strangers_.next())
+    next = earliest(next, std::max(question->first, asking_rate_.free_at()));
   return earliest(earliest(next, next_trigger_), next_period_);
 }
 
@@ -102,7 +105,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
     ++counters_.claims_refused; // before it counts as seen: the true one may still come
     return;
   }
-  probes_.erase(header.source);
+  probes_.end(header.source);
   if (!seen_.insert(header.source, header.id, from)) {
     ++counters_.seen;
     return;
@@ -268,7 +271,7 @@ void p2p::forward(link_id from, package_header header, byte_view data) {
   }
   ++counters_.packages_forwarded;
   const outgoing_package next{header, std::move(content), 0};
-  count_traffic(next);
+  traffic_.count(next);
   count_drop(enqueue(connections_.at(*way), lane_of(header), next));
 }
 
@@ -408,7 +411,7 @@ cause p2p::send_unreliable(const posting& x, link_id way) {
       header.seqnum = static_cast<std::uint16_t>(i);
     }
     const outgoing_package next{header, content, i * data_max};
-    count_traffic(next);
+    traffic_.count(next);
     queue.push(where, next, serving_.value_or(own_origin));
   }
   return cause::none;
@@ -433,7 +436,7 @@ void p2p::pump(peer_id destination) {
       return;
     }
     auto x = delivery_.next(destination, ids_, wide);
-    count_traffic(x->second);
+    traffic_.count(x->second);
     queue.push(x->first, std::move(x->second));
   }
 }

@@ -27,6 +27,7 @@
 #include "peis/heartbeat.hpp"
 #include "peis/host_query.hpp"
 #include "peis/host_record.hpp"
+#include "peis/id_rivalry.hpp"
 #include "peis/link.hpp"
 #include "peis/neighbour_budget.hpp"
 #include "peis/network_clock.hpp"
@@ -35,7 +36,10 @@
 #include "peis/reassembly.hpp"
 #include "peis/routing_table.hpp"
 #include "peis/seen_ids.hpp"
+#include "peis/stranger_table.hpp"
 #include "peis/trace.hpp"
+#include "peis/traffic_meter.hpp"
+#include "peis/way_probes.hpp"
 
 namespace rubicon::peis {
 
@@ -347,24 +351,6 @@ private:
     instant lost;
   };
 
-  struct traffic {
-    std::uint64_t octets = 0; ///< since the last run of the manager
-    double per_second = 0;
-  };
-
-  struct open_probe {
-    instant deadline;
-    instant next; ///< try
-  };
-
-  /// Another peer has shown that it lives under our id.
-  struct rivalry {
-    host_record other;
-    instant first; ///< sign of it
-    instant last;
-    instant checked; ///< when it was last judged
-  };
-
   struct open_trace {
     peer_id destination;
     request_id id;
@@ -386,12 +372,12 @@ private:
     link_id from = by_announcement; ///< the link that told of it first
   };
 
-  /// A host that can be reached, and nobody has told who it is now.
-  struct stranger {
-    unsigned questions = 0; ///< asked so far
-    bool misled = false;    ///< somebody remembers another incarnation of it
-    instant next;           ///< question
-  };
+  /// What the parts of this ask for.
+  template <class Outputs>
+  void settle(Outputs todo, instant now) {
+    for (auto& output : todo)
+      std::visit([&](auto& x) { handle(x, now); }, output);
+  }
 
   // p2p_input.cpp: whose turn it is
   void serve_link(connection& from, instant now);
@@ -467,10 +453,9 @@ private:
 
   // p2p_incarnations.cpp: which incarnation of a host is there now
   void note_stranger(peer_id id, instant now);
-  void forget_stranger(peer_id id);
   void review_hosts(instant now);
   void ask_strangers(instant now);
-  void ask_about(peer_id id, const stranger& x);
+  void ask_about(const stranger_table::question& x);
   void ask(peer_id id, std::int32_t magic, bool sealed);
   [[nodiscard]] bool answer_query(link_id from, const package_header& header, byte_view data);
   [[nodiscard]] bool believes(const host_record_message& message, instant now) const;
@@ -498,8 +483,6 @@ private:
   [[nodiscard]] bool manager_wanted() const;
   [[nodiscard]] bool merge_wanted() const;
   void manage(instant now);
-  void measure_traffic(instant now);
-  void count_traffic(const outgoing_package& x);
   [[nodiscard]] bool busy_with(peer_id host) const;
   void close_doubles(instant now);
   [[nodiscard]] bool force_by_traffic(instant now);
@@ -524,7 +507,8 @@ private:
   void send_beat(connection& x, instant now);
   void on_heartbeat(connection& x, byte_view data, instant now);
   void probe_unsound(instant now);
-  void check_probes(instant now);
+  void handle(const probe_host& x, instant now);
+  void handle(const way_disproved& x, instant now);
   void check_losses(instant now);
   void send_trace(peer_id destination);
   void check_traces(instant now);
@@ -537,10 +521,9 @@ private:
   // p2p_identity.cpp: another peer uses our id, or two others use one
   void note_duplicate(const host_record& other, instant now);
   void hear_own_id(const package_header& header, byte_view data, instant now);
-  void mind_identity(instant now);
-  [[nodiscard]] std::optional<instant> identity_deadline() const;
-  [[nodiscard]] std::optional<instant> yields_at() const;
-  void yield_id(instant now);
+  void handle(id_taken& x, instant now);
+  void handle(const id_regained& x, instant now);
+  void vacate_id(instant now);
   [[nodiscard]] std::optional<link_id> living_link(peer_id id, std::optional<link_id> except,
                                                    instant now) const;
   [[nodiscard]] bool is_impersonation(link_id from, const package_header& header,
@@ -561,8 +544,7 @@ private:
   std::map<peer_id, link_id> neighbours_; ///< the oldest link to each (peis-wire.md 3.6)
   routing_table routing_;
   std::map<peer_id, acquaintance> hosts_; ///< others
-  std::map<peer_id, stranger> strangers_;
-  std::set<std::pair<instant, peer_id>> questions_; ///< to ask about them, by time
+  stranger_table strangers_;
 
   std::deque<link_id> ready_;                     ///< whose input waits, in turn
   std::set<std::pair<instant, link_id>> resting_; ///< whose neighbour is over its budget
@@ -588,8 +570,8 @@ private:
   bluetooth bluetooth_;
   std::map<peer_id, contact> contacts_;
   std::map<peer_id, former_host> former_; ///< lost for want of a way: may be found again
-  std::map<peer_id, traffic> traffic_;    ///< by destination
-  std::map<peer_id, open_probe> probes_;  ///< hosts that are to give a sign of life
+  traffic_meter traffic_;
+  way_probes probes_;
   std::vector<open_trace> traces_;
   network_clock clock_;
   instant next_manager_;
@@ -597,17 +579,11 @@ private:
   instant last_merge_;
   instant next_judgement_; ///< of links, for others that ask
   instant next_announcement_;
-  instant last_measured_;                 ///< traffic
-  unsigned first_announcements_ = 0;      ///< made, of those at the start
-  unsigned unheard_announcements_ = 0;    ///< periods since a better announcer was heard
-  std::optional<std::int32_t> duplicate_; ///< magic of the last peer that was seen using our id
-  std::optional<rivalry> rivalry_;
-  instant joined_;                       ///< the network, or came back to it
-  std::optional<instant> yielded_until_; ///< our id is left to another peer
-  duration yielded_for_{};               ///< the last time
-  std::size_t welcomed_ = 0;             ///< hosts that are announced
+  unsigned first_announcements_ = 0;   ///< made, of those at the start
+  unsigned unheard_announcements_ = 0; ///< periods since a better announcer was heard
+  id_rivalry rivalry_;
+  std::size_t welcomed_ = 0; ///< hosts that are announced
   std::optional<instant> next_beat_;
-  std::optional<instant> next_probe_;
 
   instant next_period_;
   std::optional<instant> next_trigger_;

@@ -21,7 +21,6 @@ constexpr unsigned foreign_runs_max = 3; // CLU-02
 constexpr unsigned first_announcements = 3;
 constexpr unsigned quiet_periods = 3; // after these without a better announcer we announce
 constexpr std::size_t referrals = 8;
-constexpr double smoothing = 0.3;             // of the traffic, a run of the manager
 constexpr std::uint8_t connections_max = 254; // 255 means unknown
 
 } // namespace
@@ -171,39 +170,13 @@ void p2p::update_cluster(instant now) {
     announce_by_rule(now, true);
 }
 
-void p2p::measure_traffic(instant now) {
-  const auto elapsed = seconds(now - std::exchange(last_measured_, now));
-  for (auto at = traffic_.begin(); at != traffic_.end();) {
-    auto& x = at->second;
-    const auto rate = elapsed > 0 ? static_cast<double>(std::exchange(x.octets, 0)) / elapsed : 0;
-    x.per_second += smoothing * (rate - x.per_second);
-    at = x.per_second < 1 ? traffic_.erase(at) : std::next(at);
-  }
-}
-
 bool p2p::busy_with(peer_id host) const {
-  const auto x = traffic_.find(host);
-  return x != traffic_.end() && x->second.per_second > config_.connections.forced_octets_per_second;
-}
-
-/// What goes to one peer, whoever sent it, without the network's own services (CM-02).
-void p2p::count_traffic(const outgoing_package& x) {
-  switch (x.header.port) {
-  case port::trace:
-  case port::trace_reply:
-  case port::dead_host:
-  case port::host_query:
-  case port::host_record:
-  case port::acknowledgements:
-    return;
-  }
-  if (traffic_.size() < config_.tables.routes || traffic_.contains(x.header.destination))
-    traffic_[x.header.destination].octets += header_size + x.length();
+  return traffic_.octets_per_second(host) > config_.connections.forced_octets_per_second;
 }
 
 void p2p::manage(instant now) {
   next_manager_ = now + config_.connections.manager_period;
-  measure_traffic(now);
+  traffic_.measure(now);
   close_doubles(now);
   if (force_by_traffic(now))
     return;
@@ -284,7 +257,7 @@ std::uint8_t p2p::own_connections() const {
 /// Every peer says three times that it has come. From then on only the one with the lowest id of
 /// each machine goes on (peis-wire.md 4, A-16).
 void p2p::announce_by_rule(instant now, bool extra) {
-  if (!config_.connections.announces || left_ || yielded_until_)
+  if (!config_.connections.announces || left_ || rivalry_.is_away())
     return;
   const bool first = first_announcements_ < first_announcements;
   if (!extra) {
@@ -312,7 +285,7 @@ void p2p::on_announcement(byte_view octets, instant now) {
       note_duplicate(sender, now);
     return;
   }
-  if (yielded_until_)
+  if (rivalry_.is_away())
     return;
   ++counters_.announcements_received;
   if (sender.host_name == self_.host_name && sender.id < self_.id)

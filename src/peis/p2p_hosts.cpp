@@ -98,11 +98,11 @@ void p2p::apply_tables(instant now) {
 void p2p::apply(const routing_changes& changes, instant now) {
   for (const auto& [host, what] : changes) {
     if (what == routing_change::kind::lost) {
-      forget_stranger(host);
+      strangers_.forget(host);
       heard_over_.erase(host);
       note_loss(host, now);
     } else if (knows_present(host)) {
-      forget_stranger(host);
+      strangers_.forget(host);
       welcome(host, now);
     } else {
       note_stranger(host, now);
@@ -293,6 +293,7 @@ void p2p::leave() {
   static_cast<void>(broadcast(
       port::dead_host, encode(dead_host_message{self_.id, dead_host_message::reason::route})));
   left_ = true;
+  rivalry_.end();
   next_trigger_.reset();
 }
 

@@ -1,10 +1,4 @@
-// Two peers with one id (RTE-08, IF-12, ADR-02).
-//
-// A magic number that has been followed by another one never returns unless two live peers share an
-// id. Who notices tells both, with the record of the other; they settle it between them by a rule
-// that both can follow: who has come to the network lately leaves, of two alike the one with the
-// higher magic number. A peer that cannot leave, being no Rubicon peer, is left the id. Who has
-// left tries again after a while, as a newcomer, and so takes over when the other is gone.
+// Another peer uses our id (peis/id_rivalry.hpp), or two others use one.
 #include <algorithm>
 #include <utility>
 
@@ -14,29 +8,13 @@ namespace rubicon::peis {
 
 namespace {
 
-constexpr duration newcomer_for = 30s;
-// From the first sign of the other to our leaving: each leaves the one before the time to be gone.
-constexpr duration newcomer_leaves = 2s;
-constexpr duration lower_newcomer_leaves = 8s;
-constexpr duration settled_leaves = 15s;
-constexpr duration sign_is_fresh = 3s;
-constexpr duration rivalry_ends = 10s; // after the last sign
-constexpr duration away_first = 15s;   // doubles each time
-constexpr duration away_max = 2min;
 constexpr duration alive_within = 1500ms; // of a marked neighbour's last word: it beats each second
 
 } // namespace
 
 void p2p::note_duplicate(const host_record& other, instant now) {
   ++counters_.duplicate_id;
-  if (std::exchange(duplicate_, other.magic) != other.magic)
-    events_.push_back(id_taken{other.full_name, {}});
-  if (yielded_until_)
-    yielded_until_ = std::max(*yielded_until_, now + away_first);
-  else if (rivalry_ && rivalry_->other.magic == other.magic)
-    rivalry_->last = now;
-  else
-    rivalry_ = rivalry{other, now, now, now};
+  settle(rivalry_.note(other, now), now);
 }
 
 /// The other end of a link answers with our own id.
@@ -48,52 +26,20 @@ void p2p::hear_own_id(const package_header& header, byte_view data, instant now)
     note_duplicate(message->record, now);
 }
 
-/// When we leave the id to the other if it goes on showing that it is there.
-std::optional<instant> p2p::yields_at() const {
-  const auto& [other, first, last, checked] = *rivalry_;
-  const bool first_to_leave = self_.magic > other.magic || !other.marked;
-  if (first < joined_ + newcomer_for)
-    return first + (first_to_leave ? newcomer_leaves : lower_newcomer_leaves);
-  return first_to_leave ? std::optional(first + settled_leaves) : std::nullopt;
+void p2p::handle(id_taken& x, instant now) {
+  const bool leaves = x.stays_away > duration(0);
+  events_.emplace_back(std::move(x));
+  if (leaves)
+    vacate_id(now);
 }
 
-std::optional<instant> p2p::identity_deadline() const {
-  if (!rivalry_ || left_) // who has left minds it no more
-    return std::nullopt;
-  const auto at = yields_at();
-  if (at && *at > rivalry_->checked)
-    return at;
-  if (at && rivalry_->last > rivalry_->checked)
-    return rivalry_->last; // another sign when it was due
-  return rivalry_->last + rivalry_ends;
-}
-
-void p2p::mind_identity(instant now) {
-  if (yielded_until_ && *yielded_until_ <= now) {
-    yielded_until_.reset();
-    joined_ = now;
-    duplicate_.reset(); // told again if it is still there
-    next_period_ = now + config_.routing_period;
-  }
-  if (!rivalry_ || left_)
-    return;
-  rivalry_->checked = now;
-  const auto at = yields_at();
-  const bool goes_on = rivalry_->last > rivalry_->first && rivalry_->last + sign_is_fresh >= now;
-  if (at && *at <= now && goes_on)
-    yield_id(now);
-  else if (rivalry_->last + rivalry_ends <= now)
-    rivalry_.reset();
+void p2p::handle(const id_regained& /*x*/, instant now) {
+  next_period_ = now + config_.routing_period;
 }
 
 /// Keeps off the network, without a goodbye: that would be taken for the other's.
-void p2p::yield_id(instant now) {
-  const bool again = joined_ + newcomer_for > now;
-  yielded_for_ = again ? std::clamp(2 * yielded_for_, away_first, away_max) : away_first;
-  yielded_until_ = now + yielded_for_;
+void p2p::vacate_id(instant now) {
   ++counters_.ids_yielded;
-  events_.push_back(id_taken{rivalry_->other.full_name, yielded_for_});
-  rivalry_.reset();
   std::vector<link_id> links;
   for (const auto& [link, x] : connections_)
     links.push_back(link);

@@ -14,7 +14,6 @@ namespace rubicon::peis {
 
 namespace {
 
-constexpr duration first_wait = 1s;           ///< for an answer; doubles, up to the routing period
 constexpr std::size_t questions_at_once = 64; ///< of one occasion
 constexpr work_units rebirth_work = 500;
 constexpr int doubted_periods = 3; ///< what is no news of an earlier incarnation is ignored so long
@@ -22,20 +21,7 @@ constexpr int doubted_periods = 3; ///< what is no news of an earlier incarnatio
 } // namespace
 
 void p2p::note_stranger(peer_id id, instant now) {
-  const auto [at, is_new] = strangers_.try_emplace(id);
-  if (!is_new)
-    return;
-  at->second.misled = hosts_.contains(id);
-  at->second.next = now;
-  questions_.emplace(now, id);
-}
-
-void p2p::forget_stranger(peer_id id) {
-  const auto at = strangers_.find(id);
-  if (at == strangers_.end())
-    return;
-  questions_.erase({at->second.next, id});
-  strangers_.erase(at);
+  strangers_.note(id, hosts_.contains(id), now);
 }
 
 /// What was missed at a change is found here, once a period.
@@ -45,8 +31,8 @@ void p2p::review_hosts(instant now) {
       continue;
     if (!knows_present(id))
       note_stranger(id, now);
-    else if (strangers_.contains(id))
-      forget_stranger(id);
+    else
+      strangers_.forget(id);
   }
 }
 
@@ -63,35 +49,30 @@ bool p2p::knows_present(peer_id id) const {
 
 void p2p::ask_strangers(instant now) {
   for (std::size_t i = 0; i < questions_at_once; ++i) {
-    if (questions_.empty() || questions_.begin()->first > now || asking_rate_.free_at() > now ||
-        left_)
+    const auto next = strangers_.next();
+    if (!next || next->first > now || asking_rate_.free_at() > now || left_)
       return;
-    const auto id = questions_.begin()->second;
+    const auto id = next->second;
     if (knows_present(id) || !reachable(id)) {
-      forget_stranger(id);
+      strangers_.forget(id);
       continue;
     }
-    auto& x = strangers_.at(id);
-    questions_.erase(questions_.begin());
-    ask_about(id, x);
+    ask_about(strangers_.ask(id, now));
     asking_rate_.take(1, now);
-    const duration wait = first_wait * (1U << std::min(x.questions++, 8U));
-    x.next = now + std::min(wait, config_.routing_period);
-    questions_.emplace(x.next, id);
   }
 }
 
 /// The first question is for everybody on the way. Where caches mislead, the incarnation itself is
 /// asked for: by its magic number, which a real kernel on the way passes on (but does not answer
 /// either), and in a message of one fragment, which nobody on the way looks into.
-void p2p::ask_about(peer_id id, const stranger& x) {
-  if (!x.misled || x.questions % 2 == 1)
-    ask(id, any_magic, false);
-  if (!x.misled && x.questions == 0)
+void p2p::ask_about(const stranger_table::question& x) {
+  if (!x.misled || x.before % 2 == 1)
+    ask(x.host, any_magic, false);
+  if (!x.misled && x.before == 0)
     return;
-  if (const auto* way = routing_.find(id))
-    ask(id, way->magic, false);
-  ask(id, any_magic, true);
+  if (const auto* way = routing_.find(x.host))
+    ask(x.host, way->magic, false);
+  ask(x.host, any_magic, true);
 }
 
 /// A link to an earlier incarnation may still seem to be there: the route is tried beside it.
@@ -165,12 +146,7 @@ bool p2p::believes(const host_record_message& message, instant now) const {
 void p2p::store_record(const host_record_message& message, instant now) {
   const auto& record = message.record;
   if (!believes(message, now)) {
-    const auto asked = strangers_.find(record.id);
-    if (asked != strangers_.end() && !std::exchange(asked->second.misled, true)) {
-      questions_.erase({asked->second.next, record.id});
-      asked->second.next = now;
-      questions_.emplace(now, record.id);
-    }
+    strangers_.mislead(record.id, now);
     return;
   }
   const auto known = hosts_.find(record.id);
@@ -195,7 +171,7 @@ void p2p::store_record(const host_record_message& message, instant now) {
     stored.before = before;
   recall(stored);
   if (knows_present(record.id))
-    forget_stranger(record.id);
+    strangers_.forget(record.id);
   else if (reachable(record.id))
     note_stranger(record.id, now);
   if (const auto direct = neighbours_.find(record.id); direct != neighbours_.end())
@@ -243,15 +219,15 @@ void p2p::forget_host(peer_id id) {
     fail(x, cause::host_gone);
   acknowledger_.drop(id);
   assembly_.drop(id);
-  forget_stranger(id);
+  strangers_.forget(id);
   stalled_.erase(id);
   if (known != hosts_.end()) {
     welcomed_ -= known->second.announced ? 1 : 0;
     hosts_.erase(known);
   }
   heard_over_.erase(id);
-  traffic_.erase(id);
-  probes_.erase(id);
+  traffic_.forget(id);
+  probes_.end(id);
 }
 
 } // namespace rubicon::peis

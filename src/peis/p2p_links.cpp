@@ -26,12 +26,12 @@ void p2p::on_link_open(link_id link, link_role role, instant now,
   const auto asked = attempt_made ? attempts_.extract(*attempt_made) : attempts_node();
   const bool too_late = attempt_made && asked.empty();
   const bool too_many = role == link_role::initiator && open_links() >= config_.links_max;
-  if (too_many || left_ || too_late || yielded_until_) {
+  if (too_many || left_ || too_late || rivalry_.is_away()) {
     ++counters_.links_refused;
-    events_.push_back(close_link{link, left_            ? close_cause::host_left
-                                       : yielded_until_ ? close_cause::own_id
-                                       : too_late       ? close_cause::unneeded
-                                                        : close_cause::too_many_links});
+    events_.push_back(close_link{link, left_                ? close_cause::host_left
+                                       : rivalry_.is_away() ? close_cause::own_id
+                                       : too_late           ? close_cause::unneeded
+                                                            : close_cause::too_many_links});
     return;
   }
   latest_ = now;

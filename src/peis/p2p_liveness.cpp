@@ -9,7 +9,6 @@ namespace rubicon::peis {
 namespace {
 
 constexpr duration trace_timeout = 5s;
-constexpr duration probe_again = 600ms;
 constexpr int probe_burial = 30;  // seconds that disproved news are ignored
 constexpr int beats_skipped = 10; // while there is traffic, one heartbeat in so many periods
 constexpr int way_smoothing = 16;
@@ -81,36 +80,18 @@ void p2p::on_heartbeat(connection& x, byte_view data, instant now) {
 }
 
 void p2p::probe_unsound(instant now) {
-  for (const auto host : routing_.take_unsound()) {
-    if (probes_.size() >= config_.tables.probes && !probes_.contains(host))
-      continue;
-    if (probes_.try_emplace(host, open_probe{now + config_.probe_timeout, now}).second)
-      next_probe_ = earliest(next_probe_, now);
-  }
+  for (const auto host : routing_.take_unsound())
+    probes_.begin(host, now);
 }
 
-void p2p::check_probes(instant now) {
-  if (!next_probe_ || *next_probe_ > now)
-    return;
-  next_probe_.reset();
-  std::vector<peer_id> silent;
-  for (auto& [host, x] : probes_) {
-    if (x.deadline <= now) {
-      silent.push_back(host);
-      continue;
-    }
-    if (x.next <= now) {
-      send_trace(host);
-      x.next = now + probe_again;
-    }
-    next_probe_ = earliest(next_probe_, std::min(x.next, x.deadline));
-  }
-  for (const auto host : silent) {
-    probes_.erase(host);
-    const auto changes = routing_.unanswered(host, now, now + std::chrono::seconds(probe_burial));
-    counters_.ways_disproved += changes.size();
-    apply(changes, now);
-  }
+void p2p::handle(const probe_host& x, instant /*now*/) {
+  send_trace(x.host);
+}
+
+void p2p::handle(const way_disproved& x, instant now) {
+  const auto changes = routing_.unanswered(x.host, now, now + std::chrono::seconds(probe_burial));
+  counters_.ways_disproved += changes.size();
+  apply(changes, now);
 }
 
 /// A marked host to which no way is left is not waited for.
@@ -222,7 +203,7 @@ void p2p::tell_time(instant now) {
 
 void p2p::watch_life(instant now) {
   beat(now);
-  check_probes(now);
+  settle(probes_.on_time(now), now);
   check_traces(now);
   if (left_)
     return;
@@ -231,7 +212,7 @@ void p2p::watch_life(instant now) {
 }
 
 std::optional<instant> p2p::life_deadline() const {
-  auto next = earliest(next_beat_, next_probe_);
+  auto next = earliest(next_beat_, probes_.deadline());
   for (const auto& x : traces_)
     next = earliest(next, x.deadline);
   if (left_)
