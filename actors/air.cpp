@@ -52,8 +52,8 @@ void perform(air_pointer self, radio::outputs todo) {
   self->state.wake.follow(self, self->state.channel.deadline());
 }
 
-runtime::radio_report report_of(const radio::radio_counters& x) {
-  runtime::radio_report r;
+report::radio_report report_of(const radio::radio_counters& x) {
+  report::radio_report r;
   r.sent = x.copies.sent;
   r.delivered = x.copies.of(radio::copy_outcome::delivered);
   for (std::size_t i = 0; i < radio::copy_outcomes; ++i) {
@@ -79,7 +79,7 @@ energy_status energy_of(air_pointer self, radio::radio_index radio) {
            use.times.radio_transmit}};
 }
 
-void report(air_pointer self) {
+void send_status(air_pointer self) {
   auto& state = self->state;
   perform(self, state.channel.on_time(now(self)));
   std::map<island_id, radio::radio_counters> islands;
@@ -211,7 +211,7 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
       [self](const lose_frames& x) { on_loss(self, x); },
       [self](const carry_away& x) { on_carry_away(self, x); },
       [self](const bring_radio& x) { on_bring(self, x); },
-      [self](status_request) { report(self); },
+      [self](status_request) { send_status(self); },
   };
 }
 

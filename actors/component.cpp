@@ -44,7 +44,7 @@ struct performer {
   }
   void operator()(components::tell& x) const {
     self->send(self->state.arguments.ecology,
-               story{x.who.empty() ? self->path() : std::move(x.who), std::move(x.what)});
+               notable_event{x.who.empty() ? self->path() : std::move(x.who), std::move(x.what)});
   }
 
   template <class Message>
@@ -76,7 +76,7 @@ void on_tuple(component_pointer self, const tuple_event& x) {
   core.on_reference(x.watch, to);
 }
 
-void report(component_pointer self) {
+void send_status(component_pointer self) {
   const auto& x = self->state.arguments;
   if (auto figures = x.core->figures(); !figures.empty())
     self->send(x.ecology, program_status{{x.who, x.kind, std::move(figures)}, 0, {}, {}});
@@ -96,7 +96,7 @@ timed_peer_app_actor::behavior_type component_behavior(component_pointer self,
         if (!x.success)
           log(self, spdlog::level::warn, "event=write_failed cause={}", x.cause);
       },
-      [self](status_request) { report(self); },
+      [self](status_request) { send_status(self); },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           perform(self, self->state.arguments.core->on_time(now(self)));

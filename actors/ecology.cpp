@@ -25,21 +25,21 @@ duration settling_time(const supervised_mote& mote) {
   return 4 * mote.arguments->node.keep_alive + 30s;
 }
 
-void tell_story(ecology_pointer self, const std::string& who, std::string what) {
+void note_event(ecology_pointer self, const std::string& who, std::string what) {
   auto& report = self->state.report;
-  log(self, spdlog::level::info, "event=story who={} what=\"{}\"", who, what);
-  self->remark("story", 0, [&] { return to_bytes(who + '\t' + what); });
-  if (report.story.size() >= runtime::story_lines_max) {
-    ++report.story_left_out;
+  log(self, spdlog::level::info, "event=noted who={} what=\"{}\"", who, what);
+  self->remark("event", 0, [&] { return to_bytes(who + '\t' + what); });
+  if (report.event_log.size() >= report::event_log_max) {
+    ++report.event_log_left_out;
     return;
   }
-  report.story.push_back({now(self), who.substr(who.find('/') + 1), std::move(what)});
+  report.event_log.push_back({now(self), who.substr(who.find('/') + 1), std::move(what)});
 }
 
 /// Takes a violation into the report, or tells it behind the report that is already out.
 void add_violation(ecology_pointer self, const char* invariant, std::string detail) {
   auto& state = self->state;
-  runtime::violation x{now(self), invariant, std::move(detail)};
+  report::violation x{now(self), invariant, std::move(detail)};
   constexpr std::size_t violations_max = 1000;
   if (state.delivered && state.process.on_late_violation)
     state.process.on_late_violation(std::move(x));
@@ -63,7 +63,7 @@ void record_failure(ecology_pointer self, const std::string& path, const std::st
                     bool was_planned = false) {
   log(self, spdlog::level::err, "event=failed actor={} reason=\"{}\"", path, text);
   if (!was_planned)
-    add_violation(self, runtime::no_actor_fails, path + ": " + text);
+    add_violation(self, report::no_actor_fails, path + ": " + text);
   auto& failures = self->state.report.actors.failures;
   constexpr std::size_t failures_max = 100;
   if (failures.size() < failures_max)
@@ -73,8 +73,8 @@ void record_failure(ecology_pointer self, const std::string& path, const std::st
 void on_unmet(ecology_pointer self, const request_unmet& x) {
   const auto what = x.who + ": " + x.what;
   log(self, spdlog::level::err, "event=unmet what=\"{}\"", what);
-  tell_story(self, x.who, x.what);
-  add_violation(self, runtime::requests_are_met, what);
+  note_event(self, x.who, x.what);
+  add_violation(self, report::requests_are_met, what);
   if (x.ends_run && self->state.process.on_end_wanted)
     self->state.process.on_end_wanted(what);
 }
@@ -86,7 +86,7 @@ std::optional<planned_end> note_end(ecology_pointer self, const std::string& pat
   auto plan = take_planned(self, path, text);
   record_failure(self, path, text, plan.has_value());
   const bool is_long = plan && plan->length != reboot_time;
-  tell_story(self, who, "crashed: " + text + (is_long ? ", out for " + to_text(plan->length) : ""));
+  note_event(self, who, "crashed: " + text + (is_long ? ", out for " + to_text(plan->length) : ""));
   return plan;
 }
 
@@ -102,7 +102,7 @@ void carry(ecology_pointer self, mote_address from, const planned_end& plan) {
   auto& mote = entry.mapped();
   self->send(mote.arguments->air, carry_away{mote.arguments->radio});
   mote.arguments = next;
-  mote.on_the_way = true;
+  mote.in_transit = true;
   mote.told.reset();
   entry.key() = next->address;
   state.motes.insert(std::move(entry));
@@ -123,7 +123,7 @@ void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error&
           state.description.faults.at(planned->fault).what)) {
     const auto plan = *take_planned(self, path, text);
     const auto& to = state.successors.at(plan.fault)->name;
-    tell_story(self, path, "carried away, to be " + to + " in " + to_text(plan.length));
+    note_event(self, path, "carried away, to be " + to + " in " + to_text(plan.length));
     carry(self, mote.arguments->address, plan);
     return;
   }
@@ -139,8 +139,8 @@ void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error&
   self->delayed_send(self, outage(plan), restart_mote{mote.arguments->address});
 }
 
-/// A story says `kitchen/sink`.
-std::string story_name(const supervised_sink& x) {
+/// An event says `kitchen/sink`.
+std::string event_source(const supervised_sink& x) {
   return x.path + "/sink";
 }
 
@@ -156,7 +156,7 @@ void on_sink_down(ecology_pointer self, island_id island, supervised_sink& sink,
   self->send(sink.arguments->air, radio_power{sink.arguments->radio, radio::power::off});
   for (const auto& each : sink.arguments->lines)
     self->send(each.line, attach_serial{serial::direction::to_mote, {}});
-  self->delayed_send(self, outage(note_end(self, sink.path, story_name(sink), reason)),
+  self->delayed_send(self, outage(note_end(self, sink.path, event_source(sink), reason)),
                      restart_sink{island});
 }
 
@@ -164,7 +164,7 @@ void restart(ecology_pointer self, const restart_sink& x) {
   auto& sink = self->state.sinks.at(x.island);
   self->state.last_clock_fault[x.island] = now(self);
   spawn_sink(self, sink);
-  tell_story(self, story_name(sink),
+  note_event(self, event_source(sink),
              "started again, life " + std::to_string(sink.store.starts + 1));
 }
 
@@ -176,7 +176,7 @@ bool on_program_down(ecology_pointer self, const caf::down_msg& x) {
       if (!program.handle || program.handle.address() != x.source)
         continue;
       record_failure(self, program.path, text_of(x.reason));
-      tell_story(self, program.path, "crashed: " + text_of(x.reason));
+      note_event(self, program.path, "crashed: " + text_of(x.reason));
       program.handle = nullptr;
       state.names.erase(x.source);
       std::erase_if(state.reporters, [&x](const auto& each) { return each.first == x.source; });
@@ -225,11 +225,11 @@ void on_down(ecology_pointer self, const caf::down_msg& x) {
   on_init_down(self, x.source);
   if (!was_asked_to_end(x.reason))
     record_failure(self, named->second, text_of(x.reason));
-  tell_story(self, named->second, "ended");
+  note_event(self, named->second, "ended");
 }
 
-runtime::island_report& island_of(ecology_pointer self, island_id id) {
-  return *std::ranges::find(self->state.report.islands, id, &runtime::island_report::id);
+report::island_report& island_of(ecology_pointer self, island_id id) {
+  return *std::ranges::find(self->state.report.islands, id, &report::island_report::id);
 }
 
 /// Any of the elements that `fits`; nullptr if none does.
@@ -265,9 +265,9 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
   if (found == self->state.motes.end()) {
     const auto moved = self->state.moved.find(x.mote);
     if (moved == self->state.moved.end())
-      tell_story(self, "mote/" + to_string(x.mote), "an unknown mote has joined");
+      note_event(self, "mote/" + to_string(x.mote), "an unknown mote has joined");
     else if (!x.listed)
-      tell_story(self, "mote/" + find_mote(self, x.mote)->arguments->name,
+      note_event(self, "mote/" + find_mote(self, x.mote)->arguments->name,
                  "left " + island_of(self, x.mote.island).name + ": " +
                      network::to_string(x.cause));
     return;
@@ -280,7 +280,7 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
   mote.changed = now(self);
   if (!x.listed) {
     mote.left_cause = network::to_string(x.cause);
-    tell_story(self, "mote/" + mote.arguments->name, "left: " + mote.left_cause);
+    note_event(self, "mote/" + mote.arguments->name, "left: " + mote.left_cause);
     return;
   }
   const bool again = mote.joined;
@@ -288,7 +288,7 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
   if (auto* judge = self->state.process.judge)
     judge->on_joined(x.mote, now(self));
   mote.left_cause.clear();
-  tell_story(self, "mote/" + mote.arguments->name,
+  note_event(self, "mote/" + mote.arguments->name,
              again ? "joined again, life " + std::to_string(x.incarnation + 1) : "joined");
 }
 
@@ -333,7 +333,7 @@ supervised_sink* find_running_sink(ecology_pointer self, island_id x) {
   return sink.handle ? &sink : nullptr;
 }
 
-std::string clock_story(duration by) {
+std::string clock_event(duration by) {
   return "clock set " + std::string(by < 0s ? "back by " : "forward by ") +
          to_text(by < 0s ? -by : by);
 }
@@ -354,7 +354,7 @@ struct fault_applier : peer_fault_applier {
     }
     on_flat(self, mote); // while it was out of order: it will not start again
     self->send(mote.arguments->air, radio_power{mote.arguments->radio, radio::power::flat});
-    tell_story(self, "mote/" + mote.arguments->name, "battery flat");
+    note_event(self, "mote/" + mote.arguments->name, "battery flat");
   }
 
   void operator()(const config::crash_fault& x) const {
@@ -380,7 +380,7 @@ struct fault_applier : peer_fault_applier {
 
   void operator()(const config::sink_step_fault& x) const {
     if (auto* sink = find_running_sink(self, x.island))
-      set_clock(*sink, story_name(*sink), x.by);
+      set_clock(*sink, event_source(*sink), x.by);
   }
 
   template <class Supervised>
@@ -388,13 +388,13 @@ struct fault_applier : peer_fault_applier {
     self->state.last_clock_fault[who.arguments->address.island] = now(self);
     who.changed = now(self);
     self->send(who.handle, step_clock{by});
-    tell_story(self, name, clock_story(by));
+    note_event(self, name, clock_event(by));
   }
 
   void operator()(const config::noise_fault& x) const {
     const auto& source = self->state.noises.at(index);
     self->send(source.air, make_noise{source.radio, x.duty, x.burst, x.length});
-    tell_story(self, self->path(),
+    note_event(self, self->path(),
                "noise at " + std::to_string(std::lround(x.place.x_m)) + ", " +
                    std::to_string(std::lround(x.place.y_m)) + " for " + to_text(x.length));
   }
@@ -415,10 +415,10 @@ struct fault_applier : peer_fault_applier {
             std::next(airs.begin(), static_cast<std::ptrdiff_t>(self->state.rng.below(airs.size())))
                 ->first;
       self->send(airs.at(island), lose_frames{false, island, x.loss, x.length});
-      tell_story(self, island_of(self, island).name, "radio loses frames for " + to_text(x.length));
+      note_event(self, island_of(self, island).name, "radio loses frames for " + to_text(x.length));
       return;
     }
-    tell_story(self, self->path(), "radio loses frames for " + to_text(x.length));
+    note_event(self, self->path(), "radio loses frames for " + to_text(x.length));
   }
 
   void operator()(const config::mote_double_fault& x) const {
@@ -428,7 +428,7 @@ struct fault_applier : peer_fault_applier {
       return;
     const auto& arguments = state.successors.at(index);
     const auto path = "mote/" + arguments->name;
-    tell_story(self, path, "appears, with the id of " + find_mote(self, x.mote)->arguments->name);
+    note_event(self, path, "appears, with the id of " + find_mote(self, x.mote)->arguments->name);
     second.handle =
         spawn_child(self, path, mote_behavior, arguments, mote::nonvolatile{second.store});
     if (x.length)
@@ -492,7 +492,7 @@ bool on_double_down(ecology_pointer self, const caf::down_msg& x) {
     second.handle = nullptr;
     if (!was_asked_to_end(x.reason))
       record_failure(self, path, text_of(x.reason));
-    tell_story(self, path, "gone");
+    note_event(self, path, "gone");
     return true;
   }
   return false;
@@ -517,7 +517,7 @@ void restart(ecology_pointer self, const restart_mote& x) {
   auto& mote = self->state.motes.at(x.mote);
   if (mote.flat)
     return;
-  if (std::exchange(mote.on_the_way, false))
+  if (std::exchange(mote.in_transit, false))
     self->send(mote.arguments->air, bring_radio{mote.arguments->radio, mote.used_mah});
   spawn_mote(self, mote);
 }
@@ -535,7 +535,7 @@ void schedule_fault(ecology_pointer self) {
 void on_network(ecology_pointer self, const network_status& x) {
   auto& island = island_of(self, x.address.island);
   island.network += x.network;
-  const auto mote = std::ranges::find(island.motes, x.address, &runtime::mote_report::address);
+  const auto mote = std::ranges::find(island.motes, x.address, &report::mote_report::address);
   if (mote != island.motes.end()) {
     mote->parent = x.parent;
     mote->hops = x.hops;
@@ -569,7 +569,7 @@ std::string node_name(ecology_pointer self, const mote_address& x) {
 }
 
 void on_program(ecology_pointer self, const program_status& x) {
-  std::vector<runtime::stream_part> parts;
+  std::vector<report::stream_part> parts;
   for (const auto& end : x.streams)
     parts.push_back({end, end.writes ? x.program.who : std::string(),
                      end.writes ? node_name(self, end.reader) : x.program.who});
@@ -655,7 +655,7 @@ void compare_clocks(ecology_pointer self) {
 
 void on_lead(ecology_pointer self, const gateway_status& x) {
   auto& all = island_of(self, x.island).gateways;
-  const auto found = std::ranges::find(all, x.gateway, &runtime::gateway_report::id);
+  const auto found = std::ranges::find(all, x.gateway, &report::gateway_report::id);
   if (found != all.end())
     found->lead += x.lead;
 }
@@ -665,7 +665,7 @@ void prepare_report(ecology_pointer self) {
   state.report.ecology = state.description.name;
   state.report.seed = state.description.seed;
   for (const auto& island : state.description.islands) {
-    runtime::island_report x;
+    report::island_report x;
     x.id = island.id;
     x.name = island.name;
     if (!island.aliases.empty())
@@ -680,7 +680,7 @@ void prepare_report(ecology_pointer self) {
 void begin_collecting(ecology_pointer self) {
   auto& state = self->state;
   for (const auto& [address, mote] : state.motes) {
-    runtime::mote_report x;
+    report::mote_report x;
     x.address = address;
     x.name = mote.arguments->name.substr(mote.arguments->name.find('/') + 1);
     x.type = mote.type;
@@ -695,7 +695,7 @@ void begin_collecting(ecology_pointer self) {
   }
   for (const auto& [name, peer] : state.peers) {
     if (!peer.handle) {
-      runtime::peer_report x;
+      report::peer_report x;
       x.id = peer.id;
       x.name = name;
       x.alive = false;
@@ -709,7 +709,7 @@ void begin_collecting(ecology_pointer self) {
 
 void on_energy(ecology_pointer self, const energy_status& x) {
   auto& motes = island_of(self, x.mote.island).motes;
-  const auto found = std::ranges::find(motes, x.mote, &runtime::mote_report::address);
+  const auto found = std::ranges::find(motes, x.mote, &report::mote_report::address);
   if (found != motes.end()) // else a sink: it lives on its cable
     found->energy = x.energy;
 }
@@ -739,8 +739,8 @@ bool has_settled_peers(ecology_pointer self) {
          now(self) - last >= settling;
 }
 
-std::vector<runtime::peer_view> views_of(ecology_pointer self) {
-  std::vector<runtime::peer_view> views;
+std::vector<report::peer_view> views_of(ecology_pointer self) {
+  std::vector<report::peer_view> views;
   const auto& state = self->state;
   for (const auto& [name, peer] : state.peers) {
     const auto view = state.peer_views.find(peer.id);
@@ -776,10 +776,10 @@ bool has_steady_clock(ecology_pointer self, island_id island) {
 constexpr std::uint32_t time_baud_min = 9600;
 
 /// What the invariants compare the report with.
-runtime::run_truth truth_of(ecology_pointer self) {
+report::run_truth truth_of(ecology_pointer self) {
   const auto& state = self->state;
-  runtime::run_truth truth;
-  std::map<island_id, runtime::device_list> lists;
+  report::run_truth truth;
+  std::map<island_id, report::device_list> lists;
   for (const auto& [address, mote] : state.motes) {
     if (mote.arguments->stack != config::stack::full)
       continue; // no gateway lists it
@@ -840,8 +840,8 @@ std::string mote_name(ecology_pointer self, const mote_address& x) {
   return found == self->state.motes.end() ? island + "/sink" : found->second.arguments->name;
 }
 
-runtime::flow_report report_of(ecology_pointer self, const traffic::part& x) {
-  runtime::flow_report r;
+report::flow_report report_of(ecology_pointer self, const traffic::part& x) {
+  report::flow_report r;
   r.from = x.from;
   r.to = x.to;
   r.from_name = mote_name(self, x.from);
@@ -858,7 +858,7 @@ runtime::flow_report report_of(ecology_pointer self, const traffic::part& x) {
     r.pdr = static_cast<double>(x.delivered) / static_cast<double>(x.sent);
     r.tx_per_packet = static_cast<double>(x.transmissions) / static_cast<double>(x.sent);
   }
-  const auto ended = x.delivered + runtime::total(x.lost);
+  const auto ended = x.delivered + report::total(x.lost);
   r.open = x.to.mote != broadcast_mote && ended < x.sent ? x.sent - ended : 0;
   return r;
 }
@@ -869,12 +869,12 @@ void deliver(ecology_pointer self) {
     report.flows.push_back(report_of(self, part));
   compare_clocks(self);
   report.simulated = now(self).time_since_epoch();
-  std::ranges::sort(report.peers, {}, &runtime::peer_report::id);
+  std::ranges::sort(report.peers, {}, &report::peer_report::id);
   self->state.counters.settle(report);
-  for (auto& x : runtime::check_all(report, truth_of(self)))
+  for (auto& x : report::check_all(report, truth_of(self)))
     report.violations.push_back(std::move(x));
   if (report.islands.empty() && report.peers.empty())
-    add_violation(self, runtime::requests_are_met, "there is no island and no peer: nothing ran");
+    add_violation(self, report::requests_are_met, "there is no island and no peer: nothing ran");
   report.complete = true;
   self->state.delivered = true;
   self->state.on_report(report); // not moved: programs that end later still tell their counters
@@ -891,7 +891,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   self->state.observe_frames = std::move(observe_frames);
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
   self->state.process = std::move(process);
-  self->state.plan = runtime::plan_faults(self->state.description);
+  self->state.plan = report::plan_faults(self->state.description);
   self->state.rng = random_stream(self->state.description.seed, self->path() + "/faults");
   prepare_report(self);
   assemble(self);
@@ -900,7 +900,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   schedule_fault(self);
   schedule_sample(self);
   return {
-      [self](const story& x) { tell_story(self, x.who, x.what); },
+      [self](const notable_event& x) { note_event(self, x.who, x.what); },
       [self](const actor_failed& x) { record_failure(self, x.who, x.why); },
       [self](const request_unmet& x) { on_unmet(self, x); },
       [self](const store_written& x) { on_store(self, x); },

@@ -18,16 +18,16 @@
 #include "config/ecology.hpp"
 #include "core/random.hpp"
 #include "io/loop.hpp"
+#include "report/expectations.hpp"
+#include "report/fault_plan.hpp"
+#include "report/invariants.hpp"
+#include "report/report.hpp"
+#include "report/run_counters.hpp"
 #include "rfid/reader.hpp"
-#include "runtime/expectations.hpp"
-#include "runtime/fault_plan.hpp"
-#include "runtime/invariants.hpp"
-#include "runtime/report.hpp"
-#include "runtime/run_counters.hpp"
 
 namespace rubicon {
 
-using report_receiver = std::function<void(runtime::report)>;
+using report_receiver = std::function<void(report::run_report)>;
 
 /// A program of a mote, in an actor of its own, as its supervisor knows it.
 struct supervised_program {
@@ -45,7 +45,7 @@ struct supervised_mote {
   std::string type;
   bool joined = false; ///< ever
   bool flat = false;
-  bool on_the_way = false; ///< to another island, with a battery of which
+  bool in_transit = false; ///< to another island, with a battery of which
   double used_mah = 0;     ///< so much is used
   std::optional<std::pair<bool, std::uint32_t>> told; ///< listed, and its incarnation, last
   std::string left_cause;
@@ -111,9 +111,9 @@ struct process_facts {
   /// Called when the run is to end before its time, and why; may be empty.
   std::function<void(const std::string& why)> on_end_wanted = {};
   /// Told of what goes wrong after the report was handed out; may be empty.
-  std::function<void(runtime::violation)> on_late_violation = {};
+  std::function<void(report::violation)> on_late_violation = {};
   /// Who judges the run; nullptr: nobody. Outlives the ecology.
-  runtime::expectations* judge = nullptr;
+  report::expectations* judge = nullptr;
 };
 
 /// A time as a mote knows it.
@@ -140,10 +140,10 @@ struct clock_samples {
 
 /// What the answers to collect_report are put together from.
 struct collected_answers {
-  std::map<peer_id, runtime::peer_view> peer_views; ///< as the peers say at the end
+  std::map<peer_id, report::peer_view> peer_views; ///< as the peers say at the end
   std::map<island_id, island_clocks> clocks;
-  runtime::report report;
-  runtime::run_counters counters;
+  report::run_report report;
+  report::run_counters counters;
   std::map<mote_address, std::vector<network::channel_id>> channel_tables; ///< of the living
   std::map<std::pair<mote_address, mote_address>, traffic::part> flows;    ///< by origin and target
   std::map<island_id, std::vector<mote_id>> listed; ///< as the gateways say at the end
@@ -179,7 +179,7 @@ struct ecology_state : collected_answers {
   std::map<mote_address, mote_address> moved;         ///< where motes of other islands are now
   std::map<mote_address, instant> gone;  ///< since when they are no more where they were
   std::vector<planned_end> planned_ends; ///< that are still to come
-  std::vector<runtime::planned_fault> plan;
+  std::vector<report::planned_fault> plan;
   bool ending = false;                           ///< end_run has come
   std::size_t next_fault = 0;                    ///< in `plan`
   std::uint64_t lan_faults = 0;                  ///< so far

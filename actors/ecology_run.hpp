@@ -6,7 +6,7 @@
 #include "actors/messages.hpp"
 #include "actors/run.hpp"
 #include "config/ecology.hpp"
-#include "runtime/report.hpp"
+#include "report/report.hpp"
 #include "scheduler/world.hpp"
 
 namespace rubicon {
@@ -27,11 +27,11 @@ public:
   /// What the report would be if the run were over; what is expected of the run is not judged yet.
   /// Everybody is asked at this instant: the run goes on as it would have, but its trace and its
   /// events hold the questions and answers. @throws as world()
-  [[nodiscard]] runtime::report report_so_far();
+  [[nodiscard]] report::run_report report_so_far();
 
   /// Runs it to its end, if that has not come yet, and collects the report, as run_ecology() does.
   /// To be called once, at last.
-  [[nodiscard]] runtime::report finish();
+  [[nodiscard]] report::run_report finish();
 
 private:
   class parts;

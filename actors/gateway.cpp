@@ -53,7 +53,7 @@ struct performer {
                send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
                                  static_cast<std::uint64_t>(x.peer.value), // as the outcome's token
                                  x.peer,
-                                 endpoint::island_message_port,
+                                 communication::island_message_port,
                                  payload(std::move(x.octets)),
                                  x.reliable});
   }
@@ -71,9 +71,10 @@ struct performer {
   void operator()(const gateway::lead_changed& x) const {
     log(self, spdlog::level::info, "event={} term={}", x.leads ? "leads" : "stands_by", x.term);
     self->send(self->state.arguments.ecology,
-               story{"gateway/" + self->state.arguments.name,
-                     (x.leads ? "leads island " : "no longer leads island ") + to_string(island()) +
-                         (x.leads ? ", term " + std::to_string(x.term) : std::string())});
+               notable_event{"gateway/" + self->state.arguments.name,
+                             (x.leads ? "leads island " : "no longer leads island ") +
+                                 to_string(island()) +
+                                 (x.leads ? ", term " + std::to_string(x.term) : std::string())});
   }
 
   void operator()(gateway::announce& x) const {
@@ -93,10 +94,11 @@ struct performer {
     log(self, x.up ? spdlog::level::info : spdlog::level::warn, "event={}",
         x.up ? "line_up" : "line_silent");
     if (!x.up)
-      self->send(self->state.arguments.ecology, story{self->path(), "hears nothing of its sink"});
+      self->send(self->state.arguments.ecology,
+                 notable_event{self->path(), "hears nothing of its sink"});
     else if (x.silence > duration{})
       self->send(self->state.arguments.ecology,
-                 story{self->path(), "hears its sink again, after " + to_text(x.silence)});
+                 notable_event{self->path(), "hears its sink again, after " + to_text(x.silence)});
   }
 
   // what the serial port wants
@@ -226,11 +228,11 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   state.gateway =
       gateway::gateway(state.arguments.config, random_stream(state.arguments.seed, self->path()));
   observe_programs(self, state.gateway);
-  state.port = serial::endpoint(state.arguments.port);
+  state.port = serial::host_port(state.arguments.port);
   const auto client = caf::actor_cast<peis_client_actor>(self);
   self->send(state.arguments.line,
              attach_serial{serial::direction::to_pc, {caf::actor_cast<serial_end_actor>(self)}});
-  std::vector<std::uint16_t> ports{gateway::announcement_port, endpoint::island_message_port};
+  std::vector<std::uint16_t> ports{gateway::announcement_port, communication::island_message_port};
   if (!state.gateway.lead().alone())
     ports.push_back(gateway::relay_port);
   for (const auto port : ports)

@@ -109,7 +109,7 @@ struct performer {
 
   void operator()(peisinit::tell& x) const {
     log(self, spdlog::level::info, "event=component what=\"{}\"", x.what);
-    self->send(self->state.arguments.ecology, story{self->path(), std::move(x.what)});
+    self->send(self->state.arguments.ecology, notable_event{self->path(), std::move(x.what)});
   }
 
   void operator()(const peisinit::all_off&) const {
@@ -208,7 +208,7 @@ std::size_t component_of(init_pointer self, const std::string& peer) {
                                   all.begin());
 }
 
-void report(init_pointer self) {
+void send_status(init_pointer self) {
   const auto& state = self->state;
   const auto& counted = state.supervisor.counted();
   std::size_t on = 0;
@@ -264,7 +264,7 @@ init_actor::behavior_type init_behavior(init_pointer self, init_arguments argume
         if (self->state.wake.accepts(x))
           perform(self, self->state.supervisor.on_time(now(self)));
       },
-      [self](status_request) { report(self); },
+      [self](status_request) { send_status(self); },
   };
 }
 

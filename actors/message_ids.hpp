@@ -4,7 +4,7 @@
 CAF_BEGIN_TYPE_ID_BLOCK(rubicon, caf::first_custom_type_id)
 CAF_ADD_TYPE_ID(rubicon, (rubicon::timer_expired))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::status_request))
-CAF_ADD_TYPE_ID(rubicon, (rubicon::story))
+CAF_ADD_TYPE_ID(rubicon, (rubicon::notable_event))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::actor_failed))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::request_unmet))
 CAF_ADD_TYPE_ID(rubicon, (rubicon::mote_flat))

@@ -11,20 +11,20 @@
 #include "actors/inspect.hpp"
 #include "actors/program_inspect.hpp"
 #include "apps/application.hpp"
+#include "communication/remote_messages.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/device_keys.hpp"
 #include "core/fields.hpp"
 #include "core/time.hpp"
+#include "device/transducer.hpp"
 #include "mote/nonvolatile.hpp"
-#include "mote/remote_messages.hpp"
-#include "mote/transducer.hpp"
 #include "network/channel_message.hpp"
 #include "network/sink_event.hpp"
 #include "peis/bluetooth.hpp"
 #include "peis/simulated_media.hpp"
 #include "radio/channel.hpp"
-#include "runtime/report.hpp"
+#include "report/report.hpp"
 #include "scheduler/trace.hpp"
 #include "serial/line.hpp"
 #include "traffic/part.hpp"
@@ -51,11 +51,11 @@ struct status_request {
 RUBICON_FIELDS(status_request, sample);
 
 /// Something a person following the run would want to hear.
-struct story {
+struct notable_event {
   std::string who; ///< actor path
   std::string what;
 };
-RUBICON_FIELDS(story, who, what);
+RUBICON_FIELDS(notable_event, who, what);
 
 /// From a supervisor below the ecology: an actor of its own has failed, whether or not it starts it
 /// again.
@@ -98,7 +98,7 @@ RUBICON_FIELDS(listing_changed, mote, listed, incarnation, cause);
 /// Of one island's radios: copies and requests.
 struct radio_status {
   island_id island;
-  runtime::radio_report radio;
+  report::radio_report radio;
 };
 RUBICON_FIELDS(radio_status, island, radio);
 
@@ -111,7 +111,7 @@ RUBICON_FIELDS(flow_status, parts);
 /// Energy of one mote, as its radio and MCU have used it.
 struct energy_status {
   mote_address mote;
-  runtime::energy_report energy;
+  report::energy_report energy;
 };
 RUBICON_FIELDS(energy_status, mote, energy);
 
@@ -125,7 +125,7 @@ RUBICON_FIELDS(radio_left, used);
 struct message_status {
   mote_address who;   ///< no_mote in the mote part: a gateway or PC
   bool is_pc = false; ///< and no gateway
-  runtime::message_report messages;
+  report::message_report messages;
   /// Unreliable messages that have arrived here, by source.
   std::vector<std::pair<mote_address, std::uint64_t>> arrivals;
 };
@@ -140,7 +140,7 @@ struct network_status {
   std::int64_t clock_doubt_us = 0;   ///< how far off it says that it may be
   bool has_network_time = false;     ///< it knows the time that peers share (CLK-08)
   std::int64_t network_ahead_us = 0; ///< network time, as it knows it, minus real time
-  runtime::network_report network;
+  report::network_report network;
   mote_id parent;                            ///< in the tree; 0: none
   std::uint8_t hops = 0;                     ///< to the sink
   bool has_signal = false;                   ///< a frame of its parent has come,
@@ -154,7 +154,7 @@ RUBICON_FIELDS(network_status, address, is_sink, has_clock, clock_ahead_us, cloc
 /// What a sink, a serial line or a gateway's serial port has counted.
 struct serial_status {
   island_id island;
-  runtime::serial_report serial;
+  report::serial_report serial;
 };
 RUBICON_FIELDS(serial_status, island, serial);
 
@@ -171,12 +171,12 @@ struct gateway_status {
   island_id island;
   peer_id gateway;
   std::string name;
-  runtime::lead_report lead;
+  report::lead_report lead;
 };
 RUBICON_FIELDS(gateway_status, island, gateway, name, lead);
 
 struct peer_status {
-  runtime::peer_report peer;
+  report::peer_report peer;
   std::vector<peer_id> hosts;      ///< known ones, itself included
   std::vector<peer_id> neighbours; ///< at the other ends of its links
   duration clock_offset{};         ///< network time, as it knows it, minus ecology time
@@ -184,14 +184,14 @@ struct peer_status {
 RUBICON_FIELDS(peer_status, peer, hosts, neighbours, clock_offset);
 
 struct proxy_status {
-  runtime::proxy_report proxy; ///< of one life
-  bool ended = false;          ///< which is over
+  report::proxy_report proxy; ///< of one life
+  bool ended = false;         ///< which is over
 };
 RUBICON_FIELDS(proxy_status, proxy, ended);
 
 /// What a program on a mote or PC has counted, in one life.
 struct program_status {
-  runtime::program_report program;
+  report::program_report program;
   std::uint32_t number = 0;          ///< among the programs of its node
   std::vector<std::string> measured; ///< figures that cannot be added to those of earlier lives
   std::vector<apps::stream_end> streams;
@@ -235,7 +235,7 @@ RUBICON_FIELDS(outside_link_changed);
 
 /// The root supervisor, as those below it see it.
 using ecology_actor = caf::typed_actor<
-    caf::reacts_to<story>, caf::reacts_to<mote_flat>, caf::reacts_to<listing_changed>,
+    caf::reacts_to<notable_event>, caf::reacts_to<mote_flat>, caf::reacts_to<listing_changed>,
     caf::reacts_to<radio_status>, caf::reacts_to<energy_status>, caf::reacts_to<flow_status>,
     caf::reacts_to<message_status>, caf::reacts_to<network_status>, caf::reacts_to<serial_status>,
     caf::reacts_to<devices_status>, caf::reacts_to<gateway_status>, caf::reacts_to<peer_status>,
@@ -452,7 +452,7 @@ using serial_line_actor =
 
 // --------------------------------------------------------------------- motes and their programs
 
-/// The app has carried its mote somewhere; its way-points, if it has any, count no more.
+/// The app has carried its mote somewhere; its waypoints, if it has any, count no more.
 struct move_mote {
   position place;
 };
@@ -462,7 +462,7 @@ RUBICON_FIELDS(move_mote, place);
 
 /// The node has this program now. What it offers; and how often it was started before.
 struct program_attached {
-  mote::remote::limits limits;
+  communication::remote::limits limits;
   std::uint32_t incarnation = 0;
 };
 RUBICON_FIELDS(program_attached, limits, incarnation);
@@ -473,7 +473,7 @@ RUBICON_FIELDS(program_detached);
 
 /// Events, and how far the node is with the program's commands.
 struct program_events {
-  mote::remote::events_batch batch;
+  communication::remote::events_batch batch;
 };
 RUBICON_FIELDS(program_events, batch);
 
@@ -493,7 +493,7 @@ RUBICON_FIELDS(attach_program, number, program);
 /// Commands, and how far the program is with the node's events.
 struct program_commands {
   std::uint32_t number = 0;
-  mote::remote::commands_batch batch;
+  communication::remote::commands_batch batch;
 };
 RUBICON_FIELDS(program_commands, number, batch);
 

@@ -30,7 +30,7 @@ void die(mote_pointer self);
 
 void tell_state(mote_pointer self, const std::string& actuator, std::uint8_t state) {
   const auto how = state == 0 ? " off" : state == 1 ? " on" : " at " + std::to_string(state);
-  self->send(self->state.arguments->ecology, story{self->path(), actuator + how});
+  self->send(self->state.arguments->ecology, notable_event{self->path(), actuator + how});
 }
 
 instant own_time(mote_pointer self) {
@@ -61,7 +61,7 @@ struct performer {
   void operator()(mote::address_taken) const {
     log(self, spdlog::level::warn, "event=address_taken");
     self->send(self->state.arguments->ecology,
-               story{self->path(), "is silent: another mote has its id"});
+               notable_event{self->path(), "is silent: another mote has its id"});
   }
 
   void operator()(const mote::membership& x) const {
@@ -163,7 +163,7 @@ void die(mote_pointer self) {
   self->state.flat = true;
   self->state.separate.send_detached(self);
   log(self, spdlog::level::info, "event=battery_flat");
-  self->send(self->state.arguments->ecology, story{self->path(), "battery flat"});
+  self->send(self->state.arguments->ecology, notable_event{self->path(), "battery flat"});
   self->send(self->state.arguments->ecology, mote_flat{self->state.arguments->address});
   self->state.flows.stop(self);
 }
@@ -193,7 +193,7 @@ void report_network(mote_pointer self, bool is_alive) {
     status.network.hops_max = 0;
     status.parent = {};
     status.channels.clear();
-  } else if (const auto dbm = self->state.node->read(mote::quantity::signal, now(self))) {
+  } else if (const auto dbm = self->state.node->read(device::quantity::signal, now(self))) {
     status.has_signal = *dbm != mote::node::signal_unknown;
     status.signal_dbm = *dbm;
   }
@@ -298,7 +298,7 @@ void start(mote_pointer self) {
                        own_time(self));
   else
     performer{self}(mote::store_nonvolatile{begin_life(state.store)});
-  state.walk = mote::walk(arguments.path, arguments.step);
+  state.walk = device::walk(arguments.path, arguments.step);
   go(self);
   if (state.node) {
     start_programs(self, life);

@@ -13,10 +13,10 @@
 #include "actors/separate_programs.hpp"
 #include "actors/timer.hpp"
 #include "config/ecology.hpp"
+#include "device/walk.hpp"
 #include "mote/crystal.hpp"
 #include "mote/node.hpp"
 #include "mote/nonvolatile.hpp"
-#include "mote/walk.hpp"
 
 namespace rubicon {
 
@@ -28,9 +28,9 @@ struct mote_arguments {
   mote::node_config node; ///< full stack only
   mote::crystal crystal;
   std::vector<config::mote_app> apps;
-  std::vector<mote::way_point> path; ///< empty: it does not move
-  duration step = 1s;                ///< of its moves
-  std::uint64_t seed = 0;            ///< of the ecology
+  std::vector<device::waypoint> path; ///< empty: it does not move
+  duration step = 1s;                 ///< of its moves
+  std::uint64_t seed = 0;             ///< of the ecology
   radio::radio_index radio;
   air_actor air;
   ecology_actor ecology;
@@ -46,7 +46,7 @@ struct mote_state {
   mote::nonvolatile store;        ///< as it was before this life
   std::optional<mote::node> node; ///< full stack only
   flow_host flows;
-  mote::walk walk;
+  device::walk walk;
   timer wake;
   timer walk_wake{walk_timer};
   timer last_words{last_words_timer}; ///< until the fault plan's end of the battery

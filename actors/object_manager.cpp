@@ -38,7 +38,7 @@ struct performer {
     const auto id = x.percept.channel + '/' + x.percept.hardware_id;
     log(self, spdlog::level::warn, "event=unknown_object id={}", id);
     self->send(self->state.ecology,
-               story{self->path(), "object " + id + " is one that no proxy class claims"});
+               notable_event{self->path(), "object " + id + " is one that no proxy class claims"});
   }
 };
 

@@ -19,7 +19,7 @@ void perform(proxy_pointer self, const proxy::object_proxy::outputs& todo) {
 }
 
 void tell(proxy_pointer self, std::string what) {
-  self->send(self->state.ecology, story{self->path(), std::move(what)});
+  self->send(self->state.ecology, notable_event{self->path(), std::move(what)});
 }
 
 void on_tuple(proxy_pointer self, const tuple_event& x) {
@@ -39,9 +39,9 @@ void on_time(proxy_pointer self) {
     tell(self, "seen by no reader");
 }
 
-void report(proxy_pointer self) {
+void send_status(proxy_pointer self) {
   const auto& core = self->state.core;
-  runtime::proxy_report r;
+  report::proxy_report r;
   r.name = core.prefix();
   r.proxy_class = core.what().name;
   r.status = core.is_active() ? "active" : "lost";
@@ -68,7 +68,7 @@ timed_peer_app_actor::behavior_type object_proxy_behavior(proxy_pointer self,
       [self](const tuple_event& x) { on_tuple(self, x); },
       [](const peis_message&) {},
       [](const peis_outcome&) {},
-      [self](status_request) { report(self); },
+      [self](status_request) { send_status(self); },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           on_time(self);

@@ -11,19 +11,19 @@ namespace {
 
 using pc_pointer = scheduler::traced_pointer<pc_state, pc_actor>;
 
-void perform(pc_pointer self, endpoint::outputs todo) {
+void perform(pc_pointer self, communication::outputs todo) {
   auto& state = self->state;
   for (auto& packet : todo) { // Transport repeats what is lost
     const acting_on its(packet.from);
     const auto [called, mote] = packet.destination;
     if (const auto meant = state.gateways.meant_by(called); meant != called)
       state.talks.note(called, meant, mote, packet.segment);
-    auto x = endpoint::message_of(std::move(packet));
+    auto x = communication::message_of(std::move(packet));
     x.peer = state.gateways.gateway_for(called);
     self->send(state.arguments.peer, send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
                                                        0,
                                                        x.peer,
-                                                       endpoint::island_message_port,
+                                                       communication::island_message_port,
                                                        payload(std::move(x.octets)),
                                                        false});
   }
@@ -75,7 +75,7 @@ void on_attach(pc_pointer self, const attach_program& x) {
 }
 
 /// @param ends its life does
-void report(pc_pointer self, bool ends) {
+void send_status(pc_pointer self, bool ends) {
   const auto& state = self->state;
   const auto& arguments = state.arguments;
   auto status =
@@ -91,7 +91,7 @@ void report(pc_pointer self, bool ends) {
 pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
   scheduler::tell_monitors_of_exceptions(self);
   self->set_exit_handler([self](const caf::exit_msg& x) {
-    report(self, true); // a life that a fault has ended counts as well
+    send_status(self, true); // a life that a fault has ended counts as well
     self->quit(x.reason);
   });
   self->set_down_handler([self](const caf::down_msg& x) {
@@ -100,13 +100,13 @@ pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
   });
   auto& state = self->state;
   state.arguments = std::move(arguments);
-  state.pc = endpoint::pc(
+  state.pc = communication::pc(
       state.arguments.config,
       random_stream(state.arguments.seed,
                     self->path() + '#' + std::to_string(state.arguments.config.incarnation)));
   observe_programs(self, state.pc);
-  self->send(state.arguments.peer,
-             hook_port{{caf::actor_cast<peis_client_actor>(self)}, endpoint::island_message_port});
+  self->send(state.arguments.peer, hook_port{{caf::actor_cast<peis_client_actor>(self)},
+                                             communication::island_message_port});
   if (state.arguments.aliases)
     self->send(state.arguments.peer,
                hook_port{{caf::actor_cast<peis_client_actor>(self)}, gateway::announcement_port});
@@ -131,7 +131,7 @@ pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
           self->send(self->state.arguments.ecology,
                      self->state.programs.sample(x.sample, self->state.arguments.name));
         else
-          report(self, false);
+          send_status(self, false);
       },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))

@@ -8,14 +8,14 @@
 #include "actors/program_host.hpp"
 #include "actors/separate_programs.hpp"
 #include "actors/timer.hpp"
-#include "endpoint/pc.hpp"
+#include "communication/pc.hpp"
 #include "gateway/alias_talks.hpp"
 #include "gateway/directory.hpp"
 
 namespace rubicon {
 
 struct pc_arguments {
-  endpoint::pc_config config;
+  communication::pc_config config;
   bool aliases = false; ///< some islands have several gateways: it hears which one leads (GW-14)
   std::string name;     ///< the peer's
   std::vector<apps::app_config> programs;
@@ -26,7 +26,7 @@ struct pc_arguments {
 
 struct pc_state {
   pc_arguments arguments;
-  endpoint::pc pc;
+  communication::pc pc;
   gateway::directory gateways; ///< empty without aliases
   gateway::alias_talks talks;
   program_host programs;

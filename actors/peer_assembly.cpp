@@ -154,7 +154,7 @@ rfid::tags tags_of(const config::ecology_description& x) {
     auto path = each.path;
     if (path.empty())
       path.push_back({0s, each.place});
-    all.push_back({each.id, each.memory, mote::walk(std::move(path), any_step)});
+    all.push_back({each.id, each.memory, device::walk(std::move(path), any_step)});
   }
   return all;
 }

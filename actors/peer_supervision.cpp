@@ -13,7 +13,7 @@ constexpr auto second = [](const auto& entry) -> const auto& {
 };
 
 void tell(ecology_pointer self, const supervised_peer& peer, std::string what) {
-  self->send(self, story{"peis_peer/" + peer.name, std::move(what)});
+  self->send(self, notable_event{"peis_peer/" + peer.name, std::move(what)});
 }
 
 /// Ends an actor that we have spawned, without a word about it.
@@ -235,12 +235,12 @@ void peer_fault_applier::operator()(const config::pause_fault& x) const {
 
 void peer_fault_applier::operator()(const config::partition_fault& x) const {
   disturb(self, {0, x.groups, 0, {}}, x.length);
-  self->send(self, story{self->path(), "network in parts" + lasting(x.length)});
+  self->send(self, notable_event{self->path(), "network in parts" + lasting(x.length)});
 }
 
 void peer_fault_applier::operator()(const config::link_loss_fault& x) const {
   disturb(self, {0, {}, x.loss, x.peers}, x.length);
-  self->send(self, story{self->path(), "network loses packages" + lasting(x.length)});
+  self->send(self, notable_event{self->path(), "network loses packages" + lasting(x.length)});
 }
 
 void peer_fault_applier::operator()(const config::duplicate_id_fault& x) const {

@@ -211,10 +211,10 @@ struct performer {
     if (x.stays_away > duration(0)) {
       log(self, spdlog::level::err, "event=id_left_to by={} away_s={}", x.by,
           seconds(x.stays_away));
-      self->send(ecology, story{self->path(), "leaves its id to " + x.by});
+      self->send(ecology, notable_event{self->path(), "leaves its id to " + x.by});
     } else if (may_tell(self, self->state.claims, "ids_taken")) {
       log(self, spdlog::level::err, "event=id_taken by={}", x.by);
-      self->send(ecology, story{self->path(), "its id is used by " + x.by});
+      self->send(ecology, notable_event{self->path(), "its id is used by " + x.by});
     }
   }
 };
@@ -392,13 +392,13 @@ auto served(peer_pointer self) {
 void on_pause(peer_pointer self, const pause_peer& x) {
   if (std::exchange(self->state.paused, true))
     return;
-  self->send(self->state.arguments.ecology, story{self->path(), "paused"});
+  self->send(self->state.arguments.ecology, notable_event{self->path(), "paused"});
   self->delayed_send(self, x.length, resume_peer{});
 }
 
 void on_resume(peer_pointer self) {
   self->state.paused = false;
-  self->send(self->state.arguments.ecology, story{self->path(), "goes on"});
+  self->send(self->state.arguments.ecology, notable_event{self->path(), "goes on"});
   for (const auto& serve : std::exchange(self->state.held, {}))
     serve();
 }
@@ -504,7 +504,7 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
       served<quit_peer>(self),
       [self](const guard_kernel& x) { on_guard(self, x); },
       served<timer_expired>(self),
-      [self](status_request) { report(self); },
+      [self](status_request) { send_status(self); },
   };
 }
 

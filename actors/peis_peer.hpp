@@ -19,7 +19,7 @@
 #include "peis/kernel.hpp"
 #include "peis/kernel_clients.hpp"
 #include "peis/simulated_link.hpp"
-#include "runtime/report.hpp"
+#include "report/report.hpp"
 
 namespace rubicon {
 
@@ -60,7 +60,7 @@ struct peis_peer_state {
   std::vector<std::function<void()>> held; ///< what has come during a pause
   std::uint64_t held_lost = 0;
   std::uint64_t packages_lost = 0; ///< on the simulated network, sent by us
-  runtime::cause_counts links_closed;
+  report::cause_counts links_closed;
   line_allowance closings; ///< told of in the log
   line_allowance claims;   ///< to our id, the same
   timer wake;
@@ -69,7 +69,7 @@ struct peis_peer_state {
 using peer_pointer = scheduler::traced_pointer<peis_peer_state, peis_peer_actor>;
 
 // actors/peis_report.cpp
-void report(peer_pointer self);
+void send_status(peer_pointer self);
 
 // actors/lan_link.cpp
 

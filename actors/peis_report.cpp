@@ -8,7 +8,7 @@ namespace rubicon {
 namespace {
 
 /// What limits have refused or put off (docs/security.md).
-void add_limits(runtime::cause_counts& to, const peis::kernel_counters& counted) {
+void add_limits(report::cause_counts& to, const peis::kernel_counters& counted) {
   const auto& x = counted.network;
   const auto& tuples = counted.tuples;
   const std::pair<const char*, std::uint64_t> all[] = {
@@ -41,7 +41,7 @@ void add_limits(runtime::cause_counts& to, const peis::kernel_counters& counted)
 
 } // namespace
 
-void report(peer_pointer self) {
+void send_status(peer_pointer self) {
   const auto& state = self->state;
   const auto all_counted = state.kernel.counters();
   const auto& counted = all_counted.network;

@@ -14,7 +14,7 @@ instant own_time(program_pointer self) {
   return self->state.arguments->crystal.own(now(self));
 }
 
-void perform(program_pointer self, std::optional<mote::remote::commands_batch> commands) {
+void perform(program_pointer self, std::optional<communication::remote::commands_batch> commands) {
   auto& state = self->state;
   const auto& arguments = *state.arguments;
   if (commands)
@@ -31,7 +31,7 @@ bool runs(program_pointer self) {
 }
 
 /// @param ended its life is
-void report(program_pointer self, bool ended) {
+void send_status(program_pointer self, bool ended) {
   const auto& arguments = *self->state.arguments;
   self->state.programs.report(self, arguments.ecology, arguments.mote, own_time(self), ended);
 }
@@ -40,7 +40,7 @@ void report(program_pointer self, bool ended) {
 void forget(program_pointer self) {
   auto& state = self->state;
   if (state.process != nullptr)
-    report(self, true);
+    send_status(self, true);
   state.programs = {};
   state.process = nullptr;
   state.is_over = false;
@@ -62,7 +62,7 @@ void on_attached(program_pointer self, const program_attached& x) {
   auto life = "mote/" + arguments.mote + '#' + std::to_string(x.incarnation);
   if (state.incarnation > 0)
     life += '/' + std::to_string(state.incarnation);
-  state.process = std::make_unique<mote::remote_process>(x.limits);
+  state.process = std::make_unique<communication::remote_process>(x.limits);
   state.process->begin(own_time(self));
   state.programs.start_one(*state.process, arguments.config, arguments.number, life, arguments.seed,
                            x.incarnation > 0 || state.incarnation > 0, own_time(self));
@@ -81,7 +81,7 @@ program_actor::behavior_type program_behavior(program_pointer self,
                                               std::shared_ptr<const program_arguments> arguments,
                                               std::uint32_t incarnation) {
   self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
-    report(self, true);
+    send_status(self, true);
     return scheduler::failure_of(x);
   });
   self->state.arguments = std::move(arguments);
@@ -113,7 +113,7 @@ program_actor::behavior_type program_behavior(program_pointer self,
         if (x.sample > 0)
           self->send(given.ecology, self->state.programs.sample(x.sample, given.mote));
         else
-          report(self, self->state.is_over);
+          send_status(self, self->state.is_over);
       },
   };
 }

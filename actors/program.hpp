@@ -9,8 +9,8 @@
 #include "actors/messages.hpp"
 #include "actors/program_host.hpp"
 #include "actors/timer.hpp"
+#include "communication/remote_process.hpp"
 #include "mote/crystal.hpp"
-#include "mote/remote_process.hpp"
 
 namespace rubicon {
 
@@ -26,9 +26,9 @@ struct program_arguments {
 
 struct program_state {
   std::shared_ptr<const program_arguments> arguments;
-  std::uint32_t incarnation = 0;                 ///< how often it was started before
-  mote_actor mote;                               ///< nullptr: it is out of order
-  std::unique_ptr<mote::remote_process> process; ///< nullptr: the mote has not attached it
+  std::uint32_t incarnation = 0;                          ///< how often it was started before
+  mote_actor mote;                                        ///< nullptr: it is out of order
+  std::unique_ptr<communication::remote_process> process; ///< nullptr: the mote has not attached it
   program_host programs;
   bool is_over = false; ///< the mote's battery is flat
   timer wake;

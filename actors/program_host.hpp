@@ -24,7 +24,7 @@ namespace rubicon {
 
 class program_host {
 public:
-  /// Makes programs and starts them on `node`, a mote::node, endpoint::pc or gateway::gateway.
+  /// Makes programs and starts them on `node`, a mote::node, communication::pc or gateway::gateway.
   /// @param who their actor's path, without its kind
   /// @param again their node ran before: files go on
   template <class Node>
@@ -34,7 +34,7 @@ public:
       start_one(node, configs[i], i + 1, who, seed, again, now);
   }
 
-  /// The same for one. @param node may be a mote::remote_process too
+  /// The same for one. @param node may be a communication::remote_process too
   /// @param number among the programs of the node
   template <class Node>
   void start_one(Node& node, const apps::app_config& config, std::size_t number,
@@ -58,7 +58,7 @@ public:
     x.program->start(node.attach(*x.program), now);
   }
 
-  /// Starts one that has a name of its own, for stories, logs and records.
+  /// Starts one that has a name of its own, for events, logs and records.
   template <class Node>
   void start_as(Node& node, std::string path, std::unique_ptr<apps::application> program,
                 instant now) {
@@ -99,7 +99,7 @@ public:
     for (auto& x : programs_) {
       const auto& who = x.path.empty() ? self->path() : x.path;
       for (auto& what : x.program->take_stories())
-        self->send(ecology, story{who, std::move(what)});
+        self->send(ecology, notable_event{who, std::move(what)});
       for (const auto& what : x.program->take_warnings())
         log_as(self, who, spdlog::level::warn, "{}", what);
       if (x.file && x.write(x.program->take_lines())) {

@@ -11,9 +11,9 @@
 #include <caf/serializer.hpp>
 
 #include "actors/inspect.hpp"
-#include "mote/remote_messages.hpp"
+#include "communication/remote_messages.hpp"
 
-namespace rubicon::mote::remote {
+namespace rubicon::communication::remote {
 
 /// The alternative of that index, with default values. @returns false if there is none
 template <class... Each>
@@ -38,4 +38,4 @@ typename F::result_type inspect(F& f, std::variant<Each...>& x) {
   return std::visit([&f](auto& y) { return f(y); }, x);
 }
 
-} // namespace rubicon::mote::remote
+} // namespace rubicon::communication::remote

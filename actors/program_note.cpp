@@ -4,9 +4,9 @@
 
 namespace rubicon {
 
-explain::record record_of(const mote::program_note& x, const std::string& node) {
+explain::record record_of(const communication::program_note& x, const std::string& node) {
   using explain::kind;
-  using note = mote::program_note::kind;
+  using note = communication::program_note::kind;
   constexpr std::array kinds{kind::send_message, kind::send_ended, kind::message_received,
                              kind::actuator_changed};
   explain::record r;

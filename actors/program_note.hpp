@@ -3,18 +3,19 @@
 
 #include <any>
 
+#include "communication/layer.hpp"
 #include "explain/record.hpp"
-#include "mote/layer.hpp"
 
 namespace rubicon {
 
 /// @param node path of the node's actor
-[[nodiscard]] explain::record record_of(const mote::program_note& x, const std::string& node);
+[[nodiscard]] explain::record record_of(const communication::program_note& x,
+                                        const std::string& node);
 
-/// @param node of the actor `self`: a mote::node, endpoint::pc or gateway::gateway
+/// @param node of the actor `self`: a mote::node, communication::pc or gateway::gateway
 template <class Self, class Node>
 void observe_programs(Self* self, Node& node) {
-  node.observe([self](const mote::program_note& x) {
+  node.observe([self](const communication::program_note& x) {
     self->remark_any("program", [&] { return std::any(record_of(x, self->path())); });
   });
 }

@@ -67,7 +67,7 @@ std::uint32_t number_of_streams(proxy_pointer self) {
 }
 
 /// After anything that the stream program did. @param commands what settling it gave
-void perform(proxy_pointer self, std::optional<mote::remote::commands_batch> commands) {
+void perform(proxy_pointer self, std::optional<communication::remote::commands_batch> commands) {
   auto& state = self->state;
   auto& streams = state.streams;
   if (commands)
@@ -87,7 +87,7 @@ void on_attached(proxy_pointer self, const program_attached& x) {
     inputs.push_back({each.number, each.every});
   auto tap = std::make_unique<apps::stream_tap>(inputs);
   streams.tap = tap.get();
-  streams.process = std::make_unique<mote::remote_process>(x.limits);
+  streams.process = std::make_unique<communication::remote_process>(x.limits);
   streams.process->begin(now(self));
   streams.programs.start_made(*streams.process, std::move(tap), "proxy", number_of_streams(self),
                               x.incarnation > 0, now(self));
@@ -145,10 +145,10 @@ void on_tuple(proxy_pointer self, const tuple_event& x) {
 }
 
 /// @param ends its life does: what nobody has answered has failed
-void report(proxy_pointer self, bool ends) {
+void send_status(proxy_pointer self, bool ends) {
   const auto& core = self->state.arguments.core;
   const auto& counted = core.counters();
-  runtime::proxy_report r;
+  report::proxy_report r;
   r.name = core.prefix();
   r.proxy_class = core.what().name;
   r.status = proxy::to_string(core.status());
@@ -158,7 +158,7 @@ void report(proxy_pointer self, bool ends) {
   r.actuations.slowest = counted.slowest;
   r.actuations.latency = counted.latency;
   r.actuations.failed = counted.failed;
-  const auto ended = counted.acknowledged + runtime::total(r.actuations.failed);
+  const auto ended = counted.acknowledged + report::total(r.actuations.failed);
   if (ends) {
     r.status = "ended";
     if (ended < counted.requested)
@@ -170,7 +170,7 @@ void report(proxy_pointer self, bool ends) {
 }
 
 void performer::operator()(const proxy::retire&) const {
-  report(self, true);
+  send_status(self, true);
   self->quit();
 }
 
@@ -179,7 +179,7 @@ void performer::operator()(const proxy::retire&) const {
 proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments arguments) {
   scheduler::tell_monitors_of_exceptions(self);
   self->set_exit_handler([self](const caf::exit_msg& x) {
-    report(self, true); // a life that a fault has ended counts as well
+    send_status(self, true); // a life that a fault has ended counts as well
     self->quit(x.reason);
   });
   self->state.arguments = std::move(arguments);
@@ -220,7 +220,7 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
         if (self->state.wake.accepts(x))
           on_timer(self);
       },
-      [self](status_request) { report(self, false); },
+      [self](status_request) { send_status(self, false); },
   };
 }
 

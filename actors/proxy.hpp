@@ -9,7 +9,7 @@
 #include "actors/program_host.hpp"
 #include "actors/timer.hpp"
 #include "apps/stream_tap.hpp"
-#include "mote/remote_process.hpp"
+#include "communication/remote_process.hpp"
 #include "proxy/proxy.hpp"
 
 namespace rubicon {
@@ -28,7 +28,7 @@ struct proxy_arguments {
 
 /// The read ends of a proxy's streams, in the Communication Layer of its peer (PXY-18).
 struct proxy_streams {
-  std::unique_ptr<mote::remote_process> process; ///< nullptr: not attached
+  std::unique_ptr<communication::remote_process> process; ///< nullptr: not attached
   program_host programs;
   apps::stream_tap* tap = nullptr; ///< among these
 };

@@ -78,8 +78,9 @@ struct performer {
   void operator()(const proxy::unknown_type& x) const {
     log(self, spdlog::level::warn, "event=unknown_type mote={} type={}", to_string(x.mote), x.type);
     self->send(self->state.arguments.ecology,
-               story{self->path(), "mote " + to_string(x.mote) + " is of type " +
-                                       std::to_string(x.type) + ", which no proxy class claims"});
+               notable_event{self->path(), "mote " + to_string(x.mote) + " is of type " +
+                                               std::to_string(x.type) +
+                                               ", which no proxy class claims"});
   }
 };
 

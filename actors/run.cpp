@@ -17,8 +17,8 @@
 #include "core/shell_word.hpp"
 #include "io/machine.hpp"
 #include "io/signal_watch.hpp"
-#include "runtime/expectations.hpp"
-#include "runtime/invariants.hpp"
+#include "report/expectations.hpp"
+#include "report/invariants.hpp"
 #include "scheduler/world.hpp"
 
 namespace rubicon {
@@ -83,7 +83,7 @@ config::ecology_description overridden(config::ecology_description x, const run_
 }
 
 /// What a program of a peer does to a tuple.
-void tell_tuple(runtime::expectations& judge, const scheduler::delivery& x) {
+void tell_tuple(report::expectations& judge, const scheduler::delivery& x) {
   if (!x.heard)
     return;
   if (x.content.match_elements<set_tuple>()) {
@@ -102,7 +102,7 @@ class run_files {
 public:
   /// @param judge told of tuples; outlives this
   run_files(const config::ecology_description& description, const run_options& options,
-            runtime::expectations& judge)
+            report::expectations& judge)
       : judge_(judge.watches_tuples() ? &judge : nullptr) {
     if (!options.debug_folder.empty())
       debug_.emplace(options.debug_folder, options.debug_file_octets_max);
@@ -157,7 +157,7 @@ public:
   }
 
 private:
-  runtime::expectations* judge_;
+  report::expectations* judge_;
   std::optional<debug_log> debug_;
   std::optional<run_record> record_;
   std::optional<frame_captures> captures_;
@@ -168,7 +168,7 @@ private:
 class one_run {
 public:
   one_run(const config::ecology_description& description, const run_options& options,
-          run_files& files, runtime::expectations& judge, runtime::report& report)
+          run_files& files, report::expectations& judge, report::run_report& report)
       : judge_(judge), description_(description), options_(options), report_(report),
         wall_(description.mode == config::run_mode::wall),
         speed_(wall_ && options.speed == 0 ? 1 : options.speed),
@@ -178,7 +178,7 @@ public:
       signals_.emplace(world_.loop(), [this](int) { world_.request_stop(); });
     root_ = world_.spawn(
         "ecology/" + description.name, ecology, description,
-        [this](runtime::report x) { take(std::move(x)); }, files.frames(), facts());
+        [this](report::run_report x) { take(std::move(x)); }, files.frames(), facts());
     caf::actor_cast<caf::abstract_actor*>(root_)->attach_functor(
         [this](const caf::error& reason) { on_root_ended(reason); });
   }
@@ -196,7 +196,7 @@ public:
   [[nodiscard]] const root_actor& root() const { return root_; }
   [[nodiscard]] const std::string& ended_early() const { return ended_early_; }
 
-  [[nodiscard]] runtime::report report_so_far() {
+  [[nodiscard]] report::run_report report_so_far() {
     static_cast<void>(world_.drain());
     using impl = scheduler::traced_actor<ecology_state, root_actor>;
     auto& state = static_cast<impl*>(caf::actor_cast<caf::abstract_actor*>(root_))->state;
@@ -232,12 +232,12 @@ public:
     report_.events = world_.trace().events();
     report_.trace_hash = to_hex(world_.trace().hash());
     if (report_.complete)
-      for (auto& each : runtime::check_timers(report_, timers_))
+      for (auto& each : report::check_timers(report_, timers_))
         report_.violations.push_back(std::move(each));
   }
 
 private:
-  void take(runtime::report x) {
+  void take(report::run_report x) {
     x.interrupted = report_.interrupted;
     report_ = std::move(x);
     report_.mode = mode_name(description_);
@@ -285,7 +285,7 @@ private:
     x.on_end_wanted = [this](const std::string& why) { end_early(why); };
     if (!judge_.empty())
       x.judge = &judge_;
-    x.on_late_violation = [this](runtime::violation late) {
+    x.on_late_violation = [this](report::violation late) {
       report_.violations.push_back(std::move(late));
     };
     if (!wall_)
@@ -298,10 +298,10 @@ private:
     return x;
   }
 
-  runtime::expectations& judge_;
+  report::expectations& judge_;
   const config::ecology_description& description_;
   const run_options& options_;
-  runtime::report& report_;
+  report::run_report& report_;
   const bool wall_;
   const double speed_;
   std::string ended_early_; ///< why; empty while nothing is wrong
@@ -314,8 +314,8 @@ private:
 };
 
 /// What is known before anything has run: nothing that anybody could take for a good end.
-runtime::report empty_report(const config::ecology_description& x) {
-  runtime::report report;
+report::run_report empty_report(const config::ecology_description& x) {
+  report::run_report report;
   report.ecology = x.name;
   report.seed = x.seed;
   report.mode = mode_name(x);
@@ -324,7 +324,7 @@ runtime::report empty_report(const config::ecology_description& x) {
 }
 
 /// `rubicon run home.toml --seed 7 --for 20s --record run.rec && rubicon explain run.rec --lost`
-std::string command_for(const runtime::expectation_report& x, const runtime::report& report,
+std::string command_for(const report::expectation_report& x, const report::run_report& report,
                         const run_options& options) {
   const auto file = options.source.file.empty() ? "FILE" : shell_word(options.source.file);
   auto text = "rubicon run " + file + " --seed " + std::to_string(report.seed);
@@ -340,14 +340,14 @@ std::string command_for(const runtime::expectation_report& x, const runtime::rep
   return text;
 }
 
-void judge_run(runtime::report& report, const runtime::expectations& judge,
+void judge_run(report::run_report& report, const report::expectations& judge,
                const run_options& options) {
   report.expectations = judge.judge(report);
   for (auto& each : report.expectations) {
-    if (each.outcome != runtime::expectation_report::verdict::unmet)
+    if (each.outcome != report::expectation_report::verdict::unmet)
       continue;
     each.command = command_for(each, report, options);
-    report.violations.push_back(runtime::violation_of(each));
+    report.violations.push_back(report::violation_of(each));
   }
 }
 
@@ -371,7 +371,7 @@ public:
     return *run_;
   }
 
-  runtime::report finish() {
+  report::run_report finish() {
     if (run_)
       attempt([this] {
         run_->perform();
@@ -380,9 +380,9 @@ public:
     run_.reset();
     const auto at_end = instant() + report_.simulated;
     for (auto& missing : files_.finish())
-      report_.violations.push_back({at_end, runtime::requests_are_met, std::move(missing)});
+      report_.violations.push_back({at_end, report::requests_are_met, std::move(missing)});
     if (!report_.complete)
-      report_.violations.push_back({at_end, runtime::run_is_complete, report_.reason});
+      report_.violations.push_back({at_end, report::run_is_complete, report_.reason});
     judge_run(report_, judge_, options_);
     report_.wall_s = std::chrono::duration<double>(steady::now() - started_).count();
     return std::move(report_);
@@ -408,9 +408,9 @@ private:
   const steady::time_point started_ = steady::now();
   const run_options options_;
   const config::ecology_description description_;
-  runtime::expectations judge_;
+  report::expectations judge_;
   run_files files_;
-  runtime::report report_;
+  report::run_report report_;
   std::optional<one_run> run_;
 };
 
@@ -428,15 +428,16 @@ const root_actor& ecology_run::root() {
   return parts_->run().root();
 }
 
-runtime::report ecology_run::report_so_far() {
+report::run_report ecology_run::report_so_far() {
   return parts_->run().report_so_far();
 }
 
-runtime::report ecology_run::finish() {
+report::run_report ecology_run::finish() {
   return parts_->finish();
 }
 
-runtime::report run_ecology(const config::ecology_description& file, const run_options& options) {
+report::run_report run_ecology(const config::ecology_description& file,
+                               const run_options& options) {
   return ecology_run(file, options).finish();
 }
 

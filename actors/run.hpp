@@ -8,7 +8,7 @@
 
 #include "actors/run_record.hpp"
 #include "config/ecology.hpp"
-#include "runtime/report.hpp"
+#include "report/report.hpp"
 
 namespace rubicon {
 
@@ -42,7 +42,7 @@ struct run_options {
 /// the report is not complete, says why, and has a violation; files that could not be written to
 /// their end are violations too.
 /// @throws std::runtime_error if the debug folder, a capture or the record cannot be begun
-[[nodiscard]] runtime::report run_ecology(const config::ecology_description& description,
-                                          const run_options& options);
+[[nodiscard]] report::run_report run_ecology(const config::ecology_description& description,
+                                             const run_options& options);
 
 } // namespace rubicon

@@ -146,8 +146,8 @@ bool fill(record& r, const peis_outcome& x) {
   return true;
 }
 
-bool fill(record& r, const story& x) {
-  r.what = kind::story;
+bool fill(record& r, const notable_event& x) {
+  r.what = kind::event;
   r.from = x.who;
   r.text = x.what;
   return true;
@@ -221,7 +221,7 @@ void run_record::write(const scheduler::delivery& x) {
   const bool worth =
       take_any<radio_send, radio_done, frame_received, set_tuple, tuple_event, serial_write,
                serial_octets, watch_tuples, set_remote_tuple, set_meta_tuple, send_peis_message,
-               delete_tuple, peis_outcome, link_opened, plug_serial, story>(x.content, r);
+               delete_tuple, peis_outcome, link_opened, plug_serial, notable_event>(x.content, r);
   const auto cause = recorded_cause(x.cause);
   if (!worth) {
     if (cause != 0)
@@ -235,7 +235,7 @@ void run_record::write(const scheduler::delivery& x) {
   r.to = x.path;
   r.cause = cause;
   r.unheard = !x.heard;
-  if (r.what == kind::story)
+  if (r.what == kind::event)
     last_story_ = r.from + '\t' + r.text;
   put(r);
 }
@@ -247,8 +247,8 @@ std::uint64_t run_record::recorded_cause(std::uint64_t number) const {
 }
 
 void run_record::write(const scheduler::remark& x) {
-  if (x.what == "story") {
-    put_story(x);
+  if (x.what == "event") {
+    put_event(x);
     return;
   }
   if (const auto* told = std::any_cast<record>(&x.content)) {
@@ -315,13 +315,13 @@ void run_record::put_packages(record r, byte_view octets) {
   }
 }
 
-void run_record::put_story(const scheduler::remark& x) {
+void run_record::put_event(const scheduler::remark& x) {
   const auto text = to_string(x.octets);
   if (text == last_story_)
     return;
   const auto tab = text.find('\t');
   record r;
-  r.what = kind::story;
+  r.what = kind::event;
   r.time = x.time;
   r.from = text.substr(0, tab);
   r.text = text.substr(tab + 1);

@@ -40,7 +40,7 @@ public:
 private:
   void put(const explain::record& x);
   void check();
-  void put_story(const scheduler::remark& x);
+  void put_event(const scheduler::remark& x);
   void put_packages(explain::record r, byte_view octets);
   void note_sent(const explain::record& x);
   void note_received(const explain::record& x);

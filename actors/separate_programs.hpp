@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "actors/messages.hpp"
-#include "mote/program_port.hpp"
+#include "communication/program_port.hpp"
 
 namespace rubicon {
 
-/// The node is a mote::node or endpoint::pc; whoever owns it calls its begin() before leave() and
-/// on_commands(), its settle() afterwards, and then send_events().
+/// The node is a mote::node or communication::pc; whoever owns it calls its begin() before leave()
+/// and on_commands(), its settle() afterwards, and then send_events().
 class separate_programs {
 public:
   /// @pre none has its number: leave() was called
@@ -24,7 +24,7 @@ public:
     self->monitor(x.program.actor);
     auto& added = all_[x.number];
     added.actor = x.program.actor;
-    added.port = std::make_unique<mote::program_port>(node);
+    added.port = std::make_unique<communication::program_port>(node);
     self->send(added.actor, program_attached{added.port->limits(), incarnation});
   }
 
@@ -59,7 +59,7 @@ public:
 private:
   struct attached {
     program_client_actor actor;
-    std::unique_ptr<mote::program_port> port;
+    std::unique_ptr<communication::program_port> port;
   };
 
   std::map<std::uint32_t, attached> all_; ///< by their numbers

@@ -22,15 +22,16 @@ void perform(line_pointer self, serial::line_outputs todo) {
 
 void plug(line_pointer self, bool plugged) {
   log(self, spdlog::level::info, "event={}", plugged ? "plugged" : "unplugged");
-  self->send(self->state.ecology, story{self->path(), plugged ? "serial cable plugged in again"
-                                                              : "serial cable unplugged"});
+  self->send(self->state.ecology,
+             notable_event{self->path(),
+                           plugged ? "serial cable plugged in again" : "serial cable unplugged"});
   if (plugged)
     self->state.line.plug();
   else
     perform(self, self->state.line.unplug(now(self)));
 }
 
-void report(line_pointer self) {
+void send_status(line_pointer self) {
   serial_status status{self->state.island, {}};
   for (const auto towards : {serial::direction::to_pc, serial::direction::to_mote}) {
     const auto& counted = self->state.line.counters(towards);
@@ -66,7 +67,7 @@ serial_line_actor::behavior_type serial_line(line_pointer self, serial::line lin
         if (self->state.wake.accepts(x))
           perform(self, self->state.line.on_time(now(self)));
       },
-      [self](status_request) { report(self); },
+      [self](status_request) { send_status(self); },
   };
 }
 

@@ -55,9 +55,9 @@ struct performer {
     const mote_address who{self->state.arguments.address.island, x.mote};
     log(self, spdlog::level::warn, "event=double_refused mote={} device={:08x}", to_string(who),
         x.device);
-    self->send(
-        self->state.arguments.ecology,
-        story{self->path() + "/sink", "refused a second mote with the id " + to_string(x.mote)});
+    self->send(self->state.arguments.ecology,
+               notable_event{self->path() + "/sink",
+                             "refused a second mote with the id " + to_string(x.mote)});
   }
 
   void operator()(serial::to_line& x) const {
@@ -113,7 +113,7 @@ void on_frame(sink_pointer self, const radio::frame& x, instant sfd) {
 }
 
 /// @param is_alive the clock of a life that has ended is compared with nothing
-void report(sink_pointer self, bool is_alive) {
+void send_status(sink_pointer self, bool is_alive) {
   serial_status status{self->state.arguments.address.island, {}};
   auto& sum = status.serial;
   for (const auto& port : self->state.ports) {
@@ -139,7 +139,7 @@ void report(sink_pointer self, bool is_alive) {
 void report_failures(sink_pointer self) {
   self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
     self->state.flows.report(self, self->state.arguments.ecology);
-    report(self, false);
+    send_status(self, false);
     return scheduler::failure_of(x);
   });
 }
@@ -190,10 +190,12 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments,
           self->state.flows.on_done(self, x);
       },
       [self](battery_low) {
-        self->send(self->state.arguments.ecology, story{self->path(), "sink's battery low"});
+        self->send(self->state.arguments.ecology,
+                   notable_event{self->path(), "sink's battery low"});
       },
       [self](battery_flat) {
-        self->send(self->state.arguments.ecology, story{self->path(), "sink's battery flat"});
+        self->send(self->state.arguments.ecology,
+                   notable_event{self->path(), "sink's battery flat"});
       },
       [self](const serial_octets& x) { on_octets(self, x); },
       [](crash_now) { throw std::runtime_error(std::string(planned_crash)); },
@@ -218,7 +220,7 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments,
           return;
         }
         self->state.flows.report(self, self->state.arguments.ecology);
-        report(self, true);
+        send_status(self, true);
       },
   };
 }

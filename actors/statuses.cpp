@@ -44,22 +44,22 @@ network_status status_of(mote_address address, const mote::packet_service& x, in
   r.lost["no_route"] = packets.no_route + x.counters().unroutable;
   r.lost["queue_full"] = packets.queue_full;
   r.lost["too_far"] = packets.too_far;
-  runtime::add_counters(r.counters, "channels", paths);
-  runtime::add_counters(r.counters, "coordinates", router.place().counters());
-  runtime::add_counters(r.counters, "neighbours", router.links().counters());
-  runtime::add_counters(r.counters, "packets", packets);
-  runtime::add_counters(r.counters, "packet_service", x.counters());
-  runtime::add_counters(r.counters, "router", router.counters());
-  runtime::add_counters(r.counters, "tree", router.tree().counters());
+  report::add_counters(r.counters, "channels", paths);
+  report::add_counters(r.counters, "coordinates", router.place().counters());
+  report::add_counters(r.counters, "neighbours", router.links().counters());
+  report::add_counters(r.counters, "packets", packets);
+  report::add_counters(r.counters, "packet_service", x.counters());
+  report::add_counters(r.counters, "router", router.counters());
+  report::add_counters(r.counters, "tree", router.tree().counters());
   return status;
 }
 
 } // namespace
 
-runtime::message_report report_of(const transport::endpoint_counters& x,
-                                  const mote::layer_counters& offers, std::size_t open,
-                                  bool ended) {
-  runtime::message_report r;
+report::message_report report_of(const transport::messenger_counters& x,
+                                 const communication::layer_counters& offers, std::size_t open,
+                                 bool ended) {
+  report::message_report r;
   r.offered = offers.offered;
   r.refused = {{"not_joined", offers.unjoined},
                {"no_such_receiver", offers.misaddressed},
@@ -79,7 +79,7 @@ runtime::message_report report_of(const transport::endpoint_counters& x,
   return r;
 }
 
-message_status messages_of(mote_address who, const mote::layer& x, bool ended) {
+message_status messages_of(mote_address who, const communication::layer& x, bool ended) {
   const auto& messages = x.messages();
   message_status status;
   status.who = who;
@@ -108,11 +108,11 @@ network_status status_of(mote_address address, const mote::node& x, instant own,
   r.lost["unclaimed"] = above.unclaimed;
   r.lost["unknown_channel"] = above.unknown_channel;
   r.lost["unowned"] = above.unowned;
-  runtime::add_counters(r.counters, "layer", above);
-  runtime::add_counters(r.counters, "node", x.counters());
-  runtime::add_counters(r.counters, "streams", x.above().streams().counters());
-  runtime::add_counters(r.counters, "synaptic", x.above().synaptic().counters());
-  runtime::add_counters(r.counters, "transport", x.above().messages().counters());
+  report::add_counters(r.counters, "layer", above);
+  report::add_counters(r.counters, "node", x.counters());
+  report::add_counters(r.counters, "streams", x.above().streams().counters());
+  report::add_counters(r.counters, "synaptic", x.above().synaptic().counters());
+  report::add_counters(r.counters, "transport", x.above().messages().counters());
   return status;
 }
 
@@ -123,8 +123,8 @@ network_status status_of(mote_address address, const mote::sink& x, instant own,
   status.network.lost["unowned"] = x.counters().for_sink;
   if (x.joining().doubles > 0)
     status.network.lost["id_taken"] = x.joining().doubles;
-  runtime::add_counters(status.network.counters, "registrar", x.joining());
-  runtime::add_counters(status.network.counters, "sink", x.counters());
+  report::add_counters(status.network.counters, "registrar", x.joining());
+  report::add_counters(status.network.counters, "sink", x.counters());
   return status;
 }
 

@@ -6,20 +6,21 @@
 #include "actors/messages.hpp"
 #include "mote/node.hpp"
 #include "mote/sink.hpp"
-#include "runtime/report.hpp"
-#include "transport/endpoint.hpp"
+#include "report/report.hpp"
+#include "transport/messenger.hpp"
 
 namespace rubicon {
 
 /// What became of the messages of a node's programs.
 /// @param open reliable sends still waiting for their outcome
 /// @param ended the node's life is over: what was open has failed
-[[nodiscard]] runtime::message_report report_of(const transport::endpoint_counters& x,
-                                                const mote::layer_counters& offers,
-                                                std::size_t open, bool ended);
+[[nodiscard]] report::message_report report_of(const transport::messenger_counters& x,
+                                               const communication::layer_counters& offers,
+                                               std::size_t open, bool ended);
 
 /// The same of a whole node.
-[[nodiscard]] message_status messages_of(mote_address who, const mote::layer& x, bool ended);
+[[nodiscard]] message_status messages_of(mote_address who, const communication::layer& x,
+                                         bool ended);
 
 /// @param own what the clock of this mote or sink shows `now`
 [[nodiscard]] network_status status_of(mote_address address, const mote::node& x, instant own,

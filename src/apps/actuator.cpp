@@ -6,8 +6,8 @@ void actuator::on_start(instant) {
   provide(static_cast<std::uint8_t>(config_.channel));
 }
 
-void actuator::joined(mote::island_octet, std::uint16_t, mote::status success) {
-  if (success == mote::SUCCESS)
+void actuator::joined(communication::island_octet, std::uint16_t, communication::status success) {
+  if (success == communication::SUCCESS)
     tell_state();
 }
 

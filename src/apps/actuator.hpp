@@ -15,7 +15,8 @@ public:
   actuator(actuator_config config, std::uint8_t state)
       : config_(std::move(config)), state_(state) {}
 
-  void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
+  void joined(communication::island_octet island, std::uint16_t mote,
+              communication::status success) override;
   void receiveFrom(mote_address source, byte_view octets, std::uint8_t am_type) override;
   void actuatorChanged(std::string_view name, std::uint8_t state, bool obeyed) override;
 

@@ -12,13 +12,13 @@
 #include "apps/registry.hpp"
 #include "core/address.hpp"
 #include "core/time.hpp"
-#include "mote/transducer_config.hpp"
+#include "device/transducer_config.hpp"
 
 namespace rubicon::apps {
 
 /// Reads transducers and sends their counts, big-endian signed 16 bit, in the order listed.
 struct sampler_config {
-  std::vector<mote::quantity> transducers; ///< at least one, each present on the mote
+  std::vector<device::quantity> transducers; ///< at least one, each present on the mote
   duration every = 31s;
   duration jitter = 0s;         ///< each period starts up to this much late, uniform
   std::uint16_t channel = 1;    ///< output channel of section 5.4; equals the AM type, 0..255
@@ -57,7 +57,7 @@ struct listener_config {
 
 /// Samples a transducer and streams the records to another node (STR-07, STR-16).
 struct stream_writer_config {
-  mote::quantity transducer = mote::quantity::temperature;
+  device::quantity transducer = device::quantity::temperature;
   duration every = 1s;
   mote_address to; ///< no_mote in the mote part: a PC
   std::uint16_t stream = 1;
@@ -78,7 +78,7 @@ struct synapse {
 /// A part of an echo-state network: at each tick of the RUBICON clock it takes its transducer and
 /// its in channels into its units and sends their states out (D1.1 4.2.2).
 struct reservoir_config {
-  std::vector<mote::quantity> transducers; ///< each scaled by its own range so far
+  std::vector<device::quantity> transducers; ///< each scaled by its own range so far
   std::vector<synapse> from;
   std::vector<synapse> to; ///< element 0 is the first transducer, if there is one; then the units
   std::uint8_t units = 8;

@@ -12,9 +12,9 @@
 
 #include "apps/app_config.hpp"
 #include "apps/stream_end.hpp"
+#include "communication/interface.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
-#include "mote/communication.hpp"
 
 namespace rubicon::apps {
 
@@ -32,10 +32,10 @@ inline constexpr mote_address own_gateway{own_island, no_mote};
 
 /// Whoever hosts a program attaches it, starts it, calls on_time() at its deadline, and settles the
 /// layer after each of these.
-class application : public mote::communication_events {
+class application : public communication::communication_events {
 public:
   /// @param layer of the node this program was attached to
-  void start(mote::communication layer, instant now) {
+  void start(communication::interface layer, instant now) {
     layer_ = layer;
     on_start(now);
   }
@@ -63,18 +63,18 @@ public:
 
 protected:
   virtual void on_start(instant now) = 0;
-  [[nodiscard]] mote::communication& layer() { return *layer_; }
+  [[nodiscard]] communication::interface& layer() { return *layer_; }
   void tell(std::string what) { stories_.push_back(std::move(what)); }
   void warn(std::string what) { warnings_.push_back(std::move(what)); } ///< `event=lost number=3`
 
   /// As layer().provide(); warns if the type is another's.
   void provide(std::uint8_t am_type) {
-    if (layer().provide(am_type) == mote::FAIL)
+    if (layer().provide(am_type) == communication::FAIL)
       warn("event=claim_refused am_type=" + std::to_string(am_type));
   }
 
 private:
-  std::optional<mote::communication> layer_;
+  std::optional<communication::interface> layer_;
   std::vector<std::string> stories_;
   std::vector<std::string> warnings_;
 };

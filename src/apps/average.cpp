@@ -25,13 +25,14 @@ average::average(average_config config)
     outputs_.push_back({x});
 }
 
-void average::joined(mote::island_octet island, std::uint16_t mote, mote::status success) {
+void average::joined(communication::island_octet island, std::uint16_t mote,
+                     communication::status success) {
   due_.reset();
   for (auto& x : outputs_)
     close(x);
   stream_application::joined(island, mote, success);
   for (auto& x : outputs_) {
-    if (success == mote::SUCCESS)
+    if (success == communication::SUCCESS)
       open(x);
   }
 }
@@ -41,7 +42,7 @@ void average::open(write_end& x) {
   const auto accepted = layer().open_write_end(x.what.to, x.what.stream,
                                                static_cast<std::uint32_t>(config_.every / 1ms), 0,
                                                stream::sensor_record::size);
-  if (accepted == mote::FAIL)
+  if (accepted == communication::FAIL)
     x.retry = layer().now() + pause;
 }
 
@@ -54,12 +55,12 @@ void average::close(write_end& x) {
   x.retry.reset();
 }
 
-void average::openRemoteDone(int stream, std::uint16_t name, mote::status success) {
+void average::openRemoteDone(int stream, std::uint16_t name, communication::status success) {
   const auto x =
       std::ranges::find(outputs_, name, [](const write_end& each) { return each.what.stream; });
   if (x == outputs_.end()) {
     stream_application::openRemoteDone(stream, name, success);
-  } else if (success == mote::FAIL) {
+  } else if (success == communication::FAIL) {
     ++x->opens_failed;
     if (layer().address()) // else joined() opens it
       x->retry = layer().now() + pause;

@@ -5,7 +5,7 @@
 
 namespace rubicon::apps {
 
-/// Tells the story of the first message it receives.
+/// Tells the event log of the first message it receives.
 class listener final : public application {
 public:
   explicit listener(listener_config config) : config_(config) {}

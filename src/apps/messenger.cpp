@@ -5,8 +5,8 @@
 
 namespace rubicon::apps {
 
-void messenger::joined(mote::island_octet, std::uint16_t, mote::status success) {
-  begins_ = success == mote::SUCCESS;
+void messenger::joined(communication::island_octet, std::uint16_t, communication::status success) {
+  begins_ = success == communication::SUCCESS;
   next_.reset();
 }
 
@@ -30,12 +30,12 @@ void messenger::send() {
   if (!number)
     warn("event=undelivered number=" + std::to_string(sent_) + " refused=true");
   else if (config_.reliable)
-    under_way_[*number] = sent_;
+    in_flight_[*number] = sent_;
 }
 
-void messenger::ackOf(std::uint32_t number, mote::status success) {
-  const auto sent = under_way_.extract(number);
-  if (!sent.empty() && success == mote::FAIL)
+void messenger::ackOf(std::uint32_t number, communication::status success) {
+  const auto sent = in_flight_.extract(number);
+  if (!sent.empty() && success == communication::FAIL)
     warn("event=undelivered number=" + std::to_string(sent.mapped()) + " refused=false");
 }
 

@@ -18,8 +18,9 @@ public:
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override;
 
-  void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
-  void ackOf(std::uint32_t number, mote::status success) override;
+  void joined(communication::island_octet island, std::uint16_t mote,
+              communication::status success) override;
+  void ackOf(std::uint32_t number, communication::status success) override;
 
 private:
   void on_start(instant) override {}
@@ -29,7 +30,7 @@ private:
   bool begins_ = false;         ///< its periods do, at the next on_time()
   std::optional<instant> next_; ///< nothing: it rests
   std::uint64_t sent_ = 0;
-  std::map<std::uint32_t, std::uint64_t> under_way_; ///< which message a reliable send is
+  std::map<std::uint32_t, std::uint64_t> in_flight_; ///< which message a reliable send is
 };
 
 } // namespace rubicon::apps

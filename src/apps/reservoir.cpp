@@ -36,9 +36,10 @@ reservoir::reservoir(reservoir_config config, random_stream rng)
   }
 }
 
-void reservoir::joined(mote::island_octet island, std::uint16_t mote, mote::status success) {
+void reservoir::joined(communication::island_octet island, std::uint16_t mote,
+                       communication::status success) {
   synaptic_application::joined(island, mote, success);
-  if (success == mote::SUCCESS)
+  if (success == communication::SUCCESS)
     open_senses();
 }
 
@@ -69,26 +70,28 @@ void reservoir::clock_tick(std::uint32_t) {
     open_senses();
   awaited_ = 0;
   for (const auto& x : senses_) {
-    if (x.stream > 0 && layer().read(x.stream, stream::sensor_record::size) == mote::SUCCESS)
+    if (x.stream > 0 &&
+        layer().read(x.stream, stream::sensor_record::size) == communication::SUCCESS)
       ++awaited_;
   }
   if (awaited_ == 0)
     compute();
 }
 
-void reservoir::readDone(int stream, byte_view record, mote::status success) {
+void reservoir::readDone(int stream, byte_view record, communication::status success) {
   const auto x = std::ranges::find(senses_, stream, &sense::stream);
   if (x == senses_.end() || awaited_ == 0)
     return;
   const auto read = stream::decode_sensor_record(record);
-  if (success == mote::SUCCESS && read) {
+  if (success == communication::SUCCESS && read) {
     const double value = read->value;
     x->least = x->is_known ? std::min(x->least, value) : value;
     x->most = x->is_known ? std::max(x->most, value) : value;
     x->is_known = true;
     const auto range = x->most - x->least;
     x->value = range > 0 ? 2 * (value - x->least) / range - 1 : 0;
-  } else if (success == mote::FAIL) { // in an actor of its own it hears only now that it is refused
+  } else if (success ==
+             communication::FAIL) { // in an actor of its own it hears only now that it is refused
     layer().close(stream);
     lose(*x);
   }

@@ -15,9 +15,10 @@ class reservoir final : public synaptic_application {
 public:
   reservoir(reservoir_config config, random_stream rng);
 
-  void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
+  void joined(communication::island_octet island, std::uint16_t mote,
+              communication::status success) override;
   void clock_tick(std::uint32_t tick) override;
-  void readDone(int stream, byte_view record, mote::status success) override;
+  void readDone(int stream, byte_view record, communication::status success) override;
   [[nodiscard]] std::vector<figure> figures() const override;
 
 private:

@@ -19,13 +19,13 @@ std::optional<duration> sampler::period() const {
   return asked ? std::max<duration>(wanted_->period, config_.every_min) : config_.every;
 }
 
-void sampler::joined(mote::island_octet, std::uint16_t, mote::status success) {
-  in_island_ = success == mote::SUCCESS;
+void sampler::joined(communication::island_octet, std::uint16_t, communication::status success) {
+  in_island_ = success == communication::SUCCESS;
   begins_ = true;
 }
 
-void sampler::outputsWanted(std::span<const mote::output_wanted> all) {
-  wanted_ = mote::wanted_on(all, config_.channel);
+void sampler::outputsWanted(std::span<const communication::output_wanted> all) {
+  wanted_ = communication::wanted_on(all, config_.channel);
   begins_ = begins_ || period() != every_;
 }
 

@@ -21,8 +21,9 @@ public:
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override;
 
-  void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
-  void outputsWanted(std::span<const mote::output_wanted> all) override;
+  void joined(communication::island_octet island, std::uint16_t mote,
+              communication::status success) override;
+  void outputsWanted(std::span<const communication::output_wanted> all) override;
   void transducersRead(std::span<const std::int16_t> counts, std::uint32_t time_ms) override;
 
 private:
@@ -34,9 +35,9 @@ private:
   random_stream rng_;
   std::vector<running_mean> means_; ///< of each transducer; empty: counts go as they are
   bool in_island_ = false;
-  std::optional<mote::output_wanted> wanted_; ///< of its channel, by the gateway
-  bool begins_ = false;                       ///< its periods do, at the next on_time()
-  std::optional<duration> every_;             ///< nothing: it rests
+  std::optional<communication::output_wanted> wanted_; ///< of its channel, by the gateway
+  bool begins_ = false;                                ///< its periods do, at the next on_time()
+  std::optional<duration> every_;                      ///< nothing: it rests
   instant next_period_;
   instant due_;                    ///< next_period_ and its jitter
   instant sampled_;                ///< the last time

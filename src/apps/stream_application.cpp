@@ -20,7 +20,8 @@ stream_application::stream_application(const std::vector<std::uint16_t>& streams
     inputs_.push_back({.name = name, .every = every});
 }
 
-void stream_application::joined(mote::island_octet, std::uint16_t, mote::status success) {
+void stream_application::joined(communication::island_octet, std::uint16_t,
+                                communication::status success) {
   retry_.reset();
   for (auto& x : inputs_) {
     if (x.stream > 0) {
@@ -32,7 +33,7 @@ void stream_application::joined(mote::island_octet, std::uint16_t, mote::status 
     x.is_wanted = false;
   }
   for (auto& x : inputs_) {
-    if (success == mote::SUCCESS)
+    if (success == communication::SUCCESS)
       open(x);
   }
 }
@@ -40,9 +41,9 @@ void stream_application::joined(mote::island_octet, std::uint16_t, mote::status 
 void stream_application::open(read_end& x) {
   x.is_wanted = false;
   const auto accepted = layer().open_remote(
-      static_cast<mote::island_octet>(own_island.value), own_mote.value, x.name,
+      static_cast<communication::island_octet>(own_island.value), own_mote.value, x.name,
       static_cast<std::uint32_t>(x.every / 1ms), 0, stream::sensor_record::size);
-  if (accepted == mote::FAIL) {
+  if (accepted == communication::FAIL) {
     ++opens_failed_;
     retry(x);
   }
@@ -53,11 +54,12 @@ void stream_application::retry(read_end& x) {
   retry_ = earliest(retry_, layer().now() + pause);
 }
 
-void stream_application::openRemoteDone(int stream, std::uint16_t name, mote::status success) {
+void stream_application::openRemoteDone(int stream, std::uint16_t name,
+                                        communication::status success) {
   const auto x = std::ranges::find(inputs_, name, &read_end::name);
   if (x == inputs_.end())
     return;
-  if (success == mote::FAIL) {
+  if (success == communication::FAIL) {
     ++opens_failed_;
     retry(*x);
     return;
@@ -70,12 +72,12 @@ void stream_application::openRemoteDone(int stream, std::uint16_t name, mote::st
   layer().read(stream, stream::sensor_record::size);
 }
 
-void stream_application::readDone(int stream, byte_view record, mote::status success) {
+void stream_application::readDone(int stream, byte_view record, communication::status success) {
   const auto x = std::ranges::find(inputs_, stream, &read_end::stream);
   if (x == inputs_.end())
     return;
   const auto number = static_cast<std::size_t>(x - inputs_.begin());
-  if (success == mote::FAIL) { // the writer is gone
+  if (success == communication::FAIL) { // the writer is gone
     layer().close(stream);
     x->stream = -1;
     x->changed = layer().now();

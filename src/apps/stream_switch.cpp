@@ -10,11 +10,12 @@ constexpr duration pause = 5s; ///< before a command that has failed is given ag
 
 } // namespace
 
-void stream_switch::joined(mote::island_octet island, std::uint16_t mote, mote::status success) {
+void stream_switch::joined(communication::island_octet island, std::uint16_t mote,
+                           communication::status success) {
   number_.reset();
   retry_.reset();
   stream_application::joined(island, mote, success);
-  if (success == mote::SUCCESS && state_)
+  if (success == communication::SUCCESS && state_)
     command();
 }
 
@@ -49,14 +50,14 @@ void stream_switch::command() {
   retry_ = layer().now() + pause;
 }
 
-void stream_switch::ackOf(std::uint32_t number, mote::status success) {
+void stream_switch::ackOf(std::uint32_t number, communication::status success) {
   if (number != number_)
     return;
   number_.reset();
-  ++(success == mote::SUCCESS ? acknowledged_ : failed_);
+  ++(success == communication::SUCCESS ? acknowledged_ : failed_);
   if (commanded_ != *state_)
     command();
-  else if (success == mote::FAIL)
+  else if (success == communication::FAIL)
     retry_ = layer().now() + pause;
 }
 

@@ -16,8 +16,9 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const override;
   [[nodiscard]] std::vector<figure> figures() const override;
 
-  void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
-  void ackOf(std::uint32_t number, mote::status success) override;
+  void joined(communication::island_octet island, std::uint16_t mote,
+              communication::status success) override;
+  void ackOf(std::uint32_t number, communication::status success) override;
 
 private:
   void on_record(std::size_t input, const stream::sensor_record& x) override;

@@ -11,9 +11,10 @@ constexpr duration pause = 8s; ///< before a stream that could not be opened is 
 
 } // namespace
 
-void stream_writer::joined(mote::island_octet, std::uint16_t, mote::status success) {
+void stream_writer::joined(communication::island_octet, std::uint16_t,
+                           communication::status success) {
   stop();
-  is_member_ = success == mote::SUCCESS;
+  is_member_ = success == communication::SUCCESS;
   if (is_member_)
     open();
 }
@@ -22,9 +23,9 @@ void stream_writer::open() {
   retry_.reset();
   const auto period = static_cast<std::uint32_t>(config_.every / 1ms);
   const auto accepted = layer().open_remote(
-      static_cast<mote::island_octet>(config_.to.island.value), config_.to.mote.value,
+      static_cast<communication::island_octet>(config_.to.island.value), config_.to.mote.value,
       config_.stream, period, 0, stream::sensor_record::size);
-  if (accepted == mote::FAIL)
+  if (accepted == communication::FAIL)
     give_up();
 }
 
@@ -48,8 +49,8 @@ void stream_writer::stop() {
   sensor_ = remote_ = -1;
 }
 
-void stream_writer::openRemoteDone(int stream, std::uint16_t, mote::status success) {
-  if (success == mote::FAIL) {
+void stream_writer::openRemoteDone(int stream, std::uint16_t, communication::status success) {
+  if (success == communication::FAIL) {
     give_up();
     return;
   }
@@ -59,14 +60,15 @@ void stream_writer::openRemoteDone(int stream, std::uint16_t, mote::status succe
   sensor_ = layer().open_sensor(static_cast<std::uint8_t>(config_.transducer),
                                 static_cast<std::uint32_t>(config_.every / 1ms),
                                 stream::sampling::periodic);
-  if (sensor_ < 0 || layer().read(sensor_, stream::sensor_record::size) == mote::FAIL)
+  if (sensor_ < 0 || layer().read(sensor_, stream::sensor_record::size) == communication::FAIL)
     give_up();
 }
 
-void stream_writer::readDone(int stream, byte_view record, mote::status success) {
+void stream_writer::readDone(int stream, byte_view record, communication::status success) {
   if (stream != sensor_)
     return;
-  if (success == mote::FAIL) { // in an actor of its own it hears only now what the mote refused
+  if (success ==
+      communication::FAIL) { // in an actor of its own it hears only now what the mote refused
     give_up();
     return;
   }

@@ -18,9 +18,10 @@ public:
   [[nodiscard]] std::vector<figure> figures() const override;
   [[nodiscard]] std::vector<stream_end> stream_ends(instant now) const override;
 
-  void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
-  void openRemoteDone(int stream, std::uint16_t name, mote::status success) override;
-  void readDone(int stream, byte_view record, mote::status success) override;
+  void joined(communication::island_octet island, std::uint16_t mote,
+              communication::status success) override;
+  void openRemoteDone(int stream, std::uint16_t name, communication::status success) override;
+  void readDone(int stream, byte_view record, communication::status success) override;
 
 private:
   void on_start(instant) override {}

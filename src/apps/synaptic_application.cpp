@@ -18,9 +18,10 @@ synaptic_application::synaptic_application(const std::vector<synapse>& from,
     ends_.push_back({x, true});
 }
 
-void synaptic_application::joined(mote::island_octet, std::uint16_t, mote::status success) {
+void synaptic_application::joined(communication::island_octet, std::uint16_t,
+                                  communication::status success) {
   close_all();
-  if (success == mote::SUCCESS)
+  if (success == communication::SUCCESS)
     open_all();
 }
 
@@ -46,12 +47,12 @@ void synaptic_application::close_all() {
   }
 }
 
-void synaptic_application::createSynChannelOutDone(int channel, mote::status success) {
-  on_created(channel, success == mote::SUCCESS);
+void synaptic_application::createSynChannelOutDone(int channel, communication::status success) {
+  on_created(channel, success == communication::SUCCESS);
 }
 
-void synaptic_application::createSynChannelInDone(int channel, mote::status success) {
-  on_created(channel, success == mote::SUCCESS);
+void synaptic_application::createSynChannelInDone(int channel, communication::status success) {
+  on_created(channel, success == communication::SUCCESS);
 }
 
 void synaptic_application::on_created(int channel, bool success) {

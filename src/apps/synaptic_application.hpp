@@ -18,9 +18,10 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const final { return retry_; }
   [[nodiscard]] std::vector<figure> figures() const override;
 
-  void joined(mote::island_octet island, std::uint16_t mote, mote::status success) override;
-  void createSynChannelOutDone(int channel, mote::status success) final;
-  void createSynChannelInDone(int channel, mote::status success) final;
+  void joined(communication::island_octet island, std::uint16_t mote,
+              communication::status success) override;
+  void createSynChannelOutDone(int channel, communication::status success) final;
+  void createSynChannelInDone(int channel, communication::status success) final;
   void synChannelFailed(int channel) final;
   void syn_input_update(int channel, std::uint8_t index, synaptic::input_status status) final;
 

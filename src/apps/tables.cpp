@@ -46,7 +46,7 @@ void make_room(std::size_t& packets_max, std::size_t& octets_max, const load& ow
 
 } // namespace
 
-void make_room(mote::layer_config& tables, const std::vector<app_config>& programs) {
+void make_room(communication::layer_config& tables, const std::vector<app_config>& programs) {
   demand wanted;
   for (const auto& x : programs)
     std::visit(wanted, x);

@@ -6,14 +6,14 @@
 
 #include "apps/app_config.hpp"
 #include "apps/traffic.hpp"
-#include "mote/layer.hpp"
-#include "mote/packet_service.hpp"
+#include "communication/layer.hpp"
+#include "network/router.hpp"
 
 namespace rubicon::apps {
 
 /// Makes tables larger where the defaults have no room for all streams and synaptic channels of
 /// these programs.
-void make_room(mote::layer_config& tables, const std::vector<app_config>& programs);
+void make_room(communication::layer_config& tables, const std::vector<app_config>& programs);
 
 /// @returns how many streams, or synaptic channels each way, these programs of a PC want, and
 /// `least` at least

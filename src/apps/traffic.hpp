@@ -47,7 +47,8 @@ struct load {
 }
 
 /// The same as packets of the island's tree or of a serial line carry it: each packet has headers
-/// of 16 octets more (WIR-02, a tunnel's), and goes in two pieces if it is longer than 80 octets.
+/// of 16 octets more (WIR-02, a tunnel's), and goes in two fragments if it is longer than 80
+/// octets.
 [[nodiscard]] constexpr load tunnel_load(std::size_t elements) {
   constexpr std::size_t headers = 16;
   constexpr std::size_t in_one_piece = 80;

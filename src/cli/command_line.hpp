@@ -11,7 +11,7 @@
 #include "cli/network_command.hpp"
 #include "cli/swarm.hpp"
 #include "config/load.hpp"
-#include "explain/tell.hpp"
+#include "explain/text.hpp"
 
 namespace rubicon::cli {
 

@@ -36,7 +36,7 @@ std::string listed(const std::vector<std::string>& words) {
 
 struct answerer {
   const explain_command& asked;
-  const explain::journeys& all;
+  const explain::traces& all;
   explain::paper on;
 
   exit_status operator()(const explain::nothing_found& x) const {
@@ -49,13 +49,13 @@ struct answerer {
   }
 
   exit_status operator()(const explain::message_found& x) const {
-    return say(asked.json ? message_json(all, x.index) : tell_message(all, x.index, on));
+    return say(asked.json ? message_json(all, x.index) : message_text(all, x.index, on));
   }
 
   exit_status operator()(const explain::tuples_found& x) const {
     if (asked.all)
       return say(asked.json ? values_json(all, x.indices, asked.list.limit)
-                            : tell_values(all, x.indices, asked.list.limit, on));
+                            : values_text(all, x.indices, asked.list.limit, on));
     auto index = x.indices.back();
     if (asked.at) {
       const auto then = value_at(all, x.indices, instant(*asked.at));
@@ -63,7 +63,7 @@ struct answerer {
         return refuse(asked.record + ": `" + asked.what + "` had no value yet at that time");
       index = *then;
     }
-    return say(asked.json ? tuple_json(all, index) : tell_tuple(all, index, on));
+    return say(asked.json ? tuple_json(all, index) : tuple_text(all, index, on));
   }
 
   static exit_status say(const std::string& text) {
@@ -85,7 +85,7 @@ exit_status perform(const explain_command& x) {
   const explain::paper on{output.width, output.colour};
   if (!x.what.empty())
     return std::visit(answerer{x, all, on}, explain::find(all, x.what));
-  return answerer::say(x.json ? list_json(all, x.list) : tell_list(all, x.list, on));
+  return answerer::say(x.json ? list_json(all, x.list) : list_text(all, x.list, on));
 }
 
 } // namespace rubicon::cli

@@ -11,8 +11,8 @@
 #include "cli/network_text.hpp"
 #include "cli/visit.hpp"
 #include "peis/link_url.hpp"
-#include "runtime/figures.hpp"
-#include "runtime/text_layout.hpp"
+#include "report/figures.hpp"
+#include "report/text_layout.hpp"
 
 namespace rubicon::cli {
 
@@ -23,7 +23,7 @@ constexpr duration ask_again_after = 1s;
 
 struct known_host {
   const peis::host_record* record = nullptr; ///< nullptr: it has not described itself
-  std::optional<unsigned> metric;            ///< unset: no way to it
+  std::optional<unsigned> metric;            ///< unset: no route to it
 };
 
 /// Everybody but ourselves.
@@ -31,9 +31,9 @@ std::map<peer_id, known_host> known_hosts(const peer::standalone& peer) {
   std::map<peer_id, known_host> all;
   for (const auto* x : peer.hosts())
     all[x->id].record = x;
-  for (const auto& [host, way] : peer.kernel().routing().routes()) {
-    if (!way.lost())
-      all[host].metric = way.hops;
+  for (const auto& [host, route] : peer.kernel().routing().routes()) {
+    if (!route.lost())
+      all[host].metric = route.hops;
   }
   all.erase(peer.kernel().id());
   return all;
@@ -73,15 +73,15 @@ std::string hosts_json(const std::map<peer_id, known_host>& all) {
 }
 
 std::string hosts_table(const std::map<peer_id, known_host>& all) {
-  runtime::table table({{"id", runtime::align::right},
-                        {"component"},
-                        {"host"},
-                        {"metric", runtime::align::right},
-                        {"addresses"}});
+  report::table table({{"id", report::align::right},
+                       {"component"},
+                       {"host"},
+                       {"metric", report::align::right},
+                       {"addresses"}});
   for (const auto& [host, x] : all) {
     const auto* record = x.record;
-    table.add({to_string(host), record ? runtime::printable(record->full_name) : "?",
-               record ? runtime::printable(record->host_name) : "?",
+    table.add({to_string(host), record ? report::printable(record->full_name) : "?",
+               record ? report::printable(record->host_name) : "?",
                x.metric ? std::to_string(*x.metric) : "lost", joined(urls_of(record))});
   }
   const auto output = console_of(stdout);
@@ -91,22 +91,23 @@ std::string hosts_table(const std::map<peer_id, known_host>& all) {
 std::string name_of(const visit& at, peer_id host) {
   for (const auto* x : at.peer().hosts()) {
     if (x->id == host)
-      return runtime::printable(x->full_name);
+      return report::printable(x->full_name);
   }
   return {};
 }
 
-/// The first answers of a peer that has only just heard of us may find no way back: asks again.
+/// The first answers of a peer that has only just heard of us may find no route back: asks again.
 std::optional<std::vector<peer_id>> first_trace(const visit& at, peer_id host) {
   const auto end = at.peer().now() + at.with.timeout;
-  std::optional<std::vector<peer_id>> way;
-  while (!way && at.peer().now() < end)
-    way = at.peer().trace(host, std::min<duration>(ask_again_after, end - at.peer().now()));
-  return way;
+  std::optional<std::vector<peer_id>> route;
+  while (!route && at.peer().now() < end)
+    route = at.peer().trace(host, std::min<duration>(ask_again_after, end - at.peer().now()));
+  return route;
 }
 
 std::string no_answer(const visit& at, peer_id host) {
-  return (at.peer().reachable(host) ? "no answer from peer " : "no way to peer ") + to_string(host);
+  return (at.peer().reachable(host) ? "no answer from peer " : "no route to peer ") +
+         to_string(host);
 }
 
 } // namespace
@@ -126,18 +127,18 @@ exit_status perform(const visit& at, const list_hosts&) {
 exit_status perform(const visit& at, const trace_route& x) {
   if (!at.self.await_host(x.host))
     return fail(no_answer(at, x.host));
-  const auto way = first_trace(at, x.host);
-  if (!way)
+  const auto route = first_trace(at, x.host);
+  if (!route)
     return fail(no_answer(at, x.host));
   if (at.with.json) {
-    nlohmann::ordered_json out{{"host", x.host.value}, {"way", nlohmann::ordered_json::array()}};
-    for (const auto& host : *way)
-      out["way"].push_back(host.value);
+    nlohmann::ordered_json out{{"host", x.host.value}, {"route", nlohmann::ordered_json::array()}};
+    for (const auto& host : *route)
+      out["route"].push_back(host.value);
     return answer(line_of(out));
   }
-  runtime::table table({{"", runtime::align::right}, {"id", runtime::align::right}, {"component"}});
-  for (std::size_t i = 0; i < way->size(); ++i)
-    table.add({std::to_string(i), to_string((*way)[i]), name_of(at, (*way)[i])});
+  report::table table({{"", report::align::right}, {"id", report::align::right}, {"component"}});
+  for (std::size_t i = 0; i < route->size(); ++i)
+    table.add({std::to_string(i), to_string((*route)[i]), name_of(at, (*route)[i])});
   const auto output = console_of(stdout);
   return answer(table.render(output.width, output.colour));
 }
@@ -150,16 +151,16 @@ exit_status perform(const visit& at, const ping_host& x) {
     if (i > 0)
       at.peer().run_until([] { return false; }, ping_gap);
     const auto begun = at.peer().now();
-    const auto way = at.peer().trace(x.host, at.with.timeout);
+    const auto route = at.peer().trace(x.host, at.with.timeout);
     const auto ms = 1e3 * seconds(at.peer().now() - begun);
-    if (way)
+    if (route)
       all_ms.push_back(ms);
     std::string text;
     if (at.with.json)
       continue;
-    if (way)
-      text = "peer " + to_string(x.host) + ": " + runtime::fixed(ms, 3) + " ms, " +
-             runtime::counted(way->size() - 1, "hop") + " there and back\n";
+    if (route)
+      text = "peer " + to_string(x.host) + ": " + report::fixed(ms, 3) + " ms, " +
+             report::counted(route->size() - 1, "hop") + " there and back\n";
     else
       text = "peer " + to_string(x.host) + ": no answer\n";
     if (!print(stdout, text))

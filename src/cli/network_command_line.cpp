@@ -173,7 +173,7 @@ network_command_line::network_command_line(CLI::App& app) {
   last().add_flag("--all", listed.all, "Also kernel.*, with which peers describe themselves");
 
   add<list_hosts>(app, "hosts", "List the peers of a running network");
-  add_host(last(), add<trace_route>(app, "route", "Show the way to a peer and back").host);
+  add_host(last(), add<trace_route>(app, "route", "Show the route to a peer and back").host);
   auto& pinged = add<ping_host>(app, "ping", "Measure the time to a peer and back");
   add_host(last(), pinged.host);
   add_parsed(last(), "--count", "N", "How often; 4 if not given",

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/printable.hpp"
-#include "runtime/text_layout.hpp"
+#include "report/text_layout.hpp"
 
 namespace rubicon::cli {
 
@@ -21,7 +21,7 @@ std::string one_line(const nlohmann::ordered_json& x) {
 
 std::string value_text(const peis::tuple& x) {
   if (x.form == peis::encoding::text)
-    return runtime::printable(x.text());
+    return report::printable(x.text());
   return to_hex(x.value.view());
 }
 

@@ -5,8 +5,8 @@
 #include <chrono>
 #include <cstdio>
 
-#include "runtime/figures.hpp"
-#include "runtime/text_layout.hpp"
+#include "report/figures.hpp"
+#include "report/text_layout.hpp"
 
 namespace rubicon::cli {
 
@@ -50,7 +50,7 @@ std::string time_left(duration real, double share) {
   if (share <= 0)
     return "–";
   const auto left_s = seconds(real) * (1 - share) / share;
-  return (left_s < 60 ? runtime::fixed(left_s, 0) + " s" : runtime::real_time(left_s)) + " left";
+  return (left_s < 60 ? report::fixed(left_s, 0) + " s" : report::real_time(left_s)) + " left";
 }
 
 } // namespace
@@ -60,12 +60,12 @@ std::string progress_text(duration real, duration reached, duration end, std::si
   const auto whole_percent = std::to_string(static_cast<int>(share * 100)) + '%';
   const auto text = std::string(5 - std::min<std::size_t>(5, whole_percent.size()), ' ') +
                     whole_percent + "  " + clock_text(reached, end) + " of " +
-                    clock_text(end, end) + "  " + runtime::speed_factor(reached, seconds(real)) +
+                    clock_text(end, end) + "  " + report::speed_factor(reached, seconds(real)) +
                     "  " + time_left(real, share);
-  const auto frame = runtime::display_width(bar(0, 0));
-  const auto used = runtime::display_width(text) + frame;
+  const auto frame = report::display_width(bar(0, 0));
+  const auto used = report::display_width(text) + frame;
   if (used + bar_width_min > width)
-    return runtime::cut(text, width);
+    return report::cut(text, width);
   return bar(share, std::min(bar_width_max, width - used)) + text;
 }
 

@@ -9,15 +9,15 @@
 #include "cli/progress_bar.hpp"
 #include "core/hash.hpp"
 #include "core/printable.hpp"
-#include "runtime/figures.hpp"
+#include "report/figures.hpp"
 
 namespace rubicon::cli {
 
 namespace {
 
 /// A run with a progress bar where there is somebody to see it.
-runtime::report run_watched(const config::ecology_description& ecology, run_options options,
-                            const console& errors) {
+report::run_report run_watched(const config::ecology_description& ecology, run_options options,
+                               const console& errors) {
   const auto mode = options.mode.value_or(ecology.mode);
   if (!errors.is_terminal || mode != config::run_mode::virtual_time)
     return run_ecology(ecology, options);
@@ -35,7 +35,7 @@ runtime::report run_watched(const config::ecology_description& ecology, run_opti
   return run_ecology(ecology, options);
 }
 
-exit_status status_of(const runtime::report& x) {
+exit_status status_of(const report::run_report& x) {
   if (x.interrupted)
     return exit_status::interrupted;
   return x.complete && x.violations.empty() ? exit_status::good : exit_status::violated;
@@ -64,10 +64,9 @@ exit_status compare_runs(const run_command& x, const config::ecology_description
     return exit_status::interrupted;
   }
   const bool equal = first.trace_hash == second.trace_hash && first.events == second.events;
-  const auto tell = [](const char* name, const runtime::report& run) {
-    return std::string(name) + "  " + run.trace_hash + "  " +
-           runtime::counted(run.events, "event") + ", " +
-           runtime::counted(run.violations.size(), "violation") + '\n';
+  const auto tell = [](const char* name, const report::run_report& run) {
+    return std::string(name) + "  " + run.trace_hash + "  " + report::counted(run.events, "event") +
+           ", " + report::counted(run.violations.size(), "violation") + '\n';
   };
   const auto text = tell("first run   ", first) + tell("second run  ", second) +
                     (equal ? "equal\n" : "the runs differ\n");

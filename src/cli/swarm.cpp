@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "runtime/invariants.hpp"
+#include "report/invariants.hpp"
 
 namespace rubicon::cli {
 
@@ -39,7 +39,7 @@ void take_report(seed_outcome& x, const json& report) {
   }
   if (!complete && x.violations.empty())
     x.violations.push_back(
-        {instant{}, runtime::run_is_complete, report.at("reason").get<std::string>()});
+        {instant{}, report::run_is_complete, report.at("reason").get<std::string>()});
 }
 
 } // namespace

@@ -11,7 +11,7 @@
 
 #include "cli/child_process.hpp"
 #include "core/time.hpp"
-#include "runtime/report.hpp"
+#include "report/report.hpp"
 
 namespace rubicon::cli {
 
@@ -24,7 +24,7 @@ struct seed_range {
 /// What became of the run with one seed.
 struct seed_outcome {
   std::uint64_t seed = 0;
-  std::vector<runtime::violation> violations;
+  std::vector<report::violation> violations;
   duration real{}; ///< time it took
   std::uint64_t events = 0;
   double simulated_s = 0;

@@ -6,16 +6,16 @@
 
 #include "core/printable.hpp"
 #include "core/shell_word.hpp"
-#include "runtime/figures.hpp"
-#include "runtime/text_layout.hpp"
+#include "report/figures.hpp"
+#include "report/text_layout.hpp"
 
 namespace rubicon::cli {
 
 namespace {
 
 using nlohmann::ordered_json;
-using runtime::counted;
-using runtime::printable;
+using report::counted;
+using report::printable;
 
 /// Of failed seeds on a line that is drawn again and again, and in the summary.
 constexpr std::size_t seeds_shown_max = 20;
@@ -35,8 +35,8 @@ std::uint64_t size_of(seed_range x) {
 }
 
 std::string speed(double simulated_s, duration real) {
-  return runtime::speed_factor(duration(static_cast<std::int64_t>(simulated_s * 1e9)),
-                               seconds(real));
+  return report::speed_factor(duration(static_cast<std::int64_t>(simulated_s * 1e9)),
+                              seconds(real));
 }
 
 } // namespace
@@ -59,33 +59,33 @@ std::string swarm_progress(const swarm& x, duration real, std::size_t width) {
   const auto all = size_of(x.seeds());
   const auto done = x.finished();
   const auto share = static_cast<double>(done) / static_cast<double>(all);
-  auto text = runtime::with_thousands(done) + " of " + counted(all, "run") + "  " +
+  auto text = report::with_thousands(done) + " of " + counted(all, "run") + "  " +
               std::to_string(static_cast<int>(share * 100)) + '%';
   if (done > 0 && done < all)
-    text += "  " + runtime::real_time(seconds(real) * (1 - share) / share) + " left";
+    text += "  " + report::real_time(seconds(real) * (1 - share) / share) + " left";
   const auto& totals = x.so_far();
   if (totals.failures > 0)
-    text += "  " + runtime::with_thousands(totals.failures) +
+    text += "  " + report::with_thousands(totals.failures) +
             " with violations:" + seed_list(totals.failed_seeds, totals.failures);
-  return runtime::cut(text, width);
+  return report::cut(text, width);
 }
 
 std::string swarm_summary(const swarm& x, const swarm_words& words, duration real,
                           bool interrupted) {
   const auto& totals = x.so_far();
-  auto text = counted(totals.runs, "run") + " in " + runtime::real_time(seconds(real)) + ", " +
+  auto text = counted(totals.runs, "run") + " in " + report::real_time(seconds(real)) + ", " +
               std::to_string(words.jobs) + " at a time: ";
   text += totals.failures == 0
               ? "no violations"
-              : runtime::with_thousands(totals.failures) +
+              : report::with_thousands(totals.failures) +
                     " with violations:" + seed_list(totals.failed_seeds, totals.failures);
   text += '\n';
   for (const auto& [invariant, count] : totals.violations)
-    text += "  " + printable(invariant) + ": " + runtime::with_thousands(count) + '\n';
+    text += "  " + printable(invariant) + ": " + report::with_thousands(count) + '\n';
   text += "  " + counted(totals.events, "event") + ", " + speed(totals.simulated_s, real);
   if (totals.slowest_seed)
     text += ", slowest seed " + std::to_string(*totals.slowest_seed) + " (" +
-            runtime::real_time(seconds(totals.slowest)) + ')';
+            report::real_time(seconds(totals.slowest)) + ')';
   text += '\n';
   if (interrupted)
     text += "interrupted: " + counted(size_of(x.seeds()) - totals.runs, "run") + " missing\n";

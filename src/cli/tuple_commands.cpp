@@ -15,8 +15,8 @@
 #include "core/printable.hpp"
 #include "io/signal_watch.hpp"
 #include "peis/meta_tuple.hpp"
-#include "runtime/figures.hpp"
-#include "runtime/text_layout.hpp"
+#include "report/figures.hpp"
+#include "report/text_layout.hpp"
 
 namespace rubicon::cli {
 
@@ -63,11 +63,11 @@ std::string as_json(const found_tuples& all) {
 }
 
 std::string as_table(const found_tuples& all) {
-  runtime::table table(
-      {{"owner", runtime::align::right}, {"key"}, {"size", runtime::align::point}, {"value"}});
+  report::table table(
+      {{"owner", report::align::right}, {"key"}, {"size", report::align::point}, {"value"}});
   for (const auto& x : all)
-    table.add({to_string(x->owner), runtime::printable(x->name.text()),
-               runtime::octet_size(x->value.size()), value_text(*x)});
+    table.add({to_string(x->owner), report::printable(x->name.text()),
+               report::octet_size(x->value.size()), value_text(*x)});
   const auto output = console_of(stdout);
   return table.render(output.width, output.colour);
 }
@@ -150,13 +150,13 @@ private:
 
   [[nodiscard]] std::string as_row(const peis::tuple& x, bool deleted) {
     const auto padded = [](std::string text, std::size_t& width, bool left) {
-      const auto used = runtime::display_width(text);
+      const auto used = report::display_width(text);
       width = std::max(width, used);
       const std::string blanks(width - used, ' ');
       return left ? text + blanks : blanks + text;
     };
     return time_of_day() + "  " + padded(to_string(x.owner), owner_width_, false) + "  " +
-           padded(runtime::printable(x.name.text()), key_width_, true) + "  " +
+           padded(report::printable(x.name.text()), key_width_, true) + "  " +
            (deleted ? "(deleted)" : value_text(x)) + '\n';
   }
 
@@ -267,7 +267,7 @@ exit_status perform(const visit& at, const watch_tuples& x) {
   if (at.peer().links().open_links() == 0)
     return fail("the link to " + at.with.peer + " is gone");
   return x.count && tell.count() < *x.count && x.length
-             ? fail("only " + runtime::counted(tell.count(), "change"))
+             ? fail("only " + report::counted(tell.count(), "change"))
              : exit_status::good;
 }
 

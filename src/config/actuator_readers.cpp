@@ -8,20 +8,20 @@ namespace {
 
 constexpr time_span way_time{0s, 24h};
 
-void read_relay(table_reader& in, mote::actuator_config& out) {
-  out.kind = mote::actuator_kind::relay;
+void read_relay(table_reader& in, device::actuator_config& out) {
+  out.kind = device::actuator_kind::relay;
   in.optional("initial", word<std::uint8_t>{{{"off", 0}, {"on", 1}}}, out.initial,
               "on the air 0 and 1");
 }
 
-void read_dimmer(table_reader& in, mote::actuator_config& out) {
-  out.kind = mote::actuator_kind::dimmer;
+void read_dimmer(table_reader& in, device::actuator_config& out) {
+  out.kind = device::actuator_kind::dimmer;
   in.optional("initial", whole<std::uint8_t>{}, out.initial, "at the start");
   in.optional("fade", way_time, out.travel, "from 0 to 255, at constant speed");
 }
 
-void read_level(table_reader& in, mote::actuator_config& out) {
-  out.kind = mote::actuator_kind::level;
+void read_level(table_reader& in, device::actuator_config& out) {
+  out.kind = device::actuator_kind::level;
   out.travel = 20s;
   in.optional("initial", whole<std::uint8_t>{}, out.initial, "at the start");
   in.optional("travel", way_time, out.travel, "from 0 to 255, at constant speed");
@@ -29,12 +29,12 @@ void read_level(table_reader& in, mote::actuator_config& out) {
 
 } // namespace
 
-void read_actuators(table_reader& in, std::vector<mote::actuator_config>& out) {
+void read_actuators(table_reader& in, std::vector<device::actuator_config>& out) {
   name_claims names;
   in.tables("actuators", "actuators",
             {"what it moves; a mote's replace its type's of the same name, or are added", "none"},
             [&](table_reader& x) {
-              mote::actuator_config config;
+              device::actuator_config config;
               x.required("name", name_text{}, config.name, "one of a kind on the mote");
               x.one_of("kind", "what it is",
                        {{"relay", [&config](table_reader& y) { read_relay(y, config); }},

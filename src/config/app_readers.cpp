@@ -42,7 +42,7 @@ void read_dead_band(table_reader& in, sampler_app& app, placed_app& out) {
   }
   out.dead_band.resize(app.transducers.size());
   for (const auto& [name, value] : bands) {
-    const auto at = std::ranges::find(app.transducers, name.value, [&in](mote::quantity x) {
+    const auto at = std::ranges::find(app.transducers, name.value, [&in](device::quantity x) {
       return in.shared().quantities.word_of(x);
     });
     if (at == app.transducers.end())
@@ -55,7 +55,7 @@ void read_dead_band(table_reader& in, sampler_app& app, placed_app& out) {
 placed_app read_sampler(table_reader& in) {
   sampler_app app;
   placed_app out;
-  std::vector<located<mote::quantity>> found;
+  std::vector<located<device::quantity>> found;
   in.required("transducers", list_of<quantity_name>{{true}, 1, 8}, found,
               {"each is a transducer of the mote, or `\"signal\"`: how strongly the mote receives "
                "its parent, the next mote or sink on the way to the gateway, in dBm; 127 before it "
@@ -75,7 +75,7 @@ placed_app read_sampler(table_reader& in) {
   if (in.sound() && app.jitter > app.every)
     in.problems().add(in.at("jitter"),
                       "`jitter` must not be longer than `every`, which is " + to_text(app.every));
-  claims<mote::quantity> listed;
+  claims<device::quantity> listed;
   for (const auto& each : found) {
     listed.claim(each.value, "transducer `" + in.shared().quantities.word_of(each.value) + '`',
                  each.at, in.problems(), "is already listed");

@@ -51,7 +51,7 @@ placed_program read_reservoir(table_reader& in, bool senses) {
   apps::reservoir_config app;
   placed_program out;
   if (senses) {
-    std::vector<located<mote::quantity>> found;
+    std::vector<located<device::quantity>> found;
     in.optional("transducers", list_of<quantity_name>{{}, 0, 8}, found,
                 {"on a mote only; each is scaled by its range so far", "none",
                  "array of up to 8 quantities"});
@@ -211,7 +211,7 @@ std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_vie
   return out;
 }
 
-std::vector<mote::quantity> needs(const apps::app_config& x) {
+std::vector<device::quantity> needs(const apps::app_config& x) {
   if (const auto* writer = std::get_if<apps::stream_writer_config>(&x))
     return {writer->transducer};
   if (const auto* units = std::get_if<apps::reservoir_config>(&x))

@@ -37,6 +37,6 @@ using program_kind = std::pair<std::string_view, std::function<placed_program(ta
                                                              claims<std::string>& files);
 
 /// The transducers that a program needs, in the order of needs_at.
-[[nodiscard]] std::vector<mote::quantity> needs(const apps::app_config& x);
+[[nodiscard]] std::vector<device::quantity> needs(const apps::app_config& x);
 
 } // namespace rubicon::config

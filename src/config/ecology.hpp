@@ -18,10 +18,10 @@
 #include "core/bytes.hpp"
 #include "core/time.hpp"
 #include "core/wire_form.hpp"
+#include "device/transducer_config.hpp"
+#include "device/waypoint.hpp"
 #include "goal/pursuer_config.hpp"
 #include "mote/duty_config.hpp"
-#include "mote/transducer_config.hpp"
-#include "mote/way_point.hpp"
 #include "peis/link_url.hpp"
 #include "peisinit/component.hpp"
 #include "proxy/proxy_class.hpp"
@@ -51,7 +51,7 @@ using mote_app = std::variant<sampler_app, actuator_app, messenger_app, listener
                               traffic::receiver_config, separate_app>;
 
 /// In between it moves in a straight line, after the last it stays.
-using mote::way_point;
+using device::waypoint;
 
 struct mote_description {
   mote_id id;
@@ -60,12 +60,12 @@ struct mote_description {
   std::string type_name;                     ///< the [mote_type.NAME] it came from; empty if none
   const radio::platform* platform = nullptr; ///< never nullptr in a valid description
   position place;
-  std::vector<way_point> path;        ///< ascending by time; empty: it stays at `place`
+  std::vector<waypoint> path;         ///< ascending by time; empty: it stays at `place`
   duration step = 1s;                 ///< how often its place is brought up to date while it moves
   std::optional<double> transmit_dbm; ///< unset: the platform's full power
   std::optional<double> battery_mah;  ///< unset: the platform's
-  std::vector<mote::transducer_config> transducers;
-  std::vector<mote::actuator_config> actuators;
+  std::vector<device::transducer_config> transducers;
+  std::vector<device::actuator_config> actuators;
   std::vector<mote_app> apps;
 };
 
@@ -207,7 +207,7 @@ struct tag_description {
   std::string id; ///< lower case
   bytes memory;   ///< its user memory; may be empty
   position place;
-  std::vector<way_point> path; ///< ascending by time; empty: it stays at `place`
+  std::vector<waypoint> path; ///< ascending by time; empty: it stays at `place`
 };
 
 /// The simulated network between the hosts of peers.

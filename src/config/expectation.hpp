@@ -113,8 +113,8 @@ struct events_expectation {
   std::uint64_t at_most = 0;
 };
 
-/// Lines of the story.
-struct story_expectation {
+/// Lines of the event log.
+struct event_log_expectation {
   std::string text; ///< that they contain
   std::string who;  ///< what their `who` contains; empty: anybody's
   std::uint64_t at_least = 1;
@@ -125,6 +125,6 @@ using expectation =
     std::variant<delivery_expectation, acknowledged_expectation, stream_expectation,
                  actuations_expectation, tuple_expectation, clock_expectation, joined_expectation,
                  members_expectation, battery_expectation, radio_expectation, vectors_expectation,
-                 events_expectation, story_expectation>;
+                 events_expectation, event_log_expectation>;
 
 } // namespace rubicon::config

@@ -19,7 +19,7 @@ void check(const table_reader& in, stream_expectation& x) {
     x.to_name = *to->as<std::string>();
 }
 
-void check(const table_reader& in, story_expectation& x) {
+void check(const table_reader& in, event_log_expectation& x) {
   if (x.at_most && in.sound() && *x.at_most < x.at_least)
     in.problems().add(in.at("at_most"), "`at_most` must not be less than `at_least`, which is " +
                                             std::to_string(x.at_least));
@@ -115,14 +115,14 @@ expectation read_expectation(table_reader& in) {
   kind("events",
        of(required("at_most", &events_expectation::at_most, whole<std::uint64_t>{1, INT64_MAX},
                    "messages between actors in the whole run")));
-  kind(
-      "story",
-      of(required("text", &story_expectation::text, text{}, "what they contain"),
-         optional("who", &story_expectation::who, text{}, {"what their `who` contains", "anybody"}),
-         optional("at_least", &story_expectation::at_least, whole<std::uint64_t>{0, INT64_MAX},
-                  "so many lines"),
-         optional("at_most", &story_expectation::at_most, whole<std::uint64_t>{0, INT64_MAX},
-                  {"no more of them", "any number", "number, not less than `at_least`"})));
+  kind("event_log",
+       of(required("text", &event_log_expectation::text, text{}, "what they contain"),
+          optional("who", &event_log_expectation::who, text{},
+                   {"what their `who` contains", "anybody"}),
+          optional("at_least", &event_log_expectation::at_least, whole<std::uint64_t>{0, INT64_MAX},
+                   "so many lines"),
+          optional("at_most", &event_log_expectation::at_most, whole<std::uint64_t>{0, INT64_MAX},
+                   {"no more of them", "any number", "number, not less than `at_least`"})));
   in.one_of("kind", "what must come of the run", choices, "[[expect]]");
   return out;
 }

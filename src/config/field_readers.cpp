@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "config/model_readers.hpp"
-#include "mote/transducer_keys.hpp"
+#include "device/transducer_keys.hpp"
 
 namespace rubicon::config {
 
@@ -26,9 +26,9 @@ struct gradient {
   }
 };
 
-mote::field_source read_source(table_reader& in) {
-  using mote::falloff;
-  mote::field_source out;
+device::field_source read_source(table_reader& in) {
+  using device::falloff;
+  device::field_source out;
   in.all(out);
   if (in.sound() && out.period > 0s && out.schedule.empty())
     in.problems().add(in.at("period"), "`period` means nothing without a `schedule`");
@@ -41,8 +41,8 @@ mote::field_source read_source(table_reader& in) {
 
 } // namespace
 
-mote::field_model read_field(table_reader& in) {
-  mote::field_model out;
+device::field_model read_field(table_reader& in) {
+  device::field_model out;
   in.required("base", real{}, out.base, "value far from all sources, at the origin");
   in.optional("gradient", gradient{}, out.gradient_per_m, {"change per metre", "`[0, 0]`"});
   in.tables("sources", "sources", {"heaters, lamps, people", "none"},

@@ -259,7 +259,7 @@ bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
   return ids_.claim(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id;
 }
 
-/// Each mote that stands still must have a way to the sink, over others if need be.
+/// Each mote that stands still must have a route to the sink, over others if need be.
 void island_motes::check_reach(complaints& problems) const {
   if (!range_m_ || is_mac())
     return;
@@ -352,7 +352,7 @@ void island_motes::finish(complaints& problems) {
         break;
       }
       if (hops == hops_max) {
-        problems.add(flow.via_at, "by way of `" + name_of(*flow.via) + "` packets do not reach `" +
+        problems.add(flow.via_at, "through `" + name_of(*flow.via) + "` packets do not reach `" +
                                       name_of(flow.to) + "` within 1024 hops");
         break;
       }

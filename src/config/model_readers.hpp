@@ -2,8 +2,8 @@
 #pragma once
 
 #include "config/table_reader.hpp"
-#include "mote/transducer_config.hpp"
-#include "mote/way_point.hpp"
+#include "device/transducer_config.hpp"
+#include "device/waypoint.hpp"
 
 namespace rubicon::config {
 
@@ -11,13 +11,13 @@ namespace rubicon::config {
 /// point or with the table's position_m.
 /// @param has_place position_m is read, into `place`; if not, the path sets it
 void read_path(table_reader& in, bool has_place, position& place,
-               std::vector<mote::way_point>& out);
+               std::vector<device::waypoint>& out);
 
 /// model = "field"
-[[nodiscard]] mote::field_model read_field(table_reader& in);
+[[nodiscard]] device::field_model read_field(table_reader& in);
 
 /// model = "trace", with the file that it names.
 /// @param kind its word is the default of `column`
-[[nodiscard]] mote::trace_model read_trace(table_reader& in, mote::quantity kind);
+[[nodiscard]] device::trace_model read_trace(table_reader& in, device::quantity kind);
 
 } // namespace rubicon::config

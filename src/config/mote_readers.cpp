@@ -91,13 +91,13 @@ struct app_check {
   void operator()(const traffic::receiver_config&) const { claim_single("receiver"); }
 
 private:
-  void check_transducers(const std::vector<mote::quantity>& wanted) const {
+  void check_transducers(const std::vector<device::quantity>& wanted) const {
     std::vector<std::string> present;
     for (const auto& each : on.like.transducers)
       present.push_back(shared.quantities.word_of(each.kind));
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       const auto& name = shared.quantities.word_of(wanted[i]);
-      if (wanted[i] != mote::quantity::signal && // which is of its radio
+      if (wanted[i] != device::quantity::signal && // which is of its radio
           std::find(present.begin(), present.end(), name) == present.end())
         problems.add(app.needs_at[i],
                      "the mote has no transducer `" + name + "`; it has: " + listing(present));
@@ -115,14 +115,14 @@ private:
 };
 
 /// A dead band in counts: at least one.
-std::vector<std::int32_t> band_counts(const std::vector<mote::transducer_config>& transducers,
+std::vector<std::int32_t> band_counts(const std::vector<device::transducer_config>& transducers,
                                       const sampler_app& sampler,
                                       const std::vector<std::optional<double>>& bands) {
   constexpr double most = 65536; // more than two counts can differ
   std::vector<std::int32_t> out;
   for (std::size_t i = 0; i < bands.size(); ++i) {
     const auto of =
-        std::ranges::find(transducers, sampler.transducers[i], &mote::transducer_config::kind);
+        std::ranges::find(transducers, sampler.transducers[i], &device::transducer_config::kind);
     const auto resolution = of == transducers.end() ? 1 : of->resolution; // 1 of the signal
     const auto counts = std::clamp(std::round(bands[i].value_or(0) / resolution), 1.0, most);
     out.push_back(bands[i] ? static_cast<std::int32_t>(counts) : 0);

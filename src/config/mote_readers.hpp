@@ -62,16 +62,16 @@ void settle_flows(std::vector<placed_app>& apps, island_id island, mote_id sink,
 [[nodiscard]] mote_types read_mote_types(table_reader& root);
 
 /// transducers.QUANTITY, into `out`.
-void read_transducers(table_reader& in, std::vector<mote::transducer_config>& out);
+void read_transducers(table_reader& in, std::vector<device::transducer_config>& out);
 
 /// Lets traces without a `mote` of their own replay what they have of `mote`; complains at `at` if
 /// they have nothing.
 /// @returns whether they have it
-[[nodiscard]] bool settle_traces(std::vector<mote::transducer_config>& transducers, mote_id mote,
+[[nodiscard]] bool settle_traces(std::vector<device::transducer_config>& transducers, mote_id mote,
                                  mark at, reading& shared);
 
 /// actuators = [{ ... }], into `out`.
-void read_actuators(table_reader& in, std::vector<mote::actuator_config>& out);
+void read_actuators(table_reader& in, std::vector<device::actuator_config>& out);
 
 /// apps = [{ app = ... }] of a mote.
 [[nodiscard]] std::vector<placed_app> read_mote_apps(table_reader& in);

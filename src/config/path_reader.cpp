@@ -4,7 +4,7 @@
 namespace rubicon::config {
 
 void read_path(table_reader& in, bool has_place, position& place,
-               std::vector<mote::way_point>& out) {
+               std::vector<device::waypoint>& out) {
   way::type points;
   if (!in.optional("path", way{}, points,
                    {"times since the start, each later than the one before, and positions; in "

@@ -120,7 +120,7 @@ struct sent_count {
 };
 
 std::optional<sent_count> count_of(const mote_description& mote, std::uint16_t channel,
-                                   mote::quantity kind) {
+                                   device::quantity kind) {
   const auto* const sampler = sampler_on(mote, channel);
   if (sampler == nullptr)
     return std::nullopt;
@@ -129,7 +129,7 @@ std::optional<sent_count> count_of(const mote_description& mote, std::uint16_t c
   if (at == sent.end())
     return std::nullopt;
   sent_count out{static_cast<std::size_t>(at - sent.begin()) * 2, 1}; // 1 of the signal
-  const auto is = std::ranges::find(mote.transducers, kind, &mote::transducer_config::kind);
+  const auto is = std::ranges::find(mote.transducers, kind, &device::transducer_config::kind);
   if (is != mote.transducers.end())
     out.resolution = is->resolution;
   return out;

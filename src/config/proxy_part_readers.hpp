@@ -51,7 +51,7 @@ struct placed_computation {
 struct placed_transducer {
   std::string proxy;
   std::string field;
-  mote::quantity kind;
+  device::quantity kind;
   mark at;
   bool has_offset = false;
   bool has_scale = false;

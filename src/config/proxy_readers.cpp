@@ -105,7 +105,7 @@ struct placed_fields {
 /// transducer, of fields of motes.
 void read_source(table_reader& in, const proxy::field& field, const std::string& of,
                  placed_fields& placed) {
-  mote::quantity kind{};
+  device::quantity kind{};
   if (in.optional(
           "transducer", quantity_name{true}, kind,
           {"whose counts the [samplers](#app--sampler) of the class send on the channel: it "

@@ -20,11 +20,11 @@ void quantities::add(std::string name, std::string unit) {
   all_.push_back({std::move(name), {}, std::move(unit)});
 }
 
-const std::string& quantities::word_of(mote::quantity x) const {
+const std::string& quantities::word_of(device::quantity x) const {
   return all_.at(static_cast<std::size_t>(x)).name;
 }
 
-const std::string& quantities::unit_of(mote::quantity x) const {
+const std::string& quantities::unit_of(device::quantity x) const {
   return all_.at(static_cast<std::size_t>(x)).unit;
 }
 
@@ -46,7 +46,7 @@ void read_quantities(table_reader& root) {
                      "none"});
         if (!named || !names.claim(name, "quantity", in.at("name"), in.problems()))
           return;
-        if (out.all().size() == mote::quantities_max)
+        if (out.all().size() == device::quantities_max)
           in.problems().add(in.at(), "a file has at most " + std::to_string(quantities::own_max) +
                                          " quantities of its own");
         else

@@ -7,14 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "mote/transducer_config.hpp"
+#include "device/transducer_config.hpp"
 
 namespace rubicon::config {
 
 class quantities {
 public:
   /// Own ones that a file may have: a descriptor has a bit for each quantity (DIS-09).
-  static constexpr std::size_t own_max = mote::quantities_max - mote::first_own_quantity;
+  static constexpr std::size_t own_max = device::quantities_max - device::first_own_quantity;
 
   struct entry {
     std::string name;
@@ -31,8 +31,8 @@ public:
   [[nodiscard]] const std::deque<entry>& all() const { return all_; }
 
   /// How a file calls it. @pre it is one of these, as in the next one
-  [[nodiscard]] const std::string& word_of(mote::quantity x) const;
-  [[nodiscard]] const std::string& unit_of(mote::quantity x) const;
+  [[nodiscard]] const std::string& word_of(device::quantity x) const;
+  [[nodiscard]] const std::string& unit_of(device::quantity x) const;
 
 private:
   std::deque<entry> all_; ///< names stay where they are

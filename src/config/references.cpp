@@ -83,13 +83,13 @@ std::optional<peer_id> peer_id_of(std::string_view digits) {
   return peer_id(id);
 }
 
-word<mote::quantity> words_of(const quantity_name& kind, const quantities& known) {
-  word<mote::quantity> out;
+word<device::quantity> words_of(const quantity_name& kind, const quantities& known) {
+  word<device::quantity> out;
   for (std::size_t i = 0; i < known.all().size(); ++i)
-    if (const auto x = static_cast<mote::quantity>(i); x != mote::quantity::signal)
+    if (const auto x = static_cast<device::quantity>(i); x != device::quantity::signal)
       out.choices.emplace_back(known.all()[i].name, x);
   if (kind.signal)
-    out.choices.emplace_back(known.word_of(mote::quantity::signal), mote::quantity::signal);
+    out.choices.emplace_back(known.word_of(device::quantity::signal), device::quantity::signal);
   return out;
 }
 
@@ -311,7 +311,7 @@ form form_of(const node_name& /*kind*/) {
   return string_form("mote, peer or gateway");
 }
 
-std::optional<mote::quantity> read(const quantity_name& kind, const node& x, const asker& who) {
+std::optional<device::quantity> read(const quantity_name& kind, const node& x, const asker& who) {
   return read(words_of(kind, who.in.quantities), x, who);
 }
 

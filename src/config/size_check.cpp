@@ -112,7 +112,7 @@ void check_tick(const apps::traffic& all, const serial::line_config& line, durat
     return serial::transmission_time(x.octets + x.packets * beside, line.baud);
   };
   const auto up = time(all.up, serial_headers);
-  // One packet is under way at a time, until the mote has answered.
+  // One packet is in flight at a time, until the mote has answered.
   const auto down = time(all.down, serial_headers + serial_ack) +
                     2 * static_cast<duration::rep>(all.down.packets) * line.latency;
   const auto& load = up > down ? all.up : all.down;

@@ -5,21 +5,21 @@
 
 namespace rubicon::config {
 
-std::shared_ptr<const mote::trace_table> trace_files::read(const table_reader& in,
-                                                           std::string_view key,
-                                                           const std::string& name,
-                                                           const mote::trace_format& format) {
+std::shared_ptr<const device::trace_table> trace_files::read(const table_reader& in,
+                                                             std::string_view key,
+                                                             const std::string& name,
+                                                             const device::trace_format& format) {
   const auto path = (std::filesystem::path(files_.toml).parent_path() / name).string();
   if (const auto known = tables_.find({path, format}); known != tables_.end())
     return known->second;
-  const auto file = files_.read(path, mote::trace_octets_max);
+  const auto file = files_.read(path, device::trace_octets_max);
   if (!file.text) {
     in.problems().add(in.at(key), config::quoted(path) + ' ' + file.reason);
     return nullptr;
   }
-  auto found = mote::read_trace(*file.text, format);
-  std::shared_ptr<const mote::trace_table> table;
-  if (auto* wrong = std::get_if<mote::trace_problem>(&found))
+  auto found = device::read_trace(*file.text, format);
+  std::shared_ptr<const device::trace_table> table;
+  if (auto* wrong = std::get_if<device::trace_problem>(&found))
     in.problems().add(
         problem{path, static_cast<unsigned>(wrong->line), 0, std::move(wrong->message)});
   else

@@ -8,7 +8,7 @@
 
 #include "config/file_readers.hpp"
 #include "config/table_reader.hpp"
-#include "mote/trace_file.hpp"
+#include "device/trace_file.hpp"
 
 namespace rubicon::config {
 
@@ -19,14 +19,14 @@ public:
   explicit trace_files(const named_files& files) : files_(files) {}
 
   /// The column of the file that `key` of `in` names; nullptr: complained, of the file itself once.
-  [[nodiscard]] std::shared_ptr<const mote::trace_table> read(const table_reader& in,
-                                                              std::string_view key,
-                                                              const std::string& name,
-                                                              const mote::trace_format& format);
+  [[nodiscard]] std::shared_ptr<const device::trace_table> read(const table_reader& in,
+                                                                std::string_view key,
+                                                                const std::string& name,
+                                                                const device::trace_format& format);
 
 private:
   const named_files& files_;
-  std::map<std::pair<std::string, mote::trace_format>, std::shared_ptr<const mote::trace_table>>
+  std::map<std::pair<std::string, device::trace_format>, std::shared_ptr<const device::trace_table>>
       tables_; ///< nullptr: has mistakes, which are told
 };
 

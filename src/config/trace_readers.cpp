@@ -1,8 +1,8 @@
 #include "config/model_readers.hpp"
 #include "config/mote_readers.hpp"
 #include "config/trace_files.hpp"
-#include "mote/trace_keys.hpp"
-#include "mote/transducer_keys.hpp"
+#include "device/trace_keys.hpp"
+#include "device/transducer_keys.hpp"
 
 namespace rubicon::config {
 
@@ -12,11 +12,11 @@ constexpr std::size_t path_octets_max = 4096;
 
 /// "12.5" or "2004-02-28 00:59:16"
 struct start_text {
-  using type = mote::trace_time;
+  using type = device::trace_time;
 
   [[nodiscard]] static std::optional<type> read(const node& x, const asker& who) {
     const auto* found = x.as<std::string>();
-    const auto time = found == nullptr ? std::nullopt : mote::parse_trace_time(*found);
+    const auto time = found == nullptr ? std::nullopt : device::parse_trace_time(*found);
     if (!time)
       return who.refuse(x, "seconds or a date and a time of day between quotation marks, as in "
                            "\"12.5\" or \"2004-02-28 00:59:16\"");
@@ -28,7 +28,7 @@ struct start_text {
 };
 
 /// Whether the trace has what the mote named in the TOML file replays; complains if not.
-bool has_mote(const table_reader& in, const mote::trace_model& x) {
+bool has_mote(const table_reader& in, const device::trace_model& x) {
   const bool found = !x.mote || x.table->of_mote.contains(*x.mote);
   if (!found)
     in.problems().add(in.at("mote"),
@@ -38,9 +38,9 @@ bool has_mote(const table_reader& in, const mote::trace_model& x) {
 
 } // namespace
 
-mote::trace_model read_trace(table_reader& in, mote::quantity kind) {
-  mote::trace_model out;
-  mote::trace_format format;
+device::trace_model read_trace(table_reader& in, device::quantity kind) {
+  device::trace_model out;
+  device::trace_format format;
   format.value_column = in.shared().quantities.word_of(kind);
   std::string file;
   in.required("file", text{path_octets_max}, file,
@@ -63,11 +63,11 @@ mote::trace_model read_trace(table_reader& in, mote::quantity kind) {
   return out;
 }
 
-bool settle_traces(std::vector<mote::transducer_config>& transducers, mote_id mote, mark at,
+bool settle_traces(std::vector<device::transducer_config>& transducers, mote_id mote, mark at,
                    reading& shared) {
   bool good = true;
   for (auto& each : transducers) {
-    auto* trace = std::get_if<mote::trace_model>(&each.model);
+    auto* trace = std::get_if<device::trace_model>(&each.model);
     if (trace == nullptr || trace->table == nullptr || trace->mote)
       continue;
     trace->mote = mote.value;

@@ -3,7 +3,7 @@
 
 #include "config/model_readers.hpp"
 #include "config/mote_readers.hpp"
-#include "mote/transducer_keys.hpp"
+#include "device/transducer_keys.hpp"
 
 namespace rubicon::config {
 
@@ -11,14 +11,14 @@ namespace {
 
 /// A model whose keys are listed beside it.
 template <class Model>
-void read_model(table_reader& in, mote::transducer_model& out) {
+void read_model(table_reader& in, device::transducer_model& out) {
   Model found;
   in.all(found);
   out = std::move(found);
 }
 
-void read_random_walk(table_reader& in, mote::transducer_model& out) {
-  mote::random_walk_model model;
+void read_random_walk(table_reader& in, device::transducer_model& out) {
+  device::random_walk_model model;
   in.all(model);
   if (in.sound() && model.min >= model.max)
     in.problems().add(in.at("max"), "`max` must be more than `min`, which is " + shown(model.min));
@@ -28,7 +28,7 @@ void read_random_walk(table_reader& in, mote::transducer_model& out) {
   out = model;
 }
 
-double farthest(const mote::time_series& series) {
+double farthest(const device::time_series& series) {
   double most = 0;
   for (const auto& [at, value] : series)
     most = std::max(most, std::abs(value));
@@ -38,21 +38,21 @@ double farthest(const mote::time_series& series) {
 /// The value farthest from zero; of a field, as far as its author decides it: a gradient has no
 /// end.
 struct extreme {
-  double operator()(const mote::constant_model& x) const { return std::abs(x.value); }
-  double operator()(const mote::sine_model& x) const {
+  double operator()(const device::constant_model& x) const { return std::abs(x.value); }
+  double operator()(const device::sine_model& x) const {
     return std::abs(x.mean) + std::abs(x.amplitude);
   }
-  double operator()(const mote::points_model& x) const { return farthest(x.points); }
-  double operator()(const mote::random_walk_model& x) const {
+  double operator()(const device::points_model& x) const { return farthest(x.points); }
+  double operator()(const device::random_walk_model& x) const {
     return std::max(std::abs(x.min), std::abs(x.max));
   }
-  double operator()(const mote::field_model& x) const {
+  double operator()(const device::field_model& x) const {
     auto most = std::abs(x.base);
     for (const auto& each : x.sources)
       most += std::abs(each.strength) * (each.schedule.empty() ? 1 : farthest(each.schedule));
     return most;
   }
-  double operator()(const mote::trace_model& x) const {
+  double operator()(const device::trace_model& x) const {
     double most = 0;
     for (const auto& [mote, series] : x.table->of_mote) {
       if (x.mote.value_or(mote) != mote)
@@ -65,21 +65,22 @@ struct extreme {
 };
 
 /// Whether there is a model: a trace whose mistakes another mote has told of already is none.
-bool has_model(const mote::transducer_model& x) {
-  const auto* trace = std::get_if<mote::trace_model>(&x);
+bool has_model(const device::transducer_model& x) {
+  const auto* trace = std::get_if<device::trace_model>(&x);
   return trace == nullptr || trace->table != nullptr;
 }
 
-void read_transducer(table_reader& in, mote::transducer_config& out) {
+void read_transducer(table_reader& in, device::transducer_config& out) {
   constexpr double count_max = 32767;
   in.all(out);
-  in.one_of("model", "how the value behaves",
-            {{"constant", [&](table_reader& x) { read_model<mote::constant_model>(x, out.model); }},
-             {"sine", [&](table_reader& x) { read_model<mote::sine_model>(x, out.model); }},
-             {"points", [&](table_reader& x) { read_model<mote::points_model>(x, out.model); }},
-             {"random_walk", [&](table_reader& x) { read_random_walk(x, out.model); }},
-             {"field", [&](table_reader& x) { out.model = read_field(x); }},
-             {"trace", [&](table_reader& x) { out.model = read_trace(x, out.kind); }}});
+  in.one_of(
+      "model", "how the value behaves",
+      {{"constant", [&](table_reader& x) { read_model<device::constant_model>(x, out.model); }},
+       {"sine", [&](table_reader& x) { read_model<device::sine_model>(x, out.model); }},
+       {"points", [&](table_reader& x) { read_model<device::points_model>(x, out.model); }},
+       {"random_walk", [&](table_reader& x) { read_random_walk(x, out.model); }},
+       {"field", [&](table_reader& x) { out.model = read_field(x); }},
+       {"trace", [&](table_reader& x) { out.model = read_trace(x, out.kind); }}});
   if (!in.sound() || in.walks() || !has_model(out.model))
     return;
   const auto most = std::visit(extreme{}, out.model);
@@ -92,7 +93,7 @@ void read_transducer(table_reader& in, mote::transducer_config& out) {
 
 } // namespace
 
-void read_transducers(table_reader& in, std::vector<mote::transducer_config>& out) {
+void read_transducers(table_reader& in, std::vector<device::transducer_config>& out) {
   const auto& known = in.shared().quantities.all();
   in.table(
       "transducers", "transducers",
@@ -101,15 +102,15 @@ void read_transducers(table_reader& in, std::vector<mote::transducer_config>& ou
        "none"},
       [&](table_reader& all) {
         for (std::size_t i = 0; i < known.size(); ++i) {
-          mote::transducer_config config;
-          config.kind = static_cast<mote::quantity>(i);
-          if (config.kind == mote::quantity::signal)
+          device::transducer_config config;
+          config.kind = static_cast<device::quantity>(i);
+          if (config.kind == device::quantity::signal)
             continue; // nobody describes it
           const auto read = [&config](table_reader& x) { read_transducer(x, config); };
           if (!all.table(known[i].name, "transducers.QUANTITY", known[i].meaning.c_str(), read))
             continue;
           const auto at =
-              std::ranges::lower_bound(out, config.kind, {}, &mote::transducer_config::kind);
+              std::ranges::lower_bound(out, config.kind, {}, &device::transducer_config::kind);
           if (at != out.end() && at->kind == config.kind)
             *at = std::move(config);
           else

@@ -123,7 +123,7 @@ std::optional<time_points::type> read(const time_points& kind, const node& x, co
 std::optional<bytes> read(const hex_octets& kind, const node& x, const asker& who);
 std::optional<mote_address> read(const mote_name& kind, const node& x, const asker& who);
 std::optional<mote_address> read(const node_name& kind, const node& x, const asker& who);
-std::optional<mote::quantity> read(const quantity_name& kind, const node& x, const asker& who);
+std::optional<device::quantity> read(const quantity_name& kind, const node& x, const asker& who);
 
 form form_of(const real& kind);
 form form_of(const flag& kind);

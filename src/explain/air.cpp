@@ -3,9 +3,9 @@
 
 namespace rubicon::explain {
 
-/// @param piece @param pieces which part of it the frame carries
+/// @param fragment @param fragments which part of it the frame carries
 std::optional<sighting> air_follower::recognise(const record& r, mote_address who,
-                                                std::uint32_t& piece, std::uint32_t& pieces) {
+                                                std::uint32_t& fragment, std::uint32_t& fragments) {
   const auto am_type = static_cast<std::uint8_t>(r.channel);
   if (am_type == traffic::am_type)
     return messages_.recognise_flow(r.octets, who.island, r);
@@ -13,11 +13,11 @@ std::optional<sighting> air_follower::recognise(const record& r, mote_address wh
       frame_content_of(am_type, r.octets, who.mote, all_.all.known.sink_of(who.island));
   if (const auto* on_channel = std::get_if<channel_content>(&content))
     return messages_.recognise(*on_channel, who.island, r);
-  const auto* part = std::get_if<carried_piece>(&content);
+  const auto* part = std::get_if<carried_fragment>(&content);
   if (part == nullptr)
     return std::nullopt;
-  piece = part->part.index;
-  pieces = part->part.last + 1U;
+  fragment = part->part.index;
+  fragments = part->part.last + 1U;
   return messages_.recognise(*part, r.cause, who.island, r);
 }
 
@@ -25,16 +25,16 @@ void air_follower::on_send(const record& r) {
   const auto who = all_.all.known.address_of(r.from);
   if (!who)
     return;
-  std::uint32_t piece = 0;
-  std::uint32_t pieces = 1;
-  const auto what = recognise(r, *who, piece, pieces);
+  std::uint32_t fragment = 0;
+  std::uint32_t fragments = 1;
+  const auto what = recognise(r, *who, fragment, fragments);
   if (!what)
     return;
   const bool to_all = r.mote.mote == broadcast_mote;
-  const crossing way{*what,    medium::air,
+  const crossing hop{*what,    medium::air,
                      r.from,   to_all ? "" : all_.all.known.path_of({who->island, r.mote.mote}),
-                     any_peer, pieces};
-  requests_[r.number] = {all_.hop_for(way, r.cause, r), piece, to_all};
+                     any_peer, fragments};
+  requests_[r.number] = {all_.hop_for(hop, r.cause, r), fragment, to_all};
 }
 
 void air_follower::on_frame(const record& r) {
@@ -49,7 +49,7 @@ void air_follower::on_frame(const record& r) {
 void air_follower::on_received(const record& r) {
   const auto asked = requests_.find(r.cause);
   if (asked != requests_.end() && all_.all.known.address_of(r.to))
-    all_.arrive(asked->second.hop, asked->second.piece, r.to, r);
+    all_.arrive(asked->second.hop, asked->second.fragment, r.to, r);
 }
 
 void air_follower::on_done(const record& r) {

@@ -20,10 +20,10 @@ namespace am = network::am;
 frame_content piece_in(byte_view content, bool is_down) {
   if (content.empty() || content[0] != am::packet)
     return {};
-  auto part = piece_of(content.subspan(1));
+  auto part = fragment_of(content.subspan(1));
   if (!part)
     return {};
-  return carried_piece{is_down, *std::move(part)};
+  return carried_fragment{is_down, *std::move(part)};
 }
 
 frame_content routed(byte_view octets, bool is_down) {
@@ -42,10 +42,10 @@ frame_content channel_content_of(byte_view payload) {
 
 } // namespace
 
-std::optional<piece> piece_of(byte_view octets) {
+std::optional<fragment> fragment_of(byte_view octets) {
   if (octets.empty())
     return std::nullopt;
-  piece x;
+  fragment x;
   x.index = octets[0] >> 4U;
   x.last = octets[0] & 0x0fU;
   if (x.index > x.last || (x.last > 0 && octets.size() < 3))
@@ -78,7 +78,7 @@ frame_content frame_content_of(std::uint8_t am_type, byte_view payload, mote_id 
   }
 }
 
-std::optional<carried_piece> serial_part_of(byte_view octets, bool to_mote) {
+std::optional<carried_fragment> serial_part_of(byte_view octets, bool to_mote) {
   serial::frame_decoder decoder;
   std::optional<serial::frame> frame;
   for (const auto octet : octets)
@@ -89,10 +89,10 @@ std::optional<carried_piece> serial_part_of(byte_view octets, bool to_mote) {
   if (!packet)
     return std::nullopt;
   if (packet->am_type == am::packet) {
-    if (auto part = piece_of(packet->payload))
-      return carried_piece{to_mote, *std::move(part)};
+    if (auto part = fragment_of(packet->payload))
+      return carried_fragment{to_mote, *std::move(part)};
   } else if (packet->am_type == (to_mote ? am::from_gateway : am::to_gateway)) {
-    return carried_piece{to_mote, {0, 0, packet->payload}};
+    return carried_fragment{to_mote, {0, 0, packet->payload}};
   }
   return std::nullopt;
 }

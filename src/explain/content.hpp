@@ -1,4 +1,4 @@
-// What octets of each leg of the way carry, by the product's own decoders.
+// What octets of each leg of the path carry, by the product's own decoders.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace rubicon::explain {
 
-/// A packet between two ends, of which pieces may be missing at the end.
+/// A packet between two ends, of which fragments may be missing at the end.
 struct envelope {
   mote_address source; ///< of its island; the mote is what the body says
   mote_address destination;
@@ -21,19 +21,19 @@ struct envelope {
   bytes body;
 };
 
-/// Which piece of a packet this is; `last` is 0 for a whole one.
-struct piece {
+/// Which fragment of a packet this is; `last` is 0 for a whole one.
+struct fragment {
   std::uint8_t index = 0;
   std::uint8_t last = 0;
   bytes content;
 };
 
-[[nodiscard]] std::optional<piece> piece_of(byte_view octets);
+[[nodiscard]] std::optional<fragment> fragment_of(byte_view octets);
 
-/// A piece of a packet on its way through an island.
-struct carried_piece {
+/// A fragment of a packet on its way through an island.
+struct carried_fragment {
   bool is_down = false; ///< its header says where it comes from
-  piece part;
+  fragment part;
 };
 
 /// Something on a channel of an island's Network: a stream's record or a synaptic vector.
@@ -42,14 +42,14 @@ struct channel_content {
   bytes content;
 };
 
-using frame_content = std::variant<std::monostate, carried_piece, channel_content>;
+using frame_content = std::variant<std::monostate, carried_fragment, channel_content>;
 
 /// Of a radio frame's payload. @param sender of the frame
 [[nodiscard]] frame_content frame_content_of(std::uint8_t am_type, byte_view payload,
                                              mote_id sender, mote_id sink);
 
 /// In the octets of one write to a serial line.
-[[nodiscard]] std::optional<carried_piece> serial_part_of(byte_view octets, bool to_mote);
+[[nodiscard]] std::optional<carried_fragment> serial_part_of(byte_view octets, bool to_mote);
 
 /// @param packet a D1.1 5.4 packet of an island, whole or only its beginning
 /// @param is_down whether its island is where it comes from

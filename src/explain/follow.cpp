@@ -12,10 +12,10 @@ public:
   explicit follower(const recording& x) : all_(x) {}
 
   void take(const record& r);
-  [[nodiscard]] journeys finish() { return std::move(all_.all); }
+  [[nodiscard]] traces finish() { return std::move(all_.all); }
 
 private:
-  void on_story(const record& r);
+  void on_event(const record& r);
 
   growth all_;
   message_follower messages_{all_};
@@ -76,14 +76,14 @@ void follower::take(const record& r) {
   case kind::send_ended:
     return messages_.on_send_ended(r);
   case kind::actuator_changed:
-    return; // its story tells more
-  case kind::story:
-    return on_story(r);
+    return; // its event says more
+  case kind::event:
+    return on_event(r);
   }
 }
 
-void follower::on_story(const record& r) {
-  all_.all.stories.push_back(r);
+void follower::on_event(const record& r) {
+  all_.all.events.push_back(r);
   const auto parent = all_.step_of(r.cause);
   const bool is_of_mote = r.from.starts_with("mote/") || r.from.starts_with("mote_app/");
   if (parent == no_node || !is_of_mote) // what components do, their tuples tell
@@ -107,7 +107,7 @@ void follower::on_story(const record& r) {
 
 } // namespace
 
-journeys follow(const recording& x) {
+traces follow(const recording& x) {
   follower all(x);
   for (const auto& r : x.records)
     all.take(r);

@@ -88,7 +88,7 @@ node_index growth::hop_for(const crossing& x, std::uint64_t cause, const record&
   hop.towards = x.towards;
   hop.begin = r.time;
   hop.text = x.what.kind;
-  hop.pieces = x.pieces;
+  hop.fragments = x.fragments;
   if (!about.is_tuple && x.what.of == cargo::content) {
     auto& m = all.messages[about.index];
     if (parent == m.root)
@@ -99,12 +99,13 @@ node_index growth::hop_for(const crossing& x, std::uint64_t cause, const record&
   return hops_[key] = add(std::move(hop), parent);
 }
 
-void growth::arrive(node_index n, std::uint32_t piece, const std::string& actor, const record& r) {
+void growth::arrive(node_index n, std::uint32_t fragment, const std::string& actor,
+                    const record& r) {
   stands_for(r.number, n);
-  auto& pieces = pieces_[n];
-  pieces[piece] = true;
+  auto& fragments = fragments_[n];
+  fragments[fragment] = true;
   auto& x = at(n);
-  if (pieces.size() < x.pieces)
+  if (fragments.size() < x.fragments)
     return;
   if (x.to.empty() && std::ranges::find(x.heard, actor) == x.heard.end())
     x.heard.push_back(actor);

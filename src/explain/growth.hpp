@@ -7,7 +7,7 @@
 #include <string>
 #include <tuple>
 
-#include "explain/journeys.hpp"
+#include "explain/traces.hpp"
 
 namespace rubicon::explain {
 
@@ -25,7 +25,7 @@ struct crossing {
   std::string from;
   std::string to;
   peer_id towards = any_peer;
-  std::uint32_t pieces = 1;
+  std::uint32_t fragments = 1;
 };
 
 /// Ways as they grow. Every record has a number and names the number of its cause: a step comes
@@ -50,18 +50,18 @@ public:
   node_index add(node x, node_index parent);
 
   /// The hop that `r` is part of: a new one, or, if the same has led to it, one that was tried
-  /// before or of which it is another piece.
+  /// before or of which it is another fragment.
   node_index hop_for(const crossing& x, std::uint64_t cause, const record& r);
 
-  /// One of the pieces of a hop is there.
-  void arrive(node_index n, std::uint32_t piece, const std::string& actor, const record& r);
+  /// One of the fragments of a hop is there.
+  void arrive(node_index n, std::uint32_t fragment, const std::string& actor, const record& r);
 
   [[nodiscard]] bool is_about_message(node_index n) const {
     return n != no_node && !all.nodes[n].about.is_tuple;
   }
   [[nodiscard]] node& at(node_index n) { return all.nodes[n]; }
 
-  journeys all;
+  traces all;
 
 private:
   void deliver(const node& x, const std::string& actor, instant when);
@@ -77,7 +77,7 @@ private:
   std::map<std::uint64_t, origin> origins_;
   std::map<std::uint64_t, node_index> steps_;
   std::map<hop_key, node_index> hops_;
-  std::map<node_index, std::map<std::uint32_t, bool>> pieces_; ///< of hops: has it arrived?
+  std::map<node_index, std::map<std::uint32_t, bool>> fragments_; ///< of hops: has it arrived?
 };
 
 } // namespace rubicon::explain

@@ -7,7 +7,7 @@ namespace rubicon::explain {
 namespace {
 
 /// Writes of which nothing has been heard for so many others are lost.
-constexpr std::size_t under_way_max = 64;
+constexpr std::size_t in_flight_max = 64;
 
 } // namespace
 
@@ -22,7 +22,7 @@ void line_follower::on_write(const record& r) {
   const auto what = part ? messages_.recognise(*part, r.cause, who->island, r) : std::nullopt;
   if (what) {
     const auto& known = all_.all.known;
-    write.piece = part->part.index;
+    write.fragment = part->part.index;
     write.hop = all_.hop_for({*what, medium::serial, r.from,
                               to_mote ? known.path_of({who->island, known.sink_of(who->island)})
                                       : known.gateway_at(r.to, who->island),
@@ -34,10 +34,10 @@ void line_follower::on_write(const record& r) {
   }
   if (line.unplugged)
     return;
-  auto& under_way = line.under_way[to_mote ? 1 : 0];
-  if (under_way.size() >= under_way_max)
-    under_way.pop_front();
-  under_way.push_back(std::move(write));
+  auto& in_flight = line.in_flight[to_mote ? 1 : 0];
+  if (in_flight.size() >= in_flight_max)
+    in_flight.pop_front();
+  in_flight.push_back(std::move(write));
 }
 
 void line_follower::tell(const written& x, const char* outcome) {
@@ -49,11 +49,11 @@ void line_follower::on_octets(const record& r) {
   const auto who = all_.all.known.address_of(r.to);
   if (!who)
     return;
-  auto& under_way = lines_[r.from].under_way[who->mote == no_mote ? 0 : 1];
-  const auto found = std::ranges::find(under_way, r.cause, &written::number);
-  if (found == under_way.end())
+  auto& in_flight = lines_[r.from].in_flight[who->mote == no_mote ? 0 : 1];
+  const auto found = std::ranges::find(in_flight, r.cause, &written::number);
+  if (found == in_flight.end())
     return;
-  std::for_each(under_way.begin(), found,
+  std::for_each(in_flight.begin(), found,
                 [this](const written& x) { tell(x, "lost on the line"); });
   if (found->octets != r.octets) {
     tell(*found, found->octets.size() == r.octets.size() ? "octets corrupted" : "octets lost");
@@ -62,9 +62,9 @@ void line_follower::on_octets(const record& r) {
   } else if (found->hop != no_node) {
     tell(*found, "delivered");
     all_.at(found->hop).attempts[found->attempt].arrived = true;
-    all_.arrive(found->hop, found->piece, r.to, r);
+    all_.arrive(found->hop, found->fragment, r.to, r);
   }
-  under_way.erase(under_way.begin(), found + 1);
+  in_flight.erase(in_flight.begin(), found + 1);
 }
 
 void line_follower::on_plug(const record& r) {
@@ -72,10 +72,10 @@ void line_follower::on_plug(const record& r) {
   line.unplugged = !r.yes;
   if (r.yes)
     return;
-  for (auto& under_way : line.under_way) {
-    for (const auto& x : under_way)
+  for (auto& in_flight : line.in_flight) {
+    for (const auto& x : in_flight)
       tell(x, "cable unplugged");
-    under_way.clear();
+    in_flight.clear();
   }
 }
 

@@ -27,12 +27,12 @@ public:
 private:
   struct request {
     node_index hop = no_node;
-    std::uint32_t piece = 0;
+    std::uint32_t fragment = 0;
     bool to_all = false;
   };
 
-  [[nodiscard]] std::optional<sighting> recognise(const record& r, mote_address who,
-                                                  std::uint32_t& piece, std::uint32_t& pieces);
+  [[nodiscard]] std::optional<sighting>
+  recognise(const record& r, mote_address who, std::uint32_t& fragment, std::uint32_t& fragments);
 
   growth& all_;
   message_follower& messages_;
@@ -55,11 +55,11 @@ private:
     bytes octets;
     node_index hop = no_node;
     std::size_t attempt = 0;
-    std::uint32_t piece = 0;
+    std::uint32_t fragment = 0;
   };
   struct cable {
     bool unplugged = false;
-    std::array<std::deque<written>, 2> under_way; ///< by direction
+    std::array<std::deque<written>, 2> in_flight; ///< by direction
   };
 
   void tell(const written& x, const char* outcome);

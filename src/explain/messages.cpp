@@ -105,7 +105,7 @@ void message_follower::on_send_ended(const record& r) {
 
 // ------------------------------------------------------------------------------- which one is it?
 
-std::optional<sighting> message_follower::recognise(const carried_piece& x, std::uint64_t cause,
+std::optional<sighting> message_follower::recognise(const carried_fragment& x, std::uint64_t cause,
                                                     island_id here, const record& r) {
   if (x.part.index > 0)
     return recognise_rest(cause);

@@ -25,7 +25,7 @@ public:
 
   /// @param cause of the octets
   /// @param here the island they are in
-  [[nodiscard]] std::optional<sighting> recognise(const carried_piece& x, std::uint64_t cause,
+  [[nodiscard]] std::optional<sighting> recognise(const carried_fragment& x, std::uint64_t cause,
                                                   island_id here, const record& r);
   [[nodiscard]] std::optional<sighting> recognise(const envelope& x, std::uint64_t cause,
                                                   const record& r);
@@ -34,7 +34,7 @@ public:
   /// Packets of the measuring apps, which have numbers.
   [[nodiscard]] std::optional<sighting> recognise_flow(byte_view octets, island_id here,
                                                        const record& r);
-  /// A later piece says nothing of itself.
+  /// A later fragment says nothing of itself.
   [[nodiscard]] std::optional<sighting> recognise_rest(std::uint64_t cause) const;
 
 private:

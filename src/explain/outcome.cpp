@@ -42,7 +42,7 @@ std::string words_of(const std::string& outcome) {
   return outcome.empty() ? "not answered" : outcome;
 }
 
-retries retries_of(const journeys& all, const message& x) {
+retries retries_of(const traces& all, const message& x) {
   retries sum;
   for (const auto n : x.nodes) {
     const auto& hop = all.nodes[n];
@@ -59,8 +59,8 @@ retries retries_of(const journeys& all, const message& x) {
   return sum;
 }
 
-/// The hop of the content, or else of the greeting, that was under way last.
-const node* last_hop_of(const journeys& all, const message& x) {
+/// The hop of the content, or else of the greeting, that was in flight last.
+const node* last_hop_of(const traces& all, const message& x) {
   for (const auto of : {cargo::content, cargo::greeting, cargo::greeting_answer}) {
     const node* last = nullptr;
     for (const auto n : x.nodes) {
@@ -84,13 +84,13 @@ bool is_given_up(const node* last) {
 }
 
 /// Where the last hop that arrived did so, and nothing followed.
-std::string stuck_at(const journeys& all, const node& hop) {
+std::string stuck_at(const traces& all, const node& hop) {
   const auto place = hop.to.empty() ? names::of(hop.from) : names::of(hop.to);
   if (hop.over == medium::peis)
-    return place + " has it and passes nothing on: it knows no way, or nobody there wants it";
+    return place + " has it and passes nothing on: it knows no route, or nobody there wants it";
   if (all.known.place_of(hop.to) != hop.to)
     return place + " has it and passes nothing on: the receiver is not listed there, or it gave up";
-  return place + " has it and passes nothing on: a queue was full, or it knows no way";
+  return place + " has it and passes nothing on: a queue was full, or it knows no route";
 }
 
 } // namespace
@@ -103,15 +103,15 @@ std::string_view to_string(message_status x) {
     return "lost";
   case message_status::refused:
     return "refused";
-  case message_status::under_way:
-    return "under way";
+  case message_status::in_flight:
+    return "in flight";
   }
   return "unknown";
 }
 
 std::uint32_t repeats(const node& x) {
   const auto all = static_cast<std::uint32_t>(x.attempts.size());
-  return all > x.pieces ? all - x.pieces : 0;
+  return all > x.fragments ? all - x.fragments : 0;
 }
 
 std::string failures(const node& x) {
@@ -145,8 +145,8 @@ std::string obstacle(const node& x) {
   if (tries == 0)
     return x.failure.empty() ? "never sent" : words_of(x.failure);
   auto text = tries == 1 ? what : std::to_string(tries) + " tries: " + what;
-  if (what.empty()) // all frames arrived, but not all pieces were sent
-    return "not all pieces were sent";
+  if (what.empty()) // all frames arrived, but not all fragments were sent
+    return "not all fragments were sent";
   if (x.failure == "channel_access_failure" || x.failure == "aborted")
     text += ", then " + words_of(x.failure);
   return text;
@@ -163,7 +163,7 @@ std::string route_of(const node& x) {
   return from + " → " + (same_island ? to.substr(slash + 1) : to);
 }
 
-outcome outcome_of(const journeys& all, const message& x) {
+outcome outcome_of(const traces& all, const message& x) {
   outcome y;
   y.retries = retries_of(all, x);
   const auto begun = all.nodes[x.root].begin;
@@ -181,7 +181,7 @@ outcome outcome_of(const journeys& all, const message& x) {
   const auto quiet_since = last != nullptr ? last->time() : begun;
   const bool is_over =
       x.failed || all.end - quiet_since > patience || (!x.is_reliable && is_given_up(last));
-  y.status = is_over ? message_status::lost : message_status::under_way;
+  y.status = is_over ? message_status::lost : message_status::in_flight;
   if (last == nullptr) {
     y.why = "it never left the sender";
   } else if (last->of == cargo::greeting_answer && last->arrived) {
@@ -201,7 +201,7 @@ outcome outcome_of(const journeys& all, const message& x) {
   return y;
 }
 
-std::vector<audience> audience_of(const journeys& all, const tuple_value& x) {
+std::vector<audience> audience_of(const traces& all, const tuple_value& x) {
   std::vector<audience> out;
   const auto name = peis::key::from_wire(x.key);
   if (!name || !x.set)

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "explain/journeys.hpp"
+#include "explain/traces.hpp"
 
 namespace rubicon::explain {
 
@@ -14,7 +14,7 @@ enum class message_status : std::uint8_t {
   delivered,
   lost,      ///< not there, and nobody carries it any more
   refused,   ///< by the sender's own mote, at once
-  under_way, ///< at the end of the record
+  in_flight, ///< at the end of the record
 };
 
 [[nodiscard]] std::string_view to_string(message_status x);
@@ -28,14 +28,14 @@ struct retries {
 };
 
 struct outcome {
-  message_status status = message_status::under_way;
+  message_status status = message_status::in_flight;
   std::optional<duration> took; ///< until it was delivered
   explain::retries retries;
   std::string where; ///< it was lost: `kitchen/mote-5 → kitchen/sink`; empty: nowhere special
   std::string why;   ///< empty unless it was lost or refused
 };
 
-[[nodiscard]] outcome outcome_of(const journeys& all, const message& x);
+[[nodiscard]] outcome outcome_of(const traces& all, const message& x);
 
 /// What kept a hop from arriving, such as `4 tries: collision, 3 × out of reach`; empty if it did.
 [[nodiscard]] std::string obstacle(const node& x);
@@ -43,7 +43,7 @@ struct outcome {
 /// `collision, 3 × loss`: outcomes of those attempts that did not arrive, in order.
 [[nodiscard]] std::string failures(const node& x);
 
-/// Attempts beyond the first of each piece.
+/// Attempts beyond the first of each fragment.
 [[nodiscard]] std::uint32_t repeats(const node& x);
 
 /// Between whom: `kitchen/climate-7 → kitchen/sink`.
@@ -55,6 +55,6 @@ struct audience {
   std::string who;
   std::optional<duration> after; ///< nothing: not told
 };
-[[nodiscard]] std::vector<audience> audience_of(const journeys& all, const tuple_value& x);
+[[nodiscard]] std::vector<audience> audience_of(const traces& all, const tuple_value& x);
 
 } // namespace rubicon::explain

@@ -36,9 +36,9 @@ constexpr std::array<std::string_view, 23> kind_words = {
     "message_received",
     "send_ended",
     "actuator_changed",
-    "story",
+    "event",
 };
-static_assert(kind_words.size() == static_cast<std::size_t>(kind::story) + 1);
+static_assert(kind_words.size() == static_cast<std::size_t>(kind::event) + 1);
 
 /// The first line's, before its fields.
 constexpr const char* version_key = "rubicon_record";

@@ -43,7 +43,7 @@ enum class kind : std::uint8_t {
   message_received,  ///< a mote gives a program a message
   send_ended,        ///< a program learns how its send ended
   actuator_changed,  ///< an actuator has been asked to change
-  story,             ///< something a person would want to hear
+  event,             ///< something a person would want to hear
 };
 
 [[nodiscard]] std::string_view to_string(kind x);
@@ -53,7 +53,7 @@ enum class kind : std::uint8_t {
 struct record {
   std::uint64_t number = 0; ///< ascending; 0: no cause names it
   instant time;
-  kind what = kind::story;
+  kind what = kind::event;
   std::string from;          ///< actor path; empty: nobody, or a clock
   std::string to;            ///< actor path; empty for remarks
   std::uint64_t cause = 0;   ///< number of what led to it, exactly; 0: nothing that is recorded
@@ -61,7 +61,7 @@ struct record {
   mote_address mote;         ///< the other mote: destination or source
   std::int32_t peer = 0;     ///< owner of a tuple
   std::uint16_t channel = 0; ///< AM type
-  std::string text;          ///< key, status, outcome, name, story, what has begun
+  std::string text;          ///< key, status, outcome, name, event, what has begun
   bytes octets;              ///< frame, payload, value
   std::uint32_t count = 0;   ///< transmissions; 1 to_mote, 0 to_pc; state of an actuator
   bool yes = false;          ///< acked, received, reliable, deleted, plugged, text

@@ -4,13 +4,13 @@
 
 #include "explain/outcome.hpp"
 #include "explain/words.hpp"
-#include "runtime/figures.hpp"
+#include "report/figures.hpp"
 
 namespace rubicon::explain {
 
 namespace {
 
-constexpr std::size_t depth_max = 200; ///< ways of messages that set off each other without end
+constexpr std::size_t depth_max = 200; ///< traces of messages that set off each other without end
 
 bool is_hop_of(const node& x, cargo of) {
   return x.what == step::hop && x.of == of;
@@ -24,20 +24,20 @@ void tree::add(node_index root) {
   show(first, before, "", "");
 }
 
-void tree::add_way_to(node_index n) {
-  std::vector<node_index> way;
-  for (auto x = at(n).parent; x != no_node && way.size() < depth_max; x = at(x).parent)
-    way.push_back(x);
-  std::ranges::reverse(way);
-  for (std::size_t i = 0; i < way.size(); ++i) {
-    auto row = plain(way[i]);
-    const auto& x = at(way[i]);
+void tree::add_path_to(node_index n) {
+  std::vector<node_index> path;
+  for (auto x = at(n).parent; x != no_node && path.size() < depth_max; x = at(x).parent)
+    path.push_back(x);
+  std::ranges::reverse(path);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    auto row = plain(path[i]);
+    const auto& x = at(path[i]);
     if (x.over == medium::peis) { // the hops of one package are one row
-      while (i + 1 < way.size() && at(way[i + 1]).over == medium::peis &&
-             at(way[i + 1]).about == x.about) {
+      while (i + 1 < path.size() && at(path[i + 1]).over == medium::peis &&
+             at(path[i + 1]).about == x.about) {
         ++i;
-        row.where += " → " + names::of(at(way[i]).to);
-        row.time = at(way[i]).time();
+        row.where += " → " + names::of(at(path[i]).to);
+        row.time = at(path[i]).time();
       }
     }
     const auto before = rows_.empty() ? row.time : rows_.back().time;
@@ -128,7 +128,7 @@ tree::block tree::plain(node_index n) const {
   out.what = explain::what(all_, x);
   out.time = x.time();
   if (x.what == step::hop && !x.arrived)
-    out.look = runtime::look::bad;
+    out.look = report::look::bad;
   return out;
 }
 
@@ -184,14 +184,14 @@ tree::block tree::greeting(const std::vector<node_index>& hops) const {
     out.what += ": no answer";
     if (!furthest->arrived)
       out.what += " (" + route_of(*furthest) + ": " + obstacle(*furthest) + ')';
-    out.look = runtime::look::bad;
+    out.look = report::look::bad;
   } else {
     out.what += ": answered";
   }
   return out;
 }
 
-/// An acknowledgement on its way back, in one row.
+/// An acknowledgement on its route back, in one row.
 tree::block tree::answer(node_index n) const {
   auto out = plain(n);
   auto last = n;
@@ -216,8 +216,8 @@ tree::block tree::answer(node_index n) const {
       out.then.push_back(child);
   out.what = at(n).text + (end.arrived ? ": received" : ": LOST, " + obstacle(end));
   if (end.arrived && repeated > 0)
-    out.what += " after " + runtime::counted(repeated, "repeat");
-  out.look = end.arrived ? runtime::look::faint : runtime::look::bad;
+    out.what += " after " + report::counted(repeated, "repeat");
+  out.look = end.arrived ? report::look::faint : report::look::bad;
   return out;
 }
 
@@ -240,13 +240,13 @@ tree::block tree::failed_attempt(node_index n, std::size_t number, std::size_t o
   out.what = "attempt " + std::to_string(number) + " of " + std::to_string(of) + ": ";
   if (!at(last).arrived) {
     out.what += "LOST, " + obstacle(at(last));
-    out.look = runtime::look::bad;
+    out.look = report::look::bad;
   } else if (m.delivered && *m.delivered <= at(n).begin) {
     out.what += "there again";
-    out.look = runtime::look::faint;
+    out.look = report::look::faint;
   } else {
     out.what += "came no further than this";
-    out.look = runtime::look::bad;
+    out.look = report::look::bad;
   }
   return out;
 }
@@ -259,7 +259,7 @@ tree::block tree::settings(const std::vector<node_index>& leaves) const {
   if (leaves.size() > 3)
     out.what = "sets " + assignment(all_.tuples[at(leaves.front()).about.index]) + " and " +
                std::to_string(leaves.size() - 1) + " others";
-  out.look = runtime::look::faint;
+  out.look = report::look::faint;
   out.then.clear();
   return out;
 }

@@ -1,11 +1,12 @@
-// For files of this room only: a way as rows, branches indented, what is of no interest in one row.
+// For files of this room only: a trace as rows, branches indented, what is of no interest in one
+// row.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "explain/journeys.hpp"
-#include "runtime/text_layout.hpp"
+#include "explain/traces.hpp"
+#include "report/text_layout.hpp"
 
 namespace rubicon::explain {
 
@@ -15,18 +16,18 @@ struct tree_row {
   bool is_first = false;
   std::string where; ///< with the branches drawn in front
   std::string what;
-  runtime::look look = runtime::look::plain;
+  report::look look = report::look::plain;
 };
 
 class tree {
 public:
-  explicit tree(const journeys& all) : all_(all) {}
+  explicit tree(const traces& all) : all_(all) {}
 
   /// A step and everything that came of it.
   void add(node_index root);
 
   /// Only the steps from the first cause to this one, which is left out.
-  void add_way_to(node_index n);
+  void add_path_to(node_index n);
 
   [[nodiscard]] const std::vector<tree_row>& rows() const { return rows_; }
 
@@ -39,7 +40,7 @@ private:
     std::string where;
     std::string what;
     instant time;
-    runtime::look look = runtime::look::plain;
+    report::look look = report::look::plain;
   };
 
   void show(const block& x, instant before, const std::string& lead, const std::string& own_lead);
@@ -53,7 +54,7 @@ private:
   [[nodiscard]] bool leads_on(node_index n) const;
   [[nodiscard]] const node& at(node_index n) const { return all_.nodes[n]; }
 
-  const journeys& all_;
+  const traces& all_;
   std::vector<tree_row> rows_;
 };
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "explain/outcome.hpp"
-#include "runtime/figures.hpp"
-#include "runtime/text_layout.hpp"
+#include "report/figures.hpp"
+#include "report/text_layout.hpp"
 
 namespace rubicon::explain {
 
@@ -34,8 +34,8 @@ const char* name_of(medium x) {
 
 std::string hop_text(const node& x) {
   auto text = std::string(name_of(x.over));
-  if (x.pieces > 1)
-    text += ", " + std::to_string(x.pieces) + " pieces";
+  if (x.fragments > 1)
+    text += ", " + std::to_string(x.fragments) + " fragments";
   if (!x.arrived)
     return text + ": LOST, " + obstacle(x);
   if (x.to.empty() && x.heard.size() > 1)
@@ -47,10 +47,10 @@ std::string hop_text(const node& x) {
     return text;
   auto why = failures(x);
   const auto there = std::ranges::count_if(x.attempts, &attempt::arrived);
-  if (const auto again = there - static_cast<std::ptrdiff_t>(x.pieces); again > 0)
+  if (const auto again = there - static_cast<std::ptrdiff_t>(x.fragments); again > 0)
     why += (why.empty() ? "" : ", ") + (again > 1 ? std::to_string(again) + " × " : "") +
            "acknowledgement lost";
-  return text + " after " + runtime::counted(repeated, "repeat") + " (" + why + ')';
+  return text + " after " + report::counted(repeated, "repeat") + " (" + why + ')';
 }
 
 } // namespace
@@ -58,12 +58,12 @@ std::string hop_text(const node& x) {
 std::string value_text(const bytes& value, bool is_text) {
   if (!is_text)
     return value.empty() ? "nothing" : hex_text(value);
-  const auto text = runtime::printable(rubicon::to_string(byte_view(value)));
-  return text.empty() ? "\"\"" : runtime::cut(text, characters_shown);
+  const auto text = report::printable(rubicon::to_string(byte_view(value)));
+  return text.empty() ? "\"\"" : report::cut(text, characters_shown);
 }
 
 std::string assignment(const tuple_value& x) {
-  const auto key = runtime::printable(x.key);
+  const auto key = report::printable(x.key);
   return x.is_deletion ? key + ", deleted" : key + " = " + value_text(x.value, x.is_text);
 }
 
@@ -74,7 +74,7 @@ std::string content_text(const message& x) {
   const bool is_text = octets.size() > 3 && std::ranges::all_of(octets, [](std::uint8_t c) {
                          return c >= 0x20 && c < 0x7f;
                        });
-  return runtime::counted(octets.size(), "octet") +
+  return report::counted(octets.size(), "octet") +
          (octets.empty()
               ? ""
               : " (" + (is_text ? '"' + value_text(octets, true) + '"' : hex_text(octets)) + ')');
@@ -88,7 +88,7 @@ std::string kind_of(const message& x) {
   return "AM type " + std::to_string(x.channel) + (x.is_reliable ? ", reliable" : ", unreliable");
 }
 
-std::string where(const journeys& all, const node& x) {
+std::string where(const traces& all, const node& x) {
   switch (x.what) {
   case step::hop:
     return route_of(x);
@@ -105,7 +105,7 @@ std::string where(const journeys& all, const node& x) {
   return names::of(x.from);
 }
 
-std::string what(const journeys& all, const node& x) {
+std::string what(const traces& all, const node& x) {
   switch (x.what) {
   case step::hop:
     return (x.of == cargo::greeting  ? "greeting, "
@@ -123,7 +123,7 @@ std::string what(const journeys& all, const node& x) {
   case step::receives:
     return "has the message";
   case step::acts:
-    return runtime::printable(x.text);
+    return report::printable(x.text);
   case step::learns:
     return x.text == "acknowledged" ? "is told that it is there" : "is told: " + x.text;
   case step::asks: {
@@ -143,11 +143,11 @@ std::string what(const journeys& all, const node& x) {
 
 std::string span(duration x) {
   const auto ms = std::chrono::duration<double, std::milli>(x).count();
-  return ms < 1000 ? runtime::fixed(ms, 1) + " ms" : runtime::fixed(ms / 1000, 1) + " s";
+  return ms < 1000 ? report::fixed(ms, 1) + " ms" : report::fixed(ms / 1000, 1) + " s";
 }
 
 std::string clock(instant x) {
-  return runtime::fixed(seconds(x.time_since_epoch()), 3);
+  return report::fixed(seconds(x.time_since_epoch()), 3);
 }
 
 } // namespace rubicon::explain

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "explain/journeys.hpp"
+#include "explain/traces.hpp"
 
 namespace rubicon::explain {
 
@@ -17,10 +17,10 @@ namespace rubicon::explain {
 [[nodiscard]] std::string content_text(const message& x);
 
 /// What a step is about: `kitchen/gateway`, `proxy kitchen.fan`, `kitchen/fan → sink`.
-[[nodiscard]] std::string where(const journeys& all, const node& x);
+[[nodiscard]] std::string where(const traces& all, const node& x);
 
 /// `radio: received at try 2: collision`
-[[nodiscard]] std::string what(const journeys& all, const node& x);
+[[nodiscard]] std::string what(const traces& all, const node& x);
 
 /// `12.3 ms`, `1.2 s`
 [[nodiscard]] std::string span(duration x);

@@ -34,14 +34,14 @@ gateway::gateway(gateway_config config, random_stream rng)
     : config_(std::move(config)),
       lead_({config_.gateways.empty(), config_.incarnation, config_.lead_lease}),
       pc_(pc_of(config_, config_.incarnation), random_stream(rng.next())),
-      messages_(std::make_unique<device_messages>()), pieces_({.packets_max = assemblies_max}),
+      messages_(std::make_unique<device_messages>()), fragments_({.packets_max = assemblies_max}),
       others_(config_.others, random_stream(rng.next())) {
   rng_ = random_stream(rng.next());
   pc_.set_line(false); // until the sink is heard
   messages_->layer = pc_.attach_for_rest(*messages_);
 }
 
-void gateway::observe(std::function<void(const mote::program_note&)> observer) {
+void gateway::observe(std::function<void(const communication::program_note&)> observer) {
   observer_ = std::move(observer);
   pc_.observe(observer_);
 }
@@ -62,7 +62,7 @@ outputs gateway::start(instant now) {
   return out;
 }
 
-mote::communication gateway::attach(mote::communication_events& events) {
+communication::interface gateway::attach(communication::communication_events& events) {
   return pc_.attach(events);
 }
 
@@ -78,7 +78,7 @@ outputs gateway::on_packet(mote_id source, std::uint8_t am_type, byte_view paylo
   } else if (am_type == network::am::to_gateway) {
     more = on_island_packet(payload, now);
   } else if (am_type == network::am::packet) {
-    if (const auto whole = pieces_.on_piece(source, payload, now))
+    if (const auto whole = fragments_.on_fragment(source, payload, now))
       more = on_island_packet(*whole, now);
   } else if (am_type != network::am::sink_event) {
     ++counters_.unknown_type;
@@ -294,7 +294,7 @@ void gateway::ask_for_outputs(outputs& out, instant now) {
     out.push_back(std::move(x));
 }
 
-outputs gateway::take(endpoint::outputs from_pc) {
+outputs gateway::take(communication::outputs from_pc) {
   outputs out;
   for (auto& x : from_pc) {
     const acting_on its(x.from);
@@ -360,16 +360,16 @@ to_sink gateway::ask_about(mote_id mote) {
   return {mote, network::am::sink_event, network::encode(network::describe{mote})};
 }
 
-/// Whole if it fits one serial packet, or in pieces. @param x its island is where it comes from
+/// Whole if it fits one serial packet, or in fragments. @param x its island is where it comes from
 void gateway::down(const network::island_packet& x, outputs& out) {
   auto octets = encode(x);
   if (octets.size() <= network::frame_payload_max) {
     out.emplace_back(to_sink{x.mote, network::am::from_gateway, std::move(octets)});
     return;
   }
-  const auto pieces = transport::cut(octets, network::frame_payload_max, tag_++);
-  for (const auto& piece : *pieces) // packet_max octets never are too many
-    out.emplace_back(to_sink{x.mote, network::am::packet, piece});
+  const auto fragments = transport::cut(octets, network::frame_payload_max, tag_++);
+  for (const auto& fragment : *fragments) // packet_max octets never are too many
+    out.emplace_back(to_sink{x.mote, network::am::packet, fragment});
 }
 
 std::vector<mote_id> gateway::devices() const {

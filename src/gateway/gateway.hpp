@@ -14,12 +14,12 @@
 #include <variant>
 #include <vector>
 
+#include "communication/pc.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
-#include "endpoint/pc.hpp"
 #include "gateway/alias_talks.hpp"
 #include "gateway/directory.hpp"
 #include "gateway/leadership.hpp"
@@ -27,7 +27,7 @@
 #include "gateway/relay.hpp"
 #include "network/island_packet.hpp"
 #include "network/sink_event.hpp"
-#include "transport/pieces.hpp"
+#include "transport/fragments.hpp"
 
 namespace rubicon::gateway {
 
@@ -101,7 +101,7 @@ struct gateway_config {
   std::uint32_t incarnation = 0;           ///< how often it was started before
   std::size_t inputs_outstanding_max = 64; ///< further inputs fail at once
   wire_form form = wire_form::segment;     ///< strict54: with every other gateway (WIR-04)
-  std::size_t channels_max = 64;           ///< as endpoint::pc_config; the next too
+  std::size_t channels_max = 64;           ///< as communication::pc_config; the next too
   duration ack_wait = 500ms;
   duration lead_lease = 1500ms;     ///< leadership_config::lease
   duration line_silence_max = 25s;  ///< more than two rosters of its sink without a word
@@ -166,11 +166,11 @@ public:
   /// Publishes the empty device list and asks the sink who is there; programs are joined.
   [[nodiscard]] outputs start(instant now);
 
-  /// As mote::layer::observe().
-  void observe(std::function<void(const mote::program_note&)> observer);
+  /// As communication::layer::observe().
+  void observe(std::function<void(const communication::program_note&)> observer);
 
-  /// A program, as in endpoint::pc. It hears of motes that join (MCK-15).
-  [[nodiscard]] mote::communication attach(mote::communication_events& events);
+  /// A program, as in communication::pc. It hears of motes that join (MCK-15).
+  [[nodiscard]] communication::interface attach(communication::communication_events& events);
   void begin(instant now) {
     now_ = now;
     pc_.begin(now);
@@ -219,12 +219,12 @@ public:
   [[nodiscard]] const directory& others() const { return others_; }
   [[nodiscard]] std::optional<duration> clock_offset() const { return clock_offset_; }
   [[nodiscard]] std::size_t outstanding() const { return above().messages().outstanding(); }
-  [[nodiscard]] transport::endpoint_counters messages() const; ///< of all its terms
+  [[nodiscard]] transport::messenger_counters messages() const; ///< of all its terms
   /// The same: messages of its programs, and unreliable ones that have arrived.
-  [[nodiscard]] mote::layer_counters offers() const;
-  [[nodiscard]] transport::endpoint::arrival_counts arrivals() const;
+  [[nodiscard]] communication::layer_counters offers() const;
+  [[nodiscard]] transport::messenger::arrival_counts arrivals() const;
   [[nodiscard]] const leadership& lead() const { return lead_; }
-  [[nodiscard]] const mote::layer& above() const { return pc_.above(); }
+  [[nodiscard]] const communication::layer& above() const { return pc_.above(); }
 
 private:
   struct device {
@@ -278,7 +278,7 @@ private:
   void on_line_heard(outputs& out);
   void refresh(mote_id mote, outputs& out);
   void make_stale(outputs& out);
-  [[nodiscard]] outputs take(endpoint::outputs from_pc);
+  [[nodiscard]] outputs take(communication::outputs from_pc);
   void publish_output(const transport::received& x, outputs& out);
   void publish_outcome(const transport::outcome& x, outputs& out);
   [[nodiscard]] outputs remove(mote_id mote, network::leave_cause cause);
@@ -292,16 +292,16 @@ private:
   gateway_config config_;
   leadership lead_;
   random_stream rng_; ///< of the terms
-  transport::endpoint_counters earlier_terms_;
-  mote::layer_counters earlier_offers_;
-  transport::endpoint::arrival_counts earlier_arrivals_;
+  transport::messenger_counters earlier_terms_;
+  communication::layer_counters earlier_offers_;
+  transport::messenger::arrival_counts earlier_arrivals_;
   std::map<std::uint32_t, waiting_input> waiting_; ///< by the number given
   std::uint32_t relay_number_ = 0;
   alias_talks talks_;
-  endpoint::pc pc_;
-  std::function<void(const mote::program_note&)> observer_;
+  communication::pc pc_;
+  std::function<void(const communication::program_note&)> observer_;
   std::unique_ptr<device_messages> messages_;
-  transport::assembly pieces_; ///< of packets from the sink
+  transport::assembly fragments_; ///< of packets from the sink
   std::uint8_t tag_ = 0;
   instant now_;
   std::map<mote_id, device> devices_;
@@ -310,7 +310,7 @@ private:
   directory others_;
   std::uint16_t strict_counter_ = 0; ///< of what came in the strict form
   output_requests requests_;
-  std::map<transport::ticket, mote_id> asked_; ///< requests under way
+  std::map<transport::ticket, mote_id> asked_; ///< requests in flight
   std::optional<duration> clock_offset_;
   instant clock_settled_;
   std::optional<instant> line_heard_; ///< nothing: never

@@ -10,7 +10,7 @@ namespace rubicon::gateway {
 
 namespace {
 
-void add(transport::endpoint_counters& to, const transport::endpoint_counters& x) {
+void add(transport::messenger_counters& to, const transport::messenger_counters& x) {
   to.reliable_sent += x.reliable_sent;
   to.reliable_acked += x.reliable_acked;
   to.reliable_failed += x.reliable_failed;
@@ -49,13 +49,13 @@ duration gateway::silence_max() const {
   return lead_.alone() ? config_.line_silence_max : config_.shared_silence_max;
 }
 
-transport::endpoint_counters gateway::messages() const {
+transport::messenger_counters gateway::messages() const {
   auto sum = above().messages().counters();
   add(sum, earlier_terms_);
   return sum;
 }
 
-mote::layer_counters gateway::offers() const {
+communication::layer_counters gateway::offers() const {
   auto sum = above().counters();
   sum.offered += earlier_offers_.offered;
   sum.unjoined += earlier_offers_.unjoined;
@@ -63,7 +63,7 @@ mote::layer_counters gateway::offers() const {
   return sum;
 }
 
-transport::endpoint::arrival_counts gateway::arrivals() const {
+transport::messenger::arrival_counts gateway::arrivals() const {
   auto sum = above().messages().arrivals();
   for (const auto& [source, count] : earlier_arrivals_)
     sum[source] += count;
@@ -97,7 +97,7 @@ void gateway::take_lead(outputs& out) {
   earlier_offers_.unjoined += above().counters().unjoined;
   earlier_offers_.misaddressed += above().counters().misaddressed;
   messages_->layer.reset();
-  pc_ = endpoint::pc(pc_of(config_, lead_.term()), random_stream(rng_.next()));
+  pc_ = communication::pc(pc_of(config_, lead_.term()), random_stream(rng_.next()));
   pc_.observe(observer_);
   pc_.set_line(line_up_);
   messages_->layer = pc_.attach_for_rest(*messages_);
@@ -105,7 +105,7 @@ void gateway::take_lead(outputs& out) {
   std::ranges::move(take(pc_.start(now_)), std::back_inserter(out));
 }
 
-/// Whoever leads next may have the answers to what was under way, and does not know the questions.
+/// Whoever leads next may have the answers to what was in flight, and does not know the questions.
 void gateway::end_work(outputs& out) {
   for (const auto& [number, x] : std::exchange(pending_, {}))
     tell_outcome(x, input_outcome::failed, out);

@@ -31,8 +31,8 @@ inline publish status_tuple(mote_id mote, std::uint16_t channel, std::uint64_t s
 }
 
 /// @param incarnation of the PC of the island: starts of its only gateway, or the term
-inline endpoint::pc_config pc_of(const gateway_config& config, std::uint32_t incarnation) {
-  endpoint::pc_config x;
+inline communication::pc_config pc_of(const gateway_config& config, std::uint32_t incarnation) {
+  communication::pc_config x;
   x.self = gateway_of(config.island);
   x.incarnation = incarnation;
   x.ack_wait = config.ack_wait;
@@ -46,16 +46,16 @@ inline endpoint::pc_config pc_of(const gateway_config& config, std::uint32_t inc
 
 /// The program that exchanges messages between motes and tuples: keeps what it is told until the
 /// gateway takes it.
-class device_messages final : public mote::communication_events {
+class device_messages final : public communication::communication_events {
 public:
   void receiveFrom(mote_address source, byte_view buf, std::uint8_t am_type) override {
     received.push_back({source, am_type, to_bytes(buf)});
   }
-  void ackOf(std::uint32_t number, mote::status success) override {
-    outcomes.push_back({number, success == mote::SUCCESS});
+  void ackOf(std::uint32_t number, communication::status success) override {
+    outcomes.push_back({number, success == communication::SUCCESS});
   }
 
-  std::optional<mote::communication> layer;
+  std::optional<communication::interface> layer;
   std::vector<transport::received> received;
   std::vector<transport::outcome> outcomes;
 };

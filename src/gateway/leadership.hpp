@@ -29,7 +29,7 @@ public:
   explicit leadership(leadership_config config) : config_(config) {}
 
   /// The answer to a poll is answer(). A new term taken while leading is `taken` as well: who led
-  /// before has forgotten all that was under way.
+  /// before has forgotten all that was in flight.
   [[nodiscard]] change on_poll(const network::gateway_poll& x, instant now);
   [[nodiscard]] change on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const { return lease_until_; }

@@ -12,10 +12,10 @@ namespace {
 /// Every channel, and as many periods as there is room for.
 void shorten(output_requests::wanted& all) {
   std::erase_if(all, [](const auto& x) {
-    return x.channel == mote::any_channel || x.period == std::chrono::milliseconds{};
+    return x.channel == communication::any_channel || x.period == std::chrono::milliseconds{};
   });
-  all.resize(std::min(all.size(), mote::outputs_wanted_max - 1));
-  all.push_back({mote::any_channel, {}});
+  all.resize(std::min(all.size(), communication::outputs_wanted_max - 1));
+  all.push_back({communication::any_channel, {}});
 }
 
 } // namespace
@@ -29,7 +29,7 @@ void output_requests::on_subscribers(std::span<const std::string> keys, instant 
   for (const auto& text : keys) {
     if (const auto pattern = parse_output_pattern(text)) {
       auto& channels = pattern->mote ? channels_[*pattern->mote] : channels_of_all_;
-      channels.insert(pattern->channel.value_or(mote::any_channel));
+      channels.insert(pattern->channel.value_or(communication::any_channel));
     }
   }
   review_all(now + config_.hesitation);
@@ -66,35 +66,35 @@ void output_requests::on_unlisted(mote_id mote) {
 }
 
 void output_requests::forget_told(instant now) {
-  under_way_ = 0;
+  in_flight_ = 0;
   for (auto& [mote, x] : motes_) {
     x.told.reset();
-    x.under_way.reset();
+    x.in_flight.reset();
   }
   review_all(now);
 }
 
 std::vector<output_requests::request> output_requests::due(instant now) {
   std::vector<request> all;
-  while (under_way_ < config_.under_way_max && !due_.empty() && due_.begin()->first <= now) {
+  while (in_flight_ < config_.in_flight_max && !due_.empty() && due_.begin()->first <= now) {
     const auto mote = due_.begin()->second;
     auto& x = motes_.at(mote);
     schedule(mote, x, std::nullopt);
-    x.under_way = wanted_of(mote);
+    x.in_flight = wanted_of(mote);
     x.asked = x.incarnation;
-    ++under_way_;
-    all.push_back({mote, *x.under_way});
+    ++in_flight_;
+    all.push_back({mote, *x.in_flight});
   }
   return all;
 }
 
 void output_requests::on_outcome(mote_id mote, bool acked, instant now) {
   const auto found = motes_.find(mote);
-  if (found == motes_.end() || !found->second.under_way)
+  if (found == motes_.end() || !found->second.in_flight)
     return;
   auto& x = found->second;
-  --under_way_;
-  auto sent = std::exchange(x.under_way, std::nullopt);
+  --in_flight_;
+  auto sent = std::exchange(x.in_flight, std::nullopt);
   if (acked && x.asked == x.incarnation)
     x.told = std::move(sent);
   else if (!acked)
@@ -103,7 +103,7 @@ void output_requests::on_outcome(mote_id mote, bool acked, instant now) {
 }
 
 std::optional<instant> output_requests::deadline() const {
-  if (due_.empty() || under_way_ == config_.under_way_max)
+  if (due_.empty() || in_flight_ == config_.in_flight_max)
     return std::nullopt;
   return due_.begin()->first;
 }
@@ -114,7 +114,7 @@ output_requests::wanted output_requests::wanted_of(mote_id mote) const {
     channels.insert(own->second.begin(), own->second.end());
   for (auto x = periods_.lower_bound({mote, 0}); x != periods_.end() && x->first.first == mote;
        ++x) {
-    if (channels.contains(mote::any_channel))
+    if (channels.contains(communication::any_channel))
       channels.insert(x->first.second); // to say how often
   }
   wanted all;
@@ -123,14 +123,14 @@ output_requests::wanted output_requests::wanted_of(mote_id mote) const {
     all.push_back(
         {channel, period == periods_.end() ? std::chrono::milliseconds{} : period->second});
   }
-  if (all.size() > mote::outputs_wanted_max)
+  if (all.size() > communication::outputs_wanted_max)
     shorten(all);
   return all;
 }
 
 /// @param at when to ask, unless the mote knows already
 void output_requests::review(mote_id mote, entry& x, instant at) {
-  if (!x.listed || x.under_way)
+  if (!x.listed || x.in_flight)
     return;
   if (x.told && *x.told == wanted_of(mote))
     schedule(mote, x, std::nullopt);

@@ -12,24 +12,24 @@
 #include <string>
 #include <vector>
 
+#include "communication/outputs_wanted.hpp"
 #include "core/address.hpp"
 #include "core/time.hpp"
-#include "mote/outputs_wanted.hpp"
 
 namespace rubicon::gateway {
 
 struct output_requests_config {
   duration hesitation = 100ms;    ///< after a change: subscriptions come in groups
   duration retry = 10s;           ///< after a request that failed
-  std::size_t under_way_max = 16; ///< motes asked at the same time
+  std::size_t in_flight_max = 16; ///< motes asked at the same time
   duration settling = 5s; ///< after a restart: subscribers come back before anybody is told to stop
 };
 
 /// Asks each listed mote for all that is wanted of it whenever that differs from what it was told
-/// last. One request is under way for each mote.
+/// last. One request is in flight for each mote.
 class output_requests {
 public:
-  using wanted = std::vector<mote::output_wanted>;
+  using wanted = std::vector<communication::output_wanted>;
 
   struct request {
     mote_id mote;
@@ -67,8 +67,8 @@ private:
     bool listed = false;
     std::uint32_t incarnation = 0;
     std::optional<wanted> told; ///< nothing: it may know anything
-    std::optional<wanted> under_way;
-    std::uint32_t asked = 0;    ///< incarnation that the request under way is for
+    std::optional<wanted> in_flight;
+    std::uint32_t asked = 0;    ///< incarnation that the request in flight is for
     std::optional<instant> due; ///< as in due_
   };
 
@@ -84,7 +84,7 @@ private:
   std::map<mote_id, std::set<std::uint16_t>> channels_; ///< subscribed to
   std::set<std::uint16_t> channels_of_all_;             ///< of every mote
   std::map<std::pair<mote_id, std::uint16_t>, std::chrono::milliseconds> periods_;
-  std::size_t under_way_ = 0;
+  std::size_t in_flight_ = 0;
 };
 
 } // namespace rubicon::gateway

@@ -38,7 +38,7 @@ void duty_cycle::reserve(const network::channel_reserved& x) {
 }
 
 void duty_cycle::on_sent(std::uint64_t token, instant now) {
-  const auto sent = under_way_.extract(token);
+  const auto sent = in_flight_.extract(token);
   if (!sent.empty() && sent.mapped())
     served_.emplace_back(now, *sent.mapped());
 }
@@ -105,7 +105,7 @@ duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock) {
   }
   switch_radio(!ready.empty(), out, now, clock);
   for (auto& x : ready) {
-    under_way_[x.frame.token] = x.channel;
+    in_flight_[x.frame.token] = x.channel;
     out.emplace_back(std::move(x.frame));
   }
   return out;
@@ -125,7 +125,7 @@ void duty_cycle::switch_radio(bool sends, duty_outputs& out, instant now,
       schedule_.served(network::number_of(x.second), time, margin);
       return true;
     });
-    on = schedule_.is_on(time, margin) || !under_way_.empty() || sends;
+    on = schedule_.is_on(time, margin) || !in_flight_.empty() || sends;
     if (const auto next = schedule_.next_change(time, margin))
       due_ = earliest(due_, clock.when(*next));
     for (const auto& x : served_)

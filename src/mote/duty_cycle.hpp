@@ -87,7 +87,7 @@ private:
   network::radio_schedule schedule_;
   std::map<network::channel_id, network::channel_reserved> channels_;
   std::vector<held> held_;
-  std::map<std::uint64_t, std::optional<network::channel_id>> under_way_; ///< by token
+  std::map<std::uint64_t, std::optional<network::channel_id>> in_flight_; ///< by token
   std::vector<std::pair<instant, network::channel_id>> served_; ///< to be told to the schedule
   bool is_member_ = false;
   std::optional<instant> due_;

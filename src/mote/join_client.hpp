@@ -42,8 +42,8 @@ using join_outputs = std::vector<join_output>;
 
 struct join_config {
   duration start_jitter = 250ms;  ///< the first request leaves uniformly within this,
-  duration start_jitter_hop = 1s; ///< and this more for each hop of the way after the first
-  duration reply_wait = 500ms;    ///< for each hop of the way,
+  duration start_jitter_hop = 1s; ///< and this more for each hop of the route after the first
+  duration reply_wait = 500ms;    ///< for each hop of the route,
   unsigned attempts_max = 5;      ///< then a pause, and again without end
   duration pause = 2s;            ///< doubles each time, jittered by half
   duration pause_max = 30s;
@@ -67,7 +67,7 @@ public:
   join_client(join_config config, bytes descriptor, std::uint32_t incarnation, random_stream rng,
               std::uint32_t device = 0);
 
-  /// @param hops of the way to the sink
+  /// @param hops of the route to the sink
   [[nodiscard]] join_outputs start(unsigned hops, instant now);
   [[nodiscard]] join_outputs leave(); ///< tells the sink, then off
 

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "mote/transducer.hpp"
+#include "core/overloads.hpp"
+#include "device/transducer.hpp"
 #include "network/island_packet.hpp"
 #include "network/tick_plan.hpp"
 
@@ -19,7 +20,7 @@ constexpr duration notice_spread = 5s;
 constexpr duration notice_period = 30s;
 
 /// What a scheduled packet takes from end to end: ten hops, and some more.
-constexpr duration way_max = 10 * network::channel_slot;
+constexpr duration route_max = 10 * network::channel_slot;
 
 constexpr std::size_t paced_max = 4;   ///< packets of one channel that wait for its turn,
 constexpr std::size_t paced_usual = 2; ///< and so many without hurry
@@ -48,7 +49,7 @@ bytes with_device(bytes description, std::uint32_t device) {
   return description;
 }
 
-/// Many may find a way to the sink at the same beacon: so long they take to join.
+/// Many may find a route to the sink at the same beacon: so long they take to join.
 duration join_spread(const network::neighbours& links) {
   return links.is_full() ? 2s : static_cast<duration::rep>(links.all().size()) * duration(20ms);
 }
@@ -63,12 +64,12 @@ network::channel_id channel_of(stream::channel_handle x) {
 }
 
 /// Where radios sleep all else goes in the common window: a channel whose turns come again at the
-/// same place of each keeps out of it, with all of its way.
+/// same place of each keeps out of it, with all of its route.
 island_time beside_the_window(island_time first, duration interval, const duty_config& duty,
                               random_stream& rng) {
   using std::chrono::microseconds;
-  const auto begin = duty.window + way_max / 5;
-  const auto end = interval - way_max;
+  const auto begin = duty.window + route_max / 5;
+  const auto end = interval - route_max;
   if (!duty.enabled || begin >= end || duty.period % interval != 0ns)
     return first;
   const auto phase = first.time_since_epoch() % in_us(interval);
@@ -92,10 +93,11 @@ node::node(node_config config, const nonvolatile& store, random_stream rng, inst
   packets_ = packet_service(network, random_stream(rng_.next()), now);
   duty_ = duty_cycle(config_.duty, false);
   for (const auto& x : config_.actuators)
-    actuators_.emplace(x.name, actuator(x));
+    actuators_.emplace(x.name, device::actuator(x));
 }
 
-communication node::attach(communication_events& events, std::string name) {
+communication::interface node::attach(communication::communication_events& events,
+                                      std::string name) {
   return use_layer().attach(events, std::move(name));
 }
 
@@ -130,33 +132,39 @@ node_outputs node::leave(instant now) {
 }
 
 void node::take(join_outputs from_join, node_outputs& out, instant now) {
-  for (auto& x : from_join) {
-    if (const auto* message = std::get_if<to_registrar>(&x)) {
-      take(packets_.send_management(packets_.router().tree().root(), encode(message->message), now),
-           out, now);
-    } else if (const auto* joined = std::get_if<island_joined>(&x)) {
-      island_ = joined->island;
-      slot_ = joined->slot;
-      gateways_ = {gateway_of(island_)};
-      for (const auto alias : joined->aliases)
-        gateways_.push_back(gateway_of(alias));
-      has_told_ = false;
-      use_layer().on_joined(joined->island, now);
-      duty_.set_member(true);
-      out.emplace_back(membership{true, joined->island});
-    } else if (std::holds_alternative<join_refused>(x)) {
-      refused_ = true;
-      out.emplace_back(radio_switch{false});
-      out.emplace_back(address_taken{});
-    } else if (std::holds_alternative<join_resumed>(x)) {
-      refused_ = false;
-      out.emplace_back(radio_switch{radio_wanted_});
-    } else {
-      use_layer().on_left(now);
-      duty_.set_member(false);
-      out.emplace_back(membership{});
-    }
-  }
+  const overloads act{
+      [&](const to_registrar& x) {
+        take(packets_.send_management(packets_.router().tree().root(), encode(x.message), now), out,
+             now);
+      },
+      [&](const island_joined& x) {
+        island_ = x.island;
+        slot_ = x.slot;
+        gateways_ = {gateway_of(island_)};
+        for (const auto alias : x.aliases)
+          gateways_.push_back(gateway_of(alias));
+        has_told_ = false;
+        use_layer().on_joined(x.island, now);
+        duty_.set_member(true);
+        out.emplace_back(membership{true, x.island});
+      },
+      [&](const island_lost&) {
+        use_layer().on_left(now);
+        duty_.set_member(false);
+        out.emplace_back(membership{});
+      },
+      [&](const join_refused&) {
+        refused_ = true;
+        out.emplace_back(radio_switch{false});
+        out.emplace_back(address_taken{});
+      },
+      [&](const join_resumed&) {
+        refused_ = false;
+        out.emplace_back(radio_switch{radio_wanted_});
+      },
+  };
+  for (const auto& x : from_join)
+    std::visit(act, x);
 }
 
 void node::on_management(const management_in& x, node_outputs& out, instant now) {
@@ -307,39 +315,38 @@ void node::tell_slot(node_outputs& out, instant now) {
 }
 
 void node::take(packet_service_outputs from_packets, node_outputs& out, instant now) {
-  for (auto& x : from_packets) {
-    if (auto* frame = std::get_if<network::frame_out>(&x)) {
-      duty_.submit(std::move(*frame));
-    } else if (const auto* message = std::get_if<management_in>(&x)) {
-      on_management(*message, out, now);
-    } else if (const auto* packet = std::get_if<packet_in>(&x)) {
-      on_packet(packet->packet, now);
-    } else if (std::holds_alternative<network::clock_corrected>(x)) {
-      tick(now);
-    } else if (const auto* open = std::get_if<network::channel_connected>(&x)) {
-      tell_latency(open->channel);
-      if (const auto who = connecting_.extract(open->channel); !who.empty())
-        use_layer().on_connected(who.mapped(), handle_of(open->channel), now);
-    } else if (const auto* offered = std::get_if<network::channel_accepted>(&x)) {
-      if (joined()) { // before that nobody here knows our address
-        tell_latency(offered->channel);
-        use_layer().on_accepted(handle_of(offered->channel), {island_, offered->channel.source},
-                                now);
-      } else {
-        take(packets_.router().refuse(offered->channel, now), out, now);
-      }
-    } else if (const auto* reserved = std::get_if<network::channel_reserved>(&x)) {
-      duty_.reserve(*reserved);
-    } else if (const auto* content = std::get_if<network::channel_received>(&x)) {
-      duty_.on_received(content->channel, now);
-      use_layer().on_channel_octets(handle_of(content->channel), content->content, now);
-    } else if (const auto* over = std::get_if<network::channel_ended>(&x)) {
-      if (const auto who = connecting_.extract(over->channel); !who.empty())
-        use_layer().on_connect_failed(who.mapped(), now);
-      else
-        use_layer().on_channel_closed(handle_of(over->channel), now);
-    }
-  }
+  const overloads act{
+      [&](network::frame_out& x) { duty_.submit(std::move(x)); },
+      [&](const management_in& x) { on_management(x, out, now); },
+      [&](const packet_in& x) { on_packet(x.packet, now); },
+      [&](const network::clock_corrected&) { tick(now); },
+      [&](const network::channel_connected& x) {
+        tell_latency(x.channel);
+        if (const auto who = connecting_.extract(x.channel); !who.empty())
+          use_layer().on_connected(who.mapped(), handle_of(x.channel), now);
+      },
+      [&](const network::channel_accepted& x) {
+        if (joined()) { // before that nobody here knows our address
+          tell_latency(x.channel);
+          use_layer().on_accepted(handle_of(x.channel), {island_, x.channel.source}, now);
+        } else {
+          take(packets_.router().refuse(x.channel, now), out, now);
+        }
+      },
+      [&](const network::channel_reserved& x) { duty_.reserve(x); },
+      [&](const network::channel_received& x) {
+        duty_.on_received(x.channel, now);
+        use_layer().on_channel_octets(handle_of(x.channel), x.content, now);
+      },
+      [&](const network::channel_ended& x) {
+        if (const auto who = connecting_.extract(x.channel); !who.empty())
+          use_layer().on_connect_failed(who.mapped(), now);
+        else
+          use_layer().on_channel_closed(handle_of(x.channel), now);
+      },
+  };
+  for (auto& x : from_packets)
+    std::visit(act, x);
   if (wants_to_join_ && packets_.router().has_route()) {
     wants_to_join_ = false;
     joins_at_ = now + rng_.between(0s, join_spread(packets_.router().links()));
@@ -372,7 +379,7 @@ node_outputs node::settle(instant now) {
   return out;
 }
 
-layer& node::use_layer() {
+communication::layer& node::use_layer() {
   layer_used_ = true;
   return *layer_;
 }
@@ -404,36 +411,33 @@ void node::settle(node_outputs& out, instant now) {
   }
 }
 
-void node::perform(layer_output& x, node_outputs& out, instant now) {
-  if (auto* packet = std::get_if<transport::to_network>(&x)) {
-    const acting_on its(packet->from);
-    route(*packet, out, now);
-  } else if (const auto* wanted = std::get_if<channel_wanted>(&x)) {
-    connect(*wanted, out, now);
-  } else if (auto* content = std::get_if<channel_packet>(&x)) {
-    const acting_on its(content->from);
-    pace(std::move(*content), out, now);
-  } else if (const auto* over = std::get_if<channel_unwanted>(&x)) {
-    take(packets_.router().disconnect(channel_of(over->channel), now), out, now);
-  } else if (const auto* sample = std::get_if<sample_wanted>(&x)) {
-    const auto ahead = config_.clock.own({}) - instant{}; // streams go by the mote's crystal
-    const auto count = read(static_cast<quantity>(sample->transducer), now - ahead);
-    use_layer().on_sample(sample->stream, {{island_, config_.id}, time_ms(now), count.value_or(0)},
-                          now);
-  } else if (const auto* counts = std::get_if<transducers_wanted>(&x)) {
-    carry_out(*counts, now);
-  } else if (const auto* change = std::get_if<actuator_wanted>(&x)) {
-    carry_out(*change, out, now);
-  } else if (std::holds_alternative<init_wanted>(x)) {
-    use_layer().on_initialised(true, now);
-  } else {
-    ask_to_join(std::get<join_wanted>(x).description, out, now);
-  }
+void node::perform(communication::layer_output& x, node_outputs& out, instant now) {
+  namespace to = communication;
+  std::visit(overloads{
+                 [&](transport::to_network& y) {
+                   const acting_on its(y.from);
+                   route(y, out, now);
+                 },
+                 [&](const to::channel_wanted& y) { connect(y, out, now); },
+                 [&](to::channel_packet& y) {
+                   const acting_on its(y.from);
+                   pace(std::move(y), out, now);
+                 },
+                 [&](const to::channel_unwanted& y) {
+                   take(packets_.router().disconnect(channel_of(y.channel), now), out, now);
+                 },
+                 [&](const to::sample_wanted& y) { carry_out(y, now); },
+                 [&](const to::transducers_wanted& y) { carry_out(y, now); },
+                 [&](const to::actuator_wanted& y) { carry_out(y, out, now); },
+                 [&](const to::init_wanted&) { use_layer().on_initialised(true, now); },
+                 [&](const to::join_wanted& y) { ask_to_join(y.description, out, now); },
+             },
+             x);
 }
 
 /// Where radios sleep, a channel with a schedule carries a packet each time that the next mote
 /// wakes up for it.
-void node::pace(channel_packet x, node_outputs& out, instant now) {
+void node::pace(communication::channel_packet x, node_outputs& out, instant now) {
   const auto turn = duty_.next_turn(channel_of(x.channel), now, packets_.router().clock());
   if (!turn) {
     const auto how =
@@ -495,7 +499,7 @@ void node::heed_waits(instant now) {
     use_layer().set_answer_slack(slack);
 }
 
-/// To a mote of the own island, or by way of the sink (RTG-04).
+/// To a mote of the own island, or through the sink (RTG-04).
 void node::route(transport::to_network& x, node_outputs& out, instant now) {
   const bool is_local = x.destination.island == island_ && x.destination.mote != no_mote;
   const network::island_packet packet{x.destination.island, x.destination.mote, x.channel,
@@ -514,7 +518,7 @@ void node::route(transport::to_network& x, node_outputs& out, instant now) {
   take(packets_.send(is_local ? packet.mote : sink, packet, now, takes_slot(x.in_slot)), out, now);
 }
 
-void node::connect(const channel_wanted& x, node_outputs& out, instant now) {
+void node::connect(const communication::channel_wanted& x, node_outputs& out, instant now) {
   auto& router = packets_.router();
   network::channel_schedule schedule;
   schedule.interval = x.interval;
@@ -530,10 +534,10 @@ void node::connect(const channel_wanted& x, node_outputs& out, instant now) {
 
 // Transducers and actuators.
 
-std::optional<std::int16_t> node::read(quantity kind, instant now) {
-  if (kind == quantity::signal)
+std::optional<std::int16_t> node::read(device::quantity kind, instant now) {
+  if (kind == device::quantity::signal)
     return parent_dbm_;
-  const auto found = std::ranges::find(config_.transducers, kind, &transducer_config::kind);
+  const auto found = std::ranges::find(config_.transducers, kind, &device::transducer_config::kind);
   if (found == config_.transducers.end())
     return std::nullopt;
   return sample(*found, now, rng_, {config_.place, config_.transducer_seed});
@@ -547,14 +551,20 @@ std::uint32_t node::time_ms(instant now) const {
                                     std::chrono::milliseconds(1));
 }
 
-void node::carry_out(const transducers_wanted& x, instant now) {
+void node::carry_out(const communication::sample_wanted& x, instant now) {
+  const auto ahead = config_.clock.own({}) - instant{}; // streams go by the mote's crystal
+  const auto count = read(static_cast<device::quantity>(x.transducer), now - ahead);
+  use_layer().on_sample(x.stream, {{island_, config_.id}, time_ms(now), count.value_or(0)}, now);
+}
+
+void node::carry_out(const communication::transducers_wanted& x, instant now) {
   std::vector<std::int16_t> counts;
   for (const auto kind : x.kinds)
     counts.push_back(read(kind, config_.clock.real(now)).value_or(0));
   use_layer().on_transducers(x.process, std::move(counts), time_ms(now), now);
 }
 
-void node::carry_out(const actuator_wanted& x, node_outputs& out, instant now) {
+void node::carry_out(const communication::actuator_wanted& x, node_outputs& out, instant now) {
   const auto found = actuators_.find(x.name);
   const bool obeyed = found != actuators_.end() && found->second.set(x.state, now);
   const auto state = actuator_state(x.name, now).value_or(0);

@@ -11,21 +11,21 @@
 #include <variant>
 #include <vector>
 
+#include "communication/layer.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/fields.hpp"
 #include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
-#include "mote/actuator.hpp"
+#include "device/actuator.hpp"
+#include "device/transducer_config.hpp"
 #include "mote/crystal.hpp"
 #include "mote/descriptor.hpp"
 #include "mote/duty_cycle.hpp"
 #include "mote/join_client.hpp"
-#include "mote/layer.hpp"
 #include "mote/nonvolatile.hpp"
 #include "mote/packet_service.hpp"
-#include "mote/transducer_config.hpp"
 #include "synaptic/rubicon_clock.hpp"
 
 namespace rubicon::mote {
@@ -36,11 +36,11 @@ struct node_config {
   std::uint32_t device = 0; ///< as in descriptor
   duration keep_alive = 3s; ///< promised in the descriptor: heard at least this often
   bool joins_alone = true;  ///< else its programs call initCommunications and joinIsland
-  std::vector<transducer_config> transducers;
-  std::vector<actuator_config> actuators;
+  std::vector<device::transducer_config> transducers;
+  std::vector<device::actuator_config> actuators;
   position place;                    ///< for what its transducers measure
   std::uint64_t transducer_seed = 0; ///< of random walks: the same in all lives of a mote
-  layer_config layer;                ///< sizes of tables
+  communication::layer_config layer; ///< sizes of tables
   network::router_config network;    ///< the same
   duty_config duty;
   crystal clock; ///< its own: what transducers see goes by the world's
@@ -84,10 +84,11 @@ public:
   /// A program on this mote. Commands that are not given from within an event are followed by
   /// settle(). @param events outlives this
   /// @param name as in layer::attach()
-  [[nodiscard]] communication attach(communication_events& events, std::string name = {});
+  [[nodiscard]] communication::interface attach(communication::communication_events& events,
+                                                std::string name = {});
 
   /// As layer::observe().
-  void observe(std::function<void(const program_note&)> observer) {
+  void observe(std::function<void(const communication::program_note&)> observer) {
     layer_->observe(std::move(observer));
   }
 
@@ -96,16 +97,17 @@ public:
   [[nodiscard]] node_outputs settle(instant now);
 
   /// Radio and, at a sink, serial line are up (D1.1 5.3.4). A mote that joins alone begins to, and
-  /// does as soon as there is a way to the sink. Nothing comes before the new content of its store.
+  /// does as soon as there is a route to the sink. Nothing comes before the new content of its
+  /// store.
   [[nodiscard]] node_outputs start(instant now);
 
   /// Says goodbye and ends every outstanding send as failed.
   [[nodiscard]] node_outputs leave(instant now);
 
-  /// One reading, as a count; nothing if the mote has no such transducer. Of quantity::signal the
-  /// newest frame of its parent, or signal_unknown.
+  /// One reading, as a count; nothing if the mote has no such transducer. Of
+  /// device::quantity::signal the newest frame of its parent, or signal_unknown.
   /// @param now by the world's time
-  [[nodiscard]] std::optional<std::int16_t> read(quantity kind, instant now);
+  [[nodiscard]] std::optional<std::int16_t> read(device::quantity kind, instant now);
 
   /// What a datum of now is stamped with: the time that peers share if it is known, else the
   /// island's, else our own; the low 32 bits of its milliseconds (IF-06, CLK-08).
@@ -148,7 +150,7 @@ public:
   /// first join.
   [[nodiscard]] const std::vector<peer_id>& gateways() const { return gateways_; }
   [[nodiscard]] std::uint32_t incarnation() const { return store_.starts; } ///< lives before this
-  [[nodiscard]] const layer& above() const { return *layer_; }
+  [[nodiscard]] const communication::layer& above() const { return *layer_; }
   [[nodiscard]] const packet_service& packets() const { return packets_; }
   [[nodiscard]] const node_counters& counters() const { return counters_; }
 
@@ -159,13 +161,14 @@ private:
   void take(join_outputs from_join, node_outputs& out, instant now);
   void take(packet_service_outputs from_packets, node_outputs& out, instant now);
   void take(network::router_outputs from_router, node_outputs& out, instant now);
-  void perform(layer_output& x, node_outputs& out, instant now);
+  void perform(communication::layer_output& x, node_outputs& out, instant now);
   void on_management(const management_in& x, node_outputs& out, instant now);
   void on_packet(const network::island_packet& x, instant now);
   void route(transport::to_network& x, node_outputs& out, instant now);
-  void connect(const channel_wanted& x, node_outputs& out, instant now);
-  void carry_out(const transducers_wanted& x, instant now);
-  void carry_out(const actuator_wanted& x, node_outputs& out, instant now);
+  void connect(const communication::channel_wanted& x, node_outputs& out, instant now);
+  void carry_out(const communication::sample_wanted& x, instant now);
+  void carry_out(const communication::transducers_wanted& x, instant now);
+  void carry_out(const communication::actuator_wanted& x, node_outputs& out, instant now);
   void tell_latency(network::channel_id channel);
   void ask_to_join(bytes description, node_outputs& out, instant now);
   void tick(instant now);
@@ -173,13 +176,13 @@ private:
   [[nodiscard]] bool takes_slot(bool wanted);
   void watch_slots(instant now);
   void tell_slot(node_outputs& out, instant now);
-  void pace(channel_packet x, node_outputs& out, instant now);
+  void pace(communication::channel_packet x, node_outputs& out, instant now);
   void send_paced(node_outputs& out, instant now);
   void send_on(stream::channel_handle channel, bytes octets, network::departure how,
                node_outputs& out, instant now);
   void heed_waits(instant now);
   void settle(node_outputs& out, instant now);
-  layer& use_layer();
+  communication::layer& use_layer();
   [[nodiscard]] std::optional<instant> layer_deadline() const;
   [[nodiscard]] bool layer_wants_ticks() const;
 
@@ -192,7 +195,7 @@ private:
   nonvolatile store_;                        ///< as it was before this life
   bool refused_ = false;                     ///< its radio is off whatever its duty cycle says,
   bool radio_wanted_ = true;                 ///< which is this
-  bool wants_to_join_ = false;               ///< there is no way to the sink yet
+  bool wants_to_join_ = false;               ///< there is no route to the sink yet
   std::optional<instant> joins_at_;
   island_id island_;
   std::vector<peer_id> gateways_;
@@ -201,7 +204,8 @@ private:
   bool slot_is_free_ = false;       ///< at this tick
   std::optional<instant> tells_at_; ///< the sink, that it sends in its slot
   bool has_told_ = false;
-  std::optional<layer> layer_; ///< always there once constructed; programs point to it
+  std::optional<communication::layer>
+      layer_; ///< always there once constructed; programs point to it
   /// Most frames do not concern the layer: what it last said is kept while nobody uses it.
   bool layer_used_ = false;
   bool layer_wants_ticks_ = false;
@@ -214,8 +218,8 @@ private:
   };
   std::map<stream::channel_handle, paced> paced_; ///< none without packets
   duration slack_{};                              ///< as told to the layer
-  std::map<network::channel_id, channel_request> connecting_;
-  std::map<std::string, actuator> actuators_;
+  std::map<network::channel_id, communication::channel_request> connecting_;
+  std::map<std::string, device::actuator> actuators_;
   node_counters counters_;
 };
 

@@ -23,27 +23,27 @@ void append(packet_service_outputs& to, packet_service_outputs from) {
 } // namespace
 
 packet_service::packet_service(network::router_config config, random_stream rng, instant now)
-    : router_(config, rng, now), pieces_({.packets_max = config.is_sink ? 32U : 1U}) {}
+    : router_(config, rng, now), fragments_({.packets_max = config.is_sink ? 32U : 1U}) {}
 
 packet_service_outputs packet_service::send(mote_id to, const network::island_packet& x,
                                             instant now, bool in_slot) {
   const auto room = router_.room_to(to);
-  const auto pieces = room ? transport::cut(encode(x), *room - 1, tag_++) : std::nullopt;
-  if (!pieces) {
+  const auto fragments = room ? transport::cut(encode(x), *room - 1, tag_++) : std::nullopt;
+  if (!fragments) {
     ++counters_.unroutable;
     return {};
   }
   packet_service_outputs out;
-  for (const auto& piece : *pieces)
-    append(out, carry(router_.send(to, content(network::am::packet, piece), now, in_slot), now));
+  for (const auto& fragment : *fragments)
+    append(out, carry(router_.send(to, content(network::am::packet, fragment), now, in_slot), now));
   return out;
 }
 
 packet_service_outputs packet_service::send_to_all(const network::island_packet& x, instant now) {
   packet_service_outputs out;
-  const auto pieces = transport::cut(encode(x), network::router::room_to_all() - 1, tag_++);
-  for (const auto& piece : *pieces) // a flood's room does not vary: they always suffice
-    append(out, carry(router_.send_to_all(content(network::am::packet, piece), now), now));
+  const auto fragments = transport::cut(encode(x), network::router::room_to_all() - 1, tag_++);
+  for (const auto& fragment : *fragments) // a flood's room does not vary: they always suffice
+    append(out, carry(router_.send_to_all(content(network::am::packet, fragment), now), now));
   return out;
 }
 
@@ -96,7 +96,7 @@ void packet_service::take(network::content_in x, packet_service_outputs& out, in
     ++counters_.malformed;
     return;
   }
-  const auto whole = pieces_.on_piece(origin, octets.subspan(1), now);
+  const auto whole = fragments_.on_fragment(origin, octets.subspan(1), now);
   if (!whole)
     return;
   auto packet = network::decode_island_packet(*whole);

@@ -1,6 +1,6 @@
 // What the Network module of an island carries for those above it: component management between a
-// mote and its sink, and packets with the header of D1.1 5.4 in as many pieces as they need (A-39,
-// NET-14).
+// mote and its sink, and packets with the header of D1.1 5.4 in as many fragments as they need
+// (A-39, NET-14).
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@
 #include "core/time.hpp"
 #include "network/island_packet.hpp"
 #include "network/router.hpp"
-#include "transport/pieces.hpp"
+#include "transport/fragments.hpp"
 
 namespace rubicon::mote {
 
@@ -41,7 +41,7 @@ using packet_service_output =
 using packet_service_outputs = std::vector<packet_service_output>;
 
 struct packet_service_counters {
-  std::uint64_t unroutable = 0; ///< packets for motes to which no way is known
+  std::uint64_t unroutable = 0; ///< packets for motes to which no route is known
   std::uint64_t malformed = 0;
 };
 RUBICON_FIELDS(packet_service_counters, unroutable, malformed);
@@ -51,7 +51,7 @@ public:
   packet_service() = default;
   packet_service(network::router_config config, random_stream rng, instant now);
 
-  /// To a mote of the island. A mote that is no neighbour is reached by way of the sink, which gets
+  /// To a mote of the island. A mote that is no neighbour is reached through the sink, which gets
   /// the packet and must send it on.
   /// @param in_slot as in network::channels::send()
   /// @pre x.body.size() <= network::body_max
@@ -74,14 +74,14 @@ public:
 
   [[nodiscard]] const packet_service_counters& counters() const { return counters_; }
   [[nodiscard]] std::size_t footprint() const {
-    return router_.footprint() + pieces_.footprint(network::packet_max) + 1;
+    return router_.footprint() + fragments_.footprint(network::packet_max) + 1;
   }
 
 private:
   void take(network::content_in x, packet_service_outputs& out, instant now);
 
   network::router router_;
-  transport::assembly pieces_;
+  transport::assembly fragments_;
   std::uint8_t tag_ = 0;
   packet_service_counters counters_;
 };

@@ -36,7 +36,7 @@ struct registrar_config {
   island_id island;
   std::vector<island_id> aliases = {}; ///< at most aliases_max; motes are told at their join
   duration keep_alive_window = 10s;    ///< a mote silent for longer has left (part C)
-  duration confirm_wait = 500ms;       ///< for each hop of the way: the reply is repeated until
+  duration confirm_wait = 500ms;       ///< for each hop of the route: the reply is repeated until
   unsigned replies_max = 5;            ///< confirmed, this often; then the mote is none we know
   /// Further requests get no answer and are counted, unless somebody has been silent for longer
   /// than keep_alive_window, who is then taken for gone.
@@ -69,7 +69,7 @@ public:
   [[nodiscard]] registrar_outputs start(instant now);
 
   /// A component management frame from `source`.
-  /// @param hops of the way to it, as far as that is known; 0: unknown
+  /// @param hops of the route to it, as far as that is known; 0: unknown
   [[nodiscard]] registrar_outputs on_frame(mote_id source, byte_view payload, instant now,
                                            std::size_t hops = 1);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/overloads.hpp"
 #include "network/am.hpp"
 #include "network/wire.hpp"
 
@@ -19,7 +20,7 @@ void append(sink_outputs& to, sink_outputs from) {
 sink::sink(network::router_config network, registrar_config members, const duty_config& duty,
            random_stream rng, instant now, gateway_lines_config lines, const nonvolatile& store)
     : self_(network.self), store_(begin_life(store)), island_(members.island), duty_(duty, true),
-      lines_(lines, now, store.term), pieces_(lines.lines) {
+      lines_(lines, now, store.term), fragments_(lines.lines) {
   network.is_sink = true;
   network.duty = duty.common();
   members.confirm_wait += duty.answer_slack(0);
@@ -51,7 +52,7 @@ sink_outputs sink::on_sent(std::uint64_t token, bool acked, unsigned transmissio
 
 sink_outputs sink::on_packet(std::uint8_t am_type, byte_view payload, instant now,
                              std::size_t line) {
-  auto whole = am_type == network::am::packet ? pieces_.at(line).on_piece(self_, payload, now)
+  auto whole = am_type == network::am::packet ? fragments_.at(line).on_fragment(self_, payload, now)
                                               : std::optional(to_bytes(payload));
   if (!whole)
     return {};
@@ -137,21 +138,26 @@ sink_outputs sink::finish(sink_outputs out, instant now) {
 
 sink_outputs sink::take(packet_service_outputs from_packets, instant now) {
   sink_outputs out;
-  for (auto& x : from_packets) {
-    if (auto* frame = std::get_if<network::frame_out>(&x)) {
-      duty_.submit(std::move(*frame));
-    } else if (const auto* message = std::get_if<management_in>(&x)) {
-      const auto way = packets_.router().packets().routes().route_to(message->origin);
-      append(out,
-             take(registrar_.on_frame(message->origin, message->octets, now, way ? way->size() : 0),
-                  now));
-    } else if (const auto* packet = std::get_if<packet_in>(&x)) {
-      append(out, from_island(*packet, now));
-    } else if (const auto* offered = std::get_if<network::channel_accepted>(&x)) {
-      auto refused = packets_.router().refuse(offered->channel, now); // no app runs on a sink
-      append(out, take(packets_.carry(std::move(refused), now), now));
-    }
-  }
+  const overloads act{
+      [&](network::frame_out& x) { duty_.submit(std::move(x)); },
+      [&](const management_in& x) {
+        const auto route = packets_.router().packets().routes().route_to(x.origin);
+        const auto hops = route ? route->size() : 0;
+        append(out, take(registrar_.on_frame(x.origin, x.octets, now, hops), now));
+      },
+      [&](const packet_in& x) { append(out, from_island(x, now)); },
+      [&](const network::channel_accepted& x) { // no app runs on a sink
+        append(out, take(packets_.carry(packets_.router().refuse(x.channel, now), now), now));
+      },
+      // A sink keeps awake, is its island's clock and asks for no channels.
+      [](const network::clock_corrected&) {},
+      [](const network::channel_connected&) {},
+      [](const network::channel_received&) {},
+      [](const network::channel_ended&) {},
+      [](const network::channel_reserved&) {},
+  };
+  for (auto& x : from_packets)
+    std::visit(act, x);
   return out;
 }
 
@@ -183,23 +189,23 @@ sink_outputs sink::to_line(mote_id origin, const network::island_packet& x) {
   if (octets.size() <= network::frame_payload_max)
     return {to_gateway{origin, network::am::to_gateway, std::move(octets), lines_.leader()}};
   sink_outputs out;
-  const auto pieces = transport::cut(octets, network::frame_payload_max, tag_++);
-  for (const auto& piece : *pieces) // packet_max octets never are too many
-    out.emplace_back(to_gateway{origin, network::am::packet, piece, lines_.leader()});
+  const auto fragments = transport::cut(octets, network::frame_payload_max, tag_++);
+  for (const auto& fragment : *fragments) // packet_max octets never are too many
+    out.emplace_back(to_gateway{origin, network::am::packet, fragment, lines_.leader()});
   return out;
 }
 
 sink_outputs sink::take(registrar_outputs from_registrar, instant now) {
   sink_outputs out;
-  for (auto& x : from_registrar) {
-    if (const auto* message = std::get_if<to_mote>(&x))
-      append(out,
-             take(packets_.send_management(message->mote, encode(message->message), now), now));
-    else if (const auto* seen = std::get_if<double_refused>(&x))
-      out.emplace_back(*seen);
-    else
-      out.emplace_back(event_for(std::get<network::sink_event>(x), std::nullopt));
-  }
+  const overloads act{
+      [&](const to_mote& x) {
+        append(out, take(packets_.send_management(x.mote, encode(x.message), now), now));
+      },
+      [&](const double_refused& x) { out.emplace_back(x); },
+      [&](const network::sink_event& x) { out.emplace_back(event_for(x, std::nullopt)); },
+  };
+  for (const auto& x : from_registrar)
+    std::visit(act, x);
   return out;
 }
 

@@ -19,7 +19,7 @@
 #include "mote/packet_service.hpp"
 #include "mote/registrar.hpp"
 #include "network/time_reference.hpp"
-#include "transport/pieces.hpp"
+#include "transport/fragments.hpp"
 
 namespace rubicon::mote {
 
@@ -101,7 +101,7 @@ private:
   duty_cycle duty_;
   network::time_reference time_;
   gateway_lines lines_;
-  std::vector<transport::assembly> pieces_; ///< of packets from the gateway, for each line
+  std::vector<transport::assembly> fragments_; ///< of packets from the gateway, for each line
   std::uint8_t tag_ = 0;
   sink_counters counters_;
 };

@@ -15,8 +15,8 @@ inline constexpr std::uint8_t up = 0x16;           ///< along the tree to the si
 inline constexpr std::uint8_t down = 0x17;         ///< from the sink along a route
 inline constexpr std::uint8_t flood = 0x18;        ///< to every mote of the island
 inline constexpr std::uint8_t channel = 0x19;      ///< one hop of a channel (NET-01..09)
-inline constexpr std::uint8_t packet = 0x1a; ///< a piece of an island packet, inside the tree or on
-                                             ///< the serial line
+inline constexpr std::uint8_t packet = 0x1a; ///< a fragment of an island packet, inside the tree or
+                                             ///< on the serial line
 inline constexpr std::uint8_t outputs_wanted = 0x1b; ///< from a gateway to a mote, above Transport
 
 } // namespace rubicon::network::am

@@ -51,7 +51,7 @@ struct channel_schedule {
 /// Why a channel is not, or no longer, there.
 enum class channel_end : std::uint8_t {
   no_room = 1,     ///< a table on the path is full
-  unreachable = 2, ///< nobody knows a way, or the destination did not answer
+  unreachable = 2, ///< nobody knows a route, or the destination did not answer
   disconnected = 3,
   broken = 4,  ///< a mote on the path is gone
   expired = 5, ///< nothing came over it for too long

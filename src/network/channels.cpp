@@ -16,7 +16,7 @@ constexpr duration radio_round_max = 4 * radio_try_max;
 constexpr duration offer_lifetime = 5s; ///< what nobody has taken up by then is void
 constexpr int turns_spare =
     6; ///< turns that set-up may take beside one a hop: many take several hops
-constexpr int hops_likely = 8;           ///< of a way that nobody knows
+constexpr int hops_likely = 8;           ///< of a route that nobody knows
 constexpr unsigned flood_rounds = 2;     ///< nobody acknowledges: each mote says it so often,
 constexpr unsigned flood_rounds_max = 5; ///< and until it has heard that somebody passes it on
 
@@ -222,7 +222,7 @@ void channels::take(mote_id from, channel_id id, connect_message& x, const surro
   out.emplace_back(channel_accepted{id});
 }
 
-/// The first copy came the quickest way. Nothing is reserved before the destination has answered.
+/// The first copy came the quickest route. Nothing is reserved before the destination has answered.
 void channels::take_flooded(mote_id from, channel_id id, const connect_message& x,
                             const surroundings& around, channels_outputs& out, instant now) {
   if (const auto again = offers_.find(id); again != offers_.end()) {
@@ -384,7 +384,7 @@ void channels::free(channel_id id, channel_end why, std::optional<mote_id> told_
     out.emplace_back(channel_ended{id, why});
 }
 
-/// A packet comes here as much later as its way to us takes (NRG-03).
+/// A packet comes here as much later as its route to us takes (NRG-03).
 void channels::reserve(channel_id id, const entry& x, channels_outputs& out) const {
   auto schedule = x.wish.schedule;
   schedule.first += std::chrono::microseconds(x.wish.delay_us);
@@ -393,7 +393,7 @@ void channels::reserve(channel_id id, const entry& x, channels_outputs& out) con
 
 /// For another packet of so many octets.
 bool channels::has_room(std::size_t octets) const {
-  auto sum = octets + (under_way_ ? data_octets(under_way_->message) : 0);
+  auto sum = octets + (in_flight_ ? data_octets(in_flight_->message) : 0);
   for (const auto& x : queue_)
     sum += data_octets(x.message);
   return queue_.size() < config_.queue_max && sum <= config_.octets_max;
@@ -422,23 +422,23 @@ instant channels::due(const waiting& x) const {
 }
 
 void channels::pump(channels_outputs& out, instant now) {
-  if (under_way_)
+  if (in_flight_)
     return;
   const auto next = std::ranges::find_if(queue_, [&](const waiting& x) { return due(x) <= now; });
   if (next == queue_.end())
     return;
-  under_way_ = std::move(*next);
+  in_flight_ = std::move(*next);
   queue_.erase(next);
-  const bool in_slot = under_way_->how == departure::in_slot && under_way_->rounds == 0;
-  const acting_on its(under_way_->from);
-  out.emplace_back(channel_hop{under_way_->next, encode(under_way_->message), in_slot});
+  const bool in_slot = in_flight_->how == departure::in_slot && in_flight_->rounds == 0;
+  const acting_on its(in_flight_->from);
+  out.emplace_back(channel_hop{in_flight_->next, encode(in_flight_->message), in_slot});
 }
 
 channels_outputs channels::on_sent(bool acked, const surroundings& around, instant now) {
   channels_outputs out;
-  if (!under_way_)
+  if (!in_flight_)
     return out;
-  auto x = *std::exchange(under_way_, std::nullopt);
+  auto x = *std::exchange(in_flight_, std::nullopt);
   const auto in_slot = x.how == departure::in_slot ? 1U : 0U;
   const auto rounds_max = is_data(x.message)         ? config_.data_rounds_max + in_slot
                           : x.next == broadcast_mote ? rounds_of_flood(x.message.channel)
@@ -526,7 +526,7 @@ std::optional<instant> channels::deadline() const {
   }
   for (const auto& [id, x] : offers_)
     next = earliest(next, x.end);
-  if (!under_way_) {
+  if (!in_flight_) {
     for (const auto& x : queue_)
       next = earliest(next, due(x));
   }

@@ -25,7 +25,7 @@ struct channels_config {
   std::size_t entries_max = 8; ///< channels that begin, pass or end here
   std::size_t offers_max = 3;  ///< floods of connect messages that we may come to be part of
   std::size_t queue_max = 4;   ///< packets that wait for the radio; control messages: as many again
-  std::size_t octets_max = 216; ///< of the content of packets that wait or are under way
+  std::size_t octets_max = 216; ///< of the content of packets that wait or are in flight
   unsigned rounds_max = 6;      ///< times a control message is handed to the radio
   /// And a packet; the radio itself tries four times (NET-05), but once in a slot: that round is
   /// not counted.
@@ -179,7 +179,7 @@ public:
   [[nodiscard]] channels_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
 
-  /// A packet that arrives has been under way for no longer (IF-05). At each hop it may need all
+  /// A packet that arrives has been in flight for no longer (IF-05). At each hop it may need all
   /// its rounds, waits for those that its queue holds before it, which need one try each, and once
   /// for the radio of the next mote if that sleeps.
   /// @returns nothing: no end of such an open channel is here
@@ -270,7 +270,7 @@ private:
   std::map<channel_id, entry> entries_;
   std::map<channel_id, offer> offers_;
   std::vector<waiting> queue_;
-  std::optional<waiting> under_way_;
+  std::optional<waiting> in_flight_;
   instant held_until_;
   channels_counters counters_;
 };

@@ -123,7 +123,7 @@ public:
     return synchronised() && doubt(x) <= limit;
   }
 
-  /// Our way to the sink leads to this root now: if it is another than ours, its time is news.
+  /// Our route to the sink leads to this root now: if it is another than ours, its time is news.
   void follow(mote_id root) {
     if (heard_ && root != root_ && root != no_mote)
       heard_.reset();

@@ -145,7 +145,7 @@ void collection::take(flood_packet x, collection_outputs& out, instant now) {
 /// Of all that is kept here, without headers. A route down is content too.
 std::size_t collection::octets() const {
   const auto of = [](const waiting& x) { return octets_of(x.packet); };
-  auto sum = under_way_ ? of(*under_way_) : 0;
+  auto sum = in_flight_ ? of(*in_flight_) : 0;
   for (const auto& x : queue_)
     sum += of(x);
   return sum;
@@ -181,7 +181,7 @@ bool collection::is_new(const mark& x) {
   return true;
 }
 
-/// The next frame of a packet as things are now; nothing while there is no way up.
+/// The next frame of a packet as things are now; nothing while there is no route up.
 std::optional<hop> collection::hop_of(waiting& x) const {
   if (const auto* down = std::get_if<down_packet>(&x.packet))
     return hop{down->hops[down->at], am::down, encode(*down)};
@@ -201,9 +201,9 @@ instant collection::due(const waiting& x) const {
   return x.in_slot && x.rounds == 0 ? x.due : std::max(x.due, held_until_);
 }
 
-/// Hands out the first packet that is due, unless one is under way.
+/// Hands out the first packet that is due, unless one is in flight.
 void collection::pump(collection_outputs& out, instant now) {
-  for (auto x = queue_.begin(); x != queue_.end() && !under_way_;) {
+  for (auto x = queue_.begin(); x != queue_.end() && !in_flight_;) {
     if (due(*x) > now) {
       ++x;
       continue;
@@ -211,7 +211,7 @@ void collection::pump(collection_outputs& out, instant now) {
     const acting_on its(x->from);
     if (auto frame = hop_of(*x)) {
       frame->in_slot = x->in_slot && x->rounds == 0;
-      under_way_ = std::move(*x);
+      in_flight_ = std::move(*x);
       queue_.erase(x);
       out.emplace_back(*std::move(frame));
       return;
@@ -232,9 +232,9 @@ duration collection::pause_after(unsigned rounds) {
 
 collection_outputs collection::on_sent(bool acked, instant now) {
   collection_outputs out;
-  if (!under_way_)
+  if (!in_flight_)
     return out;
-  auto x = *std::exchange(under_way_, std::nullopt);
+  auto x = *std::exchange(in_flight_, std::nullopt);
   ++x.rounds;
   const bool is_flood = std::holds_alternative<flood_packet>(x.packet);
   const auto rounds_max = is_flood ? config_.flood_copies : config_.rounds_max;
@@ -273,7 +273,7 @@ collection_outputs collection::on_time(instant now) {
 }
 
 std::optional<instant> collection::deadline() const {
-  if (under_way_)
+  if (in_flight_)
     return std::nullopt;
   std::optional<instant> next;
   for (const auto& x : queue_)

@@ -25,13 +25,13 @@ struct collection_config {
   mote_id self;
   bool is_root = false;
   std::size_t queue_max = 8;    ///< packets that wait for their hop, others' and our own
-  std::size_t octets_max = 352; ///< of the content of these and the one under way: a longest
-                                ///< packet in its pieces, or eight readings
+  std::size_t octets_max = 352; ///< of the content of these and the one in flight: a longest
+                                ///< packet in its fragments, or eight readings
   std::size_t seen_max = 8;     ///< packets remembered, so that a repeat is not sent on again
   /// Times a packet is handed to the radio, which itself tries four times, before it is given up.
   unsigned rounds_max = 8;
   duration pause = 40ms; ///< before the second round, up to twice as long; more before each further
-  duration route_wait = 1s;     ///< without a way up; a round each
+  duration route_wait = 1s;     ///< without a route up; a round each
   duration flood_spread = 40ms; ///< motes that send the same flood on do so within this time
   unsigned flood_copies = 2;    ///< each mote sends a flood on so often
   std::uint8_t hops_max = 32;
@@ -73,7 +73,7 @@ struct collected {
 using collection_output = std::variant<hop, collected>;
 using collection_outputs = std::vector<collection_output>;
 
-/// One frame is under way at a time. A queue that is full drops what comes, and counts it: who must
+/// One frame is in flight at a time. A queue that is full drops what comes, and counts it: who must
 /// know is told end to end (MCK-12). But packets up whose content does not begin with 0, which the
 /// Network modules send for themselves (router_message.hpp), give way to those whose content does.
 class collection {
@@ -107,7 +107,7 @@ public:
   /// The hop that was handed out has ended.
   [[nodiscard]] collection_outputs on_sent(bool acked, instant now);
 
-  /// Where the way up leads from now on; no_mote: nowhere.
+  /// Where the route up leads from now on; no_mote: nowhere.
   [[nodiscard]] collection_outputs on_route(mote_id parent, etx_cost cost, instant now);
 
   [[nodiscard]] collection_outputs on_time(instant now); ///< harmless before deadline()
@@ -164,7 +164,7 @@ private:
   etx_cost cost_ = etx_infinite;
   std::uint16_t sequence_ = 0;
   std::vector<waiting> queue_;
-  std::optional<waiting> under_way_;
+  std::optional<waiting> in_flight_;
   instant held_until_;
   std::vector<mark> seen_;
   bool loop_seen_ = false;

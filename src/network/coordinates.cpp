@@ -237,7 +237,7 @@ bool coordinates::may_get_company(const neighbours& links) const {
          std::ranges::any_of(links.all(), is_new);
 }
 
-/// Whether the sink has had no way to an anchor for too long.
+/// Whether the sink has had no route to an anchor for too long.
 bool coordinates::has_lost_anchor(instant now) {
   bool is_lost = false;
   for (std::size_t i = 0; i < anchor_count; ++i) {

@@ -83,8 +83,8 @@ struct coordinates_config {
   duration first_quiet = 60s;         ///< before the sink's first decision
   duration quiet = 40s;               ///< for which a candidate must stay the best at the sink
   std::uint8_t company_samples = 6;   ///< beacons of a neighbour before a sink believes to be alone
-  duration anchor_patience = 2min;    ///< without way to an anchor: the sink elects all anew
-  duration sequence_patience = 30min; ///< without news of an anchor: there is no way to it
+  duration anchor_patience = 2min;    ///< without a route to an anchor: the sink elects all anew
+  duration sequence_patience = 30min; ///< without news of an anchor: there is no route to it
 };
 
 struct coordinates_counters {
@@ -106,7 +106,7 @@ RUBICON_FIELDS(coordinates_counters, elections, foreign_sinks, changes);
 /// period. Its decisions are an epoch and three ids, which every beacon carries on; the newest
 /// epoch wins.
 ///
-/// The sink elects anew when it has had no way to an anchor for anchor_patience, and when the
+/// The sink elects anew when it has had no route to an anchor for anchor_patience, and when the
 /// island has grown so that the mote farthest from W is more than half as far again as X, and a
 /// hop. A sink that has restarted goes on with the epoch and anchors that it hears from its
 /// neighbours.

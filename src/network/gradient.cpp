@@ -132,7 +132,7 @@ gradient::offer gradient::best_offer(const neighbours& links, mote_id root, int 
 }
 
 /// Keeps the parent unless another is better by the hysteresis; turns to another root only when
-/// there is no way to ours.
+/// there is no route to ours.
 gradient::offer gradient::choose(const neighbours& links, instant now) {
   constexpr int any_cost = 2 * etx_infinite;
   if (const auto kept = kept_offer(links, now); kept.from) {

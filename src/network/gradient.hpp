@@ -1,4 +1,4 @@
-// The collection tree: which neighbour is the next on the cheapest way to the sink.
+// The collection tree: which neighbour is the next on the cheapest route to the sink.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,12 @@
 
 namespace rubicon::network {
 
-/// What a beacon says about its sender's way to the sink: 9 octets.
+/// What a beacon says about its sender's route to the sink: 9 octets.
 struct gradient_part {
   mote_id root = no_mote;          ///< the sink; no_mote: none known
   std::uint16_t root_sequence = 0; ///< counted up by the root with each of its beacons
   mote_id parent = no_mote;        ///< no_mote: is the root, or has no route
-  etx_cost cost = etx_infinite;    ///< etx_infinite: no route, do not send by way of me
+  etx_cost cost = etx_infinite;    ///< etx_infinite: no route, do not send through me
   std::uint8_t hops = 0;           ///< below 128
   /// The sequence number was asked for: who has it from this mote passes it on soon.
   bool urgent = false;
@@ -116,7 +116,7 @@ private:
     mote_id mote;
     gradient_part part;
     /// The least cost that it has told with this sequence number. None of those who may use its
-    /// route tells less, so it never goes by way of them, whatever it costs now.
+    /// route tells less, so it never goes through them, whatever it costs now.
     etx_cost least = etx_infinite;
     unsigned lost = 0; ///< beacons in a row in which it had no route
   };

@@ -30,7 +30,7 @@ neighbours_config links_of(const router_config& config) {
   return x;
 }
 
-/// Others are of no use until they know a way to the sink: it does not keep quiet for them.
+/// Others are of no use until they know a route to the sink: it does not keep quiet for them.
 trickle_config beacons_of(const router_config& config) {
   auto x = config.beacons;
   if (config.duty.enabled()) {
@@ -347,7 +347,7 @@ void router::send_beacon(router_outputs& out, instant now, bool again) {
   beacon_due_ = false;
   relay_due_.reset();
   answer_due_.reset();
-  if (beacon_under_way_)
+  if (beacon_in_flight_)
     return;
   timer_.done(now);
   beacon x;
@@ -361,7 +361,7 @@ void router::send_beacon(router_outputs& out, instant now, bool again) {
   auto frame = frame_for(purpose::beacon, broadcast_mote, am::beacon, encode(x));
   if (stamp)
     frame.age_at = beacon::age_at;
-  beacon_under_way_ = true;
+  beacon_in_flight_ = true;
   ++counters_.beacons;
   out.emplace_back(std::move(frame));
 }
@@ -556,7 +556,7 @@ router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmi
   }
   switch (static_cast<purpose>(token & ((1U << purpose_bits) - 1))) {
   case purpose::beacon:
-    beacon_under_way_ = false;
+    beacon_in_flight_ = false;
     break;
   case purpose::packet:
     take(packets_.on_sent(acked, now), out, now);

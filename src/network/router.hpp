@@ -41,9 +41,9 @@ struct router_config {
   duration question_timeout = 3s; ///< for the sink's answer where a mote is. In a crowd,
   duration question_gap = 5s;     ///< where floods cost much, it is asked again while it does not
   unsigned asks_max = 3;          ///< know, or we do not know where we are; so often at most
-  std::size_t questions_max = 2;  ///< under way
+  std::size_t questions_max = 2;  ///< in flight
   std::size_t places_max = 1000;  ///< of motes, that the sink remembers
-  std::size_t direct_max = 4;     ///< packets for neighbours under way
+  std::size_t direct_max = 4;     ///< packets for neighbours in flight
   duration relay_spread = 150ms;  ///< a clock round is passed on within this time,
   unsigned relay_copies = 3;      ///< unless it has been heard so often until then
   duty_window duty;               ///< when radios are on
@@ -104,18 +104,18 @@ struct router_counters {
 RUBICON_FIELDS(router_counters, beacons, malformed, unknown_type, questions, unanswered, detours,
                asks, answers, sequence_requests);
 
-/// One frame of each kind is under way at a time: beacon, packet, channel message; packets for
+/// One frame of each kind is in flight at a time: beacon, packet, channel message; packets for
 /// neighbours several. Where synaptic vectors have slots, all others keep to their turns.
 class router {
 public:
   router() = default;
   router(router_config config, random_stream rng, instant now);
 
-  /// Longest content for a destination: what its way leaves room for. Nothing: no way is known.
+  /// Longest content for a destination: what its route leaves room for. Nothing: no route is known.
   [[nodiscard]] std::optional<std::size_t> room_to(mote_id destination) const;
   [[nodiscard]] static std::size_t room_to_all();
 
-  /// Towards a mote of the island, or the sink. A mote that is no neighbour is reached by way of
+  /// Towards a mote of the island, or the sink. A mote that is no neighbour is reached through
   /// the sink, which gets the content and must send it down.
   /// @param in_slot nobody near sends now: the first hop needs no back-off
   /// @pre room_to() is given and content fits
@@ -222,7 +222,7 @@ private:
   instant turn_; ///< frames without a slot wait until then
 
   std::uint16_t beacon_sequence_ = 0;
-  bool beacon_under_way_ = false;
+  bool beacon_in_flight_ = false;
   bool beacon_due_ = false;          ///< and waits for its turn
   std::optional<instant> relay_due_; ///< of a beacon that passes a clock round on
   unsigned copies_ = 0;              ///< of that round, heard so far

@@ -1,4 +1,4 @@
-// What the Network modules of an island say to each other by way of the tree: the first octet of
+// What the Network modules of an island say to each other through the tree: the first octet of
 // everything that goes up, down or to all says what follows.
 #pragma once
 

@@ -100,7 +100,7 @@ private:
   struct device {
     int strength_dbm = 0;
     bluetooth::standing standing = bluetooth::standing::unknown;
-    std::optional<instant> asked_until; ///< a HELLO is under way
+    std::optional<instant> asked_until; ///< a HELLO is in flight
     instant next_hello;                 ///< not before
   };
   using device_map = std::map<bluetooth_address, device>;

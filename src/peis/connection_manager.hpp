@@ -21,7 +21,7 @@ namespace rubicon::peis {
 struct connection_config {
   /// Links to these addresses are always kept (AUT-01): `tcp://host:port`, `inproc://id`, ...
   std::vector<std::string> always;
-  /// Where to ask for the others while there is no way to whoever answers there (TCP-07).
+  /// Where to ask for the others while there is no route to whoever answers there (TCP-07).
   std::vector<std::string> seeds;
   bool leaf = false;     ///< only links of `always` and within the host (LEA-01)
   bool manager = true;   ///< false: only links of `always` and `seeds` (CM-12)

@@ -196,7 +196,7 @@ std::optional<delivery::due> delivery::take_due(instant now, id_source& ids) {
   return result;
 }
 
-/// Ends a transfer and forgets all that is under way of it (ACK-07).
+/// Ends a transfer and forgets all that is in flight of it (ACK-07).
 reliable_message delivery::fail(std::uint64_t id) {
   const auto owner = transfers_.find(id);
   auto& x = owner->second;
@@ -227,7 +227,7 @@ std::vector<reliable_message> delivery::fail_all(peer_id destination) {
   const auto to = flows_.find(destination);
   if (to == flows_.end())
     return {};
-  std::set<std::uint64_t> ids; // a message under way may wait with its rest
+  std::set<std::uint64_t> ids; // a message in flight may wait with its rest
   for (const auto& queue : to->second.queues)
     ids.insert(queue.begin(), queue.end());
   for (const auto ack_id : to->second.order) {

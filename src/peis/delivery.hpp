@@ -20,7 +20,7 @@
 
 namespace rubicon::peis {
 
-/// How much may be under way to one destination.
+/// How much may be in flight to one destination.
 struct delivery_window {
   std::size_t packages = 256; ///< unacknowledged (P2P-05)
   /// How far the newest may be ahead of the oldest unacknowledged one, in packages: a repeat must
@@ -51,7 +51,7 @@ struct reliable_message {
 };
 
 /// Keeps messages until every package of them has been acknowledged. Per destination a window
-/// limits what is under way and three queues hold what has not begun to leave. Knows neither links
+/// limits what is in flight and three queues hold what has not begun to leave. Knows neither links
 /// nor routes: the owner asks for the next package of a destination, queues it, and says when it
 /// left.
 ///
@@ -109,7 +109,7 @@ public:
   /// Gives up everything for a destination. @returns the messages, oldest first
   [[nodiscard]] std::vector<reliable_message> fail_all(peer_id destination);
 
-  /// Nothing is under way to it, yet messages wait.
+  /// Nothing is in flight to it, yet messages wait.
   [[nodiscard]] bool only_waiting(peer_id destination) const;
 
   [[nodiscard]] std::optional<instant> deadline() const;

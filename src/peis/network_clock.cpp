@@ -12,7 +12,7 @@ namespace {
 
 constexpr duration dead_band = 500ms; // real kernels neither follow nor mind less
 constexpr duration agreement = 500us; // what measured ways leave between marked peers
-constexpr std::int64_t under_way_max_us = 0xffffff;
+constexpr std::int64_t in_flight_max_us = 0xffffff;
 
 } // namespace
 
@@ -20,8 +20,8 @@ bytes encode(const clock_message& x) {
   const auto whole = std::chrono::floor<std::chrono::seconds>(x.network_time);
   const auto rest = std::chrono::duration_cast<std::chrono::microseconds>(x.network_time - whole);
   const auto way = std::clamp<std::int64_t>(
-      std::chrono::duration_cast<std::chrono::microseconds>(x.under_way).count(), 0,
-      under_way_max_us);
+      std::chrono::duration_cast<std::chrono::microseconds>(x.in_flight).count(), 0,
+      in_flight_max_us);
   byte_writer to;
   to.big(static_cast<std::int32_t>(whole.count())).big(static_cast<std::int32_t>(rest.count()));
   to.big(static_cast<std::uint32_t>((x.master ? 1U << 24 : 0U) | static_cast<std::uint32_t>(way)));
@@ -38,7 +38,7 @@ result<clock_message> decode_clock(byte_view octets) {
   if (seconds < 0 || microseconds < 0 || microseconds >= 1'000'000)
     return errc::bad_value;
   return clock_message{std::chrono::seconds(seconds) + std::chrono::microseconds(microseconds),
-                       rest >> 24 != 0, std::chrono::microseconds(rest & under_way_max_us)};
+                       rest >> 24 != 0, std::chrono::microseconds(rest & in_flight_max_us)};
 }
 
 network_clock::network_clock(clock_config config, peer_id self, instant now)
@@ -51,12 +51,12 @@ void network_clock::drift(instant now) {
       std::floor(static_cast<double>(since.count()) * (static_cast<double>(config_.ppb) * 1e-9))));
 }
 
-void network_clock::on_message(const clock_message& x, peer_id source, duration on_the_way,
+void network_clock::on_message(const clock_message& x, peer_id source, duration in_transit,
                                bool marked, instant now) {
   drift(now);
   if (config_.master && !x.master)
     return;
-  const auto delta = x.network_time + on_the_way - (now.time_since_epoch() + offset_);
+  const auto delta = x.network_time + in_transit - (now.time_since_epoch() + offset_);
   last_error_ = delta;
   const bool rules_us = x.master && !config_.master;
   const auto band = marked ? duration(0) : dead_band;

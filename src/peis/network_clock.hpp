@@ -12,12 +12,12 @@
 namespace rubicon::peis {
 
 /// The message of port 11. Real kernels leave garbage in the last three octets; between marked
-/// peers they hold the microseconds that the message has been under way, which each link's end adds
+/// peers they hold the microseconds that the message has been in flight, which each link's end adds
 /// up.
 struct clock_message {
   duration network_time{}; ///< since 1970, whole microseconds
   bool master = false;
-  duration under_way{}; ///< 0 to 16.7 s; only marked peers' means anything
+  duration in_flight{}; ///< 0 to 16.7 s; only marked peers' means anything
 };
 
 [[nodiscard]] bytes encode(const clock_message& x);
@@ -46,9 +46,9 @@ public:
   /// How far the last broadcast heard was from our time, after it was corrected for its way.
   [[nodiscard]] duration last_error() const { return last_error_; }
 
-  /// @param on_the_way how long the message was under way; 0 if not known
+  /// @param in_transit how long the message was in flight; 0 if not known
   /// @param marked the sender is of our kind: its way is measured, so a millisecond counts
-  void on_message(const clock_message& x, peer_id source, duration on_the_way, bool marked,
+  void on_message(const clock_message& x, peer_id source, duration in_transit, bool marked,
                   instant now);
 
   /// The broadcast that is due.

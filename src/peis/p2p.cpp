@@ -158,7 +158,7 @@ void p2p::acknowledge(const package_header& header, instant now) {
 }
 
 void p2p::send_acknowledgements(peer_id to, const std::vector<std::int32_t>& ids) {
-  const auto way = any_way_to(to);
+  const auto way = any_route_to(to);
   if (!way) {
     ++counters_.no_route;
     return;
@@ -264,7 +264,7 @@ void p2p::forward(link_id from, package_header header, byte_view data) {
     flood(header, content, from);
     return;
   }
-  const auto way = any_way_to(header.destination);
+  const auto way = any_route_to(header.destination);
   if (!way) {
     ++counters_.no_route;
     return;
@@ -341,7 +341,7 @@ std::optional<link_id> p2p::way_to(peer_id destination) const {
 
 /// The way, or where the peer was last heard: an answer does not wait for routes to somebody who
 /// has just come (P2P-09).
-std::optional<link_id> p2p::any_way_to(peer_id destination) const {
+std::optional<link_id> p2p::any_route_to(peer_id destination) const {
   if (const auto way = way_to(destination))
     return way;
   const auto heard = heard_over_.find(destination);
@@ -349,7 +349,7 @@ std::optional<link_id> p2p::any_way_to(peer_id destination) const {
 }
 
 void p2p::send(posting x) {
-  const auto way = any_way_to(x.destination);
+  const auto way = any_route_to(x.destination);
   auto why = cause::none;
   if (left_)
     why = cause::left;
@@ -419,7 +419,7 @@ cause p2p::send_unreliable(const posting& x, link_id way) {
 
 /// Queues what the window to a destination and the queue on its way have room for.
 void p2p::pump(peer_id destination) {
-  const auto way = any_way_to(destination);
+  const auto way = any_route_to(destination);
   if (!way) {
     if (delivery_.only_waiting(destination)) {
       for (const auto& x : delivery_.fail_all(destination))
@@ -443,7 +443,7 @@ void p2p::pump(peer_id destination) {
 
 void p2p::repeat_due(instant now) {
   while (auto due = delivery_.take_due(now, ids_)) {
-    const auto way = any_way_to(due->destination);
+    const auto way = any_route_to(due->destination);
     if (due->failed) {
       fail(*due->failed, way ? cause::too_many_retries : cause::connection_dead);
       pump(due->destination);

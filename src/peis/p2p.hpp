@@ -34,12 +34,12 @@
 #include "peis/outgoing_queue.hpp"
 #include "peis/p2p_events.hpp"
 #include "peis/reassembly.hpp"
+#include "peis/route_probes.hpp"
 #include "peis/routing_table.hpp"
 #include "peis/seen_ids.hpp"
 #include "peis/stranger_table.hpp"
 #include "peis/trace.hpp"
 #include "peis/traffic_meter.hpp"
-#include "peis/way_probes.hpp"
 
 namespace rubicon::peis {
 
@@ -151,7 +151,7 @@ struct p2p_counters {
   std::uint64_t hosts_refused = 0;      ///< records, the table being full
   std::uint64_t routes_refused = 0;     ///< ways to hosts beyond the table
   std::uint64_t tables_put_off = 0;     ///< routing tables that came too fast; the newest counts
-  std::uint64_t questions_refused = 0;  ///< about hosts, too many answers being under way
+  std::uint64_t questions_refused = 0;  ///< about hosts, too many answers being in flight
   std::uint64_t greetings_evicted = 0;  ///< links closed for others, their request being late
   std::uint64_t newcomers_referred = 0; ///< told whom else to ask, all links being in use
   // Dropped on sending.
@@ -366,7 +366,7 @@ private:
     instant heard;               ///< its last announcement
     instant own_word;            ///< when it last described itself
     std::int32_t before = 0;     ///< magic of the incarnation that this one has followed; 0: none
-    std::optional<instant> lost; ///< there has been no way to it since
+    std::optional<instant> lost; ///< there has been no route to it since
     std::int32_t rival = 0;      ///< magic of a newcomer with its id that was refused; 0: none
     instant rival_first;         ///< when that began
     link_id from = by_announcement; ///< the link that told of it first
@@ -432,7 +432,7 @@ private:
   cause flood(const package_header& header, const std::shared_ptr<const message_octets>& content,
               std::optional<link_id> except);
   [[nodiscard]] std::optional<link_id> way_to(peer_id destination) const;
-  [[nodiscard]] std::optional<link_id> any_way_to(peer_id destination) const;
+  [[nodiscard]] std::optional<link_id> any_route_to(peer_id destination) const;
 
   // p2p_hosts.cpp: routing and hosts
   void on_routing(link_id from, byte_view data, instant now);
@@ -554,7 +554,7 @@ private:
   work_meter work_;                               ///< of the package being handled
   std::optional<instant> next_tables_;            ///< routing tables that came too soon are due
   link_id last_table_;                            ///< applied
-  std::map<link_id, std::size_t> answers_;        ///< under way, by the link of the question
+  std::map<link_id, std::size_t> answers_;        ///< in flight, by the link of the question
   std::size_t answers_open_ = 0;
   std::map<peer_id, link_id> heard_over_; ///< where sources without a way were last heard
   std::map<std::uint16_t, transit_hook> transit_hooks_; ///< by port
@@ -571,7 +571,7 @@ private:
   std::map<peer_id, contact> contacts_;
   std::map<peer_id, former_host> former_; ///< lost for want of a way: may be found again
   traffic_meter traffic_;
-  way_probes probes_;
+  route_probes probes_;
   std::vector<open_trace> traces_;
   network_clock clock_;
   instant next_manager_;

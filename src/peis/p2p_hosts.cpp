@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t entries_per_work = 8;
 constexpr int burial_periods = 3; ///< how long stale news of a host that left are ignored
-/// A real kernel that has had no way to us for 30 s has forgotten our subscriptions (peis-wire.md
+/// A real kernel that has had no route to us for 30 s has forgotten our subscriptions (peis-wire.md
 /// 9.5); what we miss of the time and it does not is less than half of it.
 constexpr duration given_up_after = 15s;
 

@@ -139,7 +139,7 @@ bool p2p::believes(const host_record_message& message, instant now) const {
     return false; // hearsay; who comes over a link of its own has been judged by refuse_rival()
   if (message.cached)
     return fits && way->news > known.own_word;
-  // Its own word, but perhaps one that was long under way.
+  // Its own word, but perhaps one that was long in flight.
   return record.magic != known.before || !routed || way->magic != known.record.magic;
 }
 

@@ -94,7 +94,7 @@ void p2p::handle(const way_disproved& x, instant now) {
   apply(changes, now);
 }
 
-/// A marked host to which no way is left is not waited for.
+/// A marked host to which no route is left is not waited for.
 void p2p::check_losses(instant now) {
   const auto first = routing_.first_loss();
   if (!first || *first + config_.lost_timeout > now)
@@ -151,7 +151,7 @@ void p2p::on_trace(const package_header& header, byte_view data) {
     return;
   }
   const auto destination = mine ? header.source : header.destination;
-  const auto way = any_way_to(destination);
+  const auto way = any_route_to(destination);
   if (!way || message->hosts.size() >= trace_hosts_max) {
     ++(way ? counters_.hops : counters_.no_route);
     return;
@@ -181,7 +181,7 @@ void p2p::on_clock(link_id from, const package_header& header, byte_view data, i
   }
   const bool marked = measures_way(header);
   const auto last_link = connections_.at(from).one_way.value_or(0s);
-  clock_.on_message(*message, header.source, marked ? message->under_way + last_link : 0s, marked,
+  clock_.on_message(*message, header.source, marked ? message->in_flight + last_link : 0s, marked,
                     now);
 }
 
@@ -190,7 +190,7 @@ void p2p::on_clock(link_id from, const package_header& header, byte_view data, i
 bytes p2p::clock_after(link_id from, byte_view data) const {
   auto octets = to_bytes(data);
   if (auto message = decode_clock(data)) {
-    message->under_way += connections_.at(from).one_way.value_or(0s);
+    message->in_flight += connections_.at(from).one_way.value_or(0s);
     std::ranges::copy(encode(*message), octets.begin());
   }
   return octets;

@@ -26,16 +26,16 @@ request_id push_window::leave(ticket x) {
   to.octets += x.octets;
   to.requests.insert(to.requests.end(), request);
   total_ += x.octets;
-  under_way_.emplace_hint(under_way_.end(), request, x);
+  in_flight_.emplace_hint(in_flight_.end(), request, x);
   return request;
 }
 
 std::optional<push_window::ticket> push_window::finish(request_id request, bool acknowledged) {
-  const auto known = under_way_.find(request);
-  if (known == under_way_.end())
+  const auto known = in_flight_.find(request);
+  if (known == in_flight_.end())
     return std::nullopt;
   const auto x = known->second;
-  under_way_.erase(known);
+  in_flight_.erase(known);
   total_ -= x.octets;
   const auto at = hosts_.find(x.host);
   auto& to = at->second;
@@ -53,7 +53,7 @@ void push_window::drop(peer_id host) {
     return;
   total_ -= at->second.octets;
   for (const auto request : at->second.requests)
-    under_way_.erase(request);
+    in_flight_.erase(request);
   hosts_.erase(at);
 }
 

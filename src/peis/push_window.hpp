@@ -1,4 +1,4 @@
-// How much of what the tuple space tells others may be under way: to one host and to all.
+// How much of what the tuple space tells others may be in flight: to one host and to all.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ struct push_window_config {
   std::size_t messages_max = 2048;                ///< to one host
   std::size_t octets_max = std::size_t{1} << 20U; ///< to one host, beyond the first message
   std::size_t total_max = std::size_t{16} << 20U; ///< octets to all hosts
-  /// Octets of a message that may be the only one under way to a host even beyond total_max.
+  /// Octets of a message that may be the only one in flight to a host even beyond total_max.
   std::size_t small = std::size_t{64} << 10U;
 };
 
@@ -37,7 +37,7 @@ public:
 
   /// May a message of this size leave?
   [[nodiscard]] bool admits(peer_id host, std::size_t octets) const;
-  /// Is nothing under way to it? What is not admitted then waits for room for all.
+  /// Is nothing in flight to it? What is not admitted then waits for room for all.
   [[nodiscard]] bool idle(peer_id host) const {
     const auto at = hosts_.find(host);
     return at == hosts_.end() || at->second.requests.empty();
@@ -53,18 +53,18 @@ public:
   void drop(peer_id host);
 
   [[nodiscard]] std::size_t octets() const { return total_; }
-  [[nodiscard]] std::size_t messages() const { return under_way_.size(); }
+  [[nodiscard]] std::size_t messages() const { return in_flight_.size(); }
 
 private:
   struct flow {
     std::size_t window = 0; ///< messages
     std::size_t octets = 0;
-    std::set<request_id> requests; ///< under way
+    std::set<request_id> requests; ///< in flight
   };
 
   push_window_config config_;
   std::map<peer_id, flow> hosts_;
-  std::map<request_id, ticket> under_way_;
+  std::map<request_id, ticket> in_flight_;
   std::size_t total_ = 0;
   std::uint64_t made_ = 0;
 };

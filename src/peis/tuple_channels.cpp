@@ -36,15 +36,15 @@ bool tuple_channels::full(const key& name, peer_id subscriber, std::size_t octet
 }
 
 void tuple_channels::forget(const channel& x) {
-  requests_.erase(x.under_way);
+  requests_.erase(x.in_flight);
   for (const auto& message : x.waiting)
     octets_ -= message.content.size();
 }
 
 transmit tuple_channels::dispatch(const std::string& folded, channel& through, transmit message) {
-  through.under_way = request_id{own_ids_first + requests_made_++};
-  requests_.emplace(through.under_way, std::pair{folded, message.destination});
-  message.request = through.under_way;
+  through.in_flight = request_id{own_ids_first + requests_made_++};
+  requests_.emplace(through.in_flight, std::pair{folded, message.destination});
+  message.request = through.in_flight;
   return message;
 }
 

@@ -14,7 +14,7 @@
 
 namespace rubicon::peis {
 
-/// One message under way per subscriber and tuple, the next leaves when it is acknowledged: a real
+/// One message in flight per subscriber and tuple, the next leaves when it is acknowledged: a real
 /// kernel applies append notices in the order in which they arrive, and repeats of lost packages
 /// change that order (peis-wire.md 15.5). A tuple is followed from a whole value on which later
 /// notices build until something else happens to it.
@@ -31,7 +31,7 @@ public:
   /// Forgets the tuple. @returns the subscribers that something was still to leave for
   std::vector<peer_id> abandon(const key& name);
 
-  /// Is a message to that subscriber under way?
+  /// Is a message to that subscriber in flight?
   [[nodiscard]] bool busy(const key& name, peer_id subscriber) const;
   /// Would a message of this size have to wait without there being room?
   [[nodiscard]] bool full(const key& name, peer_id subscriber, std::size_t octets) const;
@@ -50,7 +50,7 @@ public:
 
 private:
   struct channel {
-    request_id under_way;
+    request_id in_flight;
     std::deque<transmit> waiting;
   };
   using channels = std::map<peer_id, channel>; ///< only busy ones

@@ -54,7 +54,7 @@ std::vector<peer_id> tuple_space::subscribers_of(const tuple& x) const {
 }
 
 /// Gives a message a request of ours, by which we learn what became of it.
-transmit tuple_space::under_way(transmit message, std::optional<std::uint64_t> serial,
+transmit tuple_space::in_flight(transmit message, std::optional<std::uint64_t> serial,
                                 std::optional<instant> failing_since) {
   message.request =
       window_.leave({message.destination, message.content.size(), serial, failing_since});
@@ -83,7 +83,7 @@ void tuple_space::push(const tuple& x, instant now, tuple_events& out) {
       missed_ -= debtor->second.missed.erase(x.name.folded());
     auto to_host = message;
     to_host.destination = host;
-    out.push_back(under_way(std::move(to_host), {}, {}));
+    out.push_back(in_flight(std::move(to_host), {}, {}));
   }
 }
 
@@ -159,7 +159,7 @@ void tuple_space::ask_all(peer_id host, bool refresh) {
     x.ask = debt::asking{0, refresh};
 }
 
-/// All that matches is to be sent; what is under way goes to its end first, and then begins again.
+/// All that matches is to be sent; what is in flight goes to its end first, and then begins again.
 void tuple_space::owe_walk(subscriber& x) {
   if (!debts_[x.host].walks.emplace(x.number, &x).second)
     x.again = true;
@@ -206,7 +206,7 @@ bool tuple_space::ask_on(peer_id host, debt& x, std::size_t& steps, instant now,
   const auto ask = [&](const question& q, bool refresh) {
     take(steps, push_steps);
     out.push_back(
-        under_way(subscribe_message_to(host, known->second, q.wanted, refresh), q.serial, {}));
+        in_flight(subscribe_message_to(host, known->second, q.wanted, refresh), q.serial, {}));
   };
   while (x.ask || !x.asked_in_vain.empty()) {
     if (steps == 0 || blocked(host, x, 2 * tuple_record_size, now))
@@ -259,20 +259,20 @@ bool tuple_space::repeat_missed(peer_id host, debt& x, std::size_t& steps, insta
       continue;
     take(steps, push_steps);
     ++counters_.pushes_retried;
-    out.push_back(under_way(push_message(content, host), {}, failing_since));
+    out.push_back(in_flight(push_message(content, host), {}, failing_since));
   }
   return true;
 }
 
 void tuple_space::push_walked(peer_id host, const key& name, instant now, tuple_events& out) {
   if (channels_.busy(name, host))
-    collapse(name, now); // what is under way would be applied to a value that has it already
+    collapse(name, now); // what is in flight would be applied to a value that has it already
   ++counters_.pushes_sent;
   auto message = push_message(*store_.find(self_, name)->content, host);
   if (channels_.follows(name))
     transmit_in_order(name, std::move(message), out);
   else
-    out.push_back(under_way(std::move(message), {}, {}));
+    out.push_back(in_flight(std::move(message), {}, {}));
 }
 
 /// @returns whether all walks have come to their end

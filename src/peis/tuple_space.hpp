@@ -68,7 +68,7 @@ struct tuple_counters {
   std::uint64_t subscribers_octets = 0; ///< they take, now
   std::uint64_t held_octets = 0;        ///< tuples of others take, now
   std::uint64_t written_octets = 0;     ///< own tuples written by others take, now
-  std::uint64_t pushes_octets = 0;      ///< under way, now
+  std::uint64_t pushes_octets = 0;      ///< in flight, now
   std::uint64_t debtors = 0;            ///< hosts that are still to be told something, now
   std::uint64_t steps = 0;       ///< of deferred work: tuples and subscriptions that were looked at
   std::uint64_t sets = 0;        ///< of own tuples
@@ -296,7 +296,7 @@ private:
   // tuple_pushes.cpp
   void push(const tuple& x, instant now, tuple_events& out);
   [[nodiscard]] std::vector<peer_id> subscribers_of(const tuple& x) const;
-  [[nodiscard]] transmit under_way(transmit message, std::optional<std::uint64_t> serial,
+  [[nodiscard]] transmit in_flight(transmit message, std::optional<std::uint64_t> serial,
                                    std::optional<instant> failing_since);
   [[nodiscard]] debt* waiting_for_way(peer_id host, instant now);
   void miss_unreached(peer_id host, debt& x, const tuple& changed);

@@ -41,7 +41,7 @@ enum class priority : std::uint8_t { high, normal, bulk };
 /// How a request ended (ACK-05, TUP-24).
 enum class cause : std::uint8_t {
   none,             ///< it succeeded
-  no_route,         ///< nobody knows a way to the destination
+  no_route,         ///< nobody knows a route to the destination
   too_many_retries, ///< transmitted seven times, never acknowledged (ACK-03)
   queue_full,
   early_drop,      ///< given up at random because the queue was more than half full (P2P-03)

@@ -56,7 +56,8 @@ struct request {
 enum class power : std::uint8_t {
   on,
   off,  ///< crashed or being restarted: the radio is off, the MCU draws its sleep current
-  flat, ///< the battery is at its end: nothing is drawn any more. Final: there is no way back to on
+  flat, ///< the battery is at its end: nothing is drawn any more. Final: there is no route back to
+        ///< on
 };
 
 [[nodiscard]] std::string to_string(power x);

@@ -76,7 +76,7 @@ public:
 
   mac() = default;
   /// @param rules not nullptr, valid as long as this
-  /// @param queue frames that may be open at a time, the one under way included
+  /// @param queue frames that may be open at a time, the one in flight included
   mac(const mac_rules* rules, std::size_t queue, unsigned retries_max)
       : rules_(rules), open_(queue), retries_max_(retries_max) {}
 
@@ -97,7 +97,7 @@ public:
 
   /// The transceiver answers a frame with an ack of its own, which has left by `until`. An ack
   /// needs no CSMA and goes first (IEEE 802.15.4-2006 7.5.6.4.2): CSMA for our next frame begins
-  /// after it, anew if it was under way, so that neither the frame received nor the ack counts as a
+  /// after it, anew if it was in flight, so that neither the frame received nor the ack counts as a
   /// busy channel.
   void on_own_ack(instant until, random_stream& rng);
 
@@ -121,7 +121,7 @@ public:
     return state_ == state::ack_wait && open_.front().content.dsn == dsn;
   }
 
-  /// The frame under way. @pre not idle
+  /// The frame in flight. @pre not idle
   [[nodiscard]] outgoing& current() {
     assert(!open_.empty());
     return open_.front();

@@ -101,7 +101,7 @@ struct request_counters {
   std::uint64_t requests = 0;
   std::uint64_t sent = 0;
   failure_counters failed = {};
-  std::uint64_t open = 0; ///< queued or under way, counted where they wait
+  std::uint64_t open = 0; ///< queued or in flight, counted where they wait
 
   [[nodiscard]] bool balanced() const;
   friend bool operator==(const request_counters&, const request_counters&) = default;

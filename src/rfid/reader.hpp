@@ -15,16 +15,16 @@
 #include "core/component.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
-#include "mote/walk.hpp"
+#include "device/walk.hpp"
 #include "rfid/reader_config.hpp"
 
 namespace rubicon::rfid {
 
 /// A passive tag, and the thing that it sticks to.
 struct tag {
-  std::string id; ///< its hardware id: 1 to 32 lower-case letters, digits, - and _
-  bytes memory;   ///< its user memory, which readers read
-  mote::walk way; ///< where it is, and is carried. @pre not empty
+  std::string id;   ///< its hardware id: 1 to 32 lower-case letters, digits, - and _
+  bytes memory;     ///< its user memory, which readers read
+  device::walk way; ///< where it is, and is carried. @pre not empty
 };
 
 using tags = std::vector<tag>;

@@ -14,7 +14,7 @@
 #include "actors/peis_peer.hpp"
 #include "config/document.hpp"
 #include "config/problem_text.hpp"
-#include "runtime/fault_plan.hpp"
+#include "report/fault_plan.hpp"
 
 namespace rubicon::test {
 
@@ -139,11 +139,11 @@ public:
 
   peer_id id_of(std::string_view name) { return supervised(name).id; }
 
-  const std::vector<runtime::story_line>& story() {
-    return state_of<ecology_state>(run().root()).report.story;
+  const std::vector<report::logged_event>& log() {
+    return state_of<ecology_state>(run().root()).report.event_log;
   }
 
-  runtime::report finish() { return run().finish(); }
+  report::run_report finish() { return run().finish(); }
 
 private:
   [[nodiscard]] std::vector<instant> times_of(const config::fault_description& x) {
@@ -151,7 +151,7 @@ private:
     alone.faults = {x};
     alone.length = std::max(alone.length, x.at); // the run may be made longer than it was to be
     std::vector<instant> times;
-    for (const auto& each : runtime::plan_faults(alone))
+    for (const auto& each : report::plan_faults(alone))
       if (instant(each.at) >= now())
         times.emplace_back(each.at);
     if (times.empty())
@@ -182,7 +182,7 @@ config::ecology_description describe_file(const std::string& path, const ecology
   return take(load(text_of_file(path), path, options, std::nullopt), path);
 }
 
-runtime::report run(const config::ecology_description& what, std::uint64_t seed) {
+report::run_report run(const config::ecology_description& what, std::uint64_t seed) {
   spdlog::set_level(spdlog::level::err); // an error in the log is worth seeing, the rest is noise
   run_options options;
   options.seed = seed;
@@ -234,7 +234,7 @@ void ecology::inject(config::fault_description x) {
   parts_->inject(std::move(x));
 }
 
-runtime::report ecology::report() {
+report::run_report ecology::report() {
   return parts_->run().report_so_far();
 }
 
@@ -257,10 +257,10 @@ std::optional<std::string> ecology::tuple(std::string_view peer, std::string_vie
 }
 
 bool ecology::told(std::string_view who, std::string_view what) {
-  return tells(parts_->story(), who, what);
+  return tells(parts_->log(), who, what);
 }
 
-runtime::report ecology::finish() {
+report::run_report ecology::finish() {
   return parts_->finish();
 }
 

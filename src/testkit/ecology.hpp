@@ -13,7 +13,7 @@
 #include "config/ecology.hpp"
 #include "config/load.hpp"
 #include "core/time.hpp"
-#include "runtime/report.hpp"
+#include "report/report.hpp"
 #include "testkit/failure.hpp"
 #include "testkit/report.hpp"
 
@@ -36,7 +36,8 @@ struct ecology_options {
                                                         const ecology_options& options = {});
 
 /// Runs a description to its end, in the time that it asks for.
-[[nodiscard]] runtime::report run(const config::ecology_description& what, std::uint64_t seed = 1);
+[[nodiscard]] report::run_report run(const config::ecology_description& what,
+                                     std::uint64_t seed = 1);
 
 /// An ecology in virtual time. Nothing happens but in the calls that let time go on. Of what its
 /// actors log, only errors are shown.
@@ -79,12 +80,12 @@ public:
 
   // -- what is there now
 
-  /// What the report would be if the run were over now: metrics, story, violated invariants.
+  /// What the report would be if the run were over now: metrics, event log, violated invariants.
   /// What the file expects of the run is judged by finish() alone.
-  [[nodiscard]] runtime::report report();
+  [[nodiscard]] report::run_report report();
 
   /// What the invariants (docs/invariants.md) do not hold for, so far.
-  [[nodiscard]] std::vector<runtime::violation> violations() { return report().violations; }
+  [[nodiscard]] std::vector<report::violation> violations() { return report().violations; }
 
   /// @throws failure that tells the violations, if there are any
   void check_invariants();
@@ -95,14 +96,14 @@ public:
   [[nodiscard]] std::optional<std::string> tuple(std::string_view peer, std::string_view owner,
                                                  std::string_view key);
 
-  /// As tells(), of the story so far.
+  /// As tells(), of the event log so far.
   [[nodiscard]] bool told(std::string_view who, std::string_view what);
 
   // -- the end
 
   /// Runs it to its length, if that has not passed yet, lets everybody leave, and returns the
   /// report, expectations included. Nothing else may be called afterwards.
-  [[nodiscard]] runtime::report finish();
+  [[nodiscard]] report::run_report finish();
 
 private:
   class parts;

@@ -6,32 +6,32 @@
 
 namespace rubicon::test {
 
-bool tells(const std::vector<runtime::story_line>& story, std::string_view who,
+bool tells(const std::vector<report::logged_event>& log, std::string_view who,
            std::string_view what) {
-  return std::ranges::any_of(story, [&](const runtime::story_line& line) {
+  return std::ranges::any_of(log, [&](const report::logged_event& line) {
     return line.who.ends_with(who) && line.what.starts_with(what);
   });
 }
 
-bool tells(const runtime::report& x, std::string_view who, std::string_view what) {
-  return tells(x.story, who, what);
+bool tells(const report::run_report& x, std::string_view who, std::string_view what) {
+  return tells(x.event_log, who, what);
 }
 
-std::string told_violations(const runtime::report& x) {
+std::string told_violations(const report::run_report& x) {
   std::string all;
   for (const auto& each : x.violations)
     all += each.invariant + ": " + each.detail + '\n';
   return all;
 }
 
-const runtime::proxy_report& proxy_of(const runtime::report& x, std::string_view name) {
-  const auto found = std::ranges::find(x.proxies, name, &runtime::proxy_report::name);
+const report::proxy_report& proxy_of(const report::run_report& x, std::string_view name) {
+  const auto found = std::ranges::find(x.proxies, name, &report::proxy_report::name);
   if (found == x.proxies.end())
     throw failure("no proxy " + std::string(name));
   return *found;
 }
 
-std::string value(const runtime::proxy_report& x, std::string_view name) {
+std::string value(const report::proxy_report& x, std::string_view name) {
   const auto found = std::ranges::find(
       x.values, name, [](const auto& entry) { return std::string_view(entry.first); });
   return found == x.values.end() ? std::string() : found->second;

@@ -61,7 +61,7 @@ struct outcome {
 /// without being counted again.
 ///
 /// So for each flow to one mote, over all motes and all their lives: sent = delivered + sum of lost
-/// + those still under way.
+/// + those still in flight.
 ///
 /// An object is one life of a mote; the next life, after a loss of power, gets a new one. Numbers
 /// and tokens of a later life are not those of an earlier one if the earlier made less than one

@@ -16,7 +16,7 @@ constexpr mote_id right_mote{12};
 constexpr island_id kitchen{5};
 
 /// Three radios of one island within earshot of each other.
-struct rig {
+struct air_fixture {
   fixture world;
   fake<ecology_actor> ecology{world};
   fake<radio_user_actor> left{world};
@@ -24,8 +24,8 @@ struct rig {
   fake<radio_user_actor> third{world};
   air_actor air;
 
-  explicit rig(const std::function<void(radio::channel&)>& prepare = {}, double loss = 0,
-               std::optional<double> battery_mah = {}) {
+  explicit air_fixture(const std::function<void(radio::channel&)>& prepare = {}, double loss = 0,
+                       std::optional<double> battery_mah = {}) {
     radio::channel_config config;
     config.loss = loss;
     radio::channel channel(config, random_stream(7));
@@ -58,7 +58,7 @@ struct rig {
 
 TEST_CASE("a frame reaches its mote after back-off and air time, and its sender hears of it",
           "[actors][air][GEN-03][NET-15][ACT-01]") {
-  rig x;
+  air_fixture x;
   x.send_right(true);
   CHECK(x.right.size() == 0); // nothing arrives at the moment of sending
   x.world.run_for(1s);
@@ -87,7 +87,7 @@ TEST_CASE("a frame reaches its mote after back-off and air time, and its sender 
 
 TEST_CASE("on an air that loses everything nothing arrives, and the sender is told",
           "[actors][air][GEN-03]") {
-  rig x({}, 1.0);
+  air_fixture x({}, 1.0);
   x.send_right(true);
   x.world.run_for(1s);
   CHECK(x.right.size() == 0);
@@ -96,7 +96,7 @@ TEST_CASE("on an air that loses everything nothing arrives, and the sender is to
 }
 
 TEST_CASE("a link that loses everything leaves the others alone", "[actors][air][GEN-03]") {
-  rig x([](radio::channel& c) { c.set_loss(left_radio, right_radio, 1.0); });
+  air_fixture x([](radio::channel& c) { c.set_loss(left_radio, right_radio, 1.0); });
   for (std::uint64_t i = 0; i < 5; ++i) {
     x.world.send(x.air, radio_send{left_radio, i, broadcast_mote, 0x11, bytes{1}, false});
     x.world.run_for(100ms);
@@ -110,7 +110,7 @@ TEST_CASE("a link that loses everything leaves the others alone", "[actors][air]
 
 TEST_CASE("a radio that is off neither hears nor sends, until it is on again",
           "[actors][air][GEN-03]") {
-  rig x;
+  air_fixture x;
   x.world.send(x.air, radio_power{right_radio, radio::power::off});
   x.send_right(true);
   x.world.run_for(1s);
@@ -129,7 +129,7 @@ TEST_CASE("a radio that is off neither hears nor sends, until it is on again",
 }
 
 TEST_CASE("frames go to the newest owner of a radio", "[actors][air][ACT-03]") {
-  rig x;
+  air_fixture x;
   fake<radio_user_actor> heir(x.world);
   x.world.send(x.air, attach_radio{right_radio, heir});
   x.send_right(true);
@@ -140,7 +140,7 @@ TEST_CASE("frames go to the newest owner of a radio", "[actors][air][ACT-03]") {
 
 TEST_CASE("the air reports counters that balance and the energy of every radio",
           "[actors][air][GEN-03]") {
-  rig x({}, 0.3);
+  air_fixture x({}, 0.3);
   for (std::uint64_t i = 0; i < 200; ++i) {
     x.send_right(true, i);
     x.world.send(x.air, radio_send{third_radio, i, broadcast_mote, 0x11, bytes{1}, false});
@@ -153,8 +153,8 @@ TEST_CASE("the air reports counters that balance and the energy of every radio",
   const auto& counters = statuses[0].radio;
   CHECK(counters.requests == 400);
   CHECK(counters.requests ==
-        counters.mac_sent + runtime::total(counters.mac_failed) + counters.mac_open);
-  CHECK(counters.sent == counters.delivered + runtime::total(counters.lost));
+        counters.mac_sent + report::total(counters.mac_failed) + counters.mac_open);
+  CHECK(counters.sent == counters.delivered + report::total(counters.lost));
   CHECK(counters.lost.at("loss") > 0);
   CHECK(counters.delivered > 0);
 
@@ -174,7 +174,7 @@ TEST_CASE("the air reports counters that balance and the energy of every radio",
 
 TEST_CASE("a battery at its end is told to the radio's owner, whose radio is silent from then on",
           "[actors][air]") {
-  rig x({}, 0, 0.01); // a radio that listens takes about 20 mA
+  air_fixture x({}, 0, 0.01); // a radio that listens takes about 20 mA
   x.world.run_for(1s);
   CHECK(x.left.count<battery_flat>() == 0);
   x.world.run_for(10s);
@@ -187,7 +187,7 @@ TEST_CASE("a battery at its end is told to the radio's owner, whose radio is sil
 }
 
 TEST_CASE("a radio that moves away is heard no more", "[actors][air][NET-15]") {
-  rig x;
+  air_fixture x;
   x.send_right(false);
   x.world.run_for(1s);
   CHECK(x.right.count<frame_received>() == 1);

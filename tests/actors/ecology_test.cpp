@@ -5,7 +5,7 @@
 
 #include "actors/proxy_manager.hpp"
 #include "config/load.hpp"
-#include "runtime/invariants.hpp"
+#include "report/invariants.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
 
@@ -100,38 +100,38 @@ std::string fault(const std::string& at, const std::string& kind, const std::str
 }
 
 /// A run of it.
-struct rig {
+struct ecology_fixture {
   fixture world;
-  runtime::report report;
+  report::run_report report;
   root_actor root;
 
-  explicit rig(const std::string& faults = {}, std::uint64_t seed = 1) {
+  explicit ecology_fixture(const std::string& faults = {}, std::uint64_t seed = 1) {
     auto description = described(faults);
     description.seed = seed;
-    const report_receiver keep = [this](runtime::report x) { report = std::move(x); };
+    const report_receiver keep = [this](report::run_report x) { report = std::move(x); };
     root = world.spawn_at("ecology/small", ecology, std::move(description), keep, frame_observer{},
                           process_facts{});
   }
 
   /// Runs on to that time and collects the report.
-  const runtime::report& end_at(duration time) {
+  const report::run_report& end_at(duration time) {
     world.run_for(time - world.now().time_since_epoch());
     world.send(root, collect_report{});
     world.send(root, deliver_report{});
     return report;
   }
 
-  [[nodiscard]] const runtime::mote_report& mote(const std::string& name) const {
+  [[nodiscard]] const report::mote_report& mote(const std::string& name) const {
     const auto& motes = report.islands.at(0).motes;
-    const auto found = std::ranges::find(motes, name, &runtime::mote_report::name);
+    const auto found = std::ranges::find(motes, name, &report::mote_report::name);
     REQUIRE(found != motes.end());
     return *found;
   }
 
-  /// When a line of the story was told, for every time it was.
+  /// When a line of the event log was told, for every time it was.
   [[nodiscard]] std::vector<instant> told(std::string_view who, std::string_view what) const {
     std::vector<instant> times;
-    for (const auto& x : report.story) {
+    for (const auto& x : report.event_log) {
       if (x.who == who && x.what == what)
         times.push_back(x.at);
     }
@@ -139,7 +139,7 @@ struct rig {
   }
 };
 
-std::string list_of(const std::vector<runtime::violation>& violations) {
+std::string list_of(const std::vector<report::violation>& violations) {
   std::string text;
   for (const auto& x : violations)
     text += x.invariant + ": " + x.detail + '\n';
@@ -150,7 +150,7 @@ std::string list_of(const std::vector<runtime::violation>& violations) {
 
 TEST_CASE("a small ecology joins, reports and keeps its invariants",
           "[actors][ecology][GEN-04][ACT-01]") {
-  rig x;
+  ecology_fixture x;
   CHECK(x.world.run_until([&] { return x.world.logged("event=listed") == 2; }, 5s));
   CHECK(x.world.now() <= instant(2s)); // motes ask within their first second
   const auto& report = x.end_at(5min);
@@ -175,7 +175,7 @@ TEST_CASE("a small ecology joins, reports and keeps its invariants",
 
 TEST_CASE("a crash restarts that mote alone, and everybody else keeps what they know",
           "[actors][ecology][ACT-03][GEN-02]") {
-  rig x(fault("1min", "crash", "mote = \"kitchen/stove\""));
+  ecology_fixture x(fault("1min", "crash", "mote = \"kitchen/stove\""));
   const auto& report = x.end_at(5min);
   CHECK(list_of(report.violations).empty());
   CHECK(report.actors.restarted == 1);
@@ -199,8 +199,9 @@ TEST_CASE("a crash restarts that mote alone, and everybody else keeps what they 
 
 TEST_CASE("a program in an actor of its own that ends starts again alone",
           "[actors][ecology][ACT-03][PAR-05]") {
-  rig x("\n[[island.mote]]\nid = 4\nname = \"shelf\"\ntype = \"climate\"\nposition_m = [1, 1]\n"
-        "apps = [{ app = \"stream_reader\", place = \"actor\" }]\n");
+  ecology_fixture x(
+      "\n[[island.mote]]\nid = 4\nname = \"shelf\"\ntype = \"climate\"\nposition_m = [1, 1]\n"
+      "apps = [{ app = \"stream_reader\", place = \"actor\" }]\n");
   x.world.run_for(1min);
   using root_type = scheduler::traced_actor<ecology_state, root_actor>;
   auto* root = dynamic_cast<root_type*>(caf::actor_cast<caf::abstract_actor*>(x.root));
@@ -224,7 +225,7 @@ TEST_CASE("a mote may crash again and again", "[actors][ecology][ACT-03]") {
   std::string faults;
   for (const auto* const at : {"30s", "60s", "60100ms", "90s"})
     faults += fault(at, "crash", "mote = \"kitchen/fan\"");
-  rig x(faults);
+  ecology_fixture x(faults);
   const auto& report = x.end_at(5min);
   CHECK(list_of(report.violations).empty());
   CHECK(report.actors.restarted == 3); // one came while the mote was out of order
@@ -235,8 +236,8 @@ TEST_CASE("a mote may crash again and again", "[actors][ecology][ACT-03]") {
 }
 
 TEST_CASE("a mote whose battery is flat leaves and stays away", "[actors][ecology][ACT-04]") {
-  rig x(fault("1min", "battery_end", "mote = \"kitchen/stove\"") +
-        fault("2min", "crash", "mote = \"kitchen/stove\""));
+  ecology_fixture x(fault("1min", "battery_end", "mote = \"kitchen/stove\"") +
+                    fault("2min", "crash", "mote = \"kitchen/stove\""));
   const auto& report = x.end_at(5min);
   CHECK(list_of(report.violations).empty());
   CHECK(!x.mote("stove").alive);
@@ -255,8 +256,8 @@ TEST_CASE("a mote whose battery is flat leaves and stays away", "[actors][ecolog
 
 TEST_CASE("a battery that ends while its mote restarts is flat all the same",
           "[actors][ecology][ACT-04]") {
-  rig x(fault("60s", "crash", "mote = \"kitchen/stove\"") +
-        fault("60200ms", "battery_end", "mote = \"kitchen/stove\""));
+  ecology_fixture x(fault("60s", "crash", "mote = \"kitchen/stove\"") +
+                    fault("60200ms", "battery_end", "mote = \"kitchen/stove\""));
   const auto& report = x.end_at(5min);
   CHECK(list_of(report.violations).empty());
   CHECK(!x.mote("stove").alive);
@@ -267,7 +268,7 @@ TEST_CASE("a battery that ends while its mote restarts is flat all the same",
 }
 
 TEST_CASE("an island recovers from ten seconds without its cable", "[actors][ecology][ACT-04]") {
-  rig x(fault("1min", "unplug", "island = \"kitchen\"\nfor = \"10s\""));
+  ecology_fixture x(fault("1min", "unplug", "island = \"kitchen\"\nfor = \"10s\""));
   const auto& report = x.end_at(5min);
   CHECK(list_of(report.violations).empty());
   CHECK(x.told("kitchen", "serial cable unplugged") == std::vector{instant(60s)});
@@ -282,7 +283,7 @@ TEST_CASE("an island recovers from ten seconds without its cable", "[actors][eco
 
 TEST_CASE("equal seeds give equal traces, other seeds others", "[actors][ecology][ACT-05]") {
   const auto trace = [](std::uint64_t seed) {
-    rig x(fault("1min", "crash", "mote = \"kitchen/stove\""), seed);
+    ecology_fixture x(fault("1min", "crash", "mote = \"kitchen/stove\""), seed);
     x.end_at(2min);
     return std::pair(x.world.world().trace().hash(), x.world.world().trace().events());
   };
@@ -293,7 +294,7 @@ TEST_CASE("equal seeds give equal traces, other seeds others", "[actors][ecology
 
 namespace {
 
-/// The state of an actor that the rig knows.
+/// The state of an actor that the ecology_fixture knows.
 template <class State, class Handle, class Actor>
 State& state_of(const Actor& handle) {
   using type = scheduler::traced_actor<State, Handle>;
@@ -302,16 +303,17 @@ State& state_of(const Actor& handle) {
   return found->state;
 }
 
-std::size_t failures_among(const runtime::report& x) {
+std::size_t failures_among(const report::run_report& x) {
   return static_cast<std::size_t>(
-      std::ranges::count(x.violations, runtime::no_actor_fails, &runtime::violation::invariant));
+      std::ranges::count(x.violations, report::no_actor_fails, &report::violation::invariant));
 }
 
 } // namespace
 
 TEST_CASE("a planned crash excuses no other failure of that mote", "[actors][ecology][ACT-03]") {
-  rig x(fault("1min", "crash", "mote = \"kitchen/stove\"") +
-        fault("60100ms", "crash", "mote = \"kitchen/stove\"")); // in vain: it is out of order
+  ecology_fixture x(
+      fault("1min", "crash", "mote = \"kitchen/stove\"") +
+      fault("60100ms", "crash", "mote = \"kitchen/stove\"")); // in vain: it is out of order
   x.world.run_for(2min);
   auto& state = state_of<ecology_state, root_actor>(x.root);
   caf::anon_send_exit(state.motes.at({island_id{1}, mote_id{2}}).handle, caf::exit_reason::kill);
@@ -325,7 +327,7 @@ TEST_CASE("a planned crash excuses no other failure of that mote", "[actors][eco
 }
 
 TEST_CASE("failures are violations, however many there were before", "[actors][ecology][ACT-03]") {
-  rig x(R"(
+  ecology_fixture x(R"(
 [[fault]]
 every = "2s"
 kind = "crash"
@@ -340,7 +342,7 @@ mote = "kitchen/fan"
 
 TEST_CASE("a proxy that fails is a violation, though it is started again",
           "[actors][ecology][ACT-03]") {
-  rig x;
+  ecology_fixture x;
   x.world.run_for(1min);
   auto& state = state_of<ecology_state, root_actor>(x.root);
   auto& manager =
@@ -354,11 +356,11 @@ TEST_CASE("a proxy that fails is a violation, though it is started again",
 }
 
 TEST_CASE("what cannot be had is a violation, and may end the run", "[actors][ecology][ACT-03]") {
-  rig x;
+  ecology_fixture x;
   x.world.send(x.root, request_unmet{"peis_peer/pc", "cannot listen"});
   const auto& report = x.end_at(2min);
   REQUIRE(report.violations.size() == 1);
-  CHECK(report.violations[0].invariant == runtime::requests_are_met);
+  CHECK(report.violations[0].invariant == report::requests_are_met);
   CHECK(report.violations[0].detail == "peis_peer/pc: cannot listen");
   CHECK(x.told("pc", "cannot listen").size() == 1);
 }

@@ -18,7 +18,7 @@ constexpr island_id kitchen{5};
 constexpr mote_id fan{7};
 constexpr mote_id sink{1};
 
-struct rig {
+struct gateway_fixture {
   fixture world;
   fake<peis_peer_actor> peer{world};
   fake<serial_line_actor> line{world};
@@ -27,7 +27,7 @@ struct rig {
   serial::direction end_taken{};
   serial::am_packet asked; ///< the first that it sends down
 
-  rig() {
+  gateway_fixture() {
     gateway_arguments x;
     x.config.island = kitchen;
     x.peer = peer.handle();
@@ -92,7 +92,7 @@ const bytes message_for_fan = encode(
 
 TEST_CASE("a gateway takes its end of the line, its ports and its inputs, and has no devices",
           "[actors][gateway][GW-03][GW-13][ACT-01]") {
-  rig x;
+  gateway_fixture x;
   CHECK(x.end_taken == serial::direction::to_pc);
   CHECK(x.peer.all<hook_port>().at(0).port == 20);
   CHECK(x.peer.all<hook_port>().at(1).port == 21);
@@ -103,7 +103,7 @@ TEST_CASE("a gateway takes its end of the line, its ports and its inputs, and ha
 
 TEST_CASE("a mote that has joined becomes tuples and goes to the list",
           "[actors][gateway][GW-03][GW-04]") {
-  rig x;
+  gateway_fixture x;
   x.join_fan();
   CHECK(x.tuple("devices") == "{7}");
   CHECK(x.tuple("devices.7.type") == "0000012d");
@@ -124,7 +124,7 @@ TEST_CASE("a mote that has joined becomes tuples and goes to the list",
 }
 
 TEST_CASE("a mote's message becomes an output tuple", "[actors][gateway][GW-09]") {
-  rig x;
+  gateway_fixture x;
   x.join_fan();
   const auto segment = test::plain(fan, 2, bytes{0x01});
   x.from_sink(network::am::to_gateway,
@@ -134,7 +134,7 @@ TEST_CASE("a mote's message becomes an output tuple", "[actors][gateway][GW-09]"
 
 TEST_CASE("an input tuple goes down the line and its status tells how it ended",
           "[actors][gateway][GW-12][IF-07]") {
-  rig x;
+  gateway_fixture x;
   x.join_fan();
   x.line.forget();
   x.world.send(x.gateway,
@@ -172,7 +172,7 @@ TEST_CASE("an input tuple goes down the line and its status tells how it ended",
 
 TEST_CASE("an input for a mote that is not listed, a deleted one and a foreign key send nothing",
           "[actors][gateway][GW-12]") {
-  rig x;
+  gateway_fixture x;
   x.line.forget();
   const auto owner = gateway_of(kitchen);
   x.world.send(x.gateway, tuple_event{1, owner, "devices.7.input.2", bytes{0x01}, false});
@@ -186,7 +186,7 @@ TEST_CASE("an input for a mote that is not listed, a deleted one and a foreign k
 
 TEST_CASE("a gateway asks its sink who is there, which may have run for long",
           "[actors][gateway][GW-15]") {
-  rig x;
+  gateway_fixture x;
   CHECK(x.asked.am_type == network::am::sink_event);
   const auto event = network::decode_sink_event(x.asked.payload);
   REQUIRE(event);
@@ -195,10 +195,11 @@ TEST_CASE("a gateway asks its sink who is there, which may have run for long",
 
 TEST_CASE("a message of another island goes down with its source island",
           "[actors][gateway][WIR-02][MCK-11]") {
-  rig x;
+  gateway_fixture x;
   x.join_fan();
   x.line.forget();
-  x.world.send(x.gateway, peis_message{peer_id{2}, endpoint::island_message_port, message_for_fan});
+  x.world.send(x.gateway,
+               peis_message{peer_id{2}, communication::island_message_port, message_for_fan});
   const auto packet = network::decode_island_packet(x.packet_down().payload);
   REQUIRE(packet);
   CHECK(packet->island == island_id{2});
@@ -207,14 +208,14 @@ TEST_CASE("a message of another island goes down with its source island",
 }
 
 TEST_CASE("a message for another island goes to its gateway", "[actors][gateway][WIR-02]") {
-  rig x;
+  gateway_fixture x;
   const auto segment = test::reliable(fan, 1, 10, bytes{0x64});
   x.from_sink(network::am::to_gateway,
               encode(network::island_packet{island_id{2}, mote_id{9}, 10, encode(segment)}));
   const auto sent = x.peer.all<send_peis_message>();
   REQUIRE(sent.size() == 1);
   CHECK(sent[0].destination == peer_id{2});
-  CHECK(sent[0].port == endpoint::island_message_port);
+  CHECK(sent[0].port == communication::island_message_port);
   CHECK(sent[0].reliable);
   CHECK(sent[0].octets ==
         payload(encode(network::gateway_packet{mote_id{9}, 10, encode(segment)})));
@@ -222,10 +223,10 @@ TEST_CASE("a message for another island goes to its gateway", "[actors][gateway]
 
 TEST_CASE("gateways use messages among themselves and broadcasts to find each other, nothing else",
           "[actors][gateway][API-11][GW-13]") {
-  rig x;
+  gateway_fixture x;
   x.join_fan();
-  x.world.send(x.gateway,
-               peis_message{peer_id{2}, endpoint::island_message_port, payload(message_for_fan)});
+  x.world.send(x.gateway, peis_message{peer_id{2}, communication::island_message_port,
+                                       payload(message_for_fan)});
   x.from_sink(network::am::to_gateway,
               encode(network::island_packet{island_id{2}, mote_id{9}, 10,
                                             encode(test::reliable(fan, 1, 10, bytes{0x64}))}));
@@ -235,7 +236,7 @@ TEST_CASE("gateways use messages among themselves and broadcasts to find each ot
   CHECK(sent.size() == 1);
   CHECK(!broadcasts.empty());
   for (const auto& each : sent)
-    CHECK(each.port == endpoint::island_message_port);
+    CHECK(each.port == communication::island_message_port);
   for (const auto& each : broadcasts)
     CHECK(each.port == gateway::announcement_port);
   // All else is about its own tuples.
@@ -248,10 +249,11 @@ TEST_CASE("gateways use messages among themselves and broadcasts to find each ot
 }
 
 TEST_CASE("a gateway reports a packet lost when nobody acks", "[actors][gateway][GW-16]") {
-  rig x;
+  gateway_fixture x;
   x.join_fan();
   x.line.forget();
-  x.world.send(x.gateway, peis_message{peer_id{2}, endpoint::island_message_port, message_for_fan});
+  x.world.send(x.gateway,
+               peis_message{peer_id{2}, communication::island_message_port, message_for_fan});
   x.world.run_for(300ms);
   CHECK(x.line.count<serial_write>() >= 3); // waits know how long a frame takes
   CHECK(x.lost("gateway_no_ack") == 0);
@@ -263,10 +265,11 @@ TEST_CASE("a gateway reports a packet lost when nobody acks", "[actors][gateway]
 }
 
 TEST_CASE("a packet that is acked is written once", "[actors][gateway][GW-16]") {
-  rig x;
+  gateway_fixture x;
   x.join_fan();
   x.line.forget();
-  x.world.send(x.gateway, peis_message{peer_id{2}, endpoint::island_message_port, message_for_fan});
+  x.world.send(x.gateway,
+               peis_message{peer_id{2}, communication::island_message_port, message_for_fan});
   x.ack_frame();
   x.world.run_for(1min);
   CHECK(x.line.count<serial_write>() == 1);
@@ -274,13 +277,13 @@ TEST_CASE("a packet that is acked is written once", "[actors][gateway][GW-16]") 
 }
 
 TEST_CASE("a gateway counts what is no frame and no packet, and goes on", "[actors][gateway]") {
-  rig x;
+  gateway_fixture x;
   auto octets = serial::encode(serial::frame{serial::frame_type::packet, 0, bytes{0, 1, 2}});
   x.world.send(x.gateway, serial_octets{octets});
   octets[3] ^= 1;
   x.world.send(x.gateway, serial_octets{octets});
   x.from_sink(network::am::sink_event, bytes{0xee});
-  x.world.send(x.gateway, peis_message{peer_id{2}, endpoint::island_message_port, bytes{1}});
+  x.world.send(x.gateway, peis_message{peer_id{2}, communication::island_message_port, bytes{1}});
   CHECK(x.lost("gateway_malformed") == 1);
   CHECK(x.lost("gateway_crc") == 1);
   x.join_fan();

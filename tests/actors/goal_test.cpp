@@ -17,13 +17,13 @@ constexpr peer_id robot{31};
 constexpr peer_id opener{32};
 const std::string meta_key = "robot.mi-door";
 
-struct rig {
+struct goal_fixture {
   fixture world;
   fake<peis_peer_actor> peer{world};
   fake<ecology_actor> ecology{world};
   timed_peer_app_actor app;
 
-  rig() {
+  goal_fixture() {
     goal::pursuer_config x;
     x.name = "robot";
     x.inputs = {{"door", ""}};
@@ -66,7 +66,7 @@ struct rig {
 
 TEST_CASE("a pursuer declares and follows the meta tuple of its input",
           "[actors][goal][SVC-10][META-04][ACT-01]") {
-  rig x;
+  goal_fixture x;
   const auto declared = x.peer.all<declare_meta_tuple>();
   REQUIRE(declared.size() == 1);
   CHECK(declared[0].key == meta_key);
@@ -81,7 +81,7 @@ TEST_CASE("a pursuer declares and follows the meta tuple of its input",
 }
 
 TEST_CASE("a goal that is written is pursued in time, and its end told", "[actors][goal][SVC-10]") {
-  rig x;
+  goal_fixture x;
   x.want("at kitchen");
   CHECK(x.told("state") == "waiting");
   x.door(opener, "open");
@@ -91,16 +91,16 @@ TEST_CASE("a goal that is written is pursued in time, and its end told", "[actor
   x.world.run_for(1ns);
   CHECK(x.told("outcome") == "at kitchen succeeded");
   CHECK(x.told("place") == "kitchen");
-  const auto stories = x.ecology.all<story>();
-  REQUIRE(stories.size() == 2);
-  CHECK(stories[0].who == "robot");
-  CHECK(stories[0].what == "goal: at kitchen");
-  CHECK(stories[1].what == "at kitchen succeeded");
+  const auto events = x.ecology.all<notable_event>();
+  REQUIRE(events.size() == 2);
+  CHECK(events[0].who == "robot");
+  CHECK(events[0].what == "goal: at kitchen");
+  CHECK(events[1].what == "at kitchen succeeded");
   x.door(opener, "closed");
   x.want("at kitchen");
   x.world.run_for(20s);
   CHECK(x.told("outcome") == "at kitchen failed");
-  CHECK(x.ecology.all<story>().back().what == "at kitchen failed: timeout");
+  CHECK(x.ecology.all<notable_event>().back().what == "at kitchen failed: timeout");
   x.world.send(x.app, status_request{});
   REQUIRE(x.ecology.count<program_status>() == 1);
   const auto report = x.ecology.all<program_status>()[0].program;
@@ -118,16 +118,17 @@ TEST_CASE("a goal that is written is pursued in time, and its end told", "[actor
 TEST_CASE("what an input was is forgotten when it is pointed elsewhere, or is gone",
           "[actors][goal][SVC-10][META-05]") {
   const auto state_after = [](const auto& change) {
-    rig x;
+    goal_fixture x;
     x.door(opener, "open");
     change(x);
     x.want("at kitchen");
     return x.told("state");
   };
-  CHECK(state_after([](rig& x) { x.point("(META 32 opener.door)"); }) == "driving");
-  CHECK(state_after([](rig& x) { x.point("(META 33 opener.door)"); }) == "waiting");
-  CHECK(state_after([](rig& x) { x.point("(META -1 NULL)"); }) == "waiting");
-  CHECK(state_after([](rig& x) { x.point("rubbish"); }) == "waiting");
-  CHECK(state_after([](rig& x) { x.door(opener, "open", true); }) == "waiting");
-  CHECK(state_after([](rig& x) { x.door(robot, "open", true); }) == "driving"); // of another
+  CHECK(state_after([](goal_fixture& x) { x.point("(META 32 opener.door)"); }) == "driving");
+  CHECK(state_after([](goal_fixture& x) { x.point("(META 33 opener.door)"); }) == "waiting");
+  CHECK(state_after([](goal_fixture& x) { x.point("(META -1 NULL)"); }) == "waiting");
+  CHECK(state_after([](goal_fixture& x) { x.point("rubbish"); }) == "waiting");
+  CHECK(state_after([](goal_fixture& x) { x.door(opener, "open", true); }) == "waiting");
+  CHECK(state_after([](goal_fixture& x) { x.door(robot, "open", true); }) ==
+        "driving"); // of another
 }

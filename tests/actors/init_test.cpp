@@ -23,13 +23,13 @@ peisinit::component rules() {
 }
 
 /// An init whose kernel and ecology are fakes, with one component.
-struct rig {
+struct init_fixture {
   fixture world;
   fake<peis_peer_actor> kernel{world};
   fake<ecology_actor> ecology{world};
   init_actor aut;
 
-  rig() {
+  init_fixture() {
     init_arguments x;
     x.name = "care-init";
     x.id = peer_id{40};
@@ -60,7 +60,7 @@ struct rig {
 
 TEST_CASE("an init guards its kernel before it starts anything",
           "[actors][peisinit][SVC-01][ACT-01]") {
-  rig x;
+  init_fixture x;
   CHECK(x.kernel.count<guard_kernel>() == 1);
   CHECK(x.kernel.count<set_tuple>() == 0);
   CHECK(x.ecology.count<start_component>() == 0);
@@ -82,7 +82,7 @@ TEST_CASE("an init guards its kernel before it starts anything",
 
 TEST_CASE("an init writes at the component's kernel, and then asks the ecology",
           "[actors][peisinit][SVC-05]") {
-  rig x;
+  init_fixture x;
   x.guard();
   x.world.send(x.aut, component_started{"care-rules", 1});
   x.write("on"); // as its own tuple is told
@@ -110,7 +110,7 @@ TEST_CASE("an init writes at the component's kernel, and then asks the ecology",
 }
 
 TEST_CASE("a component that has ended is started again by its init", "[actors][peisinit][SVC-04]") {
-  rig x;
+  init_fixture x;
   x.guard();
   x.world.send(x.aut, component_started{"care-rules", 1});
   x.world.send(x.aut, component_ended{"care-rules", 1});
@@ -122,7 +122,7 @@ TEST_CASE("a component that has ended is started again by its init", "[actors][p
 }
 
 TEST_CASE("a guarded kernel ends when all components are off", "[actors][peisinit][SVC-01]") {
-  rig x;
+  init_fixture x;
   x.world.send(x.aut, quit_wanted{}); // before anything has started
   CHECK(x.kernel.count<quit_peer>() == 0);
   x.guard();

@@ -7,7 +7,7 @@
 
 #include "actors/frames.hpp"
 #include "actors/messages.hpp"
-#include "support/island_world.hpp"
+#include "support/island_fixture.hpp"
 #include "testkit/fake.hpp"
 
 namespace rubicon::test {
@@ -19,7 +19,7 @@ class island_partner {
 public:
   /// @param actor of mote `self`, which is the outsider of `config`
   island_partner(fixture& world, fake<air_actor>& air, Actor& actor, mote_id self,
-                 island_world_config config)
+                 island_fixture_config config)
       : cores((config.outsider = self, config)), world_(world), air_(air), actor_(actor),
         self_(self) {
     cores.to_outsider = [this](mote_id from, const network::frame_out& x) {
@@ -51,7 +51,7 @@ public:
     return done();
   }
 
-  island_world cores;
+  island_fixture cores;
 
   /// What the actor has had on the radio so far, except beacons.
   std::vector<radio_send> sent;

@@ -19,7 +19,7 @@ constexpr mote_id sink{1};
 constexpr mote_id neighbour{3};
 constexpr radio::radio_index stove_radio{3};
 
-namespace r = mote::remote;
+namespace r = communication::remote;
 
 /// What a program beside the mote has been told, of that kind.
 template <class Event>
@@ -34,7 +34,7 @@ std::vector<Event> told(const fake<program_client_actor>& program) {
   return found;
 }
 
-struct rig {
+struct mote_fixture {
   fixture world;
   fake<air_actor> air{world};
   fake<ecology_actor> ecology{world};
@@ -43,14 +43,15 @@ struct rig {
   test::island_partner<mote_actor> island{
       world, air, mote, stove.mote, {.width = 2, .height = 2, .island = stove.island}};
 
-  explicit rig(std::vector<config::mote_app> apps = {}, std::vector<mote::way_point> path = {}) {
+  explicit mote_fixture(std::vector<config::mote_app> apps = {},
+                        std::vector<device::waypoint> path = {}) {
     mote_arguments x;
     x.address = stove;
     x.name = "kitchen/stove";
     x.node.id = stove.mote;
     x.node.type = 101;
-    x.node.transducers = {{mote::quantity::temperature, mote::constant_model{21.5}, 0, 0.1}};
-    x.node.actuators = {{"switch", mote::actuator_kind::relay, 1}};
+    x.node.transducers = {{device::quantity::temperature, device::constant_model{21.5}, 0, 0.1}};
+    x.node.actuators = {{"switch", device::actuator_kind::relay, 1}};
     x.apps = std::move(apps);
     x.path = std::move(path);
     x.seed = 4;
@@ -125,7 +126,7 @@ struct rig {
 
 TEST_CASE("a mote asks its sink to take it in once it knows a way, and confirms the answer",
           "[actors][mote][DIS-08][MCK-14][ACT-01]") {
-  rig x;
+  mote_fixture x;
   CHECK(x.air.all<attach_radio>().at(0).radio == stove_radio);
   REQUIRE(x.island.run_until([&x] { return x.is_member(); }, 1min));
   std::size_t requests = 0;
@@ -145,7 +146,7 @@ TEST_CASE("a mote asks its sink to take it in once it knows a way, and confirms 
 }
 
 TEST_CASE("a mote that nobody answers goes on asking", "[actors][mote][DIS-08]") {
-  rig x;
+  mote_fixture x;
   x.island.only_beacons = true;
   x.island.run_for(10min);
   const auto requests = std::ranges::count_if(x.island.sent, [](const auto& sent) {
@@ -157,14 +158,14 @@ TEST_CASE("a mote that nobody answers goes on asking", "[actors][mote][DIS-08]")
 
 TEST_CASE("a mote that hears no one has nobody to ask, but tells that it is there",
           "[actors][mote][DIS-08][NET-11]") {
-  rig x;
+  mote_fixture x;
   x.world.run_for(1min);
   CHECK(x.air.count<radio_send>() == 1); // the air has not said yet what has become of it
   CHECK(x.air.all<radio_send>()[0].am_type == network::am::beacon);
 }
 
 TEST_CASE("a send before the join is refused", "[actors][mote][MCK-16]") {
-  rig x;
+  mote_fixture x;
   x.send(5, {own_island, neighbour}, true);
   REQUIRE(told<r::send_ended>(x.app).size() == 1);
   CHECK(told<r::send_ended>(x.app)[0].number == 5);
@@ -174,7 +175,7 @@ TEST_CASE("a send before the join is refused", "[actors][mote][MCK-16]") {
 
 TEST_CASE("a message to a mote of the island goes out as one frame to that mote",
           "[actors][mote][MCK-09]") {
-  rig x;
+  mote_fixture x;
   x.join();
   x.send(5, {own_island, neighbour}, false);
   std::vector<radio_send> local;
@@ -195,7 +196,7 @@ TEST_CASE("a message to a mote of the island goes out as one frame to that mote"
 
 TEST_CASE("two reliable sends end when and as each of them is acknowledged",
           "[actors][mote][MCK-10][MCK-12]") {
-  rig x;
+  mote_fixture x;
   x.join();
   x.send(5, {own_island, no_mote}, true);
   x.send(6, {own_island, no_mote}, true);
@@ -222,7 +223,7 @@ TEST_CASE("two reliable sends end when and as each of them is acknowledged",
 }
 
 TEST_CASE("an AM type belongs to the program that claimed it first", "[actors][mote][AM-05]") {
-  rig x({config::listener_app{11}, config::listener_app{11}});
+  mote_fixture x({config::listener_app{11}, config::listener_app{11}});
   fake<program_client_actor> late(x.world);
   x.attach(2, late);
   x.command(r::provide_type{10});
@@ -242,7 +243,7 @@ TEST_CASE("an AM type belongs to the program that claimed it first", "[actors][m
 }
 
 TEST_CASE("a mote takes no frames of another island", "[actors][mote][RTG-06][GEN-11]") {
-  rig x;
+  mote_fixture x;
   x.command(r::provide_type{10});
   x.join();
   x.hear_local(test::plain(neighbour, 10, bytes{3}), 6);
@@ -253,7 +254,7 @@ TEST_CASE("a mote takes no frames of another island", "[actors][mote][RTG-06][GE
 
 TEST_CASE("two programs hear their own AM types only, whatever burst the other gets",
           "[actors][mote][NFR-04]") {
-  rig x;
+  mote_fixture x;
   fake<program_client_actor> other(x.world);
   x.attach(2, other);
   x.command(r::provide_type{10});
@@ -272,10 +273,10 @@ TEST_CASE("two programs hear their own AM types only, whatever burst the other g
 
 TEST_CASE("a mote reads its transducers and sets its actuators for its programs",
           "[actors][mote][PAR-05]") {
-  rig x;
-  x.command(r::read_transducers{{mote::quantity::temperature}});
+  mote_fixture x;
+  x.command(r::read_transducers{{device::quantity::temperature}});
   CHECK(told<r::transducers_read>(x.app).at(0).counts == std::vector<std::int16_t>{215});
-  x.command(r::read_transducers{{mote::quantity::temperature, mote::quantity::light}});
+  x.command(r::read_transducers{{device::quantity::temperature, device::quantity::light}});
   CHECK(told<r::transducers_read>(x.app).at(1).counts.empty()); // it has no eye
 
   x.command(r::set_actuator{"switch", 0});
@@ -286,18 +287,18 @@ TEST_CASE("a mote reads its transducers and sets its actuators for its programs"
   CHECK((answers[0].name == "switch" && answers[0].state == 0 && answers[0].obeyed));
   CHECK((answers[1].name == "switch" && answers[1].state == 0 && !answers[1].obeyed));
   CHECK((answers[2].name == "wings" && !answers[2].obeyed));
-  REQUIRE(x.ecology.count<story>() == 1);
-  CHECK(x.ecology.all<story>()[0].what == "switch off");
+  REQUIRE(x.ecology.count<notable_event>() == 1);
+  CHECK(x.ecology.all<notable_event>()[0].what == "switch off");
 }
 
 TEST_CASE("what samplers, messengers and listeners do is told under their own names",
           "[actors][mote]") {
-  rig x({config::listener_app{10}, config::messenger_app{{}, "nobody", 10s}});
+  mote_fixture x({config::listener_app{10}, config::messenger_app{{}, "nobody", 10s}});
   x.join();
   x.hear_local(test::plain(neighbour, 10, to_bytes(std::string_view("dinner"))));
-  REQUIRE(x.ecology.count<story>() == 1);
-  CHECK(x.ecology.all<story>()[0].who == "mote_app/kitchen/stove/listener-10");
-  CHECK(x.ecology.all<story>()[0].what == "heard \"dinner\" from mote 5/3");
+  REQUIRE(x.ecology.count<notable_event>() == 1);
+  CHECK(x.ecology.all<notable_event>()[0].who == "mote_app/kitchen/stove/listener-10");
+  CHECK(x.ecology.all<notable_event>()[0].what == "heard \"dinner\" from mote 5/3");
   CHECK(x.world.logged("mote_app/kitchen/stove/messenger-10 event=undelivered number=1 "
                        "refused=true") == 1);
 }
@@ -305,7 +306,7 @@ TEST_CASE("what samplers, messengers and listeners do is told under their own na
 TEST_CASE("a mote whose battery is flat tells it once and is silent from then on",
           "[actors][mote][ACT-04]") {
   const bool by_fault = GENERATE(true, false);
-  rig x({config::sampler_app{{mote::quantity::temperature}, 1s}});
+  mote_fixture x({config::sampler_app{{device::quantity::temperature}, 1s}});
   x.join();
   x.island.run_for(10s);
   CHECK(x.sent_up().size() >= 9);
@@ -324,14 +325,14 @@ TEST_CASE("a mote whose battery is flat tells it once and is silent from then on
   }
   REQUIRE(x.ecology.count<mote_flat>() == 1);
   CHECK(x.ecology.all<mote_flat>()[0].mote == stove);
-  CHECK(x.ecology.all<story>().back().what == "battery flat");
+  CHECK(x.ecology.all<notable_event>().back().what == "battery flat");
   CHECK(x.app.count<program_detached>() == 1);
 
   x.air.forget();
   x.app.forget();
   x.world.run_for(5min);
   x.send(5, {own_island, no_mote}, true);
-  x.command(r::read_transducers{{mote::quantity::temperature}});
+  x.command(r::read_transducers{{device::quantity::temperature}});
   x.command(r::set_actuator{"switch", 0});
   x.hear_local(test::hello(neighbour, 1, 10));
   x.world.send(x.mote, crash_now{});
@@ -343,7 +344,7 @@ TEST_CASE("a mote whose battery is flat tells it once and is silent from then on
 
 TEST_CASE("what a mote has counted does not go with its crash, and what was open has failed",
           "[actors][mote][ACT-03]") {
-  rig x;
+  mote_fixture x;
   x.join();
   x.send(5, {own_island, no_mote}, true);
   x.send(6, {own_island, no_mote}, false);
@@ -359,7 +360,7 @@ TEST_CASE("what a mote has counted does not go with its crash, and what was open
 
 TEST_CASE("a handler that throws ends its mote and the mote's apps, and nobody else",
           "[actors][mote][ACT-03][GEN-02]") {
-  rig x({config::listener_app{10}});
+  mote_fixture x({config::listener_app{10}});
   x.join();
   x.world.send(x.mote, crash_now{});
   REQUIRE(x.world.ends().size() == 1);
@@ -373,9 +374,9 @@ TEST_CASE("a handler that throws ends its mote and the mote's apps, and nobody e
   CHECK(x.air.size() == 0);
 }
 
-TEST_CASE("a mote with way-points tells the air where it is, every second while it moves",
+TEST_CASE("a mote with waypoints tells the air where it is, every second while it moves",
           "[actors][mote][NET-15]") {
-  rig x({}, {{0s, {0, 0, 0}}, {2s, {10, 0, 0}}, {5s, {10, 0, 0}}, {6s, {10, 4, 0}}});
+  mote_fixture x({}, {{0s, {0, 0, 0}}, {2s, {10, 0, 0}}, {5s, {10, 0, 0}}, {6s, {10, 4, 0}}});
   x.world.run_for(20s);
   std::vector<position> places;
   for (const auto& move : x.air.all<move_radio>()) {
@@ -387,8 +388,8 @@ TEST_CASE("a mote with way-points tells the air where it is, every second while 
   CHECK(times.back() == instant(6s));
 }
 
-TEST_CASE("an app may carry its mote away from its way-points", "[actors][mote][NET-15]") {
-  rig x({}, {{0s, {0, 0, 0}}, {10s, {10, 0, 0}}});
+TEST_CASE("an app may carry its mote away from its waypoints", "[actors][mote][NET-15]") {
+  mote_fixture x({}, {{0s, {0, 0, 0}}, {10s, {10, 0, 0}}});
   x.world.run_for(1500ms);
   x.world.send(x.mote, move_mote{{7, 7, 7}});
   x.world.run_for(20s);
@@ -400,7 +401,7 @@ TEST_CASE("an app may carry its mote away from its way-points", "[actors][mote][
 
 TEST_CASE("a mote carries out the commands of a program in another actor, until that ends",
           "[actors][mote][PAR-05][MCK-04][MCK-07][AM-05]") {
-  rig x;
+  mote_fixture x;
   x.join();
   auto& first = x.app;
   fake<program_client_actor> second(x.world);

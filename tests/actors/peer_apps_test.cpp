@@ -29,13 +29,13 @@ timed_peer_app_actor hosted(fixture& world, const fake<peis_peer_actor>& peer,
   return world.spawn_at("peer_app/care-pc/" + kind + "-1", component_behavior, std::move(x));
 }
 
-struct rig {
+struct peer_apps_fixture {
   fixture world;
   fake<peis_peer_actor> peer{world};
   fake<ecology_actor> ecology{world};
   timed_peer_app_actor rules;
 
-  rig() {
+  peer_apps_fixture() {
     proxy::rule rule;
     rule.when = "kitchen.stove.temperature";
     rule.above = 26;
@@ -70,7 +70,7 @@ struct rig {
 
 TEST_CASE("rules watch what they read and look for what they write, whoever owns it",
           "[actors][rules][ACT-01]") {
-  rig x;
+  peer_apps_fixture x;
   CHECK(x.peer.count<watch_tuples>() == 3); // the outcome, too
   CHECK(watch_on(x.peer, "kitchen.stove.temperature").owner == any_peer);
   CHECK(watch_on(x.peer, "kitchen.fan.switch").owner == any_peer);
@@ -78,7 +78,7 @@ TEST_CASE("rules watch what they read and look for what they write, whoever owns
 
 TEST_CASE("a rule writes once when its threshold is passed, and not in between",
           "[actors][rules]") {
-  rig x;
+  peer_apps_fixture x;
   x.find_fan(fan_owner);
   for (const auto* const reading : {"25.0", "25.9", "26.0", "27.5", "25.0", "24.0"})
     x.read(reading);
@@ -86,14 +86,14 @@ TEST_CASE("a rule writes once when its threshold is passed, and not in between",
   x.read("23.9");
   x.read("hot");
   CHECK(x.writes() == std::vector<std::string>{"11:on", "11:off"});
-  REQUIRE(x.ecology.count<story>() == 2);
-  CHECK(x.ecology.all<story>()[0].who == "peer_app/care-pc/rules-1");
-  CHECK(x.ecology.all<story>()[0].what == "writes kitchen.fan.switch = on");
+  REQUIRE(x.ecology.count<notable_event>() == 2);
+  CHECK(x.ecology.all<notable_event>()[0].who == "peer_app/care-pc/rules-1");
+  CHECK(x.ecology.all<notable_event>()[0].what == "writes kitchen.fan.switch = on");
 }
 
 TEST_CASE("a rule that does not know its tuple's owner writes when it finds one",
           "[actors][rules]") {
-  rig x;
+  peer_apps_fixture x;
   x.read("30");
   CHECK(x.writes().empty());
   x.find_fan(fan_owner);
@@ -105,7 +105,7 @@ TEST_CASE("a rule that does not know its tuple's owner writes when it finds one"
 }
 
 TEST_CASE("deleted tuples and failed writes do not disturb a rule", "[actors][rules]") {
-  rig x;
+  peer_apps_fixture x;
   x.find_fan(fan_owner);
   const auto watch = watch_on(x.peer, "kitchen.stove.temperature");
   x.world.send(x.rules, tuple_event{watch.watch, peer_id{3}, watch.key, text_value("30"), true});

@@ -26,14 +26,14 @@ std::vector<std::pair<peis::bluetooth_address, int>> devices(const bluetooth_see
 using strengths = std::vector<std::pair<peis::bluetooth_address, int>>;
 
 /// Two peers (stations 1 and 2) that share the desk's adapter, a robot (3) 5 m away, a phone.
-struct rig {
+struct peis_bluetooth_fixture {
   fixture world;
   fake<bluetooth_user_actor> a{world};
   fake<bluetooth_user_actor> b{world};
   fake<bluetooth_user_actor> c{world};
   peis_bluetooth_actor medium;
 
-  explicit rig(bool takeover = false) {
+  explicit peis_bluetooth_fixture(bool takeover = false) {
     config::peis_description network;
     network.bluetooth.takeover = takeover;
     medium = world.spawn_at("peis_bluetooth", peis_bluetooth, network,
@@ -72,7 +72,7 @@ struct rig {
 
 TEST_CASE("a scan shows who is in range, peers or not, and how strongly",
           "[actors][peis_bluetooth][BT-02][BT-04][ACT-01]") {
-  rig x;
+  peis_bluetooth_fixture x;
   CHECK(devices(x.scan(1, x.a)) == strengths{{phone, -70}, {robot, -61}});
   CHECK(devices(x.scan(3, x.c)) == strengths{{desk, -61}}); // the phone is 15 m away
   x.move_robot({1, 0, 0});
@@ -86,7 +86,7 @@ TEST_CASE("a scan shows who is in range, peers or not, and how strongly",
 
 TEST_CASE("a HELLO comes to all who share an adapter, and to nobody behind other devices",
           "[actors][peis_bluetooth][BT-05]") {
-  rig x;
+  peis_bluetooth_fixture x;
   x.hello(desk);
   REQUIRE(x.a.count<hello_arrived>() == 1);
   REQUIRE(x.b.count<hello_arrived>() == 1);
@@ -106,12 +106,12 @@ TEST_CASE("a HELLO comes to all who share an adapter, and to nobody behind other
 
 TEST_CASE("only the first to open an adapter announces, and the right ends with it",
           "[actors][peis_bluetooth][BT-03]") {
-  rig second_ends;
+  peis_bluetooth_fixture second_ends;
   second_ends.end(second_ends.b);
   second_ends.hello(desk);
   CHECK(second_ends.a.count<hello_arrived>() == 1);
 
-  rig first_ends;
+  peis_bluetooth_fixture first_ends;
   first_ends.end(first_ends.a);
   first_ends.hello(desk);
   CHECK(first_ends.b.count<hello_arrived>() == 0);
@@ -124,7 +124,7 @@ TEST_CASE("only the first to open an adapter announces, and the right ends with 
   CHECK(later.count<hello_arrived>() == 1);
   CHECK(first_ends.b.count<hello_arrived>() == 1);
 
-  rig with_takeover(true);
+  peis_bluetooth_fixture with_takeover(true);
   with_takeover.end(with_takeover.a);
   with_takeover.hello(desk);
   CHECK(with_takeover.b.count<hello_arrived>() == 1);
@@ -132,7 +132,7 @@ TEST_CASE("only the first to open an adapter announces, and the right ends with 
 
 TEST_CASE("a link opens within range, to the peer of that port, and is slow",
           "[actors][peis_bluetooth][BT-02]") {
-  rig x;
+  peis_bluetooth_fixture x;
   x.connect();
   REQUIRE(x.c.count<bluetooth_opened>() == 1);
   REQUIRE(x.b.count<bluetooth_opened>() == 1);
@@ -154,7 +154,7 @@ TEST_CASE("a link opens within range, to the peer of that port, and is slow",
 
 TEST_CASE("a link is dropped when its ends are moved apart, end, or lose their power",
           "[actors][peis_bluetooth][BT-02]") {
-  rig apart;
+  peis_bluetooth_fixture apart;
   apart.connect();
   apart.move_robot({9, 0, 0});
   apart.world.run_for(1ms);
@@ -165,12 +165,12 @@ TEST_CASE("a link is dropped when its ends are moved apart, end, or lose their p
   CHECK(apart.b.count<link_closed>() == 1);
   CHECK(apart.c.all<link_closed>()[0].link == apart.c.all<bluetooth_opened>()[0].link.link);
 
-  rig ended;
+  peis_bluetooth_fixture ended;
   ended.connect();
   ended.end(ended.c);
   CHECK(ended.b.count<link_closed>() == 1);
 
-  rig dark;
+  peis_bluetooth_fixture dark;
   dark.connect();
   dark.world.send(dark.medium, set_lan_power{3, false});
   dark.world.run_for(1ms);
@@ -179,7 +179,7 @@ TEST_CASE("a link is dropped when its ends are moved apart, end, or lose their p
   dark.world.send(dark.medium, set_lan_power{3, true});
   CHECK(dark.scan(1, dark.a).devices.size() == 2);
 
-  rig closed;
+  peis_bluetooth_fixture closed;
   closed.connect();
   const auto link = closed.c.all<bluetooth_opened>()[0].link.link;
   closed.world.send(closed.medium, lan_link_ended{link}); // by one end, which tells the other

@@ -15,14 +15,14 @@ constexpr peer_id second{12};
 constexpr peer_id third{13};
 
 /// A network with three peers, whose stations are 1, 2 and 3.
-struct rig {
+struct peis_lan_fixture {
   fixture world;
   fake<lan_user_actor> a{world};
   fake<lan_user_actor> b{world};
   fake<lan_user_actor> c{world};
   peis_lan_actor lan;
 
-  explicit rig(config::peis_description network = {}) {
+  explicit peis_lan_fixture(config::peis_description network = {}) {
     lan = world.spawn_at("peis_lan", peis_lan, network, std::uint64_t{1});
     world.send(lan, join_lan{1, first, true, a});
     world.send(lan, join_lan{2, second, true, b});
@@ -50,7 +50,7 @@ struct rig {
 
 TEST_CASE("both ends of a link that is asked for hear of it after the delay",
           "[actors][peis_lan][LNK-05][ACT-01]") {
-  rig x;
+  peis_lan_fixture x;
   x.world.send(x.lan, lan_connect{1, 5, second});
   CHECK(x.a.size() + x.b.size() == 0);
   x.world.run_for(199us);
@@ -73,7 +73,7 @@ TEST_CASE("both ends of a link that is asked for hear of it after the delay",
 }
 
 TEST_CASE("a link to an id that nobody has is refused", "[actors][peis_lan]") {
-  rig x;
+  peis_lan_fixture x;
   x.world.send(x.lan, lan_connect{1, 6, peer_id{99}});
   x.world.send(x.lan, lan_connect{1, 7, first}); // itself
   x.world.run_for(1ms);
@@ -86,7 +86,7 @@ TEST_CASE("a link to an id that nobody has is refused", "[actors][peis_lan]") {
 }
 
 TEST_CASE("an announcement reaches all others that hear", "[actors][peis_lan][TCP-02]") {
-  rig x;
+  peis_lan_fixture x;
   fake<lan_user_actor> deaf(x.world);
   x.world.send(x.lan, join_lan{4, peer_id{14}, false, deaf});
   x.world.send(x.lan, lan_announce{1, bytes{1, 2}});
@@ -100,7 +100,7 @@ TEST_CASE("an announcement reaches all others that hear", "[actors][peis_lan][TC
 
 TEST_CASE("a partition cuts links, connections and announcements between its groups, in silence",
           "[actors][peis_lan][ACT-04]") {
-  rig x;
+  peis_lan_fixture x;
   const auto link = x.connect();
   x.part({{first}, {second}});
   REQUIRE(x.a.count<condition_changed>() == 1);
@@ -124,7 +124,7 @@ TEST_CASE("a partition cuts links, connections and announcements between its gro
 }
 
 TEST_CASE("a process that ends has its links reset", "[actors][peis_lan][ACT-04]") {
-  rig x;
+  peis_lan_fixture x;
   const auto link = x.connect();
   x.end(x.b);
   REQUIRE(x.a.count<link_closed>() == 1);
@@ -133,7 +133,7 @@ TEST_CASE("a process that ends has its links reset", "[actors][peis_lan][ACT-04]
 
 TEST_CASE("a computer without power says nothing until it is on again",
           "[actors][peis_lan][ACT-04][KH-05]") {
-  rig x;
+  peis_lan_fixture x;
   x.connect();
   x.world.send(x.lan, set_lan_power{2, false});
   x.end(x.b);

@@ -24,7 +24,7 @@ payload text(std::string_view x) {
 }
 
 /// Two kernels with a component each and a link between them.
-struct rig {
+struct peis_peer_fixture {
   fixture world;
   fake<ecology_actor> ecology{world};
   fake<peis_client_actor> on_robot{world};
@@ -32,7 +32,7 @@ struct rig {
   peis_peer_actor robot_peer;
   peis_peer_actor pc_peer;
 
-  explicit rig(bool same_host = false) {
+  explicit peis_peer_fixture(bool same_host = false) {
     robot_peer = spawn(robot, "robot", same_host);
     pc_peer = spawn(pc, "pc", same_host);
     world.send(pc_peer, link_opened{1, {robot_peer}, false});
@@ -50,7 +50,7 @@ struct rig {
     return world.spawn_at("peis_peer/" + name, peis_peer, std::move(x));
   }
 
-  runtime::peer_report report(const peis_peer_actor& who) {
+  report::peer_report report(const peis_peer_actor& who) {
     world.send(who, status_request{});
     return ecology.all<peer_status>().back().peer;
   }
@@ -60,7 +60,7 @@ struct rig {
 
 TEST_CASE("a watched tuple of another peer is told with the watch's name when it is set",
           "[actors][peis_peer][TUP-08][ACT-01]") {
-  rig x;
+  peis_peer_fixture x;
   x.world.send(x.robot_peer, watch_tuples{x.on_robot, 77, any_peer, "kitchen.*"});
   x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", text("on"), true});
   CHECK(x.on_robot.size() == 0); // octets take their time
@@ -87,7 +87,7 @@ TEST_CASE("a watched tuple of another peer is told with the watch's name when it
 
 TEST_CASE("what matches already is told at once, to each watcher under its own name",
           "[actors][peis_peer][TUP-08]") {
-  rig x;
+  peis_peer_fixture x;
   fake<peis_client_actor> second(x.world);
   x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", text("on"), true});
   x.world.send(x.pc_peer, watch_tuples{x.on_pc, 1, pc, "kitchen.lamp"});
@@ -100,7 +100,7 @@ TEST_CASE("what matches already is told at once, to each watcher under its own n
 
 TEST_CASE("a remote set reaches the owner and its outcome the client",
           "[actors][peis_peer][TUP-05]") {
-  rig x;
+  peis_peer_fixture x;
   x.world.send(x.pc_peer, watch_tuples{x.on_pc, 1, pc, "kitchen.lamp"});
   x.world.send(x.robot_peer, set_remote_tuple{x.on_robot, 5, pc, "kitchen.lamp", text("on"), true});
   CHECK(x.on_robot.count<peis_outcome>() == 0);
@@ -115,7 +115,7 @@ TEST_CASE("a remote set reaches the owner and its outcome the client",
 
 TEST_CASE("a remote set to an owner that nobody knows fails and says why",
           "[actors][peis_peer][API-02]") {
-  rig x;
+  peis_peer_fixture x;
   x.world.send(x.robot_peer,
                set_remote_tuple{x.on_robot, 6, peer_id{99}, "kitchen.lamp", text("on"), true});
   x.world.run_for(1min);
@@ -128,7 +128,7 @@ TEST_CASE("a remote set to an owner that nobody knows fails and says why",
 TEST_CASE("a hooked port gets its messages, another port's go to nobody",
           "[actors][peis_peer][API-04][API-09]") {
   const bool reliable = GENERATE(false, true);
-  rig x;
+  peis_peer_fixture x;
   x.world.send(x.pc_peer, hook_port{x.on_pc, 30});
   x.world.send(x.robot_peer, send_peis_message{x.on_robot, 1, pc, 30, bytes(3000, 7), reliable});
   x.world.send(x.robot_peer, send_peis_message{x.on_robot, 2, pc, 31, bytes{8}, reliable});
@@ -144,14 +144,14 @@ TEST_CASE("a hooked port gets its messages, another port's go to nobody",
 }
 
 TEST_CASE("a port that users may not have is refused", "[actors][peis_peer][API-09]") {
-  rig x;
+  peis_peer_fixture x;
   x.world.send(x.pc_peer, hook_port{x.on_pc, 19});
   CHECK(x.world.logged("hook_refused port=19") == 1);
 }
 
 TEST_CASE("a port has one owner, and is free again when that component has ended",
           "[actors][peis_peer]") {
-  rig x;
+  peis_peer_fixture x;
   x.world.send(x.pc_peer, hook_port{x.on_pc, 30});
   x.world.send(x.pc_peer, hook_port{x.on_robot, 30});
   CHECK(x.world.logged("hook_refused port=30") == 1);
@@ -163,7 +163,7 @@ TEST_CASE("a port has one owner, and is free again when that component has ended
 
 TEST_CASE("a component that has ended is told nothing more and leaves no subscription",
           "[actors][peis_peer][TUP-09]") {
-  rig x;
+  peis_peer_fixture x;
   x.world.send(x.robot_peer, watch_tuples{x.on_robot, 1, pc, "kitchen.lamp"});
   x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", text("on"), true});
   x.world.run_for(1s);
@@ -179,7 +179,7 @@ TEST_CASE("a component that has ended is told nothing more and leaves no subscri
 
 TEST_CASE("a component hears what the kernel's clock is, and of each change",
           "[actors][peis_peer][CLK-08]") {
-  rig x;
+  peis_peer_fixture x;
   fake<clock_watcher_actor> watcher(x.world);
   x.world.send(x.pc_peer, watch_clock{watcher});
   const auto offset = [&] { return watcher.all<clock_changed>().back().offset; };
@@ -195,7 +195,7 @@ TEST_CASE("a component hears what the kernel's clock is, and of each change",
 }
 
 TEST_CASE("a peer reports its links, hosts and tuples", "[actors][peis_peer]") {
-  rig x;
+  peis_peer_fixture x;
   x.world.send(x.robot_peer, set_tuple{"a", text("1"), true});
   const auto report = x.report(x.robot_peer);
   CHECK(report.id == robot);
@@ -207,7 +207,7 @@ TEST_CASE("a peer reports its links, hosts and tuples", "[actors][peis_peer]") {
 }
 
 TEST_CASE("a closed link takes the other peer and its tuples away", "[actors][peis_peer]") {
-  rig x;
+  peis_peer_fixture x;
   x.world.send(x.robot_peer, watch_tuples{x.on_robot, 1, any_peer, "kitchen.lamp"});
   x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", text("on"), true});
   x.world.run_for(1s);
@@ -221,7 +221,7 @@ TEST_CASE("a closed link takes the other peer and its tuples away", "[actors][pe
 
 TEST_CASE("of claims to its id a peer tells a few, however many there are",
           "[actors][peis_peer][RTE-08]") {
-  rig x;
+  peis_peer_fixture x;
   const fake<link_end_actor> impostor(x.world);
   x.world.send(x.robot_peer, link_opened{7, impostor, false});
   auto octets =
@@ -245,7 +245,7 @@ TEST_CASE("of claims to its id a peer tells a few, however many there are",
   x.world.send(x.robot_peer, link_octets{7, std::move(octets)});
   x.world.run_for(1s);
   const auto told = [&] {
-    const auto all = x.ecology.all<story>();
+    const auto all = x.ecology.all<notable_event>();
     return std::ranges::count_if(
         all, [](const auto& y) { return y.what.starts_with("its id is used by impostor"); });
   };
@@ -253,7 +253,7 @@ TEST_CASE("of claims to its id a peer tells a few, however many there are",
 }
 
 TEST_CASE("a peer that is asked to quit says so and ends", "[actors][peis_peer][TUP-22][KH-04]") {
-  rig x(true);
+  peis_peer_fixture x(true);
   x.world.send(x.robot_peer,
                set_remote_tuple{x.on_robot, 1, pc, "kernel.do-quit", text("yes"), true});
   x.world.run_for(2s);
@@ -267,7 +267,7 @@ TEST_CASE("a peer that is asked to quit says so and ends", "[actors][peis_peer][
 namespace {
 
 /// A robot that keeps a link to a PC over a simulated network, and a component on each.
-struct network_rig {
+struct network_fixture {
   fixture world;
   fake<ecology_actor> ecology{world};
   fake<peis_client_actor> on_robot{world};
@@ -278,7 +278,7 @@ struct network_rig {
   config::peis_description network;
   std::uint64_t stations = 0;
 
-  explicit network_rig(config::peis_description with = {}) : network(with) {
+  explicit network_fixture(config::peis_description with = {}) : network(with) {
     lan = world.spawn_at("peis_lan", peis_lan, network, std::uint64_t{1});
     pc_peer = spawn(pc, "pc", {});
     robot_peer = spawn(robot, "robot", {"inproc://" + to_string(pc)});
@@ -311,7 +311,7 @@ struct network_rig {
 
   [[nodiscard]] std::size_t seen() const { return on_robot.count<tuple_event>(); }
 
-  runtime::peer_report report(const peis_peer_actor& who) {
+  report::peer_report report(const peis_peer_actor& who) {
     world.send(who, status_request{});
     return ecology.all<peer_status>().back().peer;
   }
@@ -320,7 +320,7 @@ struct network_rig {
 } // namespace
 
 TEST_CASE("a peer gets the link that it is to keep", "[actors][peis_peer][AUT-01]") {
-  network_rig x;
+  network_fixture x;
   CHECK(x.report(x.robot_peer).links == 1);
   CHECK(x.report(x.pc_peer).links == 1);
   CHECK(x.report(x.robot_peer).cluster == pc.value);
@@ -332,7 +332,7 @@ TEST_CASE("a peer gets the link that it is to keep", "[actors][peis_peer][AUT-01
 
 TEST_CASE("a cut link carries nothing, and what it missed is repeated",
           "[actors][peis_peer][ACT-04]") {
-  network_rig x;
+  network_fixture x;
   x.world.send(x.lan, begin_lan_fault{1, {{pc}}, 0, {}});
   x.set_lamp("on");
   x.world.run_for(2s);
@@ -346,7 +346,7 @@ TEST_CASE("a lossy link loses packages and repeats what must arrive",
           "[actors][peis_peer][ACT-04][ACK-03]") {
   config::peis_description network;
   network.loss = 0.3;
-  network_rig x(network);
+  network_fixture x(network);
   for (int i = 0; i < 50; ++i) {
     x.set_lamp(i % 2 == 0 ? "on" : "off");
     x.world.run_for(1s);
@@ -360,7 +360,7 @@ TEST_CASE("a lossy link loses packages and repeats what must arrive",
 TEST_CASE("a slow link takes its time", "[actors][peis_peer]") {
   config::peis_description network;
   network.bandwidth_bps = 80'000; // 10 octets a millisecond
-  network_rig x(network);
+  network_fixture x(network);
   x.world.send(x.pc_peer, hook_port{x.on_pc, 30});
   x.world.send(x.robot_peer, send_peis_message{x.on_robot, 1, pc, 30, bytes(30'000, 7), true});
   x.world.run_for(2900ms);
@@ -371,7 +371,7 @@ TEST_CASE("a slow link takes its time", "[actors][peis_peer]") {
 
 TEST_CASE("a kernel that stands still serves afterwards what has waited",
           "[actors][peis_peer][ACT-04]") {
-  network_rig x;
+  network_fixture x;
   x.world.send(x.robot_peer, pause_peer{2s});
   x.set_lamp("on");
   x.world.run_for(1999ms);
@@ -383,7 +383,7 @@ TEST_CASE("a kernel that stands still serves afterwards what has waited",
 
 TEST_CASE("a peer whose neighbour's process ends loses its link and gets it back",
           "[actors][peis_peer][AUT-01][KH-04]") {
-  network_rig x;
+  network_fixture x;
   caf::anon_send_exit(x.pc_peer, caf::exit_reason::user_shutdown);
   x.world.run_for(1ms);
   CHECK(x.report(x.robot_peer).links == 0);
@@ -398,7 +398,7 @@ TEST_CASE("a peer whose neighbour's process ends loses its link and gets it back
 }
 
 TEST_CASE("a peer that leaves is forgotten by the others at once", "[actors][peis_peer][KH-04]") {
-  network_rig x;
+  network_fixture x;
   CHECK(x.report(x.robot_peer).hosts_known == 2);
   x.world.send(x.pc_peer, leave_network{});
   x.world.run_for(1ms);
@@ -408,7 +408,7 @@ TEST_CASE("a peer that leaves is forgotten by the others at once", "[actors][pei
 
 TEST_CASE("a component follows its meta tuple, which another peer points elsewhere",
           "[actors][peis_peer][META-02][META-04][META-05]") {
-  rig x;
+  peis_peer_fixture x;
   const auto values = [&x](std::size_t from) {
     std::vector<std::string> all;
     const auto events = x.on_robot.all<tuple_event>();

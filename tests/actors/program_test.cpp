@@ -4,7 +4,7 @@
 #include <caf/binary_deserializer.hpp>
 #include <caf/binary_serializer.hpp>
 
-#include "mote/program_port.hpp"
+#include "communication/program_port.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
 
@@ -14,17 +14,17 @@ using test::fixture;
 
 namespace {
 
-namespace r = mote::remote;
+namespace r = communication::remote;
 
 constexpr mote_address stove{island_id{5}, mote_id{2}};
 
-struct rig {
-  rig() {
+struct program_fixture {
+  program_fixture() {
     program_arguments x;
     x.mote = "kitchen/stove";
     x.number = 3;
     x.config =
-        apps::stream_writer_config{mote::quantity::temperature, 1s, {island_id{5}, no_mote}, 7};
+        apps::stream_writer_config{device::quantity::temperature, 1s, {island_id{5}, no_mote}, 7};
     x.seed = 4;
     x.ecology = ecology.handle();
     program = world.spawn_at("program/kitchen/stove/stream_writer-3", program_behavior,
@@ -33,7 +33,7 @@ struct rig {
 
   void attach(std::uint32_t incarnation = 0) {
     r::limits limits;
-    limits.transducer_mask = 1U << static_cast<unsigned>(mote::quantity::temperature);
+    limits.transducer_mask = 1U << static_cast<unsigned>(device::quantity::temperature);
     limits.streams_max = 5;
     limits.record_max = 105;
     world.send(program, program_attached{limits, incarnation});
@@ -53,7 +53,7 @@ struct rig {
 
 TEST_CASE("a program attaches itself to its mote, and gives it commands as it hears of events",
           "[actors][program][PAR-05][AM-02][ACT-01]") {
-  rig x;
+  program_fixture x;
   CHECK(x.mote.size() == 0);
   x.world.send(x.program, mote_started{x.mote});
   REQUIRE(x.mote.count<attach_program>() == 1);
@@ -86,7 +86,7 @@ TEST_CASE("a program attaches itself to its mote, and gives it commands as it he
 TEST_CASE("a program is silent without its mote, and begins again with the mote's next life",
           "[actors][program][PAR-05][ACT-03]") {
   const bool flat = GENERATE(true, false);
-  rig x;
+  program_fixture x;
   x.world.send(x.program, mote_started{x.mote});
   x.attach();
   x.tell({r::joined{stove, true}});
@@ -119,7 +119,7 @@ TEST_CASE("commands and events survive the way through octets", "[actors][progra
        r::open_end{2, {true, stove, 9, 1000, 1, 12}}, r::open_sensor{3, 4, false, 5},
        r::write_stream{2, payload(bytes{1, 2})},
        r::send_message{6, stove, payload(bytes{3}), true, 64}, r::hold_type{64, true},
-       r::read_transducers{{mote::quantity::light}}, r::set_actuator{"fan", 1}, r::leave{}}};
+       r::read_transducers{{device::quantity::light}}, r::set_actuator{"fan", 1}, r::leave{}}};
   const r::events_batch events{
       8,
       {r::inputs_shown{1, true, {1, 2}}, r::record_read{2, payload(bytes{4}), true},

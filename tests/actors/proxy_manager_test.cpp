@@ -16,14 +16,14 @@ namespace {
 constexpr island_id kitchen{5};
 constexpr mote_id heater{7};
 
-struct rig {
+struct proxy_manager_fixture {
   fixture world;
   fake<peis_peer_actor> peer{world};
   fake<ecology_actor> ecology{world};
   proxy_manager_actor manager;
 
   /// @param known_from when the manager learns of its only class
-  explicit rig(instant known_from = {}) {
+  explicit proxy_manager_fixture(instant known_from = {}) {
     proxy_manager_arguments x;
     x.classes = {test::sample_class()};
     x.classes[0].known_from = known_from;
@@ -51,7 +51,7 @@ struct rig {
 
 TEST_CASE("a manager watches the list, types and statuses of its islands' gateways",
           "[actors][proxy_manager][PXY-09][ACT-01]") {
-  rig x;
+  proxy_manager_fixture x;
   REQUIRE(x.peer.count<watch_tuples>() == 3);
   CHECK(watch_on(x.peer, "devices").owner == gateway_of(kitchen));
   CHECK(watch_on(x.peer, "devices.*.type").owner == gateway_of(kitchen));
@@ -61,7 +61,7 @@ TEST_CASE("a manager watches the list, types and statuses of its islands' gatewa
 TEST_CASE("list and type, in any order and however often, lead to one proxy",
           "[actors][proxy_manager][PXY-09][PXY-15]") {
   const bool list_first = GENERATE(true, false);
-  rig x;
+  proxy_manager_fixture x;
   if (list_first)
     x.list("{7}");
   else
@@ -79,7 +79,7 @@ TEST_CASE("list and type, in any order and however often, lead to one proxy",
 
 TEST_CASE("a mote that is no longer listed makes its proxy lost until it is back",
           "[actors][proxy_manager][PXY-16]") {
-  rig x;
+  proxy_manager_fixture x;
   x.list("{7}");
   x.type(heater, 301);
   x.list("{}");
@@ -93,31 +93,32 @@ TEST_CASE("a mote that is no longer listed makes its proxy lost until it is back
   CHECK(x.started() == 1);
 }
 
-TEST_CASE("a mote of a type that no class claims gets no proxy, and a story",
+TEST_CASE("a mote of a type that no class claims gets no proxy, and an event",
           "[actors][proxy_manager][PXY-10]") {
-  rig x;
+  proxy_manager_fixture x;
   x.list("{7}");
   x.type(heater, 9);
   x.type(heater, 9);
   CHECK(x.started() == 0);
-  REQUIRE(x.ecology.count<story>() == 1);
-  CHECK(x.ecology.all<story>()[0].what == "mote 5/7 is of type 9, which no proxy class claims");
+  REQUIRE(x.ecology.count<notable_event>() == 1);
+  CHECK(x.ecology.all<notable_event>()[0].what ==
+        "mote 5/7 is of type 9, which no proxy class claims");
 }
 
 TEST_CASE("a mote gets its proxy when its class becomes known", "[actors][proxy_manager][PXY-10]") {
-  rig x(instant(10s));
+  proxy_manager_fixture x(instant(10s));
   x.list("{7}");
   x.type(heater, 301);
   x.world.run_for(9s);
   CHECK(x.started() == 0);
-  CHECK(x.ecology.count<story>() == 1);
+  CHECK(x.ecology.count<notable_event>() == 1);
   x.world.run_for(1s);
   CHECK(x.started() == 1);
   CHECK(tuple_at(x.peer, "kitchen.heater.status") == "active");
 }
 
 TEST_CASE("a proxy that fails is started again and works", "[actors][proxy_manager][ACT-03]") {
-  rig x;
+  proxy_manager_fixture x;
   x.list("{7}");
   x.type(heater, 301);
   const auto failing = watch_on(x.peer, "devices.7.output.1").client.actor;
@@ -138,7 +139,7 @@ TEST_CASE("a proxy that fails is started again and works", "[actors][proxy_manag
 
 TEST_CASE("a proxy that fails while its mote is away is started when the mote is back",
           "[actors][proxy_manager][ACT-03]") {
-  rig x;
+  proxy_manager_fixture x;
   x.list("{7}");
   x.type(heater, 301);
   x.list("{}");
@@ -153,7 +154,7 @@ TEST_CASE("a proxy that fails while its mote is away is started when the mote is
 
 TEST_CASE("a mote that comes back as another kind loses its proxy",
           "[actors][proxy_manager][PXY-09]") {
-  rig x;
+  proxy_manager_fixture x;
   x.list("{7}");
   x.type(heater, 301);
   x.type(heater, 9);
@@ -164,7 +165,7 @@ TEST_CASE("a mote that comes back as another kind loses its proxy",
 }
 
 TEST_CASE("a manager passes a status request on to its proxies", "[actors][proxy_manager]") {
-  rig x;
+  proxy_manager_fixture x;
   x.list("{7,11}");
   x.type(heater, 301);
   x.type(mote_id{11}, 302);

@@ -15,13 +15,13 @@ namespace {
 constexpr peer_id care_pc{40};
 constexpr mote_address heater{island_id{5}, mote_id{7}};
 
-struct rig {
+struct proxy_fixture {
   fixture world;
   fake<peis_peer_actor> peer{world};
   fake<ecology_actor> ecology{world};
   proxy_actor proxy;
 
-  rig() {
+  proxy_fixture() {
     proxy::proxy core(test::sample_class(), {heater, "kitchen", "heater"});
     proxy =
         world.spawn_at("proxy/kitchen.heater", proxy_behavior,
@@ -45,7 +45,7 @@ struct rig {
 
 TEST_CASE("a proxy says what it is and watches its gateway and its own input",
           "[actors][proxy][PXY-14][ACT-01]") {
-  rig x;
+  proxy_fixture x;
   CHECK(tuple_at(x.peer, "kitchen.heater.status") == "active");
   CHECK(tuple_at(x.peer, "kitchen.heater.class") == "heater");
   CHECK(tuple_at(x.peer, "kitchen.heater.id") == "5/7");
@@ -59,7 +59,7 @@ TEST_CASE("a proxy says what it is and watches its gateway and its own input",
 
 TEST_CASE("a reading becomes a readable tuple, also when it is the same again",
           "[actors][proxy][PXY-04]") {
-  rig x;
+  proxy_fixture x;
   set_watched(x.world, x.peer, "devices.7.output.1", bytes{0x00, 0xdf});
   CHECK(tuple_at(x.peer, "kitchen.heater.temperature") == "22.3");
   CHECK(tuple_at(x.peer, "kitchen.heater.temperature.unit") == "C");
@@ -74,7 +74,7 @@ TEST_CASE("a reading becomes a readable tuple, also when it is the same again",
 
 TEST_CASE("a word becomes octets at the gateway, and its answer an outcome",
           "[actors][proxy][PXY-12]") {
-  rig x;
+  proxy_fixture x;
   x.ask("on");
   const auto writes = x.peer.all<set_remote_tuple>();
   REQUIRE(writes.size() == 1);
@@ -94,7 +94,7 @@ TEST_CASE("a word becomes octets at the gateway, and its answer an outcome",
 
 TEST_CASE("a word that the input does not know is refused, and a deleted tuple asks for nothing",
           "[actors][proxy][PXY-12]") {
-  rig x;
+  proxy_fixture x;
   x.ask("sideways");
   CHECK(x.outcome() == "sideways refused");
   const auto watch = watch_on(x.peer, "kitchen.heater.switch");
@@ -103,7 +103,7 @@ TEST_CASE("a word that the input does not know is refused, and a deleted tuple a
 }
 
 TEST_CASE("a request that nobody answers ends in a timeout", "[actors][proxy][PXY-12]") {
-  rig x;
+  proxy_fixture x;
   x.ask("on");
   x.world.send(x.proxy, peis_outcome{0, false, "no_route"});
   CHECK(x.world.logged("write_failed cause=no_route") == 1);
@@ -115,7 +115,7 @@ TEST_CASE("a request that nobody answers ends in a timeout", "[actors][proxy][PX
 
 TEST_CASE("a proxy whose mote has gone is lost, and active again when it is back",
           "[actors][proxy][PXY-16][PXY-20]") {
-  rig x;
+  proxy_fixture x;
   x.world.send(x.proxy, mote_presence{device_presence::left, "battery"});
   CHECK(tuple_at(x.peer, "kitchen.heater.status") == "lost");
   CHECK(tuple_at(x.peer, "kitchen.heater.status.cause") == "battery");
@@ -128,7 +128,7 @@ TEST_CASE("a proxy whose mote has gone is lost, and active again when it is back
 }
 
 TEST_CASE("a proxy reports its status, values and actuations", "[actors][proxy]") {
-  rig x;
+  proxy_fixture x;
   set_watched(x.world, x.peer, "devices.7.output.1", bytes{0x00, 0xdf});
   x.ask("on");
   x.answer("1 pending");
@@ -144,7 +144,7 @@ TEST_CASE("a proxy reports its status, values and actuations", "[actors][proxy]"
         std::vector<std::pair<std::string, std::string>>{{"temperature", "22.3 C"}});
   CHECK(report.actuations.requested == 2);
   CHECK(report.actuations.acknowledged == 1);
-  CHECK(report.actuations.failed == runtime::cause_counts{{"refused", 1}});
+  CHECK(report.actuations.failed == report::cause_counts{{"refused", 1}});
 }
 
 TEST_CASE("an input that may be any tuple is declared and followed by its meta tuple",

@@ -11,7 +11,7 @@ namespace {
 
 constexpr island_id kitchen{5};
 
-struct rig {
+struct serial_line_fixture {
   fixture world;
   fake<ecology_actor> ecology{world};
   fake<serial_end_actor> pc{world};
@@ -19,7 +19,7 @@ struct rig {
   serial::line_config config;
   serial_line_actor line;
 
-  explicit rig(double octet_error = 0) {
+  explicit serial_line_fixture(double octet_error = 0) {
     config.octet_error = octet_error;
     line = world.spawn_at("serial_line/kitchen", serial_line,
                           serial::line(config, random_stream(3)), kitchen, ecology.handle());
@@ -31,7 +31,7 @@ struct rig {
     world.send(line, serial_write{towards, bytes(octets, 0x55)});
   }
 
-  runtime::serial_report report() {
+  report::serial_report report() {
     ecology.forget();
     world.send(line, status_request{});
     return ecology.all<serial_status>().at(0).serial;
@@ -42,7 +42,7 @@ struct rig {
 
 TEST_CASE("octets arrive ten bit times an octet and the latency after they are written",
           "[actors][serial][GEN-03][ACT-01]") {
-  rig x;
+  serial_line_fixture x;
   x.write(direction::to_pc, 48);
   const auto due = serial::transmission_time(48, 57600) + 1ms;
   CHECK(due / 1us == 9333);
@@ -56,7 +56,7 @@ TEST_CASE("octets arrive ten bit times an octet and the latency after they are w
 
 TEST_CASE("the two directions do not wait for each other, writes in one direction do",
           "[actors][serial][GEN-03]") {
-  rig x;
+  serial_line_fixture x;
   x.write(direction::to_pc, 100);
   x.write(direction::to_pc, 10);
   x.write(direction::to_mote, 10);
@@ -70,24 +70,24 @@ TEST_CASE("the two directions do not wait for each other, writes in one directio
   CHECK(x.pc.times<serial_octets>()[1] - time(110) <= 1ns); // two roundings instead of one
 }
 
-TEST_CASE("an unplugged line loses and counts what is written and under way, and works again "
+TEST_CASE("an unplugged line loses and counts what is written and in flight, and works again "
           "once it is plugged in",
           "[actors][serial][ACT-04]") {
-  rig x;
+  serial_line_fixture x;
   x.write(direction::to_mote, 20);
   x.world.send(x.line, plug_serial{false});
   x.write(direction::to_pc, 30);
   x.world.run_for(1s);
   CHECK(x.pc.size() == 0);
   CHECK(x.mote.size() == 0);
-  const auto stories = x.ecology.all<story>();
-  REQUIRE(stories.size() == 1);
-  CHECK(stories[0].who == "serial_line/kitchen");
-  CHECK(stories[0].what == "serial cable unplugged");
+  const auto events = x.ecology.all<notable_event>();
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].who == "serial_line/kitchen");
+  CHECK(events[0].what == "serial cable unplugged");
   CHECK(x.report().lost.at("unplugged_octets") == 50);
 
   x.world.send(x.line, plug_serial{true});
-  CHECK(x.ecology.all<story>().at(0).what == "serial cable plugged in again");
+  CHECK(x.ecology.all<notable_event>().at(0).what == "serial cable plugged in again");
   x.write(direction::to_pc, 7);
   x.write(direction::to_mote, 8);
   x.world.run_for(1s);
@@ -100,7 +100,7 @@ TEST_CASE("an unplugged line loses and counts what is written and under way, and
 
 TEST_CASE("a line's report names its island and counts corrupted and overflowed octets",
           "[actors][serial]") {
-  rig x(1.0);
+  serial_line_fixture x(1.0);
   x.write(direction::to_pc, 5000);
   x.world.run_for(2s);
   const auto report = x.report();
@@ -122,7 +122,7 @@ TEST_CASE("octets for an end to which nobody is attached go nowhere", "[actors][
 
 TEST_CASE("octets that come to an end whose mote is off are gone, and counted",
           "[actors][serial][ACT-04]") {
-  rig x;
+  serial_line_fixture x;
   CHECK_FALSE(x.report().lost.contains("end_off_octets"));
   x.world.send(x.line, attach_serial{direction::to_mote, {}});
   x.write(direction::to_mote, 30);

@@ -17,7 +17,7 @@ constexpr mote_address sink_address{island_id{5}, mote_id{1}};
 constexpr mote_id stove{2};
 constexpr radio::radio_index sink_radio{3};
 
-struct rig {
+struct sink_fixture {
   fixture world;
   fake<air_actor> air{world};
   fake<serial_line_actor> line{world};
@@ -26,7 +26,7 @@ struct rig {
   test::island_partner<sink_actor> island{
       world, air, sink, sink_address.mote, {.width = 2, .island = sink_address.island}};
 
-  rig() {
+  sink_fixture() {
     mote::registrar_config registrar;
     registrar.island = sink_address.island;
     sink_arguments x;
@@ -71,7 +71,7 @@ serial::am_packet packet_down() {
 } // namespace
 
 TEST_CASE("a sink takes its radio and its end of the line", "[actors][sink][GW-01][ACT-01]") {
-  rig x;
+  sink_fixture x;
   REQUIRE(x.air.count<attach_radio>() == 1);
   CHECK(x.air.all<attach_radio>()[0].radio == sink_radio);
   REQUIRE(x.line.count<attach_serial>() == 1);
@@ -80,7 +80,7 @@ TEST_CASE("a sink takes its radio and its end of the line", "[actors][sink][GW-0
 
 TEST_CASE("a join on the radio ends in a mote_joined event on the line",
           "[actors][sink][DIS-08][MCK-15]") {
-  rig x;
+  sink_fixture x;
   REQUIRE(x.island.run_until([&x] { return x.island.cores.joined() == 1; }, 1min));
   REQUIRE(!x.island.sent.empty());
   const auto& reply = x.island.sent[0];
@@ -108,7 +108,7 @@ TEST_CASE("a join on the radio ends in a mote_joined event on the line",
 }
 
 TEST_CASE("a mote that falls silent leaves the island", "[actors][sink][DIS-06]") {
-  rig x;
+  sink_fixture x;
   x.join();
   x.island.cores.kill(stove);
   x.island.run_for(11s);
@@ -121,7 +121,7 @@ TEST_CASE("a mote that falls silent leaves the island", "[actors][sink][DIS-06]"
 
 TEST_CASE("a sink carries island packets both ways and acks what the PC sends",
           "[actors][sink][RTG-02][GW-16]") {
-  rig x;
+  sink_fixture x;
   x.join();
   x.world.send(x.sink, test::serial_frame(packet_down(), serial::frame_type::packet_with_ack, 42));
   x.island.run_for(200ms);
@@ -147,7 +147,7 @@ TEST_CASE("a sink carries island packets both ways and acks what the PC sends",
 }
 
 TEST_CASE("octets with a bad CRC do nothing but count", "[actors][sink][GW-16]") {
-  rig x;
+  sink_fixture x;
   x.join();
   auto octets = to_bytes(
       test::serial_frame(packet_down(), serial::frame_type::packet_with_ack, 42).octets.view());
@@ -166,7 +166,7 @@ TEST_CASE("octets with a bad CRC do nothing but count", "[actors][sink][GW-16]")
 }
 
 TEST_CASE("a radio frame that is no frame does nothing", "[actors][sink]") {
-  rig x;
+  sink_fixture x;
   const auto lost = encode(network::up_packet{stove, sink_address.mote, 1, 0, 0, bytes{1}});
   auto frame = test::radio_frame(stove, sink_address.mote, network::am::up, lost);
   auto octets = to_bytes(frame.psdu.view());

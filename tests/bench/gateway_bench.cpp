@@ -174,7 +174,7 @@ void actuations(bench::figures& out, unsigned hops, const std::string& loss) {
                   " loss",
               "from the robot's word to the acknowledgement at its proxy, simulated time");
   const auto report = run_ecology(switching(hops, loss), {});
-  runtime::actuation_report all;
+  report::actuation_report all;
   for (const auto& x : report.proxies)
     all += x.actuations;
   const auto asked = static_cast<double>(all.requested);

@@ -132,7 +132,7 @@ struct ping {
   std::uint64_t count = 0;
   std::size_t size = 0;
   double gap_s = 0;
-  std::uint64_t number = 0; ///< of the one under way
+  std::uint64_t number = 0; ///< of the one in flight
   bool waiting = false;
   double at_s = monotonic_s(); ///< when it left, or when the next one is due
   std::vector<double> ms;

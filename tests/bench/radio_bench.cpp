@@ -121,8 +121,8 @@ struct figures {
 };
 
 /// Runs `x` and calls back after its set-up and at its end.
-runtime::report run(config::ecology_description x, duration length,
-                    const std::function<void(bool first)>& at) {
+report::run_report run(config::ecology_description x, duration length,
+                       const std::function<void(bool first)>& at) {
   x.length = length;
   run_options options;
   bool begun = false;

@@ -116,9 +116,9 @@ line_result run_one(const setting& what, std::uint64_t seed, const std::string& 
   const auto ended = all.reliable_sent - all.reliable_open;
   x.acked = ended == 0 ? 0 : static_cast<double>(all.reliable_acked) / static_cast<double>(ended);
   for (const auto& mote : report.islands.front().motes)
-    x.radio = std::max(x.radio, 1 - seconds(mote.radio_off) / seconds(mote.elapsed));
-  x.clock = report.expectations.at(0).outcome == runtime::expectation_report::verdict::met &&
-            report.expectations.at(1).outcome == runtime::expectation_report::verdict::met;
+    x.radio = std::max(x.radio, 1 - seconds(mote.energy.radio_off) / seconds(mote.energy.elapsed));
+  x.clock = report.expectations.at(0).outcome == report::expectation_report::verdict::met &&
+            report.expectations.at(1).outcome == report::expectation_report::verdict::met;
   x.sane = std::ranges::all_of(report.violations, [](const auto& each) {
     return each.detail.find("clock") != std::string::npos ||
            each.invariant.find("clock") != std::string::npos;

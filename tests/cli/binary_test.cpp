@@ -288,7 +288,7 @@ TEST_CASE("a run that does not end is a violation of its seed", "[cli]") {
 }
 
 TEST_CASE("an interrupted swarm ends with what it knows", "[cli][ACT-11]") {
-  // Its first line says that it is under way; then it is interrupted, and the rest is kept.
+  // Its first line says that it is in flight; then it is interrupted, and the rest is kept.
   const std::string script =
       "pid=$(mktemp); "
       "{ echo $BASHPID >\"$pid\"; exec \"$0\" swarm --seeds 1..1000000 \"$1\"; } "

@@ -83,8 +83,8 @@ TEST_CASE("explain tells the same as JSON", "[cli][explain]") {
   CHECK(list["messages"].size() > 20);
   const auto message = nlohmann::json::parse(explain("kitchen/button#1 --json").out);
   CHECK(message["outcome"] == "delivered");
-  CHECK(message["way"]["step"] == "sends");
-  CHECK(message["way"]["then"][0]["medium"] == "air");
+  CHECK(message["path"]["step"] == "sends");
+  CHECK(message["path"]["then"][0]["medium"] == "air");
   const auto tuple = nlohmann::json::parse(explain("kitchen.climate-7.temperature --json").out);
   CHECK(tuple["heard_by"].size() == 2);
   CHECK(tuple["caused_by"].size() > 4);

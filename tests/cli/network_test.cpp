@@ -138,7 +138,7 @@ TEST_CASE("hosts and ways to them are shown", "[cli][API-01][API-12]") {
   CHECK(standard_output("hosts" + peer.at()).out.find("lonely@") != std::string::npos);
   const auto way =
       nlohmann::json::parse(standard_output("route 7 --id 60123 --json" + peer.at()).out);
-  CHECK(way.at("way") == nlohmann::json({60123, 7, 60123}));
+  CHECK(way.at("route") == nlohmann::json({60123, 7, 60123}));
   const auto ping = standard_output("ping 7 --count 2" + peer.at());
   CHECK(ping.status == 0);
   CHECK(ping.out.find("2 hops there and back") != std::string::npos);
@@ -157,7 +157,7 @@ TEST_CASE("what cannot be done is told in one line, with status 1", "[cli]") {
   one_line(standard_error("tuples get room.fan" + quick), "nobody has a tuple `room.fan`");
   one_line(standard_error("tuples set a b --owner 8" + quick),
            "no peer 8 in the network `rubicon`");
-  one_line(standard_error("ping 8" + quick), "no way to peer 8");
+  one_line(standard_error("ping 8" + quick), "no route to peer 8");
   one_line(standard_error("hosts --connect 127.0.0.1:1"), "127.0.0.1:1: Connection refused");
   const auto other = standard_error("hosts --network other" + quick);
   CHECK(other.status == 1);

@@ -1,10 +1,10 @@
 #include "cli/progress_bar.hpp"
-#include "runtime/text_layout.hpp"
+#include "report/text_layout.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::cli;
-using rubicon::runtime::display_width;
+using rubicon::report::display_width;
 
 TEST_CASE("a progress text tells how far, how fast and how long still", "[cli]") {
   CHECK(progress_text(2s, 5min, 10min, 80) ==

@@ -10,7 +10,7 @@
 #include "cli/child_process.hpp"
 #include "cli/swarm.hpp"
 #include "cli/swarm_text.hpp"
-#include "runtime/text_layout.hpp"
+#include "report/text_layout.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -228,7 +228,7 @@ TEST_CASE("progress tells how far, and which seeds failed", "[cli]") {
   static_cast<void>(x.ended(bad_outcome(2)));
   CHECK(swarm_progress(x, 2s, 100) == "2 of 200 runs  1%  3 min 18 s left  1 with violations: 2");
   for (std::size_t width = 0; width < 70; ++width)
-    CHECK(runtime::display_width(swarm_progress(x, 2s, width)) <= width);
+    CHECK(report::display_width(swarm_progress(x, 2s, width)) <= width);
   CHECK(!swarm_progress(swarm({0, UINT64_MAX}), 2s, 100).empty());
 }
 

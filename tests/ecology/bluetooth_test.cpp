@@ -15,7 +15,8 @@ constexpr peer_id robot{30};
 constexpr position near_desk{5, 0, 0};
 constexpr position far_away{50, 0, 0};
 
-runtime::report run_until(config::ecology_description what, duration end, std::uint64_t seed = 1) {
+report::run_report run_until(config::ecology_description what, duration end,
+                             std::uint64_t seed = 1) {
   what.length = end;
   auto report = run(what, seed);
   for (const auto& x : report.violations)
@@ -24,8 +25,8 @@ runtime::report run_until(config::ecology_description what, duration end, std::u
   return report;
 }
 
-const runtime::peer_report& peer_of(const runtime::report& x, std::string_view name) {
-  const auto found = std::ranges::find(x.peers, name, &runtime::peer_report::name);
+const report::peer_report& peer_of(const report::run_report& x, std::string_view name) {
+  const auto found = std::ranges::find(x.peers, name, &report::peer_report::name);
   if (found == x.peers.end())
     throw std::runtime_error("no peer " + std::string(name));
   return *found;

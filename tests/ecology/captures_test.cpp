@@ -125,8 +125,8 @@ void check_capture(const capture& x, duration length) {
   CHECK(last <= static_cast<std::uint64_t>(length.count()));
 }
 
-runtime::report captured(const config::ecology_description& what, const std::string& folder,
-                         bool lost) {
+report::run_report captured(const config::ecology_description& what, const std::string& folder,
+                            bool lost) {
   run_options options;
   options.seed = 1;
   options.pcap_folder = folder;

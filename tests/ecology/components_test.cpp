@@ -16,9 +16,10 @@ using namespace rubicon::test;
 namespace {
 
 /// When somebody is told to have done exactly that.
-std::vector<instant> times(const runtime::report& x, std::string_view who, std::string_view what) {
+std::vector<instant> times(const report::run_report& x, std::string_view who,
+                           std::string_view what) {
   std::vector<instant> found;
-  for (const auto& line : x.story) {
+  for (const auto& line : x.event_log) {
     if (line.who == who && line.what == what)
       found.push_back(line.at);
   }
@@ -26,7 +27,7 @@ std::vector<instant> times(const runtime::report& x, std::string_view who, std::
 }
 
 /// The first of them that is not before `from`.
-instant time_of(const runtime::report& x, std::string_view who, std::string_view what,
+instant time_of(const report::run_report& x, std::string_view who, std::string_view what,
                 instant from = {}) {
   for (const auto at : times(x, who, what)) {
     if (at >= from)
@@ -35,7 +36,7 @@ instant time_of(const runtime::report& x, std::string_view who, std::string_view
   throw std::runtime_error(std::string(who) + " never told: " + std::string(what));
 }
 
-double figure(const runtime::report& x, std::string_view who, std::string_view name) {
+double figure(const report::run_report& x, std::string_view who, std::string_view name) {
   for (const auto& program : x.programs) {
     if (program.who != who || program.kind != "init")
       continue;
@@ -47,7 +48,7 @@ double figure(const runtime::report& x, std::string_view who, std::string_view n
   return -1;
 }
 
-runtime::report run_in_wall_time(const std::string& toml) {
+report::run_report run_in_wall_time(const std::string& toml) {
   auto x = run(describe(toml));
   CHECK(x.mode == "wall");
   return x;
@@ -67,7 +68,7 @@ TEST_CASE("components are started and stopped from another computer by tuples al
     const auto x = run(example("scenarios/peis/components.toml"), seed);
     for (const auto& each : x.violations)
       UNSCOPED_INFO(each.invariant << ": " << each.detail);
-    for (const auto& line : x.story)
+    for (const auto& line : x.event_log)
       UNSCOPED_INFO(to_text(line.at) << ' ' << line.who << ": " << line.what);
     CHECK(x.violations.empty());
 
@@ -165,7 +166,7 @@ above = 42
 write = "components.asker.stdin"
 then = "7"
 )");
-  for (const auto& line : x.story)
+  for (const auto& line : x.event_log)
     UNSCOPED_INFO(to_text(line.at) << ' ' << line.who << ": " << line.what);
   CHECK(x.actors.failures.empty());
   CHECK(times(x, "pc", "asker on").size() == 1);

@@ -76,8 +76,8 @@ channel = 2
 words = { on = "01", off = "00" }
 )";
 
-std::size_t told_times(const runtime::report& x, std::string_view who, std::string_view what) {
-  return static_cast<std::size_t>(std::ranges::count_if(x.story, [&](const auto& line) {
+std::size_t told_times(const report::run_report& x, std::string_view who, std::string_view what) {
+  return static_cast<std::size_t>(std::ranges::count_if(x.event_log, [&](const auto& line) {
     return line.who.ends_with(who) && line.what.starts_with(what);
   }));
 }
@@ -94,7 +94,7 @@ TEST_CASE("with a fifth of all frames lost every actuation has one outcome, in t
     CHECK(told_violations(report).empty());
     const auto& actuations = proxy_of(report, "hall.relay").actuations;
     requested += actuations.requested;
-    CHECK(actuations.requested == actuations.acknowledged + runtime::total(actuations.failed));
+    CHECK(actuations.requested == actuations.acknowledged + report::total(actuations.failed));
     CHECK(actuations.acknowledged >= actuations.requested * 95 / 100);
     CHECK(actuations.slowest > 0s);
     CHECK(actuations.slowest <= 40s); // hall.relay.switch.deadline
@@ -130,7 +130,7 @@ TEST_CASE("control goes on behind a partition, once it has healed", "[ecology][N
     const auto report = run(what, seed);
     CHECK(told_violations(report).empty());
     const auto& actuations = proxy_of(report, "hall.relay").actuations;
-    CHECK(actuations.requested == actuations.acknowledged + runtime::total(actuations.failed));
+    CHECK(actuations.requested == actuations.acknowledged + report::total(actuations.failed));
     // 12 of 104 crossings lie in the partition; what the robot wrote then reaches nobody.
     CHECK(actuations.acknowledged >= 85);
     CHECK(told_times(report, "hall/relay", "switch ") <= actuations.requested);
@@ -151,14 +151,14 @@ TEST_CASE("a gateway that crashes while both directions are busy is made up for"
     CHECK(told_violations(report).empty());
     CHECK(report.actors.restarted == 5);
     const auto& actuations = proxy_of(report, "hall.relay").actuations;
-    CHECK(actuations.requested == actuations.acknowledged + runtime::total(actuations.failed));
+    CHECK(actuations.requested == actuations.acknowledged + report::total(actuations.failed));
     CHECK(actuations.acknowledged >= 80);
     CHECK(proxy_of(report, "hall.relay").status == "active");
     CHECK(proxy_of(report, "hall.light").status == "active");
     for (const auto& mote : report.islands.at(0).motes)
       CHECK(mote.incarnations == 1);
     // Each time the motes are listed again within a second of the gateway's return.
-    for (const auto& line : report.story)
+    for (const auto& line : report.event_log)
       if (line.what.starts_with("joined again")) {
         const auto since = (line.at.time_since_epoch() - 10s) % 100s;
         CHECK(since <= 1s);

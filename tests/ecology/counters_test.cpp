@@ -3,8 +3,8 @@
 #include <string>
 
 #include "ecology_files.hpp"
-#include "explain/journeys.hpp"
 #include "explain/outcome.hpp"
+#include "explain/traces.hpp"
 #include "recorded.hpp"
 #include "support/catch.hpp"
 
@@ -13,7 +13,7 @@ using namespace rubicon::test;
 
 namespace {
 
-using verdict = runtime::expectation_report::verdict;
+using verdict = report::expectation_report::verdict;
 
 /// A line of motes 20 m apart, `m-2` next to the sink.
 std::string line(int motes, const std::string& near, const std::string& far) {
@@ -32,7 +32,7 @@ std::string line(int motes, const std::string& near, const std::string& far) {
   return toml;
 }
 
-const runtime::mote_report& mote_of(const runtime::report& x, std::uint16_t id) {
+const report::mote_report& mote_of(const report::run_report& x, std::uint16_t id) {
   for (const auto& mote : x.islands.at(0).motes)
     if (mote.address.mote == mote_id{id})
       return mote;
@@ -50,7 +50,7 @@ TEST_CASE("a message that is refused is counted as one that was offered", "[ecol
   const auto& far = mote_of(x, 5).messages;
   CHECK(far.offered > 5'000);
   CHECK(far.refused.at("crowded") > 100);
-  CHECK(far.offered == runtime::total(far.refused) + far.reliable_sent);
+  CHECK(far.offered == report::total(far.refused) + far.reliable_sent);
   CHECK(far.reliable_sent == far.reliable_acked + far.reliable_failed + far.reliable_open);
   CHECK(*far.delivery() < 0.9);
 }

@@ -5,7 +5,7 @@
 
 #include "ecology_files.hpp"
 #include "explain/outcome.hpp"
-#include "explain/tell.hpp"
+#include "explain/text.hpp"
 #include "explain/words.hpp"
 #include "recorded.hpp"
 #include "support/catch.hpp"
@@ -18,8 +18,8 @@ namespace {
 using explain::step;
 
 struct told_run {
-  runtime::report report;
-  explain::journeys all;
+  report::run_report report;
+  explain::traces all;
 };
 
 told_run record_of(config::ecology_description what, duration length) {
@@ -28,14 +28,14 @@ told_run record_of(config::ecology_description what, duration length) {
   return {std::move(x.report), explain::follow(x.content)};
 }
 
-explain::node_index message_called(const explain::journeys& all, const std::string& name) {
+explain::node_index message_called(const explain::traces& all, const std::string& name) {
   const auto found = explain::find(all, name);
   REQUIRE(std::holds_alternative<explain::message_found>(found));
   return static_cast<explain::node_index>(std::get<explain::message_found>(found).index);
 }
 
 /// From the first step that led to this one: who, and for hops to whom.
-std::vector<std::string> way_to(const explain::journeys& all, explain::node_index n) {
+std::vector<std::string> way_to(const explain::traces& all, explain::node_index n) {
   std::vector<std::string> way;
   for (; n != explain::no_node; n = all.nodes[n].parent)
     way.insert(way.begin(), explain::where(all, all.nodes[n]));
@@ -43,7 +43,7 @@ std::vector<std::string> way_to(const explain::journeys& all, explain::node_inde
 }
 
 /// The step of a message or tuple, if it is there.
-explain::node_index step_of(const explain::journeys& all,
+explain::node_index step_of(const explain::traces& all,
                             const std::vector<explain::node_index>& nodes, step what,
                             const std::string& who) {
   for (const auto n : nodes)
@@ -53,7 +53,7 @@ explain::node_index step_of(const explain::journeys& all,
   return explain::no_node;
 }
 
-std::size_t value_of(const explain::journeys& all, const std::string& key, std::size_t which) {
+std::size_t value_of(const explain::traces& all, const std::string& key, std::size_t which) {
   const auto found = explain::find(all, key);
   REQUIRE(std::holds_alternative<explain::tuples_found>(found));
   return std::get<explain::tuples_found>(found).indices.at(which);
@@ -217,7 +217,7 @@ TEST_CASE("what an unplugged cable keeps back is lost there", "[ecology][explain
   CHECK(y.where == "kitchen/sink → gateway");
   CHECK(y.why == "cable unplugged");
   REQUIRE(m.failed);
-  const auto text = explain::tell_message(all, index, {200, false});
+  const auto text = explain::message_text(all, index, {200, false});
   CHECK(text.find("greets bedroom/pager first, 5 times: no answer") != std::string::npos);
   CHECK(text.find("serial cable unplugged") != std::string::npos);
   CHECK(text.find("reported failed to the sender") != std::string::npos);

@@ -7,7 +7,7 @@ using namespace rubicon::test;
 
 namespace {
 
-std::uint32_t incarnations(const runtime::report& x, mote_address mote) {
+std::uint32_t incarnations(const report::run_report& x, mote_address mote) {
   for (const auto& island : x.islands) {
     for (const auto& entry : island.motes) {
       if (entry.address == mote)
@@ -79,7 +79,7 @@ TEST_CASE("with a lossy radio and a noisy cable every actuation has one outcome 
     for (const auto& x : report.proxies) {
       requested += x.actuations.requested;
       CHECK(x.actuations.requested ==
-            x.actuations.acknowledged + runtime::total(x.actuations.failed));
+            x.actuations.acknowledged + report::total(x.actuations.failed));
     }
   }
   CHECK(requested >= 2 * seeds(10));

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "ecology_files.hpp"
-#include "explain/journeys.hpp"
+#include "explain/traces.hpp"
 #include "recorded.hpp"
 #include "support/catch.hpp"
 #include "support/seeds.hpp"
@@ -49,16 +49,16 @@ duration longest_gap(const std::vector<instant>& all, duration length) {
   return std::max<duration>(longest, instant(length) - last);
 }
 
-const runtime::island_report& kitchen_of(const runtime::report& x) {
-  return *std::ranges::find(x.islands, kitchen, &runtime::island_report::id);
+const report::island_report& kitchen_of(const report::run_report& x) {
+  return *std::ranges::find(x.islands, kitchen, &report::island_report::id);
 }
 
-std::uint64_t times_led(const runtime::report& x, peer_id who) {
+std::uint64_t times_led(const report::run_report& x, peer_id who) {
   const auto& all = kitchen_of(x).gateways;
-  return std::ranges::find(all, who, &runtime::gateway_report::id)->lead.led;
+  return std::ranges::find(all, who, &report::gateway_report::id)->lead.led;
 }
 
-void check_motes_stayed(const runtime::report& x) {
+void check_motes_stayed(const report::run_report& x) {
   CHECK(told_violations(x).empty());
   CHECK(x.motes_joined() == x.motes_configured());
   CHECK(!tells(x, "", "left"));
@@ -73,7 +73,7 @@ void check_actuations(const recorded& x) {
     failed += count;
   CHECK(fan.acknowledged > 0);
   CHECK(fan.acknowledged + failed <= fan.requested);
-  CHECK(fan.acknowledged + failed + 1 >= fan.requested); // one may be under way at the end
+  CHECK(fan.acknowledged + failed + 1 >= fan.requested); // one may be in flight at the end
   const auto done = x.times(explain::kind::actuator_changed, "").size();
   CHECK(done <= fan.requested);
   CHECK(done >= fan.acknowledged);
@@ -244,10 +244,10 @@ TEST_CASE("what is told of a message names the gateway that it took", "[ecology]
   for (const auto& each : all.nodes)
     through_second += each.to == "gateway/kitchen/attic-pc" && each.arrived.has_value() ? 1 : 0;
   CHECK(through_second > 30);
-  const auto told = std::ranges::find_if(x.report.story, [](const auto& line) {
+  const auto told = std::ranges::find_if(x.report.event_log, [](const auto& line) {
     return line.who == "attic-pc" && line.what == "leads island 20, term 2";
   });
-  CHECK(told != x.report.story.end());
+  CHECK(told != x.report.event_log.end());
 }
 
 TEST_CASE("motes keep the time of peers when another gateway tells it",
@@ -266,6 +266,6 @@ TEST_CASE("the scenario of two gateways runs as its file says", "[ecology][GW-14
   CHECK(told_violations(x).empty());
   CHECK(!tells(x, "", "left"));
   CHECK(proxy_of(x, "kitchen.fan").status == "active");
-  CHECK(runtime::to_text(x).find("led by kitchen-pc: ") != std::string::npos);
+  CHECK(report::to_text(x).find("led by kitchen-pc: ") != std::string::npos);
   CHECK(run(what).trace_hash == x.trace_hash);
 }

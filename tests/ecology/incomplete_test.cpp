@@ -33,15 +33,15 @@ config::ecology_description short_home() {
   return home;
 }
 
-runtime::report run_with(const config::ecology_description& what, const run_options& options) {
+report::run_report run_with(const config::ecology_description& what, const run_options& options) {
   spdlog::set_level(spdlog::level::off); // errors are what is wanted here
   return run_ecology(what, options);
 }
 
-void check_violation(const runtime::report& x, std::string_view invariant,
+void check_violation(const report::run_report& x, std::string_view invariant,
                      std::string_view detail) {
   CAPTURE(told_violations(x));
-  CHECK(std::ranges::any_of(x.violations, [&](const runtime::violation& each) {
+  CHECK(std::ranges::any_of(x.violations, [&](const report::violation& each) {
     return each.invariant == invariant && each.detail.find(detail) != std::string::npos;
   }));
 }

@@ -14,7 +14,7 @@ using namespace rubicon::test;
 
 namespace {
 
-double figure(const runtime::report& x, std::string_view who, std::string_view name) {
+double figure(const report::run_report& x, std::string_view who, std::string_view name) {
   for (const auto& program : x.programs) {
     if (program.who != who)
       continue;
@@ -27,7 +27,7 @@ double figure(const runtime::report& x, std::string_view who, std::string_view n
   return 0;
 }
 
-double duty_of(const runtime::mote_report& x) {
+double duty_of(const report::mote_report& x) {
   return 1 - seconds(x.energy.radio_off) / seconds(x.energy.elapsed);
 }
 
@@ -45,7 +45,7 @@ config::ecology_description separated(config::ecology_description x) {
 }
 
 /// What programs have counted, for comparison.
-std::string figures_of(const runtime::report& x) {
+std::string figures_of(const report::run_report& x) {
   std::ostringstream text;
   for (const auto& program : x.programs) {
     text << program.who << ' ' << program.kind;
@@ -84,7 +84,7 @@ struct vectors {
   double missed = 0;
 };
 
-vectors vectors_of(const runtime::report& x) {
+vectors vectors_of(const report::run_report& x) {
   vectors sum;
   for (const auto& program : x.programs) {
     sum.updated += figure(x, program.who, "vectors updated");
@@ -172,7 +172,7 @@ TEST_CASE("the rate of missed vectors is that of the loss injected", "[ecology][
   constexpr int attempts = 3; // one in its slot and two more; the radio makes one of each
   std::ostringstream radio;
   radio << "range = '100m'\nretries = 0\n";
-  for (int i = 0; i < 16; ++i) // the way back stays whole: nothing that has arrived is sent again
+  for (int i = 0; i < 16; ++i) // the route back stays whole: nothing that has arrived is sent again
     radio << "[[radio.link]]\nfrom = 'hall/n-" << 2 + i << "'\nto = 'hall/n-" << 2 + (i + 1) % 16
           << "'\nloss = " << loss << "\n";
   auto network = ring(16, 3, radio.str());

@@ -59,9 +59,9 @@ at = "90s"
 kind = "battery_end"
 mote = "hall/ends"
 )");
-  const auto cause_of = [](const runtime::report& x, const std::string& name) {
+  const auto cause_of = [](const report::run_report& x, const std::string& name) {
     const auto& motes = x.islands.at(0).motes;
-    return std::ranges::find(motes, name, &runtime::mote_report::name)->left_cause;
+    return std::ranges::find(motes, name, &report::mote_report::name)->left_cause;
   };
   for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
     CAPTURE(seed);
@@ -72,7 +72,7 @@ mote = "hall/ends"
     CHECK(cause_of(x, "ends") == "battery");
     CHECK(cause_of(x, "vanishes") == "silence");
     const auto left = std::ranges::count_if(
-        x.story, [](const auto& line) { return line.what.starts_with("left: "); });
+        x.event_log, [](const auto& line) { return line.what.starts_with("left: "); });
     CHECK(left == 4);
   }
 }

@@ -14,7 +14,7 @@ using namespace rubicon::test;
 
 namespace {
 
-double figure(const runtime::report& x, std::string_view who, std::string_view kind,
+double figure(const report::run_report& x, std::string_view who, std::string_view kind,
               std::string_view name) {
   double sum = -1;
   for (const auto& program : x.programs) {

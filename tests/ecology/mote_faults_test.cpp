@@ -73,8 +73,8 @@ void run_all(const std::string& faults, More more) {
   }
 }
 
-const runtime::mote_report& mote_of(const runtime::report& x, std::string_view island,
-                                    std::string_view name) {
+const report::mote_report& mote_of(const report::run_report& x, std::string_view island,
+                                   std::string_view name) {
   for (const auto& each : x.islands)
     for (const auto& mote : each.motes)
       if (each.name == island && mote.name == name)
@@ -83,17 +83,18 @@ const runtime::mote_report& mote_of(const runtime::report& x, std::string_view i
 }
 
 /// When somebody is told to have done that; nothing: never.
-std::optional<instant> when(const runtime::report& x, std::string_view who, std::string_view what,
-                            instant from = {}) {
-  for (const auto& line : x.story)
+std::optional<instant> when(const report::run_report& x, std::string_view who,
+                            std::string_view what, instant from = {}) {
+  for (const auto& line : x.event_log)
     if (line.at >= from && line.who == who && line.what.starts_with(what))
       return line.at;
   return std::nullopt;
 }
 
-std::size_t how_often(const runtime::report& x, std::string_view who, std::string_view what) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      x.story, [&](const auto& line) { return line.who == who && line.what.starts_with(what); }));
+std::size_t how_often(const report::run_report& x, std::string_view who, std::string_view what) {
+  return static_cast<std::size_t>(std::ranges::count_if(x.event_log, [&](const auto& line) {
+    return line.who == who && line.what.starts_with(what);
+  }));
 }
 
 } // namespace
@@ -107,7 +108,7 @@ TEST_CASE("a mote that is off for long leaves, and joins as a later life",
     mote = "flat/near"
     for = "6min"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(when(x, "flat/near", "crashed: crash from the fault plan, out for 6 min") ==
                   instant(5min));
             const auto left = when(x, "flat/near", "left: silence");
@@ -132,7 +133,7 @@ TEST_CASE("a mote that is off at the end is expected nowhere", "[ecology][ACT-04
     mote = "flat/far"
     for = "1h"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(x.motes_alive() == 5);
             CHECK_FALSE(mote_of(x, "flat", "far").alive);
             CHECK(mote_of(x, "flat", "far").incarnations == 1);
@@ -149,11 +150,11 @@ TEST_CASE("every life of a mote is later than those before, whatever cuts it sho
     kind = "crash"
     mote = "flat/near"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(mote_of(x, "flat", "near").incarnations == 26);
             CHECK(tells(x, "flat/near", "joined again, life 26"));
             std::uint32_t last = 0; // lives that its gateway is told of only ever grow
-            for (const auto& line : x.story) {
+            for (const auto& line : x.event_log) {
               constexpr std::string_view words = "joined again, life ";
               if (line.who != "flat/near" || !line.what.starts_with(words))
                 continue;
@@ -174,7 +175,7 @@ TEST_CASE("a sink that is off takes its island with it, and as a later life has 
     sink = "flat"
     for = "3min"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(when(x, "flat/sink", "crashed: crash from the fault plan, out for 3 min") ==
                   instant(4min));
             CHECK(when(x, "flat/sink", "started again, life 2") == instant(7min));
@@ -198,7 +199,7 @@ TEST_CASE("a sink that reboots at once has its island back in a minute", "[ecolo
     kind = "crash"
     sink = "*"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(how_often(x, "flat/sink", "started again") +
                       how_often(x, "shed/sink", "started again") ==
                   5);
@@ -219,7 +220,7 @@ TEST_CASE("a mote whose clock was set goes on, and knows the island's time again
     mote = "flat/near"
     by = ")") +
               by + "\"\n",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(when(x, "flat/near", "clock set ") == instant(3min));
             CHECK(mote_of(x, "flat", "near").incarnations == 1);
             CHECK(proxy_of(x, "flat.near").status == "active");
@@ -239,7 +240,7 @@ TEST_CASE("a sink whose clock was set takes the time of its island with it",
     sink = "flat"
     by = ")") +
               by + "\"\n",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(when(x, "flat/sink", "clock set ") == instant(3min));
             CHECK(proxy_of(x, "flat.far").status == "active");
             CHECK(x.islands.at(0).network.clock_error_max < 3ms);
@@ -256,7 +257,7 @@ TEST_CASE("noise silences who is near, and nobody else", "[ecology][ACT-04]") {
     position_m = [34, 0]
     for = "4min"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(when(x, "plan", "noise at 34, 0 for 4 min") == instant(5min));
             const auto left = when(x, "flat/far", "left");
             REQUIRE(left);
@@ -308,7 +309,7 @@ TEST_CASE("a radio that loses all is silent, one that loses some repeats", "[eco
     loss = "30%"
     for = "2min"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(when(x, "flat", "radio loses frames for 2 min") == instant(5min));
             CHECK(when(x, "plan", "radio loses frames for 2 min") == instant(10min));
             for (const auto* name : {"flat/lamp", "flat/near", "flat/far"}) {
@@ -334,7 +335,7 @@ TEST_CASE("a second mote with an id is refused and said, and the first is not to
     position_m = [8, 3]
     for = "10min"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(when(x, "flat/near-double", "appears, with the id of flat/near") ==
                   instant(4min));
             CHECK(how_often(x, "flat/sink", "refused a second mote with the id 3") == 1);
@@ -363,7 +364,7 @@ TEST_CASE("a mote that reboots while there is a second one is itself at once",
     kind = "crash"
     mote = "flat/near"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             const auto again = when(x, "flat/near", "joined again, life 2");
             REQUIRE(again);
             CHECK(*again < instant(6min + 10s));
@@ -388,7 +389,7 @@ TEST_CASE("a second mote takes the place of one that is gone, until that one is 
     position_m = [8, 3]
     for = "10min"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             const auto replaced = when(x, "flat/near", "joined again, life 1");
             REQUIRE(replaced); // a new board with the old id
             CHECK(*replaced < instant(6min));
@@ -410,7 +411,7 @@ TEST_CASE("a mote that is carried to another island leaves its own and joins tha
     to_m = [206, 5]
     for = "20s"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(when(x, "flat/far", "carried away, to be shed/far in 20 s") == instant(4min));
             CHECK(x.islands.at(0).motes.size() == 2);
             CHECK(x.islands.at(1).motes.size() == 4);
@@ -439,7 +440,7 @@ TEST_CASE("a mote that is of another type when it starts again has another proxy
     mote = "flat/far"
     type = "lamp"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(when(x, "flat/far", "joined again, life 2"));
             CHECK(mote_of(x, "flat", "far").type == "lamp");
             CHECK(proxy_of(x, "flat.far").proxy_class == "lamp");
@@ -489,7 +490,7 @@ TEST_CASE("faults go on hitting a mote that was carried away, by the name that i
     duty = "1%"
     for = "1s"
   )",
-          [](const runtime::report& x) {
+          [](const report::run_report& x) {
             CHECK(when(x, "shed/far", "clock set forward by 1 s") == instant(9min));
             CHECK(how_often(x, "flat/far", "carried away") == 1);
             CHECK(how_often(x, "shed/far", "crashed") == 4);

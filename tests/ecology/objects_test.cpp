@@ -85,7 +85,7 @@ TEST_CASE("a tagged thing is followed from reader to reader by one proxy",
     CHECK(value(juice, "position") == "5.00 0.00 1.00");
     CHECK(value(proxy_of(report, "things.e0040102"), "interface") == "kitchen");
     CHECK(tells(report, "things.juice", "seen by the reader hall"));
-    for (const auto& line : report.story) // in range of one of them all the time
+    for (const auto& line : report.event_log) // in range of one of them all the time
       CHECK(line.what.find("no reader") == std::string::npos);
   }
 }

@@ -10,8 +10,8 @@ using namespace rubicon::test;
 
 namespace {
 
-runtime::report run_scenario(const std::string& name, std::uint64_t seed,
-                             std::optional<duration> length = std::nullopt) {
+report::run_report run_scenario(const std::string& name, std::uint64_t seed,
+                                std::optional<duration> length = std::nullopt) {
   auto what = example("scenarios/peis/" + name + ".toml");
   what.length = length.value_or(what.length);
   auto report = run(what, seed);
@@ -21,7 +21,7 @@ runtime::report run_scenario(const std::string& name, std::uint64_t seed,
   return report;
 }
 
-std::set<std::int32_t> clusters(const runtime::report& x) {
+std::set<std::int32_t> clusters(const report::run_report& x) {
   std::set<std::int32_t> found;
   for (const auto& peer : x.peers) {
     if (peer.alive)
@@ -30,7 +30,7 @@ std::set<std::int32_t> clusters(const runtime::report& x) {
   return found;
 }
 
-std::uint64_t hosts_known_min(const runtime::report& x) {
+std::uint64_t hosts_known_min(const report::run_report& x) {
   std::uint64_t least = UINT64_MAX;
   for (const auto& peer : x.peers) {
     if (peer.alive)
@@ -39,14 +39,14 @@ std::uint64_t hosts_known_min(const runtime::report& x) {
   return least;
 }
 
-const runtime::peer_report& peer_of(const runtime::report& x, std::string_view name) {
-  const auto found = std::ranges::find(x.peers, name, &runtime::peer_report::name);
+const report::peer_report& peer_of(const report::run_report& x, std::string_view name) {
+  const auto found = std::ranges::find(x.peers, name, &report::peer_report::name);
   if (found == x.peers.end())
     throw std::runtime_error("no peer " + std::string(name));
   return *found;
 }
 
-std::uint64_t links_opened(const runtime::report& x) {
+std::uint64_t links_opened(const report::run_report& x) {
   std::uint64_t sum = 0;
   for (const auto& peer : x.peers)
     sum += peer.links_opened;

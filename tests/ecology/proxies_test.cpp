@@ -465,7 +465,7 @@ TEST_CASE("readings of ad0 become the kitchen's luminosity, with its history",
     const auto counts = x.texts_at(name + ".board-7.ad0");
     const auto light = x.texts_at(name + ".luminosity");
     REQUIRE(counts.size() > 25);
-    REQUIRE(light.size() + 1 >= counts.size()); // the last may still be under way
+    REQUIRE(light.size() + 1 >= counts.size()); // the last may still be in flight
     for (std::size_t i = 0; i < light.size(); ++i)
       CHECK(std::stod(light[i]) == Approx(0.5 * std::stod(counts[i])).margin(1e-9));
     CHECK(x.texts_at(name + ".luminosity.unit") == std::vector<std::string>{"lx"});
@@ -474,7 +474,7 @@ TEST_CASE("readings of ad0 become the kitchen's luminosity, with its history",
     CHECK(history.ends_with(',' + light.back() + '\n'));
   }
   const auto translate =
-      std::ranges::find(x.report.programs, "translate", &runtime::program_report::kind);
+      std::ranges::find(x.report.programs, "translate", &report::program_report::kind);
   REQUIRE(translate != x.report.programs.end());
   CHECK(translate->figures.at(1) == std::pair<std::string, double>("tuples", 2));
 }

@@ -11,7 +11,7 @@ using namespace rubicon::test;
 
 namespace {
 
-const runtime::flow_report& flow_of(const runtime::report& x, std::string_view from) {
+const report::flow_report& flow_of(const report::run_report& x, std::string_view from) {
   for (const auto& flow : x.flows) {
     if (flow.from_name == from)
       return flow;
@@ -19,16 +19,16 @@ const runtime::flow_report& flow_of(const runtime::report& x, std::string_view f
   throw std::runtime_error("no flow from " + std::string(from));
 }
 
-void check_counters(const runtime::report& x) {
+void check_counters(const report::run_report& x) {
   for (const auto& violation : x.violations)
     FAIL_CHECK(violation.invariant << ": " << violation.detail);
   for (const auto& flow : x.flows) {
     INFO(flow.from_name << " to " << flow.to_name);
-    CHECK(flow.sent == flow.delivered + runtime::total(flow.lost) + flow.open);
+    CHECK(flow.sent == flow.delivered + report::total(flow.lost) + flow.open);
   }
   const auto radio = x.radio();
-  CHECK(radio.sent == radio.delivered + runtime::total(radio.lost));
-  CHECK(radio.requests == radio.mac_sent + runtime::total(radio.mac_failed) + radio.mac_open);
+  CHECK(radio.sent == radio.delivered + report::total(radio.lost));
+  CHECK(radio.requests == radio.mac_sent + report::total(radio.mac_failed) + radio.mac_open);
 }
 
 /// A sender, a relay and the sink, beside a sender of its own.
@@ -48,7 +48,7 @@ constexpr const char* chain = R"(
   ]
 )";
 
-runtime::report run_with(std::string_view faults) {
+report::run_report run_with(std::string_view faults) {
   return run(describe(std::string(chain).append(faults)));
 }
 
@@ -86,7 +86,7 @@ TEST_CASE("a flow whose relay is dead is lost, with causes", "[ecology][radio]")
   const auto& flow = flow_of(report, "hall/far");
   CHECK(flow.sent == 600);
   CHECK(flow.delivered == Approx(200).margin(4));
-  CHECK(runtime::total(flow.lost) >= 395);
+  CHECK(report::total(flow.lost) >= 395);
   CHECK(flow.lost.at("no_ack") >= 390); // nobody answers
   // Each is tried four times, so the price rises.
   CHECK(flow.tx_per_packet > 3);
@@ -137,7 +137,7 @@ TEST_CASE("a saturated sender goes on after a restart", "[ecology][radio][ACT-03
   CHECK(flow_of(restarted, "hall/busy").pdr > 0.99);
 }
 
-TEST_CASE("a run may end while packets are under way", "[ecology][radio]") {
+TEST_CASE("a run may end while packets are in flight", "[ecology][radio]") {
   auto what = example("scenarios/line.toml");
   for (const auto length : {duration(11ms), duration(17ms), duration(101ms), duration(1'234ms)}) {
     what.length = length;

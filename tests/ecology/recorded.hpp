@@ -9,7 +9,7 @@
 #include "config/ecology.hpp"
 #include "core/time.hpp"
 #include "explain/record.hpp"
-#include "runtime/report.hpp"
+#include "report/report.hpp"
 
 namespace rubicon::test {
 
@@ -20,7 +20,7 @@ struct set_value {
 };
 
 struct recorded {
-  runtime::report report;
+  report::run_report report;
   explain::recording content;
 
   /// When such things happened to actors whose path begins so.

@@ -14,9 +14,10 @@ using namespace rubicon::test;
 namespace {
 
 /// When somebody whose name ends with `who` has told exactly that, in order.
-std::vector<instant> times(const runtime::report& x, std::string_view who, std::string_view what) {
+std::vector<instant> times(const report::run_report& x, std::string_view who,
+                           std::string_view what) {
   std::vector<instant> found;
-  for (const auto& line : x.story) {
+  for (const auto& line : x.event_log) {
     if (line.who.ends_with(who) && line.what == what)
       found.push_back(line.at);
   }
@@ -29,7 +30,7 @@ std::size_t between(const std::vector<instant>& all, instant from, instant to) {
 }
 
 /// The figures of the program of kind `goal` on a peer, in its last life.
-std::map<std::string, double> figures(const runtime::report& x, std::string_view who) {
+std::map<std::string, double> figures(const report::run_report& x, std::string_view who) {
   for (const auto& program : x.programs) {
     if (program.who == who && program.kind == "goal")
       return {program.figures.begin(), program.figures.end()};
@@ -37,14 +38,14 @@ std::map<std::string, double> figures(const runtime::report& x, std::string_view
   throw std::runtime_error("no goals of " + std::string(who));
 }
 
-void show(const runtime::report& x) {
+void show(const report::run_report& x) {
   for (const auto& each : x.violations)
     UNSCOPED_INFO(each.invariant << ": " << each.detail);
-  for (const auto& line : x.story)
+  for (const auto& line : x.event_log)
     UNSCOPED_INFO(to_text(line.at) << ' ' << line.who << ": " << line.what);
 }
 
-void check_outcomes(const runtime::report& x) {
+void check_outcomes(const report::run_report& x) {
   for (const auto* who : {"carrier", "opener"}) {
     CAPTURE(who);
     auto all = figures(x, who);
@@ -53,9 +54,9 @@ void check_outcomes(const runtime::report& x) {
   }
 }
 
-/// Goals of a robot that have begun, and outcomes of each kind, as its story tells them.
-std::size_t goals_told(const runtime::report& x, std::string_view who, std::string_view how) {
-  return static_cast<std::size_t>(std::ranges::count_if(x.story, [&](const auto& line) {
+/// Goals of a robot that have begun, and outcomes of each kind, as the event log has them.
+std::size_t goals_told(const report::run_report& x, std::string_view who, std::string_view how) {
+  return static_cast<std::size_t>(std::ranges::count_if(x.event_log, [&](const auto& line) {
     return line.who == who && line.what.find(how) != std::string::npos;
   }));
 }
@@ -262,6 +263,6 @@ TEST_CASE("an actuator's input is pointed at another tuple while it runs, and fo
     CHECK(between(on, instant(2min), instant(3min)) == 1);
     CHECK(between(times(x, "left", "blink succeeded"), turn, instant(3min)) >= 8);
     const auto& actuations = proxy_of(x, "hall.lamp").actuations;
-    CHECK(actuations.requested == actuations.acknowledged + runtime::total(actuations.failed));
+    CHECK(actuations.requested == actuations.acknowledged + report::total(actuations.failed));
   }
 }

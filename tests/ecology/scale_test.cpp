@@ -61,7 +61,7 @@ struct load_result {
   std::uint64_t actuations = 0;
 };
 
-load_result under(const runtime::report& x) {
+load_result under(const report::run_report& x) {
   load_result sum;
   for (const auto& island : x.islands)
     sum.received +=

@@ -54,7 +54,7 @@ struct sum {
   }
 };
 
-sum flows_to(const runtime::report& x, const std::string& target) {
+sum flows_to(const report::run_report& x, const std::string& target) {
   sum all;
   for (const auto& flow : x.flows) {
     if (flow.to_name != target)
@@ -72,7 +72,7 @@ sum flows_to(const runtime::report& x, const std::string& target) {
   return all;
 }
 
-const runtime::flow_report& flow_to(const runtime::report& x, const std::string& target) {
+const report::flow_report& flow_to(const report::run_report& x, const std::string& target) {
   for (const auto& flow : x.flows) {
     if (flow.to_name == target)
       return flow;
@@ -81,14 +81,14 @@ const runtime::flow_report& flow_to(const runtime::report& x, const std::string&
 }
 
 /// What holds in every run: nothing is lost without a cause, and no figure contradicts another.
-void check_counters(const runtime::report& x) {
+void check_counters(const report::run_report& x) {
   for (const auto& violation : x.violations)
     FAIL_CHECK(violation.invariant << ": " << violation.detail);
   CHECK(x.actors.failures.empty());
   for (const auto& flow : x.flows) {
     INFO(flow.from_name << " to " << flow.to_name);
     if (flow.to.mote != broadcast_mote) // which arrives at any number of motes
-      CHECK(flow.sent == flow.delivered + runtime::total(flow.lost) + flow.open);
+      CHECK(flow.sent == flow.delivered + report::total(flow.lost) + flow.open);
     CHECK(flow.pdr == Approx(flow.sent == 0 ? 0.0
                                             : static_cast<double>(flow.delivered) /
                                                   static_cast<double>(flow.sent)));
@@ -97,12 +97,12 @@ void check_counters(const runtime::report& x) {
   for (const auto& island : x.islands) {
     INFO(island.name);
     const auto& radio = island.radio;
-    CHECK(radio.sent == radio.delivered + runtime::total(radio.lost));
-    CHECK(radio.requests == radio.mac_sent + runtime::total(radio.mac_failed) + radio.mac_open);
+    CHECK(radio.sent == radio.delivered + report::total(radio.lost));
+    CHECK(radio.requests == radio.mac_sent + report::total(radio.mac_failed) + radio.mac_open);
   }
 }
 
-runtime::report run_for(std::string_view file, duration length) {
+report::run_report run_for(std::string_view file, duration length) {
   auto what = example(file);
   what.length = length;
   auto report = run(what, what.seed);
@@ -166,7 +166,7 @@ TEST_CASE("a star's goodput is the closed form for one sender, and contention's 
     };
     INFO("payload " << payload);
     CHECK(of(1).goodput_bps == Approx(goodput_alone_bps(payload)).epsilon(0.01));
-    CHECK(of(1).delivered + 1 >= of(1).sent); // one may be under way at the end
+    CHECK(of(1).delivered + 1 >= of(1).sent); // one may be in flight at the end
 
     std::vector<sum> all;
     for (const int n : {1, 2, 5, 10, 20, 50}) {

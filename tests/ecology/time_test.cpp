@@ -56,7 +56,7 @@ struct sightings {
   double event_max = -1e12;
 };
 
-sightings sightings_of(const runtime::report& x, const std::string& island) {
+sightings sightings_of(const report::run_report& x, const std::string& island) {
   sightings all;
   for (int i = 0; i < motes; ++i) {
     const auto& proxy = proxy_of(x, island + ".m-" + std::to_string(2 + i));
@@ -71,7 +71,7 @@ sightings sightings_of(const runtime::report& x, const std::string& island) {
 }
 
 /// Both islands agree on when the value was 0, and with what the peers' time was then.
-void check_agreement(const runtime::report& report, int seconds) {
+void check_agreement(const report::run_report& report, int seconds) {
   CHECK(report.violations.empty());
   for (const auto& island : report.islands) {
     CAPTURE(island.name);

@@ -83,7 +83,7 @@ private:
   std::string path_;
 };
 
-const runtime::flow_report& flow_from(const runtime::report& x, std::uint16_t node) {
+const report::flow_report& flow_from(const report::run_report& x, std::uint16_t node) {
   for (const auto& flow : x.flows) {
     if (flow.from.mote == mote_id{static_cast<std::uint16_t>(node + 1)})
       return flow;
@@ -103,7 +103,7 @@ TEST_CASE("motes are heard as TOSSIM's gains and noise let them", "[ecology][rad
   for (const auto& flow : report.flows) {
     INFO(flow.from_name);
     CHECK(flow.sent == Approx(200).margin(2));
-    CHECK(flow.sent == flow.delivered + runtime::total(flow.lost) + flow.open);
+    CHECK(flow.sent == flow.delivered + report::total(flow.lost) + flow.open);
   }
   // Nodes 1 and 3 are heard well above any noise, 2 above the quiet noise only, 5 below all noise,
   // and 7 and 8 have no link to the sink at all. A link back does not matter: 3 has none.
@@ -119,8 +119,8 @@ TEST_CASE("motes are heard as TOSSIM's gains and noise let them", "[ecology][rad
     CHECK(flow_from(report, node).lost.at("out_of_reach") == flow_from(report, node).sent);
   }
   const auto radio = report.radio();
-  CHECK(radio.sent == radio.delivered + runtime::total(radio.lost));
-  CHECK(radio.requests == radio.mac_sent + runtime::total(radio.mac_failed) + radio.mac_open);
+  CHECK(radio.sent == radio.delivered + report::total(radio.lost));
+  CHECK(radio.requests == radio.mac_sent + report::total(radio.mac_failed) + radio.mac_open);
 }
 
 TEST_CASE("noise from a trace is the same in equal runs", "[ecology][GEN-07]") {
@@ -141,7 +141,7 @@ TEST_CASE("the trace of motes in recorded noise is the same on every machine and
   CHECK(run(*loaded.ecology).trace_hash == "460aba51f8dfc24c");
 }
 
-TEST_CASE("an acknowledgement needs the way back", "[ecology][radio]") {
+TEST_CASE("an acknowledgement needs the route back", "[ecology][radio]") {
   auto toml = std::string(nine_motes);
   toml.replace(toml.find("ack = false"), 11, "ack = true");
   const auto loaded = config::load_text(

@@ -20,7 +20,7 @@ public:
     if (now < next_)
       return;
     next_ = now + every_;
-    layer().read_transducers(std::array{rubicon::mote::quantity::temperature});
+    layer().read_transducers(std::array{rubicon::device::quantity::temperature});
   }
 
   /// The answer: in counts of 0.1 degrees.

@@ -9,7 +9,7 @@
 
 using namespace rubicon;
 using namespace std::chrono_literals;
-namespace remote = rubicon::mote::remote;
+namespace remote = rubicon::communication::remote;
 
 /// The command of that kind in a batch; nullptr: there is none.
 template <class Command>
@@ -76,7 +76,7 @@ struct guard_alone {
 TEST_CASE("the guard asks for the temperature, and is silent while it is warm") {
   guard_alone x;
   x.look();
-  x.world.disallow<story>().to_anybody();
+  x.world.disallow<notable_event>().to_anybody();
   x.world.disallow<program_commands>().where(holds<remote::send_message>).to(x.mote);
 }
 
@@ -84,13 +84,13 @@ TEST_CASE("the guard sends one warning when it becomes cold") {
   guard_alone x;
   x.counts = 34;
   x.look();
-  CHECK(x.world.expect<story>().from(x.guard).to(x.ecology).what == "frost!");
+  CHECK(x.world.expect<notable_event>().from(x.guard).to(x.ecology).what == "frost!");
   const auto sent = x.world.expect<program_commands>().from(x.guard).to(x.mote);
   REQUIRE(holds<remote::send_message>(sent));
   CHECK(find<remote::send_message>(sent)->octets == payload(bytes{1}));
   CHECK(find<remote::send_message>(sent)->reliable);
   x.look();
-  x.world.disallow<story>().to_anybody(); // it has said so
+  x.world.disallow<notable_event>().to_anybody(); // it has said so
 }
 
 TEST_CASE("an answer that is lost does not keep the guard from looking again") {
@@ -99,5 +99,5 @@ TEST_CASE("an answer that is lost does not keep the guard from looking again") {
   x.world.run_for(10s);
   x.counts = 20;
   x.look();
-  CHECK(x.world.expect<story>().to(x.ecology).what == "frost!");
+  CHECK(x.world.expect<notable_event>().to(x.ecology).what == "frost!");
 }

@@ -2,7 +2,7 @@
 // tells can be followed and told.
 #include <cstdlib>
 
-#include "explain/tell.hpp"
+#include "explain/text.hpp"
 
 using namespace rubicon;
 using namespace rubicon::explain;
@@ -26,12 +26,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   check_round_trip(x.content);
   const auto all = follow(x.content);
-  static_cast<void>(tell_list(all, {}, {}));
+  static_cast<void>(list_text(all, {}, {}));
   for (std::size_t i = 0; i < all.messages.size(); ++i) {
-    static_cast<void>(tell_message(all, i, {}));
+    static_cast<void>(message_text(all, i, {}));
     static_cast<void>(message_json(all, i));
   }
   for (std::size_t i = 0; i < all.tuples.size(); ++i)
-    static_cast<void>(tell_tuple(all, i, {}));
+    static_cast<void>(tuple_text(all, i, {}));
   return 0;
 }

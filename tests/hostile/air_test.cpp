@@ -12,7 +12,7 @@
 using namespace rubicon;
 using test::act;
 using test::hostile_mote;
-using test::island_world;
+using test::island_fixture;
 using test::malice;
 using test::recorder;
 
@@ -79,7 +79,7 @@ public:
     return world.now() - from;
   }
 
-  island_world world;
+  island_fixture world;
   std::uint64_t work = 0; ///< steps of cores
   std::size_t accepted = 0;
   std::size_t tried = 0;

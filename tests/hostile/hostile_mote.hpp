@@ -12,7 +12,7 @@
 #include "network/collection_packet.hpp"
 #include "network/router_message.hpp"
 #include "network/wire.hpp"
-#include "support/island_world.hpp"
+#include "support/island_fixture.hpp"
 
 namespace rubicon::test {
 
@@ -29,7 +29,7 @@ enum class malice : std::uint8_t {
 /// Seeded; frames that it has overheard are what its own are made of.
 class hostile_mote {
 public:
-  hostile_mote(island_world& world, int motes, std::uint64_t seed)
+  hostile_mote(island_fixture& world, int motes, std::uint64_t seed)
       : world_(world), motes_(motes), rng_(seed) {
     world_.on_air = [this](mote_id, const network::frame_out& x) {
       if (heard_.size() < 512)
@@ -192,7 +192,7 @@ private:
     }
   }
 
-  /// On its way to the sink.
+  /// On its route to the sink.
   bytes routed(const bytes& content) {
     network::user_content user;
     user.content = {network::am::component_management};
@@ -205,7 +205,7 @@ private:
     return encode(x);
   }
 
-  island_world& world_;
+  island_fixture& world_;
   int motes_ = 0;
   random_stream rng_;
   std::vector<network::frame_out> heard_;

@@ -9,16 +9,16 @@
 #include "network/am.hpp"
 #include "network/island_packet.hpp"
 #include "network/sink_event.hpp"
-#include "serial/endpoint.hpp"
 #include "serial/frame.hpp"
+#include "serial/host_port.hpp"
 #include "serial/mote_port.hpp"
 #include "serial/packet.hpp"
 #include "support/catch.hpp"
-#include "support/island_world.hpp"
+#include "support/island_fixture.hpp"
 #include "support/seeds.hpp"
 
 using namespace rubicon;
-using test::island_world;
+using test::island_fixture;
 
 namespace {
 
@@ -73,9 +73,9 @@ public:
     return ended == asked;
   }
 
-  island_world island;
+  island_fixture island;
   gateway::gateway pc;
-  serial::endpoint uart; ///< the gateway's end
+  serial::host_port uart; ///< the gateway's end
   serial::mote_port port;
   std::vector<bytes> seen; ///< frames that were written, for whoever wants to imitate them
   std::size_t written = 0;

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <variant>
 
+#include "communication/layer.hpp"
 #include "core/random.hpp"
-#include "mote/layer.hpp"
 #include "support/catch.hpp"
-#include "support/island_world.hpp"
+#include "support/island_fixture.hpp"
 #include "support/recorder.hpp"
 
 namespace rubicon::test {
@@ -16,16 +16,16 @@ namespace rubicon::test {
 struct lone_layer {
   lone_layer() { program.layer = core.attach(program); }
 
-  static mote::layer_config config() {
-    mote::layer_config x;
+  static communication::layer_config config() {
+    communication::layer_config x;
     x.self = mote_id{7};
     return x;
   }
 
-  mote::communication& api() { return *program.layer; }
+  communication::interface& api() { return *program.layer; }
 
   recorder program;
-  mote::layer core{config(), random_stream(1)};
+  communication::layer core{config(), random_stream(1)};
   instant now;
 };
 
@@ -37,14 +37,14 @@ inline void join(lone_layer& x) {
 }
 
 template <class T>
-[[nodiscard]] std::size_t count(const mote::layer_outputs& outputs) {
+[[nodiscard]] std::size_t count(const communication::layer_outputs& outputs) {
   return static_cast<std::size_t>(
       std::ranges::count_if(outputs, [](const auto& x) { return std::holds_alternative<T>(x); }));
 }
 
 /// A program on a mote gives commands.
 template <class Commands>
-auto act(island_world& world, mote_id who, Commands commands) {
+auto act(island_fixture& world, mote_id who, Commands commands) {
   auto& here = world.at(who);
   here.begin(world.own_time(who));
   const auto result = commands();
@@ -52,7 +52,7 @@ auto act(island_world& world, mote_id who, Commands commands) {
   return result;
 }
 
-inline void settle(island_world& x, std::size_t motes) {
+inline void settle(island_fixture& x, std::size_t motes) {
   REQUIRE(x.run_until([&] { return x.root().members() == motes; }, 3min));
   x.run_for(1min);
 }

@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "mote/communication.hpp"
+#include "communication/interface.hpp"
 
 namespace rubicon::test {
 
-class recorder : public mote::communication_events {
+class recorder : public communication::communication_events {
 public:
   struct message {
     mote_address source;
@@ -33,25 +33,25 @@ public:
   void receiveFrom(mote_address source, byte_view octets, std::uint8_t am_type) override {
     messages.push_back({source, am_type, to_bytes(octets)});
   }
-  void ack(mote::status x) override { acks.push_back(x == mote::SUCCESS); }
-  void ackOf(std::uint32_t number, mote::status x) override {
-    acks_of.emplace_back(number, x == mote::SUCCESS);
+  void ack(communication::status x) override { acks.push_back(x == communication::SUCCESS); }
+  void ackOf(std::uint32_t number, communication::status x) override {
+    acks_of.emplace_back(number, x == communication::SUCCESS);
   }
-  void openRemoteDone(int descriptor, std::uint16_t name, mote::status x) override {
-    openings.push_back({descriptor, name, x == mote::SUCCESS});
-    if (reads_all && x == mote::SUCCESS)
+  void openRemoteDone(int descriptor, std::uint16_t name, communication::status x) override {
+    openings.push_back({descriptor, name, x == communication::SUCCESS});
+    if (reads_all && x == communication::SUCCESS)
       static_cast<void>(layer->read(descriptor, 256));
   }
-  void readDone(int descriptor, byte_view record, mote::status x) override {
-    readings.push_back({descriptor, to_bytes(record), x == mote::SUCCESS});
-    if (reads_all && x == mote::SUCCESS)
+  void readDone(int descriptor, byte_view record, communication::status x) override {
+    readings.push_back({descriptor, to_bytes(record), x == communication::SUCCESS});
+    if (reads_all && x == communication::SUCCESS)
       static_cast<void>(layer->read(descriptor, 256));
   }
-  void createSynChannelOutDone(int channel, mote::status x) override {
-    outs.emplace_back(channel, x == mote::SUCCESS);
+  void createSynChannelOutDone(int channel, communication::status x) override {
+    outs.emplace_back(channel, x == communication::SUCCESS);
   }
-  void createSynChannelInDone(int channel, mote::status x) override {
-    ins.emplace_back(channel, x == mote::SUCCESS);
+  void createSynChannelInDone(int channel, communication::status x) override {
+    ins.emplace_back(channel, x == communication::SUCCESS);
   }
   void syn_input_update(int channel, std::uint8_t index, synaptic::input_status x) override {
     const bool is_new = x == synaptic::input_status::updated;
@@ -65,18 +65,21 @@ public:
     if (on_tick)
       on_tick(tick);
   }
-  void initCommunicationsDone(mote::status x) override { inits.push_back(x == mote::SUCCESS); }
-  void joined(mote::island_octet island, std::uint16_t mote, mote::status x) override {
-    joins.emplace_back(mote_address{island_id(island), mote_id(mote)}, x == mote::SUCCESS);
+  void initCommunicationsDone(communication::status x) override {
+    inits.push_back(x == communication::SUCCESS);
   }
-  void outputsWanted(std::span<const mote::output_wanted> all) override {
+  void joined(communication::island_octet island, std::uint16_t mote,
+              communication::status x) override {
+    joins.emplace_back(mote_address{island_id(island), mote_id(mote)}, x == communication::SUCCESS);
+  }
+  void outputsWanted(std::span<const communication::output_wanted> all) override {
     wanted.emplace_back(all.begin(), all.end());
   }
   void moteJoined(std::uint16_t mote, byte_view description) override {
     newcomers.emplace_back(mote, to_bytes(description));
   }
 
-  std::optional<mote::communication> layer;
+  std::optional<communication::interface> layer;
   bool reads_all = false; ///< of each stream, as it comes
   std::function<void(std::uint32_t)> on_tick;
 
@@ -95,7 +98,7 @@ public:
   std::vector<bool> inits;
   std::vector<std::pair<mote_address, bool>> joins;
   std::vector<std::pair<std::uint16_t, bytes>> newcomers;
-  std::vector<std::vector<mote::output_wanted>> wanted;
+  std::vector<std::vector<communication::output_wanted>> wanted;
 };
 
 } // namespace rubicon::test

@@ -4,18 +4,18 @@
 
 #include <optional>
 
-#include "mote/program_port.hpp"
-#include "mote/remote_process.hpp"
+#include "communication/program_port.hpp"
+#include "communication/remote_process.hpp"
 
 namespace rubicon::test {
 
 class remote_program {
 public:
   template <class Node>
-  remote_program(Node& node, mote::communication_events& events)
+  remote_program(Node& node, communication::communication_events& events)
       : port(node), process(port.limits()), layer(process.attach(events)) {}
 
-  /// Carries all that is under way.
+  /// Carries all that is in flight.
   /// @param carry_out a function of a function that gives commands: as a program at the node would
   template <class CarryOut>
   void exchange(instant now, CarryOut carry_out) {
@@ -33,9 +33,9 @@ public:
     is_exchanging_ = false;
   }
 
-  mote::program_port port;
-  mote::remote_process process;
-  mote::communication layer;
+  communication::program_port port;
+  communication::remote_process process;
+  communication::interface layer;
 
 private:
   bool is_exchanging_ = false;

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "actors/run.hpp"
-#include "runtime/report.hpp"
+#include "report/report.hpp"
 #include "support/catch.hpp"
 #include "testkit/ecology.hpp"
 
@@ -57,8 +57,8 @@ bool holds(std::string_view text, std::string_view part) {
   return text.find(part) != std::string_view::npos;
 }
 
-bool is_alive(const runtime::report& x, std::string_view peer) {
-  const auto found = std::ranges::find(x.peers, peer, &runtime::peer_report::name);
+bool is_alive(const report::run_report& x, std::string_view peer) {
+  const auto found = std::ranges::find(x.peers, peer, &report::peer_report::name);
   return found != x.peers.end() && found->alive;
 }
 
@@ -97,7 +97,7 @@ TEST_CASE("what is asked in between does not change a run", "[testkit][ACT-02]")
   x.trace_hash = y.trace_hash;
   x.events = y.events;
   x.wall_s = y.wall_s;
-  CHECK(runtime::to_json(x) == runtime::to_json(y));
+  CHECK(report::to_json(x) == report::to_json(y));
 }
 
 TEST_CASE("an ecology that is run to its end is the run that a command makes",

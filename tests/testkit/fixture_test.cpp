@@ -32,11 +32,11 @@ void pass_on(relay_pointer self) {
 relay_actor::behavior_type relay(relay_pointer self, air_actor air, ecology_actor ecology) {
   self->state.air = std::move(air);
   self->state.ecology = std::move(ecology);
-  self->send(self->state.ecology, story{self->path(), "begins"});
+  self->send(self->state.ecology, notable_event{self->path(), "begins"});
   return {[self](const serial_octets& x) {
             self->state.newest = x.octets;
             pass_on(self);
-            self->send(self->state.ecology, story{self->path(), "passed on"});
+            self->send(self->state.ecology, notable_event{self->path(), "passed on"});
             self->state.repeat.follow(self, now(self) + 1s);
           },
           [self](const timer_expired& x) {
@@ -49,8 +49,8 @@ serial_octets octets(std::uint8_t x) {
   return serial_octets{bytes{x}};
 }
 
-struct rig {
-  explicit rig(delivery when = delivery::when_asked) : world(when) {
+struct actor_fixture {
+  explicit actor_fixture(delivery when = delivery::when_asked) : world(when) {
     aut = world.spawn_at("relay", relay, air.handle(), ecology.handle());
   }
 
@@ -79,8 +79,8 @@ std::string failure_of(Action action) {
 
 TEST_CASE("messages are delivered one by one, in the order that the test expects",
           "[testkit][ACT-01]") {
-  rig x;
-  CHECK(x.world.expect<story>().from(x.aut).to(x.ecology).what == "begins");
+  actor_fixture x;
+  CHECK(x.world.expect<notable_event>().from(x.aut).to(x.ecology).what == "begins");
   x.line.send(x.aut, octets(7));
   CHECK(x.air.size() == 0);
   x.world.expect<serial_octets>().from(x.line).to(x.aut);
@@ -88,12 +88,14 @@ TEST_CASE("messages are delivered one by one, in the order that the test expects
   const auto sent = x.world.expect<radio_send>().from(x.aut).to(x.air);
   CHECK(sent.octets == payload(bytes{7}));
   CHECK(x.air.count<radio_send>() == 1);
-  x.world.expect<story>().where([](const story& s) { return s.what == "passed on"; }).to(x.ecology);
+  x.world.expect<notable_event>()
+      .where([](const notable_event& s) { return s.what == "passed on"; })
+      .to(x.ecology);
   x.world.expect_nothing();
 }
 
 TEST_CASE("a failed expectation tells what is there instead", "[testkit][ACT-01]") {
-  rig x;
+  actor_fixture x;
   x.world.run();
   CHECK(failure_of([&] { x.world.expect<radio_send>().from(x.aut).to(x.air); }) ==
         "expected radio_send from relay to air, but nothing is on its way to air");
@@ -114,7 +116,7 @@ TEST_CASE("a failed expectation tells what is there instead", "[testkit][ACT-01]
 }
 
 TEST_CASE("what should not be sent is a failure, and what may be need not", "[testkit][ACT-01]") {
-  rig x;
+  actor_fixture x;
   x.world.run();
   x.world.disallow<radio_send>().to_anybody();
   CHECK(!x.world.allow<serial_octets>().to(x.aut));
@@ -128,7 +130,7 @@ TEST_CASE("what should not be sent is a failure, and what may be need not", "[te
 }
 
 TEST_CASE("timers expire while time passes, and nothing is delivered", "[testkit][ACT-01]") {
-  rig x;
+  actor_fixture x;
   x.line.send(x.aut, octets(7));
   x.world.run();
   x.world.pass(999ms);
@@ -144,11 +146,11 @@ TEST_CASE("timers expire while time passes, and nothing is delivered", "[testkit
 
 TEST_CASE("a message is dropped, late or there twice", "[testkit][ACT-01]") {
   const auto when = GENERATE(delivery::at_once, delivery::when_asked);
-  rig x(when);
+  actor_fixture x(when);
   x.world.run();
   x.world.drop<serial_octets>().from(x.line).to(x.aut);
   x.world.duplicate<radio_send>().to(x.air);
-  x.world.delay<story>(300ms).to(x.ecology);
+  x.world.delay<notable_event>(300ms).to(x.ecology);
   x.line.send(x.aut, octets(1)); // lost
   x.world.run();
   CHECK(x.air.size() == 0);
@@ -156,15 +158,15 @@ TEST_CASE("a message is dropped, late or there twice", "[testkit][ACT-01]") {
   x.world.run();
   CHECK(x.air.count<radio_send>() == 2);
   CHECK(x.air.all<radio_send>()[1].octets == payload(bytes{2}));
-  CHECK(x.ecology.count<story>() == 1); // that it begins
+  CHECK(x.ecology.count<notable_event>() == 1); // that it begins
   x.world.run_for(2s);
   CHECK(x.air.count<radio_send>() == 3); // and the repetition, once
-  REQUIRE(x.ecology.count<story>() == 2);
-  CHECK(x.ecology.times<story>()[1] == instant(300ms));
+  REQUIRE(x.ecology.count<notable_event>() == 2);
+  CHECK(x.ecology.times<notable_event>()[1] == instant(300ms));
 }
 
 TEST_CASE("what is on its way already can be dropped, late or there twice", "[testkit][ACT-01]") {
-  rig x;
+  actor_fixture x;
   x.world.run();
   x.line.send(x.aut, octets(1));
   x.line.send(x.aut, octets(2));
@@ -181,14 +183,14 @@ TEST_CASE("what is on its way already can be dropped, late or there twice", "[te
 }
 
 TEST_CASE("fakes answer as their scripts say", "[testkit][ACT-01]") {
-  rig x(delivery::at_once);
+  actor_fixture x(delivery::at_once);
   x.air.on<radio_send>([&x](const radio_send& sent) {
     if (sent.octets == payload(bytes{1}))
       x.line.send(x.aut, octets(2)); // of another fake's own
   });
-  x.ecology.on<story>([&x](const story&) {
-    x.ecology.on<story>([](const story&) {}); // once
-    return octets(3);                         // to the sender
+  x.ecology.on<notable_event>([&x](const notable_event&) {
+    x.ecology.on<notable_event>([](const notable_event&) {}); // once
+    return octets(3);                                         // to the sender
   });
   x.line.send(x.aut, octets(1));
   REQUIRE(x.air.count<radio_send>() == 3);
@@ -197,7 +199,7 @@ TEST_CASE("fakes answer as their scripts say", "[testkit][ACT-01]") {
 }
 
 TEST_CASE("a script that throws fails the test, not the fake", "[testkit][ACT-01]") {
-  rig x(delivery::at_once);
+  actor_fixture x(delivery::at_once);
   x.air.on<radio_send>([](const radio_send&) { throw std::runtime_error("not that"); });
   CHECK_THROWS_WITH(x.line.send(x.aut, octets(1)), "not that");
   CHECK(x.world.ends().empty());
@@ -206,8 +208,8 @@ TEST_CASE("a script that throws fails the test, not the fake", "[testkit][ACT-01
 }
 
 TEST_CASE("with messages delivered at once there is nothing to expect", "[testkit][ACT-01]") {
-  rig x(delivery::at_once);
-  CHECK_THROWS_AS(x.world.expect<story>().to(x.ecology), std::logic_error);
-  CHECK_THROWS_AS(x.world.disallow<story>().to(x.ecology), std::logic_error);
-  CHECK(x.ecology.count<story>() == 1);
+  actor_fixture x(delivery::at_once);
+  CHECK_THROWS_AS(x.world.expect<notable_event>().to(x.ecology), std::logic_error);
+  CHECK_THROWS_AS(x.world.disallow<notable_event>().to(x.ecology), std::logic_error);
+  CHECK(x.ecology.count<notable_event>() == 1);
 }

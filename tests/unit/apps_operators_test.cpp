@@ -12,7 +12,7 @@
 #include "support/programs.hpp"
 
 using namespace rubicon;
-using test::island_world;
+using test::island_fixture;
 using test::lone_layer;
 
 namespace {
@@ -38,9 +38,9 @@ public:
   fixed_writer(mote_address to, std::uint16_t name, std::int16_t first, std::uint32_t time_ms = 0)
       : value(first), to_(to), name_(name), time_ms_(time_ms) {}
 
-  void openRemoteDone(int stream, std::uint16_t, mote::status success) override {
+  void openRemoteDone(int stream, std::uint16_t, communication::status success) override {
     is_opening_ = false;
-    if (success == mote::SUCCESS)
+    if (success == communication::SUCCESS)
       stream_ = stream;
   }
   void on_time(instant now) override {
@@ -48,7 +48,7 @@ public:
       return;
     next_ = now + 500ms;
     if (stream_ < 0) {
-      is_opening_ = layer().open_write_end(to_, name_, 500, 0, 12) == mote::SUCCESS;
+      is_opening_ = layer().open_write_end(to_, name_, 500, 0, 12) == communication::SUCCESS;
       return;
     }
     ++time_ms_;
@@ -78,7 +78,7 @@ private:
 class hosts {
 public:
   hosts() = default;
-  explicit hosts(const mote::transducer_config& transducer)
+  explicit hosts(const device::transducer_config& transducer)
       : world({.width = 2, .height = 3, .transducers = {transducer}}) {}
 
   void start(std::uint16_t mote, apps::application& x) {
@@ -102,7 +102,7 @@ public:
     });
   }
 
-  island_world world{{.width = 2, .height = 3}};
+  island_fixture world{{.width = 2, .height = 3}};
 
 private:
   std::vector<std::pair<std::uint16_t, apps::application*>> hosted_;
@@ -199,7 +199,7 @@ TEST_CASE("a switch commands between two thresholds, and until it is obeyed",
   x.start(2, light);
   x.start(3, program);
   lamp.layer = x.world.at(mote_id{4}).attach(lamp);
-  REQUIRE(lamp.layer->provide(command_type) == mote::SUCCESS);
+  REQUIRE(lamp.layer->provide(command_type) == communication::SUCCESS);
   const auto commands = [&] {
     std::string all;
     for (const auto& message : lamp.messages)
@@ -235,7 +235,7 @@ TEST_CASE("a switch commands between two thresholds, and until it is obeyed",
   lamp.messages.clear();
   x.world.start(mote_id{4});
   lamp.layer = x.world.at(mote_id{4}).attach(lamp);
-  REQUIRE(lamp.layer->provide(command_type) == mote::SUCCESS);
+  REQUIRE(lamp.layer->provide(command_type) == communication::SUCCESS);
   x.run_for(3min);
   CHECK(commands() == "1");
 }
@@ -247,7 +247,7 @@ TEST_CASE("a recorder writes lines, and no more than there is room for", "[apps]
   CHECK(reader.file() == "out.csv");
   CHECK(reader.file_heading() == "time_s,island,mote,stream,value\n");
   join(x);
-  REQUIRE(x.api().open_write_end({own_island, own_mote}, 5, 0, 0) == mote::SUCCESS);
+  REQUIRE(x.api().open_write_end({own_island, own_mote}, 5, 0, 0) == communication::SUCCESS);
   static_cast<void>(x.core.take_outputs());
   REQUIRE(x.program.openings.size() == 1);
   const auto writes = [&](const bytes& octets) {
@@ -270,7 +270,7 @@ TEST_CASE("a recorder writes lines, and no more than there is room for", "[apps]
 
 TEST_CASE("tables are as large as the programs need, and never smaller than by default",
           "[apps][SMP-30]") {
-  const mote::layer_config usual;
+  const communication::layer_config usual;
   auto tables = usual;
   apps::make_room(tables, {apps::stream_switch_config{}});
   CHECK(tables.streams.streams_max == usual.streams.streams_max);
@@ -278,7 +278,7 @@ TEST_CASE("tables are as large as the programs need, and never smaller than by d
   CHECK(tables.tunnels.tunnels_max == usual.tunnels.tunnels_max);
 
   apps::reservoir_config units;
-  units.transducers = {mote::quantity::light};
+  units.transducers = {device::quantity::light};
   units.from = {{at(2), 3}, {at(3), 12}, {at(4), 1}};
   units.to = {{at(2), 3}};
   apps::average_config middle{{1, 2, 3, 4}, 1s, {{at(5), 8}}};
@@ -290,9 +290,9 @@ TEST_CASE("tables are as large as the programs need, and never smaller than by d
 }
 
 TEST_CASE("two writers of one transducer at one period both send", "[apps][STR-07][MCK-03]") {
-  hosts x({.kind = mote::quantity::light, .model = mote::constant_model{5}});
-  apps::stream_writer one({mote::quantity::light, 500ms, at(5), 1});
-  apps::stream_writer other({mote::quantity::light, 500ms, at(6), 2});
+  hosts x({.kind = device::quantity::light, .model = device::constant_model{5}});
+  apps::stream_writer one({device::quantity::light, 500ms, at(5), 1});
+  apps::stream_writer other({device::quantity::light, 500ms, at(6), 2});
   apps::stream_reader at_five({1, 500ms});
   apps::stream_reader at_six({2, 500ms});
   x.start(2, one);
@@ -306,8 +306,8 @@ TEST_CASE("two writers of one transducer at one period both send", "[apps][STR-0
 
 TEST_CASE("a writer that gets no sensor stream says so, and has it later",
           "[apps][MCK-03][STR-20]") {
-  hosts x({.kind = mote::quantity::light, .model = mote::constant_model{5}});
-  apps::stream_writer writer({mote::quantity::light, 500ms, at(5), 1});
+  hosts x({.kind = device::quantity::light, .model = device::constant_model{5}});
+  apps::stream_writer writer({device::quantity::light, 500ms, at(5), 1});
   apps::stream_reader reader({1, 500ms});
   test::recorder greedy;
   greedy.layer = x.world.at(mote_id{2}).attach(greedy);

@@ -8,13 +8,13 @@
 #include "apps/listener.hpp"
 #include "apps/messenger.hpp"
 #include "apps/sampler.hpp"
-#include "mote/layer.hpp"
+#include "communication/layer.hpp"
 #include "support/catch.hpp"
 #include "support/segments.hpp"
 #include "transport/segment.hpp"
 
 using namespace rubicon;
-using mote::quantity;
+using device::quantity;
 using transport::segment;
 
 namespace {
@@ -29,9 +29,9 @@ struct sent_segment {
   segment what;
 };
 
-class rig {
+class fixture {
 public:
-  explicit rig(std::unique_ptr<apps::application> x) : app(std::move(x)) {
+  explicit fixture(std::unique_ptr<apps::application> x) : app(std::move(x)) {
     app->start(core.attach(*app), now);
     settle();
   }
@@ -57,7 +57,7 @@ public:
     settle();
   }
   /// The gateway wants these.
-  void ask(std::vector<mote::output_wanted> all) {
+  void ask(std::vector<communication::output_wanted> all) {
     app->outputsWanted(all);
     settle();
   }
@@ -92,7 +92,7 @@ public:
   std::uint32_t time_ms = 0;
   std::vector<instant> readings;
   std::vector<quantity> kinds; ///< of the last
-  std::vector<mote::actuator_wanted> moves;
+  std::vector<communication::actuator_wanted> moves;
   std::vector<sent_segment> sent; ///< but greetings
   bool accepts = true;
 
@@ -101,12 +101,12 @@ private:
     return earliest(app->deadline(), core.deadline());
   }
 
-  void take(mote::layer_output& x) {
-    if (const auto* wanted = std::get_if<mote::transducers_wanted>(&x)) {
+  void take(communication::layer_output& x) {
+    if (const auto* wanted = std::get_if<communication::transducers_wanted>(&x)) {
       readings.push_back(now);
       kinds = wanted->kinds;
       core.on_transducers(wanted->process, counts, time_ms, now);
-    } else if (const auto* move = std::get_if<mote::actuator_wanted>(&x)) {
+    } else if (const auto* move = std::get_if<communication::actuator_wanted>(&x)) {
       moves.push_back(*move);
     } else if (const auto* packet = std::get_if<transport::to_network>(&x)) {
       const auto what = transport::decode_segment(packet->segment);
@@ -121,13 +121,13 @@ private:
     }
   }
 
-  mote::layer core{[] {
-                     mote::layer_config x;
-                     x.self = stove;
-                     x.transducer_mask = 0xff;
-                     return x;
-                   }(),
-                   random_stream(1)};
+  communication::layer core{[] {
+                              communication::layer_config x;
+                              x.self = stove;
+                              x.transducer_mask = 0xff;
+                              return x;
+                            }(),
+                            random_stream(1)};
 };
 
 std::unique_ptr<apps::application> sampler(apps::sampler_config x, std::uint64_t seed = 1) {
@@ -139,7 +139,7 @@ std::unique_ptr<apps::application> sampler(apps::sampler_config x, std::uint64_t
 TEST_CASE("a sampler reads every period from a random phase on", "[apps]") {
   std::set<duration> phases;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    rig x(sampler({{quantity::temperature, quantity::light}, 10s}, seed));
+    fixture x(sampler({{quantity::temperature, quantity::light}, 10s}, seed));
     CHECK(x.readings_in_a_minute() == 0); // not joined yet
     x.join();
     REQUIRE(x.readings_in_a_minute() == 6);
@@ -152,7 +152,7 @@ TEST_CASE("a sampler reads every period from a random phase on", "[apps]") {
 }
 
 TEST_CASE("a sampler's jitter delays readings and never adds up", "[apps]") {
-  rig x(sampler({{quantity::temperature}, 10s, 2s}));
+  fixture x(sampler({{quantity::temperature}, 10s, 2s}));
   x.join();
   x.run_for(1000s);
   REQUIRE(x.readings.size() >= 99);
@@ -166,7 +166,7 @@ TEST_CASE("a sampler's jitter delays readings and never adds up", "[apps]") {
 
 TEST_CASE("a sampler sends its counts in network byte order to the gateway", "[apps]") {
   const bool reliable = GENERATE(false, true);
-  rig x(sampler({{quantity::temperature}, 10s, 0s, 6, reliable}));
+  fixture x(sampler({{quantity::temperature}, 10s, 0s, 6, reliable}));
   x.counts = {0x0102, -2};
   x.join();
   x.run_for(20s);
@@ -181,7 +181,7 @@ TEST_CASE("a sampler sends its counts in network byte order to the gateway", "[a
 TEST_CASE("a sampler says when it has measured, if it is to", "[apps][IF-06]") {
   apps::sampler_config config{{quantity::temperature}, 10s};
   config.stamped = true;
-  rig x(sampler(config));
+  fixture x(sampler(config));
   x.counts = {0x0102};
   x.time_ms = 0x03040506;
   x.join();
@@ -193,7 +193,7 @@ TEST_CASE("a sampler says when it has measured, if it is to", "[apps][IF-06]") {
 TEST_CASE("a sampler averages the counts that it is to", "[apps][PXY-17]") {
   apps::sampler_config config{{quantity::temperature, quantity::light}, 10s};
   config.mean_of = {2, 1};
-  rig x(sampler(config));
+  fixture x(sampler(config));
   x.join();
   for (const auto count : std::vector<std::int16_t>{10, 20, -41}) {
     x.counts = {count, count};
@@ -211,7 +211,7 @@ TEST_CASE(
   apps::sampler_config config{{quantity::temperature, quantity::light}, 10s};
   config.dead_band = {5, 0}; // light decides nothing
   config.silence_max = 1min;
-  rig x(sampler(config));
+  fixture x(sampler(config));
   x.join();
   const auto messages_after = [&x](std::int16_t temperature, std::int16_t light) {
     x.counts = {temperature, light};
@@ -238,7 +238,7 @@ TEST_CASE("a dead band that the period does not divide is quiet for less, not fo
   apps::sampler_config config{{quantity::temperature}, 10s, 2s};
   config.dead_band = {5};
   config.silence_max = 35s;
-  rig x(sampler(config));
+  fixture x(sampler(config));
   x.counts = {200};
   x.join();
   x.run_for(10min);
@@ -252,7 +252,7 @@ TEST_CASE("a sampler with a dead band tells its value to who has just asked for 
   apps::sampler_config config{{quantity::temperature}, 10s};
   config.dead_band = {5};
   config.silence_max = 1h;
-  rig x(sampler(config));
+  fixture x(sampler(config));
   x.counts = {200};
   x.join();
   x.run_for(5min);
@@ -268,7 +268,7 @@ TEST_CASE("a sampler with a dead band tells its value to who has just asked for 
 
 TEST_CASE("a sampler rests while its mote is in no island and starts afresh afterwards", "[apps]") {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    rig x(sampler({{quantity::temperature}, 10s}, seed));
+    fixture x(sampler({{quantity::temperature}, 10s}, seed));
     x.join();
     x.run_for(30s);
     x.lose();
@@ -286,14 +286,14 @@ TEST_CASE("a sampler sends only while somebody subscribes to its channel, if it 
   apps::sampler_config config{{quantity::temperature}, 10s};
   config.channel = 3;
   config.only_subscribed = true;
-  rig x(sampler(config));
+  fixture x(sampler(config));
   x.join();
   CHECK(x.readings_in_a_minute() == 0);
   x.ask({{4, 0ms}});
   CHECK(x.readings_in_a_minute() == 0);
   x.ask({{3, 0ms}, {4, 0ms}});
   CHECK(x.readings_in_a_minute() == 6);
-  x.ask({{mote::any_channel, 0ms}});
+  x.ask({{communication::any_channel, 0ms}});
   CHECK(x.readings_in_a_minute() == 6);
   x.ask({});
   CHECK(x.readings_in_a_minute() == 0);
@@ -308,7 +308,7 @@ TEST_CASE("a sampler takes the period that subscribers ask for, within its bound
           "[apps][IF-04]") {
   apps::sampler_config config{{quantity::temperature}, 10s};
   config.every_min = 1s;
-  rig x(sampler(config));
+  fixture x(sampler(config));
   x.join();
   x.run_for(10s);
   const auto periods = [&x] {
@@ -331,7 +331,7 @@ TEST_CASE("a sampler takes the period that subscribers ask for, within its bound
 
 TEST_CASE("an actuator obeys the first octet and answers with the state that came of it",
           "[apps][GW-12]") {
-  rig x(std::make_unique<apps::actuator>(apps::actuator_config{"switch", 2}, std::uint8_t{1}));
+  fixture x(std::make_unique<apps::actuator>(apps::actuator_config{"switch", 2}, std::uint8_t{1}));
   x.join();
   REQUIRE(x.sent.size() == 1);
   CHECK(x.sent[0].what.payload == bytes{1}); // as it was at the start
@@ -357,7 +357,8 @@ TEST_CASE("an actuator obeys the first octet and answers with the state that cam
 
 TEST_CASE("a messenger sends its text every period while its mote is in an island", "[apps]") {
   const mote_address pager{island_id{2}, mote_id{7}};
-  rig x(std::make_unique<apps::messenger>(apps::messenger_config{pager, "dinner", 30s, 10, true}));
+  fixture x(
+      std::make_unique<apps::messenger>(apps::messenger_config{pager, "dinner", 30s, 10, true}));
   x.run_for(1min);
   CHECK(x.sent.empty());
   x.join();
@@ -383,7 +384,7 @@ TEST_CASE("a messenger sends its text every period while its mote is in an islan
 
 TEST_CASE("a messenger warns of what was not delivered", "[apps]") {
   using words = std::vector<std::string>;
-  rig x(std::make_unique<apps::messenger>(
+  fixture x(std::make_unique<apps::messenger>(
       apps::messenger_config{{island_id{2}, mote_id{7}}, "dinner", 30s, 10, true}));
   x.join();
   x.accepts = false;
@@ -391,14 +392,14 @@ TEST_CASE("a messenger warns of what was not delivered", "[apps]") {
   CHECK(x.app->take_warnings().empty()); // it may still come
   x.lose();
   CHECK(x.app->take_warnings() == words{"event=undelivered number=1 refused=false"});
-  rig nobody(std::make_unique<apps::messenger>(apps::messenger_config{}));
+  fixture nobody(std::make_unique<apps::messenger>(apps::messenger_config{}));
   nobody.join();
   nobody.run_for(30s);
   CHECK(nobody.app->take_warnings() == words{"event=undelivered number=1 refused=true"});
 }
 
 TEST_CASE("a listener claims its type and tells the first message it hears", "[apps][AM-05]") {
-  rig x(std::make_unique<apps::listener>(apps::listener_config{10}));
+  fixture x(std::make_unique<apps::listener>(apps::listener_config{10}));
   CHECK(x.app->take_warnings().empty());
   const mote_address button{island_id{1}, mote_id{8}};
   for (const std::string text : {"dinner", "dessert"})

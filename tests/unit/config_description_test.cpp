@@ -114,7 +114,7 @@ TEST_CASE("a mote has what its type has", "[config]") {
   CHECK(x.type_name == "c");
   CHECK(x.place == position{1, 2, 0});
   REQUIRE(x.transducers.size() == 1);
-  CHECK(std::get<mote::constant_model>(x.transducers[0].model).value == 20);
+  CHECK(std::get<device::constant_model>(x.transducers[0].model).value == 20);
   REQUIRE(x.actuators.size() == 1);
   CHECK(x.actuators[0].name == "fan");
 }
@@ -130,11 +130,11 @@ TEST_CASE("a mote changes and extends what its type has", "[config]") {
   CHECK(x.platform->name == "iris");
   CHECK(x.battery_mah == 1000.0);
   REQUIRE(x.transducers.size() == 2);
-  CHECK(x.transducers[0].kind == mote::quantity::temperature);
-  CHECK(std::get<mote::constant_model>(x.transducers[0].model).value == 30);
-  CHECK(x.transducers[1].kind == mote::quantity::light);
+  CHECK(x.transducers[0].kind == device::quantity::temperature);
+  CHECK(std::get<device::constant_model>(x.transducers[0].model).value == 30);
+  CHECK(x.transducers[1].kind == device::quantity::light);
   REQUIRE(x.actuators.size() == 2);
-  CHECK(x.actuators[0].kind == mote::actuator_kind::dimmer);
+  CHECK(x.actuators[0].kind == device::actuator_kind::dimmer);
   CHECK(x.actuators[0].initial == 9);
   CHECK(x.actuators[1].initial == 1);
 }
@@ -182,7 +182,7 @@ TEST_CASE("apps of motes arrive with their keys", "[config]") {
                      .apps;
   REQUIRE(x.size() == 4);
   const auto& sampler = std::get<sampler_app>(x[0]);
-  CHECK(sampler.transducers == std::vector{mote::quantity::light, mote::quantity::temperature});
+  CHECK(sampler.transducers == std::vector{device::quantity::light, device::quantity::temperature});
   CHECK(sampler.every == 5s);
   CHECK(sampler.jitter == 1s);
   CHECK(sampler.channel == 0);
@@ -207,10 +207,10 @@ TEST_CASE("models of transducers arrive with their keys", "[config]") {
                 " phase_turns = -0.25, noise = 0.5, resolution = 2 }\n"
                 "light = { model = \"points\", points = [[\"0s\", 1], [\"1min\", -2.5]] }\n");
   REQUIRE(x.transducers.size() == 3);
-  const auto& light = std::get<mote::points_model>(x.transducers[1].model);
+  const auto& light = std::get<device::points_model>(x.transducers[1].model);
   CHECK(light.points == std::vector<std::pair<duration, double>>{{0s, 1}, {1min, -2.5}});
   CHECK(x.transducers[1].resolution == 0.1);
-  const auto& sound = std::get<mote::sine_model>(x.transducers[2].model);
+  const auto& sound = std::get<device::sine_model>(x.transducers[2].model);
   CHECK(sound.mean == 1);
   CHECK(sound.amplitude == 2.5);
   CHECK(sound.period == 1h);

@@ -74,10 +74,10 @@ TEST_CASE("expectations about streams, tuples, clocks and the run arrive with th
   CHECK(actuations.proxy == "k.fan");
   CHECK(actuations.count == 60);
   CHECK(what<events_expectation>("kind = \"events\"\nat_most = 1000\n").at_most == 1000);
-  const auto story = what<story_expectation>(
-      "kind = \"story\"\ntext = \"left\"\nwho = \"k/\"\nat_least = 0\nat_most = 0\n");
-  CHECK(story.at_least == 0);
-  CHECK(story.at_most == 0);
+  const auto log = what<event_log_expectation>(
+      "kind = \"event_log\"\ntext = \"left\"\nwho = \"k/\"\nat_least = 0\nat_most = 0\n");
+  CHECK(log.at_least == 0);
+  CHECK(log.at_most == 0);
 }
 
 TEST_CASE("mistakes in expectations are told with their places", "[config][expect]") {
@@ -102,6 +102,6 @@ TEST_CASE("mistakes in expectations are told with their places", "[config][expec
   CHECK(wrong("kind = \"tuple\"\nkey = \"a.*\"\nabove = 2\nwithin = \"1s\"\n") != "none");
   CHECK(wrong("kind = \"vectors\"\nnode = \"nobody\"\n")
             .starts_with("21:8: no peer or gateway is called `nobody`"));
-  CHECK(wrong("kind = \"story\"\ntext = \"x\"\nat_most = 0\n") ==
+  CHECK(wrong("kind = \"event_log\"\ntext = \"x\"\nat_most = 0\n") ==
         "22:11: `at_most` must not be less than `at_least`, which is 1");
 }

@@ -154,7 +154,7 @@ mote = [
 { id = 2, position_m = [0, 0], apps = [{ app = "relay", next = "k/mote-3" }] },
 { id = 3, position_m = [0, 0], apps = [{ app = "relay", next = "k/mote-2" }] },
 { id = 4, position_m = [0, 0], apps = [{ app = "sender", to = "sink", via = "k/mote-2" }] }]
-#                                                                           ^ by way of `mote-2`
+#                                                                           ^ through `mote-2`
 #   packets do not reach `sink` within 1024 hops
 )");
 }

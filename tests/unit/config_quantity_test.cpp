@@ -44,13 +44,13 @@ TEST_CASE("a file adds quantities with units, which motes measure as the usual o
       "apps = [{ app = \"sampler\", transducers = [\"temperature\", \"co2\"] }]\n"
       "[[proxy]]\nname = \"p\"\ntypes = [7]\n[[proxy.field]]\nname = \"co2\"\nchannel = 1\n"
       "transducer = \"co2\"\n"));
-  const auto own = static_cast<mote::quantity>(mote::first_own_quantity);
+  const auto own = static_cast<device::quantity>(device::first_own_quantity);
   const auto& mote = x.islands.at(0).motes.at(0);
   REQUIRE(mote.transducers.size() == 2);
-  CHECK(mote.transducers[0].kind == mote::quantity::temperature);
+  CHECK(mote.transducers[0].kind == device::quantity::temperature);
   CHECK(mote.transducers[1].kind == own);
   CHECK(mote.transducers[1].resolution == 2);
-  CHECK(sampler_of(x).transducers == std::vector{mote::quantity::temperature, own});
+  CHECK(sampler_of(x).transducers == std::vector{device::quantity::temperature, own});
   const auto& field = x.proxies.at(0).fields.at(0);
   CHECK(field.unit == "ppm");
   CHECK(field.offset == 2);
@@ -76,7 +76,7 @@ unit = ""
 #      ^ `unit` must be a text of 1 to 16 octets without control characters, not ""
 )");
   std::string many = std::string(head);
-  for (std::size_t i = 0; i <= mote::quantities_max - mote::first_own_quantity; ++i)
+  for (std::size_t i = 0; i <= device::quantities_max - device::first_own_quantity; ++i)
     many += "[[quantity]]\nname = \"q" + std::to_string(i) + "\"\n";
   CHECK(problem_in(many).find("a file has at most 23 quantities of its own") != std::string::npos);
   CHECK(problem_in(std::string(head) + "[[quantity]]\nname = \"Light\"\n")

@@ -70,7 +70,7 @@ const std::string lab_trace =
 } // namespace
 
 TEST_CASE("a random walk arrives with its keys", "[config][STR-21]") {
-  const auto x = model_of<mote::random_walk_model>(
+  const auto x = model_of<device::random_walk_model>(
       "model = \"random_walk\", start = 20, step = 0.5, min = -1, max = 40");
   CHECK(x.start == 20);
   CHECK(x.step == 0.5);
@@ -79,7 +79,7 @@ TEST_CASE("a random walk arrives with its keys", "[config][STR-21]") {
 }
 
 TEST_CASE("a field arrives with its sources", "[config][STR-21]") {
-  const auto x = model_of<mote::field_model>(
+  const auto x = model_of<device::field_model>(
       "model = \"field\", base = 18, gradient = [0.5, -1], sources = ["
       "{ position_m = [1, 2, 3], strength = -4 }, "
       "{ position_m = [0, 0], strength = 100, radius = \"50cm\", falloff = \"disk\", "
@@ -90,26 +90,26 @@ TEST_CASE("a field arrives with its sources", "[config][STR-21]") {
   CHECK(x.sources[0].place == position{1, 2, 3});
   CHECK(x.sources[0].strength == -4);
   CHECK(x.sources[0].radius_m == 1);
-  CHECK(x.sources[0].shape == mote::falloff::inverse_square);
+  CHECK(x.sources[0].shape == device::falloff::inverse_square);
   CHECK(x.sources[0].schedule.empty());
   CHECK(x.sources[1].radius_m == 0.5);
-  CHECK(x.sources[1].shape == mote::falloff::disk);
-  CHECK(x.sources[1].schedule == mote::time_series{{0s, 0}, {1h, 1}});
+  CHECK(x.sources[1].shape == device::falloff::disk);
+  CHECK(x.sources[1].schedule == device::time_series{{0s, 0}, {1h, 1}});
   CHECK(x.sources[1].period == 24h);
 }
 
 TEST_CASE("a trace comes from the file that is named, beside the TOML file", "[config][STR-21]") {
-  const auto x = model_of<mote::trace_model>("model = \"trace\", file = \"room.csv\"");
+  const auto x = model_of<device::trace_model>("model = \"trace\", file = \"room.csv\"");
   REQUIRE(x.table);
-  CHECK(x.table->of_mote.at(0) == mote::time_series{{0s, 100}, {60s, 200}});
+  CHECK(x.table->of_mote.at(0) == device::time_series{{0s, 100}, {60s, 200}});
   CHECK(x.mote == 0U);
   CHECK_FALSE(x.repeats);
   CHECK_FALSE(x.straight);
-  const auto y = model_of<mote::trace_model>(
+  const auto y = model_of<device::trace_model>(
       "model = \"trace\", file = \"room.csv\", column = \"temperature\", start = \"10\", "
       "repeat = true, interpolation = \"linear\", scale = 2, offset = -1, separator = \"comma\", "
       "min = -5, max = 20.5");
-  CHECK(y.table->of_mote.at(0) == mote::time_series{{-10s, 20}});
+  CHECK(y.table->of_mote.at(0) == device::time_series{{-10s, 20}});
   CHECK(y.repeats);
   CHECK(y.straight);
   CHECK(y.scale == 2);
@@ -136,14 +136,14 @@ TEST_CASE("each mote replays its own readings of a trace, or those of the one na
   const auto& motes = x.ecology->islands[0].motes;
   REQUIRE(motes.size() == 3);
   const auto trace = [&](std::size_t i) {
-    return std::get<mote::trace_model>(motes[i].transducers.at(0).model);
+    return std::get<device::trace_model>(motes[i].transducers.at(0).model);
   };
   CHECK(trace(0).mote == 2U);
   CHECK(trace(1).mote == 3U);
   CHECK(trace(2).mote == 3U);
   CHECK(trace(0).table == trace(2).table);
   CHECK(trace(0).table->skipped == 1);
-  CHECK(trace(1).table->of_mote.at(3) == mote::time_series{{60s, 4000}});
+  CHECK(trace(1).table->of_mote.at(3) == device::time_series{{60s, 4000}});
   CHECK(problems_of(load_lab(toml)) ==
         "lab/x.toml:20:6: the trace of `light` has no readings of mote 4: name one that it has "
         "with `mote`");
@@ -226,12 +226,12 @@ TEST_CASE("actuators arrive with the time their way takes", "[config][DIS-02]") 
   const auto& all = x.islands[0].motes[0].actuators;
   REQUIRE(all.size() == 5);
   CHECK(all[0].travel == 0s);
-  CHECK(all[1].kind == mote::actuator_kind::level);
+  CHECK(all[1].kind == device::actuator_kind::level);
   CHECK(all[1].travel == 20s);
   CHECK(all[1].initial == 0);
   CHECK(all[2].travel == 1min);
   CHECK(all[2].initial == 200);
-  CHECK(all[3].kind == mote::actuator_kind::dimmer);
+  CHECK(all[3].kind == device::actuator_kind::dimmer);
   CHECK(all[3].travel == 2s);
   CHECK(all[4].travel == 0s);
   CHECK(all[4].initial == 3);

@@ -1,7 +1,7 @@
 // Which step comes after which, by the numbers of records alone.
 #include "explain/growth.hpp"
 #include "explain/tuples.hpp"
-#include "explain_world.hpp"
+#include "explain_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -23,7 +23,7 @@ record numbered(std::uint64_t number, std::uint64_t cause, kind what = kind::rad
 
 /// One message, whose first step stands for number 1.
 struct one_message {
-  growth all{explain_world().x};
+  growth all{explain_fixture().x};
   node_index root;
 
   one_message() {
@@ -35,8 +35,8 @@ struct one_message {
     all.stands_for(1, root);
   }
 
-  node_index hop(std::uint64_t cause, std::uint32_t pieces = 1) {
-    return all.hop_for({{}, medium::air, near_mote, far_mote, any_peer, pieces}, cause,
+  node_index hop(std::uint64_t cause, std::uint32_t fragments = 1) {
+    return all.hop_for({{}, medium::air, near_mote, far_mote, any_peer, fragments}, cause,
                        numbered(0, cause));
   }
 };
@@ -55,7 +55,7 @@ TEST_CASE("a number stands for the step of its nearest cause", "[explain]") {
 }
 
 TEST_CASE("causes that go round in a circle end", "[explain]") {
-  growth all{explain_world().x};
+  growth all{explain_fixture().x};
   all.note(numbered(5, 5));
   all.note(numbered(6, 9));
   all.note(numbered(9, 6));
@@ -86,7 +86,7 @@ TEST_CASE("what the same has led to is tried again, what another attempt has led
   CHECK(x.all.all.messages.front().sends == 2);
 }
 
-TEST_CASE("a hop has arrived when all its pieces have", "[explain][NET-14]") {
+TEST_CASE("a hop has arrived when all its fragments have", "[explain][NET-14]") {
   one_message x;
   const auto hop = x.hop(1, 3);
   x.all.note(numbered(2, 1));
@@ -100,7 +100,7 @@ TEST_CASE("a hop has arrived when all its pieces have", "[explain][NET-14]") {
 }
 
 TEST_CASE("a value is heard of by what it has led to, whatever others it equals", "[explain]") {
-  growth all{explain_world().x};
+  growth all{explain_fixture().x};
   tuple_follower tuples(all);
   for (const std::uint64_t number : {1U, 2U}) {
     auto r = numbered(number, 0, kind::set_tuple, "kitchen.near.state");
@@ -119,7 +119,7 @@ TEST_CASE("a value is heard of by what it has led to, whatever others it equals"
 }
 
 TEST_CASE("a kernel's own value begins with the first package that carries it", "[explain]") {
-  growth all{explain_world().x};
+  growth all{explain_fixture().x};
   tuple_follower tuples(all);
   peis::tuple x;
   x.owner = peer_id{11};

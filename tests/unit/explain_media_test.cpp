@@ -1,6 +1,6 @@
 // One medium at a time.
 #include "explain/media.hpp"
-#include "explain_world.hpp"
+#include "explain_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -12,7 +12,7 @@ namespace {
 const bytes reading{0x00, 0xd7};
 
 struct followers {
-  growth all{explain_world().x};
+  growth all{explain_fixture().x};
   message_follower messages{all};
   tuple_follower tuples{all};
   air_follower air{all, messages};
@@ -48,8 +48,8 @@ bytes line_octets() {
   plain.source = mote_id{7};
   plain.am_type = 2;
   plain.payload = reading;
-  return explain_world::serial({1, 7, 1, network::am::to_gateway, explain_world::packet_up(plain)},
-                               false);
+  return explain_fixture::serial(
+      {1, 7, 1, network::am::to_gateway, explain_fixture::packet_up(plain)}, false);
 }
 
 record on_line(kind what, const std::string& from, const std::string& to, std::uint64_t cause) {
@@ -103,7 +103,7 @@ TEST_CASE("octets that nobody has written are nobody's", "[explain]") {
   CHECK(outcomes(x, 0) == words{""});
 }
 
-TEST_CASE("an unplugged cable loses what is under way and what is written then",
+TEST_CASE("an unplugged cable loses what is in flight and what is written then",
           "[explain][GW-16]") {
   followers x;
   record plug;

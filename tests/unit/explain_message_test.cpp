@@ -1,5 +1,5 @@
 #include "explain/outcome.hpp"
-#include "explain_world.hpp"
+#include "explain_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -13,11 +13,11 @@ constexpr paper wide{200, false};
 
 /// The way of one segment from mote 7 to the gateway, and of the answer back.
 struct delivery {
-  explain_world& world;
+  explain_fixture& world;
   transport::segment segment;
   std::uint16_t sequence = 1;
 
-  [[nodiscard]] explain_world::frame_of frame_up() const {
+  [[nodiscard]] explain_fixture::frame_of frame_up() const {
     return {
         near_mote, sink_actor,      7,
         1,         network::am::up, world.up(7, sequence, world.whole(world.packet_up(segment))),
@@ -53,7 +53,7 @@ struct delivery {
 } // namespace
 
 TEST_CASE("a message is followed to the gateway, and its acknowledgement back", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   const auto cause = world.program_sends(near_mote, reading, true);
   delivery way{world, world.reliable(7, 5, reading)};
   const auto there = way.to_gateway(cause);
@@ -67,7 +67,7 @@ TEST_CASE("a message is followed to the gateway, and its acknowledgement back", 
   CHECK(m.delivered == instant(6ms)); // 3 ms in the air, 1 ms until the line, 2 ms on it
   CHECK(m.acknowledged == instant(11ms));
   CHECK(m.sends == 1);
-  const auto text = tell_message(all, 0, wide);
+  const auto text = message_text(all, 0, wide);
   CHECK(contains(text, "sampler-1 sends 2 octets (00d7) to kitchen/gateway: AM type 2, reliable"));
   CHECK(contains(text, "kitchen/near → sink"));
   CHECK(contains(text, "kitchen/sink → gateway"));
@@ -77,20 +77,20 @@ TEST_CASE("a message is followed to the gateway, and its acknowledgement back", 
 }
 
 TEST_CASE("the value of a tuple is followed back to the message that brought it", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   delivery way{world, world.reliable(7, 5, reading)};
   const auto there = way.to_gateway(world.program_sends(near_mote, reading, true));
   world.sets(gateway_actor, gateway_kernel, "devices.7.output.2", "x", there);
   const auto all = follow(world.x);
   REQUIRE(all.tuples.size() == 1);
-  const auto text = tell_tuple(all, 0, {});
+  const auto text = tuple_text(all, 0, {});
   CHECK(contains(text, "kitchen/near → sink"));
   CHECK(contains(text, "kitchen/sink → gateway"));
   CHECK(contains(text, "set at kitchen-gateway after 6.0 ms; nobody listens"));
 }
 
 TEST_CASE("repeats of a frame are one row with their reasons", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   const auto cause = world.program_sends(near_mote, reading, true);
   const delivery way{world, world.reliable(7, 5, reading)};
   const auto frame = way.frame_up();
@@ -102,16 +102,16 @@ TEST_CASE("repeats of a frame are one row with their reasons", "[explain]") {
   const auto all = follow(world.x);
   const auto y = outcome_of(all, all.messages.front());
   CHECK(y.retries.radio == 2);
-  CHECK(contains(tell_message(all, 0, wide),
+  CHECK(contains(message_text(all, 0, wide),
                  "radio: received after 2 repeats (collision, lost in the air)"));
 }
 
 TEST_CASE("a message that no frame brings to the sink is lost there", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   const auto cause = world.program_sends(far_mote, reading, true);
   const auto segment = world.reliable(8, 5, reading);
   for (std::uint16_t attempt = 1; attempt <= 2; ++attempt) {
-    const explain_world::frame_of frame{
+    const explain_fixture::frame_of frame{
         far_mote, sink_actor,      8,
         1,        network::am::up, world.up(8, attempt, world.whole(world.packet_up(segment))),
         attempt};
@@ -131,25 +131,25 @@ TEST_CASE("a message that no frame brings to the sink is lost there", "[explain]
   CHECK(y.why == "4 tries: 4 × out of range");
   CHECK(y.retries.transport == 1);
   CHECK(y.retries.radio == 6);
-  const auto text = tell_message(all, 0, wide);
+  const auto text = message_text(all, 0, wide);
   CHECK(contains(text, "attempt 1 of 2: LOST, 4 tries: 4 × out of range"));
   CHECK(contains(text, "lost between kitchen/far → sink: 4 tries: 4 × out of range; "
                        "reported failed to the sender at 2.032 s; 6 radio repeats; "
                        "2 attempts end to end"));
   listing asked;
   asked.lost_only = true;
-  CHECK(contains(tell_list(all, asked, wide), "kitchen/far#1"));
+  CHECK(contains(list_text(all, asked, wide), "kitchen/far#1"));
 }
 
 TEST_CASE("an unplugged serial line is where a message ends", "[explain][GW-16]") {
-  explain_world world;
+  explain_fixture world;
   const auto cause = world.program_sends(near_mote, reading, true);
   const delivery way{world, world.reliable(7, 5, reading)};
   world.plug(false);
   const auto received = world.crosses_air(way.frame_up(), cause);
   world.writes(false, way.serial_up(), received);
   world.now += 90s;
-  world.put(kind::story, "ecology/test", "", 0);
+  world.put(kind::event, "ecology/test", "", 0);
   const auto all = follow(world.x);
   const auto y = outcome_of(all, all.messages.front());
   CHECK(y.status == message_status::lost);
@@ -158,7 +158,7 @@ TEST_CASE("an unplugged serial line is where a message ends", "[explain][GW-16]"
 }
 
 TEST_CASE("octets that a serial line corrupts are not received", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   const auto cause = world.program_sends(near_mote, reading, true);
   const delivery way{world, world.reliable(7, 5, reading)};
   const auto received = world.crosses_air(way.frame_up(), cause);
@@ -168,12 +168,12 @@ TEST_CASE("octets that a serial line corrupts are not received", "[explain]") {
   world.line_gives(false, octets);
   const auto all = follow(world.x);
   const auto y = outcome_of(all, all.messages.front());
-  CHECK(y.status == message_status::under_way); // it may be sent again
+  CHECK(y.status == message_status::in_flight); // it may be sent again
   CHECK(y.why == "octets corrupted");
 }
 
 TEST_CASE("a write that is repeated on the serial line is one hop", "[explain][GW-16]") {
-  explain_world world;
+  explain_fixture world;
   delivery way{world, world.reliable(7, 5, reading)};
   const auto there = way.to_gateway(world.program_sends(near_mote, reading, true));
   world.writes(true, way.serial_down(3), there);
@@ -185,7 +185,7 @@ TEST_CASE("a write that is repeated on the serial line is one hop", "[explain][G
 }
 
 TEST_CASE("a new attempt of Transport is told from a repeat", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   delivery way{world, world.reliable(7, 5, reading)};
   const auto cause = world.program_sends(near_mote, reading, true);
   const auto there = way.to_gateway(cause);
@@ -197,22 +197,22 @@ TEST_CASE("a new attempt of Transport is told from a repeat", "[explain]") {
   CHECK(m.sends == 2);
   CHECK(m.delivered == instant(6ms));
   CHECK(m.acknowledged == instant(17ms));
-  CHECK(contains(tell_message(all, 0, wide), "attempt 2 of 2: there again"));
+  CHECK(contains(message_text(all, 0, wide), "attempt 2 of 2: there again"));
 }
 
-TEST_CASE("a message in pieces is there when all of them are", "[explain][NET-14]") {
+TEST_CASE("a message in fragments is there when all of them are", "[explain][NET-14]") {
   const auto lost = GENERATE(false, true);
-  explain_world world;
+  explain_fixture world;
   const bytes content(200, 0x5a);
   const auto cause = world.program_sends(near_mote, content, true);
   const auto packet = world.packet_up(world.reliable(7, 5, content));
-  const auto pieces = *transport::cut(packet, 100, 4);
-  REQUIRE(pieces.size() == 3);
+  const auto fragments = *transport::cut(packet, 100, 4);
+  REQUIRE(fragments.size() == 3);
   std::uint64_t received = 0;
   for (std::uint16_t i = 0; i < 3; ++i) {
-    const explain_world::frame_of frame{
+    const explain_fixture::frame_of frame{
         near_mote, sink_actor,      7,
-        1,         network::am::up, world.up(7, static_cast<std::uint16_t>(i + 1), pieces[i]),
+        1,         network::am::up, world.up(7, static_cast<std::uint16_t>(i + 1), fragments[i]),
         i + 1U};
     if (lost && i == 1) {
       world.asks_radio(frame, cause);
@@ -224,21 +224,21 @@ TEST_CASE("a message in pieces is there when all of them are", "[explain][NET-14
   }
   if (!lost) {
     const auto on_line = *transport::cut(packet, 114, 9);
-    for (const auto& piece : on_line)
-      world.writes(false, world.serial({1, 7, 1, network::am::packet, piece}, false), received);
-    for (const auto& piece : on_line)
-      world.line_gives(false, world.serial({1, 7, 1, network::am::packet, piece}, false));
+    for (const auto& fragment : on_line)
+      world.writes(false, world.serial({1, 7, 1, network::am::packet, fragment}, false), received);
+    for (const auto& fragment : on_line)
+      world.line_gives(false, world.serial({1, 7, 1, network::am::packet, fragment}, false));
   }
   const auto all = follow(world.x);
   REQUIRE(all.messages.size() == 1);
   const auto& m = all.messages.front();
   CHECK(m.delivered.has_value() == !lost);
-  CHECK(contains(tell_message(all, 0, wide),
-                 lost ? "radio, 3 pieces: LOST, 3 tries: collision" : "serial line, 2 pieces"));
+  CHECK(contains(message_text(all, 0, wide), lost ? "radio, 3 fragments: LOST, 3 tries: collision"
+                                                  : "serial line, 2 fragments"));
 }
 
 TEST_CASE("unreliable messages of equal content are told apart", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   transport::segment plain;
   plain.source = mote_id{7};
   plain.am_type = 2;
@@ -264,7 +264,7 @@ TEST_CASE("unreliable messages of equal content are told apart", "[explain]") {
 }
 
 TEST_CASE("equal messages of one moment are told apart, whatever overtakes what", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   transport::segment plain;
   plain.source = mote_id{7};
   plain.am_type = 2;
@@ -283,11 +283,11 @@ TEST_CASE("equal messages of one moment are told apart, whatever overtakes what"
   CHECK(outcome_of(all, all.messages[0]).status == message_status::lost);
   CHECK(outcome_of(all, all.messages[0]).why == "too weak");
   CHECK(outcome_of(all, all.messages[1]).status == message_status::delivered);
-  CHECK(contains(tell_tuple(all, 0, wide), "kitchen/near → sink"));
+  CHECK(contains(tuple_text(all, 0, wide), "kitchen/near → sink"));
 }
 
 TEST_CASE("a message from outside begins where it is seen first", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   transport::segment plain;
   plain.source = mote_id{9};
   plain.am_type = 2;
@@ -302,7 +302,7 @@ TEST_CASE("a message from outside begins where it is seen first", "[explain]") {
 }
 
 TEST_CASE("the greeting before the first message is one row", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   const auto cause = world.program_sends(near_mote, reading, true);
   auto hello = world.reliable(7, 4, {});
   hello.what = transport::segment::kind::hello;
@@ -313,11 +313,11 @@ TEST_CASE("the greeting before the first message is one row", "[explain]") {
   const auto all = follow(world.x);
   REQUIRE(all.messages.size() == 1);
   CHECK(all.messages.front().sends == 1);
-  CHECK(contains(tell_message(all, 0, wide), "greets kitchen/gateway first: answered"));
+  CHECK(contains(message_text(all, 0, wide), "greets kitchen/gateway first: answered"));
 }
 
 TEST_CASE("a message can be asked for by name or by numbers", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   world.program_sends(near_mote, reading, true, 1);
   world.program_sends(near_mote, reading, true, 2);
   const auto all = follow(world.x);
@@ -336,7 +336,7 @@ TEST_CASE("a message can be asked for by name or by numbers", "[explain]") {
 }
 
 TEST_CASE("a message to its own mote is there at once", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   record r;
   r.mote = {own_island, own_mote};
   r.octets = reading;
@@ -348,7 +348,7 @@ TEST_CASE("a message to its own mote is there at once", "[explain]") {
 }
 
 TEST_CASE("a message that its mote refuses says so", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   world.program_sends(near_mote, reading, true);
   record refused;
   refused.id = 1;
@@ -356,11 +356,11 @@ TEST_CASE("a message that its mote refuses says so", "[explain]") {
   world.put(kind::send_ended, near_mote, "mote_app/kitchen/near/sampler-1", 1, refused);
   const auto all = follow(world.x);
   CHECK(outcome_of(all, all.messages.front()).status == message_status::refused);
-  CHECK(contains(tell_message(all, 0, wide), "refused: its mote did not take it"));
+  CHECK(contains(message_text(all, 0, wide), "refused: its mote did not take it"));
 }
 
 TEST_CASE("a message that never left is not taken for the next one", "[explain]") {
-  explain_world world;
+  explain_fixture world;
   transport::segment plain;
   plain.source = mote_id{7};
   plain.am_type = 2;
@@ -377,7 +377,7 @@ TEST_CASE("a message that never left is not taken for the next one", "[explain]"
 }
 
 TEST_CASE("a receiver that has started again turns a message away", "[explain][DIS-07]") {
-  explain_world world;
+  explain_fixture world;
   delivery way{world, world.reliable(7, 5, reading)};
   const auto cause = world.program_sends(near_mote, reading, true);
   const auto there = way.to_gateway(cause);

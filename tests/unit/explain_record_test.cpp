@@ -61,7 +61,7 @@ TEST_CASE("a record is read as it was written", "[explain][codec]") {
 }
 
 TEST_CASE("every kind of record has a word of its own", "[explain][codec]") {
-  for (int i = 0; i <= static_cast<int>(kind::story); ++i)
+  for (int i = 0; i <= static_cast<int>(kind::event); ++i)
     CHECK(parse_kind(to_string(static_cast<kind>(i))) == static_cast<kind>(i));
   CHECK(!parse_kind("nothing"));
 }
@@ -101,7 +101,7 @@ TEST_CASE("a record of the version before is refused by its number", "[explain]"
 }
 
 TEST_CASE("fields that are as usual are left out", "[explain][codec]") {
-  CHECK(encode(record{}) == "{\"what\":\"story\"}\n");
+  CHECK(encode(record{}) == "{\"what\":\"event\"}\n");
   record x;
   x.what = kind::radio_done;
   x.cause = 7;
@@ -112,16 +112,16 @@ TEST_CASE("a bad line is refused with its number and what is wrong with it", "[e
   CHECK(problem_of("nonsense") == bad_line{2, "this is no JSON object"});
   CHECK(problem_of("{\"what\":\"flies\"}").message.find("\"flies\"") != std::string::npos);
   CHECK(problem_of("{\"number\":3}") == bad_line{2, "`what` is missing"});
-  CHECK(problem_of("{\"what\":\"story\",\"from\":3}").message == "`from` is no text");
-  CHECK(problem_of("{\"what\":\"story\",\"octets\":\"0\"}").message ==
+  CHECK(problem_of("{\"what\":\"event\",\"from\":3}").message == "`from` is no text");
+  CHECK(problem_of("{\"what\":\"event\",\"octets\":\"0\"}").message ==
         "`octets` is not hexadecimal");
-  CHECK(problem_of("{\"what\":\"story\",\"mote\":[1,65536]}").message ==
+  CHECK(problem_of("{\"what\":\"event\",\"mote\":[1,65536]}").message ==
         "`mote` is no number that fits");
-  CHECK(problem_of("{\"what\":\"story\",\"number\":-1}").message ==
+  CHECK(problem_of("{\"what\":\"event\",\"number\":-1}").message ==
         "`number` is no number that fits");
-  CHECK(problem_of("{\"what\":\"story\",\"number\":1.5}").message ==
+  CHECK(problem_of("{\"what\":\"event\",\"number\":1.5}").message ==
         "`number` is no number that fits");
-  CHECK(problem_of("{\"what\":\"story\",\"text\":7}").message == "`text` is no text");
-  CHECK(problem_of("{\"what\":\"story\",\"yes\":1}").line == 2);
-  CHECK(problem_of("{\"what\":\"story\",\"mote\":7}").message == "`mote` is no pair");
+  CHECK(problem_of("{\"what\":\"event\",\"text\":7}").message == "`text` is no text");
+  CHECK(problem_of("{\"what\":\"event\",\"yes\":1}").line == 2);
+  CHECK(problem_of("{\"what\":\"event\",\"mote\":7}").message == "`mote` is no pair");
 }

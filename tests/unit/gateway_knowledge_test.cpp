@@ -28,6 +28,15 @@ std::string text_of(const std::filesystem::path& file) {
   return text;
 }
 
+/// Does a word of the text begin so?
+bool begins_a_word(const std::string& text, const std::string& with) {
+  for (auto at = text.find(with); at != std::string::npos; at = text.find(with, at + 1)) {
+    if (at == 0 || std::isalpha(static_cast<unsigned char>(text[at - 1])) == 0)
+      return true; // "in flight" is no light
+  }
+  return false;
+}
+
 } // namespace
 
 TEST_CASE("a gateway knows nothing of what motes measure and do", "[gateway][GW-02][PXY-02]") {
@@ -40,7 +49,7 @@ TEST_CASE("a gateway knows nothing of what motes measure and do", "[gateway][GW-
          {"transducer", "actuator", "temperature", "humidity", "light", "dimmer", "lamp",
           "#include \"proxy/", "#include \"mote/descriptor"}) {
       CAPTURE(file.filename().string(), word);
-      CHECK(text.find(word) == std::string::npos);
+      CHECK(!begins_a_word(text, word));
     }
   }
 }

@@ -132,7 +132,7 @@ TEST_CASE("a gateway that stands by knows the motes and publishes no outputs",
   CHECK(published(send_up(x, test::plain(fan, 1, bytes{5})), "devices.7.output.1") == "05");
 }
 
-TEST_CASE("its output tuples and what was under way end with the lead", "[gateway][GW-14][IF-07]") {
+TEST_CASE("its output tuples and what was in flight end with the lead", "[gateway][GW-14][IF-07]") {
   auto x = make();
   join(x, fan);
   static_cast<void>(lead(x));

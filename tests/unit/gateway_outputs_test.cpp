@@ -5,8 +5,8 @@
 #include "support/catch.hpp"
 
 using namespace rubicon;
+using communication::any_channel;
 using gateway::output_requests;
-using mote::any_channel;
 using wanted = output_requests::wanted;
 
 namespace {
@@ -96,10 +96,11 @@ TEST_CASE("a mote is asked for every channel when there are more than it can rem
   x.subscribe({"devices.7.output.1", "devices.7.output.2", "devices.7.output.3",
                "devices.7.output.4", "devices.7.output.5"});
   x.core.on_period(fan, 4, 250ms, x.now);
-  CHECK(x.core.wanted_of(fan) == wanted{{4, 250ms}, {mote::any_channel, 0ms}});
+  CHECK(x.core.wanted_of(fan) == wanted{{4, 250ms}, {communication::any_channel, 0ms}});
   for (const int channel : {1, 2, 3, 5})
     x.core.on_period(fan, static_cast<std::uint16_t>(channel), 1s, x.now);
-  CHECK(x.core.wanted_of(fan) == wanted{{1, 1s}, {2, 1s}, {3, 1s}, {mote::any_channel, 0ms}});
+  CHECK(x.core.wanted_of(fan) ==
+        wanted{{1, 1s}, {2, 1s}, {3, 1s}, {communication::any_channel, 0ms}});
 }
 
 TEST_CASE("a request that fails is repeated; one that has become wrong is followed by another",
@@ -177,13 +178,13 @@ TEST_CASE("whatever happens, a mote that stays knows in the end what is wanted",
     std::map<mote_id, wanted> known;
     std::map<mote_id, std::uint32_t> lives;
     const std::vector<mote_id> motes{mote_id{1}, mote_id{2}, mote_id{3}};
-    std::vector<std::pair<output_requests::request, std::uint32_t>> under_way; // to which life
+    std::vector<std::pair<output_requests::request, std::uint32_t>> in_flight; // to which life
     const auto ask = [&](std::vector<output_requests::request> requests) {
       for (auto& each : requests)
-        under_way.emplace_back(each, lives[each.mote]);
+        in_flight.emplace_back(each, lives[each.mote]);
     };
     const auto deliver = [&](bool loses) {
-      for (auto& [each, life] : std::exchange(under_way, {})) {
+      for (auto& [each, life] : std::exchange(in_flight, {})) {
         const auto outcome = loses ? rng.below(3) : 2;
         if (outcome > 0 && life == lives[each.mote])
           known[each.mote] = each.outputs; // its acknowledgement may be lost
@@ -216,7 +217,7 @@ TEST_CASE("whatever happens, a mote that stays knows in the end what is wanted",
     }
     for (const auto mote : motes)
       x.core.on_listed(mote, lives[mote], x.now);
-    for (auto last = 0; last < 20 && (x.core.deadline() || !under_way.empty()); ++last) {
+    for (auto last = 0; last < 20 && (x.core.deadline() || !in_flight.empty()); ++last) {
       deliver(false);
       if (x.core.deadline())
         ask(x.next());

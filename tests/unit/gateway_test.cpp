@@ -7,7 +7,7 @@
 #include "support/pick.hpp"
 #include "support/recorder.hpp"
 #include "support/segments.hpp"
-#include "transport/pieces.hpp"
+#include "transport/fragments.hpp"
 #include "transport/segment.hpp"
 
 using namespace rubicon;
@@ -264,7 +264,7 @@ TEST_CASE("what a gateway's program provides it gets, and the tuples the rest",
   auto x = make();
   test::recorder program;
   program.layer = x.attach(program);
-  REQUIRE(program.layer->provide(10) == mote::SUCCESS);
+  REQUIRE(program.layer->provide(10) == communication::SUCCESS);
   join(x, fan);
   const auto hear = [&](std::uint8_t type) {
     return pick<publish>(x.on_packet(fan, network::am::to_gateway,
@@ -336,18 +336,19 @@ TEST_CASE("no more channels are remembered than there is room for", "[gateway]")
   CHECK(x.counters().inputs_refused == 1);
 }
 
-TEST_CASE("packets longer than a serial packet go up and down in pieces",
+TEST_CASE("packets longer than a serial packet go up and down in fragments",
           "[gateway][NET-14][WIR-04]") {
   auto x = make();
   join(x, fan);
   const bytes reading(256, 0x5a);
   const auto octets = up({kitchen, no_mote}, plain(fan, 2, reading));
-  const auto pieces = transport::cut(octets, network::frame_payload_max, 9);
-  REQUIRE(pieces->size() == 3);
-  CHECK(x.on_packet(fan, network::am::packet, pieces->at(2), {}).empty());
-  CHECK(x.on_packet(mote_id{8}, network::am::packet, pieces->at(1), {}).empty()); // of another mote
-  CHECK(x.on_packet(fan, network::am::packet, pieces->at(0), {}).empty());
-  const auto out = x.on_packet(fan, network::am::packet, pieces->at(1), {});
+  const auto fragments = transport::cut(octets, network::frame_payload_max, 9);
+  REQUIRE(fragments->size() == 3);
+  CHECK(x.on_packet(fan, network::am::packet, fragments->at(2), {}).empty());
+  CHECK(x.on_packet(mote_id{8}, network::am::packet, fragments->at(1), {})
+            .empty()); // of another mote
+  CHECK(x.on_packet(fan, network::am::packet, fragments->at(0), {}).empty());
+  const auto out = x.on_packet(fan, network::am::packet, fragments->at(1), {});
   CHECK(published(out, "devices.7.output.2") == to_hex(reading));
 
   const auto message = encode(network::gateway_packet{fan, 10, encode(plain(fan, 10, reading))});
@@ -355,11 +356,11 @@ TEST_CASE("packets longer than a serial packet go up and down in pieces",
   REQUIRE(down.size() == 3);
   transport::assembly sink;
   std::optional<bytes> whole;
-  for (const auto& piece : down) {
-    CHECK(piece.am_type == network::am::packet);
-    CHECK(piece.payload.size() <= network::frame_payload_max);
+  for (const auto& fragment : down) {
+    CHECK(fragment.am_type == network::am::packet);
+    CHECK(fragment.payload.size() <= network::frame_payload_max);
     CHECK_FALSE(whole);
-    whole = sink.on_piece(the_sink, piece.payload, {});
+    whole = sink.on_fragment(the_sink, fragment.payload, {});
   }
   REQUIRE(whole);
   const auto packet = network::decode_island_packet(*whole);

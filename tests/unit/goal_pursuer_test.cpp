@@ -57,11 +57,11 @@ std::vector<std::string> said(const outputs& out) {
 using words = std::vector<std::string>;
 
 /// A carrier that has started, and its time.
-struct rig {
+struct fixture {
   pursuer core{carrier(), random_stream(1)};
   instant now{};
 
-  rig() { static_cast<void>(core.start(now)); }
+  fixture() { static_cast<void>(core.start(now)); }
 
   /// Lets time pass, wake-up by wake-up; what it says but for its place.
   words pass(duration length) {
@@ -102,7 +102,7 @@ TEST_CASE("a pursuer says what it is, and where its inputs point", "[goal][SVC-1
 }
 
 TEST_CASE("a goal leads through its states and succeeds", "[goal][SVC-10]") {
-  rig x;
+  fixture x;
   x.input(door, "open");
   CHECK(x.want("at kitchen") == words{"state=turning"});
   CHECK(x.core.open_goals() == 1);
@@ -112,7 +112,7 @@ TEST_CASE("a goal leads through its states and succeeds", "[goal][SVC-10]") {
   CHECK(x.core.open_goals() == 0);
   CHECK(x.core.counters().succeeded == 1);
 
-  rig y; // the order of what it says at the end
+  fixture y; // the order of what it says at the end
   y.input(door, "open");
   y.want("at kitchen");
   y.pass(2s);
@@ -123,7 +123,7 @@ TEST_CASE("a goal leads through its states and succeeds", "[goal][SVC-10]") {
 }
 
 TEST_CASE("a state waits for what it needs, whatever else its inputs say", "[goal][SVC-10]") {
-  rig x;
+  fixture x;
   x.want("at kitchen");
   CHECK(x.pass(2s) == words{"state=waiting"});
   CHECK(x.core.doing() == pursuer::phase::waiting);
@@ -142,7 +142,7 @@ TEST_CASE("a number is needed from above on, and below", "[goal][SVC-10]") {
       {"1e0", true},    {"nan", false},   {"inf", false}, {"3x", false}};
   for (const auto& [text, holds] : table) {
     CAPTURE(text);
-    rig x;
+    fixture x;
     x.input(load, text);
     CHECK(x.want("lift") == words{holds ? "state=lifting" : "state=waiting"});
   }
@@ -150,7 +150,7 @@ TEST_CASE("a number is needed from above on, and below", "[goal][SVC-10]") {
 
 TEST_CASE("a goal that takes too long fails, and one that is over just then succeeds",
           "[goal][SVC-10]") {
-  rig x;
+  fixture x;
   x.want("at kitchen");
   x.pass(29s);
   CHECK(x.core.counters().failed == 0);
@@ -158,13 +158,13 @@ TEST_CASE("a goal that takes too long fails, and one that is over just then succ
   CHECK(x.core.counters().timeouts == 1);
   CHECK(x.input(door, "open").empty()); // too late
 
-  rig late;
+  fixture late;
   late.want("at kitchen");
   late.pass(29s);
   late.now += 1s; // its time is over, which it has not been told yet
   CHECK(late.input(door, "open").empty());
 
-  rig y;
+  fixture y;
   y.input(load, "2");
   y.want("lift"); // 5 s, and its timeout is 5 s
   y.pass(5s);
@@ -173,7 +173,7 @@ TEST_CASE("a goal that takes too long fails, and one that is over just then succ
 }
 
 TEST_CASE("whoever wants something else, or nothing, preempts", "[goal][SVC-10]") {
-  rig x;
+  fixture x;
   x.want("at kitchen");
   CHECK(x.want("lift") ==
         words{"outcome.cause=newer", "outcome=at kitchen preempted", "state=waiting"});
@@ -188,7 +188,7 @@ TEST_CASE("whoever wants something else, or nothing, preempts", "[goal][SVC-10]"
 }
 
 TEST_CASE("an unknown goal fails at once and disturbs nothing", "[goal][SVC-10]") {
-  rig x;
+  fixture x;
   x.input(door, "open");
   x.want("at kitchen");
   CHECK(x.want("at moon") == words{"outcome.cause=unknown", "outcome=at moon failed"});
@@ -203,7 +203,7 @@ TEST_CASE("an unknown goal fails at once and disturbs nothing", "[goal][SVC-10]"
 TEST_CASE("an input that is another tuple forgets what the one before said",
           "[goal][SVC-10][META-05]") {
   const auto state_with = [](const auto& change) {
-    rig x;
+    fixture x;
     x.input(door, "open");
     change(x.core);
     x.want("at kitchen");

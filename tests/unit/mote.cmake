@@ -1,8 +1,6 @@
 rubicon_test(unit.mote SOURCES
-  unit/mote_actuator_test.cpp unit/mote_codec_test.cpp unit/mote_communication_test.cpp unit/mote_crystal_test.cpp unit/mote_island_test.cpp
-  unit/mote_gateway_lines_test.cpp unit/mote_join_test.cpp unit/mote_node_test.cpp
-  unit/mote_nonvolatile_test.cpp unit/mote_registrar_test.cpp unit/mote_remote_test.cpp unit/mote_sink_test.cpp unit/mote_streams_test.cpp unit/mote_trace_test.cpp unit/mote_transducer_test.cpp unit/mote_walk_test.cpp
+  unit/mote_codec_test.cpp unit/mote_crystal_test.cpp unit/mote_gateway_lines_test.cpp unit/mote_island_test.cpp
+  unit/mote_join_test.cpp unit/mote_node_test.cpp unit/mote_nonvolatile_test.cpp unit/mote_registrar_test.cpp unit/mote_sink_test.cpp
   NEEDS rubicon_mote)
 rubicon_fuzz(mote_management SOURCE fuzz/mote_management.cpp NEEDS rubicon_mote)
 rubicon_fuzz(mote_descriptor SOURCE fuzz/mote_descriptor.cpp NEEDS rubicon_mote)
-rubicon_fuzz(mote_trace SOURCE fuzz/mote_trace.cpp NEEDS rubicon_mote rubicon_radio)

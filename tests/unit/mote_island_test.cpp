@@ -4,14 +4,14 @@
 #include "network/am.hpp"
 #include "network/wire.hpp"
 #include "support/catch.hpp"
-#include "support/island_world.hpp"
+#include "support/island_fixture.hpp"
 #include "support/programs.hpp"
 #include "support/seeds.hpp"
 #include "support/segments.hpp"
 
 using namespace rubicon;
-using test::island_world;
-using test::island_world_config;
+using test::island_fixture;
+using test::island_fixture_config;
 
 namespace {
 
@@ -20,8 +20,8 @@ mote_id id(int x) {
 }
 
 /// Everybody is a member, and neighbours and the sink know where everybody is.
-std::unique_ptr<island_world> settled(const island_world_config& config) {
-  auto world = std::make_unique<island_world>(config);
+std::unique_ptr<island_fixture> settled(const island_fixture_config& config) {
+  auto world = std::make_unique<island_fixture>(config);
   auto& x = *world;
   const auto motes = static_cast<std::size_t>(config.width * config.height) - 1;
   REQUIRE(x.run_until([&] { return x.root().members() == motes; }, 3min));
@@ -32,7 +32,7 @@ std::unique_ptr<island_world> settled(const island_world_config& config) {
   return world;
 }
 
-std::size_t packets_up(const island_world& x) {
+std::size_t packets_up(const island_fixture& x) {
   return static_cast<std::size_t>(std::ranges::count_if(x.up, [](const auto& each) {
     return each.am_type == network::am::to_gateway || each.am_type == network::am::packet;
   }));
@@ -41,7 +41,7 @@ std::size_t packets_up(const island_world& x) {
 } // namespace
 
 TEST_CASE("motes join over three hops", "[mote][network][NET-11][DIS-08]") {
-  island_world x({.width = 4});
+  island_fixture x({.width = 4});
   REQUIRE(x.run_until([&x] { return x.root().members() == 3; }, 1min));
   std::set<mote_id> joined;
   for (const auto& each : x.up) {
@@ -58,7 +58,7 @@ TEST_CASE("motes join over three hops", "[mote][network][NET-11][DIS-08]") {
 
 TEST_CASE("a mote that has joined knows all ids of its island's gateways",
           "[mote][NFR-05][GW-14]") {
-  island_world x({.width = 3, .aliases = {island_id{21}, island_id{22}}});
+  island_fixture x({.width = 3, .aliases = {island_id{21}, island_id{22}}});
   CHECK(x.at(id(3)).gateways().empty());
   REQUIRE(x.run_until([&x] { return x.root().members() == 2; }, 1min));
   x.run_for(1s);
@@ -67,7 +67,7 @@ TEST_CASE("a mote that has joined knows all ids of its island's gateways",
 
 TEST_CASE("a mote that has joined knows its island, its sink and the way to its gateway",
           "[mote][NFR-05]") {
-  island_world x({.width = 3});
+  island_fixture x({.width = 3});
   test::recorder program;
   program.layer = x.at(id(3)).attach(program);
   CHECK(!program.layer->address());
@@ -91,7 +91,7 @@ TEST_CASE("a mote that has joined knows its island, its sink and the way to its 
 
 TEST_CASE("motes join over lossy hops, and stay members", "[mote][network][DIS-06][DIS-08]") {
   for (std::uint64_t seed = 1; seed <= test::seeds(5); ++seed) {
-    island_world x({.width = 4, .height = 3, .delivery = 0.8, .seed = seed});
+    island_fixture x({.width = 4, .height = 3, .delivery = 0.8, .seed = seed});
     CHECK(x.run_until([&x] { return x.root().members() == 11; }, 2min));
     x.run_for(10min);
     CHECK(x.root().members() == 11);
@@ -111,16 +111,16 @@ TEST_CASE("a message of 256 octets crosses three hops up, down and between motes
   std::optional<bytes> whole;
   for (const auto& each : x.up) {
     if (each.am_type == network::am::packet)
-      whole = gateway.on_piece(each.source, each.payload, x.now());
+      whole = gateway.on_fragment(each.source, each.payload, x.now());
   }
   REQUIRE(whole);
   CHECK(transport::decode_segment(network::decode_island_packet(*whole)->body)->payload == text);
 
   const auto down =
       encode(network::island_packet{island_id{2}, id(4), 10, encode(test::plain(id(5), 10, text))});
-  const auto pieces = transport::cut(down, network::frame_payload_max, 1);
-  for (const auto& piece : *pieces)
-    x.down(network::am::packet, piece);
+  const auto fragments = transport::cut(down, network::frame_payload_max, 1);
+  for (const auto& fragment : *fragments)
+    x.down(network::am::packet, fragment);
   x.run_for(5s);
   REQUIRE(x.received.size() == 1);
   CHECK(x.received[0].first == id(4));
@@ -224,7 +224,7 @@ TEST_CASE("a mote that is started again joins again and is told apart from its l
 TEST_CASE("motes whose sink has started again join it again", "[mote][network][DIS-05][GW-15]") {
   const auto world = settled({.width = 4});
   auto& x = *world;
-  x.start(island_world::sink_id);
+  x.start(island_fixture::sink_id);
   CHECK(x.run_until([&x] { return x.root().members() == 3; }, 2min));
 }
 

@@ -3,18 +3,20 @@
 #include <string>
 #include <tuple>
 
-#include "mote/communication.hpp"
+#include "communication/interface.hpp"
 #include "mote/node.hpp"
 #include "network/am.hpp"
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
-#include "support/island_world.hpp"
+#include "support/island_fixture.hpp"
 #include "support/pick.hpp"
 #include "support/segments.hpp"
 
 using namespace rubicon;
+using namespace rubicon::communication;
+using namespace rubicon::device;
 using namespace rubicon::mote;
-using test::island_world;
+using test::island_fixture;
 using test::pick;
 
 namespace {
@@ -24,9 +26,9 @@ constexpr mote_id neighbour{3};
 constexpr island_id island{1};
 
 /// A sink, a mote and its neighbour, each in reach of the others, who have joined.
-std::unique_ptr<island_world> joined_island() {
-  auto world = std::make_unique<island_world>(
-      test::island_world_config{.width = 2, .height = 2, .island = island});
+std::unique_ptr<island_fixture> joined_island() {
+  auto world = std::make_unique<island_fixture>(
+      test::island_fixture_config{.width = 2, .height = 2, .island = island});
   auto& x = *world;
   REQUIRE(x.run_until([&x] { return x.joined() == 3; }, 1min));
   x.run_for(30s); // neighbours know each other
@@ -45,7 +47,7 @@ node lonely() {
 }
 
 /// What has come up to the gateway, whole.
-std::vector<network::island_packet> packets_up(const island_world& x) {
+std::vector<network::island_packet> packets_up(const island_fixture& x) {
   std::vector<network::island_packet> found;
   for (const auto& each : x.up) {
     if (each.am_type == network::am::to_gateway)
@@ -54,7 +56,7 @@ std::vector<network::island_packet> packets_up(const island_world& x) {
   return found;
 }
 
-void send_down(island_world& x, island_id from, const transport::segment& segment) {
+void send_down(island_fixture& x, island_id from, const transport::segment& segment) {
   x.down(network::am::from_gateway,
          encode(network::island_packet{from, self, segment.am_type, encode(segment)}));
 }
@@ -112,7 +114,7 @@ TEST_CASE("a mote joins the island whose sink it hears and tells so", "[mote][DI
   }
 }
 
-TEST_CASE("a joined mote sends readings to its gateway by way of the sink", "[mote][RTG-03]") {
+TEST_CASE("a joined mote sends readings to its gateway through the sink", "[mote][RTG-03]") {
   const auto world = joined_island();
   auto& x = *world;
   REQUIRE(x.send(self, {own_island, no_mote}, 1, bytes{0, 5}, false));
@@ -265,7 +267,7 @@ TEST_CASE("a mote takes no packet that is for another, and none before it has jo
   const auto frame_for = [](mote_id to) {
     const auto octets =
         encode(network::island_packet{island, to, 10, encode(test::plain(neighbour, 10, {}))});
-    bytes frame{network::am::packet, 0}; // the only piece
+    bytes frame{network::am::packet, 0}; // the only fragment
     frame.insert(frame.end(), octets.begin(), octets.end());
     return network::frame_out{0, self, network::am::local, frame, {}};
   };

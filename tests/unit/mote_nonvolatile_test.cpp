@@ -3,12 +3,12 @@
 #include "mote/sink.hpp"
 #include "network/am.hpp"
 #include "support/catch.hpp"
-#include "support/island_world.hpp"
+#include "support/island_fixture.hpp"
 #include "support/pick.hpp"
 
 using namespace rubicon;
 using namespace rubicon::mote;
-using test::island_world;
+using test::island_fixture;
 using test::pick;
 
 namespace {
@@ -17,7 +17,7 @@ sink with_two_lines(const nonvolatile& store) {
   registrar_config members;
   members.island = island_id{1};
   network::router_config network;
-  network.self = island_world::sink_id;
+  network.self = island_fixture::sink_id;
   return {network, members, duty_config{}, random_stream(1), {}, {.lines = 2}, store};
 }
 
@@ -36,7 +36,7 @@ TEST_CASE("a mote has counted its start in its flash before it does anything els
 
 TEST_CASE("a mote cut off at once is another in its next life all the same",
           "[mote][DIS-07][ACT-04]") {
-  island_world world({.width = 2});
+  island_fixture world({.width = 2});
   const mote_id lamp{2};
   for (std::uint32_t life = 0; life < 5; ++life) {
     CHECK(world.at(lamp).incarnation() == life);

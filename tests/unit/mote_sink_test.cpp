@@ -3,14 +3,14 @@
 #include "network/island_packet.hpp"
 #include "network/wire.hpp"
 #include "support/catch.hpp"
-#include "support/island_world.hpp"
+#include "support/island_fixture.hpp"
 #include "support/pick.hpp"
 #include "support/segments.hpp"
-#include "transport/pieces.hpp"
+#include "transport/fragments.hpp"
 
 using namespace rubicon;
 using namespace rubicon::mote;
-using test::island_world;
+using test::island_fixture;
 using test::pick;
 
 namespace {
@@ -22,13 +22,13 @@ sink make() {
   registrar_config config;
   config.island = island;
   network::router_config network;
-  network.self = island_world::sink_id;
+  network.self = island_fixture::sink_id;
   return {network, config, duty_config{}, random_stream(1), {}};
 }
 
-std::unique_ptr<island_world> with_lamp() {
+std::unique_ptr<island_fixture> with_lamp() {
   auto world =
-      std::make_unique<island_world>(test::island_world_config{.width = 2, .island = island});
+      std::make_unique<island_fixture>(test::island_fixture_config{.width = 2, .island = island});
   auto& x = *world;
   REQUIRE(x.run_until([&x] { return x.root().members() == 1; }, 1min));
   x.run_for(5s);
@@ -63,7 +63,7 @@ TEST_CASE("a sink passes island packets up and down as they are", "[mote][RTG-02
   CHECK(x.root().counters().down == 1);
 }
 
-TEST_CASE("long packets cross the serial line in pieces that fit it", "[mote][NET-14][WIR-04]") {
+TEST_CASE("long packets cross the serial line in fragments that fit it", "[mote][NET-14][WIR-04]") {
   const auto world = with_lamp();
   auto& x = *world;
   const bytes text(256, 'x');
@@ -72,20 +72,20 @@ TEST_CASE("long packets cross the serial line in pieces that fit it", "[mote][NE
   REQUIRE(x.up.size() == 3);
   transport::assembly gateway;
   std::optional<bytes> whole;
-  for (const auto& piece : x.up) {
-    CHECK(piece.am_type == network::am::packet);
-    CHECK(piece.source == lamp);
-    CHECK(piece.payload.size() <= network::frame_payload_max);
-    whole = gateway.on_piece(piece.source, piece.payload, x.now());
+  for (const auto& fragment : x.up) {
+    CHECK(fragment.am_type == network::am::packet);
+    CHECK(fragment.source == lamp);
+    CHECK(fragment.payload.size() <= network::frame_payload_max);
+    whole = gateway.on_fragment(fragment.source, fragment.payload, x.now());
   }
   REQUIRE(whole);
   CHECK(transport::decode_segment(network::decode_island_packet(*whole)->body)->payload == text);
 
   const auto down = encode(
       network::island_packet{island_id{2}, lamp, 10, encode(test::plain(mote_id{5}, 10, text))});
-  const auto pieces = transport::cut(down, network::frame_payload_max, 3);
-  for (const auto& piece : *pieces)
-    x.down(network::am::packet, piece);
+  const auto fragments = transport::cut(down, network::frame_payload_max, 3);
+  for (const auto& fragment : *fragments)
+    x.down(network::am::packet, fragment);
   x.run_for(1s);
   REQUIRE(x.received.size() == 1);
   CHECK(x.received[0].second.payload == text);
@@ -116,7 +116,7 @@ TEST_CASE("a packet for a mote to which a sink knows no way is dropped and count
 TEST_CASE("what is for the sink itself goes no further", "[mote]") {
   const auto world = with_lamp();
   auto& x = *world;
-  REQUIRE(x.send(lamp, {own_island, island_world::sink_id}, 10, bytes{1}, false));
+  REQUIRE(x.send(lamp, {own_island, island_fixture::sink_id}, 10, bytes{1}, false));
   x.run_for(1s);
   CHECK(x.up.empty());
   CHECK(x.root().counters().for_sink == 1);
@@ -147,7 +147,7 @@ TEST_CASE("a sink asks for the time and gives it to its island's clock", "[mote]
   };
   run_until(instant(1s));
   REQUIRE(asked.size() == 1);
-  CHECK(asked[0].source == island_world::sink_id);
+  CHECK(asked[0].source == island_fixture::sink_id);
   CHECK(asked[0].am_type == network::am::sink_event);
   CHECK_FALSE(x.time().at(instant(1s)));
   const auto number =
@@ -160,9 +160,9 @@ TEST_CASE("a sink asks for the time and gives it to its island's clock", "[mote]
   CHECK(x.packets().router().clock().network_time(instant(4s)) == 1003s - 5ms);
 }
 
-TEST_CASE("pieces of packets of two motes do not mix", "[mote][NET-14]") {
+TEST_CASE("fragments of packets of two motes do not mix", "[mote][NET-14]") {
   network::router_config network;
-  network.self = island_world::sink_id;
+  network.self = island_fixture::sink_id;
   network.is_sink = true;
   packet_service x(network, random_stream(1), {});
   const auto cut = [](char octet) {
@@ -171,9 +171,9 @@ TEST_CASE("pieces of packets of two motes do not mix", "[mote][NET-14]") {
                            7); // each mote counts its packets from the same number
   };
   std::vector<bytes> whole;
-  const auto hear = [&](std::uint16_t mote, const bytes& piece) {
+  const auto hear = [&](std::uint16_t mote, const bytes& fragment) {
     bytes content{network::am::packet};
-    content.insert(content.end(), piece.begin(), piece.end());
+    content.insert(content.end(), fragment.begin(), fragment.end());
     const network::content_in heard{mote_id{mote}, false, std::move(content)};
     for (const auto& each : pick<packet_in>(x.carry({heard}, {})))
       whole.push_back(each.packet.body);

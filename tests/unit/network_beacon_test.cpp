@@ -130,7 +130,7 @@ TEST_CASE("trickle fires once in the second half of intervals that double up to 
   }
 }
 
-TEST_CASE("a reset begins a shortest interval unless one is under way", "[network][NET-11]") {
+TEST_CASE("a reset begins a shortest interval unless one is in flight", "[network][NET-11]") {
   trickle timer({}, random_stream(3), instant{});
   const auto first = timer.deadline();
   timer.reset(instant{} + 100ms);
@@ -143,7 +143,7 @@ TEST_CASE("a reset begins a shortest interval unless one is under way", "[networ
   CHECK(timer.deadline() < now + 125ms);
 }
 
-TEST_CASE("a trickle is shortened to an interval unless one so short is under way",
+TEST_CASE("a trickle is shortened to an interval unless one so short is in flight",
           "[network][NET-11]") {
   trickle timer({}, random_stream(3), instant{});
   const auto first = timer.deadline();
@@ -156,7 +156,7 @@ TEST_CASE("a trickle is shortened to an interval unless one so short is under wa
   const auto soon = timer.deadline();
   CHECK(soon >= now + 500ms);
   CHECK(soon < now + 1s);
-  timer.shorten(now + 100ms, 1s); // is under way
+  timer.shorten(now + 100ms, 1s); // is in flight
   CHECK(timer.deadline() == soon);
   CHECK(timer.on_time(soon));
   CHECK(timer.deadline() >= now + 2s); // and it doubles from there

@@ -193,7 +193,7 @@ TEST_CASE("everybody hears what is sent to all, once", "[network][ADR-05]") {
   CHECK(heard == std::set{mote(1), mote(2), mote(3), mote(5), mote(6)});
 }
 
-TEST_CASE("packets wait for a way up, then for a while only", "[network][NET-09]") {
+TEST_CASE("packets wait for a route up, then for a while only", "[network][NET-09]") {
   island x(1);
   x.add(mote(2), no_mote, 511);
   x.perform(mote(2), x.at(mote(2)).send_up({1}, x.now()));
@@ -223,7 +223,7 @@ TEST_CASE("a queue with too many octets drops what comes and counts it", "[netwo
   auto x = line(2, 1);
   for (std::uint8_t i = 0; i < 20; ++i)
     x.perform(mote(2), x.at(mote(2)).send_up(bytes(100, i), x.now()));
-  CHECK(x.at(mote(2)).counters().queue_full == 20 - 3); // of 352 octets, one packet under way
+  CHECK(x.at(mote(2)).counters().queue_full == 20 - 3); // of 352 octets, one packet in flight
   x.run_for(5s);
   CHECK(x.arrived.size() == 3);
 }
@@ -240,7 +240,7 @@ TEST_CASE("a full queue drops what comes and counts it", "[network][NET-05]") {
 TEST_CASE("in a full queue the modules' own packets give way to what users send",
           "[network][NET-05]") {
   auto x = line(2, 1);
-  for (std::uint8_t i = 0; i < 9; ++i) // one is under way, and eight wait
+  for (std::uint8_t i = 0; i < 9; ++i) // one is in flight, and eight wait
     x.perform(mote(2), x.at(mote(2)).send_up({1, i}, x.now()));
   x.perform(mote(2), x.at(mote(2)).send_up({0, 42}, x.now()));
   x.perform(mote(2), x.at(mote(2)).send_up({1, 43}, x.now()));

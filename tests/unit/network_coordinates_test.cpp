@@ -1,7 +1,7 @@
 // Virtual coordinates of a whole island.
 #include <algorithm>
 
-#include "support/beacon_world.hpp"
+#include "support/beacon_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/seeds.hpp"
 
@@ -15,7 +15,7 @@ constexpr std::array anchors{anchor_w, anchor_x, anchor_y, anchor_z};
 
 /// Share of the living motes in the sink's reach that agree with it on the anchors, all elected,
 /// and whose four distances are the true ones.
-double exact_share(const beacon_world& world) {
+double exact_share(const beacon_fixture& world) {
   const auto& sink = world.at(world.sink()).place;
   const auto reach = world.true_hops(world.sink());
   std::vector<std::vector<std::optional<unsigned>>> truth;
@@ -28,31 +28,31 @@ double exact_share(const beacon_world& world) {
   double all = 0;
   for (const auto id : world.all_alive()) {
     const auto& place = world.at(id).place;
-    if (!reach[beacon_world::index(id)])
+    if (!reach[beacon_fixture::index(id)])
       continue;
     ++all;
     exact += std::ranges::all_of(anchors, [&](anchor x) {
       return place.anchor_id(x) == sink.anchor_id(x) &&
-             truth[x][beacon_world::index(id)] == place.hops_to(x);
+             truth[x][beacon_fixture::index(id)] == place.hops_to(x);
     });
   }
   return exact / all;
 }
 
-bool is_exact(const beacon_world& world) {
+bool is_exact(const beacon_fixture& world) {
   return exact_share(world) == 1;
 }
 
-bool converges(beacon_world& world, duration limit) {
+bool converges(beacon_fixture& world, duration limit) {
   return world.run_until_true([&] { return is_exact(world); }, limit);
 }
 
-mote_id elected(const beacon_world& world, anchor x) {
+mote_id elected(const beacon_fixture& world, anchor x) {
   return world.at(world.sink()).place.anchor_id(x);
 }
 
 /// Of all motes the one with the greatest score, of equals the lowest id.
-mote_id farthest(const beacon_world& world, auto score) {
+mote_id farthest(const beacon_fixture& world, auto score) {
   mote_id best = world.all_alive().front();
   for (const auto x : world.all_alive()) {
     if (score(x) > score(best))
@@ -62,10 +62,10 @@ mote_id farthest(const beacon_world& world, auto score) {
 }
 
 /// Whether X, Y and Z are those of the definition.
-bool are_anchors_right(const beacon_world& world) {
+bool are_anchors_right(const beacon_fixture& world) {
   const auto hops = [&](anchor a) {
     return [truth = world.true_hops(elected(world, a))](mote_id x) {
-      return *truth[beacon_world::index(x)];
+      return *truth[beacon_fixture::index(x)];
     };
   };
   const auto w = hops(anchor_w);
@@ -77,10 +77,10 @@ bool are_anchors_right(const beacon_world& world) {
              elected(world, anchor_z);
 }
 
-beacon_world line_world(std::size_t size) {
-  beacon_world world(size);
+beacon_fixture line_fixture(std::size_t size) {
+  beacon_fixture world(size);
   for (std::size_t i = 1; i < size; ++i)
-    world.set_both(beacon_world::id(i - 1), beacon_world::id(i), 1);
+    world.set_both(beacon_fixture::id(i - 1), beacon_fixture::id(i), 1);
   return world;
 }
 
@@ -89,7 +89,7 @@ beacon_world line_world(std::size_t size) {
 TEST_CASE("on a 15 x 15 grid the coordinates are the true hop distances to the anchors",
           "[network][NET-11]") {
   for (const auto sink : {mote_id{1}, mote_id{113}, mote_id{17}}) { // corner, centre, in between
-    auto world = grid_world(15, 1, 0, sink.value, sink);
+    auto world = grid_fixture(15, 1, 0, sink.value, sink);
     CHECK(converges(world, 220s));
     CHECK(are_anchors_right(world));
     world.run_for(10min);
@@ -108,7 +108,7 @@ TEST_CASE("on a 15 x 15 grid the coordinates are the true hop distances to the a
 TEST_CASE("on a lossy 15 x 15 grid the coordinates are exact but for moments",
           "[network][NET-11]") {
   for (std::uint64_t seed = 1; seed <= test::seeds(3); ++seed) {
-    auto world = grid_world(15, 0.95, 0.3, seed);
+    auto world = grid_fixture(15, 0.95, 0.3, seed);
     CHECK(converges(world, 300s));
     CHECK(are_anchors_right(world));
     double sum = 0;
@@ -123,7 +123,7 @@ TEST_CASE("on a lossy 15 x 15 grid the coordinates are exact but for moments",
 }
 
 TEST_CASE("beacons become rare when nothing changes", "[network][NET-11]") {
-  auto world = grid_world(8, 1, 0, 4);
+  auto world = grid_fixture(8, 1, 0, 4);
   world.run_for(10min);
   const auto before = world.beacons();
   world.run_for(16min);
@@ -134,7 +134,7 @@ TEST_CASE("beacons become rare when nothing changes", "[network][NET-11]") {
 
 TEST_CASE("coordinates are exact in the smallest islands", "[network][NET-11]") {
   const auto size = GENERATE(1U, 2U, 3U, 4U);
-  auto world = line_world(size);
+  auto world = line_fixture(size);
   CHECK(converges(world, 5min));
   CHECK(are_anchors_right(world));
   CHECK(world.at(world.sink()).place.place());
@@ -142,7 +142,7 @@ TEST_CASE("coordinates are exact in the smallest islands", "[network][NET-11]") 
 
 TEST_CASE("coordinates are exact on a long line, and a link that dies is not counted to infinity",
           "[network][NET-11]") {
-  auto world = line_world(30);
+  auto world = line_fixture(30);
   REQUIRE(converges(world, 6min));
   CHECK(elected(world, anchor_x) == mote_id{30});
   const auto before = world.at(mote_id{20}).place.hops_to(anchor_w);
@@ -166,7 +166,7 @@ TEST_CASE("coordinates are exact on a long line, and a link that dies is not cou
 }
 
 TEST_CASE("a cycle that loses a link measures the way around", "[network][NET-11]") {
-  auto world = line_world(20);
+  auto world = line_fixture(20);
   world.set_both(mote_id{1}, mote_id{20}, 1);
   REQUIRE(converges(world, 5min));
   CHECK(elected(world, anchor_x) == mote_id{11});
@@ -178,7 +178,7 @@ TEST_CASE("a cycle that loses a link measures the way around", "[network][NET-11
 
 TEST_CASE("when an anchor dies another is elected", "[network][NET-11]") {
   const auto which = GENERATE(anchor_x, anchor_y, anchor_z);
-  auto world = grid_world(6, 0.95, 0.3, 9, mote_id{15});
+  auto world = grid_fixture(6, 0.95, 0.3, 9, mote_id{15});
   REQUIRE(converges(world, 5min));
   const auto dead = elected(world, which);
   REQUIRE(dead != world.sink());
@@ -190,7 +190,7 @@ TEST_CASE("when an anchor dies another is elected", "[network][NET-11]") {
 }
 
 TEST_CASE("a mote that is no anchor may die without an election", "[network][NET-11]") {
-  auto world = grid_world(6, 1, 0.3, 9);
+  auto world = grid_fixture(6, 1, 0.3, 9);
   REQUIRE(converges(world, 5min));
   world.kill(mote_id{15});
   world.run_for(10min);
@@ -200,7 +200,7 @@ TEST_CASE("a mote that is no anchor may die without an election", "[network][NET
 
 TEST_CASE("a sink or an anchor that restarts goes on with the coordinates there are",
           "[network][NET-11]") {
-  auto world = grid_world(6, 1, 0.3, 9);
+  auto world = grid_fixture(6, 1, 0.3, 9);
   REQUIRE(converges(world, 5min));
   const auto x = elected(world, anchor_x);
   world.start(world.sink());
@@ -216,7 +216,7 @@ TEST_CASE("a sink or an anchor that restarts goes on with the coordinates there 
 
 TEST_CASE("motes that join late get coordinates; an island that has grown gets new anchors",
           "[network][NET-11]") {
-  auto world = line_world(12);
+  auto world = line_fixture(12);
   for (std::uint16_t id = 5; id <= 12; ++id)
     world.kill(mote_id{id});
   REQUIRE(converges(world, 5min));
@@ -233,7 +233,7 @@ TEST_CASE("motes that join late get coordinates; an island that has grown gets n
 
 TEST_CASE("the greedy step goes to the good neighbour closest to the destination",
           "[network][NET-10]") {
-  auto world = grid_world(6, 1, 0.3, 4, mote_id{15});
+  auto world = grid_fixture(6, 1, 0.3, 4, mote_id{15});
   REQUIRE(converges(world, 5min));
   std::size_t arrived = 0;
   for (const auto from : world.all_alive()) {

@@ -124,7 +124,7 @@ TEST_CASE("a root that is not heard of any more is gone after a while", "[networ
   CHECK(at.beacon(5, route(8, 1)) == gradient_change::parent);
 }
 
-TEST_CASE("another root is turned to only when there is no way to ours", "[network][NET-09]") {
+TEST_CASE("another root is turned to only when there is no route to ours", "[network][NET-09]") {
   listener at;
   static_cast<void>(at.beacon(5, route(7, 3)));
   const gradient_part foreign{mote_id{2}, 1, mote_id{2}, etx_one, 1};
@@ -252,7 +252,7 @@ TEST_CASE("who is a little behind is not proof that a sequence number is false",
   static_cast<void>(at.beacon(5, route(200, 2)));
   static_cast<void>(at.tree.advertise());
   static_cast<void>(at.beacon(5, poison));
-  // It may have its route by way of us: to use it would close a loop.
+  // It may have its route through us: to use it would close a loop.
   for (int i = 0; i < 20; ++i)
     static_cast<void>(
         at.beacon(6, route(static_cast<std::uint16_t>(200 - behind + i % behind), 4)));

@@ -13,7 +13,7 @@ namespace rubicon::network {
 namespace {
 
 /// A sink whose crystal is off, a serial line of 57600 baud, and a gateway that answers at once.
-struct rig {
+struct fixture {
   double ppm = 0;
   duration ahead = 1'000'000'000s; ///< network time minus real time
   duration way = 6ms;              ///< of question and of answer
@@ -27,7 +27,7 @@ struct rig {
   duration there{}; ///< when the question is there,
   duration back{};  ///< and its answer here
 
-  explicit rig(double off_ppm, std::uint64_t seed = 1)
+  explicit fixture(double off_ppm, std::uint64_t seed = 1)
       : ppm(off_ppm), rng(seed), reference({}, own()) {}
 
   [[nodiscard]] instant own() const {
@@ -60,7 +60,7 @@ struct rig {
 } // namespace
 
 TEST_CASE("a root knows the time of its gateway from the first answer on", "[network][CLK-08]") {
-  rig x(50);
+  fixture x(50);
   CHECK_FALSE(x.reference.at(x.own()));
   x.run_for(1100ms);
   REQUIRE(x.reference.at(x.own()));
@@ -69,7 +69,7 @@ TEST_CASE("a root knows the time of its gateway from the first answer on", "[net
 }
 
 TEST_CASE("it asks every second at first, then every ten", "[network][CLK-08]") {
-  rig x(0);
+  fixture x(0);
   x.run_for(4500ms);
   CHECK(x.reference.counters().asked == 4);
   x.run_for(9s);
@@ -83,7 +83,7 @@ TEST_CASE("what waits in queues does not shift the time by more than a milliseco
           "[network][CLK-08]") {
   for (std::uint64_t seed = 1; seed <= test::seeds(20); ++seed) {
     CAPTURE(seed);
-    rig x(random_stream(seed).unit() * 100 - 50, seed);
+    fixture x(random_stream(seed).unit() * 100 - 50, seed);
     x.busy = 0.4;
     x.run_for(60s);
     duration worst{};
@@ -100,7 +100,7 @@ TEST_CASE("what waits in queues does not shift the time by more than a milliseco
 
 TEST_CASE("the time goes on at the pace that was learnt while no answer comes",
           "[network][CLK-08]") {
-  rig x(-50);
+  fixture x(-50);
   x.run_for(60s);
   const auto asked = x.reference.counters().asked;
   x.answers = false;
@@ -114,7 +114,7 @@ TEST_CASE("the time goes on at the pace that was learnt while no answer comes",
 }
 
 TEST_CASE("one wrong answer is ignored, a clock that was set is followed", "[network][CLK-08]") {
-  rig x(20);
+  fixture x(20);
   x.run_for(60s);
   const auto before = x.ahead;
   x.ahead += 5s;
@@ -134,7 +134,7 @@ TEST_CASE("one wrong answer is ignored, a clock that was set is followed", "[net
 }
 
 TEST_CASE("wrong answers with good ones between are no leap", "[network][CLK-08]") {
-  rig x(20);
+  fixture x(20);
   x.run_for(60s);
   const auto before = x.ahead;
   for (std::uint64_t i = 1; i <= 3; ++i) {
@@ -166,7 +166,7 @@ TEST_CASE("answers to other questions, and those that come late, tell nothing",
 
 TEST_CASE("a line that is always slow is asked a little more often, not all the time",
           "[network][CLK-08]") {
-  rig x(0);
+  fixture x(0);
   x.way = 600ms; // there and back is longer than an answer may take
   x.run_for(190s);
   CHECK(x.reference.counters().answered == x.reference.counters().slow);
@@ -176,7 +176,7 @@ TEST_CASE("a line that is always slow is asked a little more often, not all the 
 }
 
 TEST_CASE("a line that has become slower for good is believed again", "[network][CLK-08]") {
-  rig x(0);
+  fixture x(0);
   x.run_for(60s);
   x.way = 30ms;
   x.run_for(150s);

@@ -223,7 +223,7 @@ TEST_CASE("packets go up from everybody and down to everybody", "[network][NET-0
   }
 }
 
-TEST_CASE("neighbours reach each other directly, others by way of the sink", "[network][ADR-01]") {
+TEST_CASE("neighbours reach each other directly, others through the sink", "[network][ADR-01]") {
   island x(5, 1, 1);
   x.run_for(2min);
   x.arrived.clear();

@@ -1,5 +1,5 @@
 // Two peers that programs drive, over loopback TCP.
-#include "peer_world.hpp"
+#include "peer_fixture.hpp"
 
 namespace rubicon::peer {
 namespace {

@@ -1,6 +1,6 @@
 // A peer on a real TCP port, spoken to in octets that a real kernel has sent (tests/golden/peis):
 // peer 20 joins peer 10 of the network `default`.
-#include "peer_world.hpp"
+#include "peer_fixture.hpp"
 
 namespace rubicon::peer {
 namespace {

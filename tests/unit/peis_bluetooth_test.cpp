@@ -8,7 +8,7 @@
 #include "peis/connection_manager.hpp"
 #include "peis/kernel.hpp"
 #include "peis/link_url.hpp"
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis::test {
@@ -139,7 +139,7 @@ TEST_CASE("a HELLO that nobody answers has failed after five seconds", "[peis][B
   auto x = with_adapters({"hci0"});
   static_cast<void>(x.on_time(at(1s)));
   CHECK(see(x, {{phone, -50}}, at(2s)).size() == 2);
-  CHECK(all<ask_device>(see(x, {{phone, -50}}, at(3s))).empty()); // one is under way
+  CHECK(all<ask_device>(see(x, {{phone, -50}}, at(3s))).empty()); // one is in flight
   CHECK(x.deadline() == at(7s));
   CHECK(x.on_time(at(6999ms)).empty());
   CHECK(notes(x.on_time(at(7s))).size() == 1);

@@ -92,7 +92,7 @@ TEST_CASE("one lost fragment fails the whole message once", "[peis][ACK-07]") {
   CHECK(reliable.in_flight() == 0);
 }
 
-TEST_CASE("at most 256 packages are under way to a destination, and bulk leaves room",
+TEST_CASE("at most 256 packages are in flight to a destination, and bulk leaves room",
           "[peis][P2P-05][API-03]") {
   random_stream rng(4);
   id_source numbers(rng);

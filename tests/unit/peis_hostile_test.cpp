@@ -8,7 +8,7 @@
 #include "peis/network_clock.hpp"
 #include "peis/routing_page.hpp"
 #include "peis/routing_table.hpp"
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {

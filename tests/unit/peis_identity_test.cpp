@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "peis/kernel.hpp"
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis::test {

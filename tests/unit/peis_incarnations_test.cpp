@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "peis/link_url.hpp"
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/seeds.hpp"
 

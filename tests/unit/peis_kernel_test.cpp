@@ -1,5 +1,5 @@
 // Tuples between two kernels.
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {

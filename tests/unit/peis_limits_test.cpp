@@ -57,13 +57,13 @@ TEST_CASE("limits are those that are documented", "[peis][docs][P2P-03]") {
   CHECK(octets("queue of a link") == config.queue.octets);
   CHECK(octets("queues of all links") == config.queues_octets_max);
   CHECK(entries("hosts") == config.tables.hosts);
-  CHECK(entries("ways") == config.tables.routes);
+  CHECK(entries("routes") == config.tables.routes);
   CHECK(entries("a neighbour's routing table") == routing_pages_max * entries_per_page);
   CHECK(entries("questions about hosts that nobody has described") ==
         config.tables.questions_per_second);
   CHECK(entries("routing tables") == static_cast<std::uint64_t>(1s / config.tables.table_gap));
   CHECK(entries("how connecting to a host has gone") == config.tables.contacts);
-  CHECK(entries("where sources without a way were heard") == config.tables.heard_over);
+  CHECK(entries("where sources without a route were heard") == config.tables.heard_over);
   CHECK(entries("ids seen") == config.tables.seen);
   CHECK(entries("messages put together") == config.assembly.messages_max);
   CHECK(octets("messages put together") == config.assembly.octets_max);
@@ -72,7 +72,7 @@ TEST_CASE("limits are those that are documented", "[peis][docs][P2P-03]") {
   CHECK(entries("messages that wait for one peer") == config.reliable.waiting_max);
   CHECK(octets("messages that wait for one peer") == config.reliable.waiting_octets_max);
   CHECK(entries("unacknowledged packages to one peer") == config.reliable.window.packages);
-  CHECK(entries("probes of ways that may lead in circles") == config.tables.probes);
+  CHECK(entries("probes of routes that may lead in circles") == config.tables.probes);
   CHECK(entries("Bluetooth devices of an adapter") == config.bluetooth.devices_max);
 }
 

@@ -1,6 +1,6 @@
 // Meta tuples: their text, and what follows them.
 #include "peis/meta_tuple.hpp"
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {

@@ -1,6 +1,6 @@
 // Lines and rings of kernels.
 #include "peis/dead_host.hpp"
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {

@@ -1,8 +1,8 @@
 // What p2p is put together of, each part alone.
 #include "peis/id_rivalry.hpp"
+#include "peis/route_probes.hpp"
 #include "peis/stranger_table.hpp"
 #include "peis/traffic_meter.hpp"
-#include "peis/way_probes.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {
@@ -156,7 +156,7 @@ TEST_CASE("a stranger about whom somebody is wrong is asked about anew, once", "
 }
 
 TEST_CASE("a way is probed until there is a sign of life, or the time is over", "[peis][RTE-08]") {
-  way_probes x(2, 1500ms);
+  route_probes x(2, 1500ms);
   x.begin(first, start);
   x.begin(first, start + 100ms);
   x.begin(second, start);

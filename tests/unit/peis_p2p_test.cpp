@@ -1,5 +1,5 @@
 // Messages, links and queues between two or three kernels.
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {

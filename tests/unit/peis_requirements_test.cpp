@@ -11,7 +11,7 @@
 #include "peis/host_record.hpp"
 #include "peis/link_url.hpp"
 #include "peis/routing_table.hpp"
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis::test {
@@ -285,7 +285,7 @@ TEST_CASE("a remembered record of another incarnation is not believed", "[peis][
   x.hear_record(stranger, 78, false); // its own word
   CHECK(x.known_magic(stranger) == 78);
 
-  x.hear_record(stranger, 77, false); // was long under way: the route leads to 78
+  x.hear_record(stranger, 77, false); // was long in flight: the route leads to 78
   CHECK(x.known_magic(stranger) == 78);
   x.wait(5s);
   x.hear_route(7, 79);

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis::test {

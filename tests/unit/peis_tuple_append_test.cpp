@@ -2,7 +2,7 @@
 #include <map>
 
 #include "peis/package.hpp"
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {

@@ -27,7 +27,7 @@ TEST_CASE("what many tuples match is sent in pieces, each once", "[peis][TUP-08]
   for (int i = 0; i < 1000; ++i)
     most = std::max(most, b.turn());
   CHECK(most <= 512);
-  CHECK(b.told == 2048); // nothing is acknowledged: no more may be under way
+  CHECK(b.told == 2048); // nothing is acknowledged: no more may be in flight
   b.acknowledge();
   b.work_off();
   CHECK(b.told == 10'000);
@@ -209,7 +209,7 @@ TEST_CASE("who misses too many values is looked through again", "[peis][TUP-18]"
   CHECK(b.counted().debtors == 0);
 }
 
-TEST_CASE("pushes under way have a limit of octets, for one host and for all", "[peis][TUP-18]") {
+TEST_CASE("pushes in flight have a limit of octets, for one host and for all", "[peis][TUP-18]") {
   tuple_space_config config;
   config.pushes.octets_max = 10'000;
   config.pushes.total_max = 25'000;

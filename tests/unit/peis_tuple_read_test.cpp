@@ -1,5 +1,5 @@
 // Prototypes, inserting, reading, callbacks, and why each may fail.
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {

@@ -126,7 +126,7 @@ TEST_CASE("subscribers of a vanished host are forgotten", "[peis][TUP-19]") {
   CHECK(!x.has_subscriber(*key::parse("a")));
 }
 
-TEST_CASE("a subscriber to whom no way is known yet gets its values later", "[peis][TUP-18]") {
+TEST_CASE("a subscriber to whom no route is known yet gets its values later", "[peis][TUP-18]") {
   auto x = space();
   static_cast<void>(x.set(*key::parse("x"), text_content("1"), start));
   auto sent = x.on_subscribe(other, subscription("x"), start);

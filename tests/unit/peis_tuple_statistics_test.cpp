@@ -1,5 +1,5 @@
 // The kernel.* tuples that change while a kernel runs.
-#include "peis_world.hpp"
+#include "peis_fixture.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {

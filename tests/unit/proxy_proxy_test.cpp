@@ -6,7 +6,7 @@
 #include "core/device_keys.hpp"
 #include "core/random.hpp"
 #include "proxy/proxy.hpp"
-#include "proxy_world.hpp"
+#include "proxy_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

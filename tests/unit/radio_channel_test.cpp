@@ -1,11 +1,11 @@
 #include "core/codec.hpp"
-#include "radio_world.hpp"
+#include "radio_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
 using test::channel_with;
-using test::radio_world;
+using test::radio_fixture;
 
 namespace {
 
@@ -24,7 +24,7 @@ duration first_backoff(std::uint64_t seed, int radios) {
 TEST_CASE("an acked exchange takes the standard's time to the microsecond",
           "[radio][channel][NET-15]") {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    radio_world x({}, seed);
+    radio_fixture x({}, seed);
     const auto a = x.add(1, 0);
     const auto b = x.add(2, 10);
     x.send(a, 77, 2, 2); // 15 octets of PSDU
@@ -58,7 +58,7 @@ TEST_CASE("an acked exchange takes the standard's time to the microsecond",
 }
 
 TEST_CASE("what is delivered is the frame as TinyOS writes it", "[radio][channel]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(3, 0, 0x22);
   x.add(1, 10, 0x22);
   x.note(x.channel.send(a, {1, mote_id{1}, 6, bytes{0x00, 0x01}, true}, x.now));
@@ -80,7 +80,7 @@ TEST_CASE("what is delivered is the frame as TinyOS writes it", "[radio][channel
 
 TEST_CASE("a frame can say how long it waited for the air, anew with each transmission",
           "[radio][channel][CLK-01]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(3, 0);
   const auto b = x.add(1, 10);
   request wish{1, mote_id{1}, 6, bytes{0xaa, 0, 0, 0, 5, 0xbb}, true};
@@ -102,7 +102,7 @@ TEST_CASE("a frame can say how long it waited for the air, anew with each transm
 }
 
 TEST_CASE("all receivers share one object", "[radio][channel]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(1, 0);
   for (std::uint16_t i = 2; i < 6; ++i)
     x.add(i, i);
@@ -119,7 +119,7 @@ TEST_CASE("all receivers share one object", "[radio][channel]") {
 
 TEST_CASE("with loss 1 nothing crosses and a unicast frame is tried four times",
           "[radio][channel][GEN-03]") {
-  radio_world x(channel_with([](auto& c) { c.loss = 1; }));
+  radio_fixture x(channel_with([](auto& c) { c.loss = 1; }));
   const auto a = x.add(1, 0);
   x.add(2, 10);
   x.send(a, 1, 2, 28);
@@ -142,7 +142,7 @@ TEST_CASE("with loss 1 nothing crosses and a unicast frame is tried four times",
 }
 
 TEST_CASE("loss 1 on one link leaves all other links alone", "[radio][channel][GEN-03]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   const auto c = x.add(3, 20);
@@ -162,7 +162,7 @@ TEST_CASE("loss 1 on one link leaves all other links alone", "[radio][channel][G
 }
 
 TEST_CASE("a lost ack makes repeats that are acked but not delivered again", "[radio][channel]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   x.channel.set_loss(b, a, 1);
@@ -183,7 +183,7 @@ TEST_CASE("a lost ack makes repeats that are acked but not delivered again", "[r
 }
 
 TEST_CASE("the same sequence number 256 frames later is a new frame", "[radio][channel]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   const auto c = x.add(3, 20);
@@ -196,7 +196,7 @@ TEST_CASE("the same sequence number 256 frames later is a new frame", "[radio][c
 }
 
 TEST_CASE("a transmit queue takes its size and not one more", "[radio][channel]") {
-  radio_world x(channel_with([](auto& c) { c.queue = 3; }));
+  radio_fixture x(channel_with([](auto& c) { c.queue = 3; }));
   const auto a = x.add(1, 0);
   x.add(2, 10);
   for (std::uint64_t i = 0; i < 4; ++i)
@@ -218,7 +218,7 @@ TEST_CASE("a transmit queue takes its size and not one more", "[radio][channel]"
 }
 
 TEST_CASE("a frame for a mote that is not there is not acked", "[radio][channel]") {
-  radio_world x(channel_with([](auto& c) { c.retries_max = 1; }));
+  radio_fixture x(channel_with([](auto& c) { c.retries_max = 1; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   x.send(a, 1, 3, 4);
@@ -231,7 +231,7 @@ TEST_CASE("a frame for a mote that is not there is not acked", "[radio][channel]
 }
 
 TEST_CASE("a radio out of range hears and disturbs nothing", "[radio][channel][NET-15]") {
-  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
+  radio_fixture x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 31);
   x.send(a, 1, 2, 4);
@@ -247,7 +247,7 @@ TEST_CASE("a radio out of range hears and disturbs nothing", "[radio][channel][N
 }
 
 TEST_CASE("a radio that moves away in the middle of a frame still gets it", "[radio][channel]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   const auto c = x.add(3, 500);
@@ -264,7 +264,7 @@ TEST_CASE("a radio that moves away in the middle of a frame still gets it", "[ra
 
 TEST_CASE("frames of other islands are heard but never delivered",
           "[radio][channel][RTG-06][GEN-11]") {
-  radio_world x;
+  radio_fixture x;
   std::vector<radio_index> all;
   for (const auto pan : {std::uint16_t{1}, std::uint16_t{2}})
     for (std::uint16_t i = 1; i <= 4; ++i) // the same ids in both
@@ -294,7 +294,7 @@ TEST_CASE("frames of other islands are heard but never delivered",
 
 TEST_CASE("a promiscuous radio overhears every PAN and acks only its own frames",
           "[radio][channel]") {
-  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
+  radio_fixture x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   radio_config config;
   config.address = mote_id{9};
@@ -314,7 +314,7 @@ TEST_CASE("a promiscuous radio overhears every PAN and acks only its own frames"
 TEST_CASE("a frame for others takes no receive slot and needs none", "[radio][channel]") {
   auto slow = *find_platform("micaz");
   slow.service_time = 10s;
-  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
+  radio_fixture x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto full = x.add(2, 10, 1, &slow);
   for (int i = 0; i < 3; ++i)
@@ -331,8 +331,8 @@ TEST_CASE("a frame for others takes no receive slot and needs none", "[radio][ch
 }
 
 TEST_CASE("a late wake-up changes nothing but its own time", "[radio][channel]") {
-  radio_world punctual({}, 9);
-  radio_world late({}, 9);
+  radio_fixture punctual({}, 9);
+  radio_fixture late({}, 9);
   for (auto* x : {&punctual, &late}) {
     const auto a = x->add(1, 0);
     x->add(2, 10);

@@ -2,19 +2,19 @@
 #include <optional>
 #include <variant>
 
-#include "radio_world.hpp"
+#include "radio_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
 using test::channel_with;
-using test::radio_world;
+using test::radio_fixture;
 
 namespace {
 
 /// Two senders on either side of a receiver, each with a frame every 20 to 40 ms.
 copy_counters two_senders(double apart_m) {
-  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
+  radio_fixture x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, apart_m);
   const auto middle = x.add(3, apart_m / 2);
@@ -46,7 +46,7 @@ TEST_CASE("a saturated sender reaches the arithmetic of the standard", "[radio][
         rate{6, false, 1120 + 128 + 192 + 800 + 640},
         rate{114, false, 1120 + 128 + 192 + 4256 + 640}}) {
     INFO(size << " octets, ack " << ack);
-    radio_world x;
+    radio_fixture x;
     const auto a = x.add(1, 0);
     auto quick = *find_platform("iris");
     quick.service_time = 100us;
@@ -59,7 +59,7 @@ TEST_CASE("a saturated sender reaches the arithmetic of the standard", "[radio][
 
 TEST_CASE("nobody begins to send within an assessment and a turnaround of another's frame",
           "[radio][channel][NET-15]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   x.saturate({a, b}, 0xffff, 28, false, 20s);
@@ -93,7 +93,7 @@ TEST_CASE("hidden senders collide, senders in range rarely do", "[radio][channel
 
 TEST_CASE("saturated hidden senders get almost nothing through", "[radio][channel][NET-15]") {
   const auto throughput = [](double apart_m) {
-    radio_world x;
+    radio_fixture x;
     const auto a = x.add(1, 0);
     const auto b = x.add(2, apart_m);
     auto quick = *find_platform("iris");
@@ -109,7 +109,7 @@ TEST_CASE("saturated hidden senders get almost nothing through", "[radio][channe
 
 TEST_CASE("a crowd that hears each other keeps the channel busy and fails at times",
           "[radio][channel][NET-15]") {
-  radio_world x;
+  radio_fixture x;
   std::vector<radio_index> senders;
   for (std::uint16_t i = 1; i <= 30; ++i)
     senders.push_back(x.add(i, 0.1 * i));
@@ -126,7 +126,7 @@ TEST_CASE("a sink under load runs out of receive slots and acks only what it too
           "[radio][channel]") {
   auto slow = *find_platform("telosb");
   slow.service_time = 30ms;
-  radio_world x(channel_with([](auto& c) { c.retries_max = 1; }));
+  radio_fixture x(channel_with([](auto& c) { c.retries_max = 1; }));
   const auto sink = x.add(1, 0, 1, &slow);
   std::vector<radio_index> senders;
   for (std::uint16_t i = 2; i < 6; ++i)
@@ -149,7 +149,7 @@ TEST_CASE("a sink under load runs out of receive slots and acks only what it too
 TEST_CASE("the slots of a radio take exactly their number of frames", "[radio][channel]") {
   auto slow = *find_platform("micaz");
   slow.service_time = 1s;
-  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
+  radio_fixture x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto sink = x.add(2, 10, 1, &slow);
   for (std::uint64_t i = 0; i < 4; ++i)

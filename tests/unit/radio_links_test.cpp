@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "core/hash.hpp"
-#include "radio_world.hpp"
+#include "radio_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
 using test::channel_with;
 using test::links_of;
-using test::radio_world;
+using test::radio_fixture;
 
 namespace {
 
@@ -52,7 +52,7 @@ std::string text_of(const output& x) {
 }
 
 /// Some traffic between four motes.
-void chatter(radio_world& x, std::uint64_t seed, int frames = 300) {
+void chatter(radio_fixture& x, std::uint64_t seed, int frames = 300) {
   random_stream rng(seed);
   for (int i = 0; i < frames; ++i) {
     const radio_index from{static_cast<std::uint32_t>(rng.below(4))};
@@ -69,7 +69,7 @@ void chatter(radio_world& x, std::uint64_t seed, int frames = 300) {
 TEST_CASE("a file's loss of 1 on one link lets nothing cross it and leaves the others alone",
           "[radio][links][GEN-03]") {
   const auto run = [](bool lossy) {
-    radio_world x(channel_with([&](auto& c) {
+    radio_fixture x(channel_with([&](auto& c) {
       c.retries_max = 0;
       if (lossy)
         c.links = {loss_of(mote(1), mote(2), 1)};
@@ -102,7 +102,7 @@ TEST_CASE("a file's loss of 1 on one link lets nothing cross it and leaves the o
 }
 
 TEST_CASE("a link's loss replaces the channel's", "[radio][links][GEN-03]") {
-  radio_world x(channel_with([](auto& c) {
+  radio_fixture x(channel_with([](auto& c) {
     c.loss = 0.5;
     c.links = {loss_of(mote(1), mote(2), 0.1), loss_of(mote(1), mote(3), 0)};
   }));
@@ -124,7 +124,7 @@ TEST_CASE("a link's loss replaces the channel's", "[radio][links][GEN-03]") {
 }
 
 TEST_CASE("a link's gain holds for its direction only", "[radio][links]") {
-  radio_world x(channel_with([](auto& c) {
+  radio_fixture x(channel_with([](auto& c) {
     c.propagation = log_distance{};
     c.collisions = collision_rule::sinr;
     c.links = {gain_of(mote(1), mote(2), -92), gain_of(mote(2), mote(3), -96),
@@ -152,8 +152,8 @@ TEST_CASE("a link's gain holds for its direction only", "[radio][links]") {
 }
 
 TEST_CASE("an ack goes back over the other direction", "[radio][links]") {
-  radio_world x(channel_with([](auto& c) {
-    c.propagation = links_of({{1, 2, -60}}); // there is no way back
+  radio_fixture x(channel_with([](auto& c) {
+    c.propagation = links_of({{1, 2, -60}}); // there is no route back
     c.retries_max = 2;
   }));
   const auto a = x.add(1, 0);
@@ -173,7 +173,7 @@ TEST_CASE("an ack goes back over the other direction", "[radio][links]") {
 
 TEST_CASE("a request tells the outcome of its last copy at its destination", "[radio][links]") {
   const auto last = [](float gain, double loss, power state, std::uint16_t to) {
-    radio_world x(channel_with([&](auto& c) {
+    radio_fixture x(channel_with([&](auto& c) {
       c.propagation = links_of({{1, 2, gain}});
       c.loss = loss;
       c.retries_max = 0;
@@ -195,13 +195,13 @@ TEST_CASE("a request tells the outcome of its last copy at its destination", "[r
 
 TEST_CASE("links add up to the radios and these to the channel", "[radio][links]") {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    radio_world x(channel_with([](auto& c) {
-                    c.propagation = log_distance{3, 40, 6, 3};
-                    c.collisions = collision_rule::sinr;
-                    c.noise = constant_noise{-95};
-                    c.loss = 0.05;
-                  }),
-                  seed);
+    radio_fixture x(channel_with([](auto& c) {
+                      c.propagation = log_distance{3, 40, 6, 3};
+                      c.collisions = collision_rule::sinr;
+                      c.noise = constant_noise{-95};
+                      c.loss = 0.05;
+                    }),
+                    seed);
     for (std::uint16_t i = 1; i <= 4; ++i)
       x.add(i, 25.0 * i);
     chatter(x, seed);
@@ -223,7 +223,7 @@ TEST_CASE("links add up to the radios and these to the channel", "[radio][links]
 
 TEST_CASE("a radio that moves closes the radio_counters of its links but loses none of them",
           "[radio][links]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   const auto c = x.add(3, 20);
@@ -252,11 +252,11 @@ TEST_CASE("radio_counters balance while radios wander and more of them come", "[
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     INFO("seed " << seed);
     random_stream rng(seed);
-    radio_world x(channel_with([&](auto& c) {
-                    c.propagation = unit_disk{25};
-                    c.loss = 0.1;
-                  }),
-                  seed);
+    radio_fixture x(channel_with([&](auto& c) {
+                      c.propagation = unit_disk{25};
+                      c.loss = 0.1;
+                    }),
+                    seed);
     for (std::uint16_t i = 1; i <= 4; ++i)
       x.add(i, 10.0 * i);
     for (int i = 0; i < 300; ++i) {
@@ -285,12 +285,12 @@ TEST_CASE("watching lets frames out and changes nothing else", "[radio][links]")
     std::vector<overheard> seen;
     radio_counters counted[2];
     for (const bool watch : {false, true}) {
-      radio_world x(channel_with([](auto& c) {
-                      c.propagation = log_distance{};
-                      c.collisions = collision_rule::sinr;
-                      c.noise = constant_noise{-90};
-                    }),
-                    seed);
+      radio_fixture x(channel_with([](auto& c) {
+                        c.propagation = log_distance{};
+                        c.collisions = collision_rule::sinr;
+                        c.noise = constant_noise{-90};
+                      }),
+                      seed);
       for (std::uint16_t i = 1; i <= 4; ++i)
         x.add(i, 15.0 * i);
       if (watch)
@@ -325,7 +325,7 @@ TEST_CASE("watching lets frames out and changes nothing else", "[radio][links]")
 }
 
 TEST_CASE("what is overheard tells its beginning and whether it was received", "[radio][links]") {
-  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
+  radio_fixture x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0, 5);
   x.add(2, 10, 5);
   x.channel.watch();
@@ -352,7 +352,7 @@ TEST_CASE("what is overheard tells its beginning and whether it was received", "
 TEST_CASE("an ack that falls due while its radio sends is not sent", "[radio][links]") {
   // By energy alone a radio does not sense the weak frame that it is receiving: it may turn to
   // sending at the frame's end and be busy when the ack would be due.
-  radio_world x(channel_with([](auto& c) {
+  radio_fixture x(channel_with([](auto& c) {
     c.propagation = links_of({{1, 2, -85}, {2, 1, -85}});
     c.collisions = collision_rule::sinr;
     c.sensing = sensing::energy;
@@ -379,7 +379,7 @@ TEST_CASE("an ack that falls due while its radio sends is not sent", "[radio][li
 }
 
 TEST_CASE("one mote of two islands with the same id is not the other", "[radio][links][RTG-06]") {
-  radio_world x(channel_with([](auto& c) {
+  radio_fixture x(channel_with([](auto& c) {
     c.retries_max = 0;
     c.links = {loss_of(mote(1, 1), mote(2, 1), 1)};
   }));

@@ -10,13 +10,13 @@
 
 #include "radio/mac.hpp"
 #include "radio/receiver.hpp"
-#include "radio_world.hpp"
+#include "radio_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
 using test::channel_with;
-using test::radio_world;
+using test::radio_fixture;
 
 namespace {
 
@@ -211,7 +211,7 @@ TEST_CASE("a sender repeats for as long as its rules take at most", "[radio][mac
 TEST_CASE("an exchange takes each stack's time to the nanosecond", "[radio][mac_rules]") {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     for (const auto& [kind, tick] : {std::pair{&micaz, micaz_tick}, {&telosb, telosb_tick}}) {
-      radio_world x(with_mac("cc2420"), seed);
+      radio_fixture x(with_mac("cc2420"), seed);
       x.channel.watch();
       x.add(1, 0, 1, kind);
       x.add(2, 10, 1, kind);
@@ -228,7 +228,7 @@ TEST_CASE("an exchange takes each stack's time to the nanosecond", "[radio][mac_
       CHECK(x.times_of<done>().front() == begin + 1504us + 1ms + 352us);
       CHECK(x.all<done>().front().status == send_status::sent);
     }
-    radio_world x(with_mac("rf230"), seed);
+    radio_fixture x(with_mac("rf230"), seed);
     x.channel.watch();
     x.add(1, 0, 1, &iris);
     x.add(2, 10, 1, &iris);
@@ -257,7 +257,7 @@ TEST_CASE("TinyOS waits its time for an ack and repeats only if told to", "[radi
         wait{"rf230", &iris, 1ms}, wait{"standard", &iris, 864us}}) {
     INFO(name << " on " << kind->name);
     for (const auto& retries : {std::optional<unsigned>{}, std::optional<unsigned>{2}}) {
-      radio_world x(with_mac(name, retries));
+      radio_fixture x(with_mac(name, retries));
       x.channel.watch();
       x.add(1, 0, 1, kind);
       x.add(2, 10, 1, kind);
@@ -273,7 +273,7 @@ TEST_CASE("TinyOS waits its time for an ack and repeats only if told to", "[radi
 }
 
 TEST_CASE("each platform has the rules that the file names for it", "[radio][mac_rules]") {
-  radio_world x(channel_with([](auto& c) {
+  radio_fixture x(channel_with([](auto& c) {
     c.macs = {{"telosb", "cc2420"}, {"iris", "rf230"}};
     c.loss = 1;
   }));
@@ -289,7 +289,7 @@ TEST_CASE("each platform has the rules that the file names for it", "[radio][mac
 
 TEST_CASE("sequence numbers begin at 16 times the address in the RF230 stack",
           "[radio][mac_rules]") {
-  radio_world x(with_mac("rf230"));
+  radio_fixture x(with_mac("rf230"));
   x.add(1, 0);
   for (const auto id : {2, 15, 16, 35}) {
     const auto address = static_cast<std::uint16_t>(id);
@@ -302,7 +302,7 @@ TEST_CASE("sequence numbers begin at 16 times the address in the RF230 stack",
   }
   std::set<std::uint8_t> others; // elsewhere they begin anywhere
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    radio_world y(with_mac("cc2420"), seed);
+    radio_fixture y(with_mac("cc2420"), seed);
     const auto a = y.add(1, 0);
     y.add(2, 1);
     y.send(a, 0, 0xffff, 4);
@@ -316,7 +316,7 @@ TEST_CASE("after a frame that wants an ack the RF230 stack keeps quiet for 864 u
           "[radio][mac_rules]") {
   // Mote 1 sends now and then, mote 2 always: how soon after an end of the former's frames?
   const auto shortest_gap = [](bool ack) {
-    radio_world x(with_mac("rf230"));
+    radio_fixture x(with_mac("rf230"));
     x.channel.watch();
     const auto a = x.add(1, 0);
     const auto b = x.add(2, 10);
@@ -408,7 +408,7 @@ TEST_CASE("a saturated sender reaches each stack's arithmetic", "[radio][mac_rul
         rate{"cc2420", &micaz, 165.5 * 34.722 + 7 * 34.722 + 192 + 1504},
         rate{"rf230", &iris, 320 + 2479.5 + 192 + 1504}}) {
     INFO(name << " on " << kind->name);
-    radio_world x(with_mac(name));
+    radio_fixture x(with_mac(name));
     const auto fast = quick(*kind);
     const auto a = x.add(1, 0, 1, &fast);
     x.add(2, 10, 1, &fast);
@@ -423,7 +423,7 @@ TEST_CASE("a saturated acked sender has the standard's goodput", "[radio][mac_ru
     const auto am_payload = static_cast<std::size_t>(mac_payload - 2); // network octet, AM type
     const auto frame_us = 32.0 * (6 + 11 + mac_payload);
     const auto period_us = 3.5 * 320 + 128 + 192 + frame_us + 192 + 352 + 640;
-    radio_world x(with_mac("standard"));
+    radio_fixture x(with_mac("standard"));
     const auto fast = quick(micaz);
     const auto a = x.add(1, 0, 1, &fast);
     const auto b = x.add(2, 10, 1, &fast);

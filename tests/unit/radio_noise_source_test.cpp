@@ -1,12 +1,12 @@
 // What disturbs from outside: noise that is no frame, and losses that a fault plan asks for.
 #include "radio/medium.hpp"
-#include "radio_world.hpp"
+#include "radio_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
 using test::channel_with;
-using test::radio_world;
+using test::radio_fixture;
 
 namespace {
 
@@ -83,7 +83,7 @@ TEST_CASE("noise damages a frame as another frame of that strength does", "[radi
 TEST_CASE("noise keeps a channel busy for who senses energy, and for its time only",
           "[radio][ACT-04]") {
   const auto how = GENERATE(sensing::energy, sensing::energy_or_carrier, sensing::carrier);
-  radio_world w(channel_with([how](auto& c) {
+  radio_fixture w(channel_with([how](auto& c) {
     c.propagation = log_distance{};
     c.collisions = collision_rule::sinr;
     c.sensing = how;
@@ -109,7 +109,7 @@ TEST_CASE("noise keeps a channel busy for who senses energy, and for its time on
 
 TEST_CASE("noise spoils what it overlaps on a disk too, and takes back what was hoped for",
           "[radio][ACT-04]") {
-  radio_world w;
+  radio_fixture w;
   const auto a = w.add(1, 0);
   const auto b = w.add(2, 8);
   const auto oven = w.add(noisy_place(9));
@@ -134,7 +134,7 @@ TEST_CASE("noise spoils what it overlaps on a disk too, and takes back what was 
 
 TEST_CASE("losses of a fault plan hit radios of their PAN, add up as chances and end",
           "[radio][ACT-04]") {
-  radio_world w;
+  radio_fixture w;
   const auto a = w.add(1, 0, 1);
   const auto b = w.add(2, 5, 1);
   const auto c = w.add(3, 0, 2);
@@ -162,7 +162,7 @@ TEST_CASE("losses of a fault plan hit radios of their PAN, add up as chances and
 }
 
 TEST_CASE("a battery that comes from elsewhere goes on being used", "[radio][NRG-05][ACT-04]") {
-  radio_world w;
+  radio_fixture w;
   auto config = noisy_place(0);
   config.battery_mah = 10;
   const auto radio = w.add(config);

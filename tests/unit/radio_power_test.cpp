@@ -1,12 +1,12 @@
 #include <limits>
 
-#include "radio_world.hpp"
+#include "radio_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
 using test::channel_with;
-using test::radio_world;
+using test::radio_fixture;
 
 namespace {
 
@@ -15,7 +15,7 @@ duration radio_sum(const energy_times& x) {
 }
 
 /// Lets time pass until a radio is sending.
-void run_until_on_air(radio_world& x, radio_index radio) {
+void run_until_on_air(radio_fixture& x, radio_index radio) {
   while (x.channel.energy(radio, x.now).times.radio_transmit == 0ns)
     x.run_for(32us);
 }
@@ -23,7 +23,7 @@ void run_until_on_air(radio_world& x, radio_index radio) {
 } // namespace
 
 TEST_CASE("switching a sender off aborts all it had and cuts its frame off", "[radio][power]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   for (std::uint64_t i = 0; i < 3; ++i)
@@ -59,7 +59,7 @@ TEST_CASE("switching a sender off aborts all it had and cuts its frame off", "[r
 }
 
 TEST_CASE("a receiver that is off, or was for a moment, gets nothing", "[radio][power]") {
-  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
+  radio_fixture x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   x.send(a, 1, 2, 100);
@@ -78,7 +78,7 @@ TEST_CASE("a receiver that is off, or was for a moment, gets nothing", "[radio][
 }
 
 TEST_CASE("a receiver switched off before its ack leaves does not ack", "[radio][power]") {
-  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
+  radio_fixture x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   x.send(a, 1, 2, 4);
@@ -95,7 +95,7 @@ TEST_CASE("a receiver switched off before its ack leaves does not ack", "[radio]
 TEST_CASE("a restart empties the receive slots", "[radio][power]") {
   auto slow = *find_platform("micaz");
   slow.service_time = 10s;
-  radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
+  radio_fixture x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10, 1, &slow);
   for (std::uint64_t i = 0; i < 4; ++i)
@@ -114,7 +114,7 @@ TEST_CASE("a restart empties the receive slots", "[radio][power]") {
 }
 
 TEST_CASE("switching to the present state does nothing", "[radio][power]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(1, 0);
   x.add(2, 10);
   x.send(a, 1, 2, 4);
@@ -127,7 +127,7 @@ TEST_CASE("switching to the present state does nothing", "[radio][power]") {
 }
 
 TEST_CASE("a flat battery is final and draws nothing", "[radio][power][NRG-05]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 10);
   x.send(a, 1, 2, 4);
@@ -150,7 +150,7 @@ TEST_CASE("a flat battery is final and draws nothing", "[radio][power][NRG-05]")
 }
 
 TEST_CASE("an off radio and its sleeping MCU keep drawing their little", "[radio][power][NRG-05]") {
-  radio_world x;
+  radio_fixture x;
   const auto a = x.add(1, 0);
   x.set_power(a, power::off);
   x.run_for(100h);
@@ -163,7 +163,7 @@ TEST_CASE("an off radio and its sleeping MCU keep drawing their little", "[radio
 TEST_CASE("a battery that ends switches its radio off and says so once", "[radio][power][NRG-05]") {
   for (const auto& kind : platforms()) {
     INFO(kind.name);
-    radio_world x(channel_with([](auto& c) { c.retries_max = 0; }));
+    radio_fixture x(channel_with([](auto& c) { c.retries_max = 0; }));
     radio_config config;
     config.address = mote_id{1};
     config.pan = 1;
@@ -203,7 +203,7 @@ TEST_CASE("a battery that ends switches its radio off and says so once", "[radio
 }
 
 TEST_CASE("a battery that ends while off is told too", "[radio][power][NRG-05]") {
-  radio_world x;
+  radio_fixture x;
   radio_config config;
   config.address = mote_id{1};
   config.kind = find_platform("micaz");
@@ -218,7 +218,7 @@ TEST_CASE("a battery that ends while off is told too", "[radio][power][NRG-05]")
 }
 
 TEST_CASE("a radio that sends more weakly draws less", "[radio][power][NRG-05]") {
-  radio_world x;
+  radio_fixture x;
   const auto* kind = find_platform("micaz");
   std::vector<radio_index> senders;
   for (const auto& [address, dbm] : {std::pair{std::uint16_t{1}, -25.0}, {std::uint16_t{2}, 0.0}}) {
@@ -239,7 +239,7 @@ TEST_CASE("a radio that sends more weakly draws less", "[radio][power][NRG-05]")
 }
 
 TEST_CASE("a radio on a cable sets no alarm", "[radio][power]") {
-  radio_world x;
+  radio_fixture x;
   radio_config config;
   config.kind = find_platform("micaz");
   config.battery_mah = std::numeric_limits<double>::infinity();

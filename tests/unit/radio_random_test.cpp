@@ -10,12 +10,12 @@
 
 #include "core/codec.hpp"
 #include "core/hash.hpp"
-#include "radio_world.hpp"
+#include "radio_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
-using test::radio_world;
+using test::radio_fixture;
 
 namespace {
 
@@ -143,7 +143,7 @@ public:
 
   [[nodiscard]] std::uint64_t requests() const { return requests_; }
 
-  radio_world world;
+  radio_fixture world;
   std::vector<double> transmit_dbm;
 
   /// When to stop and look, and for how long each radio had been sending in all by then.
@@ -204,7 +204,7 @@ private:
   std::uint64_t requests_ = 0;
 };
 
-std::vector<std::pair<instant, delivered>> deliveries(const radio_world& x) {
+std::vector<std::pair<instant, delivered>> deliveries(const radio_fixture& x) {
   std::vector<std::pair<instant, delivered>> all;
   for (const auto& [at, what] : x.log)
     if (const auto* got = std::get_if<delivered>(&what))
@@ -212,7 +212,7 @@ std::vector<std::pair<instant, delivered>> deliveries(const radio_world& x) {
   return all;
 }
 
-std::uint64_t hash_of(const radio_world& x) {
+std::uint64_t hash_of(const radio_fixture& x) {
   fold64 fold;
   for (const auto& [at, what] : x.log) {
     fold.add(static_cast<std::uint64_t>(at.time_since_epoch().count()));

@@ -25,7 +25,7 @@ lines told(const rfid::outputs& outputs) {
 std::shared_ptr<const rfid::tags> carried_milk() {
   rfid::tags all;
   all.push_back({"e00401", bytes{1, 10},
-                 mote::walk({{0s, {10, 0, 0}}, {10s, {0, 0, 0}}, {20s, {10, 0, 0}}}, 1s)});
+                 device::walk({{0s, {10, 0, 0}}, {10s, {0, 0, 0}}, {20s, {10, 0, 0}}}, 1s)});
   return std::make_shared<const rfid::tags>(std::move(all));
 }
 
@@ -71,7 +71,7 @@ TEST_CASE("a reader relays what it perceives, as long as it does", "[rfid][PXY-0
 
 TEST_CASE("inventories that miss a tag now and then do not lose it", "[rfid][PXY-02]") {
   rfid::tags all;
-  all.push_back({"a", {}, mote::walk({{0s, {1, 0, 0}}}, 1s)});
+  all.push_back({"a", {}, device::walk({{0s, {1, 0, 0}}}, 1s)});
   auto config = hall();
   config.miss_rate = 0.3;
   config.missed_max = 20;
@@ -90,12 +90,12 @@ TEST_CASE("a tag's strength is told when it has changed, either way, and once", 
   rfid::tags all;
   all.push_back({"a",
                  {},
-                 mote::walk({{0s, {0.5, 0, 0}},
-                             {10s, {0.5, 0, 0}},
-                             {11s, {1.9, 0, 0}},
-                             {40s, {1.9, 0, 0}},
-                             {41s, {0.5, 0, 0}}},
-                            100ms)});
+                 device::walk({{0s, {0.5, 0, 0}},
+                               {10s, {0.5, 0, 0}},
+                               {11s, {1.9, 0, 0}},
+                               {40s, {1.9, 0, 0}},
+                               {41s, {0.5, 0, 0}}},
+                              100ms)});
   reader x(hall(), std::make_shared<const rfid::tags>(std::move(all)), random_stream(7));
   static_cast<void>(x.start({}));
   const std::string key = "interface.hall.objects.a.rssi = ";

@@ -1,6 +1,6 @@
 rubicon_test(unit.serial SOURCES
-  unit/serial_rig.cpp unit/serial_frame_test.cpp unit/serial_packet_test.cpp
-  unit/serial_mote_port_test.cpp unit/serial_endpoint_test.cpp unit/serial_line_test.cpp
+  unit/serial_fixture.cpp unit/serial_frame_test.cpp unit/serial_packet_test.cpp
+  unit/serial_mote_port_test.cpp unit/serial_host_port_test.cpp unit/serial_line_test.cpp
   unit/serial_joined_test.cpp
   NEEDS rubicon_serial)
 foreach(target serial_frame serial_mote_port serial_am_packet)

@@ -3,7 +3,7 @@
 #include <functional>
 #include <set>
 
-#include "serial_rig.hpp"
+#include "serial_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -28,7 +28,7 @@ std::vector<std::uint32_t> numbers(const std::vector<bytes>& packets) {
 
 /// Packets sent to the mote a second, with the next one always waiting.
 double rate_to_mote(double octet_error, std::uint64_t seed) {
-  rig both(noisy_line(octet_error), seed);
+  fixture both(noisy_line(octet_error), seed);
   std::uint32_t next = 0;
   while (both.now < instant{} + 20s) {
     while (both.pc.queued() < 2) {
@@ -42,7 +42,7 @@ double rate_to_mote(double octet_error, std::uint64_t seed) {
 
 /// Packets received by the PC a second, with the next one always waiting.
 double rate_to_pc(double octet_error, std::uint64_t seed) {
-  rig both(noisy_line(octet_error), seed);
+  fixture both(noisy_line(octet_error), seed);
   std::uint32_t next = 0;
   while (both.now < instant{} + 20s) {
     while (both.mote.queued() < 2)
@@ -55,7 +55,7 @@ double rate_to_pc(double octet_error, std::uint64_t seed) {
 } // namespace
 
 TEST_CASE("a good line carries every packet once, both ways, in order", "[serial][GW-01][GW-16]") {
-  rig both(line_config{}, 1);
+  fixture both(line_config{}, 1);
   std::vector<std::uint32_t> expected;
   for (std::uint32_t i = 0; i < 200; ++i) {
     both.send_to_mote(packet_id{i}, numbered_packet(i, 4 + i % 111));
@@ -77,7 +77,7 @@ TEST_CASE("no line is too slow: nothing is repeated at 300 baud either", "[seria
   CAPTURE(baud, payload);
   line_config config;
   config.baud = baud;
-  rig both(config, 1);
+  fixture both(config, 1);
   for (std::uint32_t i = 0; i < 20; ++i)
     both.send_to_mote(packet_id{i}, numbered_packet(i, payload));
   while (both.sent_ids.size() + both.losses.size() < 20) { // and the mote's side is never idle
@@ -90,13 +90,13 @@ TEST_CASE("no line is too slow: nothing is repeated at 300 baud either", "[seria
   CHECK(both.at_mote.size() == 20);
 }
 
-TEST_CASE("two packets under way keep a slow line in use", "[serial][GW-16]") {
+TEST_CASE("two packets in flight keep a slow line in use", "[serial][GW-16]") {
   line_config config;
   config.baud = 2400;
   const auto rate = [&](std::size_t window) {
-    endpoint_config pc;
+    host_port_config pc;
     pc.window = window;
-    rig both(config, 1, pc);
+    fixture both(config, 1, pc);
     std::uint32_t next = 0;
     while (both.now < instant{} + 60s) {
       while (both.pc.queued() < 2) {
@@ -118,13 +118,13 @@ TEST_CASE("two packets under way keep a slow line in use", "[serial][GW-16]") {
   CHECK(rate(2) > 0.9 * of_line);
 }
 
-TEST_CASE("with two packets under way each send ends once on a noisy line", "[serial][GW-16]") {
+TEST_CASE("with two packets in flight each send ends once on a noisy line", "[serial][GW-16]") {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     auto config = noisy_line(0.01);
     config.baud = 9600;
-    endpoint_config pc;
+    host_port_config pc;
     pc.window = 2;
-    rig both(config, seed, pc);
+    fixture both(config, seed, pc);
     for (std::uint32_t i = 0; i < 60; ++i)
       both.send_to_mote(packet_id{i}, numbered_packet(i, 4 + i));
     both.run_for(60s);
@@ -134,14 +134,14 @@ TEST_CASE("with two packets under way each send ends once on a noisy line", "[se
     for (const auto& x : both.losses)
       CHECK(ended.insert(x.id.value).second);
     CHECK(ended.size() == 60);
-    CHECK(both.pc.current() == endpoint::state::idle);
+    CHECK(both.pc.current() == host_port::state::idle);
   }
 }
 
 TEST_CASE("a noisy slow line carries long packets after short ones", "[serial][GW-16]") {
   line_config config = noisy_line(0.002);
   config.baud = 2400;
-  rig both(config, 7);
+  fixture both(config, 7);
   for (std::uint32_t i = 0; i < 200; ++i) {
     both.send_to_mote(packet_id{i}, numbered_packet(i, i % 40 == 39 ? 114 : 4));
     both.run_for(600ms);
@@ -153,7 +153,7 @@ TEST_CASE("a noisy slow line carries long packets after short ones", "[serial][G
 }
 
 TEST_CASE("a saturated good line repeats nothing", "[serial][GW-16]") {
-  rig both(line_config{}, 1);
+  fixture both(line_config{}, 1);
   for (std::uint32_t i = 0; both.now < instant{} + 10s; ++i) {
     both.send_to_mote(packet_id{i}, numbered_packet(i, 114));
     for (int k = 0; k < 3; ++k)
@@ -171,7 +171,7 @@ TEST_CASE("with 1 % octet errors nothing corrupt is passed up and every send end
           "[serial][GW-16]") {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     CAPTURE(seed);
-    rig both(noisy_line(0.01), seed);
+    fixture both(noisy_line(0.01), seed);
     constexpr std::uint32_t count = 250;
     for (std::uint32_t i = 0; i < count; ++i) {
       both.send_to_mote(packet_id{i}, numbered_packet(i, 4 + i % 40));
@@ -180,7 +180,7 @@ TEST_CASE("with 1 % octet errors nothing corrupt is passed up and every send end
     }
     both.run_for(60s);
 
-    CHECK(both.pc.current() == endpoint::state::idle);
+    CHECK(both.pc.current() == host_port::state::idle);
     std::multiset<std::uint64_t> ends;
     for (const auto x : both.sent_ids)
       ends.insert(x.value);
@@ -220,7 +220,7 @@ TEST_CASE("with 1 % octet errors a line keeps more than half its throughput", "[
 }
 
 TEST_CASE("after noise that lets nothing through a line recovers by itself", "[serial][GW-16]") {
-  rig both(line_config{}, 3);
+  fixture both(line_config{}, 3);
   random_stream rng(9);
   for (int burst = 0; burst < 200; ++burst) {
     bytes noise(rng.below(300));
@@ -244,7 +244,7 @@ TEST_CASE("after noise that lets nothing through a line recovers by itself", "[s
 
 TEST_CASE("a line unplugged for 30 s loses what is sent meanwhile and nothing after",
           "[serial][GW-01][GW-16]") {
-  rig both(line_config{}, 4);
+  fixture both(line_config{}, 4);
   std::uint32_t next = 0;
   const auto run = [&](duration time) {
     for (const auto end = both.now + time; both.now < end;) {
@@ -280,7 +280,7 @@ TEST_CASE("a line unplugged for 30 s loses what is sent meanwhile and nothing af
 
 TEST_CASE("equal seeds give equal runs", "[serial][GW-16]") {
   const auto run = [](std::uint64_t seed) {
-    rig both(noisy_line(0.02), seed);
+    fixture both(noisy_line(0.02), seed);
     for (std::uint32_t i = 0; i < 50; ++i) {
       both.send_to_mote(packet_id{i}, numbered_packet(i, 20));
       both.send_to_pc(numbered_packet(i, 20));

@@ -1,6 +1,6 @@
 #include "serial/line.hpp"
 
-#include "serial_rig.hpp"
+#include "serial_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

@@ -2,7 +2,7 @@
 
 #include "serial/frame.hpp"
 #include "serial/line_config.hpp"
-#include "serial_rig.hpp"
+#include "serial_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/vectors.hpp"
 

@@ -1,7 +1,7 @@
 #include "serial/packet.hpp"
 
 #include "serial/frame.hpp"
-#include "serial_rig.hpp"
+#include "serial_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/vectors.hpp"
 

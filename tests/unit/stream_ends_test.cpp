@@ -1,21 +1,21 @@
 // How remote streams end: time-outs, refusals, closing, the other end going away.
-#include "stream_world.hpp"
+#include "stream_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/pick.hpp"
 
 using namespace rubicon;
 using namespace rubicon::stream;
 using test::pick;
-using test::stream_world;
+using test::stream_fixture;
 
 namespace {
 
 constexpr std::size_t a = 0; // the write end
 constexpr std::size_t b = 1; // the read end
-const auto address = stream_world::address;
+const auto address = stream_fixture::address;
 
 struct pair_of_ends {
-  stream_world world{2};
+  stream_fixture world{2};
   descriptor reader = open_reader();
   descriptor writer = open_writer();
 
@@ -35,7 +35,7 @@ struct pair_of_ends {
 
 /// The success of the only event there is.
 template <class T>
-bool only_event_succeeds(const stream_world& world) {
+bool only_event_succeeds(const stream_fixture& world) {
   REQUIRE(world.events.size() == 1);
   return std::get<T>(world.events[0].second).success;
 }
@@ -43,7 +43,7 @@ bool only_event_succeeds(const stream_world& world) {
 } // namespace
 
 TEST_CASE("a write end that nobody answers fails in the end, once", "[stream][STR-19][MCK-02]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const bool connects = GENERATE(true, false);
   world.service.reaches_all = connects;
   world.service.loss = 1;
@@ -63,7 +63,7 @@ TEST_CASE("a write end that nobody answers fails in the end, once", "[stream][ST
 }
 
 TEST_CASE("a connect that fails, fails the open", "[stream][STR-19][MCK-02]") {
-  stream_world world(2);
+  stream_fixture world(2);
   world.service.connect_loss = 1;
   world.take(a, world.open(a, {.destination = address(b), .name = 7}));
   world.run_for(5ms);
@@ -85,7 +85,7 @@ TEST_CASE("a channel that comes after the open was given up is closed again", "[
 }
 
 TEST_CASE("a read end that no write end comes to fails in the end, once", "[stream][STR-19]") {
-  stream_world world(2);
+  stream_fixture world(2);
   world.take(b, world.open(b, {.destination = address(b), .name = 7}));
   world.run_for(2min - 1ns);
   CHECK(world.events.empty());
@@ -95,7 +95,7 @@ TEST_CASE("a read end that no write end comes to fails in the end, once", "[stre
 }
 
 TEST_CASE("a channel whose stream nobody opens expires at both ends", "[stream][STR-19]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const auto writer = world.take(a, world.open(a, {.destination = address(b), .name = 7}));
   world.run_for(1min);
   CHECK(only_event_succeeds<open_done>(world));
@@ -179,7 +179,7 @@ TEST_CASE("closing the read end ends the write end", "[stream][STR-05]") {
 }
 
 TEST_CASE("closing while opening ends the open as failed, at each phase", "[stream][MCK-02]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const auto passed = GENERATE(0ms, 7ms, 12ms, 17ms);
   const auto writer = world.take(a, world.open(a, {.destination = address(b), .name = 7}));
   world.run_for(passed);
@@ -233,7 +233,7 @@ TEST_CASE("a read end that opens late takes the newest channel of its write end"
 }
 
 TEST_CASE("another node cannot write into a stream that a node has to itself", "[stream]") {
-  stream_world world(2);
+  stream_fixture world(2);
   remote_request wish{.destination = address(b), .name = 7};
   world.take(b, world.open(b, wish));
   world.take(a, world.open(a, wish));
@@ -247,7 +247,7 @@ TEST_CASE("another node cannot write into a stream that a node has to itself", "
 }
 
 TEST_CASE("a second node that uses the same name is refused", "[stream]") {
-  stream_world world(3);
+  stream_fixture world(3);
   const bool is_read = GENERATE(true, false);
   if (is_read)
     world.take(b, world.open(b, {.destination = address(b), .name = 7}));

@@ -5,13 +5,13 @@
 #include <tuple>
 
 #include "core/codec.hpp"
-#include "stream_world.hpp"
+#include "stream_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::stream;
 using test::end_of_stream;
-using test::stream_world;
+using test::stream_fixture;
 
 namespace {
 
@@ -95,7 +95,7 @@ private:
     const bool to_self = rng_.chance(0.5);
     const auto target = to_self ? node : rng_.below(3);
     const auto x = is_local ? world_.at(node).open_local(2)
-                            : world_.open(node, {.destination = stream_world::address(target),
+                            : world_.open(node, {.destination = stream_fixture::address(target),
                                                  .name = name,
                                                  .queue_size = 3,
                                                  .writes_to_self = rng_.chance(0.1)});
@@ -193,7 +193,7 @@ private:
   }
 
   random_stream rng_;
-  stream_world world_;
+  stream_fixture world_;
   std::map<end_of_stream, end> ends_;
   std::set<std::tuple<std::size_t, unsigned, end_of_stream, std::uint32_t>>
       seen_; ///< by a reader's life

@@ -1,11 +1,11 @@
 // Remote streams whose records must all arrive (A-52): acks, repeats, full queues, and the end.
-#include "stream_world.hpp"
+#include "stream_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::stream;
 using test::channel_service;
-using test::stream_world;
+using test::stream_fixture;
 
 namespace {
 
@@ -22,7 +22,7 @@ struct joined {
     world.service = quality;
   }
 
-  static mote_address address(std::size_t node) { return stream_world::address(node); }
+  static mote_address address(std::size_t node) { return stream_fixture::address(node); }
 
   /// The records that have been read.
   [[nodiscard]] std::vector<int> read() const {
@@ -49,7 +49,7 @@ struct joined {
     return true;
   }
 
-  stream_world world;
+  stream_fixture world;
   descriptor reader;
   descriptor writer;
 };
@@ -131,8 +131,8 @@ TEST_CASE("a reliable stream whose reader is gone ends, and says what is not con
 }
 
 TEST_CASE("a reliable stream keeps what comes before its reader has opened", "[stream][STR-14]") {
-  stream_world world(2);
-  const auto to = stream_world::address(1);
+  stream_fixture world(2);
+  const auto to = stream_fixture::address(1);
   const auto writer = world.take(0, world.open(0, {.destination = to, .qos = qos_reliable}));
   world.run_for(1s);
   for (std::uint8_t i = 0; i < 5; ++i)

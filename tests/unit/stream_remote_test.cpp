@@ -1,21 +1,21 @@
-#include "stream_world.hpp"
+#include "stream_fixture.hpp"
 #include "support/catch.hpp"
 #include "support/pick.hpp"
 
 using namespace rubicon;
 using namespace rubicon::stream;
 using test::pick;
-using test::stream_world;
+using test::stream_fixture;
 
 namespace {
 
 constexpr std::size_t a = 0; // the write end
 constexpr std::size_t b = 1; // the read end
-const auto address = stream_world::address;
+const auto address = stream_fixture::address;
 
 /// Events of one kind at a node, in order.
 template <class T>
-std::vector<T> events(const stream_world& world, std::size_t node) {
+std::vector<T> events(const stream_fixture& world, std::size_t node) {
   std::vector<T> found;
   for (const auto& [where, what] : world.events) {
     if (const auto* x = std::get_if<T>(&what); x != nullptr && where.node == node)
@@ -24,11 +24,11 @@ std::vector<T> events(const stream_world& world, std::size_t node) {
   return found;
 }
 
-descriptor open_writer(stream_world& world, std::uint16_t name = 7) {
+descriptor open_writer(stream_fixture& world, std::uint16_t name = 7) {
   return world.take(a, world.open(a, {.destination = address(b), .name = name}));
 }
 
-descriptor open_reader(stream_world& world, std::uint16_t name = 7) {
+descriptor open_reader(stream_fixture& world, std::uint16_t name = 7) {
   return world.take(b, world.open(b, {.destination = address(b), .name = name}));
 }
 
@@ -36,7 +36,7 @@ descriptor open_reader(stream_world& world, std::uint16_t name = 7) {
 
 TEST_CASE("the write end opens with the acknowledgement, whoever opens first",
           "[stream][STR-11][STR-12][STR-13][STR-14][MCK-01][MCK-02]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const bool reader_first = GENERATE(true, false);
   descriptor reader;
   if (reader_first)
@@ -68,7 +68,7 @@ TEST_CASE("the write end opens with the acknowledgement, whoever opens first",
 }
 
 TEST_CASE("a record goes over the channel and serves a read", "[stream][STR-16][MCK-08]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const auto reader = open_reader(world);
   const auto writer = open_writer(world);
   world.run_for(1s);
@@ -86,7 +86,7 @@ TEST_CASE("a record goes over the channel and serves a read", "[stream][STR-16][
 }
 
 TEST_CASE("the wrong end refuses", "[stream][STR-17][MCK-06]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const auto reader = open_reader(world);
   const auto writer = open_writer(world);
   CHECK(world.at(a).read(writer, 1).refused == failure::illegal_operation);
@@ -98,7 +98,7 @@ TEST_CASE("the wrong end refuses", "[stream][STR-17][MCK-06]") {
 }
 
 TEST_CASE("what the write end wishes goes along with the connect", "[stream][NRG-01][A-52]") {
-  stream_world world(2);
+  stream_fixture world(2);
   world.take(a, world.open(a, {.destination = {own_island, address(b).mote},
                                .name = 7,
                                .rate = 250ms,
@@ -113,7 +113,7 @@ TEST_CASE("what the write end wishes goes along with the connect", "[stream][NRG
 }
 
 TEST_CASE("a destination decides the role, under each of a node's names", "[stream][STR-11]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const mote_address names[] = {address(b), {own_island, address(b).mote}, {own_island, own_mote}};
   for (const auto& x : names)
     world.take(b, world.open(b, {.destination = x, .name = x.mote.value}));
@@ -126,7 +126,7 @@ TEST_CASE("a destination decides the role, under each of a node's names", "[stre
 }
 
 TEST_CASE("an open that makes no sense is refused", "[stream][MCK-01]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const auto to_b = address(b);
   const auto refused = [&](remote_request x) { return world.open(a, x).refused; };
   CHECK(refused({.destination = {own_island, broadcast_mote}}) == failure::bad_argument);
@@ -143,7 +143,7 @@ TEST_CASE("an open that makes no sense is refused", "[stream][MCK-01]") {
 }
 
 TEST_CASE("two opens at the same time are told apart by name", "[stream][STR-12]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const auto first = open_writer(world, 7);
   const auto second = open_writer(world, 8);
   const auto reader_of_second = open_reader(world, 8);
@@ -161,7 +161,7 @@ TEST_CASE("two opens at the same time are told apart by name", "[stream][STR-12]
 }
 
 TEST_CASE("the queue of a remote stream is at the read end", "[stream][STR-03][STR-15]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const auto reader =
       world.take(b, world.open(b, {.destination = address(b), .name = 7, .queue_size = 2}));
   const auto writer = open_writer(world);
@@ -177,7 +177,7 @@ TEST_CASE("the queue of a remote stream is at the read end", "[stream][STR-03][S
 
 TEST_CASE("records longer than a buffer are refused at the write end and dropped at the read end",
           "[stream][MCK-08]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const auto reader =
       world.take(b, world.open(b, {.destination = address(b), .name = 7, .buffer_size = 4}));
   const auto writer =
@@ -193,7 +193,7 @@ TEST_CASE("records longer than a buffer are refused at the write end and dropped
 }
 
 TEST_CASE("records that nobody has opened for are counted", "[stream]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const auto writer = open_writer(world);
   world.run_for(1s);
   world.take(a, world.at(a).write(writer, bytes{1}));
@@ -208,7 +208,7 @@ TEST_CASE("records that nobody has opened for are counted", "[stream]") {
 }
 
 TEST_CASE("SS_OPEN is repeated until it is acknowledged", "[stream][STR-13]") {
-  stream_world world(2);
+  stream_fixture world(2);
   open_reader(world);
   const auto writer = open_writer(world);
   world.service.loss = 1;
@@ -259,7 +259,7 @@ TEST_CASE("lost, repeated and late records are counted; the order is kept", "[st
 }
 
 TEST_CASE("sequence numbers begin again after the last", "[stream]") {
-  stream_world world(2);
+  stream_fixture world(2);
   const auto reader = open_reader(world);
   const auto writer = open_writer(world);
   world.run_for(1s);
@@ -273,7 +273,7 @@ TEST_CASE("sequence numbers begin again after the last", "[stream]") {
 }
 
 TEST_CASE("a node may stream to itself", "[stream][STR-01]") {
-  stream_world world(1);
+  stream_fixture world(1);
   const bool reader_first = GENERATE(true, false);
   remote_request wish{.destination = {own_island, own_mote}, .name = 7};
   const auto open_reader_here = [&] { return world.take(a, world.open(a, wish)); };

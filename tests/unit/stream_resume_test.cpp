@@ -1,16 +1,16 @@
-// Streams that are opened again by the same ends: what was under way when the channel broke.
-#include "stream_world.hpp"
+// Streams that are opened again by the same ends: what was in flight when the channel broke.
+#include "stream_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::stream;
-using test::stream_world;
+using test::stream_fixture;
 
 namespace {
 
 constexpr std::size_t a = 0; // the write end
 constexpr std::size_t b = 1; // the read end
-const auto address = stream_world::address;
+const auto address = stream_fixture::address;
 
 /// Programs at both ends that open stream 7 again whenever it ends; a record counts those written
 /// before.
@@ -81,7 +81,7 @@ public:
 
   [[nodiscard]] std::uint16_t written() const { return next_; }
 
-  stream_world world;
+  stream_fixture world;
 
 private:
   descriptor ends_[2]{};

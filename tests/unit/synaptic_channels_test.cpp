@@ -1,10 +1,10 @@
 #include "support/catch.hpp"
 #include "support/pick.hpp"
-#include "synaptic_world.hpp"
+#include "synaptic_fixture.hpp"
 
 using namespace rubicon;
 using namespace rubicon::synaptic;
-using test::synaptic_world;
+using test::synaptic_fixture;
 using test::value_of;
 
 namespace {
@@ -34,7 +34,7 @@ struct joined {
     return found;
   }
 
-  synaptic_world world;
+  synaptic_fixture world;
   descriptor out, in;
 };
 
@@ -97,7 +97,7 @@ TEST_CASE("a start within a tick takes effect at the next", "[synaptic][SYN-06]"
 }
 
 TEST_CASE("sends of two nodes are as far apart as their slots", "[synaptic][SYN-16]") {
-  synaptic_world x(16);
+  synaptic_fixture x(16);
   for (std::size_t i = 0; i < 16; ++i) {
     x.at(i).set_slot(25ms * static_cast<int>(i));
     const auto out = x.create_out(i, (i + 1) % 16, 1);

@@ -5,11 +5,11 @@
 
 #include "support/catch.hpp"
 #include "support/seeds.hpp"
-#include "synaptic_world.hpp"
+#include "synaptic_fixture.hpp"
 
 using namespace rubicon;
 using namespace rubicon::synaptic;
-using test::synaptic_world;
+using test::synaptic_fixture;
 using test::value_of;
 
 namespace {
@@ -126,14 +126,14 @@ private:
     world_.events.clear();
   }
 
-  end& end_of(const synaptic_world::heard& x, descriptor channel) {
+  end& end_of(const synaptic_fixture::heard& x, descriptor channel) {
     const key id{x.node, x.life, channel.value};
     if (!ends_.contains(id))
       FAIL("an event of a channel that was not created");
     return ends_[id];
   }
 
-  void look_at(const synaptic_world::heard& from, const create_done& done) {
+  void look_at(const synaptic_fixture::heard& from, const create_done& done) {
     auto& x = end_of(from, done.channel);
     if (++x.creates_done > 1 || done.is_out != x.is_out)
       FAIL("a second create_done, or one of the other end");
@@ -142,7 +142,7 @@ private:
     ++(done.success ? created : failed);
   }
 
-  void look_at(const synaptic_world::heard& from, const channel_failed& what) {
+  void look_at(const synaptic_fixture::heard& from, const channel_failed& what) {
     auto& x = end_of(from, what.channel);
     if (!x.is_open)
       FAIL("a failure of a channel that is not open");
@@ -150,7 +150,7 @@ private:
     ++lost_channels;
   }
 
-  void look_at(const synaptic_world::heard& from, const input_update& what) {
+  void look_at(const synaptic_fixture::heard& from, const input_update& what) {
     const auto& x = end_of(from, what.channel);
     if (x.is_out || what.index >= x.size)
       FAIL("an update of no input");
@@ -168,7 +168,7 @@ private:
   }
 
   random_stream rng_;
-  synaptic_world world_;
+  synaptic_fixture world_;
   duration delay_max_;
   std::map<key, end> ends_;
 };
@@ -179,7 +179,7 @@ TEST_CASE("exactly the vectors that are lost are told missed", "[synaptic][SYN-1
   for (const double loss : {0.0, 0.05, 0.3, 0.7}) {
     for (std::uint64_t seed = 1; seed <= test::seeds(5); ++seed) {
       INFO("loss " << loss << ", seed " << seed);
-      synaptic_world x(2, {.silence_max = 100, .stop_repeats = 255}, seed);
+      synaptic_fixture x(2, {.silence_max = 100, .stop_repeats = 255}, seed);
       x.delay_max = 200ms;
       const auto out = x.create_out(0, 1, 2);
       const auto in = x.create_in(1, 0, 2);
@@ -208,7 +208,7 @@ TEST_CASE("exactly the vectors that are lost are told missed", "[synaptic][SYN-1
 TEST_CASE("after a stop nothing is missed but what was lost", "[synaptic][SYN-07][SYN-10]") {
   for (std::uint64_t seed = 1; seed <= test::seeds(30); ++seed) {
     INFO("seed " << seed);
-    synaptic_world x(2, {}, seed);
+    synaptic_fixture x(2, {}, seed);
     x.delay_max = 200ms;
     const auto out = x.create_out(0, 1, 2);
     const auto in = x.create_in(1, 0, 2);

@@ -1,15 +1,15 @@
 // How synaptic channels come about, or do not.
 #include "support/catch.hpp"
 #include "support/pick.hpp"
-#include "synaptic_world.hpp"
+#include "synaptic_fixture.hpp"
 
 using namespace rubicon;
 using namespace rubicon::synaptic;
-using test::synaptic_world;
+using test::synaptic_fixture;
 using test::value_of;
 
 TEST_CASE("bad arguments and a full table are refused", "[synaptic][SYN-01][SYN-03]") {
-  synaptic_world x(9);
+  synaptic_fixture x(9);
   const auto self = x.address(0);
   const auto try_out = [&](mote_address to, std::size_t size) {
     return x.at(0).create_out(self, to, size, {}, x.now).refused;
@@ -52,7 +52,7 @@ TEST_CASE("short addresses mean the own island or the one in the parameters",
 }
 
 TEST_CASE("the channel service is told what the channel needs", "[synaptic][SYN-13]") {
-  synaptic_world x(2, {.size_max = 64});
+  synaptic_fixture x(2, {.size_max = 64});
   x.create_out(0, 1, 10, {.divisor = 4, .qos = 0x15});
   x.create_out(1, 0, 64);
   REQUIRE(x.connects.size() == 2);
@@ -67,7 +67,7 @@ TEST_CASE("ends that differ in size or divisor both fail", "[synaptic][SYN-15]")
   const bool out_first = GENERATE(true, false);
   const parameters in_wish{.divisor = GENERATE(std::uint8_t{1}, std::uint8_t{2})};
   const std::size_t in_size = in_wish.divisor == 2 ? 3 : 4;
-  synaptic_world x(2);
+  synaptic_fixture x(2);
   if (out_first) {
     x.create_out(0, 1, 3);
     x.run_ticks(1);
@@ -89,7 +89,7 @@ TEST_CASE("ends that differ in size or divisor both fail", "[synaptic][SYN-15]")
 }
 
 TEST_CASE("the out end may be created first", "[synaptic][SYN-02][SYN-04]") {
-  synaptic_world x(2);
+  synaptic_fixture x(2);
   x.create_out(0, 1, 3);
   x.run_ticks(20);
   CHECK(x.events.empty());
@@ -102,7 +102,7 @@ TEST_CASE("the out end may be created first", "[synaptic][SYN-02][SYN-04]") {
 }
 
 TEST_CASE("an early channel gives way to a newer one of the same node", "[synaptic][SYN-17]") {
-  synaptic_world x(2);
+  synaptic_fixture x(2);
   x.create_out(0, 1, 3);
   x.run_ticks(1);
   x.restart(0, false);
@@ -118,7 +118,7 @@ TEST_CASE("an early channel gives way to a newer one of the same node", "[synapt
 }
 
 TEST_CASE("an acknowledgement that is lost is sent again", "[synaptic][SYN-02]") {
-  synaptic_world x(2);
+  synaptic_fixture x(2);
   x.create_in(1, 0, 3);
   x.create_out(0, 1, 3);
   x.run_until(x.now + 11ms);
@@ -133,7 +133,7 @@ TEST_CASE("an acknowledgement that is lost is sent again", "[synaptic][SYN-02]")
 }
 
 TEST_CASE("an end that stays alone fails after its patience", "[synaptic][SYN-02][SYN-04]") {
-  synaptic_world x(2);
+  synaptic_fixture x(2);
   SECTION("the channel service does not answer") {
     x.reaches_all = false;
   }
@@ -163,7 +163,7 @@ TEST_CASE("an end that stays alone fails after its patience", "[synaptic][SYN-02
 }
 
 TEST_CASE("disposing of an end that is not open yet is its failure", "[synaptic][SYN-05]") {
-  synaptic_world x(2);
+  synaptic_fixture x(2);
   const auto out = x.create_out(0, 1, 3);
   x.take(0, x.at(0).dispose(out));
   x.run_ticks(2);
@@ -174,7 +174,7 @@ TEST_CASE("disposing of an end that is not open yet is its failure", "[synaptic]
 }
 
 TEST_CASE("early channels are bounded", "[synaptic][SYN-17]") {
-  synaptic_world x(4);
+  synaptic_fixture x(4);
   for (std::size_t i = 1; i < 4; ++i)
     x.create_out(i, 0, 1);
   x.run_ticks(1);
@@ -186,7 +186,7 @@ TEST_CASE("early channels are bounded", "[synaptic][SYN-17]") {
 }
 
 TEST_CASE("a channel to ourselves needs no channel service", "[synaptic][SYN-14]") {
-  synaptic_world x(1);
+  synaptic_fixture x(1);
   const bool out_first = GENERATE(true, false);
   descriptor out, in;
   if (out_first) {
@@ -218,7 +218,7 @@ TEST_CASE("a channel to ourselves needs no channel service", "[synaptic][SYN-14]
 }
 
 TEST_CASE("ends of a channel to ourselves must agree too", "[synaptic][SYN-14][SYN-15]") {
-  synaptic_world x(1);
+  synaptic_fixture x(1);
   x.create_out(0, 0, 2);
   x.create_in(0, 0, 3);
   const auto done = x.all<create_done>(0);

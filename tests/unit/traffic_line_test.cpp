@@ -216,7 +216,7 @@ void populate(line& x) {
 
 } // namespace
 
-TEST_CASE("every packet that was sent is delivered, lost or under way", "[traffic]") {
+TEST_CASE("every packet that was sent is delivered, lost or in flight", "[traffic]") {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     INFO("seed " << seed);
     line x(seed, {});

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "support/seeds.hpp"
-#include "unit/transport_tunnels_world.hpp"
+#include "unit/transport_tunnels_fixture.hpp"
 
 using namespace rubicon;
 using namespace rubicon::transport;
@@ -18,7 +18,7 @@ TEST_CASE("every connect gets through or ends, whatever is lost, repeated or ove
   int ended = 0;
   for (std::uint64_t seed = 1; seed <= test::seeds(200); ++seed) {
     CAPTURE(seed);
-    test::tunnel_world x(3s, 0.3, seed);
+    test::tunnel_fixture x(3s, 0.3, seed);
     x.copies = 0.2;
     std::map<mote_address, tunnel_id> ids;
     for (const auto& [from, to] : {std::pair{alice, bob}, {bob, alice}, {pc, alice}})
@@ -68,7 +68,7 @@ TEST_CASE("no tunnel is taken for another, whoever opens, closes or restarts whe
   for (std::uint64_t seed = 1; seed <= test::seeds(200); ++seed) {
     CAPTURE(seed);
     random_stream rng(seed, "play");
-    test::tunnel_world x(2s, 0.2, seed, 3);
+    test::tunnel_fixture x(2s, 0.2, seed, 3);
     x.copies = 0.3;
     const std::vector<mote_address> all{alice, bob, pc};
     for (int i = 0; i < 400; ++i) {

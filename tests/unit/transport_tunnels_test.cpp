@@ -2,7 +2,7 @@
 
 #include "support/catch.hpp"
 #include "support/pick.hpp"
-#include "unit/transport_tunnels_world.hpp"
+#include "unit/transport_tunnels_fixture.hpp"
 
 using namespace rubicon;
 using namespace rubicon::transport;
@@ -11,7 +11,7 @@ using test::bob;
 using test::make_tunnels;
 using test::pc;
 using test::pick;
-using world = test::tunnel_world;
+using world = test::tunnel_fixture;
 using kind = tunnel_message::kind;
 
 namespace {

@@ -1,0 +1,107 @@
+// Whether a run has come out as its file expects ([[expect]]). Told of what happens as it happens;
+// the rest it finds in the finished report. Knows neither actors nor clocks.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "config/expectation.hpp"
+#include "core/time.hpp"
+#include "report/report.hpp"
+
+namespace rubicon::report {
+
+/// `delivery kitchen >= 99%`, `"a.state" = "on" within 5 s of "b.door" = "open"`
+[[nodiscard]] std::string to_text(const config::expectation& x);
+
+/// Judges. An expectation about what never was - no message, no sample, no such tuple - is not met.
+class expectations {
+public:
+  expectations() = default;
+  /// @param length of the run
+  expectations(const std::vector<config::expectation>& all, duration length);
+
+  [[nodiscard]] bool empty() const { return all_.empty(); }
+  [[nodiscard]] bool watches_tuples() const { return watches_tuples_; }
+
+  /// Some owner's tuple has a new value. What comes before something else that was told is taken as
+  /// of the same time.
+  void on_tuple(std::string_view key, std::string_view text, instant now);
+  void on_tuple_gone(std::string_view key, instant now);
+
+  /// A mote is listed by its gateway; again, if it was before.
+  void on_joined(const mote_address& mote, instant now);
+
+  /// When clocks or programs are to be asked next; nothing: they are not.
+  [[nodiscard]] std::optional<instant> next_sample() const;
+  /// They are asked now: the time of the next one moves on.
+  void on_sample(instant now);
+
+  /// How far a mote's island time is from its sink's clock.
+  void on_clock(const mote_address& mote, const std::string& name, duration error, instant now);
+
+  /// What one of a node's programs has missed so far, in all its lives.
+  void on_vectors(const std::string& node, std::uint32_t program, std::uint64_t missed,
+                  instant now);
+
+  /// The judgements, in the order of the file. @param x complete, but for them
+  [[nodiscard]] std::vector<expectation_report> judge(const run_report& x) const;
+
+private:
+  /// The tuples of one expectation.
+  struct tuple_watch {
+    bool when_holds = false;
+    bool then_holds = false;
+    std::deque<instant> waiting; ///< times since which `then` is due, ascending
+    std::uint64_t times = 0;     ///< it has come to be due
+    std::uint64_t met = 0;
+    duration slowest{};
+    std::optional<instant> missed; ///< the first time it was due and did not come
+  };
+
+  /// Samples of one expectation.
+  struct clock_watch {
+    instant next;
+    std::uint64_t samples = 0;
+    std::uint64_t bad = 0;
+    duration worst{};
+    std::string worst_at; ///< mote
+    std::optional<instant> first_bad;
+  };
+
+  struct vectors_watch {
+    bool is_due = true;
+    /// Missed until `from`, by node and program.
+    std::map<std::pair<std::string, std::uint32_t>, std::uint64_t> before;
+  };
+
+  struct watched {
+    config::expectation what;
+    tuple_watch tuples = {};
+    clock_watch clocks = {};
+    vectors_watch vectors = {};
+  };
+
+  struct judge_one;
+
+  void on_value(std::string_view key, const std::string* text, instant now);
+  static void begin(tuple_watch& x, instant now);
+  static void come_true(const config::tuple_expectation& what, tuple_watch& x, instant now);
+  static void expire(const config::tuple_expectation& what, tuple_watch& x, instant now);
+
+  std::vector<watched> all_;
+  std::map<mote_address, instant> joined_; ///< for the first time
+  instant end_;
+  bool watches_tuples_ = false;
+};
+
+/// An unmet expectation as a violation has it.
+[[nodiscard]] violation violation_of(const expectation_report& x);
+
+} // namespace rubicon::report

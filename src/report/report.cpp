@@ -1,0 +1,102 @@
+#include "report/report.hpp"
+
+#include <algorithm>
+
+namespace rubicon::report {
+
+namespace {
+
+template <class Predicate>
+std::uint64_t count_motes(const run_report& x, Predicate predicate) {
+  std::uint64_t count = 0;
+  for (const auto& island : x.islands)
+    count += static_cast<std::uint64_t>(
+        std::count_if(island.motes.begin(), island.motes.end(), predicate));
+  return count;
+}
+
+template <class Part>
+Part sum_over_islands(const run_report& x, Part island_report::*part) {
+  Part sum;
+  for (const auto& island : x.islands)
+    sum += island.*part;
+  return sum;
+}
+
+} // namespace
+
+std::uint64_t total(const cause_counts& x) {
+  std::uint64_t sum = 0;
+  for (const auto& [cause, count] : x)
+    sum += count;
+  return sum;
+}
+
+std::optional<double> message_report::delivery() const {
+  if (offered <= reliable_open)
+    return std::nullopt;
+  const auto arrived = reliable_acked + std::min(unreliable_arrived, unreliable_sent);
+  return static_cast<double>(arrived) / static_cast<double>(offered - reliable_open);
+}
+
+std::optional<double> stream_report::delivery() const {
+  if (produced <= open)
+    return std::nullopt;
+  return static_cast<double>(read) / static_cast<double>(produced - open);
+}
+
+std::uint64_t run_report::motes_configured() const {
+  return count_motes(*this, [](const mote_report& x) { return x.joins; });
+}
+
+std::uint64_t run_report::motes_measuring() const {
+  return count_motes(*this, [](const mote_report& x) { return !x.joins; });
+}
+
+std::uint64_t run_report::motes_joined() const {
+  return count_motes(*this, [](const mote_report& x) { return x.joins && x.joined; });
+}
+
+std::uint64_t run_report::motes_left() const {
+  return count_motes(
+      *this, [](const mote_report& x) { return x.joins && x.joined && !x.left_cause.empty(); });
+}
+
+std::uint64_t run_report::motes_alive() const {
+  return count_motes(*this, [](const mote_report& x) { return x.alive; });
+}
+
+radio_report run_report::radio() const {
+  return sum_over_islands(*this, &island_report::radio);
+}
+
+serial_report run_report::serial() const {
+  return sum_over_islands(*this, &island_report::serial);
+}
+
+message_report run_report::messages() const {
+  auto sum = sum_over_islands(*this, &island_report::messages);
+  sum += pc_messages;
+  return sum;
+}
+
+peis_report run_report::peis() const {
+  peis_report sum;
+  for (const auto& peer : peers)
+    sum += peer.peis;
+  sum.peers = peers.size();
+  sum.tuples = 0;
+  for (const auto& peer : peers)
+    sum.tuples += peer.tuples;
+  return sum;
+}
+
+double run_report::used_mah() const {
+  double sum = 0;
+  for (const auto& island : islands)
+    for (const auto& mote : island.motes)
+      sum += mote.energy.used_mah;
+  return sum;
+}
+
+} // namespace rubicon::report

@@ -1,0 +1,36 @@
+// What the sections of the report for a person share.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "report/report.hpp"
+#include "report/report_page.hpp"
+
+namespace rubicon::report {
+
+inline constexpr std::size_t rows_max = 20; ///< of islands, flows, peers, proxies and actuations
+
+/// `loss 12, collision 3`, the most frequent first; causes that never happened are left out.
+[[nodiscard]] std::string causes(const cause_counts& x);
+
+/// The share in percent; `–` of nothing.
+[[nodiscard]] std::string share_of(std::uint64_t part, std::uint64_t whole);
+
+/// Packets of the measuring apps; nothing without any.
+void add_flows(report_page& page, const run_report& x);
+
+/// Figures of programs that use the Mockup interface; nothing without any.
+void add_programs(report_page& page, const run_report& x);
+
+/// What became of the messages of each mote, the worst first; nothing without any.
+void add_deliveries(report_page& page, const run_report& x);
+
+/// Streams between programs; nothing without any.
+void add_streams(report_page& page, const run_report& x);
+
+/// What the file expects, and how it has come out; nothing without any.
+void add_expectations(report_page& page, const run_report& x);
+
+} // namespace rubicon::report

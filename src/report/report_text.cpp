@@ -1,0 +1,467 @@
+#include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "report/figures.hpp"
+#include "report/report.hpp"
+#include "report/report_page.hpp"
+#include "report/report_parts.hpp"
+
+namespace rubicon::report {
+
+namespace {
+
+constexpr std::size_t log_head = 25; ///< lines shown from the start of the event log
+constexpr std::size_t log_tail = 15; ///< lines shown from its end
+constexpr std::size_t alike_min = 4; ///< equal neighbours in the event log that become one line
+constexpr std::size_t motes_listed_max = 12;
+constexpr std::size_t hungriest_shown = 5;
+constexpr std::size_t failures_shown = 10;
+constexpr std::size_t violations_shown = 40;
+
+std::string at_s(instant x) {
+  return fixed(seconds(x.time_since_epoch()), 3);
+}
+
+void add_rest(table& rows, std::size_t all, std::size_t shown_max) {
+  if (all > shown_max)
+    rows.add_note("… and " + with_thousands(all - shown_max) + " more");
+}
+
+void add_title(report_page& page, const run_report& x) {
+  page.line(x.ecology, look::strong);
+  page.flow({rubicon::to_text(x.simulated) + " of " + x.mode + " time in " + real_time(x.wall_s) +
+                 " (" + speed_factor(x.simulated, x.wall_s) + " real time)",
+             "seed " + std::to_string(x.seed), counted(x.events, "event"),
+             x.trace_hash.empty() ? "" : "trace " + x.trace_hash,
+             x.interrupted ? "interrupted before its time" : "",
+             x.reason.empty() ? "" : "not complete: " + x.reason});
+}
+
+/// Lines that tell the same become one: `fan and 2 others`, or `fan` so many times.
+logged_event told_once(std::vector<logged_event>::const_iterator first,
+                       std::vector<logged_event>::const_iterator last) {
+  std::set<std::string> others;
+  for (auto x = first; x != last; ++x)
+    others.insert(x->who);
+  others.erase(first->who);
+  const auto count = static_cast<std::size_t>(last - first);
+  logged_event line = *first;
+  if (!others.empty())
+    line.who += " and " + counted(others.size(), "other");
+  if (others.size() + 1 < count)
+    line.what += ", " + counted(count, "time");
+  line.what += ", the last at " + at_s(std::prev(last)->at);
+  return line;
+}
+
+/// Neighbouring lines that tell the same of several become one.
+std::vector<logged_event> told_briefly(const std::vector<logged_event>& log) {
+  std::vector<logged_event> brief;
+  for (auto first = log.begin(); first != log.end();) {
+    const auto last = std::find_if(
+        first, log.end(), [&](const logged_event& line) { return line.what != first->what; });
+    const auto count = static_cast<std::size_t>(last - first);
+    if (count < alike_min) {
+      brief.insert(brief.end(), first, last);
+    } else {
+      brief.push_back(told_once(first, last));
+    }
+    first = last;
+  }
+  return brief;
+}
+
+void add_event_log(report_page& page, const run_report& x) {
+  if (x.event_log.empty())
+    return;
+  page.heading("Event log");
+  table rows({{"seconds", align::right}, {"who"}, {"what"}});
+  const auto log = told_briefly(x.event_log);
+  const auto size = log.size();
+  const bool has_gap = size > log_head + log_tail;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (has_gap && i == log_head) {
+      i = size - log_tail;
+      rows.add_note("… " + counted(i - log_head, "line") + " left out");
+    }
+    const auto& line = log[i];
+    rows.add({{at_s(line.at), look::faint}, line.who, line.what});
+  }
+  add_rest(rows, x.event_log_left_out, 0);
+  page.add(rows);
+}
+
+void add_membership_notes(table& rows, const island_report& island) {
+  std::string absent;
+  for (const auto& mote : island.motes)
+    if (mote.joins && !mote.joined)
+      absent += (absent.empty() ? "" : ", ") + mote.name;
+  if (!absent.empty())
+    rows.add_note("  never joined: " + absent, look::bad);
+}
+
+/// `  led by kitchen-gateway: 2 times, 512.4 s, at the end; kitchen-gateway-2: ...`
+void add_lead_note(table& rows, const island_report& island) {
+  std::string text;
+  for (const auto& x : island.gateways) {
+    text += (text.empty() ? "" : "; ") + x.name + ": " + counted(x.lead.led, "time");
+    if (x.lead.led > 0)
+      text += ", " + at_s(instant(x.lead.leading)) + " s";
+    if (x.lead.leads)
+      text += ", at the end";
+  }
+  if (!text.empty())
+    rows.add_note("  led by " + text);
+}
+
+void add_measuring_note(table& rows, const run_report& island) {
+  if (const auto count = island.motes_measuring(); count > 0)
+    rows.add_note("  " + counted(count, "measuring mote"));
+}
+
+/// Without what nobody missed: copies for another radio, repeats of a frame already received, and
+/// what a radio without power could not hear.
+cause_counts really_lost(const radio_report& x) {
+  auto lost = x.lost;
+  lost.erase("filtered");
+  lost.erase("duplicate");
+  lost.erase("off");
+  return lost;
+}
+
+void add_loss_notes(table& rows, const island_report& island) {
+  const auto add = [&](const char* where, const std::string& what) {
+    if (!what.empty())
+      rows.add_note(where + what);
+  };
+  const auto in_range = "  of " + with_thousands(island.radio.sent) + " copies in range: ";
+  add(in_range.c_str(), causes(really_lost(island.radio)));
+  add("  radio gave up: ", causes(island.radio.mac_failed));
+  add("  lost on the cable: ", causes(island.serial.lost));
+  auto messages = island.messages.lost;
+  messages["open"] = island.messages.reliable_open;
+  messages["duplicates"] = island.messages.duplicates;
+  add("  messages: ", causes(messages));
+  add("  messages refused: ", causes(island.messages.refused));
+}
+
+void add_island_row(table& rows, const std::string& name, const run_report& part,
+                    const std::string& id) {
+  const auto radio = part.radio();
+  const auto messages = part.messages();
+  const auto alive = part.motes_alive();
+  const auto motes = part.motes_configured() + part.motes_measuring();
+  const bool only_measures = part.motes_configured() == 0 && motes > 0;
+  rows.add({{name, look::strong},
+            id,
+            with_thousands(motes),
+            only_measures ? "–" : with_thousands(part.motes_joined()),
+            {with_thousands(alive), alive < motes ? look::bad : look::plain},
+            with_thousands(messages.reliable_sent + messages.unreliable_sent),
+            with_thousands(messages.received),
+            share_of(messages.reliable_acked, messages.reliable_sent - messages.reliable_open),
+            with_thousands(radio.requests),
+            share_of(radio.mac_sent, radio.requests - radio.mac_open),
+            with_thousands(part.serial().frames_received)});
+}
+
+void add_islands(report_page& page, const run_report& x) {
+  if (x.islands.empty())
+    return;
+  page.heading("Islands");
+  table rows({{"island"},
+              {"id", align::right},
+              {"motes", align::right},
+              {"joined", align::right},
+              {"alive", align::right},
+              {"messages", align::right},
+              {"arrived", align::right},
+              {"acked", align::right},
+              {"frames", align::right},
+              {"sent", align::right},
+              {"serial", align::right}});
+  const auto shown = std::min(rows_max, x.islands.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    run_report alone;
+    alone.islands.push_back(x.islands[i]);
+    add_island_row(rows, x.islands[i].name, alone, to_string(x.islands[i].id));
+    add_membership_notes(rows, x.islands[i]);
+    add_measuring_note(rows, alone);
+    add_lead_note(rows, x.islands[i]);
+    add_loss_notes(rows, x.islands[i]);
+  }
+  add_rest(rows, x.islands.size(), shown);
+  if (x.islands.size() > 1)
+    add_island_row(rows, "all", x, "");
+  page.add(rows);
+}
+
+std::string in_us(duration x) {
+  return with_thousands(static_cast<std::uint64_t>(x / 1us)) + " µs";
+}
+
+void add_network(report_page& page, const run_report& x) {
+  const auto has_network = [](const island_report& island) { return island.network.beacons > 0; };
+  if (std::ranges::none_of(x.islands, has_network))
+    return;
+  page.heading("Network");
+  table rows({{"island"},
+              {"hops", align::right},
+              {"packets", align::right},
+              {"arrived", align::right},
+              {"forwarded", align::right},
+              {"channels", align::right},
+              {"carried", align::right},
+              {"beacons", align::right},
+              {"clock ±", align::right},
+              {"time ±", align::right},
+              {"state", align::right}});
+  const auto shown = std::min(rows_max, x.islands.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& part = x.islands[i].network;
+    rows.add({{x.islands[i].name, look::strong},
+              with_thousands(part.hops_max),
+              with_thousands(part.packets),
+              with_thousands(part.arrived),
+              with_thousands(part.forwarded),
+              with_thousands(part.channels_opened),
+              with_thousands(part.channel_packets_arrived),
+              with_thousands(part.beacons),
+              part.synchronised > 0 ? in_us(part.clock_error_max) : "–",
+              part.aligned > 0 ? in_us(part.time_error_max) : "–",
+              with_thousands(part.state_octets) + " B"});
+    if (const auto lost = causes(part.lost); !lost.empty())
+      rows.add_note("  lost: " + lost);
+  }
+  add_rest(rows, x.islands.size(), shown);
+  page.add(rows);
+}
+
+/// A mote and the island it lives in.
+struct mote_entry {
+  const island_report* island;
+  const mote_report* mote;
+};
+
+std::vector<mote_entry> hungriest_first(const run_report& x) {
+  std::vector<mote_entry> entries;
+  for (const auto& island : x.islands)
+    for (const auto& mote : island.motes)
+      entries.push_back({&island, &mote});
+  std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
+    return a.mote->energy.used_mah > b.mote->energy.used_mah;
+  });
+  return entries;
+}
+
+std::string projected_life(const mote_report& x) {
+  const auto& use = x.energy;
+  const auto powered = use.radio_off + use.radio_listen + use.radio_receive + use.radio_transmit;
+  if (!x.alive)
+    return x.left_cause.empty() ? "✗" : "✗ " + x.left_cause;
+  if (!(use.used_mah > 0) || powered <= 0s)
+    return "–";
+  return life_time(seconds(powered) / 3600 * use.battery_mah / use.used_mah);
+}
+
+/// Digits after the point that suit the largest of the figures.
+int decimals_for(double largest_mah) {
+  return largest_mah < 10 ? 3 : largest_mah < 100 ? 2 : 1;
+}
+
+void add_energy_row(table& rows, const mote_entry& entry, int decimals) {
+  const auto& mote = *entry.mote;
+  const auto& x = mote.energy;
+  const auto radio_on = x.radio_listen + x.radio_receive + x.radio_transmit;
+  const auto radio_all = seconds(radio_on + x.radio_off);
+  rows.add({entry.island->name + '/' + mote.name,
+            fixed(x.used_mah, decimals),
+            percent(x.used_mah, x.battery_mah),
+            {projected_life(mote), mote.alive ? look::plain : look::bad},
+            percent(seconds(radio_on), radio_all),
+            percent(seconds(x.radio_transmit), radio_all),
+            percent(seconds(x.mcu_active), seconds(x.mcu_active + x.mcu_sleep))});
+}
+
+void add_energy(report_page& page, const run_report& x) {
+  const auto entries = hungriest_first(x);
+  if (entries.empty())
+    return;
+  page.heading("Energy");
+  const auto decimals = decimals_for(entries.front().mote->energy.used_mah);
+  const auto many = entries.size() > motes_listed_max;
+  if (many) {
+    const auto mah = [&](std::size_t i) {
+      return fixed(entries[i].mote->energy.used_mah, decimals);
+    };
+    page.flow({"all motes " + fixed(x.used_mah(), decimals) + " mAh",
+               "least " + mah(entries.size() - 1), "median " + mah(entries.size() / 2),
+               "most " + mah(0)});
+  }
+  table rows({{many ? "hungriest" : "mote"},
+              {"mAh", align::right},
+              {"battery", align::right},
+              {"lasts", align::right},
+              {"radio", align::right},
+              {"sending", align::right},
+              {"CPU", align::right}});
+  const auto shown = many ? hungriest_shown : entries.size();
+  for (std::size_t i = 0; i < shown; ++i)
+    add_energy_row(rows, entries[i], decimals);
+  add_rest(rows, entries.size(), shown);
+  page.add(rows);
+}
+
+/// `22.3 C` as number and unit; a text without a number is all number.
+std::pair<std::string, std::string> number_and_unit(const std::string& value) {
+  const auto blank = value.find(' ');
+  const bool starts_as_number = value.find_first_of("0123456789") <= 1;
+  if (!starts_as_number || blank == std::string::npos)
+    return {value, ""};
+  return {value.substr(0, blank), value.substr(blank + 1)};
+}
+
+void add_proxies(report_page& page, const run_report& x) {
+  if (x.proxies.empty())
+    return;
+  page.heading("What the proxies say");
+  table rows({{"proxy"}, {"name"}, {"value", align::point}, {"unit"}, {"status"}});
+  std::size_t row_count = 0;
+  for (const auto& proxy : x.proxies) {
+    cell name = proxy.name;
+    cell status{proxy.status, proxy.status == "active" ? look::good : look::bad};
+    auto values = proxy.values;
+    if (values.empty())
+      values.emplace_back("–", "");
+    for (const auto& [key, value] : values) {
+      if (row_count++ >= rows_max)
+        continue;
+      const auto [number, unit] = number_and_unit(value);
+      rows.add({std::exchange(name, {}), key, number, unit, std::exchange(status, {})});
+    }
+  }
+  add_rest(rows, row_count, rows_max);
+  page.add(rows);
+}
+
+void add_actuations(report_page& page, const run_report& x) {
+  actuation_report all;
+  for (const auto& proxy : x.proxies)
+    all += proxy.actuations;
+  if (all.requested == 0)
+    return;
+  page.heading("Actuations");
+  table rows({{"proxy"},
+              {"requested", align::right},
+              {"acknowledged", align::right},
+              {"median", align::right},
+              {"99 %", align::right},
+              {"slowest", align::right},
+              {"failed"}});
+  std::size_t row_count = 0;
+  for (const auto& proxy : x.proxies) {
+    const auto& actuations = proxy.actuations;
+    if (actuations.requested == 0 || row_count++ >= rows_max)
+      continue;
+    rows.add({proxy.name,
+              with_thousands(actuations.requested),
+              with_thousands(actuations.acknowledged),
+              real_time(actuations.latency.quantile_ms(0.5) / 1e3),
+              real_time(actuations.latency.quantile_ms(0.99) / 1e3),
+              real_time(seconds(actuations.slowest)),
+              {causes(actuations.failed), look::bad}});
+  }
+  add_rest(rows, row_count, rows_max);
+  if (row_count > 1)
+    rows.add({{"all", look::strong},
+              with_thousands(all.requested),
+              with_thousands(all.acknowledged),
+              real_time(all.latency.quantile_ms(0.5) / 1e3),
+              real_time(all.latency.quantile_ms(0.99) / 1e3),
+              real_time(seconds(all.slowest)),
+              {causes(all.failed), look::bad}});
+
+  page.add(rows);
+}
+
+void add_peers(report_page& page, const run_report& x) {
+  if (x.peers.empty())
+    return;
+  page.heading("PEIS network");
+  table rows({{"peer"},
+              {"id", align::right},
+              {"links", align::right},
+              {"hosts known", align::right},
+              {"tuples", align::right},
+              {"packages", align::right},
+              {"lost"}});
+  const auto shown = std::min(rows_max, x.peers.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& peer = x.peers[i];
+    rows.add({peer.alive ? peer.name : peer.name + " (ended)", to_string(peer.id),
+              with_thousands(peer.links), with_thousands(peer.hosts_known),
+              with_thousands(peer.tuples), with_thousands(peer.peis.packages),
+              causes(peer.peis.lost)});
+  }
+  add_rest(rows, x.peers.size(), shown);
+  page.add(rows);
+  table limits({{"peer"}, {"its limits have refused or put off"}});
+  for (std::size_t i = 0; i < shown; ++i) {
+    if (!x.peers[i].limits.empty())
+      limits.add({x.peers[i].name, causes(x.peers[i].limits)});
+  }
+  page.add(limits);
+}
+
+void add_verdict(report_page& page, const run_report& x) {
+  page.heading("Verdict");
+  page.flow({counted(x.actors.spawned, "actor"), with_thousands(x.actors.restarted) + " restarted",
+             octet_size(x.serial().octets) + " over serial lines",
+             with_thousands(x.radio().transmissions) + " radio transmissions"});
+  table failures({{"failed actor"}});
+  const auto shown_failures = std::min(failures_shown, x.actors.failures.size());
+  for (std::size_t i = 0; i < shown_failures; ++i)
+    failures.add({x.actors.failures[i]});
+  add_rest(failures, x.actors.failures.size(), shown_failures);
+  page.add(failures);
+  if (x.violations.empty()) {
+    page.line(x.interrupted ? "  ✓ no violations until it was interrupted" : "  ✓ no violations",
+              look::good);
+    return;
+  }
+  page.line("  ✗ " + counted(x.violations.size(), "violation"), look::bad);
+  table rows({{"seconds", align::right}, {"invariant"}, {"detail"}});
+  const auto shown = std::min(violations_shown, x.violations.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& violation = x.violations[i];
+    rows.add(
+        {{at_s(violation.at), look::faint}, {violation.invariant, look::bad}, violation.detail});
+  }
+  add_rest(rows, x.violations.size(), shown);
+  page.add(rows);
+}
+
+} // namespace
+
+std::string to_text(const run_report& x, std::size_t width, bool colour) {
+  report_page page(width, colour);
+  add_title(page, x);
+  add_event_log(page, x);
+  add_islands(page, x);
+  add_network(page, x);
+  add_flows(page, x);
+  add_deliveries(page, x);
+  add_streams(page, x);
+  add_programs(page, x);
+  add_energy(page, x);
+  add_proxies(page, x);
+  add_actuations(page, x);
+  add_peers(page, x);
+  add_expectations(page, x);
+  add_verdict(page, x);
+  return page.finish();
+}
+
+} // namespace rubicon::report

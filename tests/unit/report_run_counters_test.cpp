@@ -1,0 +1,205 @@
+#include "report/invariants.hpp"
+#include "report/run_counters.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::report;
+
+namespace {
+
+const mote_address fan{island_id{3}, mote_id{4}};
+const mote_address button{island_id{3}, mote_id{5}};
+
+run_report of(const run_counters& all) {
+  run_report x;
+  x.islands.emplace_back();
+  x.islands[0].id = island_id{3};
+  x.islands[0].name = "kitchen";
+  for (const auto& who : {fan, button}) {
+    mote_report mote;
+    mote.address = who;
+    x.islands[0].motes.push_back(mote);
+  }
+  all.settle(x);
+  return x;
+}
+
+stream_part writer(std::uint64_t records, std::uint64_t unwritten, std::uint32_t last_ms) {
+  stream_part x;
+  x.stream = 7;
+  x.writes = true;
+  x.writer_name = "kitchen/fan";
+  x.reader_name = "robot";
+  x.records = records;
+  x.unwritten = unwritten;
+  x.openings = 1;
+  x.opens_failed = 2;
+  x.open = true;
+  x.steady = 1h;
+  x.last_ms = last_ms;
+  x.every = 1s;
+  return x;
+}
+
+stream_part reader(std::uint64_t records, std::uint32_t last_ms) {
+  stream_part x;
+  x.stream = 7;
+  x.reader_name = "robot";
+  x.records = records;
+  x.openings = 1;
+  x.open = true;
+  x.steady = 1h;
+  x.first_ms = last_ms - 10'000;
+  x.last_ms = last_ms;
+  x.every = 1s;
+  x.pause = 3s;
+  return x;
+}
+
+program_report reader_figures(double records) {
+  return {"robot",
+          "stream_reader",
+          {{"records", records}, {"records missing", 0}, {"delivery %", 100}}};
+}
+
+double figure(const program_report& x, const std::string& name) {
+  for (const auto& [each, value] : x.figures)
+    if (each == name)
+      return value;
+  FAIL("no figure " << name);
+  return 0;
+}
+
+} // namespace
+
+TEST_CASE("lives of a program are added up, what it measures is the last one's",
+          "[report][run_counters]") {
+  run_counters all;
+  all.add({"kitchen/fan", "average", {{"records read", 3}, {"error", 7}}}, 1, {"error"}, {});
+  all.add({"kitchen/fan", "average", {{"records read", 4}, {"error", 5}}}, 1, {"error"}, {});
+  all.add({"kitchen/fan", "average", {{"records read", 9}}}, 2, {}, {});
+  all.add({"robot", "goal", {{"goals", 1}}}, 0, {}, {});
+  all.add({"robot", "goal", {{"goals", 2}}}, 0, {}, {});
+  const auto x = of(all);
+  REQUIRE(x.programs.size() == 4);
+  CHECK(figure(x.programs[0], "records read") == 7);
+  CHECK(figure(x.programs[0], "error") == 5);
+  CHECK(figure(x.programs[1], "records read") == 9);
+  CHECK(figure(x.programs[3], "goals") == 2);
+}
+
+TEST_CASE("a stream's delivery is what its writer produced, over all lives",
+          "[report][run_counters]") {
+  run_counters all;
+  all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {writer(300, 10, 300'000)});
+  all.add(reader_figures(280), 1, {"delivery %"}, {reader(280, 290'000)});
+  all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {writer(100, 0, 410'000)});
+  all.add(reader_figures(95), 1, {"delivery %"}, {reader(95, 408'000)});
+  const auto x = of(all);
+  REQUIRE(x.streams.size() == 1);
+  const auto& stream = x.streams[0];
+  CHECK(stream.from == "kitchen/fan");
+  CHECK(stream.produced == 400);
+  CHECK(stream.written == 390);
+  CHECK(stream.read == 375);
+  CHECK(stream.open == 2); // the newest that was read is 2 s older than the newest that was written
+  CHECK(stream.missing == 23);
+  CHECK(stream.openings == 2);
+  CHECK(stream.opens_failed == 4);
+  CHECK(stream.pause == 108s); // between the last record of one life and the first of the next
+  CHECK(all.half_open().empty());
+  CHECK(*stream.delivery() == Approx(375.0 / 398));
+  REQUIRE(x.programs.size() == 2);
+  CHECK(figure(x.programs[1], "records") == 375);
+  CHECK(figure(x.programs[1], "records missing") == 23);
+  CHECK(figure(x.programs[1], "delivery %") == Approx(100 * 375.0 / 398));
+}
+
+TEST_CASE("a stream that is open at one end only is half open", "[report][run_counters]") {
+  run_counters all;
+  auto closed = reader(60, 69'000);
+  closed.open = false;
+  closed.steady = 11min;
+  all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {writer(100, 0, 100'000)});
+  CHECK(all.half_open().empty()); // nobody here reads it
+  all.add(reader_figures(60), 1, {}, {closed});
+  const auto found = all.half_open();
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].open_at == "kitchen/fan");
+  CHECK(found[0].closed_at == "robot");
+  CHECK(found[0].steady == 11min);
+  CHECK(check_streams({}, found).size() == 1);
+  closed.open = true;
+  all.add(reader_figures(60), 1, {}, {closed});
+  CHECK(all.half_open().empty());
+}
+
+TEST_CASE("what is older than half a minute is no more in flight", "[report][run_counters]") {
+  run_counters all;
+  all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {writer(100, 0, 100'000)});
+  all.add(reader_figures(60), 1, {}, {reader(60, 69'000)});
+  CHECK(of(all).streams[0].open == 0);
+  CHECK(of(all).streams[0].missing == 40);
+}
+
+TEST_CASE("a reader whose writer is nobody of this run goes by its own clock",
+          "[report][run_counters]") {
+  run_counters all;
+  all.add({"robot", "stream_reader", {{"records", 5}, {"records missing", 2}}}, 1, {},
+          {reader(5, 5'000)});
+  const auto x = of(all);
+  CHECK(figure(x.programs[0], "records missing") == 2);
+  CHECK_FALSE(x.streams[0].delivery());
+}
+
+TEST_CASE("messages are added up over lives, and arrivals are told by those they came to",
+          "[report][run_counters]") {
+  message_report life;
+  life.offered = 12;
+  life.refused = {{"crowded", 2}};
+  life.unreliable_sent = 10;
+  run_counters all;
+  all.add(fan, false, life, {});
+  all.add(fan, false, life, {{button, 1}});
+  all.add({island_id{3}, no_mote}, false, {}, {{fan, 17}});
+  all.add({island_id{30}, no_mote}, true, life, {{fan, 1}});
+  const auto x = of(all);
+  const auto& sum = x.islands[0].motes[0].messages;
+  CHECK(sum.offered == 24);
+  CHECK(sum.refused.at("crowded") == 4);
+  CHECK(sum.unreliable_arrived == 18);
+  CHECK(sum.lost.at("in_transit") == 2);
+  CHECK(*sum.delivery() == Approx(18.0 / 24));
+  CHECK(x.islands[0].messages.offered == 24);
+  CHECK(x.pc_messages.offered == 12);
+  CHECK(x.messages().offered == 36);
+  CHECK(check_messages(x).empty());
+}
+
+TEST_CASE("actuations of a proxy that is started again are kept", "[report][run_counters]") {
+  run_counters all;
+  proxy_report life{"kitchen.fan", "fan", "ended", {}, {3, 2, 10ms, {}, {{"proxy_ended", 1}}}};
+  all.add(life, true);
+  CHECK(of(all).proxies.at(0).status == "ended");
+  all.add({"kitchen.fan", "fan", "active", {{"switch", "on"}}, {2, 2, 5ms, {}, {}}}, false);
+  all.add(life, true); // told late
+  const auto x = of(all);
+  REQUIRE(x.proxies.size() == 1);
+  CHECK(x.proxies[0].status == "active");
+  CHECK(x.proxies[0].values.size() == 1);
+  CHECK(x.proxies[0].actuations.requested == 8);
+  CHECK(x.proxies[0].actuations.acknowledged == 6);
+  CHECK(x.proxies[0].actuations.slowest == 10ms);
+  CHECK(check_actuations(x).empty());
+}
+
+TEST_CASE("a packet of a channel that did not arrive is lost, one that was repeated is not",
+          "[report][run_counters]") {
+  run_report x;
+  x.islands.emplace_back();
+  x.islands[0].network.channel_packets = 100;
+  x.islands[0].network.channel_packets_arrived = 97;
+  x.islands[0].network.lost["channel_lost"] = 43; // acknowledgements that did not come
+  run_counters{}.settle(x);
+  CHECK(x.islands[0].network.lost.at("channel_lost") == 3);
+}
