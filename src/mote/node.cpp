@@ -412,25 +412,24 @@ void node::settle(node_outputs& out, instant now) {
 }
 
 void node::perform(communication::layer_output& x, node_outputs& out, instant now) {
-  namespace to = communication;
   std::visit(overloads{
                  [&](transport::to_network& y) {
                    const acting_on its(y.from);
                    route(y, out, now);
                  },
-                 [&](const to::channel_wanted& y) { connect(y, out, now); },
-                 [&](to::channel_packet& y) {
+                 [&](const communication::channel_wanted& y) { connect(y, out, now); },
+                 [&](communication::channel_packet& y) {
                    const acting_on its(y.from);
                    pace(std::move(y), out, now);
                  },
-                 [&](const to::channel_unwanted& y) {
+                 [&](const communication::channel_unwanted& y) {
                    take(packets_.router().disconnect(channel_of(y.channel), now), out, now);
                  },
-                 [&](const to::sample_wanted& y) { carry_out(y, now); },
-                 [&](const to::transducers_wanted& y) { carry_out(y, now); },
-                 [&](const to::actuator_wanted& y) { carry_out(y, out, now); },
-                 [&](const to::init_wanted&) { use_layer().on_initialised(true, now); },
-                 [&](const to::join_wanted& y) { ask_to_join(y.description, out, now); },
+                 [&](const communication::sample_wanted& y) { carry_out(y, now); },
+                 [&](const communication::transducers_wanted& y) { carry_out(y, now); },
+                 [&](const communication::actuator_wanted& y) { carry_out(y, out, now); },
+                 [&](const communication::init_wanted&) { use_layer().on_initialised(true, now); },
+                 [&](const communication::join_wanted& y) { ask_to_join(y.description, out, now); },
              },
              x);
 }
