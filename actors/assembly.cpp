@@ -9,6 +9,7 @@
 #include "actors/serial_line.hpp"
 #include "actors/sink.hpp"
 #include "apps/tables.hpp"
+#include "scheduler/coordinator.hpp"
 #include "scheduler/spawn.hpp"
 
 namespace rubicon {
@@ -104,9 +105,9 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
 
 serial_line_actor spawn_line(ecology_pointer self, island_id island, const std::string& path,
                              const serial::line_config& config) {
-  return spawn_child(self, path, serial_line,
+  return spawn_child(*self->state.processes.at(island), self, path, serial_line,
                      serial::line(config, random_stream(self->state.description.seed, path)),
-                     island, handle_of(self));
+                     config.latency, island, handle_of(self));
 }
 
 /// The serial lines, sink and gateways of an island.
@@ -164,8 +165,8 @@ void spawn_measuring_sink(ecology_pointer self, const config::island_description
   x.air = air;
   x.ecology = handle_of(self);
   const auto path = "mote/" + x.name;
-  spawn_child(self, path, mote_behavior, std::make_shared<const mote_arguments>(std::move(x)),
-              mote::nonvolatile{});
+  spawn_child(*self->state.processes.at(island.id), self, path, mote_behavior,
+              std::make_shared<const mote_arguments>(std::move(x)), mote::nonvolatile{});
 }
 
 radio::radio_config radio_of(const config::island_description& island) {
@@ -313,10 +314,35 @@ std::vector<std::uint32_t> add_noises(ecology_pointer self, const config::air_de
   return found;
 }
 
+/// What is at one place: its islands meet each other in the air, and the PCs over their cables.
+scheduler::process& add_process(ecology_pointer self, const config::air_description& air) {
+  auto& state = self->state;
+  auto& scheduler = *scheduler::coordinator::of(self->system());
+  auto latency = duration::max();
+  for (const auto id : air.islands) {
+    const auto& island = described(self, id);
+    if (island.stack != config::stack::full)
+      continue;
+    latency = std::min(latency, island.serial.latency);
+    for (const auto& alias : island.aliases)
+      latency = std::min(latency, alias.serial.latency);
+  }
+  // Without latency neither side may be ahead of the other.
+  auto& its = latency == duration{} ? *state.pcs : scheduler.add_process();
+  if (latency > duration{} && latency < duration::max()) {
+    scheduler.link(its, *state.pcs, latency);
+    scheduler.link(*state.pcs, its, latency);
+  }
+  for (const auto id : air.islands)
+    state.processes[id] = &its;
+  return its;
+}
+
 /// The air of one place, and the bridges and motes of its islands.
 void spawn_place(ecology_pointer self, const config::air_description& air) {
   auto& state = self->state;
   const auto& description = state.description;
+  auto& process = add_process(self, air);
   const auto path = "air/" + air.name;
   radio::channel channel(description.radio, random_stream(description.seed, path));
   std::vector<mote_address> addresses;
@@ -339,7 +365,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
   const auto extra = add_noises(self, air, channel);
   channel.shrink();
   const radio::radio_index first_noise{static_cast<std::uint32_t>(addresses.size())};
-  const auto medium = spawn_child(self, path, rubicon::air, std::move(channel),
+  const auto medium = spawn_child(process, self, path, rubicon::air, std::move(channel),
                                   std::move(addresses), extra_radios{motes.size(), extra.size()},
                                   description.seed, handle_of(self), state.observe_frames);
   for (std::uint32_t i = 0; i < extra.size(); ++i)
@@ -404,8 +430,8 @@ void spawn_kernels(ecology_pointer self) {
 /// The simulated network: it has nothing to report.
 void spawn_lan(ecology_pointer self) {
   const auto& description = self->state.description;
-  self->state.lan = scheduler::spawn_at<caf::monitored>(self, "peis_lan", peis_lan,
-                                                        description.peis, description.seed);
+  self->state.lan = scheduler::spawn_in<caf::monitored>(
+      *self->state.pcs, self, "peis_lan", peis_lan, description.peis, description.seed);
   ++self->state.report.actors.spawned;
   self->state.names.emplace(self->state.lan.address(), "peis_lan");
 }
@@ -416,8 +442,9 @@ void spawn_bluetooth(ecology_pointer self) {
   if (std::ranges::all_of(description.peers,
                           [](const auto& peer) { return peer.bluetooth.empty(); }))
     return;
-  self->state.bluetooth = scheduler::spawn_at<caf::monitored>(
-      self, "peis_bluetooth", peis_bluetooth, description.peis, description.bluetooth_devices);
+  self->state.bluetooth =
+      scheduler::spawn_in<caf::monitored>(*self->state.pcs, self, "peis_bluetooth", peis_bluetooth,
+                                          description.peis, description.bluetooth_devices);
   ++self->state.report.actors.spawned;
   self->state.names.emplace(self->state.bluetooth.address(), "peis_bluetooth");
 }
@@ -444,7 +471,8 @@ std::int64_t line_slowness(const config::island_description& island) {
 }
 
 void spawn_program(ecology_pointer self, const supervised_mote& mote, supervised_program& x) {
-  x.handle = spawn_child(self, x.path, program_behavior, x.arguments, std::uint32_t{x.incarnation});
+  x.handle = spawn_child(*self->state.processes.at(mote.arguments->address.island), self, x.path,
+                         program_behavior, x.arguments, std::uint32_t{x.incarnation});
   if (mote.handle)
     self->send(x.handle, mote_started{{mote.handle}});
 }
@@ -455,17 +483,17 @@ void spawn_sink(ecology_pointer self, supervised_sink& x) {
     --self->state.report.actors.spawned;
   }
   x.changed = now(self);
-  x.handle =
-      spawn_child(self, x.path, sink, sink_arguments{*x.arguments}, mote::nonvolatile{x.store});
+  x.handle = spawn_child(*self->state.processes.at(x.arguments->address.island), self, x.path, sink,
+                         sink_arguments{*x.arguments}, mote::nonvolatile{x.store});
 }
 
 void spawn_mote(ecology_pointer self, supervised_mote& mote) {
   auto& actors = self->state.report.actors;
   ++(mote.store.starts == 0 ? actors.spawned : actors.restarted);
   mote.changed = now(self);
-  mote.handle =
-      scheduler::spawn_at<caf::monitored>(self, "mote/" + mote.arguments->name, mote_behavior,
-                                          mote.arguments, mote::nonvolatile{mote.store});
+  mote.handle = scheduler::spawn_in<caf::monitored>(
+      *self->state.processes.at(mote.arguments->address.island), self,
+      "mote/" + mote.arguments->name, mote_behavior, mote.arguments, mote::nonvolatile{mote.store});
   for (const auto& x : mote.programs) {
     if (x.handle)
       self->send(x.handle, mote_started{{mote.handle}});
@@ -475,6 +503,7 @@ void spawn_mote(ecology_pointer self, supervised_mote& mote) {
 void assemble(ecology_pointer self) {
   const auto& description = self->state.description;
   self->state.answer_slack = answer_slack_of(description);
+  self->state.pcs = &scheduler::coordinator::of(self->system())->add_process();
   for (const auto& island : description.islands)
     self->state.traffic[island.id] = traffic_in(self, island);
   spawn_lan(self);

@@ -34,8 +34,10 @@ void adopt(ecology_pointer self, std::string path, const Handle& handle) {
 
 /// Spawns a monitored child that reports to the ecology.
 template <class Fun, class... Args>
-auto spawn_child(ecology_pointer self, std::string path, Fun fun, Args&&... args) {
-  auto handle = scheduler::spawn_at<caf::monitored>(self, path, fun, std::forward<Args>(args)...);
+auto spawn_child(scheduler::process& where, ecology_pointer self, std::string path, Fun fun,
+                 Args&&... args) {
+  auto handle =
+      scheduler::spawn_in<caf::monitored>(where, self, path, fun, std::forward<Args>(args)...);
   adopt(self, std::move(path), handle);
   return handle;
 }

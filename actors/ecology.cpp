@@ -429,8 +429,8 @@ struct fault_applier : peer_fault_applier {
     const auto& arguments = state.successors.at(index);
     const auto path = "mote/" + arguments->name;
     note_event(self, path, "appears, with the id of " + find_mote(self, x.mote)->arguments->name);
-    second.handle =
-        spawn_child(self, path, mote_behavior, arguments, mote::nonvolatile{second.store});
+    second.handle = spawn_child(*state.processes.at(arguments->address.island), self, path,
+                                mote_behavior, arguments, mote::nonvolatile{second.store});
     if (x.length)
       self->delayed_send(self, *x.length, end_fault{index});
   }

@@ -166,6 +166,8 @@ struct ecology_state : collected_answers {
   std::map<std::uint32_t, std::shared_ptr<const mote_arguments>> successors;
   std::map<std::pair<island_id, std::size_t>, serial_line_actor> lines; ///< of sinks, numbered
   std::shared_ptr<const rfid::tags> tags; ///< of the world; nullptr until a reader needs them
+  scheduler::process* pcs = nullptr;      ///< of all peers, and of the networks between them
+  std::map<island_id, scheduler::process*> processes;
   peis_lan_actor lan;
   peis_bluetooth_actor bluetooth;                    ///< nullptr: no peer has an adapter
   std::map<std::string, supervised_peer> peers;      ///< by name

@@ -25,6 +25,13 @@ peer_id id_of(gateway_pointer self) {
   return arguments.self == any_peer ? gateway_of(arguments.config.island) : arguments.self;
 }
 
+/// What the gateway writes is at the line when the adapter has it.
+template <class Message>
+void to_adapter(gateway_pointer self, Message x) {
+  const auto& arguments = self->state.arguments;
+  self->delayed_send(arguments.line, arguments.port.latency, std::move(x));
+}
+
 struct performer {
   gateway_pointer self;
 
@@ -105,8 +112,7 @@ struct performer {
 
   void operator()(serial::to_line& x) const {
     const acting_on its(x.from);
-    self->send(self->state.arguments.line,
-               serial_write{serial::direction::to_mote, payload(std::move(x.octets))});
+    to_adapter(self, serial_write{serial::direction::to_mote, payload(std::move(x.octets))});
   }
 
   void operator()(const serial::received& x) const {
@@ -230,7 +236,7 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   observe_programs(self, state.gateway);
   state.port = serial::host_port(state.arguments.port);
   const auto client = caf::actor_cast<peis_client_actor>(self);
-  self->send(state.arguments.line,
+  to_adapter(self,
              attach_serial{serial::direction::to_pc, {caf::actor_cast<serial_end_actor>(self)}});
   std::vector<std::uint16_t> ports{gateway::announcement_port, communication::island_message_port};
   if (!state.gateway.lead().alone())

@@ -10,6 +10,7 @@
 
 #include "actors/timer.hpp"
 #include "core/printable.hpp"
+#include "scheduler/process.hpp"
 
 namespace rubicon {
 
@@ -24,10 +25,11 @@ void log_as(Self* self, std::string_view who, spdlog::level::level_enum level,
   if (!logger->should_log(level))
     return;
   static constexpr std::string_view letters = "TDIWECO";
-  const auto line =
-      fmt::format("{} {} {} {}", to_text(now(self)), letters[static_cast<std::size_t>(level)], who,
-                  fmt::format(format, std::forward<Args>(args)...));
-  logger->log(level, "{}", printable(line, log_octets_max));
+  auto line = printable(fmt::format("{} {} {} {}", to_text(now(self)),
+                                    letters[static_cast<std::size_t>(level)], who,
+                                    fmt::format(format, std::forward<Args>(args)...)),
+                        log_octets_max);
+  self->where()->say([logger, level, text = std::move(line)] { logger->log(level, "{}", text); });
 }
 
 /// The actor itself.

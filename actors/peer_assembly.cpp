@@ -176,9 +176,10 @@ struct peer_app_spawner {
     arguments.ecology = ecology_handle(self);
     arguments.layer = layer;
     arguments.peer_name = peer.name;
-    add(spawn_child(self, "proxy_manager/" + peer.name, proxy_manager, std::move(arguments)));
+    add(spawn_child(*self->state.pcs, self, "proxy_manager/" + peer.name, proxy_manager,
+                    std::move(arguments)));
     if (x.objects)
-      add(spawn_child(self, "object_manager/" + peer.name, object_manager,
+      add(spawn_child(*self->state.pcs, self, "object_manager/" + peer.name, object_manager,
                       self->state.description.proxies, peer.handle, ecology_handle(self)));
   }
 
@@ -220,7 +221,8 @@ struct peer_app_spawner {
     arguments.lock = x.lock;
     arguments.peer = peer.handle;
     arguments.ecology = ecology_handle(self);
-    peer.init = spawn_child(self, "init/" + peer.name, init_behavior, std::move(arguments));
+    peer.init = spawn_child(*self->state.pcs, self, "init/" + peer.name, init_behavior,
+                            std::move(arguments));
     add(peer.init);
   }
 
@@ -244,7 +246,7 @@ struct peer_app_spawner {
   template <class Core, class... Arguments>
   void add_component(const std::string& kind, Arguments&&... arguments) const {
     add(spawn_child(
-        self, path(kind), component_behavior,
+        *self->state.pcs, self, path(kind), component_behavior,
         component_arguments{std::make_shared<Core>(std::forward<Arguments>(arguments)...),
                             peer.name, kind, peer.id, peer.handle, ecology_handle(self)}));
   }
@@ -277,7 +279,7 @@ void spawn_kernel(ecology_pointer self, supervised_peer& peer, const std::string
                   description.place, bluetooth_port_of(self, description), {}};
   }
   x.ecology = ecology_handle(self);
-  peer.handle = spawn_child(self, path, peis_peer, std::move(x));
+  peer.handle = spawn_child(*self->state.pcs, self, path, peis_peer, std::move(x));
   peer.changed = now(self);
   peer.powered = true;
   peer.begun = true;
@@ -313,7 +315,7 @@ pc_actor spawn_pc(ecology_pointer self, supervised_peer& peer,
   x.seed = self->state.description.seed;
   x.peer = peer.handle;
   x.ecology = ecology_handle(self);
-  auto layer = spawn_child(self, "pc/" + peer.name, pc, std::move(x));
+  auto layer = spawn_child(*self->state.pcs, self, "pc/" + peer.name, pc, std::move(x));
   peer.programs.push_back(caf::actor_cast<caf::actor>(layer));
   return layer;
 }
@@ -365,8 +367,8 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   gateway.line = self->state.lines.at({island.id, peer.line});
   gateway.ecology = ecology_handle(self);
   const auto path = "gateway/" + island.name + (is_alias ? '/' + peer.name : std::string());
-  peer.programs.push_back(
-      caf::actor_cast<caf::actor>(spawn_child(self, path, gateway_behavior, std::move(gateway))));
+  peer.programs.push_back(caf::actor_cast<caf::actor>(
+      spawn_child(*self->state.pcs, self, path, gateway_behavior, std::move(gateway))));
 }
 
 } // namespace rubicon

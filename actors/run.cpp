@@ -32,29 +32,37 @@ constexpr duration goodbye_time = 200ms;
 /// How long inits may take to stop their components (SVC-05).
 constexpr duration stop_time_max = 4s;
 
-scheduler::world_options world_options_of(config::run_mode mode, double speed) {
+scheduler::world_options world_options_of(config::run_mode mode, double speed,
+                                          const run_options& options) {
   scheduler::world_options x;
   x.mode = mode == config::run_mode::wall ? scheduler::time_mode::wall
                                           : scheduler::time_mode::virtual_time;
   x.speed = speed;
+  x.threads = options.threads;
+  x.in_order =
+      !options.pcap_folder.empty(); // frames are captured as they end, by whoever sees them
   return x;
 }
 
-/// Runs to `end` in steps short enough for a progress bar; steps change the order of nothing.
+/// Runs to `end` in steps short enough for a progress bar; steps change nothing.
 scheduler::stop_cause run_with_progress(scheduler::world& world, instant end,
                                         const run_options& options, double speed) {
   if (!options.progress)
     return world.run_until(end);
-  constexpr int steps = 500;
-  auto step = std::max<duration>(end.time_since_epoch() / steps, 1ms);
-  if (speed > 0) // paced: at least ten steps a real second
-    step =
-        std::min(step, std::max<duration>(duration(static_cast<std::int64_t>(speed * 1e8)), 1ms));
-  for (;;) {
-    const auto cause = world.run_until(std::min(end, world.now() + step));
+  // Some ten steps a real second, however fast time passes: whoever runs ahead stops at each.
+  constexpr duration step_min = 1ms;
+  const duration step_max =
+      speed > 0 ? std::max(duration(static_cast<std::int64_t>(speed * 1e8)), step_min)
+                : end.time_since_epoch();
+  for (auto step = step_min;;) {
+    const auto started = steady::now();
+    const auto cause = world.run_until(std::min(end, parallel::later(world.now(), step)));
     options.progress({world.now(), end, world.trace().events()});
     if (cause != scheduler::stop_cause::reached_end || world.now() >= end)
       return cause;
+    const auto took = steady::now() - started;
+    step = took < 50ms ? std::min(2 * step, step_max)
+                       : std::max(took > 200ms ? step / 2 : step, step_min);
   }
 }
 
@@ -120,10 +128,11 @@ public:
         if (record_)
           record_->write(x);
       });
-    if (debug_ || record_ || judge_ != nullptr)
+    if (judge_ !=
+        nullptr) // peers, whom one thread at a time executes, are the only ones with tuples
+      trace.watch([this](const scheduler::delivery& x) { tell_tuple(*judge_, x); });
+    if (debug_ || record_)
       trace.observe([this](const scheduler::delivery& x) {
-        if (judge_ != nullptr)
-          tell_tuple(*judge_, x);
         if (debug_)
           debug_->write(x);
         if (record_)
@@ -172,7 +181,8 @@ public:
       : judge_(judge), description_(description), options_(options), report_(report),
         wall_(description.mode == config::run_mode::wall),
         speed_(wall_ && options.speed == 0 ? 1 : options.speed),
-        world_(world_options_of(description.mode, speed_)), inits_run_(has_init(description)) {
+        world_(world_options_of(description.mode, speed_, options)),
+        inits_run_(has_init(description)) {
     files.watch(world_.trace());
     if (options.handle_signals)
       signals_.emplace(world_.loop(), [this](int) { world_.request_stop(); });

@@ -26,6 +26,8 @@ struct run_options {
   std::optional<config::run_mode> mode;
   double speed = 0;         ///< ecology seconds per real second; 0: virtual as fast as possible,
                             ///< wall 1
+  unsigned threads = 1;     ///< that execute islands and PCs at the same time, in virtual time;
+                            ///< what comes out is the same for any number
   std::string debug_folder; ///< NFR-01; empty: no debug logs
   std::size_t debug_file_octets_max = 16 << 20; ///< a full file is rotated (NFR-03)
   std::string pcap_folder;     ///< ACT-07: a capture of each island's air goes here; empty: none

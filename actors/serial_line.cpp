@@ -12,10 +12,13 @@ using line_pointer = scheduler::traced_pointer<serial_line_state, serial_line_ac
 void perform(line_pointer self, serial::line_outputs todo) {
   for (auto& x : todo) {
     const acting_on its(x.from);
-    if (const auto& end = self->state.ends[static_cast<std::size_t>(x.towards)])
-      self->send(end, serial_octets{std::move(x.octets)});
-    else
+    const auto& end = self->state.ends[static_cast<std::size_t>(x.towards)];
+    if (!end)
       self->state.unheard += x.octets.size();
+    else if (x.towards == serial::direction::to_pc)
+      self->delayed_send(end, self->state.latency, serial_octets{std::move(x.octets)});
+    else
+      self->send(end, serial_octets{std::move(x.octets)});
   }
   self->state.wake.follow(self, self->state.line.deadline());
 }
@@ -48,10 +51,11 @@ void send_status(line_pointer self) {
 
 } // namespace
 
-serial_line_actor::behavior_type serial_line(line_pointer self, serial::line line, island_id island,
-                                             ecology_actor ecology) {
+serial_line_actor::behavior_type serial_line(line_pointer self, serial::line line, duration latency,
+                                             island_id island, ecology_actor ecology) {
   scheduler::tell_monitors_of_exceptions(self);
   self->state.line = std::move(line);
+  self->state.latency = latency;
   self->state.island = island;
   self->state.ecology = std::move(ecology);
   return {

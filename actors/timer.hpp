@@ -10,7 +10,7 @@
 
 #include "actors/messages.hpp"
 #include "core/time.hpp"
-#include "scheduler/run_clock.hpp"
+#include "scheduler/process.hpp"
 
 namespace rubicon {
 
@@ -41,12 +41,11 @@ public:
     if (deadline == deadline_)
       return;
     deadline_ = deadline;
-    if (clock_ == nullptr)
-      clock_ = &scheduler::run_clock_of(self->system());
-    if (clock_->move(pending_, *deadline))
+    process_ = self->where();
+    if (process_->move(pending_, *deadline))
       return;
     const caf::strong_actor_ptr me(self->ctrl());
-    pending_ = clock_->schedule(
+    pending_ = process_->schedule(
         *deadline, me,
         caf::make_mailbox_element(me, caf::make_message_id(), {}, timer_expired{which_, ++epoch_}));
   }
@@ -57,7 +56,7 @@ public:
       return;
     deadline_.reset();
     ++epoch_;
-    clock_->cancel(pending_);
+    process_->cancel(pending_);
   }
 
   /// @returns whether `x` is the expiry awaited; then follow() must be called again
@@ -71,7 +70,7 @@ public:
 private:
   std::uint8_t which_ = 0;
   std::uint64_t epoch_ = 0; ///< of the message that is pending or not yet handled
-  scheduler::run_clock* clock_ = nullptr;
+  scheduler::process* process_ = nullptr;
   scheduler::movable_message pending_;
   std::optional<instant> deadline_; ///< what the awaited expiry is for
 };

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -127,6 +128,11 @@ void add_run(CLI::App& app, run_command& x) {
       ->check(CLI::IsMember({"virtual", "wall"}));
   add_parsed(run, "--speed", "X", "Ecology seconds per real second",
              [&](const auto& text) { options.speed = parse_speed(text); });
+  options.threads = std::max(1U, std::thread::hardware_concurrency());
+  run.add_option("--threads", options.threads,
+                 "Threads that share islands and PCs in virtual time; the outcome is the same")
+      ->check(CLI::Range(1U, 256U))
+      ->type_name("N");
   run.add_flag("--json", x.json, "Print the report as one JSON object and nothing else");
   run.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
@@ -141,8 +147,9 @@ void add_run(CLI::App& app, run_command& x) {
            "Record the run into this file, for rubicon explain");
   add_overrides(run, x.instead);
   run.add_flag("--check-determinism", x.check_determinism,
-               "Run twice and compare the trace hashes");
-  run.footer("What is not given here is as the file says; LEVEL is warn.");
+               "Run twice, the second time on one thread, and compare the trace hashes");
+  run.footer(
+      "What is not given here is as the file says; LEVEL is warn, N of --threads one a core.");
 }
 
 CLI::App& add_swarm(CLI::App& app, swarm_command& x) {

@@ -57,8 +57,10 @@ exit_status compare_runs(const run_command& x, const config::ecology_description
     return exit_status::refused;
   }
   const auto first = run_watched(ecology, x.options, console_of(stderr));
+  auto on_one_thread = x.options;
+  on_one_thread.threads = 1;
   const auto second =
-      first.interrupted ? first : run_watched(ecology, x.options, console_of(stderr));
+      first.interrupted ? first : run_watched(ecology, on_one_thread, console_of(stderr));
   if (second.interrupted) {
     static_cast<void>(print(stderr, printable(x.file) + ": interrupted, nothing is compared\n"));
     return exit_status::interrupted;

@@ -102,8 +102,8 @@ private:
       if (!seed)
         return;
       std::vector<std::string> words{
-          "rubicon", "run",    words_.file, "--seed", std::to_string(*seed),
-          "--json",  "--mode", "virtual",   "--log",  "off"};
+          "rubicon", "run",     words_.file, "--seed", std::to_string(*seed), "--json",
+          "--mode",  "virtual", "--log",     "off",    "--threads",           "1"};
       if (!words_.length.empty())
         words.insert(words.end(), {"--for", words_.length});
       runs_.push_back({*seed, steady::now(), child_process(own_binary, words)});

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <limits>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <variant>
-
-#include <caf/exit_reason.hpp>
-#include <caf/scheduled_actor.hpp>
 
 #include "io/loop.hpp"
 #include "scheduler/printer.hpp"
@@ -28,29 +27,23 @@ constexpr unsigned turns_per_look = 16;
 /// that are due must not wait until a flood of messages ends.
 constexpr std::size_t wall_turns_per_round = 64;
 
+/// Turns at one instant after which a stop that is requested breaks it off.
+constexpr std::uint64_t patience = 10'000;
+
+/// Turns of a round from which on sharing it among threads pays for waking them.
+constexpr std::uint64_t turns_worth_sharing = 64;
+
+/// How far one process runs ahead of another at first. How long a round takes is of no consequence,
+/// but for who waits for progress or for Ctrl-C.
+constexpr duration reach_min = 10ms;
+constexpr auto round_time = 25ms;
+
 /// Rounds of kill_all(); more than one is needed only if the dying spawn.
 constexpr int kill_rounds_max = 100;
 
 coordinator_options options_of(const caf::actor_system& system) {
   const auto* config = dynamic_cast<const coordinator_config*>(&system.config());
   return config != nullptr ? config->options : coordinator_options{};
-}
-
-caf::scheduled_actor* actor_in(caf::resumable* x) {
-  return x->subtype() == caf::resumable::scheduled_actor ? static_cast<caf::scheduled_actor*>(x)
-                                                         : nullptr;
-}
-
-bool ended(const caf::scheduled_actor& x) {
-  return x.getf(caf::abstract_actor::is_cleaned_up_flag);
-}
-
-/// As exit_reason::kill does, but without the mailbox: an actor that awaits a response would not
-/// look into it.
-void kill(caf::scheduled_actor& x, caf::execution_unit& unit) {
-  x.context(&unit);
-  x.quit(caf::make_error(caf::exit_reason::kill));
-  x.finalize();
 }
 
 } // namespace
@@ -61,12 +54,12 @@ coordinator_config::coordinator_config(coordinator_options x) : options(x) {
 
 coordinator::coordinator(caf::actor_system& system)
     : abstract_coordinator(system), outside_(options_of(system).loop),
-      clock_(outside_, options_of(system).mode, options_of(system).speed), unit_(*this, system),
-      loop_(options_of(system).loop),
+      clock_(outside_, *processes_.emplace_back(std::make_unique<process>(*this, system, 0)),
+             options_of(system).mode, options_of(system).speed),
+      threads_(options_of(system).threads), reach_(reach_min), loop_(options_of(system).loop),
       poll_interval_(options_of(system).mode == time_mode::wall ? 1ms : 10ms),
-      turns_per_round_(options_of(system).mode == time_mode::wall
-                           ? wall_turns_per_round
-                           : std::numeric_limits<std::size_t>::max()) {}
+      wall_(options_of(system).mode == time_mode::wall),
+      in_order_(options_of(system).in_order || options_of(system).speed > 0) {}
 
 coordinator::~coordinator() = default;
 
@@ -78,40 +71,303 @@ coordinator* coordinator::of(caf::actor_system& system) {
   return dynamic_cast<coordinator*>(&system.scheduler());
 }
 
+void coordinator::trace(trace_recorder* x) {
+  trace_ = x;
+  for (const auto& each : processes_)
+    each->trace(x->add_part());
+}
+
+// -- processes
+
+process& coordinator::add_process() {
+  if (wall_)
+    return supervisor();
+  auto& added =
+      *processes_.emplace_back(std::make_unique<process>(*this, system(), processes_.size()));
+  added.advance(supervisor().now());
+  if (trace_ != nullptr)
+    added.trace(trace_->add_part());
+  return added;
+}
+
+void coordinator::link(const process& from, const process& to, duration delay) {
+  assert(delay > 0s);
+  if (&from != &to)
+    horizons_.link(from.number(), to.number(), delay);
+}
+
+process* coordinator::sender_here() {
+  auto* const x = process::current();
+  if (x != nullptr && &x->owner() == this)
+    return x;
+  return outside_.at_home() ? &supervisor() : nullptr;
+}
+
+instant coordinator::arrival(const process& from, const process& to, instant due) const {
+  if (to.supervises())
+    return due;
+  if (from.supervises())
+    return cause_ == nullptr || cause_ == &to
+               ? due
+               : std::max(due, parallel::later(from.now(), supervision_delay));
+  if (due - from.now() < horizons_.delay(from.number(), to.number()))
+    throw std::logic_error("a message to another process of the simulation without its delay");
+  return due;
+}
+
+bool coordinator::react_later(add_timeout& x) {
+  auto* const message = std::get_if<actor_message>(&x.what);
+  auto& process = supervisor();
+  if (cause_ == nullptr || message == nullptr ||
+      x.due >= parallel::later(process.now(), supervision_delay)) // nobody is so far ahead
+    return false;
+  const auto* const to = dynamic_cast<const traced_base*>(message->receiver->get());
+  if (to == nullptr || to->where() != &process)
+    return false;
+  arrivals_.add(process.order_of(x.due), {processes_[cause_->number()].get(), std::move(x.what)});
+  return true;
+}
+
 // -- running
 
 stop_cause coordinator::run_until(instant end) {
   assert(outside_.at_home() && end >= now());
   clock_.begin(end);
+  return processes_.size() == 1 ? run_alone(end) : run_together(end);
+}
+
+stop_cause coordinator::run_alone(instant end) {
+  auto& process = supervisor();
+  const entered here(&process);
   for (;;) {
     run_ready();
+    if (processes_.size() > 1) // whoever had its turn has added one
+      return run_together(end);
     if (stop_requested_.load(std::memory_order_relaxed)) {
       stop_requested_.store(false);
       clock_.halt();
       return stop_cause::requested;
     }
-    const auto due = clock_.next();
-    const auto next = due && *due < end ? *due : end;
+    const auto due = process.timeouts().next().value_or(parallel::never);
+    const auto next = std::min(due, end);
     if (!clock_.reached(next)) {
-      if (ready_.empty())
+      if (!process.anybody_ready())
         wait_until(next);
-    } else if (due && *due <= end) {
-      clock_.fire_next(unit_);
-      count_turn();
-    } else if (ready_.empty()) {
-      clock_.advance(end);
+    } else if (due <= end && due != parallel::never) {
+      process.fire_next();
+      on_turn();
+    } else if (!process.anybody_ready()) {
+      process.advance(end);
       return stop_cause::reached_end;
     }
   }
 }
 
+void coordinator::run_ready() {
+  if (outside_.waiting())
+    accept_outside();
+  auto turns = wall_ ? wall_turns_per_round : std::numeric_limits<std::size_t>::max();
+  for (; turns > 0 && supervisor().anybody_ready() && processes_.size() == 1; --turns) {
+    if (stop_requested_.load(std::memory_order_relaxed))
+      return;
+    supervisor().give_turn();
+  }
+}
+
+stop_cause coordinator::run_together(instant end) {
+  update_next();
+  bool stopping = false;
+  bool is_stuck = false;
+  for (;;) {
+    if (outside_.waiting())
+      accept_outside();
+    take_over_sent();
+    if (!stopping && stop_requested_.load(std::memory_order_relaxed)) {
+      stopping = true;
+      end = supervisor().now();
+      for (const auto& x : processes_)
+        end = std::max(end, x->now());
+    }
+    const auto others = next_of_others();
+    const auto first = std::min({others, supervisor().next(), told()});
+    const auto next = std::min(first, end);
+    say_before(next);
+    if (!stopping && !clock_.reached(next)) {
+      wait_until(next);
+      continue;
+    }
+    if (first > end || is_stuck) {
+      meet(end);
+      if (!stopping)
+        return stop_cause::reached_end;
+      stop_requested_.store(false);
+      clock_.halt();
+      return stop_cause::requested;
+    }
+    if (!let_supervise(others))
+      let_run(others, end);
+    is_stuck = stopping && somebody_is_stuck();
+  }
+}
+
+bool coordinator::let_supervise(instant others) {
+  auto& process = supervisor();
+  const auto own = process.next();
+  if (own == parallel::never && told() == parallel::never)
+    return false;
+  if (own <= told() && own <= others) {
+    together_at_ = own;
+    process.run_instant();
+    return true;
+  }
+  if (told() >= own || told() >= others)
+    return false;
+  const entered here(&process);
+  process.advance(told());
+  auto arrival = arrivals_.pop();
+  cause_ = process.now() == together_at_ ? nullptr : arrival.cause;
+  ship(arrival.what, process.unit());
+  process.run_instant();
+  cause_ = nullptr;
+  return true;
+}
+
+void coordinator::let_run(instant others, instant end) {
+  constexpr duration moment(1);
+  const bool ahead = runs_ahead();
+  // What the supervisor has done of itself is done to the end before anybody is ahead of it again.
+  const auto bound = ahead && others > together_at_
+                         ? std::min({supervisor().next(), parallel::later(told(), moment),
+                                     parallel::later(end, moment), parallel::later(others, reach_)})
+                         : parallel::later(others, moment);
+  const auto safe = horizons_.of(next_);
+  round_.clear();
+  for (std::size_t i = 1; i < processes_.size(); ++i)
+    if (const auto until = std::min(bound, safe[i]); next_[i] < until)
+      round_.push_back({processes_[i].get(), until});
+  const auto before = turns_so_far();
+  const auto started = steady::now();
+  if (threads_ > 1 && ahead && round_.size() > 1 && turns_of_round_ >= turns_worth_sharing) {
+    if (!workers_)
+      workers_ = std::make_unique<parallel::workers>(threads_ - 1);
+    workers_->run(round_.size(),
+                  [this](std::size_t i) { round_[i].who->run_before(round_[i].end); });
+  } else {
+    for (const auto& x : round_)
+      x.who->run_before(x.end);
+  }
+  turns_of_round_ = turns_so_far() - before;
+  follow_pace(steady::now() - started);
+  for (const auto& x : round_)
+    next_[x.who->number()] = x.who->next();
+}
+
+void coordinator::follow_pace(std::chrono::steady_clock::duration round) {
+  if (round > 2 * round_time)
+    reach_ = std::max(reach_ / 2, reach_min);
+  else if (round < round_time)
+    reach_ = std::min(2 * reach_, supervision_delay);
+}
+
+std::uint64_t coordinator::turns_so_far() const {
+  std::uint64_t sum = 0;
+  for (const auto& x : round_)
+    sum += x.who->turns();
+  return sum;
+}
+
+void coordinator::take_over_sent() {
+  const auto take = [this](process& from) {
+    for (auto& x : from.sent()) {
+      if (x.to->supervises()) {
+        arrivals_.add(x.when, {x.from, std::move(x.what)});
+      } else {
+        auto& next = next_[x.to->number()];
+        next = std::min(next, x.when.due);
+        x.to->timeouts().add(x.when, std::move(x.what));
+      }
+    }
+    from.sent().clear();
+    std::ranges::move(from.to_be_said(), std::back_inserter(to_be_said_));
+    from.to_be_said().clear();
+  };
+  take(supervisor());
+  for (const auto& x : round_)
+    take(*x.who);
+}
+
+void coordinator::update_next() {
+  round_.clear();
+  next_.assign(processes_.size(), parallel::never);
+  for (std::size_t i = 1; i < processes_.size(); ++i) {
+    next_[i] = processes_[i]->next();
+    round_.push_back({processes_[i].get(), {}}); // so that what they have sent is taken over
+  }
+}
+
+instant coordinator::next_of_others() {
+  if (next_.size() != processes_.size())
+    update_next();
+  return *std::ranges::min_element(next_);
+}
+
+instant coordinator::told() const {
+  return arrivals_.next().value_or(parallel::never);
+}
+
+void coordinator::say_before(instant end) {
+  const auto due =
+      std::ranges::partition(to_be_said_, [end](const auto& x) { return x.when.due < end; });
+  std::vector<remark_later> now(std::make_move_iterator(to_be_said_.begin()),
+                                std::make_move_iterator(due.begin()));
+  to_be_said_.erase(to_be_said_.begin(), due.begin());
+  std::ranges::sort(now, [](const auto& a, const auto& b) { return a.when < b.when; });
+  for (const auto& x : now)
+    x.say();
+}
+
+void coordinator::meet(instant at) {
+  say_before(parallel::never);
+  for (const auto& x : processes_)
+    x->advance(at);
+}
+
+bool coordinator::somebody_is_stuck() const {
+  return std::ranges::any_of(processes_, [](const auto& x) { return x->anybody_ready(); });
+}
+
+bool coordinator::gives_up(std::uint64_t turns) const {
+  return turns >= turns_max_ ||
+         (turns >= patience && stop_requested_.load(std::memory_order_relaxed));
+}
+
 bool coordinator::drain(std::size_t turns_max) {
   accept_outside();
-  while (!ready_.empty() && turns_max-- > 0) {
-    take_turn(ready_.pop());
-    count_turn();
+  if (processes_.size() > 1)
+    return drain_together(turns_max);
+  const entered here(&supervisor());
+  while (supervisor().anybody_ready() && turns_max-- > 0)
+    supervisor().give_turn();
+  return !supervisor().anybody_ready();
+}
+
+bool coordinator::drain_together(std::size_t turns_max) {
+  turns_max_ = turns_max;
+  update_next();
+  const auto end = supervisor().now();
+  for (;;) {
+    take_over_sent();
+    const auto others = next_of_others();
+    if (std::min({others, supervisor().next(), told()}) > end)
+      break;
+    if (!let_supervise(others))
+      let_run(others, end);
+    if (somebody_is_stuck())
+      break;
   }
-  return ready_.empty();
+  say_before(parallel::never);
+  turns_max_ = std::numeric_limits<std::uint64_t>::max();
+  return !somebody_is_stuck();
 }
 
 void coordinator::request_stop() {
@@ -119,37 +375,16 @@ void coordinator::request_stop() {
   outside_.wake();
 }
 
-void coordinator::run_ready() {
-  if (outside_.waiting())
-    accept_outside();
-  for (auto turns = turns_per_round_; turns > 0 && !ready_.empty(); --turns) {
-    if (stop_requested_.load(std::memory_order_relaxed))
-      return;
-    take_turn(ready_.pop());
-    count_turn();
-  }
-}
-
-void coordinator::take_turn(caf::resumable* what) {
-  ++resumes_;
-  if (const auto* actor = actor_in(what);
-      actor != nullptr && !actor->getf(caf::abstract_actor::is_initialized_flag))
-    remember(*actor);
-  if (what->resume(&unit_, max_throughput()) == caf::resumable::resume_later)
-    ready_.push(what);
-  else
-    caf::intrusive_ptr_release(what);
-}
-
-void coordinator::count_turn() {
-  if (++turns_since_look_ < turns_per_look)
+void coordinator::on_turn() {
+  if (!outside_.at_home() || ++turns_since_look_ < turns_per_look)
     return;
   turns_since_look_ = 0;
-  if (outside_.waiting())
+  if (processes_.size() == 1 && outside_.waiting())
     accept_outside();
   const auto now = steady::now();
   if (loop_ != nullptr && now - polled_ >= poll_interval_) {
     polled_ = now;
+    const entered here(&supervisor()); // what callbacks send
     loop_->poll();
   }
 }
@@ -162,9 +397,10 @@ void coordinator::wait_until(instant next) {
 }
 
 void coordinator::accept_outside() {
+  const entered here(&supervisor());
   for (auto& x : outside_.take())
     if (auto* const* what = std::get_if<caf::resumable*>(&x))
-      ready_.push(*what);
+      make_ready(*what);
     else
       std::visit(
           [this]<class Order>(Order& y) {
@@ -174,34 +410,31 @@ void coordinator::accept_outside() {
           x);
 }
 
+void coordinator::make_ready(caf::resumable* what) {
+  auto* const its = owner_of(*what);
+  (its != nullptr ? *its : supervisor()).make_ready(what);
+}
+
 // -- ending
 
-void coordinator::remember(const caf::scheduled_actor& actor) {
-  if (roster_.size() >= roster_weeded_) {
-    std::erase_if(roster_, [](const caf::weak_actor_ptr& x) {
-      const auto strong = x.lock();
-      return !strong || ended(static_cast<const caf::scheduled_actor&>(*strong->get()));
-    });
-    roster_weeded_ = std::max<std::size_t>(64, 2 * roster_.size());
+void coordinator::close_clock() {
+  for (const auto& x : processes_) {
+    x->timeouts().close();
+    x->sent().clear();
   }
-  roster_.emplace_back(actor.ctrl());
+  arrivals_.clear();
 }
 
 void coordinator::kill_all() {
   for (int round = 0; round < kill_rounds_max; ++round) {
     accept_outside();
-    const auto doomed = std::exchange(roster_, {});
-    if (doomed.empty() && ready_.empty())
+    bool any = false;
+    for (const auto& x : processes_)
+      any = x->kill_all() || any;
+    for (const auto& x : processes_)
+      x->sent().clear();
+    if (!any)
       return;
-    for (const auto& weak : doomed)
-      if (const auto x = weak.lock())
-        kill(static_cast<caf::scheduled_actor&>(*x->get()), unit_);
-    while (!ready_.empty()) {
-      auto* what = ready_.pop();
-      if (auto* actor = actor_in(what))
-        kill(*actor, unit_);
-      caf::intrusive_ptr_release(what);
-    }
   }
 }
 
@@ -210,15 +443,28 @@ void coordinator::detach_io() {
   loop_ = nullptr;
 }
 
+std::optional<instant> coordinator::next_timeout() const {
+  auto next = told();
+  for (const auto& x : processes_)
+    next = std::min(next, x->timeouts().next().value_or(parallel::never));
+  return next == parallel::never ? std::nullopt : std::optional(next);
+}
+
 statistics coordinator::stats() const {
-  return {resumes_, clock_.fired(), clock_.waiting()};
+  statistics sum;
+  for (const auto& x : processes_) {
+    sum.resumes += x->turns();
+    sum.timeouts += x->timeouts().fired();
+    sum.waiting += x->timeouts().size();
+  }
+  return sum;
 }
 
 // -- what CAF calls
 
 void coordinator::enqueue(caf::resumable* what) {
   if (outside_.at_home())
-    ready_.push(what);
+    make_ready(what);
   else
     outside_.post(what);
 }
@@ -234,7 +480,7 @@ void coordinator::start() {
 }
 
 void coordinator::stop() {
-  clock_.close();
+  close_clock();
   kill_all();
   utility_actors_[printer_id] = nullptr;
 }

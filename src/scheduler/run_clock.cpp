@@ -6,9 +6,8 @@
 #include <utility>
 
 #include <caf/actor_system.hpp>
-#include <caf/error.hpp>
-#include <caf/sec.hpp>
-#include <caf/system_messages.hpp>
+
+#include "scheduler/coordinator.hpp"
 
 namespace rubicon::scheduler {
 
@@ -28,33 +27,11 @@ timeout_key request_key(const caf::abstract_actor* self, caf::message_id id) {
   return {self->id(), timeout_kind::request, id.integer_value()};
 }
 
-/// Hands a timeout that has fired to whom it is for.
-struct shipper {
-  caf::execution_unit& unit;
-
-  void operator()(actor_message& x) const {
-    const acting_on sent(x.from);
-    x.receiver->enqueue(std::move(x.content), &unit);
-  }
-
-  void operator()(actor_timeout& x) const {
-    if (x.key.kind == timeout_kind::request)
-      x.self->get()->eq_impl(x.mid, x.self, &unit, caf::make_error(caf::sec::request_timeout));
-    else
-      x.self->get()->eq_impl(caf::make_message_id(), x.self, &unit,
-                             caf::timeout_msg{static_cast<caf::atom_value>(x.key.what), x.id});
-  }
-
-  void operator()(group_message& x) const {
-    x.target.get()->enqueue(std::move(x.sender), caf::make_message_id(), std::move(x.content),
-                            &unit);
-  }
-};
-
 } // namespace
 
-run_clock::run_clock(outside& others, time_mode mode, double speed)
-    : others_(others), mode_(mode), speed_(mode == time_mode::wall && speed == 0 ? 1 : speed) {
+run_clock::run_clock(outside& others, process& supervisor, time_mode mode, double speed)
+    : others_(others), supervisor_(supervisor), mode_(mode),
+      speed_(mode == time_mode::wall && speed == 0 ? 1 : speed) {
   assert(speed >= 0);
 }
 
@@ -63,7 +40,7 @@ run_clock::run_clock(outside& others, time_mode mode, double speed)
 void run_clock::begin(instant end) {
   horizon_ns_.store(end.time_since_epoch().count(), std::memory_order_relaxed);
   if (mode_ == time_mode::virtual_time) {
-    anchor_ecology_ns_ = latest_ns_.load(std::memory_order_relaxed);
+    anchor_ecology_ns_ = supervisor_.now().time_since_epoch().count();
     if (speed_ > 0)
       anchor_real_ns_.store(real_ns(), std::memory_order_relaxed);
   } else if (!started_) {
@@ -79,8 +56,7 @@ void run_clock::halt() {
 bool run_clock::reached(instant x) const {
   if (mode_ == time_mode::virtual_time && speed_ == 0)
     return true;
-  return x.time_since_epoch().count() <= latest_ns_.load(std::memory_order_relaxed) ||
-         steady::now() >= real_time_of(x);
+  return x <= supervisor_.now() || steady::now() >= real_time_of(x);
 }
 
 run_clock::real_time run_clock::real_time_of(instant x) const {
@@ -93,124 +69,41 @@ run_clock::real_time run_clock::real_time_of(instant x) const {
   return anchor + duration(static_cast<std::int64_t>(passed_ns));
 }
 
-void run_clock::advance(instant x) {
-  const auto ns = x.time_since_epoch().count();
-  if (ns > latest_ns_.load(std::memory_order_relaxed))
-    latest_ns_.store(ns, std::memory_order_relaxed);
+process& run_clock::here() const {
+  auto* const x = process::current();
+  return x != nullptr && &x->owner() == &supervisor_.owner() ? *x : supervisor_;
 }
 
-void run_clock::fire_next(caf::execution_unit& unit) {
-  const auto due = *timers_.next();
-  advance(due);
-  do {
-    const auto which = timers_.front();
-    auto what = timers_.pop();
-    if (const auto* x = std::get_if<actor_timeout>(&what))
-      forget_key(x->key, which);
-    ++fired_;
-    std::visit(shipper{unit}, what);
-  } while (timers_.next() == due);
-}
-
-void run_clock::close() {
-  closed_ = true;
-  keys_.clear();
-  timers_.clear();
-}
-
-// -- messages that may be moved
-
-movable_message run_clock::schedule(instant due, caf::strong_actor_ptr receiver,
-                                    caf::mailbox_element_ptr content) {
-  assert(others_.at_home());
-  if (closed_)
-    return {};
-  const auto number = ++movable_messages_;
-  return {timers_.add(not_past(due), actor_message{std::move(receiver), std::move(content), number,
-                                                   provenance::none()}),
-          number};
-}
-
-bool run_clock::move(const movable_message& x, instant due) {
-  if (!pending(x))
-    return false;
-  timers_.move(x.slot, not_past(due));
-  return true;
-}
-
-void run_clock::cancel(const movable_message& x) {
-  if (pending(x))
-    timers_.cancel(x.slot);
-}
-
-bool run_clock::pending(const movable_message& x) const {
-  assert(others_.at_home());
-  if (x.number == 0 || !timers_.pending(x.slot))
-    return false;
-  const auto* message = std::get_if<actor_message>(&timers_[x.slot]);
-  return message != nullptr && message->number == x.number;
-}
-
-// -- the table of timeouts
-
-instant run_clock::not_past(instant due) const {
-  return std::max(due, instant(duration(latest_ns_.load(std::memory_order_relaxed))));
-}
-
-void run_clock::add(instant due, timeout what) {
-  if (closed_)
-    return;
-  const auto* x = std::get_if<actor_timeout>(&what);
-  if (x == nullptr) {
-    timers_.add(not_past(due), std::move(what));
-    return;
-  }
-  const auto key = x->key;
-  if (key.kind == timeout_kind::ordinary)
-    apply(cancel_timeout{key});
-  keys_.emplace(key, timers_.add(not_past(due), std::move(what)));
-}
-
-void run_clock::forget_key(const timeout_key& key, ticket which) {
-  auto [i, end] = keys_.equal_range(key);
-  i = std::find_if(i, end, [=](const auto& x) { return x.second == which; });
-  assert(i != end);
-  keys_.erase(i);
-}
+// -- what other threads asked for
 
 void run_clock::apply(add_timeout x) {
-  add(x.due, std::move(x.what));
+  auto& process = here();
+  if (process.supervises() && process.owner().react_later(x))
+    return;
+  auto* const message = std::get_if<actor_message>(&x.what);
+  const auto* const placed =
+      message != nullptr ? dynamic_cast<const traced_base*>(message->receiver->get()) : nullptr;
+  if (placed != nullptr && placed->where() != nullptr && placed->where() != &process)
+    process.send(*placed->where(), std::move(x.what), x.due);
+  else
+    process.timeouts().add(process.order_of(x.due), std::move(x.what));
 }
 
-// What is cancelled may hold the last reference to an actor, whose end cancels its timeouts: keys
-// go first, and no iterator lives across a cancellation.
 void run_clock::apply(const cancel_timeout& x) {
-  if (const auto i = keys_.find(x.key); i != keys_.end()) {
-    const auto which = i->second;
-    keys_.erase(i);
-    timers_.cancel(which);
-  }
+  here().timeouts().cancel(x.key);
 }
 
 void run_clock::apply(const cancel_actor& x) {
-  for (;;) {
-    const auto i = keys_.lower_bound(timeout_key{x.actor});
-    if (i == keys_.end() || i->first.actor != x.actor)
-      return;
-    const auto which = i->second;
-    keys_.erase(i);
-    timers_.cancel(which);
-  }
+  here().timeouts().cancel(x.actor);
 }
 
 void run_clock::apply(const cancel_everything&) {
-  keys_.clear();
-  timers_.clear();
+  here().timeouts().clear();
 }
 
 template <class Order>
 void run_clock::ask(Order x) {
-  if (others_.at_home())
+  if (process::current() != nullptr || others_.at_home())
     apply(std::move(x));
   else
     others_.post(std::move(x));
@@ -219,7 +112,7 @@ void run_clock::ask(Order x) {
 // -- caf::actor_clock
 
 run_clock::time_point run_clock::now() const noexcept {
-  const auto latest = latest_ns_.load(std::memory_order_relaxed);
+  const auto latest = here().now().time_since_epoch().count();
   if (mode_ == time_mode::virtual_time)
     return time_point(duration(latest));
   const auto horizon = horizon_ns_.load(std::memory_order_relaxed);

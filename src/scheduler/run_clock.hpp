@@ -3,10 +3,7 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
-#include <map>
-#include <optional>
 #include <type_traits>
 
 #include <caf/actor_clock.hpp>
@@ -14,8 +11,8 @@
 
 #include "core/time.hpp"
 #include "scheduler/outside.hpp"
+#include "scheduler/process.hpp"
 #include "scheduler/timeout.hpp"
-#include "scheduler/timer_queue.hpp"
 
 namespace rubicon::scheduler {
 
@@ -32,20 +29,16 @@ static_assert(std::is_same_v<caf::actor_clock::duration_type, duration>);
   return caf::actor_clock::time_point(x.time_since_epoch());
 }
 
-/// A delayed message that may be moved or taken back until it is delivered. A value; owns nothing.
-struct movable_message {
-  std::uint32_t slot = 0;
-  std::uint64_t number = 0; ///< 0: none
-};
-
-/// All of caf::actor_clock, callable from any thread; the rest belongs to the home thread of the
+/// All of caf::actor_clock, callable from any thread: of the process that the calling thread
+/// executes, of the supervisor outside of all processes. The rest belongs to the home thread of the
 /// `outside`.
 class run_clock final : public caf::actor_clock {
 public:
   using real_time = std::chrono::steady_clock::time_point;
 
   /// @param speed ecology seconds per real second; 0: virtual time is not paced, wall time has 1
-  run_clock(outside& others, time_mode mode, double speed);
+  /// @param supervisor must outlive the last call
+  run_clock(outside& others, process& supervisor, time_mode mode, double speed);
 
   /// A run to `end` begins. Wall time starts to pass with the first.
   void begin(instant end);
@@ -58,36 +51,6 @@ public:
 
   /// When `x` comes in real time; at most an hour from now.
   [[nodiscard]] real_time real_time_of(instant x) const;
-
-  /// It is now at least `x`.
-  void advance(instant x);
-
-  [[nodiscard]] std::size_t waiting() const { return timers_.size(); }
-
-  /// When something is due next.
-  [[nodiscard]] std::optional<instant> next() { return timers_.next(); }
-
-  /// Lets everything happen that is due at *next(), in the order it was set.
-  /// @pre next()
-  void fire_next(caf::execution_unit& unit);
-
-  /// Delivers `content` at `due`, or now if that is past, unless it is moved or taken back before.
-  /// It comes from nothing but the time.
-  [[nodiscard]] movable_message schedule(instant due, caf::strong_actor_ptr receiver,
-                                         caf::mailbox_element_ptr content);
-
-  /// Delivers it at `due` instead, after what is already due then.
-  /// @returns false if there is nothing to move: it was delivered or taken back
-  [[nodiscard]] bool move(const movable_message& x, instant due);
-
-  /// Takes it back; harmless if it was delivered.
-  void cancel(const movable_message& x);
-
-  /// Forgets all timeouts; none is accepted from now on.
-  void close();
-
-  /// How many timeouts have fired.
-  [[nodiscard]] std::uint64_t fired() const { return fired_; }
 
   // what other threads asked for
   void apply(add_timeout x);
@@ -111,30 +74,21 @@ public:
                         caf::message content) override;
   void cancel_all() override;
 
-private:
-  using ticket = timer_queue<timeout>::ticket;
+  /// The process that the calling thread executes, or the supervisor.
+  [[nodiscard]] process& here() const;
 
+private:
   template <class Order>
   void ask(Order x);
 
-  void add(instant due, timeout what);
-  void forget_key(const timeout_key& key, ticket which);
-  [[nodiscard]] instant not_past(instant due) const;
-  [[nodiscard]] bool pending(const movable_message& x) const;
-
   outside& others_;
+  process& supervisor_;
   const time_mode mode_;
   const double speed_;
-  bool closed_ = false;
   bool started_ = false;
-  std::atomic<std::int64_t> latest_ns_ = 0;      ///< last time advanced to; in virtual time, now()
   std::atomic<std::int64_t> horizon_ns_ = 0;     ///< end of the current or last run
   std::atomic<std::int64_t> anchor_real_ns_ = 0; ///< steady clock at anchor_ecology_ns_
   std::int64_t anchor_ecology_ns_ = 0;
-  timer_queue<timeout> timers_;
-  std::multimap<timeout_key, ticket> keys_; ///< the pending actor_timeouts
-  std::uint64_t movable_messages_ = 0;      ///< so far
-  std::uint64_t fired_ = 0;
 };
 
 /// @pre the system has our coordinator

@@ -4,12 +4,16 @@
 
 namespace rubicon::scheduler {
 
-void place(caf::abstract_actor& who, std::string path) {
-  auto* traced = dynamic_cast<traced_base*>(&who);
-  if (traced == nullptr)
-    return;
-  const auto* owner = coordinator::of(who.home_system());
-  traced->place(std::move(path), owner != nullptr ? owner->trace() : nullptr);
+process& process_of(caf::abstract_actor& who) {
+  const auto* const traced = dynamic_cast<const traced_base*>(&who);
+  return traced != nullptr && traced->where() != nullptr
+             ? *traced->where()
+             : coordinator::of(who.home_system())->supervisor();
+}
+
+void place(caf::abstract_actor& who, std::string path, process& where) {
+  if (auto* const traced = dynamic_cast<traced_base*>(&who))
+    traced->place(std::move(path), where, where.owner().trace());
 }
 
 } // namespace rubicon::scheduler

@@ -32,17 +32,28 @@ constexpr void check_state() {
                 "the actor's state needs a default constructor of its own, `state() = default;`");
 }
 
-/// Gives a traced actor its path and the recorder of its system; does nothing to other actors.
-void place(caf::abstract_actor& who, std::string path);
+/// Gives a traced actor its path, its process and the recorder of its system; does nothing to other
+/// actors.
+void place(caf::abstract_actor& who, std::string path, process& where);
 
-/// Spawns from inside a handler, for a supervisor: `spawn_at<caf::monitored>(self, path, fun,
-/// ...)`. The child cannot run before the handler returns, so no message escapes the trace.
+/// That of an actor; the supervisor's if it was placed in none.
+[[nodiscard]] process& process_of(caf::abstract_actor& who);
+
+/// Spawns from inside a handler, for a supervisor: `spawn_in<caf::monitored>(process, self, path,
+/// fun, ...)`. The child cannot run before the handler returns, so no message escapes the trace.
 template <caf::spawn_options Options = caf::no_spawn_options, class Self, class Fun, class... Args>
-auto spawn_at(Self* self, std::string path, Fun fun, Args&&... args) {
+auto spawn_in(process& where, Self* self, std::string path, Fun fun, Args&&... args) {
   check_state<Fun>();
   auto handle = self->template spawn<Options>(std::move(fun), std::forward<Args>(args)...);
-  place(*caf::actor_cast<caf::abstract_actor*>(handle), std::move(path));
+  place(*caf::actor_cast<caf::abstract_actor*>(handle), std::move(path), where);
   return handle;
+}
+
+/// The same in the process of `self`.
+template <caf::spawn_options Options = caf::no_spawn_options, class Self, class Fun, class... Args>
+auto spawn_at(Self* self, std::string path, Fun fun, Args&&... args) {
+  return spawn_in<Options>(process_of(*self), self, std::move(path), std::move(fun),
+                           std::forward<Args>(args)...);
 }
 
 } // namespace rubicon::scheduler

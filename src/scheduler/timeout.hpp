@@ -8,9 +8,11 @@
 #include <caf/abstract_actor.hpp>
 #include <caf/actor_control_block.hpp>
 #include <caf/group.hpp>
+#include <caf/intrusive_ptr.hpp>
 #include <caf/mailbox_element.hpp>
 #include <caf/message.hpp>
 #include <caf/message_id.hpp>
+#include <caf/resumable.hpp>
 
 #include "core/provenance.hpp"
 #include "core/time.hpp"
@@ -55,7 +57,20 @@ struct actor_timeout {
   caf::message_id mid{}; ///< of a request's answer
 };
 
-using timeout = std::variant<actor_message, actor_timeout, group_message>;
+/// An actor that was spawned for another process, and has not had its first turn.
+class first_turn {
+public:
+  /// @param what comes with one reference count
+  explicit first_turn(caf::resumable* what) : what_(what, false) {}
+
+  /// With the reference count.
+  [[nodiscard]] caf::resumable* take() { return what_.release(); }
+
+private:
+  caf::intrusive_ptr<caf::resumable> what_;
+};
+
+using timeout = std::variant<actor_message, actor_timeout, group_message, first_turn>;
 
 // What another thread may ask of the clock.
 struct add_timeout {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 
 #include <caf/abstract_actor.hpp>
 #include <caf/actor.hpp>
@@ -11,8 +12,10 @@
 #include <caf/group.hpp>
 #include <caf/system_messages.hpp>
 #include <caf/type_nr.hpp>
+#include <cxxabi.h>
 
 #include "scheduler/fold_serializer.hpp"
+#include "scheduler/process.hpp"
 #include "scheduler/run_clock.hpp"
 
 namespace rubicon::scheduler {
@@ -37,6 +40,16 @@ constexpr auto error_number = caf::type_nr<caf::error>::value;
 /// How the Itanium ABI begins the name of every caf::typed_actor.
 constexpr std::string_view typed_handle_prefix = "N3caf11typed_actorI";
 
+/// A message's name without the namespaces in which it is kept today; of templates the whole name.
+std::string lasting_name(const std::type_info& x) {
+  int status = 0;
+  const std::unique_ptr<char, decltype(&std::free)> text(
+      abi::__cxa_demangle(x.name(), nullptr, nullptr, &status), &std::free);
+  const std::string_view name = status == 0 ? text.get() : x.name();
+  const auto last = name.find('<') == name.npos ? name.rfind("::") : name.npos;
+  return std::string(last == name.npos ? name : name.substr(last + 2));
+}
+
 const traced_base* traced_in(const caf::strong_actor_ptr& x) {
   return x ? dynamic_cast<const traced_base*>(caf::actor_cast<caf::abstract_actor*>(x)) : nullptr;
 }
@@ -58,26 +71,30 @@ std::unique_lock<std::mutex> trace_recorder::guard() const {
   return shared_ ? std::unique_lock(mutex_) : std::unique_lock<std::mutex>();
 }
 
-void trace_recorder::record(std::uint64_t path_hash, std::string_view path,
-                            const caf::mailbox_element& x, bool heard) {
-  if (!shared_ && std::this_thread::get_id() != home_)
+void trace_recorder::record(trace_part& part, traced_base& to, const caf::mailbox_element& x,
+                            bool heard) {
+  if (!shared_ && executed_process == nullptr && std::this_thread::get_id() != home_)
     return;
   const auto cause = provenance().number();
   const auto lock = guard();
   if (clock_ == nullptr)
     return;
   const auto time = to_instant(clock_->now());
-  ++events_;
-  fold_.add(path_hash).add(static_cast<std::uint64_t>(time.time_since_epoch().count()));
-  fold(x.content());
-  if (!observer_)
+  part.fold(to.fold_, time, x.content());
+  if (!observer_ && !watcher_)
     return;
   const auto* sender = traced_in(x.sender);
   const auto number = wants_remarks() ? ++numbers_given_ : 0;
   if (number != 0)
     numbers_[&x] = number;
-  observer_(delivery{time, path, sender != nullptr ? std::string_view(sender->path()) : "",
-                     x.content(), number, cause, heard});
+  const delivery seen{
+      time,        to.path(), sender != nullptr ? std::string_view(sender->path()) : "",
+      x.content(), number,    cause,
+      heard};
+  if (watcher_)
+    watcher_(seen);
+  if (observer_)
+    observer_(seen);
 }
 
 void trace_recorder::note(remark x) {
@@ -107,18 +124,43 @@ std::uint64_t trace_recorder::number_of(const caf::mailbox_element* x) const {
   return found != numbers_.end() ? found->second : 0;
 }
 
-void trace_recorder::fold(const caf::type_erased_tuple& content) {
-  fold_serializer sink(fold_);
+std::uint64_t trace_recorder::hash() const {
+  std::uint64_t sum = 0;
+  for (const auto& x : parts_)
+    sum += x->sum();
+  return fold64().add(sum).value();
+}
+
+std::uint64_t trace_recorder::events() const {
+  std::uint64_t sum = 0;
+  for (const auto& x : parts_)
+    sum += x->events();
+  return sum;
+}
+
+// -- what one process folds
+
+void trace_part::fold(std::uint64_t& of, instant time, const caf::type_erased_tuple& content) {
+  ++events_;
+  fold64 next(of);
+  next.add(static_cast<std::uint64_t>(time.time_since_epoch().count()));
+  fold(next, content);
+  sum_ += next.value() - of;
+  of = next.value();
+}
+
+void trace_part::fold(fold64& into, const caf::type_erased_tuple& content) {
+  fold_serializer sink(into);
   const auto size = content.size();
-  fold_.add(size);
+  into.add(size);
   for (std::size_t i = 0; i < size; ++i) {
     const auto type = content.type(i);
     const auto entry = entry_of(type);
-    fold_.add(entry.hash);
+    into.add(entry.hash);
     if (type.first == error_number) {
       // The context of an error may hold anything.
       const auto& error = content.get_as<caf::error>(i);
-      fold_.add(error.code()).add(static_cast<std::uint64_t>(error.category()));
+      into.add(error.code()).add(static_cast<std::uint64_t>(error.category()));
     } else if (!entry.opaque) {
       // An error ends the folding of this element, the same way in every run.
       static_cast<void>(content.save(i, sink));
@@ -126,22 +168,23 @@ void trace_recorder::fold(const caf::type_erased_tuple& content) {
   }
 }
 
-trace_recorder::type_entry trace_recorder::entry_of(caf::rtti_pair type) {
+trace_part::type_entry trace_part::entry_of(caf::rtti_pair type) {
   if (type.second != nullptr && type.second == last_type_)
     return last_entry_;
   if (type.second == nullptr)
     return entry_of_number(type.first);
   const auto [i, added] = named_types_.try_emplace(type.second);
   if (added) {
-    const std::string_view name = type.second->name();
-    i->second = {fold64().add(name).value(), name.starts_with(typed_handle_prefix)};
+    const auto name = lasting_name(*type.second);
+    i->second = {fold64().add(std::string_view(name)).value(),
+                 std::string_view(type.second->name()).starts_with(typed_handle_prefix)};
   }
   last_type_ = type.second;
   last_entry_ = i->second;
   return i->second;
 }
 
-trace_recorder::type_entry trace_recorder::entry_of_number(std::uint16_t number) {
+trace_part::type_entry trace_part::entry_of_number(std::uint16_t number) {
   if (numbered_types_.empty())
     numbered_types_.resize(caf::type_nrs);
   auto& entry = numbered_types_[number];
@@ -152,10 +195,26 @@ trace_recorder::type_entry trace_recorder::entry_of_number(std::uint16_t number)
   return entry;
 }
 
-void traced_base::place(std::string path, trace_recorder* recorder) {
+void traced_base::place(std::string path, process& where, trace_recorder* recorder) {
   path_ = std::move(path);
   path_hash_ = fold64().add(std::string_view(path_)).value();
+  fold_ = path_hash_;
+  process_ = &where;
   recorder_ = path_.empty() ? nullptr : recorder;
+}
+
+trace_part& traced_base::part() const {
+  return process_->trace();
+}
+
+traced_base::turn::turn(traced_base& whose) : process_(whose.process_) {
+  if (process_ != nullptr)
+    before_ = process_->acting(&whose);
+}
+
+traced_base::turn::~turn() {
+  if (process_ != nullptr)
+    static_cast<void>(process_->acting(before_));
 }
 
 } // namespace rubicon::scheduler

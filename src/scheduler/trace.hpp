@@ -5,6 +5,7 @@
 #include <any>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -54,7 +55,39 @@ struct remark {
   std::uint64_t number = 0; ///< of what begins here (provenance::begin); 0: nothing does
 };
 
-/// Folds deliveries: receiver's path, ecology time, types and content, in order of delivery.
+class process;
+class traced_base;
+
+/// What one logical process has folded. Each actor folds what it is delivered, in that order, with
+/// the time of each; what all have folded is added up. So the sum is the same whoever runs first
+/// among those that do not hear of each other, and an island that is added adds to it.
+class trace_part {
+public:
+  [[nodiscard]] std::uint64_t sum() const { return sum_; }
+  [[nodiscard]] std::uint64_t events() const { return events_; }
+
+  /// @param of the receiver, so far; the new value
+  void fold(std::uint64_t& of, instant time, const caf::type_erased_tuple& content);
+
+private:
+  struct type_entry {
+    std::uint64_t hash = 0;
+    bool opaque = false; ///< only the type's name is folded
+  };
+
+  void fold(fold64& into, const caf::type_erased_tuple& content);
+  [[nodiscard]] type_entry entry_of(caf::rtti_pair type);
+  [[nodiscard]] type_entry entry_of_number(std::uint16_t number);
+
+  std::uint64_t sum_ = 0;
+  std::uint64_t events_ = 0;
+  std::vector<type_entry> numbered_types_;
+  std::unordered_map<const std::type_info*, type_entry> named_types_;
+  const std::type_info* last_type_ = nullptr;
+  type_entry last_entry_;
+};
+
+/// Folds deliveries: receiver's path, ecology time, types and content.
 ///
 /// Content is folded as CAF would serialize it. Never folded: senders, request ids, and the content
 /// of what names actors, because CAF numbers those by chance of history: exit_msg, down_msg,
@@ -73,16 +106,29 @@ public:
   /// Nothing is recorded any more.
   void stop();
 
-  /// Called for every delivery from now on, after it is folded; for debugging. Must not send.
+  /// Called for every delivery from now on, after it is folded; for debugging. Must not send. From
+  /// now on events happen in the order of their time, one after the other.
   void observe(observer x) { observer_ = std::move(x); }
 
-  /// The same for remarks. Must not send. From now on it is known what led to what.
+  /// Called for every delivery from now on, by any thread that executes events, and not in the
+  /// order of their time. Must not send.
+  void watch(observer x) { watcher_ = std::move(x); }
+
+  /// As observe(), for remarks. From now on it is known what led to what.
   void observe_remarks(remark_observer x) { remark_observer_ = std::move(x); }
   [[nodiscard]] bool wants_remarks() const { return static_cast<bool>(remark_observer_); }
 
+  /// For one more process. Lives as long as the recorder.
+  [[nodiscard]] trace_part& add_part() {
+    return *parts_.emplace_back(std::make_unique<trace_part>());
+  }
+
+  /// @param part of the process of `to`
   /// @param heard whether the receiver still lives
-  void record(std::uint64_t path_hash, std::string_view path, const caf::mailbox_element& x,
-              bool heard = true);
+  void record(trace_part& part, traced_base& to, const caf::mailbox_element& x, bool heard);
+
+  /// Whether somebody sees events, and wants to in the order of their time.
+  [[nodiscard]] bool is_observed() const { return observer_ || remark_observer_; }
 
   void note(remark x);
 
@@ -93,39 +139,30 @@ public:
   [[nodiscard]] std::uint64_t number_of(const caf::mailbox_element* x) const;
 
   /// The trace so far: equal for equal runs, on any machine.
-  [[nodiscard]] std::uint64_t hash() const { return fold_.value(); }
+  [[nodiscard]] std::uint64_t hash() const;
 
   /// Deliveries so far.
-  [[nodiscard]] std::uint64_t events() const { return events_; }
+  [[nodiscard]] std::uint64_t events() const;
 
 private:
-  struct type_entry {
-    std::uint64_t hash = 0;
-    bool opaque = false; ///< only the type's name is folded
-  };
-
-  void fold(const caf::type_erased_tuple& content);
-  [[nodiscard]] type_entry entry_of(caf::rtti_pair type);
-  [[nodiscard]] type_entry entry_of_number(std::uint16_t number);
   [[nodiscard]] std::unique_lock<std::mutex> guard() const;
 
-  const caf::actor_clock* clock_ = nullptr;
+  const caf::actor_clock* clock_ = nullptr; ///< nullptr: nothing is recorded
   bool shared_ = false;
   std::thread::id home_;
-  mutable std::mutex mutex_; ///< held while recording if shared_
-  fold64 fold_;
-  std::uint64_t events_ = 0;
+  mutable std::mutex mutex_; ///< guards everything if shared_
+  std::vector<std::unique_ptr<trace_part>> parts_;
   std::uint64_t numbers_given_ = 0;
   observer observer_;
+  observer watcher_;
   remark_observer remark_observer_;
   /// The newest delivery at each address that a mailbox element has had; kept for an observer only,
   /// and only ever looked up.
   std::unordered_map<const caf::mailbox_element*, std::uint64_t> numbers_;
-  std::vector<type_entry> numbered_types_;
-  std::unordered_map<const std::type_info*, type_entry> named_types_;
-  const std::type_info* last_type_ = nullptr;
-  type_entry last_entry_;
 };
+
+/// Whose events this thread executes; nullptr: nobody's. For process.hpp.
+inline constinit thread_local process* executed_process = nullptr; // NOLINT
 
 /// What a traced actor knows about itself.
 class traced_base : public provenance_source {
@@ -134,9 +171,15 @@ public:
   /// placed.
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  /// Gives the actor its path and its recorder. Must happen right after the spawn, before anything
-  /// runs; the spawn helpers in spawn.hpp and world.hpp do it.
-  void place(std::string path, trace_recorder* recorder);
+  /// Gives the actor its path, its process and its recorder. Must happen right after the spawn,
+  /// before anything runs; the spawn helpers in spawn.hpp and world.hpp do it.
+  void place(std::string path, process& where, trace_recorder* recorder);
+
+  /// A number made of the path.
+  [[nodiscard]] std::uint64_t path_hash() const { return path_hash_; }
+
+  /// nullptr if it was never placed.
+  [[nodiscard]] process* where() const { return process_; }
 
   [[nodiscard]] std::uint64_t handled_number() const override {
     return recorder_->number_of(handled());
@@ -174,14 +217,40 @@ protected:
     return recorder_ != nullptr && recorder_->wants_remarks() ? this : nullptr;
   }
 
-  void record(const caf::mailbox_element& x, bool heard) {
-    if (recorder_ != nullptr)
-      recorder_->record(path_hash_, path_, x, heard);
+  /// Hands what is for this actor to its process, if that is not the one that this thread executes.
+  /// @returns whether it did: then `x` is moved from
+  [[nodiscard]] bool crosses(caf::abstract_actor& self, caf::mailbox_element_ptr& x) {
+    return process_ != nullptr && process_ != executed_process && cross(self, x);
   }
 
+  void record(const caf::mailbox_element& x, bool heard) {
+    if (recorder_ != nullptr)
+      recorder_->record(part(), *this, x, heard);
+  }
+
+  /// While this lives, what is sent comes from that actor.
+  class turn {
+  public:
+    explicit turn(traced_base& whose);
+    ~turn();
+    turn(const turn&) = delete;
+    turn& operator=(const turn&) = delete;
+
+  private:
+    process* process_;
+    traced_base* before_ = nullptr;
+  };
+
 private:
+  friend class trace_recorder;
+
+  [[nodiscard]] bool cross(caf::abstract_actor& self, caf::mailbox_element_ptr& x);
+  [[nodiscard]] trace_part& part() const;
+
   std::string path_;
   std::uint64_t path_hash_ = 0;
+  std::uint64_t fold_ = 0; ///< of what it was delivered
+  process* process_ = nullptr;
   trace_recorder* recorder_ = nullptr;
 };
 
@@ -194,12 +263,15 @@ public:
   using Base::enqueue;
 
   void enqueue(caf::mailbox_element_ptr x, caf::execution_unit* unit) override {
+    if (crosses(*this, x))
+      return;
     record(*x, !this->getf(caf::abstract_actor::is_terminated_flag));
     Base::enqueue(std::move(x), unit);
   }
 
   caf::resumable::resume_result resume(caf::execution_unit* unit, std::size_t messages) override {
-    const turn_of turn(recorded());
+    const turn_of recorded_turn(recorded());
+    const turn its_turn(*this);
     return Base::resume(unit, messages);
   }
 

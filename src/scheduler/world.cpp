@@ -7,8 +7,8 @@ namespace rubicon::scheduler {
 world::world(world_options options)
     : own_loop_(options.loop == nullptr ? std::make_unique<io::loop>() : nullptr),
       loop_(options.loop == nullptr ? own_loop_.get() : options.loop),
-      config_(std::make_unique<coordinator_config>(
-          coordinator_options{options.mode, options.speed, loop_})) {
+      config_(std::make_unique<coordinator_config>(coordinator_options{
+          options.mode, options.speed, loop_, options.threads, options.in_order})) {
   if (options.configure)
     options.configure(*config_);
   system_ = std::make_unique<caf::actor_system>(*config_);

@@ -33,6 +33,12 @@ struct world_options {
   /// outlive the world, and callbacks pending in it must not own actor handles.
   io::loop* loop = nullptr;
 
+  /// That may execute events of several processes at the same time. Wall time has one.
+  unsigned threads = 1;
+
+  /// In virtual time events happen in the order of their time, one after the other.
+  bool in_order = false;
+
   bool trace = true; ///< false: actors are placed, but nothing is folded
 
   /// Adapts the configuration before the actor system starts: other modules, message types.
@@ -78,12 +84,14 @@ public:
   [[nodiscard]] const trace_recorder& trace() const { return trace_; }
   [[nodiscard]] statistics stats() const;
 
-  /// Spawns a function-based actor at `path`. An actor that is not traced is spawned all the same.
+  /// Spawns a function-based actor of the supervisor's process at `path`. An actor that is not
+  /// traced is spawned all the same.
   template <class Fun, class... Args>
   auto spawn(std::string path, Fun fun, Args&&... args) {
     check_state<Fun>();
     auto handle = system_->spawn(std::move(fun), std::forward<Args>(args)...);
-    place(*caf::actor_cast<caf::abstract_actor*>(handle), std::move(path));
+    place(*caf::actor_cast<caf::abstract_actor*>(handle), std::move(path),
+          coordinator_->supervisor());
     return handle;
   }
 

@@ -33,8 +33,7 @@ void line::send(direction towards, payload octets, instant now) {
   if (kept == 0)
     return;
   lane.free_at = std::max(lane.free_at, now) + transmission_time(kept, config_.baud);
-  lane.chunks.push_back(
-      {carry(std::move(octets), kept, lane.counters), lane.free_at + config_.latency});
+  lane.chunks.push_back({carry(std::move(octets), kept, lane.counters), lane.free_at});
 }
 
 line_outputs line::on_time(instant now) {

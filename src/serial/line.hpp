@@ -40,8 +40,9 @@ struct line_counters {
 };
 
 /// Two independent directions. Each sends its octets one after the other at the line's baud rate,
-/// with 10 bit times an octet, delays them by the latency, and changes each with the configured
-/// chance. What a writer wrote at once arrives at once, when its last octet does.
+/// with 10 bit times an octet, and changes each with the configured chance. What a writer wrote at
+/// once arrives at once, when its last octet does. The latency of the PC's adapter is not the
+/// line's: whoever is at that end waits for it, each way.
 class line {
 public:
   line() = default;
@@ -72,9 +73,8 @@ private:
   };
 
   struct one_way {
-    std::deque<written_chunk>
-        chunks;        ///< in order of arrival; bounded by the buffer and the latency
-    instant free_at{}; ///< when the last octet written so far has left
+    std::deque<written_chunk> chunks; ///< in order of arrival; bounded by the buffer
+    instant free_at{};                ///< when the last octet written so far has left
     line_counters counters;
   };
 

@@ -12,7 +12,7 @@ namespace rubicon::serial {
 /// A serial cable with 10 bit times an octet (tinyos.md 1.1).
 struct line_config {
   std::uint32_t baud = 57600;
-  duration latency = 1ms;    ///< USB adapter and driver, each way
+  duration latency = 1ms;    ///< of the PC's USB adapter and driver, each way
   double octet_error = 0;    ///< chance that one octet is corrupted, 0..1
   std::size_t buffer = 4096; ///< octets waiting to be sent, each way; more are lost and counted
 };

@@ -105,7 +105,7 @@ public:
     faults.push_back(std::move(x));
     const apply_fault message{static_cast<std::uint32_t>(faults.size() - 1)};
     for (const auto at : times)
-      static_cast<void>(run().world().scheduler().clock().schedule(
+      static_cast<void>(run().world().scheduler().supervisor().schedule(
           at, caf::actor_cast<caf::strong_actor_ptr>(run().root()),
           caf::make_mailbox_element(nullptr, caf::make_message_id(), {}, message)));
     static_cast<void>(run().world().drain());

@@ -21,8 +21,8 @@ std::string name_of(const std::type_info& x) {
 fixture::fixture(delivery when)
     : logger_before_(spdlog::default_logger()),
       mail_(when == delivery::when_asked, [this](mail::letter x, duration length) {
-        static_cast<void>(world_.scheduler().clock().schedule(now() + length, std::move(x.to),
-                                                              std::move(x.content)));
+        static_cast<void>(world_.scheduler().supervisor().schedule(now() + length, std::move(x.to),
+                                                                   std::move(x.content)));
       }) {
   auto logger = std::make_shared<spdlog::logger>(
       "test", std::make_shared<spdlog::sinks::ostream_sink_st>(log_));
@@ -38,7 +38,7 @@ fixture::~fixture() {
 
 void fixture::begin(caf::abstract_actor& who, std::string path) {
   mail_.name(who.id(), path);
-  scheduler::place(who, path);
+  scheduler::place(who, path, world_.scheduler().supervisor());
   who.attach_functor([ends = ends_, path = std::move(path)](const caf::error& reason) {
     ends->push_back({path, caf::to_string(reason)});
   });

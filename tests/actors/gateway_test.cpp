@@ -17,6 +17,7 @@ namespace {
 constexpr island_id kitchen{5};
 constexpr mote_id fan{7};
 constexpr mote_id sink{1};
+constexpr auto adapter_latency = serial::line_config{}.latency;
 
 struct gateway_fixture {
   fixture world;
@@ -34,10 +35,18 @@ struct gateway_fixture {
     x.line = line.handle();
     x.ecology = ecology.handle();
     gateway = world.spawn_at("gateway/kitchen", gateway_behavior, std::move(x));
+    world.run_for(adapter_latency);
     end_taken = line.all<attach_serial>().at(0).towards;
     asked = packet_down();
     ack_frame();
     line.forget();
+  }
+
+  /// Until what it writes because of that has passed its adapter.
+  template <class Message>
+  void send(Message x) {
+    world.send(gateway, std::move(x));
+    world.run_for(adapter_latency);
   }
 
   /// The sink has written a packet.
@@ -46,7 +55,7 @@ struct gateway_fixture {
     x.source = sink.value;
     x.am_type = am_type;
     x.payload = std::move(octets);
-    world.send(gateway, test::serial_frame(x, serial::frame_type::packet));
+    send(test::serial_frame(x, serial::frame_type::packet));
   }
 
   void join_fan() {
@@ -74,13 +83,13 @@ struct gateway_fixture {
   void ack_frame() {
     const auto frames = test::frames_in(line.all<serial_write>());
     REQUIRE(!frames.empty());
-    world.send(gateway, serial_octets{serial::encode(
-                            serial::frame{serial::frame_type::ack, frames.back().sequence, {}})});
+    send(serial_octets{
+        serial::encode(serial::frame{serial::frame_type::ack, frames.back().sequence, {}})});
   }
 
   std::uint64_t lost(const std::string& cause) {
     ecology.forget();
-    world.send(gateway, status_request{});
+    send(status_request{});
     return ecology.all<serial_status>().at(0).serial.lost.at(cause);
   }
 };
@@ -137,8 +146,7 @@ TEST_CASE("an input tuple goes down the line and its status tells how it ended",
   gateway_fixture x;
   x.join_fan();
   x.line.forget();
-  x.world.send(x.gateway,
-               tuple_event{1, gateway_of(kitchen), "devices.7.input.2", bytes{0x01}, false});
+  x.send(tuple_event{1, gateway_of(kitchen), "devices.7.input.2", bytes{0x01}, false});
   CHECK(x.tuple("devices.7.input.2.status") == "1 pending");
   const auto down = x.packet_down();
   CHECK(down.destination == fan.value);
@@ -175,12 +183,12 @@ TEST_CASE("an input for a mote that is not listed, a deleted one and a foreign k
   gateway_fixture x;
   x.line.forget();
   const auto owner = gateway_of(kitchen);
-  x.world.send(x.gateway, tuple_event{1, owner, "devices.7.input.2", bytes{0x01}, false});
+  x.send(tuple_event{1, owner, "devices.7.input.2", bytes{0x01}, false});
   CHECK(x.tuple("devices.7.input.2.status") == "1 unreachable");
   x.join_fan();
-  x.world.send(x.gateway, tuple_event{1, owner, "devices.7.input.2", bytes{0x01}, true});
-  x.world.send(x.gateway, tuple_event{1, owner, "devices.7.input.2.status", bytes{0x01}, false});
-  x.world.send(x.gateway, tuple_event{1, owner, "devices.x.input.2", bytes{0x01}, false});
+  x.send(tuple_event{1, owner, "devices.7.input.2", bytes{0x01}, true});
+  x.send(tuple_event{1, owner, "devices.7.input.2.status", bytes{0x01}, false});
+  x.send(tuple_event{1, owner, "devices.x.input.2", bytes{0x01}, false});
   CHECK(x.line.count<serial_write>() == 0);
 }
 
@@ -198,8 +206,7 @@ TEST_CASE("a message of another island goes down with its source island",
   gateway_fixture x;
   x.join_fan();
   x.line.forget();
-  x.world.send(x.gateway,
-               peis_message{peer_id{2}, communication::island_message_port, message_for_fan});
+  x.send(peis_message{peer_id{2}, communication::island_message_port, message_for_fan});
   const auto packet = network::decode_island_packet(x.packet_down().payload);
   REQUIRE(packet);
   CHECK(packet->island == island_id{2});
@@ -225,8 +232,7 @@ TEST_CASE("gateways use messages among themselves and broadcasts to find each ot
           "[actors][gateway][API-11][GW-13]") {
   gateway_fixture x;
   x.join_fan();
-  x.world.send(x.gateway, peis_message{peer_id{2}, communication::island_message_port,
-                                       payload(message_for_fan)});
+  x.send(peis_message{peer_id{2}, communication::island_message_port, payload(message_for_fan)});
   x.from_sink(network::am::to_gateway,
               encode(network::island_packet{island_id{2}, mote_id{9}, 10,
                                             encode(test::reliable(fan, 1, 10, bytes{0x64}))}));
@@ -252,8 +258,7 @@ TEST_CASE("a gateway reports a packet lost when nobody acks", "[actors][gateway]
   gateway_fixture x;
   x.join_fan();
   x.line.forget();
-  x.world.send(x.gateway,
-               peis_message{peer_id{2}, communication::island_message_port, message_for_fan});
+  x.send(peis_message{peer_id{2}, communication::island_message_port, message_for_fan});
   x.world.run_for(300ms);
   CHECK(x.line.count<serial_write>() >= 3); // waits know how long a frame takes
   CHECK(x.lost("gateway_no_ack") == 0);
@@ -268,8 +273,7 @@ TEST_CASE("a packet that is acked is written once", "[actors][gateway][GW-16]") 
   gateway_fixture x;
   x.join_fan();
   x.line.forget();
-  x.world.send(x.gateway,
-               peis_message{peer_id{2}, communication::island_message_port, message_for_fan});
+  x.send(peis_message{peer_id{2}, communication::island_message_port, message_for_fan});
   x.ack_frame();
   x.world.run_for(1min);
   CHECK(x.line.count<serial_write>() == 1);
@@ -279,16 +283,16 @@ TEST_CASE("a packet that is acked is written once", "[actors][gateway][GW-16]") 
 TEST_CASE("a gateway counts what is no frame and no packet, and goes on", "[actors][gateway]") {
   gateway_fixture x;
   auto octets = serial::encode(serial::frame{serial::frame_type::packet, 0, bytes{0, 1, 2}});
-  x.world.send(x.gateway, serial_octets{octets});
+  x.send(serial_octets{octets});
   octets[3] ^= 1;
-  x.world.send(x.gateway, serial_octets{octets});
+  x.send(serial_octets{octets});
   x.from_sink(network::am::sink_event, bytes{0xee});
-  x.world.send(x.gateway, peis_message{peer_id{2}, communication::island_message_port, bytes{1}});
+  x.send(peis_message{peer_id{2}, communication::island_message_port, bytes{1}});
   CHECK(x.lost("gateway_malformed") == 1);
   CHECK(x.lost("gateway_crc") == 1);
   x.join_fan();
   CHECK(x.tuple("devices") == "{7}");
-  x.world.send(x.gateway, status_request{});
+  x.send(status_request{});
   CHECK(x.ecology.all<devices_status>().back().listed == std::vector{fan});
   CHECK(x.ecology.all<message_status>().back().who.island == kitchen);
 }

@@ -21,8 +21,9 @@ struct serial_line_fixture {
 
   explicit serial_line_fixture(double octet_error = 0) {
     config.octet_error = octet_error;
-    line = world.spawn_at("serial_line/kitchen", serial_line,
-                          serial::line(config, random_stream(3)), kitchen, ecology.handle());
+    line =
+        world.spawn_at("serial_line/kitchen", serial_line, serial::line(config, random_stream(3)),
+                       config.latency, kitchen, ecology.handle());
     world.send(line, attach_serial{direction::to_pc, pc});
     world.send(line, attach_serial{direction::to_mote, mote});
   }
@@ -40,7 +41,8 @@ struct serial_line_fixture {
 
 } // namespace
 
-TEST_CASE("octets arrive ten bit times an octet and the latency after they are written",
+TEST_CASE("octets arrive at the PC ten bit times an octet and the adapter's latency after they are "
+          "written",
           "[actors][serial][GEN-03][ACT-01]") {
   serial_line_fixture x;
   x.write(direction::to_pc, 48);
@@ -64,7 +66,7 @@ TEST_CASE("the two directions do not wait for each other, writes in one directio
   const auto time = [](std::size_t octets) {
     return instant(serial::transmission_time(octets, 57600) + 1ms);
   };
-  CHECK(x.mote.times<serial_octets>() == std::vector{time(10)});
+  CHECK(x.mote.times<serial_octets>() == std::vector{time(10) - 1ms});
   REQUIRE(x.pc.count<serial_octets>() == 2);
   CHECK(x.pc.times<serial_octets>()[0] == time(100));
   CHECK(x.pc.times<serial_octets>()[1] - time(110) <= 1ns); // two roundings instead of one
@@ -114,7 +116,7 @@ TEST_CASE("octets for an end to which nobody is attached go nowhere", "[actors][
   fixture world;
   fake<ecology_actor> ecology(world);
   const auto line =
-      world.spawn(serial_line, serial::line({}, random_stream(3)), kitchen, ecology.handle());
+      world.spawn(serial_line, serial::line({}, random_stream(3)), 1ms, kitchen, ecology.handle());
   world.send(line, serial_write{direction::to_pc, bytes{1}});
   world.run_for(1s);
   CHECK(world.ends().empty());

@@ -15,7 +15,7 @@ struct probe_state {
   timer first;
   timer second{1};
 };
-using probe_pointer = caf::stateful_actor<probe_state, probe_actor::base>*;
+using probe_pointer = scheduler::traced_pointer<probe_state, probe_actor>;
 
 /// What a test does with the timer when the probe begins and when it is nudged, and the expiries
 /// that the timer accepts.

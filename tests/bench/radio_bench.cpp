@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <malloc.h>
 
 #include "actors/messages.hpp"
@@ -111,7 +112,8 @@ struct figures {
   double cpu_s = 0; ///< of the simulated time alone
   double wall_s = 0;
   double setup_s = 0;
-  double speed = 0;      ///< simulated seconds a second of processor time
+  unsigned threads = 1;
+  double speed = 0;      ///< simulated seconds a real second
   double mac_events = 0; ///< requests, transmissions and copies ended, a second of processor time
   double messages = 0;   ///< between actors, a second of processor time
   double ratio = 0;      ///< messages a thousand steps of calibration
@@ -121,14 +123,16 @@ struct figures {
 };
 
 /// Runs `x` and calls back after its set-up and at its end.
-report::run_report run(config::ecology_description x, duration length,
-                       const std::function<void(bool first)>& at) {
+/// @param at told whether it is the first call, and the ecology time
+report::run_report run(config::ecology_description x, duration length, unsigned threads,
+                       const std::function<void(bool first, instant reached)>& at) {
   x.length = length;
   run_options options;
+  options.threads = threads;
   bool begun = false;
   options.progress = [&](const run_progress& p) {
     if (!begun || p.reached >= p.end)
-      at(!begun);
+      at(!begun, p.reached);
     begun = true;
   };
   return run_ecology(x, options);
@@ -162,25 +166,26 @@ double octets_of_empty_actor() {
 double octets_of_idle_mote(const config::ecology_description& x, std::uint64_t motes) {
   const auto before = allocated();
   double used = 0;
-  run(x, 10ms, [&](bool first) {
+  run(x, 10ms, 1, [&](bool first, instant) {
     if (first)
       used = allocated() - before;
   });
   return used / static_cast<double>(motes);
 }
 
-figures measure(const std::string& layout, std::uint32_t motes, duration length,
+figures measure(const std::string& layout, std::uint32_t motes, duration length, unsigned threads,
                 double calibration) {
   const auto make = layout == "islands" ? islands : field;
   figures x;
   x.layout = layout;
   x.motes = motes;
-  x.simulated_s = seconds(length) * 499 / 500; // the first of 500 steps has the set-up
   x.idle_octets = octets_of_idle_mote(make(motes, false), motes) - octets_of_empty_actor();
   const auto started = wall_s();
   double cpu_first = 0;
   double wall_first = 0;
-  const auto report = run(make(motes, true), length, [&](bool first) {
+  const auto report = run(make(motes, true), length, threads, [&](bool first, instant reached) {
+    if (first) // the first step has the set-up
+      x.simulated_s = seconds(length - reached.time_since_epoch());
     (first ? cpu_first : x.cpu_s) = cpu_s();
     (first ? wall_first : x.wall_s) = wall_s();
   });
@@ -196,7 +201,8 @@ figures measure(const std::string& layout, std::uint32_t motes, duration length,
   }
   x.pdr = static_cast<double>(delivered) / static_cast<double>(sent);
   x.neighbours = static_cast<double>(radio.sent) / static_cast<double>(radio.transmissions);
-  x.speed = x.simulated_s / x.cpu_s;
+  x.threads = threads;
+  x.speed = x.simulated_s / x.wall_s;
   x.mac_events = static_cast<double>(radio.requests + radio.transmissions + radio.sent) / x.cpu_s;
   x.messages = static_cast<double>(report.events) / x.cpu_s;
   x.ratio = x.messages / (calibration * 1e3);
@@ -209,42 +215,51 @@ figures measure(const std::string& layout, std::uint32_t motes, duration length,
 
 void print_table(const std::vector<figures>& all, double calibration) {
   std::printf("calibration %.1f million steps/s\n", calibration);
-  std::printf("%-8s %6s %6s  %10s %9s %9s %9s %8s %7s %6s %9s %9s\n", "layout", "motes", "neigh",
-              "x realtime", "simulated", "cpu", "wall", "set-up", "us/pkt", "pdr", "events/s",
-              "B/idle");
+  std::printf("%-8s %6s %7s %6s  %10s %9s %9s %9s %8s %7s %6s %9s %9s\n", "layout", "motes",
+              "threads", "neigh", "x realtime", "simulated", "cpu", "wall", "set-up", "us/pkt",
+              "pdr", "events/s", "B/idle");
   for (const auto& x : all)
     std::printf(
-        "%-8s %6llu %6.1f  %10.1f %7.0f s %7.2f s %7.2f s %6.2f s %7.2f %6.3f %7.2f M %9.0f\n",
-        x.layout.c_str(), static_cast<unsigned long long>(x.motes), x.neighbours, x.speed,
-        x.simulated_s, x.cpu_s, x.wall_s, x.setup_s, x.us_per_packet, x.pdr, x.mac_events / 1e6,
-        x.idle_octets);
+        "%-8s %6llu %7u %6.1f  %10.1f %7.0f s %7.2f s %7.2f s %6.2f s %7.2f %6.3f %7.2f M %9.0f\n",
+        x.layout.c_str(), static_cast<unsigned long long>(x.motes), x.threads, x.neighbours,
+        x.speed, x.simulated_s, x.cpu_s, x.wall_s, x.setup_s, x.us_per_packet, x.pdr,
+        x.mac_events / 1e6, x.idle_octets);
 }
 
 void print_json(const std::vector<figures>& all, double calibration) {
   std::printf("{\"calibration_msteps\": %.1f, \"radio\": [\n", calibration);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto& x = all[i];
-    std::printf("  {\"layout\": \"%s\", \"motes\": %llu, \"neighbours\": %.1f, \"speed\": %.2f, "
+    std::printf("  {\"layout\": \"%s\", \"motes\": %llu, \"threads\": %u, \"neighbours\": %.1f, "
+                "\"speed\": %.2f, "
                 "\"simulated_s\": %.1f, \"cpu_s\": %.3f, \"wall_s\": %.3f, \"setup_s\": %.3f, "
                 "\"us_per_packet\": %.3f, \"pdr\": %.4f, \"mac_events_per_s\": %.0f, "
                 "\"messages_per_s\": %.0f, \"ratio\": %.3f, \"octets_per_idle_mote\": %.0f}%s\n",
-                x.layout.c_str(), static_cast<unsigned long long>(x.motes), x.neighbours, x.speed,
-                x.simulated_s, x.cpu_s, x.wall_s, x.setup_s, x.us_per_packet, x.pdr, x.mac_events,
-                x.messages, x.ratio, x.idle_octets, i + 1 < all.size() ? "," : "");
+                x.layout.c_str(), static_cast<unsigned long long>(x.motes), x.threads, x.neighbours,
+                x.speed, x.simulated_s, x.cpu_s, x.wall_s, x.setup_s, x.us_per_packet, x.pdr,
+                x.mac_events, x.messages, x.ratio, x.idle_octets, i + 1 < all.size() ? "," : "");
   }
   std::printf("]}\n");
 }
 
 } // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  std::vector<std::uint32_t> sizes{100, 1000, 10'000};
+  std::vector<std::string> layouts{"islands", "field"};
+  std::vector<unsigned> threads{1};
+  CLI::App command{"What the air costs"};
+  command.add_option("--motes", sizes, "sizes")->check(CLI::Range(100, 100'000));
+  command.add_option("--layout", layouts, "islands, field")
+      ->check(CLI::IsMember({"islands", "field"}));
+  command.add_option("--threads", threads, "numbers of threads")->check(CLI::Range(1, 256));
+  CLI11_PARSE(command, argc, argv);
   const auto calibration = bench::calibrate();
   std::vector<figures> all;
-  for (const std::string layout : {"islands", "field"}) {
-    all.push_back(measure(layout, 100, 2000s, calibration));
-    all.push_back(measure(layout, 1000, 200s, calibration));
-    all.push_back(measure(layout, 10'000, 20s, calibration));
-  }
+  for (const auto& layout : layouts)
+    for (const auto size : sizes)
+      for (const auto each : threads)
+        all.push_back(measure(layout, size, 1s * (200'000 / size), each, calibration));
   print_table(all, calibration);
   print_json(all, calibration);
 }

@@ -1,5 +1,5 @@
 rubicon_test(unit.scheduler SOURCES
-  unit/scheduler_clock_test.cpp unit/scheduler_order_test.cpp unit/scheduler_queue_test.cpp
+  unit/scheduler_clock_test.cpp unit/scheduler_order_test.cpp unit/scheduler_processes_test.cpp
   unit/scheduler_run_test.cpp unit/scheduler_shutdown_test.cpp unit/scheduler_supervision_test.cpp
   unit/scheduler_trace_test.cpp unit/scheduler_wall_test.cpp
   NEEDS rubicon_scheduler

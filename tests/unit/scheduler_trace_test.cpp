@@ -52,7 +52,7 @@ program sends(Args... args) {
   return [=](world& x) { caf::anon_send(x.spawn("sink", sink), args...); };
 }
 
-const std::uint64_t untouched = fold64().value();
+const std::uint64_t untouched = fold64().add(std::uint64_t{0}).value();
 
 } // namespace
 

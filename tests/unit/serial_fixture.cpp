@@ -62,7 +62,7 @@ fixture::fixture(line_config config, std::uint64_t seed, host_port_config pc_sid
         pc_side.latency = config.latency;
         return pc_side;
       }()),
-      cable(config, random_stream(seed)), mote([&] {
+      latency(config.latency), cable(config, random_stream(seed)), mote([&] {
         mote_port_config x;
         x.baud = config.baud;
         return x;
@@ -71,7 +71,7 @@ fixture::fixture(line_config config, std::uint64_t seed, host_port_config pc_sid
 void fixture::perform(const outputs& x) {
   for (const auto& one : x) {
     if (const auto* written = std::get_if<to_line>(&one))
-      cable.send(direction::to_mote, payload(written->octets), now);
+      adapter.push_back({now + latency, direction::to_mote, payload(written->octets)});
     else if (const auto* up = std::get_if<received>(&one))
       at_pc.push_back(up->packet);
     else if (const auto* done = std::get_if<sent>(&one))
@@ -93,19 +93,33 @@ void fixture::perform(const mote_port_outputs& x) {
 void fixture::perform(const line_outputs& x) {
   for (const auto& one : x) {
     if (one.towards == direction::to_pc)
-      perform(pc.on_bytes(one.octets.view(), now));
+      adapter.push_back({now + latency, direction::to_pc, one.octets});
     else
       perform(mote.on_bytes(one.octets.view(), now));
   }
 }
 
+void fixture::on_adapter_time() {
+  while (!adapter.empty() && adapter.front().due <= now) {
+    const auto x = std::move(adapter.front());
+    adapter.pop_front();
+    if (x.towards == direction::to_pc)
+      perform(pc.on_bytes(x.octets.view(), now));
+    else
+      cable.send(direction::to_mote, x.octets, now);
+  }
+}
+
 bool fixture::step(instant end) {
-  const auto due = earliest(cable.deadline(), earliest(pc.deadline(), mote.deadline()));
+  auto due = earliest(cable.deadline(), earliest(pc.deadline(), mote.deadline()));
+  if (!adapter.empty())
+    due = earliest(due, adapter.front().due);
   if (!due || *due > end) {
     now = std::max(now, end);
     return false;
   }
   now = std::max(now, *due);
+  on_adapter_time();
   perform(cable.on_time(now));
   perform(pc.on_time(now));
   perform(mote.on_time(now));

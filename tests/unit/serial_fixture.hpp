@@ -1,6 +1,7 @@
 // Helpers of the serial tests, and both ends of a cable joined under virtual time.
 #pragma once
 
+#include <deque>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -55,7 +56,18 @@ struct fixture {
   void run_until(instant end);
   void run_for(duration x) { run_until(now + x); }
 
+  /// What is on its way through the PC's adapter, which takes its latency each way.
+  struct in_adapter {
+    instant due;
+    direction towards = direction::to_pc;
+    payload octets;
+  };
+
+  void on_adapter_time();
+
   host_port pc;
+  duration latency;
+  std::deque<in_adapter> adapter; ///< by time
   line cable;
   mote_port mote;
   instant now{};

@@ -1,4 +1,5 @@
-// Things that are due at a time, earliest first, equal times in the order they were set.
+// Things that are due at a time, earliest first; equal times by who has set them, and what one has
+// set in the order it was set.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +12,21 @@
 
 #include "core/time.hpp"
 
-namespace rubicon::scheduler {
+namespace rubicon::parallel {
+
+/// The order of events: no scheduler decides it, so it is the same whoever runs them, and what
+/// others do does not change the order of one's own.
+struct event_order {
+  instant due;
+  std::uint64_t origin = 0;   ///< a number made of the path of the actor it comes from; 0: of none
+  std::uint64_t sequence = 0; ///< ascending in what one process has set
+
+  friend bool operator<(const event_order& a, const event_order& b) {
+    if (a.due != b.due)
+      return a.due < b.due;
+    return a.origin != b.origin ? a.origin < b.origin : a.sequence < b.sequence;
+  }
+};
 
 /// A heap that knows where each of its entries is, so that one can be moved or taken out: what is
 /// pending is one entry, and nothing else takes memory.
@@ -21,19 +36,18 @@ class timer_queue {
 public:
   using ticket = std::uint32_t; ///< names an entry until it is popped or cancelled
 
-  ticket add(instant due, T x) {
+  ticket add(const event_order& when, T x) {
     const auto slot = take_slot();
     values_[slot] = std::move(x);
     heap_.emplace_back();
-    rise(heap_.size() - 1, {due, sequence_++, slot});
+    rise(heap_.size() - 1, {when, slot});
     return slot;
   }
 
-  /// As if it were cancelled and added again: it comes after what is already due at `due`.
-  /// @pre `x` is pending
-  void move(ticket x, instant due) {
+  /// As if it were cancelled and added again. @pre `x` is pending
+  void move(ticket x, const event_order& when) {
     assert(pending(x));
-    settle(places_[x], {due, sequence_++, x});
+    settle(places_[x], {when, x});
   }
 
   /// @pre `x` is pending
@@ -49,7 +63,7 @@ public:
   [[nodiscard]] std::optional<instant> next() const {
     if (heap_.empty())
       return {};
-    return heap_.front().due;
+    return heap_.front().when.due;
   }
 
   /// The entry that pop() will return. @pre next()
@@ -81,14 +95,11 @@ private:
   static constexpr std::size_t children = 4;
 
   struct entry {
-    instant due;
-    std::uint64_t sequence = 0;
+    event_order when;
     ticket slot = 0;
   };
 
-  static bool before(const entry& a, const entry& b) {
-    return a.due != b.due ? a.due < b.due : a.sequence < b.sequence;
-  }
+  static bool before(const entry& a, const entry& b) { return a.when < b.when; }
 
   ticket take_slot() {
     if (free_.empty()) {
@@ -144,7 +155,6 @@ private:
   std::vector<T> values_;
   std::vector<place> places_; ///< of each value
   std::vector<ticket> free_;
-  std::uint64_t sequence_ = 0;
 };
 
-} // namespace rubicon::scheduler
+} // namespace rubicon::parallel

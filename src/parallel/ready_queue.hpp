@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace rubicon::scheduler {
+namespace rubicon::parallel {
 
 /// A ring that doubles when full. Each actor stands in it at most once, so it is bounded by their
 /// number.
@@ -46,4 +46,4 @@ private:
   std::size_t size_ = 0;
 };
 
-} // namespace rubicon::scheduler
+} // namespace rubicon::parallel
