@@ -15,7 +15,7 @@ namespace rubicon {
 class ecology_run {
 public:
   /// @throws std::runtime_error if the debug folder, a capture or the record cannot be begun
-  ecology_run(const config::ecology_description& description, run_options options);
+  ecology_run(config::ecology_description description, run_options options);
   ~ecology_run();
   ecology_run(ecology_run&&) noexcept;
   ecology_run& operator=(ecology_run&&) noexcept;

@@ -287,14 +287,13 @@ void start(mote_pointer self) {
   auto& state = self->state;
   const auto& arguments = *state.arguments;
   const auto life = "mote/" + arguments.name + '#' + std::to_string(state.store.starts);
-  auto config = arguments.node;
   state.crystal =
       arguments.crystal.ahead_by(mote::boot_time(random_stream(arguments.seed, life + "/clock")));
-  config.clock = state.crystal;
   self->send(arguments.air,
              attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
   if (arguments.stack == config::stack::full)
-    state.node.emplace(std::move(config), state.store, random_stream(arguments.seed, life),
+    state.node.emplace(std::shared_ptr<const mote::node_config>(state.arguments, &arguments.node),
+                       state.crystal, state.store, random_stream(arguments.seed, life),
                        own_time(self));
   else
     performer{self}(mote::store_nonvolatile{begin_life(state.store)});

@@ -366,8 +366,8 @@ void judge_run(report::run_report& report, const report::expectations& judge,
 /// Members are in the order in which they need each other.
 class ecology_run::parts {
 public:
-  parts(const config::ecology_description& file, run_options options)
-      : options_(std::move(options)), description_(overridden(file, options_)),
+  parts(config::ecology_description file, run_options options)
+      : options_(std::move(options)), description_(overridden(std::move(file), options_)),
         judge_(description_.expectations, description_.length),
         files_(description_, options_, judge_), report_(empty_report(description_)) {
     attempt([this] { run_.emplace(description_, options_, files_, judge_, report_); });
@@ -424,8 +424,8 @@ private:
   std::optional<one_run> run_;
 };
 
-ecology_run::ecology_run(const config::ecology_description& description, run_options options)
-    : parts_(std::make_unique<parts>(description, std::move(options))) {}
+ecology_run::ecology_run(config::ecology_description description, run_options options)
+    : parts_(std::make_unique<parts>(std::move(description), std::move(options))) {}
 ecology_run::~ecology_run() = default;
 ecology_run::ecology_run(ecology_run&&) noexcept = default;
 ecology_run& ecology_run::operator=(ecology_run&&) noexcept = default;
@@ -446,9 +446,8 @@ report::run_report ecology_run::finish() {
   return parts_->finish();
 }
 
-report::run_report run_ecology(const config::ecology_description& file,
-                               const run_options& options) {
-  return ecology_run(file, options).finish();
+report::run_report run_ecology(config::ecology_description file, const run_options& options) {
+  return ecology_run(std::move(file), options).finish();
 }
 
 } // namespace rubicon

@@ -44,7 +44,7 @@ struct run_options {
 /// the report is not complete, says why, and has a violation; files that could not be written to
 /// their end are violations too.
 /// @throws std::runtime_error if the debug folder, a capture or the record cannot be begun
-[[nodiscard]] report::run_report run_ecology(const config::ecology_description& description,
+[[nodiscard]] report::run_report run_ecology(config::ecology_description description,
                                              const run_options& options);
 
 } // namespace rubicon

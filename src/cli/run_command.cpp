@@ -16,11 +16,11 @@ namespace rubicon::cli {
 namespace {
 
 /// A run with a progress bar where there is somebody to see it.
-report::run_report run_watched(const config::ecology_description& ecology, run_options options,
+report::run_report run_watched(config::ecology_description ecology, run_options options,
                                const console& errors) {
   const auto mode = options.mode.value_or(ecology.mode);
   if (!errors.is_terminal || mode != config::run_mode::virtual_time)
-    return run_ecology(ecology, options);
+    return run_ecology(std::move(ecology), options);
   progress_bar bar(errors.width);
   const auto start = std::chrono::steady_clock::now();
   options.progress = [&](const run_progress& x) {
@@ -32,7 +32,7 @@ report::run_report run_watched(const config::ecology_description& ecology, run_o
     progress_bar* bar;
     ~eraser() { static_cast<void>(print(stderr, bar->finish())); } // also when the run throws
   } const at_end{&bar};
-  return run_ecology(ecology, options);
+  return run_ecology(std::move(ecology), options);
 }
 
 exit_status status_of(const report::run_report& x) {
@@ -41,10 +41,10 @@ exit_status status_of(const report::run_report& x) {
   return x.complete && x.violations.empty() ? exit_status::good : exit_status::violated;
 }
 
-exit_status report_run(const run_command& x, const ecology_file& file) {
+exit_status report_run(const run_command& x, ecology_file file) {
   auto options = x.options;
   options.source = {x.file, to_hex(file.text_hash)};
-  const auto report = run_watched(file.ecology, std::move(options), console_of(stderr));
+  const auto report = run_watched(std::move(file.ecology), std::move(options), console_of(stderr));
   const auto output = console_of(stdout);
   const auto text = x.json ? to_json(report) : to_text(report, output.width, output.colour);
   return print(stdout, text) ? status_of(report) : exit_status::refused;
@@ -83,10 +83,10 @@ exit_status compare_runs(const run_command& x, const config::ecology_description
 
 exit_status perform(const run_command& x) {
   set_up_logging(x.log_level, console_of(stderr));
-  const auto file = load_or_complain(x.file, x.instead, x.known);
+  auto file = load_or_complain(x.file, x.instead, x.known);
   if (!file)
     return exit_status::refused;
-  return x.check_determinism ? compare_runs(x, file->ecology) : report_run(x, *file);
+  return x.check_determinism ? compare_runs(x, file->ecology) : report_run(x, std::move(*file));
 }
 
 } // namespace rubicon::cli

@@ -39,16 +39,16 @@ void set_island(bytes& record, island_id island) {
 
 } // namespace
 
-layer::layer(layer_config config, random_stream rng) : config_(std::move(config)) {
-  config_.messages.self = config_.self;
-  config_.messages.incarnation = config_.incarnation;
-  messages_ = transport::messenger(config_.messages, rng);
-  config_.tunnels.self = config_.self;
-  config_.tunnels.incarnation = config_.incarnation;
-  tunnels_ = transport::tunnels(config_.tunnels);
-  config_.streams.transducers = transducers_max;
-  streams_ = stream::streams(config_.streams);
-  synaptic_ = synaptic::channels(config_.synaptic);
+layer::layer(layer_config config, random_stream rng) : config_(config) {
+  config.messages.self = config.self;
+  config.messages.incarnation = config.incarnation;
+  messages_ = transport::messenger(config.messages, rng);
+  config.tunnels.self = config.self;
+  config.tunnels.incarnation = config.incarnation;
+  tunnels_ = transport::tunnels(config.tunnels);
+  config.streams.transducers = transducers_max;
+  streams_ = stream::streams(config.streams);
+  synaptic_ = synaptic::channels(config.synaptic);
 }
 
 interface layer::attach(communication_events& events, std::string name) {
@@ -408,8 +408,8 @@ std::optional<duration> layer::latency_bound(stream::channel_handle channel) con
   if (is_tunnel(channel)) {
     const auto route = tunnels_.route_of(tunnel_of(channel));
     if (!route)
-      return config_.messages.lifetime;
-    return std::min(config_.messages.lifetime,
+      return messages_.config().lifetime;
+    return std::min(messages_.config().lifetime,
                     2 * route->round_trip + messages_.slack_to(route->peer) + queues);
   }
   const auto found = latency_bounds_.find(channel);

@@ -113,16 +113,20 @@ inline constexpr std::uint8_t transducers_max = 32; ///< bits of a mask
   return number < transducers_max && (mask & (1U << number)) != 0;
 }
 
-struct layer_config {
-  mote_id self;                  ///< no_mote: a PC
-  std::uint32_t incarnation = 0; ///< how often this node has been started before
+/// Of the layer itself.
+struct own_layer_config {
+  mote_id self;                      ///< no_mote: a PC
+  std::uint32_t incarnation = 0;     ///< how often this node has been started before
+  std::uint32_t transducer_mask = 0; ///< bit n: there is a transducer n
+  std::size_t unclaimed_max = 4;     ///< accepted channels that have carried nothing yet
+  duration slot_min = 200us; ///< from a tick to its vectors at least: so long programs may take
+};
+
+struct layer_config : own_layer_config {
   transport::messenger_config messages;
   transport::tunnels_config tunnels;
   stream::streams_config streams;
   synaptic::channels_config synaptic;
-  std::uint32_t transducer_mask = 0; ///< bit n: there is a transducer n
-  std::size_t unclaimed_max = 4;     ///< accepted channels that have carried nothing yet
-  duration slot_min = 200us; ///< from a tick to its vectors at least: so long programs may take
 };
 
 struct layer_counters {
@@ -229,7 +233,7 @@ public:
   [[nodiscard]] const synaptic::channels& synaptic() const { return synaptic_; }
   [[nodiscard]] const transport::tunnels& tunnels() const { return tunnels_; }
   [[nodiscard]] const layer_counters& counters() const { return counters_; }
-  [[nodiscard]] const layer_config& config() const { return config_; }
+  [[nodiscard]] const own_layer_config& config() const { return config_; }
   [[nodiscard]] bool initialised() const { return initialised_; }
 
   /// Octets of all state on a mote with the default tables (SMP-30).
@@ -275,7 +279,7 @@ private:
   void on_read(stream::read_done& x);
   void dispatch();
 
-  layer_config config_;
+  own_layer_config config_;
   transport::messenger messages_;
   transport::tunnels tunnels_;
   stream::streams streams_;

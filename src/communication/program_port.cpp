@@ -28,15 +28,17 @@ std::optional<std::uint16_t> program_port::numbering::program(int layer) const {
 }
 
 remote::limits program_port::limits_of(const layer& x) {
-  const auto& tables = x.config();
+  const auto& streams = x.streams().config();
+  const auto& synaptic = x.synaptic().config();
+  const auto& messages = x.messages().config();
   remote::limits limits;
-  limits.transducer_mask = tables.transducer_mask;
-  limits.streams_max = static_cast<std::uint32_t>(tables.streams.streams_max);
-  limits.record_max = static_cast<std::uint32_t>(tables.streams.record_max);
-  limits.channels_max = static_cast<std::uint32_t>(tables.synaptic.channels_max);
-  limits.vector_max = tables.synaptic.size_max;
-  limits.sends_max = static_cast<std::uint32_t>(tables.messages.outstanding_max);
-  limits.payload_max = static_cast<std::uint32_t>(tables.messages.payload_max);
+  limits.transducer_mask = x.config().transducer_mask;
+  limits.streams_max = static_cast<std::uint32_t>(streams.streams_max);
+  limits.record_max = static_cast<std::uint32_t>(streams.record_max);
+  limits.channels_max = static_cast<std::uint32_t>(synaptic.channels_max);
+  limits.vector_max = synaptic.size_max;
+  limits.sends_max = static_cast<std::uint32_t>(messages.outstanding_max);
+  limits.payload_max = static_cast<std::uint32_t>(messages.payload_max);
   return limits;
 }
 

@@ -80,19 +80,21 @@ island_time beside_the_window(island_time first, duration interval, const duty_c
 
 } // namespace
 
-node::node(node_config config, const nonvolatile& store, random_stream rng, instant now)
-    : config_(std::move(config)), rng_(rng), store_(store) {
-  auto above = config_.layer;
-  above.self = config_.id;
+node::node(std::shared_ptr<const node_config> config, crystal crystal, const nonvolatile& store,
+           random_stream rng, instant now)
+    : config_(std::move(config)), crystal_(crystal), place_(config_->place), rng_(rng),
+      store_(store) {
+  auto above = config_->layer;
+  above.self = config_->id;
   above.incarnation = incarnation();
-  above.transducer_mask = describe(config_).transducer_mask;
+  above.transducer_mask = describe(*config_).transducer_mask;
   layer_.emplace(above, random_stream(rng_.next()));
-  auto network = config_.network;
-  network.self = config_.id;
-  network.duty = config_.duty.common();
+  auto network = config_->network;
+  network.self = config_->id;
+  network.duty = config_->duty.common();
   packets_ = packet_service(network, random_stream(rng_.next()), now);
-  duty_ = duty_cycle(config_.duty, false);
-  for (const auto& x : config_.actuators)
+  duty_ = duty_cycle(config_->duty, false);
+  for (const auto& x : config_->actuators)
     actuators_.emplace(x.name, device::actuator(x));
 }
 
@@ -106,17 +108,17 @@ communication::interface node::attach(communication::communication_events& event
 node_outputs node::start(instant now) {
   node_outputs out{store_nonvolatile{begin_life(store_)}};
   use_layer().on_initialised(true, now);
-  if (config_.joins_alone)
-    ask_to_join(encode(describe(config_)), out, now);
+  if (config_->joins_alone)
+    ask_to_join(encode(describe(*config_)), out, now);
   settle(out, now);
   return out;
 }
 
 void node::ask_to_join(bytes description, node_outputs& out, instant now) {
   join_config config;
-  config.keep_alive = config_.keep_alive;
-  join_ = join_client(config, with_device(std::move(description), config_.device), incarnation(),
-                      random_stream(rng_.next()), config_.device);
+  config.keep_alive = config_->keep_alive;
+  join_ = join_client(config, with_device(std::move(description), config_->device), incarnation(),
+                      random_stream(rng_.next()), config_->device);
   wants_to_join_ = true;
   take(packet_service_outputs{}, out, now);
 }
@@ -293,7 +295,7 @@ bool node::heed_ticks(instant now) {
 /// Whether others need to be told that slots are in use, which in an island that sleeps they are
 /// not: its channels have schedules.
 void node::watch_slots(instant now) {
-  if (!joined() || config_.duty.enabled || !layer_->synaptic().sends()) {
+  if (!joined() || config_->duty.enabled || !layer_->synaptic().sends()) {
     tells_at_.reset();
     has_told_ = false;
   } else if (!tells_at_ && packets_.router().clock().slots_used() == 0) {
@@ -363,7 +365,7 @@ void node::take(network::router_outputs from_router, node_outputs& out, instant 
 }
 
 void node::on_packet(const network::island_packet& x, instant now) {
-  const bool is_ours = x.mote == config_.id || x.mote == broadcast_mote;
+  const bool is_ours = x.mote == config_->id || x.mote == broadcast_mote;
   if (joined() && is_ours)
     use_layer().on_packet(x.island, x.channel, x.body, now);
   else
@@ -492,8 +494,8 @@ void node::send_on(stream::channel_handle channel, bytes octets, network::depart
 /// What is to come back takes longer the longer frames wait for their turn at each hop.
 void node::heed_waits(instant now) {
   const auto& router = packets_.router();
-  const bool waits = config_.duty.enabled && router.turn_wait(now) > 0s;
-  const auto slack = waits ? config_.duty.answer_slack(router.tree().hops()) : 0ns;
+  const bool waits = config_->duty.enabled && router.turn_wait(now) > 0s;
+  const auto slack = waits ? config_->duty.answer_slack(router.tree().hops()) : 0ns;
   if (std::exchange(slack_, slack) != slack)
     use_layer().set_answer_slack(slack);
 }
@@ -503,7 +505,7 @@ void node::route(transport::to_network& x, node_outputs& out, instant now) {
   const bool is_local = x.destination.island == island_ && x.destination.mote != no_mote;
   const network::island_packet packet{x.destination.island, x.destination.mote, x.channel,
                                       std::move(x.segment)};
-  if (is_local && packet.mote == config_.id) {
+  if (is_local && packet.mote == config_->id) {
     on_packet(packet, now);
     return;
   }
@@ -524,7 +526,7 @@ void node::connect(const communication::channel_wanted& x, node_outputs& out, in
   schedule.size = static_cast<std::uint8_t>(std::min(x.size, network::channel_packet_max));
   if (router.clock().synchronised())
     schedule.first =
-        beside_the_window(router.clock().at(now + x.interval), x.interval, config_.duty, rng_);
+        beside_the_window(router.clock().at(now + x.interval), x.interval, config_->duty, rng_);
   const auto expiry = std::max<duration>(expiry_min, expiry_intervals * x.interval);
   auto [id, todo] = router.connect(x.destination, schedule, expiry, now);
   connecting_[id] = x.request;
@@ -536,10 +538,11 @@ void node::connect(const communication::channel_wanted& x, node_outputs& out, in
 std::optional<std::int16_t> node::read(device::quantity kind, instant now) {
   if (kind == device::quantity::signal)
     return parent_dbm_;
-  const auto found = std::ranges::find(config_.transducers, kind, &device::transducer_config::kind);
-  if (found == config_.transducers.end())
+  const auto found =
+      std::ranges::find(config_->transducers, kind, &device::transducer_config::kind);
+  if (found == config_->transducers.end())
     return std::nullopt;
-  return sample(*found, now, rng_, {config_.place, config_.transducer_seed});
+  return sample(*found, now, rng_, {place_, config_->transducer_seed});
 }
 
 std::uint32_t node::time_ms(instant now) const {
@@ -551,15 +554,15 @@ std::uint32_t node::time_ms(instant now) const {
 }
 
 void node::carry_out(const communication::sample_wanted& x, instant now) {
-  const auto ahead = config_.clock.own({}) - instant{}; // streams go by the mote's crystal
+  const auto ahead = crystal_.own({}) - instant{}; // streams go by the mote's crystal
   const auto count = read(static_cast<device::quantity>(x.transducer), now - ahead);
-  use_layer().on_sample(x.stream, {{island_, config_.id}, time_ms(now), count.value_or(0)}, now);
+  use_layer().on_sample(x.stream, {{island_, config_->id}, time_ms(now), count.value_or(0)}, now);
 }
 
 void node::carry_out(const communication::transducers_wanted& x, instant now) {
   std::vector<std::int16_t> counts;
   for (const auto kind : x.kinds)
-    counts.push_back(read(kind, config_.clock.real(now)).value_or(0));
+    counts.push_back(read(kind, crystal_.real(now)).value_or(0));
   use_layer().on_transducers(x.process, std::move(counts), time_ms(now), now);
 }
 
@@ -583,7 +586,7 @@ std::size_t node::footprint() const {
   constexpr std::size_t join_octets = 32;
   constexpr std::size_t clock_octets = 12;
   return packets_.footprint() + layer_->footprint() + join_octets + clock_octets +
-         duty_cycle::footprint(config_.network.paths.entries_max);
+         duty_cycle::footprint(config_->network.paths.entries_max);
 }
 
 } // namespace rubicon::mote

@@ -6,8 +6,10 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -43,7 +45,6 @@ struct node_config {
   communication::layer_config layer; ///< sizes of tables
   network::router_config network;    ///< the same
   duty_config duty;
-  crystal clock; ///< its own: what transducers see goes by the world's
 };
 
 /// The mote is a member of its island, or is one no longer.
@@ -79,7 +80,12 @@ class node {
 public:
   /// Starts, and looks for its island.
   /// @param store what the mote remembers, of which its incarnation (DIS-07)
-  node(node_config config, const nonvolatile& store, random_stream rng, instant now);
+  /// @param config not nullptr
+  /// @param crystal its own: what transducers see goes by the world's
+  node(std::shared_ptr<const node_config> config, crystal crystal, const nonvolatile& store,
+       random_stream rng, instant now);
+  node(node_config config, const nonvolatile& store, random_stream rng, instant now)
+      : node(std::make_shared<const node_config>(std::move(config)), {}, store, rng, now) {}
 
   /// A program on this mote. Commands that are not given from within an event are followed by
   /// settle(). @param events outlives this
@@ -117,10 +123,10 @@ public:
   static constexpr std::int16_t signal_unknown = 127;
 
   /// Its clock was set: all times are ahead by so much more from now on, or less.
-  void on_clock_set(duration by) { config_.clock = config_.clock.ahead_by(by); }
+  void on_clock_set(duration by) { crystal_ = crystal_.ahead_by(by); }
 
   /// The mote is somewhere else from now on.
-  void move(position x) { config_.place = x; }
+  void move(position x) { place_ = x; }
 
   /// Where it is; nothing: there is no such actuator.
   [[nodiscard]] std::optional<std::uint8_t> actuator_state(const std::string& name,
@@ -186,7 +192,9 @@ private:
   [[nodiscard]] std::optional<instant> layer_deadline() const;
   [[nodiscard]] bool layer_wants_ticks() const;
 
-  node_config config_;
+  std::shared_ptr<const node_config> config_;
+  crystal crystal_;
+  position place_; ///< where it is now
   random_stream rng_;
   packet_service packets_;
   join_client join_;

@@ -23,6 +23,9 @@ constexpr std::size_t messages_per_turn = 50;
 
 constexpr unsigned turns_per_look = 16;
 
+/// What a process sends in a round, but at the start of a run and at its end.
+constexpr std::size_t sent_kept = 256;
+
 /// In virtual time no time passes while somebody is ready. In wall time it does, so that timeouts
 /// that are due must not wait until a flood of messages ends.
 constexpr std::size_t wall_turns_per_round = 64;
@@ -288,6 +291,8 @@ void coordinator::take_over_sent() {
       }
     }
     from.sent().clear();
+    if (from.sent().capacity() > sent_kept)
+      from.sent().shrink_to_fit();
     std::ranges::move(from.to_be_said(), std::back_inserter(to_be_said_));
     from.to_be_said().clear();
   };

@@ -127,6 +127,7 @@ public:
   [[nodiscard]] bool has_ended(descriptor stream) const; ///< not closed, nothing to read
   [[nodiscard]] std::size_t open_streams() const { return rows_.size(); } ///< table entries in use
   [[nodiscard]] std::size_t early_channels() const { return early_.size(); }
+  [[nodiscard]] const streams_config& config() const { return config_; }
   [[nodiscard]] const streams_counters& counters() const { return counters_; }
 
   /// Octets on a mote, all streams with queues of the default sizes.

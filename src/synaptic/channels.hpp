@@ -125,6 +125,7 @@ public:
 
   [[nodiscard]] std::size_t open_channels() const { return rows_.size(); } ///< entries in use
   [[nodiscard]] std::size_t early_channels() const { return early_.size(); }
+  [[nodiscard]] const channels_config& config() const { return config_; }
   [[nodiscard]] const channels_counters& counters() const { return counters_; }
 
   /// Octets on a mote, all channels of the largest size.

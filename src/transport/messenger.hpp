@@ -140,6 +140,7 @@ public:
   [[nodiscard]] outputs fail_all();
 
   [[nodiscard]] std::size_t outstanding() const { return outstanding_; }
+  [[nodiscard]] const messenger_config& config() const { return config_; }
   [[nodiscard]] const messenger_counters& counters() const { return counters_; }
 
   /// Unreliable messages passed up, by source; those of the first `arrivals_max` sources. It is the
