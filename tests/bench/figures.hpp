@@ -43,6 +43,11 @@ public:
     all_.push_back({section_, what, value, unit, wanted});
   }
 
+  /// Remembers one that is printed otherwise, in a table for example.
+  void keep(const std::string& what, double value, const std::string& unit) {
+    all_.push_back({section_, what, value, unit, {}});
+  }
+
   void failure(const std::string& what, const std::string& why) {
     std::printf("  %-34s FAILED: %s\n", what.c_str(), why.c_str());
     std::fflush(stdout);

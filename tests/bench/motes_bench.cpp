@@ -10,8 +10,6 @@
 #include <cstdio>
 #include <optional>
 #include <ratio>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,12 +17,12 @@
 #include <CLI/CLI.hpp>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include "actors/run.hpp"
 #include "calibration.hpp"
-#include "config/load.hpp"
 #include "figures.hpp"
+#include "io/spare_memory.hpp"
+#include "mote_islands.hpp"
 
 namespace {
 
@@ -36,43 +34,8 @@ constexpr unsigned island_motes = 100;
 constexpr duration settled_after = 90s; ///< everybody has joined, beacons are rare
 constexpr duration measured = 1min;
 
-config::ecology_description islands(unsigned motes) {
-  constexpr unsigned columns = 10;
-  constexpr unsigned apart_m = 200;
-  std::ostringstream toml;
-  toml << "[ecology]\nname = 'motes'\n[radio]\nrange = '15m'\n"
-       << "[mote_type.m]\ntype = 1\n"
-       << "transducers = { temperature = { model = 'constant', value = 20 } }\n"
-       << "apps = [{ app = 'sampler', transducers = ['temperature'], every = '60s' }]\n"
-       << "[[air]]\nname = 'field'\nislands = [";
-  const auto count = motes / island_motes;
-  for (unsigned i = 1; i <= count; ++i)
-    toml << "'island-" << i << "', ";
-  toml << "]\n";
-  for (unsigned i = 0; i < count; ++i) {
-    const auto x_m = apart_m * (i % columns);
-    const auto y_m = apart_m * (i / columns);
-    toml << "[[island]]\nid = " << i + 1 << "\nname = 'island-" << i + 1
-         << "'\nkeep_alive = '3min'\nsink.position_m = [" << x_m + 45 << ", " << y_m + 45 << "]\n"
-         << "[[island.group]]\ncount = " << island_motes << "\nfirst = 2\ntype = 'm'\n"
-         << "layout = 'grid'\ncolumns = 10\nspacing = '10m'\norigin = [" << x_m << ", " << y_m
-         << "]\n";
-  }
-  auto loaded = config::load_text(toml.str(), "motes.toml", {}, {});
-  if (!loaded.ecology)
-    throw std::logic_error("the bench's own ecology is refused");
-  return *std::move(loaded.ecology);
-}
-
-/// Octets of memory that the process has resident.
 double resident() {
-  long pages_all = 0;
-  long pages = 0;
-  std::FILE* file = std::fopen("/proc/self/statm", "r");
-  if (file == nullptr || std::fscanf(file, "%ld %ld", &pages_all, &pages) != 2)
-    throw std::runtime_error("/proc/self/statm cannot be read");
-  std::fclose(file);
-  return static_cast<double>(pages) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  return static_cast<double>(io::resident_memory());
 }
 
 struct cost {
@@ -87,7 +50,7 @@ struct cost {
 cost measure(unsigned motes) {
   ::malloc_trim(0);
   const auto before = resident();
-  auto what = islands(motes);
+  auto what = bench::mote_islands(motes / island_motes, island_motes, true);
   what.length = settled_after + measured;
   cost x;
   std::optional<std::pair<double, double>> started; // processor time, wall time

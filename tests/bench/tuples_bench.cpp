@@ -3,24 +3,16 @@
 //
 // usage: bench_tuples [SECTION...]    none: all
 // Sections: subscriptions patterns tuples repeats
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
-#include <deque>
-#include <fstream>
 #include <string>
 #include <string_view>
-#include <utility>
-#include <variant>
-#include <vector>
-
-#include <unistd.h>
 
 #include "calibration.hpp"
-#include "core/random.hpp"
 #include "figures.hpp"
+#include "io/spare_memory.hpp"
+#include "kernel_pair.hpp"
 #include "peis/kernel.hpp"
 #include "peis/tuple_record.hpp"
 
@@ -29,91 +21,11 @@ namespace {
 using namespace rubicon;
 using bench::cpu_s;
 using bench::figures;
+using bench::kernel_pair;
 
 double resident_mb() {
-  std::ifstream stream("/proc/self/statm");
-  double total = 0;
-  double resident = 0;
-  stream >> total >> resident;
-  return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
+  return static_cast<double>(io::resident_memory()) / 1e6;
 }
-
-/// Two kernels joined by a link that takes no time and loses nothing; tells the longest turn.
-class kernel_pair {
-public:
-  kernel_pair() {
-    for (int i = 0; i < 2; ++i) {
-      peis::kernel_config x;
-      x.network.id = peer_id{i + 1};
-      x.network.host_name = "bench";
-      x.network.connections.announces = false;
-      x.tuples.held_octets_max = std::size_t{4} << 30U; // all of 1 000 000, from one owner
-      kernels_[static_cast<std::size_t>(i)] =
-          peis::kernel(x, random_stream(static_cast<std::uint64_t>(i + 1)), now_);
-    }
-    perform(1, kernels_[1].on_link_open(link, peis::link_role::acceptor, now_));
-    perform(0, kernels_[0].on_link_open(link, peis::link_role::initiator, now_));
-    pass(5s);
-    turn_max_s = 0;
-  }
-
-  void pass(duration time) {
-    for (const auto end = now_ + time; now_ < end; now_ += 1ms)
-      step();
-  }
-
-  /// @returns false if it takes longer than that much CPU
-  template <class Condition>
-  bool pass_until(Condition done, double cpu_limit_s) {
-    for (const auto end = cpu_s() + cpu_limit_s; !done(); now_ += 1ms) {
-      if (cpu_s() > end)
-        return false;
-      step();
-    }
-    return true;
-  }
-
-  template <class Command>
-  void command(std::size_t who, Command what) {
-    perform(who, what(kernels_[who], now_));
-  }
-  peis::kernel& at(std::size_t who) { return kernels_[who]; }
-
-  double turn_max_s = 0;
-
-private:
-  static constexpr peis::link_id link{1};
-
-  void step() {
-    for (int i = 0; i < 10000 && !wire_.empty(); ++i) {
-      const auto [to, octets] = wire_.front();
-      wire_.pop_front();
-      const auto begun = cpu_s();
-      auto out = kernels_[to].on_link_octets(link, octets.view(), now_);
-      turn_max_s = std::max(turn_max_s, cpu_s() - begun);
-      perform(to, std::move(out));
-    }
-    for (std::size_t i = 0; i < 2; ++i) {
-      if (const auto due = kernels_[i].deadline(); due && *due <= now_) {
-        const auto begun = cpu_s();
-        auto out = kernels_[i].on_time(now_);
-        turn_max_s = std::max(turn_max_s, cpu_s() - begun);
-        perform(i, std::move(out));
-      }
-    }
-  }
-
-  void perform(std::size_t who, peis::outputs todo) {
-    for (auto& x : todo) {
-      if (auto* sent = std::get_if<peis::to_link>(&x))
-        wire_.emplace_back(1 - who, std::move(sent->octets));
-    }
-  }
-
-  instant now_{};
-  std::array<peis::kernel, 2> kernels_;
-  std::deque<std::pair<std::size_t, payload>> wire_; ///< with the number of whom they go to
-};
 
 constexpr double limit_s = 100;
 
