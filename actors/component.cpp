@@ -90,6 +90,11 @@ timed_peer_app_actor::behavior_type component_behavior(component_pointer self,
   self->state.arguments = std::move(arguments);
   perform(self, self->state.arguments.core->start(now(self)));
   return {
+      // the frequent ones first: they are tried in turn
+      [self](const timer_expired& x) {
+        if (self->state.wake.accepts(x))
+          perform(self, self->state.arguments.core->on_time(now(self)));
+      },
       [self](const tuple_event& x) { on_tuple(self, x); },
       [](const peis_message&) {}, // hooks no port
       [self](const peis_outcome& x) {
@@ -97,10 +102,6 @@ timed_peer_app_actor::behavior_type component_behavior(component_pointer self,
           log(self, spdlog::level::warn, "event=write_failed cause={}", x.cause);
       },
       [self](status_request) { send_status(self); },
-      [self](const timer_expired& x) {
-        if (self->state.wake.accepts(x))
-          perform(self, self->state.arguments.core->on_time(now(self)));
-      },
   };
 }
 

@@ -254,6 +254,14 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
                        state.arguments.config.incarnation > 0, now(self));
   perform(self, state.gateway.start(now(self)));
   return {
+      // the frequent ones first: they are tried in turn
+      [self](const serial_octets& x) {
+        perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));
+      },
+      [self](const timer_expired& x) {
+        if (self->state.wake.accepts(x))
+          on_timer(self);
+      },
       [self](const tuple_event& x) { on_tuple(self, x); },
       [self](const peis_message& x) { on_message(self, x); },
       [self](const peis_outcome& x) {
@@ -268,13 +276,6 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
       },
       [self](const clock_changed& x) {
         perform(self, self->state.gateway.on_clock(x.offset, now(self)));
-      },
-      [self](const serial_octets& x) {
-        perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));
-      },
-      [self](const timer_expired& x) {
-        if (self->state.wake.accepts(x))
-          on_timer(self);
       },
       [self](const status_request& x) {
         if (x.sample > 0) {

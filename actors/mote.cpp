@@ -71,13 +71,21 @@ struct performer {
 
 void perform(mote_pointer self, mote::node_outputs todo) {
   auto& state = self->state;
-  state.reports.tell(self, state.arguments->ecology);
-  state.programs.tell(self, state.arguments->ecology);
+  // Programs that have had no turn have nothing to tell: most frames are none of theirs.
+  const bool had_turns = state.program_turns != state.node->program_turns();
+  state.program_turns = state.node->program_turns();
+  if (had_turns) {
+    state.reports.tell(self, state.arguments->ecology);
+    state.programs.tell(self, state.arguments->ecology);
+    state.programs_due = state.programs.deadline();
+  }
   for (auto& output : todo)
     std::visit(performer{self}, output);
   state.separate.send_events(self);
-  const auto due = earliest(state.node->deadline(), state.programs.deadline());
+  const auto due = earliest(state.node->deadline(), state.programs_due);
   state.wake.follow(self, state.crystal.real(*due));
+  if (!had_turns)
+    return;
   if (const auto report = state.reports.deadline())
     state.reports_wake.follow(self, std::max(*report, now(self)));
   else

@@ -2,8 +2,10 @@
 // it.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,6 +58,8 @@ struct mote_state {
   program_host reports;
   program_host programs; ///< all others, in the mote's own time
   separate_programs separate;
+  std::uint32_t program_turns = 0;     ///< of the node, when programs were last asked,
+  std::optional<instant> programs_due; ///< and what those in the mote's time said
   bool flat = false;
 };
 

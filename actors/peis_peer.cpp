@@ -471,7 +471,10 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
   self->state.arguments = std::move(arguments);
   start(self);
   return {
+      // the frequent ones first: they are tried in turn
       served<link_octets>(self),
+      served<timer_expired>(self),
+      served<link_sent>(self),
       served<link_closed>(self),
       served<link_opened>(self),
       served<bluetooth_opened>(self),
@@ -481,7 +484,6 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
       [self](const condition_changed& x) { on_condition(self, x); },
       served<attempt_failed>(self),
       served<announcement>(self),
-      served<link_sent>(self),
       served<set_tuple>(self),
       served<delete_tuple>(self),
       served<set_remote_tuple>(self),
@@ -503,7 +505,6 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
       },
       served<quit_peer>(self),
       [self](const guard_kernel& x) { on_guard(self, x); },
-      served<timer_expired>(self),
       [self](status_request) { send_status(self); },
   };
 }

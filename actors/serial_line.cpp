@@ -59,18 +59,19 @@ serial_line_actor::behavior_type serial_line(line_pointer self, serial::line lin
   self->state.island = island;
   self->state.ecology = std::move(ecology);
   return {
-      [self](const attach_serial& x) {
-        self->state.ends[static_cast<std::size_t>(x.towards)] = x.user.actor;
-      },
+      // the frequent ones first: they are tried in turn
       [self](const serial_write& x) {
         self->state.line.send(x.towards, x.octets, now(self));
         self->state.wake.follow(self, self->state.line.deadline());
       },
-      [self](plug_serial x) { plug(self, x.plugged); },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           perform(self, self->state.line.on_time(now(self)));
       },
+      [self](const attach_serial& x) {
+        self->state.ends[static_cast<std::size_t>(x.towards)] = x.user.actor;
+      },
+      [self](plug_serial x) { plug(self, x.plugged); },
       [self](status_request) { send_status(self); },
   };
 }

@@ -175,6 +175,7 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments,
                     state.arguments.air,
                     random_stream(state.arguments.seed, state.life + "/flows"));
   return {
+      // the frequent ones first: they are tried in turn
       [self](const frame_received& x) {
         const auto frame = radio::decode(x.psdu.view());
         if (!frame || !is_for(*frame, self->state.arguments.address))
@@ -189,6 +190,15 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments,
         else
           self->state.flows.on_done(self, x);
       },
+      [self](const timer_expired& x) {
+        self->state.flows.on_timer(self, x);
+        if (!self->state.wake.accepts(x))
+          return;
+        perform(self, self->state.sink.on_time(own_time(self)));
+        for (std::size_t i = 0; i < self->state.ports.size(); ++i)
+          perform(self, self->state.ports[i].on_time(now(self)), i);
+      },
+      [self](const serial_octets& x) { on_octets(self, x); },
       [self](battery_low) {
         self->send(self->state.arguments.ecology,
                    notable_event{self->path(), "sink's battery low"});
@@ -197,20 +207,11 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments,
         self->send(self->state.arguments.ecology,
                    notable_event{self->path(), "sink's battery flat"});
       },
-      [self](const serial_octets& x) { on_octets(self, x); },
       [](crash_now) { throw std::runtime_error(std::string(planned_crash)); },
       [self](const step_clock& x) {
         auto& crystal = self->state.arguments.crystal;
         crystal = crystal.ahead_by(x.by);
         follow(self);
-      },
-      [self](const timer_expired& x) {
-        self->state.flows.on_timer(self, x);
-        if (!self->state.wake.accepts(x))
-          return;
-        perform(self, self->state.sink.on_time(own_time(self)));
-        for (std::size_t i = 0; i < self->state.ports.size(); ++i)
-          perform(self, self->state.ports[i].on_time(now(self)), i);
       },
       [self](const status_request& x) {
         if (x.sample > 0) {

@@ -397,6 +397,7 @@ bool node::layer_wants_ticks() const {
 void node::settle(node_outputs& out, instant now) {
   do {
     while (std::exchange(layer_used_, false)) {
+      ++program_turns_;
       auto wanted = layer_->take_outputs();
       layer_deadline_ = layer_->deadline();
       layer_wants_ticks_ = layer_->wants_ticks();

@@ -150,6 +150,10 @@ public:
   [[nodiscard]] node_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] instant deadline() const;
 
+  /// Grows whenever programs have heard or done something: while it does not, none of them has
+  /// anything new to tell, nor another deadline.
+  [[nodiscard]] std::uint32_t program_turns() const { return program_turns_; }
+
   [[nodiscard]] bool joined() const { return join_.current() == join_client::state::joined; }
 
   /// PEIS ids by which the island is addressed, that of the island first (NFR-05); empty before the
@@ -216,6 +220,7 @@ private:
       layer_; ///< always there once constructed; programs point to it
   /// Most frames do not concern the layer: what it last said is kept while nobody uses it.
   bool layer_used_ = false;
+  std::uint32_t program_turns_ = 0; ///< how often it was used
   bool layer_wants_ticks_ = false;
   std::optional<instant> layer_deadline_;
   synaptic::rubicon_clock clock_;

@@ -39,7 +39,7 @@ constexpr std::uint64_t turns_worth_sharing = 64;
 /// How far one process runs ahead of another at first. How long a round takes is of no consequence,
 /// but for who waits for progress or for Ctrl-C.
 constexpr duration reach_min = 10ms;
-constexpr auto round_time = 25ms;
+constexpr auto round_time = 100ms;
 
 /// Rounds of kill_all(); more than one is needed only if the dying spawn.
 constexpr int kill_rounds_max = 100;

@@ -6,10 +6,8 @@
 // hear each other; all are in one air, and their gateways in one PEIS network.
 //
 // A calibration loop in the same run makes figures of different machines comparable: steps are its.
-#include <chrono>
 #include <cstdio>
 #include <optional>
-#include <ratio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,8 +29,10 @@ using bench::at_least;
 using bench::at_most;
 
 constexpr unsigned island_motes = 100;
-constexpr duration settled_after = 90s; ///< everybody has joined, beacons are rare
-constexpr duration measured = 1min;
+/// Everybody has joined, beacons are rare. A run stops for its progress where its steps end, which
+/// double while they take little time: small ecologies stop at these two moments too.
+constexpr duration settled_after = 131'071ms;
+constexpr duration measured = 131'072ms;
 
 double resident() {
   return static_cast<double>(io::resident_memory());
@@ -53,16 +53,21 @@ cost measure(unsigned motes) {
   auto what = bench::mote_islands(motes / island_motes, island_motes, true);
   what.length = settled_after + measured;
   cost x;
-  std::optional<std::pair<double, double>> started; // processor time, wall time
+  struct start {
+    double cpu_s;
+    double wall_s;
+    instant reached;
+  };
+  std::optional<start> started;
   run_options options;
   options.progress = [&](const run_progress& p) {
     if (!started && p.reached >= instant(settled_after))
-      started = {bench::cpu_s(), bench::wall_s()};
+      started = {bench::cpu_s(), bench::wall_s(), p.reached};
     if (p.reached < p.end)
       return;
-    constexpr double minutes = std::chrono::duration<double, std::ratio<60>>(measured).count();
-    x.cpu_s = (bench::cpu_s() - started->first) / minutes;
-    x.wall_s = (bench::wall_s() - started->second) / minutes;
+    const auto minutes = seconds(p.end - started->reached) / 60;
+    x.cpu_s = (bench::cpu_s() - started->cpu_s) / minutes;
+    x.wall_s = (bench::wall_s() - started->wall_s) / minutes;
     x.octets = (resident() - before) / motes;
   };
   const auto report = run_ecology(what, options);
