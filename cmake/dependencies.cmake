@@ -3,6 +3,7 @@ set(Boost_NO_WARN_NEW_VERSIONS ON)
 find_package(Boost 1.74 REQUIRED)
 find_package(tomlplusplus 3.3 REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
+find_package(OpenSSL 3 REQUIRED)
 find_package(Threads REQUIRED)
 # libpcap has no CMake package.
 find_path(PCAP_INCLUDE_DIR pcap/pcap.h REQUIRED)

@@ -13,6 +13,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/certs_command_line.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/network_command_line.hpp"
 #include "config/near.hpp"
@@ -38,7 +39,8 @@ constexpr const char* roles =
     "  init           starts, stops and watches the other components of its host\n"
     "\n"
     "Exit status: 0 good; 1 the run ended with violations, equal runs differed, or nobody\n"
-    "answered; 2 the command line or the file was refused; 130 Ctrl-C ended it.";
+    "answered, or a certificate is no good; 2 the command line or the file was refused;\n"
+    "130 Ctrl-C ended it.";
 
 duration parse_length(const std::string& text, const char* option = "--for") {
   const auto length = config::parse_duration(text);
@@ -283,6 +285,7 @@ command parse_command_line(std::span<const char* const> arguments) {
   const auto& swarm_app = add_swarm(app, swarm);
   explain_command explain;
   const auto& explain_app = add_explain(app, explain);
+  const certs_command_line certs(app);
   const network_command_line network(app);
   app.footer(roles); // last: subcommands would inherit it
   try {
@@ -307,6 +310,8 @@ command parse_command_line(std::span<const char* const> arguments) {
     return swarm;
   if (explain_app.parsed())
     return explain;
+  if (auto asked = certs.parsed())
+    return *std::move(asked);
   if (auto asked = network.parsed())
     return *std::move(asked);
   return run;

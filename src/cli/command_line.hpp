@@ -12,6 +12,7 @@
 #include "cli/swarm.hpp"
 #include "config/load.hpp"
 #include "explain/text.hpp"
+#include "io/certificates.hpp"
 
 namespace rubicon::cli {
 
@@ -60,6 +61,17 @@ struct explain_command {
   bool json = false;
 };
 
+/// `rubicon certs list`
+struct list_certificates {
+  bool json = false;
+};
+
+/// `rubicon certs init`, `rubicon certs add HOST` and `rubicon certs list`
+struct certs_command {
+  std::string folder = "certs";
+  std::variant<io::new_authority, io::new_certificate, list_certificates> what;
+};
+
 /// `--help` and `--version`: text for standard output.
 struct show_command {
   std::string text;
@@ -70,8 +82,9 @@ struct refused_command {
   std::string text;
 };
 
-using command = std::variant<run_command, check_command, schema_command, swarm_command,
-                             explain_command, network_command, show_command, refused_command>;
+using command =
+    std::variant<run_command, check_command, schema_command, swarm_command, explain_command,
+                 certs_command, network_command, show_command, refused_command>;
 
 /// @param arguments the program's name first
 [[nodiscard]] command parse_command_line(std::span<const char* const> arguments);

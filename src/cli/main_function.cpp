@@ -10,6 +10,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "cli/certs_command.hpp"
 #include "cli/check_command.hpp"
 #include "cli/command_line.hpp"
 #include "cli/console.hpp"

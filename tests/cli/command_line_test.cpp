@@ -146,6 +146,46 @@ TEST_CASE("a swarm without sensible seeds, jobs or times is refused", "[cli]") {
                  "--timeout: not a length of time: '0s'"));
 }
 
+TEST_CASE("each option of certs reaches its command", "[cli]") {
+  const auto parse_certs = [](std::vector<const char*> words) {
+    words.insert(words.begin(), "certs");
+    const auto x = parse(words);
+    REQUIRE(std::holds_alternative<certs_command>(x));
+    return std::get<certs_command>(x);
+  };
+  const auto init = parse_certs({"init"});
+  CHECK(init.folder == "certs");
+  CHECK(std::get<io::new_authority>(init.what).name == "rubicon");
+  CHECK(std::get<io::new_authority>(init.what).days == 3652);
+  const auto named = parse_certs({"init", "--dir", "x", "--name", "flat", "--days", "36500"});
+  CHECK(named.folder == "x");
+  CHECK(std::get<io::new_authority>(named.what).name == "flat");
+  CHECK(std::get<io::new_authority>(named.what).days == 36500);
+  const auto plain = std::get<io::new_certificate>(parse_certs({"add", "kitchen"}).what);
+  CHECK(plain.host == "kitchen");
+  CHECK(plain.addresses.empty());
+  CHECK(plain.days == 825);
+  const auto added = std::get<io::new_certificate>(
+      parse_certs({"add", "--address", "a.b", "kitchen", "--address=::1", "--days", "1"}).what);
+  CHECK(added.host == "kitchen");
+  CHECK(added.addresses == std::vector<std::string>{"a.b", "::1"});
+  CHECK(added.days == 1);
+  CHECK(!std::get<list_certificates>(parse_certs({"list"}).what).json);
+  CHECK(parse_certs({"list", "--dir", "x"}).folder == "x");
+  CHECK(std::get<list_certificates>(parse_certs({"list", "--json"}).what).json);
+}
+
+TEST_CASE("a command of certs that makes no sense is refused", "[cli]") {
+  CHECK(!refusal({"certs"}).empty());
+  CHECK(contains(refusal({"certs", "add"}), "HOST"));
+  CHECK(!refusal({"certs", "add", "kitchen", "attic"}).empty());
+  CHECK(contains(refusal({"certs", "init", "--dir", ""}), "--dir"));
+  const auto days = GENERATE(as<const char*>{}, "0", "-1", "36501", "1.5", "ten", "");
+  CAPTURE(days);
+  CHECK(contains(refusal({"certs", "init", "--days", days}), "--days"));
+  CHECK(contains(refusal({"certs", "add", "kitchen", "--days", days}), "--days"));
+}
+
 TEST_CASE("options may stand before the file", "[cli]") {
   const auto x = parse({"run", "--json", "--seed", "3", "home.toml"});
   REQUIRE(std::holds_alternative<run_command>(x));

@@ -1,0 +1,13 @@
+// `rubicon certs`
+#pragma once
+
+#include "cli/command_line.hpp"
+#include "cli/exit_status.hpp"
+
+namespace rubicon::cli {
+
+/// Makes an authority or a certificate, or tells what is there. Status 1: one of those that are
+/// there is no good.
+[[nodiscard]] exit_status perform(const certs_command& x);
+
+} // namespace rubicon::cli

@@ -1,0 +1,73 @@
+#include "cli/certs_command_line.hpp"
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace rubicon::cli {
+
+namespace {
+
+void add_days(CLI::App& app, unsigned& days, const char* text) {
+  app.add_option("--days", days, text)
+      ->check(CLI::Range(1U, io::certificate_days_max))
+      ->type_name("N");
+}
+
+} // namespace
+
+certs_command_line::certs_command_line(CLI::App& app)
+    : app_(*app.add_subcommand("certs", "Make and list the certificates of a deployment's hosts")) {
+  app_.require_subcommand(1);
+  add_init();
+  add_host();
+  add_list();
+}
+
+CLI::App& certs_command_line::add(const char* name, const char* text) {
+  auto& app = *app_.add_subcommand(name, text);
+  app.add_option("--dir", folder_, "Folder of the certificates; certs if not given")
+      ->type_name("DIR")
+      ->check([](const std::string& x) {
+        return x.empty() ? std::string("a name is missing") : std::string();
+      });
+  return app;
+}
+
+void certs_command_line::add_init() {
+  auto& app = add("init", "Make an authority, which signs the certificates of hosts");
+  app.add_option("--name", authority_.name, "Name of the deployment; rubicon if not given")
+      ->type_name("NAME");
+  add_days(app, authority_.days, "Days that it is valid; 3652, 10 years, if not given");
+}
+
+void certs_command_line::add_host() {
+  auto& app = add("add", "Make the certificate and the key of a host");
+  app.add_option("HOST", host_.host, "The host's name in the file")->required()->type_name("");
+  app.add_option("--address", host_.addresses,
+                 "An IP address or DNS name by which others reach it; may be given again")
+      ->allow_extra_args(false) // else it would take HOST for another address
+      ->type_name("ADDRESS");
+  add_days(app, host_.days, "Days that it is valid; 825 if not given");
+}
+
+void certs_command_line::add_list() {
+  auto& app = add("list", "Tell which certificates there are, and whether they are good");
+  app.add_flag("--json", list_.json, "Print JSON");
+  app.footer("Exit status 1: one has expired, was not signed by the authority beside it, or has a\n"
+             "key that others can read or that is not its own.");
+}
+
+std::optional<certs_command> certs_command_line::parsed() const {
+  if (!app_.parsed())
+    return std::nullopt;
+  const auto is = [this](const char* name) { return app_.got_subcommand(name); };
+  certs_command x{folder_, list_};
+  if (is("init"))
+    x.what = authority_;
+  else if (is("add"))
+    x.what = host_;
+  return x;
+}
+
+} // namespace rubicon::cli

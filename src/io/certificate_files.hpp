@@ -1,0 +1,67 @@
+// For files of this room only: certificates and keys in memory, and in files as PEM.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include <openssl/bio.h>
+#include <openssl/bn.h>
+#include <openssl/evp.h>
+#include <openssl/x509.h>
+#include <openssl/x509v3.h>
+
+namespace rubicon::io {
+
+struct openssl_free {
+  void operator()(BIO* x) const { BIO_free_all(x); }
+  void operator()(BIGNUM* x) const { BN_free(x); }
+  void operator()(EVP_PKEY* x) const { EVP_PKEY_free(x); }
+  void operator()(X509* x) const { X509_free(x); }
+  void operator()(X509_EXTENSION* x) const { X509_EXTENSION_free(x); }
+  void operator()(X509_STORE* x) const { X509_STORE_free(x); }
+  void operator()(X509_STORE_CTX* x) const { X509_STORE_CTX_free(x); }
+  void operator()(GENERAL_NAME* x) const { GENERAL_NAME_free(x); }
+  void operator()(GENERAL_NAMES* x) const { GENERAL_NAMES_free(x); }
+  void operator()(ASN1_STRING* x) const { ASN1_STRING_free(x); } ///< ASN1_TIME is the same type
+};
+
+/// An object of OpenSSL that ends with its owner.
+template <class T>
+using owned = std::unique_ptr<T, openssl_free>;
+
+/// Why OpenSSL's last call failed: `OpenSSL: no start line`. Forgets it and all before it.
+[[nodiscard]] std::string openssl_reason();
+
+/// Of a file that may hold anything: no certificate, no end, a key that somebody has put under a
+/// password (nobody is asked for it).
+/// @returns the first certificate of the file, or why there is none, beginning with the path
+[[nodiscard]] std::variant<owned<X509>, std::string> read_certificate(const std::string& path);
+
+/// The same for a private key.
+[[nodiscard]] std::variant<owned<EVP_PKEY>, std::string> read_key(const std::string& path);
+
+/// The time of a certificate; nothing for one that no calendar has.
+[[nodiscard]] std::optional<std::chrono::sys_seconds> time_of(const ASN1_TIME& x);
+
+/// When a certificate ends to be valid.
+[[nodiscard]] inline std::optional<std::chrono::sys_seconds> end_of(const X509& x) {
+  return time_of(*X509_get0_notAfter(&x));
+}
+
+/// A certificate and its key on their way into files.
+struct certificate_pair {
+  owned<X509> certificate;
+  owned<EVP_PKEY> key;
+};
+
+/// Makes both files, neither of which may be there: the key for its owner only, before it has any
+/// content. Leaves none of them if it cannot make both.
+/// @returns why not, beginning with the path of the file in question
+[[nodiscard]] std::optional<std::string> create_files(const certificate_pair& x,
+                                                      const std::string& certificate_path,
+                                                      const std::string& key_path);
+
+} // namespace rubicon::io

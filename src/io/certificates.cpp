@@ -1,0 +1,279 @@
+#include "io/certificates.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cerrno>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <arpa/inet.h>
+#include <openssl/ec.h>
+#include <openssl/err.h>
+#include <sys/stat.h>
+
+#include "config/values.hpp"
+#include "io/certificate_files.hpp"
+
+namespace rubicon::io {
+
+namespace {
+
+using std::chrono::days;
+using std::chrono::sys_seconds;
+
+constexpr int serial_bits = 128;
+constexpr mode_t folder_mode = 0700;
+constexpr days clock_error_max{1};
+
+std::string path_of(const std::string& folder, std::string_view name, const char* ending) {
+  return folder + '/' + std::string(name) + ending;
+}
+
+/// From a day before now, as many days as asked for.
+struct validity {
+  sys_seconds from;
+  sys_seconds until;
+};
+
+validity validity_of(unsigned length, sys_seconds now) {
+  assert(length >= 1 && length <= certificate_days_max);
+  return {now - clock_error_max, now + days(length)};
+}
+
+bool set_serial(X509& x) {
+  const owned<BIGNUM> number(BN_new());
+  return number && BN_rand(number.get(), serial_bits, BN_RAND_TOP_ONE, BN_RAND_BOTTOM_ANY) == 1 &&
+         BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(&x)) != nullptr;
+}
+
+bool set_validity(X509& x, const validity& valid) {
+  return ASN1_TIME_set(X509_getm_notBefore(&x), valid.from.time_since_epoch().count()) != nullptr &&
+         ASN1_TIME_set(X509_getm_notAfter(&x), valid.until.time_since_epoch().count()) != nullptr;
+}
+
+bool set_subject(X509& x, const std::string& name) {
+  const auto* const octets = reinterpret_cast<const unsigned char*>(name.data());
+  return X509_NAME_add_entry_by_NID(X509_get_subject_name(&x), NID_commonName, MBSTRING_UTF8,
+                                    octets, static_cast<int>(name.size()), -1, 0) == 1;
+}
+
+/// @param issuer may be `x` itself
+bool set_extension(X509& x, X509& issuer, int kind, const char* value) {
+  X509V3_CTX context;
+  X509V3_set_ctx(&context, &issuer, &x, nullptr, nullptr, 0);
+  const owned<X509_EXTENSION> extension(X509V3_EXT_nconf_nid(nullptr, &context, kind, value));
+  return extension && X509_add_ext(&x, extension.get(), -1) == 1;
+}
+
+struct extension {
+  int kind;
+  const char* value;
+};
+
+/// In this order: an authority's identifier of itself comes from its subject's.
+constexpr std::array authority_extensions{
+    extension{NID_basic_constraints, "critical,CA:TRUE,pathlen:0"},
+    extension{NID_key_usage, "critical,keyCertSign,cRLSign"},
+    extension{NID_subject_key_identifier, "hash"},
+    extension{NID_authority_key_identifier, "keyid:always"},
+};
+
+constexpr std::array host_extensions{
+    extension{NID_basic_constraints, "critical,CA:FALSE"},
+    extension{NID_key_usage, "critical,digitalSignature"},
+    extension{NID_ext_key_usage, "serverAuth,clientAuth"},
+    extension{NID_subject_key_identifier, "hash"},
+    extension{NID_authority_key_identifier, "keyid:always"},
+};
+
+template <class Extensions>
+bool set_extensions(X509& x, X509& issuer, const Extensions& all) {
+  return std::all_of(all.begin(), all.end(), [&](const extension& each) {
+    return set_extension(x, issuer, each.kind, each.value);
+  });
+}
+
+/// 4 or 16 octets; nothing for what is no IP address.
+std::optional<std::string> ip_octets(const std::string& x) {
+  std::array<char, 16> octets{};
+  if (::inet_pton(AF_INET, x.c_str(), octets.data()) == 1)
+    return std::string(octets.data(), 4);
+  if (::inet_pton(AF_INET6, x.c_str(), octets.data()) == 1)
+    return std::string(octets.data(), 16);
+  return std::nullopt;
+}
+
+bool is_dns_label(std::string_view x) {
+  const auto is_inner = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+           c == '_';
+  };
+  return !x.empty() && x.size() <= 63 && x.front() != '-' && x.back() != '-' &&
+         std::all_of(x.begin(), x.end(), is_inner);
+}
+
+/// RFC 1123 2.1: the last label tells a name from an address, and so is not a number.
+bool is_dns_name(std::string_view x) {
+  if (x.empty() || x.size() > 253)
+    return false;
+  for (;;) {
+    const auto dot = x.find('.');
+    const auto label = x.substr(0, dot);
+    if (!is_dns_label(label))
+      return false;
+    if (dot == std::string_view::npos)
+      return label.find_first_not_of("0123456789") != std::string_view::npos;
+    x.remove_prefix(dot + 1);
+  }
+}
+
+/// @param address an IP address, else taken for a DNS name
+bool add_name(GENERAL_NAMES& to, const std::string& address) {
+  const auto ip = ip_octets(address);
+  const auto& octets = ip ? *ip : address;
+  owned<GENERAL_NAME> name(GENERAL_NAME_new());
+  owned<ASN1_STRING> value(ASN1_STRING_type_new(ip ? V_ASN1_OCTET_STRING : V_ASN1_IA5STRING));
+  if (!name || !value ||
+      ASN1_STRING_set(value.get(), octets.data(), static_cast<int>(octets.size())) != 1)
+    return false;
+  GENERAL_NAME_set0_value(name.get(), ip ? GEN_IPADD : GEN_DNS, value.release());
+  if (sk_GENERAL_NAME_push(&to, name.get()) == 0)
+    return false;
+  static_cast<void>(name.release()); // the list's now
+  return true;
+}
+
+bool set_names(X509& x, const new_certificate& wanted) {
+  std::vector<std::string> all{wanted.host};
+  for (const auto& address : wanted.addresses) {
+    if (std::find(all.begin(), all.end(), address) == all.end())
+      all.push_back(address);
+  }
+  const owned<GENERAL_NAMES> names(sk_GENERAL_NAME_new_null());
+  return names &&
+         std::all_of(all.begin(), all.end(),
+                     [&](const auto& address) { return add_name(*names, address); }) &&
+         X509_add1_ext_i2d(&x, NID_subject_alt_name, names.get(), 0, X509V3_ADD_DEFAULT) == 1;
+}
+
+bool sign(X509& x, EVP_PKEY& key) {
+  return X509_sign(&x, &key, EVP_sha256()) > 0;
+}
+
+/// A certificate that lacks issuer, extensions and signature. @returns nulls if OpenSSL fails
+certificate_pair draft(const std::string& name, const validity& valid) {
+  ERR_clear_error();
+  certificate_pair x{owned<X509>(X509_new()), owned<EVP_PKEY>(EVP_EC_gen("P-256"))};
+  if (x.certificate && x.key && X509_set_version(x.certificate.get(), X509_VERSION_3) == 1 &&
+      set_serial(*x.certificate) && set_validity(*x.certificate, valid) &&
+      set_subject(*x.certificate, name) && X509_set_pubkey(x.certificate.get(), x.key.get()) == 1)
+    return x;
+  return {};
+}
+
+/// @returns nulls if OpenSSL fails
+certificate_pair build_authority(const new_authority& wanted, const validity& valid) {
+  auto x = draft(wanted.name, valid);
+  if (x.certificate &&
+      X509_set_issuer_name(x.certificate.get(), X509_get_subject_name(x.certificate.get())) == 1 &&
+      set_extensions(*x.certificate, *x.certificate, authority_extensions) &&
+      sign(*x.certificate, *x.key))
+    return x;
+  return {};
+}
+
+/// @returns nulls if OpenSSL fails
+certificate_pair build_certificate(const new_certificate& wanted, const validity& valid,
+                                   const certificate_pair& authority) {
+  auto x = draft(wanted.host, valid);
+  auto& issuer = *authority.certificate;
+  if (x.certificate &&
+      X509_set_issuer_name(x.certificate.get(), X509_get_subject_name(&issuer)) == 1 &&
+      set_names(*x.certificate, wanted) &&
+      set_extensions(*x.certificate, issuer, host_extensions) &&
+      sign(*x.certificate, *authority.key))
+    return x;
+  return {};
+}
+
+std::variant<certificate_pair, std::string> read_authority(const std::string& folder,
+                                                           sys_seconds now) {
+  const auto path = path_of(folder, authority_name, ".crt");
+  const auto key_path = path_of(folder, authority_name, ".key");
+  auto certificate = read_certificate(path);
+  if (auto* why = std::get_if<std::string>(&certificate))
+    return std::move(*why);
+  auto key = read_key(key_path);
+  if (auto* why = std::get_if<std::string>(&key))
+    return std::move(*why);
+  certificate_pair x{std::move(std::get<owned<X509>>(certificate)),
+                     std::move(std::get<owned<EVP_PKEY>>(key))};
+  if (X509_check_ca(x.certificate.get()) != 1)
+    return path + ": the certificate of a host, not of an authority";
+  if (X509_check_private_key(x.certificate.get(), x.key.get()) != 1)
+    return key_path + ": not the key of " + path;
+  const auto until = end_of(*x.certificate);
+  if (!until || *until <= now)
+    return path + ": the authority has expired; make another one in a new folder";
+  return x;
+}
+
+/// Why this is no certificate to make; empty: it is one.
+std::string refusal(const new_certificate& x) {
+  if (!config::is_name(x.host))
+    return '`' + x.host + "`: the name of a host is 1 to 32 letters, digits, - and _";
+  if (x.host == authority_name)
+    return '`' + x.host + "`: the authority's own files have this name";
+  if (x.addresses.size() > certificate_addresses_max)
+    return "more than " + std::to_string(certificate_addresses_max) + " addresses";
+  for (const auto& address : x.addresses) {
+    // A text with a null octet in it would be another one to what reads it up to there.
+    if (!is_dns_name(address) && (address.find('\0') != std::string::npos || !ip_octets(address)))
+      return '`' + address + "`: neither an IP address nor a DNS name";
+  }
+  return {};
+}
+
+std::variant<made_certificate, std::string> write_pair(const certificate_pair& x,
+                                                       const std::string& folder,
+                                                       std::string_view name, sys_seconds until) {
+  const made_certificate made{path_of(folder, name, ".crt"), path_of(folder, name, ".key"), until};
+  if (!x.certificate)
+    return made.file + ": " + openssl_reason();
+  if (auto why_not = create_files(x, made.file, made.key_file))
+    return *std::move(why_not);
+  return made;
+}
+
+} // namespace
+
+sys_seconds system_time() {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+std::variant<made_certificate, std::string>
+make_authority(const std::string& folder, const new_authority& x, sys_seconds now) {
+  if (!config::is_name(x.name))
+    return '`' + x.name + "`: the name of an authority is 1 to 32 letters, digits, - and _";
+  if (::mkdir(folder.c_str(), folder_mode) != 0 && errno != EEXIST)
+    return folder + ": " + std::generic_category().message(errno);
+  const auto valid = validity_of(x.days, now);
+  return write_pair(build_authority(x, valid), folder, authority_name, valid.until);
+}
+
+std::variant<made_certificate, std::string>
+make_certificate(const std::string& folder, const new_certificate& x, sys_seconds now) {
+  if (auto why_not = refusal(x); !why_not.empty())
+    return why_not;
+  const auto authority = read_authority(folder, now);
+  if (const auto* why = std::get_if<std::string>(&authority))
+    return *why;
+  const auto& signer = std::get<certificate_pair>(authority);
+  auto valid = validity_of(x.days, now);
+  valid.until = std::min(valid.until, *end_of(*signer.certificate)); // nobody believes it longer
+  return write_pair(build_certificate(x, valid, signer), folder, x.host, valid.until);
+}
+
+} // namespace rubicon::io

@@ -1,0 +1,83 @@
+// Certificates by which the hosts of a deployment know each other: one authority of their own, and
+// a certificate with a key for each host. All are PEM files of one folder: NAME.crt and NAME.key.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace rubicon::io {
+
+/// What the authority's files are called; no host may have this name.
+inline constexpr std::string_view authority_name = "ca";
+
+inline constexpr unsigned certificate_days_max = 36500;
+inline constexpr std::size_t certificate_addresses_max = 64;
+
+/// The time of the system's clock.
+[[nodiscard]] std::chrono::sys_seconds system_time();
+
+struct new_authority {
+  std::string name = "rubicon"; ///< of the deployment; as config::is_name says
+  unsigned days = 3652;         ///< 1 to certificate_days_max
+};
+
+struct new_certificate {
+  std::string host;                        ///< as `name` of `[[host]]`
+  std::vector<std::string> addresses = {}; ///< by which others reach it: IP, DNS
+  unsigned days = 825;                     ///< 1 to certificate_days_max
+};
+
+struct made_certificate {
+  std::string file;
+  std::string key_file;
+  std::chrono::sys_seconds valid_until; ///< of a host's: not later than its authority's
+};
+
+/// Makes ca.crt and ca.key, and the folder, for its owner only, if it is not there.
+/// @param now what validity counts from: it begins a day before, for hosts whose clocks are wrong
+/// @returns what was made, or why nothing was: a name that is none, a file that is there already
+[[nodiscard]] std::variant<made_certificate, std::string>
+make_authority(const std::string& folder, const new_authority& x, std::chrono::sys_seconds now);
+
+/// Makes HOST.crt and HOST.key, signed with ca.key: for both ends of a connection (TLS server and
+/// client), valid for the host's name and addresses.
+/// @returns what was made, or why nothing was: also an authority that has expired, or is none
+[[nodiscard]] std::variant<made_certificate, std::string>
+make_certificate(const std::string& folder, const new_certificate& x, std::chrono::sys_seconds now);
+
+/// What has become of the private key beside a certificate.
+enum class key_state : std::uint8_t {
+  safe,       ///< fits, and is its owner's only
+  missing,    ///< no harm where it is only needed elsewhere
+  exposed,    ///< others may read or change it
+  unreadable, ///< by us, or it is no key
+  foreign,    ///< of another certificate
+};
+
+[[nodiscard]] std::string_view to_string(key_state x);
+
+struct listed_certificate {
+  std::string file;    ///< in the folder, such as `kitchen.crt`
+  std::string name;    ///< common name; of a file that cannot be read its own, without `.crt`
+  std::string problem; ///< why it cannot be read; empty: it can. If not, only `key` follows
+  std::vector<std::string> addresses;
+  std::chrono::sys_seconds valid_from;
+  std::chrono::sys_seconds valid_until;
+  bool signed_by_authority = false;
+  key_state key = key_state::missing;
+};
+
+/// Whether a host can show it to others at this time, as far as its file and its key tell.
+[[nodiscard]] bool is_good(const listed_certificate& x, std::chrono::sys_seconds now);
+
+/// All files *.crt of the folder, the authority's first, then in the order of their names; or why
+/// nothing can be said, if there is no authority. Names may be anything: see printable().
+[[nodiscard]] std::variant<std::vector<listed_certificate>, std::string>
+list_certificates(const std::string& folder);
+
+} // namespace rubicon::io
