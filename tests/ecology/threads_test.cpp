@@ -53,11 +53,12 @@ TEST_CASE("the shipped ecologies come out the same on any number of threads",
   compare(example("intel-lab.toml"), 10min, 1);
 }
 
-// Hidden, an hour: ecology_threads "[seeds]"
-TEST_CASE("every shipped ecology comes out the same with twenty seeds", "[.seeds][GEN-07]") {
-  for (const auto& file : std::filesystem::recursive_directory_iterator(RUBICON_CONFIG_DIR))
-    if (file.path().extension() == ".toml")
-      compare(describe_file(file.path().string()), 10min, 20);
+TEST_CASE("every shipped ecology comes out the same with twenty seeds", "[.][seeds][GEN-07]") {
+  for (const auto& file : std::filesystem::recursive_directory_iterator(RUBICON_CONFIG_DIR)) {
+    const auto& path = file.path();
+    if (path.extension() == ".toml" && path.stem() != "tossim-grid") // which wants TOSSIM's files
+      compare(describe_file(path.string()), 10min, 20);
+  }
 }
 
 TEST_CASE("whoever watches a run sees one event after the other, and changes nothing",
