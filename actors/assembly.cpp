@@ -145,6 +145,7 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   at_sink.ecology = handle_of(self);
   auto& sink = self->state.sinks[island.id];
   sink.path = "sink/" + island.name;
+  sink.store.starts = sink.store.term = self->state.process.starts;
   sink.arguments = std::move(at_sink);
   spawn_sink(self, sink);
   spawn_programs(self, self->state.peers.at(island.gateway_name));
@@ -387,6 +388,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
       entry.arguments = std::make_shared<const mote_arguments>(
           arguments_of(self, *island, mote, traffic, radio, medium));
       entry.type = type_name(mote);
+      entry.store.starts = self->state.process.starts;
       spawn_separate_programs(self, entry);
       spawn_mote(self, entry);
       ++radio.value;
@@ -406,6 +408,7 @@ void spawn_kernels(ecology_pointer self) {
     peer.name = name;
     peer.island = island;
     peer.line = line;
+    peer.incarnation = self->state.process.starts;
     names.push_back(name);
   };
   for (const auto& island : description.islands) {
@@ -453,15 +456,24 @@ void spawn_bluetooth(ecology_pointer self) {
 transport::answer_slacks answer_slack_of(const config::ecology_description& x) {
   constexpr std::size_t hops_likely = 8;
   std::map<island_id, duration> all;
-  for (const auto& island : x.islands) {
+  config::for_each_island(x, [&](const config::island_description& island) {
     const auto hops = std::min(island.motes.size(), hops_likely);
     if (island.duty.enabled)
       all[island.id] = island.duty.answer_slack(static_cast<unsigned>(hops));
-  }
+  });
   return all.empty() ? nullptr : std::make_shared<const decltype(all)>(std::move(all));
 }
 
 } // namespace
+
+void note_starts(ecology_pointer self, std::uint32_t starts) {
+  auto& state = self->state;
+  if (starts <= state.most_starts)
+    return;
+  state.most_starts = starts;
+  if (state.process.on_starts)
+    state.process.on_starts(starts);
+}
 
 std::int64_t line_slowness(const config::island_description& island) {
   auto most = serial::slowness(island.serial.baud);
@@ -478,7 +490,7 @@ void spawn_program(ecology_pointer self, const supervised_mote& mote, supervised
 }
 
 void spawn_sink(ecology_pointer self, supervised_sink& x) {
-  if (x.store.starts > 0) {
+  if (x.store.starts > self->state.process.starts) {
     ++self->state.report.actors.restarted;
     --self->state.report.actors.spawned;
   }
@@ -489,7 +501,7 @@ void spawn_sink(ecology_pointer self, supervised_sink& x) {
 
 void spawn_mote(ecology_pointer self, supervised_mote& mote) {
   auto& actors = self->state.report.actors;
-  ++(mote.store.starts == 0 ? actors.spawned : actors.restarted);
+  ++(mote.store.starts == self->state.process.starts ? actors.spawned : actors.restarted);
   mote.changed = now(self);
   mote.handle = scheduler::spawn_in<caf::monitored>(
       *self->state.processes.at(mote.arguments->address.island), self,

@@ -16,6 +16,10 @@ using ecology_pointer = scheduler::traced_pointer<ecology_state, root_actor>;
 /// depends on the description alone.
 void assemble(ecology_pointer self);
 
+/// Something is started that has been `starts` - 1 times before. A later process is to give
+/// everything a number that nothing had.
+void note_starts(ecology_pointer self, std::uint32_t starts);
+
 /// Spawns the kernel of a peer, for the first time or again.
 /// @param path `peis_peer/NAME`, or another one for a second kernel of the same peer
 void spawn_kernel(ecology_pointer self, supervised_peer& peer, const std::string& path);

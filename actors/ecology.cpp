@@ -29,11 +29,13 @@ void note_event(ecology_pointer self, const std::string& who, std::string what) 
   auto& report = self->state.report;
   log(self, spdlog::level::info, "event=noted who={} what=\"{}\"", who, what);
   self->remark("event", 0, [&] { return to_bytes(who + '\t' + what); });
-  if (report.event_log.size() >= report::event_log_max) {
+  report::logged_event event{now(self), who.substr(who.find('/') + 1), std::move(what)};
+  if (self->state.process.on_event)
+    self->state.process.on_event(event);
+  if (report.event_log.size() >= report::event_log_max)
     ++report.event_log_left_out;
-    return;
-  }
-  report.event_log.push_back({now(self), who.substr(who.find('/') + 1), std::move(what)});
+  else
+    report.event_log.push_back(std::move(event));
 }
 
 /// Takes a violation into the report, or tells it behind the report that is already out.
@@ -306,6 +308,7 @@ void on_store(ecology_pointer self, const store_written& x) {
     second->store = x.content;
     return;
   }
+  note_starts(self, std::max(x.content.starts, x.content.term));
   auto& motes = self->state.motes;
   if (const auto mote = motes.find(x.mote); mote != motes.end())
     mote->second.store = x.content;
@@ -724,7 +727,8 @@ bool has_settled_gateway(ecology_pointer self, island_id island) {
   const auto found =
       std::ranges::find_if(peers, [island](const auto& x) { return x.second.island == island; });
   return found != peers.end() && found->second.handle &&
-         (found->second.incarnation == 0 || now(self) - found->second.changed >= 1min);
+         (found->second.incarnation == self->state.process.starts ||
+          now(self) - found->second.changed >= 1min);
 }
 
 /// Whether nothing has happened for a while to any peer, nor to the network between them, nor to a
@@ -870,6 +874,8 @@ void deliver(ecology_pointer self) {
   compare_clocks(self);
   report.simulated = now(self).time_since_epoch();
   std::ranges::sort(report.peers, {}, &report::peer_report::id);
+  if (self->state.process.on_counters)
+    self->state.process.on_counters(self->state.counters);
   self->state.counters.settle(report);
   for (auto& x : report::check_all(report, truth_of(self)))
     report.violations.push_back(std::move(x));
@@ -892,6 +898,8 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
   self->state.process = std::move(process);
   self->state.plan = report::plan_faults(self->state.description);
+  self->state.planned_faults = self->state.description.faults.size();
+  self->state.most_starts = self->state.process.starts;
   self->state.rng = random_stream(self->state.description.seed, self->path() + "/faults");
   prepare_report(self);
   assemble(self);
@@ -940,7 +948,8 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const sample_status& x) { on_sample(self, x); },
       [self](take_sample) { on_take_sample(self); },
       [self](const apply_fault& x) {
-        schedule_fault(self);
+        if (x.index < self->state.planned_faults)
+          schedule_fault(self);
         std::visit(fault_applier{{self}, x.index}, self->state.description.faults.at(x.index).what);
       },
       [self](const restart_mote& x) { restart(self, x); },

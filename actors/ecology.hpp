@@ -114,6 +114,13 @@ struct process_facts {
   std::function<void(report::violation)> on_late_violation = {};
   /// Who judges the run; nullptr: nobody. Outlives the ecology.
   report::expectations* judge = nullptr;
+  /// Told of each event as it is noted; may be empty.
+  std::function<void(const report::logged_event&)> on_event = {};
+  /// Told of what a report is settled from, before each; may be empty.
+  std::function<void(const report::run_counters&)> on_counters = {};
+  std::uint32_t starts = 0; ///< so often everything may have been started by earlier processes
+  /// Called when something has been started more often than anything before; may be empty.
+  std::function<void(std::uint32_t starts)> on_starts = {};
 };
 
 /// A time as a mote knows it.
@@ -182,11 +189,13 @@ struct ecology_state : collected_answers {
   std::map<mote_address, instant> gone;  ///< since when they are no more where they were
   std::vector<planned_end> planned_ends; ///< that are still to come
   std::vector<report::planned_fault> plan;
-  bool ending = false;                           ///< end_run has come
-  std::size_t next_fault = 0;                    ///< in `plan`
-  std::uint64_t lan_faults = 0;                  ///< so far
-  std::uint64_t stations = 0;                    ///< so far
-  random_stream rng;                             ///< draws whom a fault hits
+  bool ending = false;            ///< end_run has come
+  std::size_t next_fault = 0;     ///< in `plan`
+  std::size_t planned_faults = 0; ///< of the description's; those behind are applied on request
+  std::uint32_t most_starts = 0;  ///< of all motes, sinks and peers
+  std::uint64_t lan_faults = 0;   ///< so far
+  std::uint64_t stations = 0;     ///< so far
+  random_stream rng;              ///< draws whom a fault hits
   std::map<island_id, instant> last_clock_fault; ///< clocks set, and sinks started again
   instant last_lan_fault;                        ///< when the simulated network last changed
   instant last_outside_change;                   ///< of a link to another process

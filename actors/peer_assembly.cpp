@@ -33,9 +33,14 @@ ecology_actor ecology_handle(ecology_pointer self) {
   return caf::actor_cast<ecology_actor>(self);
 }
 
-/// @pre the description has an island with this id
+/// @pre the description has an island with this id, here or on another host
 const config::island_description& island_of(ecology_pointer self, island_id id) {
-  return *std::ranges::find(self->state.description.islands, id, &config::island_description::id);
+  const config::island_description* found = nullptr;
+  config::for_each_island(self->state.description, [&](const auto& x) {
+    if (x.id == id)
+      found = &x;
+  });
+  return *found;
 }
 
 /// The peer's part of the description; a gateway has what is there by default.
@@ -139,6 +144,10 @@ std::optional<real_links_config> real_links_of(ecology_pointer self,
   x.loop = self->state.process.loop;
   x.links.lan = peer.lan;
   x.links.first_link = peis::link_id{first_real_link};
+  if (peer.tcp) {
+    x.links.listen_address = peer.tcp->address;
+    x.links.networks = peer.tcp->networks;
+  }
   if (peer.tcp && peer.tcp->port)
     x.links.first_port = peer.tcp->port;
   else if (!peer.tcp && !peer.lan)
@@ -236,6 +245,8 @@ struct peer_app_spawner {
       if (address.island == id)
         x.mote_names[address.mote] = mote.arguments->name.substr(island.name.size() + 1);
     }
+    for (const auto& mote : island.motes) // those of islands of other hosts
+      x.mote_names.emplace(mote.id, mote.name);
     return x;
   }
 
@@ -268,6 +279,7 @@ void spawn_kernel(ecology_pointer self, supervised_peer& peer, const std::string
   x.seed = self->state.description.seed;
   x.station = peer.station = ++self->state.stations;
   x.incarnation = peer.incarnation;
+  x.is_first = !peer.begun;
   x.network = self->state.description.peis;
   x.discovery = description.discovery;
   x.real = real_links_of(self, description);
@@ -283,6 +295,7 @@ void spawn_kernel(ecology_pointer self, supervised_peer& peer, const std::string
   peer.changed = now(self);
   peer.powered = true;
   peer.begun = true;
+  note_starts(self, peer.incarnation + 1);
 }
 
 namespace {
@@ -308,8 +321,8 @@ pc_actor spawn_pc(ecology_pointer self, supervised_peer& peer,
   x.config.tick_period = self->state.description.tick;
   x.config.answer_slack = self->state.answer_slack;
   x.config.channels_max = apps::ends_max(x.config.channels_max, programs) + streams;
-  x.aliases = std::ranges::any_of(self->state.description.islands,
-                                  [](const auto& each) { return !each.aliases.empty(); });
+  config::for_each_island(self->state.description,
+                          [&x](const auto& each) { x.aliases |= !each.aliases.empty(); });
   x.name = peer.name;
   x.programs = std::move(programs);
   x.seed = self->state.description.seed;

@@ -428,8 +428,8 @@ void open_real_links(peer_pointer self) {
   state.arguments.real->ecology = state.arguments.ecology;
   auto opened = real_links::open(*state.arguments.real, caf::actor_cast<peis_peer_actor>(self));
   if (const auto* why = std::get_if<std::string>(&opened)) {
-    self->send(state.arguments.ecology, request_unmet{self->path(), "cannot listen: " + *why,
-                                                      state.arguments.incarnation == 0});
+    self->send(state.arguments.ecology,
+               request_unmet{self->path(), "cannot listen: " + *why, state.arguments.is_first});
     return;
   }
   state.real = std::get<std::unique_ptr<real_links>>(std::move(opened));

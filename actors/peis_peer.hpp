@@ -30,6 +30,7 @@ struct peis_peer_arguments {
   std::uint64_t seed = 0;    ///< of the ecology
   std::uint64_t station = 0; ///< in the simulated network: one of a kind, never used before
   std::uint32_t incarnation = 0;
+  bool is_first = true; ///< of the peer's lives in this process
   config::peis_description network;
   bool discovery = true; ///< takes part in the announcements of the simulated network
   std::optional<real_links_config> real; ///< links of the real network, in wall time only

@@ -84,8 +84,13 @@ void send_status(peer_pointer self) {
                     {"paused", state.held_lost},
                     {"own_id", counted.own}};
   add_limits(peer.limits, all_counted);
-  if (state.real != nullptr && state.real->links().counters().refused > 0)
-    peer.limits["connections_refused"] = state.real->links().counters().refused;
+  if (state.real != nullptr) {
+    const auto at_links = state.real->links().counters();
+    if (at_links.refused > 0)
+      peer.limits["connections_refused"] = at_links.refused;
+    if (at_links.foreign > 0)
+      peer.limits["connections_foreign"] = at_links.foreign;
+  }
   self->send(state.arguments.ecology, std::move(status));
 }
 

@@ -14,6 +14,7 @@
 #include "actors/failure.hpp"
 #include "actors/frame_captures.hpp"
 #include "core/device_keys.hpp"
+#include "core/hash.hpp"
 #include "core/shell_word.hpp"
 #include "io/machine.hpp"
 #include "io/signal_watch.hpp"
@@ -64,6 +65,16 @@ scheduler::stop_cause run_with_progress(scheduler::world& world, instant end,
     step = took < 50ms ? std::min(2 * step, step_max)
                        : std::max(took > 200ms ? step / 2 : step, step_min);
   }
+}
+
+/// Processes of other machines may have the same pid, and a machine the name of another.
+std::uint32_t process_number() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch().count();
+  return static_cast<std::uint32_t>(fold64()
+                                        .add(io::machine_name())
+                                        .add(static_cast<std::uint64_t>(::getpid()))
+                                        .add(static_cast<std::uint64_t>(now))
+                                        .value());
 }
 
 const char* mode_name(const config::ecology_description& x) {
@@ -191,6 +202,9 @@ public:
         [this](report::run_report x) { take(std::move(x)); }, files.frames(), facts());
     caf::actor_cast<caf::abstract_actor*>(root_)->attach_functor(
         [this](const caf::error& reason) { on_root_ended(reason); });
+    if (options.on_begun)
+      options.on_begun({world_.loop(), [this] { world_.request_stop(); },
+                        [this](const config::fault& x) { apply(x); }});
   }
   ~one_run() {
     over_ = true;
@@ -208,8 +222,7 @@ public:
 
   [[nodiscard]] report::run_report report_so_far() {
     static_cast<void>(world_.drain());
-    using impl = scheduler::traced_actor<ecology_state, root_actor>;
-    auto& state = static_cast<impl*>(caf::actor_cast<caf::abstract_actor*>(root_))->state;
+    auto& state = root_state();
     const collected_answers kept = state;
     const auto before = report_;
     timers_ = world_.stats().waiting;
@@ -247,6 +260,19 @@ public:
   }
 
 private:
+  [[nodiscard]] ecology_state& root_state() {
+    using impl = scheduler::traced_actor<ecology_state, root_actor>;
+    return static_cast<impl*>(caf::actor_cast<caf::abstract_actor*>(root_))->state;
+  }
+
+  void apply(const config::fault& x) {
+    if (over_)
+      return;
+    auto& faults = root_state().description.faults;
+    faults.push_back({world_.now().time_since_epoch(), x});
+    caf::anon_send(root_, apply_fault{static_cast<std::uint32_t>(faults.size() - 1)});
+  }
+
   void take(report::run_report x) {
     x.interrupted = report_.interrupted;
     report_ = std::move(x);
@@ -298,11 +324,15 @@ private:
     x.on_late_violation = [this](report::violation late) {
       report_.violations.push_back(std::move(late));
     };
+    x.on_event = options_.on_event;
+    x.on_counters = options_.on_counters;
+    x.starts = options_.starts;
+    x.on_starts = options_.on_starts;
     if (!wall_)
       return x;
     x.machine = io::machine_name();
     x.loop = &world_.loop();
-    x.number = static_cast<std::uint32_t>(::getpid());
+    x.number = process_number();
     x.clock_offset =
         std::chrono::duration_cast<duration>(std::chrono::system_clock::now().time_since_epoch());
     return x;
@@ -335,9 +365,10 @@ report::run_report empty_report(const config::ecology_description& x) {
 
 /// `rubicon run home.toml --seed 7 --for 20s --record run.rec && rubicon explain run.rec --lost`
 std::string command_for(const report::expectation_report& x, const report::run_report& report,
-                        const run_options& options) {
+                        const run_options& options, const std::string& host) {
   const auto file = options.source.file.empty() ? "FILE" : shell_word(options.source.file);
-  auto text = "rubicon run " + file + " --seed " + std::to_string(report.seed);
+  auto text = "rubicon run " + file + (host.empty() ? "" : " --host " + shell_word(host)) +
+              " --seed " + std::to_string(report.seed);
   if (x.at < instant{} + report.simulated)
     text += " --for " + std::to_string(x.at.time_since_epoch() / 1ms + 1) + "ms";
   else if (options.length)
@@ -351,12 +382,12 @@ std::string command_for(const report::expectation_report& x, const report::run_r
 }
 
 void judge_run(report::run_report& report, const report::expectations& judge,
-               const run_options& options) {
+               const run_options& options, const std::string& host) {
   report.expectations = judge.judge(report);
   for (auto& each : report.expectations) {
     if (each.outcome != report::expectation_report::verdict::unmet)
       continue;
-    each.command = command_for(each, report, options);
+    each.command = command_for(each, report, options, host);
     report.violations.push_back(report::violation_of(each));
   }
 }
@@ -393,7 +424,7 @@ public:
       report_.violations.push_back({at_end, report::requests_are_met, std::move(missing)});
     if (!report_.complete)
       report_.violations.push_back({at_end, report::run_is_complete, report_.reason});
-    judge_run(report_, judge_, options_);
+    judge_run(report_, judge_, options_, description_.part ? description_.part->host : "");
     report_.wall_s = std::chrono::duration<double>(steady::now() - started_).count();
     return std::move(report_);
   }

@@ -8,7 +8,9 @@
 
 #include "actors/run_record.hpp"
 #include "config/ecology.hpp"
+#include "io/loop.hpp"
 #include "report/report.hpp"
+#include "report/run_counters.hpp"
 
 namespace rubicon {
 
@@ -17,6 +19,14 @@ struct run_progress {
   instant reached;          ///< ecology time
   instant end;              ///< of the run
   std::uint64_t events = 0; ///< messages delivered to actors so far
+};
+
+/// What may be done to a run in wall time while it runs, from handlers of its loop.
+struct run_control {
+  io::loop& loop;
+  std::function<void()> stop; ///< ends it early, and cleanly
+  /// Lets a fault happen now: one that needs nothing but what has been there from the start.
+  std::function<void(const config::fault&)> apply;
 };
 
 /// What a command line may override or ask for beside the file.
@@ -38,6 +48,15 @@ struct run_options {
 
   /// Called now and then.
   std::function<void(const run_progress&)> progress;
+
+  // What whoever runs one part of an ecology of many is told, and tells it.
+  /// Called when everything has been made and nothing has run.
+  std::function<void(run_control)> on_begun;
+  std::function<void(const report::logged_event&)> on_event; ///< as it is noted
+  /// What a report is settled from, before each: report_so_far() has one as well.
+  std::function<void(const report::run_counters&)> on_counters;
+  std::uint32_t starts = 0;                     ///< by processes before this one
+  std::function<void(std::uint32_t)> on_starts; ///< more than anything has been started before
 };
 
 /// Runs an ecology to its end and collects the report. If the run breaks off, for whatever reason,

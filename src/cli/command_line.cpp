@@ -147,11 +147,42 @@ void add_run(CLI::App& app, run_command& x) {
       ->needs(captures);
   add_path(run, "--record", "RECORD", options.record_file,
            "Record the run into this file, for rubicon explain");
+  auto* const host =
+      run.add_option("--host", x.host,
+                     "Run only what is placed on this [[host]], in wall time, with links to others")
+          ->type_name("NAME");
+  add_path(run, "--starts", "FILE", x.starts_file,
+           "Where it is kept how often the part was started; a file of the user if not given")
+      ->needs(host);
+  // What deploy tells the parts that it starts.
+  add_path(run, "--part-report", "FILE", x.part_file, "Where reports go")->needs(host)->group("");
+  add_parsed(run, "--elapsed", "TIME", "How long the others have run",
+             [&](const auto& text) { x.elapsed = parse_length(text, "--elapsed"); })
+      ->needs(host)
+      ->group("");
   add_overrides(run, x.instead);
   run.add_flag("--check-determinism", x.check_determinism,
                "Run twice, the second time on one thread, and compare the trace hashes");
   run.footer(
       "What is not given here is as the file says; LEVEL is warn, N of --threads one a core.");
+}
+
+CLI::App& add_deploy(CLI::App& app, deploy_command& x) {
+  auto& deploy = *app.add_subcommand("deploy", "Run an ecology on the hosts of its file, as one");
+  add_file(deploy, x.file);
+  deploy.add_flag("--local", x.local, "Every [[host]] is a process of this computer");
+  deploy.add_flag("--dry-run", x.dry_run, "Only tell what would run where");
+  add_parsed(deploy, "--for", "TIME", "Time to run, such as 90s, 10min or 24h",
+             [&](const auto& text) { x.length = parse_length(text); });
+  add_parsed(deploy, "--seed", "N", "Seed of all random numbers",
+             [&](const auto& text) { x.seed = parse_seed(text); });
+  deploy.add_flag("--json", x.json, "Print the report as one JSON object and nothing else");
+  deploy.add_option("--log", x.log_level, "Least level logged on standard error")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
+      ->type_name("LEVEL");
+  deploy.footer("A host whose process is killed is started again, as a later life of the same.\n"
+                "Ctrl-C stops all and reports what they have done so far, with status 130.");
+  return deploy;
 }
 
 CLI::App& add_swarm(CLI::App& app, swarm_command& x) {
@@ -217,6 +248,18 @@ void check_combination(const run_command& x) {
     throw CLI::ValidationError("--check-determinism", "only virtual runs repeat, not --mode wall");
   if (x.check_determinism && !x.options.record_file.empty())
     throw CLI::ValidationError("--check-determinism", "runs twice, --record records one run");
+  if (!x.host.empty() && x.check_determinism)
+    throw CLI::ValidationError("--check-determinism", "only virtual runs repeat, not --host");
+  if (!x.host.empty() && x.options.mode == config::run_mode::virtual_time)
+    throw CLI::ValidationError("--host", "its part meets those of other hosts: in wall time only");
+}
+
+void check_combination(const deploy_command& x) {
+  if (x.file == standard_input)
+    throw CLI::ValidationError("FILE", "each host reads it: not from standard input");
+  if (!x.file.empty() && !x.local && !x.dry_run)
+    throw CLI::ValidationError("--local", "without it, start `rubicon run FILE --host NAME` on "
+                                          "each of the computers instead");
 }
 
 void check_combination(const swarm_command& x) {
@@ -281,6 +324,8 @@ command parse_command_line(std::span<const char* const> arguments) {
   auto& schema_app = *app.add_subcommand(
       "schema", "Print a JSON Schema of such files, for editors and validators");
   schema_app.add_option("--tables", schema.tables_of)->group(""); // of docs/configuration.md
+  deploy_command deploy;
+  const auto& deploy_app = add_deploy(app, deploy);
   swarm_command swarm;
   const auto& swarm_app = add_swarm(app, swarm);
   explain_command explain;
@@ -292,7 +337,10 @@ command parse_command_line(std::span<const char* const> arguments) {
     app.parse(static_cast<int>(arguments.size()), arguments.data());
     check_combination(run);
     check_combination(explain);
+    check_combination(deploy);
     check_combination(swarm);
+    if (!run.host.empty())
+      run.options.mode = config::run_mode::wall;
     run.instead.seed = run.options.seed;
     run.instead.mode = run.options.mode;
   } catch (const CLI::ParseError& error) {
@@ -306,6 +354,8 @@ command parse_command_line(std::span<const char* const> arguments) {
     return check;
   if (schema_app.parsed())
     return schema;
+  if (deploy_app.parsed())
+    return deploy;
   if (swarm_app.parsed())
     return swarm;
   if (explain_app.parsed())

@@ -24,6 +24,10 @@ struct run_command {
   config::extensions known;
   bool json = false;
   bool check_determinism = false; ///< ACT-05
+  std::string host;               ///< only its part, in wall time; empty: all of the file
+  std::string starts_file;        ///< with `host`; empty: one of the user
+  duration elapsed{};             ///< with `host`: the others have run for so long
+  std::string part_file; ///< with `host`: reports go there, as deploy reads them; empty: printed
   std::string log_level = "warn"; ///< trace, debug, info, warn, error or off
 };
 
@@ -33,6 +37,18 @@ struct check_command {
   config::overrides instead;
   config::extensions known;
   bool list = false; ///< motes, peers and tuples instead of a summary
+};
+
+/// `rubicon deploy FILE`
+struct deploy_command {
+  std::string file;
+  config::extensions known;
+  std::optional<duration> length;
+  std::optional<std::uint64_t> seed;
+  bool local = false;   ///< all hosts are processes of this computer
+  bool dry_run = false; ///< only tells what would run where
+  bool json = false;
+  std::string log_level = "warn"; ///< as of run
 };
 
 /// `rubicon schema`
@@ -83,8 +99,8 @@ struct refused_command {
 };
 
 using command =
-    std::variant<run_command, check_command, schema_command, swarm_command, explain_command,
-                 certs_command, network_command, show_command, refused_command>;
+    std::variant<run_command, deploy_command, check_command, schema_command, swarm_command,
+                 explain_command, certs_command, network_command, show_command, refused_command>;
 
 /// @param arguments the program's name first
 [[nodiscard]] command parse_command_line(std::span<const char* const> arguments);

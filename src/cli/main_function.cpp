@@ -14,6 +14,7 @@
 #include "cli/check_command.hpp"
 #include "cli/command_line.hpp"
 #include "cli/console.hpp"
+#include "cli/deploy_command.hpp"
 #include "cli/exit_status.hpp"
 #include "cli/explain_command.hpp"
 #include "cli/network_commands.hpp"

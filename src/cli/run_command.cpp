@@ -1,14 +1,22 @@
 #include "cli/run_command.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <optional>
+#include <stdexcept>
 #include <utility>
+#include <variant>
 
+#include "actors/ecology_run.hpp"
 #include "cli/console.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/logging.hpp"
+#include "cli/part_file.hpp"
 #include "cli/progress_bar.hpp"
+#include "config/placement.hpp"
 #include "core/hash.hpp"
 #include "core/printable.hpp"
+#include "io/kept_number.hpp"
 #include "report/figures.hpp"
 
 namespace rubicon::cli {
@@ -79,6 +87,86 @@ exit_status compare_runs(const run_command& x, const config::ecology_description
   return equal ? status_of(first) : exit_status::violated;
 }
 
+/// Puts the host's part in the place of all. @returns what is in the way of it
+std::vector<std::string> take_part(config::ecology_description& all, const std::string& host) {
+  const auto used = config::used_hosts(all);
+  const auto name_of = [](const auto& x) { return x.name; };
+  if (config::find_host(all, host) == nullptr)
+    return {"there is no [[host]] of the name `" + host + '`'};
+  if (std::ranges::find(used, host, name_of) == used.end())
+    return {"nothing is placed on host `" + host + '`'};
+  auto problems = config::placement_problems(all);
+  if (problems.empty())
+    all = config::part_of(all, host);
+  return problems;
+}
+
+/// Leaves reports where the deployment finds them, now and then and at the end: so what is lost
+/// with a process that is killed is little.
+exit_status run_for_deployment(const run_command& x, ecology_file file) {
+  using steady = std::chrono::steady_clock;
+  constexpr duration report_every = 5s;
+  std::optional<ecology_run> run;
+  report::part_report told;
+  const auto leave = [&](report::run_report so_far, bool is_final) {
+    told.report = std::move(so_far);
+    const auto why = write_part_file(x.part_file, told, is_final);
+    if (!why.empty())
+      static_cast<void>(print(stderr, printable(why) + '\n'));
+    return why.empty();
+  };
+  auto options = x.options;
+  options.source = {x.file, to_hex(file.text_hash)};
+  options.on_counters = [&told](const report::run_counters& all) {
+    told.counters = all.unsettled();
+  };
+  options.progress = [&, next = steady::now() + report_every](const run_progress&) mutable {
+    if (steady::now() < next)
+      return;
+    next = steady::now() + report_every;
+    static_cast<void>(leave(run->report_so_far(), /*is_final=*/false));
+  };
+  run.emplace(std::move(file.ecology), std::move(options));
+  auto whole = run->finish();
+  const auto status = status_of(whole);
+  return leave(std::move(whole), /*is_final=*/true) ? status : exit_status::failed;
+}
+
+/// A part of an ecology whose other parts know the lives that it has had.
+exit_status run_part(run_command x, ecology_file file) {
+  const auto refuse = [&x](const std::string& why) {
+    static_cast<void>(print(stderr, printable(x.file + ": " + why) + '\n'));
+    return exit_status::refused;
+  };
+  file.ecology.length = x.options.length.value_or(file.ecology.length);
+  if (x.elapsed >= file.ecology.length)
+    return refuse("the run is over after " + to_text(file.ecology.length));
+  const auto problems = take_part(file.ecology, x.host);
+  for (const auto& each : problems)
+    static_cast<void>(refuse(each));
+  if (!problems.empty())
+    return exit_status::refused;
+  if (x.starts_file.empty())
+    x.starts_file = io::state_file(file.ecology.name + '-' + x.host + ".starts");
+  if (x.starts_file.empty())
+    return refuse("there is no folder to keep how often the part was started; say --starts FILE");
+  auto opened = io::kept_number::open(x.starts_file);
+  if (const auto* why = std::get_if<std::string>(&opened))
+    return refuse(*why);
+  auto& starts = std::get<io::kept_number>(opened);
+  x.options.starts = starts.value();
+  x.options.on_starts = [&starts](std::uint32_t most) {
+    const auto why = starts.keep(most);
+    if (!why.empty())
+      throw std::runtime_error(why); // others would take a later life for an earlier one
+  };
+  if (x.elapsed > 0s)
+    config::begin_later(file.ecology, x.elapsed);
+  x.options.length.reset(); // the description has it
+  return x.part_file.empty() ? report_run(x, std::move(file))
+                             : run_for_deployment(x, std::move(file));
+}
+
 } // namespace
 
 exit_status perform(const run_command& x) {
@@ -86,6 +174,8 @@ exit_status perform(const run_command& x) {
   auto file = load_or_complain(x.file, x.instead, x.known);
   if (!file)
     return exit_status::refused;
+  if (!x.host.empty())
+    return run_part(x, std::move(*file));
   return x.check_determinism ? compare_runs(x, file->ecology) : report_run(x, std::move(*file));
 }
 

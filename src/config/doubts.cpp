@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "config/near.hpp"
+#include "config/placement.hpp"
 #include "config/tuple_keys.hpp"
 #include "proxy/layout.hpp"
 
@@ -231,7 +232,11 @@ private:
 } // namespace
 
 std::vector<std::string> doubts(const ecology_description& x) {
-  return doubter(x).take();
+  auto found = doubter(x).take();
+  for (const auto& each : placement_problems(x))
+    if (found.size() < doubts_max)
+      found.push_back("on several hosts it cannot run: " + each);
+  return found;
 }
 
 } // namespace rubicon::config

@@ -1,5 +1,5 @@
 // What is no mistake in a file, and yet cannot work: readers of tuples that nobody has, fields that
-// no program sends.
+// no program sends, things of one place on different hosts.
 #pragma once
 
 #include <string>

@@ -16,6 +16,7 @@
 #include "config/expectation.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/ipv4_network.hpp"
 #include "core/time.hpp"
 #include "core/wire_form.hpp"
 #include "device/transducer_config.hpp"
@@ -159,7 +160,9 @@ using peer_app =
 
 /// Where a peer takes links over real TCP.
 struct tcp_listener {
-  std::optional<std::uint16_t> port; ///< unset: the first free one from 8000 on
+  std::optional<std::uint16_t> port;  ///< unset: the first free one from 8000 on
+  std::string address;                ///< IPv4; empty: loopback, with `lan` all
+  std::vector<ipv4_network> networks; ///< others are closed at once; empty: nobody is
 };
 
 struct peer_description {
@@ -218,9 +221,22 @@ struct peis_description {
   bluetooth_description bluetooth;
 };
 
+/// A computer that a part of the ecology runs on. Where a file has any, the first one has what
+/// names none.
 struct host_description {
   std::string name;
-  std::string address;
+  std::string address;                ///< under which the others reach it
+  std::string listen;                 ///< IPv4 address at which it takes links and commands
+  std::uint16_t control_port = 4242;  ///< of `rubicon host`
+  std::uint16_t peis_port = 4243;     ///< of the PEIS links from other hosts
+  std::vector<ipv4_network> networks; ///< from where those may come; empty: from anywhere
+};
+
+/// What one host has of an ecology that runs on several.
+struct part_description {
+  std::string host;
+  std::vector<island_description> others; ///< islands of the other hosts
+  std::vector<std::string> names;         ///< of all hosts
 };
 
 /// The mote's battery is flat at that moment.
@@ -376,6 +392,15 @@ struct ecology_description {
   std::vector<fault_description> faults; ///< ascending by time
   std::vector<expectation> expectations; ///< in the order of the file
   std::vector<host_description> hosts;
+  std::optional<part_description> part; ///< unset: all of the ecology is here
 };
+
+/// Calls f with each island, those of other hosts included.
+template <class F>
+void for_each_island(const ecology_description& x, F f) {
+  std::ranges::for_each(x.islands, f);
+  if (x.part)
+    std::ranges::for_each(x.part->others, f);
+}
 
 } // namespace rubicon::config

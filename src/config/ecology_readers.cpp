@@ -40,16 +40,45 @@ void read_ecology(table_reader& root, ecology_description& out) {
     root.problems().add(root.at(), "the file lacks the table [ecology]");
 }
 
+namespace {
+
+constexpr std::size_t networks_max = 64;
+
+/// Where a host listens; empty: nobody can tell.
+std::string listening_address(const host_description& x) {
+  if (parse_ipv4_address(x.address))
+    return x.address;
+  return x.address == "localhost" ? "127.0.0.1" : "";
+}
+
+host_description read_host(table_reader& in, name_claims& names) {
+  host_description host;
+  if (in.required("name", name_text{}, host.name, "what `host` of islands and peers refers to"))
+    names.claim(host.name, "host name", in.at("name"), in.problems());
+  in.required("address", text{253}, host.address,
+              "DNS name or IPv4 address under which other hosts reach it");
+  host.listen = listening_address(host);
+  in.optional("listen", interface_address{}, host.listen,
+              {"at which of its addresses it takes links of other hosts and commands; "
+               "`\"0.0.0.0\"`: at all",
+               "`address`, which must be an IPv4 address then"});
+  in.optional("control_port", whole<std::uint16_t>{1, 65534}, host.control_port,
+              "the first of its two TCP ports; so far only PEIS links, at the next one, use any");
+  host.peis_port = static_cast<std::uint16_t>(host.control_port + 1);
+  in.optional("peis_port", whole<std::uint16_t>{1, 65535}, host.peis_port,
+              {"TCP port of the PEIS links from other hosts", "`control_port` + 1"});
+  in.optional("networks", list_of<network_text>{{}, 0, networks_max}, host.networks,
+              {"from where those links may come; others are closed at once", "anywhere"});
+  return host;
+}
+
+} // namespace
+
 std::vector<host_description> read_hosts(table_reader& root) {
   std::vector<host_description> out;
   name_claims names;
-  root.tables("host", "[[host]]", "computers", [&](table_reader& in) {
-    host_description host;
-    if (in.required("name", name_text{}, host.name, "what `host` of islands and peers refers to"))
-      names.claim(host.name, "host name", in.at("name"), in.problems());
-    in.required("address", text{253}, host.address, "DNS name or IP address");
-    out.push_back(std::move(host));
-  });
+  root.tables("host", "[[host]]", "computers; the first one has what names no host",
+              [&](table_reader& in) { out.push_back(read_host(in, names)); });
   return out;
 }
 

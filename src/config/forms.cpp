@@ -221,6 +221,15 @@ form tcp_url::takes() {
   return {"URL", pattern("tcp://.+")};
 }
 
+form interface_address::takes() {
+  return {"IPv4 address", pattern(R"(([0-9]{1,3}\.){3}[0-9]{1,3})")};
+}
+
+form network_text::takes() {
+  return {"network, as in `\"192.168.1.0/24\"`",
+          pattern(R"(([0-9]{1,3}\.){3}[0-9]{1,3}(/[0-9]{1,2})?)")};
+}
+
 form type_span::takes() {
   return {
       "number, range `\"110..119\"` or mask `\"0x0100/0xff00\"`, 1 to 4294967295",

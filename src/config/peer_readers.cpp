@@ -12,6 +12,7 @@ namespace rubicon::config {
 namespace {
 
 constexpr std::size_t links_max = 16;
+constexpr std::size_t networks_max = 64;
 
 /// What all peers have in common.
 struct peer_surroundings {
@@ -136,12 +137,17 @@ void read_tcp(table_reader& in, const peer_table& peers, peer_surroundings& all,
   }
   in.table(
       "tcp", "[peer.tcp]",
-      {"takes links from the real network, on this computer's loopback address unless `lan` is "
-       "set; needs `mode = \"wall\"`",
+      {"takes links from the real network, on this computer's loopback address unless `address` or "
+       "`lan` says otherwise; needs `mode = \"wall\"`",
        "`false`"},
       [&](table_reader& x) {
         std::uint16_t port = 0;
         out.emplace();
+        x.optional("address", interface_address{}, out->address,
+                   {"at which address of this computer; `\"0.0.0.0\"`: at all",
+                    "loopback, with `lan` all"});
+        x.optional("networks", list_of<network_text>{{}, 0, networks_max}, out->networks,
+                   {"from where links may come; others are closed at once", "anywhere"});
         if (!x.optional("port", whole<std::uint16_t>{1, 65535}, port,
                         {"with `count`, the first peer's; the others have the next ones",
                          "the first free one from 8000 on"}))

@@ -314,6 +314,22 @@ std::optional<std::string> tcp_url::read(const node& x, const asker& who) {
   return to_string(*url);
 }
 
+std::optional<std::string> interface_address::read(const node& x, const asker& who) {
+  const auto* found = x.as<std::string>();
+  if (found == nullptr || !parse_ipv4_address(*found))
+    return who.refuse(x, "an IPv4 address, as in \"192.168.1.7\"; \"0.0.0.0\" for all");
+  return *found;
+}
+
+std::optional<ipv4_network> network_text::read(const node& x, const asker& who) {
+  const auto* found = x.as<std::string>();
+  const auto parsed =
+      found == nullptr ? result<ipv4_network>(errc::bad_value) : parse_ipv4_network(*found);
+  if (!parsed)
+    return who.refuse(x, "a network such as \"192.168.1.0/24\", or one address");
+  return *parsed;
+}
+
 std::optional<position> read(const place& /*kind*/, const node& x, const asker& who) {
   constexpr double farthest_m = 1e6;
   const auto* elements = x.as<node_array>();

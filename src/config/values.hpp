@@ -18,6 +18,7 @@
 #include "config/problem.hpp"
 #include "config/reading.hpp"
 #include "core/address.hpp"
+#include "core/ipv4_network.hpp"
 #include "core/keys.hpp"
 #include "core/time.hpp"
 #include "proxy/proxy_class.hpp"
@@ -294,6 +295,19 @@ template <class Kind>
 /// The URL of a TCP link, "tcp://host:port"
 struct tcp_url {
   [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes();
+};
+
+/// An address of a computer's interface, "192.168.1.7"
+struct interface_address {
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes();
+};
+
+/// "192.168.1.0/24", or one address
+struct network_text {
+  using type = ipv4_network;
+  [[nodiscard]] static std::optional<ipv4_network> read(const node& x, const asker& who);
   [[nodiscard]] static form takes();
 };
 

@@ -57,8 +57,12 @@ struct tcp_listener::state : std::enable_shared_from_this<state> {
   void on_accepted(const error_code& error, tcp::socket socket) {
     if (over)
       return;
-    if (!error)
-      on_connection(stream_of(std::move(socket)));
+    if (!error) {
+      error_code gone; // then it is known by no address, and its first octet tells
+      const auto from = socket.remote_endpoint(gone).address();
+      on_connection(stream_of(std::move(socket)),
+                    from.is_v4() ? from.to_v4().to_bytes() : ipv4_address{});
+    }
     if (over)
       return;
     if (!error || error == asio::error::connection_aborted) {

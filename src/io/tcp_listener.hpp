@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include "core/ipv4_network.hpp"
 #include "io/loop.hpp"
 #include "io/tcp_stream.hpp"
 
@@ -16,8 +17,8 @@ namespace rubicon::io {
 /// descriptors it waits a while and goes on.
 class tcp_listener {
 public:
-  /// Gets each new connection, not yet started. May destroy the listener.
-  using callback = std::function<void(tcp_stream)>;
+  /// Gets each new connection, not yet started, and who has made it. May destroy the listener.
+  using callback = std::function<void(tcp_stream, const ipv4_address& from)>;
 
   /// Binds the first free port from `first_port` on; 0 lets the system choose.
   ///

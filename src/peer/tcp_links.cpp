@@ -1,5 +1,6 @@
 #include "peer/tcp_links.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "io/machine.hpp"
@@ -43,8 +44,9 @@ const std::string& tcp_links::listen_address() const {
 std::optional<std::string> tcp_links::listen() {
   if (!config_.first_port)
     return std::nullopt;
-  auto x = io::tcp_listener::open(*loop_, listen_address(), *config_.first_port,
-                                  [this](io::tcp_stream y) { on_connection(std::move(y)); });
+  auto x = io::tcp_listener::open(
+      *loop_, listen_address(), *config_.first_port,
+      [this](io::tcp_stream y, const ipv4_address& from) { on_connection(std::move(y), from); });
   if (auto* refusal = std::get_if<std::string>(&x))
     return std::move(*refusal);
   listener_ = std::move(std::get<io::tcp_listener>(x));
@@ -77,8 +79,11 @@ std::optional<std::uint16_t> tcp_links::port() const {
   return listener_ ? std::optional(listener_->port()) : std::nullopt;
 }
 
-void tcp_links::on_connection(io::tcp_stream x) {
-  if (streams_.size() >= streams_max)
+void tcp_links::on_connection(io::tcp_stream x, const ipv4_address& from) {
+  const auto is_of = [&from](const ipv4_network& each) { return each.contains(from); };
+  if (!config_.networks.empty() && std::ranges::none_of(config_.networks, is_of))
+    ++counters_.foreign; // dropped
+  else if (streams_.size() >= streams_max)
     ++counters_.refused; // dropped
   else
     add(std::move(x), peis::link_role::acceptor, std::nullopt);

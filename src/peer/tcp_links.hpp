@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/ipv4_network.hpp"
 #include "io/loop.hpp"
 #include "io/tcp_connect.hpp"
 #include "io/tcp_listener.hpp"
@@ -28,8 +29,9 @@ struct links_config {
   bool lan = false;
   /// Counted up until one is free; unset: nobody can connect to us.
   std::optional<std::uint16_t> first_port = peis::tcp_port_default;
-  std::string listen_address; ///< IPv4; empty: 127.0.0.1, with lan 0.0.0.0
-  io::udp_group_config group; ///< of announcements, with lan only (TCP-02)
+  std::string listen_address;         ///< IPv4; empty: 127.0.0.1, with lan 0.0.0.0
+  std::vector<ipv4_network> networks; ///< links from elsewhere are closed at once; empty: none are
+  io::udp_group_config group;         ///< of announcements, with lan only (TCP-02)
   duration connect_timeout = 5s;
   peis::link_id first_link{1}; ///< links are numbered from here on
 };
@@ -50,6 +52,7 @@ public:
 
 struct links_counters {
   std::uint64_t refused = 0;  ///< accepted and closed at once, there being too many
+  std::uint64_t foreign = 0;  ///< the same, of none of the networks
   std::uint64_t unsent = 0;   ///< announcements that the network did not take
   std::uint64_t too_many = 0; ///< attempts that failed at once, there being too many
 };
@@ -103,7 +106,7 @@ private:
 
   [[nodiscard]] std::optional<std::string> listen();
   void join_group();
-  void on_connection(io::tcp_stream x);
+  void on_connection(io::tcp_stream x, const ipv4_address& from);
   void on_attempt(peis::attempt_id attempt, std::variant<io::tcp_stream, std::string> x);
   void add(io::tcp_stream x, peis::link_role role, std::optional<peis::attempt_id> attempt);
   void fail_soon(peis::attempt_id attempt, std::string why);

@@ -478,7 +478,8 @@ std::vector<expectation_report> expectations::judge(const run_report& x) const {
 }
 
 violation violation_of(const expectation_report& x) {
-  return {x.at, "expected: " + x.text, x.measured + (x.command.empty() ? "" : "; " + x.command)};
+  return {x.at, std::string(expected) + x.text,
+          x.measured + (x.command.empty() ? "" : "; " + x.command)};
 }
 
 } // namespace rubicon::report

@@ -101,6 +101,9 @@ private:
   bool watches_tuples_ = false;
 };
 
+/// What the invariant of such a violation begins with.
+inline constexpr std::string_view expected = "expected: ";
+
 /// An unmet expectation as a violation has it.
 [[nodiscard]] violation violation_of(const expectation_report& x);
 

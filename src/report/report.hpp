@@ -199,6 +199,7 @@ struct gateway_report {
   std::string name;
   lead_report lead; ///< in all its lives
 };
+RUBICON_FIELDS(gateway_report, id, name, lead);
 
 struct island_report {
   island_id id;
@@ -210,6 +211,7 @@ struct island_report {
   std::vector<gateway_report> gateways; ///< in the order of the file; empty: it has one
   std::vector<mote_report> motes;       ///< ascending by id, the sink excluded
 };
+RUBICON_FIELDS(island_report, id, name, radio, serial, messages, network, gateways, motes);
 
 /// One actuation as its proxy saw it: exactly one outcome each.
 struct actuation_report {
@@ -251,7 +253,8 @@ struct peer_report {
   /// neighbour was not read until it was within its budget again), `turns` (times a link was not
   /// read until its turn came), `hosts_refused`, `routes_refused`, `tables_put_off`,
   /// `questions_refused`, `fragments_refused`, `greetings_evicted`, `newcomers_referred`,
-  /// `connections_refused`, `claims_refused` (said by others in the name of a neighbour that is
+  /// `connections_refused`, `connections_foreign` (of none of the `networks` of its listener),
+  /// `claims_refused` (said by others in the name of a neighbour that is
   /// alive), `rivals_refused` (claimed its id); of the tuple space `tuples_full` (tuples of others,
   /// or written by others, without room), `tuples_malformed`, `subscriptions_full`, `strangers`
   /// (messages of hosts that nobody knows), `appends_refused`, `orphans` (own tuples removed
@@ -336,6 +339,7 @@ struct expectation_report {
                                          ///< empty: a record does not show it
   std::string command = {};              ///< that shows more; empty if it is met
 };
+RUBICON_FIELDS(expectation_report, text, outcome, measured, at, explain, command);
 
 /// Something a person following the run would want to hear.
 struct logged_event {
@@ -357,6 +361,7 @@ struct actor_report {
   std::uint64_t restarted = 0;
   std::vector<std::string> failures; ///< `kitchen/climate-7: what()`, in order, at most 100
 };
+RUBICON_FIELDS(actor_report, spawned, restarted, failures);
 
 struct run_report {
   std::string ecology;
@@ -396,6 +401,9 @@ struct run_report {
   [[nodiscard]] peis_report peis() const;
   [[nodiscard]] double used_mah() const;
 };
+RUBICON_FIELDS(run_report, ecology, seed, mode, simulated, wall_s, events, trace_hash, interrupted,
+               complete, reason, actors, islands, peers, proxies, flows, programs, streams,
+               pc_messages, event_log, event_log_left_out, violations, expectations);
 
 inline constexpr std::size_t event_log_max = 400;
 

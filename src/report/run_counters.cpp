@@ -24,9 +24,9 @@ double& figure_of(program_report& x, const std::string& name) {
 
 void run_counters::add(mote_address who, bool is_pc, const message_report& x,
                        const arrival_counts& arrivals) {
-  (is_pc ? pcs_ : messages_)[who] += x;
+  (is_pc ? all_.pcs : all_.messages)[who] += x;
   for (const auto& [source, count] : arrivals)
-    arrivals_[source] += count;
+    all_.arrivals[source] += count;
 }
 
 void run_counters::add(const program_report& x, std::uint32_t number,
@@ -34,7 +34,7 @@ void run_counters::add(const program_report& x, std::uint32_t number,
                        const std::vector<stream_part>& streams) {
   if (number == 0)
     number = first_unnumbered + unnumbered_++;
-  auto& counters = programs_[{x.who, number, x.kind}];
+  auto& counters = all_.programs[{x.who, number, x.kind}];
   counters.sum.who = x.who;
   counters.sum.kind = x.kind;
   for (const auto& [name, value] : x.figures) {
@@ -45,37 +45,36 @@ void run_counters::add(const program_report& x, std::uint32_t number,
   counters.read_ends.clear();
   for (const auto& part : streams) {
     const std::pair key(part.reader_name, part.stream);
-    auto& stream = streams_[key];
+    auto& stream = all_.streams[key];
     stream.sum.stream = part.stream;
     stream.sum.to = part.reader_name;
-    const auto side = part.writes ? 0 : 1;
-    stream.has_ends[side] = true;
-    stream.open[side] = part.open;
-    stream.steady[side] = part.steady;
+    auto& end = part.writes ? stream.writer : stream.reader;
+    end.is_known = true;
+    end.open = part.open;
+    end.steady = part.steady;
     if (part.writes) {
       stream.sum.from = part.writer_name;
       stream.sum.produced += part.records;
       stream.sum.written += above(part.records, part.unwritten);
       stream.sum.opens_failed += part.opens_failed;
       stream.every = part.every;
-      stream.written_ms = part.last_ms ? part.last_ms : stream.written_ms;
     } else {
       counters.read_ends.push_back(key);
       stream.sum.read += part.records;
       stream.sum.openings += part.openings;
       stream.sum.pause = std::max(stream.sum.pause, part.pause);
-      if (stream.read_ms && part.first_ms) // between two lives
+      if (end.newest_ms && part.first_ms) // between two lives
         stream.sum.pause = std::max<duration>(
-            stream.sum.pause, static_cast<std::int32_t>(*part.first_ms - *stream.read_ms) * 1ms);
-      stream.read_ms = part.last_ms ? part.last_ms : stream.read_ms;
+            stream.sum.pause, static_cast<std::int32_t>(*part.first_ms - *end.newest_ms) * 1ms);
     }
+    end.newest_ms = part.last_ms ? part.last_ms : end.newest_ms;
   }
 }
 
 void run_counters::add(const proxy_report& x, bool ended) {
-  const auto found = proxies_.find(x.name);
-  if (found == proxies_.end()) {
-    proxies_.emplace(x.name, x);
+  const auto found = all_.proxies.find(x.name);
+  if (found == all_.proxies.end()) {
+    all_.proxies.emplace(x.name, x);
     return;
   }
   auto sum = found->second.actuations;
@@ -85,9 +84,68 @@ void run_counters::add(const proxy_report& x, bool ended) {
   found->second.actuations = std::move(sum);
 }
 
+namespace {
+
+void add_end(stream_counters::end& sum, const stream_counters::end& x) {
+  if (!x.is_known)
+    return;
+  const auto newest = x.newest_ms ? x.newest_ms : sum.newest_ms;
+  sum = x;
+  sum.newest_ms = newest;
+}
+
+void add_stream(stream_counters& sum, const stream_counters& x) {
+  sum.sum.stream = x.sum.stream;
+  sum.sum.to = x.sum.to;
+  if (!x.sum.from.empty())
+    sum.sum.from = x.sum.from;
+  sum.sum.produced += x.sum.produced;
+  sum.sum.written += x.sum.written;
+  sum.sum.opens_failed += x.sum.opens_failed;
+  sum.sum.read += x.sum.read;
+  sum.sum.openings += x.sum.openings;
+  sum.sum.pause = std::max(sum.sum.pause, x.sum.pause);
+  sum.every = std::max(sum.every, x.every);
+  add_end(sum.writer, x.writer);
+  add_end(sum.reader, x.reader);
+}
+
+} // namespace
+
+void run_counters::add(const unsettled_counters& x) {
+  for (const auto& [key, program] : x.programs) {
+    auto& sum = all_.programs[key];
+    sum.sum.who = program.sum.who;
+    sum.sum.kind = program.sum.kind;
+    for (const auto& [name, value] : program.sum.figures)
+      figure_of(sum.sum, name) += value;
+    sum.read_ends = program.read_ends;
+  }
+  for (const auto& [key, stream] : x.streams)
+    add_stream(all_.streams[key], stream);
+  for (const auto& [name, proxy] : x.proxies)
+    add(proxy, proxy.status == "ended");
+  add_to(all_.messages, x.messages);
+  add_to(all_.pcs, x.pcs);
+  add_to(all_.arrivals, x.arrivals);
+}
+
+void unsettle(run_report& x) {
+  x.programs.clear();
+  x.streams.clear();
+  x.proxies.clear();
+  x.pc_messages = {};
+  for (auto& island : x.islands) {
+    island.messages = {};
+    island.network.lost.erase("channel_lost");
+    for (auto& mote : island.motes)
+      mote.messages = {};
+  }
+}
+
 std::uint64_t run_counters::vectors_missed(const std::string& node, std::uint32_t number) const {
-  for (auto x = programs_.lower_bound({node, number, {}});
-       x != programs_.end() && std::get<0>(x->first) == node && std::get<1>(x->first) == number;
+  for (auto x = all_.programs.lower_bound({node, number, {}});
+       x != all_.programs.end() && std::get<0>(x->first) == node && std::get<1>(x->first) == number;
        ++x) {
     for (const auto& [name, value] : x->second.sum.figures)
       if (name == "vectors missed")
@@ -100,8 +158,8 @@ std::uint64_t run_counters::vectors_missed(const std::string& node, std::uint32_
 stream_report run_counters::settled(const stream_counters& x) {
   auto sum = x.sum;
   const auto unread = above(sum.produced, sum.read);
-  if (x.written_ms && x.read_ms && x.every > 0s) {
-    const auto ahead = static_cast<std::int32_t>(*x.written_ms - *x.read_ms) * 1ms;
+  if (x.writer.newest_ms && x.reader.newest_ms && x.every > 0s) {
+    const auto ahead = static_cast<std::int32_t>(*x.writer.newest_ms - *x.reader.newest_ms) * 1ms;
     if (ahead > 0ms && ahead <= in_flight_max)
       sum.open = std::min(unread, static_cast<std::uint64_t>((ahead + x.every / 2) / x.every));
   }
@@ -111,24 +169,24 @@ stream_report run_counters::settled(const stream_counters& x) {
 
 std::vector<half_open_stream> run_counters::half_open() const {
   std::vector<half_open_stream> found;
-  for (const auto& [key, x] : streams_) {
-    if (!x.has_ends[0] || !x.has_ends[1] || x.open[0] == x.open[1])
+  for (const auto& [key, x] : all_.streams) {
+    if (!x.writer.is_known || !x.reader.is_known || x.writer.open == x.reader.open)
       continue;
-    const auto steady = std::min(x.steady[0], x.steady[1]);
-    found.push_back({x.sum.stream, x.open[0] ? x.sum.from : x.sum.to,
-                     x.open[0] ? x.sum.to : x.sum.from, steady});
+    found.push_back({x.sum.stream, x.writer.open ? x.sum.from : x.sum.to,
+                     x.writer.open ? x.sum.to : x.sum.from,
+                     std::min(x.writer.steady, x.reader.steady)});
   }
   return found;
 }
 
 void run_counters::settle_streams(run_report& x) const {
-  for (const auto& [key, stream] : streams_)
+  for (const auto& [key, stream] : all_.streams)
     x.streams.push_back(settled(stream));
-  for (const auto& [key, counters] : programs_) {
+  for (const auto& [key, counters] : all_.programs) {
     auto& program = x.programs.emplace_back(counters.sum);
     if (program.kind != "stream_reader" || counters.read_ends.size() != 1)
       continue;
-    const auto stream = settled(streams_.at(counters.read_ends.front()));
+    const auto stream = settled(all_.streams.at(counters.read_ends.front()));
     const auto delivery = stream.delivery();
     if (stream.from.empty() || !delivery)
       continue; // nobody of this run writes it: the reader's own clock must do
@@ -139,12 +197,12 @@ void run_counters::settle_streams(run_report& x) const {
 
 void run_counters::settle_messages(run_report& x) const {
   const auto told = [this](const mote_address& who, message_report sum) {
-    const auto arrived = arrivals_.find(who);
-    sum.unreliable_arrived = arrived == arrivals_.end() ? 0 : arrived->second;
+    const auto arrived = all_.arrivals.find(who);
+    sum.unreliable_arrived = arrived == all_.arrivals.end() ? 0 : arrived->second;
     sum.lost["in_transit"] = above(sum.unreliable_sent, sum.unreliable_arrived);
     return sum;
   };
-  for (const auto& [who, sum] : messages_) {
+  for (const auto& [who, sum] : all_.messages) {
     const auto island = std::ranges::find(x.islands, who.island, &island_report::id);
     if (island == x.islands.end())
       continue;
@@ -154,14 +212,14 @@ void run_counters::settle_messages(run_report& x) const {
     if (mote != island->motes.end())
       mote->messages = all;
   }
-  for (const auto& [who, sum] : pcs_)
+  for (const auto& [who, sum] : all_.pcs)
     x.pc_messages += told(who, sum);
 }
 
 void run_counters::settle(run_report& x) const {
   settle_streams(x);
   settle_messages(x);
-  for (const auto& [name, proxy] : proxies_)
+  for (const auto& [name, proxy] : all_.proxies)
     if (proxy.status != "ended" || proxy.actuations.requested > 0)
       x.proxies.push_back(proxy);
   for (auto& island : x.islands) {

@@ -12,6 +12,7 @@
 
 #include "apps/stream_end.hpp"
 #include "core/address.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "report/report.hpp"
 
@@ -31,6 +32,45 @@ struct half_open_stream {
   duration steady{};
 };
 
+/// A program's counters over its lives.
+struct program_counters {
+  program_report sum;
+  std::vector<std::pair<std::string, std::uint16_t>> read_ends; ///< keys of streams
+};
+RUBICON_FIELDS(program_counters, sum, read_ends);
+
+/// A stream's counters over its lives.
+struct stream_counters {
+  /// One of its two programs.
+  struct end {
+    bool is_known = false;
+    bool open = false;
+    duration steady{};
+    std::optional<std::uint32_t> newest_ms; ///< time in its newest record
+  };
+
+  stream_report sum;
+  end writer;
+  end reader;
+  duration every{};
+};
+RUBICON_FIELDS(stream_counters::end, is_known, open, steady, newest_ms);
+RUBICON_FIELDS(stream_counters, sum, writer, reader, every);
+
+/// What is counted before it is settled: parts of an ecology that ran in several processes add up.
+struct unsettled_counters {
+  using program_key = std::tuple<std::string, std::uint32_t, std::string>; ///< node, number, kind
+  using stream_key = std::pair<std::string, std::uint16_t>;                ///< reader, number
+
+  std::map<program_key, program_counters> programs;
+  std::map<stream_key, stream_counters> streams;
+  std::map<std::string, proxy_report> proxies;
+  std::map<mote_address, message_report> messages; ///< of motes and gateways
+  std::map<mote_address, message_report> pcs;
+  std::map<mote_address, std::uint64_t> arrivals; ///< by source
+};
+RUBICON_FIELDS(unsettled_counters, programs, streams, proxies, messages, pcs, arrivals);
+
 class run_counters {
 public:
   using arrival_counts = std::vector<std::pair<mote_address, std::uint64_t>>;
@@ -47,6 +87,9 @@ public:
   /// One life of a proxy. @param ended it is not the last, or there is none at the end
   void add(const proxy_report& x, bool ended);
 
+  /// What another process has counted, of other things or of later lives of the same ones.
+  void add(const unsettled_counters& x);
+
   /// Vectors that a program has missed in lives that are over.
   [[nodiscard]] std::uint64_t vectors_missed(const std::string& node, std::uint32_t number) const;
 
@@ -56,33 +99,18 @@ public:
   /// Fills in programs, streams, proxies, and messages of motes, islands and PCs.
   void settle(run_report& x) const;
 
+  [[nodiscard]] const unsettled_counters& unsettled() const { return all_; }
+
 private:
-  struct program_counters {
-    program_report sum;
-    std::vector<std::pair<std::string, std::uint16_t>> read_ends; ///< keys of streams
-  };
-
-  struct stream_counters {
-    stream_report sum;
-    std::optional<std::uint32_t> written_ms; ///< time in the newest record of each end
-    std::optional<std::uint32_t> read_ms;
-    duration every{};
-    bool has_ends[2] = {false, false}; ///< writer and reader; the next ones too
-    bool open[2] = {false, false};
-    duration steady[2] = {};
-  };
-
   [[nodiscard]] static stream_report settled(const stream_counters& x);
   void settle_streams(run_report& x) const;
   void settle_messages(run_report& x) const;
 
-  std::map<std::tuple<std::string, std::uint32_t, std::string>, program_counters> programs_;
-  std::map<std::pair<std::string, std::uint16_t>, stream_counters> streams_;
-  std::map<std::string, proxy_report> proxies_;
-  std::map<mote_address, message_report> messages_; ///< of motes and gateways
-  std::map<mote_address, message_report> pcs_;
-  std::map<mote_address, std::uint64_t> arrivals_; ///< by source
+  unsettled_counters all_;
   std::uint32_t unnumbered_ = 0;
 };
+
+/// Takes back what settle() has filled in.
+void unsettle(run_report& x);
 
 } // namespace rubicon::report

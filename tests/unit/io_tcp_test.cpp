@@ -55,8 +55,10 @@ struct two_ends {
   explicit two_ends(bool server_reads = true) {
     std::optional<io::tcp_stream> accepted;
     std::optional<io::tcp_stream> connected;
-    auto listener = std::get<io::tcp_listener>(io::tcp_listener::open(
-        loop, "127.0.0.1", 0, [&](io::tcp_stream x) { accepted = std::move(x); }));
+    auto listener = std::get<io::tcp_listener>(
+        io::tcp_listener::open(loop, "127.0.0.1", 0, [&](io::tcp_stream x, const ipv4_address&) {
+          accepted = std::move(x);
+        }));
     const io::tcp_connect attempt(loop, "127.0.0.1", listener.port(), 10s, [&](auto x) {
       if (auto* stream = std::get_if<io::tcp_stream>(&x))
         connected = std::move(*stream);
@@ -157,8 +159,10 @@ TEST_CASE("closing ends also when the other side never does", "[io]") {
   two_ends x;
   const int raw = ::socket(AF_INET, SOCK_STREAM, 0);
   std::optional<io::tcp_stream> accepted;
-  auto listener = std::get<io::tcp_listener>(io::tcp_listener::open(
-      x.loop, "127.0.0.1", 0, [&](io::tcp_stream y) { accepted = std::move(y); }));
+  auto listener = std::get<io::tcp_listener>(
+      io::tcp_listener::open(x.loop, "127.0.0.1", 0, [&](io::tcp_stream y, const ipv4_address&) {
+        accepted = std::move(y);
+      }));
   sockaddr_in to{};
   to.sin_family = AF_INET;
   to.sin_port = htons(listener.port());
@@ -200,7 +204,7 @@ TEST_CASE("a stream may be destroyed from each of its callbacks", "[io]") {
 
 TEST_CASE("a listener counts up to a free port", "[io][TCP-01]") {
   io::loop loop;
-  const auto ignore = [](io::tcp_stream) {};
+  const auto ignore = [](io::tcp_stream, const ipv4_address&) {};
   const auto first =
       std::get<io::tcp_listener>(io::tcp_listener::open(loop, "127.0.0.1", 0, ignore));
   const auto second =
@@ -214,7 +218,9 @@ TEST_CASE("a listener counts up to a free port", "[io][TCP-01]") {
 TEST_CASE("a listener gets its port back at once", "[io][TCP-01]") {
   io::loop loop;
   std::vector<io::tcp_stream> accepted;
-  const auto keep = [&](io::tcp_stream x) { accepted.push_back(std::move(x)); };
+  const auto keep = [&](io::tcp_stream x, const ipv4_address&) {
+    accepted.push_back(std::move(x));
+  };
   std::uint16_t port = 0;
   {
     const auto first =
@@ -230,7 +236,7 @@ TEST_CASE("a listener gets its port back at once", "[io][TCP-01]") {
 
 TEST_CASE("an address that is not ours is refused with its reason", "[io]") {
   io::loop loop;
-  const auto ignore = [](io::tcp_stream) {};
+  const auto ignore = [](io::tcp_stream, const ipv4_address&) {};
   for (const auto* address : {"here", "", "192.0.2.1"}) {
     CAPTURE(address);
     const auto x = io::tcp_listener::open(loop, address, 8000, ignore);
@@ -245,7 +251,7 @@ TEST_CASE("a connection nobody takes fails with its reason", "[io][LNK-07]") {
   std::uint16_t port = 0;
   {
     const auto gone = std::get<io::tcp_listener>(
-        io::tcp_listener::open(loop, "127.0.0.1", 0, [](io::tcp_stream) {}));
+        io::tcp_listener::open(loop, "127.0.0.1", 0, [](io::tcp_stream, const ipv4_address&) {}));
     port = gone.port();
   }
   const auto target = "127.0.0.1:" + std::to_string(port);
@@ -258,7 +264,7 @@ TEST_CASE("an attempt that was given up never calls", "[io][LNK-07]") {
   bool called = false;
   {
     const auto listener = std::get<io::tcp_listener>(
-        io::tcp_listener::open(loop, "127.0.0.1", 0, [](io::tcp_stream) {}));
+        io::tcp_listener::open(loop, "127.0.0.1", 0, [](io::tcp_stream, const ipv4_address&) {}));
     const io::tcp_connect attempt(loop, "127.0.0.1", listener.port(), 10s,
                                   [&](auto) { called = true; });
   }

@@ -1,0 +1,41 @@
+// The report of an ecology from those of its parts, each of which ran in processes of its own.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "config/ecology.hpp"
+#include "core/fields.hpp"
+#include "core/time.hpp"
+#include "report/report.hpp"
+#include "report/run_counters.hpp"
+
+namespace rubicon::report {
+
+/// What a part tells of one of its lives, at the end or so far.
+struct part_report {
+  run_report report;
+  unsettled_counters counters;
+};
+RUBICON_FIELDS(part_report, report, counters);
+
+/// A process of a part.
+struct part_life {
+  duration elapsed{};    ///< of the whole when it began
+  part_report told;      ///< the newest; without a name if it has told nothing
+  bool is_final = false; ///< it has come to its end and has told all
+};
+
+/// The processes of a host's part, the newest last.
+struct host_report {
+  std::string host;
+  std::vector<part_life> lives;
+};
+
+/// Times are those of the whole. What a process has counted after its last report, because it was
+/// killed, is not known: the event log says so.
+/// @param description of the whole
+[[nodiscard]] run_report merged(const config::ecology_description& description,
+                                const std::vector<host_report>& parts);
+
+} // namespace rubicon::report

@@ -1,0 +1,226 @@
+// An ecology whose parts are processes of their own, as on PCs of their own.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "support/catch.hpp"
+#include "support/shell.hpp"
+
+using rubicon::test::shell;
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const std::string binary = RUBICON_BINARY;
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A folder with the house on ports that nobody else has, gone with the test.
+class house {
+public:
+  house() : path_(fs::temp_directory_path() / ("rubicon-hosts-" + std::to_string(::getpid()))) {
+    fs::create_directory(path_);
+    auto toml = text_of(fs::path(RUBICON_CONFIG_DIR) / "house.toml");
+    for (std::size_t at = 0; (at = toml.find("control_port = 42", at)) != std::string::npos;)
+      toml.replace(at, 17, "control_port = 47");
+    std::ofstream(path_ / "house.toml") << toml;
+  }
+  ~house() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  house(const house&) = delete;
+  house& operator=(const house&) = delete;
+
+  /// Of a shell in the folder, in which `part HOST LENGTH NAME` runs a part, and leaves its report
+  /// in NAME.json, what it says in NAME.err, and its exit status in NAME.status.
+  void run(const std::string& script) const {
+    const std::string part = "part() { '" + binary +
+                             "' run house.toml --host $1 --for $2 --json --starts $1.starts "
+                             "> $3.json 2> $3.err; echo $? > $3.status; }; ";
+    static_cast<void>(shell("cd '" + path_.string() + "' && " + part + script + " 2>/dev/null"));
+  }
+
+  [[nodiscard]] json report(const std::string& name) const {
+    INFO(name + ": " + text(name + ".err"));
+    auto found = json::parse(text(name + ".json"), nullptr, false);
+    REQUIRE_FALSE(found.is_discarded());
+    return found;
+  }
+  [[nodiscard]] std::string text(const std::string& file) const { return text_of(path_ / file); }
+
+private:
+  fs::path path_;
+};
+
+/// What was noted of each, in order, without times.
+std::map<std::string, std::vector<std::string>> events_of(const std::vector<json>& reports,
+                                                          const std::string& part) {
+  std::map<std::string, std::vector<std::string>> found;
+  for (const auto& report : reports)
+    for (const auto& event : report["event_log"]) {
+      const std::string what = event["what"];
+      if (what.find(part) != std::string::npos)
+        found[event["who"]].push_back(what);
+    }
+  return found;
+}
+
+void check_good(const json& report) {
+  CHECK(report["complete"] == true);
+  CHECK(report["violations"].dump() == "[]");
+}
+
+const json& element(const json& all, const std::string& key, const std::string& name) {
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const auto& x) { return x[key] == name; });
+  REQUIRE(found != all.end());
+  return *found;
+}
+
+} // namespace
+
+TEST_CASE("three processes do what one does", "[hosts][GEN-05]") {
+  const house in;
+  in.run("part kitchen 25s kitchen & part bedroom 25s bedroom & part care 25s care & wait");
+  const std::vector<json> parts{in.report("kitchen"), in.report("bedroom"), in.report("care")};
+  for (const auto& part : parts)
+    check_good(part);
+  CHECK(element(parts[2]["proxies"], "proxy", "kitchen.stove")["values"]["temperature"] ==
+        "28.0 C");
+  CHECK(element(parts[2]["proxies"], "proxy", "bedroom.window")["status"] == "active");
+
+  const auto whole = shell(
+      '"' + binary + "\" run \"" RUBICON_CONFIG_DIR "/house.toml\" --for 25s --json 2>/dev/null");
+  REQUIRE(whole.status == 0);
+  const std::vector<json> one{json::parse(whole.out)};
+  for (const auto* what : {"joined", "writes ", "switch "})
+    CHECK(events_of(parts, what) == events_of(one, what));
+  const auto acknowledged = [](const json& report) {
+    return element(report["islands"], "name", "kitchen")["messages"]["reliable_failed"];
+  };
+  CHECK(acknowledged(parts[0]) == 0); // the button's go to the other island, on another host
+  CHECK(element(element(parts[0]["islands"], "name", "kitchen")["motes"], "name",
+                "button")["messages"]["reliable_acked"]
+            .get<int>() >= 3);
+}
+
+TEST_CASE("a part that was killed begins a later life, and all go on", "[hosts][ACT-04]") {
+  const house in;
+  in.run("part bedroom 28s bedroom & part care 28s care & "
+         "'" +
+         binary +
+         "' run house.toml --host kitchen --json --starts kitchen.starts "
+         "> gone.json 2> gone.err & victim=$!; "
+         "sleep 6; kill -9 $victim; sleep 1; part kitchen 21s again; wait");
+  CHECK(in.text("gone.json").empty());
+  CHECK(in.text("kitchen.starts") == "2\n");
+  const auto again = in.report("again");
+  check_good(again);
+  for (const auto& mote : element(again["islands"], "name", "kitchen")["motes"])
+    CHECK(mote["incarnations"] == 2);
+  CHECK(element(again["islands"], "name", "kitchen")["messages"]["reliable_failed"] == 0);
+  const auto care = in.report("care");
+  check_good(care);
+  CHECK(element(care["proxies"], "proxy", "kitchen.fan")["status"] == "active");
+  check_good(in.report("bedroom"));
+  // The stove is warm 15 s after the kitchen began anew.
+  CHECK(events_of({again}, "switch on").at("kitchen/fan").size() == 1);
+}
+
+TEST_CASE("what is in the way of a part is said before anything starts", "[hosts]") {
+  const house in;
+  const auto refused = [&in](const std::string& arguments) {
+    in.run("'" + binary + "' run house.toml " + arguments + " 2> err; echo $? > status");
+    CHECK(in.text("status") == "2\n");
+    return in.text("err");
+  };
+  CHECK(refused("--host hall").find("there is no [[host]] of the name `hall`") !=
+        std::string::npos);
+  CHECK(refused("--host care --mode virtual").find("in wall time only") != std::string::npos);
+  CHECK(refused("--starts x").find("--host") != std::string::npos);
+  in.run("echo oops > care.starts; part care 1s care");
+  CHECK(in.text("care.status") == "2\n");
+  CHECK(in.text("care.err").find("care.starts holds no number") != std::string::npos);
+}
+
+TEST_CASE("two processes of one part: the second is told that the port is taken", "[hosts]") {
+  const house in;
+  in.run("part care 4s first & sleep 1; "
+         "'" +
+         binary +
+         "' run house.toml --host care --for 2s --json --starts other.starts "
+         "> second.json 2> second.err; wait");
+  check_good(in.report("first"));
+  const auto second = in.report("second");
+  CHECK(second["complete"] == false);
+  CHECK(second["reason"].get<std::string>().find("cannot listen") != std::string::npos);
+}
+
+TEST_CASE("a deployment starts again what was killed, and makes one report", "[hosts][NFR-07]") {
+  const house in;
+  in.run("'" + binary +
+         "' deploy house.toml --local --for 28s --json > all.json 2> all.err & "
+         "sleep 12; pkill -9 -f '[r]ubicon run house.toml --host kitchen --log'; wait");
+  const auto report = in.report("all");
+  check_good(report);
+  CHECK(in.text("all.err").find("kitchen  has ended with signal 9 after 1") != std::string::npos);
+  CHECK(report["islands"].size() == 2);
+  for (const auto& mote : element(report["islands"], "name", "kitchen")["motes"]) {
+    CHECK(mote["joined"] == true);
+    CHECK(mote["incarnations"] == 2);
+  }
+  const auto& button =
+      element(element(report["islands"], "name", "kitchen")["motes"], "name", "button")["messages"];
+  CHECK(button["reliable_sent"].get<int>() == button["reliable_acked"].get<int>() +
+                                                  button["reliable_failed"].get<int>() +
+                                                  button["reliable_open"].get<int>());
+  CHECK(element(report["proxies"], "proxy", "bedroom.window")["status"] == "active");
+  CHECK(events_of({report}, "last heard of").size() == 1);
+}
+
+TEST_CASE("Ctrl-C ends a deployment with what it has", "[hosts][ACT-11]") {
+  const house in;
+  in.run("'" + binary +
+         "' deploy house.toml --local --json > all.json 2> all.err & "
+         "whole=$!; sleep 4; kill -INT $whole; wait $whole; echo $? > status");
+  CHECK(in.text("status") == "130\n");
+  const auto report = in.report("all");
+  CHECK(report["interrupted"] == true);
+  CHECK(report["islands"].size() == 2);
+  CHECK(report["simulated_s"].get<double>() < 20);
+}
+
+TEST_CASE("a deployment tells what would run where, or why it cannot", "[hosts]") {
+  const house in;
+  in.run("'" + binary +
+         "' deploy house.toml --dry-run > plan; "
+         "sed 's/control_port = 4760/control_port = 4751/' house.toml > clash.toml; "
+         "'" +
+         binary + "' deploy clash.toml --local 2> clash; echo $? > status");
+  CHECK(in.text("plan") == "kitchen  127.0.0.1  PEIS port 4751\n  islands  kitchen\n"
+                           "  peers    nothing\n"
+                           "bedroom  127.0.0.1  PEIS port 4761\n  islands  bedroom\n"
+                           "  peers    robot\n"
+                           "care  127.0.0.1  PEIS port 4771\n  islands  nothing\n"
+                           "  peers    care-pc\n");
+  CHECK(in.text("status") == "2\n");
+  CHECK(in.text("clash") == "clash.toml: hosts `kitchen` and `bedroom` both have port 4751 of "
+                            "127.0.0.1: give one of them another `control_port` or `peis_port`\n");
+  in.run("'" + binary +
+         "' deploy '" RUBICON_CONFIG_DIR "/home.toml' --local 2> err; echo $? > status");
+  CHECK(in.text("status") == "2\n");
+  CHECK(in.text("err").find("it has no [[host]]") != std::string::npos);
+}

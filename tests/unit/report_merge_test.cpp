@@ -1,0 +1,166 @@
+#include "report/merge.hpp"
+
+#include <string>
+#include <vector>
+
+#include "report/expectations.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::report;
+
+namespace {
+
+constexpr mote_address fan{island_id(1), mote_id(2)};
+constexpr mote_address pager{island_id(2), mote_id(3)};
+
+part_report part_with(const mote_address& mote, const std::string& name) {
+  part_report x;
+  x.report.ecology = "house";
+  x.report.complete = true;
+  x.report.simulated = 60s;
+  x.report.events = 100;
+  x.report.trace_hash = "00000000000000ff";
+  island_report island;
+  island.id = mote.island;
+  island.name = name;
+  island.radio.sent = 10;
+  mote_report member;
+  member.address = mote;
+  island.motes.push_back(member);
+  x.report.islands.push_back(island);
+  return x;
+}
+
+config::ecology_description house() {
+  config::ecology_description x;
+  x.name = "house";
+  x.length = 60s;
+  return x;
+}
+
+run_report merged_of(std::vector<host_report> parts) {
+  return merged(house(), parts);
+}
+
+const mote_report& only_mote(const run_report& x, std::size_t island) {
+  return x.islands.at(island).motes.at(0);
+}
+
+} // namespace
+
+TEST_CASE("parts of two hosts are one report", "[report][NFR-07]") {
+  auto kitchen = part_with(fan, "kitchen");
+  auto bedroom = part_with(pager, "bedroom");
+  kitchen.report.event_log = {{instant(2s), "kitchen/fan", "joined"}};
+  bedroom.report.event_log = {{instant(1s), "bedroom/pager", "joined"}};
+  const auto x = merged_of({{"b", {{0s, bedroom, true}}}, {"a", {{0s, kitchen, true}}}});
+  CHECK(x.complete);
+  CHECK(x.violations.empty());
+  CHECK(x.events == 200);
+  CHECK(x.trace_hash == "00000000000001fe");
+  REQUIRE(x.islands.size() == 2);
+  CHECK(x.islands[0].name == "kitchen"); // ascending by id
+  REQUIRE(x.event_log.size() == 2);
+  CHECK(x.event_log[0].who == "bedroom/pager");
+}
+
+TEST_CASE("a message from one host to another has arrived", "[report][NFR-07]") {
+  auto kitchen = part_with(fan, "kitchen");
+  auto bedroom = part_with(pager, "bedroom");
+  auto& sent = kitchen.counters.messages[fan];
+  sent.offered = sent.unreliable_sent = 5;
+  bedroom.counters.arrivals[fan] = 4;
+  const auto x = merged_of({{"a", {{0s, kitchen, true}}}, {"b", {{0s, bedroom, true}}}});
+  CHECK(only_mote(x, 0).messages.unreliable_arrived == 4);
+  CHECK(only_mote(x, 0).messages.lost.at("in_transit") == 1);
+  CHECK(x.violations.empty());
+}
+
+TEST_CASE("a stream from one host to another is whole", "[report][NFR-07]") {
+  auto kitchen = part_with(fan, "kitchen");
+  auto bedroom = part_with(pager, "bedroom");
+  const unsettled_counters::stream_key key("bedroom/pager", 7);
+  auto& written = kitchen.counters.streams[key];
+  written.sum.stream = 7;
+  written.sum.from = "kitchen/fan";
+  written.sum.to = "bedroom/pager";
+  written.sum.produced = written.sum.written = 10;
+  written.writer.is_known = true;
+  auto& read = bedroom.counters.streams[key];
+  read.sum.stream = 7;
+  read.sum.to = "bedroom/pager";
+  read.sum.read = 9;
+  read.reader.is_known = true;
+  const auto x = merged_of({{"a", {{0s, kitchen, true}}}, {"b", {{0s, bedroom, true}}}});
+  REQUIRE(x.streams.size() == 1);
+  CHECK(x.streams[0].from == "kitchen/fan");
+  CHECK(x.streams[0].produced == 10);
+  CHECK(x.streams[0].read == 9);
+  CHECK(x.streams[0].missing == 1);
+}
+
+TEST_CASE("lives of a part add up, and what was open in one that was killed has failed",
+          "[report][NFR-07]") {
+  auto before = part_with(fan, "kitchen");
+  auto& killed = before.counters.messages[fan];
+  killed.offered = killed.reliable_sent = 3;
+  killed.reliable_acked = 2;
+  killed.reliable_open = 1;
+  before.report.complete = false;
+  before.report.simulated = 20s;
+  auto after = part_with(fan, "kitchen");
+  auto& sent = after.counters.messages[fan];
+  sent.offered = sent.reliable_sent = sent.reliable_acked = 4;
+  after.report.simulated = 35s;
+  after.report.event_log = {{instant(1s), "kitchen/fan", "joined"}};
+  const auto x = merged_of({{"a", {{0s, before, false}, {25s, after, true}}}});
+  CHECK(x.complete);
+  CHECK(x.simulated == 60s);
+  REQUIRE(x.islands.size() == 1);
+  CHECK(x.islands[0].radio.sent == 20);
+  const auto& messages = only_mote(x, 0).messages;
+  CHECK(messages.reliable_sent == 7);
+  CHECK(messages.reliable_acked == 6);
+  CHECK(messages.reliable_failed == 1);
+  CHECK(messages.reliable_open == 0);
+  CHECK(messages.lost.at("sender_ended") == 1);
+  CHECK(x.violations.empty()); // they balance
+  REQUIRE(x.event_log.size() == 2);
+  CHECK(x.event_log[0].at == instant(20s));
+  CHECK(x.event_log[0].what.starts_with("last heard of"));
+  CHECK(x.event_log[1].at == instant(26s));
+}
+
+TEST_CASE("a host without a last word is a violation", "[report][NFR-07]") {
+  const auto gone = merged_of({{"a", {{0s, part_with(fan, "kitchen"), false}}}, {"b", {{}}}});
+  CHECK_FALSE(gone.complete);
+  REQUIRE(gone.violations.size() == 2);
+  CHECK(gone.violations[0].detail == "host a: there is no report of its part's end");
+  auto early = part_with(fan, "kitchen");
+  early.report.complete = false;
+  early.report.reason = "out of memory";
+  const auto x = merged_of({{"a", {{0s, early, true}}}});
+  CHECK_FALSE(x.complete);
+  CHECK(x.reason == "host a: out of memory");
+}
+
+TEST_CASE("what parts have judged is judged, the rest is found in the whole", "[report]") {
+  auto description = house();
+  description.expectations = {config::joined_expectation{{}, 10s}, config::delivery_expectation{},
+                              config::tuple_expectation{}};
+  auto part = part_with(fan, "kitchen");
+  part.report.islands[0].motes[0].name = "fan";
+  auto& sent = part.counters.messages[fan];
+  sent.offered = sent.reliable_sent = sent.reliable_acked = 4;
+  using verdict = expectation_report::verdict;
+  part.report.expectations = {
+      {to_text(description.expectations[0]), verdict::unmet, "1 late", instant(10s)}};
+  const auto x = merged(description, {{"a", {{0s, part, true}}}});
+  REQUIRE(x.expectations.size() == 3);
+  CHECK(x.expectations[0].outcome == verdict::unmet);
+  CHECK(x.expectations[1].outcome == verdict::met);
+  CHECK(x.expectations[2].outcome == verdict::unjudged);
+  REQUIRE(x.violations.size() == 1);
+  CHECK(x.violations[0].invariant.starts_with("expected: joined"));
+}
