@@ -110,20 +110,6 @@ std::string listed(const std::vector<std::string>& all) {
   return text;
 }
 
-void check_airs(const ecology_description& all, const places& where,
-                std::vector<std::string>& out) {
-  for (const auto& air : all.airs) {
-    const auto& first = where.islands.at(air.islands.front());
-    for (const auto id : air.islands)
-      if (where.islands.at(id) != first) {
-        out.push_back("islands that share the air " + quoted(air.name) +
-                      " are on different hosts, " + quoted(first) + " and " +
-                      quoted(where.islands.at(id)) + ": give them the same `host`");
-        break;
-      }
-  }
-}
-
 void check_peers(const ecology_description& all, const places& where,
                  std::vector<std::string>& out) {
   std::set<std::string> with_bluetooth;
@@ -132,10 +118,6 @@ void check_peers(const ecology_description& all, const places& where,
     const auto& host = where.peers.at(peer.id);
     if (!peer.bluetooth.empty())
       with_bluetooth.insert(host);
-    if (peer.init && where.peers.at(*peer.init) != host)
-      out.push_back("peer " + quoted(peer.name) + " is on host " + quoted(host) +
-                    " and a component of an init on host " + quoted(where.peers.at(*peer.init)) +
-                    ": an init starts what is on its own host");
     if (peer.tcp && peer.tcp->port)
       ports[{host, *peer.tcp->port}] = peer.name;
   }
@@ -249,16 +231,6 @@ std::string host_of(const ecology_description& all, const std::string& host) {
   return host.empty() && !all.hosts.empty() ? all.hosts.front().name : host;
 }
 
-std::string host_of(const ecology_description& all, const island_description& x) {
-  return host_of(all, x.host);
-}
-
-std::string host_of(const ecology_description& all, const peer_description& x) {
-  if (x.host.empty() && x.init)
-    return host_of(all, *std::ranges::find(all.peers, *x.init, &peer_description::id));
-  return host_of(all, x.host);
-}
-
 std::vector<host_description> used_hosts(const ecology_description& all) {
   std::vector<host_description> found;
   for (const auto& host : all.hosts) {
@@ -280,7 +252,6 @@ std::vector<std::string> placement_problems(const ecology_description& all) {
   if (where.hosts.size() < 2)
     return out;
   check_hosts(all, out);
-  check_airs(all, where, out);
   check_peers(all, where, out);
   check_faults(all, where, out);
   return out;

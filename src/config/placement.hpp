@@ -11,8 +11,12 @@ namespace rubicon::config {
 
 /// The host of what names `host`: the first of the file if that is empty; empty if there is none.
 [[nodiscard]] std::string host_of(const ecology_description& all, const std::string& host);
-[[nodiscard]] std::string host_of(const ecology_description& all, const island_description& x);
-[[nodiscard]] std::string host_of(const ecology_description& all, const peer_description& x);
+
+/// The same of an island or a peer.
+template <class Placed>
+[[nodiscard]] std::string host_of(const ecology_description& all, const Placed& x) {
+  return host_of(all, x.host);
+}
 
 /// The hosts that run something, in the order of the file.
 [[nodiscard]] std::vector<host_description> used_hosts(const ecology_description& all);

@@ -229,8 +229,7 @@ std::vector<row> tag_rows(const ecology_description& x) {
 std::vector<row> host_rows(const ecology_description& x) {
   std::vector<row> rows;
   for (const auto& each : x.hosts)
-    rows.push_back({each.name, each.address, "control port " + std::to_string(each.control_port),
-                    "PEIS port " + std::to_string(each.peis_port)});
+    rows.push_back({each.name, each.address, "PEIS port " + std::to_string(each.peis_port)});
   return rows;
 }
 

@@ -64,7 +64,7 @@ peers and gateways
   300  pc                      on h  proxy manager (b), collector (*.t), 1 rule
 
 hosts
-  h  10.0.0.1
+  h  10.0.0.1  PEIS port 4243
 
 proxies
   p  types 7, 9..10  {island}.{name}  t, s (input)
