@@ -117,7 +117,7 @@ TEST_CASE("three processes do what one does", "[hosts][GEN-05]") {
             .get<int>() >= 3);
 }
 
-TEST_CASE("a part that was killed begins a later life, and all go on", "[hosts][ACT-04]") {
+TEST_CASE("a part that was killed begins a later life, and all go on", "[hosts][NFR-08]") {
   const house in;
   in.run("part bedroom 28s bedroom & part care 28s care & "
          "'" +
@@ -169,7 +169,7 @@ TEST_CASE("two processes of one part: the second is told that the port is taken"
   CHECK(second["reason"].get<std::string>().find("cannot listen") != std::string::npos);
 }
 
-TEST_CASE("a deployment starts again what was killed, and makes one report", "[hosts][NFR-07]") {
+TEST_CASE("a deployment starts again what was killed, and makes one report", "[hosts][NFR-08]") {
   const house in;
   in.run("'" + binary +
          "' deploy house.toml --local --for 28s --json > all.json 2> all.err & "

@@ -49,7 +49,7 @@ const mote_report& only_mote(const run_report& x, std::size_t island) {
 
 } // namespace
 
-TEST_CASE("parts of two hosts are one report", "[report][NFR-07]") {
+TEST_CASE("parts of two hosts are one report", "[report][GEN-05]") {
   auto kitchen = part_with(fan, "kitchen");
   auto bedroom = part_with(pager, "bedroom");
   kitchen.report.event_log = {{instant(2s), "kitchen/fan", "joined"}};
@@ -65,7 +65,7 @@ TEST_CASE("parts of two hosts are one report", "[report][NFR-07]") {
   CHECK(x.event_log[0].who == "bedroom/pager");
 }
 
-TEST_CASE("a message from one host to another has arrived", "[report][NFR-07]") {
+TEST_CASE("a message from one host to another has arrived", "[report][GEN-05]") {
   auto kitchen = part_with(fan, "kitchen");
   auto bedroom = part_with(pager, "bedroom");
   auto& sent = kitchen.counters.messages[fan];
@@ -77,7 +77,7 @@ TEST_CASE("a message from one host to another has arrived", "[report][NFR-07]") 
   CHECK(x.violations.empty());
 }
 
-TEST_CASE("a stream from one host to another is whole", "[report][NFR-07]") {
+TEST_CASE("a stream from one host to another is whole", "[report][GEN-05]") {
   auto kitchen = part_with(fan, "kitchen");
   auto bedroom = part_with(pager, "bedroom");
   const unsettled_counters::stream_key key("bedroom/pager", 7);
@@ -101,7 +101,7 @@ TEST_CASE("a stream from one host to another is whole", "[report][NFR-07]") {
 }
 
 TEST_CASE("lives of a part add up, and what was open in one that was killed has failed",
-          "[report][NFR-07]") {
+          "[report][GEN-05]") {
   auto before = part_with(fan, "kitchen");
   auto& killed = before.counters.messages[fan];
   killed.offered = killed.reliable_sent = 3;
@@ -132,7 +132,7 @@ TEST_CASE("lives of a part add up, and what was open in one that was killed has 
   CHECK(x.event_log[1].at == instant(26s));
 }
 
-TEST_CASE("a host without a last word is a violation", "[report][NFR-07]") {
+TEST_CASE("a host without a last word is a violation", "[report][GEN-05]") {
   const auto gone = merged_of({{"a", {{0s, part_with(fan, "kitchen"), false}}}, {"b", {{}}}});
   CHECK_FALSE(gone.complete);
   REQUIRE(gone.violations.size() == 2);
