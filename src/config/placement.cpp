@@ -185,20 +185,17 @@ bool is_judged_here(const ecology_description& part, const expectation& x) {
 }
 
 /// PEIS ids of the hosts' own peers: the highest that nobody has, in the order of the file.
-std::vector<peer_id> host_peer_ids(const ecology_description& all) {
-  std::set<std::int32_t> taken;
-  for (const auto& [id, host] : places(all).peers)
-    taken.insert(id.value);
+std::vector<peer_id> host_peer_ids(const ecology_description& all, const places& where) {
   std::vector<peer_id> ids;
   for (auto id = peer_id_max; ids.size() < all.hosts.size(); --id)
-    if (!taken.contains(id))
+    if (!where.peers.contains(peer_id(id)))
       ids.emplace_back(id);
   return ids;
 }
 
-peer_description host_peer_of(const ecology_description& all, const std::string& host) {
-  const auto ids = host_peer_ids(all);
-  const places where(all);
+peer_description host_peer_of(const ecology_description& all, const places& where,
+                              const std::string& host) {
+  const auto ids = host_peer_ids(all, where);
   const auto number = static_cast<std::size_t>(find_host(all, host) - all.hosts.data());
   const auto& own = all.hosts[number];
   peer_description x;
@@ -282,7 +279,7 @@ ecology_description part_of(const ecology_description& all, const std::string& h
   };
   std::erase_if(out.faults, has_not);
   std::erase_if(out.expectations, [&](const auto& x) { return !is_judged_here(out, x); });
-  auto own = host_peer_of(all, host);
+  auto own = host_peer_of(all, where, host);
   for (auto& island : out.islands) {
     redirect(island.gateway_links, where, host, own.name);
     for (auto& alias : island.aliases)
