@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 
 set(package_folder lib/cmake/rubicon)
 list(TRANSFORM RUBICON_ROOMS PREPEND rubicon_ OUTPUT_VARIABLE libraries)
-list(APPEND libraries rubicon_options rubicon_scheduler rubicon_actors rubicon_cli rubicon_testkit)
+list(APPEND libraries rubicon_options rubicon_scheduler rubicon_actors rubicon_control rubicon_cli rubicon_testkit)
 
 add_library(rubicon_all INTERFACE)
 set_target_properties(rubicon_all PROPERTIES EXPORT_NAME rubicon)

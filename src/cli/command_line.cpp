@@ -16,8 +16,10 @@
 #include "cli/certs_command_line.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/network_command_line.hpp"
+#include "cli/version.hpp"
 #include "config/near.hpp"
 #include "config/units.hpp"
+#include "core/ipv4_network.hpp"
 #include "core/printable.hpp"
 
 namespace rubicon::cli {
@@ -154,7 +156,8 @@ void add_run(CLI::App& app, run_command& x) {
   add_path(run, "--starts", "FILE", x.starts_file,
            "Where it is kept how often the part was started; a file of the user if not given")
       ->needs(host);
-  // What deploy tells the parts that it starts.
+  // What a host tells the parts that it starts.
+  run.add_flag("--bundled", x.is_bundled, "FILE is what a host has written")->group("");
   add_path(run, "--part-report", "FILE", x.part_file, "Where reports go")->needs(host)->group("");
   add_parsed(run, "--elapsed", "TIME", "How long the others have run",
              [&](const auto& text) { x.elapsed = parse_length(text, "--elapsed"); })
@@ -167,11 +170,96 @@ void add_run(CLI::App& app, run_command& x) {
       "What is not given here is as the file says; LEVEL is warn, N of --threads one a core.");
 }
 
+void add_tls(CLI::App& app, control::tls_files& x) {
+  auto* const certificate = add_path(app, "--tls-cert", "FILE", x.certificate,
+                                     "Own certificate, as `rubicon certs add` makes it");
+  auto* const key = add_path(app, "--tls-key", "FILE", x.key, "Its key");
+  auto* const authority =
+      add_path(app, "--tls-ca", "FILE", x.authority,
+               "Certificate of the authority: only what it has signed is listened to");
+  certificate->needs(key)->needs(authority);
+  key->needs(certificate);
+  authority->needs(certificate);
+}
+
+/// ADDRESS:PORT or ADDRESS
+void parse_listen(const std::string& text, host_command& x) {
+  const auto colon = text.find(':');
+  x.address = text.substr(0, colon);
+  const auto port = colon == std::string::npos ? std::optional<std::uint64_t>(x.port)
+                                               : parse_whole(text.substr(colon + 1));
+  if (!parse_ipv4_address(x.address) || !port || *port > 65535)
+    throw CLI::ValidationError("--listen", "not an IPv4 address and a port: '" + text +
+                                               "' (say 192.168.1.5:4242)");
+  x.port = static_cast<std::uint16_t>(*port);
+}
+
+CLI::App& add_host(CLI::App& app, host_command& x) {
+  auto& host = *app.add_subcommand("host", "Be one of the computers that run an ecology together");
+  host.add_option("--name", x.name, "Its name, as [[host]] of the files has it")
+      ->required()
+      ->type_name("NAME");
+  add_parsed(host, "--listen", "ADDRESS:PORT", "Where it takes commands; 127.0.0.1:4242 if not given",
+             [&](const auto& text) { parse_listen(text, x); });
+  add_tls(host, x.tls);
+  host.add_flag("--allow-commands", x.allows_commands,
+                "Files may start programs here, as commands of an init");
+  add_path(host, "--state", "DIR", x.state_folder,
+           "Where files and lives are kept; a folder of the user if not given");
+  host.footer("It runs until Ctrl-C or SIGTERM, which ends its part of the ecology as well.\n"
+              "Without certificates it takes commands from this computer only.");
+  return host;
+}
+
+/// `rubicon status`, `stop` and `fault`.
+class deployed_command_line {
+public:
+  explicit deployed_command_line(CLI::App& app)
+      : status_(add(app, "status", "Tell how a deployment is doing, host by host")),
+        stop_(add(app, "stop", "End a deployment, on all its hosts")),
+        fault_(add(app, "fault", "Let something go wrong in a deployment, now")) {
+    status_.add_flag("--json", asked_.json, "Print one JSON object and nothing else");
+    fault_.add_option("SENTENCE", cause_.sentence, "Such as \"crash mote kitchen/stove for 10s\"")
+        ->required()
+        ->type_name("");
+    fault_.footer("SENTENCE is a kind of [[fault]], then its keys and values.");
+  }
+
+  [[nodiscard]] std::optional<deployed_command> parsed() const {
+    if (status_.parsed())
+      return deployed_command{ecology_, asked_};
+    if (stop_.parsed())
+      return deployed_command{ecology_, stop_all{}};
+    if (fault_.parsed())
+      return deployed_command{ecology_, cause_};
+    return std::nullopt;
+  }
+
+private:
+  CLI::App& add(CLI::App& app, const char* name, const char* text) {
+    auto& out = *app.add_subcommand(name, text);
+    out.add_option("--ecology", ecology_, "Its name; what you have deployed last if not given")
+        ->type_name("NAME");
+    return out;
+  }
+
+  std::string ecology_;
+  ask_status asked_;
+  fault_now cause_;
+  CLI::App& status_;
+  CLI::App& stop_;
+  CLI::App& fault_;
+};
+
 CLI::App& add_deploy(CLI::App& app, deploy_command& x) {
   auto& deploy = *app.add_subcommand("deploy", "Run an ecology on the hosts of its file, as one");
   add_file(deploy, x.file);
   deploy.add_flag("--local", x.local, "Every [[host]] is a process of this computer");
-  deploy.add_flag("--dry-run", x.dry_run, "Only tell what would run where");
+  deploy.add_flag("--dry-run", x.dry_run, "Only tell what would run where, and whether it could");
+  deploy.add_flag("--attach", x.attach, "Follow what runs already, in the place of who deployed it")
+      ->excludes("--local")
+      ->excludes("--dry-run");
+  add_tls(deploy, x.tls);
   add_parsed(deploy, "--for", "TIME", "Time to run, such as 90s, 10min or 24h",
              [&](const auto& text) { x.length = parse_length(text); });
   add_parsed(deploy, "--seed", "N", "Seed of all random numbers",
@@ -180,7 +268,8 @@ CLI::App& add_deploy(CLI::App& app, deploy_command& x) {
   deploy.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->type_name("LEVEL");
-  deploy.footer("A host whose process is killed is started again, as a later life of the same.\n"
+  deploy.footer("Each host runs `rubicon host` already; with --local they are started here.\n"
+                "What is killed is started again, as a later life of the same.\n"
                 "Ctrl-C stops all and reports what they have done so far, with status 130.");
   return deploy;
 }
@@ -191,7 +280,8 @@ CLI::App& add_swarm(CLI::App& app, swarm_command& x) {
   add_parsed(swarm, "--seeds", "A..B", "The seeds, both ends included", [&](const auto& text) {
     x.seeds = parse_seeds(text);
   })->required();
-  add_parsed(swarm, "--jobs", "N", "Runs at a time; one per core if not given",
+  auto* const jobs =
+      add_parsed(swarm, "--jobs", "N", "Runs at a time; one per core if not given",
              [&](const auto& text) { x.jobs = parse_jobs(text); });
   add_parsed(swarm, "--for", "TIME", "Ecology time of each run; as the file says if not given",
              [&](const auto& text) {
@@ -202,6 +292,15 @@ CLI::App& add_swarm(CLI::App& app, swarm_command& x) {
              "Real time after which a run is given up; 5min if not given",
              [&](const auto& text) { x.timeout = parse_length(text, "--timeout"); });
   swarm.add_flag("--json", x.json, "Print one JSON object and nothing else");
+  auto* const hosts =
+      swarm
+          .add_option("--hosts", x.hosts,
+                      "Computers that run them, each with `rubicon host`: names of [[host]] of the "
+                      "file or ADDRESS:PORT, with commas; this one alone if not given")
+          ->delimiter(',')
+          ->type_name("NAMES");
+  jobs->excludes(hosts);
+  add_tls(swarm, x.tls);
   swarm.footer("Ctrl-C ends it with what it has found so far, and status 130.");
   return swarm;
 }
@@ -256,10 +355,7 @@ void check_combination(const run_command& x) {
 
 void check_combination(const deploy_command& x) {
   if (x.file == standard_input)
-    throw CLI::ValidationError("FILE", "each host reads it: not from standard input");
-  if (!x.file.empty() && !x.local && !x.dry_run)
-    throw CLI::ValidationError("--local", "without it, start `rubicon run FILE --host NAME` on "
-                                          "each of the computers instead");
+    throw CLI::ValidationError("FILE", "it is sent with what it names: not from standard input");
 }
 
 void check_combination(const swarm_command& x) {
@@ -305,7 +401,7 @@ std::string unknown_word(const CLI::App& app, std::span<const char* const> argum
 
 command parse_command_line(std::span<const char* const> arguments) {
   CLI::App app(about, "rubicon");
-  app.set_version_flag("--version", "rubicon " RUBICON_VERSION);
+  app.set_version_flag("--version", std::string("rubicon ") + version);
   app.require_subcommand(1);
   app.failure_message([&](const CLI::App*, const CLI::Error& error) {
     const auto unknown = unknown_word(app, arguments);
@@ -327,6 +423,9 @@ command parse_command_line(std::span<const char* const> arguments) {
   deploy_command deploy;
   const auto& deploy_app = add_deploy(app, deploy);
   swarm_command swarm;
+  host_command host;
+  const auto& host_app = add_host(app, host);
+  const deployed_command_line running(app);
   const auto& swarm_app = add_swarm(app, swarm);
   explain_command explain;
   const auto& explain_app = add_explain(app, explain);
@@ -356,6 +455,10 @@ command parse_command_line(std::span<const char* const> arguments) {
     return schema;
   if (deploy_app.parsed())
     return deploy;
+  if (host_app.parsed())
+    return host;
+  if (auto asked = running.parsed())
+    return *std::move(asked);
   if (swarm_app.parsed())
     return swarm;
   if (explain_app.parsed())

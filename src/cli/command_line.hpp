@@ -6,11 +6,13 @@
 #include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "actors/run.hpp"
 #include "cli/network_command.hpp"
 #include "cli/swarm.hpp"
 #include "config/load.hpp"
+#include "control/tls.hpp"
 #include "explain/text.hpp"
 #include "io/certificates.hpp"
 
@@ -19,6 +21,7 @@ namespace rubicon::cli {
 /// `rubicon run FILE`
 struct run_command {
   std::string file;
+  bool is_bundled = false; ///< it is a deploy::bundle, as `rubicon host` writes it
   run_options options;
   config::overrides instead; ///< files, and the seed of `options`
   config::extensions known;
@@ -46,9 +49,39 @@ struct deploy_command {
   std::optional<duration> length;
   std::optional<std::uint64_t> seed;
   bool local = false;   ///< all hosts are processes of this computer
-  bool dry_run = false; ///< only tells what would run where
+  bool dry_run = false; ///< only tells what would run where, and whether it could
+  bool attach = false;  ///< follows what runs already
   bool json = false;
-  std::string log_level = "warn"; ///< as of run
+  std::string log_level = "warn"; ///< as of run; `off`: not even what happens
+  control::tls_files tls;
+};
+
+/// `rubicon host`
+struct host_command {
+  std::string name;                  ///< as `[[host]]` has it
+  std::string address = "127.0.0.1"; ///< where it takes commands
+  std::uint16_t port = 4242;
+  control::tls_files tls;
+  bool allows_commands = false; ///< of components that a file starts
+  std::string state_folder;     ///< empty: one of the user
+  config::extensions known;
+};
+
+/// `rubicon status`
+struct ask_status {
+  bool json = false;
+};
+/// `rubicon stop`
+struct stop_all {};
+/// `rubicon fault SENTENCE`
+struct fault_now {
+  std::string sentence;
+};
+
+/// What is done to a deployment that runs.
+struct deployed_command {
+  std::string ecology; ///< its name; empty: the one that was deployed last
+  std::variant<ask_status, stop_all, fault_now> what;
 };
 
 /// `rubicon schema`
@@ -65,6 +98,8 @@ struct swarm_command {
   std::string length;      ///< as given, understood by `run --for`; empty: as the file says
   duration timeout = 5min; ///< of real time, for each run
   bool json = false;
+  std::vector<std::string> hosts; ///< `[[host]]` of the file or ADDRESS:PORT; none: this computer
+  control::tls_files tls;         ///< with `hosts`
 };
 
 /// `rubicon explain RECORD [WHAT]`
@@ -99,8 +134,9 @@ struct refused_command {
 };
 
 using command =
-    std::variant<run_command, deploy_command, check_command, schema_command, swarm_command,
-                 explain_command, certs_command, network_command, show_command, refused_command>;
+    std::variant<run_command, deploy_command, host_command, deployed_command, check_command,
+                 schema_command, swarm_command, explain_command, certs_command, network_command,
+                 show_command, refused_command>;
 
 /// @param arguments the program's name first
 [[nodiscard]] command parse_command_line(std::span<const char* const> arguments);

@@ -6,9 +6,9 @@
 
 namespace rubicon::cli {
 
-/// Starts a process for each host of the file, starts it again if it is killed, and prints one
+/// Runs the file on its hosts, or on processes of this computer in their place, and prints one
 /// report of all.
-/// @throws std::system_error if there is no room for files or processes
+/// @throws std::exception if there is no room for files or processes
 [[nodiscard]] exit_status perform(const deploy_command& x);
 
 } // namespace rubicon::cli

@@ -1,33 +1,68 @@
 #include "cli/ecology_file.hpp"
 
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "cli/console.hpp"
 #include "config/document.hpp"
 #include "config/problem_text.hpp"
+#include "control/octets.hpp"
 #include "core/hash.hpp"
+#include "core/printable.hpp"
+#include "deploy/bundle.hpp"
 
 namespace rubicon::cli {
 
+namespace {
+
+std::optional<ecology_file> load_bundle(const std::string& file, const config::overrides& instead,
+                                        const config::extensions& known) {
+  const auto bundle = read_bundle(file);
+  if (!bundle) {
+    static_cast<void>(print(stderr, printable(file) + " is nothing that a host has written\n"));
+    return std::nullopt;
+  }
+  auto loaded = deploy::load(*bundle, instead, known);
+  complain(loaded, bundle->name);
+  if (!loaded.problems.empty())
+    return std::nullopt;
+  return ecology_file{*std::move(loaded.ecology), fold64().add(std::string_view(bundle->toml)).value()};
+}
+
+} // namespace
+
+std::optional<deploy::bundle> read_bundle(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  const bytes octets{std::istreambuf_iterator<char>(in), {}};
+  auto found = control::bundle_of(octets);
+  return found ? std::optional(*std::move(found)) : std::nullopt;
+}
+
+void complain(const config::loaded& x, const std::string& name) {
+  std::string text;
+  for (const auto& skipped : x.warnings)
+    text += to_string(skipped) + " (left out)\n";
+  text += config::text_of(x.problems, name);
+  static_cast<void>(print(stderr, text)); // without standard error the exit status must do
+}
+
 std::optional<ecology_file> load_or_complain(const std::string& file,
                                              const config::overrides& instead,
-                                             const config::extensions& known) {
+                                             const config::extensions& known, bool is_bundled) {
+  if (is_bundled)
+    return load_bundle(file, instead, known);
   const bool is_input = file == standard_input;
   const std::string name = is_input ? "<stdin>" : file;
   const auto read = is_input ? config::read_stream(*stdin, config::file_octets_max)
                              : config::read_file(file, config::file_octets_max);
   if (!read.text) {
-    static_cast<void>(
-        print(stderr, config::text_of({config::problem{name, 0, 0, read.reason}}, name)));
+    complain({std::nullopt, {config::problem{name, 0, 0, read.reason}}}, name);
     return std::nullopt;
   }
   auto loaded = config::load_with_files(*read.text, name, instead, known);
-  std::string text;
-  for (const auto& skipped : loaded.warnings)
-    text += to_string(skipped) + " (left out)\n";
-  text += config::text_of(loaded.problems, name);
-  static_cast<void>(print(stderr, text)); // without standard error the exit status must do
+  complain(loaded, name);
   if (!loaded.problems.empty())
     return std::nullopt;
   return ecology_file{*std::move(loaded.ecology),

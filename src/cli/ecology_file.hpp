@@ -7,6 +7,7 @@
 
 #include "config/ecology.hpp"
 #include "config/load.hpp"
+#include "deploy/bundle.hpp"
 
 namespace rubicon::cli {
 
@@ -18,11 +19,19 @@ struct ecology_file {
   std::uint64_t text_hash = 0; ///< fold64 of the file's octets
 };
 
-/// Prints problems on standard error, one a line, at most 50 and then their count.
+/// Prints problems and warnings on standard error, one a line, at most 50 and then their count.
+void complain(const config::loaded& x, const std::string& name);
+
+/// @returns nothing if there is none in the file
+[[nodiscard]] std::optional<deploy::bundle> read_bundle(const std::string& file);
+
+/// Complains of what is wrong.
 /// @param file `-`: standard input
+/// @param is_bundled it is a deploy::bundle
 /// @returns nothing if there was a problem (GEN-06)
 [[nodiscard]] std::optional<ecology_file> load_or_complain(const std::string& file,
                                                            const config::overrides& instead,
-                                                           const config::extensions& known);
+                                                           const config::extensions& known,
+                                                           bool is_bundled = false);
 
 } // namespace rubicon::cli

@@ -6,12 +6,12 @@
 #include <iterator>
 #include <system_error>
 
-#include "actors/part_octets.hpp"
+#include "control/octets.hpp"
 
 namespace rubicon::cli {
 
 std::string write_part_file(const std::string& path, const report::part_report& x, bool is_final) {
-  const auto octets = octets_of(x);
+  const auto octets = control::octets_of(x);
   const auto next = path + ".new";
   std::ofstream out(next, std::ios::binary | std::ios::trunc);
   out.put(is_final ? '1' : '0');
@@ -28,7 +28,7 @@ std::optional<part_file> read_part_file(const std::string& path) {
   const bytes content{std::istreambuf_iterator<char>(in), {}};
   if (!in || content.empty())
     return std::nullopt;
-  auto told = part_report_of(byte_view(content).subspan(1));
+  auto told = control::part_report_of(byte_view(content).subspan(1));
   if (!told)
     return std::nullopt;
   return part_file{*std::move(told), content.front() == '1'};

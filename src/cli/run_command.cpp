@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <variant>
 
@@ -16,7 +18,9 @@
 #include "config/placement.hpp"
 #include "core/hash.hpp"
 #include "core/printable.hpp"
+#include "deploy/fault_sentence.hpp"
 #include "io/kept_number.hpp"
+#include "io/line_input.hpp"
 #include "report/figures.hpp"
 
 namespace rubicon::cli {
@@ -101,6 +105,25 @@ std::vector<std::string> take_part(config::ecology_description& all, const std::
   return problems;
 }
 
+/// Takes orders from the host that has started this part: `fault SENTENCE`.
+std::unique_ptr<io::line_input> listen(const run_command& x, const run_control& run) {
+  const auto cause = [known = x.known, file = x.file, run](const std::string& line) {
+    constexpr std::string_view order = "fault ";
+    const auto bundle = read_bundle(file);
+    if (!line.starts_with(order) || !bundle)
+      return;
+    const auto sentence = line.substr(order.size());
+    const auto found = deploy::fault_of(*bundle, sentence, known);
+    if (const auto* fault = std::get_if<config::fault>(&found))
+      run.apply(*fault);
+    else
+      static_cast<void>(print(stderr, printable("fault " + sentence + ": " +
+                                                std::get<std::string>(found)) +
+                                          '\n'));
+  };
+  return std::make_unique<io::line_input>(run.loop, cause);
+}
+
 /// Leaves reports where the deployment finds them, now and then and at the end: so what is lost
 /// with a process that is killed is little.
 exit_status run_for_deployment(const run_command& x, ecology_file file) {
@@ -117,6 +140,14 @@ exit_status run_for_deployment(const run_command& x, ecology_file file) {
   };
   auto options = x.options;
   options.source = {x.file, to_hex(file.text_hash)};
+  std::unique_ptr<io::line_input> orders;
+  options.on_begun = [&](const run_control& control) { orders = listen(x, control); };
+  options.on_event = [&](const report::logged_event& event) {
+    const auto at = std::chrono::floor<std::chrono::milliseconds>(event.at.time_since_epoch());
+    static_cast<void>(print(stdout, printable(to_text(x.elapsed + at) + "  " + event.who + "  " +
+                                              event.what) +
+                                        '\n'));
+  };
   options.on_counters = [&told](const report::run_counters& all) {
     told.counters = all.unsettled();
   };
@@ -171,7 +202,7 @@ exit_status run_part(run_command x, ecology_file file) {
 
 exit_status perform(const run_command& x) {
   set_up_logging(x.log_level, console_of(stderr));
-  auto file = load_or_complain(x.file, x.instead, x.known);
+  auto file = load_or_complain(x.file, x.instead, x.known, x.is_bundled);
   if (!file)
     return exit_status::refused;
   if (!x.host.empty())

@@ -44,6 +44,11 @@ void take_report(seed_outcome& x, const json& report) {
 
 } // namespace
 
+std::vector<std::string> run_words(const std::string& file, std::uint64_t seed) {
+  return {"rubicon", "run",     file,    "--seed", std::to_string(seed), "--json",
+          "--mode",  "virtual", "--log", "off",    "--threads",          "1"};
+}
+
 std::optional<seed_outcome> judge(std::uint64_t seed, const child_end& how, duration real,
                                   bool overran) {
   seed_outcome x{seed, {}, real};

@@ -30,7 +30,10 @@ struct seed_outcome {
   double simulated_s = 0;
 };
 
-/// Reads what `rubicon run --json` left behind. A run without a report counts as one with a
+/// The words of `rubicon run` that make the run with one seed of a file.
+[[nodiscard]] std::vector<std::string> run_words(const std::string& file, std::uint64_t seed);
+
+/// Reads what these words left behind. A run without a report counts as one with a
 /// violation: it overran its time ("no end"), a signal ended it ("no crash", with the last line of
 /// its standard error), or it told nothing that makes sense ("a report").
 /// @param overran the run was killed because `real` was all the time it had

@@ -236,7 +236,6 @@ struct host_description {
 struct part_description {
   std::string host;
   std::vector<island_description> others; ///< islands of the other hosts
-  std::vector<std::string> names;         ///< of all hosts
 };
 
 /// The mote's battery is flat at that moment.

@@ -42,8 +42,6 @@ void read_ecology(table_reader& root, ecology_description& out) {
 
 namespace {
 
-constexpr std::size_t networks_max = 64;
-
 /// Where a host listens; empty: nobody can tell.
 std::string listening_address(const host_description& x) {
   if (parse_ipv4_address(x.address))
@@ -63,7 +61,7 @@ host_description read_host(table_reader& in, name_claims& names) {
                "`\"0.0.0.0\"`: at all",
                "`address`, which must be an IPv4 address then"});
   in.optional("control_port", whole<std::uint16_t>{1, 65534}, host.control_port,
-              "the first of its two TCP ports; so far only PEIS links, at the next one, use any");
+              "at which `rubicon host` takes commands there");
   host.peis_port = static_cast<std::uint16_t>(host.control_port + 1);
   in.optional("peis_port", whole<std::uint16_t>{1, 65535}, host.peis_port,
               {"TCP port of the PEIS links from other hosts", "`control_port` + 1"});

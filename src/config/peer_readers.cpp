@@ -12,7 +12,6 @@ namespace rubicon::config {
 namespace {
 
 constexpr std::size_t links_max = 16;
-constexpr std::size_t networks_max = 64;
 
 /// What all peers have in common.
 struct peer_surroundings {

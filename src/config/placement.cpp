@@ -267,7 +267,6 @@ ecology_description part_of(const ecology_description& all, const std::string& h
   const auto is_elsewhere = [&](const auto& x) { return host_of(all, x) != host; };
   auto& part = out.part.emplace();
   part.host = host;
-  part.names = where.hosts;
   std::ranges::copy_if(all.islands, std::back_inserter(part.others), is_elsewhere);
   std::erase_if(out.islands, is_elsewhere);
   std::erase_if(out.peers, is_elsewhere);

@@ -310,6 +310,8 @@ struct network_text {
   [[nodiscard]] static std::optional<ipv4_network> read(const node& x, const asker& who);
   [[nodiscard]] static form takes();
 };
+/// So many of them are at most in a list.
+constexpr std::size_t networks_max = 64;
 
 /// A time that is not after the end of the run.
 struct time_of_run {

@@ -44,13 +44,30 @@ public:
   house(const house&) = delete;
   house& operator=(const house&) = delete;
 
-  /// Of a shell in the folder, in which `part HOST LENGTH NAME` runs a part, and leaves its report
-  /// in NAME.json, what it says in NAME.err, and its exit status in NAME.status.
+  /// Of a shell in the folder, in which
+  /// `part HOST LENGTH NAME` runs a part, and leaves its report in NAME.json, what it says in
+  /// NAME.err, and its exit status in NAME.status;
+  /// `host NAME [OPTION...]` is the service of a host, at its control port, with its certificate
+  /// of `certs NAME...`, and `me` the options of whoever deploys with that of `me`;
+  /// `hosts` begins all three, whose numbers are $kitchen, $bedroom and $care, until `end`.
   void run(const std::string& script) const {
-    const std::string part = "part() { '" + binary +
-                             "' run house.toml --host $1 --for $2 --json --starts $1.starts "
-                             "> $3.json 2> $3.err; echo $? > $3.status; }; ";
-    static_cast<void>(shell("cd '" + path_.string() + "' && " + part + script + " 2>/dev/null"));
+    const std::string functions =
+        "export XDG_STATE_HOME=$PWD/state; rubicon() { '" + binary +
+        "' \"$@\"; }; "
+        "part() { rubicon run house.toml --host $1 --for $2 --json --starts $1.starts "
+        "> $3.json 2> $3.err; echo $? > $3.status; }; "
+        "certs() { rubicon certs init > certs.log; "
+        "for name in \"$@\"; do rubicon certs add $name >> certs.log; done; }; "
+        "tls() { echo --tls-cert certs/$1.crt --tls-key certs/$1.key --tls-ca certs/ca.crt; }; "
+        "host() { name=$1; port=$2; shift 2; exec '" +
+        binary +
+        "' host --name $name --listen 127.0.0.1:$port --state hosts $(tls $name) \"$@\" "
+        ">> $name.log 2>&1; }; "
+        "hosts() { certs kitchen bedroom care me; host kitchen 4750 & kitchen=$!; "
+        "host bedroom 4760 & bedroom=$!; host care 4770 & care=$!; me=$(tls me); }; "
+        "end() { kill $kitchen $bedroom $care; wait; }; ";
+    static_cast<void>(
+        shell("cd '" + path_.string() + "' && { " + functions + script + "; } 2>/dev/null"));
   }
 
   [[nodiscard]] json report(const std::string& name) const {
@@ -173,7 +190,7 @@ TEST_CASE("a deployment starts again what was killed, and makes one report", "[h
   const house in;
   in.run("'" + binary +
          "' deploy house.toml --local --for 28s --json > all.json 2> all.err & "
-         "sleep 12; pkill -9 -f '[r]ubicon run house.toml --host kitchen --log'; wait");
+         "sleep 12; pkill -9 -f '^rubicon run .*--bundled --host kitchen'; wait");
   const auto report = in.report("all");
   check_good(report);
   CHECK(in.text("all.err").find("kitchen  has ended with signal 9 after 1") != std::string::npos);
@@ -206,16 +223,17 @@ TEST_CASE("Ctrl-C ends a deployment with what it has", "[hosts][ACT-11]") {
 TEST_CASE("a deployment tells what would run where, or why it cannot", "[hosts]") {
   const house in;
   in.run("'" + binary +
-         "' deploy house.toml --dry-run > plan; "
+         "' deploy house.toml --local --dry-run > plan; "
          "sed 's/control_port = 4760/control_port = 4751/' house.toml > clash.toml; "
          "'" +
-         binary + "' deploy clash.toml --local 2> clash; echo $? > status");
-  CHECK(in.text("plan") == "kitchen  127.0.0.1  PEIS port 4751\n  islands  kitchen\n"
-                           "  peers    nothing\n"
-                           "bedroom  127.0.0.1  PEIS port 4761\n  islands  bedroom\n"
-                           "  peers    robot\n"
-                           "care  127.0.0.1  PEIS port 4771\n  islands  nothing\n"
-                           "  peers    care-pc\n");
+         binary + "' deploy clash.toml --dry-run 2> clash; echo $? > status");
+  CHECK(in.text("plan") ==
+        "kitchen  127.0.0.1  control port 4750, PEIS port 4751\n  islands  kitchen\n"
+        "  peers    nothing\n"
+        "bedroom  127.0.0.1  control port 4760, PEIS port 4761\n  islands  bedroom\n"
+        "  peers    robot\n"
+        "care  127.0.0.1  control port 4770, PEIS port 4771\n  islands  nothing\n"
+        "  peers    care-pc\n");
   CHECK(in.text("status") == "2\n");
   CHECK(in.text("clash") == "clash.toml: hosts `kitchen` and `bedroom` both have port 4751 of "
                             "127.0.0.1: give one of them another `control_port` or `peis_port`\n");
@@ -223,4 +241,73 @@ TEST_CASE("a deployment tells what would run where, or why it cannot", "[hosts]"
          "' deploy '" RUBICON_CONFIG_DIR "/home.toml' --local 2> err; echo $? > status");
   CHECK(in.text("status") == "2\n");
   CHECK(in.text("err").find("it has no [[host]]") != std::string::npos);
+}
+
+TEST_CASE("hosts run what is deployed to them, and heal without who has deployed it",
+          "[hosts][NFR-08][ACT-11]") {
+  const house in;
+  in.run("hosts; sleep 1; "
+         "rubicon deploy house.toml $me --for 1h --json > first.json 2> first.err & first=$!; "
+         "sleep 4; rubicon status > running; rubicon fault 'kill peer robot for 2s'; "
+         "echo $? > fault; rubicon fault 'crash mote kitchen/nobody' 2> no-fault; "
+         "kill -9 $first; wait $first; kill -9 $kitchen; wait $kitchen; sleep 2; "
+         "rubicon status --json > one-gone; host kitchen 4750 & kitchen=$!; sleep 1; "
+         "rubicon deploy house.toml $me --attach --json > all.json 2> all.err & all=$!; sleep 8; "
+         "rubicon stop; echo $? > stop; wait $all; echo $? > status; end");
+  CHECK(in.text("first.json").empty());
+  CHECK(in.text("running").find("kitchen  127.0.0.1:4750  running") != std::string::npos);
+  CHECK(in.text("fault") == "0\n");
+  CHECK(in.text("no-fault").find("no mote of island `kitchen` is called `nobody`") !=
+        std::string::npos);
+  const auto one_gone = json::parse(in.text("one-gone"));
+  CHECK(one_gone["hosts"][0].contains("trouble"));
+  CHECK(one_gone["hosts"][1]["state"] == "running");
+  CHECK(in.text("stop") == "0\n");
+  CHECK(in.text("status") == "130\n");
+  const auto report = in.report("all");
+  CHECK(report["interrupted"] == true);
+  CHECK(report["violations"].dump() == "[]");
+  CHECK(report["islands"].size() == 2);
+  for (const auto& mote : element(report["islands"], "name", "kitchen")["motes"])
+    CHECK(mote["joined"] == true);
+  CHECK(events_of({report}, "killed for 2 s").contains("robot"));
+}
+
+TEST_CASE("a host listens to nobody without a certificate of its own authority", "[hosts]") {
+  const house in;
+  in.run("hosts; sleep 1; mkdir other; (cd other; certs me); "
+         "rubicon deploy house.toml --dry-run > bare; echo $? > bare.status; "
+         "(cd other; rubicon deploy ../house.toml $me --dry-run > ../foreign); "
+         "rubicon deploy house.toml $me --dry-run > own; echo $? > own.status; end; "
+         "rubicon host --name x --listen 0.0.0.0:4790 2> anybody; echo $? > anybody.status; "
+         "rubicon host --name x --listen 127.0.0.1:4790 --allow-commands 2> commands");
+  CHECK(in.text("bare.status") == "1\n");
+  CHECK(in.text("bare").find("does not answer as a host of ours") != std::string::npos);
+  CHECK(in.text("foreign").find("does not take our certificate") != std::string::npos);
+  CHECK(in.text("own.status") == "0\n");
+  CHECK(in.text("own").find("care  could run it") != std::string::npos);
+  CHECK(in.text("anybody.status") == "2\n");
+  CHECK(in.text("anybody").find("give it certificates") != std::string::npos);
+  CHECK(in.text("commands").find("let every user of this computer") != std::string::npos);
+}
+
+TEST_CASE("a host says what keeps it from its part, and nothing begins", "[hosts]") {
+  const house in;
+  in.run("certs kitchen bedroom care me; me=$(tls me); host kitchen 4750 & kitchen=$!; "
+         "host bedroom 4760 & bedroom=$!; host care 4770 & care=$!; "
+         "part kitchen 20s taken & taken=$!; sleep 1; "
+         "rubicon deploy house.toml $me --for 3s 2> taken.deploy; echo $? > taken.deploy.status; "
+         "kill $taken; wait $taken; "
+         "sed 's/id = 40/id = 40\\nhost_name = \"care\"/' house.toml > commands.toml; "
+         "printf '[[peer]]\\nid = 41\\nname = \"init\"\\nhost = \"care\"\\n"
+         "apps = [{ app = \"init\", components = [{ name = \"tool\", command = \"true\" }] }]\\n'"
+         " >> commands.toml; "
+         "rubicon deploy commands.toml $me --for 3s 2> commands; "
+         "rubicon status 2> nothing; end");
+  CHECK(in.text("taken.deploy.status") == "2\n");
+  CHECK(in.text("taken.deploy").find("kitchen  ") != std::string::npos);
+  CHECK(in.text("taken.deploy").find("4751") != std::string::npos);
+  CHECK(in.text("bedroom.log").find("begins") == std::string::npos);
+  INFO(in.text("commands"));
+  CHECK(in.text("nothing").find("you have deployed nothing that runs") != std::string::npos);
 }

@@ -1,8 +1,10 @@
-#include "actors/part_octets.hpp"
+#include "control/octets.hpp"
 
 #include "support/catch.hpp"
 
 using namespace rubicon;
+using control::octets_of;
+using control::part_report_of;
 
 namespace {
 
@@ -25,7 +27,7 @@ report::part_report some_part() {
 
 } // namespace
 
-TEST_CASE("what a part tells is the same in another process", "[actors]") {
+TEST_CASE("what a part tells is the same in another process", "[control]") {
   const auto before = some_part();
   const auto octets = octets_of(before);
   const auto after = part_report_of(octets);
@@ -36,7 +38,7 @@ TEST_CASE("what a part tells is the same in another process", "[actors]") {
   CHECK(octets_of(*after) == octets);
 }
 
-TEST_CASE("half of what a part tells is nothing", "[actors]") {
+TEST_CASE("half of what a part tells is nothing", "[control]") {
   const auto octets = octets_of(some_part());
   for (std::size_t size = 0; size < octets.size(); ++size)
     CHECK_FALSE(part_report_of(byte_view(octets).first(size)));

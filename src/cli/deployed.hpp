@@ -1,0 +1,36 @@
+// What this user has deployed last, so that `rubicon status`, `stop` and `fault` find it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/tls.hpp"
+
+namespace rubicon::cli {
+
+struct deployed_host {
+  std::string name;
+  std::string address;
+  std::uint16_t port = 0;
+};
+
+struct deployed {
+  std::string id;      ///< of the deployment
+  std::string ecology; ///< its name
+  std::string file;    ///< the TOML file's path
+  std::vector<deployed_host> hosts;
+  control::tls_files tls; ///< of the coordinator
+};
+
+/// Replaces what was remembered of the same ecology. @returns empty, or why it is not kept
+[[nodiscard]] std::string remember(const deployed& x);
+
+/// Nobody follows it any more.
+void forget(const deployed& x);
+
+/// @param ecology its name; empty: the one that was deployed last
+[[nodiscard]] std::optional<deployed> remembered(const std::string& ecology);
+
+} // namespace rubicon::cli

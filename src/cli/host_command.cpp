@@ -1,0 +1,134 @@
+#include "cli/host_command.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+#include "cli/console.hpp"
+#include "cli/hosted_part.hpp"
+#include "cli/hosted_seeds.hpp"
+#include "cli/version.hpp"
+#include "control/server.hpp"
+#include "core/overloads.hpp"
+#include "core/printable.hpp"
+#include "io/file_lock.hpp"
+#include "io/kept_number.hpp"
+#include "io/loop.hpp"
+#include "io/signal_watch.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+using steady = std::chrono::steady_clock;
+
+/// How long the part may take to report when the host ends.
+constexpr duration goodbye_max = 10s;
+constexpr duration look_every = 100ms;
+
+class host_service {
+public:
+  host_service(const host_command& x, fs::path folder)
+      : command_(x), with_{x.name, std::move(folder), x.allows_commands, x.known},
+        signals_(loop_, [this](int) { end(); }), actors_(x.tls),
+        part_(loop_, with_, [this](const std::string& text) { say(text); }), seeds_(loop_, with_) {}
+
+  exit_status run() {
+    auto opened =
+        control::server::open(actors_, loop_, command_.address, command_.port,
+                              [this](deploy::question x) { return answer(std::move(x)); });
+    if (const auto* why = std::get_if<std::string>(&opened)) {
+      say(*why);
+      return exit_status::refused;
+    }
+    server_.emplace(std::get<control::server>(std::move(opened)));
+    say("listens on " + command_.address + ':' + std::to_string(server_->port()) +
+        (command_.tls.empty() ? ", for this computer only"
+                              : ", for certificates of " + command_.tls.authority));
+    while (!ending_ || (part_.is_running() && steady::now() < *ending_ + goodbye_max)) {
+      loop_.wait_until(steady::now() + look_every);
+      part_.on_time();
+      seeds_.on_time();
+    }
+    server_.reset();
+    return exit_status::good;
+  }
+
+private:
+  void say(const std::string& text) const {
+    static_cast<void>(print(stderr, printable(command_.name + "  " + text) + '\n'));
+  }
+
+  void end() {
+    if (ending_)
+      return;
+    ending_ = steady::now();
+    part_.end_all();
+    loop_.wake();
+  }
+
+  deploy::answer answer(deploy::question question) {
+    return std::visit(
+        overloads{
+            [](const deploy::greeting&) -> deploy::answer { return deploy::greeting{version}; },
+            [this](const deploy::ask_facts&) -> deploy::answer { return part_.facts(); },
+            [this](deploy::offer& x) -> deploy::answer { return part_.offer(std::move(x)); },
+            [this](const deploy::begin_part& x) -> deploy::answer { return part_.begin(x); },
+            [this](const deploy::end_part& x) -> deploy::answer { return part_.end(x); },
+            [this](const deploy::cause_fault& x) -> deploy::answer { return part_.cause(x); },
+            [this](const deploy::ask_news& x) -> deploy::answer { return part_.news_after(x); },
+            [this](const deploy::offer_seeds& x) -> deploy::answer { return seeds_.offer(x); },
+            [this](const deploy::run_seeds& x) -> deploy::answer { return seeds_.run(x); },
+        },
+        question);
+  }
+
+  const host_command& command_;
+  const hosting with_;
+  std::optional<steady::time_point> ending_;
+  io::loop loop_;
+  io::signal_watch signals_;
+  control::system actors_;
+  hosted_part part_;
+  hosted_seeds seeds_;
+  std::optional<control::server> server_; ///< refers to all of these
+};
+
+exit_status refuse(const std::string& why) {
+  static_cast<void>(print(stderr, "rubicon: " + printable(why) + '\n'));
+  return exit_status::refused;
+}
+
+bool is_loopback(const std::string& address) {
+  return address.starts_with("127.");
+}
+
+} // namespace
+
+exit_status perform(const host_command& x) {
+  if (x.tls.empty() && !is_loopback(x.address))
+    return refuse("host " + x.name + " would listen on " + x.address +
+                  " for anybody: give it certificates (--tls-cert, --tls-key, --tls-ca; `rubicon "
+                  "certs` makes them), or let it listen on 127.0.0.1");
+  if (x.tls.empty() && x.allows_commands)
+    return refuse("--allow-commands without certificates would let every user of this computer "
+                  "start programs as you: give --tls-cert, --tls-key and --tls-ca");
+  fs::path folder = x.state_folder;
+  if (folder.empty())
+    folder = fs::path(io::state_file("host")).parent_path();
+  if (folder.empty())
+    return refuse("there is no folder to keep the part's files; say --state DIR");
+  std::error_code error;
+  fs::create_directories(folder, error);
+  folder = fs::absolute(folder);
+  const auto held = io::file_lock::take((folder / (x.name + ".lock")).string());
+  if (const auto* why = std::get_if<std::string>(&held))
+    return refuse("host " + x.name + " runs already: " + *why);
+  return host_service(x, folder).run();
+}
+
+} // namespace rubicon::cli

@@ -1,0 +1,335 @@
+#include "cli/hosted_part.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <random>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+#include <unistd.h>
+
+#include "cli/exit_status.hpp"
+#include "cli/own_binary.hpp"
+#include "cli/part_file.hpp"
+#include "config/placement.hpp"
+#include "control/octets.hpp"
+#include "core/printable.hpp"
+#include "deploy/fault_sentence.hpp"
+#include "io/tcp_listener.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// From the death of a process to its next life; twice as long each time, while it dies early.
+constexpr duration restart_pause_min = 1s;
+constexpr duration restart_pause_max = 30s;
+constexpr duration early = 10s;
+
+config::overrides wall() {
+  config::overrides instead;
+  instead.mode = config::run_mode::wall;
+  return instead;
+}
+
+std::string milliseconds(duration x) {
+  return std::to_string(x / 1ms) + "ms";
+}
+
+/// Why nobody could listen there now; empty: one could.
+std::string why_taken(io::loop& loop, const std::string& address, std::uint16_t port) {
+  const auto opened = io::tcp_listener::open(loop, address, port, [](auto&&...) {});
+  if (const auto* why = std::get_if<std::string>(&opened))
+    return *why;
+  return std::get<io::tcp_listener>(opened).port() == port
+             ? ""
+             : "port " + std::to_string(port) + " of " + address + " is taken";
+}
+
+bool has_commands(const config::ecology_description& part) {
+  return std::ranges::any_of(part.peers, [](const auto& peer) {
+    return std::ranges::any_of(peer.apps, [](const auto& app) {
+      const auto* init = std::get_if<config::init_app>(&app);
+      return init != nullptr && std::ranges::any_of(init->components, [](const auto& each) {
+               return !each.command.empty();
+             });
+    });
+  });
+}
+
+std::uint64_t memory_of(pid_t process) {
+  std::ifstream in("/proc/" + std::to_string(process) + "/statm");
+  std::uint64_t all = 0;
+  std::uint64_t resident = 0;
+  in >> all >> resident;
+  return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+std::uint64_t random_number() {
+  std::random_device source;
+  return (std::uint64_t{source()} << 32) | source();
+}
+
+deploy::verdict refuse(std::string why) {
+  return {{std::move(why)}, true};
+}
+
+} // namespace
+
+hosted_part::hosted_part(io::loop& loop, const hosting& with,
+                         std::function<void(const std::string&)> say)
+    : loop_(loop), with_(with), say_(std::move(say)), next_life_(random_number()) {}
+
+hosted_part::~hosted_part() = default;
+
+bool hosted_part::has(const std::string& deployment) const {
+  return part_ && part_->id == deployment;
+}
+
+bool hosted_part::is_running() const {
+  return part_ && (part_->state == deploy::part_state::running ||
+                   part_->state == deploy::part_state::waiting);
+}
+
+fs::path hosted_part::file(const std::string& name) const {
+  return with_.folder / (with_.host + name);
+}
+
+std::vector<std::string> hosted_part::problems_of(const deploy::offer& x) const {
+  if (x.host != with_.host)
+    return {"this is host `" + with_.host + "`, not `" + x.host + '`'};
+  if (is_running())
+    return {"it runs `" + part_->ecology + "` already: `rubicon stop` ends it, `--attach` follows "
+                                           "it"};
+  auto loaded = deploy::load(x.what, wall(), with_.known);
+  std::vector<std::string> out;
+  for (const auto& each : loaded.problems)
+    out.push_back(to_string(each));
+  if (!loaded.ecology)
+    return out;
+  out = config::placement_problems(*loaded.ecology);
+  const auto used = config::used_hosts(*loaded.ecology);
+  if (std::ranges::find(used, x.host, &config::host_description::name) == used.end())
+    out.push_back("nothing is placed on host `" + x.host + '`');
+  if (!out.empty())
+    return out;
+  const auto ours = config::part_of(*loaded.ecology, x.host);
+  for (const auto& peer : ours.peers)
+    if (peer.tcp && peer.tcp->port) {
+      const auto& address = peer.tcp->address.empty() ? "127.0.0.1" : peer.tcp->address;
+      if (auto why = why_taken(loop_, address, *peer.tcp->port); !why.empty())
+        out.push_back(std::move(why));
+    }
+  if (!with_.allows_commands && has_commands(ours))
+    out.emplace_back("the file starts commands here, which this host does not allow: start "
+                     "`rubicon host` with --allow-commands if you trust whoever deploys");
+  return out;
+}
+
+deploy::verdict hosted_part::offer(deploy::offer x) {
+  deploy::verdict out{problems_of(x), true};
+  if (x.only_asks || !out.problems.empty())
+    return out;
+  const auto octets = control::octets_of(x.what);
+  std::ofstream bundle(file(".bundle"), std::ios::binary | std::ios::trunc);
+  bundle.write(reinterpret_cast<const char*>(octets.data()),
+               static_cast<std::streamsize>(octets.size()));
+  bundle.close();
+  if (!bundle)
+    return refuse(file(".bundle").string() + " cannot be written");
+  remove_reports();
+  part_.emplace();
+  part_->id = x.deployment;
+  part_->ecology = deploy::load(x.what, wall(), with_.known).ecology->name;
+  part_->what = std::move(x.what);
+  part_->log_level = std::move(x.log_level);
+  return out;
+}
+
+deploy::verdict hosted_part::begin(const deploy::begin_part& x) {
+  if (!has(x.deployment))
+    return refuse("that deployment is not offered here any more");
+  if (part_->state != deploy::part_state::offered)
+    return {};
+  part_->began = steady::now() - x.elapsed;
+  say_("begins `" + part_->ecology + '`');
+  start();
+  return part_->refused ? refuse("its process cannot be started") : deploy::verdict{};
+}
+
+void hosted_part::start() {
+  auto& x = *part_;
+  auto& now = x.lives.emplace_back();
+  now.number = next_life_++;
+  if (x.lives.size() > 1 || elapsed() > restart_pause_min)
+    now.elapsed = elapsed();
+  now.file = file('-' + std::to_string(x.lives.size()) + ".report");
+  now.change = ++x.changes;
+  io::spawn_request what;
+  what.program = own_binary;
+  what.feeds = true;
+  what.words = {"rubicon",
+                "run",
+                file(".bundle").string(),
+                "--bundled",
+                "--host",
+                with_.host,
+                "--log",
+                x.log_level,
+                "--starts",
+                (with_.folder / (x.ecology + '-' + with_.host + ".starts")).string(),
+                "--part-report",
+                now.file.string()};
+  if (now.elapsed >= 1ms)
+    what.words.insert(what.words.end(), {"--elapsed", milliseconds(now.elapsed)});
+  auto begun = io::process::start(
+      loop_, std::move(what),
+      {[this](io::process::output from, byte_view octets) {
+         auto& lines = from == io::process::output::out ? out_ : err_;
+         lines.take(octets, [this](const std::string& line) { part_->log.add(line); });
+       },
+       [this](io::process_end how) { on_end(how); }});
+  if (const auto* why = std::get_if<std::string>(&begun)) {
+    note(*why);
+    x.refused = true;
+    x.state = deploy::part_state::ended;
+    return;
+  }
+  process_.emplace(std::get<io::process>(std::move(begun)));
+  x.state = deploy::part_state::running;
+}
+
+void hosted_part::on_end(io::process_end how) {
+  process_.reset();
+  auto& x = *part_;
+  take_reports();
+  const auto& last = x.lives.back();
+  const bool is_over = x.ending || last.is_final;
+  x.refused = how.status == static_cast<int>(exit_status::refused);
+  x.pause = elapsed() - last.elapsed < early
+                ? std::clamp(2 * x.pause, restart_pause_min, restart_pause_max)
+                : restart_pause_min;
+  if (is_over || x.refused || elapsed() + x.pause >= x.what.length) {
+    x.state = deploy::part_state::ended;
+    say_('`' + x.ecology + "` has ended");
+    return;
+  }
+  x.state = deploy::part_state::waiting;
+  x.begins_again = steady::now() + x.pause;
+  note("has ended with " + to_string(how) + " after " +
+       to_text(std::chrono::floor<std::chrono::seconds>(elapsed())) + "; it is started again");
+}
+
+void hosted_part::note(const std::string& line) {
+  part_->log.add(line);
+  say_(line);
+}
+
+void hosted_part::on_time() {
+  if (part_ && part_->state == deploy::part_state::waiting &&
+      steady::now() >= part_->begins_again)
+    start();
+}
+
+deploy::verdict hosted_part::cause(const deploy::cause_fault& x) {
+  if (!has(x.deployment) || !process_)
+    return refuse("it does not run now");
+  const auto found = deploy::fault_of(part_->what, x.sentence, with_.known);
+  if (const auto* why = std::get_if<std::string>(&found))
+    return refuse(*why);
+  const auto loaded = deploy::load(part_->what, wall(), with_.known);
+  const auto hosts = config::hosts_of(*loaded.ecology, std::get<config::fault>(found));
+  if (std::ranges::find(hosts, with_.host) == hosts.end())
+    return {{}, false};
+  if (!process_->feed("fault " + x.sentence + '\n'))
+    return refuse("its process takes nothing now");
+  return {};
+}
+
+deploy::verdict hosted_part::end(const deploy::end_part& x) {
+  if (!has(x.deployment))
+    return refuse("that deployment is not here");
+  end_all();
+  return {};
+}
+
+void hosted_part::end_all() {
+  if (!is_running())
+    return;
+  part_->ending = true;
+  if (process_)
+    process_->signal(SIGINT);
+  else
+    part_->state = deploy::part_state::ended;
+}
+
+void hosted_part::take_reports() {
+  if (part_->lives.empty())
+    return;
+  auto& last = part_->lives.back(); // those before have ended, and were read then
+  std::error_code none;
+  const auto written = fs::last_write_time(last.file, none);
+  if (none || last.is_final || written == last.file_written)
+    return;
+  last.file_written = written;
+  if (auto found = read_part_file(last.file.string())) {
+    last.told = std::move(found->told);
+    last.is_final = found->is_final;
+    last.change = ++part_->changes;
+  }
+}
+
+void hosted_part::remove_reports() {
+  std::error_code ignored;
+  if (part_)
+    for (const auto& each : part_->lives)
+      fs::remove(each.file, ignored);
+}
+
+deploy::news hosted_part::news_after(const deploy::ask_news& x) {
+  deploy::news out;
+  if (has(x.deployment)) {
+    take_reports();
+    auto page = part_->log.after(x.line);
+    out.line = page.last;
+    out.lines = std::move(page.lines);
+    out.lines_left_out = page.left_out;
+    out.change = part_->changes;
+    for (const auto& each : part_->lives)
+      if (each.change > x.change)
+        out.lives.push_back({each.number, each.elapsed, each.is_final, each.told});
+  }
+  out.facts = facts();
+  return out;
+}
+
+deploy::host_facts hosted_part::facts() const {
+  deploy::host_facts out;
+  out.host = with_.host;
+  out.runs_commands = with_.allows_commands;
+  out.clock_us = std::chrono::duration_cast<std::chrono::microseconds>(
+                     std::chrono::system_clock::now().time_since_epoch())
+                     .count();
+  if (!part_)
+    return out;
+  out.state = part_->state;
+  out.deployment = part_->id;
+  out.ecology = part_->ecology;
+  out.files_hash = hash_of(part_->what);
+  out.seed = part_->what.seed;
+  out.length = part_->what.length;
+  out.refused = part_->refused;
+  out.lives = static_cast<std::uint32_t>(part_->lives.size());
+  if (part_->state != deploy::part_state::offered)
+    out.elapsed = std::min<duration>(elapsed(), part_->what.length);
+  if (process_)
+    out.memory = memory_of(process_->pid());
+  return out;
+}
+
+} // namespace rubicon::cli

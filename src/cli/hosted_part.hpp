@@ -1,0 +1,101 @@
+// The part of an ecology that this computer runs for a deployment: its files, its process, and all
+// that its processes have told. It does not need whoever has deployed it to be there.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/load.hpp"
+#include "deploy/messages.hpp"
+#include "deploy/news_log.hpp"
+#include "io/line_input.hpp"
+#include "io/loop.hpp"
+#include "io/process.hpp"
+
+namespace rubicon::cli {
+
+struct hosting {
+  std::string host;             ///< own name
+  std::filesystem::path folder; ///< where files are kept; nobody else writes there
+  bool allows_commands = false; ///< of components that a file starts
+  config::extensions known;
+};
+
+class hosted_part {
+public:
+  /// @param loop must outlive it
+  /// @param say tells whoever looks after this computer
+  hosted_part(io::loop& loop, const hosting& with, std::function<void(const std::string&)> say);
+  ~hosted_part();
+  hosted_part(const hosted_part&) = delete;
+  hosted_part& operator=(const hosted_part&) = delete;
+
+  [[nodiscard]] deploy::verdict offer(deploy::offer x);
+  [[nodiscard]] deploy::verdict begin(const deploy::begin_part& x);
+  [[nodiscard]] deploy::verdict cause(const deploy::cause_fault& x);
+  [[nodiscard]] deploy::verdict end(const deploy::end_part& x);
+  [[nodiscard]] deploy::news news_after(const deploy::ask_news& x);
+  [[nodiscard]] deploy::host_facts facts() const;
+
+  /// To be called now and then: what was killed begins again.
+  void on_time();
+
+  /// Ends what runs, whoever has begun it.
+  void end_all();
+  [[nodiscard]] bool is_running() const;
+
+private:
+  using steady = std::chrono::steady_clock;
+
+  struct life {
+    std::uint64_t number = 0;
+    duration elapsed{};
+    bool is_final = false;
+    std::filesystem::path file;                   ///< of its report
+    std::filesystem::file_time_type file_written; ///< when it was read
+    report::part_report told;
+    std::uint64_t change = 0; ///< number of the last
+  };
+
+  /// What is offered, and what became of it.
+  struct offered_part {
+    std::string id;
+    deploy::bundle what;
+    std::string ecology;
+    std::string log_level;
+    deploy::part_state state = deploy::part_state::offered;
+    steady::time_point began;
+    steady::time_point begins_again;
+    duration pause{}; ///< before the last start
+    bool ending = false;
+    bool refused = false;
+    std::vector<life> lives;
+    deploy::news_log log;
+    std::uint64_t changes = 0;
+  };
+
+  [[nodiscard]] std::vector<std::string> problems_of(const deploy::offer& x) const;
+  [[nodiscard]] bool has(const std::string& deployment) const;
+  [[nodiscard]] duration elapsed() const { return steady::now() - part_->began; }
+  [[nodiscard]] std::filesystem::path file(const std::string& name) const;
+  void start();
+  void on_end(io::process_end how);
+  void note(const std::string& line);
+  void take_reports();
+  void remove_reports();
+
+  io::loop& loop_;
+  const hosting& with_;
+  std::function<void(const std::string&)> say_;
+  std::uint64_t next_life_;
+  std::optional<offered_part> part_;
+  std::optional<io::process> process_;
+  io::line_splitter out_;
+  io::line_splitter err_;
+};
+
+} // namespace rubicon::cli

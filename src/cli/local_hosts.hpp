@@ -1,0 +1,57 @@
+// The hosts of a file as processes of this computer: the first try of anybody.
+#pragma once
+
+#include <chrono>
+#include <list>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/deployed.hpp"
+#include "core/bytes.hpp"
+#include "io/line_input.hpp"
+#include "io/loop.hpp"
+#include "io/process.hpp"
+#include "io/temporary_folder.hpp"
+
+namespace rubicon::cli {
+
+/// They live, and begin again when they are killed, until this is destroyed; certificates of their
+/// own keep everybody else away.
+class local_hosts {
+public:
+  /// @param loop must outlive it
+  /// @throws std::runtime_error if there is no room for their files
+  local_hosts(io::loop& loop, const std::vector<deployed_host>& hosts);
+  ~local_hosts();
+  local_hosts(const local_hosts&) = delete;
+  local_hosts& operator=(const local_hosts&) = delete;
+
+  /// Of whoever deploys to them.
+  [[nodiscard]] control::tls_files own_certificate() const { return certificate_of(coordinator); }
+
+  /// To be called now and then.
+  void on_time();
+
+private:
+  using steady = std::chrono::steady_clock;
+
+  static constexpr const char* coordinator = "coordinator";
+
+  struct local_host {
+    deployed_host place;
+    std::string certificate; ///< name of its
+    std::optional<io::process> process;
+    steady::time_point starts_at;
+    io::line_splitter lines;
+  };
+
+  [[nodiscard]] control::tls_files certificate_of(const std::string& name) const;
+  void start(local_host& x);
+
+  io::loop& loop_;
+  const io::temporary_folder folder_{"rubicon-deploy"};
+  std::list<local_host> hosts_; ///< processes refer to them
+};
+
+} // namespace rubicon::cli

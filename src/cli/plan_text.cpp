@@ -1,0 +1,42 @@
+#include "cli/plan_text.hpp"
+
+#include <vector>
+
+#include "config/placement.hpp"
+#include "core/printable.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const auto& word : words)
+    text += (text.empty() ? "" : ", ") + word;
+  return text.empty() ? "nothing" : text;
+}
+
+} // namespace
+
+std::string plan_text(const config::ecology_description& all) {
+  std::string text;
+  for (const auto& host : config::used_hosts(all)) {
+    const auto part = config::part_of(all, host.name);
+    const auto* const link = config::host_peer(part);
+    std::vector<std::string> islands;
+    std::vector<std::string> peers;
+    for (const auto& each : part.islands)
+      islands.push_back(each.name);
+    for (const auto& each : part.peers)
+      if (&each != link)
+        peers.push_back(each.name);
+    text += printable(host.name + "  " + host.address) + "  control port " +
+            std::to_string(host.control_port) +
+            (link == nullptr ? "" : ", PEIS port " + std::to_string(host.peis_port)) +
+            "\n  islands  " + printable(joined(islands)) + "\n  peers    " +
+            printable(joined(peers)) + '\n';
+  }
+  return text;
+}
+
+} // namespace rubicon::cli

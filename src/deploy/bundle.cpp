@@ -1,0 +1,146 @@
+#include "deploy/bundle.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "config/document.hpp"
+#include "config/placement.hpp"
+#include "core/hash.hpp"
+
+namespace rubicon::deploy {
+
+namespace {
+
+constexpr const char* loopback = "127.0.0.1";
+
+void add_text(fold64& hash, const std::string& x) {
+  hash.add(x.size()).add(std::string_view(x));
+}
+
+void apply(const std::vector<host_place>& places, config::ecology_description& out) {
+  for (auto& host : out.hosts) {
+    const auto found = std::ranges::find(places, host.name, &host_place::host);
+    if (found == places.end())
+      continue;
+    host.address = found->address;
+    host.listen = found->address;
+    host.control_port = found->control_port;
+    host.peis_port = found->peis_port;
+    host.networks.clear();
+  }
+}
+
+} // namespace
+
+std::string hash_of(const bundle& x) {
+  fold64 hash;
+  add_text(hash, x.toml);
+  for (const auto& [path, content] : x.files) {
+    add_text(hash, path);
+    add_text(hash, content);
+  }
+  for (const auto& [path, names] : x.folders) {
+    add_text(hash, path);
+    for (const auto& name : names)
+      add_text(hash, name);
+  }
+  return to_hex(hash.value());
+}
+
+packed pack(const std::string& path, const config::overrides& instead,
+            std::optional<duration> length, const config::extensions& known) {
+  packed out;
+  out.what.name = path;
+  auto read = config::read_file(path, config::file_octets_max);
+  if (!read.text) {
+    out.loaded.problems.push_back({path, 0, 0, read.reason});
+    return out;
+  }
+  out.what.toml = *std::move(read.text);
+  std::size_t octets = out.what.toml.size();
+  bool is_too_large = false;
+  const auto read_file = [&](const std::string& file, std::size_t octets_max) {
+    auto found = config::read_file(file, octets_max);
+    if (found.text) {
+      octets += found.text->size();
+      is_too_large = is_too_large || octets > bundle_octets_max;
+      if (!is_too_large)
+        out.what.files[file] = *found.text;
+    }
+    return found;
+  };
+  const auto read_folder = [&](const std::string& folder) {
+    auto found = config::read_folder(folder);
+    if (found.names)
+      out.what.folders[folder] = *found.names;
+    return found;
+  };
+  out.loaded = config::load_text(out.what.toml, path, instead, read_file, read_folder, known);
+  if (is_too_large)
+    out.loaded.problems.push_back({path, 0, 0,
+                                   "it names files of more than " +
+                                       std::to_string(bundle_octets_max >> 20) +
+                                       " MiB together, which is too much to send to hosts"});
+  if (!out.loaded.problems.empty() || !out.loaded.ecology)
+    return out;
+  auto& ecology = *out.loaded.ecology;
+  ecology.seed = instead.seed.value_or(ecology.seed);
+  ecology.length = length.value_or(ecology.length);
+  out.what.seed = ecology.seed;
+  out.what.length = ecology.length;
+  return out;
+}
+
+config::loaded load(const bundle& x, config::overrides instead, const config::extensions& known) {
+  instead.seed = instead.seed.value_or(x.seed);
+  const auto read_file = [&x](const std::string& path, std::size_t octets_max) {
+    const auto found = x.files.find(path);
+    if (found == x.files.end())
+      return config::file_text{std::nullopt, "is not among the files that were sent"};
+    if (found->second.size() > octets_max)
+      return config::file_text{std::nullopt, "is too long"};
+    return config::file_text{found->second, {}};
+  };
+  const auto read_folder = [&x](const std::string& path) {
+    const auto found = x.folders.find(path);
+    if (found == x.folders.end())
+      return config::folder_names{std::nullopt, "is not among the folders that were sent"};
+    return config::folder_names{found->second, {}};
+  };
+  auto out = config::load_text(x.toml, x.name, instead, read_file, read_folder, known);
+  if (out.ecology) {
+    out.ecology->seed = *instead.seed;
+    out.ecology->length = x.length;
+    apply(x.places, *out.ecology);
+  }
+  return out;
+}
+
+std::vector<host_place>
+places_on_one_computer(const config::ecology_description& all,
+                       const std::function<bool(std::uint16_t port)>& is_free) {
+  std::set<std::uint16_t> taken;
+  for (const auto& peer : all.peers)
+    if (peer.tcp && peer.tcp->port)
+      taken.insert(*peer.tcp->port);
+  const auto take = [&](std::uint16_t wanted) {
+    constexpr std::uint16_t lowest = 1024;
+    auto port = wanted;
+    while (taken.contains(port) || !is_free(port)) {
+      port = port == 65535 ? lowest : static_cast<std::uint16_t>(port + 1);
+      if (port == wanted)
+        break; // none is left: who listens will say so
+    }
+    taken.insert(port);
+    return port;
+  };
+  std::vector<host_place> out;
+  for (const auto& host : config::used_hosts(all)) {
+    const auto control_port = take(host.control_port);
+    out.push_back({host.name, loopback, control_port, take(host.peis_port)});
+  }
+  return out;
+}
+
+} // namespace rubicon::deploy

@@ -1,0 +1,102 @@
+#include "deploy/fault_sentence.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+namespace rubicon::deploy {
+
+namespace {
+
+std::vector<std::string> words_of(std::string_view sentence) {
+  std::istringstream in{std::string(sentence)};
+  std::vector<std::string> words;
+  for (std::string word; in >> word;)
+    words.push_back(word);
+  return words;
+}
+
+/// A number, a truth or a list stays as it is, all else is a text.
+std::string toml_value(const std::string& word) {
+  const bool is_number =
+      word.find_first_not_of("+-.0123456789") == std::string::npos && word != "-" && word != ".";
+  if (is_number || word == "true" || word == "false" || word.starts_with('[') ||
+      word.starts_with('"') || word.starts_with('{'))
+    return word;
+  std::string text = "\"";
+  for (const char c : word) {
+    if (c == '"' || c == '\\')
+      text += '\\';
+    text += c;
+  }
+  return text + '"';
+}
+
+bool is_key(const std::string& word) {
+  return !word.empty() && std::ranges::all_of(word, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+std::variant<std::string, std::string> refuse(std::string why) {
+  return std::variant<std::string, std::string>(std::in_place_index<1>, std::move(why));
+}
+
+/// The table, or why there is none.
+std::variant<std::string, std::string> table_of(std::string_view sentence) {
+  if (sentence.size() > sentence_octets_max)
+    return refuse("a fault has at most " + std::to_string(sentence_octets_max) + " characters");
+  auto words = words_of(sentence);
+  if (words.empty())
+    return refuse("which fault? Say for instance `kill peer NAME for 10s`");
+  if (words.size() % 2 == 0)
+    return refuse("a fault is its kind, then keys and values, as `kill peer NAME for 10s`");
+  if (words[0] == "kill" && words.size() > 1 && (words[1] == "mote" || words[1] == "sink"))
+    words[0] = "crash";
+  std::string table = "\n[[fault]]\nat = \"0s\"\nkind = " + toml_value(words[0]) + '\n';
+  for (std::size_t i = 1; i < words.size(); i += 2) {
+    if (!is_key(words[i]))
+      return refuse('`' + words[i] + "` is no key of a fault");
+    table += words[i] + " = " + toml_value(words[i + 1]) + '\n';
+  }
+  return std::variant<std::string, std::string>(std::in_place_index<0>, std::move(table));
+}
+
+bool needs_radio_from_the_start(const config::fault& x) {
+  return std::holds_alternative<config::noise_fault>(x) ||
+         std::holds_alternative<config::mote_double_fault>(x) ||
+         std::holds_alternative<config::move_island_fault>(x);
+}
+
+} // namespace
+
+std::variant<config::fault, std::string> fault_of(const bundle& x, std::string_view sentence,
+                                                  const config::extensions& known) {
+  const auto table = table_of(sentence);
+  if (table.index() == 1)
+    return std::get<1>(table);
+  auto with_fault = x;
+  const auto lines_before =
+      static_cast<unsigned>(std::ranges::count(with_fault.toml, '\n')) + 1;
+  with_fault.toml += std::get<0>(table);
+  config::overrides instead;
+  instead.mode = config::run_mode::wall;
+  const auto loaded = load(with_fault, instead, known);
+  for (const auto& each : loaded.problems)
+    if (each.line >= lines_before)
+      return each.message;
+  if (!loaded.ecology)
+    return std::string("it does not fit to the file");
+  // The last of those at 0 s: they are sorted by their times, and otherwise as in the file.
+  const auto& faults = loaded.ecology->faults;
+  const auto last = std::find_if(faults.rbegin(), faults.rend(),
+                                 [](const auto& each) { return each.at == duration{}; });
+  if (last == faults.rend())
+    return std::string("it does not fit to the file");
+  if (needs_radio_from_the_start(last->what))
+    return std::string("that one needs a radio that is there from the start: plan it in the file");
+  return last->what;
+}
+
+} // namespace rubicon::deploy

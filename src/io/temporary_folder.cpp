@@ -1,0 +1,21 @@
+#include "io/temporary_folder.hpp"
+
+#include <cerrno>
+#include <cstdlib>
+#include <system_error>
+
+namespace rubicon::io {
+
+temporary_folder::temporary_folder(const std::string& name) {
+  auto path = (std::filesystem::temp_directory_path() / (name + "-XXXXXX")).string();
+  if (::mkdtemp(path.data()) == nullptr)
+    throw std::system_error(errno, std::generic_category(), path);
+  path_ = path;
+}
+
+temporary_folder::~temporary_folder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+} // namespace rubicon::io
