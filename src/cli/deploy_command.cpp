@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <random>
 #include <string>
 #include <utility>
 #include <variant>
@@ -17,8 +16,8 @@
 #include "cli/ecology_file.hpp"
 #include "cli/local_hosts.hpp"
 #include "cli/plan_text.hpp"
+#include "cli/random_id.hpp"
 #include "config/placement.hpp"
-#include "core/hash.hpp"
 #include "core/printable.hpp"
 #include "io/loop.hpp"
 #include "io/signal_watch.hpp"
@@ -30,11 +29,6 @@ namespace {
 
 constexpr duration look_every = 50ms;
 constexpr duration local_patience = 20s; ///< processes of a busy computer take their time
-
-std::string new_id() {
-  std::random_device source;
-  return to_hex((std::uint64_t{source()} << 32) | source());
-}
 
 bool is_free(io::loop& loop, std::uint16_t port) {
   const auto opened = io::tcp_listener::open(loop, "127.0.0.1", port, [](auto&&...) {});
@@ -95,7 +89,7 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
   options.patience = here == nullptr ? options.patience : local_patience;
   options.attach = x.attach;
   const auto name = file.loaded.ecology->name;
-  deployment all(loop, actors, x.attach ? "" : new_id(), std::move(file.what),
+  deployment all(loop, actors, x.attach ? "" : random_id(), std::move(file.what),
                  *std::move(file.loaded.ecology), hosts, options);
   const io::signal_watch signals(loop, [&all](int) { all.stop(/*interrupted=*/true); });
   std::optional<deployed> told;

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
-#include <random>
 #include <system_error>
 #include <utility>
 #include <variant>
@@ -14,6 +13,7 @@
 #include "cli/exit_status.hpp"
 #include "cli/own_binary.hpp"
 #include "cli/part_file.hpp"
+#include "cli/random_id.hpp"
 #include "config/placement.hpp"
 #include "control/octets.hpp"
 #include "core/printable.hpp"
@@ -68,11 +68,6 @@ std::uint64_t memory_of(pid_t process) {
   std::uint64_t resident = 0;
   in >> all >> resident;
   return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-}
-
-std::uint64_t random_number() {
-  std::random_device source;
-  return (std::uint64_t{source()} << 32) | source();
 }
 
 deploy::verdict refuse(std::string why) {

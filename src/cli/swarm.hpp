@@ -75,6 +75,12 @@ public:
   [[nodiscard]] const totals& so_far() const { return totals_; }
   [[nodiscard]] seed_range seeds() const { return seeds_; }
 
+  /// Of all, at most 2^64 - 1.
+  [[nodiscard]] std::uint64_t count() const {
+    const auto more = seeds_.last - seeds_.first;
+    return more + (more == ~std::uint64_t{0} ? 0 : 1);
+  }
+
   /// Runs that have ended, told or not.
   [[nodiscard]] std::uint64_t finished() const { return totals_.runs + waiting_.size(); }
 

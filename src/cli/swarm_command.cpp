@@ -1,8 +1,8 @@
 #include "cli/swarm_command.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <list>
@@ -10,6 +10,7 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <poll.h>
@@ -19,18 +20,22 @@
 #include "cli/child_process.hpp"
 #include "cli/console.hpp"
 #include "cli/ecology_file.hpp"
-#include "cli/progress_bar.hpp"
+#include "cli/own_binary.hpp"
 #include "cli/swarm.hpp"
-#include "cli/swarm_text.hpp"
+#include "cli/swarm_hosts.hpp"
+#include "cli/swarm_output.hpp"
+#include "config/placement.hpp"
+#include "config/units.hpp"
+#include "core/printable.hpp"
+#include "deploy/bundle.hpp"
+#include "io/loop.hpp"
+#include "io/signal_watch.hpp"
 
 namespace rubicon::cli {
 
 namespace {
 
 using steady = std::chrono::steady_clock;
-
-/// This binary, also after the file has been replaced by a newer one.
-constexpr const char* own_binary = "/proc/self/exe";
 
 /// SIGINT, SIGTERM and SIGHUP as a descriptor that poll() knows; they end the process again
 /// afterwards.
@@ -77,33 +82,28 @@ struct seed_run {
   bool overran = false;
 };
 
-/// The runs under way, the terminal and the clock; what they mean is decided in `swarm`.
+/// The runs under way on this computer; what they mean is decided in `swarm`.
 class swarm_runs {
 public:
-  swarm_runs(const swarm_command& x, swarm_words words)
-      : command_(x), words_(std::move(words)), seeds_(x.seeds) {}
+  swarm_runs(const swarm_command& x, const swarm_words& words)
+      : command_(x), words_(words), seeds_(x.seeds), out_(x, seeds_, words) {}
 
   exit_status run_all() {
-    for (start_some(); !runs_.empty() && !stopped() && output_ok_; start_some())
+    for (start_some(); !runs_.empty() && !interrupted_ && out_.is_read(); start_some())
       wait_and_collect();
     runs_.clear(); // kills those that a signal left
-    if (stopped())
-      tell(seeds_.give_up());
-    return finish();
+    if (interrupted_)
+      out_.tell(seeds_.give_up());
+    return out_.finish(interrupted_);
   }
 
 private:
-  [[nodiscard]] bool stopped() const { return interrupted_; }
-  [[nodiscard]] duration elapsed() const { return steady::now() - started_; }
-
   void start_some() {
     while (runs_.size() < words_.jobs) {
       const auto seed = seeds_.next();
       if (!seed)
         return;
-      std::vector<std::string> words{
-          "rubicon", "run",     words_.file, "--seed", std::to_string(*seed), "--json",
-          "--mode",  "virtual", "--log",     "off",    "--threads",           "1"};
+      auto words = run_words(words_.file, *seed);
       if (!words_.length.empty())
         words.insert(words.end(), {"--for", words_.length});
       runs_.push_back({*seed, steady::now(), child_process(own_binary, words)});
@@ -116,8 +116,7 @@ private:
     for (const auto& run : runs_)
       until = std::min(until, run.started + command_.timeout);
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - steady::now());
-    const auto longest = errors_.is_terminal ? std::chrono::milliseconds(100)
-                                             : std::chrono::milliseconds(std::chrono::minutes(1));
+    const auto longest = std::chrono::floor<std::chrono::milliseconds>(out_.drawn_every());
     return static_cast<int>(std::clamp(left, std::chrono::milliseconds(0), longest).count());
   }
 
@@ -129,7 +128,7 @@ private:
     }
     static_cast<void>(::poll(watched.data(), watched.size(), patience_ms()));
     interrupted_ = interrupted_ || signals_.take();
-    for (auto run = runs_.begin(); run != runs_.end() && !stopped();) {
+    for (auto run = runs_.begin(); run != runs_.end() && !interrupted_;) {
       run->child.read();
       if (!run->overran && steady::now() - run->started >= command_.timeout) {
         run->overran = true;
@@ -142,67 +141,72 @@ private:
       collect(*run);
       run = runs_.erase(run);
     }
-    draw_progress();
+    out_.draw_progress();
   }
 
   void collect(seed_run& run) {
     const auto real = run.overran ? command_.timeout : duration(steady::now() - run.started);
     auto outcome = judge(run.seed, run.child.wait(), real, run.overran);
     if (outcome)
-      tell(seeds_.ended(*std::move(outcome)));
+      out_.tell(seeds_.ended(*std::move(outcome)));
     else
       interrupted_ = true; // the same Ctrl-C that comes to us
   }
 
-  void tell(const std::vector<seed_outcome>& due) {
-    for (const auto& x : due) {
-      if (command_.json)
-        json_.add(words_, x);
-      else if (!x.violations.empty()) {
-        erase_progress();
-        output_ok_ = output_ok_ && print(stdout, violation_lines(words_, x));
-      }
-    }
-  }
-
-  exit_status finish() {
-    erase_progress();
-    const auto text = command_.json ? json_.text(seeds_, words_, elapsed(), stopped())
-                                    : swarm_summary(seeds_, words_, elapsed(), stopped());
-    if (!output_ok_ || !print(stdout, text))
-      return exit_status::refused;
-    if (stopped())
-      return exit_status::interrupted;
-    return seeds_.so_far().failures == 0 ? exit_status::good : exit_status::violated;
-  }
-
-  void draw_progress() {
-    const auto now = elapsed();
-    if (!errors_.is_terminal || now < progress_bar::shown_after ||
-        (drawn_at_ && now < *drawn_at_ + progress_bar::redrawn_every))
-      return;
-    drawn_at_ = now;
-    const auto room = errors_.width - std::min<std::size_t>(errors_.width, 1);
-    static_cast<void>(print(stderr, std::string(erase_line) + swarm_progress(seeds_, now, room)));
-  }
-
-  void erase_progress() {
-    if (std::exchange(drawn_at_, std::nullopt))
-      static_cast<void>(print(stderr, erase_line));
-  }
-
   const swarm_command& command_;
-  swarm_words words_;
+  const swarm_words words_;
   swarm seeds_;
-  swarm_json json_;
-  const console errors_ = console_of(stderr);
-  const steady::time_point started_ = steady::now();
-  std::optional<duration> drawn_at_;
+  swarm_output out_;
   bool interrupted_ = false;
-  bool output_ok_ = true;
   signal_descriptor signals_;
   std::list<seed_run> runs_; // ends before the signals are let through
 };
+
+/// `[[host]]` of the file, or ADDRESS:PORT. @returns why there is none
+std::variant<deployed_host, std::string> find_host(const config::ecology_description& all,
+                                                   const std::string& name) {
+  if (const auto* host = config::find_host(all, name))
+    return deployed_host{name, host->address, host->control_port};
+  const auto colon = name.rfind(':');
+  std::uint16_t port = 0;
+  if (colon != std::string::npos) {
+    const auto* const end = name.data() + name.size();
+    const auto [stop, error] = std::from_chars(name.data() + colon + 1, end, port);
+    if (error == std::errc{} && stop == end && port > 0)
+      return deployed_host{name, name.substr(0, colon), port};
+  }
+  return '`' + name + "` is no [[host]] of the file, and no ADDRESS:PORT";
+}
+
+exit_status refuse(const swarm_command& x, const std::string& why) {
+  static_cast<void>(print(stderr, printable(x.file + ": " + why) + '\n'));
+  return exit_status::refused;
+}
+
+exit_status run_on_hosts(const swarm_command& x, deploy::packed file, const swarm_words& words) {
+  std::vector<deployed_host> hosts;
+  for (const auto& name : x.hosts) {
+    const auto found = find_host(*file.loaded.ecology, name);
+    if (const auto* why = std::get_if<std::string>(&found))
+      return refuse(x, *why);
+    hosts.push_back(std::get<deployed_host>(found));
+  }
+  bool interrupted = false;
+  io::loop loop;
+  const io::signal_watch signals(loop, [&](int) { interrupted = true; });
+  control::system actors(x.tls);
+  swarm seeds(x.seeds);
+  swarm_output out(x, seeds, words);
+  swarm_hosts runs(loop, actors, hosts, std::move(file.what), x.timeout, seeds, out);
+  while (runs.step() && !interrupted && out.is_read())
+    loop.wait_until(steady::now() + 20ms);
+  runs.end();
+  if (runs.refused())
+    return exit_status::refused; // each has said why
+  if (interrupted)
+    out.tell(seeds.give_up());
+  return out.finish(interrupted);
+}
 
 } // namespace
 
@@ -210,13 +214,18 @@ exit_status perform(const swarm_command& x) {
   config::overrides instead;
   instead.seed = x.seeds.first;
   instead.mode = config::run_mode::virtual_time;
-  const auto file = load_or_complain(x.file, instead, x.known);
-  if (!file)
+  std::optional<duration> length;
+  if (!x.length.empty())
+    length = config::parse_duration(x.length);
+  auto file = deploy::pack(x.file, instead, length, x.known);
+  complain(file.loaded, x.file);
+  if (!file.loaded.ecology || !file.loaded.problems.empty())
     return exit_status::refused;
   swarm_words words{x.file, x.length, x.jobs.value_or(std::thread::hardware_concurrency())};
   words.jobs = std::max<std::uint64_t>(words.jobs, 1);
-  words.from_wall = file->ecology.mode == config::run_mode::wall;
-  return swarm_runs(x, std::move(words)).run_all();
+  words.from_wall = file.loaded.ecology->mode == config::run_mode::wall;
+  return x.hosts.empty() ? swarm_runs(x, words).run_all()
+                         : run_on_hosts(x, std::move(file), words);
 }
 
 } // namespace rubicon::cli

@@ -14,8 +14,7 @@
 
 namespace rubicon::control {
 
-/// Asks one question after the other, and finds the host anew when it was gone. Its end waits for
-/// the question that is open.
+/// Asks one question after the other, and finds the host anew when it was gone.
 class client {
 public:
   /// The answer, or why there is none.
@@ -38,6 +37,7 @@ public:
 
 private:
   struct state;
+  class asker;
   std::shared_ptr<state> state_;
 };
 

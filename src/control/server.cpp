@@ -38,7 +38,8 @@ caf::result<typename Question::answer> ask(const std::shared_ptr<desk>& at, Ques
   return found.get();
 }
 
-/// Has a thread of its own: it waits for the loop.
+/// Holds up a thread of the scheduler while it waits for the loop: nothing else needs that one. (A
+/// detached actor that could not be published would keep its thread, and the system with it.)
 caf::behavior server_actor(caf::event_based_actor* /*self*/, const std::shared_ptr<desk>& at) {
   return {
       [at](deploy::greeting& x) { return ask(at, x); },
@@ -58,7 +59,7 @@ caf::behavior server_actor(caf::event_based_actor* /*self*/, const std::shared_p
 struct server::state {
   state(system& in, io::loop& where, handler f)
       : all(in.inside()), at(std::make_shared<desk>(where, std::move(f))),
-        actor(all.actors.spawn<caf::detached>(server_actor, at)) {}
+        actor(all.actors.spawn(server_actor, at)) {}
   ~state() {
     at->closed = true;
     caf::anon_send_exit(actor, caf::exit_reason::user_shutdown);
