@@ -441,14 +441,20 @@ void open_real_links(peer_pointer self) {
   network.outside_from = peis::link_id{first_real_link};
 }
 
+/// `process` of the peers of a run in virtual time, see process_facts.
+constexpr std::uint32_t virtual_process = 1;
+
 void start(peer_pointer self) {
   auto& state = self->state;
   const auto& arguments = state.arguments;
   state.rng = random_stream(arguments.seed, self->path() + "/network");
   open_real_links(self);
-  const auto rng_path =
-      self->path() +
-      (arguments.incarnation == 0 ? std::string() : '#' + std::to_string(arguments.incarnation));
+  auto rng_path = self->path();
+  if (arguments.incarnation > 0)
+    rng_path += '#' + std::to_string(arguments.incarnation);
+  // Another process of the same file must not draw the same magic number (RTE-08).
+  if (const auto process = arguments.config.network.process; process != virtual_process)
+    rng_path += '@' + std::to_string(process);
   state.kernel = peis::kernel(arguments.config, random_stream(arguments.seed, rng_path), now(self));
   if (arguments.lan)
     self->send(arguments.lan, join_lan{arguments.station,

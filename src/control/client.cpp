@@ -110,16 +110,12 @@ private:
             [this, next](const caf::node_id&, caf::strong_actor_ptr& found,
                          const std::set<std::string>&) {
               remote_ = caf::actor_cast<caf::actor>(found);
+              was_connected_ = true;
               monitor(remote_);
               if (next->number == number_)
                 ask(std::move(*next));
             },
-            [this, next](const caf::error&) {
-              fail(next->number, with_->all.is_secured
-                                     ? "does not take our certificate, or has none of ours"
-                                     : "does not answer as a host of ours, or only to "
-                                       "certificates");
-            });
+            [this, next](const caf::error&) { fail(next->number, why_no_connection()); });
   }
 
   void ask(open_question x) {
@@ -140,10 +136,18 @@ private:
         x.what);
   }
 
+  [[nodiscard]] std::string why_no_connection() const {
+    if (was_connected_)
+      return "cannot be reached any more";
+    return with_->all.is_secured ? "does not take our certificate, or has none of ours"
+                                 : "does not answer as a host of ours, or only to certificates";
+  }
+
   void fail(std::uint64_t number, const std::string& why) { with_->finish(number, why); }
 
   std::shared_ptr<state> with_;
   caf::actor remote_;
+  bool was_connected_ = false;
   std::uint64_t number_ = 0; ///< of the newest question
 };
 
