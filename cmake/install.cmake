@@ -11,6 +11,7 @@ set_target_properties(rubicon_all PROPERTIES EXPORT_NAME rubicon)
 target_link_libraries(rubicon_all INTERFACE rubicon_cli)
 
 install(TARGETS rubicon RUNTIME DESTINATION bin)
+install(FILES packaging/rubicon-host@.service DESTINATION lib/systemd/system)
 install(TARGETS rubicon_all ${libraries} EXPORT rubicon ARCHIVE DESTINATION lib/rubicon)
 install(EXPORT rubicon NAMESPACE rubicon:: FILE rubicon-targets.cmake DESTINATION ${package_folder})
 install(DIRECTORY src/ DESTINATION include/rubicon FILES_MATCHING PATTERN *.hpp)

@@ -211,6 +211,15 @@ CLI::App& add_host(CLI::App& app, host_command& x) {
   return host;
 }
 
+CLI::App& add_doctor(CLI::App& app, doctor_command& x) {
+  auto& doctor = *app.add_subcommand(
+      "doctor", "Look at this computer, and at the hosts of a file, and say what to do");
+  doctor.add_option("FILE", x.file, "Whose [[host]]s are asked as well")->type_name("");
+  add_tls(doctor, x.tls);
+  doctor.add_flag("--json", x.json, "Print JSON and nothing else");
+  return doctor;
+}
+
 /// `rubicon status`, `stop` and `fault`.
 class deployed_command_line {
 public:
@@ -426,6 +435,8 @@ command parse_command_line(std::span<const char* const> arguments) {
   host_command host;
   const auto& host_app = add_host(app, host);
   const deployed_command_line running(app);
+  doctor_command doctor;
+  const auto& doctor_app = add_doctor(app, doctor);
   const auto& swarm_app = add_swarm(app, swarm);
   explain_command explain;
   const auto& explain_app = add_explain(app, explain);
@@ -457,6 +468,8 @@ command parse_command_line(std::span<const char* const> arguments) {
     return deploy;
   if (host_app.parsed())
     return host;
+  if (doctor_app.parsed())
+    return doctor;
   if (auto asked = running.parsed())
     return *std::move(asked);
   if (swarm_app.parsed())

@@ -84,6 +84,14 @@ struct deployed_command {
   std::variant<ask_status, stop_all, fault_now> what;
 };
 
+/// `rubicon doctor [FILE]`
+struct doctor_command {
+  std::string file; ///< whose hosts are looked at; empty: only this computer
+  config::extensions known;
+  control::tls_files tls;
+  bool json = false;
+};
+
 /// `rubicon schema`
 struct schema_command {
   std::string tables_of; ///< a document whose tables of keys are made anew; empty: JSON Schema
@@ -134,8 +142,8 @@ struct refused_command {
 };
 
 using command =
-    std::variant<run_command, deploy_command, host_command, deployed_command, check_command,
-                 schema_command, swarm_command, explain_command, certs_command, network_command,
+    std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
+                 check_command, schema_command, swarm_command, explain_command, certs_command, network_command,
                  show_command, refused_command>;
 
 /// @param arguments the program's name first

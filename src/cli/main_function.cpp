@@ -16,6 +16,7 @@
 #include "cli/console.hpp"
 #include "cli/deploy_command.hpp"
 #include "cli/deployed_command.hpp"
+#include "cli/doctor_command.hpp"
 #include "cli/exit_status.hpp"
 #include "cli/explain_command.hpp"
 #include "cli/host_command.hpp"

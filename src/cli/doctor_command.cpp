@@ -1,0 +1,252 @@
+#include "cli/doctor_command.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
+
+#include "cli/ask_hosts.hpp"
+#include "cli/console.hpp"
+#include "cli/deployed.hpp"
+#include "cli/ecology_file.hpp"
+#include "cli/random_id.hpp"
+#include "cli/version.hpp"
+#include "config/placement.hpp"
+#include "control/system.hpp"
+#include "core/printable.hpp"
+#include "deploy/bundle.hpp"
+#include "io/certificates.hpp"
+#include "io/kept_number.hpp"
+#include "io/loop.hpp"
+#include "io/machine.hpp"
+#include "io/serial_devices.hpp"
+#include "io/udp_group.hpp"
+#include "report/figures.hpp"
+#include "report/text_layout.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+/// What was looked at, and what is wrong with it.
+struct finding {
+  std::string what;
+  std::string found;
+  std::string advice; ///< empty: nothing is wrong
+};
+
+using findings = std::vector<finding>;
+
+std::string address_text(const io::network_interface& x) {
+  std::string text;
+  for (const auto octet : x.ipv4)
+    text += (text.empty() ? "" : ".") + std::to_string(octet);
+  return text;
+}
+
+finding look_at_network() {
+  std::string found;
+  for (const auto& each : io::network_interfaces())
+    if (!each.loopback)
+      found += (found.empty() ? "" : ", ") + each.device + ' ' + address_text(each);
+  return {"network", found.empty() ? "loopback only" : found,
+          found.empty() ? "connect this computer to the network of the others, unless all run here"
+                        : ""};
+}
+
+/// Whether an own datagram comes back. It leaves this computer nowhere, and goes to a port that no
+/// PEIS kernel listens to.
+finding look_at_multicast() {
+  constexpr duration patience = 1s;
+  io::loop loop;
+  io::udp_group_config config;
+  ++config.port;
+  config.hops_max = 0;
+  const auto mark = random_id();
+  bool heard = false;
+  auto joined = io::udp_group::join(loop, config, [&](byte_view datagram) {
+    heard = heard || std::ranges::equal(datagram, mark);
+  });
+  const std::string advice = "peers of `lan = true` do not find each other: add a route for "
+                             "multicast (ip route add 224.0.0.0/4 dev DEVICE), or name links with "
+                             "`connect`; links between [[host]]s need none";
+  if (const auto* why = std::get_if<std::string>(&joined))
+    return {"multicast", *why, advice};
+  auto& group = std::get<io::udp_group>(joined);
+  group.send(byte_view(reinterpret_cast<const std::uint8_t*>(mark.data()), mark.size()));
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (!heard && std::chrono::steady_clock::now() < until)
+    loop.wait_until(until);
+  return {"multicast", heard ? "works" : "nothing comes back", heard ? "" : advice};
+}
+
+finding look_at_clock() {
+  const std::chrono::year_month_day today(
+      std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now()));
+  const auto year = static_cast<int>(today.year());
+  return {"clock", std::to_string(year),
+          year < 2025 ? "set it: certificates are not valid yet (timedatectl set-ntp true)" : ""};
+}
+
+finding look_at_descriptors() {
+  constexpr rlim_t wanted = 1024;
+  rlimit x{};
+  static_cast<void>(::getrlimit(RLIMIT_NOFILE, &x));
+  return {"open files", "at most " + std::to_string(x.rlim_cur),
+          x.rlim_cur < wanted ? "raise it: ulimit -n 1024, or LimitNOFILE= of the service" : ""};
+}
+
+finding look_at_state() {
+  const auto path = io::state_file("doctor");
+  if (path.empty())
+    return {"state folder", "none", "set HOME or XDG_STATE_HOME to a folder that you may write"};
+  return {"state folder", std::filesystem::path(path).parent_path().string(), ""};
+}
+
+void look_at_serial(findings& out) {
+  const auto all = io::serial_devices();
+  if (all.empty())
+    out.push_back({"serial", "no device", ""});
+  for (const auto& each : all)
+    out.push_back({"serial", each.path + (each.problem.empty() ? "" : ": " + each.problem),
+                   each.problem.empty()
+                       ? ""
+                       : "join the group that owns it: sudo usermod -aG dialout $USER, then log in "
+                         "again"});
+}
+
+void look_at_certificates(const control::tls_files& tls, findings& out) {
+  if (tls.empty())
+    return;
+  const auto path = std::filesystem::path(tls.certificate);
+  const auto listed = io::list_certificates(path.parent_path().string());
+  if (const auto* why = std::get_if<std::string>(&listed)) {
+    out.push_back({"certificate", *why, "make them: rubicon certs init, rubicon certs add HOST"});
+    return;
+  }
+  const auto& all = std::get<std::vector<io::listed_certificate>>(listed);
+  const auto found =
+      std::ranges::find(all, path.filename().string(), &io::listed_certificate::file);
+  const auto now = io::system_time();
+  const bool good = found != all.end() && io::is_good(*found, now);
+  out.push_back({"certificate", tls.certificate + (good ? "" : " is no good"),
+                 good ? "" : "rubicon certs list tells why; rubicon certs add makes another"});
+}
+
+/// What hosts say of themselves, and of the part that is theirs.
+void look_at_hosts(const doctor_command& x, const deploy::packed& file, findings& out) {
+  constexpr double clock_off_max_s = 60;
+  std::vector<deployed_host> hosts;
+  for (const auto& host : config::used_hosts(*file.loaded.ecology))
+    hosts.push_back({host.name, host.address, host.control_port});
+  control::system actors(x.tls);
+  const auto ask = [&](const auto& what) { return ask_hosts(actors, hosts, what); };
+  const auto greeted = ask([](const auto&) { return deploy::greeting{version}; });
+  const auto clock_us = [] {
+    return std::chrono::duration_cast<std::chrono::microseconds>(
+               std::chrono::system_clock::now().time_since_epoch())
+        .count();
+  };
+  const auto before_us = clock_us();
+  const auto facts = ask([](const auto& host) { return deploy::ask_facts{host.name}; });
+  const auto now_us = (before_us + clock_us()) / 2;
+  const auto offered = ask([&](const auto& host) {
+    return deploy::offer{{}, host.name, file.what, "off", /*only_asks=*/true};
+  });
+  for (std::size_t i = 0; i < hosts.size(); ++i) {
+    const auto name = "host " + hosts[i].name;
+    const auto place = hosts[i].address + ':' + std::to_string(hosts[i].port);
+    if (const auto* why = std::get_if<std::string>(&greeted[i])) {
+      out.push_back({name, place + ' ' + *why,
+                     "start rubicon host --name " + hosts[i].name +
+                         " there, open the port in its firewall, and give both ends certificates "
+                         "of one authority"});
+      continue;
+    }
+    const auto& theirs = std::get<deploy::greeting>(std::get<deploy::answer>(greeted[i])).version;
+    out.push_back({name, place + " runs rubicon " + theirs,
+                   theirs == version ? "" : std::string("install ") + version + " on both"});
+    if (theirs != version || !std::holds_alternative<deploy::answer>(facts[i]) ||
+        !std::holds_alternative<deploy::answer>(offered[i]))
+      continue;
+    const auto& found = std::get<deploy::host_facts>(std::get<deploy::answer>(facts[i]));
+    if (found.host != hosts[i].name)
+      out.push_back({name, "calls itself `" + found.host + '`',
+                     "start it with --name " + hosts[i].name + ", or correct `address`"});
+    const auto ahead_s = 1e-6 * static_cast<double>(found.clock_us - now_us);
+    out.push_back({name, "clock " + report::fixed(ahead_s, 3) + " s ahead of ours",
+                   std::abs(ahead_s) > clock_off_max_s
+                       ? "set it (timedatectl set-ntp true): certificates and logs go by it"
+                       : ""});
+    const auto& problems =
+        std::get<deploy::verdict>(std::get<deploy::answer>(offered[i])).problems;
+    for (const auto& each : problems)
+      out.push_back({name, "could not run its part", each});
+    if (problems.empty())
+      out.push_back({name, "could run its part", ""});
+  }
+}
+
+std::string text_of(const findings& all) {
+  const auto output = console_of(stdout);
+  report::table table({{"what"}, {"found"}});
+  for (const auto& x : all)
+    table.add({report::printable(x.what),
+               {report::printable(x.found),
+                x.advice.empty() ? report::look::plain : report::look::bad}});
+  auto text = table.render(output.width, output.colour);
+  for (const auto& x : all)
+    if (!x.advice.empty())
+      text += '\n' + report::printable(x.what) + ": " + report::printable(x.advice) + '\n';
+  return text;
+}
+
+std::string json_of(const findings& all) {
+  auto out = nlohmann::ordered_json::array();
+  for (const auto& x : all) {
+    nlohmann::ordered_json row{{"what", x.what}, {"found", x.found}, {"good", x.advice.empty()}};
+    if (!x.advice.empty())
+      row["advice"] = x.advice;
+    out.push_back(std::move(row));
+  }
+  return out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+}
+
+} // namespace
+
+exit_status perform(const doctor_command& x) {
+  findings all{{"rubicon", version, ""}};
+  all.push_back(look_at_network());
+  all.push_back(look_at_multicast());
+  all.push_back(look_at_clock());
+  all.push_back(look_at_descriptors());
+  all.push_back(look_at_state());
+  look_at_serial(all);
+  look_at_certificates(x.tls, all);
+  if (!x.file.empty()) {
+    config::overrides instead;
+    instead.mode = config::run_mode::wall;
+    const auto file = deploy::pack(x.file, instead, std::nullopt, x.known);
+    complain(file.loaded, x.file);
+    if (!file.loaded.ecology || !file.loaded.problems.empty())
+      return exit_status::refused;
+    for (const auto& each : config::placement_problems(*file.loaded.ecology))
+      all.push_back({"file", x.file, each});
+    look_at_hosts(x, file, all);
+  }
+  const bool good = std::ranges::all_of(all, [](const auto& each) { return each.advice.empty(); });
+  if (!print(stdout, x.json ? json_of(all) : text_of(all)))
+    return exit_status::refused;
+  return good ? exit_status::good : exit_status::failed;
+}
+
+} // namespace rubicon::cli
