@@ -199,7 +199,8 @@ CLI::App& add_host(CLI::App& app, host_command& x) {
   host.add_option("--name", x.name, "Its name, as [[host]] of the files has it")
       ->required()
       ->type_name("NAME");
-  add_parsed(host, "--listen", "ADDRESS:PORT", "Where it takes commands; 127.0.0.1:4242 if not given",
+  add_parsed(host, "--listen", "ADDRESS:PORT",
+             "Where it takes commands; 127.0.0.1:4242 if not given",
              [&](const auto& text) { parse_listen(text, x); });
   add_tls(host, x.tls);
   host.add_flag("--allow-commands", x.allows_commands,
@@ -265,7 +266,8 @@ CLI::App& add_deploy(CLI::App& app, deploy_command& x) {
   add_file(deploy, x.file);
   deploy.add_flag("--local", x.local, "Every [[host]] is a process of this computer");
   deploy.add_flag("--dry-run", x.dry_run, "Only tell what would run where, and whether it could");
-  deploy.add_flag("--attach", x.attach, "Follow what runs already, in the place of who deployed it")
+  deploy
+      .add_flag("--attach", x.attach, "Follow what runs already, in the place of who deployed it")
       ->excludes("--local")
       ->excludes("--dry-run");
   add_tls(deploy, x.tls);
@@ -289,9 +291,8 @@ CLI::App& add_swarm(CLI::App& app, swarm_command& x) {
   add_parsed(swarm, "--seeds", "A..B", "The seeds, both ends included", [&](const auto& text) {
     x.seeds = parse_seeds(text);
   })->required();
-  auto* const jobs =
-      add_parsed(swarm, "--jobs", "N", "Runs at a time; one per core if not given",
-             [&](const auto& text) { x.jobs = parse_jobs(text); });
+  auto* const jobs = add_parsed(swarm, "--jobs", "N", "Runs at a time; one per core if not given",
+                                [&](const auto& text) { x.jobs = parse_jobs(text); });
   add_parsed(swarm, "--for", "TIME", "Ecology time of each run; as the file says if not given",
              [&](const auto& text) {
                static_cast<void>(parse_length(text));

@@ -143,8 +143,8 @@ struct refused_command {
 
 using command =
     std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
-                 check_command, schema_command, swarm_command, explain_command, certs_command, network_command,
-                 show_command, refused_command>;
+                 check_command, schema_command, swarm_command, explain_command, certs_command,
+                 network_command, show_command, refused_command>;
 
 /// @param arguments the program's name first
 [[nodiscard]] command parse_command_line(std::span<const char* const> arguments);

@@ -24,7 +24,10 @@ std::optional<deployed> read(const fs::path& path) {
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   try {
     const auto all = json::parse(text);
-    deployed x{all.at("id"), all.at("ecology"), all.at("file"), {},
+    deployed x{all.at("id"),
+               all.at("ecology"),
+               all.at("file"),
+               {},
                {all.at("certificate"), all.at("key"), all.at("authority")}};
     for (const auto& host : all.at("hosts"))
       x.hosts.push_back({host.at("name"), host.at("address"), host.at("port")});
@@ -57,12 +60,9 @@ std::string remember(const deployed& x) {
   json hosts = json::array();
   for (const auto& host : x.hosts)
     hosts.push_back({{"name", host.name}, {"address", host.address}, {"port", host.port}});
-  const json all{{"id", x.id},
-                 {"ecology", x.ecology},
-                 {"file", x.file},
-                 {"certificate", x.tls.certificate},
-                 {"key", x.tls.key},
-                 {"authority", x.tls.authority},
+  const json all{{"id", x.id},       {"ecology", x.ecology},
+                 {"file", x.file},   {"certificate", x.tls.certificate},
+                 {"key", x.tls.key}, {"authority", x.tls.authority},
                  {"hosts", hosts}};
   const auto path = io::state_file(x.ecology + ending);
   if (path.empty())

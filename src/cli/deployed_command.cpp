@@ -55,9 +55,13 @@ std::string status_table(const deployed& x, const answers& all, std::int64_t now
     const auto place = host.address + ':' + std::to_string(host.port);
     const auto* facts = facts_of(all, i);
     if (facts == nullptr) {
-      table.add({report::printable(host.name), place,
+      table.add({report::printable(host.name),
+                 place,
                  {report::printable(std::get<std::string>(all[i])), report::look::bad},
-                 "", "", "", ""});
+                 "",
+                 "",
+                 "",
+                 ""});
       continue;
     }
     table.add({report::printable(host.name), place, report::printable(state_of(x, *facts)),
@@ -73,9 +77,8 @@ std::string status_json(const deployed& x, const answers& all, std::int64_t now_
   using nlohmann::ordered_json;
   ordered_json hosts = ordered_json::array();
   for (std::size_t i = 0; i < x.hosts.size(); ++i) {
-    ordered_json row{{"host", x.hosts[i].name},
-                     {"address", x.hosts[i].address},
-                     {"port", x.hosts[i].port}};
+    ordered_json row{
+        {"host", x.hosts[i].name}, {"address", x.hosts[i].address}, {"port", x.hosts[i].port}};
     if (const auto* facts = facts_of(all, i)) {
       row["state"] = to_string(facts->state);
       row["ecology"] = facts->ecology;
@@ -152,7 +155,8 @@ private:
         status = exit_status::failed;
         continue;
       }
-      for (const auto& each : std::get<deploy::verdict>(std::get<deploy::answer>(all[i])).problems) {
+      for (const auto& each :
+           std::get<deploy::verdict>(std::get<deploy::answer>(all[i])).problems) {
         static_cast<void>(say(name + "  " + each));
         status = exit_status::refused;
       }
@@ -169,11 +173,12 @@ private:
 exit_status perform(const deployed_command& x) {
   const auto found = remembered(x.ecology);
   if (!found) {
-    static_cast<void>(print(
-        stderr, x.ecology.empty()
-                    ? "rubicon: you have deployed nothing that runs; `rubicon deploy FILE --attach` "
-                      "finds what somebody else has deployed\n"
-                    : "rubicon: you have deployed no `" + printable(x.ecology) + "` that runs\n"));
+    static_cast<void>(
+        print(stderr,
+              x.ecology.empty()
+                  ? "rubicon: you have deployed nothing that runs; `rubicon deploy FILE --attach` "
+                    "finds what somebody else has deployed\n"
+                  : "rubicon: you have deployed no `" + printable(x.ecology) + "` that runs\n"));
     return exit_status::refused;
   }
   return std::visit(asker(*found), x.what);

@@ -11,12 +11,12 @@ namespace rubicon::cli {
 
 namespace {
 
-constexpr duration answer_max = 5s;     ///< who takes longer does not answer
-constexpr duration news_every = 200ms;  ///< from an answer to the next question
-constexpr duration retry_early = 50ms;  ///< while nothing has begun
-constexpr duration retry_every = 1s;    ///< later
-constexpr duration goodbye_max = 10s;   ///< for reports, once all is over
-constexpr duration restart_least = 1s;  ///< so much must be left for a part to begin again
+constexpr duration answer_max = 5s;    ///< who takes longer does not answer
+constexpr duration news_every = 200ms; ///< from an answer to the next question
+constexpr duration retry_early = 50ms; ///< while nothing has begun
+constexpr duration retry_every = 1s;   ///< later
+constexpr duration goodbye_max = 10s;  ///< for reports, once all is over
+constexpr duration restart_least = 1s; ///< so much must be left for a part to begin again
 
 std::string text_of(const std::vector<std::string>& problems) {
   std::string text;
@@ -27,9 +27,9 @@ std::string text_of(const std::vector<std::string>& problems) {
 
 } // namespace
 
-deployment::deployment(io::loop& loop, control::system& actors, std::string id,
-                       deploy::bundle what, config::ecology_description ecology,
-                       const std::vector<deployed_host>& hosts, deployment_options options)
+deployment::deployment(io::loop& loop, control::system& actors, std::string id, deploy::bundle what,
+                       config::ecology_description ecology, const std::vector<deployed_host>& hosts,
+                       deployment_options options)
     : id_(std::move(id)), what_(std::move(what)), ecology_(std::move(ecology)),
       options_(std::move(options)) {
   for (const auto& host : hosts) {
@@ -292,8 +292,8 @@ report::run_report deployment::whole_report() const {
   bool is_cut_short = interrupted_; // by us, or by somebody else's `rubicon stop`
   for (const auto& each : hosts_) {
     all.push_back(each.report);
-    is_cut_short = is_cut_short || (!each.report.lives.empty() &&
-                                    each.report.lives.back().told.report.interrupted);
+    is_cut_short = is_cut_short ||
+                   (!each.report.lives.empty() && each.report.lives.back().told.report.interrupted);
   }
   auto whole = report::merged(ecology_, all);
   whole.interrupted = is_cut_short;

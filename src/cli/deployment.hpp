@@ -77,7 +77,8 @@ private:
   [[nodiscard]] duration elapsed() const;
   [[nodiscard]] bool is_late() const;
   void ask(followed& x);
-  void ask(followed& x, deploy::question what, void (deployment::*then)(followed&, deploy::answer&));
+  void ask(followed& x, deploy::question what,
+           void (deployment::*then)(followed&, deploy::answer&));
   void on_silence(followed& x, const std::string& why);
   void on_greeting(followed& x, deploy::answer& found);
   void on_facts(followed& x, deploy::answer& found);

@@ -187,8 +187,7 @@ void look_at_hosts(const doctor_command& x, const deploy::packed& file, findings
                    std::abs(ahead_s) > clock_off_max_s
                        ? "set it (timedatectl set-ntp true): certificates and logs go by it"
                        : ""});
-    const auto& problems =
-        std::get<deploy::verdict>(std::get<deploy::answer>(offered[i])).problems;
+    const auto& problems = std::get<deploy::verdict>(std::get<deploy::answer>(offered[i])).problems;
     for (const auto& each : problems)
       out.push_back({name, "could not run its part", each});
     if (problems.empty())
@@ -200,9 +199,9 @@ std::string text_of(const findings& all) {
   const auto output = console_of(stdout);
   report::table table({{"what"}, {"found"}});
   for (const auto& x : all)
-    table.add({report::printable(x.what),
-               {report::printable(x.found),
-                x.advice.empty() ? report::look::plain : report::look::bad}});
+    table.add(
+        {report::printable(x.what),
+         {report::printable(x.found), x.advice.empty() ? report::look::plain : report::look::bad}});
   auto text = table.render(output.width, output.colour);
   for (const auto& x : all)
     if (!x.advice.empty())

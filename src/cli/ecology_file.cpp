@@ -28,7 +28,8 @@ std::optional<ecology_file> load_bundle(const std::string& file, const config::o
   complain(loaded, bundle->name);
   if (!loaded.problems.empty())
     return std::nullopt;
-  return ecology_file{*std::move(loaded.ecology), fold64().add(std::string_view(bundle->toml)).value()};
+  return ecology_file{*std::move(loaded.ecology),
+                      fold64().add(std::string_view(bundle->toml)).value()};
 }
 
 } // namespace

@@ -99,8 +99,9 @@ std::vector<std::string> hosted_part::problems_of(const deploy::offer& x) const 
   if (x.host != with_.host)
     return {"this is host `" + with_.host + "`, not `" + x.host + '`'};
   if (is_running())
-    return {"it runs `" + part_->ecology + "` already: `rubicon stop` ends it, `--attach` follows "
-                                           "it"};
+    return {"it runs `" + part_->ecology +
+            "` already: `rubicon stop` ends it, `--attach` follows "
+            "it"};
   auto loaded = deploy::load(x.what, wall(), with_.known);
   std::vector<std::string> out;
   for (const auto& each : loaded.problems)
@@ -226,8 +227,7 @@ void hosted_part::note(const std::string& line) {
 }
 
 void hosted_part::on_time() {
-  if (part_ && part_->state == deploy::part_state::waiting &&
-      steady::now() >= part_->begins_again)
+  if (part_ && part_->state == deploy::part_state::waiting && steady::now() >= part_->begins_again)
     start();
 }
 

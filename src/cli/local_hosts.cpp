@@ -43,30 +43,28 @@ control::tls_files local_hosts::certificate_of(const std::string& name) const {
   const auto file = [this](const std::string& x) {
     return (folder_.path() / "certs" / x).string();
   };
-  return {file(name + ".crt"), file(name + ".key"),
-          file(std::string(io::authority_name) + ".crt")};
+  return {file(name + ".crt"), file(name + ".key"), file(std::string(io::authority_name) + ".crt")};
 }
 
 void local_hosts::start(local_host& x) {
   const auto tls = certificate_of(x.certificate);
   io::spawn_request what;
   what.program = own_binary;
-  what.words = {"rubicon",    "host",
-                "--name",     x.place.name,
-                "--listen",   x.place.address + ':' + std::to_string(x.place.port),
-                "--state",    folder_.path().string(),
-                "--tls-cert", tls.certificate,
-                "--tls-key",  tls.key,
-                "--tls-ca",   tls.authority,
+  what.words = {"rubicon",         "host",
+                "--name",          x.place.name,
+                "--listen",        x.place.address + ':' + std::to_string(x.place.port),
+                "--state",         folder_.path().string(),
+                "--tls-cert",      tls.certificate,
+                "--tls-key",       tls.key,
+                "--tls-ca",        tls.authority,
                 "--allow-commands"};
   // What a host says is said by its deployment as well; what keeps it from beginning, by it alone.
-  auto begun = io::process::start(
-      loop_, std::move(what),
-      {[](io::process::output, byte_view) {},
-       [this, &x](io::process_end) {
-         x.process.reset();
-         x.starts_at = steady::now() + restart_pause;
-       }});
+  auto begun = io::process::start(loop_, std::move(what),
+                                  {[](io::process::output, byte_view) {},
+                                   [this, &x](io::process_end) {
+                                     x.process.reset();
+                                     x.starts_at = steady::now() + restart_pause;
+                                   }});
   if (const auto* why = std::get_if<std::string>(&begun))
     throw std::runtime_error(*why);
   x.process.emplace(std::get<io::process>(std::move(begun)));

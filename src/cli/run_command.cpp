@@ -117,9 +117,8 @@ std::unique_ptr<io::line_input> listen(const run_command& x, const run_control& 
     if (const auto* fault = std::get_if<config::fault>(&found))
       run.apply(*fault);
     else
-      static_cast<void>(print(stderr, printable("fault " + sentence + ": " +
-                                                std::get<std::string>(found)) +
-                                          '\n'));
+      static_cast<void>(print(
+          stderr, printable("fault " + sentence + ": " + std::get<std::string>(found)) + '\n'));
   };
   return std::make_unique<io::line_input>(run.loop, cause);
 }
@@ -144,9 +143,8 @@ exit_status run_for_deployment(const run_command& x, ecology_file file) {
   options.on_begun = [&](const run_control& control) { orders = listen(x, control); };
   options.on_event = [&](const report::logged_event& event) {
     const auto at = std::chrono::floor<std::chrono::milliseconds>(event.at.time_since_epoch());
-    static_cast<void>(print(stdout, printable(to_text(x.elapsed + at) + "  " + event.who + "  " +
-                                              event.what) +
-                                        '\n'));
+    static_cast<void>(print(
+        stdout, printable(to_text(x.elapsed + at) + "  " + event.who + "  " + event.what) + '\n'));
   };
   options.on_counters = [&told](const report::run_counters& all) {
     told.counters = all.unsettled();

@@ -224,8 +224,7 @@ exit_status perform(const swarm_command& x) {
   swarm_words words{x.file, x.length, x.jobs.value_or(std::thread::hardware_concurrency())};
   words.jobs = std::max<std::uint64_t>(words.jobs, 1);
   words.from_wall = file.loaded.ecology->mode == config::run_mode::wall;
-  return x.hosts.empty() ? swarm_runs(x, words).run_all()
-                         : run_on_hosts(x, std::move(file), words);
+  return x.hosts.empty() ? swarm_runs(x, words).run_all() : run_on_hosts(x, std::move(file), words);
 }
 
 } // namespace rubicon::cli

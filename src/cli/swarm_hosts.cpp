@@ -131,8 +131,9 @@ std::vector<std::uint64_t> swarm_hosts::seeds_for(seed_host& x) {
 
 void swarm_hosts::take_back(seed_host& x, const std::string& why, phase next) {
   if (x.trouble.empty() && !is_ending_)
-    say(x, why + (x.given.empty() ? "" : "; " + std::to_string(x.given.size()) +
-                                             " seeds of it are given to others"));
+    say(x, why + (x.given.empty() ? ""
+                                  : "; " + std::to_string(x.given.size()) +
+                                        " seeds of it are given to others"));
   x.trouble = why;
   x.at = next;
   x.asks_at = steady::now() + retry_every;

@@ -123,15 +123,13 @@ private:
         [&, number = x.number](auto& question) {
           using answer = typename std::decay_t<decltype(question)>::answer;
           request(remote_, x.timeout, std::move(question))
-              .then(
-                  [this, number](answer& found) {
-                    with_->finish(number, deploy::answer(std::move(found)));
-                  },
-                  [this, number](const caf::error&) {
-                    if (number == number_)
-                      remote_ = nullptr; // to be found anew
-                    fail(number, "does not answer");
-                  });
+              .then([this, number](
+                        answer& found) { with_->finish(number, deploy::answer(std::move(found))); },
+                    [this, number](const caf::error&) {
+                      if (number == number_)
+                        remote_ = nullptr; // to be found anew
+                      fail(number, "does not answer");
+                    });
         },
         x.what);
   }

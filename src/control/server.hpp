@@ -22,9 +22,8 @@ public:
   /// @param address IPv4 address of this computer, 0.0.0.0 for all
   /// @param port 0 lets the system choose
   /// @returns the server, or why there is none
-  [[nodiscard]] static std::variant<server, std::string> open(system& in, io::loop& where,
-                                                              const std::string& address,
-                                                              std::uint16_t port, handler f);
+  [[nodiscard]] static std::variant<server, std::string>
+  open(system& in, io::loop& where, const std::string& address, std::uint16_t port, handler f);
   ~server();
   server(server&&) noexcept;
   server& operator=(server&&) noexcept;

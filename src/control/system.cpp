@@ -11,8 +11,8 @@ namespace rubicon::control {
 
 namespace {
 
-// OpenSSL keeps errors for a thread until somebody asks. CAF's module does not: what went wrong with
-// one connection would then be taken for a fault of the next one on the same thread, which is
+// OpenSSL keeps errors for a thread until somebody asks. CAF's module does not: what went wrong
+// with one connection would then be taken for a fault of the next one on the same thread, which is
 // closed for it. A connection that ends takes its errors along, and an end without a goodbye is
 // none.
 void begin_connection(void* ssl, void*, CRYPTO_EX_DATA*, int, long, void*) {

@@ -77,8 +77,7 @@ std::variant<config::fault, std::string> fault_of(const bundle& x, std::string_v
   if (table.index() == 1)
     return std::get<1>(table);
   auto with_fault = x;
-  const auto lines_before =
-      static_cast<unsigned>(std::ranges::count(with_fault.toml, '\n')) + 1;
+  const auto lines_before = static_cast<unsigned>(std::ranges::count(with_fault.toml, '\n')) + 1;
   with_fault.toml += std::get<0>(table);
   config::overrides instead;
   instead.mode = config::run_mode::wall;

@@ -41,19 +41,19 @@ enum class part_state : std::uint8_t {
 [[nodiscard]] const char* to_string(part_state x);
 
 struct host_facts {
-  std::string host;              ///< name
+  std::string host; ///< name
   part_state state = part_state::none;
-  std::string deployment;        ///< id of what it has; empty: nothing. The others are empty then
-  std::string ecology;           ///< its name
-  std::string files_hash;        ///< of its bundle
+  std::string deployment; ///< id of what it has; empty: nothing. The others are empty then
+  std::string ecology;    ///< its name
+  std::string files_hash; ///< of its bundle
   std::uint64_t seed = 0;
   duration length{};
-  duration elapsed{};            ///< since it began on all hosts
-  bool refused = false;          ///< its process would not begin, and has said why
-  std::uint32_t lives = 0;       ///< processes of the part so far
-  std::uint64_t memory = 0;      ///< octets of its process
-  std::int64_t clock_us = 0;     ///< of the system, since 1970, UTC
-  bool runs_commands = false;    ///< of components that a file starts
+  duration elapsed{};         ///< since it began on all hosts
+  bool refused = false;       ///< its process would not begin, and has said why
+  std::uint32_t lives = 0;    ///< processes of the part so far
+  std::uint64_t memory = 0;   ///< octets of its process
+  std::int64_t clock_us = 0;  ///< of the system, since 1970, UTC
+  bool runs_commands = false; ///< of components that a file starts
 };
 RUBICON_FIELDS(host_facts, host, state, deployment, ecology, files_hash, seed, length, elapsed,
                refused, lives, memory, clock_us, runs_commands);

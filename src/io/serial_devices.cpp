@@ -17,8 +17,7 @@ std::vector<serial_device> serial_devices() {
     if (!name.starts_with("ttyUSB") && !name.starts_with("ttyACM"))
       continue;
     const bool usable = ::access(each.path().c_str(), R_OK | W_OK) == 0;
-    out.push_back(
-        {each.path().string(), usable ? "" : std::generic_category().message(errno)});
+    out.push_back({each.path().string(), usable ? "" : std::generic_category().message(errno)});
   }
   std::ranges::sort(out, {}, &serial_device::path);
   return out;

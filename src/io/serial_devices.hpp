@@ -7,8 +7,8 @@
 namespace rubicon::io {
 
 struct serial_device {
-  std::string path;     ///< `/dev/ttyUSB0`
-  std::string problem;  ///< why we cannot open it; empty: we could
+  std::string path;    ///< `/dev/ttyUSB0`
+  std::string problem; ///< why we cannot open it; empty: we could
 };
 
 /// USB ones, in the order of their names.

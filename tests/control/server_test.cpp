@@ -71,13 +71,15 @@ TEST_CASE("nobody there, and somebody who says nothing, are told soon", "[contro
   control::system ours{{}};
   {
     control::client client(ours, loop, "127.0.0.1", 9);
-    CHECK(std::get<std::string>(ask(loop, client, deploy::greeting{"9"}))
-              .find("cannot be reached") != std::string::npos);
+    CHECK(
+        std::get<std::string>(ask(loop, client, deploy::greeting{"9"})).find("cannot be reached") !=
+        std::string::npos);
   }
   std::vector<io::tcp_stream> taken;
-  auto silent = io::tcp_listener::open(
-      loop, "127.0.0.1", 0,
-      [&](io::tcp_stream x, const ipv4_address&) { taken.push_back(std::move(x)); });
+  auto silent =
+      io::tcp_listener::open(loop, "127.0.0.1", 0, [&](io::tcp_stream x, const ipv4_address&) {
+        taken.push_back(std::move(x));
+      });
   control::client client(ours, loop, "127.0.0.1", std::get<io::tcp_listener>(silent).port());
   const auto begun = std::chrono::steady_clock::now();
   CHECK(std::holds_alternative<std::string>(ask(loop, client, deploy::greeting{"9"}, 1s)));
