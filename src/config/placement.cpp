@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "core/overloads.hpp"
+#include "device/walk.hpp"
 
 namespace rubicon::config {
 
@@ -222,6 +223,33 @@ void redirect(std::vector<std::string>& links, const places& where, const std::s
   }
 }
 
+/// Of a mote or a tag.
+template <class Moving>
+void move_on(Moving& x, duration elapsed) {
+  if (x.path.empty())
+    return;
+  x.place = device::walk(x.path, 1s).at(instant(elapsed));
+  for (auto& each : x.path)
+    each.at -= elapsed;
+}
+
+void let_world_go_on(mote_description& x, duration elapsed) {
+  move_on(x, elapsed);
+  for (auto& each : x.transducers)
+    each.elapsed = elapsed;
+}
+
+void let_world_go_on(ecology_description& part, duration elapsed) {
+  for (auto& island : part.islands)
+    for (auto& mote : island.motes)
+      let_world_go_on(mote, elapsed);
+  for (auto& tag : part.tags)
+    move_on(tag, elapsed);
+  for (auto& each : part.faults)
+    if (auto* crash = std::get_if<crash_fault>(&each.what); crash != nullptr && crash->becomes)
+      let_world_go_on(*crash->becomes, elapsed);
+}
+
 } // namespace
 
 std::string host_of(const ecology_description& all, const std::string& host) {
@@ -302,6 +330,7 @@ const peer_description* host_peer(const ecology_description& part) {
 }
 
 void begin_later(ecology_description& part, duration elapsed) {
+  let_world_go_on(part, elapsed);
   part.length -= elapsed;
   part.day_begins = (part.day_begins + elapsed) % duration(24h);
   const auto shift = [elapsed](duration& x) { x = std::max(x - elapsed, duration{}); };

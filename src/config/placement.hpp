@@ -43,7 +43,8 @@ template <class Placed>
 [[nodiscard]] const peer_description* host_peer(const ecology_description& part);
 
 /// What is left of a part when it begins anew in the middle of its run: its end, the times of its
-/// faults and the time of day are as if it had run until then. @pre elapsed < part.length
+/// faults, the time of day, readings and whatever moves are as if it had run until then.
+/// @pre elapsed < part.length
 void begin_later(ecology_description& part, duration elapsed);
 
 } // namespace rubicon::config

@@ -100,7 +100,8 @@ struct evaluator {
 
 double value_of(const transducer_config& config, instant now, random_stream& rng,
                 const reader& who) {
-  const auto value = std::visit(evaluator{now.time_since_epoch(), config.kind, who}, config.model);
+  const auto value = std::visit(
+      evaluator{now.time_since_epoch() + config.elapsed, config.kind, who}, config.model);
   return config.noise > 0 ? value + config.noise * rng.normal() : value;
 }
 

@@ -105,6 +105,7 @@ struct transducer_config {
   transducer_model model;
   double noise = 0;        ///< standard deviation of Gaussian noise, in the value's own unit
   double resolution = 0.1; ///< value of one count, > 0
+  duration elapsed{};      ///< since the start of the run, when this process began
 };
 
 /// The kinds of actuator a descriptor can name; the number is the bit in its mask (DIS-09).

@@ -5,6 +5,9 @@
 #include <vector>
 
 #include "config/load.hpp"
+#include "core/random.hpp"
+#include "device/transducer.hpp"
+#include "device/walk.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -205,4 +208,25 @@ TEST_CASE("a part that begins late ends with the others", "[config]") {
   REQUIRE(x.faults.size() == 2);
   CHECK(x.faults[0].at == 2min); // at 8 min, and each 4 min
   CHECK(x.faults[1].at == 3min);
+}
+
+TEST_CASE("readings and places of a part that begins anew are those of the whole", "[config][NFR-08]") {
+  auto x = part_of(loaded_from(house + R"(
+[[tag]]
+id = "e004010012345678"
+path = [["0s", [0, 0]], ["10min", [10, 0]]]
+)"),
+                   "attic");
+  device::transducer_config rising;
+  rising.model = device::points_model{{{0s, 0.0}, {10min, 100.0}}};
+  x.islands.at(0).motes.at(0).transducers = {rising};
+  x.islands[0].motes[0].path = {{0s, {0, 0, 0}}, {2min, {2, 0, 0}}};
+  begin_later(x, 6min);
+  const auto& mote = x.islands[0].motes[0];
+  random_stream rng(1, "noise");
+  CHECK(device::value_of(mote.transducers[0], instant(1min), rng) == 70.0);
+  CHECK(mote.place.x_m == 2);
+  REQUIRE(x.tags.size() == 1);
+  CHECK(x.tags[0].place.x_m == Approx(6));
+  CHECK(device::walk(x.tags[0].path, 1s).at(instant(1min)).x_m == Approx(7));
 }
