@@ -18,7 +18,8 @@ struct reader {
   std::uint64_t seed = 0; ///< of random walks: the same in all lives of a mote
 };
 
-/// The model's value at `now` of this process, noise included, in its own unit. Draws from `rng` for noise only.
+/// The model's value at `now` of this process, noise included, in its own unit. Draws from `rng`
+/// for noise only.
 [[nodiscard]] double value_of(const transducer_config& config, instant now, random_stream& rng,
                               const reader& who = {});
 

@@ -1,18 +1,59 @@
 // Both ends of the control plane, in one process over loopback.
 #include <chrono>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include "control/client.hpp"
 #include "control/server.hpp"
+#include "io/certificates.hpp"
 #include "io/tcp_listener.hpp"
 #include "io/tcp_stream.hpp"
+#include "io/temporary_folder.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 
 namespace {
+
+/// Connects, says something that is no TLS or nothing at all, and goes.
+void intrude(std::uint16_t port, std::size_t octets) {
+  const int stranger = ::socket(AF_INET, SOCK_STREAM, 0);
+  REQUIRE(stranger != -1);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(port);
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  REQUIRE(::connect(stranger, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0);
+  const std::string garbage(octets, static_cast<char>('a' + octets % 26));
+  static_cast<void>(::send(stranger, garbage.data(), garbage.size(), MSG_NOSIGNAL));
+  ::close(stranger);
+}
+
+/// Certificates of an authority of their own.
+class certified {
+public:
+  explicit certified(const std::vector<std::string>& names) {
+    REQUIRE(io::make_authority(path(), {}, io::system_time()).index() == 0);
+    for (const auto& name : names)
+      REQUIRE(io::make_certificate(path(), {name}, io::system_time()).index() == 0);
+  }
+
+  [[nodiscard]] control::tls_files of(const std::string& name) const {
+    return {path() + '/' + name + ".crt", path() + '/' + name + ".key", path() + "/ca.crt"};
+  }
+
+private:
+  [[nodiscard]] std::string path() const { return (folder_.path() / "certs").string(); }
+
+  const io::temporary_folder folder_{"rubicon-control"};
+};
 
 using reply = std::variant<deploy::answer, std::string>;
 
@@ -103,4 +144,40 @@ TEST_CASE("a host that comes back is found again", "[control][NFR-08]") {
       answered = std::holds_alternative<deploy::answer>(ask(loop, *client, deploy::greeting{"9"}));
     CHECK(answered);
   }
+}
+
+TEST_CASE(
+    "only who has a certificate of the authority is listened to, and strangers disturb nobody",
+    "[control]") {
+  const certified ours({"kitchen", "me"});
+  const certified foreign({"me"});
+  io::loop loop;
+  control::system host{ours.of("kitchen")};
+  auto opened = control::server::open(host, loop, "127.0.0.1", 0, echo);
+  REQUIRE(std::holds_alternative<control::server>(opened));
+  const auto port = std::get<control::server>(opened).port();
+
+  control::system coordinator{ours.of("me")};
+  control::client client(coordinator, loop, "127.0.0.1", port);
+  const auto is_answered = [&] {
+    return std::holds_alternative<deploy::answer>(ask(loop, client, deploy::greeting{"9"}, 2s));
+  };
+  CHECK(is_answered());
+  {
+    control::system stranger{foreign.of("me")};
+    control::client refused(stranger, loop, "127.0.0.1", port);
+    CHECK(std::holds_alternative<std::string>(ask(loop, refused, deploy::greeting{"9"}, 2s)));
+    control::system bare{{}};
+    control::client naked(bare, loop, "127.0.0.1", port);
+    CHECK(std::holds_alternative<std::string>(ask(loop, naked, deploy::greeting{"9"}, 2s)));
+  }
+  for (std::size_t i = 0; i < 100; ++i) {
+    intrude(port, 7 * i % 400);
+    REQUIRE(is_answered());
+  }
+}
+
+TEST_CASE("a file of certificates that is not there is told at once", "[control]") {
+  CHECK_THROWS_AS(control::system({"/nowhere/a.crt", "/nowhere/a.key", "/nowhere/ca.crt"}),
+                  std::runtime_error);
 }

@@ -1,18 +1,25 @@
 // An ecology whose parts are processes of their own, as on PCs of their own.
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <sstream>
 #include <string>
+#include <thread>
+#include <variant>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "control/server.hpp"
 #include "support/catch.hpp"
 #include "support/shell.hpp"
 
+using namespace rubicon;
 using rubicon::test::shell;
 
 namespace {
@@ -77,6 +84,9 @@ public:
     return found;
   }
   [[nodiscard]] std::string text(const std::string& file) const { return text_of(path_ / file); }
+  void file(const std::string& name, const std::string& content) const {
+    std::ofstream(path_ / name) << content;
+  }
 
 private:
   fs::path path_;
@@ -310,4 +320,114 @@ TEST_CASE("a host says what keeps it from its part, and nothing begins", "[hosts
   CHECK(in.text("bedroom.log").find("begins") == std::string::npos);
   INFO(in.text("commands"));
   CHECK(in.text("nothing").find("you have deployed nothing that runs") != std::string::npos);
+}
+
+TEST_CASE("two processes that claim one host are both told, and one leaves",
+          "[hosts][RTE-08][IF-12]") {
+  const house in;
+  in.run("part kitchen 24s kitchen & part bedroom 24s bedroom & part care 24s care & sleep 2; "
+         "sed 's/control_port = 4770/control_port = 4780/' house.toml > copied.toml; "
+         "rubicon run copied.toml --host care --for 21s --json --starts other.starts > other.json "
+         "2> other.err; wait");
+  const std::vector<json> all{in.report("kitchen"), in.report("bedroom"), in.report("care"),
+                              in.report("other")};
+  const auto told = events_of({all[2]}, "its id is used by care@");
+  const auto other_told = events_of({all[3]}, "its id is used by care@");
+  CHECK(told.contains("care"));
+  CHECK(other_told.contains("care"));
+  CHECK(events_of({all[2], all[3]}, "leaves its id to care@")["care"].size() == 1);
+  for (std::size_t i = 0; i < 2; ++i)
+    for (const auto& island : all[i]["islands"])
+      CHECK(island["messages"]["reliable_failed"] == 0);
+}
+
+TEST_CASE("a swarm over hosts finds what one computer finds, also if one of them dies",
+          "[hosts][NFR-08]") {
+  const house in;
+  in.run("hosts; sleep 1; "
+         "words='swarm house.toml --seeds 1..80 --for 20min --json'; "
+         "rubicon $words > one.json; "
+         "rubicon $words --hosts kitchen,127.0.0.1:4760,care $me > three.json 2> three.err & "
+         "swarm=$!; sleep 1.5; kill -9 $kitchen; kill -STOP $care; wait $swarm; kill -CONT $care; "
+         "rubicon $words --hosts hall $me 2> nobody; end");
+  auto one = json::parse(in.text("one.json"));
+  auto three = json::parse(in.text("three.json"));
+  CHECK(three["runs"] == 80);
+  for (const auto* own : {"jobs", "wall_s", "slowest_seed", "slowest_s"}) {
+    one.erase(own);
+    three.erase(own);
+  }
+  CHECK(one.dump() == three.dump());
+  INFO(in.text("three.err"));
+  CHECK(in.text("three.err").find("kitchen  cannot be reached") != std::string::npos);
+  CHECK(in.text("nobody").find("`hall` is no [[host]] of the file") != std::string::npos);
+}
+
+TEST_CASE("every shipped file can be spread over hosts, or says why not", "[hosts][GEN-05]") {
+  const house in;
+  in.run("cp -r '" RUBICON_CONFIG_DIR "' config");
+  for (const auto& each : fs::directory_iterator(RUBICON_CONFIG_DIR)) {
+    if (each.path().extension() != ".toml")
+      continue;
+    INFO(each.path().string());
+    std::istringstream lines(text_of(each.path()));
+    std::string toml;
+    int number = 0;
+    for (std::string line; std::getline(lines, line);)
+      if (!line.starts_with("host = "))
+        toml += line +
+                (line == "[[island]]" || line == "[[peer]]"
+                     ? "\nhost = \"" + std::string(number++ % 2 == 0 ? "one" : "two") + '"'
+                     : "") +
+                '\n';
+    if (toml.find("[[host]]") == std::string::npos)
+      toml += "\n[[host]]\nname = \"one\"\naddress = \"127.0.0.1\"\ncontrol_port = 4700\n"
+              "[[host]]\nname = \"two\"\naddress = \"127.0.0.1\"\ncontrol_port = 4710\n";
+    else
+      continue; // the house: all other tests deploy it
+    in.file("config/spread.toml", toml);
+    in.run("rubicon deploy config/spread.toml --local --for 5s --json --log off > spread.json "
+           "2> spread.err; echo $? > status");
+    if (in.text("status") == "2\n") {
+      INFO(in.text("spread.err"));
+      CHECK(in.text("spread.err").find("different hosts") != std::string::npos);
+      continue;
+    }
+    const auto report = in.report("spread");
+    CHECK(report["complete"] == true);
+    CHECK(in.text("spread.err").find("has ended with") == std::string::npos);
+  }
+}
+
+TEST_CASE("a host of another version is told apart before anything begins", "[hosts]") {
+  const house in;
+  io::loop loop;
+  control::system actors{{}};
+  const auto opened = control::server::open(
+      actors, loop, "127.0.0.1", 4750,
+      [](const deploy::question&) -> deploy::answer { return deploy::greeting{"99.0"}; });
+  REQUIRE(std::holds_alternative<control::server>(opened));
+  std::atomic<bool> over = false;
+  std::thread host([&] {
+    while (!over)
+      loop.wait_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(20));
+  });
+  in.run("rubicon deploy house.toml 2> err; echo $? > status");
+  over = true;
+  host.join();
+  CHECK(in.text("status") == "2\n");
+  CHECK(in.text("err").find("kitchen  runs rubicon 99.0, this is ") != std::string::npos);
+}
+
+TEST_CASE("doctor looks at this computer and asks the hosts of a file", "[hosts]") {
+  const house in;
+  in.run("hosts; sleep 1; kill $care; wait $care; "
+         "rubicon doctor --json > here; rubicon doctor house.toml $me > all; echo $? > status; "
+         "end");
+  const auto here = json::parse(in.text("here"));
+  CHECK(std::any_of(here.begin(), here.end(), [](const auto& x) { return x["what"] == "clock"; }));
+  CHECK(in.text("status") == "1\n");
+  CHECK(in.text("all").find("could run its part") != std::string::npos);
+  CHECK(in.text("all").find("host care: start rubicon host --name care there") !=
+        std::string::npos);
 }

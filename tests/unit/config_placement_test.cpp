@@ -210,7 +210,8 @@ TEST_CASE("a part that begins late ends with the others", "[config]") {
   CHECK(x.faults[1].at == 3min);
 }
 
-TEST_CASE("readings and places of a part that begins anew are those of the whole", "[config][NFR-08]") {
+TEST_CASE("readings and places of a part that begins anew are those of the whole",
+          "[config][NFR-08]") {
   auto x = part_of(loaded_from(house + R"(
 [[tag]]
 id = "e004010012345678"
