@@ -33,6 +33,7 @@ settings::settings(const tls_files& tls) {
   add_message_types<caf::id_block::rubicon_control>();
   load<caf::io::middleman>();
   set("scheduler.max-threads", 2U);
+  set("scheduler.policy", caf::atom("sharing")); // waits for work; stealing looks for it all day
   set("logger.verbosity", caf::atom("quiet"));
   if (tls.empty())
     return;
