@@ -11,7 +11,6 @@ namespace rubicon::cli {
 
 namespace {
 
-constexpr duration answer_max = 5s;    ///< who takes longer does not answer
 constexpr duration news_every = 200ms; ///< from an answer to the next question
 constexpr duration retry_early = 50ms; ///< while nothing has begun
 constexpr duration retry_every = 1s;   ///< later
@@ -101,7 +100,8 @@ void deployment::ask(followed& x) {
 
 void deployment::ask(followed& x, deploy::question what,
                      void (deployment::*then)(followed&, deploy::answer&)) {
-  x.client->ask(std::move(what), answer_max,
+  const auto patience = deploy::patience_for(what);
+  x.client->ask(std::move(what), patience,
                 [this, &x, then](std::variant<deploy::answer, std::string> found) {
                   if (const auto* why = std::get_if<std::string>(&found))
                     return on_silence(x, *why);

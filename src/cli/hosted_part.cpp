@@ -30,6 +30,8 @@ namespace fs = std::filesystem;
 constexpr duration restart_pause_min = 1s;
 constexpr duration restart_pause_max = 30s;
 constexpr duration early = 10s;
+/// The report of each is kept.
+constexpr std::size_t lives_max = 1000;
 
 config::overrides wall() {
   config::overrides instead;
@@ -166,6 +168,8 @@ void hosted_part::start() {
     now.elapsed = elapsed();
   now.file = file('-' + std::to_string(x.lives.size()) + ".report");
   now.change = ++x.changes;
+  std::error_code ignored;
+  fs::remove(now.file, ignored); // an earlier service of this host may have left one
   io::spawn_request what;
   what.program = own_binary;
   what.feeds = true;
@@ -206,11 +210,13 @@ void hosted_part::on_end(io::process_end how) {
   take_reports();
   const auto& last = x.lives.back();
   const bool is_over = x.ending || last.is_final;
-  x.refused = how.status == static_cast<int>(exit_status::refused);
+  x.refused = x.lives.size() == 1 && how.status == static_cast<int>(exit_status::refused);
   x.pause = elapsed() - last.elapsed < early
                 ? std::clamp(2 * x.pause, restart_pause_min, restart_pause_max)
                 : restart_pause_min;
-  if (is_over || x.refused || elapsed() + x.pause >= x.what.length) {
+  if (x.lives.size() >= lives_max && !is_over)
+    note("has died " + std::to_string(lives_max) + " times, and stays dead");
+  if (is_over || x.refused || x.lives.size() >= lives_max || elapsed() + x.pause >= x.what.length) {
     x.state = deploy::part_state::ended;
     say_('`' + x.ecology + "` has ended");
     return;

@@ -6,7 +6,9 @@
 #include <variant>
 
 #include "cli/console.hpp"
+#include "cli/exit_status.hpp"
 #include "cli/own_binary.hpp"
+#include "core/printable.hpp"
 #include "core/time.hpp"
 #include "io/certificates.hpp"
 

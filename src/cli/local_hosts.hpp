@@ -44,6 +44,7 @@ private:
     std::optional<io::process> process;
     steady::time_point starts_at;
     io::line_splitter lines;
+    std::string last_line;
   };
 
   [[nodiscard]] control::tls_files certificate_of(const std::string& name) const;

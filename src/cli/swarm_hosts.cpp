@@ -12,7 +12,7 @@ namespace rubicon::cli {
 
 namespace {
 
-constexpr duration answer_max = 5s;
+constexpr duration goodbye_max = 5s;
 constexpr duration news_every = 50ms;
 constexpr duration retry_every = 1s;
 
@@ -54,7 +54,8 @@ void swarm_hosts::ask(seed_host& x) {
     what = deploy::offer_seeds{experiment_, what_, timeout_};
   else
     what = deploy::run_seeds{experiment_, seeds_for(x), x.after, is_ending_};
-  x.client->ask(std::move(what), answer_max,
+  const auto patience = deploy::patience_for(what);
+  x.client->ask(std::move(what), patience,
                 [this, &x](std::variant<deploy::answer, std::string> found) {
                   if (const auto* why = std::get_if<std::string>(&found))
                     take_back(x, *why, phase::greeting);
@@ -145,7 +146,7 @@ void swarm_hosts::take_back(seed_host& x, const std::string& why, phase next) {
 
 void swarm_hosts::end() {
   is_ending_ = true;
-  const auto until = steady::now() + answer_max;
+  const auto until = steady::now() + goodbye_max;
   std::set<const seed_host*> told;
   const auto is_open = [&](const seed_host& x) {
     return x.at == phase::running && (x.client->is_asking() || !told.contains(&x));

@@ -168,6 +168,12 @@ RUBICON_FIELDS(run_seeds, experiment, seeds, after, ends);
 
 using question = std::variant<greeting, ask_facts, offer, begin_part, end_part, cause_fault,
                               ask_news, offer_seeds, run_seeds>;
+/// Who takes longer does not answer; files take their time on their way.
+[[nodiscard]] inline duration patience_for(const question& x) {
+  const bool has_files = std::holds_alternative<offer>(x) || std::holds_alternative<offer_seeds>(x);
+  return has_files ? duration(1min) : duration(5s);
+}
+
 using answer = std::variant<greeting, host_facts, verdict, news, seeds_news>;
 
 } // namespace rubicon::deploy
