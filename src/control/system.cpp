@@ -1,5 +1,6 @@
 #include "control/caf_system.hpp"
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 
@@ -13,10 +14,15 @@ namespace {
 
 // OpenSSL keeps errors for a thread until somebody asks. CAF's module does not: what went wrong
 // with one connection would then be taken for a fault of the next one on the same thread, which is
-// closed for it. A connection that ends takes its errors along, and an end without a goodbye is
-// none.
+// closed for it. So errors of others are forgotten with each record that a connection carries, and
+// when one ends; and an end without a goodbye is no error.
+void forget_errors(int, int, int, const void*, std::size_t, SSL*, void*) {
+  ERR_clear_error();
+}
 void begin_connection(void* ssl, void*, CRYPTO_EX_DATA*, int, long, void*) {
-  SSL_set_options(static_cast<SSL*>(ssl), SSL_OP_IGNORE_UNEXPECTED_EOF);
+  auto* const connection = static_cast<SSL*>(ssl);
+  SSL_set_options(connection, SSL_OP_IGNORE_UNEXPECTED_EOF);
+  SSL_set_msg_callback(connection, forget_errors);
 }
 void end_connection(void*, void*, CRYPTO_EX_DATA*, int, long, void*) {
   ERR_clear_error();

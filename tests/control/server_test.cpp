@@ -172,7 +172,9 @@ TEST_CASE(
     CHECK(std::holds_alternative<std::string>(ask(loop, naked, deploy::greeting{"9"}, 2s)));
   }
   for (std::size_t i = 0; i < 100; ++i) {
-    intrude(port, 7 * i % 400);
+    INFO(i);
+    for (std::size_t octets : {7 * i % 400, std::size_t{0}, std::size_t{1500}})
+      intrude(port, octets);
     REQUIRE(is_answered());
   }
 }
