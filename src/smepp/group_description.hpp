@@ -26,10 +26,10 @@ struct group_description {
   /// 1..name_max printable ASCII characters.
   std::string name;
   /// masterKey: needed to enter if the group is closed, and to find it if it is private.
-  std::optional<key> master;
+  std::optional<key> master = std::nullopt;
   bool is_closed = false;
   bool is_private = false;
-  management_cycle management;
+  management_cycle management = {};
 
   static constexpr std::size_t name_max = 20;
 

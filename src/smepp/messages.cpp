@@ -5,7 +5,7 @@
 #include <cassert>
 
 #include "core/codec.hpp"
-#include "core/overloads.hpp"
+#include "smepp/message_fields.hpp"
 
 namespace rubicon::smepp {
 
@@ -22,114 +22,6 @@ constexpr std::array<std::string_view, kinds.size()> names{
     "join_refuse", "member_joined", "member_left", "member_list",    "subscribe",  "unsubscribe",
     "event",       "sync_stamp",    "key_refresh", "challenge",      "proof"};
 
-bool is_mote(mote_id x) {
-  return x.value >= 1 && x.value <= mote_id_max;
-}
-
-/// Reads fields and notes what no sender of ours writes.
-class field_reader : public byte_reader {
-public:
-  using byte_reader::byte_reader;
-
-  void demand(bool good) { good_ = good_ && good; }
-  [[nodiscard]] bool good() const { return good_; }
-
-  std::uint8_t flags(std::uint8_t known) {
-    const auto x = octet();
-    demand((x & ~known) == 0);
-    return x;
-  }
-  mote_id mote() {
-    const mote_id x{big<std::uint16_t>()};
-    demand(is_mote(x));
-    return x;
-  }
-  group_id group() {
-    const group_id x{big<std::uint16_t>()};
-    demand(x != network_level);
-    return x;
-  }
-  tag mac() {
-    tag x{};
-    const auto octets = take(x.size());
-    std::ranges::copy(octets, x.begin());
-    return x;
-  }
-  bytes sized(std::size_t max) {
-    const std::size_t size = octet();
-    demand(size <= max);
-    return to_bytes(take(size));
-  }
-  std::string text(std::size_t max) {
-    auto x = rubicon::to_string(sized(max));
-    demand(x.empty() || is_name(x, max));
-    return x;
-  }
-
-private:
-  bool good_ = true;
-};
-
-void write(byte_writer& to, const tag& x) {
-  to.append(x);
-}
-
-void write_text(byte_writer& to, std::string_view x, std::size_t max) {
-  assert(x.size() <= max);
-  to.octet(static_cast<std::uint8_t>(x.size())).append(to_bytes(x));
-}
-
-void write(byte_writer& to, const session_id& x) {
-  to.big(x.generation).big(x.maker.value);
-}
-
-session_id read_session(field_reader& from) {
-  session_id x;
-  x.generation = from.big<std::uint16_t>();
-  x.maker = from.mote();
-  return x;
-}
-
-void write(byte_writer& to, const wrapped_keys& x) {
-  write(to, x.id);
-  to.big(x.send_in_ms).append(x.octets);
-  write(to, x.mac);
-}
-
-wrapped_keys read_wrapped(field_reader& from) {
-  wrapped_keys x;
-  x.id = read_session(from);
-  x.send_in_ms = from.big<std::uint32_t>();
-  std::ranges::copy(from.take(x.octets.size()), x.octets.begin());
-  x.mac = from.mac();
-  return x;
-}
-
-void write(byte_writer& to, const member& x) {
-  to.big(x.who.peer.value).big(x.who.transducers).big(x.stamp).octet(x.has_left ? 1 : 0);
-}
-
-member read_member(field_reader& from) {
-  member x;
-  x.who.peer = from.mote();
-  x.who.transducers = from.big<std::uint32_t>();
-  x.stamp = from.big<std::uint16_t>();
-  x.has_left = from.flags(1) != 0;
-  return x;
-}
-
-void write(byte_writer& to, const subscription_id& x) {
-  to.big(x.subscriber.value).octet(x.number);
-}
-
-subscription_id read_subscription(field_reader& from) {
-  subscription_id x;
-  x.subscriber = from.mote();
-  x.number = from.octet();
-  from.demand(x.number > 0);
-  return x;
-}
-
 // ---- one message each
 
 void write(byte_writer& to, const discover& x) {
@@ -139,7 +31,7 @@ void write(byte_writer& to, const discover& x) {
       flag(x.is_closed.value_or(false), 2) | flag(x.is_private.value_or(false), 3) |
       flag(x.proof.has_value(), 4) | flag(!x.name.empty(), 5)));
   if (x.proof)
-    write(to, *x.proof);
+    write_tag(to, *x.proof);
   if (!x.name.empty())
     write_text(to, x.name, group_description::name_max);
 }
@@ -173,7 +65,7 @@ void write(byte_writer& to, const answer& x) {
       .big(x.length_ms);
   write(to, x.time);
   if (x.is_private)
-    write(to, x.proof);
+    write_tag(to, x.proof);
   to.octet(static_cast<std::uint8_t>(x.name.size())).append(x.name);
 }
 
@@ -224,7 +116,7 @@ join_challenge read_join_challenge(field_reader& from) {
 
 void write(byte_writer& to, const join_proof& x) {
   to.big(x.group.value).big(x.nonce).big(x.member_nonce);
-  write(to, x.proof);
+  write_tag(to, x.proof);
 }
 
 join_proof read_join_proof(field_reader& from) {
@@ -344,7 +236,7 @@ void write(byte_writer& to, const event& x) {
   write(to, x.id);
   to.big(x.producer.value).big(x.sequence).octet(x.hops).octet(x.proof ? 1 : 0);
   if (x.proof)
-    write(to, *x.proof);
+    write_tag(to, *x.proof);
   to.append(x.value);
 }
 

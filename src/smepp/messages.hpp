@@ -219,8 +219,8 @@ struct event {
 };
 
 /// 0x17, to all: uint16 sequence, uint8 1 if `of_last` is known, its time or 0, time now, uint16
-/// root, uint16 round, uint8 hops to the root, uint16 digest of the members, uint16 generation and
-/// uint16 maker of the best session keys.
+/// root, uint16 round, uint8 hops to the root (255: the sender needs the time), uint16 digest of
+/// the members, uint16 generation and uint16 maker of the best session keys.
 struct sync_stamp {
   std::uint16_t sequence = 0;
   /// When the stamp with the number before this one's was on the air; nothing: unknown. Two steps:
@@ -229,7 +229,7 @@ struct sync_stamp {
   group_time now;          ///< when this one was handed to the radio: only as good as that
   mote_id root;            ///< whose clock it is
   std::uint16_t round = 0; ///< of the root: newer ones hold
-  std::uint8_t hops = 0;
+  std::uint8_t hops = 0;   ///< 255: the sender has none to give
   std::uint16_t digest = 0;
   session_id best;
 

@@ -44,6 +44,10 @@ tag mac_of(const key& under, mote_id from, mote_id to, byte_view header_and_ciph
   return short_mac(under, input.view());
 }
 
+std::uint8_t number_of(const key_pair& network) {
+  return derive(network.integrity, "number").reveal().front();
+}
+
 std::uint8_t key_number(std::uint8_t network, std::uint16_t generation) {
   return static_cast<std::uint8_t>((network & 0xf) << 4 | (generation & 0xf));
 }
@@ -76,12 +80,12 @@ security::security(security_config config, std::uint32_t counter_reserved)
   assert(config.counter_block > 0);
 }
 
-void security::set_network_keys(const key_pair& x, std::uint8_t number, instant now) {
+void security::set_network_keys(const key_pair& x, instant now) {
   if (network_.size() > 1)
     network_.pop_back();
   if (!network_.empty())
     network_.front().until = now + config_.grace;
-  network_.insert(network_.begin(), {x, number, std::nullopt});
+  network_.insert(network_.begin(), {x, number_of(x), std::nullopt});
   derive_all();
 }
 
@@ -192,7 +196,7 @@ opening security::open(mote_id from, mote_id to, byte_view octets, instant now) 
   const auto covered = octets.first(octets.size() - mac.size());
   unsigned tried = 0;
   for (const auto& keys : keys_) {
-    if (keys.group != x.group || keys.number != x.key_number || tried == 2)
+    if (keys.group != x.group || keys.number != x.key_number || tried == macs_max)
       continue;
     ++tried;
     ++counters_.macs;
@@ -206,7 +210,17 @@ opening security::open(mote_id from, mote_id to, byte_view octets, instant now) 
     ++counters_.opened;
     return opened_frame{x.group, keys.session, x.counter, std::move(content), is_proven};
   }
-  return refuse(tried == 0 ? refusal::wrong_key : refusal::tampered);
+  auto refused = refuse(tried == 0 ? refusal::wrong_key : refusal::tampered);
+  refused.is_ahead = is_group && is_ahead(x.group, x.key_number);
+  return refused;
+}
+
+bool security::is_ahead(group_id group, std::uint8_t number) const {
+  const auto& sessions = groups_.at(group);
+  if (sessions.empty() || network_.empty() || (network_.front().number & 0xf) != number >> 4)
+    return false;
+  const auto ahead = (number - sessions.front().id.generation) & 0xf;
+  return ahead < 8;
 }
 
 std::optional<std::uint32_t> security::challenge(mote_id sender, group_id group, instant now) {

@@ -29,9 +29,10 @@ namespace rubicon::smepp {
 ///
 ///   uint8 suite | uint8 key number | uint16 group | uint32 counter
 ///
-/// The key number's high half is that of the network keys, its low half that of the session keys
-/// (0 without a group), each modulo 16. Behind the ciphertext stand 8 octets of MAC over sender
-/// (uint16), receiver (uint16, as the radio has them), header and ciphertext: encrypt-then-MAC.
+/// The key number's high half is of the network keys (4 bits that follow from them), its low half
+/// the generation of the session keys (0 without a group), modulo 16. Behind the ciphertext stand 8
+/// octets of MAC over sender (uint16), receiver (uint16, as the radio has them), header and
+/// ciphertext: encrypt-then-MAC.
 inline constexpr std::size_t secured_header_size = 8;
 inline constexpr std::size_t secured_overhead = secured_header_size + std::tuple_size_v<tag>;
 
@@ -82,6 +83,9 @@ struct opened_frame {
 struct refused_frame {
   refusal why;
   group_id group;
+  /// Its key number is that of session keys newer than our best ones, or of others as new: if it is
+  /// honest, we have missed a change.
+  bool is_ahead = false;
 };
 
 using opening = std::variant<opened_frame, refused_frame>;
@@ -96,17 +100,18 @@ using opening = std::variant<opened_frame, refused_frame>;
 /// A nonce is the sender's id and a counter that never repeats, whichever keys it is used with:
 /// counters are taken from the store in blocks, and who starts anew begins with the next block.
 ///
-/// Work for a frame that proves wrong: at most two MACs over it (two pairs of one number), none if
-/// header or counter show it.
+/// Work for a frame that proves wrong: none if header or counter show it; else a MAC for each pair
+/// of keys with its number, which is one but for changes of keys, and never more than macs_max.
 class security {
 public:
   security() = default;
   /// @param counter_reserved what take_store() gave last; 0: never
   security(security_config config, std::uint32_t counter_reserved);
 
-  /// Others who are still at the keys before are heard for one grace period. `number` goes up by
-  /// one with each change.
-  void set_network_keys(const key_pair& x, std::uint8_t number, instant now);
+  static constexpr unsigned macs_max = 4; ///< for one frame
+
+  /// Others who are still at the keys before are heard for one grace period.
+  void set_network_keys(const key_pair& x, instant now);
   [[nodiscard]] bool has_network_keys() const { return !network_.empty(); }
   [[nodiscard]] const key_pair& network_keys() const { return network_.front().keys; }
 
@@ -170,6 +175,7 @@ private:
   };
 
   void derive_all();
+  [[nodiscard]] bool is_ahead(group_id group, std::uint8_t number) const;
   [[nodiscard]] const frame_keys* sending_keys(group_id group, session_id session) const;
 
   security_config config_;
