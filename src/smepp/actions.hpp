@@ -10,6 +10,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/provenance.hpp"
 #include "core/time.hpp"
 #include "smepp/messages.hpp"
 
@@ -105,6 +106,7 @@ struct to_send {
   unsigned copies = 1;                            ///< of a broadcast, spread
   duration delay = {};                            ///< at least
   std::uint64_t token = 0;                        ///< not 0: event management hears how it ended
+  provenance from = {};                           ///< of what is sent
 };
 
 /// The keys of a group have changed, or it has come or gone: security and store must know.

@@ -121,6 +121,7 @@ private:
     unsigned tries = 0;
     instant due;
     std::uint64_t token = 0; ///< not 0: handed out
+    provenance from = {};
   };
   struct mark {
     group_id group;

@@ -50,7 +50,7 @@ void event_management::take(const smepp::event& x, const subscription& to, conte
 void event_management::enqueue(group_id group, smepp::event x, context c) {
   if (queue_.size() >= config_.events_max)
     return drop("queue_full");
-  queue_.push_back({group, std::move(x), 0, c.now, 0});
+  queue_.push_back({group, std::move(x), 0, c.now});
 }
 
 /// Hands out all hops that are due. An event whose parent does not acknowledge goes to the other
@@ -71,6 +71,7 @@ void event_management::pump(context c) {
                 slot::subscription};
     hop.subscription = x.what.id;
     hop.token = x.token;
+    hop.from = x.from;
     c.out.push_back(hop);
   }
 }

@@ -32,12 +32,13 @@ duration until_window(microseconds since_first, duration period, duration length
 
 // ---- what comes
 
-void peer::on_frame(mote_id from, mote_id to, byte_view octets, instant at, outputs& out) {
-  const auto content = security_.open(from, to, octets, at);
+void peer::on_frame(mote_id from, mote_id to, byte_view octets, instant at, instant now,
+                    outputs& out) {
+  const auto content = security_.open(from, to, octets, now);
   if (const auto* const refused = std::get_if<refused_frame>(&content)) {
     if (refused->is_ahead)
-      groups_.on_foreign_keys(from, refused->group, with(at));
-    return go_on(at, out);
+      groups_.on_foreign_keys(from, refused->group, with(now));
+    return go_on(now, out);
   }
   const auto& frame = std::get<opened_frame>(content);
   const auto x = decode(frame.content);
@@ -48,12 +49,12 @@ void peer::on_frame(mote_id from, mote_id to, byte_view octets, instant at, outp
   else if (is_network_level(*x) != (frame.group == network_level))
     drop("wrong_level");
   else if (frame.group == network_level)
-    groups_.on_message(from, *x, frame, with(at));
+    groups_.on_message(from, *x, frame, with(now));
   else if (!frame.is_proven)
-    on_unproven(from, *x, frame, at);
+    on_unproven(from, *x, frame, now);
   else
-    on_group_frame(from, *x, frame, at);
-  go_on(at, out);
+    on_group_frame(from, *x, frame, at, now);
+  go_on(now, out);
 }
 
 /// Authentic, but its sender may have said it long ago: only questions and answers about that.
@@ -80,14 +81,15 @@ void peer::on_unproven(mote_id from, const message& x, const opened_frame& frame
   }
 }
 
-void peer::on_group_frame(mote_id from, const message& x, const opened_frame& frame, instant now) {
+void peer::on_group_frame(mote_id from, const message& x, const opened_frame& frame, instant at,
+                          instant now) {
   auto* const g = groups_.find(frame.group);
   if (g == nullptr || g->leaving_at)
     return drop("no_member");
   groups_.on_heard(from, frame.group, with(now));
   const bool knows_time = g->sync.is_known();
   std::visit(
-      overloads{[&](const sync_stamp& body) { on_stamp(from, body, frame.group, now); },
+      overloads{[&](const sync_stamp& body) { on_stamp(from, body, frame.group, at, now); },
                 [&](const subscribe& body) {
                   if (knows_time)
                     events_.on_message(from, body, *g, with(now));
@@ -102,7 +104,7 @@ void peer::on_group_frame(mote_id from, const message& x, const opened_frame& fr
 
 /// If the group's time turns out to be another one, our neighbours that go by the old one are told
 /// in a window that they are still awake in.
-void peer::on_stamp(mote_id from, const sync_stamp& x, group_id group, instant now) {
+void peer::on_stamp(mote_id from, const sync_stamp& x, group_id group, instant at, instant now) {
   auto& g = *groups_.find(group);
   const auto cycle = g.description.management;
   const bool was_fine = g.sync.is_fine();
@@ -112,7 +114,7 @@ void peer::on_stamp(mote_id from, const sync_stamp& x, group_id group, instant n
     old_window = now + cycle.period - phase(since, cycle.period);
   }
   const auto before = old_window ? g.sync.at(*old_window) : group_time{};
-  groups_.on_stamp(from, x, group, now, with(now));
+  groups_.on_stamp(from, x, group, at, with(now));
   const bool jumped =
       old_window && std::chrono::abs(g.sync.at(*old_window) - before) > config_.groups.sync.jump;
   if (jumped) {
@@ -210,7 +212,7 @@ bool peer::hand_out(const to_send& x, instant now, outputs& out) {
   const bool is_stamp = std::holds_alternative<sync_stamp>(content);
   flight_ = {++frame_, x.token, is_stamp ? x.group : network_level, now + config_.sent_timeout};
   set_radio_state(now, out);
-  out.emplace_back(send_frame{frame_, x.to, std::move(*frame), name_of(content)});
+  out.emplace_back(send_frame{frame_, x.to, std::move(*frame), name_of(content), x.from});
   return true;
 }
 

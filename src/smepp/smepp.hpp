@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/fields.hpp"
+#include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "smepp/actions.hpp"
 #include "smepp/energy.hpp"
@@ -62,6 +63,7 @@ struct send_frame {
   mote_id to; ///< a neighbour, which acknowledges, or broadcast_mote
   bytes octets;
   std::string_view what; ///< the message's name, for records; of static storage
+  provenance from = {};
 };
 
 struct set_radio {
@@ -131,8 +133,9 @@ public:
   // ---- the mote
 
   /// @param to as the radio had it: self or broadcast_mote
-  /// @param at when its start-of-frame delimiter was received: now, or a moment ago
-  void on_frame(mote_id from, mote_id to, byte_view octets, instant at, outputs& out);
+  /// @param at when its start-of-frame delimiter was received
+  /// @param now at or after that
+  void on_frame(mote_id from, mote_id to, byte_view octets, instant at, instant now, outputs& out);
 
   /// @param acked of a unicast; of a broadcast: it was sent
   /// @param at when its start-of-frame delimiter was on the air
@@ -163,9 +166,10 @@ private:
 
   [[nodiscard]] context with(instant now) { return {now, security_, actions_}; }
   void on_network_frame(mote_id from, const message& x, const opened_frame& frame, instant now);
-  void on_group_frame(mote_id from, const message& x, const opened_frame& frame, instant now);
+  void on_group_frame(mote_id from, const message& x, const opened_frame& frame, instant at,
+                      instant now);
   void on_unproven(mote_id from, const message& x, const opened_frame& frame, instant now);
-  void on_stamp(mote_id from, const sync_stamp& x, group_id group, instant now);
+  void on_stamp(mote_id from, const sync_stamp& x, group_id group, instant at, instant now);
   void perform(instant now, outputs& out);
   void perform(const to_send& x, instant now, outputs& out);
   void perform(const keys_changed& x, instant now, outputs& out);

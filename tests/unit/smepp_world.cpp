@@ -83,12 +83,13 @@ void world::transmit(std::size_t i, send_frame x, unsigned tries) {
       if (x.to == other.config.self)
         acked = !rng_.chance(config_.loss);
       outputs out;
-      other.core->on_frame(from, x.to, x.octets, local(other, now_), out);
+      const auto at = local(other, now_);
+      other.core->on_frame(from, x.to, x.octets, at - time_stamp_error(), at, out);
       perform(j, out);
     }
     if (!acked && tries > 1)
       return transmit(i, x, tries - 1);
-    const auto at = local(nodes_[i], now_);
+    const auto at = local(nodes_[i], now_) - time_stamp_error();
     later(frame_time, [this, i, id = x.id, acked, at, life] {
       if (nodes_[i].is_off || nodes_[i].core.get() != life)
         return;
@@ -102,7 +103,7 @@ void world::transmit(std::size_t i, send_frame x, unsigned tries) {
 void world::inject(std::size_t to, mote_id from, mote_id receiver, const bytes& octets) {
   auto& x = nodes_[to - 1];
   outputs out;
-  x.core->on_frame(from, receiver, octets, local(x, now_), out);
+  x.core->on_frame(from, receiver, octets, local(x, now_), local(x, now_), out);
   perform(to - 1, out);
 }
 

@@ -152,6 +152,8 @@ private:
                        static_cast<double>((own.time_since_epoch() - x.offset).count()) / x.rate)) +
                    3ns);
   }
+  /// As of a timer with a 32 kHz crystal.
+  [[nodiscard]] duration time_stamp_error() { return rng_.between(0us, 31us); }
   [[nodiscard]] bool reaches(std::size_t a, std::size_t b) const;
   void perform(std::size_t i, outputs& out);
   void transmit(std::size_t i, send_frame x, unsigned tries);
