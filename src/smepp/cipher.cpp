@@ -1,8 +1,6 @@
 #include "smepp/cipher.hpp"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
 
 #include <openssl/core_names.h>
@@ -11,26 +9,11 @@
 #include <openssl/params.h>
 
 #include "core/codec.hpp"
+#include "smepp/library.hpp"
 
 namespace rubicon::smepp {
 
 namespace {
-
-/// A library without AES or out of memory: going on would mean to send in clear.
-void require(bool good) {
-  if (good)
-    return;
-  std::fputs("libcrypto: AES-128-CTR or CMAC failed\n", stderr);
-  std::abort();
-}
-
-template <auto release>
-struct releaser {
-  template <class T>
-  void operator()(T* x) const {
-    release(x);
-  }
-};
 
 using cipher_context = std::unique_ptr<EVP_CIPHER_CTX, releaser<EVP_CIPHER_CTX_free>>;
 using mac_context = std::unique_ptr<EVP_MAC_CTX, releaser<EVP_MAC_CTX_free>>;

@@ -29,7 +29,7 @@ struct stored_group {
 };
 
 struct group {
-  static constexpr duration catch_up_pause_min = 5s;
+  static constexpr duration rumour_pause_min = 5s;
 
   group_id id;
   group_description description;
@@ -42,11 +42,20 @@ struct group {
   bool is_returning = false;
   /// Nothing is sent after this.
   std::optional<instant> leaving_at;
-  /// Somebody has left: new session keys are made then, unless others have made them.
+  /// Somebody has left: new session keys are made then, unless we have fetched some that others
+  /// have made. What is sent to all (key_refresh) is no such pair: who has left hears it, too.
   std::optional<instant> refresh_at;
-  /// No catch_up before this; the pause doubles while it does not help.
-  instant catch_up_from;
-  duration catch_up_pause = catch_up_pause_min;
+  /// Somebody was heard under keys ahead of ours: they are fetched then, if we have not been sent
+  /// them. It need not be true: the pause to the next such attempt doubles while it does not help.
+  struct rumour {
+    mote_id from;
+    session_id best; ///< of ours at that time
+    instant due;
+  };
+  std::optional<rumour> heard_ahead;
+  instant rumours_from;
+  duration rumour_pause = rumour_pause_min;
+  instant fetch_from; ///< no catch-up before, what is said by a member included
   /// When neighbours were last sent all members, the longest ago first.
   std::vector<std::pair<mote_id, instant>> told;
 

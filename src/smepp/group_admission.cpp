@@ -113,11 +113,10 @@ void group_management::join(group_id group, const std::optional<key>& master, co
 }
 
 void group_management::catch_up(mote_id from, group& g, context c) {
-  if (g.leaving_at || c.now < g.catch_up_from || attempts_.contains(g.id) ||
+  if (g.leaving_at || c.now < g.fetch_from || attempts_.contains(g.id) ||
       attempts_.size() >= config_.joins_max)
     return;
-  g.catch_up_from = c.now + g.catch_up_pause;
-  g.catch_up_pause = std::min(2 * g.catch_up_pause, config_.catch_up_pause_max);
+  g.fetch_from = c.now + config_.fetch_pause;
   attempt x;
   x.description = g.description;
   x.with = {g.id, config_.self, from};
@@ -127,6 +126,8 @@ void group_management::catch_up(mote_id from, group& g, context c) {
 
 void group_management::start(attempt x, context c) {
   x.with.nonce = c.keys.unique();
+  x.own = agreement::make(rng_);
+  x.with.share = x.own.share();
   x.is_proving = false;
   x.tries = 0;
   const auto group = x.with.group;
@@ -136,7 +137,7 @@ void group_management::start(attempt x, context c) {
 
 void group_management::send_step(const attempt& x, context c) {
   const auto& with = x.with;
-  message step = smepp::join{with.group, with.nonce, config_.transducers, x.is_member};
+  message step = smepp::join{with.group, with.nonce, config_.transducers, x.is_member, with.share};
   if (x.is_proving)
     step = join_proof{with.group, with.nonce, with.member_nonce,
                       join_tag(credential_of(x.description, c.keys.network_keys()), with,
@@ -180,6 +181,7 @@ void group_management::on(mote_id from, const join_challenge& x, const opened_fr
   if (mine.is_proving && mine.with.member_nonce == x.member_nonce)
     return;
   mine.with.member_nonce = x.member_nonce;
+  mine.with.member_share = x.share;
   mine.is_proving = true;
   mine.tries = 0;
   go_on(mine, failure::no_answer, c);
@@ -201,8 +203,12 @@ void group_management::on(mote_id from, const join_accept& x, const opened_frame
       found->second.with.nonce != x.nonce || !found->second.is_proving)
     return drop("not_asked");
   const auto mine = found->second;
+  const auto agreed = mine.own.agree(mine.with.member_share);
   const auto session =
-      unwrap(accept_key(credential_of(mine.description, c.keys.network_keys()), mine.with), x.keys);
+      agreed ? unwrap(accept_key(credential_of(mine.description, c.keys.network_keys()), mine.with,
+                                 *agreed),
+                      x.keys)
+             : std::nullopt;
   if (!session)
     return drop("wrong_wrap");
   finish(x.group, std::nullopt, c);
@@ -227,18 +233,19 @@ void group_management::enter(const attempt& x, const session_keys& session,
 
 void group_management::caught_up(group& g, const session_keys& session, const join_accept& accept,
                                  context c) {
-  const auto before = g.ring.best().id;
   const bool is_news =
       g.ring.learn(session, c.now + std::chrono::milliseconds(accept.keys.send_in_ms), c.now);
+  if (is_news)
+    g.refresh_at.reset();
   if (is_news || g.is_returning)
-    g.catch_up_pause = group::catch_up_pause_min;
+    g.rumour_pause = group::rumour_pause_min;
   ++counters_.caught_up;
   if (!g.sync.is_known())
     g.sync.adopt(accept.time, c.now);
   g.is_returning = false;
   changed(g, c);
   if (is_news)
-    announce(g, before, config_.flood_copies, c); // to others on our side, if there are any
+    g.sync.hurry(c.now); // our stamps tell others on our side that there is something to fetch
 }
 
 // ---- who lets in
@@ -257,14 +264,19 @@ void group_management::on(mote_id from, const smepp::join& x, const opened_frame
       applicants_.erase(found);
     if (applicants_.size() >= config_.joins_max || !challenges_.take(c.now))
       return drop("too_many_joins");
-    applicants_.push_back({{x.group, from, config_.self, x.nonce, c.keys.unique()},
-                           x.transducers,
-                           x.is_member,
-                           c.now + config_.step_tries * step_timeout(g->description.management)});
+    const auto own = agreement::make(rng_);
+    applicants_.push_back(
+        {{x.group, from, config_.self, x.nonce, c.keys.unique(), x.share, own.share()},
+         own,
+         x.transducers,
+         x.is_member,
+         c.now + config_.step_tries * step_timeout(g->description.management)});
     found = applicants_.end() - 1;
   }
-  c.out.push_back(to_send{from, x.group, join_challenge{x.group, x.nonce, found->with.member_nonce},
-                          slot::at_once});
+  c.out.push_back(
+      to_send{from, x.group,
+              join_challenge{x.group, x.nonce, found->with.member_nonce, found->with.member_share},
+              slot::at_once});
 }
 
 void group_management::refuse(const applicant& x, failure why, context c) {
@@ -296,6 +308,9 @@ void group_management::on(mote_id from, const join_proof& x, const opened_frame&
 
 void group_management::admit(group& g, const applicant& x, std::uint32_t counter, context c) {
   const auto joiner = x.with.joiner;
+  const auto agreed = x.own.agree(x.with.share);
+  if (!agreed)
+    return drop("bad_share");
   const auto* const known = g.members.find(joiner);
   // Who is a member already lacks keys, or the answer to its proof: neither is a reason for others.
   const bool is_there = known != nullptr && !known->has_left;
@@ -305,7 +320,7 @@ void group_management::admit(group& g, const applicant& x, std::uint32_t counter
                          });
   if (!(is_there && x.is_member) && !is_repeat) {
     if (g.ring.best_from() <= c.now)
-      make_keys(g, c);
+      make_keys(g, false, c);
     const auto stamp = static_cast<std::uint16_t>((known != nullptr ? known->stamp : 0) + 1);
     learn(g, {{joiner, x.transducers}, stamp, false}, true, c);
     ++counters_.admitted;
@@ -315,7 +330,7 @@ void group_management::admit(group& g, const applicant& x, std::uint32_t counter
   join_accept welcome{
       g.id,
       x.with.nonce,
-      wrap(accept_key(credential(g, c.keys), x.with), best, g.ring.best_from() - c.now),
+      wrap(accept_key(credential(g, c.keys), x.with, *agreed), best, g.ring.best_from() - c.now),
       static_cast<std::uint8_t>(std::min<std::size_t>(g.members.present(), 255)),
       0,   // so many subscriptions, and
       {}}; // the time: filled in when it is sent

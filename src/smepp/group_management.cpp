@@ -67,7 +67,7 @@ std::optional<failure> group_management::refresh_keys(group_id group, context c)
   auto* const g = find(group);
   if (g == nullptr || g->leaving_at)
     return failure::not_a_member;
-  make_keys(*g, c);
+  make_keys(*g, false, c);
   return std::nullopt;
 }
 
@@ -88,16 +88,23 @@ void group_management::changed(group& g, context c) {
   c.out.push_back(keys_changed{g.id});
 }
 
-void group_management::make_keys(group& g, context c) {
+duration group_management::activation_time(const group& g, bool by_handshakes) const {
+  const auto time =
+      config_.activation + config_.activation_periods * g.description.management.period;
+  return by_handshakes ? config_.fetching_factor * time : time;
+}
+
+void group_management::make_keys(group& g, bool somebody_left, context c) {
   const auto before = g.ring.sending(c.now);
   const auto pending = g.ring.best().id; // all that who has just joined has
   const session_id id{static_cast<std::uint16_t>(g.ring.best().id.generation + 1), config_.self};
-  const auto wait =
-      config_.activation + config_.activation_periods * g.description.management.period;
-  g.ring.learn(make_session(credential(g, c.keys), id, rng_), c.now + wait, c.now);
+  g.ring.learn(make_session(credential(g, c.keys), id, rng_),
+               c.now + activation_time(g, somebody_left), c.now);
   g.refresh_at.reset();
   ++counters_.keys_made;
   changed(g, c);
+  if (somebody_left)
+    return g.sync.hurry(c.now); // our stamps say that there is something to fetch
   announce(g, before, config_.flood_copies, c);
   if (pending != before)
     announce(g, pending, config_.flood_copies, c);
@@ -132,17 +139,31 @@ void group_management::on(mote_id /*from*/, const key_refresh& x, const opened_f
   const auto from = c.now + std::chrono::milliseconds(x.keys.send_in_ms);
   const bool is_best = g->ring.learn(*session, from, c.now);
   ++counters_.keys_learned;
-  if (is_best)
-    g->refresh_at.reset();
   changed(*g, c);
-  // Others under the same keys may lack it, and who made a worse pair lacks ours.
-  announce(*g, is_best ? frame.session : x.keys.id, config_.flood_copies, c);
+  if (is_best)
+    announce(*g, frame.session, config_.flood_copies, c); // others under these keys may lack it
+  else
+    g->sync.hurry(c.now); // who made a worse pair sees that there is a better one
 }
 
 void group_management::on_foreign_keys(mote_id from, group_id group, context c) {
   auto* const g = find(group);
-  if (g != nullptr) // one whom we do not know may have joined elsewhere
-    catch_up(from, *g, c);
+  if (g == nullptr || g->heard_ahead || c.now < g->rumours_from)
+    return;
+  g->heard_ahead = group::rumour{
+      from, g->ring.best().id, c.now + config_.rumour_wait + 2 * g->description.management.period};
+}
+
+void group_management::check_rumour(group& g, context c) {
+  if (!g.heard_ahead || g.heard_ahead->due > c.now)
+    return;
+  const auto x = *g.heard_ahead;
+  g.heard_ahead.reset();
+  if (g.ring.best().id != x.best)
+    return;
+  g.rumours_from = c.now + g.rumour_pause;
+  g.rumour_pause = std::min(2 * g.rumour_pause, config_.rumour_pause_max);
+  catch_up(x.from, g, c);
 }
 
 void group_management::on_heard(mote_id from, group_id group, context c) {
@@ -180,7 +201,7 @@ void group_management::learn(group& g, const member& x, bool spread, context c) 
     c.out.push_back(signal{peerLeft{x.who.peer, g.id}});
     const auto rank = static_cast<std::int64_t>(g.members.rank(config_.self));
     if (!g.refresh_at)
-      g.refresh_at = c.now + rank * config_.rank_pause;
+      g.refresh_at = c.now + rank * activation_time(g, true);
   }
   if (change == member_table::change::none || !spread)
     return;
@@ -260,8 +281,9 @@ void group_management::on_time(context c) {
     ++at;
     if (g.ring.on_time(c.now))
       changed(g, c);
+    check_rumour(g, c);
     if (const auto due_at = next_keys(g); due_at && *due_at <= c.now)
-      make_keys(g, c);
+      make_keys(g, g.refresh_at && *g.refresh_at <= c.now, c);
     if (g.sync.on_time(c.now)) {
       sync_stamp stamp; // the peer fills in the time when it is sent
       c.out.push_back(to_send{broadcast_mote, g.id, stamp});
@@ -286,6 +308,8 @@ std::optional<instant> group_management::deadline() const {
     first = earliest(first, x.due);
   for (const auto& [id, g] : groups_) {
     first = earliest(first, g.leaving_at);
+    if (g.heard_ahead)
+      first = earliest(first, g.heard_ahead->due);
     first = earliest(first, g.ring.deadline());
     first = earliest(first, next_keys(g));
     first = earliest(first, g.sync.deadline());

@@ -30,12 +30,15 @@ struct group_config {
   duration key_grace = 60s;        ///< for session keys that have been replaced
   duration key_period = 24h;       ///< of session keys
   duration rank_pause = 5s;        ///< the next member in line makes new keys so much later
-  duration activation = 2s;        ///< besides periods: until all members have new keys
+  duration activation = 2s;        ///< besides periods: until all members have new keys,
+  unsigned fetching_factor = 4;    ///< longer where each has to fetch them
   unsigned activation_periods = 5; ///< of the management cycle
   unsigned flood_copies = 3;       ///< each member sends news on so often
   duration step_timeout = 500ms;   ///< of a handshake, besides two management periods
   unsigned step_tries = 3;
-  duration catch_up_pause_max = 5min;
+  duration rumour_pause_max = 5min;
+  duration rumour_wait = 1s; ///< besides two periods: what was sent to all has come by then
+  duration fetch_pause = 2s; ///< between handshakes of a member
   duration told_pause = 10s; ///< until the same neighbour is sent all members again
   discovery_config discovery;
   weak_sync_config sync;
@@ -61,8 +64,10 @@ struct context {
 /// not. What is lost all the same is noticed by digests in the periodic stamps, and then asked for:
 /// members by their list, keys by a handshake (catch-up), which needs the credential once more.
 ///
-/// Keys change when somebody joins (made by who admits), when somebody leaves (by the lowest member
-/// that is there, or the next one if it does not) and after key_period.
+/// Keys change when somebody joins (made by who admits) and after key_period: they are sent to all
+/// under the keys before. When somebody has left, who knows those, the lowest member that is there
+/// makes new ones (or the next one, if it does not), and each member fetches them from a neighbour
+/// that has them, by a handshake that nobody else can follow.
 class group_management {
 public:
   group_management() = default;
@@ -120,6 +125,7 @@ private:
   struct attempt {
     group_description description;
     handshake with;
+    agreement own;
     std::vector<mote_id> next; ///< members to try if this one does not answer
     bool is_member = false;    ///< catch-up
     bool is_proving = false;
@@ -129,6 +135,7 @@ private:
   /// Somebody else does.
   struct applicant {
     handshake with;
+    agreement own;
     transducer_mask transducers = 0;
     bool is_member = false;
     instant until;
@@ -146,6 +153,7 @@ private:
   void on(mote_id from, const member_list& x, const opened_frame& frame, context c);
   void on(mote_id from, const key_refresh& x, const opened_frame& frame, context c);
 
+  [[nodiscard]] duration activation_time(const group& g, bool by_handshakes) const;
   [[nodiscard]] duration step_timeout(const management_cycle& x) const;
   void start(attempt x, context c);
   void send_step(const attempt& x, context c);
@@ -157,8 +165,9 @@ private:
   void admit(group& g, const applicant& x, std::uint32_t counter, context c);
   void refuse(const applicant& x, failure why, context c);
   void catch_up(mote_id from, group& g, context c);
+  void check_rumour(group& g, context c);
 
-  void make_keys(group& g, context c);
+  void make_keys(group& g, bool somebody_left, context c);
   [[nodiscard]] std::optional<instant> next_keys(const group& g) const;
   void announce(const group& g, session_id under, unsigned copies, context c);
   void changed(group& g, context c);

@@ -10,7 +10,13 @@ namespace {
 
 bytes context_of(const handshake& x) {
   byte_writer all;
-  all.big(x.group.value).big(x.joiner.value).big(x.member.value).big(x.nonce).big(x.member_nonce);
+  all.big(x.group.value)
+      .big(x.joiner.value)
+      .big(x.member.value)
+      .big(x.nonce)
+      .big(x.member_nonce)
+      .append(x.share)
+      .append(x.member_share);
   return all.finish();
 }
 
@@ -46,8 +52,8 @@ tag join_tag(const key& credential, const handshake& x, transducer_mask transduc
   return short_mac(derive(credential, "join"), all.view());
 }
 
-key accept_key(const key& credential, const handshake& x) {
-  return derive(credential, "accept", context_of(x));
+key accept_key(const key& credential, const handshake& x, const key& agreed) {
+  return derive(derive(credential, "accept", context_of(x)), "agreed", agreed.reveal());
 }
 
 key refresh_key(const key& credential, const key_pair& old) {

@@ -1,9 +1,10 @@
 // The arithmetic by which session keys come to a peer that joins, and from one pair to the next.
 //
 // Who holds a group's credential (its master key; in an open group the network's keys) may join.
-// All is symmetric, and so is what it can promise: who has the credential and has recorded
-// a handshake can open it, whenever that was. Without the credential nobody enters, and old session
-// keys alone open nothing new.
+// Session keys are handed over under a secret that the two agree on there and then (agreement.hpp):
+// who records the handshake cannot open it, not even with the credential. Deviation: A-60 names
+// symmetric ciphers only; with them alone, who joins could read all that it has recorded since
+// somebody else joined, and who has left all that follows.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +24,8 @@ struct handshake {
   mote_id member;
   std::uint32_t nonce = 0;
   std::uint32_t member_nonce = 0;
+  key_share share{}; ///< of the joiner
+  key_share member_share{};
 };
 
 /// The joiner knows the credential, now, and is equipped so.
@@ -30,10 +33,11 @@ struct handshake {
                            bool is_member);
 
 /// For the keys in a join_accept.
-[[nodiscard]] key accept_key(const key& credential, const handshake& x);
+/// @param agreed by both shares
+[[nodiscard]] key accept_key(const key& credential, const handshake& x, const key& agreed);
 
 /// For the keys in a key_refresh under `old`: it takes both to open it. So who joins cannot open
-/// the change that came before it, nor who has left, without the credential, the one after.
+/// the change that came before it.
 [[nodiscard]] key refresh_key(const key& credential, const key_pair& old);
 
 [[nodiscard]] wrapped_keys wrap(const key& under, const session_keys& x, duration send_in);

@@ -45,6 +45,11 @@ public:
     std::ranges::copy(octets, x.begin());
     return x;
   }
+  key_share share() {
+    key_share x{};
+    std::ranges::copy(take(x.size()), x.begin());
+    return x;
+  }
   bytes sized(std::size_t max) {
     const std::size_t size = octet();
     demand(size <= max);

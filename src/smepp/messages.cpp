@@ -90,7 +90,7 @@ answer read_answer(field_reader& from) {
 }
 
 void write(byte_writer& to, const join& x) {
-  to.big(x.group.value).big(x.nonce).big(x.transducers).octet(x.is_member ? 1 : 0);
+  to.big(x.group.value).big(x.nonce).big(x.transducers).octet(x.is_member ? 1 : 0).append(x.share);
 }
 
 join read_join(field_reader& from) {
@@ -99,11 +99,12 @@ join read_join(field_reader& from) {
   x.nonce = from.big<std::uint32_t>();
   x.transducers = from.big<std::uint32_t>();
   x.is_member = from.flags(1) != 0;
+  x.share = from.share();
   return x;
 }
 
 void write(byte_writer& to, const join_challenge& x) {
-  to.big(x.group.value).big(x.nonce).big(x.member_nonce);
+  to.big(x.group.value).big(x.nonce).big(x.member_nonce).append(x.share);
 }
 
 join_challenge read_join_challenge(field_reader& from) {
@@ -111,6 +112,7 @@ join_challenge read_join_challenge(field_reader& from) {
   x.group = from.group();
   x.nonce = from.big<std::uint32_t>();
   x.member_nonce = from.big<std::uint32_t>();
+  x.share = from.share();
   return x;
 }
 

@@ -13,6 +13,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/error.hpp"
+#include "smepp/agreement.hpp"
 #include "smepp/cipher.hpp"
 #include "smepp/group_description.hpp"
 #include "smepp/group_id.hpp"
@@ -60,21 +61,24 @@ struct answer {
 };
 
 /// 0x03: may I join? uint16 group, uint32 nonce, uint32 transducers, uint8 flags (bit 0: the sender
-/// is a member, and only lacks the present keys).
+/// is a member, and only lacks the present keys), 32 octets of key share.
 struct join {
   group_id group;
   std::uint32_t nonce = 0;
   transducer_mask transducers = 0;
   bool is_member = false;
+  key_share share{};
 
   friend bool operator==(const join&, const join&) = default;
 };
 
-/// 0x04: prove it. uint16 group, uint32 nonce of the join, uint32 the member's nonce.
+/// 0x04: prove it. uint16 group, uint32 nonce of the join, uint32 the member's nonce, 32
+/// octets of its key share.
 struct join_challenge {
   group_id group;
   std::uint32_t nonce = 0;
   std::uint32_t member_nonce = 0;
+  key_share share{};
 
   friend bool operator==(const join_challenge&, const join_challenge&) = default;
 };

@@ -206,8 +206,10 @@ TEST_CASE("old session keys are worth nothing after the grace period", "[smepp][
   w.run_for(2min);
   REQUIRE(w.signals<receive_result>(1).size() == 1);
   REQUIRE(w.air().size() > 10);
-  for (const auto& x : w.air()) // who has left cannot read the future
+  for (const auto& x : w.air()) { // who has left cannot read the future,
     CHECK_FALSE(reads(x));
+    CHECK(x.what != "key_refresh"); // also if it still has the master key
+  }
   const auto frame =
       gone.seal(broadcast_mote, group, old, encode(member_left{{{mote_id{1}, 0}, 99, true}}));
   REQUIRE(frame);
@@ -243,6 +245,34 @@ TEST_CASE("who joins cannot read the past", "[smepp][SMP-13]") {
   CHECK(of_group > 10);
 }
 
+TEST_CASE("a rumour of new keys costs a handshake now and then", "[smepp][SMP-03]") {
+  world w({.peers = 2});
+  auto x = kitchen();
+  x.management = {2s, 100ms};
+  const auto group = w.build_group(x);
+  w.run_for(5min);
+  const auto sent = [&] {
+    const auto& all = w.at(1).counters().sent;
+    return all.contains("join") ? all.at("join") : 0;
+  };
+  const auto before = sent();
+  const auto on_before = w.radio_time(1);
+  auto forged = bytes(secured_overhead + 20, 7);
+  const auto& session = w.at(1).groups().find(group)->ring.best().id;
+  auto own = stolen(w, 1, group, mote_id{3}, 0);
+  const auto real = *own.seal(broadcast_mote, group, session, bytes(20, 0));
+  std::ranges::copy(byte_view(real).first(secured_header_size), forged.begin());
+  forged[1] = static_cast<std::uint8_t>((real[1] & 0xf0) | ((real[1] + 1) & 0x0f));
+  for (int i = 0; i < 3600; ++i) {
+    w.inject(1, mote_id{3}, broadcast_mote, forged);
+    w.run_for(1s);
+  }
+  CHECK(sent() - before > 0);
+  CHECK(sent() - before <= 3 * 20); // an hour of it
+  CHECK(seconds(w.radio_time(1) - on_before) / 3600 < 0.15);
+  CHECK(w.agree(group, {1, 2}));
+}
+
 TEST_CASE("a forged join costs more than it is answered with", "[smepp][SMP-03][SMP-09]") {
   world w({.peers = 2});
   const auto group = w.build_group(kitchen());
@@ -255,8 +285,9 @@ TEST_CASE("a forged join costs more than it is answered with", "[smepp][SMP-03][
     const mote_id name{static_cast<std::uint16_t>(100 + i % 50)};
     security forger({.self = name}, 10'000U * i);
     forger.set_network_keys(w.network, instant{});
-    w.inject(1, name, mote_id{1},
-             *forger.seal(mote_id{1}, network_level, {}, encode(join{group, i, 0, i % 2 == 0})));
+    w.inject(
+        1, name, mote_id{1},
+        *forger.seal(mote_id{1}, network_level, {}, encode(join{group, i, 0, i % 2 == 0, {}})));
     w.run_for(10ms);
   }
   w.run_for(10s);

@@ -2,6 +2,8 @@
 #include <type_traits>
 
 #include "core/random.hpp"
+#include "smepp/agreement.hpp"
+#include "smepp/handshake.hpp"
 #include "smepp/security.hpp"
 #include "support/catch.hpp"
 
@@ -91,6 +93,56 @@ TEST_CASE("CMAC gives the tags of RFC 4493", "[smepp][SMP-03]") {
   CHECK(mac_of_first(40) == "dfa66747de9ae63030ca32611497c827");
   CHECK(mac_of_first(64) == "51f0bebf7e3b9d92fc49741779363cfe");
   CHECK(to_hex(short_mac(under, text)) == "51f0bebf7e3b9d92");
+}
+
+TEST_CASE("two agree on the secret of RFC 7748", "[smepp][SMP-09]") {
+  const auto octets_of = [](std::string_view hex) {
+    std::array<std::uint8_t, 32> x{};
+    std::ranges::copy(*from_hex(hex), x.begin());
+    return x;
+  };
+  // RFC 7748 6.1
+  const agreement a(octets_of("77076d0a7318a57d3c16c17251b26645df4c2f87ebc0992ab177fba51db92c2a"));
+  const agreement b(octets_of("5dab087e624a8a4b79e17f8b83800ee66f3bb1292618b6fd1c2f8b27ff88e0eb"));
+  CHECK(to_hex(a.share()) == "8520f0098930a754748b7ddcb43ef75a0dbf3a0d26381af4eba4a98eaa9b4e6a");
+  CHECK(to_hex(b.share()) == "de9edb7d7b7dc1b4d35b61c2ece435373f8343c85b78674dadfc7e146f882b4f");
+  CHECK(to_hex(*a.shared_secret(b.share())) ==
+        "4a5d9d5ba4ce2de1728e3bf480350f25e07e21c947d19e3376f09b3c1e161742");
+  CHECK(*a.agree(b.share()) == *b.agree(a.share()));
+  CHECK_FALSE(a.agree(key_share{})); // of low order
+  random_stream rng(1);
+  CHECK_FALSE(*agreement::make(rng).agree(b.share()) == *a.agree(b.share()));
+}
+
+TEST_CASE("session keys open for who has agreed on them only", "[smepp][SMP-09][SMP-13]") {
+  random_stream rng(2);
+  const auto credential = key_number(9);
+  const auto joiner = agreement::make(rng);
+  const auto member = agreement::make(rng);
+  const handshake with{group, alice, bob, 1, 2, joiner.share(), member.share()};
+  const auto agreed = *joiner.agree(member.share());
+  const auto wrapped = wrap(accept_key(credential, with, agreed), second_session, 5s);
+  CHECK(wrapped.send_in_ms == 5000);
+  const auto opened = unwrap(accept_key(credential, with, *member.agree(joiner.share())), wrapped);
+  REQUIRE(opened);
+  CHECK(opened->id == second_session.id);
+  CHECK(opened->keys == second_session.keys);
+  // Who has recorded it all and has the credential, now or later:
+  const auto other = agreement::make(rng);
+  CHECK_FALSE(unwrap(accept_key(credential, with, *other.agree(member.share())), wrapped));
+  CHECK_FALSE(unwrap(accept_key(key_number(8), with, agreed), wrapped));
+  auto elsewhere = with;
+  elsewhere.joiner = mote_id{3};
+  CHECK_FALSE(unwrap(accept_key(credential, elsewhere, agreed), wrapped));
+  for (auto change : {&wrapped_keys::send_in_ms}) {
+    auto changed = wrapped;
+    ++(changed.*change);
+    CHECK_FALSE(unwrap(accept_key(credential, with, agreed), changed));
+  }
+  const auto refreshed = wrap(refresh_key(credential, first_session.keys), second_session, 0s);
+  CHECK(unwrap(refresh_key(credential, first_session.keys), refreshed));
+  CHECK_FALSE(unwrap(refresh_key(credential, second_session.keys), refreshed));
+  CHECK_FALSE(unwrap(refresh_key(key_number(8), first_session.keys), refreshed));
 }
 
 TEST_CASE("a key shows no more than a short fingerprint", "[smepp][SMP-13]") {
