@@ -16,7 +16,8 @@
 
 namespace rubicon::smepp {
 
-// ---- signals for the application
+// ---- signals for the application, with the names of D1.1 table 1
+// NOLINTBEGIN(readability-identifier-naming)
 
 /// The groups found, once the time for answers is over; more about each: smepp_getGroupDescription.
 struct getGroups_result {
@@ -85,6 +86,8 @@ struct receive_result {
 
   friend bool operator==(const receive_result&, const receive_result&) = default;
 };
+
+// NOLINTEND(readability-identifier-naming)
 
 using signal = std::variant<getGroups_result, joinGroup_result, peerJoined, peerLeft, subscribed,
                             unsubscribed, receive_result>;

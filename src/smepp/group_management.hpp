@@ -98,7 +98,7 @@ public:
 
   /// @returns the groups whose new member knows enough now: joinGroup_result is due
   /// @param subscriptions so many are known
-  [[nodiscard]] bool settle(group_id group, std::size_t subscriptions, instant now);
+  [[nodiscard]] bool settle(group_id id, std::size_t subscriptions, instant now);
 
   // ---- what is known
 

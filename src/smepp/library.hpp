@@ -14,11 +14,11 @@ inline void require(bool good) {
   std::abort();
 }
 
-template <auto release>
+template <auto Release>
 struct releaser {
   template <class T>
   void operator()(T* x) const {
-    release(x);
+    Release(x);
   }
 };
 

@@ -20,7 +20,7 @@ peer_config with_self(peer_config x) {
 } // namespace
 
 peer::peer(peer_config config, random_stream rng, instant now, kept before)
-    : config_(with_self(std::move(config))), rng_(rng), kept_(std::move(before)),
+    : config_(with_self(config)), rng_(rng), kept_(std::move(before)),
       security_(config_.security, kept_.counter_reserved),
       groups_(config_.groups, random_stream(rng_.next())),
       events_(config_.events, random_stream(rng_.next())), energy_(config_.energy),
@@ -29,8 +29,9 @@ peer::peer(peer_config config, random_stream rng, instant now, kept before)
 
 // ---- commands
 
-mote_id peer::smepp_newPeer(const key& netwKey, const key& netwMAC, instant now, outputs& out) {
-  security_.set_network_keys({netwKey, netwMAC}, now);
+mote_id peer::smepp_newPeer(const key& network_key, const key& network_mac, instant now,
+                            outputs& out) {
+  security_.set_network_keys({network_key, network_mac}, now);
   const auto before = kept_.groups;
   for (const auto& x : before)
     groups_.restore(x, with(now));
@@ -54,16 +55,16 @@ std::optional<group_description> peer::smepp_getGroupDescription(group_id group)
   return groups_.description(group);
 }
 
-void peer::smepp_joinGroup(group_id group, const std::optional<key>& masterKey, instant now,
+void peer::smepp_joinGroup(group_id group, const std::optional<key>& master_key, instant now,
                            outputs& out) {
   const auto description = groups_.description(group);
   const auto provisioned = description ? provisioned_.find(description->name) : provisioned_.end();
-  if (provisioned != provisioned_.end() && masterKey && !(provisioned->second == *masterKey))
+  if (provisioned != provisioned_.end() && master_key && !(provisioned->second == *master_key))
     actions_.emplace_back(signal{joinGroup_result{group, {}, failure::wrong_master_key}});
   else if (provisioned != provisioned_.end())
     groups_.join(group, provisioned->second, with(now));
   else
-    groups_.join(group, masterKey, with(now));
+    groups_.join(group, master_key, with(now));
   go_on(now, out);
 }
 
@@ -80,50 +81,51 @@ std::optional<failure> peer::smepp_leaveGroup(group_id group, instant now, outpu
   return error;
 }
 
-std::optional<failure> peer::smepp_subscribe(const std::string& eventName, group_id group,
-                                             std::optional<duration> expirationTime, double rate,
+std::optional<failure> peer::smepp_subscribe(const std::string& event_name, group_id group,
+                                             std::optional<duration> expiration_time, double rate,
                                              instant now, outputs& out) {
   const auto* const g = groups_.find(group);
   if (g == nullptr || g->leaving_at || !g->sync.is_known())
     return failure::not_a_member;
-  const auto error = events_.subscribe(*g, eventName, expirationTime, rate, with(now));
+  const auto error = events_.subscribe(*g, event_name, expiration_time, rate, with(now));
   set_cycles(now);
   go_on(now, out);
   return error;
 }
 
-std::optional<failure> peer::smepp_unsubscribe(const std::string& eventName, group_id group,
+std::optional<failure> peer::smepp_unsubscribe(const std::string& event_name, group_id group,
                                                instant now, outputs& out) {
   if (groups_.find(group) == nullptr)
     return failure::not_a_member;
-  const auto error = events_.unsubscribe(group, eventName, with(now));
+  const auto error = events_.unsubscribe(group, event_name, with(now));
   set_cycles(now);
   go_on(now, out);
   return error;
 }
 
-std::optional<failure> peer::smepp_event(group_id group, const std::string& eventName,
+std::optional<failure> peer::smepp_event(group_id group, const std::string& event_name,
                                          const bytes& value, instant now, outputs& out) {
   const auto* const g = groups_.find(group);
   if (g == nullptr || g->leaving_at || !g->sync.is_known())
     return failure::not_a_member;
-  const auto error = events_.event(*g, eventName, value, with(now));
+  const auto error = events_.event(*g, event_name, value, with(now));
   go_on(now, out);
   return error;
 }
 
-std::optional<failure> peer::smepp_receive(group_id group, const std::string& eventName,
+std::optional<failure> peer::smepp_receive(group_id group, const std::string& event_name,
                                            double frequency, instant now, outputs& out) {
   if (groups_.find(group) == nullptr)
     return failure::not_a_member;
-  const auto error = events_.receive(group, eventName, frequency);
+  const auto error = events_.receive(group, event_name, frequency);
   set_cycles(now);
   go_on(now, out);
   return error;
 }
 
-void peer::set_network_keys(const key& netwKey, const key& netwMAC, instant now, outputs& out) {
-  security_.set_network_keys({netwKey, netwMAC}, now);
+void peer::set_network_keys(const key& network_key, const key& network_mac, instant now,
+                            outputs& out) {
+  security_.set_network_keys({network_key, network_mac}, now);
   go_on(now, out);
 }
 

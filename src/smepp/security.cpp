@@ -264,8 +264,8 @@ std::optional<instant> security::deadline() const {
 
 std::size_t security::footprint() const {
   // Derived keys can be computed when they are needed; a mote keeps those of the last frame.
-  constexpr std::size_t two_pairs = 2 * 2 * key::size;
-  return two_pairs + windows_.footprint() + config_.challenges_max * (2 + 2 + 4 + 4) + 2 * 4;
+  constexpr std::size_t two_pairs = key::size * 2 * 2;
+  return two_pairs + windows_.footprint() + config_.challenges_max * (2 + 2 + 4 + 4) + 8;
 }
 
 } // namespace rubicon::smepp

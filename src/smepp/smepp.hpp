@@ -92,33 +92,36 @@ public:
   peer(peer_config config, random_stream rng, instant now, kept before = {});
 
   // ---- D1.1 table 1
+  // NOLINTBEGIN(readability-identifier-naming): its names
 
   /// Sets the network keys; groups of a former life are taken up again.
-  mote_id smepp_newPeer(const key& netwKey, const key& netwMAC, instant now, outputs& out);
+  mote_id smepp_newPeer(const key& network_key, const key& network_mac, instant now, outputs& out);
   /// No frame is sent (SMP-04).
   std::variant<group_id, failure> smepp_createGroup(const group_description& x, instant now,
                                                     outputs& out);
   void smepp_getGroups(const group_filter& x, instant now, outputs& out);
   [[nodiscard]] std::optional<group_description> smepp_getGroupDescription(group_id group) const;
-  /// @param masterKey nothing: an open group, or the key that it was looked for with. Where one is
-  /// provisioned, `masterKey` has to be it
-  void smepp_joinGroup(group_id group, const std::optional<key>& masterKey, instant now,
+  /// @param master_key nothing: an open group, or the key that it was looked for with. Where one is
+  /// provisioned, `master_key` has to be it
+  void smepp_joinGroup(group_id group, const std::optional<key>& master_key, instant now,
                        outputs& out);
   [[nodiscard]] std::vector<peer_description> smepp_getPeers(group_id group) const;
   std::optional<failure> smepp_leaveGroup(group_id group, instant now, outputs& out);
-  /// @param expirationTime nothing: never
+  /// @param expiration_time nothing: never
   /// @param rate in 1/s, at least once in 46 days; 0: none
-  std::optional<failure> smepp_subscribe(const std::string& eventName, group_id group,
-                                         std::optional<duration> expirationTime, double rate,
+  std::optional<failure> smepp_subscribe(const std::string& event_name, group_id group,
+                                         std::optional<duration> expiration_time, double rate,
                                          instant now, outputs& out);
-  /// @param eventName empty: all of ours in the group
-  std::optional<failure> smepp_unsubscribe(const std::string& eventName, group_id group,
+  /// @param event_name empty: all of ours in the group
+  std::optional<failure> smepp_unsubscribe(const std::string& event_name, group_id group,
                                            instant now, outputs& out);
-  std::optional<failure> smepp_event(group_id group, const std::string& eventName,
+  std::optional<failure> smepp_event(group_id group, const std::string& event_name,
                                      const bytes& value, instant now, outputs& out);
   /// @param frequency in 1/s, at which our radio wakes for it; 0: the rate
-  std::optional<failure> smepp_receive(group_id group, const std::string& eventName,
+  std::optional<failure> smepp_receive(group_id group, const std::string& event_name,
                                        double frequency, instant now, outputs& out);
+
+  // NOLINTEND(readability-identifier-naming)
 
   // ---- beyond table 1
 
@@ -126,7 +129,7 @@ public:
   void provision(const std::string& group_name, const key& master) {
     provisioned_[group_name] = master;
   }
-  void set_network_keys(const key& netwKey, const key& netwMAC, instant now, outputs& out);
+  void set_network_keys(const key& network_key, const key& network_mac, instant now, outputs& out);
   std::optional<failure> refresh_session_keys(group_id group, instant now, outputs& out);
   bool set_pairwise_key(mote_id other, const key& x) { return events_.set_pairwise_key(other, x); }
 
