@@ -45,6 +45,8 @@ struct group {
   /// Somebody has left: new session keys are made then, unless we have fetched some that others
   /// have made. What is sent to all (key_refresh) is no such pair: who has left hears it, too.
   std::optional<instant> refresh_at;
+  /// Our best pair went from hand to hand: who had those before may be one who has left.
+  bool is_best_fetched = false;
   /// Somebody was heard under keys ahead of ours: they are fetched then, if we have not been sent
   /// them. It need not be true: the pause to the next such attempt doubles while it does not help.
   struct rumour {

@@ -235,8 +235,10 @@ void group_management::caught_up(group& g, const session_keys& session, const jo
                                  context c) {
   const bool is_news =
       g.ring.learn(session, c.now + std::chrono::milliseconds(accept.keys.send_in_ms), c.now);
-  if (is_news)
+  if (is_news) {
     g.refresh_at.reset();
+    g.is_best_fetched = true;
+  }
   if (is_news || g.is_returning)
     g.rumour_pause = group::rumour_pause_min;
   ++counters_.caught_up;

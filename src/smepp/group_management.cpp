@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace rubicon::smepp {
 
@@ -103,10 +104,12 @@ void group_management::make_keys(group& g, bool somebody_left, context c) {
   g.refresh_at.reset();
   ++counters_.keys_made;
   changed(g, c);
+  const bool is_secret_from_some = std::exchange(g.is_best_fetched, somebody_left);
   if (somebody_left)
     return g.sync.hurry(c.now); // our stamps say that there is something to fetch
-  announce(g, before, config_.flood_copies, c);
-  if (pending != before)
+  if (!is_secret_from_some)
+    announce(g, before, config_.flood_copies, c);
+  if (pending != before || is_secret_from_some)
     announce(g, pending, config_.flood_copies, c);
 }
 
@@ -140,10 +143,10 @@ void group_management::on(mote_id /*from*/, const key_refresh& x, const opened_f
   const bool is_best = g->ring.learn(*session, from, c.now);
   ++counters_.keys_learned;
   changed(*g, c);
-  if (is_best)
-    announce(*g, frame.session, config_.flood_copies, c); // others under these keys may lack it
-  else
-    g->sync.hurry(c.now); // who made a worse pair sees that there is a better one
+  if (!is_best)
+    return g->sync.hurry(c.now); // who made a worse pair sees that there is a better one
+  g->is_best_fetched = false;
+  announce(*g, frame.session, config_.flood_copies, c); // others under these keys may lack it
 }
 
 void group_management::on_foreign_keys(mote_id from, group_id group, context c) {
@@ -362,7 +365,10 @@ std::optional<group_management::schedule> group_management::schedule_of(group_id
 }
 
 std::size_t group_management::footprint() const {
-  std::size_t sum = applicants_.capacity() * 24;
+  // A handshake: who, both nonces, a secret, two shares, flags, when it ends. Of our own we have
+  // one at a time, and the description of the group.
+  constexpr std::size_t one_handshake = 2 + 2 + 2 + 4 + 4 + 3 * 32 + 4 + 6;
+  std::size_t sum = (config_.joins_max + 1) * one_handshake + group_description::name_max + 16;
   for (const auto& [id, g] : groups_)
     sum += group_description::name_max + key::size + 12 + session_ring::footprint() +
            g.members.footprint() + weak_sync::footprint() + told_max * 6;

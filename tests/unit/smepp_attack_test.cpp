@@ -219,6 +219,39 @@ TEST_CASE("old session keys are worth nothing after the grace period", "[smepp][
   CHECK(w.at(2).smepp_getPeers(group).size() == 2);
 }
 
+TEST_CASE("who has left learns no keys from who joins right after", "[smepp][SMP-12][SMP-13]") {
+  world w({.peers = 4});
+  auto x = kitchen();
+  x.management = {1s, 100ms};
+  const auto group = std::get<group_id>(w.with(
+      1, [&](peer& each, instant t, outputs& out) { return each.smepp_createGroup(x, t, out); }));
+  for (const std::size_t i : {2, 3})
+    REQUIRE_FALSE(w.join(i, group, key_of(9), {}));
+  w.run_for(5min);
+  auto gone = stolen(w, 3, group, mote_id{3}, 0);
+  w.record_air(true);
+  w.leave(3, group);
+  const auto& ring = w.at(2).groups().find(group)->ring;
+  const auto before = ring.best().id;
+  CHECK(w.run_until([&] { return ring.best().id != before; }, 30s, 100ms));
+  CHECK(ring.sending(w.local(2)) == before);
+  w.cut([](std::size_t a, std::size_t b) { return a == 3 || b == 3; });
+  // The new keys are not in use yet, and newer ones are made.
+  w.with(2, [&](peer& each, instant t, outputs& out) {
+    return each.refresh_session_keys(group, t, out);
+  });
+  w.run_for(3min);
+  CHECK(w.agree(group, {1, 2}));
+  std::size_t refreshes = 0;
+  for (const auto& each : w.air()) {
+    refreshes += each.what == "key_refresh" ? 1U : 0U;
+    if (each.what == "key_refresh") // it cannot even see them
+      CHECK(std::holds_alternative<refused_frame>(
+          gone.open(each.from, each.to, each.octets, w.now())));
+  }
+  CHECK(refreshes > 0);
+}
+
 TEST_CASE("who joins cannot read the past", "[smepp][SMP-13]") {
   world w({.peers = 3});
   w.record_air(true);
