@@ -58,6 +58,8 @@ struct group {
   instant rumours_from;
   duration rumour_pause = rumour_pause_min;
   instant fetch_from; ///< no catch-up before, what is said by a member included
+  /// Who goes by another time is told ours no sooner.
+  instant out_of_step_from;
   /// When neighbours were last sent all members, the longest ago first.
   std::vector<std::pair<mote_id, instant>> told;
 

@@ -87,6 +87,7 @@ void peer::on_group_frame(mote_id from, const message& x, const opened_frame& fr
   if (g == nullptr || g->leaving_at)
     return drop("no_member");
   groups_.on_heard(from, frame.group, with(now));
+  check_step(x, frame.group, now);
   const bool knows_time = g->sync.is_known();
   std::visit(
       overloads{[&](const sync_stamp& body) { on_stamp(from, body, frame.group, at, now); },
@@ -100,6 +101,26 @@ void peer::on_group_frame(mote_id from, const message& x, const opened_frame& fr
                 [&](const proof&) {}, // it has been believed meanwhile
                 [&](const auto&) { groups_.on_message(from, x, frame, with(now)); }},
       x);
+}
+
+/// What is only sent in windows was sent outside of ours: a part of the group goes by another time.
+/// Its windows are now, so it is told ours; whichever is better holds.
+void peer::check_step(const message& x, group_id group, instant now) {
+  constexpr duration pause = 10s;
+  auto& g = *groups_.find(group);
+  const auto& cycle = g.description.management;
+  if (!(std::holds_alternative<sync_stamp>(x) || std::holds_alternative<subscribe>(x)) ||
+      cycle.period == duration{} || !g.sync.is_fine() || now < g.out_of_step_from)
+    return;
+  const auto at = phase(g.sync.at(now).time_since_epoch(), cycle.period);
+  const auto slack = 2 * config_.energy.radio_delay;
+  if (at < cycle.length + slack || at > cycle.period - slack)
+    return;
+  g.out_of_step_from = now + pause;
+  g.sync.chase(now);
+  to_send stamps{broadcast_mote, group, sync_stamp{}, slot::at_once};
+  stamps.copies = 3;
+  static_cast<void>(outbox_.push(stamps, now));
 }
 
 /// If the group's time turns out to be another one, our neighbours that go by the old one are told

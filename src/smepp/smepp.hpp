@@ -172,6 +172,7 @@ private:
   void on_group_frame(mote_id from, const message& x, const opened_frame& frame, instant at,
                       instant now);
   void on_unproven(mote_id from, const message& x, const opened_frame& frame, instant now);
+  void check_step(const message& x, group_id group, instant now);
   void on_stamp(mote_id from, const sync_stamp& x, group_id group, instant at, instant now);
   void perform(instant now, outputs& out);
   void perform(const to_send& x, instant now, outputs& out);

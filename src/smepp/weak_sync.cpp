@@ -145,7 +145,7 @@ weak_sync::news weak_sync::on_stamp(mote_id from, const sync_stamp& x, instant a
     return news::none;
   if (!before || !x.of_last || *before > at) {
     if (x.root != root_)
-      chasing_until_ = at + 5 * config_.period / 2;
+      chase(at);
     return news::none;
   }
   chasing_until_ = at;

@@ -89,6 +89,9 @@ public:
   /// @param at when its start-of-frame delimiter was received
   news on_stamp(mote_id from, const sync_stamp& x, instant at);
 
+  /// Somebody goes by another time: listens for a while for what it is.
+  void chase(instant now) { chasing_until_ = now + 5 * config_.period / 2; }
+
   /// Somebody needs the time soon.
   void hurry(instant now);
 
