@@ -101,11 +101,16 @@ bool weak_sync::is_wanted(const sync_stamp& x) const {
   return x.root < root_;
 }
 
-weak_sync::news weak_sync::take(const point& x) {
+weak_sync::news weak_sync::take(const point& x, bool is_same_root) {
   const auto off = is_known() ? x.shared - at(x.own) : microseconds::max();
   const bool jumped = std::chrono::abs(off) > config_.jump;
   if (jumped || !is_timed_) {
-    points_.clear();
+    // Of the same root, the last two points make a better line than the one that has led so far
+    // off.
+    if (is_same_root && is_timed_)
+      points_.erase(points_.begin(), points_.end() - 1);
+    else
+      points_.clear();
     if (jumped && is_timed_)
       hurry(x.own);
   }
@@ -149,7 +154,7 @@ weak_sync::news weak_sync::on_stamp(mote_id from, const sync_stamp& x, instant a
     return news::none;
   }
   chasing_until_ = at;
-  const auto result = take({*before, *x.of_last});
+  const auto result = take({*before, *x.of_last}, x.root == root_);
   root_ = x.root;
   round_ = x.round;
   hops_ = static_cast<std::uint8_t>(std::min<int>(x.hops + 1, hops_max));

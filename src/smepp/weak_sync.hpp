@@ -118,7 +118,7 @@ private:
   [[nodiscard]] bool is_wanted(const sync_stamp& x) const;
   [[nodiscard]] std::optional<instant> reception_of(mote_id from, std::uint16_t sequence) const;
   void note(mote_id from, std::uint16_t sequence, instant at);
-  news take(const point& x);
+  news take(const point& x, bool is_same_root);
 
   weak_sync_config config_;
   random_stream rng_;
