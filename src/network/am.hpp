@@ -18,5 +18,7 @@ inline constexpr std::uint8_t channel = 0x19;      ///< one hop of a channel (NE
 inline constexpr std::uint8_t packet = 0x1a; ///< a fragment of an island packet, inside the tree or
                                              ///< on the serial line
 inline constexpr std::uint8_t outputs_wanted = 0x1b; ///< from a gateway to a mote, above Transport
+inline constexpr std::uint8_t smepp =
+    0x1c; ///< between two neighbours, secured (smepp/security.hpp)
 
 } // namespace rubicon::network::am

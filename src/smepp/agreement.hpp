@@ -1,0 +1,42 @@
+// A secret that two peers agree on while others listen: X25519 (RFC 7748), by libcrypto.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "core/random.hpp"
+#include "smepp/key.hpp"
+
+namespace rubicon::smepp {
+
+/// What one side lets the other know.
+using key_share = std::array<std::uint8_t, 32>;
+
+/// One side, for one handshake. On a mote of 8 bits and 8 MHz each of share() and agree() takes
+/// about 2 s of computing; the radio is not needed meanwhile.
+class agreement {
+public:
+  using secret = std::array<std::uint8_t, 32>;
+
+  agreement() = default; ///< of no use yet
+  explicit agreement(const secret& x) : secret_(x) {}
+  /// @param rng stands for the mote's source of randomness
+  [[nodiscard]] static agreement make(random_stream& rng);
+  agreement(const agreement&) = default;
+  agreement& operator=(const agreement&) = default;
+  ~agreement();
+
+  [[nodiscard]] key_share share() const;
+
+  /// The same at both sides, and known to nobody else; nothing if `other` is no proper share.
+  [[nodiscard]] std::optional<key> agree(const key_share& other) const;
+
+  /// The 32 octets of RFC 7748 6.1 that the key is made of, for tests with its vectors.
+  [[nodiscard]] std::optional<secret> shared_secret(const key_share& other) const;
+
+private:
+  secret secret_{};
+};
+
+} // namespace rubicon::smepp

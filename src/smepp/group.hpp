@@ -1,0 +1,75 @@
+// One group as one of its members sees it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "smepp/group_description.hpp"
+#include "smepp/member_table.hpp"
+#include "smepp/session_keys.hpp"
+#include "smepp/weak_sync.hpp"
+
+namespace rubicon::smepp {
+
+/// What a member keeps of a group where it outlasts a loss of power. Holds keys: neither logged nor
+/// sent.
+struct stored_group {
+  group_id id;
+  group_description description;
+  session_keys session;
+  std::uint16_t stamp = 0; ///< of our own entry among the members
+
+  friend bool operator==(const stored_group& a, const stored_group& b) {
+    return a.id == b.id && a.description == b.description && a.session.id == b.session.id &&
+           a.session.keys == b.session.keys && a.stamp == b.stamp;
+  }
+};
+
+struct group {
+  static constexpr duration rumour_pause_min = 5s;
+
+  group_id id;
+  group_description description;
+  session_ring ring;
+  member_table members;
+  weak_sync sync;
+
+  /// Back after a loss of power: keys may be old, and members, time and subscriptions are not
+  /// known.
+  bool is_returning = false;
+  /// Nothing is sent after this.
+  std::optional<instant> leaving_at;
+  /// Somebody has left: new session keys are made then, unless we have fetched some that others
+  /// have made. What is sent to all (key_refresh) is no such pair: who has left hears it, too.
+  std::optional<instant> refresh_at;
+  /// Our best pair went from hand to hand: who had those before may be one who has left.
+  bool is_best_fetched = false;
+  /// Somebody was heard under keys ahead of ours: they are fetched then, if we have not been sent
+  /// them. It need not be true: the pause to the next such attempt doubles while it does not help.
+  struct rumour {
+    mote_id from;
+    session_id best; ///< of ours at that time
+    instant due;
+  };
+  std::optional<rumour> heard_ahead;
+  instant rumours_from;
+  duration rumour_pause = rumour_pause_min;
+  instant fetch_from; ///< no catch-up before, what is said by a member included
+  /// Who goes by another time is told ours no sooner.
+  instant out_of_step_from;
+  /// When neighbours were last sent all members, the longest ago first.
+  std::vector<std::pair<mote_id, instant>> told;
+
+  /// Joined, but members and subscriptions may still come.
+  struct settling {
+    instant until;
+    std::size_t members = 0;
+    std::size_t subscriptions = 0;
+  };
+  std::optional<settling> settling_in;
+};
+
+} // namespace rubicon::smepp

@@ -1,0 +1,378 @@
+#include "smepp/group_management.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace rubicon::smepp {
+
+namespace {
+
+constexpr std::size_t told_max = 8;
+
+} // namespace
+
+group_management::group_management(group_config config, random_stream rng)
+    : config_(config), rng_(rng) {
+  config_.discovery.self = config.self;
+  config_.sync.self = config.self;
+  discovery_ = discovery(config_.discovery);
+}
+
+group& group_management::add(group_id id, const group_description& x, context c) {
+  group g;
+  g.id = id;
+  g.description = x;
+  g.ring = session_ring(config_.key_grace);
+  g.members = member_table(config_.members_max);
+  g.sync = weak_sync(config_.sync, random_stream(rng_.next()), c.now);
+  return groups_[id] = std::move(g);
+}
+
+std::variant<group_id, failure> group_management::create(const group_description& x, context c) {
+  if (!x.is_valid())
+    return failure::bad_argument;
+  const auto id = id_of(x.name, config_.self);
+  if (groups_.contains(id) || attempts_.contains(id))
+    return failure::name_taken;
+  if (groups_.size() + attempts_.size() >= config_.groups_max)
+    return failure::no_room;
+  auto& g = add(id, x, c);
+  g.sync.begin(c.now);
+  g.members.learn({{config_.self, config_.transducers}, 1, false});
+  g.ring.learn(make_session(credential(g, c.keys), {1, config_.self}, rng_), c.now, c.now);
+  changed(g, c);
+  return id;
+}
+
+void group_management::ask(const group_filter& x, context c) {
+  discovery_.ask(x, c.keys, c.now);
+}
+
+std::optional<failure> group_management::leave(group_id group, context c) {
+  auto* const g = find(group);
+  if (g == nullptr || g->leaving_at)
+    return failure::not_a_member;
+  const auto* const known = g->members.find(config_.self);
+  const auto stamp = static_cast<std::uint16_t>((known != nullptr ? known->stamp : 0) + 1);
+  const member gone{{config_.self, config_.transducers}, stamp, true};
+  g->members.learn(gone);
+  to_send news{broadcast_mote, group, member_left{gone}};
+  news.copies = config_.flood_copies;
+  c.out.push_back(news);
+  g->leaving_at = c.now + 2 * g->description.management.period + config_.step_timeout;
+  return std::nullopt;
+}
+
+std::optional<failure> group_management::refresh_keys(group_id group, context c) {
+  auto* const g = find(group);
+  if (g == nullptr || g->leaving_at)
+    return failure::not_a_member;
+  make_keys(*g, false, c);
+  return std::nullopt;
+}
+
+void group_management::restore(const stored_group& x, context c) {
+  if (groups_.size() >= config_.groups_max || groups_.contains(x.id))
+    return drop("no_room");
+  auto& g = add(x.id, x.description, c);
+  g.ring.learn(x.session, c.now, c.now);
+  g.members.learn({{config_.self, config_.transducers}, x.stamp, false});
+  g.is_returning = true;
+  changed(g, c);
+}
+
+// ---- keys
+
+void group_management::changed(group& g, context c) {
+  c.keys.set_group(g.id, g.ring.accepted());
+  c.out.push_back(keys_changed{g.id});
+}
+
+duration group_management::activation_time(const group& g, bool by_handshakes) const {
+  const auto time =
+      config_.activation + config_.activation_periods * g.description.management.period;
+  return by_handshakes ? config_.fetching_factor * time : time;
+}
+
+void group_management::make_keys(group& g, bool somebody_left, context c) {
+  const auto before = g.ring.sending(c.now);
+  const auto pending = g.ring.best().id; // all that who has just joined has
+  const session_id id{static_cast<std::uint16_t>(g.ring.best().id.generation + 1), config_.self};
+  g.ring.learn(make_session(credential(g, c.keys), id, rng_),
+               c.now + activation_time(g, somebody_left), c.now);
+  g.refresh_at.reset();
+  ++counters_.keys_made;
+  changed(g, c);
+  const bool is_secret_from_some = std::exchange(g.is_best_fetched, somebody_left);
+  if (somebody_left)
+    return g.sync.hurry(c.now); // our stamps say that there is something to fetch
+  if (!is_secret_from_some)
+    announce(g, before, config_.flood_copies, c);
+  if (pending != before || is_secret_from_some)
+    announce(g, pending, config_.flood_copies, c);
+}
+
+/// Tells those who have the pair `under` of the best one.
+void group_management::announce(const group& g, session_id under, unsigned copies, context c) {
+  const auto* const old = g.ring.find(under);
+  if (old == nullptr || under == g.ring.best().id)
+    return;
+  to_send news{broadcast_mote, g.id,
+               key_refresh{wrap(refresh_key(credential(g, c.keys), old->keys), g.ring.best(),
+                                g.ring.best_from() - c.now)}};
+  news.under = under;
+  news.copies = copies;
+  c.out.push_back(news);
+}
+
+void group_management::on(mote_id /*from*/, const key_refresh& x, const opened_frame& frame,
+                          context c) {
+  auto* const g = find(frame.group);
+  if (g == nullptr || g->leaving_at)
+    return drop("no_member");
+  if (g->ring.find(x.keys.id) != nullptr)
+    return;
+  const auto* const old = g->ring.find(frame.session);
+  const auto session = old == nullptr
+                           ? std::nullopt
+                           : unwrap(refresh_key(credential(*g, c.keys), old->keys), x.keys);
+  if (!session)
+    return drop("wrong_wrap");
+  const auto from = c.now + std::chrono::milliseconds(x.keys.send_in_ms);
+  const bool is_best = g->ring.learn(*session, from, c.now);
+  ++counters_.keys_learned;
+  changed(*g, c);
+  if (!is_best)
+    return g->sync.hurry(c.now); // who made a worse pair sees that there is a better one
+  g->is_best_fetched = false;
+  announce(*g, frame.session, config_.flood_copies, c); // others under these keys may lack it
+}
+
+void group_management::on_foreign_keys(mote_id from, group_id group, context c) {
+  auto* const g = find(group);
+  if (g == nullptr || g->heard_ahead || c.now < g->rumours_from)
+    return;
+  g->heard_ahead = group::rumour{
+      from, g->ring.best().id, c.now + config_.rumour_wait + 2 * g->description.management.period};
+}
+
+void group_management::check_rumour(group& g, context c) {
+  if (!g.heard_ahead || g.heard_ahead->due > c.now)
+    return;
+  const auto x = *g.heard_ahead;
+  g.heard_ahead.reset();
+  if (g.ring.best().id != x.best)
+    return;
+  g.rumours_from = c.now + g.rumour_pause;
+  g.rumour_pause = std::min(2 * g.rumour_pause, config_.rumour_pause_max);
+  catch_up(x.from, g, c);
+}
+
+void group_management::on_heard(mote_id from, group_id group, context c) {
+  auto* const g = find(group);
+  if (g != nullptr && g->is_returning)
+    catch_up(from, *g, c);
+}
+
+// ---- members
+
+void group_management::learn(group& g, const member& x, bool spread, context c) {
+  if (x.who.peer == config_.self) {
+    const auto* const own = g.members.find(config_.self);
+    const bool is_wrong = x.has_left || x.who.transducers != config_.transducers;
+    if (!is_wrong || g.leaving_at) {
+      g.members.learn(x);
+      return;
+    }
+    // Somebody remembers a former life of ours.
+    const auto stamp = std::max(x.stamp, own != nullptr ? own->stamp : std::uint16_t{0});
+    const member true_one{
+        {config_.self, config_.transducers}, static_cast<std::uint16_t>(stamp + 1), false};
+    g.members.learn(true_one);
+    to_send news{broadcast_mote, g.id, member_joined{true_one}};
+    news.copies = config_.flood_copies;
+    c.out.push_back(news);
+    return;
+  }
+  const auto change = g.members.learn(x);
+  if (change == member_table::change::no_room)
+    return drop("no_room");
+  if (change == member_table::change::joined && !g.settling_in) // else the list is the result
+    c.out.push_back(signal{peerJoined{g.id, x.who}});
+  if (change == member_table::change::left) {
+    c.out.push_back(signal{peerLeft{x.who.peer, g.id}});
+    const auto rank = static_cast<std::int64_t>(g.members.rank(config_.self));
+    if (!g.refresh_at)
+      g.refresh_at = c.now + rank * activation_time(g, true);
+  }
+  if (change == member_table::change::none || !spread)
+    return;
+  to_send news{broadcast_mote, g.id, member_joined{x}};
+  if (x.has_left)
+    news.content = member_left{x};
+  news.copies = config_.flood_copies;
+  c.out.push_back(news);
+}
+
+void group_management::on(mote_id /*from*/, const member_joined& x, const opened_frame& frame,
+                          context c) {
+  if (auto* const g = find(frame.group))
+    learn(*g, x.who, true, c);
+}
+
+void group_management::on(mote_id /*from*/, const member_left& x, const opened_frame& frame,
+                          context c) {
+  if (auto* const g = find(frame.group))
+    learn(*g, x.who, true, c);
+}
+
+void group_management::on(mote_id /*from*/, const member_list& x, const opened_frame& frame,
+                          context c) {
+  if (auto* const g = find(frame.group))
+    for (const auto& each : x.all)
+      learn(*g, each, false, c);
+}
+
+/// All we know of the members, to one neighbour, unless it was told just now.
+void group_management::tell(mote_id to, group& g, context c) {
+  std::erase_if(g.told, [&](const auto& x) { return x.second + config_.told_pause <= c.now; });
+  const bool is_told = std::ranges::any_of(g.told, [&](const auto& x) { return x.first == to; });
+  if (is_told || g.told.size() >= told_max)
+    return;
+  g.told.emplace_back(to, c.now);
+  for (auto& list : g.members.lists())
+    c.out.push_back(to_send{to, g.id, std::move(list)});
+}
+
+// ---- time
+
+void group_management::on_stamp(mote_id from, const sync_stamp& x, group_id group, instant at,
+                                context c) {
+  auto* const g = find(group);
+  if (g == nullptr)
+    return;
+  static_cast<void>(g->sync.on_stamp(from, x, at));
+  if (is_better(x.best, g->ring.best().id))
+    catch_up(from, *g, c);
+  if (x.digest != g->members.digest())
+    tell(from, *g, c);
+}
+
+void group_management::on_time(context c) {
+  discovery_.on_time(c.out, c.now);
+  std::erase_if(applicants_, [&](const applicant& x) { return x.until <= c.now; });
+  std::vector<group_id> due;
+  for (const auto& [id, x] : attempts_)
+    if (x.due <= c.now)
+      due.push_back(id);
+  for (const auto id : due)
+    go_on(attempts_.at(id), failure::no_answer, c);
+
+  for (auto at = groups_.begin(); at != groups_.end();) {
+    auto& g = at->second;
+    if (g.leaving_at && *g.leaving_at <= c.now) {
+      const auto id = at->first;
+      attempts_.erase(id);
+      at = groups_.erase(at);
+      c.keys.remove_group(id);
+      c.out.push_back(group_gone{id});
+      c.out.push_back(keys_changed{id});
+      c.out.push_back(signal{peerLeft{config_.self, id}});
+      continue;
+    }
+    ++at;
+    if (g.ring.on_time(c.now))
+      changed(g, c);
+    check_rumour(g, c);
+    if (const auto due_at = next_keys(g); due_at && *due_at <= c.now)
+      make_keys(g, g.refresh_at && *g.refresh_at <= c.now, c);
+    if (g.sync.on_time(c.now)) {
+      sync_stamp stamp; // the peer fills in the time when it is sent
+      c.out.push_back(to_send{broadcast_mote, g.id, stamp});
+    }
+    if (g.is_returning && g.sync.is_root())
+      g.is_returning = false; // nobody is there
+  }
+}
+
+/// When we are to make new session keys.
+std::optional<instant> group_management::next_keys(const group& g) const {
+  if (g.leaving_at || g.is_returning)
+    return std::nullopt;
+  const auto rank = static_cast<std::int64_t>(g.members.rank(config_.self));
+  return earliest(g.ring.best_from() + config_.key_period + rank * config_.rank_pause,
+                  g.refresh_at);
+}
+
+std::optional<instant> group_management::deadline() const {
+  auto first = discovery_.deadline();
+  for (const auto& [id, x] : attempts_)
+    first = earliest(first, x.due);
+  for (const auto& [id, g] : groups_) {
+    first = earliest(first, g.leaving_at);
+    if (g.heard_ahead)
+      first = earliest(first, g.heard_ahead->due);
+    first = earliest(first, g.ring.deadline());
+    first = earliest(first, next_keys(g));
+    first = earliest(first, g.sync.deadline());
+    if (g.settling_in)
+      first = earliest(first, g.settling_in->until);
+  }
+  return first;
+}
+
+// ---- what is known
+
+const group* group_management::find(group_id x) const {
+  const auto found = groups_.find(x);
+  return found == groups_.end() ? nullptr : &found->second;
+}
+
+group* group_management::find(group_id x) {
+  const auto found = groups_.find(x);
+  return found == groups_.end() ? nullptr : &found->second;
+}
+
+std::optional<group_description> group_management::description(group_id x) const {
+  if (const auto* const g = find(x))
+    return g->description;
+  if (const auto* const found = discovery_.find(x))
+    return found->description;
+  return std::nullopt;
+}
+
+bool group_management::is_listening(instant now) const {
+  return discovery_.is_asking() || !attempts_.empty() ||
+         std::ranges::any_of(groups_, [&](const auto& x) {
+           const auto& g = x.second;
+           return !g.sync.is_fine() || (g.sync.is_lost(now) && g.members.present() > 1);
+         });
+}
+
+std::optional<group_management::schedule> group_management::schedule_of(group_id x,
+                                                                        instant now) const {
+  if (const auto* const g = find(x)) {
+    if (!g->sync.is_known())
+      return std::nullopt;
+    return schedule{g->sync.at(now), g->description.management};
+  }
+  if (const auto* const found = discovery_.find(x)) {
+    const auto since = std::chrono::floor<std::chrono::microseconds>(now - found->told_at);
+    return schedule{found->time + since, found->description.management};
+  }
+  return std::nullopt;
+}
+
+std::size_t group_management::footprint() const {
+  // A handshake: who, both nonces, a secret, two shares, flags, when it ends. Of our own we have
+  // one at a time, and the description of the group.
+  constexpr std::size_t one_handshake = 2 + 2 + 2 + 4 + 4 + 3 * 32 + 4 + 6;
+  std::size_t sum = (config_.joins_max + 1) * one_handshake + group_description::name_max + 16;
+  for (const auto& [id, g] : groups_)
+    sum += group_description::name_max + key::size + 12 + session_ring::footprint() +
+           g.members.footprint() + weak_sync::footprint() + told_max * 6;
+  return sum;
+}
+
+} // namespace rubicon::smepp

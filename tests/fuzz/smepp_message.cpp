@@ -1,0 +1,77 @@
+// What peers of SMEPP Light say to each other, and the XML that describes one. What decodes encodes
+// back to the same octets; a peer that hears anything, with good keys, stays sound.
+#include <cstdint>
+#include <cstdlib>
+
+#include "core/bytes.hpp"
+#include "smepp/smepp.hpp"
+
+using namespace rubicon;
+using namespace rubicon::smepp;
+
+namespace {
+
+key key_of(std::uint8_t x) {
+  std::array<std::uint8_t, key::size> octets{};
+  octets.fill(x);
+  return key(octets);
+}
+
+void check_round_trips(byte_view octets) {
+  if (const auto x = decode(octets); x && encode(*x) != to_bytes(octets))
+    std::abort();
+  const auto xml = parse_peer_description(rubicon::to_string(octets));
+  if (const auto* const x = std::get_if<peer_description>(&xml))
+    if (std::get<peer_description>(parse_peer_description(to_xml(*x))) != *x)
+      std::abort();
+}
+
+/// A member of a group hears it from another one, twice.
+void hear(byte_view octets) {
+  const instant now{1h};
+  peer x({.self = mote_id{1}}, random_stream(1), now);
+  outputs out;
+  x.smepp_newPeer(key_of(1), key_of(2), now, out);
+  const auto group = std::get<group_id>(x.smepp_createGroup({.name = "meadow"}, now, out));
+  const auto& ring = x.groups().find(group)->ring;
+  security other({.self = mote_id{2}}, 0);
+  other.set_network_keys({key_of(1), key_of(2)}, now);
+  other.set_group(group, ring.accepted());
+  const auto say = [&](group_id level, byte_view content, instant at) {
+    const auto session = level == network_level ? session_id{} : ring.best().id;
+    if (const auto frame = other.seal(mote_id{1}, level, session, content))
+      x.on_frame(mote_id{2}, mote_id{1}, *frame, at, at, out);
+  };
+  // It asks whom it hears for the first time, and believes who answers.
+  say(group, encode(unsubscribe{{mote_id{2}, 1}, {}}), now);
+  for (const auto& each : outputs(out))
+    if (const auto* const frame = std::get_if<send_frame>(&each)) {
+      const auto heard = other.open(mote_id{1}, mote_id{2}, frame->octets, now);
+      const auto question = decode(std::get<opened_frame>(heard).content);
+      say(group, encode(proof{std::get<challenge>(*question).nonce}), now);
+      x.on_sent(frame->id, true, now, now, out);
+    }
+  if (x.keys().counters().proofs != 1)
+    std::abort();
+  x.smepp_subscribe("light", group, 1h, 1, now, out);
+  x.smepp_receive(group, "light", 0, now, out);
+  for (int i = 1; i <= 2; ++i) {
+    const auto at = now + std::chrono::seconds(i);
+    say(group, octets, at);
+    say(network_level, octets, at);
+    x.on_frame(mote_id{2}, broadcast_mote, octets, at, at, out);
+    x.on_sent(static_cast<std::uint64_t>(i) + 1, i == 1, at, at, out);
+    x.on_time(at, out);
+  }
+  x.on_time(now + 1min, out);
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const byte_view octets(data, size);
+  check_round_trips(octets);
+  if (size <= message_max)
+    hear(octets);
+  return 0;
+}
