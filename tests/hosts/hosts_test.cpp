@@ -60,6 +60,7 @@ public:
   void run(const std::string& script) const {
     const std::string functions =
         "export XDG_STATE_HOME=$PWD/state; rubicon() { '" + binary +
+        "' \"$@\"; }; start() { exec '" + binary +
         "' \"$@\"; }; "
         "part() { rubicon run house.toml --host $1 --for $2 --json --starts $1.starts "
         "> $3.json 2> $3.err; echo $? > $3.status; }; "
@@ -257,7 +258,7 @@ TEST_CASE("hosts run what is deployed to them, and heal without who has deployed
           "[hosts][NFR-08][ACT-11]") {
   const house in;
   in.run("hosts; sleep 1; "
-         "rubicon deploy house.toml $me --for 90s --json > first.json 2> first.err & first=$!; "
+         "start deploy house.toml $me --for 90s --json > first.json 2> first.err & first=$!; "
          "sleep 4; rubicon status > running; rubicon fault 'kill peer robot for 2s'; "
          "echo $? > fault; rubicon fault 'crash mote kitchen/nobody' 2> no-fault; "
          "kill -9 $first; wait $first; kill -9 $kitchen; wait $kitchen; sleep 2; "
