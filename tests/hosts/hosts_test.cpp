@@ -13,10 +13,10 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "control/server.hpp"
 #include "support/catch.hpp"
+#include "support/scratch_folder.hpp"
 #include "support/shell.hpp"
 
 using namespace rubicon;
@@ -37,19 +37,12 @@ std::string text_of(const fs::path& file) {
 /// A folder with the house on ports that nobody else has, gone with the test.
 class house {
 public:
-  house() : path_(fs::temp_directory_path() / ("rubicon-hosts-" + std::to_string(::getpid()))) {
-    fs::create_directory(path_);
+  house() {
     auto toml = text_of(fs::path(RUBICON_CONFIG_DIR) / "house.toml");
     for (std::size_t at = 0; (at = toml.find("control_port = 42", at)) != std::string::npos;)
       toml.replace(at, 17, "control_port = 47");
-    std::ofstream(path_ / "house.toml") << toml;
+    file("house.toml", toml);
   }
-  ~house() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  house(const house&) = delete;
-  house& operator=(const house&) = delete;
 
   /// Of a shell in the folder, in which
   /// `part HOST LENGTH NAME` runs a part, and leaves its report in NAME.json, what it says in
@@ -59,7 +52,7 @@ public:
   /// `hosts` begins all three, whose numbers are $kitchen, $bedroom and $care, until `end`.
   void run(const std::string& script) const {
     const std::string functions =
-        "export XDG_STATE_HOME=$PWD/state; rubicon() { '" + binary +
+        "export XDG_STATE_HOME=$PWD/state TMPDIR=$PWD; rubicon() { '" + binary +
         "' \"$@\"; }; start() { exec '" + binary +
         "' \"$@\"; }; "
         "part() { rubicon run house.toml --host $1 --for $2 --json --starts $1.starts "
@@ -75,7 +68,7 @@ public:
         "host bedroom 4760 & bedroom=$!; host care 4770 & care=$!; me=$(tls me); }; "
         "end() { kill $kitchen $bedroom $care; wait; }; ";
     static_cast<void>(
-        shell("cd '" + path_.string() + "' && { " + functions + script + "; } 2>/dev/null"));
+        shell("cd '" + folder_.path.string() + "' && { " + functions + script + "; } 2>/dev/null"));
   }
 
   [[nodiscard]] json report(const std::string& name) const {
@@ -84,13 +77,15 @@ public:
     REQUIRE_FALSE(found.is_discarded());
     return found;
   }
-  [[nodiscard]] std::string text(const std::string& file) const { return text_of(path_ / file); }
+  [[nodiscard]] std::string text(const std::string& file) const {
+    return text_of(folder_.path / file);
+  }
   void file(const std::string& name, const std::string& content) const {
-    std::ofstream(path_ / name) << content;
+    std::ofstream(folder_.path / name) << content;
   }
 
 private:
-  fs::path path_;
+  const test::scratch_folder folder_;
 };
 
 /// What was noted of each, in order, without times.
@@ -201,7 +196,7 @@ TEST_CASE("a deployment starts again what was killed, and makes one report", "[h
   const house in;
   in.run("'" + binary +
          "' deploy house.toml --local --for 28s --json > all.json 2> all.err & "
-         "sleep 12; pkill -9 -f '^rubicon run .*--bundled --host kitchen'; wait");
+         "sleep 12; pkill -9 -f \"^rubicon run $PWD/.*--bundled --host kitchen\"; wait");
   const auto report = in.report("all");
   check_good(report);
   CHECK(in.text("all.err").find("kitchen  has ended with signal 9 after 1") != std::string::npos);
@@ -306,7 +301,8 @@ TEST_CASE("a host says what keeps it from its part, and nothing begins", "[hosts
   const house in;
   in.run("certs kitchen bedroom care me; me=$(tls me); host kitchen 4750 & kitchen=$!; "
          "host bedroom 4760 & bedroom=$!; host care 4770 & care=$!; "
-         "part kitchen 20s taken & taken=$!; sleep 1; "
+         "start run house.toml --host kitchen --for 20s --starts kitchen.starts > taken.json & "
+         "taken=$!; sleep 1; "
          "rubicon deploy house.toml $me --for 3s 2> taken.deploy; echo $? > taken.deploy.status; "
          "kill $taken; wait $taken; "
          "sed 's/id = 40/id = 40\\nhost_name = \"care\"/' house.toml > commands.toml; "
