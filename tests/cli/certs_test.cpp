@@ -7,9 +7,11 @@
 #include <unistd.h>
 
 #include "support/catch.hpp"
+#include "support/scratch_folder.hpp"
 #include "support/shell.hpp"
 
 using rubicon::test::outcome;
+using rubicon::test::scratch_folder;
 using rubicon::test::shell;
 
 namespace {
@@ -21,17 +23,6 @@ const std::string binary = RUBICON_BINARY;
 /// A folder of its own in which commands run, gone with the test.
 class work_folder {
 public:
-  work_folder()
-      : path_(fs::temp_directory_path() / ("rubicon-certs-" + std::to_string(::getpid()))) {
-    fs::create_directory(path_);
-  }
-  ~work_folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  work_folder(const work_folder&) = delete;
-  work_folder& operator=(const work_folder&) = delete;
-
   [[nodiscard]] outcome run(const std::string& arguments) const {
     return in('"' + binary + "\" certs " + arguments + " 2>/dev/null");
   }
@@ -39,12 +30,12 @@ public:
     return in('"' + binary + "\" certs " + arguments + " 2>&1 >/dev/null");
   }
   [[nodiscard]] outcome in(const std::string& command) const {
-    return shell("cd '" + path_.string() + "' && " + command);
+    return shell("cd '" + folder_.path.string() + "' && " + command);
   }
-  [[nodiscard]] fs::path file(const std::string& name) const { return path_ / name; }
+  [[nodiscard]] fs::path file(const std::string& name) const { return folder_.path / name; }
 
 private:
-  fs::path path_;
+  const scratch_folder folder_;
 };
 
 bool contains(const std::string& text, const std::string& part) {

@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "support/catch.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace {
 
@@ -96,15 +97,6 @@ private:
   pid_t pid_ = -1;
 };
 
-struct scratch_folder {
-  fs::path path = fs::temp_directory_path() / ("rubicon-ending-" + std::to_string(::getpid()));
-  scratch_folder() {
-    fs::remove_all(path);
-    fs::create_directories(path);
-  }
-  ~scratch_folder() { fs::remove_all(path); }
-};
-
 /// A run in wall time with one component: a shell and what it has started, which both ignore all
 /// that can be ignored.
 class stubborn_run {
@@ -156,7 +148,7 @@ private:
   [[nodiscard]] fs::path pids_file() const { return folder_.path / "pids"; }
   [[nodiscard]] fs::path output_file() const { return folder_.path / "output"; }
 
-  scratch_folder folder_;
+  rubicon::test::scratch_folder folder_;
   std::optional<started> run_;
   pid_t shell_ = 0;
   pid_t sleeper_ = 0;
@@ -213,7 +205,7 @@ TEST_CASE("a second Ctrl-C ends a run at once, and its components", "[cli][ACT-1
 TEST_CASE("the runs of a swarm end with it, however it ends", "[cli][ACT-11]") {
   const int signal = GENERATE(SIGINT, SIGTERM, SIGHUP, SIGKILL);
   CAPTURE(signal);
-  const scratch_folder folder;
+  const rubicon::test::scratch_folder folder;
   started x({"rubicon", "swarm", "--seeds", "1..100", "--jobs", "2", "--for", "3650d", "--timeout",
              "1h", RUBICON_FIXTURES "/small.toml"},
             folder.path / "output");

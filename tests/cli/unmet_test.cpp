@@ -11,9 +11,11 @@
 #include <unistd.h>
 
 #include "support/catch.hpp"
+#include "support/scratch_folder.hpp"
 #include "support/shell.hpp"
 
 using rubicon::test::outcome;
+using rubicon::test::scratch_folder;
 using rubicon::test::shell;
 
 namespace {
@@ -28,14 +30,7 @@ outcome output_of(const std::string& arguments, const std::string& before = {}) 
   return shell("exec 2>/dev/null; " + before + " \"" + binary + "\" " + arguments);
 }
 
-struct scratch_folder {
-  fs::path path = fs::temp_directory_path() / ("rubicon-unmet-" + std::to_string(::getpid()));
-  scratch_folder() {
-    fs::remove_all(path);
-    fs::create_directories(path);
-  }
-  ~scratch_folder() { fs::remove_all(path); }
-
+struct peer_folder : scratch_folder {
   /// A file of one peer in wall time, in quotes.
   [[nodiscard]] std::string peer(const std::string& more) const {
     const auto file = path / "peer.toml";
@@ -88,7 +83,7 @@ constexpr const char* asked_for = "what was asked for is there";
 } // namespace
 
 TEST_CASE("a port that is taken ends the run with an error", "[cli]") {
-  const scratch_folder folder;
+  const peer_folder folder;
   const taken_port port;
   const auto x = output_of("run --json " + folder.peer("tcp.port = " + port.text() + "\n"));
   CHECK(x.status == 1);
@@ -102,7 +97,7 @@ TEST_CASE("a port that is taken ends the run with an error", "[cli]") {
 }
 
 TEST_CASE("a peer that is away is everyday", "[cli]") {
-  const scratch_folder folder;
+  const peer_folder folder;
   unsigned free_port = 0;
   {
     const taken_port port;
@@ -116,7 +111,7 @@ TEST_CASE("a peer that is away is everyday", "[cli]") {
 }
 
 TEST_CASE("a component whose command is none is an error", "[cli][SVC-04]") {
-  const scratch_folder folder;
+  const peer_folder folder;
   const auto x = output_of(
       "run --json " +
       folder.peer(
@@ -137,7 +132,7 @@ TEST_CASE("a record on a full disk is an error, with the report of the run", "[c
 }
 
 TEST_CASE("files that may not grow are an error, not the end", "[cli]") {
-  const scratch_folder folder;
+  const peer_folder folder;
   const auto arguments =
       "run --json --for 60s --debug-dir '" + folder.path.string() + "/logs' " + small;
   const auto x = output_of(arguments, "ulimit -f 8;");
@@ -167,7 +162,7 @@ TEST_CASE("a run without memory does not end well", "[cli][ACT-03]") {
 }
 
 TEST_CASE("a report for an output that is closed goes nowhere else", "[cli]") {
-  const scratch_folder folder;
+  const peer_folder folder;
   const auto record = (folder.path / "home.rec").string();
   const auto x = shell("\"" + binary + "\" run --json --for 5s --record '" + record + "' " + small +
                        " >&- 2>/dev/null");

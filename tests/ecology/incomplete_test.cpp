@@ -9,6 +9,7 @@
 
 #include "ecology_files.hpp"
 #include "support/catch.hpp"
+#include "support/scratch_folder.hpp"
 
 using namespace rubicon;
 using namespace rubicon::test;
@@ -16,16 +17,6 @@ using namespace rubicon::test;
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder of its own that ends with the test.
-struct scratch_folder {
-  fs::path path = fs::temp_directory_path() / ("rubicon-incomplete-" + std::to_string(::getpid()));
-  scratch_folder() {
-    fs::remove_all(path);
-    fs::create_directories(path);
-  }
-  ~scratch_folder() { fs::remove_all(path); }
-};
 
 config::ecology_description short_home() {
   auto home = example("home.toml");
@@ -99,7 +90,7 @@ TEST_CASE("a planned crash is no violation", "[ecology][ACT-03]") {
 }
 
 TEST_CASE("records, captures and debug logs that are cut short are told", "[ecology][ACT-07]") {
-  const scratch_folder folder;
+  const test::scratch_folder folder;
   const auto full = [&](const std::string& name) {
     fs::create_symlink("/dev/full", folder.path / name);
   };

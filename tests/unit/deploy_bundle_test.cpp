@@ -5,9 +5,8 @@
 #include <set>
 #include <string>
 
-#include <unistd.h>
-
 #include "support/catch.hpp"
+#include "support/scratch_folder.hpp"
 
 using namespace rubicon;
 using namespace rubicon::deploy;
@@ -16,26 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class folder {
-public:
-  folder() : path_(fs::temp_directory_path() / ("rubicon-bundle-" + std::to_string(::getpid()))) {
-    fs::create_directory(path_);
+struct folder : test::scratch_folder {
+  [[nodiscard]] std::string with(const std::string& name, const std::string& content) const {
+    std::ofstream(path / name) << content;
+    return file(name);
   }
-  ~folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  folder(const folder&) = delete;
-  folder& operator=(const folder&) = delete;
-
-  [[nodiscard]] std::string file(const std::string& name, const std::string& content) const {
-    std::ofstream(path_ / name) << content;
-    return (path_ / name).string();
-  }
-  void remove(const std::string& name) const { fs::remove(path_ / name); }
-
-private:
-  fs::path path_;
 };
 
 const std::string house = R"([ecology]
@@ -77,15 +61,15 @@ config::overrides wall() {
 
 TEST_CASE("a bundle is the same ecology where its files are not", "[deploy][GEN-05]") {
   const folder in;
-  const auto path = in.file("house.toml", house);
-  static_cast<void>(in.file("stove.csv", "time,t\n0,20\n10,25\n"));
+  const auto path = in.with("house.toml", house);
+  static_cast<void>(in.with("stove.csv", "time,t\n0,20\n10,25\n"));
   const auto packed = pack(path, wall(), 30s, {});
   REQUIRE(packed.loaded.problems.empty());
   CHECK(packed.what.files.size() == 1);
   CHECK(packed.what.seed == 5);
   CHECK(packed.what.length == 30s);
-  in.remove("stove.csv");
-  in.remove("house.toml");
+  fs::remove(in.path / "stove.csv");
+  fs::remove(in.path / "house.toml");
 
   const auto loaded = load(packed.what, wall(), {});
   REQUIRE(loaded.ecology);
@@ -124,8 +108,8 @@ TEST_CASE("a file that is not there is a problem", "[deploy]") {
 
 TEST_CASE("all hosts on one computer have ports of their own", "[deploy][GEN-05]") {
   const folder in;
-  const auto path = in.file("house.toml", house);
-  static_cast<void>(in.file("stove.csv", "time,t\n0,20\n"));
+  const auto path = in.with("house.toml", house);
+  static_cast<void>(in.with("stove.csv", "time,t\n0,20\n"));
   auto packed = pack(path, wall(), std::nullopt, {});
   REQUIRE(packed.loaded.ecology);
   packed.what.places = places_on_one_computer(*packed.loaded.ecology,

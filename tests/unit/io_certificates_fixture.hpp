@@ -3,11 +3,9 @@
 
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <variant>
 #include <vector>
@@ -20,6 +18,7 @@
 
 #include "io/certificates.hpp"
 #include "support/catch.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace rubicon::test {
 
@@ -27,28 +26,6 @@ namespace fs = std::filesystem;
 
 inline constexpr std::chrono::sys_seconds today =
     std::chrono::sys_days(std::chrono::year(2027) / 3 / 1) + std::chrono::hours(9);
-
-/// A folder of its own, gone with the test.
-class scratch_folder {
-public:
-  scratch_folder() {
-    std::string name = (fs::temp_directory_path() / "rubicon-certificates-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw std::runtime_error("mkdtemp");
-    path_ = name;
-  }
-  ~scratch_folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  scratch_folder(const scratch_folder&) = delete;
-  scratch_folder& operator=(const scratch_folder&) = delete;
-
-  [[nodiscard]] std::string file(const std::string& name) const { return path_ / name; }
-
-private:
-  fs::path path_;
-};
 
 struct openssl_free {
   void operator()(X509* x) const { X509_free(x); }

@@ -8,28 +8,12 @@
 #include <unistd.h>
 
 #include "support/catch.hpp"
+#include "support/scratch_folder.hpp"
 
 using namespace rubicon;
 namespace fs = std::filesystem;
 
 namespace {
-
-class work_folder {
-public:
-  work_folder() : path(fs::temp_directory_path() / ("rubicon-kept-" + std::to_string(::getpid()))) {
-    fs::create_directory(path);
-  }
-  ~work_folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  work_folder(const work_folder&) = delete;
-  work_folder& operator=(const work_folder&) = delete;
-
-  [[nodiscard]] std::string file(const std::string& name) const { return (path / name).string(); }
-
-  const fs::path path;
-};
 
 io::kept_number opened(const std::string& path) {
   return std::get<io::kept_number>(io::kept_number::open(path));
@@ -38,7 +22,7 @@ io::kept_number opened(const std::string& path) {
 } // namespace
 
 TEST_CASE("a number is kept for who opens the file again", "[io]") {
-  const work_folder in;
+  const test::scratch_folder in;
   auto first = opened(in.file("n"));
   CHECK(first.value() == 0);
   CHECK(first.keep(7).empty());
@@ -48,7 +32,7 @@ TEST_CASE("a number is kept for who opens the file again", "[io]") {
 }
 
 TEST_CASE("a file that holds something else is told, and stays", "[io]") {
-  const work_folder in;
+  const test::scratch_folder in;
   for (const std::string text : {"", "x", "-1", "4294967296", "7 8", "7\n\n8"}) {
     std::ofstream(in.file("n")) << text;
     const auto found = io::kept_number::open(in.file("n"));
@@ -59,7 +43,7 @@ TEST_CASE("a file that holds something else is told, and stays", "[io]") {
 }
 
 TEST_CASE("a number that cannot be kept is told", "[io]") {
-  const work_folder in;
+  const test::scratch_folder in;
   auto x = opened(in.file("no/such/folder"));
   CHECK(x.keep(1).find("cannot be written: No such file") != std::string::npos);
   CHECK(x.value() == 0);

@@ -15,33 +15,12 @@
 
 #include "io/pcap_file.hpp"
 #include "support/catch.hpp"
+#include "support/scratch_folder.hpp"
 #include "support/vectors.hpp"
 
 using namespace rubicon;
 
 namespace {
-
-/// A folder of its own, gone with the test.
-class scratch_folder {
-public:
-  scratch_folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "rubicon-pcap-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw std::runtime_error("mkdtemp");
-    path_ = name;
-  }
-  ~scratch_folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  scratch_folder(const scratch_folder&) = delete;
-  scratch_folder& operator=(const scratch_folder&) = delete;
-
-  [[nodiscard]] std::string file(const std::string& name) const { return path_ / name; }
-
-private:
-  std::filesystem::path path_;
-};
 
 struct captured {
   std::int64_t ns = 0;
@@ -124,7 +103,7 @@ void write_sample(const std::string& path) {
 } // namespace
 
 TEST_CASE("a capture holds each frame and its time to the nanosecond", "[io]") {
-  const scratch_folder folder;
+  const test::scratch_folder folder;
   const auto path = folder.file("air.pcap");
   write_sample(path);
   const auto back = read_back(path);
@@ -133,14 +112,14 @@ TEST_CASE("a capture holds each frame and its time to the nanosecond", "[io]") {
 }
 
 TEST_CASE("a capture without frames is a capture", "[io]") {
-  const scratch_folder folder;
+  const test::scratch_folder folder;
   const auto path = folder.file("air.pcap");
   open_file(path).flush();
   CHECK(read_back(path).frames.empty());
 }
 
 TEST_CASE("a capture that is closed without a flush is whole", "[io]") {
-  const scratch_folder folder;
+  const test::scratch_folder folder;
   const auto path = folder.file("air.pcap");
   {
     auto file = open_file(path);
@@ -153,7 +132,7 @@ TEST_CASE("a capture that is closed without a flush is whole", "[io]") {
 }
 
 TEST_CASE("a capture replaces the file of its name", "[io]") {
-  const scratch_folder folder;
+  const test::scratch_folder folder;
   const auto path = folder.file("air.pcap");
   write_sample(path);
   open_file(path).flush();
@@ -161,7 +140,7 @@ TEST_CASE("a capture replaces the file of its name", "[io]") {
 }
 
 TEST_CASE("a capture that cannot be opened says why", "[io]") {
-  const scratch_folder folder;
+  const test::scratch_folder folder;
   const auto path = folder.file("nowhere/air.pcap");
   const auto x = io::pcap_file::open(path);
   REQUIRE(std::holds_alternative<std::string>(x));
@@ -199,7 +178,7 @@ TEST_CASE("tshark finds nothing wrong with a capture", "[io]") {
     WARN("skipped: no tshark");
     return;
   }
-  const scratch_folder folder;
+  const test::scratch_folder folder;
   const auto path = folder.file("air.pcap");
   write_sample(path);
   const auto fields = "tshark -n -r '" + path +
