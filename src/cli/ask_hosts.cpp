@@ -7,12 +7,13 @@
 
 #include "control/client.hpp"
 #include "io/loop.hpp"
+#include "io/machine.hpp"
 
 namespace rubicon::cli {
 
 std::vector<std::variant<deploy::answer, std::string>>
-ask_hosts(control::system& actors, const std::vector<deployed_host>& hosts,
-          const std::function<deploy::question(const deployed_host&)>& what) {
+ask_each(control::system& actors, const std::vector<deployed_host>& hosts,
+         const std::function<deploy::question(const deployed_host&)>& what) {
   std::vector<std::variant<deploy::answer, std::string>> answers(hosts.size());
   io::loop loop;
   std::size_t open = hosts.size();
@@ -30,6 +31,29 @@ ask_hosts(control::system& actors, const std::vector<deployed_host>& hosts,
   while (open > 0)
     loop.wait_until(std::chrono::steady_clock::now() + 1s);
   return answers;
+}
+
+std::vector<std::string> problems_of(const heard_verdict& x) {
+  const auto* why = std::get_if<std::string>(&x);
+  return why != nullptr ? std::vector{*why} : std::get<deploy::verdict>(x).problems;
+}
+
+std::vector<std::variant<heard_facts, std::string>>
+ask_facts_of(control::system& actors, const std::vector<deployed_host>& hosts) {
+  const auto before_us = io::system_clock_us();
+  auto heard = ask_hosts(actors, hosts, [](const auto&) { return deploy::ask_facts{}; });
+  const auto now_us = (before_us + io::system_clock_us()) / 2;
+  std::vector<std::variant<heard_facts, std::string>> out;
+  for (auto& each : heard) {
+    if (auto* why = std::get_if<std::string>(&each)) {
+      out.emplace_back(std::move(*why));
+      continue;
+    }
+    auto& facts = std::get<deploy::host_facts>(each);
+    const auto ahead_s = 1e-6 * static_cast<double>(facts.clock_us - now_us);
+    out.emplace_back(heard_facts{std::move(facts), ahead_s});
+  }
+  return out;
 }
 
 } // namespace rubicon::cli

@@ -17,6 +17,7 @@
 #include "cli/local_hosts.hpp"
 #include "cli/plan_text.hpp"
 #include "cli/random_id.hpp"
+#include "cli/report_output.hpp"
 #include "config/placement.hpp"
 #include "core/printable.hpp"
 #include "io/loop.hpp"
@@ -30,19 +31,6 @@ namespace {
 constexpr duration look_every = 50ms;
 constexpr duration local_patience = 20s; ///< processes of a busy computer take their time
 
-bool is_free(io::loop& loop, std::uint16_t port) {
-  const auto opened = io::tcp_listener::open(loop, "127.0.0.1", port, [](auto&&...) {});
-  const auto* listener = std::get_if<io::tcp_listener>(&opened);
-  return listener != nullptr && listener->port() == port;
-}
-
-std::vector<deployed_host> hosts_of(const config::ecology_description& all) {
-  std::vector<deployed_host> out;
-  for (const auto& host : config::used_hosts(all))
-    out.push_back({host.name, host.address, host.control_port});
-  return out;
-}
-
 /// The file, with its hosts here if they are to be; nothing: it cannot be spread, and that is told.
 std::optional<deploy::packed> packed_file(io::loop& loop, const deploy_command& x) {
   config::overrides instead;
@@ -53,9 +41,11 @@ std::optional<deploy::packed> packed_file(io::loop& loop, const deploy_command& 
   if (!file.loaded.ecology || !file.loaded.problems.empty())
     return std::nullopt;
   if (x.local) {
-    file.what.places = deploy::places_on_one_computer(
-        *file.loaded.ecology, [&loop](std::uint16_t port) { return is_free(loop, port); });
-    file.loaded = deploy::load(file.what, instead, x.known);
+    file.what.places =
+        deploy::places_on_one_computer(*file.loaded.ecology, [&loop](std::uint16_t port) {
+          return io::why_taken(loop, deploy::loopback, port).empty();
+        });
+    deploy::place(*file.loaded.ecology, file.what.places);
   }
   auto problems = config::placement_problems(*file.loaded.ecology);
   if (config::used_hosts(*file.loaded.ecology).empty())
@@ -65,17 +55,6 @@ std::optional<deploy::packed> packed_file(io::loop& loop, const deploy_command& 
   if (!problems.empty())
     return std::nullopt;
   return file;
-}
-
-exit_status report_of(const deploy_command& x, const deployment& all) {
-  const auto whole = all.whole_report();
-  const auto output = console_of(stdout);
-  const auto text = x.json ? to_json(whole) : to_text(whole, output.width, output.colour);
-  if (!print(stdout, text))
-    return exit_status::refused;
-  if (whole.interrupted)
-    return exit_status::interrupted;
-  return whole.complete && whole.violations.empty() ? exit_status::good : exit_status::violated;
 }
 
 exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
@@ -105,7 +84,7 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
   }
   if (told)
     forget(*told);
-  return all.refused() ? exit_status::refused : report_of(x, all);
+  return all.refused() ? exit_status::refused : print_report(all.whole_report(), x.json);
 }
 
 /// Asks each host whether it could run its part.
@@ -118,11 +97,7 @@ exit_status ask_whether(const deploy_command& x, const deploy::packed& file) {
   std::string text;
   bool all_could = true;
   for (std::size_t i = 0; i < hosts.size(); ++i) {
-    std::vector<std::string> problems;
-    if (const auto* why = std::get_if<std::string>(&answers[i]))
-      problems.push_back(*why);
-    else
-      problems = std::get<deploy::verdict>(std::get<deploy::answer>(answers[i])).problems;
+    auto problems = problems_of(answers[i]);
     all_could = all_could && problems.empty();
     if (problems.empty())
       problems.emplace_back("could run it");

@@ -8,7 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "config/placement.hpp"
 #include "io/kept_number.hpp"
+#include "io/replace_file.hpp"
 
 namespace rubicon::cli {
 
@@ -56,6 +58,13 @@ fs::path newest() {
 
 } // namespace
 
+std::vector<deployed_host> hosts_of(const config::ecology_description& all) {
+  std::vector<deployed_host> out;
+  for (const auto& host : config::used_hosts(all))
+    out.push_back({host.name, host.address, host.control_port});
+  return out;
+}
+
 std::string remember(const deployed& x) {
   json hosts = json::array();
   for (const auto& host : x.hosts)
@@ -67,13 +76,7 @@ std::string remember(const deployed& x) {
   const auto path = io::state_file(x.ecology + ending);
   if (path.empty())
     return "there is no folder to remember the deployment";
-  const auto next = path + ".new";
-  std::ofstream out(next, std::ios::trunc);
-  out << all.dump(2) << '\n';
-  out.close();
-  if (!out || std::rename(next.c_str(), path.c_str()) != 0)
-    return path + " cannot be written";
-  return {};
+  return io::replace_file(path, all.dump(2) + '\n');
 }
 
 void forget(const deployed& x) {

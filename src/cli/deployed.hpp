@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "config/ecology.hpp"
 #include "control/tls.hpp"
 
 namespace rubicon::cli {
@@ -15,6 +16,9 @@ struct deployed_host {
   std::string address;
   std::uint16_t port = 0;
 };
+
+/// Those that run something, in the order of the file.
+[[nodiscard]] std::vector<deployed_host> hosts_of(const config::ecology_description& all);
 
 struct deployed {
   std::string id;      ///< of the deployment

@@ -1,7 +1,8 @@
 #include "cli/deployed_command.hpp"
 
+#include <algorithm>
 #include <chrono>
-#include <cstdint>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <variant>
@@ -22,18 +23,7 @@ namespace rubicon::cli {
 
 namespace {
 
-using answers = std::vector<std::variant<deploy::answer, std::string>>;
-
-std::int64_t clock_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-const deploy::host_facts* facts_of(const answers& all, std::size_t i) {
-  const auto* answer = std::get_if<deploy::answer>(&all[i]);
-  return answer == nullptr ? nullptr : std::get_if<deploy::host_facts>(answer);
-}
+using all_facts = std::vector<std::variant<heard_facts, std::string>>;
 
 /// Of the ecology that was deployed; a host may run another one by now.
 std::string state_of(const deployed& x, const deploy::host_facts& facts) {
@@ -42,7 +32,7 @@ std::string state_of(const deployed& x, const deploy::host_facts& facts) {
   return std::string(to_string(facts.state)) + " `" + facts.ecology + '`';
 }
 
-std::string status_table(const deployed& x, const answers& all, std::int64_t now_us) {
+std::string status_table(const deployed& x, const all_facts& all) {
   report::table table({{"host"},
                        {"address"},
                        {"state"},
@@ -53,8 +43,8 @@ std::string status_table(const deployed& x, const answers& all, std::int64_t now
   for (std::size_t i = 0; i < x.hosts.size(); ++i) {
     const auto& host = x.hosts[i];
     const auto place = host.address + ':' + std::to_string(host.port);
-    const auto* facts = facts_of(all, i);
-    if (facts == nullptr) {
+    const auto* heard = std::get_if<heard_facts>(&all[i]);
+    if (heard == nullptr) {
       table.add({report::printable(host.name),
                  place,
                  {report::printable(std::get<std::string>(all[i])), report::look::bad},
@@ -64,29 +54,31 @@ std::string status_table(const deployed& x, const answers& all, std::int64_t now
                  ""});
       continue;
     }
-    table.add({report::printable(host.name), place, report::printable(state_of(x, *facts)),
-               to_text(std::chrono::floor<std::chrono::seconds>(facts->elapsed)),
-               std::to_string(facts->lives), std::to_string(facts->memory >> 20) + " MiB",
-               report::fixed(1e-6 * static_cast<double>(facts->clock_us - now_us), 3) + " s"});
+    table.add({report::printable(host.name), place, report::printable(state_of(x, heard->facts)),
+               to_text(std::chrono::floor<std::chrono::seconds>(heard->facts.elapsed)),
+               std::to_string(heard->facts.lives),
+               std::to_string(heard->facts.memory >> 20) + " MiB",
+               report::fixed(heard->clock_ahead_s, 3) + " s"});
   }
   const auto output = console_of(stdout);
   return x.ecology + "  " + x.file + '\n' + table.render(output.width, output.colour);
 }
 
-std::string status_json(const deployed& x, const answers& all, std::int64_t now_us) {
+std::string status_json(const deployed& x, const all_facts& all) {
   using nlohmann::ordered_json;
   ordered_json hosts = ordered_json::array();
   for (std::size_t i = 0; i < x.hosts.size(); ++i) {
     ordered_json row{
         {"host", x.hosts[i].name}, {"address", x.hosts[i].address}, {"port", x.hosts[i].port}};
-    if (const auto* facts = facts_of(all, i)) {
-      row["state"] = to_string(facts->state);
-      row["ecology"] = facts->ecology;
-      row["is_this"] = facts->deployment == x.id;
-      row["elapsed_s"] = seconds(facts->elapsed);
-      row["processes"] = facts->lives;
-      row["memory_octets"] = facts->memory;
-      row["clock_ahead_s"] = 1e-6 * static_cast<double>(facts->clock_us - now_us);
+    if (const auto* heard = std::get_if<heard_facts>(&all[i])) {
+      const auto& facts = heard->facts;
+      row["state"] = to_string(facts.state);
+      row["ecology"] = facts.ecology;
+      row["is_this"] = facts.deployment == x.id;
+      row["elapsed_s"] = seconds(facts.elapsed);
+      row["processes"] = facts.lives;
+      row["memory_octets"] = facts.memory;
+      row["clock_ahead_s"] = heard->clock_ahead_s;
     } else {
       row["trouble"] = std::get<std::string>(all[i]);
     }
@@ -102,16 +94,10 @@ public:
   explicit asker(const deployed& x) : running_(x), actors_(x.tls) {}
 
   exit_status operator()(const ask_status& x) {
-    const auto before_us = clock_us();
-    const auto all = ask_hosts(actors_, running_.hosts,
-                               [](const auto& host) { return deploy::ask_facts{host.name}; });
-    const auto now_us = (before_us + clock_us()) / 2;
-    bool all_answer = true;
-    for (std::size_t i = 0; i < all.size(); ++i)
-      all_answer = all_answer && facts_of(all, i) != nullptr;
-    const auto text =
-        x.json ? status_json(running_, all, now_us) : status_table(running_, all, now_us);
-    if (!print(stdout, text))
+    const auto all = ask_facts_of(actors_, running_.hosts);
+    const bool all_answer = std::ranges::all_of(
+        all, [](const auto& each) { return std::holds_alternative<heard_facts>(each); });
+    if (!print(stdout, x.json ? status_json(running_, all) : status_table(running_, all)))
       return exit_status::refused;
     return all_answer ? exit_status::good : exit_status::failed;
   }
@@ -132,11 +118,9 @@ public:
   }
 
 private:
-  static bool somebody_is_concerned(const answers& all) {
-    for (const auto& each : all)
-      if (std::get<deploy::verdict>(std::get<deploy::answer>(each)).concerned)
-        return true;
-    return false;
+  static bool somebody_is_concerned(const std::vector<heard_verdict>& all) {
+    return std::ranges::any_of(
+        all, [](const auto& each) { return std::get<deploy::verdict>(each).concerned; });
   }
 
   static exit_status say(const std::string& text) {
@@ -144,23 +128,15 @@ private:
     return exit_status::refused;
   }
 
-  /// What is in the way, the same once.
-  exit_status tell(const answers& all) {
+  /// What is in the way.
+  exit_status tell(const std::vector<heard_verdict>& all) {
     auto status = exit_status::good;
-    std::vector<std::string> told;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const auto& name = running_.hosts[i].name;
-      if (const auto* why = std::get_if<std::string>(&all[i])) {
-        static_cast<void>(say(name + "  " + *why));
-        status = exit_status::failed;
-        continue;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      for (const auto& each : problems_of(all[i])) {
+        static_cast<void>(say(running_.hosts[i].name + "  " + each));
+        status = std::holds_alternative<deploy::verdict>(all[i]) ? exit_status::refused
+                                                                 : exit_status::failed;
       }
-      for (const auto& each :
-           std::get<deploy::verdict>(std::get<deploy::answer>(all[i])).problems) {
-        static_cast<void>(say(name + "  " + each));
-        status = exit_status::refused;
-      }
-    }
     return status;
   }
 

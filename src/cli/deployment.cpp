@@ -5,6 +5,7 @@
 
 #include "cli/progress_bar.hpp"
 #include "cli/version.hpp"
+#include "config/summary_parts.hpp"
 #include "core/printable.hpp"
 
 namespace rubicon::cli {
@@ -16,13 +17,6 @@ constexpr duration retry_early = 50ms; ///< while nothing has begun
 constexpr duration retry_every = 1s;   ///< later
 constexpr duration goodbye_max = 10s;  ///< for reports, once all is over
 constexpr duration restart_least = 1s; ///< so much must be left for a part to begin again
-
-std::string text_of(const std::vector<std::string>& problems) {
-  std::string text;
-  for (const auto& each : problems)
-    text += (text.empty() ? "" : "; ") + each;
-  return text;
-}
 
 } // namespace
 
@@ -81,7 +75,7 @@ void deployment::ask(followed& x) {
   case phase::greeting:
     return ask(x, deploy::greeting{version}, &deployment::on_greeting);
   case phase::facts:
-    return ask(x, deploy::ask_facts{x.name}, &deployment::on_facts);
+    return ask(x, deploy::ask_facts{}, &deployment::on_facts);
   case phase::offer:
     return ask(x, deploy::offer{id_, x.name, what_, options_.log_level, false},
                &deployment::on_offer);
@@ -181,7 +175,7 @@ void deployment::on_offer(followed& x, deploy::answer& found) {
   if (said.problems.empty())
     x.at = phase::ready;
   else
-    fail(x, text_of(said.problems));
+    fail(x, config::joined(said.problems, "; "));
 }
 
 void deployment::on_begun(followed& x, deploy::answer& found) {
@@ -190,7 +184,7 @@ void deployment::on_begun(followed& x, deploy::answer& found) {
   x.line = 0;
   x.change = 0;
   if (!said.problems.empty())
-    fail(x, text_of(said.problems));
+    fail(x, config::joined(said.problems, "; "));
 }
 
 void deployment::on_told_to_end(followed& x, deploy::answer& /*found*/) {

@@ -145,21 +145,12 @@ void look_at_certificates(const control::tls_files& tls, findings& out) {
 /// What hosts say of themselves, and of the part that is theirs.
 void look_at_hosts(const doctor_command& x, const deploy::packed& file, findings& out) {
   constexpr double clock_off_max_s = 60;
-  std::vector<deployed_host> hosts;
-  for (const auto& host : config::used_hosts(*file.loaded.ecology))
-    hosts.push_back({host.name, host.address, host.control_port});
+  const auto hosts = hosts_of(*file.loaded.ecology);
   control::system actors(x.tls);
-  const auto ask = [&](const auto& what) { return ask_hosts(actors, hosts, what); };
-  const auto greeted = ask([](const auto&) { return deploy::greeting{version}; });
-  const auto clock_us = [] {
-    return std::chrono::duration_cast<std::chrono::microseconds>(
-               std::chrono::system_clock::now().time_since_epoch())
-        .count();
-  };
-  const auto before_us = clock_us();
-  const auto facts = ask([](const auto& host) { return deploy::ask_facts{host.name}; });
-  const auto now_us = (before_us + clock_us()) / 2;
-  const auto offered = ask([&](const auto& host) {
+  const auto greeted =
+      ask_hosts(actors, hosts, [](const auto&) { return deploy::greeting{version}; });
+  const auto facts = ask_facts_of(actors, hosts);
+  const auto offered = ask_hosts(actors, hosts, [&](const auto& host) {
     return deploy::offer{{}, host.name, file.what, "off", /*only_asks=*/true};
   });
   for (std::size_t i = 0; i < hosts.size(); ++i) {
@@ -172,22 +163,21 @@ void look_at_hosts(const doctor_command& x, const deploy::packed& file, findings
                          "of one authority"});
       continue;
     }
-    const auto& theirs = std::get<deploy::greeting>(std::get<deploy::answer>(greeted[i])).version;
+    const auto& theirs = std::get<deploy::greeting>(greeted[i]).version;
     out.push_back({name, place + " runs rubicon " + theirs,
                    theirs == version ? "" : std::string("install ") + version + " on both"});
-    if (theirs != version || !std::holds_alternative<deploy::answer>(facts[i]) ||
-        !std::holds_alternative<deploy::answer>(offered[i]))
+    const auto* heard = std::get_if<heard_facts>(&facts[i]);
+    if (theirs != version || heard == nullptr ||
+        !std::holds_alternative<deploy::verdict>(offered[i]))
       continue;
-    const auto& found = std::get<deploy::host_facts>(std::get<deploy::answer>(facts[i]));
-    if (found.host != hosts[i].name)
-      out.push_back({name, "calls itself `" + found.host + '`',
+    if (heard->facts.host != hosts[i].name)
+      out.push_back({name, "calls itself `" + heard->facts.host + '`',
                      "start it with --name " + hosts[i].name + ", or correct `address`"});
-    const auto ahead_s = 1e-6 * static_cast<double>(found.clock_us - now_us);
-    out.push_back({name, "clock " + report::fixed(ahead_s, 3) + " s ahead of ours",
-                   std::abs(ahead_s) > clock_off_max_s
+    out.push_back({name, "clock " + report::fixed(heard->clock_ahead_s, 3) + " s ahead of ours",
+                   std::abs(heard->clock_ahead_s) > clock_off_max_s
                        ? "set it (timedatectl set-ntp true): certificates and logs go by it"
                        : ""});
-    const auto& problems = std::get<deploy::verdict>(std::get<deploy::answer>(offered[i])).problems;
+    const auto problems = problems_of(offered[i]);
     for (const auto& each : problems)
       out.push_back({name, "could not run its part", each});
     if (problems.empty())

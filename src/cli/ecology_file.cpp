@@ -1,14 +1,12 @@
 #include "cli/ecology_file.hpp"
 
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
+#include "cli/bundle_file.hpp"
 #include "cli/console.hpp"
 #include "config/document.hpp"
 #include "config/problem_text.hpp"
-#include "control/octets.hpp"
 #include "core/hash.hpp"
 #include "core/printable.hpp"
 #include "deploy/bundle.hpp"
@@ -33,13 +31,6 @@ std::optional<ecology_file> load_bundle(const std::string& file, const config::o
 }
 
 } // namespace
-
-std::optional<deploy::bundle> read_bundle(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  const bytes octets{std::istreambuf_iterator<char>(in), {}};
-  auto found = control::bundle_of(octets);
-  return found ? std::optional(*std::move(found)) : std::nullopt;
-}
 
 void complain(const config::loaded& x, const std::string& name) {
   std::string text;

@@ -7,7 +7,6 @@
 
 #include "config/ecology.hpp"
 #include "config/load.hpp"
-#include "deploy/bundle.hpp"
 
 namespace rubicon::cli {
 
@@ -21,9 +20,6 @@ struct ecology_file {
 
 /// Prints problems and warnings on standard error, one a line, at most 50 and then their count.
 void complain(const config::loaded& x, const std::string& name);
-
-/// @returns nothing if there is none in the file
-[[nodiscard]] std::optional<deploy::bundle> read_bundle(const std::string& file);
 
 /// Complains of what is wrong.
 /// @param file `-`: standard input

@@ -10,14 +10,15 @@
 
 #include <unistd.h>
 
+#include "cli/bundle_file.hpp"
 #include "cli/exit_status.hpp"
 #include "cli/own_binary.hpp"
 #include "cli/part_file.hpp"
 #include "cli/random_id.hpp"
 #include "config/placement.hpp"
-#include "control/octets.hpp"
 #include "core/printable.hpp"
 #include "deploy/fault_sentence.hpp"
+#include "io/machine.hpp"
 #include "io/tcp_listener.hpp"
 
 namespace rubicon::cli {
@@ -41,16 +42,6 @@ config::overrides wall() {
 
 std::string milliseconds(duration x) {
   return std::to_string(x / 1ms) + "ms";
-}
-
-/// Why nobody could listen there now; empty: one could.
-std::string why_taken(io::loop& loop, const std::string& address, std::uint16_t port) {
-  const auto opened = io::tcp_listener::open(loop, address, port, [](auto&&...) {});
-  if (const auto* why = std::get_if<std::string>(&opened))
-    return *why;
-  return std::get<io::tcp_listener>(opened).port() == port
-             ? ""
-             : "port " + std::to_string(port) + " of " + address + " is taken";
 }
 
 bool has_commands(const config::ecology_description& part) {
@@ -97,14 +88,13 @@ fs::path hosted_part::file(const std::string& name) const {
   return with_.folder / (with_.host + name);
 }
 
-std::vector<std::string> hosted_part::problems_of(const deploy::offer& x) const {
+std::vector<std::string> hosted_part::problems_of(const deploy::offer& x,
+                                                  const config::loaded& loaded) const {
   if (x.host != with_.host)
     return {"this is host `" + with_.host + "`, not `" + x.host + '`'};
   if (is_running())
-    return {"it runs `" + part_->ecology +
-            "` already: `rubicon stop` ends it, `--attach` follows "
-            "it"};
-  auto loaded = deploy::load(x.what, wall(), with_.known);
+    return {"it runs `" + part_->ecology.name +
+            "` already: `rubicon stop` ends it, `--attach` follows it"};
   std::vector<std::string> out;
   for (const auto& each : loaded.problems)
     out.push_back(to_string(each));
@@ -120,7 +110,7 @@ std::vector<std::string> hosted_part::problems_of(const deploy::offer& x) const 
   for (const auto& peer : ours.peers)
     if (peer.tcp && peer.tcp->port) {
       const auto& address = peer.tcp->address.empty() ? "127.0.0.1" : peer.tcp->address;
-      if (auto why = why_taken(loop_, address, *peer.tcp->port); !why.empty())
+      if (auto why = io::why_taken(loop_, address, *peer.tcp->port); !why.empty())
         out.push_back(std::move(why));
     }
   if (!with_.allows_commands && has_commands(ours))
@@ -130,20 +120,17 @@ std::vector<std::string> hosted_part::problems_of(const deploy::offer& x) const 
 }
 
 deploy::verdict hosted_part::offer(deploy::offer x) {
-  deploy::verdict out{problems_of(x), true};
+  auto loaded = deploy::load(x.what, wall(), with_.known);
+  deploy::verdict out{problems_of(x, loaded), true};
   if (x.only_asks || !out.problems.empty())
     return out;
-  const auto octets = control::octets_of(x.what);
-  std::ofstream bundle(file(".bundle"), std::ios::binary | std::ios::trunc);
-  bundle.write(reinterpret_cast<const char*>(octets.data()),
-               static_cast<std::streamsize>(octets.size()));
-  bundle.close();
-  if (!bundle)
-    return refuse(file(".bundle").string() + " cannot be written");
+  if (auto why = write_bundle(file(".bundle").string(), x.what); !why.empty())
+    return refuse(std::move(why));
   remove_reports();
   part_.emplace();
   part_->id = x.deployment;
-  part_->ecology = deploy::load(x.what, wall(), with_.known).ecology->name;
+  part_->ecology = *std::move(loaded.ecology);
+  part_->files_hash = hash_of(x.what);
   part_->what = std::move(x.what);
   part_->log_level = std::move(x.log_level);
   return out;
@@ -155,7 +142,7 @@ deploy::verdict hosted_part::begin(const deploy::begin_part& x) {
   if (part_->state != deploy::part_state::offered)
     return {};
   part_->began = steady::now() - x.elapsed;
-  say_("begins `" + part_->ecology + '`');
+  say_("begins `" + part_->ecology.name + '`');
   start();
   return part_->refused ? refuse("its process cannot be started") : deploy::verdict{};
 }
@@ -182,7 +169,7 @@ void hosted_part::start() {
                 "--log",
                 x.log_level,
                 "--starts",
-                (with_.folder / (x.ecology + '-' + with_.host + ".starts")).string(),
+                (with_.folder / (x.ecology.name + '-' + with_.host + ".starts")).string(),
                 "--part-report",
                 now.file.string()};
   if (now.elapsed >= 1ms)
@@ -218,7 +205,7 @@ void hosted_part::on_end(io::process_end how) {
     note("has died " + std::to_string(lives_max) + " times, and stays dead");
   if (is_over || x.refused || x.lives.size() >= lives_max || elapsed() + x.pause >= x.what.length) {
     x.state = deploy::part_state::ended;
-    say_('`' + x.ecology + "` has ended");
+    say_('`' + x.ecology.name + "` has ended");
     return;
   }
   x.state = deploy::part_state::waiting;
@@ -243,8 +230,7 @@ deploy::verdict hosted_part::cause(const deploy::cause_fault& x) {
   const auto found = deploy::fault_of(part_->what, x.sentence, with_.known);
   if (const auto* why = std::get_if<std::string>(&found))
     return refuse(*why);
-  const auto loaded = deploy::load(part_->what, wall(), with_.known);
-  const auto hosts = config::hosts_of(*loaded.ecology, std::get<config::fault>(found));
+  const auto hosts = config::hosts_of(part_->ecology, std::get<config::fault>(found));
   if (std::ranges::find(hosts, with_.host) == hosts.end())
     return {{}, false};
   if (!process_->feed("fault " + x.sentence + '\n'))
@@ -312,16 +298,13 @@ deploy::news hosted_part::news_after(const deploy::ask_news& x) {
 deploy::host_facts hosted_part::facts() const {
   deploy::host_facts out;
   out.host = with_.host;
-  out.runs_commands = with_.allows_commands;
-  out.clock_us = std::chrono::duration_cast<std::chrono::microseconds>(
-                     std::chrono::system_clock::now().time_since_epoch())
-                     .count();
+  out.clock_us = io::system_clock_us();
   if (!part_)
     return out;
   out.state = part_->state;
   out.deployment = part_->id;
-  out.ecology = part_->ecology;
-  out.files_hash = hash_of(part_->what);
+  out.ecology = part_->ecology.name;
+  out.files_hash = part_->files_hash;
   out.seed = part_->what.seed;
   out.length = part_->what.length;
   out.refused = part_->refused;

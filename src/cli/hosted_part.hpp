@@ -65,7 +65,8 @@ private:
   struct offered_part {
     std::string id;
     deploy::bundle what;
-    std::string ecology;
+    config::ecology_description ecology; ///< of it, as a whole
+    std::string files_hash;
     std::string log_level;
     deploy::part_state state = deploy::part_state::offered;
     steady::time_point began;
@@ -78,7 +79,8 @@ private:
     std::uint64_t changes = 0;
   };
 
-  [[nodiscard]] std::vector<std::string> problems_of(const deploy::offer& x) const;
+  [[nodiscard]] std::vector<std::string> problems_of(const deploy::offer& x,
+                                                     const config::loaded& loaded) const;
   [[nodiscard]] bool has(const std::string& deployment) const;
   [[nodiscard]] duration elapsed() const { return steady::now() - part_->began; }
   [[nodiscard]] std::filesystem::path file(const std::string& name) const;

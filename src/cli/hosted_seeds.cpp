@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
 #include <thread>
 #include <utility>
 #include <variant>
 
+#include "cli/bundle_file.hpp"
 #include "cli/child_process.hpp"
 #include "cli/own_binary.hpp"
 #include "cli/swarm.hpp"
-#include "control/octets.hpp"
 
 namespace rubicon::cli {
 
@@ -39,13 +38,8 @@ deploy::verdict hosted_seeds::offer(const deploy::offer_seeds& x) {
   if (!out.problems.empty())
     return out;
   experiment_.reset(); // the file is read by its runs
-  const auto octets = control::octets_of(x.what);
-  std::ofstream bundle(file(), std::ios::binary | std::ios::trunc);
-  bundle.write(reinterpret_cast<const char*>(octets.data()),
-               static_cast<std::streamsize>(octets.size()));
-  bundle.close();
-  if (!bundle) {
-    out.problems.push_back(file().string() + " cannot be written");
+  if (auto why = write_bundle(file().string(), x.what); !why.empty()) {
+    out.problems.push_back(std::move(why));
     return out;
   }
   experiment_.emplace();
@@ -78,7 +72,6 @@ deploy::seeds_news hosted_seeds::run(const deploy::run_seeds& x) {
   out.upto = all.last_number;
   for (const auto& each : all.results)
     out.results.push_back(each.result);
-  out.waiting = static_cast<std::uint32_t>(all.waiting.size());
   out.jobs = jobs_;
   return out;
 }

@@ -3,17 +3,15 @@
 #include <vector>
 
 #include "config/placement.hpp"
+#include "config/summary_parts.hpp"
 #include "core/printable.hpp"
 
 namespace rubicon::cli {
 
 namespace {
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const auto& word : words)
-    text += (text.empty() ? "" : ", ") + word;
-  return text.empty() ? "nothing" : text;
+std::string joined_or_nothing(const std::vector<std::string>& words) {
+  return words.empty() ? "nothing" : config::joined(words);
 }
 
 } // namespace
@@ -33,8 +31,8 @@ std::string plan_text(const config::ecology_description& all) {
     text += printable(host.name + "  " + host.address) + "  control port " +
             std::to_string(host.control_port) +
             (link == nullptr ? "" : ", PEIS port " + std::to_string(host.peis_port)) +
-            "\n  islands  " + printable(joined(islands)) + "\n  peers    " +
-            printable(joined(peers)) + '\n';
+            "\n  islands  " + printable(joined_or_nothing(islands)) + "\n  peers    " +
+            printable(joined_or_nothing(peers)) + '\n';
   }
   return text;
 }

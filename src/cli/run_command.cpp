@@ -10,11 +10,13 @@
 #include <variant>
 
 #include "actors/ecology_run.hpp"
+#include "cli/bundle_file.hpp"
 #include "cli/console.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/logging.hpp"
 #include "cli/part_file.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/report_output.hpp"
 #include "config/placement.hpp"
 #include "core/hash.hpp"
 #include "core/printable.hpp"
@@ -47,19 +49,11 @@ report::run_report run_watched(config::ecology_description ecology, run_options 
   return run_ecology(std::move(ecology), options);
 }
 
-exit_status status_of(const report::run_report& x) {
-  if (x.interrupted)
-    return exit_status::interrupted;
-  return x.complete && x.violations.empty() ? exit_status::good : exit_status::violated;
-}
-
 exit_status report_run(const run_command& x, ecology_file file) {
   auto options = x.options;
   options.source = {x.file, to_hex(file.text_hash)};
   const auto report = run_watched(std::move(file.ecology), std::move(options), console_of(stderr));
-  const auto output = console_of(stdout);
-  const auto text = x.json ? to_json(report) : to_text(report, output.width, output.colour);
-  return print(stdout, text) ? status_of(report) : exit_status::refused;
+  return print_report(report, x.json);
 }
 
 exit_status compare_runs(const run_command& x, const config::ecology_description& ecology) {

@@ -183,7 +183,16 @@ exit_status refuse(const swarm_command& x, const std::string& why) {
   return exit_status::refused;
 }
 
-exit_status run_on_hosts(const swarm_command& x, deploy::packed file, const swarm_words& words) {
+exit_status run_on_hosts(const swarm_command& x, const config::overrides& instead,
+                         swarm_words words) {
+  std::optional<duration> length;
+  if (!x.length.empty())
+    length = config::parse_duration(x.length);
+  auto file = deploy::pack(x.file, instead, length, x.known);
+  complain(file.loaded, x.file);
+  if (!file.loaded.ecology || !file.loaded.problems.empty())
+    return exit_status::refused;
+  words.from_wall = file.loaded.ecology->mode == config::run_mode::wall;
   std::vector<deployed_host> hosts;
   for (const auto& name : x.hosts) {
     const auto found = find_host(*file.loaded.ecology, name);
@@ -196,7 +205,7 @@ exit_status run_on_hosts(const swarm_command& x, deploy::packed file, const swar
   const io::signal_watch signals(loop, [&](int) { interrupted = true; });
   control::system actors(x.tls);
   swarm seeds(x.seeds);
-  swarm_output out(x, seeds, words);
+  swarm_output out(x, seeds, std::move(words));
   swarm_hosts runs(loop, actors, hosts, std::move(file.what), x.timeout, seeds, out);
   while (runs.step() && !interrupted && out.is_read())
     loop.wait_until(steady::now() + 20ms);
@@ -214,17 +223,15 @@ exit_status perform(const swarm_command& x) {
   config::overrides instead;
   instead.seed = x.seeds.first;
   instead.mode = config::run_mode::virtual_time;
-  std::optional<duration> length;
-  if (!x.length.empty())
-    length = config::parse_duration(x.length);
-  auto file = deploy::pack(x.file, instead, length, x.known);
-  complain(file.loaded, x.file);
-  if (!file.loaded.ecology || !file.loaded.problems.empty())
-    return exit_status::refused;
   swarm_words words{x.file, x.length, x.jobs.value_or(std::thread::hardware_concurrency())};
   words.jobs = std::max<std::uint64_t>(words.jobs, 1);
-  words.from_wall = file.loaded.ecology->mode == config::run_mode::wall;
-  return x.hosts.empty() ? swarm_runs(x, words).run_all() : run_on_hosts(x, std::move(file), words);
+  if (!x.hosts.empty())
+    return run_on_hosts(x, instead, words);
+  const auto file = load_or_complain(x.file, instead, x.known);
+  if (!file)
+    return exit_status::refused;
+  words.from_wall = file->ecology.mode == config::run_mode::wall;
+  return swarm_runs(x, words).run_all();
 }
 
 } // namespace rubicon::cli

@@ -95,13 +95,10 @@ void swarm_hosts::on_news(seed_host& x, deploy::seeds_news& news) {
   for (auto& each : news.results) {
     if (x.given.erase(each.seed) == 0)
       continue; // it was given to another one meanwhile
-    const auto seed = each.seed;
-    const auto real = each.real;
-    const bool overran = each.overran;
-    if (auto outcome = judge(seed, end_of(each), real, overran))
+    if (auto outcome = judge(each.seed, end_of(each), each.real, each.overran))
       out_.tell(seeds_.ended(*std::move(outcome)));
     else
-      returned_.push_front(seed); // its computer is shut down
+      returned_.push_front(each.seed); // its computer is shut down
   }
   std::uint64_t jobs = 0;
   for (const auto& each : hosts_)

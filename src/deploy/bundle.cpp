@@ -12,23 +12,8 @@ namespace rubicon::deploy {
 
 namespace {
 
-constexpr const char* loopback = "127.0.0.1";
-
 void add_text(fold64& hash, const std::string& x) {
   hash.add(x.size()).add(std::string_view(x));
-}
-
-void apply(const std::vector<host_place>& places, config::ecology_description& out) {
-  for (auto& host : out.hosts) {
-    const auto found = std::ranges::find(places, host.name, &host_place::host);
-    if (found == places.end())
-      continue;
-    host.address = found->address;
-    host.listen = found->address;
-    host.control_port = found->control_port;
-    host.peis_port = found->peis_port;
-    host.networks.clear();
-  }
 }
 
 } // namespace
@@ -46,6 +31,19 @@ std::string hash_of(const bundle& x) {
       add_text(hash, name);
   }
   return to_hex(hash.value());
+}
+
+void place(config::ecology_description& out, const std::vector<host_place>& places) {
+  for (auto& host : out.hosts) {
+    const auto found = std::ranges::find(places, host.name, &host_place::host);
+    if (found == places.end())
+      continue;
+    host.address = found->address;
+    host.listen = found->address;
+    host.control_port = found->control_port;
+    host.peis_port = found->peis_port;
+    host.networks.clear();
+  }
 }
 
 packed pack(const std::string& path, const config::overrides& instead,
@@ -112,7 +110,7 @@ config::loaded load(const bundle& x, config::overrides instead, const config::ex
   if (out.ecology) {
     out.ecology->seed = *instead.seed;
     out.ecology->length = x.length;
-    apply(x.places, *out.ecology);
+    place(*out.ecology, x.places);
   }
   return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -53,6 +54,11 @@ struct packed {
 /// @param instead its seed, if there is one, comes before the bundle's
 [[nodiscard]] config::loaded load(const bundle& x, config::overrides instead,
                                   const config::extensions& known);
+
+/// Lets hosts be where `places` says.
+void place(config::ecology_description& out, const std::vector<host_place>& places);
+
+inline constexpr const char* loopback = "127.0.0.1";
 
 /// Puts all hosts on this computer, at ports that are nobody else's in the description, and
 /// nobody's on this computer as far as `is_free` tells.

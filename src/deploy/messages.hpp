@@ -48,21 +48,19 @@ struct host_facts {
   std::string files_hash; ///< of its bundle
   std::uint64_t seed = 0;
   duration length{};
-  duration elapsed{};         ///< since it began on all hosts
-  bool refused = false;       ///< its process would not begin, and has said why
-  std::uint32_t lives = 0;    ///< processes of the part so far
-  std::uint64_t memory = 0;   ///< octets of its process
-  std::int64_t clock_us = 0;  ///< of the system, since 1970, UTC
-  bool runs_commands = false; ///< of components that a file starts
+  duration elapsed{};        ///< since it began on all hosts
+  bool refused = false;      ///< its process would not begin, and has said why
+  std::uint32_t lives = 0;   ///< processes of the part so far
+  std::uint64_t memory = 0;  ///< octets of its process
+  std::int64_t clock_us = 0; ///< of the system, since 1970, UTC
 };
 RUBICON_FIELDS(host_facts, host, state, deployment, ecology, files_hash, seed, length, elapsed,
-               refused, lives, memory, clock_us, runs_commands);
+               refused, lives, memory, clock_us);
 
 struct ask_facts {
-  std::string host; ///< whom the asker means
   using answer = host_facts;
 };
-RUBICON_FIELDS(ask_facts, host);
+RUBICON_FIELDS(ask_facts);
 
 /// Can you run this part? The files stay there until the next offer.
 struct offer {
@@ -151,10 +149,9 @@ struct seeds_news {
   std::vector<std::string> problems; ///< not empty: it runs none, and this is why
   std::uint64_t upto = 0;
   std::vector<seed_result> results; ///< not acknowledged yet
-  std::uint32_t waiting = 0;        ///< given, and neither run nor under way
   std::uint32_t jobs = 0;           ///< runs at a time
 };
-RUBICON_FIELDS(seeds_news, problems, upto, results, waiting, jobs);
+RUBICON_FIELDS(seeds_news, problems, upto, results, jobs);
 
 /// More seeds, and what is new of earlier ones.
 struct run_seeds {

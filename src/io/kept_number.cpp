@@ -1,39 +1,15 @@
 #include "io/kept_number.hpp"
 
-#include <cerrno>
 #include <charconv>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <system_error>
 
-#include <fcntl.h>
-#include <unistd.h>
+#include "io/replace_file.hpp"
 
 namespace rubicon::io {
-
-namespace {
-
-std::string reason() {
-  return std::generic_category().message(errno);
-}
-
-/// Writes all of it, to the disk.
-bool write_through(const std::string& path, const std::string& text) {
-  const int to = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  if (to == -1)
-    return false;
-  const bool good = ::write(to, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-                    ::fsync(to) == 0;
-  const int error = errno;
-  ::close(to);
-  errno = error;
-  return good;
-}
-
-} // namespace
 
 std::variant<kept_number, std::string> kept_number::open(const std::string& path) {
   kept_number x(path);
@@ -52,12 +28,10 @@ std::variant<kept_number, std::string> kept_number::open(const std::string& path
 }
 
 std::string kept_number::keep(std::uint32_t x) {
-  const auto next = path_ + ".new";
-  if (!write_through(next, std::to_string(x) + '\n') ||
-      std::rename(next.c_str(), path_.c_str()) != 0)
-    return path_ + " cannot be written: " + reason();
-  value_ = x;
-  return {};
+  auto why = replace_file(path_, std::to_string(x) + '\n', durability::of_power);
+  if (why.empty())
+    value_ = x;
+  return why;
 }
 
 std::string state_file(const std::string& name) {

@@ -1,5 +1,6 @@
 #include "io/machine.hpp"
 
+#include <chrono>
 #include <cstring>
 
 #include <ifaddrs.h>
@@ -34,6 +35,11 @@ std::string machine_name() {
   const std::string whole(name.data());
   const auto label = whole.substr(0, whole.find('.'));
   return label.empty() ? "localhost" : label;
+}
+
+std::int64_t system_clock_us() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
 }
 
 } // namespace rubicon::io

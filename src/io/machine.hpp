@@ -22,4 +22,7 @@ struct network_interface {
 /// none.
 [[nodiscard]] std::string machine_name();
 
+/// The system's clock, which may be wrong: microseconds since 1970, UTC.
+[[nodiscard]] std::int64_t system_clock_us();
+
 } // namespace rubicon::io

@@ -122,4 +122,13 @@ std::uint16_t tcp_listener::port() const {
   return state_->port;
 }
 
+std::string why_taken(loop& where, const std::string& address, std::uint16_t port) {
+  const auto opened = tcp_listener::open(where, address, port, [](auto&&...) {});
+  if (const auto* why = std::get_if<std::string>(&opened))
+    return *why;
+  return std::get<tcp_listener>(opened).port() == port
+             ? ""
+             : "port " + std::to_string(port) + " of " + address + " is taken";
+}
+
 } // namespace rubicon::io

@@ -43,4 +43,7 @@ private:
   std::shared_ptr<state> state_;
 };
 
+/// Why nobody could listen at that very port now; empty: one could.
+[[nodiscard]] std::string why_taken(loop& where, const std::string& address, std::uint16_t port);
+
 } // namespace rubicon::io

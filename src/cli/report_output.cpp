@@ -1,0 +1,19 @@
+#include "cli/report_output.hpp"
+
+#include "cli/console.hpp"
+
+namespace rubicon::cli {
+
+exit_status status_of(const report::run_report& x) {
+  if (x.interrupted)
+    return exit_status::interrupted;
+  return x.complete && x.violations.empty() ? exit_status::good : exit_status::violated;
+}
+
+exit_status print_report(const report::run_report& x, bool json) {
+  const auto output = console_of(stdout);
+  const auto text = json ? to_json(x) : to_text(x, output.width, output.colour);
+  return print(stdout, text) ? status_of(x) : exit_status::refused;
+}
+
+} // namespace rubicon::cli
