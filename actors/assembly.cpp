@@ -70,6 +70,37 @@ std::uint32_t device_of(ecology_pointer self, const std::string& name) {
          1U;
 }
 
+/// What a mote's members of groups need; nothing if it has none.
+std::optional<smepp::node_config> groups_of(ecology_pointer self,
+                                            const config::island_description& island,
+                                            const config::mote_description& mote) {
+  const auto& all = self->state.description.smepp;
+  smepp::node_config x;
+  for (const auto& app : mote.apps)
+    if (const auto* member = std::get_if<config::member_app>(&app))
+      x.members.emplace_back(*member, *std::ranges::find(all.groups, member->group,
+                                                         &smepp::group_description::name));
+  if (x.members.empty())
+    return std::nullopt;
+  x.self = mote.id;
+  x.settings = all;
+  for (const auto& each : mote.transducers)
+    x.transducers |= smepp::mask_of(each.kind);
+  for (const auto& other : island.motes)
+    if (other.id != mote.id && std::ranges::any_of(other.apps, [](const auto& app) {
+          return std::holds_alternative<config::member_app>(app);
+        }))
+      x.others.push_back(other.id);
+  return x;
+}
+
+/// The store of a mote whose frames may have been counted by earlier processes: so many that no
+/// number is used twice.
+smepp::kept first_kept(std::uint32_t starts) {
+  constexpr unsigned frames_of_a_life = 20; // bits
+  return {starts << frames_of_a_life, {}};
+}
+
 mote_arguments arguments_of(ecology_pointer self, const config::island_description& island,
                             const config::mote_description& mote, const apps::traffic& traffic,
                             radio::radio_index radio, const air_actor& air) {
@@ -91,6 +122,9 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.node.transducers = mote.transducers;
   x.node.actuators = mote.actuators;
   x.apps = mote.apps;
+  x.smepp = groups_of(self, island, mote);
+  if (x.smepp)
+    x.smepp_kept = std::make_shared<smepp::kept>(first_kept(self->state.process.starts));
   x.node.layer.synaptic.tick_period = self->state.description.tick;
   x.node.layer.messages.answer_slack = self->state.answer_slack;
   const auto programs = configs_of(programs_among(mote.apps));

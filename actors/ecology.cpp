@@ -931,6 +931,10 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
         if (!on_double_network(self, x))
           on_network(self, x);
       },
+      [self](const smepp_status& x) {
+        if (double_of_sender(self) == nullptr) // which speaks for no member
+          island_of(self, x.island).smepp += x.smepp;
+      },
       [self](const serial_status& x) { island_of(self, x.island).serial += x.serial; },
       [self](const devices_status& x) {
         self->state.listed[x.island] = x.listed;

@@ -68,6 +68,8 @@ public:
       perform(self, program_->on_time(now(self)));
   }
 
+  [[nodiscard]] bool is_used() const { return program_ != nullptr; }
+
   /// The power is lost for good.
   template <class Self>
   void stop(Self self) {

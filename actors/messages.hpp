@@ -151,6 +151,13 @@ RUBICON_FIELDS(network_status, address, is_sink, has_clock, clock_ahead_us, cloc
                has_network_time, network_ahead_us, network, parent, hops, has_signal, channels,
                signal_dbm);
 
+/// What SMEPP Light of a mote has counted, in one life.
+struct smepp_status {
+  island_id island;
+  report::smepp_report smepp;
+};
+RUBICON_FIELDS(smepp_status, island, smepp);
+
 /// What a sink, a serial line or a gateway's serial port has counted.
 struct serial_status {
   island_id island;
@@ -237,7 +244,8 @@ RUBICON_FIELDS(outside_link_changed);
 using ecology_actor = caf::typed_actor<
     caf::reacts_to<notable_event>, caf::reacts_to<mote_flat>, caf::reacts_to<listing_changed>,
     caf::reacts_to<radio_status>, caf::reacts_to<energy_status>, caf::reacts_to<flow_status>,
-    caf::reacts_to<message_status>, caf::reacts_to<network_status>, caf::reacts_to<serial_status>,
+    caf::reacts_to<message_status>, caf::reacts_to<network_status>, caf::reacts_to<smepp_status>,
+    caf::reacts_to<serial_status>,
     caf::reacts_to<devices_status>, caf::reacts_to<gateway_status>, caf::reacts_to<peer_status>,
     caf::reacts_to<proxy_status>, caf::reacts_to<program_status>, caf::reacts_to<sample_status>,
     caf::reacts_to<start_component>, caf::reacts_to<stop_component>, caf::reacts_to<actor_failed>,

@@ -1,6 +1,7 @@
 #include "actors/mote.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <stdexcept>
 
@@ -13,6 +14,7 @@
 #include "apps/listener.hpp"
 #include "apps/messenger.hpp"
 #include "apps/sampler.hpp"
+#include "network/am.hpp"
 #include "scheduler/spawn.hpp"
 #include "scheduler/supervision.hpp"
 
@@ -26,11 +28,22 @@ using mote_pointer = scheduler::traced_pointer<mote_state, mote_actor>;
 constexpr duration last_words_time = 1s;
 
 void perform(mote_pointer self, mote::node_outputs todo);
+void perform(mote_pointer self, smepp::node_outputs todo);
 void die(mote_pointer self);
 
 void tell_state(mote_pointer self, const std::string& actuator, std::uint8_t state) {
   const auto how = state == 0 ? " off" : state == 1 ? " on" : " at " + std::to_string(state);
   self->send(self->state.arguments->ecology, notable_event{self->path(), actuator + how});
+}
+
+void change_radio(mote_pointer self, const std::function<void(radio_wish&)>& change) {
+  auto& wish = self->state.radio;
+  const bool was_on = wish.is_on();
+  change(wish);
+  if (wish.is_on() != was_on)
+    self->send(self->state.arguments->air,
+               radio_power{self->state.arguments->radio,
+                           wish.is_on() ? radio::power::on : radio::power::off});
 }
 
 instant own_time(mote_pointer self) {
@@ -48,9 +61,10 @@ struct performer {
   void operator()(const mote::actuator_arrived& x) const { tell_state(self, x.name, x.state); }
 
   void operator()(const mote::radio_switch& x) const {
-    self->send(
-        self->state.arguments->air,
-        radio_power{self->state.arguments->radio, x.on ? radio::power::on : radio::power::off});
+    change_radio(self, [&x](radio_wish& wish) {
+      wish.stack = x.on;
+      wish.silenced = false;
+    });
   }
 
   void operator()(const mote::store_nonvolatile& x) const {
@@ -60,6 +74,7 @@ struct performer {
 
   void operator()(mote::address_taken) const {
     log(self, spdlog::level::warn, "event=address_taken");
+    change_radio(self, [](radio_wish& wish) { wish.silenced = true; });
     self->send(self->state.arguments->ecology,
                notable_event{self->path(), "is silent: another mote has its id"});
   }
@@ -92,10 +107,58 @@ void perform(mote_pointer self, mote::node_outputs todo) {
     state.reports_wake.stop();
 }
 
+/// What SMEPP Light of the mote wants done.
+struct group_performer {
+  mote_pointer self;
+
+  void operator()(smepp::send_frame& x) const {
+    const acting_on its(x.from);
+    self->state.groups->psdu_size = x.octets.size() + radio::overhead;
+    self->send(self->state.arguments->air, request_of(self->state.arguments->radio, std::move(x)));
+  }
+  void operator()(smepp::store_kept& x) const {
+    *self->state.arguments->smepp_kept = std::move(x.content);
+  }
+  void operator()(const smepp::set_radio& x) const {
+    change_radio(self, [&x](radio_wish& wish) { wish.groups = x.on; });
+  }
+  void operator()(const smepp::forward_event& x) const {
+    auto& node = *self->state.node;
+    node.begin(own_time(self));
+    self->state.groups->relay->forward(x.channel, x.value);
+    perform(self, node.settle(own_time(self)));
+  }
+  void operator()(smepp::notable& x) const {
+    self->send(self->state.arguments->ecology, notable_event{self->path(), std::move(x.what)});
+  }
+};
+
+void perform(mote_pointer self, smepp::node_outputs todo) {
+  for (auto& x : todo)
+    std::visit(group_performer{self}, x);
+  auto& state = self->state;
+  if (const auto due = state.groups->node.deadline())
+    state.groups_wake.follow(self, std::max(now(self), state.groups->crystal.real(*due)));
+  else
+    state.groups_wake.stop();
+}
+
+/// @returns whether the frame was SMEPP's
+bool take_group_frame(mote_pointer self, const radio::frame& x, byte_view psdu) {
+  if (x.am_type != network::am::smepp)
+    return false;
+  auto& groups = self->state.groups;
+  if (groups && !self->state.flat)
+    perform(self, groups->node.on_frame(x.source, x.destination, x.payload,
+                                        groups->own(sfd_of(psdu, now(self))),
+                                        groups->own(now(self))));
+  return true;
+}
+
 void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
   const auto frame = radio::decode(psdu);
   if (!frame || !is_for(*frame, self->state.arguments->address) ||
-      self->state.flows.take(self, *frame))
+      self->state.flows.take(self, *frame) || take_group_frame(self, *frame, psdu))
     return;
   if (auto& node = self->state.node; node && !self->state.flat) {
     auto todo = node->on_frame(frame->source, frame->am_type, frame->payload,
@@ -106,7 +169,21 @@ void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
   }
 }
 
+void on_group_frame_sent(mote_pointer self, std::uint64_t id, const radio_done& x) {
+  auto& state = self->state;
+  if (state.flat)
+    return;
+  auto& groups = *state.groups;
+  const auto sfd = sfd_of(groups.psdu_size, now(self)); // of a broadcast, which nobody acknowledges
+  perform(self, groups.node.on_sent(id, x.status == radio::send_status::sent, groups.own(sfd),
+                                    groups.own(now(self))));
+}
+
 void on_done(mote_pointer self, const radio_done& x) {
+  if (const auto id = smepp_id_of(x)) {
+    on_group_frame_sent(self, *id, x);
+    return;
+  }
   const auto token = token_of(x);
   if (!token)
     self->state.flows.on_done(self, x);
@@ -143,6 +220,8 @@ void on_timer(mote_pointer self, const timer_expired& x) {
   }
   if (state.reports_wake.accepts(x) && !state.flat)
     perform(self, state.reports.on_time(*state.node, own_time(self), now(self)));
+  if (state.groups_wake.accepts(x) && !state.flat)
+    perform(self, state.groups->node.on_time(state.groups->own(now(self))));
   if (state.walk_wake.accepts(x)) // a mote is carried on even if its battery is flat
     go(self);
 }
@@ -161,7 +240,7 @@ void on_attach(mote_pointer self, const attach_program& x) {
   if (state.separate.contains(x.number))
     change_programs(self, [&x](auto& programs) { programs.leave(x.number); });
   state.separate.attach(self, *state.node, x, state.store.starts);
-  perform(self, {});
+  perform(self, mote::node_outputs{});
 }
 
 /// The MCU has stopped: no programs, no timers, no answers on the radio.
@@ -216,13 +295,20 @@ void report_node(mote_pointer self, bool is_alive) {
                         !is_alive);
 }
 
+void report_groups(mote_pointer self, bool is_alive) {
+  const auto& state = self->state;
+  if (state.groups)
+    self->send(state.arguments->ecology,
+               status_of(state.arguments->address.island, state.groups->node, !is_alive));
+}
+
 void on_clock_step(mote_pointer self, duration by) {
   auto& state = self->state;
   if (!state.node || state.flat)
     return;
   state.crystal = state.crystal.ahead_by(by);
   state.node->on_clock_set(by);
-  perform(self, {});
+  perform(self, mote::node_outputs{});
 }
 
 /// An exception ends the mote. What this life has counted must not go with it. Reliable messages
@@ -230,6 +316,7 @@ void on_clock_step(mote_pointer self, duration by) {
 void report_failures(mote_pointer self) {
   self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
     self->state.flows.report(self, self->state.arguments->ecology);
+    report_groups(self, false);
     if (self->state.node)
       report_node(self, false);
     return scheduler::failure_of(x);
@@ -291,12 +378,41 @@ void start_programs(mote_pointer self, const std::string& life) {
   }
 }
 
+/// SMEPP Light, beside the stack if there is one.
+void start_groups(mote_pointer self, const std::string& life, const mote::crystal& crystal) {
+  auto& state = self->state;
+  const auto& arguments = *state.arguments;
+  if (!arguments.smepp)
+    return;
+  state.groups.emplace(smepp_shell{
+      smepp::node(*arguments.smepp, random_stream(arguments.seed, life + "/smepp"),
+                  crystal.own(instant{}), crystal.own(now(self)), *arguments.smepp_kept),
+      crystal});
+  auto& groups = *state.groups;
+  const auto octets = groups.node.own().footprint() + (state.node ? state.node->footprint() : 0);
+  if (const auto most = arguments.smepp->settings.memory_max; octets > most)
+    self->send(arguments.ecology,
+               notable_event{self->path(), fmt::format("needs {} octets of memory with all tables "
+                                                       "full, more than {}",
+                                                       octets, most)});
+  if (state.node) {
+    groups.node.set_reader(
+        [self](device::quantity x) { return self->state.node->read(x, now(self)); });
+    auto relay = std::make_unique<event_relay>();
+    groups.relay = relay.get();
+    state.reports.start_as(*state.node, "mote_app/" + arguments.name + "/event_relay",
+                           std::move(relay), now(self));
+  }
+  perform(self, groups.node.start(groups.own(now(self))));
+}
+
 void start(mote_pointer self) {
   auto& state = self->state;
   const auto& arguments = *state.arguments;
   const auto life = "mote/" + arguments.name + '#' + std::to_string(state.store.starts);
-  state.crystal =
+  const auto crystal =
       arguments.crystal.ahead_by(mote::boot_time(random_stream(arguments.seed, life + "/clock")));
+  state.crystal = crystal;
   self->send(arguments.air,
              attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
   if (arguments.stack == config::stack::full)
@@ -313,6 +429,10 @@ void start(mote_pointer self) {
   }
   state.flows.start(self, arguments.apps, arguments.address, arguments.radio, arguments.air,
                     random_stream(arguments.seed, life + "/flows"));
+  start_groups(self, life, crystal);
+  // Who has groups and no other use for its radio leaves it to them.
+  if (state.groups && !state.node && !state.flows.is_used())
+    change_radio(self, [](radio_wish& wish) { wish.stack = false; });
 }
 
 } // namespace
@@ -364,6 +484,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
           return;
         }
         self->state.flows.report(self, self->state.arguments->ecology);
+        report_groups(self, !self->state.flat);
         if (self->state.node)
           report_node(self, !self->state.flat);
       },

@@ -13,6 +13,7 @@
 #include "actors/messages.hpp"
 #include "actors/program_host.hpp"
 #include "actors/separate_programs.hpp"
+#include "actors/smepp_shell.hpp"
 #include "actors/timer.hpp"
 #include "config/ecology.hpp"
 #include "device/walk.hpp"
@@ -28,6 +29,8 @@ struct mote_arguments {
   std::string name; ///< `kitchen/climate-7`
   config::stack stack = config::stack::full;
   mote::node_config node; ///< full stack only
+  std::optional<smepp::node_config> smepp; ///< none without an app `member`
+  std::shared_ptr<smepp::kept> smepp_kept; ///< with it: what its lives have put into its store
   mote::crystal crystal;
   std::vector<config::mote_app> apps;
   std::vector<device::waypoint> path; ///< empty: it does not move
@@ -42,17 +45,21 @@ struct mote_state {
   static constexpr std::uint8_t walk_timer = 2;
   static constexpr std::uint8_t last_words_timer = 3;
   static constexpr std::uint8_t reports_timer = 4;
+  static constexpr std::uint8_t groups_timer = 5;
 
   std::shared_ptr<const mote_arguments> arguments;
   mote::crystal crystal;          ///< as the clock of this life shows it
   mote::nonvolatile store;        ///< as it was before this life
   std::optional<mote::node> node; ///< full stack only
   flow_host flows;
+  std::optional<smepp_shell> groups;
+  radio_wish radio;
   device::walk walk;
   timer wake;
   timer walk_wake{walk_timer};
   timer last_words{last_words_timer}; ///< until the fault plan's end of the battery
   timer reports_wake{reports_timer};
+  timer groups_wake{groups_timer};
   /// Samplers, actuators, messengers and listeners. They go by the world's time: what they are
   /// asked for, and judged by, are periods of those who listen to them.
   program_host reports;

@@ -32,9 +32,14 @@ inline constexpr std::uint64_t network_token = 1ULL << 63U;
   return x.token & ~network_token;
 }
 
+/// When the start-of-frame delimiter of a frame was on the air that has ended now.
+[[nodiscard]] inline instant sfd_of(std::size_t psdu_size, instant now) {
+  return now - (radio::air_time(psdu_size) - radio::sfd_delay);
+}
+
 /// When the start-of-frame delimiter of a frame was received that is complete now.
 [[nodiscard]] inline instant sfd_of(byte_view psdu, instant now) {
-  return now - (radio::air_time(psdu.size()) - radio::sfd_delay);
+  return sfd_of(psdu.size(), now);
 }
 
 } // namespace rubicon

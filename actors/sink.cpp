@@ -6,6 +6,7 @@
 #include "actors/log.hpp"
 #include "actors/network_radio.hpp"
 #include "actors/statuses.hpp"
+#include "network/am.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
@@ -108,6 +109,8 @@ void on_octets(sink_pointer self, const serial_octets& x) {
 }
 
 void on_frame(sink_pointer self, const radio::frame& x, instant sfd) {
+  if (x.am_type == network::am::smepp)
+    return; // between motes
   perform(self, self->state.sink.on_frame(x.source, x.am_type, x.payload,
                                           self->state.arguments.crystal.own(sfd), own_time(self)));
 }

@@ -199,7 +199,7 @@ std::vector<placed_app> read_mote_apps(table_reader& in) {
   in.tables(
       "apps", "apps of a mote",
       {"its programs; a mote's replace its type's of the same kind on the same channel or AM type, "
-       "a relay its relay and a receiver its receiver, or are added; of a sink senders, relays and "
+       "a relay its relay, a receiver its receiver and a member that of the same group, or are added; of a sink senders, relays and "
        "receivers only",
        "none"},
       [&](table_reader& x) {
@@ -212,7 +212,8 @@ std::vector<placed_app> read_mote_apps(table_reader& in) {
           choices.emplace_back(
               kind.first, [&add, kind](table_reader& y) { add(y, "app", read_program(y, kind)); });
         choices.insert(choices.end(),
-                       {{"sender", [&](table_reader& y) { add(y, "app", read_sender(y)); }},
+                       {{"member", [&](table_reader& y) { add(y, "group", read_member(y)); }},
+                        {"sender", [&](table_reader& y) { add(y, "app", read_sender(y)); }},
                         {"relay", [&](table_reader& y) { add(y, "app", read_relay(y)); }},
                         {"receiver", [&](table_reader& y) {
                            add(y, "app", {traffic::receiver_config{}, {}, {}, {}});

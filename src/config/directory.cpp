@@ -45,6 +45,8 @@ directory::directory(const ecology_description& all) {
   }
   for (const auto& each : all.hosts)
     hosts.insert(each.name);
+  for (const auto& each : all.smepp.groups)
+    groups.insert(each.name);
 }
 
 const directory::island* directory::island_of_gateway(peer_id id) const {

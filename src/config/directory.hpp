@@ -60,6 +60,7 @@ struct directory {
   /// Peers of one table with a `count`, under its name.
   std::map<std::string, std::vector<peer_id>, std::less<>> peer_groups;
   std::set<std::string, std::less<>> hosts;
+  std::set<std::string, std::less<>> groups; ///< of SMEPP Light
   std::set<std::string, std::less<>> mote_types;
 };
 

@@ -30,6 +30,7 @@
 #include "radio/parameters.hpp"
 #include "rfid/reader_config.hpp"
 #include "serial/line_config.hpp"
+#include "smepp/member_config.hpp"
 #include "traffic/flow_config.hpp"
 #include "translate/translation.hpp"
 
@@ -41,6 +42,7 @@ using sampler_app = apps::sampler_config;
 using actuator_app = apps::actuator_config;
 using messenger_app = apps::messenger_config;
 using listener_app = apps::listener_config;
+using member_app = smepp::member_config;
 
 /// A program in an actor of its own, beside its mote's.
 struct separate_app {
@@ -49,7 +51,7 @@ struct separate_app {
 
 using mote_app = std::variant<sampler_app, actuator_app, messenger_app, listener_app,
                               apps::app_config, traffic::sender_config, traffic::relay_config,
-                              traffic::receiver_config, separate_app>;
+                              traffic::receiver_config, separate_app, member_app>;
 
 /// In between it moves in a straight line, after the last it stays.
 using device::waypoint;
@@ -388,6 +390,7 @@ struct ecology_description {
   std::vector<bluetooth_device> bluetooth_devices;
   std::vector<proxy::proxy_class> proxies;
   std::vector<tag_description> tags;
+  smepp::group_settings smepp; ///< all its keys are set
   std::vector<fault_description> faults; ///< ascending by time
   std::vector<expectation> expectations; ///< in the order of the file
   std::vector<host_description> hosts;

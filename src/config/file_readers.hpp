@@ -64,6 +64,9 @@ void check_links(const placed_links& links, const radio::channel_config& config,
 
 [[nodiscard]] std::vector<host_description> read_hosts(table_reader& root);
 
+/// [smepp]. Keys that are not given are drawn from the seed.
+[[nodiscard]] smepp::group_settings read_smepp(table_reader& root, std::uint64_t seed);
+
 /// [[quantity]], into the quantities that the readers share.
 void read_quantities(table_reader& root);
 

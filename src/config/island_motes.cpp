@@ -127,8 +127,16 @@ void island_motes::check_mac_profile(const table_reader& in, const mote_profile&
   if (!profile.like.actuators.empty())
     refuse("actuators", "actuators");
   if (!std::all_of(profile.apps.begin(), profile.apps.end(),
-                   [](const auto& x) { return is_flow_app(x.app); }))
-    refuse("apps", "other apps than sender, relay and receiver");
+                   [](const auto& x) { return uses_radio_alone(x.app); }))
+    refuse("apps", "other apps than sender, relay, receiver and member");
+  for (const auto& each : profile.apps) {
+    const auto* member = std::get_if<member_app>(&each.app);
+    if (member != nullptr && std::ranges::any_of(member->subscribes, [](const auto& x) {
+          return x.channel.has_value();
+        }))
+      in.problems().add(each.channel_at, "an island with stack = \"mac\" has no gateway that a "
+                                         "`channel` of `subscribes` could lead to");
+  }
 }
 
 void island_motes::read_mote(table_reader& in) {

@@ -127,8 +127,7 @@ void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_
 
 /// An island with the medium access only has none of what joins it to the PEIS network.
 void refuse_parts(table_reader& in) {
-  for (const auto* key : {"keep_alive", "crystal_ppm", "crystal_wander_ppm",
-                          "crystal_wander_period", "duty_cycle", "serial", "gateway", "alias"}) {
+  for (const auto* key : {"keep_alive", "duty_cycle", "serial", "gateway", "alias"}) {
     in.expect(key);
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) +
@@ -171,17 +170,17 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
     in.optional("keep_alive", time_span{1s, 24h}, out.keep_alive,
                 "a mote that is silent for so long is gone; motes that report more rarely get "
                 "three of their periods");
-    in.optional(
-        "crystal_ppm", real{0, 100}, out.crystal_ppm,
-        "each mote's crystal, and the sink's, runs too fast or too slow by up to so many parts per "
-        "million, drawn with the seed. Each life of a mote begins with another time on its clock");
-    in.optional("crystal_wander_ppm", real{0, 20}, out.crystal_wander_ppm,
-                "beside that it goes so much faster and slower as temperature rises and falls,");
-    in.optional("crystal_wander_period", time_span{10min, 365 * 24h}, out.crystal_wander_period,
-                "once in such a period, each at another time");
     read_duty_cycle(in, out.duty);
     read_parts(in, with, name_is_free, out);
   }
+  in.optional(
+      "crystal_ppm", real{0, 100}, out.crystal_ppm,
+      "each mote's crystal, and the sink's, runs too fast or too slow by up to so many parts per "
+      "million, drawn with the seed. Each life of a mote begins with another time on its clock");
+  in.optional("crystal_wander_ppm", real{0, 20}, out.crystal_wander_ppm,
+              "beside that it goes so much faster and slower as temperature rises and falls,");
+  in.optional("crystal_wander_period", time_span{10min, 365 * 24h}, out.crystal_wander_period,
+              "once in such a period, each at another time");
   const auto before_motes = in.problems().size();
   island_motes motes(with, out, sink_is_good);
   motes.add_sink(in, std::move(sink_apps), in.at("sink"));

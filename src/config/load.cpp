@@ -29,6 +29,7 @@ directory names_in(const node& root) {
   read_quantities(in);
   with.types = read_mote_types(in);
   all.hosts = read_hosts(in);
+  all.smepp = read_smepp(in, all.seed);
   all.islands = read_islands(in, with);
   all.peers = read_peers(in, with, all.islands);
   directory out(all);
@@ -52,6 +53,7 @@ ecology_description read_file_tables(table_reader& in, const named_files& files)
   with.tick = out.tick;
   with.day_begins = out.day_begins;
   read_quantities(in);
+  out.smepp = read_smepp(in, with.seed);
   with.radio_is_known = links.sound;
   with.types = read_mote_types(in);
   out.islands = read_islands(in, with);

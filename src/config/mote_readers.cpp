@@ -23,6 +23,7 @@ struct takes_place_of {
   bool operator()(const listener_app& a, const listener_app& b) const {
     return a.am_type == b.am_type;
   }
+  bool operator()(const member_app& a, const member_app& b) const { return a.group == b.group; }
   bool operator()(const traffic::relay_config&, const traffic::relay_config&) const { return true; }
   bool operator()(const traffic::receiver_config&, const traffic::receiver_config&) const {
     return true;
@@ -84,6 +85,15 @@ struct app_check {
 
   void operator()(const listener_app& x) const { claim(inputs, "input", x.am_type); }
 
+  void operator()(const member_app& x) const {
+    std::vector<device::quantity> wanted;
+    for (const auto& each : x.raises)
+      if (each.transducer)
+        wanted.push_back(*each.transducer);
+    check_transducers(wanted);
+    claim_single("member of group " + x.group);
+  }
+
   void operator()(const traffic::sender_config&) const {}
 
   void operator()(const traffic::relay_config&) const { claim_single("relay"); }
@@ -109,8 +119,8 @@ private:
                 app.channel_at, problems);
   }
 
-  void claim_single(const char* kind) const {
-    singles.claim(kind, "the " + std::string(kind) + " of the mote", app.channel_at, problems);
+  void claim_single(const std::string& kind) const {
+    singles.claim(kind, "the " + kind + " of the mote", app.channel_at, problems);
   }
 };
 
@@ -210,6 +220,10 @@ void settle_flows(std::vector<placed_app>& apps, island_id island, mote_id sink,
     if (!ends.empty())
       std::visit(end_setter{ends}, app.app);
   }
+}
+
+bool uses_radio_alone(const mote_app& x) {
+  return is_flow_app(x) || std::holds_alternative<member_app>(x);
 }
 
 bool is_flow_app(const mote_app& x) {

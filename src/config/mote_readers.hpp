@@ -58,6 +58,9 @@ void settle_flows(std::vector<placed_app>& apps, island_id island, mote_id sink,
 /// Whether the app only measures the medium access: sender, relay or receiver.
 [[nodiscard]] bool is_flow_app(const mote_app& x);
 
+/// Whether the app needs nothing of a mote but its radio: one of these, or a member.
+[[nodiscard]] bool uses_radio_alone(const mote_app& x);
+
 /// [mote_type.NAME]
 [[nodiscard]] mote_types read_mote_types(table_reader& root);
 
@@ -72,6 +75,9 @@ void read_transducers(table_reader& in, std::vector<device::transducer_config>& 
 
 /// actuators = [{ ... }], into `out`.
 void read_actuators(table_reader& in, std::vector<device::actuator_config>& out);
+
+/// app = "member" of a mote.
+[[nodiscard]] placed_app read_member(table_reader& in);
 
 /// apps = [{ app = ... }] of a mote.
 [[nodiscard]] std::vector<placed_app> read_mote_apps(table_reader& in);

@@ -32,6 +32,11 @@ std::uint64_t total(const cause_counts& x) {
   return sum;
 }
 
+std::uint64_t smepp_report::events_missing() const {
+  const auto known = events_received + events_open + total(events_lost);
+  return events_raised > known ? events_raised - known : 0;
+}
+
 std::optional<double> message_report::delivery() const {
   if (offered <= reliable_open)
     return std::nullopt;

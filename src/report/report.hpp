@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -19,12 +20,21 @@ namespace rubicon::report {
 /// Counts by cause; ordered by name, so that equal runs print equal reports.
 using cause_counts = std::map<std::string, std::uint64_t>;
 
-/// Adds the counters of a module to those of others, each as `module.name`, unless it is 0.
+/// Adds the counters of a module to those of others, each as `module.name`, those by cause as
+/// `module.name.cause`, unless it is 0.
 template <described Counters>
 void add_counters(cause_counts& sum, const std::string& module, const Counters& x) {
-  for_each_field(x, [&](std::string_view name, std::uint64_t count) {
+  const auto add = [&sum](const std::string& name, std::uint64_t count) {
     if (count > 0)
-      sum[module + '.' + std::string(name)] += count;
+      sum[name] += count;
+  };
+  for_each_field(x, [&](std::string_view field, const auto& counted) {
+    const auto name = module + '.' + std::string(field);
+    if constexpr (std::is_convertible_v<decltype(counted), std::uint64_t>)
+      add(name, counted);
+    else
+      for (const auto& [cause, count] : counted)
+        add(name + '.' + cause, count);
   });
 }
 
@@ -149,6 +159,40 @@ RUBICON_FIELDS(network_report, beacons, packets, arrived, forwarded, repeated, c
                channel_packets_arrived, lost, counters, hops_max, synchronised, clock_error_max,
                clock_excess_max, aligned, time_error_max, time_excess_max, state_octets);
 
+/// SMEPP Light of an island's motes. An event counts once for each subscription it is for.
+struct smepp_report {
+  std::uint64_t programs = 0;        ///< programs `member`
+  std::uint64_t members = 0;         ///< of them, members of their group at the end
+  std::uint64_t joins = 0;           ///< times that one became a member
+  std::uint64_t joins_failed = 0;    ///< the group was not found, or did not let it in
+  std::uint64_t commands_failed = 0; ///< other commands of programs that failed
+  std::uint64_t frames = 0;          ///< given to the radio
+  std::uint64_t octets = 0;          ///< [octets] of them, without the radio's headers
+  std::uint64_t events_raised = 0;   ///< [events] by programs, within the rates that are asked for
+  std::uint64_t events_suppressed = 0; ///< [events] faster than that
+  std::uint64_t events_received = 0;   ///< [events] by the subscribers' programs
+  std::uint64_t events_open = 0;       ///< [events] under way at the end
+  /// events that went nowhere: `gave_up` (no parent acknowledged it), `queue_full`, `loop`,
+  /// `too_far`, `no_subscription` (it was over when the event was on its way), `not_waited_for`
+  /// (smepp_receive was not called), `sender_unproven`, `power_lost` (of the mote that had it)
+  cause_counts events_lost;
+  /// frames that were not taken: `malformed`, `unknown_suite`, `unknown_group`, `wrong_key`,
+  /// `tampered`, `replayed`, `unproven` (authentic, but perhaps a recording). A neighbour's radio
+  /// has acknowledged them all the same: an event in one of them is in no other count
+  cause_counts refused;
+  /// [by name] all that the parts of SMEPP Light have counted; none that is 0. What each means
+  /// stands beside it in `src/smepp`
+  cause_counts counters;
+  /// [octets] of state that SMEPP Light of one mote needs with all tables full
+  largest<std::uint64_t> state_octets{};
+
+  /// Events that are in none of the counts above: lost with a frame in `refused`.
+  [[nodiscard]] std::uint64_t events_missing() const;
+};
+RUBICON_FIELDS(smepp_report, programs, members, joins, joins_failed, commands_failed, frames,
+               octets, events_raised, events_suppressed, events_received, events_open, events_lost,
+               refused, counters, state_octets);
+
 /// What a mote used.
 struct energy_report {
   /// since it was switched on, until its battery was flat or the run ended; the sum of the next two
@@ -208,10 +252,11 @@ struct island_report {
   serial_report serial;
   message_report messages; ///< of its motes and gateway
   network_report network;
+  smepp_report smepp;
   std::vector<gateway_report> gateways; ///< in the order of the file; empty: it has one
   std::vector<mote_report> motes;       ///< ascending by id, the sink excluded
 };
-RUBICON_FIELDS(island_report, id, name, radio, serial, messages, network, gateways, motes);
+RUBICON_FIELDS(island_report, id, name, radio, serial, messages, network, smepp, gateways, motes);
 
 /// One actuation as its proxy saw it: exactly one outcome each.
 struct actuation_report {

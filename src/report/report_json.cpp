@@ -143,6 +143,10 @@ json to_json(const island_report& x) {
               {"messages", to_json(x.messages)},
               {"network", to_json(x.network)},
               {"motes", std::move(motes)}};
+  if (x.smepp.programs > 0) {
+    all["smepp"] = to_json(x.smepp);
+    all["smepp"]["events_missing"] = x.smepp.events_missing();
+  }
   if (!x.gateways.empty())
     all["gateways"] = std::move(gateways);
   return all;

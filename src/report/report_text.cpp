@@ -202,6 +202,41 @@ std::string in_us(duration x) {
   return with_thousands(static_cast<std::uint64_t>(x / 1us)) + " µs";
 }
 
+/// Motes of groups; nothing without any.
+void add_groups(report_page& page, const run_report& x) {
+  if (std::ranges::none_of(x.islands, [](const auto& each) { return each.smepp.programs > 0; }))
+    return;
+  page.heading("Groups");
+  table rows({{"island"},
+              {"members", align::right},
+              {"frames", align::right},
+              {"octets", align::right},
+              {"events", align::right},
+              {"received", align::right},
+              {"open", align::right},
+              {"missing", align::right},
+              {"state", align::right}});
+  for (const auto& island : x.islands) {
+    const auto& part = island.smepp;
+    if (part.programs == 0)
+      continue;
+    rows.add({{island.name, look::strong},
+              with_thousands(part.members) + " of " + with_thousands(part.programs),
+              with_thousands(part.frames),
+              with_thousands(part.octets),
+              with_thousands(part.events_raised),
+              with_thousands(part.events_received),
+              with_thousands(part.events_open),
+              with_thousands(part.events_missing()),
+              with_thousands(part.state_octets) + " B"});
+    if (const auto lost = causes(part.events_lost); !lost.empty())
+      rows.add_note("  events lost: " + lost);
+    if (const auto refused = causes(part.refused); !refused.empty())
+      rows.add_note("  frames refused: " + refused);
+  }
+  page.add(rows);
+}
+
 void add_network(report_page& page, const run_report& x) {
   const auto has_network = [](const island_report& island) { return island.network.beacons > 0; };
   if (std::ranges::none_of(x.islands, has_network))
@@ -451,6 +486,7 @@ std::string to_text(const run_report& x, std::size_t width, bool colour) {
   add_event_log(page, x);
   add_islands(page, x);
   add_network(page, x);
+  add_groups(page, x);
   add_flows(page, x);
   add_deliveries(page, x);
   add_streams(page, x);

@@ -24,10 +24,10 @@ struct duty_cycle {
 
 struct energy_config {
   /// The radio stays on between windows that are less apart than this.
-  duration tolerance = 20ms;
+  duration tolerance = 10ms;
   /// It is switched on so long before a window and off so long after it: time to switch, and the
   /// error of the schedule.
-  duration radio_delay = 10ms;
+  duration radio_delay = 5ms;
 };
 
 /// The union of all cycles: on in each window, between windows closer than the tolerance, and for

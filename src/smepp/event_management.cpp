@@ -218,7 +218,7 @@ void event_management::on_message(mote_id /*from*/, const smepp::unsubscribe& x,
 void event_management::remove(std::size_t at, bool tell, context c) {
   const auto gone = subscriptions_[at];
   subscriptions_.erase(subscriptions_.begin() + static_cast<std::ptrdiff_t>(at));
-  std::erase_if(queue_, [&](const waiting& x) {
+  forget([&](const waiting& x) {
     return x.group == gone.group && x.what.id == gone.id && x.token == 0;
   });
   if (gone.depth > 0)
@@ -241,7 +241,7 @@ void event_management::on_left(mote_id peer, group_id group, context c) {
 
 void event_management::on_group_gone(group_id group, context /*c*/) {
   std::erase_if(subscriptions_, [&](const subscription& x) { return x.group == group; });
-  std::erase_if(queue_, [&](const waiting& x) { return x.group == group; });
+  forget([&](const waiting& x) { return x.group == group; });
   std::erase_if(removed_, [&](const removed& x) { return x.group == group; });
 }
 

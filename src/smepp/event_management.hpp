@@ -112,6 +112,7 @@ public:
   [[nodiscard]] std::size_t count(group_id group) const;
   [[nodiscard]] static subscription_info info(const subscription& x, const group& g);
   [[nodiscard]] const event_counters& counters() const { return counters_; }
+  [[nodiscard]] std::size_t waiting_events() const { return queue_.size(); }
   [[nodiscard]] std::size_t footprint() const;
 
 private:
@@ -146,6 +147,11 @@ private:
   void pump(context c);
   [[nodiscard]] bool is_new(const mark& x);
   void drop(const char* why) { ++counters_.dropped[why]; }
+  template <class Which>
+  void forget(Which which) {
+    if (const auto lost = std::erase_if(queue_, which); lost > 0)
+      counters_.dropped["no_subscription"] += lost;
+  }
 
   event_config config_;
   random_stream rng_;

@@ -56,11 +56,8 @@ void event_management::enqueue(group_id group, smepp::event x, context c) {
 /// Hands out all hops that are due. An event whose parent does not acknowledge goes to the other
 /// one by turns.
 void event_management::pump(context c) {
-  const auto lost = std::erase_if(queue_, [&](const waiting& x) {
-    return x.token == 0 && find(x.group, x.what.id) == nullptr;
-  });
-  if (lost > 0)
-    counters_.dropped["no_subscription"] += lost;
+  forget(
+      [&](const waiting& x) { return x.token == 0 && find(x.group, x.what.id) == nullptr; });
   for (auto& x : queue_) {
     if (x.token != 0 || x.due > c.now)
       continue;

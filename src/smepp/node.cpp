@@ -1,0 +1,158 @@
+#include "smepp/node.hpp"
+
+#include <algorithm>
+
+namespace rubicon::smepp {
+
+namespace {
+
+peer_config peer_config_of(const node_config& x) {
+  peer_config out;
+  out.self = x.self;
+  out.transducers = x.transducers;
+  out.saves_energy = x.settings.saves_energy;
+  out.energy = x.settings.energy;
+  out.event_window = x.settings.event_window;
+  out.events.authenticates_sender = x.settings.authenticates_sender;
+  // A question has to meet a window of each group that may be there.
+  for (const auto& [config, description] : x.members)
+    out.groups.discovery.patience =
+        std::max(out.groups.discovery.patience, description.management.period + 1s);
+  return out;
+}
+
+constexpr transducer_mask bit(std::string_view name) {
+  const auto at = std::ranges::find(transducer_names, name);
+  return transducer_mask{1} << (at - transducer_names.begin());
+}
+
+} // namespace
+
+transducer_mask mask_of(device::quantity x) {
+  switch (x) {
+  case device::quantity::temperature:
+    return bit("temperature");
+  case device::quantity::humidity:
+    return bit("humidity");
+  case device::quantity::light:
+    return bit("light");
+  case device::quantity::voltage:
+    return bit("voltage");
+  case device::quantity::presence:
+    return bit("presence");
+  case device::quantity::acceleration:
+    return bit("accelerometer");
+  case device::quantity::magnetism:
+    return bit("magnetometer");
+  case device::quantity::sound:
+    return bit("microphone");
+  case device::quantity::signal:
+    return bit("rssi");
+  }
+  return 0; // a quantity of the file's own
+}
+
+/// Collects what members ask of their mote.
+class node::host final : public member_host {
+public:
+  host(const reader& reads, node_outputs& out) : reads_(reads), out_(out) {}
+
+  std::optional<std::int16_t> read(device::quantity x) override {
+    return reads_ ? reads_(x) : std::nullopt;
+  }
+  void forward(std::uint8_t channel, const bytes& value) override {
+    out_.emplace_back(forward_event{channel, value});
+  }
+  void tell(std::string what) override { out_.emplace_back(notable{std::move(what)}); }
+
+private:
+  const reader& reads_;
+  node_outputs& out_;
+};
+
+node::node(node_config config, random_stream rng, instant begin, instant now, kept before)
+    : peer_(peer_config_of(config), random_stream(rng.next()), now, std::move(before)),
+      settings_(config.settings) {
+  for (auto& [program, description] : config.members) {
+    if (description.master)
+      peer_.provision(description.name, *description.master);
+    members_.emplace_back(std::move(program), std::move(description), begin,
+                          random_stream(rng.next()));
+  }
+  if (!settings_.authenticates_sender)
+    return;
+  for (const auto other : config.others)
+    static_cast<void>(peer_.set_pairwise_key(
+        other, pairwise_key(settings_.pairwise_root.value_or(key()), config.self, other)));
+}
+
+node_outputs node::start(instant now) {
+  outputs from_peer;
+  peer_.smepp_newPeer(settings_.network_key.value_or(key()), settings_.network_mac.value_or(key()),
+                      now, from_peer);
+  auto out = settle(std::move(from_peer), now);
+  host here(reader_, out);
+  for (auto& x : members_) {
+    outputs more;
+    x.start({peer_, here, now, more});
+    std::ranges::move(settle(std::move(more), now), std::back_inserter(out));
+  }
+  return out;
+}
+
+node_outputs node::on_frame(mote_id from, mote_id to, byte_view octets, instant at, instant now) {
+  outputs from_peer;
+  peer_.on_frame(from, to, octets, at, now, from_peer);
+  return settle(std::move(from_peer), now);
+}
+
+node_outputs node::on_sent(std::uint64_t id, bool acked, instant at, instant now) {
+  outputs from_peer;
+  peer_.on_sent(id, acked, at, now, from_peer);
+  return settle(std::move(from_peer), now);
+}
+
+node_outputs node::on_time(instant now) {
+  outputs from_peer;
+  peer_.on_time(now, from_peer);
+  auto out = settle(std::move(from_peer), now);
+  host here(reader_, out);
+  for (auto& x : members_) {
+    outputs more;
+    x.on_time({peer_, here, now, more});
+    std::ranges::move(settle(std::move(more), now), std::back_inserter(out));
+  }
+  return out;
+}
+
+std::optional<instant> node::deadline() const {
+  auto first = peer_.deadline();
+  for (const auto& x : members_)
+    first = earliest(first, x.deadline());
+  return first;
+}
+
+/// Signals go to all members, whose commands may lead to more.
+node_outputs node::settle(outputs from_peer, instant now) {
+  node_outputs out;
+  host here(reader_, out);
+  while (!from_peer.empty()) {
+    outputs more;
+    for (auto& x : from_peer) {
+      if (const auto* const told = std::get_if<signal>(&x)) {
+        for (auto& each : members_)
+          each.on_signal(*told, {peer_, here, now, more});
+      } else if (auto* const store = std::get_if<store_kept>(&x)) {
+        out.emplace_back(std::move(*store));
+      } else if (auto* const frame = std::get_if<send_frame>(&x)) {
+        out.emplace_back(std::move(*frame));
+      } else {
+        out.emplace_back(std::get<set_radio>(x));
+      }
+    }
+    from_peer = std::move(more);
+  }
+  return out;
+}
+
+} // namespace rubicon::smepp
