@@ -114,6 +114,20 @@ violations check_radio(const run_report& x) {
   return found;
 }
 
+/// An event is received or lost, with a cause, or was in a frame that its receiver could not take.
+violations check_groups(const run_report& x) {
+  violations found;
+  for (const auto& island : x.islands) {
+    const auto& groups = island.smepp;
+    if (groups.events_missing() > total(groups.refused))
+      found.push_back(at_end(x, "events balance",
+                             island.name + ": " + std::to_string(groups.events_missing()) +
+                                 " events are missing, but only " +
+                                 std::to_string(total(groups.refused)) + " frames were refused"));
+  }
+  return found;
+}
+
 violations check_messages(const run_report& x) {
   violations found;
   for (const auto& island : x.islands) {
@@ -330,6 +344,7 @@ violations check_all(const run_report& x, const run_truth& truth) {
   auto all = check_radio(x);
   append(all, check_messages(x));
   append(all, check_flows(x));
+  append(all, check_groups(x));
   append(all, check_energy(x));
   append(all, check_actuations(x));
   append(all, check_joined(x, truth.ended_by_fault));

@@ -18,8 +18,8 @@ std::optional<to_send> outbox::take(instant now, const waiting_time& wait) {
   for (auto at = entries_.begin(); at != entries_.end(); ++at) {
     if (at->due > now)
       continue;
-    if (const auto left = wait(at->what, now); left > duration{}) {
-      at->due = now + left + rng_.between(duration{}, spread_);
+    if (const auto until = wait(at->what, now); until.left > duration{}) {
+      at->due = now + until.left + rng_.between(duration{}, until.spread);
       continue;
     }
     auto x = at->what;

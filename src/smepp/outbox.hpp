@@ -13,11 +13,14 @@
 namespace rubicon::smepp {
 
 /// Messages in the order in which they came, each held until its time and its window. At the begin
-/// of a window not everybody sends at once: each waits a random part of `spread`.
+/// of a window not everybody sends at once: each waits a random part of a spread.
 class outbox {
 public:
-  /// How long until a message may leave; 0: now.
-  using waiting_time = std::function<duration(const to_send&, instant)>;
+  struct pause {
+    duration left{}; ///< until a message may leave; 0: now
+    duration spread{}; ///< a random part of it more, with left > 0
+  };
+  using waiting_time = std::function<pause(const to_send&, instant)>;
 
   explicit outbox(std::size_t capacity = 32) : capacity_(capacity) {}
   outbox(std::size_t capacity, duration spread, random_stream rng)

@@ -163,20 +163,24 @@ void peer::on_sent(std::uint64_t id, bool acked, instant at, instant now, output
 // ---- what goes
 
 /// How long until those are awake that a message is for.
-duration peer::wait(const to_send& x, instant now) const {
+outbox::pause peer::wait(const to_send& x, instant now) const {
   const auto schedule = groups_.schedule_of(x.group, now);
   if (x.when == slot::at_once || !schedule || schedule->cycle.period == duration{})
     return {};
   const auto& cycle = schedule->cycle;
   const auto management = until_window(schedule->now.time_since_epoch(), cycle.period, cycle.length,
                                        config_.frame_time);
-  if (x.when == slot::management)
-    return management;
+  // Nobody repeats what others did not hear: such frames keep clear of each other, and of the
+  // begin of windows, which events have as well.
+  if (x.to == broadcast_mote)
+    return {management, (cycle.length - config_.frame_time) * 2 / 3};
+  outbox::pause until{management, config_.send_spread};
   for (const auto& tree : events_.all())
-    if (tree.group == x.group && tree.id == x.subscription && tree.interval > duration{})
-      return std::min(management, until_window(schedule->now - tree.made_at, tree.interval,
-                                               config_.event_window, config_.frame_time));
-  return management;
+    if (x.when == slot::subscription && tree.group == x.group && tree.id == x.subscription &&
+        tree.interval > duration{})
+      until.left = std::min(until.left, until_window(schedule->now - tree.made_at, tree.interval,
+                                                     config_.event_window, config_.frame_time));
+  return until;
 }
 
 void peer::pump(instant now, outputs& out) {

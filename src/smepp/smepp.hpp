@@ -185,7 +185,7 @@ private:
   void pump(instant now, outputs& out);
   bool hand_out(const to_send& x, instant now, outputs& out);
   void complete(message& x, group_id group, instant now);
-  [[nodiscard]] duration wait(const to_send& x, instant now) const;
+  [[nodiscard]] outbox::pause wait(const to_send& x, instant now) const;
   void set_cycles(instant now);
   void set_radio_state(instant now, outputs& out);
   [[nodiscard]] kept to_keep() const;

@@ -96,6 +96,8 @@ bool weak_sync::is_wanted(const sync_stamp& x) const {
     return false;
   if (!is_timed_)
     return true;
+  if (x.root == root_ && !is_settled_) // what is older gives a rate as well, and is not from us
+    return !network::is_newer(round_, x.round);
   if (x.root == root_)
     return !is_root() && network::is_newer(x.round, round_);
   return x.root < root_;

@@ -222,26 +222,37 @@ void security_table(const bench::smepp_row& x, bool& good) {
   }
 }
 
-/// Reboots of every member but the first, one that falls silent for long, and noise that parts the
-/// group for a while.
-std::string trouble(unsigned motes, std::uint64_t seed, double hours) {
+/// What happens to a long line.
+enum class trouble_kind : std::uint8_t {
+  none,
+  reboots, ///< of members but the first, which are without power for up to 3 min
+  parted,  ///< noise in the middle, for a tenth of the time
+};
+
+std::string trouble(trouble_kind kind, unsigned motes, std::uint64_t seed, double hours) {
   random_stream rng(seed, "trouble");
   std::ostringstream toml;
   const auto length = static_cast<std::int64_t>(hours * 3600);
   const auto at = [&](double share) { return static_cast<std::int64_t>(share * static_cast<double>(length)); };
-  for (int i = 0; i < 6; ++i)
+  for (int i = 0; i < 6 && kind == trouble_kind::reboots; ++i)
     toml << "[[fault]]\nat = '" << at(0.05 + 0.12 * i) + rng.between(0s, 60s) / 1s
          << "s'\nkind = 'crash'\nmote = 'line/s" << 2 + rng.below(motes - 1) << "'\nfor = '"
          << 1 + rng.below(180) << "s'\n";
-  toml << "[[fault]]\nat = '" << at(0.8) << "s'\nkind = 'noise'\nisland = 'line'\nposition_m = ["
-       << 20 * (motes / 2) << ", 0]\nfor = '10min'\n";
+  if (kind == trouble_kind::parted)
+    toml << "[[fault]]\nat = '" << at(0.5)
+         << "s'\nkind = 'noise'\nisland = 'line'\nposition_m = [" << 20 * (motes / 2)
+         << ", 0]\nfor = '" << at(0.1) << "s'\n";
   return toml.str();
 }
 
-bool long_lines(const std::vector<unsigned>& hops, double hours, std::uint64_t seeds) {
-  std::printf("\nlines for %g h: crystals up to 100 ppm off, 5 %% loss, six reboots of up to 3 min, "
-              "10 min of noise in the middle; an event each 10 s; %llu seeds\n",
-              hours, static_cast<unsigned long long>(seeds));
+bool long_lines(trouble_kind kind, const std::vector<unsigned>& hops, double hours,
+                std::uint64_t seeds) {
+  constexpr std::array what{"nothing else", "six reboots of up to 3 min",
+                            "parted by noise in the middle for a tenth of the time"};
+  std::printf("\nlines for %g h: crystals up to 100 ppm off, 5 %% loss, an event each 10 s, %s; %llu "
+              "seeds\n",
+              hours, what.at(static_cast<std::size_t>(kind)),
+              static_cast<unsigned long long>(seeds));
   std::printf("%4s %9s %9s %9s %9s %9s %8s %8s\n", "hops", "raised", "received", "lost", "missing",
               "worst", "radio", "members");
   bool good = true;
@@ -260,7 +271,7 @@ bool long_lines(const std::vector<unsigned>& hops, double hours, std::uint64_t s
       x.ppm = 100;
       x.loss_percent = 5;
       x.length = seconds_text(static_cast<unsigned>(hours * 3600));
-      x.faults = trouble(x.motes, seed, hours);
+      x.faults = trouble(kind, x.motes, seed, hours);
       const auto report = run_line(x, seed);
       const auto& groups = report.islands.front().smepp;
       raised += static_cast<double>(groups.events_raised);
@@ -313,7 +324,7 @@ int main(int argc, char** argv) {
     x.length = seconds_text(static_cast<unsigned>(hours * 3600));
     x.ppm = 100;
     x.loss_percent = 5;
-    x.faults = trouble(x.motes, 1, hours);
+    x.faults = trouble(trouble_kind::reboots, x.motes, 1, hours);
     std::printf("%s", ecology_of(x).c_str());
     return 0;
   }
@@ -327,6 +338,7 @@ int main(int argc, char** argv) {
     }
   }
   if (seeds > 0)
-    good = long_lines(hops, hours, seeds) && good;
+    for (const auto kind : {trouble_kind::none, trouble_kind::reboots, trouble_kind::parted})
+      good = long_lines(kind, hops, hours, seeds) && good;
   return good ? 0 : 1;
 }

@@ -38,6 +38,24 @@ TEST_CASE("one island's surplus does not hide another's loss", "[report][invaria
   CHECK(check_radio(x).size() == 2);
 }
 
+TEST_CASE("an event of a group that vanishes is a violation", "[report][invariants]") {
+  auto x = sample_report();
+  auto& groups = x.islands[0].smepp;
+  groups.events_raised = 10;
+  groups.events_received = 6;
+  groups.events_lost["gave_up"] = 1;
+  groups.events_open = 1;
+  groups.refused["wrong_key"] = 2;
+  CHECK(check_groups(x).empty());
+  ++groups.events_raised;
+  const auto found = check_groups(x);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].detail == "kitchen: 3 events are missing, but only 2 frames were refused");
+  CHECK(check_all(x, {{lamp, blinds}, {}}).size() > check_radio(x).size());
+  groups.events_received = 8; // an acknowledgement was lost, so one is received and lost
+  CHECK(check_groups(x).empty());
+}
+
 TEST_CASE("all checks look at flows and at energy", "[report][invariants]") {
   auto x = sample_report();
   ++x.flows[0].sent;
