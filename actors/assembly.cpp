@@ -78,8 +78,8 @@ std::optional<smepp::node_config> groups_of(ecology_pointer self,
   smepp::node_config x;
   for (const auto& app : mote.apps)
     if (const auto* member = std::get_if<config::member_app>(&app))
-      x.members.emplace_back(*member, *std::ranges::find(all.groups, member->group,
-                                                         &smepp::group_description::name));
+      x.members.emplace_back(
+          *member, *std::ranges::find(all.groups, member->group, &smepp::group_description::name));
   if (x.members.empty())
     return std::nullopt;
   x.self = mote.id;

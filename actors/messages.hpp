@@ -245,12 +245,11 @@ using ecology_actor = caf::typed_actor<
     caf::reacts_to<notable_event>, caf::reacts_to<mote_flat>, caf::reacts_to<listing_changed>,
     caf::reacts_to<radio_status>, caf::reacts_to<energy_status>, caf::reacts_to<flow_status>,
     caf::reacts_to<message_status>, caf::reacts_to<network_status>, caf::reacts_to<smepp_status>,
-    caf::reacts_to<serial_status>,
-    caf::reacts_to<devices_status>, caf::reacts_to<gateway_status>, caf::reacts_to<peer_status>,
-    caf::reacts_to<proxy_status>, caf::reacts_to<program_status>, caf::reacts_to<sample_status>,
-    caf::reacts_to<start_component>, caf::reacts_to<stop_component>, caf::reacts_to<actor_failed>,
-    caf::reacts_to<request_unmet>, caf::reacts_to<store_written>, caf::reacts_to<radio_left>,
-    caf::reacts_to<outside_link_changed>>;
+    caf::reacts_to<serial_status>, caf::reacts_to<devices_status>, caf::reacts_to<gateway_status>,
+    caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>, caf::reacts_to<program_status>,
+    caf::reacts_to<sample_status>, caf::reacts_to<start_component>, caf::reacts_to<stop_component>,
+    caf::reacts_to<actor_failed>, caf::reacts_to<request_unmet>, caf::reacts_to<store_written>,
+    caf::reacts_to<radio_left>, caf::reacts_to<outside_link_changed>>;
 
 /// To itself: this fault of the description's plan is due.
 struct apply_fault {

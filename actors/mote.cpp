@@ -149,9 +149,9 @@ bool take_group_frame(mote_pointer self, const radio::frame& x, byte_view psdu) 
     return false;
   auto& groups = self->state.groups;
   if (groups && !self->state.flat)
-    perform(self, groups->node.on_frame(x.source, x.destination, x.payload,
-                                        groups->own(sfd_of(psdu, now(self))),
-                                        groups->own(now(self))));
+    perform(self,
+            groups->node.on_frame(x.source, x.destination, x.payload,
+                                  groups->own(sfd_of(psdu, now(self))), groups->own(now(self))));
   return true;
 }
 
@@ -390,7 +390,8 @@ void start_groups(mote_pointer self, const std::string& life, const mote::crysta
       crystal});
   auto& groups = *state.groups;
   const auto octets = groups.node.own().footprint() + (state.node ? state.node->footprint() : 0);
-  if (const auto most = arguments.smepp->settings.memory_max; octets > most)
+  if (const auto most = arguments.smepp->settings.memory_max;
+      octets > most && state.store.starts == 0)
     self->send(arguments.ecology,
                notable_event{self->path(), fmt::format("needs {} octets of memory with all tables "
                                                        "full, more than {}",

@@ -28,7 +28,7 @@ struct mote_arguments {
   mote_address address;
   std::string name; ///< `kitchen/climate-7`
   config::stack stack = config::stack::full;
-  mote::node_config node; ///< full stack only
+  mote::node_config node;                  ///< full stack only
   std::optional<smepp::node_config> smepp; ///< none without an app `member`
   std::shared_ptr<smepp::kept> smepp_kept; ///< with it: what its lives have put into its store
   mote::crystal crystal;

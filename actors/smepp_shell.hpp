@@ -20,8 +20,8 @@ inline constexpr std::uint64_t smepp_token = 1ULL << 62U;
 
 /// A radio with several users is on while any of them wants it.
 struct radio_wish {
-  bool stack = true;    ///< Network and measuring flows
-  bool groups = false;  ///< SMEPP Light
+  bool stack = true;     ///< Network and measuring flows
+  bool groups = false;   ///< SMEPP Light
   bool silenced = false; ///< another mote has this one's address
 
   [[nodiscard]] bool is_on() const { return !silenced && (stack || groups); }

@@ -199,7 +199,8 @@ std::vector<placed_app> read_mote_apps(table_reader& in) {
   in.tables(
       "apps", "apps of a mote",
       {"its programs; a mote's replace its type's of the same kind on the same channel or AM type, "
-       "a relay its relay, a receiver its receiver and a member that of the same group, or are added; of a sink senders, relays and "
+       "a relay its relay, a receiver its receiver and a member that of the same group, or are "
+       "added; of a sink senders, relays and "
        "receivers only",
        "none"},
       [&](table_reader& x) {

@@ -36,7 +36,8 @@ std::map<std::uint16_t, std::size_t> messages_of(const mote_description& mote) {
 bool may_send_anything(const mote_description& mote) {
   return std::ranges::any_of(mote.apps, [](const auto& app) {
     return std::holds_alternative<apps::app_config>(app) ||
-           std::holds_alternative<separate_app>(app);
+           std::holds_alternative<separate_app>(app) ||
+           std::holds_alternative<member_app>(app); // values of whatever length
   });
 }
 
@@ -50,6 +51,8 @@ public:
 
   std::vector<std::string> take() {
     for (const auto& island : all_.islands)
+      look_at_groups(island);
+    for (const auto& island : all_.islands)
       for (const auto& mote : island.motes)
         look_at(island, mote);
     if (!strangers_may_come()) {
@@ -62,6 +65,21 @@ public:
   }
 
 private:
+  /// Members look for a group until somebody has created it in their island.
+  void look_at_groups(const island_description& island) {
+    std::map<std::string, bool> created;
+    for (const auto& mote : island.motes)
+      for (const auto& app : mote.apps)
+        if (const auto* member = std::get_if<member_app>(&app)) {
+          auto& is_created = created[member->group];
+          is_created = is_created || member->creates;
+        }
+    for (const auto& [group, is_created] : created)
+      if (!is_created)
+        doubt("no member of group `" + group + "` in island " + island.name +
+              " has `creates = true`");
+  }
+
   void doubt(std::string what) {
     if (found_.size() < doubts_max && std::ranges::find(found_, what) == found_.end())
       found_.push_back(std::move(what));

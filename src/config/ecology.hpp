@@ -390,7 +390,7 @@ struct ecology_description {
   std::vector<bluetooth_device> bluetooth_devices;
   std::vector<proxy::proxy_class> proxies;
   std::vector<tag_description> tags;
-  smepp::group_settings smepp; ///< all its keys are set
+  smepp::group_settings smepp;           ///< all its keys are set
   std::vector<fault_description> faults; ///< ascending by time
   std::vector<expectation> expectations; ///< in the order of the file
   std::vector<host_description> hosts;

@@ -23,8 +23,7 @@ struct secret_key {
     return out;
   }
   [[nodiscard]] static form takes() {
-    return {"key of 32 hexadecimal digits",
-            {{"type", "string"}, {"pattern", "^[0-9A-Fa-f]{32}$"}}};
+    return {"key of 32 hexadecimal digits", {{"type", "string"}, {"pattern", "^[0-9A-Fa-f]{32}$"}}};
   }
 };
 
@@ -75,30 +74,31 @@ smepp::group_description read_group(table_reader& in, std::uint64_t seed, name_c
 smepp::group_settings read_smepp(table_reader& root, std::uint64_t seed) {
   enum class authenticated : std::uint8_t { group, sender };
   smepp::group_settings out;
-  root.table("smepp", "[smepp]", {"groups of motes, as SMEPP Light has them", "none"},
-             [&](table_reader& in) {
-               in.optional("network_key", secret_key{}, out.network_key,
-                           {"encrypts all frames", "drawn from the seed, which is no secret"});
-               in.optional("network_mac", secret_key{}, out.network_mac,
-                           {"authenticates them", "drawn from the seed, which is no secret"});
-               in.all(out.energy);
-               in.all(out);
-               auto proven = authenticated::group;
-               in.optional("authenticate",
-                           word<authenticated>{{{"group", authenticated::group},
-                                                {"sender", authenticated::sender}}},
-                           proven,
-                           "what an event proves: that a member has raised it, or which one, by "
-                           "a key that it shares with the subscriber");
-               out.authenticates_sender = proven == authenticated::sender;
-               in.optional("pairwise_key", secret_key{}, out.pairwise_root,
-                           {"what keys of two motes are made from; no mote has it",
-                            "drawn from the seed, which is no secret"});
-               name_claims names;
-               in.tables("group", "[[smepp.group]]",
-                         "groups that motes with the app `member` create and join",
-                         [&](table_reader& x) { out.groups.push_back(read_group(x, seed, names)); });
-             });
+  root.table(
+      "smepp", "[smepp]", {"groups of motes, as SMEPP Light has them", "none"},
+      [&](table_reader& in) {
+        in.optional("network_key", secret_key{}, out.network_key,
+                    {"encrypts all frames", "drawn from the seed, which is no secret"});
+        in.optional("network_mac", secret_key{}, out.network_mac,
+                    {"authenticates them", "drawn from the seed, which is no secret"});
+        in.all(out.energy);
+        in.all(out);
+        auto proven = authenticated::group;
+        in.optional("authenticate",
+                    word<authenticated>{
+                        {{"group", authenticated::group}, {"sender", authenticated::sender}}},
+                    proven,
+                    "what an event proves: that a member has raised it, or which one, by "
+                    "a key that it shares with the subscriber");
+        out.authenticates_sender = proven == authenticated::sender;
+        in.optional("pairwise_key", secret_key{}, out.pairwise_root,
+                    {"what keys of two motes are made from; no mote has it",
+                     "drawn from the seed, which is no secret"});
+        name_claims names;
+        in.tables("group", "[[smepp.group]]",
+                  "groups that motes with the app `member` create and join",
+                  [&](table_reader& x) { out.groups.push_back(read_group(x, seed, names)); });
+      });
   const auto draw = [seed](std::optional<smepp::key>& x, const char* what) {
     if (!x)
       x = drawn_key(seed, what);

@@ -187,6 +187,13 @@ void check_profile(const mote_profile& x, reading& shared) {
   claims<std::string> singles;
   for (const auto& app : x.apps)
     std::visit(app_check{x, app, inputs, outputs, singles, shared}, app.app);
+  constexpr std::ptrdiff_t groups_max = 4; // smepp::group_config::groups_max
+  const auto is_member = [](const placed_app& app) {
+    return std::holds_alternative<member_app>(app.app);
+  };
+  if (std::ranges::count_if(x.apps, is_member) > groups_max)
+    shared.problems.add(std::ranges::find_if(x.apps, is_member)->channel_at,
+                        "a mote may be a member of 4 groups at most");
   end_claims ends;
   for (const auto& app : x.apps) {
     for (const auto& program : programs_of({app}))

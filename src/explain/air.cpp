@@ -1,4 +1,5 @@
 #include "explain/media.hpp"
+#include "network/am.hpp"
 #include "traffic/program.hpp"
 
 namespace rubicon::explain {
@@ -9,6 +10,8 @@ std::optional<sighting> air_follower::recognise(const record& r, mote_address wh
   const auto am_type = static_cast<std::uint8_t>(r.channel);
   if (am_type == traffic::am_type)
     return messages_.recognise_flow(r.octets, who.island, r);
+  if (am_type == network::am::smepp)
+    return messages_.recognise_event(who.island, r);
   const auto content =
       frame_content_of(am_type, r.octets, who.mote, all_.all.known.sink_of(who.island));
   if (const auto* on_channel = std::get_if<channel_content>(&content))

@@ -32,7 +32,7 @@ void follower::take(const record& r) {
     return;
   switch (r.what) {
   case kind::begun:
-    return; // what comes of it tells
+    return messages_.on_begun(r);
   case kind::radio_send:
     return air_.on_send(r);
   case kind::radio_done:

@@ -1,5 +1,6 @@
 #include "explain/messages.hpp"
 
+#include "network/am.hpp"
 #include "stream/message.hpp"
 #include "synaptic/message.hpp"
 #include "traffic/packet.hpp"
@@ -45,6 +46,11 @@ std::uint32_t message_follower::begin(message x, std::uint64_t number, const rec
   all_.all.messages[index].root = n;
   all_.stands_for(number, n);
   return index;
+}
+
+void message_follower::on_begun(const record& r) {
+  if (r.text == "message" && r.id != 0)
+    subscribers_[r.number] = mote_id(static_cast<std::uint16_t>(r.id));
 }
 
 void message_follower::on_send(const record& r) {
@@ -201,6 +207,17 @@ std::optional<sighting> message_follower::recognise(const channel_content& x, is
   m.content = x.content;
   m.is_on_channel = true;
   return seen(std::move(m), r.cause, r);
+}
+
+std::optional<sighting> message_follower::recognise_event(island_id here, const record& r) {
+  const auto subscriber = subscribers_.find(all_.begun(r.cause, "message"));
+  if (subscriber == subscribers_.end())
+    return recognise_rest(r.cause);
+  message m;
+  m.source = all_.all.known.address_of(r.from).value_or(mote_address{here, no_mote});
+  m.destination = {here, subscriber->second};
+  m.channel = network::am::smepp;
+  return sighting{{false, begin(std::move(m), subscriber->first, r)}};
 }
 
 std::optional<sighting> message_follower::recognise_flow(byte_view octets, island_id here,

@@ -18,6 +18,9 @@ class message_follower {
 public:
   explicit message_follower(growth& all) : all_(all) {}
 
+  /// What comes of it tells the rest.
+  void on_begun(const record& r);
+
   // what programs do and are told
   void on_send(const record& r);
   void on_message(const record& r);
@@ -34,6 +37,9 @@ public:
   /// Packets of the measuring apps, which have numbers.
   [[nodiscard]] std::optional<sighting> recognise_flow(byte_view octets, island_id here,
                                                        const record& r);
+  /// Events of groups, which nobody can read: only what has led to a frame tells. Other frames of
+  /// groups come from nothing.
+  [[nodiscard]] std::optional<sighting> recognise_event(island_id here, const record& r);
   /// A later fragment says nothing of itself.
   [[nodiscard]] std::optional<sighting> recognise_rest(std::uint64_t cause) const;
 
@@ -47,6 +53,7 @@ private:
   std::map<mote_address, std::uint32_t> numbers_; ///< of the last message by source
   std::map<std::pair<std::string, std::uint64_t>, std::uint32_t> unended_; ///< by program and token
   std::map<std::tuple<island_id, mote_id, std::uint64_t>, std::uint32_t> measuring_; ///< by number
+  std::map<std::uint64_t, mote_id> subscribers_; ///< of events, by the number of their begin
 };
 
 } // namespace rubicon::explain

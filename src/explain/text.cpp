@@ -324,7 +324,7 @@ std::string list_text(const traces& all, const listing& asked, const paper& on) 
         {clock(all.nodes[x.root].begin),
          x.name,
          all.known.of(x.destination),
-         x.content ? content_text(x) : "",
+         x.content || is_event(x) ? content_text(x) : "",
          how.took ? span(*how.took) : "",
          {std::string(to_string(how.status)) +
               (how.why.empty() ? "" : ": " + (how.where.empty() ? "" : how.where + ", ") + how.why),

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "explain/outcome.hpp"
+#include "network/am.hpp"
 #include "report/figures.hpp"
 #include "report/text_layout.hpp"
 
@@ -67,7 +68,13 @@ std::string assignment(const tuple_value& x) {
   return x.is_deletion ? key + ", deleted" : key + " = " + value_text(x.value, x.is_text);
 }
 
+bool is_event(const message& x) {
+  return x.channel == network::am::smepp && !x.is_on_channel && !x.is_in_tunnel && !x.content;
+}
+
 std::string content_text(const message& x) {
+  if (is_event(x))
+    return "an event";
   if (!x.content)
     return "content unknown";
   const auto& octets = *x.content;
@@ -81,6 +88,8 @@ std::string content_text(const message& x) {
 }
 
 std::string kind_of(const message& x) {
+  if (is_event(x))
+    return "SMEPP, encrypted";
   if (x.is_in_tunnel)
     return "through a tunnel";
   if (x.is_on_channel)

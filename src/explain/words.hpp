@@ -13,6 +13,9 @@ namespace rubicon::explain {
 /// `kitchen.fan.switch = on`
 [[nodiscard]] std::string assignment(const tuple_value& x);
 
+/// Of a group of SMEPP Light: nobody can read it.
+[[nodiscard]] bool is_event(const message& x);
+
 /// `4 octets (00d7 01c2)`
 [[nodiscard]] std::string content_text(const message& x);
 

@@ -34,8 +34,8 @@ inline constexpr const char* run_is_complete = "the run is complete";
 /// twice. Of a broadcast nothing is known: it arrives at any number of motes.
 [[nodiscard]] violations check_flows(const run_report& x);
 
-/// No event of a group vanishes uncounted: it is received, lost for a cause, open, or was in a frame
-/// that its receiver has refused.
+/// No event of a group vanishes uncounted: it is received, lost for a cause, open, or was in a
+/// frame that its receiver has refused.
 [[nodiscard]] violations check_groups(const run_report& x);
 
 /// What a mote's radio did, and what its processor did, fills its time to the nanosecond.

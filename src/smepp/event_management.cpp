@@ -136,10 +136,12 @@ std::optional<failure> event_management::event(const group& g, const std::string
     ++counters_.raised;
     smepp::event raised{x.id, config_.self, ++sequence_, 0, std::nullopt, value};
     raised.proof = pairwise_.prove(raised, g.id);
-    if (x.depth == 0)
+    if (x.depth == 0) {
       take(raised, x, c);
-    else
-      enqueue(g.id, std::move(raised), c);
+      continue;
+    }
+    const acting_on event(provenance::begin("message", x.id.subscriber.value));
+    enqueue(g.id, std::move(raised), c);
   }
   pump(c);
   return std::nullopt;

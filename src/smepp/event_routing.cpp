@@ -56,8 +56,7 @@ void event_management::enqueue(group_id group, smepp::event x, context c) {
 /// Hands out all hops that are due. An event whose parent does not acknowledge goes to the other
 /// one by turns.
 void event_management::pump(context c) {
-  forget(
-      [&](const waiting& x) { return x.token == 0 && find(x.group, x.what.id) == nullptr; });
+  forget([&](const waiting& x) { return x.token == 0 && find(x.group, x.what.id) == nullptr; });
   for (auto& x : queue_) {
     if (x.token != 0 || x.due > c.now)
       continue;

@@ -19,11 +19,11 @@ namespace rubicon::smepp {
 /// An event that a member subscribes to, and waits for.
 struct wanted_event {
   std::string event;
-  double rate = 0;                    ///< in 1/s; 0: as its producers like
-  duration from{};                    ///< of the run, at the earliest: before, it may not be in
-  std::optional<duration> expires;    ///< expirationTime; nothing: never
-  std::optional<duration> until;      ///< of the run: it unsubscribes
-  double frequency = 0;               ///< in 1/s, at which its own radio wakes; 0: the rate (A-64)
+  double rate = 0;                     ///< in 1/s; 0: as its producers like
+  duration from{};                     ///< of the run, at the earliest: before, it may not be in
+  std::optional<duration> expires;     ///< expirationTime; nothing: never
+  std::optional<duration> until;       ///< of the run: it unsubscribes
+  double frequency = 0;                ///< in 1/s, at which its own radio wakes; 0: the rate (A-64)
   std::optional<std::uint8_t> channel; ///< its values go on, to the gateway, on this output channel
 };
 
@@ -47,7 +47,7 @@ struct member_config {
 /// What holds for all motes with such programs.
 struct group_settings {
   std::vector<group_description> groups; ///< names unique
-  std::optional<key> network_key; ///< nothing: drawn from the seed, as the next one
+  std::optional<key> network_key;        ///< nothing: drawn from the seed, as the next one
   std::optional<key> network_mac;
   bool saves_energy = true;
   energy_config energy = {};

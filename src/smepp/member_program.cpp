@@ -19,7 +19,7 @@ std::optional<key> credential(const group_description& x) {
 } // namespace
 
 member_program::member_program(member_config config, group_description description, instant begin,
-               random_stream rng)
+                               random_stream rng)
     : config_(std::move(config)), description_(std::move(description)), rng_(rng), begin_(begin),
       pause_(pause_min), wishes_(config_.subscribes.size()) {}
 

@@ -61,7 +61,8 @@ public:
 
   /// @param begin of the run, by the mote's own clock
   /// @param description of config.group, with the master key that the mote is provisioned with
-  member_program(member_config config, group_description description, instant begin, random_stream rng);
+  member_program(member_config config, group_description description, instant begin,
+                 random_stream rng);
 
   /// @pre smepp_newPeer has been called
   void start(environment at);

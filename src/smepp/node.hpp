@@ -12,8 +12,8 @@
 #include "core/bytes.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
-#include "smepp/member_program.hpp"
 #include "smepp/member_config.hpp"
+#include "smepp/member_program.hpp"
 #include "smepp/smepp.hpp"
 
 namespace rubicon::smepp {
@@ -25,7 +25,7 @@ namespace rubicon::smepp {
 struct node_config {
   mote_id self;
   transducer_mask transducers = 0;
-  group_settings settings; ///< with keys
+  group_settings settings;                                          ///< with keys
   std::vector<std::pair<member_config, group_description>> members; ///< of groups that differ
   std::vector<mote_id> others; ///< with whom it has pairwise keys, if those are asked for
 };

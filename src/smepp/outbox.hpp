@@ -17,7 +17,7 @@ namespace rubicon::smepp {
 class outbox {
 public:
   struct pause {
-    duration left{}; ///< until a message may leave; 0: now
+    duration left{};   ///< until a message may leave; 0: now
     duration spread{}; ///< a random part of it more, with left > 0
   };
   using waiting_time = std::function<pause(const to_send&, instant)>;

@@ -237,7 +237,9 @@ bool peer::hand_out(const to_send& x, instant now, outputs& out) {
   const bool is_stamp = std::holds_alternative<sync_stamp>(content);
   flight_ = {++frame_, x.token, is_stamp ? x.group : network_level, now + config_.sent_timeout};
   set_radio_state(now, out);
-  out.emplace_back(send_frame{frame_, x.to, std::move(*frame), name_of(content), x.from});
+  const bool is_event = std::holds_alternative<event>(content); // others are the group's own affair
+  out.emplace_back(send_frame{frame_, x.to, std::move(*frame), name_of(content),
+                              is_event ? x.from : provenance::none()});
   return true;
 }
 

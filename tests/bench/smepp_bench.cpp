@@ -1,5 +1,6 @@
-// SMEPP Light in the modelled radio: the experiment of D1.1 3.4.4 (SMP-29), what security costs, and
-// long lines with crystals that are off, a lossy air, reboots and a group that is parted and merges.
+// SMEPP Light in the modelled radio: the experiment of D1.1 3.4.4 (SMP-29), what security costs,
+// and long lines with crystals that are off, a lossy air, reboots and a group that is parted and
+// merges.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -23,8 +24,8 @@ namespace {
 
 using namespace rubicon;
 
-constexpr unsigned set_up_s = 60;     ///< until all have joined and subscribed
-constexpr unsigned measured_s = 180;  ///< of SMP-29
+constexpr unsigned set_up_s = 60;    ///< until all have joined and subscribed
+constexpr unsigned measured_s = 180; ///< of SMP-29
 constexpr unsigned subscriptions_max = 4;
 
 struct line_setting {
@@ -140,10 +141,11 @@ bench::smepp_row experiment(unsigned subscriptions, bool saves, unsigned repetit
     sum += measure(x, seed);
   }
   const double n = repetitions;
-  return {subscriptions,       saves,           sum.mah / n,      sum.inactive / n,
-          sum.ready / n,       sum.receiving / n, sum.sending / n,
-          sum.raised > 0 ? sum.received / sum.raised : 1,
-          sum.frames / n,      sum.frames > 0 ? sum.octets / sum.frames : 0};
+  return {subscriptions,   saves,
+          sum.mah / n,     sum.inactive / n,
+          sum.ready / n,   sum.receiving / n,
+          sum.sending / n, sum.raised > 0 ? sum.received / sum.raised : 1,
+          sum.frames / n,  sum.frames > 0 ? sum.octets / sum.frames : 0};
 }
 
 std::vector<bench::smepp_row> reference(unsigned repetitions, bool& good) {
@@ -200,7 +202,8 @@ void security_table(const bench::smepp_row& x, bool& good) {
   constexpr double octet_s = 32e-6;
   constexpr double mac_octets = 6 + 13; // preamble to FCS
   // Auxiliary security header of 5 octets with a key index of 1, IEEE 802.15.4-2006 7.6.2, and MIC.
-  constexpr std::array levels{level{"none", 0}, level{"ours (CTR + CMAC-64)", smepp::secured_overhead},
+  constexpr std::array levels{level{"none", 0},
+                              level{"ours (CTR + CMAC-64)", smepp::secured_overhead},
                               level{"802.15.4 CCM-32", 6 + 4}, level{"802.15.4 CCM-64", 6 + 8},
                               level{"802.15.4 CCM-128", 6 + 16}};
   const auto message = x.frame_octets - smepp::secured_overhead;
@@ -233,15 +236,16 @@ std::string trouble(trouble_kind kind, unsigned motes, std::uint64_t seed, doubl
   random_stream rng(seed, "trouble");
   std::ostringstream toml;
   const auto length = static_cast<std::int64_t>(hours * 3600);
-  const auto at = [&](double share) { return static_cast<std::int64_t>(share * static_cast<double>(length)); };
+  const auto at = [&](double share) {
+    return static_cast<std::int64_t>(share * static_cast<double>(length));
+  };
   for (int i = 0; i < 6 && kind == trouble_kind::reboots; ++i)
     toml << "[[fault]]\nat = '" << at(0.05 + 0.12 * i) + rng.between(0s, 60s) / 1s
          << "s'\nkind = 'crash'\nmote = 'line/s" << 2 + rng.below(motes - 1) << "'\nfor = '"
          << 1 + rng.below(180) << "s'\n";
   if (kind == trouble_kind::parted)
-    toml << "[[fault]]\nat = '" << at(0.5)
-         << "s'\nkind = 'noise'\nisland = 'line'\nposition_m = [" << 20 * (motes / 2)
-         << ", 0]\nfor = '" << at(0.1) << "s'\n";
+    toml << "[[fault]]\nat = '" << at(0.5) << "s'\nkind = 'noise'\nisland = 'line'\nposition_m = ["
+         << 20 * (motes / 2) << ", 0]\nfor = '" << at(0.1) << "s'\n";
   return toml.str();
 }
 
@@ -249,10 +253,10 @@ bool long_lines(trouble_kind kind, const std::vector<unsigned>& hops, double hou
                 std::uint64_t seeds) {
   constexpr std::array what{"nothing else", "six reboots of up to 3 min",
                             "parted by noise in the middle for a tenth of the time"};
-  std::printf("\nlines for %g h: crystals up to 100 ppm off, 5 %% loss, an event each 10 s, %s; %llu "
-              "seeds\n",
-              hours, what.at(static_cast<std::size_t>(kind)),
-              static_cast<unsigned long long>(seeds));
+  std::printf(
+      "\nlines for %g h: crystals up to 100 ppm off, 5 %% loss, an event each 10 s, %s; %llu "
+      "seeds\n",
+      hours, what.at(static_cast<std::size_t>(kind)), static_cast<unsigned long long>(seeds));
   std::printf("%4s %9s %9s %9s %9s %9s %8s %8s\n", "hops", "raised", "received", "lost", "missing",
               "worst", "radio", "members");
   bool good = true;
@@ -282,8 +286,7 @@ bool long_lines(trouble_kind kind, const std::vector<unsigned>& hops, double hou
       worst = std::min(worst, ended > 0 ? static_cast<double>(groups.events_received) / ended : 0);
       members += groups.members;
       for (const auto& mote : report.islands.front().motes)
-        radio = std::max(radio,
-                         1 - seconds(mote.energy.radio_off) / seconds(mote.energy.elapsed));
+        radio = std::max(radio, 1 - seconds(mote.energy.radio_off) / seconds(mote.energy.elapsed));
       for (const auto& each : report.violations) {
         std::printf("  seed %llu: %s: %s\n", static_cast<unsigned long long>(seed),
                     each.invariant.c_str(), each.detail.c_str());

@@ -44,11 +44,12 @@ void draw_charge(std::ostream& out, const std::vector<smepp_row>& rows) {
   const double most = 1.1 * std::ranges::max(rows, {}, &smepp_row::mah).mah;
   const auto y = [&](double mah) { return bottom - mah / most * (bottom - top); };
   const auto x = [&](double n) { return left + 20 + n / 4 * (right - left - 40); };
-  text(out, (left + right) / 2, 40, "Charge used by s2 in 180 s, in mAh", "class='title' text-anchor='middle'");
+  text(out, (left + right) / 2, 40, "Charge used by s2 in 180 s, in mAh",
+       "class='title' text-anchor='middle'");
   for (int i = 0; i <= 5; ++i) {
     const auto value = most / 1.1 * i / 5;
-    out << "<line class='grid' x1='" << px(left) << "' x2='" << px(right) << "' y1='" << px(y(value))
-        << "' y2='" << px(y(value)) << "'/>\n";
+    out << "<line class='grid' x1='" << px(left) << "' x2='" << px(right) << "' y1='"
+        << px(y(value)) << "' y2='" << px(y(value)) << "'/>\n";
     text(out, left - 8, y(value) + 4, fixed(value, 2), "text-anchor='end'");
   }
   for (const bool saves : {false, true}) {
@@ -65,7 +66,8 @@ void draw_charge(std::ostream& out, const std::vector<smepp_row>& rows) {
               << px(y(each.mah) - 4) << "' width='8' height='8'/>\n";
       }
     out << "<polyline class='curve " << kind << "' style='fill:none' points='" << points << "'/>\n";
-    text(out, right - 20, y(std::ranges::find(rows, saves, &smepp_row::saves)->mah) + (saves ? 20 : -10),
+    text(out, right - 20,
+         y(std::ranges::find(rows, saves, &smepp_row::saves)->mah) + (saves ? 20 : -10),
          "energy efficiency " + kind, "text-anchor='end'");
   }
   for (int n = 0; n <= 4; ++n)
@@ -77,7 +79,8 @@ void draw_states(std::ostream& out, const std::vector<smepp_row>& rows) {
   constexpr double left = 480;
   constexpr double right = 840;
   constexpr double bar = 26;
-  text(out, (left + right) / 2, 40, "Radio of s2, share of the time", "class='title' text-anchor='middle'");
+  text(out, (left + right) / 2, 40, "Radio of s2, share of the time",
+       "class='title' text-anchor='middle'");
   for (int i = 0; i <= 4; ++i) {
     const auto y = bottom - (bottom - top) * i / 4;
     out << "<line class='grid' x1='" << px(left) << "' x2='" << px(right) << "' y1='" << px(y)

@@ -7,8 +7,12 @@
 #include <vector>
 
 #include "actors/run.hpp"
+#include "config/doubts.hpp"
 #include "core/bytes.hpp"
 #include "ecology_files.hpp"
+#include "explain/text.hpp"
+#include "explain/words.hpp"
+#include "recorded.hpp"
 #include "support/catch.hpp"
 #include "support/scratch_folder.hpp"
 #include "support/seeds.hpp"
@@ -128,7 +132,7 @@ TEST_CASE("members that lose their power are members again", "[smepp][SMP-18][SM
     CHECK(report.violations.empty());
     const auto& groups = report.islands.at(0).smepp;
     CHECK(groups.members == 3);
-    CHECK(groups.joins == 6); // each once more
+    CHECK(groups.joins == 6);                                       // each once more
     CHECK(groups.events_received >= groups.events_raised * 8 / 10); // some 30 s without each
   }
 }
@@ -228,11 +232,46 @@ TEST_CASE("a file that asks for what cannot be is refused", "[smepp][config]") {
             "the mote has no transducer `light`"));
   CHECK(has(problem("period = \"1s\"", "period = \"66s\""), "`period` must be"));
   CHECK(has(problem("rate = 0.2", "rate = 51"), "`rate` must be"));
-  CHECK(has(problem("name = \"care\"\n    closed", "name = \"a name of more than twenty\"\n    closed"),
-            "`name` must be"));
+  CHECK(has(
+      problem("name = \"care\"\n    closed", "name = \"a name of more than twenty\"\n    closed"),
+      "`name` must be"));
   CHECK(has(problem("{ event = \"fever\", rate = 0.2, channel = 7 }",
                     "{ event = \"fever\" }, { event = \"fever\" }"),
             "event `fever` is already listed"));
+}
+
+TEST_CASE("an event is explained from its producer to the robot", "[smepp][explain]") {
+  auto what = describe(flat(""));
+  what.length = 5min;
+  const auto x = run_recorded(what);
+  const auto all = explain::follow(x.content);
+  std::size_t events = 0;
+  for (const auto& each : all.messages) {
+    if (!explain::is_event(each))
+      continue;
+    ++events;
+    CHECK(each.source == mote_address{island_id{1}, mote_id{4}});
+    CHECK(each.destination == mote_address{island_id{1}, mote_id{2}});
+  }
+  CHECK(events == x.report.islands.at(0).smepp.events_raised);
+  const auto found = explain::find(all, "flat/collector#10"); // what the tenth has led to
+  REQUIRE(std::holds_alternative<explain::message_found>(found));
+  const auto& last = all.messages.at(std::get<explain::message_found>(found).index);
+  REQUIRE(last.root != explain::no_node);
+  const auto hop = all.nodes.at(last.root).parent;
+  REQUIRE(hop != explain::no_node);
+  CHECK(explain::where(all, all.nodes.at(hop)) == "flat/relay → collector");
+}
+
+TEST_CASE("a group that nobody creates is doubted", "[smepp][config]") {
+  auto what = describe(flat(""));
+  CHECK(std::ranges::none_of(config::doubts(what), [](const std::string& x) {
+    return x.find("creates") != std::string::npos;
+  }));
+  std::get<config::member_app>(what.islands.at(0).motes.at(0).apps.at(0)).creates = false;
+  const auto doubts = config::doubts(what);
+  REQUIRE(doubts.size() == 1);
+  CHECK(doubts.at(0) == "no member of group `care` in island flat has `creates = true`");
 }
 
 TEST_CASE("a run with groups is the same on any number of threads", "[smepp][threads]") {
