@@ -3,9 +3,12 @@
 #include <algorithm>
 
 #include "actors/air.hpp"
+#include "actors/outside_line.hpp"
 #include "actors/peis_bluetooth.hpp"
 #include "actors/peis_lan.hpp"
 #include "actors/program_host.hpp"
+#include "actors/pty_end.hpp"
+#include "actors/replay_line.hpp"
 #include "actors/serial_line.hpp"
 #include "actors/sink.hpp"
 #include "apps/tables.hpp"
@@ -144,6 +147,39 @@ serial_line_actor spawn_line(ecology_pointer self, island_id island, const std::
                      config.latency, island, handle_of(self));
 }
 
+/// Where others find the sink of an island whose gateway is not here.
+void spawn_pty(ecology_pointer self, const config::island_description& island) {
+  pty_end_arguments x;
+  x.link = island.outside.pty;
+  x.buffer = island.serial.buffer;
+  x.loop = self->state.process.loop;
+  x.island = island.id;
+  x.line = self->state.lines.at({island.id, 0});
+  x.ecology = handle_of(self);
+  spawn_child(*self->state.pcs, self, "pty_end/" + island.name, pty_end, std::move(x));
+}
+
+/// The way to the real sink of an island, and its gateway.
+void spawn_outside(ecology_pointer self, const config::island_description& island) {
+  const auto path = "serial_line/" + island.name;
+  auto& line = self->state.lines[{island.id, 0}];
+  if (island.outside.recorded) {
+    line = spawn_child(*self->state.pcs, self, path, replay_line,
+                       serial::replay(island.outside.recorded, island.outside.speed), island.id,
+                       handle_of(self));
+    spawn_programs(self, self->state.peers.at(island.gateway_name));
+    return;
+  }
+  outside_line_arguments x;
+  x.access = {island.outside, island.serial.baud, island.serial.buffer};
+  x.loop = self->state.process.loop;
+  x.island = island.id;
+  x.ecology = handle_of(self);
+  line = caf::actor_cast<serial_line_actor>(
+      spawn_child(*self->state.pcs, self, path, outside_line, std::move(x)));
+  spawn_programs(self, self->state.peers.at(island.gateway_name));
+}
+
 /// The serial lines, sink and gateways of an island.
 void spawn_bridge(ecology_pointer self, const config::island_description& island,
                   const apps::traffic& traffic, radio::radio_index radio, const air_actor& air) {
@@ -182,6 +218,10 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   sink.store.starts = sink.store.term = self->state.process.starts;
   sink.arguments = std::move(at_sink);
   spawn_sink(self, sink);
+  if (island.outside.has_gateway()) {
+    spawn_pty(self, island);
+    return;
+  }
   spawn_programs(self, self->state.peers.at(island.gateway_name));
   for (const auto& alias : island.aliases)
     spawn_programs(self, self->state.peers.at(alias.name));
@@ -446,7 +486,7 @@ void spawn_kernels(ecology_pointer self) {
     names.push_back(name);
   };
   for (const auto& island : description.islands) {
-    if (island.stack != config::stack::full)
+    if (island.stack != config::stack::full || island.outside.has_gateway())
       continue;
     add(gateway_of(island.id), island.gateway_name, island.id);
     std::size_t line = 0;
@@ -557,6 +597,9 @@ void assemble(ecology_pointer self) {
   spawn_kernels(self);
   for (const auto& air : description.airs)
     spawn_place(self, air);
+  for (const auto& island : description.islands)
+    if (island.outside.has_sink())
+      spawn_outside(self, island);
   for (const auto& peer : description.peers)
     if (!peer.init)
       spawn_programs(self, self->state.peers.at(peer.name));

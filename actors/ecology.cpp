@@ -262,7 +262,24 @@ bool has_several_gateways(ecology_pointer self, island_id id) {
               ->aliases.empty();
 }
 
+/// A real mote has joined its island, or left it; the file may have a name for it.
+void on_real_listing(ecology_pointer self, const config::island_description& island,
+                     const listing_changed& x) {
+  const auto named = std::ranges::find(island.motes, x.mote.mote, &config::mote_description::id);
+  const auto name = named == island.motes.end() ? "mote-" + to_string(x.mote.mote) : named->name;
+  note_event(self, "mote/" + island.name + '/' + name,
+             x.listed ? "joined" : "left: " + network::to_string(x.cause));
+  if (auto* judge = self->state.process.judge; judge != nullptr && x.listed)
+    judge->on_joined(x.mote, now(self));
+}
+
 void on_listing(ecology_pointer self, const listing_changed& x) {
+  const auto& island = *std::ranges::find(self->state.description.islands, x.mote.island,
+                                          &config::island_description::id);
+  if (island.outside.has_sink()) {
+    on_real_listing(self, island, x);
+    return;
+  }
   const auto found = self->state.motes.find(x.mote);
   if (found == self->state.motes.end()) {
     const auto moved = self->state.moved.find(x.mote);
@@ -413,6 +430,8 @@ struct fault_applier : peer_fault_applier {
         self->send(air, lose_frames{true, {}, x.loss, x.length});
     } else {
       auto island = *x.island;
+      if (airs.empty())
+        return; // all islands are real
       if (island == config::any_island)
         island =
             std::next(airs.begin(), static_cast<std::ptrdiff_t>(self->state.rng.below(airs.size())))
@@ -904,7 +923,8 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   prepare_report(self);
   assemble(self);
   for (auto& island : self->state.description.islands)
-    island.motes = {}; // what they were made from; ten thousand of them weigh something
+    if (!island.outside.has_sink()) // names of real motes are asked for again
+      island.motes = {}; // what they were made from; ten thousand of them weigh something
   schedule_fault(self);
   schedule_sample(self);
   return {

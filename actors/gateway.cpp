@@ -29,7 +29,10 @@ peer_id id_of(gateway_pointer self) {
 template <class Message>
 void to_adapter(gateway_pointer self, Message x) {
   const auto& arguments = self->state.arguments;
-  self->delayed_send(arguments.line, arguments.port.latency, std::move(x));
+  if (arguments.line_is_real)
+    self->send(arguments.line, std::move(x));
+  else
+    self->delayed_send(arguments.line, arguments.port.latency, std::move(x));
 }
 
 struct performer {
@@ -116,6 +119,8 @@ struct performer {
   }
 
   void operator()(const serial::received& x) const {
+    if (self->state.arguments.forwarder)
+      self->send(self->state.arguments.forwarder, serial_packet{0, payload(x.packet)});
     const auto packet = serial::decode_am_packet(x.packet);
     if (packet)
       perform(self, self->state.gateway.on_packet(mote_id(packet->source), packet->am_type,
@@ -124,10 +129,20 @@ struct performer {
       ++self->state.bad_packets;
   }
 
-  void operator()(const serial::sent&) const {}
+  void operator()(const serial::sent& x) const { tell_done(x.id); }
 
   void operator()(const serial::lost& x) const {
+    tell_done(x.id);
     log(self, spdlog::level::warn, "event=lost packet={}", x.id.value);
+  }
+
+  /// Whoever has sent a packet beside the gateway sends the next one only then.
+  void tell_done(serial::packet_id x) const {
+    const auto found = self->state.foreign.find(x);
+    if (found == self->state.foreign.end())
+      return;
+    self->send(self->state.arguments.forwarder, serial_packet_done{found->second});
+    self->state.foreign.erase(found);
   }
 
   [[nodiscard]] island_id island() const { return self->state.arguments.config.island; }
@@ -150,6 +165,14 @@ void perform(gateway_pointer self, serial::outputs todo) {
   for (auto& output : todo)
     std::visit(performer{self}, output);
   follow(self);
+}
+
+/// A packet of a program of TinyOS.
+void on_foreign(gateway_pointer self, const serial_packet& x) {
+  auto& state = self->state;
+  const serial::packet_id id{state.next_packet++};
+  state.foreign[id] = x.token;
+  perform(self, state.port.send(id, to_bytes(x.octets.view()), now(self)));
 }
 
 void on_tuple(gateway_pointer self, const tuple_event& x) {
@@ -238,6 +261,9 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   const auto client = caf::actor_cast<peis_client_actor>(self);
   to_adapter(self,
              attach_serial{serial::direction::to_pc, {caf::actor_cast<serial_end_actor>(self)}});
+  if (state.arguments.forwarder)
+    self->send(state.arguments.forwarder,
+               attach_packets{{caf::actor_cast<packet_end_actor>(self)}});
   std::vector<std::uint16_t> ports{gateway::announcement_port, communication::island_message_port};
   if (!state.gateway.lead().alone())
     ports.push_back(gateway::relay_port);
@@ -258,6 +284,7 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
       [self](const serial_octets& x) {
         perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));
       },
+      [self](const serial_packet& x) { on_foreign(self, x); },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           on_timer(self);

@@ -2,6 +2,7 @@
 // other; and the programs of its PC.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct gateway_arguments {
   std::uint64_t seed = 0; ///< of the ecology
   peis_peer_actor peer;   ///< the kernel whose component it is
   serial_line_actor line;
+  bool line_is_real = false;        ///< its adapter takes its time by itself
+  forwarder_server_actor forwarder; ///< for programs of TinyOS; nullptr: none
   ecology_actor ecology;
 };
 
@@ -31,8 +34,9 @@ struct gateway_state {
   gateway::gateway gateway;
   serial::host_port port;
   std::uint64_t next_packet = 1;
-  std::uint64_t bad_packets = 0;   ///< from the line, not serial active messages
-  std::uint64_t messages_lost = 0; ///< that another gateway did not acknowledge
+  std::uint64_t bad_packets = 0;                      ///< from the line, not serial active messages
+  std::uint64_t messages_lost = 0;                    ///< that another gateway did not acknowledge
+  std::map<serial::packet_id, std::uint64_t> foreign; ///< of programs of TinyOS: their tokens
   program_host programs;
   timer wake;
 };

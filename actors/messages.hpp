@@ -451,11 +451,48 @@ struct plug_serial {
 };
 RUBICON_FIELDS(plug_serial, plugged);
 
+/// From the thread of the loop: what a line has of the outside is there, or not.
+struct serial_presence {
+  bool there = false;
+  std::string why; ///< it is not, in words; may be empty
+};
+RUBICON_FIELDS(serial_presence, there, why);
+
+/// A packet between the gateway and a program of TinyOS.
+struct serial_packet {
+  std::uint64_t token = 0; ///< the sender's name for it
+  payload octets;          ///< dispatch octet first
+};
+RUBICON_FIELDS(serial_packet, token, octets);
+
+/// To the sender of a serial_packet: the sink has acked it, or it is lost.
+struct serial_packet_done {
+  std::uint64_t token = 0;
+};
+RUBICON_FIELDS(serial_packet_done, token);
+
+/// Whoever has a sink to give packets to.
+using packet_end_actor = caf::typed_actor<caf::reacts_to<serial_packet>>;
+
+struct attach_packets {
+  carried<packet_end_actor> user;
+};
+RUBICON_FIELDS(attach_packets, user);
+
 /// The cable between a sink and its gateway.
 using serial_line_actor =
     caf::typed_actor<caf::reacts_to<attach_serial>, caf::reacts_to<serial_write>,
                      caf::reacts_to<plug_serial>, caf::reacts_to<timer_expired>,
                      caf::reacts_to<status_request>>;
+
+/// What stands for the cable where the sink is a real one.
+using outside_line_actor =
+    serial_line_actor::extend<caf::reacts_to<serial_octets>, caf::reacts_to<serial_presence>>;
+
+/// The PC's end of a cable that other programs find on a pseudo-terminal.
+using pty_end_actor =
+    serial_end_actor::extend<caf::reacts_to<serial_write>, caf::reacts_to<serial_presence>,
+                             caf::reacts_to<status_request>>;
 
 // --------------------------------------------------------------------- motes and their programs
 
@@ -994,8 +1031,13 @@ using peis_peer_actor = lan_user_actor::extend<
 /// The gateway between an island and the PEIS network.
 using gateway_actor =
     peis_client_actor::extend<caf::reacts_to<subscribers_changed>, caf::reacts_to<clock_changed>,
-                              caf::reacts_to<serial_octets>, caf::reacts_to<timer_expired>,
-                              caf::reacts_to<status_request>>;
+                              caf::reacts_to<serial_octets>, caf::reacts_to<serial_packet>,
+                              caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+
+/// A serial forwarder for programs of TinyOS.
+using forwarder_server_actor =
+    caf::typed_actor<caf::reacts_to<attach_packets>, caf::reacts_to<serial_packet>,
+                     caf::reacts_to<serial_packet_done>, caf::reacts_to<status_request>>;
 
 /// Whether the proxied mote is there, as its gateway says.
 struct mote_presence {

@@ -4,6 +4,7 @@
 
 #include "actors/assembly.hpp"
 #include "actors/component.hpp"
+#include "actors/forwarder_server.hpp"
 #include "actors/gateway.hpp"
 #include "actors/init.hpp"
 #include "actors/object_manager.hpp"
@@ -378,7 +379,15 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   gateway.seed = self->state.description.seed;
   gateway.peer = peer.handle;
   gateway.line = self->state.lines.at({island.id, peer.line});
+  gateway.line_is_real = island.outside.has_sink();
   gateway.ecology = ecology_handle(self);
+  if (!is_alias && !island.exported.forwarder.empty()) {
+    gateway.forwarder =
+        spawn_child(*self->state.pcs, self, "forwarder_server/" + island.name, forwarder_server,
+                    forwarder_server_arguments{island.exported.forwarder, self->state.process.loop,
+                                               island.id, ecology_handle(self)});
+    peer.programs.push_back(caf::actor_cast<caf::actor>(gateway.forwarder));
+  }
   const auto path = "gateway/" + island.name + (is_alias ? '/' + peer.name : std::string());
   peer.programs.push_back(caf::actor_cast<caf::actor>(
       spawn_child(*self->state.pcs, self, path, gateway_behavior, std::move(gateway))));

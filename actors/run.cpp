@@ -13,6 +13,7 @@
 #include "actors/ecology.hpp"
 #include "actors/failure.hpp"
 #include "actors/frame_captures.hpp"
+#include "actors/serial_recorder.hpp"
 #include "core/device_keys.hpp"
 #include "core/hash.hpp"
 #include "core/shell_word.hpp"
@@ -127,6 +128,8 @@ public:
       debug_.emplace(options.debug_folder, options.debug_file_octets_max);
     if (!options.record_file.empty())
       record_.emplace(options.record_file, description, options.source);
+    if (!options.serial_file.empty())
+      serial_.emplace(options.serial_file);
     if (!options.pcap_folder.empty())
       captures_.emplace(options.pcap_folder, description, options.pcap_lost);
   }
@@ -142,12 +145,14 @@ public:
     if (judge_ !=
         nullptr) // peers, whom one thread at a time executes, are the only ones with tuples
       trace.watch([this](const scheduler::delivery& x) { tell_tuple(*judge_, x); });
-    if (debug_ || record_)
+    if (debug_ || record_ || serial_)
       trace.observe([this](const scheduler::delivery& x) {
         if (debug_)
           debug_->write(x);
         if (record_)
           record_->write(x);
+        if (serial_)
+          serial_->write(x);
       });
   }
 
@@ -172,6 +177,8 @@ public:
       failed.push_back(record_->finish());
     if (captures_)
       failed.push_back(captures_->finish());
+    if (serial_)
+      failed.push_back(serial_->finish());
     std::erase(failed, std::string());
     return failed;
   }
@@ -181,6 +188,7 @@ private:
   std::optional<debug_log> debug_;
   std::optional<run_record> record_;
   std::optional<frame_captures> captures_;
+  std::optional<serial_recorder> serial_;
 };
 
 /// One run from its first event to its last word. Everything in `report` stays what it is until it

@@ -42,6 +42,7 @@ struct run_options {
   std::size_t debug_file_octets_max = 16 << 20; ///< a full file is rotated (NFR-03)
   std::string pcap_folder;     ///< ACT-07: a capture of each island's air goes here; empty: none
   bool pcap_lost = false;      ///< with the frames that nobody received
+  std::string serial_file;     ///< ACT-08: each frame of serial lines goes here; empty: nowhere
   std::string record_file;     ///< what `rubicon explain` reads goes here; empty: nowhere
   run_source source;           ///< told by the record
   bool handle_signals = false; ///< end the run cleanly on the first signal (ACT-11)

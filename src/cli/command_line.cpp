@@ -16,6 +16,7 @@
 #include "cli/certs_command_line.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/network_command_line.hpp"
+#include "cli/serial_command_line.hpp"
 #include "cli/version.hpp"
 #include "config/near.hpp"
 #include "config/units.hpp"
@@ -147,6 +148,8 @@ void add_run(CLI::App& app, run_command& x) {
                                   "Write the frames on each air into a capture in this folder");
   run.add_flag("--pcap-lost", options.pcap_lost, "Capture also frames that nobody received")
       ->needs(captures);
+  add_path(run, "--record-serial", "FILE", options.serial_file,
+           "Write the frames on serial lines into this file, for `serial = { replay = FILE }`");
   add_path(run, "--record", "RECORD", options.record_file,
            "Record the run into this file, for rubicon explain");
   auto* const host =
@@ -357,6 +360,9 @@ void check_combination(const run_command& x) {
     throw CLI::ValidationError("--check-determinism", "only virtual runs repeat, not --mode wall");
   if (x.check_determinism && !x.options.record_file.empty())
     throw CLI::ValidationError("--check-determinism", "runs twice, --record records one run");
+  if (x.check_determinism && !x.options.serial_file.empty())
+    throw CLI::ValidationError("--check-determinism",
+                               "runs twice, --record-serial records one run");
   if (!x.host.empty() && x.check_determinism)
     throw CLI::ValidationError("--check-determinism", "only virtual runs repeat, not --host");
   if (!x.host.empty() && x.options.mode == config::run_mode::virtual_time)
@@ -442,6 +448,7 @@ command parse_command_line(std::span<const char* const> arguments) {
   explain_command explain;
   const auto& explain_app = add_explain(app, explain);
   const certs_command_line certs(app);
+  const serial_command_line serial(app);
   const network_command_line network(app);
   app.footer(roles); // last: subcommands would inherit it
   try {
@@ -478,6 +485,8 @@ command parse_command_line(std::span<const char* const> arguments) {
   if (explain_app.parsed())
     return explain;
   if (auto asked = certs.parsed())
+    return *std::move(asked);
+  if (auto asked = serial.parsed())
     return *std::move(asked);
   if (auto asked = network.parsed())
     return *std::move(asked);

@@ -10,6 +10,7 @@
 
 #include "actors/run.hpp"
 #include "cli/network_command.hpp"
+#include "cli/serial_command.hpp"
 #include "cli/swarm.hpp"
 #include "config/load.hpp"
 #include "control/tls.hpp"
@@ -144,7 +145,7 @@ struct refused_command {
 using command =
     std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
                  check_command, schema_command, swarm_command, explain_command, certs_command,
-                 network_command, show_command, refused_command>;
+                 network_command, serial_command, show_command, refused_command>;
 
 /// @param arguments the program's name first
 [[nodiscard]] command parse_command_line(std::span<const char* const> arguments);

@@ -19,6 +19,9 @@ public:
       const auto* island = find(each.value);
       if (island == nullptr)
         continue; // its own table has no good id
+      if (island->outside.has_sink())
+        problems.add(each.at, "island `" + island->name +
+                                  "` has a real sink: its motes are in the real air");
       placed_.claim(each.value, "island `" + island->name + '`', each.at, problems,
                     "is already in an air");
       if (first == nullptr)
@@ -68,7 +71,7 @@ std::vector<air_description> read_airs(table_reader& root,
   });
   for (const auto& island : islands) {
     const auto has_it = [&island](const auto& air) { return holds(air, island.id); };
-    if (std::none_of(out.begin(), out.end(), has_it))
+    if (!island.outside.has_sink() && std::none_of(out.begin(), out.end(), has_it))
       out.push_back({island.name, {island.id}});
   }
   return out;

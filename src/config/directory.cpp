@@ -26,10 +26,14 @@ directory::directory(const ecology_description& all) {
   for (const auto& each : all.islands) {
     if (each.name.empty())
       continue;
-    island found{each.id, each.sink.id, each.stack == stack::full, {}, {}};
+    island found;
+    found.id = each.id;
+    found.sink = each.sink.id;
+    found.has_gateway = each.stack == stack::full;
     for (const auto& mote : each.motes)
       found.motes.emplace(mote.name, mote.id);
-    if (found.has_gateway) {
+    found.is_simulated = !each.outside.has_sink();
+    if (found.has_gateway && !each.outside.has_gateway()) {
       found.gateways = gateways_of(each);
       ends.emplace(each.gateway_name, gateway_of(each.id));
       for (const auto& alias : each.aliases)

@@ -184,7 +184,7 @@ private:
 
   void look_at(const island_description& island, const mote_description& mote) {
     const auto* const manager = manager_of(island.id);
-    if (island.stack != stack::full || manager == nullptr)
+    if (island.stack != stack::full || island.outside.has_sink() || manager == nullptr)
       return;
     const auto* what = class_of(all_, island.id, mote);
     if (what == nullptr) {

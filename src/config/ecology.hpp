@@ -104,6 +104,8 @@ struct island_description {
   config::stack stack = stack::full;
   sink_description sink;
   serial::line_config serial;
+  serial::outside_config outside;         ///< what one of its ends is in truth
+  serial::export_config exported;         ///< to programs of TinyOS
   std::string gateway_name;               ///< PEIS name of the gateway; default NAME-gateway
   std::vector<std::string> gateway_links; ///< names of peers or gateways it connects to
   wire_form gateway_wire = wire_form::segment;

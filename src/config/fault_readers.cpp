@@ -1,5 +1,6 @@
 // [[fault]]: what goes wrong, and when.
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 #include "config/file_readers.hpp"
@@ -43,6 +44,7 @@ private:
     choices_.emplace_back(word, [this, lists...](table_reader& in) {
       const auto use = [&](auto x) {
         check(in, x);
+        check_simulated(in, x);
         out_ = std::move(x);
       };
       in.either(use, lists...);
@@ -211,6 +213,28 @@ private:
       x.island = in.names().island_of_gateway(*x.gateway)->id;
     if (const auto* of = in.names().find(x.island); of != nullptr && !of->has_gateway)
       in.problems().add(in.at("island"), "an island with stack = \"mac\" has no serial cable");
+  }
+
+  /// What is real has faults of its own.
+  template <class Fault>
+  void check_simulated(table_reader& in, const Fault& x) const {
+    if constexpr (requires { x.mote; })
+      refuse_real(in, "mote", x.mote.island);
+    else if constexpr (std::is_same_v<Fault, sink_crash_fault> ||
+                       std::is_same_v<Fault, sink_step_fault>)
+      refuse_real(in, "sink", x.island);
+    else if constexpr (std::is_same_v<Fault, noise_fault>)
+      refuse_real(in, "island", x.island);
+    else if constexpr (std::is_same_v<Fault, radio_loss_fault>)
+      refuse_real(in, "island", x.island.value_or(any_island));
+    if constexpr (std::is_same_v<Fault, move_island_fault>)
+      refuse_real(in, "to_island", x.to);
+  }
+
+  static void refuse_real(table_reader& in, std::string_view key, island_id x) {
+    if (const auto* of = in.names().find(x); of != nullptr && !of->is_simulated)
+      in.problems().add(in.at(key), "that island has a real sink: of its motes and their air "
+                                    "nothing is simulated that could fail");
   }
 
   /// The mote of the description; nullptr if there is none, about which somebody else complains.

@@ -189,7 +189,7 @@ form form_of(const frequency& /*kind*/) {
 }
 
 form form_of(const baud& /*kind*/) {
-  return {"baud", either(integer(300, 4'000'000), pattern("[0-9]+ *baud"))};
+  return {"baud", either(integer(300, 4'000'000), pattern("[0-9]+ *baud|[a-z][A-Za-z0-9]+"))};
 }
 
 form form_of(const bit_rate& /*kind*/) {

@@ -97,9 +97,9 @@ void island_motes::add_sink(table_reader& island, std::vector<placed_app> apps, 
 mote_profile island_motes::read_profile_of(table_reader& in) {
   mote_kind::type kind;
   const bool known =
-      in.required_if(!is_mac(), "type", mote_kind{}, kind,
+      in.required_if(!is_mac() && !island_.outside.has_sink(), "type", mote_kind{}, kind,
                      {"its mote type, or the number that it reports at join; required but with "
-                      "`stack = \"mac\"`"});
+                      "`stack = \"mac\"` or a real sink"});
   mote_profile profile;
   profile.like.type = kind.number;
   if (const auto* given = in.value("type"); !known && given != nullptr)
@@ -153,10 +153,10 @@ void island_motes::read_mote(table_reader& in) {
                    "name, but not `sink`"}) &&
       is_sink_name(out.name))
     in.problems().add(in.at("name"), "`" + out.name + "` stands for the sink of an island");
-  const bool may_lack_place = !positions_matter_ || in.has("path");
+  const bool may_lack_place = !positions_matter_ || in.has("path") || island_.outside.has_sink();
   const bool has_place =
       in.required_if(!may_lack_place, "position_m", place{}, out.place,
-                     "where it is; required but with `path` or `model = \"gains\"`");
+                     "where it is; required but with `path`, `model = \"gains\"` or a real sink");
   if (in.has("path") && with_.radio_is_known && !positions_matter_)
     in.problems().add(in.at("path"), "`path` decides nothing with model = \"gains\"");
   read_path(in, has_place, out.place, out.path);
@@ -269,7 +269,7 @@ bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
 
 /// Each mote that stands still must have a route to the sink, over others if need be.
 void island_motes::check_reach(complaints& problems) const {
-  if (!range_m_ || is_mac())
+  if (!range_m_ || is_mac() || island_.outside.has_sink())
     return;
   std::vector<position> places;
   for (const auto& mote : island_.motes)

@@ -5,6 +5,7 @@
 #include "config/application_readers.hpp"
 #include "config/file_readers.hpp"
 #include "config/island_motes.hpp"
+#include "config/outside_readers.hpp"
 #include "mote/duty_keys.hpp"
 #include "radio/tossim_files.hpp"
 #include "serial/line_keys.hpp"
@@ -105,9 +106,18 @@ void check_aliases(const table_reader& in, const island_description& x) {
 /// The cable and the gateway of an island, and its further ones.
 void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_description& out) {
   out.serial.baud = out.sink.platform->serial_baud;
-  in.table("serial", "[island.serial]", "the cable between sink and gateway",
-           [&out](table_reader& x) { x.all(out.serial); });
+  in.table("serial", "[island.serial]", "the cable between sink and gateway", [&](table_reader& x) {
+    x.all(out.serial);
+    read_outside(x, with, out.name, out.outside);
+  });
   out.gateway_name = default_gateway_name(out.name);
+  if (out.outside.has_gateway()) {
+    refuse_gateway(in);
+    return;
+  }
+  if (out.outside.has_sink())
+    refuse_simulated(in);
+  read_export(in, with, out);
   mark name_at = in.at("name");
   bool claims_name = name_is_free; // a default name is taken together with the island's
   in.table("gateway", "[island.gateway]", "what joins the island to the PEIS network",
@@ -127,7 +137,7 @@ void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_
 
 /// An island with the medium access only has none of what joins it to the PEIS network.
 void refuse_parts(table_reader& in) {
-  for (const auto* key : {"keep_alive", "duty_cycle", "serial", "gateway", "alias"}) {
+  for (const auto* key : {"keep_alive", "duty_cycle", "serial", "gateway", "alias", "export"}) {
     in.expect(key);
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) +

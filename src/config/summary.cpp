@@ -101,6 +101,20 @@ std::string placed(const std::string& host) {
   return host.empty() ? "" : "on " + host;
 }
 
+std::string sink_text(const island_description& x) {
+  const auto baud = ", " + std::to_string(x.serial.baud) + " baud";
+  const auto& outside = x.outside;
+  if (!outside.device.empty())
+    return "real sink at " + outside.device + baud;
+  if (!outside.forwarder.empty())
+    return "real sink behind serial forwarder " + outside.forwarder;
+  if (!outside.replay.empty())
+    return "sink replayed from " + outside.replay;
+  return "sink " + to_string(x.sink.id) + ", " + std::string(x.sink.platform->name) +
+         (x.stack == stack::mac ? ", mac only" : baud) +
+         (outside.has_gateway() ? " at pty " + outside.pty : "");
+}
+
 std::vector<row> island_rows(const ecology_description& x) {
   std::vector<row> rows;
   for (const auto& each : x.islands) {
@@ -108,8 +122,7 @@ std::vector<row> island_rows(const ecology_description& x) {
     rows.push_back(
         {to_string(each.id), each.name,
          counted(each.motes.size(), "mote") + (kinds.empty() ? "" : ": " + kinds),
-         "sink " + to_string(each.sink.id) + ", " + std::string(each.sink.platform->name) + ", " +
-             (each.stack == stack::mac ? "mac only" : std::to_string(each.serial.baud) + " baud") +
+         sink_text(each) +
              (each.aliases.empty() ? "" : ", " + counted(each.aliases.size() + 1, "gateway")),
          placed(each.host)});
   }
@@ -169,7 +182,7 @@ struct app_text {
 std::vector<row> peer_rows(const ecology_description& x) {
   std::vector<std::pair<std::int64_t, row>> found;
   for (const auto& each : x.islands) {
-    if (each.stack != stack::full)
+    if (each.stack != stack::full || each.outside.has_gateway())
       continue;
     std::vector<std::string> apps{"gateway of " + each.name};
     for (const auto& app : each.gateway_apps)

@@ -194,6 +194,16 @@ std::optional<double> parse_bit_rate_bps(std::string_view text) {
 }
 
 std::optional<std::int64_t> parse_baud(std::string_view text) {
+  // as TinyOS's own tools call the rates of motes (tinyos.md 1.1)
+  static constexpr std::pair<std::string_view, std::int64_t> platforms[] = {
+      {"mica", 19200},    {"mica2dot", 19200},    {"mica2", 57600},    {"eyesIFX", 57600},
+      {"micaz", 57600},   {"iris", 57600},        {"telos", 115200},   {"telosb", 115200},
+      {"tmote", 115200},  {"intelmote2", 115200}, {"shimmer", 115200}, {"tinynode", 115200},
+      {"ucmini", 115200},
+  };
+  for (const auto& [name, rate] : platforms)
+    if (text == name)
+      return rate;
   const auto number = take(text, digits);
   skip_blanks(text);
   std::int64_t out = 0;

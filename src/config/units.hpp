@@ -35,7 +35,7 @@ namespace rubicon::config {
 /// Bits a second, of bit/s, kbit/s, Mbit/s or Gbit/s.
 [[nodiscard]] std::optional<double> parse_bit_rate_bps(std::string_view text);
 
-/// Bits a second, of a whole number of baud.
+/// Bits a second, of a whole number of baud or the name of a platform of TinyOS.
 [[nodiscard]] std::optional<std::int64_t> parse_baud(std::string_view text);
 
 } // namespace rubicon::config

@@ -289,7 +289,9 @@ std::optional<std::uint32_t> read(const baud& /*kind*/, const node& x, const ask
   if (const auto* plain = x.as<std::int64_t>())
     found = *plain;
   if (!found || *found < min || *found > max)
-    return who.refuse(x, "a rate from 300 to 4000000 baud, as in 57600 or \"57600baud\"");
+    return who.refuse(
+        x, "a rate from 300 to 4000000 baud, as in 57600 or \"57600baud\", or the name of a "
+           "platform that has it, as \"telosb\"");
   return static_cast<std::uint32_t>(*found);
 }
 

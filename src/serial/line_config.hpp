@@ -3,7 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <ratio>
+#include <string>
+#include <vector>
 
 #include "core/time.hpp"
 
@@ -15,6 +18,34 @@ struct line_config {
   duration latency = 1ms;    ///< of the PC's USB adapter and driver, each way
   double octet_error = 0;    ///< chance that one octet is corrupted, 0..1
   std::size_t buffer = 4096; ///< octets waiting to be sent, each way; more are lost and counted
+};
+
+struct recorded_frame;
+
+/// What is at one end of an island's cable in place of what the ecology has there itself. At most
+/// one of the names is given; none: the ecology has both ends.
+struct outside_config {
+  std::string device;    ///< serial port with a real sink
+  std::string forwarder; ///< HOST:PORT of a TinyOS serial forwarder that has one
+  std::string replay;    ///< file with what a sink has once said
+  double speed = 1;      ///< of the replay: how often the recorded time passes in one
+  std::string pty;       ///< pseudo-terminal on which others find the sink that the ecology has
+
+  /// Of this island, in order of time; not nullptr if it is to be replayed.
+  std::shared_ptr<const std::vector<recorded_frame>> recorded;
+
+  /// Nothing of the island is simulated but its gateway.
+  [[nodiscard]] bool has_sink() const {
+    return !device.empty() || !forwarder.empty() || !replay.empty();
+  }
+
+  /// The gateway is another program's.
+  [[nodiscard]] bool has_gateway() const { return !pty.empty(); }
+};
+
+/// Where TinyOS's programs find an island's sink, as a serial forwarder has it.
+struct export_config {
+  std::string forwarder; ///< ADDRESS:PORT to listen at; empty: nowhere
 };
 
 /// How long `octets` occupy one direction of a line. @pre baud > 0

@@ -18,4 +18,36 @@ inline auto keys_of(const line_config*) {
                                  "octets waiting to be sent, each way; more are lost and counted"));
 }
 
+inline auto keys_of(const outside_config*) {
+  return keys::of(
+      keys::optional("device", &outside_config::device, keys::text{200},
+                     {"serial port with a real sink, as `/dev/ttyUSB0`; needs `mode = \"wall\"`. "
+                      "The island is then a real one: of what the file says of it, nothing is "
+                      "simulated but the gateway, and names and types of motes are those of real "
+                      "ones",
+                      "the sink is simulated"}),
+      keys::optional(
+          "forwarder", &outside_config::forwarder, keys::text{200},
+          {"`HOST:PORT` of a TinyOS serial forwarder that has the real sink; as `device`",
+           "the sink is simulated"}),
+      keys::optional("replay", &outside_config::replay, keys::text{200},
+                     {"file that `rubicon run --record-serial` has written: what the sink of that "
+                      "island said then it says again; as `device`, but in virtual time too",
+                      "the sink is simulated"}),
+      keys::optional("speed", &outside_config::speed, keys::real{0.001, 1000},
+                     "with `replay`, how many times faster than it was recorded"),
+      keys::optional("pty", &outside_config::pty, keys::text{100},
+                     {"the simulated sink's cable ends in a pseudo-terminal, to which this link is "
+                      "made, seen from where rubicon was started; needs `mode = \"wall\"`. The "
+                      "gateway is then another program's, as are TinyOS's tools",
+                      "the island has a gateway"}));
+}
+
+inline auto keys_of(const export_config*) {
+  return keys::of(
+      keys::required("forwarder", &export_config::forwarder, keys::text{200},
+                     "`ADDRESS:PORT` of this computer where TinyOS's programs find a serial "
+                     "forwarder, as `127.0.0.1:9002`; needs `mode = \"wall\"`"));
+}
+
 } // namespace rubicon::serial

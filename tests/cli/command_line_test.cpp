@@ -146,6 +146,48 @@ TEST_CASE("a swarm without sensible seeds, jobs or times is refused", "[cli]") {
                  "--timeout: not a length of time: '0s'"));
 }
 
+TEST_CASE("each option of serial reaches its command", "[cli][serial]") {
+  const auto of = [](std::vector<const char*> words) {
+    words.insert(words.begin(), "serial");
+    const auto x = parse(words);
+    REQUIRE(std::holds_alternative<serial_command>(x));
+    return std::get<serial_command>(x);
+  };
+  const auto heard =
+      of({"listen", "/dev/ttyUSB0", "--baud", "telosb", "--count", "3", "--for", "2s", "--json"});
+  CHECK(heard.device == "/dev/ttyUSB0");
+  CHECK(heard.baud == 115200);
+  CHECK(std::get<listen_serial>(heard.what).count == 3);
+  CHECK(std::get<listen_serial>(heard.what).length == 2s);
+  CHECK(std::get<listen_serial>(heard.what).json);
+  const auto sent = of({"send", "sf@host:9003", "0x93", "00ff", "--to", "7", "--group", "0x7d"});
+  CHECK(sent.device.empty());
+  CHECK(sent.host == "host");
+  CHECK(sent.port == 9003);
+  const auto& message = std::get<send_serial>(sent.what);
+  CHECK(message.am_type == 0x93);
+  CHECK(message.payload == bytes{0, 0xff});
+  CHECK(message.destination == 7);
+  CHECK(message.group == 0x7d);
+  CHECK(of({"send", "/dev/ttyS0", "6", "--baud", "38400"}).baud == 38400);
+  CHECK(of({"listen", "sf@host"}).port == 9002);
+  const auto forwarded = of({"forward", "/dev/ttyS0", "0.0.0.0:9004"});
+  CHECK(std::get<forward_serial>(forwarded.what).address == "0.0.0.0");
+  CHECK(std::get<forward_serial>(forwarded.what).port == 9004);
+}
+
+TEST_CASE("a command of serial that makes no sense is refused", "[cli][serial]") {
+  CHECK(contains(refusal({"serial", "listen"}), "SOURCE"));
+  CHECK(contains(refusal({"serial", "listen", "sf@"}), "not sf@HOST:PORT"));
+  CHECK(contains(refusal({"serial", "listen", "sf@host:0"}), "not a number from 1 to 65535"));
+  CHECK(contains(refusal({"serial", "listen", "x", "--baud", "fast"}), "neither a platform"));
+  CHECK(contains(refusal({"serial", "send", "x", "256"}), "not a number from 0 to 255"));
+  CHECK(contains(refusal({"serial", "send", "x", "6", "0"}), "octets in hexadecimal"));
+  CHECK(contains(refusal({"serial", "send", "x", "6", std::string(230, '0').c_str()}),
+                 "up to 114 octets"));
+  CHECK(contains(refusal({"serial", "forward", "x", "localhost:9002"}), "IPv4 address"));
+}
+
 TEST_CASE("each option of certs reaches its command", "[cli]") {
   const auto parse_certs = [](std::vector<const char*> words) {
     words.insert(words.begin(), "certs");

@@ -221,11 +221,12 @@ keep_alive = "2d"
 #            ^ `keep_alive` must be a time from 1 s to 1 d, not "2d"
 
 serial.baud = 9
-#             ^ `baud` must be a rate from 300 to 4000000 baud, as in 57600 or "57600baud", not 9
+#             ^ `baud` must be a rate from 300 to 4000000 baud, as in 57600 or "57600baud",
+#   or the name of a platform that has it, as "telosb", not 9
 
 serial.baud = "fast"
-#             ^ `baud` must be a rate from 300 to 4000000 baud, as in 57600 or "57600baud", not
-#   "fast"
+#             ^ `baud` must be a rate from 300 to 4000000 baud, as in 57600 or "57600baud",
+#   or the name of a platform that has it, as "telosb", not "fast"
 
 serial.buffer = 63
 #               ^ `buffer` must be a whole number from 64 to 16777216, not 63

@@ -1,0 +1,79 @@
+#include "actors/forwarder_server.hpp"
+
+#include <utility>
+#include <variant>
+
+#include <caf/send.hpp>
+
+#include "actors/log.hpp"
+#include "scheduler/supervision.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using server_pointer = scheduler::traced_pointer<forwarder_server_state, forwarder_server_actor>;
+
+void listen(server_pointer self) {
+  auto& state = self->state;
+  const auto& arguments = state.arguments;
+  const auto colon = arguments.where.rfind(':');
+  const auto port = static_cast<std::uint16_t>(std::stoul(arguments.where.substr(colon + 1)));
+  const auto me = caf::actor_cast<forwarder_server_actor>(self);
+  auto found = forwarder_clients::open(
+      *arguments.loop, arguments.where.substr(0, colon), port,
+      {[me](std::uint64_t client, bytes packet) {
+         caf::anon_send(me, serial_packet{client, payload(std::move(packet))});
+       },
+       [ecology = arguments.ecology, who = self->path()](std::string what) {
+         caf::anon_send(ecology, notable_event{who, std::move(what)});
+       }});
+  if (auto* why = std::get_if<std::string>(&found))
+    self->send(arguments.ecology, request_unmet{self->path(), std::move(*why)});
+  else
+    state.clients = std::get<std::unique_ptr<forwarder_clients>>(std::move(found));
+}
+
+void on_packet(server_pointer self, const serial_packet& x) {
+  auto& state = self->state;
+  if (!state.clients)
+    return;
+  if (x.token == 0)
+    state.clients->forward(x.octets.view());
+  else if (state.sink)
+    self->send(state.sink, x);
+  else
+    state.clients->done(x.token);
+}
+
+void send_status(server_pointer self) {
+  const auto& state = self->state;
+  if (!state.clients)
+    return;
+  const auto& counted = state.clients->counters();
+  serial_status status{state.arguments.island, {}};
+  status.serial.lost = {{"forwarder_clients_slow", counted.slow},
+                        {"forwarder_clients_rude", counted.rude},
+                        {"forwarder_clients_refused", counted.refused}};
+  self->send(state.arguments.ecology, std::move(status));
+}
+
+} // namespace
+
+forwarder_server_actor::behavior_type forwarder_server(server_pointer self,
+                                                       forwarder_server_arguments arguments) {
+  scheduler::tell_monitors_of_exceptions(self);
+  self->state.arguments = std::move(arguments);
+  listen(self);
+  return {
+      [self](const attach_packets& x) { self->state.sink = x.user.actor; },
+      [self](const serial_packet& x) { on_packet(self, x); },
+      [self](const serial_packet_done& x) {
+        if (self->state.clients)
+          self->state.clients->done(x.token);
+      },
+      [self](status_request) { send_status(self); },
+  };
+}
+
+} // namespace rubicon

@@ -1,0 +1,79 @@
+#include "actors/replay_line.hpp"
+
+#include <utility>
+
+#include "actors/log.hpp"
+#include "scheduler/supervision.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using line_pointer = scheduler::traced_pointer<replay_line_state, serial_line_actor>;
+
+void give(line_pointer self, bytes octets) {
+  auto& state = self->state;
+  if (octets.empty())
+    return;
+  if (!state.plugged || !state.pc) {
+    state.unplugged += octets.size();
+    return;
+  }
+  state.up += octets.size();
+  self->send(state.pc, serial_octets{payload(std::move(octets))});
+}
+
+void on_write(line_pointer self, const payload& octets) {
+  auto& state = self->state;
+  if (!state.plugged) {
+    state.unplugged += octets.size();
+    return;
+  }
+  state.down += octets.size();
+  give(self, state.replay.on_pc(octets.view()));
+}
+
+void plug(line_pointer self, bool plugged) {
+  self->state.plugged = plugged;
+  self->send(self->state.ecology,
+             notable_event{self->path(),
+                           plugged ? "serial cable plugged in again" : "serial cable unplugged"});
+}
+
+void send_status(line_pointer self) {
+  const auto& state = self->state;
+  serial_status status{state.island, {}};
+  status.serial.octets = state.up + state.down;
+  status.serial.octets_up = state.up;
+  status.serial.lost = {{"unplugged_octets", state.unplugged}};
+  self->send(state.ecology, std::move(status));
+}
+
+} // namespace
+
+serial_line_actor::behavior_type replay_line(line_pointer self, serial::replay replay,
+                                             island_id island, ecology_actor ecology) {
+  scheduler::tell_monitors_of_exceptions(self);
+  self->state.replay = std::move(replay);
+  self->state.island = island;
+  self->state.ecology = std::move(ecology);
+  self->state.wake.follow(self, self->state.replay.deadline());
+  return {
+      // the frequent ones first: they are tried in turn
+      [self](const serial_write& x) { on_write(self, x.octets); },
+      [self](const timer_expired& x) {
+        if (!self->state.wake.accepts(x))
+          return;
+        give(self, self->state.replay.on_time(now(self)));
+        self->state.wake.follow(self, self->state.replay.deadline());
+      },
+      [self](const attach_serial& x) {
+        if (x.towards == serial::direction::to_pc)
+          self->state.pc = x.user.actor;
+      },
+      [self](plug_serial x) { plug(self, x.plugged); },
+      [self](status_request) { send_status(self); },
+  };
+}
+
+} // namespace rubicon

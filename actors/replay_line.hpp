@@ -1,0 +1,30 @@
+// A recording of a serial line in the place of the cable.
+#pragma once
+
+#include <cstdint>
+
+#include "actors/messages.hpp"
+#include "actors/timer.hpp"
+#include "serial/recording.hpp"
+
+namespace rubicon {
+
+struct replay_line_state {
+  replay_line_state() = default;
+
+  serial::replay replay;
+  island_id island;
+  ecology_actor ecology;
+  serial_end_actor pc; ///< empty until attached
+  bool plugged = true;
+  std::uint64_t up = 0;
+  std::uint64_t down = 0;
+  std::uint64_t unplugged = 0; ///< octets lost because no cable was there
+  timer wake;
+};
+
+serial_line_actor::behavior_type
+replay_line(scheduler::traced_pointer<replay_line_state, serial_line_actor> self,
+            serial::replay replay, island_id island, ecology_actor ecology);
+
+} // namespace rubicon

@@ -1,0 +1,66 @@
+#include "actors/serial_recorder.hpp"
+
+#include <cerrno>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+
+#include "actors/messages.hpp"
+
+namespace rubicon {
+
+namespace {
+
+/// The island in `gateway/kitchen` and `serial_line/kitchen`; of further gateways and lines only
+/// what goes over the first is recorded.
+std::string island_in(std::string_view path, std::string_view kind) {
+  if (!path.starts_with(kind))
+    return {};
+  const auto name = path.substr(kind.size());
+  return name.find('/') == std::string_view::npos ? std::string(name) : std::string();
+}
+
+} // namespace
+
+serial_recorder::serial_recorder(std::string path)
+    : path_(std::move(path)), file_(std::fopen(path_.c_str(), "w"), std::fclose) {
+  if (file_ == nullptr)
+    throw std::runtime_error(path_ + ": " + std::generic_category().message(errno));
+  failed_ = std::fprintf(file_.get(), "%s\n", std::string(serial::recording_title).c_str()) < 0;
+}
+
+void serial_recorder::write(const scheduler::delivery& x) {
+  if (x.content.match_elements<serial_octets>()) {
+    auto island = island_in(x.path, "gateway/");
+    if (island.empty())
+      island = island_in(x.path, "pty_end/");
+    if (!island.empty())
+      take(x.time, island, serial::direction::to_pc,
+           x.content.get_as<serial_octets>(0).octets.view());
+  } else if (x.content.match_elements<serial_write>()) {
+    const auto& written = x.content.get_as<serial_write>(0);
+    const auto island = island_in(x.path, "serial_line/");
+    if (!island.empty() && written.towards == serial::direction::to_mote)
+      take(x.time, island, written.towards, written.octets.view());
+  }
+}
+
+std::string serial_recorder::finish() {
+  const bool whole = !failed_ && std::fclose(file_.release()) == 0;
+  return whole ? std::string() : path_ + " is not complete: it could not be written";
+}
+
+void serial_recorder::take(instant at, const std::string& island, serial::direction towards,
+                           byte_view octets) {
+  auto& decoder = decoders_[{island, towards}];
+  for (const auto octet : octets) {
+    const auto x = decoder.on_octet(octet);
+    if (!x)
+      continue;
+    const auto line = serial::to_text(serial::recorded_frame{at, island, towards, *x}) + '\n';
+    failed_ |= std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() ||
+               std::fflush(file_.get()) != 0; // whoever watches a run in wall time sees it
+  }
+}
+
+} // namespace rubicon

@@ -1,0 +1,127 @@
+// A gateway whose sink, or whose user, is outside of the ecology.
+#include <memory>
+#include <vector>
+
+#include "actors/frames.hpp"
+#include "actors/gateway.hpp"
+#include "actors/replay_line.hpp"
+#include "support/catch.hpp"
+#include "testkit/fake.hpp"
+
+using namespace rubicon;
+using test::fake;
+using test::fixture;
+
+namespace {
+
+constexpr island_id kitchen{5};
+
+serial::am_packet message(std::uint8_t am_type) {
+  serial::am_packet x;
+  x.source = 7;
+  x.am_type = am_type;
+  x.payload = bytes{1, 2, 3};
+  return x;
+}
+
+struct exporting_fixture {
+  fixture world;
+  fake<peis_peer_actor> peer{world};
+  fake<serial_line_actor> line{world};
+  fake<forwarder_server_actor> forwarder{world};
+  fake<ecology_actor> ecology{world};
+  gateway_actor gateway;
+
+  exporting_fixture() {
+    gateway_arguments x;
+    x.config.island = kitchen;
+    x.peer = peer.handle();
+    x.line = line.handle();
+    x.line_is_real = true;
+    x.forwarder = forwarder.handle();
+    x.ecology = ecology.handle();
+    gateway = world.spawn_at("gateway/kitchen", gateway_behavior, std::move(x));
+    ack_all();
+  }
+
+  /// What a gateway asks of its sink of its own is answered.
+  void ack_all() {
+    for (const auto& x : test::frames_in(line.all<serial_write>()))
+      world.send(gateway, serial_octets{serial::encode(
+                              serial::frame{serial::frame_type::ack, x.sequence, {}})});
+    line.forget();
+  }
+};
+
+} // namespace
+
+TEST_CASE("a gateway gives each packet of its sink to a forwarder, too",
+          "[actors][gateway][GW-17]") {
+  exporting_fixture x;
+  CHECK(x.forwarder.count<attach_packets>() == 1);
+  x.world.send(x.gateway, test::serial_frame(message(6), serial::frame_type::packet));
+  const auto given = x.forwarder.all<serial_packet>();
+  REQUIRE(given.size() == 1);
+  CHECK(given[0].token == 0);
+  CHECK(given[0].octets == payload(serial::encode(message(6))));
+}
+
+TEST_CASE("a gateway sends what a program sends, at once to a real line, and says when it is done",
+          "[actors][gateway][GW-17]") {
+  exporting_fixture x;
+  x.world.send(x.gateway, serial_packet{3, payload(serial::encode(message(9)))});
+  const auto packets = test::packets_in(x.line.all<serial_write>());
+  REQUIRE(packets.size() == 1);
+  CHECK(packets[0] == message(9));
+  CHECK(x.forwarder.count<serial_packet_done>() == 0);
+  x.ack_all();
+  REQUIRE(x.forwarder.count<serial_packet_done>() == 1);
+  CHECK(x.forwarder.all<serial_packet_done>()[0].token == 3);
+}
+
+TEST_CASE("of a program's packet that no sink takes a gateway says that it is done with",
+          "[actors][gateway][GW-17]") {
+  exporting_fixture x;
+  x.world.send(x.gateway, serial_packet{4, payload(bytes(253, 2))}); // longer than a mote takes
+  CHECK(x.forwarder.count<serial_packet_done>() == 1);
+  x.world.send(x.gateway, serial_packet{5, payload(serial::encode(message(9)))});
+  x.world.run_for(10s);
+  CHECK(x.forwarder.count<serial_packet_done>() == 2);
+}
+
+TEST_CASE("a replayed line says what was said, when it was said, and acks what it hears",
+          "[actors][serial][ACT-08]") {
+  fixture world;
+  fake<ecology_actor> ecology{world};
+  fake<serial_end_actor> pc{world};
+  const serial::frame said{serial::frame_type::packet, 0, serial::encode(message(6))};
+  const auto all = std::make_shared<const std::vector<serial::recorded_frame>>(
+      std::vector<serial::recorded_frame>{
+          {instant(2s), "kitchen", serial::direction::to_pc, said},
+          {instant(3s), "kitchen", serial::direction::to_pc, said},
+          {instant(4s), "kitchen", serial::direction::to_pc, said}});
+  const auto line = world.spawn_at("serial_line/kitchen", replay_line, serial::replay(all, 1),
+                                   kitchen, ecology.handle());
+  world.send(line, attach_serial{serial::direction::to_pc, pc});
+  world.run_for(2s);
+  REQUIRE(pc.count<serial_octets>() == 1);
+  CHECK(pc.times<serial_octets>()[0] == instant(2s));
+  CHECK(pc.all<serial_octets>()[0].octets == payload(serial::encode(said)));
+
+  serial::frame asked{serial::frame_type::packet_with_ack, 9, serial::encode(message(9))};
+  world.send(line, serial_write{serial::direction::to_mote, payload(serial::encode(asked))});
+  REQUIRE(pc.count<serial_octets>() == 2);
+  CHECK(pc.all<serial_octets>()[1].octets ==
+        payload(serial::encode(serial::frame{serial::frame_type::ack, 9, {}})));
+
+  world.send(line, plug_serial{false});
+  world.run_for(1s);
+  CHECK(pc.count<serial_octets>() == 2);
+  world.send(line, plug_serial{true});
+  world.run_for(1s);
+  CHECK(pc.count<serial_octets>() == 3);
+  ecology.forget();
+  world.send(line, status_request{});
+  const auto status = ecology.all<serial_status>().at(0).serial;
+  CHECK(status.lost.at("unplugged_octets") == serial::encode(said).size());
+}

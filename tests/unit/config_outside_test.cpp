@@ -1,0 +1,141 @@
+// Islands with a real sink, or with a gateway of another program.
+#include <string>
+
+#include "config/summary.hpp"
+#include "config_sample.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::config;
+using namespace rubicon::test;
+
+namespace {
+
+/// Ends in line 9, in [[island]].
+constexpr std::string_view wall_head = "[ecology]\nname = \"t\"\nmode = \"wall\"\n"
+                                       "[[peer]]\nname = \"pc\"\nid = 300\n"
+                                       "[[island]]\nname = \"k\"\nid = 1\n";
+
+std::string with(const std::string& rest) {
+  return std::string(wall_head) + rest;
+}
+
+/// What a file with such a recording beside it is read as.
+loaded with_recording(const std::string& toml, const std::string& recording) {
+  return load_text(toml, "folder/file.toml", {},
+                   [recording](const std::string& path, std::size_t) -> file_text {
+                     if (path == "folder/sink.txt")
+                       return {recording, {}};
+                     return {std::nullopt, "cannot be opened"};
+                   });
+}
+
+std::string problems_of(const loaded& x) {
+  std::string text;
+  for (const auto& each : x.problems)
+    text += each.file + ':' + std::to_string(each.line) + ": " + each.message + '\n';
+  return text;
+}
+
+} // namespace
+
+TEST_CASE("an island may have a real sink, and then no air", "[config][GW-17]") {
+  const auto x = good(with("serial = { device = \"/dev/ttyUSB0\", baud = \"telosb\" }\n"
+                           "[[island.mote]]\nid = 2\nname = \"stove\"\nposition_m = [900, 0]\n"));
+  const auto& island = x.islands.at(0);
+  CHECK(island.outside.device == "/dev/ttyUSB0");
+  CHECK(island.outside.has_sink());
+  CHECK(island.serial.baud == 115200);
+  CHECK(x.airs.empty());
+  CHECK(summary(x).find("real sink at /dev/ttyUSB0, 115200 baud") != std::string::npos);
+
+  const auto behind = good(with("serial.forwarder = \"localhost:9002\"\n"
+                                "export.forwarder = \"127.0.0.1:9003\"\n"));
+  CHECK(behind.islands.at(0).outside.forwarder == "localhost:9002");
+  CHECK(behind.islands.at(0).exported.forwarder == "127.0.0.1:9003");
+}
+
+TEST_CASE("an island may leave its gateway to another program", "[config][GW-17]") {
+  const auto x = good(with("serial = { pty = \"run/sink\", octet_error = 0.01 }\n"
+                           "[[island.mote]]\nid = 2\ntype = 1\nposition_m = [1, 2]\n"));
+  CHECK(x.islands.at(0).outside.has_gateway());
+  CHECK(!x.islands.at(0).outside.has_sink());
+  CHECK(x.airs.size() == 1);
+  CHECK(summary(x).find("at pty run/sink") != std::string::npos);
+  CHECK(summary(x).find("gateway of k") == std::string::npos);
+}
+
+TEST_CASE("rates may be called as TinyOS's tools call them", "[config][GW-01]") {
+  const auto rate = [](const std::string& name) {
+    return good(with("serial.baud = \"" + name + "\"\n")).islands.at(0).serial.baud;
+  };
+  CHECK(rate("micaz") == 57600);
+  CHECK(rate("iris") == 57600);
+  CHECK(rate("tmote") == 115200);
+  CHECK(rate("mica2dot") == 19200);
+  CHECK(rate("38400baud") == 38400);
+}
+
+TEST_CASE("what means nothing beside a real end of a cable is refused", "[config][GW-17]") {
+  const row rows[] = {
+      {"serial = { device = \"/dev/ttyS0\", pty = \"run/sink\" }\n",
+       "10:41: `pty` means nothing with `device`: a cable has one sink and one gateway"},
+      {"serial = { forwarder = \"localhost\" }\n",
+       "10:24: expected HOST:PORT with a port from 1 to 65535, as in \"localhost:9002\""},
+      {"serial = { forwarder = \"localhost:0\" }\n",
+       "10:24: expected HOST:PORT with a port from 1 to 65535, as in \"localhost:9002\""},
+      {"serial = { device = \"/dev/ttyS0\", octet_error = 0.1 }\n",
+       "10:49: `octet_error` means nothing with `device`: a real cable makes errors of its own"},
+      {"serial = { device = \"/dev/ttyS0\", speed = 2 }\n",
+       "10:43: `speed` means nothing without `replay`"},
+      {"serial.pty = \"run/sink\"\nexport.forwarder = \"127.0.0.1:9002\"\n",
+       "11:1: `export` means nothing with `pty`: the gateway is the program's that opens it"},
+      {"serial.pty = \"run/sink\"\n[[island.alias]]\nid = 21\n",
+       "11:1: `alias` means nothing with `pty`: the gateway is the program's that opens it"},
+      {"serial.device = \"/dev/ttyS0\"\n[[island.alias]]\nid = 21\n",
+       "11:1: `alias` means nothing in an island with a real sink"},
+      {"export.forwarder = \"localhost:9002\"\n",
+       "10:20: expected ADDRESS:PORT with an IPv4 address of this computer, as in "
+       "\"127.0.0.1:9002\""},
+      {"serial.device = \"/dev/ttyS0\"\n[[fault]]\nat = \"1s\"\nkind = \"crash\"\nsink = \"k\"\n",
+       "14:8: that island has a real sink: of its motes and their air nothing is simulated that "
+       "could fail"},
+      {"serial.device = \"/dev/ttyS0\"\n[[air]]\nname = \"house\"\nislands = [\"k\"]\n",
+       "13:12: island `k` has a real sink: its motes are in the real air"},
+      {"serial.device = \"/dev/ttyS0\"\n[[fault]]\nat = \"1s\"\nkind = \"unplug\"\nisland = "
+       "\"k\"\n",
+       "none"},
+      {"serial.pty = \"run/sink\"\n[[fault]]\nat = \"1s\"\nkind = \"kill\"\npeer = \"k-gateway\"\n",
+       nullptr},
+  };
+  for (const auto& [toml, problem] : rows) {
+    CAPTURE(toml);
+    if (problem != nullptr)
+      CHECK(problem_after(wall_head, toml) == problem);
+    else
+      CHECK(problem_after(wall_head, toml) != "none");
+  }
+}
+
+TEST_CASE("in virtual time there is nobody outside", "[config][GW-17]") {
+  for (const std::string key : {"device", "forwarder", "pty"}) {
+    CAPTURE(key);
+    const auto problem = problem_after(island_head, "serial." + key + " = \"localhost:9002\"\n");
+    CHECK(problem.find('`' + key + "` needs mode = \"wall\"") != std::string::npos);
+  }
+}
+
+TEST_CASE("a recording of a sink is read with the file that names it", "[config][ACT-08]") {
+  const auto toml = std::string(island_head) + "serial = { replay = \"sink.txt\", speed = 2 }\n";
+  const std::string title = "# rubicon serial recording 1\n";
+  const auto x = with_recording(toml, title + "1.0 k up 45 0001\n");
+  REQUIRE(x.ecology);
+  CHECK(x.ecology->islands.at(0).outside.recorded != nullptr);
+  CHECK(x.ecology->islands.at(0).outside.speed == 2);
+  CHECK(problems_of(with_recording(toml, title + "1.0 k up 45 0001\n1.0 k up\n")) ==
+        "folder/sink.txt:3: expected the type of a frame, 43, 44, 45 or ff\n");
+  CHECK(problems_of(with_recording(toml, title + "1.0 attic up 45 0001\n"))
+            .find("has nothing of an island with the name `k`") != std::string::npos);
+  const auto missing = std::string(island_head) + "serial = { replay = \"other.txt\" }\n";
+  CHECK(problems_of(with_recording(missing, title)).find("folder/other.txt") != std::string::npos);
+}
