@@ -146,6 +146,8 @@ public:
     if (judge_ != nullptr ||
         teller_) // peers, whom one thread at a time executes, are the only ones with tuples
       trace.watch([this](const scheduler::delivery& x) {
+        if (!x.path.starts_with("peis_peer/"))
+          return;
         if (judge_ != nullptr)
           tell_tuple(*judge_, x);
         if (teller_)

@@ -10,8 +10,8 @@
 
 #include "actors/run.hpp"
 #include "cli/network_command.hpp"
-#include "cli/run_watch.hpp"
 #include "cli/swarm.hpp"
+#include "cli/watch_wishes.hpp"
 #include "config/load.hpp"
 #include "control/tls.hpp"
 #include "explain/text.hpp"

@@ -29,11 +29,14 @@ std::ofstream made(const std::string& path) {
 } // namespace
 
 run_watch::run_watch(watch_wishes wishes, const config::ecology_description& ecology)
-    : wishes_(std::move(wishes)), ecology_(ecology), tables_(ecology) {
-  if (!wishes_.page_file.empty())
+    : wishes_(std::move(wishes)), length_(ecology.length) {
+  if (!wishes_.page_file.empty()) {
     page_ = made(wishes_.page_file);
+    ecology_ = ecology;
+  }
   if (wishes_.csv_folder.empty())
     return;
+  tables_.emplace(ecology);
   std::error_code failure;
   std::filesystem::create_directories(wishes_.csv_folder, failure);
   if (failure)
@@ -55,16 +58,16 @@ void run_watch::attach(run_options& options) {
   const bool has_tables = !wishes_.csv_folder.empty();
   if (!has_page && !has_tables)
     return;
-  const auto length = options.length.value_or(ecology_.length);
+  const auto length = options.length.value_or(length_);
   options.look_every = wishes_.csv_every.value_or(std::max(length / samples, look_every_min));
   options.on_sample = [this, has_page, has_tables](const report::run_sample& x) {
     if (has_page)
       seen_.add(x);
     if (!has_tables)
       return;
-    write(kind::energy, tables_.energy(x));
-    write(kind::links, tables_.links(x));
-    write(kind::losses, tables_.losses(x));
+    write(kind::energy, tables_->energy(x));
+    write(kind::links, tables_->links(x));
+    write(kind::losses, tables_->losses(x));
   };
   options.on_tuple = [this, has_page, has_tables](const report::tuple_write& x) {
     if (has_page)
@@ -90,7 +93,7 @@ void run_watch::finish(report::run_report& x, const std::string& command,
                std::string(report::csv_tables::name(static_cast<kind>(i))) + ".csv");
   if (wishes_.page_file.empty())
     return;
-  page_ << page::html_of({ecology_, x, seen_, command, digest});
+  page_ << page::html_of({*ecology_, x, seen_, command, digest});
   if (!page_.flush())
     complain(wishes_.page_file);
 }

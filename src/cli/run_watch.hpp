@@ -8,19 +8,13 @@
 #include <vector>
 
 #include "actors/run.hpp"
+#include "cli/watch_wishes.hpp"
 #include "config/ecology.hpp"
 #include "report/csv.hpp"
 #include "report/history.hpp"
 #include "report/report.hpp"
 
 namespace rubicon::cli {
-
-/// What the command line asks for; empty names: nothing.
-struct watch_wishes {
-  std::string page_file;             ///< HTML goes here
-  std::string csv_folder;            ///< tables go here
-  std::optional<duration> csv_every; ///< between two samples; unset: a hundredth of the run
-};
 
 class run_watch {
 public:
@@ -40,8 +34,10 @@ private:
   void write(kind which, const std::string& rows);
 
   watch_wishes wishes_;
-  config::ecology_description ecology_;
-  report::csv_tables tables_;
+  duration length_; ///< of the run, unless options say another
+  /// What of the description somebody needs, and no more: it may be large.
+  std::optional<config::ecology_description> ecology_;
+  std::optional<report::csv_tables> tables_;
   report::history seen_;
   std::array<std::ofstream, report::csv_tables::kinds> csv_;
   std::ofstream page_;

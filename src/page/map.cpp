@@ -14,7 +14,7 @@ namespace rubicon::page {
 namespace {
 
 constexpr double width_alone = 1000;
-constexpr double width_beside = 700; ///< others
+constexpr double width_beside = 540; ///< others
 constexpr double margin = 46;
 constexpr std::size_t labelled_max = 70; ///< motes of one map
 constexpr std::size_t maps_shown_max = 24;

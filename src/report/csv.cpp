@@ -21,22 +21,33 @@ std::string time_s(instant x) {
   return number(seconds(x.time_since_epoch()));
 }
 
+void add_field(std::string& line, std::string_view x) {
+  if (x.find_first_of(",\"\r\n") == std::string_view::npos) {
+    line += x;
+    return;
+  }
+  line += '"';
+  for (const char c : x)
+    line.append(c == '"' ? 2 : 1, c);
+  line += '"';
+}
+
 } // namespace
 
 std::string csv_field(std::string_view x) {
-  if (x.find_first_of(",\"\r\n") == std::string_view::npos)
-    return std::string(x);
-  std::string quoted = "\"";
-  for (const char c : x)
-    quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
+  std::string field;
+  add_field(field, x);
+  return field;
 }
 
-std::string csv_line(const std::vector<std::string>& fields) {
+std::string csv_line(std::initializer_list<std::string_view> fields) {
   std::string line;
-  for (std::size_t i = 0; i < fields.size(); ++i)
-    line += (i == 0 ? "" : ",") + csv_field(fields[i]);
-  return line + '\n';
+  for (const auto x : fields) {
+    add_field(line, x);
+    line += ',';
+  }
+  line.back() = '\n';
+  return line;
 }
 
 csv_tables::csv_tables(const config::ecology_description& names) {
@@ -114,10 +125,10 @@ std::string csv_tables::links(const run_sample& x) const {
     const bool routed = mote.parent != mote_id{};
     rows += csv_line({time_s(x.at), island_of(mote.address.island),
                       mote_of(mote.address.island, mote.address.mote),
-                      routed ? mote_of(mote.address.island, mote.parent) : "",
-                      routed ? std::to_string(mote.hops) : "",
-                      mote.signal_dbm ? std::to_string(*mote.signal_dbm) : "",
-                      mote.etx ? number(*mote.etx) : ""});
+                      routed ? mote_of(mote.address.island, mote.parent) : std::string(),
+                      routed ? std::to_string(mote.hops) : std::string(),
+                      mote.signal_dbm ? std::to_string(*mote.signal_dbm) : std::string(),
+                      mote.etx ? number(*mote.etx) : std::string()});
   }
   return rows;
 }

@@ -3,10 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "config/ecology.hpp"
 #include "report/history.hpp"
@@ -18,7 +18,7 @@ namespace rubicon::report {
 [[nodiscard]] std::string csv_field(std::string_view x);
 
 /// One line, with its newline.
-[[nodiscard]] std::string csv_line(const std::vector<std::string>& fields);
+[[nodiscard]] std::string csv_line(std::initializer_list<std::string_view> fields);
 
 /// The tables of a run. Each begins with its header; rows are added as time goes on.
 class csv_tables {

@@ -61,7 +61,7 @@ std::vector<std::string> fields_of(const std::string& line) {
 
 } // namespace
 
-TEST_CASE("a run is written as one page, and runs the same", "[cli][NFR-02]") {
+TEST_CASE("a run is written as one page, and runs the same", "[cli]") {
   const scratch_folder folder;
   const auto file = folder.file("home.html");
   const auto hash =

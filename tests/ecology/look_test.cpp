@@ -115,12 +115,12 @@ TEST_CASE("writes of tuples are told with who wrote them, whose they are, and wh
       return y.peer == peer && y.owner == owner && y.key == key && y.value == value;
     });
   };
-  CHECK(told("kitchen-gateway", "kitchen-gateway", "kitchen.fan.state", "on"));
-  CHECK(told("care-pc", "kitchen-gateway", "kitchen.fan.switch", "on"));
+  CHECK(told("kitchen-pc", "kitchen-pc", "kitchen.fan.switch.outcome", "on acknowledged"));
+  CHECK(told("care-pc", "kitchen-pc", "kitchen.fan.switch", "on"));
   CHECK(std::ranges::is_sorted(x.tuples, {}, &report::tuple_write::at));
   std::set<std::string> temperatures;
   for (const auto& y : x.tuples)
-    if (y.key == "kitchen.stove.temperature")
+    if (y.key == "kitchen.climate-7.temperature")
       temperatures.insert(y.value);
   CHECK(temperatures.size() > 20);
 }

@@ -90,7 +90,7 @@ void check_well_formed(const std::string& html) {
 
 } // namespace
 
-TEST_CASE("a page shows the run and needs nothing else", "[page][NFR-02]") {
+TEST_CASE("a page shows the run and needs nothing else", "[page]") {
   const auto html = page_of(sample_report());
   check_well_formed(html);
   CHECK(html.starts_with("<!doctype html>"));
@@ -124,7 +124,7 @@ TEST_CASE("the table of motes begins with the worst", "[page]") {
                  "unanswered 1</td><td>climate-8</td>"));
 }
 
-TEST_CASE("names and values of others are data on a page", "[page][NFR-02]") {
+TEST_CASE("names and values of others are data on a page", "[page]") {
   const std::string evil = "<script src='http:x'>alert(1)</script>\033[2J\"'><img onerror=x>&\xff";
   auto x = sample_report();
   x.ecology = evil;

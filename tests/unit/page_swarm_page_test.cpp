@@ -28,7 +28,7 @@ TEST_CASE("a swarm's page shows how figures differ between seeds", "[page]") {
   CHECK_FALSE(contains(html, "<section id='violations'>"));
 }
 
-TEST_CASE("a swarm's page shows what was violated, as data", "[page][NFR-02]") {
+TEST_CASE("a swarm's page shows what was violated, as data", "[page]") {
   const std::map<std::string, std::uint64_t> violations{{"<b>all joined</b>", 3}};
   const std::vector<failed_seed> failed{
       {19, {{instant{}, "<b>all joined</b>", "<script>"}}, "rubicon run 'a b.toml' --seed 19"}};
