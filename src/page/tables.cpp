@@ -1,9 +1,12 @@
 // Figures at the end of a run, as tables.
 #include <algorithm>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 #include "page/markup.hpp"
 #include "page/parts.hpp"
+#include "report/expectations.hpp"
 #include "report/figures.hpp"
 #include "report/report_parts.hpp"
 
@@ -189,7 +192,10 @@ std::string expectations_of(const run_page& x) {
 }
 
 std::string violations_of(const run_page& x) {
-  const auto& all = x.report.violations;
+  std::vector<report::violation> all;
+  std::ranges::copy_if(x.report.violations, std::back_inserter(all), [](const auto& each) {
+    return !each.invariant.starts_with(report::expected); // those have a section of their own
+  });
   if (all.empty())
     return {};
   auto rows = head_row(

@@ -124,6 +124,25 @@ TEST_CASE("the table of motes begins with the worst", "[page]") {
                  "unanswered 1</td><td>climate-8</td>"));
 }
 
+TEST_CASE("an expectation that is not met is told once, with its command, and on the time line",
+          "[page]") {
+  auto x = sample_report();
+  x.expectations[0].outcome = expectation_report::verdict::unmet;
+  x.expectations[0].command = "rubicon explain run.rec --lost";
+  x.violations = {{instant{20s}, "expected: joined within 20 s", "5 motes"}};
+  auto html = page_of(x);
+  check_well_formed(html);
+  CHECK(contains(html, "1 violation"));
+  CHECK(contains(html, "<td class='unmet'>✗</td><td class='long'>joined within 20 s</td>"));
+  CHECK(contains(html, "rubicon explain run.rec --lost"));
+  CHECK(contains(html, "<title>20.000 s  expected: joined within 20 s: 5 motes</title>"));
+  CHECK_FALSE(contains(html, "<section id='violations'>"));
+  x.violations.push_back({instant{}, "radio copies balance", "sent 1, delivered 0"});
+  html = page_of(x);
+  CHECK(contains(html, "<section id='violations'>"));
+  CHECK(contains(html, "<td class='long bad'>radio copies balance</td>"));
+}
+
 TEST_CASE("names and values of others are data on a page", "[page]") {
   const std::string evil = "<script src='http:x'>alert(1)</script>\033[2J\"'><img onerror=x>&\xff";
   auto x = sample_report();
