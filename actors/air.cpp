@@ -3,6 +3,7 @@
 #include <map>
 
 #include "actors/log.hpp"
+#include "actors/statuses.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
@@ -50,25 +51,6 @@ void perform(air_pointer self, radio::outputs todo) {
   for (auto& output : todo)
     std::visit(performer{self}, output);
   self->state.wake.follow(self, self->state.channel.deadline());
-}
-
-report::radio_report report_of(const radio::radio_counters& x) {
-  report::radio_report r;
-  r.sent = x.copies.sent;
-  r.delivered = x.copies.of(radio::copy_outcome::delivered);
-  for (std::size_t i = 0; i < radio::copy_outcomes; ++i) {
-    const auto outcome = static_cast<radio::copy_outcome>(i);
-    if (outcome != radio::copy_outcome::delivered)
-      r.lost[radio::to_string(outcome)] = x.copies.of(outcome);
-  }
-  r.requests = x.requests.requests;
-  r.mac_sent = x.requests.sent;
-  for_each_field(x.requests.failed, [&r](std::string_view cause, std::uint64_t count) {
-    r.mac_failed[std::string(cause)] = count;
-  });
-  r.mac_open = x.requests.open;
-  r.transmissions = x.transmissions;
-  return r;
 }
 
 energy_status energy_of(air_pointer self, radio::radio_index radio) {

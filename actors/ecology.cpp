@@ -9,6 +9,7 @@
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
 #include "actors/peer_supervision.hpp"
+#include "report/event_log.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
@@ -32,10 +33,9 @@ void note_event(ecology_pointer self, const std::string& who, std::string what) 
   report::logged_event event{now(self), who.substr(who.find('/') + 1), std::move(what)};
   if (self->state.process.on_event)
     self->state.process.on_event(event);
-  if (report.event_log.size() >= report::event_log_max)
-    ++report.event_log_left_out;
-  else
-    report.event_log.push_back(std::move(event));
+  if (self->state.process.judge != nullptr)
+    self->state.process.judge->on_event(event);
+  report::add_event(report.event_log, report.event_log_left_out, std::move(event));
 }
 
 /// Takes a violation into the report, or tells it behind the report that is already out.

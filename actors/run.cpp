@@ -13,7 +13,9 @@
 #include "actors/ecology.hpp"
 #include "actors/failure.hpp"
 #include "actors/frame_captures.hpp"
+#include "actors/look.hpp"
 #include "actors/serial_recorder.hpp"
+#include "actors/tuple_teller.hpp"
 #include "core/device_keys.hpp"
 #include "core/hash.hpp"
 #include "core/shell_word.hpp"
@@ -46,11 +48,11 @@ scheduler::world_options world_options_of(config::run_mode mode, double speed,
   return x;
 }
 
-/// Runs to `end` in steps short enough for a progress bar; steps change nothing.
-scheduler::stop_cause run_with_progress(scheduler::world& world, instant end,
+/// Runs to `until` in steps short enough for a progress bar; steps change nothing.
+scheduler::stop_cause run_with_progress(scheduler::world& world, instant until, instant end,
                                         const run_options& options, double speed) {
   if (!options.progress)
-    return world.run_until(end);
+    return world.run_until(until);
   // Some ten steps a real second, however fast time passes: whoever runs ahead stops at each.
   constexpr duration step_min = 1ms;
   const duration step_max =
@@ -58,9 +60,9 @@ scheduler::stop_cause run_with_progress(scheduler::world& world, instant end,
                 : end.time_since_epoch();
   for (auto step = step_min;;) {
     const auto started = steady::now();
-    const auto cause = world.run_until(std::min(end, parallel::later(world.now(), step)));
+    const auto cause = world.run_until(std::min(until, parallel::later(world.now(), step)));
     options.progress({world.now(), end, world.trace().events()});
-    if (cause != scheduler::stop_cause::reached_end || world.now() >= end)
+    if (cause != scheduler::stop_cause::reached_end || world.now() >= until)
       return cause;
     const auto took = steady::now() - started;
     step = took < 50ms ? std::min(2 * step, step_max)
@@ -124,6 +126,8 @@ public:
   run_files(const config::ecology_description& description, const run_options& options,
             report::expectations& judge)
       : judge_(judge.watches_tuples() ? &judge : nullptr) {
+    if (options.on_tuple)
+      teller_.emplace(description, options.on_tuple);
     if (!options.debug_folder.empty())
       debug_.emplace(options.debug_folder, options.debug_file_octets_max);
     if (!options.record_file.empty())
@@ -142,9 +146,16 @@ public:
         if (record_)
           record_->write(x);
       });
-    if (judge_ !=
-        nullptr) // peers, whom one thread at a time executes, are the only ones with tuples
-      trace.watch([this](const scheduler::delivery& x) { tell_tuple(*judge_, x); });
+    if (judge_ != nullptr ||
+        teller_) // peers, whom one thread at a time executes, are the only ones with tuples
+      trace.watch([this](const scheduler::delivery& x) {
+        if (!x.path.starts_with("peis_peer/"))
+          return;
+        if (judge_ != nullptr)
+          tell_tuple(*judge_, x);
+        if (teller_)
+          teller_->write(x);
+      });
     if (debug_ || record_ || serial_)
       trace.observe([this](const scheduler::delivery& x) {
         if (debug_)
@@ -185,6 +196,7 @@ public:
 
 private:
   report::expectations* judge_;
+  std::optional<tuple_teller> teller_;
   std::optional<debug_log> debug_;
   std::optional<run_record> record_;
   std::optional<frame_captures> captures_;
@@ -243,7 +255,7 @@ public:
 
   void perform() {
     const auto end = std::max(instant(description_.length), world_.now());
-    const auto cause = run_with_progress(world_, end, options_, speed_);
+    const auto cause = run_to(end);
     timers_ = world_.stats().waiting;
     tell(collect_report{});
     tell(deliver_report{});
@@ -268,6 +280,21 @@ public:
   }
 
 private:
+  /// Stops to look around, where somebody wants to see that.
+  scheduler::stop_cause run_to(instant end) {
+    const auto every = options_.look_every;
+    if (every <= 0s || !options_.on_sample)
+      return run_with_progress(world_, end, end, options_, speed_);
+    for (;;) {
+      const auto next = instant((world_.now().time_since_epoch() / every + 1) * every);
+      const auto cause = run_with_progress(world_, std::min(next, end), end, options_, speed_);
+      if (!over_ && ended_early_.empty())
+        options_.on_sample(look_at(root_state(), world_.now()));
+      if (cause != scheduler::stop_cause::reached_end || world_.now() >= end)
+        return cause;
+    }
+  }
+
   [[nodiscard]] ecology_state& root_state() {
     using impl = scheduler::traced_actor<ecology_state, root_actor>;
     return static_cast<impl*>(caf::actor_cast<caf::abstract_actor*>(root_))->state;

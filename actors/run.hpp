@@ -9,6 +9,7 @@
 #include "actors/run_record.hpp"
 #include "config/ecology.hpp"
 #include "io/loop.hpp"
+#include "report/history.hpp"
 #include "report/report.hpp"
 #include "report/run_counters.hpp"
 
@@ -49,6 +50,11 @@ struct run_options {
 
   /// Called now and then.
   std::function<void(const run_progress&)> progress;
+
+  // What is to be seen while it runs; looking changes nothing.
+  duration look_every{}; ///< ecology time between two samples; 0: none
+  std::function<void(const report::run_sample&)> on_sample; ///< at each, and at the end
+  std::function<void(const report::tuple_write&)> on_tuple; ///< as a component asks its peer for it
 
   // What whoever runs one part of an ecology of many is told, and tells it.
   /// Called when everything has been made and nothing has run.

@@ -5,6 +5,22 @@ namespace rubicon {
 namespace {
 
 /// What a mote and a sink have in common.
+report::cause_counts lost_of(const mote::packet_service& x) {
+  const auto& router = x.router();
+  const auto& packets = router.packets().counters();
+  const auto& paths = router.paths().counters();
+  return {{"channel_lost", paths.packets_lost},
+          {"channel_no_room", paths.refused},
+          {"channel_strays", paths.strays},
+          {"gave_up", packets.gave_up},
+          {"malformed", packets.malformed + paths.malformed + router.counters().malformed +
+                            router.counters().unknown_type + x.counters().malformed},
+          {"no_route", packets.no_route + x.counters().unroutable},
+          {"queue_full", packets.queue_full},
+          {"too_far", packets.too_far}};
+}
+
+/// The same, without what is lost.
 network_status status_of(mote_address address, const mote::packet_service& x, instant own,
                          instant now) {
   const auto& router = x.router();
@@ -35,15 +51,6 @@ network_status status_of(mote_address address, const mote::packet_service& x, in
   r.channels_broken = paths.broken;
   r.channel_packets = paths.packets_sent;
   r.channel_packets_arrived = paths.packets_received;
-  r.lost["channel_lost"] = paths.packets_lost;
-  r.lost["channel_no_room"] = paths.refused;
-  r.lost["channel_strays"] = paths.strays;
-  r.lost["gave_up"] = packets.gave_up;
-  r.lost["malformed"] = packets.malformed + paths.malformed + router.counters().malformed +
-                        router.counters().unknown_type + x.counters().malformed;
-  r.lost["no_route"] = packets.no_route + x.counters().unroutable;
-  r.lost["queue_full"] = packets.queue_full;
-  r.lost["too_far"] = packets.too_far;
   report::add_counters(r.counters, "channels", paths);
   report::add_counters(r.counters, "coordinates", router.place().counters());
   report::add_counters(r.counters, "neighbours", router.links().counters());
@@ -55,6 +62,25 @@ network_status status_of(mote_address address, const mote::packet_service& x, in
 }
 
 } // namespace
+
+report::radio_report report_of(const radio::radio_counters& x) {
+  report::radio_report r;
+  r.sent = x.copies.sent;
+  r.delivered = x.copies.of(radio::copy_outcome::delivered);
+  for (std::size_t i = 0; i < radio::copy_outcomes; ++i) {
+    const auto outcome = static_cast<radio::copy_outcome>(i);
+    if (outcome != radio::copy_outcome::delivered)
+      r.lost[radio::to_string(outcome)] = x.copies.of(outcome);
+  }
+  r.requests = x.requests.requests;
+  r.mac_sent = x.requests.sent;
+  for_each_field(x.requests.failed, [&r](std::string_view cause, std::uint64_t count) {
+    r.mac_failed[std::string(cause)] = count;
+  });
+  r.mac_open = x.requests.open;
+  r.transmissions = x.transmissions;
+  return r;
+}
 
 report::message_report report_of(const transport::messenger_counters& x,
                                  const communication::layer_counters& offers, std::size_t open,
@@ -88,6 +114,28 @@ message_status messages_of(mote_address who, const communication::layer& x, bool
   return status;
 }
 
+report::cause_counts lost_of(const mote::node& x) {
+  const auto& above = x.above().counters();
+  auto lost = lost_of(x.packets());
+  lost["channel_full"] = x.counters().channel_full;
+  lost["malformed"] += x.counters().malformed + above.malformed;
+  lost["misdirected"] = x.counters().misdirected;
+  lost["paced_out"] = x.counters().paced_out;
+  lost["unclaimed"] = above.unclaimed;
+  lost["unknown_channel"] = above.unknown_channel;
+  lost["unowned"] = above.unowned;
+  return lost;
+}
+
+report::cause_counts lost_of(const mote::sink& x) {
+  auto lost = lost_of(x.packets());
+  lost["malformed"] += x.counters().malformed + x.counters().unknown_type;
+  lost["unowned"] = x.counters().for_sink;
+  if (x.joining().doubles > 0)
+    lost["id_taken"] = x.joining().doubles;
+  return lost;
+}
+
 network_status status_of(mote_address address, const mote::node& x, instant own, instant now) {
   auto status = status_of(address, x.packets(), own, now);
   const auto& above = x.above().counters();
@@ -101,13 +149,7 @@ network_status status_of(mote_address address, const mote::node& x, instant own,
     status.parent = router.tree().parent();
   }
   r.state_octets = x.footprint();
-  r.lost["channel_full"] = x.counters().channel_full;
-  r.lost["malformed"] += x.counters().malformed + above.malformed;
-  r.lost["misdirected"] = x.counters().misdirected;
-  r.lost["paced_out"] = x.counters().paced_out;
-  r.lost["unclaimed"] = above.unclaimed;
-  r.lost["unknown_channel"] = above.unknown_channel;
-  r.lost["unowned"] = above.unowned;
+  r.lost = lost_of(x);
   report::add_counters(r.counters, "layer", above);
   report::add_counters(r.counters, "node", x.counters());
   report::add_counters(r.counters, "streams", x.above().streams().counters());
@@ -119,10 +161,7 @@ network_status status_of(mote_address address, const mote::node& x, instant own,
 network_status status_of(mote_address address, const mote::sink& x, instant own, instant now) {
   auto status = status_of(address, x.packets(), own, now);
   status.is_sink = true;
-  status.network.lost["malformed"] += x.counters().malformed + x.counters().unknown_type;
-  status.network.lost["unowned"] = x.counters().for_sink;
-  if (x.joining().doubles > 0)
-    status.network.lost["id_taken"] = x.joining().doubles;
+  status.network.lost = lost_of(x);
   report::add_counters(status.network.counters, "registrar", x.joining());
   report::add_counters(status.network.counters, "sink", x.counters());
   return status;

@@ -6,10 +6,14 @@
 #include "actors/messages.hpp"
 #include "mote/node.hpp"
 #include "mote/sink.hpp"
+#include "radio/radio_counters.hpp"
 #include "report/report.hpp"
 #include "transport/messenger.hpp"
 
 namespace rubicon {
+
+/// What became of the frames of radios.
+[[nodiscard]] report::radio_report report_of(const radio::radio_counters& x);
 
 /// What became of the messages of a node's programs.
 /// @param open reliable sends still waiting for their outcome
@@ -21,6 +25,10 @@ namespace rubicon {
 /// The same of a whole node.
 [[nodiscard]] message_status messages_of(mote_address who, const communication::layer& x,
                                          bool ended);
+
+/// What of a mote's or a sink's packets and channels has gone nowhere.
+[[nodiscard]] report::cause_counts lost_of(const mote::node& x);
+[[nodiscard]] report::cause_counts lost_of(const mote::sink& x);
 
 /// @param own what the clock of this mote or sink shows `now`
 [[nodiscard]] network_status status_of(mote_address address, const mote::node& x, instant own,

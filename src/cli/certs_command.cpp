@@ -85,7 +85,7 @@ std::string table_of(const certificates& all, sys_seconds now) {
   for (const auto& x : all)
     table.add(row_of(x, now));
   const auto output = console_of(stdout);
-  return table.render(output.width, output.colour);
+  return table.render(output.room(), output.colour);
 }
 
 std::string json_of(const certificates& all, sys_seconds now) {

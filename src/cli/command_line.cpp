@@ -138,7 +138,17 @@ void add_run(CLI::App& app, run_command& x) {
                  "Threads that share islands and PCs in virtual time; the outcome is the same")
       ->check(CLI::Range(1U, 256U))
       ->type_name("N");
-  run.add_flag("--json", x.json, "Print the report as one JSON object and nothing else");
+  auto* const json =
+      run.add_flag("--json", x.json, "Print the report as one JSON object and nothing else");
+  run.add_flag("--full", x.full, "Print every row of the report")->excludes(json);
+  add_path(run, "--report", "FILE", x.watch.page_file,
+           "Write the report as one HTML page that needs nothing else");
+  auto* const csv = add_path(run, "--csv", "DIR", x.watch.csv_folder,
+                             "Write tuples, energy, links, losses and events over time as CSV");
+  add_parsed(run, "--csv-every", "TIME",
+             "Ecology time between two samples; a hundredth of the run if not given, 1s at least",
+             [&](const auto& text) { x.watch.csv_every = parse_length(text, "--csv-every"); })
+      ->needs(csv);
   run.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->type_name("LEVEL");
@@ -278,7 +288,11 @@ CLI::App& add_deploy(CLI::App& app, deploy_command& x) {
              [&](const auto& text) { x.length = parse_length(text); });
   add_parsed(deploy, "--seed", "N", "Seed of all random numbers",
              [&](const auto& text) { x.seed = parse_seed(text); });
-  deploy.add_flag("--json", x.json, "Print the report as one JSON object and nothing else");
+  auto* const json =
+      deploy.add_flag("--json", x.json, "Print the report as one JSON object and nothing else");
+  deploy.add_flag("--full", x.full, "Print every row of the report")->excludes(json);
+  add_path(deploy, "--report", "FILE", x.page_file,
+           "Write the report as one HTML page that needs nothing else");
   deploy.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->type_name("LEVEL");
@@ -305,6 +319,8 @@ CLI::App& add_swarm(CLI::App& app, swarm_command& x) {
              "Real time after which a run is given up; 5min if not given",
              [&](const auto& text) { x.timeout = parse_length(text, "--timeout"); });
   swarm.add_flag("--json", x.json, "Print one JSON object and nothing else");
+  add_path(swarm, "--report", "FILE", x.page_file,
+           "Write what came out, and how it differs between seeds, as one HTML page");
   auto* const hosts =
       swarm
           .add_option("--hosts", x.hosts,
@@ -363,6 +379,9 @@ void check_combination(const run_command& x) {
   if (x.check_determinism && !x.options.serial_file.empty())
     throw CLI::ValidationError("--check-determinism",
                                "runs twice, --record-serial records one run");
+  if (x.check_determinism && !(x.watch.page_file + x.watch.csv_folder).empty())
+    throw CLI::ValidationError("--check-determinism",
+                               "runs twice, --report and --csv tell of one run");
   if (!x.host.empty() && x.check_determinism)
     throw CLI::ValidationError("--check-determinism", "only virtual runs repeat, not --host");
   if (!x.host.empty() && x.options.mode == config::run_mode::virtual_time)

@@ -12,6 +12,7 @@
 #include "cli/network_command.hpp"
 #include "cli/serial_command.hpp"
 #include "cli/swarm.hpp"
+#include "cli/watch_wishes.hpp"
 #include "config/load.hpp"
 #include "control/tls.hpp"
 #include "explain/text.hpp"
@@ -27,6 +28,8 @@ struct run_command {
   config::overrides instead; ///< files, and the seed of `options`
   config::extensions known;
   bool json = false;
+  bool full = false; ///< every row, as text
+  watch_wishes watch;
   bool check_determinism = false; ///< ACT-05
   std::string host;               ///< only its part, in wall time; empty: all of the file
   std::string starts_file;        ///< with `host`; empty: one of the user
@@ -53,6 +56,8 @@ struct deploy_command {
   bool dry_run = false; ///< only tells what would run where, and whether it could
   bool attach = false;  ///< follows what runs already
   bool json = false;
+  bool full = false;              ///< every row, as text
+  std::string page_file;          ///< HTML goes here; empty: nowhere
   std::string log_level = "warn"; ///< as of run; `off`: not even what happens
   control::tls_files tls;
 };
@@ -107,6 +112,7 @@ struct swarm_command {
   std::string length;      ///< as given, understood by `run --for`; empty: as the file says
   duration timeout = 5min; ///< of real time, for each run
   bool json = false;
+  std::string page_file;          ///< HTML goes here; empty: nowhere
   std::vector<std::string> hosts; ///< `[[host]]` of the file or ADDRESS:PORT; none: this computer
   control::tls_files tls;         ///< with `hosts`
 };

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdio>
+#include <limits>
 #include <string_view>
 
 namespace rubicon::cli {
@@ -10,7 +11,13 @@ namespace rubicon::cli {
 struct console {
   bool is_terminal = false;
   bool colour = false;     ///< a terminal that wants it: no NO_COLOR, TERM not `dumb`
-  std::size_t width = 100; ///< characters; a terminal's own where it tells
+  bool cuts = true;        ///< what is wider is cut; a file without COLUMNS takes all
+  std::size_t width = 100; ///< characters; a terminal's own where it tells, COLUMNS of a pipe
+
+  /// Characters that a line may have.
+  [[nodiscard]] std::size_t room() const {
+    return cuts ? width : std::numeric_limits<std::size_t>::max();
+  }
 };
 
 [[nodiscard]] console console_of(std::FILE* stream);

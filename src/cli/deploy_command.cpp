@@ -15,11 +15,14 @@
 #include "cli/deployment.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/local_hosts.hpp"
+#include "cli/option_text.hpp"
 #include "cli/plan_text.hpp"
 #include "cli/random_id.hpp"
 #include "cli/report_output.hpp"
+#include "cli/run_watch.hpp"
 #include "config/placement.hpp"
 #include "core/printable.hpp"
+#include "core/shell_word.hpp"
 #include "io/loop.hpp"
 #include "io/signal_watch.hpp"
 #include "io/tcp_listener.hpp"
@@ -57,6 +60,11 @@ std::optional<deploy::packed> packed_file(io::loop& loop, const deploy_command& 
   return file;
 }
 
+std::string command_of(const deploy_command& x, const report::run_report& run) {
+  return "rubicon deploy " + shell_word(x.file) + (x.local ? " --local" : "") + " --seed " +
+         std::to_string(run.seed) + (x.length ? " --for " + option_text(*x.length) : "");
+}
+
 exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
                    local_hosts* here) {
   const auto tls = here == nullptr ? x.tls : here->own_certificate();
@@ -68,6 +76,7 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
   options.patience = here == nullptr ? options.patience : local_patience;
   options.attach = x.attach;
   const auto name = file.loaded.ecology->name;
+  run_watch page({x.page_file, {}, {}}, *file.loaded.ecology);
   deployment all(loop, actors, x.attach ? "" : random_id(), std::move(file.what),
                  *std::move(file.loaded.ecology), hosts, options);
   const io::signal_watch signals(loop, [&all](int) { all.stop(/*interrupted=*/true); });
@@ -84,7 +93,11 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
   }
   if (told)
     forget(*told);
-  return all.refused() ? exit_status::refused : print_report(all.whole_report(), x.json);
+  if (all.refused())
+    return exit_status::refused;
+  auto report = all.whole_report();
+  page.finish(report, command_of(x, report), {});
+  return print_report(report, x.json, x.full);
 }
 
 /// Asks each host whether it could run its part.

@@ -61,7 +61,7 @@ std::string status_table(const deployed& x, const all_facts& all) {
                report::fixed(heard->clock_ahead_s, 3) + " s"});
   }
   const auto output = console_of(stdout);
-  return x.ecology + "  " + x.file + '\n' + table.render(output.width, output.colour);
+  return x.ecology + "  " + x.file + '\n' + table.render(output.room(), output.colour);
 }
 
 std::string status_json(const deployed& x, const all_facts& all) {

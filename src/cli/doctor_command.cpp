@@ -192,7 +192,7 @@ std::string text_of(const findings& all) {
     table.add(
         {report::printable(x.what),
          {report::printable(x.found), x.advice.empty() ? report::look::plain : report::look::bad}});
-  auto text = table.render(output.width, output.colour);
+  auto text = table.render(output.room(), output.colour);
   for (const auto& x : all)
     if (!x.advice.empty())
       text += '\n' + report::printable(x.what) + ": " + report::printable(x.advice) + '\n';

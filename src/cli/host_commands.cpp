@@ -85,7 +85,7 @@ std::string hosts_table(const std::map<peer_id, known_host>& all) {
                x.metric ? std::to_string(*x.metric) : "lost", joined(urls_of(record))});
   }
   const auto output = console_of(stdout);
-  return table.render(output.width, output.colour);
+  return table.render(output.room(), output.colour);
 }
 
 std::string name_of(const visit& at, peer_id host) {
@@ -140,7 +140,7 @@ exit_status perform(const visit& at, const trace_route& x) {
   for (std::size_t i = 0; i < route->size(); ++i)
     table.add({std::to_string(i), to_string((*route)[i]), name_of(at, (*route)[i])});
   const auto output = console_of(stdout);
-  return answer(table.render(output.width, output.colour));
+  return answer(table.render(output.room(), output.colour));
 }
 
 exit_status perform(const visit& at, const ping_host& x) {

@@ -33,6 +33,7 @@ struct write_tuple {
   std::string key;
   std::string value;
   bool append = false;
+  bool wait = false; ///< until its proxy has told how it ended; not of `append`
 };
 
 /// `rubicon tuples delete KEY`

@@ -142,7 +142,9 @@ network_command_line::network_command_line(CLI::App& app) {
   })->required();
   add_owner(last(), got.owner);
 
-  add_write(last(), add<write_tuple>(tuples, "set", "Set a tuple at its owner"));
+  auto& set = add<write_tuple>(tuples, "set", "Set a tuple at its owner");
+  add_write(last(), set);
+  last().add_flag("--wait", set.wait, "It is a proxy's input: tell how the actuation ended");
   auto& appended = add<write_tuple>(tuples, "append", "Add to the end of a tuple at its owner");
   appended.append = true;
   add_write(last(), appended);

@@ -1,6 +1,7 @@
 #include "cli/report_output.hpp"
 
 #include "cli/console.hpp"
+#include "report/report_text.hpp"
 
 namespace rubicon::cli {
 
@@ -10,9 +11,10 @@ exit_status status_of(const report::run_report& x) {
   return x.complete && x.violations.empty() ? exit_status::good : exit_status::violated;
 }
 
-exit_status print_report(const report::run_report& x, bool json) {
+exit_status print_report(const report::run_report& x, bool json, bool full) {
   const auto output = console_of(stdout);
-  const auto text = json ? to_json(x) : to_text(x, output.width, output.colour);
+  const auto text =
+      json ? to_json(x) : to_text(x, {output.width, output.colour, output.cuts, full});
   return print(stdout, text) ? status_of(x) : exit_status::refused;
 }
 

@@ -14,12 +14,15 @@
 #include "cli/console.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/logging.hpp"
+#include "cli/option_text.hpp"
 #include "cli/part_file.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/report_output.hpp"
+#include "cli/run_watch.hpp"
 #include "config/placement.hpp"
 #include "core/hash.hpp"
 #include "core/printable.hpp"
+#include "core/shell_word.hpp"
 #include "deploy/fault_sentence.hpp"
 #include "io/kept_number.hpp"
 #include "io/line_input.hpp"
@@ -49,11 +52,34 @@ report::run_report run_watched(config::ecology_description ecology, run_options 
   return run_ecology(std::move(ecology), options);
 }
 
+/// `rubicon run home.toml --seed 7 --for 20s`
+std::string command_of(const run_command& x, const report::run_report& run) {
+  if (x.file == standard_input)
+    return {};
+  auto text = "rubicon run " + shell_word(x.file);
+  if (!x.instead.topology.empty())
+    text += " --topology " + shell_word(x.instead.topology);
+  if (!x.instead.noise_trace.empty())
+    text += " --noise-trace " + shell_word(x.instead.noise_trace);
+  if (!x.host.empty())
+    text += " --host " + shell_word(x.host);
+  else if (x.options.mode)
+    text += " --mode " + run.mode;
+  text += " --seed " + std::to_string(run.seed);
+  if (x.options.length)
+    text += " --for " + option_text(*x.options.length);
+  return text;
+}
+
 exit_status report_run(const run_command& x, ecology_file file) {
   auto options = x.options;
-  options.source = {x.file, to_hex(file.text_hash)};
-  const auto report = run_watched(std::move(file.ecology), std::move(options), console_of(stderr));
-  return print_report(report, x.json);
+  const auto digest = to_hex(file.text_hash);
+  options.source = {x.file, digest};
+  run_watch watch(x.watch, file.ecology);
+  watch.attach(options);
+  auto report = run_watched(std::move(file.ecology), std::move(options), console_of(stderr));
+  watch.finish(report, command_of(x, report), digest);
+  return print_report(report, x.json, x.full);
 }
 
 exit_status compare_runs(const run_command& x, const config::ecology_description& ecology) {

@@ -27,11 +27,29 @@ std::string with_reason(std::string what, const child_end& how) {
   return line.empty() ? what : what + ": " + line;
 }
 
+std::map<std::string, double> figures_of(const json& report, double real_s) {
+  std::map<std::string, double> all{{"real time, s", real_s}};
+  const auto take = [&](const char* title, const char* where, double scale = 1) {
+    const json::json_pointer place(where);
+    if (report.contains(place) && report.at(place).is_number())
+      all[title] = scale * report.at(place).get<double>();
+  };
+  take("messages arrived, %", "/messages/delivery", 100);
+  take("radio transmissions", "/radio/transmissions");
+  take("charge used by all motes, mAh", "/energy/used_mah");
+  take("motes joined", "/motes/joined");
+  take("PEIS packages", "/peis/packages");
+  take("events", "/events");
+  std::erase_if(all, [](const auto& x) { return x.second == 0; }); // there is no such thing
+  return all;
+}
+
 /// @throws json::exception if the report is not as docs/report.md says
 void take_report(seed_outcome& x, const json& report) {
   const auto complete = report.at("complete").get<bool>();
   x.events = report.at("events").get<std::uint64_t>();
   x.simulated_s = report.at("simulated_s").get<double>();
+  x.figures = figures_of(report, seconds(x.real));
   for (const auto& found : report.at("violations")) {
     const auto at = duration(static_cast<std::int64_t>(found.at("at_s").get<double>() * 1e9));
     x.violations.push_back({instant(at), found.at("invariant").get<std::string>(),

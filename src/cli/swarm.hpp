@@ -28,6 +28,8 @@ struct seed_outcome {
   duration real{}; ///< time it took
   std::uint64_t events = 0;
   double simulated_s = 0;
+  /// What is compared between seeds, by title; empty of a run without a report.
+  std::map<std::string, double> figures = {};
 };
 
 /// The words of `rubicon run` that make the run with one seed of a file.

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <fstream>
 #include <optional>
 #include <vector>
 
@@ -12,14 +13,15 @@
 #include "cli/swarm.hpp"
 #include "cli/swarm_text.hpp"
 #include "core/time.hpp"
+#include "page/swarm_page.hpp"
 
 namespace rubicon::cli {
 
 class swarm_output {
 public:
   /// @param x, seeds outlive it
-  swarm_output(const swarm_command& x, const swarm& seeds, swarm_words words)
-      : command_(x), seeds_(seeds), words_(std::move(words)) {}
+  /// @throws std::runtime_error if the page's file cannot be made
+  swarm_output(const swarm_command& x, const swarm& seeds, swarm_words words);
 
   [[nodiscard]] swarm_words& words() { return words_; }
 
@@ -40,12 +42,17 @@ public:
 private:
   using steady = std::chrono::steady_clock;
 
+  /// @returns whether it is all there, or nobody wants it
+  [[nodiscard]] bool write_page(bool interrupted);
   [[nodiscard]] duration elapsed() const { return steady::now() - started_; }
 
   const swarm_command& command_;
   const swarm& seeds_;
   swarm_words words_;
   swarm_json json_;
+  page::seed_figures figures_;
+  std::vector<page::failed_seed> failed_; ///< the first `swarm::listed_max`
+  std::ofstream page_;
   const console errors_ = console_of(stderr);
   const steady::time_point started_ = steady::now();
   std::optional<duration> drawn_at_;

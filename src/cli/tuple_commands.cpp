@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
@@ -16,6 +17,7 @@
 #include "io/signal_watch.hpp"
 #include "peis/meta_tuple.hpp"
 #include "report/figures.hpp"
+#include "report/history.hpp"
 #include "report/text_layout.hpp"
 
 namespace rubicon::cli {
@@ -69,7 +71,7 @@ std::string as_table(const found_tuples& all) {
     table.add({to_string(x->owner), report::printable(x->name.text()),
                report::octet_size(x->value.size()), value_text(*x)});
   const auto output = console_of(stdout);
-  return table.render(output.width, output.colour);
+  return table.render(output.room(), output.colour);
 }
 
 /// How a request at another peer has ended; good: it has acknowledged.
@@ -188,9 +190,58 @@ exit_status perform(const visit& at, const get_tuple& x) {
                              : value_text(*found.content) + '\n');
 }
 
+namespace {
+
+/// Of what a proxy has said, `on acknowledged`, the second part; nothing if it is about another
+/// word.
+std::optional<std::string> outcome_of(const peis::tuple& x, const std::string& word) {
+  const auto text = x.text();
+  const auto blank = text.rfind(' ');
+  if (blank == std::string_view::npos || text.substr(0, blank) != word)
+    return std::nullopt;
+  return std::string(text.substr(blank + 1));
+}
+
+/// Sets an input of a proxy (docs/gateway.md) and waits for its outcome.
+exit_status set_and_wait(const visit& at, const write_tuple& x) {
+  bool is_written = false; // what was told before is about something else
+  std::optional<std::string> outcome;
+  const auto watch = at.peer().subscribe(x.owner, x.key + ".outcome", [&](const auto& told) {
+    if (is_written && !outcome)
+      outcome = outcome_of(*told, x.value);
+  });
+  if (const auto* why = std::get_if<peis::cause>(&watch))
+    return fail(refused(*why));
+  const auto deadline = fetch(at, x.owner, x.key + ".deadline");
+  const auto longest_s = deadline ? report::number_of(deadline.content->text()) : std::nullopt;
+  if (!longest_s)
+    return fail("peer " + to_string(x.owner) + " has no tuple `" + x.key +
+                ".deadline`: no proxy tells how it ends");
+  is_written = true;
+  const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
+    at.peer().set_remote_tuple(x.owner, x.key, peis::text_content(x.value), std::move(then));
+  });
+  if (const auto status = told(x.owner, ended); status != exit_status::good)
+    return status;
+  const auto longest =
+      duration(static_cast<std::int64_t>(std::clamp(*longest_s, 0.0, 86'400.0) * 1e9));
+  at.peer().run_until([&outcome] { return outcome.has_value(); }, longest + at.with.timeout);
+  if (!outcome)
+    return fail("the proxy has not told an outcome within " + to_text(longest + at.with.timeout));
+  const auto shown =
+      at.with.json ? line_of({{"owner", x.owner.value}, {"key", x.key}, {"outcome", *outcome}})
+                   : printable(*outcome) + '\n';
+  const auto status = answer(shown);
+  return status == exit_status::good && *outcome != "acknowledged" ? exit_status::failed : status;
+}
+
+} // namespace
+
 exit_status perform(const visit& at, const write_tuple& x) {
   if (!at.self.await_host(x.owner))
     return fail(unreachable(at, x.owner));
+  if (x.wait)
+    return set_and_wait(at, x);
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
     if (x.append)
       at.peer().append_tuple(peis::prototype_of(x.owner, *peis::key::parse(x.key)),

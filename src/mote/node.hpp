@@ -162,6 +162,7 @@ public:
   [[nodiscard]] std::uint32_t incarnation() const { return store_.starts; } ///< lives before this
   [[nodiscard]] const communication::layer& above() const { return *layer_; }
   [[nodiscard]] const packet_service& packets() const { return packets_; }
+  [[nodiscard]] std::int16_t parent_dbm() const { return parent_dbm_; } ///< or signal_unknown
   [[nodiscard]] const node_counters& counters() const { return counters_; }
 
   /// Octets of protocol state on a mote with these tables (SMP-30).

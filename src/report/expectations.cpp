@@ -131,6 +131,24 @@ void expectations::expire(const config::tuple_expectation& what, tuple_watch& x,
   }
 }
 
+// The event log.
+
+void expectations::on_event(const logged_event& x) {
+  hears_events_ = true;
+  for (auto& each : all_)
+    if (const auto* what = std::get_if<config::event_log_expectation>(&each.what))
+      take(*what, each.log, x);
+}
+
+void expectations::take(const config::event_log_expectation& what, log_watch& x,
+                        const logged_event& line) {
+  if (line.what.find(what.text) == std::string::npos ||
+      line.who.find(what.who) == std::string::npos)
+    return;
+  ++x.count;
+  x.last = line.at;
+}
+
 // Members, clocks and programs.
 
 void expectations::on_joined(const mote_address& mote, instant now) {
@@ -449,16 +467,12 @@ struct expectations::judge_one {
   }
 
   void operator()(const config::event_log_expectation& x) const {
-    std::uint64_t count = 0;
-    std::optional<instant> last;
-    for (const auto& line : run.event_log)
-      if (line.what.find(x.text) != std::string::npos &&
-          line.who.find(x.who) != std::string::npos) {
-        ++count;
-        last = line.at;
-      }
-    decide(count >= x.at_least && (!x.at_most || count <= *x.at_most),
-           counted(count, "line") + (last ? ", the last " + at_text(*last) : ""));
+    log_watch found = of.log;
+    if (!all.hears_events_)
+      for (const auto& line : run.event_log)
+        take(x, found, line);
+    decide(found.count >= x.at_least && (!x.at_most || found.count <= *x.at_most),
+           counted(found.count, "line") + (found.last ? ", the last " + at_text(*found.last) : ""));
   }
 };
 

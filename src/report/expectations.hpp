@@ -50,6 +50,9 @@ public:
   void on_vectors(const std::string& node, std::uint32_t program, std::uint64_t missed,
                   instant now);
 
+  /// A line of the event log, whether it stays there or not.
+  void on_event(const logged_event& x);
+
   /// The judgements, in the order of the file. @param x complete, but for them
   [[nodiscard]] std::vector<expectation_report> judge(const run_report& x) const;
 
@@ -81,16 +84,24 @@ private:
     std::map<std::pair<std::string, std::uint32_t>, std::uint64_t> before;
   };
 
+  struct log_watch {
+    std::uint64_t count = 0;
+    std::optional<instant> last;
+  };
+
   struct watched {
     config::expectation what;
     tuple_watch tuples = {};
     clock_watch clocks = {};
     vectors_watch vectors = {};
+    log_watch log = {};
   };
 
   struct judge_one;
 
   void on_value(std::string_view key, const std::string* text, instant now);
+  static void take(const config::event_log_expectation& what, log_watch& x,
+                   const logged_event& line);
   static void begin(tuple_watch& x, instant now);
   static void come_true(const config::tuple_expectation& what, tuple_watch& x, instant now);
   static void expire(const config::tuple_expectation& what, tuple_watch& x, instant now);
@@ -99,6 +110,7 @@ private:
   std::map<mote_address, instant> joined_; ///< for the first time
   instant end_;
   bool watches_tuples_ = false;
+  bool hears_events_ = false; ///< else the report's lines are all that there is to judge by
 };
 
 /// What the invariant of such a violation begins with.

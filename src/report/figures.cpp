@@ -79,6 +79,24 @@ std::string real_time(double wall_s) {
   return with_thousands(whole_s / 3600) + " h " + padded_two(whole_s / 60 % 60) + " min";
 }
 
+std::string clock_text(duration x) {
+  const auto whole_s = static_cast<std::uint64_t>(std::max<std::int64_t>(x / 1s, 0));
+  if (whole_s < 3600)
+    return std::to_string(whole_s / 60) + ':' + padded_two(whole_s % 60);
+  return std::to_string(whole_s / 3600) + ':' + padded_two(whole_s / 60 % 60) + ':' +
+         padded_two(whole_s % 60);
+}
+
+std::string run_time(instant x, duration whole) {
+  const auto since = x.time_since_epoch();
+  if (whole < 1h)
+    return fixed(seconds(since), 3);
+  const auto text = clock_text(since);
+  if (since >= 10h)
+    return text;
+  return (since >= 1h ? "0" : since >= 10min ? "00:" : "00:0") + text;
+}
+
 std::string life_time(double hours) {
   if (!std::isfinite(hours) || hours < 0)
     return nothing;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/hash.hpp"
+#include "report/event_log.hpp"
 #include "report/expectations.hpp"
 #include "report/invariants.hpp"
 
@@ -89,10 +90,7 @@ public:
       out_.violations.push_back(std::move(x));
     out_.trace_hash = to_hex(hash_);
     std::ranges::stable_sort(out_.event_log, {}, &logged_event::at);
-    if (out_.event_log.size() > event_log_max) {
-      out_.event_log_left_out += out_.event_log.size() - event_log_max;
-      out_.event_log.resize(event_log_max);
-    }
+    out_.event_log_left_out += thin(out_.event_log, event_log_max);
     std::ranges::stable_sort(out_.violations, {}, &violation::at);
     for (const auto& host : missing_)
       out_.violations.push_back({instant{} + out_.simulated, run_is_complete,

@@ -57,14 +57,14 @@ void add_deliveries(report_page& page, const run_report& x) {
     return;
   page.heading("Delivery");
   const bool many = entries.size() > motes_listed_max;
-  table rows({{many ? "worst" : "mote"},
+  table rows({{many && !page.is_full() ? "worst" : "mote"},
               {"messages", align::right},
               {"arrived", align::right},
               {"parent"},
               {"hops", align::right},
               {"dBm", align::right},
               {"lost"}});
-  const auto shown = many ? worst_shown : entries.size();
+  const auto shown = many ? page.shown(entries.size(), worst_shown) : entries.size();
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& mote = *entries[i].mote;
     rows.add({entries[i].island->name + '/' + mote.name, with_thousands(mote.messages.offered),
@@ -73,8 +73,7 @@ void add_deliveries(report_page& page, const run_report& x) {
               mote.signal_dbm ? std::to_string(*mote.signal_dbm) : "–",
               causes(losses(mote.messages))});
   }
-  if (entries.size() > shown)
-    rows.add_note("… and " + with_thousands(entries.size() - shown) + " more");
+  page.add_rest(rows, entries.size(), shown);
   page.add(rows);
 }
 
@@ -90,15 +89,14 @@ void add_streams(report_page& page, const run_report& x) {
               {"arrived", align::right},
               {"missing", align::right},
               {"openings", align::right}});
-  const auto shown = std::min(rows_max, x.streams.size());
+  const auto shown = page.shown(x.streams.size(), rows_max);
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& each = x.streams[i];
     rows.add({std::to_string(each.stream), each.from.empty() ? "–" : each.from, each.to,
               with_thousands(each.produced), with_thousands(each.read), share_text(each.delivery()),
               with_thousands(each.missing), with_thousands(each.openings)});
   }
-  if (x.streams.size() > shown)
-    rows.add_note("… and " + with_thousands(x.streams.size() - shown) + " more");
+  page.add_rest(rows, x.streams.size(), shown);
   page.add(rows);
 }
 
@@ -124,8 +122,7 @@ void add_expectations(report_page& page, const run_report& x) {
   for (const auto& each : x.expectations) {
     if (each.command.empty())
       continue;
-    page.line("  " + each.text + ", at " + fixed(seconds(each.at.time_since_epoch()), 3) +
-              " s, is explained by");
+    page.line("  " + each.text + ", at " + page.time_text(each.at) + ", is explained by");
     const auto cut = std::min(each.command.find(link), each.command.size());
     page.line("    " + each.command.substr(0, cut) + (cut < each.command.size() ? " &&" : ""),
               look::faint);

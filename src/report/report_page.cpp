@@ -1,6 +1,9 @@
 #include "report/report_page.hpp"
 
 #include <algorithm>
+#include <limits>
+
+#include "report/figures.hpp"
 
 namespace rubicon::report {
 
@@ -10,8 +13,10 @@ constexpr std::size_t width_min = 60;
 
 } // namespace
 
-report_page::report_page(std::size_t width, bool colour)
-    : width_(std::max(width, width_min)), colour_(colour) {}
+report_page::report_page(const text_options& options, duration run_length)
+    : width_(std::max(options.width, width_min)),
+      room_(options.cuts ? width_ : std::numeric_limits<std::size_t>::max()),
+      colour_(options.colour), full_(options.full), run_length_(run_length) {}
 
 void report_page::heading(std::string_view title) {
   const auto used = display_width(title) + 4;
@@ -24,7 +29,7 @@ void report_page::heading(std::string_view title) {
 }
 
 void report_page::line(std::string_view text, look how) {
-  text_ += painted(cut(printable(text), width_), how, colour_) + '\n';
+  text_ += painted(cut(printable(text), room_), how, colour_) + '\n';
 }
 
 void report_page::flow(const std::vector<std::string>& parts, look how) {
@@ -47,7 +52,28 @@ void report_page::flow(const std::vector<std::string>& parts, look how) {
 }
 
 void report_page::add(const table& x) {
-  text_ += x.render(width_, colour_);
+  text_ += x.render(room_, colour_);
+}
+
+std::size_t report_page::shown(std::size_t rows, std::size_t rows_max) const {
+  return full_ ? rows : std::min(rows, rows_max);
+}
+
+void report_page::add_rest(table& rows, std::size_t all, std::size_t shown) {
+  if (all > shown)
+    rows.add_note("… and " + with_thousands(all - shown) + " more; --full shows all");
+}
+
+std::string report_page::time(instant x) const {
+  return run_time(x, run_length_);
+}
+
+std::string report_page::time_text(instant x) const {
+  return time(x) + (run_length_ < 1h ? " s" : "");
+}
+
+std::string report_page::time_heading() const {
+  return run_length_ < 1h ? "seconds" : "time";
 }
 
 } // namespace rubicon::report

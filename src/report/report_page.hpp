@@ -6,14 +6,15 @@
 #include <string_view>
 #include <vector>
 
+#include "report/report_text.hpp"
 #include "report/text_layout.hpp"
 
 namespace rubicon::report {
 
 class report_page {
 public:
-  /// No line is longer than `width` characters; less than 60 counts as 60.
-  explicit report_page(std::size_t width, bool colour);
+  /// @param run_length decides how its times are written
+  report_page(const text_options& options, duration run_length);
 
   /// `── Event log ─────────` over the whole width, after a blank line.
   void heading(std::string_view title);
@@ -26,12 +27,27 @@ public:
 
   void add(const table& x);
 
+  /// How many of so many rows are shown, where not more than `rows_max` are unless all are wanted.
+  [[nodiscard]] std::size_t shown(std::size_t rows, std::size_t rows_max) const;
+  [[nodiscard]] bool is_full() const { return full_; }
+
+  /// Below a table of which only so many rows are shown.
+  static void add_rest(table& rows, std::size_t all, std::size_t shown);
+
+  /// `12.004`, or `01:02:03` in a run of an hour or more; the same with its unit in a text.
+  [[nodiscard]] std::string time(instant x) const;
+  [[nodiscard]] std::string time_text(instant x) const;
+  [[nodiscard]] std::string time_heading() const; ///< of a column of times
+
   [[nodiscard]] std::string finish() { return std::move(text_); }
 
 private:
   std::string text_;
   std::size_t width_;
+  std::size_t room_; ///< of a line; more than the width in a file, where nothing is cut
   bool colour_;
+  bool full_;
+  duration run_length_;
 };
 
 } // namespace rubicon::report

@@ -82,6 +82,24 @@ std::string causes(const cause_counts& x) {
   return text;
 }
 
+cause_counts really_lost(const radio_report& x) {
+  auto lost = x.lost;
+  lost.erase("filtered");
+  lost.erase("duplicate");
+  lost.erase("off");
+  return lost;
+}
+
+std::string projected_life(const mote_report& x) {
+  const auto& use = x.energy;
+  const auto powered = use.radio_off + use.radio_listen + use.radio_receive + use.radio_transmit;
+  if (!x.alive)
+    return x.left_cause.empty() ? "✗" : "✗ " + x.left_cause;
+  if (!(use.used_mah > 0) || powered <= 0s)
+    return "–";
+  return life_time(seconds(powered) / 3600 * use.battery_mah / use.used_mah);
+}
+
 std::string share_of(std::uint64_t part, std::uint64_t whole) {
   return percent(static_cast<double>(part), static_cast<double>(whole));
 }
@@ -99,7 +117,7 @@ void add_flows(report_page& page, const run_report& x) {
               {"95%", align::right},
               {"tx each", align::right},
               {"lost"}});
-  const auto shown = std::min(rows_max, x.flows.size());
+  const auto shown = page.shown(x.flows.size(), rows_max);
   flow_sum rest;
   flow_sum all;
   for (std::size_t i = 0; i < x.flows.size(); ++i) {
@@ -121,7 +139,7 @@ void add_programs(report_page& page, const run_report& x) {
     return;
   page.heading("Programs");
   table rows({{"node"}, {"program"}, {"figures"}});
-  const auto shown = std::min(rows_max, x.programs.size());
+  const auto shown = page.shown(x.programs.size(), rows_max);
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& program = x.programs[i];
     std::string text;

@@ -15,6 +15,13 @@ inline constexpr std::size_t rows_max = 20; ///< of islands, flows, peers, proxi
 /// `loss 12, collision 3`, the most frequent first; causes that never happened are left out.
 [[nodiscard]] std::string causes(const cause_counts& x);
 
+/// Without what nobody missed: copies for another radio, repeats of a frame already received, and
+/// what a radio without power could not hear.
+[[nodiscard]] cause_counts really_lost(const radio_report& x);
+
+/// How long a mote's battery lasts if it goes on as it did; why it is off if it is.
+[[nodiscard]] std::string projected_life(const mote_report& x);
+
 /// The share in percent; `–` of nothing.
 [[nodiscard]] std::string share_of(std::uint64_t part, std::uint64_t whole);
 

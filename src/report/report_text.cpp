@@ -1,33 +1,26 @@
 #include <algorithm>
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "report/event_log.hpp"
 #include "report/figures.hpp"
 #include "report/report.hpp"
 #include "report/report_page.hpp"
 #include "report/report_parts.hpp"
+#include "report/report_text.hpp"
 
 namespace rubicon::report {
 
 namespace {
 
-constexpr std::size_t log_head = 25; ///< lines shown from the start of the event log
-constexpr std::size_t log_tail = 15; ///< lines shown from its end
+constexpr std::size_t log_lines_max = 40;
 constexpr std::size_t alike_min = 4; ///< equal neighbours in the event log that become one line
 constexpr std::size_t motes_listed_max = 12;
-constexpr std::size_t hungriest_shown = 5;
+constexpr std::size_t least_left_shown = 5;
 constexpr std::size_t failures_shown = 10;
 constexpr std::size_t violations_shown = 40;
-
-std::string at_s(instant x) {
-  return fixed(seconds(x.time_since_epoch()), 3);
-}
-
-void add_rest(table& rows, std::size_t all, std::size_t shown_max) {
-  if (all > shown_max)
-    rows.add_note("… and " + with_thousands(all - shown_max) + " more");
-}
 
 void add_title(report_page& page, const run_report& x) {
   page.line(x.ecology, look::strong);
@@ -40,7 +33,7 @@ void add_title(report_page& page, const run_report& x) {
 }
 
 /// Lines that tell the same become one: `fan and 2 others`, or `fan` so many times.
-logged_event told_once(std::vector<logged_event>::const_iterator first,
+logged_event told_once(const report_page& page, std::vector<logged_event>::const_iterator first,
                        std::vector<logged_event>::const_iterator last) {
   std::set<std::string> others;
   for (auto x = first; x != last; ++x)
@@ -52,12 +45,13 @@ logged_event told_once(std::vector<logged_event>::const_iterator first,
     line.who += " and " + counted(others.size(), "other");
   if (others.size() + 1 < count)
     line.what += ", " + counted(count, "time");
-  line.what += ", the last at " + at_s(std::prev(last)->at);
+  line.what += ", the last at " + page.time(std::prev(last)->at);
   return line;
 }
 
 /// Neighbouring lines that tell the same of several become one.
-std::vector<logged_event> told_briefly(const std::vector<logged_event>& log) {
+std::vector<logged_event> told_briefly(const report_page& page,
+                                       const std::vector<logged_event>& log) {
   std::vector<logged_event> brief;
   for (auto first = log.begin(); first != log.end();) {
     const auto last = std::find_if(
@@ -66,7 +60,7 @@ std::vector<logged_event> told_briefly(const std::vector<logged_event>& log) {
     if (count < alike_min) {
       brief.insert(brief.end(), first, last);
     } else {
-      brief.push_back(told_once(first, last));
+      brief.push_back(told_once(page, first, last));
     }
     first = last;
   }
@@ -77,19 +71,17 @@ void add_event_log(report_page& page, const run_report& x) {
   if (x.event_log.empty())
     return;
   page.heading("Event log");
-  table rows({{"seconds", align::right}, {"who"}, {"what"}});
-  const auto log = told_briefly(x.event_log);
-  const auto size = log.size();
-  const bool has_gap = size > log_head + log_tail;
-  for (std::size_t i = 0; i < size; ++i) {
-    if (has_gap && i == log_head) {
-      i = size - log_tail;
-      rows.add_note("… " + counted(i - log_head, "line") + " left out");
-    }
-    const auto& line = log[i];
-    rows.add({{at_s(line.at), look::faint}, line.who, line.what});
-  }
-  add_rest(rows, x.event_log_left_out, 0);
+  table rows({{page.time_heading(), align::right}, {"who"}, {"what"}});
+  auto log = page.is_full() ? x.event_log : told_briefly(page, x.event_log);
+  const auto thinned = page.is_full() ? 0 : thin(log, log_lines_max);
+  for (const auto& line : log)
+    rows.add({{page.time(line.at), look::faint}, line.who, line.what});
+  if (thinned > 0)
+    rows.add_note("… " + counted(thinned, "line") +
+                  " left out, where most was told; --full shows them");
+  if (x.event_log_left_out > 0)
+    rows.add_note("… and " + with_thousands(x.event_log_left_out) +
+                  " more, of which the report has none; --csv writes all");
   page.add(rows);
 }
 
@@ -103,12 +95,12 @@ void add_membership_notes(table& rows, const island_report& island) {
 }
 
 /// `  led by kitchen-gateway: 2 times, 512.4 s, at the end; kitchen-gateway-2: ...`
-void add_lead_note(table& rows, const island_report& island) {
+void add_lead_note(const report_page& page, table& rows, const island_report& island) {
   std::string text;
   for (const auto& x : island.gateways) {
     text += (text.empty() ? "" : "; ") + x.name + ": " + counted(x.lead.led, "time");
     if (x.lead.led > 0)
-      text += ", " + at_s(instant(x.lead.leading)) + " s";
+      text += ", " + page.time_text(instant(x.lead.leading));
     if (x.lead.leads)
       text += ", at the end";
   }
@@ -119,16 +111,6 @@ void add_lead_note(table& rows, const island_report& island) {
 void add_measuring_note(table& rows, const run_report& island) {
   if (const auto count = island.motes_measuring(); count > 0)
     rows.add_note("  " + counted(count, "measuring mote"));
-}
-
-/// Without what nobody missed: copies for another radio, repeats of a frame already received, and
-/// what a radio without power could not hear.
-cause_counts really_lost(const radio_report& x) {
-  auto lost = x.lost;
-  lost.erase("filtered");
-  lost.erase("duplicate");
-  lost.erase("off");
-  return lost;
 }
 
 void add_loss_notes(table& rows, const island_report& island) {
@@ -182,17 +164,17 @@ void add_islands(report_page& page, const run_report& x) {
               {"frames", align::right},
               {"sent", align::right},
               {"serial", align::right}});
-  const auto shown = std::min(rows_max, x.islands.size());
+  const auto shown = page.shown(x.islands.size(), rows_max);
   for (std::size_t i = 0; i < shown; ++i) {
     run_report alone;
     alone.islands.push_back(x.islands[i]);
     add_island_row(rows, x.islands[i].name, alone, to_string(x.islands[i].id));
     add_membership_notes(rows, x.islands[i]);
     add_measuring_note(rows, alone);
-    add_lead_note(rows, x.islands[i]);
+    add_lead_note(page, rows, x.islands[i]);
     add_loss_notes(rows, x.islands[i]);
   }
-  add_rest(rows, x.islands.size(), shown);
+  page.add_rest(rows, x.islands.size(), shown);
   if (x.islands.size() > 1)
     add_island_row(rows, "all", x, "");
   page.add(rows);
@@ -253,7 +235,7 @@ void add_network(report_page& page, const run_report& x) {
               {"clock ±", align::right},
               {"time ±", align::right},
               {"state", align::right}});
-  const auto shown = std::min(rows_max, x.islands.size());
+  const auto shown = page.shown(x.islands.size(), rows_max);
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& part = x.islands[i].network;
     rows.add({{x.islands[i].name, look::strong},
@@ -270,7 +252,7 @@ void add_network(report_page& page, const run_report& x) {
     if (const auto lost = causes(part.lost); !lost.empty())
       rows.add_note("  lost: " + lost);
   }
-  add_rest(rows, x.islands.size(), shown);
+  page.add_rest(rows, x.islands.size(), shown);
   page.add(rows);
 }
 
@@ -280,25 +262,23 @@ struct mote_entry {
   const mote_report* mote;
 };
 
-std::vector<mote_entry> hungriest_first(const run_report& x) {
+/// Share of its battery's charge.
+double left_of(const mote_report& x) {
+  return x.energy.battery_mah > 0 ? 1 - x.energy.used_mah / x.energy.battery_mah : 1;
+}
+
+std::vector<mote_entry> least_left_first(const run_report& x) {
   std::vector<mote_entry> entries;
   for (const auto& island : x.islands)
     for (const auto& mote : island.motes)
       entries.push_back({&island, &mote});
   std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
-    return a.mote->energy.used_mah > b.mote->energy.used_mah;
+    const auto rank = [](const auto& y) {
+      return std::pair(left_of(*y.mote), -y.mote->energy.used_mah);
+    };
+    return rank(a) < rank(b);
   });
   return entries;
-}
-
-std::string projected_life(const mote_report& x) {
-  const auto& use = x.energy;
-  const auto powered = use.radio_off + use.radio_listen + use.radio_receive + use.radio_transmit;
-  if (!x.alive)
-    return x.left_cause.empty() ? "✗" : "✗ " + x.left_cause;
-  if (!(use.used_mah > 0) || powered <= 0s)
-    return "–";
-  return life_time(seconds(powered) / 3600 * use.battery_mah / use.used_mah);
 }
 
 /// Digits after the point that suit the largest of the figures.
@@ -313,7 +293,7 @@ void add_energy_row(table& rows, const mote_entry& entry, int decimals) {
   const auto radio_all = seconds(radio_on + x.radio_off);
   rows.add({entry.island->name + '/' + mote.name,
             fixed(x.used_mah, decimals),
-            percent(x.used_mah, x.battery_mah),
+            percent(left_of(mote), 1),
             {projected_life(mote), mote.alive ? look::plain : look::bad},
             percent(seconds(radio_on), radio_all),
             percent(seconds(x.radio_transmit), radio_all),
@@ -321,31 +301,32 @@ void add_energy_row(table& rows, const mote_entry& entry, int decimals) {
 }
 
 void add_energy(report_page& page, const run_report& x) {
-  const auto entries = hungriest_first(x);
+  const auto entries = least_left_first(x);
   if (entries.empty())
     return;
   page.heading("Energy");
-  const auto decimals = decimals_for(entries.front().mote->energy.used_mah);
+  std::vector<double> used;
+  for (const auto& entry : entries)
+    used.push_back(entry.mote->energy.used_mah);
+  std::ranges::sort(used, std::greater());
+  const auto decimals = decimals_for(used.front());
   const auto many = entries.size() > motes_listed_max;
-  if (many) {
-    const auto mah = [&](std::size_t i) {
-      return fixed(entries[i].mote->energy.used_mah, decimals);
-    };
+  if (many)
     page.flow({"all motes " + fixed(x.used_mah(), decimals) + " mAh",
-               "least " + mah(entries.size() - 1), "median " + mah(entries.size() / 2),
-               "most " + mah(0)});
-  }
-  table rows({{many ? "hungriest" : "mote"},
+               "least " + fixed(used.back(), decimals),
+               "median " + fixed(used[used.size() / 2], decimals),
+               "most " + fixed(used.front(), decimals)});
+  table rows({{many && !page.is_full() ? "least left" : "mote"},
               {"mAh", align::right},
-              {"battery", align::right},
+              {"left", align::right},
               {"lasts", align::right},
               {"radio", align::right},
               {"sending", align::right},
               {"CPU", align::right}});
-  const auto shown = many ? hungriest_shown : entries.size();
+  const auto shown = many ? page.shown(entries.size(), least_left_shown) : entries.size();
   for (std::size_t i = 0; i < shown; ++i)
     add_energy_row(rows, entries[i], decimals);
-  add_rest(rows, entries.size(), shown);
+  page.add_rest(rows, entries.size(), shown);
   page.add(rows);
 }
 
@@ -364,6 +345,7 @@ void add_proxies(report_page& page, const run_report& x) {
   page.heading("What the proxies say");
   table rows({{"proxy"}, {"name"}, {"value", align::point}, {"unit"}, {"status"}});
   std::size_t row_count = 0;
+  std::size_t rows_shown = 0;
   for (const auto& proxy : x.proxies) {
     cell name = proxy.name;
     cell status{proxy.status, proxy.status == "active" ? look::good : look::bad};
@@ -371,13 +353,15 @@ void add_proxies(report_page& page, const run_report& x) {
     if (values.empty())
       values.emplace_back("–", "");
     for (const auto& [key, value] : values) {
-      if (row_count++ >= rows_max)
+      ++row_count;
+      if (page.shown(row_count, rows_max) < row_count)
         continue;
+      ++rows_shown;
       const auto [number, unit] = number_and_unit(value);
       rows.add({std::exchange(name, {}), key, number, unit, std::exchange(status, {})});
     }
   }
-  add_rest(rows, row_count, rows_max);
+  page.add_rest(rows, row_count, rows_shown);
   page.add(rows);
 }
 
@@ -396,10 +380,15 @@ void add_actuations(report_page& page, const run_report& x) {
               {"slowest", align::right},
               {"failed"}});
   std::size_t row_count = 0;
+  std::size_t rows_shown = 0;
   for (const auto& proxy : x.proxies) {
     const auto& actuations = proxy.actuations;
-    if (actuations.requested == 0 || row_count++ >= rows_max)
+    if (actuations.requested == 0)
       continue;
+    ++row_count;
+    if (page.shown(row_count, rows_max) < row_count)
+      continue;
+    ++rows_shown;
     rows.add({proxy.name,
               with_thousands(actuations.requested),
               with_thousands(actuations.acknowledged),
@@ -408,7 +397,7 @@ void add_actuations(report_page& page, const run_report& x) {
               real_time(seconds(actuations.slowest)),
               {causes(actuations.failed), look::bad}});
   }
-  add_rest(rows, row_count, rows_max);
+  page.add_rest(rows, row_count, rows_shown);
   if (row_count > 1)
     rows.add({{"all", look::strong},
               with_thousands(all.requested),
@@ -432,7 +421,7 @@ void add_peers(report_page& page, const run_report& x) {
               {"tuples", align::right},
               {"packages", align::right},
               {"lost"}});
-  const auto shown = std::min(rows_max, x.peers.size());
+  const auto shown = page.shown(x.peers.size(), rows_max);
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& peer = x.peers[i];
     rows.add({peer.alive ? peer.name : peer.name + " (ended)", to_string(peer.id),
@@ -440,7 +429,7 @@ void add_peers(report_page& page, const run_report& x) {
               with_thousands(peer.tuples), with_thousands(peer.peis.packages),
               causes(peer.peis.lost)});
   }
-  add_rest(rows, x.peers.size(), shown);
+  page.add_rest(rows, x.peers.size(), shown);
   page.add(rows);
   table limits({{"peer"}, {"its limits have refused or put off"}});
   for (std::size_t i = 0; i < shown; ++i) {
@@ -456,10 +445,10 @@ void add_verdict(report_page& page, const run_report& x) {
              octet_size(x.serial().octets) + " over serial lines",
              with_thousands(x.radio().transmissions) + " radio transmissions"});
   table failures({{"failed actor"}});
-  const auto shown_failures = std::min(failures_shown, x.actors.failures.size());
+  const auto shown_failures = page.shown(x.actors.failures.size(), failures_shown);
   for (std::size_t i = 0; i < shown_failures; ++i)
     failures.add({x.actors.failures[i]});
-  add_rest(failures, x.actors.failures.size(), shown_failures);
+  page.add_rest(failures, x.actors.failures.size(), shown_failures);
   page.add(failures);
   if (x.violations.empty()) {
     page.line(x.interrupted ? "  ✓ no violations until it was interrupted" : "  ✓ no violations",
@@ -467,21 +456,26 @@ void add_verdict(report_page& page, const run_report& x) {
     return;
   }
   page.line("  ✗ " + counted(x.violations.size(), "violation"), look::bad);
-  table rows({{"seconds", align::right}, {"invariant"}, {"detail"}});
-  const auto shown = std::min(violations_shown, x.violations.size());
+  table rows({{page.time_heading(), align::right}, {"invariant"}, {"detail"}});
+  const auto shown = page.shown(x.violations.size(), violations_shown);
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& violation = x.violations[i];
-    rows.add(
-        {{at_s(violation.at), look::faint}, {violation.invariant, look::bad}, violation.detail});
+    rows.add({{page.time(violation.at), look::faint},
+              {violation.invariant, look::bad},
+              violation.detail});
   }
-  add_rest(rows, x.violations.size(), shown);
+  page.add_rest(rows, x.violations.size(), shown);
   page.add(rows);
 }
 
 } // namespace
 
 std::string to_text(const run_report& x, std::size_t width, bool colour) {
-  report_page page(width, colour);
+  return to_text(x, {width, colour});
+}
+
+std::string to_text(const run_report& x, const text_options& options) {
+  report_page page(options, x.simulated);
   add_title(page, x);
   add_event_log(page, x);
   add_islands(page, x);

@@ -188,6 +188,14 @@ std::string table::render(std::size_t width, bool colour) const {
     if (!row.empty())
       text += row + '\n';
   }
+  const auto natural = natural_widths(lines);
+  std::string missing;
+  for (std::size_t i = 0; i < columns_.size(); ++i)
+    if (wide[i] == 0 && natural[i] > 0)
+      missing += (missing.empty() ? "" : ", ") + columns_[i].heading;
+  if (!missing.empty())
+    text += "  " +
+            painted(cut("… too narrow for " + missing, width - indent), look::faint, colour) + '\n';
   return text;
 }
 

@@ -39,7 +39,7 @@ struct cell {
 };
 
 /// Rows under a faint heading, each column as wide as its widest cell. When a row would not fit,
-/// the widest column is narrowed.
+/// the widest column is narrowed, and in the end columns are left out, whose names a note tells.
 class table {
 public:
   struct column {

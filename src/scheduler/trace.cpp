@@ -83,7 +83,7 @@ void trace_recorder::record(trace_part& part, traced_base& to, const caf::mailbo
   part.fold(to.fold_, time, x.content());
   if (!observer_ && !watcher_)
     return;
-  const auto* sender = traced_in(x.sender);
+  const auto* sender = observer_ ? traced_in(x.sender) : nullptr; // costs as much as all the rest
   const auto number = wants_remarks() ? ++numbers_given_ : 0;
   if (number != 0)
     numbers_[&x] = number;

@@ -111,7 +111,7 @@ public:
   void observe(observer x) { observer_ = std::move(x); }
 
   /// Called for every delivery from now on, by any thread that executes events, and not in the
-  /// order of their time. Must not send.
+  /// order of their time. It is not told who the sender is. Must not send.
   void watch(observer x) { watcher_ = std::move(x); }
 
   /// As observe(), for remarks. From now on it is known what led to what.

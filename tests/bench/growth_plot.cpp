@@ -9,7 +9,15 @@
 #include <string_view>
 #include <utility>
 
+#include "page/axis.hpp"
+#include "page/markup.hpp"
+
 namespace bench {
+
+using rubicon::page::axis;
+using rubicon::page::drawing;
+using rubicon::page::point;
+using rubicon::page::px;
 
 namespace {
 
@@ -43,22 +51,6 @@ std::string fixed(double x, int digits) {
   return text.data();
 }
 
-std::string px(double x) {
-  return fixed(x, 1);
-}
-
-/// Logarithms from `low` to `high`, drawn from pixel `begin` to `end`.
-struct axis {
-  double low = 0;
-  double high = 1;
-  double begin = 0;
-  double end = 1;
-
-  [[nodiscard]] double at(double logarithm) const {
-    return begin + (logarithm - low) / (high - low) * (end - begin);
-  }
-};
-
 struct curve {
   double growth_point::*what;
   std::string kind; ///< `cost` or `memory`
@@ -66,12 +58,11 @@ struct curve {
 };
 
 /// Another shape for each kind, beside its colour.
-void draw_mark(std::ostream& out, double x, double y, const std::string& kind) {
+void draw_mark(drawing& out, double x, double y, const std::string& kind) {
   if (kind == "cost")
-    out << "<circle class='cost' cx='" << px(x) << "' cy='" << px(y) << "' r='4.5'/>\n";
+    out.circle({x, y}, 4.5, "class='cost'");
   else
-    out << "<rect class='memory' x='" << px(x - 4) << "' y='" << px(y - 4)
-        << "' width='8' height='8'/>\n";
+    out.rect({x - 4, y - 4}, 8, 8, "class='memory'");
 }
 
 std::pair<double, double> logarithms(const std::vector<growth_point>& points,
@@ -84,7 +75,7 @@ std::pair<double, double> logarithms(const std::vector<growth_point>& points,
 
 class panel_drawing {
 public:
-  panel_drawing(std::ostream& out, const growth_panel& panel, double left, double top)
+  panel_drawing(drawing& out, const growth_panel& panel, double left, double top)
       : out_(out), panel_(panel), left_(left + 66), right_(left + cell_width - 80), top_(top + 66),
         bottom_(top + cell_height - 56) {
     if (panel.points.empty())
@@ -114,8 +105,7 @@ public:
       return;
     slopes();
     ticks();
-    out_ << "<rect class='frame' x='" << px(left_) << "' y='" << px(top_) << "' width='"
-         << px(right_ - left_) << "' height='" << px(bottom_ - top_) << "'/>\n";
+    out_.rect({left_, top_}, right_ - left_, bottom_ - top_, "class='frame'");
     for (const auto* each : {&memory_, &cost_})
       guide(*each);
     for (const auto* each : {&memory_, &cost_})
@@ -124,13 +114,11 @@ public:
 
 private:
   void text(double x, double y, const std::string& attributes, const std::string& what) {
-    out_ << "<text x='" << px(x) << "' y='" << px(y) << "' " << attributes << '>' << what
-         << "</text>\n";
+    out_.text({x, y}, attributes, what);
   }
 
   void line(double x1, double y1, double x2, double y2, const std::string& attributes) {
-    out_ << "<line x1='" << px(x1) << "' y1='" << px(y1) << "' x2='" << px(x2) << "' y2='" << px(y2)
-         << "' " << attributes << "/>\n";
+    out_.line({x1, y1}, {x2, y2}, attributes);
   }
 
   /// Whether a mark of one curve is close to that of the other.
@@ -193,18 +181,18 @@ private:
   }
 
   void draw_curve(const curve& x) {
-    const auto at = [&](const growth_point& point) {
-      return std::pair{x_.at(std::log10(point.size)), x.y.at(std::log10(point.*x.what))};
+    const auto at = [&](const growth_point& each) {
+      return point{x_.at(std::log10(each.size)), x.y.at(std::log10(each.*x.what))};
     };
-    out_ << "<polyline class='" << x.kind << " curve' points='";
-    for (const auto& point : panel_.points)
-      out_ << px(at(point).first) << ',' << px(at(point).second) << ' ';
-    out_ << "'/>\n";
-    for (const auto& point : panel_.points)
-      draw_mark(out_, at(point).first, at(point).second, x.kind);
+    std::vector<point> points;
+    for (const auto& each : panel_.points)
+      points.push_back(at(each));
+    out_.polyline(points, "class='" + x.kind + " curve'");
+    for (const auto& each : points)
+      draw_mark(out_, each.x, each.y, x.kind);
   }
 
-  std::ostream& out_;
+  drawing& out_;
   const growth_panel& panel_;
   double left_;
   double right_;
@@ -215,16 +203,15 @@ private:
   curve memory_{&growth_point::octets, "memory", {}};
 };
 
-void draw_head(std::ostream& out, const std::string& note) {
-  out << "<text x='20' y='32' class='head'>How cost and memory grow</text>\n"
-      << "<text x='20' y='54'>" << note << "</text>\n";
+void draw_head(drawing& out, const std::string& note) {
+  out.text({20, 32}, "class='head'", "How cost and memory grow");
+  out.text({20, 54}, "", note);
   draw_mark(out, 27, 73, "cost");
-  out << "<text x='38' y='77' class='cost'>cost: processor time in calibration steps, left "
-         "scale</text>\n";
+  out.text({38, 77}, "class='cost'", "cost: processor time in calibration steps, left scale");
   draw_mark(out, 385, 73, "memory");
-  out << "<text x='396' y='77' class='memory'>memory, right scale</text>\n"
-      << "<line x1='540' y1='73' x2='574' y2='73' class='guide'/>\n"
-      << "<text x='582' y='77'>slope 1 from the first size on: each takes the same</text>\n";
+  out.text({396, 77}, "class='memory'", "memory, right scale");
+  out.line({540, 73}, {574, 73}, "class='guide'");
+  out.text({582, 77}, "", "slope 1 from the first size on: each takes the same");
 }
 
 } // namespace
@@ -256,18 +243,19 @@ void draw_growth(std::ostream& out, const std::string& note,
   const auto rows = (panels.size() + columns - 1) / columns;
   const auto width = cell_width * static_cast<double>(columns);
   const auto height = head_height + cell_height * static_cast<double>(rows);
-  out << "<svg xmlns='http://www.w3.org/2000/svg' width='" << px(width) << "' height='"
-      << px(height) << "' viewBox='0 0 " << px(width) << ' ' << px(height) << "'>\n"
-      << "<title>How cost and memory grow</title>\n"
-      << "<style>" << style << "</style>\n"
-      << "<rect width='100%' height='100%' fill='#ffffff'/>\n";
-  draw_head(out, note);
+  drawing svg(width, height,
+              "xmlns='http://www.w3.org/2000/svg' width='" + px(width) + "' height='" + px(height) +
+                  '\'');
+  svg.element("title", "How cost and memory grow");
+  svg.element("style", style);
+  svg.rect({0, 0}, width, height, "fill='#ffffff'");
+  draw_head(svg, note);
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    panel_drawing(out, panels[i], cell_width * static_cast<double>(i % columns),
+    panel_drawing(svg, panels[i], cell_width * static_cast<double>(i % columns),
                   head_height + cell_height * static_cast<double>(i / columns))
         .draw();
   }
-  out << "</svg>\n";
+  out << svg.finish();
 }
 
 } // namespace bench

@@ -28,7 +28,6 @@ struct growth_panel {
                            std::size_t count);
 
 /// Writes an SVG with a panel for each, log-log, and the slopes of all points and of the last two.
-/// @pre texts have no characters that XML wants escaped
 void draw_growth(std::ostream& out, const std::string& note,
                  const std::vector<growth_panel>& panels);
 

@@ -24,9 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Clears the screen, forges a line of a log, rings, sets a title, is no UTF-8, is a C1 control,
-/// turns the text round.
+/// turns the text round, is a program on a page.
 const std::string evil = "x\033[2J\n1.000000 E forged event=failed\r\a\033]0;t\a\xff\xc2\x9b"
-                         "31m\xe2\x80\xae";
+                         "31m\xe2\x80\xae<script>\"'";
 
 /// A peer that says so wherever it can, driven on a thread of its own.
 class hostile_peer {
@@ -135,8 +135,13 @@ connect = ["tcp://)" << peer.at() << R"("]
 )";
   const auto file = '\'' + (folder / "one.toml").string() + '\'';
   const auto record = '\'' + (folder / "one.rec").string() + '\'';
-  const auto x = said("run --log trace --debug-dir '" + (folder / "logs").string() + "' --record " +
-                      record + ' ' + file);
+  const auto page = folder / "one.html";
+  const auto x =
+      said("run --log trace --debug-dir '" + (folder / "logs").string() + "' --record " + record +
+           " --report '" + page.string() + "' --csv '" + (folder / "data").string() + "' " + file);
+  check_harmless(text_of(page));
+  CHECK(text_of(page).ends_with("</html>\n"));
+  CHECK(text_of(page).find("<script") == std::string::npos);
   check_harmless(x.out);
   CHECK(x.out.find("link") != std::string::npos); // they have met
   bool was_heard = false;

@@ -46,6 +46,16 @@ private:
     auto& peer = *std::get<std::unique_ptr<peer::standalone>>(opened);
     static_cast<void>(peer.set_tuple("room.temp", peis::text_content("21.5")));
     static_cast<void>(peer.set_tuple("room.scan", peis::binary_content(bytes{0, 255})));
+    // As a proxy's input: the lamp can be switched on, and nothing else.
+    static_cast<void>(peer.set_tuple("lamp.switch.deadline", peis::text_content("5.0")));
+    static_cast<void>(peer.set_tuple("lamp.switch.outcome", peis::text_content("on failed")));
+    static_cast<void>(peer.subscribe(peer_id{7}, "lamp.switch", [&peer](const auto& x) {
+      const std::string word(x->text());
+      if (word != "forever")
+        static_cast<void>(peer.set_tuple(
+            "lamp.switch.outcome",
+            peis::text_content(word + (word == "on" ? " acknowledged" : " refused"))));
+    }));
     port_ = *peer.links().port();
     while (!over_)
       peer.step(10ms);
@@ -80,12 +90,37 @@ TEST_CASE("tuples of a running peer are read and written", "[cli][SVC-07][SVC-08
   CHECK(x.at("value") == "22.5");
   CHECK(x.at("owner") == 7);
   const auto all = nlohmann::json::parse(standard_output("tuples ls --json" + peer.at()).out);
-  REQUIRE(all.size() == 2); // without kernel.*
-  CHECK(all[0].at("key") == "room.scan");
-  CHECK(all[0].at("value_hex") == "00ff");
+  REQUIRE(all.size() == 4); // without kernel.*
+  CHECK(all[2].at("key") == "room.scan");
+  CHECK(all[2].at("value_hex") == "00ff");
   const auto table = standard_output("tuples ls 'room.*'" + peer.at());
   CHECK(table.status == 0);
   CHECK(table.out.find("22.5") != std::string::npos);
+}
+
+TEST_CASE("setting a proxy's input waits for its outcome, if asked to", "[cli][SVC-07][IF-07]") {
+  const lonely_peer peer;
+  const auto set = [&](const std::string& words) {
+    return shell('"' + rubicon_binary + "\" tuples set " + words + " --owner 7" + peer.at() +
+                 " 2>&1");
+  };
+  const auto good = set("lamp.switch on --wait");
+  CHECK(good.status == 0);
+  CHECK(good.out == "acknowledged\n"); // not the older `failed`
+  const auto bad = set("lamp.switch 'half on' --wait");
+  CHECK(bad.status == 1);
+  CHECK(bad.out == "refused\n");
+  const auto json = set("lamp.switch on --wait --json");
+  CHECK(json.status == 0);
+  CHECK(nlohmann::json::parse(json.out).at("outcome") == "acknowledged");
+  const auto none = set("room.temp 22 --wait --timeout 300ms");
+  CHECK(none.status == 1);
+  CHECK(none.out.find("room.temp.deadline") != std::string::npos);
+  CHECK(standard_output("tuples get room.temp --owner 7" + peer.at()).out == "21.5\n");
+  const auto late = set("lamp.switch forever --wait --timeout 500ms");
+  CHECK(late.status == 1);
+  CHECK(late.out.find("no") != std::string::npos);
+  CHECK(set("lamp.switch on").out.empty());
 }
 
 TEST_CASE("a tuple of a running peer is deleted", "[cli][SVC-07]") {
@@ -94,7 +129,8 @@ TEST_CASE("a tuple of a running peer is deleted", "[cli][SVC-07]") {
   CHECK(standard_output("tuples get room.temp --owner 7 --timeout 300ms" + peer.at()).status == 1);
   const auto x = standard_output("tuples delete room.scan --owner 7 --json" + peer.at());
   CHECK(nlohmann::json::parse(x.out).at("acknowledged") == true);
-  CHECK(standard_error("tuples ls --timeout 300ms" + peer.at()).out == "rubicon: no tuples\n");
+  CHECK(standard_error("tuples ls 'room.*' --timeout 300ms" + peer.at()).out ==
+        "rubicon: nobody has a tuple `room.*`\n");
   CHECK(standard_error("tuples delete room.temp --owner 8 --timeout 300ms" + peer.at()).status ==
         1);
 }

@@ -217,13 +217,17 @@ TEST_CASE("a deployment starts again what was killed, and makes one report", "[h
 TEST_CASE("Ctrl-C ends a deployment with what it has", "[hosts][ACT-11]") {
   const house in;
   in.run("'" + binary +
-         "' deploy house.toml --local --json > all.json 2> all.err & "
+         "' deploy house.toml --local --json --report all.html > all.json 2> all.err & "
          "whole=$!; sleep 4; kill -INT $whole; wait $whole; echo $? > status");
   CHECK(in.text("status") == "130\n");
   const auto report = in.report("all");
   CHECK(report["interrupted"] == true);
   CHECK(report["islands"].size() == 2);
   CHECK(report["simulated_s"].get<double>() < 20);
+  const auto page = in.text("all.html");
+  CHECK(page.find("rubicon deploy house.toml --local --seed ") != std::string::npos);
+  CHECK(page.find("kitchen/stove") != std::string::npos);
+  CHECK(page.ends_with("</html>\n"));
 }
 
 TEST_CASE("a deployment tells what would run where, or why it cannot", "[hosts]") {

@@ -236,6 +236,18 @@ TEST_CASE("events and lines of the event log are counted", "[report][expect]") {
   CHECK_FALSE(one(event_log_expectation{"left", "", 0, 0}).met());
 }
 
+TEST_CASE("lines of the event log count that the report has left out", "[report][expect]") {
+  auto x = one(event_log_expectation{"left", "lamp", 3, 3});
+  auto run = sample_report();
+  run.event_log.clear();
+  for (int i = 0; i < 3; ++i)
+    x.judge.on_event({at(i * 1s), "kitchen/lamp-9", "left: battery"});
+  x.judge.on_event({at(4s), "kitchen/lamp-9", "joined"});
+  x.judge.on_event({at(5s), "kitchen/fan", "left: silence"});
+  CHECK(x.met(run));
+  CHECK(x.result(run).measured == "3 lines, the last at 2.000 s");
+}
+
 TEST_CASE("a run that broke off is not judged", "[report][expect]") {
   auto x = sample_report();
   x.interrupted = true;

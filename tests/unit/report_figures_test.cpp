@@ -65,3 +65,15 @@ TEST_CASE("one thing is singular", "[report]") {
   CHECK(counted(1, "mote") == "1 mote");
   CHECK(counted(1'000, "mote") == "1,000 motes");
 }
+
+TEST_CASE("times of a run are seconds, or those of a clock", "[report]") {
+  CHECK(clock_text(0s) == "0:00");
+  CHECK(clock_text(65s) == "1:05");
+  CHECK(clock_text(1h + 2min + 3s) == "1:02:03");
+  CHECK(clock_text(-5s) == "0:00");
+  CHECK(run_time(instant{12004ms}, 59min) == "12.004");
+  CHECK(run_time(instant{12004ms}, 1h) == "00:00:12");
+  CHECK(run_time(instant{12min + 5s}, 1h) == "00:12:05");
+  CHECK(run_time(instant{1h + 2min + 3s}, 2h) == "01:02:03");
+  CHECK(run_time(instant{100h}, 200h) == "100:00:00");
+}

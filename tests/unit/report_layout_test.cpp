@@ -58,6 +58,8 @@ TEST_CASE("where space is short text is cut before a column is left out, figures
   CHECK(x.render(80, false).find("a-rather-long-name  1,000  99.7%") != std::string::npos);
   CHECK(x.render(26, false).find("  a-rather-…  1,000  99.7%") != std::string::npos);
   CHECK(x.render(20, false).find("  a-rather-l…  1,000\n") != std::string::npos);
+  CHECK(x.render(26, false).find("too narrow") == std::string::npos);
+  CHECK(x.render(23, false).ends_with("  … too narrow for rate\n"));
 }
 
 TEST_CASE("a note stands below its row over all columns", "[report]") {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "report/report.hpp"
+#include "report/report_text.hpp"
 #include "report/text_layout.hpp"
 #include "support/catch.hpp"
 #include "unit/report_sample.hpp"
@@ -304,6 +305,69 @@ TEST_CASE("a large run is told in two hundred lines and says what it leaves out"
   CHECK(contains(text, "… and 30 more"));
   CHECK(contains(text, "median 302.7"));
   CHECK(contains(text, "house-50/climate-21"));
+}
+
+TEST_CASE("with all rows nothing of a large run is left out", "[report]") {
+  const auto text = to_text(large_report(), {.full = true});
+  CHECK(contains(text, "line 399"));
+  CHECK(contains(text, "line 200\n"));
+  CHECK(contains(text, "house-50/climate-21"));
+  CHECK(contains(text, "house-1/climate-2 "));
+  CHECK(contains(text, "lab/node-41"));
+  CHECK(!contains(text, "--full"));
+  CHECK(lines_of(text).size() > 1'600);
+  CHECK(contains(text, "600 more, of which the report has none")); // not even then
+}
+
+TEST_CASE("the lines of a long event log that are shown are of the whole run", "[report]") {
+  const auto text = to_text(large_report());
+  CHECK(contains(text, "  line 0\n"));
+  CHECK(contains(text, "  line 399\n"));
+  int shown = 0;
+  for (int i = 100; i < 300; ++i)
+    shown += contains(text, "  line " + std::to_string(i) + '\n') ? 1 : 0;
+  CHECK(shown >= 15);
+  CHECK(shown <= 25);
+}
+
+TEST_CASE("in a file no text is cut", "[report]") {
+  auto x = with_violation();
+  x.violations[0].detail = std::string(500, 'v');
+  x.proxies[0].values[0].second = std::string(300, 'w');
+  CHECK(contains(to_text(x, 60), "…"));
+  const auto text = to_text(x, {.width = 60, .cuts = false});
+  CHECK(!contains(text, "…"));
+  CHECK(contains(text, std::string(500, 'v')));
+  CHECK(contains(text, std::string(300, 'w')));
+}
+
+TEST_CASE("times are those of a clock in runs of an hour and more", "[report]") {
+  auto x = with_violation();
+  CHECK(contains(to_text(x), "    2.004  kitchen/climate-7"));
+  x.simulated = 26h;
+  x.event_log[2].at = instant{} + 25h + 61s;
+  const auto text = to_text(x);
+  CHECK(contains(text, "  00:00:02  kitchen/climate-7"));
+  CHECK(contains(text, "  25:01:01  kitchen/lamp-9"));
+  CHECK(contains(text, "  00:10:00  radio copies balance"));
+  CHECK(!contains(text, "seconds"));
+}
+
+TEST_CASE("energy begins with the mote that has least left", "[report]") {
+  auto x = sample_report();
+  x.islands[0].motes[0].energy.used_mah = 20; // of much more than the others
+  x.islands[0].motes[0].energy.battery_mah = 100'000;
+  x.islands[0].motes[1].energy.used_mah = 5;
+  x.islands[0].motes[1].energy.battery_mah = 10;
+  const auto text = to_text(x);
+  const auto energy = text.substr(text.find("── Energy"));
+  const auto least = energy.find("kitchen/climate-8");
+  const auto most = energy.find("kitchen/climate-7");
+  REQUIRE(least != std::string::npos);
+  REQUIRE(most != std::string::npos);
+  CHECK(least < energy.find("living-room/climate-2"));
+  CHECK(energy.find("living-room/climate-2") < most);
+  CHECK(contains(energy, "50.0%"));
 }
 
 TEST_CASE("an interrupted run says so", "[report][ACT-11]") {

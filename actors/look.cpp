@@ -1,0 +1,110 @@
+#include "actors/look.hpp"
+
+#include <map>
+#include <utility>
+
+#include "actors/sink.hpp"
+#include "actors/statuses.hpp"
+
+namespace rubicon {
+
+namespace {
+
+/// nullptr: it has ended, and its state with it, though nobody has heard of that yet.
+template <class State, class Handle>
+const State* state_of(const Handle& x) {
+  if (!x)
+    return nullptr;
+  const auto* const who = caf::actor_cast<caf::abstract_actor*>(x);
+  if (who->getf(caf::abstract_actor::is_terminated_flag))
+    return nullptr;
+  return &static_cast<const scheduler::traced_actor<State, Handle>*>(who)->state;
+}
+
+/// What it knows of the way to its sink.
+void add_route(report::mote_sample& to, const mote::node& from) {
+  const auto& router = from.packets().router();
+  if (!router.has_route())
+    return;
+  to.parent = router.tree().parent();
+  to.hops = router.tree().hops();
+  if (from.parent_dbm() != mote::node::signal_unknown)
+    to.signal_dbm = from.parent_dbm();
+  if (const auto etx = router.links().etx(to.parent))
+    to.etx = static_cast<double>(*etx) / network::etx_one;
+}
+
+class looker {
+public:
+  looker(const ecology_state& all, instant now) : all_(all), now_(now) {}
+
+  report::run_sample look() {
+    for (const auto& island : all_.report.islands) // what lives that have ended have lost
+      lost_[island.id]["network"] = island.network.lost;
+    for (const auto& [who, messages] : all_.counters.unsettled().messages)
+      add_to(lost_[who.island]["messages"], messages.lost);
+    for (const auto& [address, mote] : all_.motes)
+      add(address, mote);
+    for (const auto& [island, sink] : all_.sinks)
+      if (const auto* state = state_of<sink_state>(sink.handle))
+        add_to(lost_[island]["network"], lost_of(state->sink));
+    add_airs();
+    report::run_sample x{now_, {}, std::move(motes_)};
+    for (auto& [island, lost] : lost_)
+      x.islands.push_back({island, std::move(lost)});
+    return x;
+  }
+
+private:
+  void add(const mote_address& address, const supervised_mote& mote) {
+    report::mote_sample x;
+    x.address = address;
+    const auto* const state = state_of<mote_state>(mote.handle);
+    x.alive = !mote.flat && state != nullptr;
+    if (const auto* air = state_of<air_state>(mote.arguments->air)) {
+      const auto use = air->channel.energy(mote.arguments->radio, now_);
+      x.used_mah = use.used_mah;
+      x.battery_mah = use.battery_mah;
+    }
+    if (state != nullptr && state->node) {
+      if (x.alive)
+        add_route(x, *state->node);
+      auto& lost = lost_[address.island];
+      add_to(lost["network"], lost_of(*state->node));
+      add_to(lost["messages"], messages_of(address, state->node->above(), false).messages.lost);
+    }
+    motes_.push_back(x);
+  }
+
+  void add_airs() {
+    std::map<island_id, radio::radio_counters> counted;
+    std::vector<const air_state*> seen; // islands may share one
+    for (const auto& [island, air] : all_.airs) {
+      const auto* const state = state_of<air_state>(air);
+      if (state == nullptr || std::ranges::find(seen, state) != seen.end())
+        continue;
+      seen.push_back(state);
+      const auto radios = state->channel.counted_by_radio();
+      for (std::size_t i = 0; i < state->addresses.size(); ++i)
+        counted[state->addresses[i].island] += radios[i];
+    }
+    for (const auto& [island, counters] : counted) {
+      const auto radio = report_of(counters);
+      lost_[island]["radio"] = radio.lost;
+      lost_[island]["mac"] = radio.mac_failed;
+    }
+  }
+
+  const ecology_state& all_;
+  instant now_;
+  std::vector<report::mote_sample> motes_;
+  std::map<island_id, std::map<std::string, report::cause_counts>> lost_;
+};
+
+} // namespace
+
+report::run_sample look_at(const ecology_state& all, instant now) {
+  return looker(all, now).look();
+}
+
+} // namespace rubicon

@@ -1,0 +1,14 @@
+// What is to be seen of an ecology between two of its events.
+#pragma once
+
+#include "actors/ecology.hpp"
+#include "core/time.hpp"
+#include "report/history.hpp"
+
+namespace rubicon {
+
+/// Reads what the actors have, asks nobody and changes nothing.
+/// @pre nobody has its turn, and all have come to `now`
+[[nodiscard]] report::run_sample look_at(const ecology_state& all, instant now);
+
+} // namespace rubicon

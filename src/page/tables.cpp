@@ -1,0 +1,275 @@
+// Figures at the end of a run, as tables.
+#include <algorithm>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "page/markup.hpp"
+#include "page/parts.hpp"
+#include "report/expectations.hpp"
+#include "report/figures.hpp"
+#include "report/report_parts.hpp"
+
+namespace rubicon::page {
+
+namespace {
+
+using report::cause_counts;
+using report::with_thousands;
+
+constexpr std::size_t rows_open_max = 40; ///< the others are folded
+constexpr std::size_t violations_shown = 200;
+constexpr std::size_t peers_shown = 200;
+
+struct layer {
+  std::string title;
+  cause_counts lost;
+};
+
+std::vector<layer> layers_of(const report::run_report& x) {
+  cause_counts network;
+  for (const auto& island : x.islands)
+    add_to(network, island.network.lost);
+  auto messages = x.messages().lost;
+  add_to(messages, x.messages().refused);
+  cause_counts flows;
+  for (const auto& each : x.flows)
+    add_to(flows, each.lost);
+  return {{"Messages", messages},
+          {"Packets and channels of the network", network},
+          {"Frames that the radio gave up", x.radio().mac_failed},
+          {"Copies of frames on the air", really_lost(x.radio())},
+          {"Flows", flows},
+          {"Serial lines", x.serial().lost},
+          {"PEIS packages", x.peis().lost}};
+}
+
+/// The most frequent first.
+std::vector<std::pair<std::string, std::uint64_t>> sorted(const cause_counts& x) {
+  std::vector<std::pair<std::string, std::uint64_t>> all;
+  for (const auto& each : x)
+    if (each.second > 0)
+      all.push_back(each);
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  return all;
+}
+
+struct mote_entry {
+  const report::island_report* island;
+  const report::mote_report* mote;
+};
+
+double left_of(const report::mote_report& x) {
+  return x.energy.battery_mah > 0 ? 1 - x.energy.used_mah / x.energy.battery_mah : 1;
+}
+
+/// Those that deliver least first, then those with the least left.
+std::vector<mote_entry> worst_first(const report::run_report& x) {
+  std::vector<mote_entry> all;
+  for (const auto& island : x.islands)
+    for (const auto& mote : island.motes)
+      all.push_back({&island, &mote});
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
+    const auto rank = [](const mote_entry& y) {
+      return std::pair(y.mote->messages.delivery().value_or(2), left_of(*y.mote));
+    };
+    return rank(a) < rank(b);
+  });
+  return all;
+}
+
+std::string state_of(const report::mote_report& x) {
+  if (!x.alive)
+    return x.left_cause.empty() ? "off" : x.left_cause;
+  if (x.joins && !x.joined)
+    return "never joined";
+  return x.left_cause.empty() ? "" : "left: " + x.left_cause;
+}
+
+std::string parent_of(const mote_entry& x) {
+  if (x.mote->parent == mote_id{})
+    return "–";
+  const auto found = std::ranges::find(x.island->motes, x.mote->parent,
+                                       [](const auto& each) { return each.address.mote; });
+  return found == x.island->motes.end() ? "sink" : found->name;
+}
+
+std::string mote_row(const mote_entry& x) {
+  const auto& mote = *x.mote;
+  auto lost = mote.messages.lost;
+  add_to(lost, mote.messages.refused);
+  const auto delivery = mote.messages.delivery();
+  const bool routed = mote.parent != mote_id{};
+  return row({{x.island->name + '/' + mote.name, false, "name"},
+              {state_of(mote), false, mote.alive ? "" : "bad"},
+              {with_thousands(mote.messages.offered), true},
+              {share(delivery), true, class_of(delivery)},
+              {report::causes(lost), false, "long"},
+              {parent_of(x)},
+              {routed ? std::to_string(mote.hops) : "–", true},
+              {mote.signal_dbm ? std::to_string(*mote.signal_dbm) : "–", true},
+              {report::percent(left_of(mote), 1), true},
+              {report::projected_life(mote), true}});
+}
+
+std::string mote_table(const std::vector<mote_entry>& all, std::size_t from, std::size_t to) {
+  auto rows = head_row({{"mote"},
+                        {""},
+                        {"sent", true},
+                        {"arrived", true},
+                        {"lost, refused"},
+                        {"parent"},
+                        {"hops", true},
+                        {"dBm", true},
+                        {"battery left", true},
+                        {"lasts", true}});
+  for (auto i = from; i < to; ++i)
+    rows += mote_row(all[i]);
+  return wide("<table>" + rows + "</table>");
+}
+
+} // namespace
+
+std::string losses_of(const run_page& x) {
+  std::string out;
+  for (const auto& layer : layers_of(x.report)) {
+    const auto causes = sorted(layer.lost);
+    if (causes.empty())
+      continue;
+    std::string rows;
+    const auto most = static_cast<double>(causes.front().second);
+    for (const auto& [cause, count] : causes) {
+      const auto part = 100 * static_cast<double>(count) / most;
+      rows += "<tr>" + element("td", cause, "class='name'") +
+              element("td", with_thousands(count), "class='number'") +
+              "<td class='bars'><span class='bar' style='width:" + px(part) +
+              "%'></span></td></tr>\n";
+    }
+    out += "<figure>" + element("h3", layer.title) + "<table>" + rows + "</table></figure>\n";
+  }
+  return section("losses", "Losses by cause",
+                 out.empty() ? out : "<div class='grid'>" + out + "</div>\n");
+}
+
+std::string motes_of(const run_page& x) {
+  const auto all = worst_first(x.report);
+  if (all.empty())
+    return {};
+  const auto open = std::min(all.size(), rows_open_max);
+  auto out = mote_table(all, 0, open);
+  if (open < all.size())
+    out += "<details>" +
+           element("summary", "… and " + report::counted(all.size() - open, "more mote")) +
+           mote_table(all, open, all.size()) + "</details>\n";
+  return section("motes", "Motes", out);
+}
+
+std::string expectations_of(const run_page& x) {
+  using verdict = report::expectation_report::verdict;
+  if (x.report.expectations.empty())
+    return {};
+  auto rows = head_row({{""}, {"expected"}, {"measured"}});
+  std::string commands;
+  for (const auto& each : x.report.expectations) {
+    const bool met = each.outcome == verdict::met;
+    const bool unmet = each.outcome == verdict::unmet;
+    rows += row({{met     ? "✓"
+                  : unmet ? "✗"
+                          : "?",
+                  false,
+                  met     ? "met"
+                  : unmet ? "unmet"
+                          : "soft"},
+                 {each.text, false, "long"},
+                 {each.measured, false, "long"}});
+    if (!each.command.empty())
+      commands += element("p", each.text + ", at " + report::run_time(each.at, x.report.simulated) +
+                                   (x.report.simulated < 1h ? " s" : "") + ", is explained by") +
+                  element("pre", each.command) + '\n';
+  }
+  return section("expectations", "Expectations", wide("<table>" + rows + "</table>") + commands);
+}
+
+std::string violations_of(const run_page& x) {
+  std::vector<report::violation> all;
+  std::ranges::copy_if(x.report.violations, std::back_inserter(all), [](const auto& each) {
+    return !each.invariant.starts_with(report::expected); // those have a section of their own
+  });
+  if (all.empty())
+    return {};
+  auto rows = head_row(
+      {{x.report.simulated < 1h ? "seconds" : "time", true}, {"what must hold"}, {"what was"}});
+  const auto shown = std::min(all.size(), violations_shown);
+  for (std::size_t i = 0; i < shown; ++i)
+    rows += row({{report::run_time(all[i].at, x.report.simulated), true},
+                 {all[i].invariant, false, "long bad"},
+                 {all[i].detail, false, "long"}});
+  auto out = wide("<table>" + rows + "</table>");
+  if (shown < all.size())
+    out += element("p", "… and " + with_thousands(all.size() - shown) + " more", "class='soft'");
+  return section("violations", "Violations", out);
+}
+
+std::string proxies_of(const run_page& x) {
+  if (x.report.proxies.empty())
+    return {};
+  const auto& all = x.report.proxies;
+  const auto table = [&all](std::size_t from, std::size_t to) {
+    auto rows = head_row({{"proxy"}, {"status"}, {"values"}, {"actuations"}});
+    for (auto i = from; i < to; ++i) {
+      const auto& each = all[i];
+      std::string values;
+      for (const auto& [name, value] : each.values)
+        values += (values.empty() ? "" : ", ") + name + ' ' + value;
+      const auto& acts = each.actuations;
+      rows += row({{each.name, false, "name"},
+                   {each.status, false, each.status == "active" ? "" : "bad"},
+                   {values, false, "long"},
+                   {acts.requested == 0 ? ""
+                                        : with_thousands(acts.acknowledged) + " of " +
+                                              with_thousands(acts.requested) + " acknowledged"}});
+    }
+    return wide("<table>" + rows + "</table>");
+  };
+  const auto open = std::min(all.size(), rows_open_max);
+  auto out = table(0, open);
+  if (open < all.size())
+    out += "<details>" +
+           element("summary", "… and " + with_thousands(all.size() - open) + " more") +
+           table(open, all.size()) + "</details>\n";
+  return section("proxies", "Proxies", out);
+}
+
+std::string peers_of(const run_page& x) {
+  if (x.report.peers.empty())
+    return {};
+  auto rows = head_row({{"peer"},
+                        {"id", true},
+                        {"links", true},
+                        {"hosts known", true},
+                        {"tuples", true},
+                        {"packages", true},
+                        {"lost"},
+                        {"limits have refused"}});
+  const auto shown = std::min(x.report.peers.size(), peers_shown);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& peer = x.report.peers[i];
+    rows += row(
+        {{peer.alive ? peer.name : peer.name + " (ended)", false, peer.alive ? "name" : "name bad"},
+         {to_string(peer.id), true},
+         {with_thousands(peer.links), true},
+         {with_thousands(peer.hosts_known), true},
+         {with_thousands(peer.tuples), true},
+         {with_thousands(peer.peis.packages), true},
+         {report::causes(peer.peis.lost), false, "long"},
+         {report::causes(peer.limits), false, "long"}});
+  }
+  auto out = wide("<table>" + rows + "</table>");
+  if (shown < x.report.peers.size())
+    out += element("p", "… and " + with_thousands(x.report.peers.size() - shown) + " more",
+                   "class='soft'");
+  return section("peers", "PEIS peers", out);
+}
+
+} // namespace rubicon::page

@@ -1,0 +1,50 @@
+#include <string>
+
+#include "page/swarm_page.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::page;
+
+namespace {
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+} // namespace
+
+TEST_CASE("a swarm's page shows how figures differ between seeds", "[page]") {
+  seed_figures figures;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed)
+    figures.add(seed,
+                {{"messages arrived, %", 90 + 0.1 * static_cast<double>(seed)}, {"motes", 7}});
+  const std::map<std::string, std::uint64_t> none;
+  const auto html = html_of({"home.toml", "1..50", 50, 0, none, figures, {}, "rubicon swarm"});
+  CHECK(contains(html, "home.toml, seeds 1..50"));
+  CHECK(contains(html, "no violations"));
+  CHECK(contains(html, "least 90.10 (seed 1) · median 92.60 (seed 26) · most 95.00 (seed 50)"));
+  CHECK(contains(html, "the same with every seed"));
+  CHECK_FALSE(contains(html, "<section id='violations'>"));
+}
+
+TEST_CASE("a swarm's page shows what was violated, as data", "[page]") {
+  const std::map<std::string, std::uint64_t> violations{{"<b>all joined</b>", 3}};
+  const std::vector<failed_seed> failed{
+      {19, {{instant{}, "<b>all joined</b>", "<script>"}}, "rubicon run 'a b.toml' --seed 19"}};
+  const auto html =
+      html_of({"<i>.toml", "1..50", 50, 3, violations, seed_figures(), failed, "rubicon swarm"});
+  CHECK(contains(html, "3 of 50 runs with violations"));
+  CHECK(contains(html, "&lt;b&gt;all joined&lt;/b&gt;"));
+  CHECK(contains(html, "rubicon run &#39;a b.toml&#39; --seed 19"));
+  CHECK(contains(html, "… and more"));
+  CHECK_FALSE(contains(html, "<script"));
+  CHECK_FALSE(contains(html, "<i>"));
+}
+
+TEST_CASE("figures of very many seeds are bounded", "[page]") {
+  seed_figures figures;
+  for (std::uint64_t seed = 0; seed < seed_figures::seeds_max + 10; ++seed)
+    figures.add(seed, {{"events", 1.0}});
+  CHECK(figures.all().at("events").size() == seed_figures::seeds_max);
+}
