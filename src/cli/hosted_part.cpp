@@ -19,6 +19,7 @@
 #include "core/printable.hpp"
 #include "deploy/fault_sentence.hpp"
 #include "io/machine.hpp"
+#include "io/serial_devices.hpp"
 #include "io/tcp_listener.hpp"
 
 namespace rubicon::cli {
@@ -113,6 +114,11 @@ std::vector<std::string> hosted_part::problems_of(const deploy::offer& x,
       if (auto why = io::why_taken(loop_, address, *peer.tcp->port); !why.empty())
         out.push_back(std::move(why));
     }
+  for (const auto& island : ours.islands)
+    if (const auto& device = island.outside.device; !device.empty())
+      if (const auto why = io::why_closed(device); !why.empty())
+        out.push_back("the sink of island `" + island.name + "` is at " + device + ": " + why +
+                      "; `rubicon doctor` on this host tells which ports there are");
   if (!with_.allows_commands && has_commands(ours))
     out.emplace_back("the file starts commands here, which this host does not allow: start "
                      "`rubicon host` with --allow-commands if you trust whoever deploys");

@@ -9,6 +9,10 @@
 
 namespace rubicon::io {
 
+std::string why_closed(const std::string& path) {
+  return ::access(path.c_str(), R_OK | W_OK) == 0 ? "" : std::generic_category().message(errno);
+}
+
 std::vector<serial_device> serial_devices() {
   std::vector<serial_device> out;
   std::error_code error;
@@ -16,8 +20,7 @@ std::vector<serial_device> serial_devices() {
     const auto name = each.path().filename().string();
     if (!name.starts_with("ttyUSB") && !name.starts_with("ttyACM"))
       continue;
-    const bool usable = ::access(each.path().c_str(), R_OK | W_OK) == 0;
-    out.push_back({each.path().string(), usable ? "" : std::generic_category().message(errno)});
+    out.push_back({each.path().string(), why_closed(each.path().string())});
   }
   std::ranges::sort(out, {}, &serial_device::path);
   return out;

@@ -288,7 +288,9 @@ TEST_CASE("a host listens to nobody without a certificate of its own authority",
   in.run("hosts; sleep 1; mkdir other; (cd other; certs me); "
          "rubicon deploy house.toml --dry-run > bare; echo $? > bare.status; "
          "(cd other; rubicon deploy ../house.toml $me --dry-run > ../foreign); "
-         "rubicon deploy house.toml $me --dry-run > own; echo $? > own.status; end; "
+         "rubicon deploy house.toml $me --dry-run > own; echo $? > own.status; "
+         "sed '0,/^host = \"kitchen\"$/s||&\\nserial = { device = \"/dev/ttyUSB77\" }|' house.toml > real.toml; "
+         "rubicon deploy real.toml $me --dry-run > real; echo $? > real.status; end; "
          "rubicon host --name x --listen 0.0.0.0:4790 2> anybody; echo $? > anybody.status; "
          "rubicon host --name x --listen 127.0.0.1:4790 --allow-commands 2> commands");
   CHECK(in.text("bare.status") == "1\n");
@@ -296,6 +298,9 @@ TEST_CASE("a host listens to nobody without a certificate of its own authority",
   CHECK(in.text("foreign").find("does not take our certificate") != std::string::npos);
   CHECK(in.text("own.status") == "0\n");
   CHECK(in.text("own").find("care  could run it") != std::string::npos);
+  CHECK(in.text("real.status") == "1\n");
+  CHECK(in.text("real").find("the sink of island `kitchen` is at /dev/ttyUSB77: No such file") !=
+        std::string::npos);
   CHECK(in.text("anybody.status") == "2\n");
   CHECK(in.text("anybody").find("give it certificates") != std::string::npos);
   CHECK(in.text("commands").find("let every user of this computer") != std::string::npos);
