@@ -1,7 +1,6 @@
 // What changed in the course of a run: energy, and tuples.
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <functional>
 #include <utility>
 
 #include "page/axis.hpp"
@@ -204,6 +203,39 @@ std::string energy_of(const run_page& x) {
       element("p", few ? "Charge used, in mAh." : "Charge used, in mAh; the hungriest by name.",
               "class='soft'") +
           wide(on.out().finish()) + energy_legend(x, all, shown));
+}
+
+std::string losses_over_time(const run_page& x, std::string_view layer) {
+  constexpr std::size_t causes_shown = 6;
+  struct cause_curve {
+    std::string_view cause;
+    const std::vector<double>* lost;
+  };
+  std::vector<cause_curve> all;
+  for (const auto& [what, lost] : x.seen.lost()) {
+    const bool is_missed = what.second != "filtered" && what.second != "duplicate" &&
+                           what.second != "off"; // as really_lost() has it
+    if (what.first == layer && is_missed && !lost.empty() && lost.back() > 0)
+      all.push_back({what.second, &lost});
+  }
+  if (all.empty() || x.report.simulated <= 0s)
+    return {};
+  std::ranges::stable_sort(all, std::greater(), [](const auto& y) { return y.lost->back(); });
+  all.resize(std::min(all.size(), causes_shown));
+  chart on(360, 140, 62, 28, "Losses over time");
+  on.scale(x.report.simulated, 0, all.front().lost->back(), 4, 3);
+  std::string legend = "<div class='legend'>";
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    std::vector<point> points{on.at(0, 0)};
+    const auto& times = x.seen.times();
+    for (std::size_t at = 0; at < std::min(times.size(), all[i].lost->size()); ++at)
+      points.push_back(on.at(seconds(times[at].time_since_epoch()), (*all[i].lost)[at]));
+    on.out().polyline(points, curve_class(i));
+    drawing sample(34, 14, "aria-hidden='true'");
+    sample.line({1, 7}, {33, 7}, curve_class(i));
+    legend += "<span>" + sample.finish() + escaped(all[i].cause) + "</span>\n";
+  }
+  return on.out().finish() + legend + "</div>\n";
 }
 
 std::string tuples_of(const run_page& x) {

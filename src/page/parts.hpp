@@ -17,6 +17,8 @@ namespace rubicon::page {
 [[nodiscard]] std::string energy_of(const run_page& x);
 [[nodiscard]] std::string tuples_of(const run_page& x);
 [[nodiscard]] std::string losses_of(const run_page& x);
+/// A chart of what a layer of samples has lost.
+[[nodiscard]] std::string losses_over_time(const run_page& x, std::string_view layer);
 [[nodiscard]] std::string motes_of(const run_page& x);
 [[nodiscard]] std::string expectations_of(const run_page& x);
 [[nodiscard]] std::string violations_of(const run_page& x);

@@ -24,6 +24,7 @@ constexpr std::size_t peers_shown = 200;
 struct layer {
   std::string title;
   cause_counts lost;
+  std::string_view sampled = {}; ///< as samples call it
 };
 
 std::vector<layer> layers_of(const report::run_report& x) {
@@ -35,10 +36,10 @@ std::vector<layer> layers_of(const report::run_report& x) {
   cause_counts flows;
   for (const auto& each : x.flows)
     add_to(flows, each.lost);
-  return {{"Messages", messages},
-          {"Packets and channels of the network", network},
-          {"Frames that the radio gave up", x.radio().mac_failed},
-          {"Copies of frames on the air", really_lost(x.radio())},
+  return {{"Messages", messages, "messages"},
+          {"Packets and channels of the network", network, "network"},
+          {"Frames that the radio gave up", x.radio().mac_failed, "mac"},
+          {"Copies of frames on the air", really_lost(x.radio()), "radio"},
           {"Flows", flows},
           {"Serial lines", x.serial().lost},
           {"PEIS packages", x.peis().lost}};
@@ -146,7 +147,8 @@ std::string losses_of(const run_page& x) {
               "<td class='bars'><span class='bar' style='width:" + px(part) +
               "%'></span></td></tr>\n";
     }
-    out += "<figure>" + element("h3", layer.title) + "<table>" + rows + "</table></figure>\n";
+    out += "<figure>" + element("h3", layer.title) + "<table>" + rows + "</table>" +
+           losses_over_time(x, layer.sampled) + "</figure>\n";
   }
   return section("losses", "Losses by cause",
                  out.empty() ? out : "<div class='grid'>" + out + "</div>\n");

@@ -55,9 +55,18 @@ void history::add(const run_sample& x) {
   }
   for (auto& [mote, all] : used_mah_) // those that are gone
     all.resize(times_.size(), all.empty() ? 0.0F : all.back());
+  for (const auto& island : x.islands)
+    for (const auto& [layer, causes] : island.lost)
+      for (const auto& [cause, count] : causes) {
+        auto& all = lost_[{layer, cause}];
+        all.resize(times_.size());
+        all.back() += static_cast<double>(count);
+      }
   if (times_.size() < samples_max)
     return;
   halve(times_);
+  for (auto& [what, all] : lost_)
+    halve(all);
   for (auto& [mote, all] : used_mah_)
     halve(all);
   stride_ *= 2;

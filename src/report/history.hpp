@@ -7,6 +7,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/address.hpp"
@@ -90,6 +92,10 @@ public:
     return used_mah_;
   }
   [[nodiscard]] const std::vector<instant>& times() const { return times_; }
+
+  /// What all islands have lost so far, at each of `times()`, by layer and cause.
+  using layer_cause = std::pair<std::string, std::string>;
+  [[nodiscard]] const std::map<layer_cause, std::vector<double>>& lost() const { return lost_; }
   [[nodiscard]] const std::optional<run_sample>& newest() const { return newest_; }
 
   /// Values that are numbers, `on` or `off`, by owner and key; of very many tuples the first.
@@ -99,6 +105,7 @@ public:
 private:
   std::vector<instant> times_;
   std::map<mote_address, std::vector<float>> used_mah_;
+  std::map<layer_cause, std::vector<double>> lost_;
   std::uint64_t stride_ = 1;
   std::uint64_t samples_ = 0;
   std::optional<run_sample> newest_;

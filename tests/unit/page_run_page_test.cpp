@@ -181,6 +181,10 @@ TEST_CASE("curves show what samples and tuples have told", "[page]") {
     for (const auto& island : x.islands)
       for (const auto& mote : island.motes)
         sample.motes.push_back({mote.address, true, 0.1 * i, 2500});
+    for (const auto& island : x.islands)
+      sample.islands.push_back(
+          {island.id,
+           {{"radio", {{"collision", static_cast<std::uint64_t>(i)}, {"filtered", 900}}}}});
     seen.add(sample);
     seen.add(tuple_write{sample.at, "robot", "robot", "robot.speed", std::to_string(i), false});
     seen.add(tuple_write{sample.at, "robot", "robot", "robot.name", "r2", false});
@@ -191,6 +195,9 @@ TEST_CASE("curves show what samples and tuples have told", "[page]") {
   CHECK(contains(html, "kitchen/climate-7, 1.000 mAh"));
   CHECK(contains(html, "robot.speed  (robot, 10 values, the last 10.00)"));
   CHECK_FALSE(contains(html, "robot.name"));
+  CHECK(contains(html, "aria-label='Losses over time'"));
+  CHECK(contains(html, "</svg>\ncollision</span>"));
+  CHECK_FALSE(contains(html, "</svg>\nfiltered</span>"));
 }
 
 TEST_CASE("a large run folds what is long and says so", "[page]") {

@@ -132,6 +132,8 @@ TEST_CASE("a history of samples is bounded, and those who come late or go are in
     sample.at = instant{i * 1s};
     if (i <= 500)
       sample.motes.push_back({fan, true, 1.0 * i, 2500});
+    sample.islands = {{fan.island, {{"mac", {{"no_ack", static_cast<std::uint64_t>(i)}}}}},
+                      {island_id{2}, {{"mac", {{"no_ack", static_cast<std::uint64_t>(i)}}}}}};
     if (i > 100)
       sample.motes.push_back({{fan.island, mote_id{9}}, true, 2.0 * i, 2500});
     x.add(sample);
@@ -143,6 +145,10 @@ TEST_CASE("a history of samples is bounded, and those who come late or go are in
   CHECK(x.used_mah().at(fan).back() == Approx(500).epsilon(0.05));
   CHECK(x.used_mah().at({fan.island, mote_id{9}}).front() == 0);
   CHECK(x.newest()->at == instant{1000s});
+  const auto& lost = x.lost().at({"mac", "no_ack"});
+  REQUIRE(lost.size() == x.times().size());
+  for (std::size_t i = 0; i < lost.size(); ++i)
+    CHECK(lost[i] == Approx(2 * seconds(x.times()[i].time_since_epoch())));
 }
 
 TEST_CASE("numbers are found in values of tuples", "[report]") {
