@@ -18,6 +18,7 @@ constexpr std::string_view written_by_others[] = {"devices.*.input.*", "devices.
 
 void perform(gateway_pointer self, gateway::outputs todo);
 void perform(gateway_pointer self, serial::outputs todo);
+void follow(gateway_pointer self);
 
 /// Of its kernel.
 peer_id id_of(gateway_pointer self) {
@@ -50,6 +51,8 @@ struct performer {
   }
 
   void operator()(gateway::to_sink& x) const {
+    if (self->state.plain.knows(x.mote))
+      return;
     const acting_on its(x.from);
     serial::am_packet packet{x.mote.value, 0, static_cast<std::uint8_t>(island().value), x.am_type,
                              std::move(x.payload)};
@@ -121,10 +124,8 @@ struct performer {
   void operator()(const serial::received& x) const {
     if (self->state.arguments.forwarder)
       self->send(self->state.arguments.forwarder, serial_packet{0, payload(x.packet)});
-    const auto packet = serial::decode_am_packet(x.packet);
-    if (packet)
-      perform(self, self->state.gateway.on_packet(mote_id(packet->source), packet->am_type,
-                                                  packet->payload, now(self)));
+    if (const auto packet = serial::decode_am_packet(x.packet))
+      take(*packet);
     else
       ++self->state.bad_packets;
   }
@@ -134,6 +135,23 @@ struct performer {
   void operator()(const serial::lost& x) const {
     tell_done(x.id);
     log(self, spdlog::level::warn, "event=lost packet={}", x.id.value);
+  }
+
+  void take(const serial::am_packet& x) const {
+    const mote_id source(x.source);
+    const auto plain = self->state.plain.on_packet(source, x.am_type, x.payload, now(self));
+    if (plain)
+      take(*plain);
+    else
+      perform(self, self->state.gateway.on_packet(source, x.am_type, x.payload, now(self)));
+  }
+
+  /// What a sink would have said.
+  void take(const std::vector<gateway::sink_packet>& all) const {
+    for (const auto& x : all)
+      perform(self, self->state.gateway.on_packet(x.source, x.am_type, x.payload, now(self)));
+    if (all.empty())
+      follow(self);
   }
 
   /// Whoever has sent a packet beside the gateway sends the next one only then.
@@ -150,7 +168,8 @@ struct performer {
 
 void follow(gateway_pointer self) {
   const auto& state = self->state;
-  const auto due = earliest(state.gateway.deadline(), state.programs.deadline());
+  const auto due = earliest(earliest(state.gateway.deadline(), state.plain.deadline()),
+                            state.programs.deadline());
   self->state.wake.follow(self, earliest(due, state.port.deadline()));
 }
 
@@ -199,6 +218,7 @@ void on_message(gateway_pointer self, const peis_message& x) {
 
 void on_timer(gateway_pointer self) {
   auto& state = self->state;
+  performer{self}.take(state.plain.on_time(now(self)));
   perform(self, state.gateway.on_time(now(self)));
   perform(self, state.programs.on_time(state.gateway, now(self)));
   perform(self, state.port.on_time(now(self)));
@@ -257,6 +277,7 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   state.gateway =
       gateway::gateway(state.arguments.config, random_stream(state.arguments.seed, self->path()));
   observe_programs(self, state.gateway);
+  state.plain = gateway::plain_motes(state.arguments.plain);
   state.port = serial::host_port(state.arguments.port);
   const auto client = caf::actor_cast<peis_client_actor>(self);
   to_adapter(self,

@@ -10,6 +10,7 @@
 #include "actors/program_host.hpp"
 #include "actors/timer.hpp"
 #include "gateway/gateway.hpp"
+#include "gateway/plain_motes.hpp"
 #include "serial/host_port.hpp"
 
 namespace rubicon {
@@ -20,6 +21,7 @@ struct gateway_arguments {
   std::string name;        ///< of its kernel
   peer_id self = any_peer; ///< the same; any_peer: it has the island's id
   std::vector<apps::app_config> programs;
+  gateway::plain_config plain;
   serial::host_port_config port;
   std::uint64_t seed = 0; ///< of the ecology
   peis_peer_actor peer;   ///< the kernel whose component it is
@@ -32,6 +34,7 @@ struct gateway_arguments {
 struct gateway_state {
   gateway_arguments arguments;
   gateway::gateway gateway;
+  gateway::plain_motes plain;
   serial::host_port port;
   std::uint64_t next_packet = 1;
   std::uint64_t bad_packets = 0;                      ///< from the line, not serial active messages

@@ -61,7 +61,10 @@ void plug(line_pointer self, bool plugged) {
   state.there = false;
   state.next_try.reset();
   state.wake.follow(self, state.next_try);
-  tell(self, plugged ? "serial cable plugged in again" : "serial cable unplugged");
+  log(self, spdlog::level::info, "event={}", plugged ? "plugged" : "unplugged");
+  self->send(state.arguments.ecology,
+             notable_event{self->path(),
+                           plugged ? "serial cable plugged in again" : "serial cable unplugged"});
   if (plugged)
     state.access->open();
   else

@@ -380,6 +380,9 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   gateway.peer = peer.handle;
   gateway.line = self->state.lines.at({island.id, peer.line});
   gateway.line_is_real = island.outside.has_sink();
+  gateway.plain = {island.plain, island.keep_alive};
+  if (gateway.line_is_real)
+    gateway.port.payload_max = island.outside.payload;
   gateway.ecology = ecology_handle(self);
   if (!is_alias && !island.exported.forwarder.empty()) {
     gateway.forwarder =

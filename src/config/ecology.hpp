@@ -21,6 +21,7 @@
 #include "core/wire_form.hpp"
 #include "device/transducer_config.hpp"
 #include "device/waypoint.hpp"
+#include "gateway/plain_rule.hpp"
 #include "goal/pursuer_config.hpp"
 #include "mote/duty_config.hpp"
 #include "peis/link_url.hpp"
@@ -110,6 +111,7 @@ struct island_description {
   std::vector<std::string> gateway_links; ///< names of peers or gateways it connects to
   wire_form gateway_wire = wire_form::segment;
   std::vector<apps::app_config> gateway_apps;
+  std::vector<gateway::plain_rule> plain; ///< of an island with a real sink
   std::vector<alias_description> aliases; ///< in the order in which they take over
   duration keep_alive = 10s;              ///< a silent mote is gone after this (DIS-06); motes that
                                           ///< report more rarely get three of their periods

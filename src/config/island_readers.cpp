@@ -118,6 +118,7 @@ void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_
   if (out.outside.has_sink())
     refuse_simulated(in);
   read_export(in, with, out);
+  read_plain(in, out);
   mark name_at = in.at("name");
   bool claims_name = name_is_free; // a default name is taken together with the island's
   in.table("gateway", "[island.gateway]", "what joins the island to the PEIS network",
@@ -137,7 +138,8 @@ void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_
 
 /// An island with the medium access only has none of what joins it to the PEIS network.
 void refuse_parts(table_reader& in) {
-  for (const auto* key : {"keep_alive", "duty_cycle", "serial", "gateway", "alias", "export"}) {
+  for (const auto* key : {"keep_alive", "duty_cycle", "serial", "gateway", "alias", "export",
+                          "plain"}) {
     in.expect(key);
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) +

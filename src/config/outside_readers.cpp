@@ -10,6 +10,7 @@
 
 #include "config/document.hpp"
 #include "core/ipv4_network.hpp"
+#include "gateway/plain_keys.hpp"
 #include "serial/line_keys.hpp"
 #include "serial/recording.hpp"
 
@@ -82,6 +83,8 @@ void read_outside(table_reader& in, const surroundings& with, const std::string&
   read_replay(in, island, out);
   if (in.has("speed") && !in.has("replay"))
     in.problems().add(in.at("speed"), "`speed` means nothing without `replay`");
+  if (in.has("payload") && !out.has_sink())
+    in.problems().add(in.at("payload"), "`payload` means nothing without a real sink");
   if (in.has("octet_error") && out.has_sink())
     in.problems().add(in.at("octet_error"), "`octet_error` means nothing with `" + first +
                                                 "`: a real cable makes errors of its own");
@@ -101,8 +104,23 @@ void read_export(table_reader& island, const surroundings& with, island_descript
                });
 }
 
+void read_plain(table_reader& island, island_description& out) {
+  island.tables("plain", "[[island.plain]]",
+                {"which motes run plain programs of TinyOS, and are devices all the same", "none"},
+                [&out](table_reader& in) {
+                  gateway::plain_rule x;
+                  in.all(x);
+                  if (in.sound() && x.last < x.first)
+                    in.problems().add(in.at("last"), "`last` must not be below `first`, which is " +
+                                                         std::to_string(x.first));
+                  out.plain.push_back(x);
+                });
+  if (!out.plain.empty() && !out.outside.has_sink())
+    island.problems().add(island.at("plain"), "`plain` means nothing without a real sink");
+}
+
 void refuse_gateway(table_reader& in) {
-  for (const auto* key : {"gateway", "alias", "export"}) {
+  for (const auto* key : {"gateway", "alias", "export", "plain"}) {
     in.expect(key);
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) +

@@ -16,6 +16,9 @@ void read_outside(table_reader& in, const surroundings& with, const std::string&
 /// [island.export]
 void read_export(table_reader& island, const surroundings& with, island_description& out);
 
+/// [[island.plain]]
+void read_plain(table_reader& island, island_description& out);
+
 /// Complains about what needs a gateway of the ecology, in an island that leaves it to others.
 void refuse_gateway(table_reader& in);
 

@@ -87,6 +87,7 @@ struct pseudo_terminal::state : std::enable_shared_from_this<pseudo_terminal::st
   boost::asio::steady_timer look;
   file_lock lock;
   fs::path link;
+  std::string lock_path;
   std::string target;
   callbacks to_owner;
   bool attached = false;
@@ -127,12 +128,14 @@ struct pseudo_terminal::state : std::enable_shared_from_this<pseudo_terminal::st
     std::error_code ignored;
     if (fs::read_symlink(link, ignored) == target)
       fs::remove(link, ignored);
+    fs::remove(lock_path, ignored);
   }
 };
 
 std::variant<pseudo_terminal, std::string>
 pseudo_terminal::open(loop& where, const std::string& link, std::size_t room) {
-  auto lock = file_lock::take(lock_of(link));
+  const auto lock_path = lock_of(link);
+  auto lock = file_lock::take(lock_path);
   if (auto* why = std::get_if<std::string>(&lock))
     return link + ": another program offers it: " + *why;
   const int master = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
@@ -145,9 +148,13 @@ pseudo_terminal::open(loop& where, const std::string& link, std::size_t room) {
     return link + ": " + reason();
   x->target = name.data();
   make_ready(x->target);
-  if (auto why = make_link(link, x->target); !why.empty())
+  if (auto why = make_link(link, x->target); !why.empty()) {
+    std::error_code ignored;
+    fs::remove(lock_path, ignored);
     return why;
+  }
   x->link = link;
+  x->lock_path = lock_path;
   return pseudo_terminal(std::move(x));
 }
 

@@ -31,6 +31,10 @@ struct outside_config {
   double speed = 1;      ///< of the replay: how often the recorded time passes in one
   std::string pty;       ///< pseudo-terminal on which others find the sink that the ecology has
 
+  /// AM payload that the real sink's program was compiled for: a longer one would block it for good
+  /// (tinyos.md 3).
+  std::size_t payload = 114;
+
   /// Of this island, in order of time; not nullptr if it is to be replayed.
   std::shared_ptr<const std::vector<recorded_frame>> recorded;
 

@@ -36,6 +36,9 @@ inline auto keys_of(const outside_config*) {
                       "the sink is simulated"}),
       keys::optional("speed", &outside_config::speed, keys::real{0.001, 1000},
                      "with `replay`, how many times faster than it was recorded"),
+      keys::optional("payload", &outside_config::payload, keys::whole<std::size_t>{1, 114},
+                     "with a real sink, the longest AM payload that its program takes, 28 of a "
+                     "BaseStation of TinyOS; what is longer is refused before it would block it"),
       keys::optional("pty", &outside_config::pty, keys::text{100},
                      {"the simulated sink's cable ends in a pseudo-terminal, to which this link is "
                       "made, seen from where rubicon was started; needs `mode = \"wall\"`. The "

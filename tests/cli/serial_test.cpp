@@ -363,3 +363,33 @@ TEST_CASE("what a sink has said makes the same tuples when it is played again",
   CHECK(set.size() > 1000);
   CHECK(tuples("replay.toml").out == set);
 }
+
+TEST_CASE("a mote with a plain program of TinyOS gets a proxy", "[cli][serial][GW-17]") {
+  edge x;
+  x.write("plain.txt", "# rubicon serial recording 1\n"
+                       "1.0 kitchen up 45 00ffff006404220600640007\n"
+                       "2.0 kitchen up 45 00ffff006404220600640008\n"
+                       "3.0 kitchen up 45 00ffff00020422060002ffff\n");
+  x.write("plain.toml", "[ecology]\nname = \"plain\"\nduration = \"20s\"\n"
+                        "[[peer]]\nname = \"pc\"\nid = 1\n"
+                        "links = [\"inproc://kitchen-gateway\"]\n"
+                        "apps = [{ app = \"proxy_manager\" }]\n"
+                        "[[proxy]]\nname = \"blinker\"\ntypes = [901]\n"
+                        "[[proxy.field]]\nname = \"count\"\nchannel = 1\nencoding = \"u16\"\n"
+                        "offset = 2\ndecimals = 0\n"
+                        "[[island]]\nid = 20\nname = \"kitchen\"\n"
+                        "serial = { replay = \"plain.txt\" }\n"
+                        "mote = [{ id = 100, name = \"lamp\" }]\n"
+                        "plain = [{ am_type = 6, first = 100, last = 199, type = 901 }]\n");
+  CHECK(test::shell(binary + " run " + x.file("plain.toml") + " --json --log off --debug-dir " +
+                    x.file("logs"))
+            .status == 0);
+  const auto said = [&](const std::string& what) {
+    return test::shell("grep -c '" + what + "' " + x.file("logs") + "/peis_peer.log").out;
+  };
+  CHECK(said("set_tuple(\"devices\", payload(7B3130307D)") != "0\n"); // {100}
+  CHECK(said("kitchen.lamp.count\", payload(37)") != "0\n");
+  CHECK(said("kitchen.lamp.count\", payload(38)") != "0\n");
+  CHECK(said("devices.2.output") == "0\n"); // of no rule's range
+  CHECK(test::shell("grep -c 'lamp' " + x.file("logs") + "/ecology.log").out != "0\n");
+}

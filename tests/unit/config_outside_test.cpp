@@ -65,6 +65,32 @@ TEST_CASE("an island may leave its gateway to another program", "[config][GW-17]
   CHECK(summary(x).find("gateway of k") == std::string::npos);
 }
 
+TEST_CASE("motes behind a real sink may run plain programs", "[config][GW-17]") {
+  const auto x = good(with("serial = { device = \"/dev/ttyUSB0\", payload = 28 }\n"
+                           "[[island.plain]]\nam_type = 6\nfirst = 100\nlast = 199\ntype = 901\n"
+                           "[[island.plain]]\nam_type = 147\ntype = 902\nchannel = 3\n"));
+  const auto& island = x.islands.at(0);
+  CHECK(island.outside.payload == 28);
+  REQUIRE(island.plain.size() == 2);
+  CHECK(island.plain[0].am_type == 6);
+  CHECK(island.plain[0].first == 100);
+  CHECK(island.plain[0].last == 199);
+  CHECK(island.plain[0].type == 901);
+  CHECK(island.plain[0].channel == 1);
+  CHECK(island.plain[1].last == mote_id_max);
+  CHECK(island.plain[1].channel == 3);
+  const auto rule = [](const std::string& rest) {
+    return problem_after(wall_head, "serial.device = \"/dev/ttyS0\"\n[[island.plain]]\n" + rest);
+  };
+  CHECK(rule("am_type = 6\n") == "11:1: `type` is missing in [[island.plain]]");
+  CHECK(rule("am_type = 6\ntype = 1\nfirst = 9\nlast = 8\n") ==
+        "15:8: `last` must not be below `first`, which is 9");
+  CHECK(problem_after(wall_head, "[[island.plain]]\nam_type = 6\ntype = 1\n") ==
+        "10:1: `plain` means nothing without a real sink");
+  CHECK(problem_after(wall_head, "serial.payload = 28\n") ==
+        "10:18: `payload` means nothing without a real sink");
+}
+
 TEST_CASE("rates may be called as TinyOS's tools call them", "[config][GW-01]") {
   const auto rate = [](const std::string& name) {
     return good(with("serial.baud = \"" + name + "\"\n")).islands.at(0).serial.baud;
