@@ -138,8 +138,8 @@ void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_
 
 /// An island with the medium access only has none of what joins it to the PEIS network.
 void refuse_parts(table_reader& in) {
-  for (const auto* key : {"keep_alive", "duty_cycle", "serial", "gateway", "alias", "export",
-                          "plain"}) {
+  for (const auto* key :
+       {"keep_alive", "duty_cycle", "serial", "gateway", "alias", "export", "plain"}) {
     in.expect(key);
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) +

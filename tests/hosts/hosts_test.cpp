@@ -289,7 +289,8 @@ TEST_CASE("a host listens to nobody without a certificate of its own authority",
          "rubicon deploy house.toml --dry-run > bare; echo $? > bare.status; "
          "(cd other; rubicon deploy ../house.toml $me --dry-run > ../foreign); "
          "rubicon deploy house.toml $me --dry-run > own; echo $? > own.status; "
-         "sed '0,/^host = \"kitchen\"$/s||&\\nserial = { device = \"/dev/ttyUSB77\" }|' house.toml > real.toml; "
+         "sed '0,/^host = \"kitchen\"$/s||&\\nserial = { device = \"/dev/ttyUSB77\" }|' house.toml "
+         "> real.toml; "
          "rubicon deploy real.toml $me --dry-run > real; echo $? > real.status; end; "
          "rubicon host --name x --listen 0.0.0.0:4790 2> anybody; echo $? > anybody.status; "
          "rubicon host --name x --listen 127.0.0.1:4790 --allow-commands 2> commands");
