@@ -32,7 +32,7 @@ white-space:pre-wrap;overflow-wrap:anywhere;font-size:.9em}
 .facts dt{color:var(--soft);font-size:.85em}
 .facts dd{margin:0;font-size:1.25em;font-weight:600;font-variant-numeric:tabular-nums}
 .wide{overflow-x:auto}
-.grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,330px),1fr));gap:14px}
+.grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,330px),1fr));gap:14px}
 figure{margin:0}
 svg{display:block;width:100%;height:auto;font:12px system-ui,sans-serif}
 .wide svg{min-width:860px}

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <ostream>
 #include <string>
@@ -41,13 +42,15 @@ void text(std::ostream& out, double x, double y, const std::string& what,
 void draw_charge(std::ostream& out, const std::vector<smepp_row>& rows) {
   constexpr double left = 70;
   constexpr double right = 400;
-  const double most = 1.1 * std::ranges::max(rows, {}, &smepp_row::mah).mah;
+  // Five steps of a whole number of 0.05 mAh.
+  const double step = 0.05 * std::ceil(std::ranges::max(rows, {}, &smepp_row::mah).mah / 5 / 0.05);
+  const double most = 5.5 * step;
   const auto y = [&](double mah) { return bottom - mah / most * (bottom - top); };
   const auto x = [&](double n) { return left + 20 + n / 4 * (right - left - 40); };
   text(out, (left + right) / 2, 40, "Charge used by s2 in 180 s, in mAh",
        "class='title' text-anchor='middle'");
   for (int i = 0; i <= 5; ++i) {
-    const auto value = most / 1.1 * i / 5;
+    const auto value = step * i;
     out << "<line class='grid' x1='" << px(left) << "' x2='" << px(right) << "' y1='"
         << px(y(value)) << "' y2='" << px(y(value)) << "'/>\n";
     text(out, left - 8, y(value) + 4, fixed(value, 2), "text-anchor='end'");
@@ -66,9 +69,9 @@ void draw_charge(std::ostream& out, const std::vector<smepp_row>& rows) {
               << px(y(each.mah) - 4) << "' width='8' height='8'/>\n";
       }
     out << "<polyline class='curve " << kind << "' style='fill:none' points='" << points << "'/>\n";
-    text(out, right - 20,
-         y(std::ranges::find(rows, saves, &smepp_row::saves)->mah) + (saves ? 20 : -10),
-         "energy efficiency " + kind, "text-anchor='end'");
+    const auto last = std::ranges::find_if(
+        rows, [&](const auto& each) { return each.saves == saves && each.subscriptions == 4; });
+    text(out, right - 20, y(last->mah) - 12, "energy efficiency " + kind, "text-anchor='end'");
   }
   for (int n = 0; n <= 4; ++n)
     text(out, x(n), bottom + 18, std::to_string(n));
