@@ -78,7 +78,7 @@ actuators = [{ name = "a", kind = "relay" }]
 id = 2
 position_m = [0, 0]
 apps = [{ app = "listener" }]
-#      ^ a mote of an island with stack = "mac" has no other apps than sender, relay and receiver
+#      ^ a mote of an island with stack = "mac" has no other apps than sender, relay, receiver and member
 
 [[peer]]
 name = "pc"

@@ -39,8 +39,8 @@ colour = "blue"
 #^ unknown key `radios` in the file: did you mean `radio`?
 
 [colour]
-#^ unknown key `colour` in the file: there is ecology, radio, host, quantity, mote_type, island,
-#   air, peis, peer, proxy, ...
+#^ unknown key `colour` in the file: there is ecology, radio, host, quantity, smepp, mote_type,
+#   island, air, peis, peer, ...
 
 nick = "x"
 #< unknown key `nick` in [[peer]]: there is id, name, count, host, links, connect, tcp, lan, leaf,
