@@ -225,6 +225,60 @@ void security_table(const bench::smepp_row& x, bool& good) {
   }
 }
 
+/// A group of motes in rows of five, of which the last one leaves at half time, or not.
+std::string grid_of(unsigned motes, bool leaves) {
+  constexpr unsigned columns = 5;
+  std::ostringstream toml;
+  toml << "[ecology]\nname = 'grid'\nduration = '20min'\n[radio]\nrange = '25m'\n"
+       << "[[smepp.group]]\nname = 'grid'\nclosed = true\nperiod = '2s'\n"
+       << "[[island]]\nid = 1\nname = 'grid'\nstack = 'mac'\nsink.position_m = [0, 500]\n";
+  for (unsigned i = 0; i < motes; ++i)
+    toml << "[[island.mote]]\nid = " << i + 2 << "\nposition_m = [" << 20 * (i % columns) << ", "
+         << 20 * (i / columns) << "]\napps = [{ app = 'member', group = 'grid'"
+         << (i == 0 ? ", creates = true" : "")
+         << (leaves && i + 1 == motes ? ", leaves = '10min'" : "") << " }]\n";
+  return toml.str();
+}
+
+/// Somebody leaves, and each of the others fetches new keys: frames of that, and the charge that
+/// the group uses more than one that stays as it is, without that of who has left.
+bench::key_change_row key_change(unsigned motes, std::uint64_t seeds) {
+  bench::key_change_row row{motes, 0, 0};
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    for (const bool leaves : {true, false}) {
+      auto loaded = config::load_text(grid_of(motes, leaves), "grid.toml", {}, {});
+      run_options options;
+      options.seed = seed;
+      const auto report = run_ecology(loaded.ecology.value(), options);
+      const auto& island = report.islands.front();
+      const double sign = (leaves ? 1.0 : -1.0) / static_cast<double>(seeds);
+      for (const auto* what :
+           {"join", "join_challenge", "join_proof", "join_accept", "join_refuse", "member_left"}) {
+        const auto sent = island.smepp.counters.find(std::string("peer.sent.") + what);
+        if (sent != island.smepp.counters.end())
+          row.frames += sign * static_cast<double>(sent->second);
+      }
+      for (std::size_t i = 0; i + 1 < island.motes.size(); ++i)
+        row.mah += sign * island.motes[i].energy.used_mah;
+    }
+  }
+  return row;
+}
+
+std::vector<bench::key_change_row> key_changes(std::uint64_t seeds) {
+  std::printf("\na member leaves and all others fetch new keys: what the group does more, mean of "
+              "%llu seeds\n%7s %8s %9s %12s\n",
+              static_cast<unsigned long long>(seeds), "members", "frames", "mAh", "mAh a member");
+  std::vector<bench::key_change_row> rows;
+  for (const unsigned motes : {3U, 5U, 9U, 17U, 26U, 32U}) {
+    rows.push_back(key_change(motes, seeds));
+    const auto& x = rows.back();
+    std::printf("%7u %8.1f %9.4f %12.5f\n", motes, x.frames, x.mah, x.mah / (motes - 1));
+    std::fflush(stdout);
+  }
+  return rows;
+}
+
 /// What happens to a long line.
 enum class trouble_kind : std::uint8_t {
   none,
@@ -310,6 +364,8 @@ int main(int argc, char** argv) {
   double hours = 2;
   std::uint64_t seeds = 3;
   std::string svg;
+  std::uint64_t changes = 10;
+  std::string keys_svg;
   bool show = false;
   CLI::App command{"SMEPP Light: energy, security, long lines"};
   command.add_option("--repetitions", repetitions, "of the reference experiment");
@@ -317,6 +373,8 @@ int main(int argc, char** argv) {
   command.add_option("--hours", hours, "that they last");
   command.add_option("--seeds", seeds, "of each");
   command.add_option("--svg", svg, "draws the reference experiment into this file");
+  command.add_option("--changes", changes, "of keys that are measured, for each size of a group");
+  command.add_option("--keys-svg", keys_svg, "draws what a change of keys costs into this file");
   command.add_flag("--show", show, "print the ecology of the first long line, and run nothing");
   CLI11_PARSE(command, argc, argv);
   spdlog::set_level(spdlog::level::off);
@@ -338,6 +396,13 @@ int main(int argc, char** argv) {
     if (!svg.empty()) {
       std::ofstream file(svg);
       bench::draw_smepp(file, rows);
+    }
+  }
+  if (changes > 0) {
+    const auto rows = key_changes(changes);
+    if (!keys_svg.empty()) {
+      std::ofstream file(keys_svg);
+      bench::draw_key_changes(file, rows);
     }
   }
   if (seeds > 0)

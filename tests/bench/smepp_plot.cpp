@@ -130,4 +130,44 @@ void draw_smepp(std::ostream& out, const std::vector<smepp_row>& rows) {
   out << "</svg>\n";
 }
 
+void draw_key_changes(std::ostream& out, const std::vector<key_change_row>& rows) {
+  out << "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 " << width << ' ' << height
+      << "'>\n<style>" << style << "</style>\n<rect class='background' width='" << width
+      << "' height='" << height << "'/>\n";
+  struct panel {
+    const char* title;
+    double key_change_row::*what;
+    double left;
+    int digits;
+    const char* kind;
+  };
+  const double members_max = rows.back().members;
+  for (const auto& each :
+       {panel{"Frames of a change of keys", &key_change_row::frames, 70, 0, "on"},
+        panel{"Charge of a change of keys, in mAh", &key_change_row::mah, 510, 3, "off"}}) {
+    const double right = each.left + 330;
+    const double most = 1.1 * std::ranges::max(rows, {}, each.what).*each.what;
+    const auto x = [&](double n) { return each.left + n / members_max * (right - each.left - 10); };
+    const auto y = [&](double value) { return bottom - value / most * (bottom - top); };
+    text(out, (each.left + right) / 2, 40, each.title, "class='title' text-anchor='middle'");
+    for (int i = 0; i <= 4; ++i) {
+      const auto value = most / 1.1 * i / 4;
+      out << "<line class='grid' x1='" << px(each.left) << "' x2='" << px(right) << "' y1='"
+          << px(y(value)) << "' y2='" << px(y(value)) << "'/>\n";
+      text(out, each.left - 8, y(value) + 4, fixed(value, each.digits), "text-anchor='end'");
+    }
+    std::string points;
+    for (const auto& row : rows) {
+      points += px(x(row.members)) + ',' + px(y(row.*each.what)) + ' ';
+      out << "<circle class='" << each.kind << "' cx='" << px(x(row.members)) << "' cy='"
+          << px(y(row.*each.what)) << "' r='4'/>\n";
+      text(out, x(row.members), bottom + 18, std::to_string(row.members));
+    }
+    out << "<polyline class='curve " << each.kind << "' style='fill:none' points='" << points
+        << "'/>\n";
+    text(out, (each.left + right) / 2, bottom + 38, "members, of which one leaves");
+  }
+  out << "</svg>\n";
+}
+
 } // namespace bench

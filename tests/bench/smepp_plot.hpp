@@ -23,4 +23,14 @@ struct smepp_row {
 /// Writes an SVG with charge over subscriptions, and the states as stacked bars.
 void draw_smepp(std::ostream& out, const std::vector<smepp_row>& rows);
 
+/// What a change of a group's keys costs all its members together.
+struct key_change_row {
+  unsigned members = 0; ///< before one leaves
+  double frames = 0;
+  double mah = 0;
+};
+
+/// Writes an SVG with frames and charge over the size of the group.
+void draw_key_changes(std::ostream& out, const std::vector<key_change_row>& rows);
+
 } // namespace bench
