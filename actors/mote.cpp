@@ -295,11 +295,11 @@ void report_node(mote_pointer self, bool is_alive) {
                         !is_alive);
 }
 
-void report_groups(mote_pointer self, bool is_alive) {
+void report_groups(mote_pointer self, life_state life) {
   const auto& state = self->state;
   if (state.groups)
     self->send(state.arguments->ecology,
-               status_of(state.arguments->address.island, state.groups->node, !is_alive));
+               status_of(state.arguments->address.island, state.groups->node, life));
 }
 
 void on_clock_step(mote_pointer self, duration by) {
@@ -316,7 +316,7 @@ void on_clock_step(mote_pointer self, duration by) {
 void report_failures(mote_pointer self) {
   self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
     self->state.flows.report(self, self->state.arguments->ecology);
-    report_groups(self, false);
+    report_groups(self, life_state::replaced);
     if (self->state.node)
       report_node(self, false);
     return scheduler::failure_of(x);
@@ -485,7 +485,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
           return;
         }
         self->state.flows.report(self, self->state.arguments->ecology);
-        report_groups(self, !self->state.flat);
+        report_groups(self, self->state.flat ? life_state::ended : life_state::goes_on);
         if (self->state.node)
           report_node(self, !self->state.flat);
       },

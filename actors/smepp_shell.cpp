@@ -23,14 +23,15 @@ std::optional<std::uint64_t> smepp_id_of(const radio_done& x) {
   return x.token & ~smepp_token;
 }
 
-smepp_status status_of(island_id island, const smepp::node& x, bool ended) {
+smepp_status status_of(island_id island, const smepp::node& x, life_state state) {
+  const bool ended = state != life_state::goes_on;
   const auto& peer = x.own();
   const auto& events = peer.events().counters();
   smepp_status status{island, {}};
   auto& r = status.smepp;
   for (const auto& each : x.members()) {
     const auto& program = each.counters();
-    ++r.programs;
+    r.programs += state == life_state::replaced ? 0 : 1;
     r.members += each.group() && !ended ? 1 : 0;
     r.joins += program.joins;
     r.joins_failed += program.joins_failed;

@@ -54,7 +54,14 @@ struct smepp_shell {
 /// SMEPP's own id of a request that has ended; nothing if it was not SMEPP's.
 [[nodiscard]] std::optional<std::uint64_t> smepp_id_of(const radio_done& x);
 
-/// What one life has counted. @param ended it is over: what was open is lost
-[[nodiscard]] smepp_status status_of(island_id island, const smepp::node& x, bool ended);
+/// What becomes of a life at its report.
+enum class life_state : std::uint8_t {
+  goes_on,
+  ended,    ///< the mote has none after it: what was open is lost
+  replaced, ///< nor are its programs those of the mote any more
+};
+
+/// What one life has counted.
+[[nodiscard]] smepp_status status_of(island_id island, const smepp::node& x, life_state state);
 
 } // namespace rubicon

@@ -36,6 +36,11 @@ void add_earlier(island_report& x, const island_report& before) {
   network.synchronised = network.aligned = 0;
   network.hops_max = 0;
   x.network += network;
+  auto groups = before.smepp;
+  groups.programs = groups.members = 0;
+  if (const auto open = std::exchange(groups.events_open, 0); open > 0)
+    groups.events_lost["power_lost"] += open;
+  x.smepp += groups;
   for (auto& gateway : x.gateways) {
     const auto same = std::ranges::find(before.gateways, gateway.id, &gateway_report::id);
     if (same == before.gateways.end())

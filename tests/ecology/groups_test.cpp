@@ -132,6 +132,7 @@ TEST_CASE("members that lose their power are members again", "[smepp][SMP-18][SM
     CHECK(report.violations.empty());
     const auto& groups = report.islands.at(0).smepp;
     CHECK(groups.members == 3);
+    CHECK(groups.programs == 3);
     CHECK(groups.joins == 6);                                       // each once more
     CHECK(groups.events_received >= groups.events_raised * 8 / 10); // some 30 s without each
   }

@@ -132,6 +132,25 @@ TEST_CASE("lives of a part add up, and what was open in one that was killed has 
   CHECK(x.event_log[1].at == instant(26s));
 }
 
+TEST_CASE("members are those of a part's last life, and its events those of all",
+          "[report][smepp]") {
+  auto first = part_with(fan, "kitchen");
+  auto& groups = first.report.islands[0].smepp;
+  groups.programs = groups.members = 3;
+  groups.events_raised = 10;
+  groups.events_received = 8;
+  groups.events_open = 2;
+  const auto second = first;
+  const auto x = merged_of({{"a", {{0s, first, false}, {30s, second, true}}}});
+  const auto& all = x.islands.at(0).smepp;
+  CHECK(all.programs == 3);
+  CHECK(all.members == 3);
+  CHECK(all.events_raised == 20);
+  CHECK(all.events_open == 2);
+  CHECK(all.events_lost.at("power_lost") == 2);
+  CHECK(all.events_missing() == 0);
+}
+
 TEST_CASE("a host without a last word is a violation", "[report][GEN-05]") {
   const auto gone = merged_of({{"a", {{0s, part_with(fan, "kitchen"), false}}}, {"b", {{}}}});
   CHECK_FALSE(gone.complete);
