@@ -89,6 +89,8 @@ std::optional<smepp::node_config> groups_of(ecology_pointer self,
   x.settings = all;
   for (const auto& each : mote.transducers)
     x.transducers |= smepp::mask_of(each.kind);
+  if (!all.authenticates_sender)
+    return x; // nobody has a key of its own with others
   for (const auto& other : island.motes)
     if (other.id != mote.id && std::ranges::any_of(other.apps, [](const auto& app) {
           return std::holds_alternative<config::member_app>(app);
@@ -167,16 +169,15 @@ void spawn_outside(ecology_pointer self, const config::island_description& islan
     line = spawn_child(*self->state.pcs, self, path, replay_line,
                        serial::replay(island.outside.recorded, island.outside.speed), island.id,
                        handle_of(self));
-    spawn_programs(self, self->state.peers.at(island.gateway_name));
-    return;
+  } else {
+    outside_line_arguments x;
+    x.access = {island.outside, island.serial.baud, island.serial.buffer};
+    x.loop = self->state.process.loop;
+    x.island = island.id;
+    x.ecology = handle_of(self);
+    line = caf::actor_cast<serial_line_actor>(
+        spawn_child(*self->state.pcs, self, path, outside_line, std::move(x)));
   }
-  outside_line_arguments x;
-  x.access = {island.outside, island.serial.baud, island.serial.buffer};
-  x.loop = self->state.process.loop;
-  x.island = island.id;
-  x.ecology = handle_of(self);
-  line = caf::actor_cast<serial_line_actor>(
-      spawn_child(*self->state.pcs, self, path, outside_line, std::move(x)));
   spawn_programs(self, self->state.peers.at(island.gateway_name));
 }
 

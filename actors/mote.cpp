@@ -1,9 +1,9 @@
 #include "actors/mote.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <iterator>
 #include <stdexcept>
+#include <utility>
 
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
@@ -36,10 +36,8 @@ void tell_state(mote_pointer self, const std::string& actuator, std::uint8_t sta
   self->send(self->state.arguments->ecology, notable_event{self->path(), actuator + how});
 }
 
-void change_radio(mote_pointer self, const std::function<void(radio_wish&)>& change) {
-  auto& wish = self->state.radio;
-  const bool was_on = wish.is_on();
-  change(wish);
+void change_radio(mote_pointer self, const radio_wish& wish) {
+  const bool was_on = std::exchange(self->state.radio, wish).is_on();
   if (wish.is_on() != was_on)
     self->send(self->state.arguments->air,
                radio_power{self->state.arguments->radio,
@@ -61,10 +59,10 @@ struct performer {
   void operator()(const mote::actuator_arrived& x) const { tell_state(self, x.name, x.state); }
 
   void operator()(const mote::radio_switch& x) const {
-    change_radio(self, [&x](radio_wish& wish) {
-      wish.stack = x.on;
-      wish.silenced = false;
-    });
+    auto wish = self->state.radio;
+    wish.stack = x.on;
+    wish.silenced = false;
+    change_radio(self, wish);
   }
 
   void operator()(const mote::store_nonvolatile& x) const {
@@ -74,7 +72,9 @@ struct performer {
 
   void operator()(mote::address_taken) const {
     log(self, spdlog::level::warn, "event=address_taken");
-    change_radio(self, [](radio_wish& wish) { wish.silenced = true; });
+    auto wish = self->state.radio;
+    wish.silenced = true;
+    change_radio(self, wish);
     self->send(self->state.arguments->ecology,
                notable_event{self->path(), "is silent: another mote has its id"});
   }
@@ -120,7 +120,9 @@ struct group_performer {
     *self->state.arguments->smepp_kept = std::move(x.content);
   }
   void operator()(const smepp::set_radio& x) const {
-    change_radio(self, [&x](radio_wish& wish) { wish.groups = x.on; });
+    auto wish = self->state.radio;
+    wish.groups = x.on;
+    change_radio(self, wish);
   }
   void operator()(const smepp::forward_event& x) const {
     auto& node = *self->state.node;
@@ -432,8 +434,11 @@ void start(mote_pointer self) {
                     random_stream(arguments.seed, life + "/flows"));
   start_groups(self, life, crystal);
   // Who has groups and no other use for its radio leaves it to them.
-  if (state.groups && !state.node && !state.flows.is_used())
-    change_radio(self, [](radio_wish& wish) { wish.stack = false; });
+  if (state.groups && !state.node && !state.flows.is_used()) {
+    auto wish = state.radio;
+    wish.stack = false;
+    change_radio(self, wish);
+  }
 }
 
 } // namespace

@@ -8,7 +8,9 @@
 
 #include "support/catch.hpp"
 #include "support/shell.hpp"
+#include "support/text.hpp"
 
+using rubicon::test::lines_of;
 using rubicon::test::outcome;
 using rubicon::test::shell;
 
@@ -26,16 +28,6 @@ outcome standard_output(const std::string& arguments) {
 
 outcome standard_error(const std::string& arguments) {
   return shell('"' + binary + "\" " + arguments + " 2>&1 >/dev/null");
-}
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  for (std::size_t from = 0; from < text.size();) {
-    const auto end = std::min(text.find('\n', from), text.size());
-    lines.push_back(text.substr(from, end - from));
-    from = end + 1;
-  }
-  return lines;
 }
 
 } // namespace

@@ -10,30 +10,18 @@
 #include "support/catch.hpp"
 #include "support/scratch_folder.hpp"
 #include "support/shell.hpp"
+#include "support/text.hpp"
 
+using rubicon::test::lines_of;
 using rubicon::test::outcome;
 using rubicon::test::scratch_folder;
 using rubicon::test::shell;
+using rubicon::test::text_of;
 
 namespace {
 
 const std::string binary = RUBICON_BINARY;
 const std::string home = "'" RUBICON_CONFIG_DIR "/home.toml'";
-
-std::string text_of(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  for (std::size_t from = 0; from < text.size();) {
-    const auto end = std::min(text.find('\n', from), text.size());
-    lines.push_back(text.substr(from, end - from));
-    from = end + 1;
-  }
-  return lines;
-}
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;

@@ -16,6 +16,7 @@
 #include "support/catch.hpp"
 #include "support/scratch_folder.hpp"
 #include "support/seeds.hpp"
+#include "support/text.hpp"
 
 using namespace rubicon;
 using namespace rubicon::test;
@@ -64,11 +65,6 @@ std::string flat(const std::string& smepp, const std::string& more = {}) {
 
 report::run_report run_text(const std::string& toml, std::uint64_t seed = 1) {
   return run(describe(toml), seed);
-}
-
-std::string content_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 } // namespace
@@ -186,7 +182,7 @@ TEST_CASE("no key is in anything that a run writes", "[smepp][SMP-13]") {
     if (!each.is_regular_file())
       continue;
     searched.push_back(each.path().filename());
-    const auto content = content_of(each.path());
+    const auto content = text_of(each.path());
     for (const char* key : {network_key, master_key}) {
       INFO(each.path());
       std::string upper(key);

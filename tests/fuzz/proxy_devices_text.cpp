@@ -2,21 +2,16 @@
 // parses prints back to the same text, and a manager fed with it stays balanced.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 
 #include "core/device_keys.hpp"
 #include "proxy/manager.hpp"
 #include "proxy/tuple_key.hpp"
+#include "require.hpp"
 
 namespace {
 
 using namespace rubicon;
-
-void require(bool condition) {
-  if (!condition)
-    std::abort();
-}
 
 proxy::class_table classes() {
   proxy::proxy_class any;

@@ -1,21 +1,16 @@
 // A message of any length against a class of any layout: no crash, all fields or none, and numbers
 // in plain decimal. Also any text written to an input: one outcome, or one write, or nothing.
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 
 #include "core/codec.hpp"
 #include "proxy/layout.hpp"
 #include "proxy/proxy.hpp"
+#include "require.hpp"
 
 namespace {
 
 using namespace rubicon;
-
-void require(bool condition) {
-  if (!condition)
-    std::abort();
-}
 
 /// A class whose layout the input decides; not-a-number and infinities are no scale.
 proxy::proxy_class read_class(byte_reader& in) {

@@ -1,20 +1,11 @@
 // The forwarder's receiver: no crash on any octets, and packets come back out of what they encode
 // to.
-#include <cstdlib>
 
+#include "require.hpp"
 #include "serial/forwarder.hpp"
 
 using namespace rubicon;
 using namespace rubicon::serial;
-
-namespace {
-
-void require(bool condition) {
-  if (!condition)
-    std::abort();
-}
-
-} // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   forwarder_decoder decoder;

@@ -1,19 +1,10 @@
 // The PC's frame decoder: no crash on any octets, and what decodes encodes back.
-#include <cstdlib>
 
+#include "require.hpp"
 #include "serial/frame.hpp"
 
 using namespace rubicon;
 using namespace rubicon::serial;
-
-namespace {
-
-void require(bool condition) {
-  if (!condition)
-    std::abort();
-}
-
-} // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   frame_decoder decoder;

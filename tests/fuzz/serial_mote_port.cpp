@@ -1,8 +1,8 @@
 // A mote's serial port under any octets at line speed: no crash, well-formed packets and acks only,
 // and every good frame accounted for once.
 #include <algorithm>
-#include <cstdlib>
 
+#include "require.hpp"
 #include "serial/frame.hpp"
 #include "serial/line_config.hpp"
 #include "serial/mote_port.hpp"
@@ -11,11 +11,6 @@ using namespace rubicon;
 using namespace rubicon::serial;
 
 namespace {
-
-void require(bool condition) {
-  if (!condition)
-    std::abort();
-}
 
 void check(const mote_port_outputs& out) {
   for (const auto& one : out) {

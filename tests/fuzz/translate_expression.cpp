@@ -2,10 +2,10 @@
 // be evaluated, or it has a problem that lies in the text. The rest of the same octets are keys.
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 #include <variant>
 
+#include "require.hpp"
 #include "translate/expression.hpp"
 #include "translate/pattern.hpp"
 #include "translate/translator.hpp"
@@ -13,11 +13,6 @@
 namespace {
 
 using namespace rubicon;
-
-void require(bool condition) {
-  if (!condition)
-    std::abort();
-}
 
 } // namespace
 

@@ -18,6 +18,7 @@
 #include "support/catch.hpp"
 #include "support/scratch_folder.hpp"
 #include "support/shell.hpp"
+#include "support/text.hpp"
 
 using namespace rubicon;
 using rubicon::test::shell;
@@ -26,13 +27,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using rubicon::test::text_of;
 
 const std::string binary = RUBICON_BINARY;
-
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// A folder with the house on ports that nobody else has, gone with the test.
 class house {

@@ -11,6 +11,7 @@
 
 #include "io_certificates_fixture.hpp"
 #include "support/catch.hpp"
+#include "support/text.hpp"
 
 using namespace rubicon::io;
 using namespace rubicon::test;
@@ -48,11 +49,6 @@ unsigned mode_of(const std::string& path) {
   struct stat x {};
   REQUIRE(::stat(path.c_str(), &x) == 0);
   return x.st_mode & 07777U;
-}
-
-std::string content_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 std::size_t files_in(const std::string& folder) {
@@ -174,17 +170,17 @@ TEST_CASE("nothing is overwritten and no half of a pair is left behind", "[io]")
                   scratch.file("certs/kitchen.crt"), scratch.file("certs/kitchen.key")};
   std::vector<std::string> before;
   for (const auto& path : paths)
-    before.push_back(content_of(path));
+    before.push_back(text_of(path));
   for (const auto& why : make())
     CHECK(why.find("there already and never overwritten; choose another") != std::string::npos);
   for (std::size_t i = 0; i < paths.size(); ++i)
-    CHECK(content_of(paths[i]) == before[i]);
+    CHECK(text_of(paths[i]) == before[i]);
 
   const auto first = GENERATE(as<std::string>{}, "attic.crt", "attic.key");
   put(scratch.file("certs/" + first), "mine");
   CHECK(refusal(make_certificate(folder, {"attic"}, today)).find("/" + first + ": it is there") !=
         std::string::npos);
-  CHECK(content_of(scratch.file("certs/" + first)) == "mine");
+  CHECK(text_of(scratch.file("certs/" + first)) == "mine");
   CHECK(files_in(folder) == 5);
 }
 
@@ -272,7 +268,7 @@ TEST_CASE("without an authority that can sign there is no certificate, and the f
   CHECK(why() == ca.key_file + ": No such file or directory");
   for (const std::string& garbage :
        {std::string(), std::string(1000, '\0'), std::string("-----BEGIN CERTIFICATE-----\n"),
-        content_of(alien.key_file)}) {
+        text_of(alien.key_file)}) {
     put(ca.file, garbage);
     CHECK(why().starts_with(ca.file + ": not a certificate in PEM (OpenSSL: "));
   }

@@ -10,12 +10,14 @@
 #include "report/report_text.hpp"
 #include "report/text_layout.hpp"
 #include "support/catch.hpp"
+#include "support/text.hpp"
 #include "unit/report_sample.hpp"
 
 using namespace rubicon;
 using namespace rubicon::report;
 using nlohmann::json;
 using rubicon::test::large_report;
+using rubicon::test::lines_of;
 using rubicon::test::sample_report;
 
 namespace {
@@ -37,14 +39,6 @@ void collect_keys(const json& x, std::set<std::string>& keys) {
     for (const auto& element : x)
       collect_keys(element, keys);
   }
-}
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);)
-    lines.push_back(line);
-  return lines;
 }
 
 bool contains(const std::string& text, const std::string& part) {
