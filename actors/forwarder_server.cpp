@@ -6,6 +6,7 @@
 #include <caf/send.hpp>
 
 #include "actors/log.hpp"
+#include "core/host_port.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
@@ -17,11 +18,10 @@ using server_pointer = scheduler::traced_pointer<forwarder_server_state, forward
 void listen(server_pointer self) {
   auto& state = self->state;
   const auto& arguments = state.arguments;
-  const auto colon = arguments.where.rfind(':');
-  const auto port = static_cast<std::uint16_t>(std::stoul(arguments.where.substr(colon + 1)));
+  const auto where = parse_host_port(arguments.where).value();
   const auto me = caf::actor_cast<forwarder_server_actor>(self);
   auto found = forwarder_clients::open(
-      *arguments.loop, arguments.where.substr(0, colon), port,
+      *arguments.loop, where.host, where.port,
       {[me](std::uint64_t client, bytes packet) {
          caf::anon_send(me, serial_packet{client, payload(std::move(packet))});
        },

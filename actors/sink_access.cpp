@@ -6,6 +6,7 @@
 
 #include <caf/send.hpp>
 
+#include "core/host_port.hpp"
 #include "io/serial_port.hpp"
 #include "io/tcp_connect.hpp"
 #include "serial/forwarder.hpp"
@@ -61,10 +62,8 @@ public:
 
   void open() override {
     constexpr duration patience = 5s;
-    const auto& name = config_.outside.forwarder;
-    const auto colon = name.rfind(':');
-    const auto port = static_cast<std::uint16_t>(std::stoul(name.substr(colon + 1)));
-    attempt_.emplace(loop_, name.substr(0, colon), port, patience, [this](auto x) {
+    const auto where = parse_host_port(config_.outside.forwarder).value();
+    attempt_.emplace(loop_, where.host, where.port, patience, [this](auto x) {
       if (auto* why = std::get_if<std::string>(&x))
         lose(*why + ": is a serial forwarder running there?");
       else

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <list>
@@ -26,6 +25,7 @@
 #include "cli/swarm_output.hpp"
 #include "config/placement.hpp"
 #include "config/units.hpp"
+#include "core/host_port.hpp"
 #include "core/printable.hpp"
 #include "deploy/bundle.hpp"
 #include "io/loop.hpp"
@@ -167,14 +167,8 @@ std::variant<deployed_host, std::string> find_host(const config::ecology_descrip
                                                    const std::string& name) {
   if (const auto* host = config::find_host(all, name))
     return deployed_host{name, host->address, host->control_port};
-  const auto colon = name.rfind(':');
-  std::uint16_t port = 0;
-  if (colon != std::string::npos) {
-    const auto* const end = name.data() + name.size();
-    const auto [stop, error] = std::from_chars(name.data() + colon + 1, end, port);
-    if (error == std::errc{} && stop == end && port > 0)
-      return deployed_host{name, name.substr(0, colon), port};
-  }
+  if (const auto found = parse_host_port(name))
+    return deployed_host{name, found->host, found->port};
   return '`' + name + "` is no [[host]] of the file, and no ADDRESS:PORT";
 }
 

@@ -1,6 +1,5 @@
 #include "config/outside_readers.hpp"
 
-#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "config/document.hpp"
+#include "core/host_port.hpp"
 #include "core/ipv4_network.hpp"
 #include "gateway/plain_keys.hpp"
 #include "serial/line_keys.hpp"
@@ -17,17 +17,6 @@
 namespace rubicon::config {
 
 namespace {
-
-/// The port behind the last colon of `HOST:PORT`; 0: that is not what it is.
-std::uint16_t port_of(const std::string& x) {
-  const auto colon = x.rfind(':');
-  std::uint16_t port = 0;
-  if (colon == std::string::npos || colon == 0)
-    return 0;
-  const auto* end = x.data() + x.size();
-  const auto found = std::from_chars(x.data() + colon + 1, end, port);
-  return found.ec == std::errc() && found.ptr == end ? port : std::uint16_t{0};
-}
 
 void need_wall_time(table_reader& in, const surroundings& with, const char* key) {
   if (in.has(key) && with.mode != run_mode::wall)
@@ -77,7 +66,8 @@ void read_outside(table_reader& in, const surroundings& with, const std::string&
   }
   for (const auto* key : {"device", "forwarder", "pty"})
     need_wall_time(in, with, key);
-  if (in.has("forwarder") && !out.forwarder.empty() && port_of(out.forwarder) == 0)
+  const auto forwarder = parse_host_port(out.forwarder);
+  if (in.has("forwarder") && !out.forwarder.empty() && (!forwarder || forwarder->host.empty()))
     in.problems().add(in.at("forwarder"),
                       "expected HOST:PORT with a port from 1 to 65535, as in \"localhost:9002\"");
   read_replay(in, island, out);
@@ -96,8 +86,8 @@ void read_export(table_reader& island, const surroundings& with, island_descript
                  in.all(out.exported);
                  need_wall_time(in, with, "forwarder");
                  const auto& where = out.exported.forwarder;
-                 const auto address = where.substr(0, where.rfind(':'));
-                 if (!where.empty() && (port_of(where) == 0 || !parse_ipv4_address(address)))
+                 const auto found = parse_host_port(where);
+                 if (!where.empty() && (!found || !parse_ipv4_address(found->host)))
                    in.problems().add(in.at("forwarder"),
                                      "expected ADDRESS:PORT with an IPv4 address of this computer, "
                                      "as in \"127.0.0.1:9002\"");

@@ -7,6 +7,7 @@
 #include "page/markup.hpp"
 #include "page/parts.hpp"
 #include "report/figures.hpp"
+#include "report/report_parts.hpp"
 
 namespace rubicon::page {
 
@@ -84,11 +85,13 @@ std::vector<mote_curve> curves_of(const report::history& x) {
   return all;
 }
 
-std::vector<point> points_of(const chart& on, const run_page& x, const std::vector<float>& used) {
+/// @param values at the times of samples
+template <class T>
+std::vector<point> points_of(const chart& on, const run_page& x, const std::vector<T>& values) {
   std::vector<point> all{on.at(0, 0)};
   const auto& times = x.seen.times();
-  for (std::size_t i = 0; i < std::min(times.size(), used.size()); ++i)
-    all.push_back(on.at(seconds(times[i].time_since_epoch()), used[i]));
+  for (std::size_t i = 0; i < std::min(times.size(), values.size()); ++i)
+    all.push_back(on.at(seconds(times[i].time_since_epoch()), values[i]));
   return all;
 }
 
@@ -213,9 +216,7 @@ std::string losses_over_time(const run_page& x, std::string_view layer) {
   };
   std::vector<cause_curve> all;
   for (const auto& [what, lost] : x.seen.lost()) {
-    const bool is_missed = what.second != "filtered" && what.second != "duplicate" &&
-                           what.second != "off"; // as really_lost() has it
-    if (what.first == layer && is_missed && !lost.empty() && lost.back() > 0)
+    if (what.first == layer && report::is_missed(what.second) && !lost.empty() && lost.back() > 0)
       all.push_back({what.second, &lost});
   }
   if (all.empty() || x.report.simulated <= 0s)
@@ -226,11 +227,7 @@ std::string losses_over_time(const run_page& x, std::string_view layer) {
   on.scale(x.report.simulated, 0, all.front().lost->back(), 4, 3);
   std::string legend = "<div class='legend'>";
   for (std::size_t i = 0; i < all.size(); ++i) {
-    std::vector<point> points{on.at(0, 0)};
-    const auto& times = x.seen.times();
-    for (std::size_t at = 0; at < std::min(times.size(), all[i].lost->size()); ++at)
-      points.push_back(on.at(seconds(times[at].time_since_epoch()), (*all[i].lost)[at]));
-    on.out().polyline(points, curve_class(i));
+    on.out().polyline(points_of(on, x, *all[i].lost), curve_class(i));
     drawing sample(34, 14, "aria-hidden='true'");
     sample.line({1, 7}, {33, 7}, curve_class(i));
     legend += "<span>" + sample.finish() + escaped(all[i].cause) + "</span>\n";

@@ -61,10 +61,6 @@ struct mote_entry {
   const report::mote_report* mote;
 };
 
-double left_of(const report::mote_report& x) {
-  return x.energy.battery_mah > 0 ? 1 - x.energy.used_mah / x.energy.battery_mah : 1;
-}
-
 /// Those that deliver least first, then those with the least left.
 std::vector<mote_entry> worst_first(const report::run_report& x) {
   std::vector<mote_entry> all;
@@ -73,7 +69,7 @@ std::vector<mote_entry> worst_first(const report::run_report& x) {
       all.push_back({&island, &mote});
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
     const auto rank = [](const mote_entry& y) {
-      return std::pair(y.mote->messages.delivery().value_or(2), left_of(*y.mote));
+      return std::pair(y.mote->messages.delivery().value_or(2), report::left_of(*y.mote));
     };
     return rank(a) < rank(b);
   });
@@ -110,7 +106,7 @@ std::string mote_row(const mote_entry& x) {
               {parent_of(x)},
               {routed ? std::to_string(mote.hops) : "–", true},
               {mote.signal_dbm ? std::to_string(*mote.signal_dbm) : "–", true},
-              {report::percent(left_of(mote), 1), true},
+              {report::percent(report::left_of(mote), 1), true},
               {report::projected_life(mote), true}});
 }
 

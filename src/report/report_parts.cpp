@@ -82,12 +82,18 @@ std::string causes(const cause_counts& x) {
   return text;
 }
 
+bool is_missed(std::string_view cause) {
+  return cause != "filtered" && cause != "duplicate" && cause != "off";
+}
+
 cause_counts really_lost(const radio_report& x) {
   auto lost = x.lost;
-  lost.erase("filtered");
-  lost.erase("duplicate");
-  lost.erase("off");
+  std::erase_if(lost, [](const auto& each) { return !is_missed(each.first); });
   return lost;
+}
+
+double left_of(const mote_report& x) {
+  return x.energy.battery_mah > 0 ? 1 - x.energy.used_mah / x.energy.battery_mah : 1;
 }
 
 std::string projected_life(const mote_report& x) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "report/report.hpp"
 #include "report/report_page.hpp"
@@ -15,9 +16,15 @@ inline constexpr std::size_t rows_max = 20; ///< of islands, flows, peers, proxi
 /// `loss 12, collision 3`, the most frequent first; causes that never happened are left out.
 [[nodiscard]] std::string causes(const cause_counts& x);
 
-/// Without what nobody missed: copies for another radio, repeats of a frame already received, and
-/// what a radio without power could not hear.
+/// Nobody missed copies for another radio, repeats of a frame already received, and what a radio
+/// without power could not hear.
+[[nodiscard]] bool is_missed(std::string_view cause);
+
+/// Copies that somebody missed.
 [[nodiscard]] cause_counts really_lost(const radio_report& x);
+
+/// Share of its battery's charge.
+[[nodiscard]] double left_of(const mote_report& x);
 
 /// How long a mote's battery lasts if it goes on as it did; why it is off if it is.
 [[nodiscard]] std::string projected_life(const mote_report& x);

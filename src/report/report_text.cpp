@@ -262,11 +262,6 @@ struct mote_entry {
   const mote_report* mote;
 };
 
-/// Share of its battery's charge.
-double left_of(const mote_report& x) {
-  return x.energy.battery_mah > 0 ? 1 - x.energy.used_mah / x.energy.battery_mah : 1;
-}
-
 std::vector<mote_entry> least_left_first(const run_report& x) {
   std::vector<mote_entry> entries;
   for (const auto& island : x.islands)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "network/wire.hpp"
 
@@ -30,10 +31,14 @@ event_management::event_management(event_config config, random_stream rng)
     : config_(config), rng_(rng), sequence_(static_cast<std::uint16_t>(rng_.next())),
       number_(static_cast<std::uint8_t>(rng_.next())) {}
 
-subscription* event_management::find(group_id group, subscription_id id) {
+const subscription* event_management::find(group_id group, subscription_id id) const {
   const auto found = std::ranges::find_if(
       subscriptions_, [&](const subscription& x) { return x.group == group && x.id == id; });
   return found == subscriptions_.end() ? nullptr : &*found;
+}
+
+subscription* event_management::find(group_id group, subscription_id id) {
+  return const_cast<subscription*>(std::as_const(*this).find(group, id));
 }
 
 std::size_t event_management::count(group_id group) const {

@@ -109,6 +109,7 @@ public:
   // ---- what is known
 
   [[nodiscard]] const std::vector<subscription>& all() const { return subscriptions_; }
+  [[nodiscard]] const subscription* find(group_id group, subscription_id id) const;
   [[nodiscard]] std::size_t count(group_id group) const;
   [[nodiscard]] static subscription_info info(const subscription& x, const group& g);
   [[nodiscard]] const event_counters& counters() const { return counters_; }

@@ -146,11 +146,8 @@ void member_program::withdraw(std::size_t number, environment& at) {
   own = {};
   const auto& event = config_.subscribes[number].event;
   static_cast<void>(at.own.smepp_unsubscribe(event, *group_, at.now, at.out));
-  std::erase_if(tasks_, [&](const task& x) {
-    return std::ranges::none_of(at.own.events().all(), [&](const subscription& each) {
-      return each.group == *group_ && each.id == x.id;
-    });
-  });
+  std::erase_if(tasks_,
+                [&](const task& x) { return at.own.events().find(*group_, x.id) == nullptr; });
 }
 
 void member_program::on(const receive_result& x, environment& at) {
@@ -194,10 +191,8 @@ void member_program::sample(const subscription_info& x, environment& at) {
 /// The next moment at which all producers sample (SMP-16), by the group's time as it is known now.
 std::optional<instant> member_program::next_sample(const task& x, const environment& at) const {
   const auto* const g = at.own.groups().find(*group_);
-  const auto known = std::ranges::find_if(at.own.events().all(), [&](const subscription& each) {
-    return each.group == *group_ && each.id == x.id;
-  });
-  if (g == nullptr || known == at.own.events().all().end())
+  const auto* const known = at.own.events().find(*group_, x.id);
+  if (g == nullptr || known == nullptr)
     return std::nullopt;
   if (known->interval <= duration{})
     return at.now + x.what->every;

@@ -72,32 +72,38 @@ private:
 
 node::node(node_config config, random_stream rng, instant begin, instant now, kept before)
     : peer_(peer_config_of(config), random_stream(rng.next()), now, std::move(before)),
-      settings_(config.settings) {
+      network_{config.settings.network_key.value_or(key()),
+               config.settings.network_mac.value_or(key())} {
   for (auto& [program, description] : config.members) {
     if (description.master)
       peer_.provision(description.name, *description.master);
     members_.emplace_back(std::move(program), std::move(description), begin,
                           random_stream(rng.next()));
   }
-  if (!settings_.authenticates_sender)
+  if (!config.settings.authenticates_sender)
     return;
   for (const auto other : config.others)
     static_cast<void>(peer_.set_pairwise_key(
-        other, pairwise_key(settings_.pairwise_root.value_or(key()), config.self, other)));
+        other, pairwise_key(config.settings.pairwise_root.value_or(key()), config.self, other)));
 }
 
-node_outputs node::start(instant now) {
-  outputs from_peer;
-  peer_.smepp_newPeer(settings_.network_key.value_or(key()), settings_.network_mac.value_or(key()),
-                      now, from_peer);
+template <class Turn>
+node_outputs node::give_turns(outputs from_peer, instant now, Turn turn) {
   auto out = settle(std::move(from_peer), now);
   host here(reader_, out);
   for (auto& x : members_) {
     outputs more;
-    x.start({peer_, here, now, more});
+    turn(x, {peer_, here, now, more});
     std::ranges::move(settle(std::move(more), now), std::back_inserter(out));
   }
   return out;
+}
+
+node_outputs node::start(instant now) {
+  outputs from_peer;
+  peer_.smepp_newPeer(network_.confidentiality, network_.integrity, now, from_peer);
+  return give_turns(std::move(from_peer), now,
+                    [](member_program& x, member_program::environment at) { x.start(at); });
 }
 
 node_outputs node::on_frame(mote_id from, mote_id to, byte_view octets, instant at, instant now) {
@@ -115,14 +121,8 @@ node_outputs node::on_sent(std::uint64_t id, bool acked, instant at, instant now
 node_outputs node::on_time(instant now) {
   outputs from_peer;
   peer_.on_time(now, from_peer);
-  auto out = settle(std::move(from_peer), now);
-  host here(reader_, out);
-  for (auto& x : members_) {
-    outputs more;
-    x.on_time({peer_, here, now, more});
-    std::ranges::move(settle(std::move(more), now), std::back_inserter(out));
-  }
-  return out;
+  return give_turns(std::move(from_peer), now,
+                    [](member_program& x, member_program::environment at) { x.on_time(at); });
 }
 
 std::optional<instant> node::deadline() const {

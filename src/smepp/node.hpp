@@ -72,9 +72,12 @@ private:
   class host;
 
   node_outputs settle(outputs from_peer, instant now);
+  /// Gives each member its turn, after what the peer wants.
+  template <class Turn>
+  node_outputs give_turns(outputs from_peer, instant now, Turn turn);
 
   peer peer_;
-  group_settings settings_;
+  key_pair network_;
   std::vector<member_program> members_;
   reader reader_;
 };

@@ -175,11 +175,11 @@ outbox::pause peer::wait(const to_send& x, instant now) const {
   if (x.to == broadcast_mote)
     return {management, (cycle.length - config_.frame_time) * 2 / 3};
   outbox::pause until{management, config_.send_spread};
-  for (const auto& tree : events_.all())
-    if (x.when == slot::subscription && tree.group == x.group && tree.id == x.subscription &&
-        tree.interval > duration{})
-      until.left = std::min(until.left, until_window(schedule->now - tree.made_at, tree.interval,
-                                                     config_.event_window, config_.frame_time));
+  const auto* const tree =
+      x.when == slot::subscription ? events_.find(x.group, x.subscription) : nullptr;
+  if (tree != nullptr && tree->interval > duration{})
+    until.left = std::min(until.left, until_window(schedule->now - tree->made_at, tree->interval,
+                                                   config_.event_window, config_.frame_time));
   return until;
 }
 

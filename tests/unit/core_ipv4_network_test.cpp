@@ -1,3 +1,4 @@
+#include "core/host_port.hpp"
 #include "core/ipv4_network.hpp"
 
 #include <string>
@@ -32,4 +33,18 @@ TEST_CASE("a network contains what its prefix says", "[core]") {
   CHECK(contains("0.0.0.0/0", "1.2.3.4"));
   CHECK(contains("10.0.0.7", "10.0.0.7"));
   CHECK_FALSE(contains("10.0.0.7", "10.0.0.8"));
+}
+
+TEST_CASE("a host and its port are apart at the last colon", "[core]") {
+  const auto x = parse_host_port("basement.local:9002");
+  REQUIRE(x);
+  CHECK(x->host == "basement.local");
+  CHECK(x->port == 9002);
+  CHECK(parse_host_port(":1")->host.empty());
+  CHECK(parse_host_port("a:b:65535")->host == "a:b");
+  for (const auto* bad :
+       {"", "host", "host:", "host:0", "host:65536", "host:-1", "host:9002 ", "host:port"}) {
+    INFO(bad);
+    CHECK_FALSE(parse_host_port(bad));
+  }
 }
