@@ -1,0 +1,2245 @@
+// The live page: shows a run of an ecology that a `rubicon run FILE --view PORT` serves.
+// docs/view.md describes what it and the server say to each other.
+// Names, keys, values and texts come from outside: they get into the page as text only.
+"use strict";
+
+// ---- helpers
+
+const { abs, ceil, floor, hypot, max, min, PI, round } = Math;
+const $ = (id) => document.getElementById(id);
+const put = (id, text) => { $(id).textContent = text; };
+const on = (target, types, run, options) => types.split(" ").forEach((type) => target.addEventListener(type, run, options));
+const clamp = (x, low, high) => min(max(x, low), high);
+const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
+
+/** A text without controls and marks that turn its neighbours round, at most `most` characters. */
+function plain(text, most = 1000) {
+  const all = String(text ?? "");
+  const cut = all.length > most ? all.slice(0, most - 1) + "…" : all;
+  return cut.replace(/[\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/g, "\ufffd");
+}
+
+/** make("p.soft.small", {title: x}, child, …): an element. Attributes may be left out; `onclick` and the like are
+ * listeners, nothing is no attribute; children are elements or texts. */
+function make(what, ...children) {
+  const [tag, ...classes] = what.split(".");
+  const element = document.createElement(tag);
+  if (classes.length) element.className = classes.join(" ");
+  const given = children[0];
+  const attributes = given && typeof given === "object" && !(given instanceof Node) ? children.shift() : {};
+  for (const [name, value] of Object.entries(attributes))
+    if (name.startsWith("on")) on(element, name.slice(2), value);
+    else if (value !== null && value !== undefined) element.setAttribute(name, value);
+  element.append(...children.filter((x) => x !== null).map((x) => (x instanceof Node ? x : plain(x))));
+  return element;
+}
+
+const button = (text, run, more = {}) => make("button", { type: "button", onclick: run, ...more }, text);
+
+/** 754.5 -> "12:34.5", ecology time as the page writes it. */
+function timeText(seconds, decimals = 1) {
+  if (!isNumber(seconds)) return "–";
+  const scale = 10 ** decimals;
+  const t = round(seconds * scale) / scale;
+  const [hours, minutes] = [floor(t / 3600), floor(t / 60) % 60];
+  const rest = (t % 60).toFixed(decimals).padStart(decimals ? 3 + decimals : 2, "0");
+  return (hours ? `${hours}:${String(minutes).padStart(2, "0")}:` : minutes + ":") + rest;
+}
+
+/** The reverse: "90", "1:30", "1:02:03.5"; null if it is no time. */
+function timeOf(text) {
+  const parts = text.trim().split(":");
+  if (parts.length > 3 || !parts.every((x) => /^\d+(\.\d+)?$/.test(x))) return null;
+  return parts.reduce((sum, x) => sum * 60 + Number(x), 0);
+}
+
+const countText = (n) => (isNumber(n) ? round(n).toLocaleString("en") : "–");
+const shareText = (x) => (isNumber(x) ? (100 * x).toFixed(x === 1 ? 0 : 1) + "%" : "–");
+const etxText = (x) => (isNumber(x) ? x.toFixed(2) : "–");
+const shortNumber = (x) => (abs(x) >= 1e6 || (x && abs(x) < 1e-3) ? x.toExponential(1) : String(Number(x.toPrecision(4))));
+const chargeText = (mah) => (isNumber(mah) ? shortNumber(Number(mah.toPrecision(3))) + " mAh" : "–");
+
+function hoursText(hours) {
+  if (!isNumber(hours)) return "–";
+  if (hours < 1) return round(hours * 60) + " min";
+  return hours < 72 ? hours.toFixed(hours < 10 ? 1 : 0) + " h" : countText(hours / 24) + " d";
+}
+
+/** Runs one at a time; of what is wanted meanwhile, only the newest follows. */
+function latest(run) {
+  let busy = false;
+  let again = false;
+  return async () => {
+    again = true;
+    if (busy) return;
+    busy = true;
+    while (again) {
+      again = false;
+      await run();
+    }
+    busy = false;
+  };
+}
+
+/** Calls at most once in `ms`, and once more after the last call. */
+function throttled(ms, run) {
+  let timer = 0;
+  let last = -Infinity;
+  return () => {
+    timer ||= setTimeout(() => {
+      timer = 0;
+      last = performance.now();
+      run();
+    }, max(0, last + ms - performance.now()));
+  };
+}
+
+/** Index of the first of ascending times that is after `t`. */
+function firstAfter(list, timeOfItem, t) {
+  let low = 0;
+  let high = list.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (timeOfItem(list[middle]) > t) high = middle;
+    else low = middle + 1;
+  }
+  return low;
+}
+
+// ---- signs and colours
+
+const STATES = [ // in the order of their codes: name, label, colour
+  ["absent", "not yet there", "soft"], ["joined", "joined", "good"], ["asleep", "asleep", "asleep"],
+  ["lost", "lost, no route", "poor"], ["off", "off", "bad"], ["flat", "battery flat", "flat"],
+];
+const [ABSENT, JOINED, ASLEEP, LOST, OFF] = STATES.keys();
+const LINKS = [ // classes of lines to parents: colour, width, dashes
+  ["good", 2.6, []], ["fair", 1.9, []], ["poor", 1.6, [8, 3]], ["bad", 1.4, [3, 3]], ["soft", 0.8, []],
+];
+const UNKNOWN_LINK = 4;
+const SERIES_COLOURS = ["c1", "c0", "c4", "c2", "c3", "c5"];
+const ENERGY_COLOURS = { listening: "c5", receiving: "c0", sending: "c1", off: "line", processor: "c2" };
+const EVENT_SIGNS = { fault: "▲", violation: "◆", expectation: "○", event: "·" };
+
+const colour = {}; // those of page.css, for canvases
+
+function setTheme(theme) {
+  document.documentElement.dataset.theme = theme;
+  const style = getComputedStyle(document.documentElement);
+  for (const name of ["bg", "fg", "soft", "line", "panel", "good", "fair", "poor", "bad", "asleep", "flat", "sink", ...SERIES_COLOURS])
+    colour[name] = style.getPropertyValue("--" + name).trim();
+  sprites.clear();
+  showLegend();
+  redraw("scene", "timeBase");
+  refreshTab();
+}
+
+function firstTheme() {
+  let kept = null;
+  try { kept = localStorage.getItem("rubicon-theme"); } catch { /* no storage: as the computer is */ }
+  return kept || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+}
+
+function otherTheme() {
+  const theme = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
+  try { localStorage.setItem("rubicon-theme", theme); } catch { /* not kept then */ }
+  setTheme(theme);
+}
+
+// ---- canvases
+
+/** Makes a canvas as large as its place, sharp on this screen. @returns its context, in CSS pixels. */
+function fitCanvas(canvas, width, height) {
+  const ratio = min(devicePixelRatio || 1, 2);
+  const [w, h] = [max(1, round(width * ratio)), max(1, round(height * ratio))];
+  if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, { width: w, height: h });
+  const ctx = canvas.getContext("2d");
+  ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+  ctx.clearRect(0, 0, width, height);
+  return ctx;
+}
+
+function stroke(ctx, hue, width, path, dash = []) {
+  ctx.strokeStyle = colour[hue];
+  ctx.lineWidth = width;
+  ctx.setLineDash(dash);
+  ctx.beginPath();
+  path(ctx);
+  ctx.stroke();
+}
+
+function fill(ctx, hue, path) {
+  ctx.fillStyle = colour[hue];
+  ctx.beginPath();
+  path(ctx);
+  ctx.fill();
+}
+
+function write(ctx, text, x, y, { hue = "soft", align = "left", font = "12px" } = {}) {
+  ctx.font = font + " system-ui, sans-serif";
+  ctx.fillStyle = colour[hue];
+  ctx.textAlign = align;
+  ctx.textBaseline = "middle";
+  ctx.fillText(text, x, y);
+}
+
+const disc = (x, y, r) => (ctx) => ctx.arc(x, y, r, 0, 7);
+const box = (x, y, w, h) => (ctx) => ctx.rect(x, y, w, h);
+
+function lines(...points) {
+  return (ctx) => points.forEach(([x, y], i) => (i ? ctx.lineTo(x, y) : ctx.moveTo(x, y)));
+}
+
+/** The sign of a state. Each has a shape of its own, so that colours are not needed to tell them apart. */
+function drawSign(ctx, code, x, y, r) {
+  const hue = STATES[code][2];
+  const thick = max(1, r * 0.3);
+  const ring = disc(x, y, r * 0.85);
+  if (code === ABSENT) stroke(ctx, hue, thick, ring, [r * 0.5, r * 0.4]);
+  else if (code === JOINED) fill(ctx, hue, disc(x, y, r));
+  else if (code === ASLEEP) {
+    stroke(ctx, hue, thick, ring);
+    fill(ctx, hue, () => ctx.arc(x, y, r * 0.85, PI / 2, 1.5 * PI));
+  } else if (code === LOST) fill(ctx, hue, lines([x, y - 1.2 * r], [x + 1.15 * r, y + 0.9 * r], [x - 1.15 * r, y + 0.9 * r]));
+  else if (code === OFF) {
+    stroke(ctx, hue, thick * 1.4, lines([x - r, y - r], [x + r, y + r]));
+    stroke(ctx, hue, thick * 1.4, lines([x + r, y - r], [x - r, y + r]));
+  } else { // an empty battery
+    stroke(ctx, hue, thick, box(x - r, y - 0.6 * r, 1.8 * r, 1.2 * r));
+    fill(ctx, hue, box(x + 0.85 * r, y - 0.3 * r, 0.4 * r, 0.6 * r));
+  }
+}
+
+const dirty = new Set();
+let framePending = false;
+const frameTimes = []; // of pictures in the last second, ms
+
+/** Asks for a picture: "scene" (all of the map), "map" (what lies over it), "timeBase", "time" (its cursor). */
+function redraw(...what) {
+  for (const each of what) dirty.add(each);
+  if (framePending) return;
+  framePending = true;
+  requestAnimationFrame(drawFrame);
+}
+
+function drawFrame(now_ms) {
+  framePending = false;
+  if (shown.playing) advance(now_ms);
+  const wanted = new Set(dirty);
+  dirty.clear();
+  scene.stale ||= wanted.has("scene");
+  timeLine.stale ||= wanted.has("timeBase");
+  if (wanted.has("scene") || wanted.has("map")) drawMap();
+  if (wanted.has("timeBase") || wanted.has("time")) drawTimeLine();
+  frameTimes.push(now_ms);
+  while (frameTimes[0] <= now_ms - 1000) frameTimes.shift();
+  if (shown.playing) redraw("map");
+}
+
+// ---- what is known
+
+/** The ecology as the server describes it; motes in arrays by their index. */
+const model = { ecology: null, count: 0, islands: [], peers: [], links: [], carried: [], byAddress: new Map(), byName: new Map() };
+/** How far the run is. */
+const run = { now: 0, end: 0, running: false, ended: false, events: 0, speed: 0, samples: 0 };
+/** What the page shows. */
+const shown = { at: 0, follow: true, playing: false, speed: 1, sample: null, motes: null, lost: {}, counts: STATES.map(() => 0),
+  chosen: null, tab: "events", explained: "", firstPicture_ms: 0 };
+const events = []; // {t, who, what, kind}, by time
+let series = { times: [], lost: {} };
+
+const NO_PARENT = -1;
+const SINK = -2;
+
+const mayControl = () => Boolean(model.ecology?.control);
+const hasMessages = () => Boolean(model.ecology?.messages);
+const runLength = () => max(model.ecology?.length_s || 0, run.now, run.end || 0, 1e-3);
+const islandOf = (mote) => model.islands[model.island[mote]];
+const fullName = (mote) => islandOf(mote).name + "/" + model.names[mote];
+const addressOf = (mote) => islandOf(mote).id + "/" + model.ids[mote];
+const joinedIn = (counts) => counts[JOINED] + counts[ASLEEP];
+const stateLabel = (mote) => (STATES[shown.motes?.state[mote]] || STATES[ABSENT])[1];
+
+function eachMote(island, visit) {
+  for (let i = island.first; i < island.first + island.count; ++i) visit(i);
+}
+
+function takeEcology(x) {
+  const same = model.ecology?.name === x.name && model.ecology?.command === x.command;
+  model.ecology = x;
+  takeMotes(x);
+  takePeers(x);
+  events.length = 0;
+  curves.clear();
+  energyOf.clear();
+  frames.clear();
+  layOut();
+  if (!same) Object.assign(shown, { chosen: null }) && (view.placed = false);
+  showEcology();
+  say({ ask: "follow", on: shown.follow });
+  askSeries();
+  if (!shown.follow) wantMoment();
+}
+
+function takeMotes(x) {
+  const islands = x.islands || [];
+  model.count = islands.reduce((sum, each) => sum + each.motes.length, 0);
+  for (const name of ["ids", "island", "parent"]) model[name] = new Int32Array(model.count);
+  for (const name of ["x", "y", "wx", "wy"]) model[name] = new Float64Array(model.count);
+  Object.assign(model, { names: [], byAddress: new Map(), byName: new Map(), islands: [] });
+  islands.forEach((each, at) => {
+    const island = { id: each.id, name: each.name, air: each.air ?? at, sink: each.sink, gateways: each.gateways || [],
+      first: model.names.length, count: each.motes.length, byId: new Map(), counts: STATES.map(() => 0) };
+    model.islands.push(island);
+    for (const [id, name, mx, my] of each.motes) {
+      const i = model.names.length;
+      [model.ids[i], model.island[i], model.x[i], model.y[i], model.parent[i]] = [id, at, mx, my, NO_PARENT];
+      model.names.push(name.startsWith(each.name + "/") ? name.slice(each.name.length + 1) : name);
+      island.byId.set(id, i);
+      model.byAddress.set(addressOf(i), i);
+      model.byName.set(fullName(i), i);
+    }
+  });
+  model.carried = Object.entries(x.paths || {}).map(([key, path]) => ({ mote: Number(key), path }))
+    .filter((each) => each.mote < model.count && each.path.length > 0);
+}
+
+function takePeers(x) {
+  const byName = new Map((x.peers || []).map((each, at) => [each.name, at]));
+  model.peers = (x.peers || []).map((each) => ({ ...each, gateway: each.kind === "gateway", links: [], islands: [] }));
+  model.links = (x.peis_links || []).map((pair) => pair.map((name) => byName.get(name))).filter(([a, b]) => a !== undefined && b !== undefined);
+  for (const [a, b] of model.links) {
+    model.peers[a].links.push(b);
+    model.peers[b].links.push(a);
+  }
+  model.islands.forEach((island, at) => island.gateways.forEach((name) => model.peers[byName.get(name)]?.islands.push(at)));
+  orderPeers();
+}
+
+/** Peers so that linked ones stand near each other: depth first. */
+function orderPeers() {
+  const order = new Set();
+  for (let start = 0; start < model.peers.length; ++start)
+    for (const stack = [start]; stack.length;) {
+      const at = stack.pop();
+      if (order.has(at)) continue;
+      order.add(at);
+      stack.push(...[...model.peers[at].links].sort((a, b) => model.peers[b].links.length - model.peers[a].links.length));
+    }
+  model.peerOrder = [...order];
+}
+
+/** A moment, asked for or, without an id, pushed. */
+function takeMoment(x) {
+  if (x.id === undefined && !shown.follow) return;
+  if (shown.follow) shown.at = x.at_s;
+  const motes = { ...x.motes };
+  for (const name of ["state", "parent", "hops", "etx", "signal", "used_mah", "hours", "delivery", "queue"]) motes[name] ??= [];
+  Object.assign(shown, { sample: x.sample_s, motes, lost: x.lost || {} });
+  shown.counts.fill(0);
+  for (const island of model.islands) {
+    island.counts.fill(0);
+    eachMote(island, (i) => {
+      island.counts[STATES[motes.state[i]] ? motes.state[i] : ABSENT] += 1;
+      model.parent[i] = parentOf(island, motes.parent[i]);
+    });
+    island.counts.forEach((n, code) => { shown.counts[code] += n; });
+  }
+  redraw("scene", "time");
+  showLegendCounts();
+  refreshTab();
+}
+
+function parentOf(island, id) {
+  if (!id) return NO_PARENT;
+  return island.sink?.id === id ? SINK : island.byId.get(id) ?? NO_PARENT;
+}
+
+function takeState(x) {
+  if (run.samples !== x.samples) askSeriesSoon();
+  Object.assign(run, { now: x.now_s, end: x.end_s, running: x.running, ended: !x.running, events: x.events, speed: x.speed, samples: x.samples });
+  if (x.new_events?.length) {
+    for (const [t, who, what, kind] of x.new_events) events.push({ t, who: String(who), what, kind: EVENT_SIGNS[kind] ? kind : "event" });
+    events.sort((a, b) => a.t - b.t);
+    redraw("timeBase");
+    if (shown.tab === "events") refreshTab();
+  }
+  if (shown.follow) shown.at = run.now;
+  showStatus();
+  redraw("time");
+}
+
+const askSeries = latest(async () => {
+  series = (await ask({ ask: "series" }, "series")) || series;
+  showCauses();
+});
+const askSeriesSoon = throttled(1500, askSeries);
+
+const wantMoment = latest(async () => {
+  const answer = await ask({ ask: "moment", at_s: shown.at }, "moment");
+  if (answer && !shown.follow) takeMoment(answer);
+});
+
+// ---- connection
+
+const connection = { socket: null, open: false, was: false, wait_s: 0.5, again_at: 0, next: 1, waiting: new Map() };
+
+function connect() {
+  const url = new URL("live", location.href);
+  url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
+  connection.socket = new WebSocket(url);
+  on(connection.socket, "open", () => {
+    Object.assign(connection, { open: true, was: true, wait_s: 0.5 });
+    showStatus();
+  });
+  on(connection.socket, "message", (event) => take(event.data));
+  on(connection.socket, "close", lostConnection);
+}
+
+function lostConnection() {
+  connection.open = false;
+  for (const resolve of connection.waiting.values()) resolve(null);
+  connection.waiting.clear();
+  connection.again_at = performance.now() + connection.wait_s * 1000;
+  setTimeout(connect, connection.wait_s * 1000);
+  connection.wait_s = min(connection.wait_s * 2, 8);
+  showStatus();
+}
+
+function take(text) {
+  let x;
+  try { x = JSON.parse(text); } catch { return; }
+  const resolve = connection.waiting.get(x.id);
+  connection.waiting.delete(x.id);
+  if (resolve) resolve(x);
+  else if (x.kind === "ecology") takeEcology(x);
+  else if (x.kind === "state") takeState(x);
+  else if (x.kind === "moment" && x.id === undefined) takeMoment(x);
+}
+
+function say(question) {
+  if (connection.open) connection.socket.send(JSON.stringify(question));
+}
+
+/** @returns the answer; null if the connection is lost, or, with a kind, if it is of another kind, as a refusal. */
+async function ask(question, kind = null) {
+  if (!connection.open) return null;
+  const id = connection.next++;
+  const answer = await new Promise((resolve) => {
+    connection.waiting.set(id, resolve);
+    say({ ...question, id });
+  });
+  return kind && answer?.kind !== kind ? null : answer;
+}
+
+/** Questions for what is in view only: few at a time, the newest first, the oldest of too many never. */
+const lazy = { waiting: new Map(), flying: 0 };
+
+function askLazily(question, kind, then) {
+  const name = JSON.stringify(question);
+  lazy.waiting.delete(name);
+  lazy.waiting.set(name, async () => then(await ask(question, kind)));
+  if (lazy.waiting.size > 80) lazy.waiting.delete(lazy.waiting.keys().next().value);
+  askNextLazily();
+}
+
+function askNextLazily() {
+  if (lazy.flying >= 4 || !lazy.waiting.size) return;
+  const [name, job] = [...lazy.waiting].pop();
+  lazy.waiting.delete(name);
+  lazy.flying += 1;
+  job().finally(() => {
+    lazy.flying -= 1;
+    askNextLazily();
+  });
+}
+
+// ---- the moment shown
+
+/** Shows the moment `t`; all parts of the page follow. */
+function showAt(t) {
+  setPlaying(false);
+  setFollow(false);
+  shown.at = clamp(t, 0, run.now);
+  moved();
+  wantMoment();
+}
+
+/** The cursor is elsewhere: what depends on it without asking. */
+function moved() {
+  placeCarried();
+  redraw("time", "map");
+}
+
+function setFollow(follow) {
+  if (shown.follow === follow) return;
+  shown.follow = follow;
+  say({ ask: "follow", on: follow });
+  showTime();
+}
+
+async function goLive() {
+  setPlaying(false);
+  shown.at = run.now;
+  moved();
+  if (!shown.follow) await wantMoment();
+  setFollow(true);
+}
+
+function setPlaying(playing) {
+  if (playing && shown.at >= run.now && !run.running) shown.at = 0;
+  if (playing) setFollow(false);
+  shown.playing = playing;
+  play.last_ms = 0;
+  frames.clear();
+  showTime();
+  redraw("map");
+}
+
+const play = { last_ms: 0, asked_ms: 0 };
+
+function advance(now_ms) {
+  const passed_s = play.last_ms ? min((now_ms - play.last_ms) / 1000, 0.5) : 0;
+  play.last_ms = now_ms;
+  shown.at = min(shown.at + passed_s * shown.speed, run.now);
+  if (now_ms - play.asked_ms > 120) {
+    play.asked_ms = now_ms;
+    wantMoment();
+  }
+  frames.lookAhead();
+  moved();
+  if (shown.at < run.now) return;
+  if (run.running) goLive();
+  else setPlaying(false);
+}
+
+const eventTime = (x) => x.t;
+
+async function nextEvent() {
+  const next = events[firstAfter(events, eventTime, shown.at + 1e-6)]?.t;
+  const t = next ?? (await ask({ ask: "next_event", after_s: shown.at }, "next_event"))?.event?.[0];
+  if (t !== undefined) showAt(t);
+}
+
+const eventBefore = () => showAt(events[firstAfter(events, eventTime, shown.at - 1e-6) - 1]?.t ?? 0);
+const stepTime = (hundredths) => showAt(shown.at + (runLength() * hundredths) / 100);
+
+const SPEEDS = [0.01, 0.1, 0.5, 1, 5, 10, 50, 100, 1000];
+
+function setSpeed(speed) {
+  shown.speed = speed;
+  $("speed").value = String(speed);
+  frames.clear();
+}
+
+const changeSpeed = (by) => setSpeed(SPEEDS[clamp(SPEEDS.indexOf(shown.speed) + by, 0, SPEEDS.length - 1)]);
+
+/** Frames that are on their way while the page plays slowly: [start, length, from, to, heard]. */
+const frames = {
+  list: [], to: 0, asking: false, round: 0,
+
+  clear() {
+    Object.assign(this, { list: [], to: 0, asking: false, round: this.round + 1 });
+  },
+
+  wanted: () => shown.playing && shown.speed <= 1 && hasMessages(),
+  /** A frame is too short to be seen: it is drawn at least for this long. */
+  least_s: () => 0.35 * shown.speed,
+
+  async lookAhead() {
+    const ahead_s = 1.5 * shown.speed;
+    if (!this.wanted() || this.asking || this.to > shown.at + ahead_s) return;
+    this.asking = true;
+    const { round } = this;
+    const from_s = max(this.to, shown.at - this.least_s());
+    const to_s = from_s + 2 * ahead_s;
+    const found = (await ask({ ask: "frames", from_s, to_s }, "frames"))?.frames || [];
+    if (round !== this.round) return;
+    this.asking = false;
+    this.to = found.length >= 500 ? found[found.length - 1][0] + 1e-6 : to_s;
+    this.list = this.list.filter(([start, length]) => start + length + this.least_s() > shown.at).concat(found);
+  },
+};
+
+// ---- map: where things are
+
+// World: metres, x to the right, y down, each air's ground beside the others.
+const world = { airs: [], width: 1, height: 1 };
+const plan = { image: null };
+
+/** Gives each air its ground, and all motes and sinks their places in the world. */
+function layOut() {
+  const airs = new Map();
+  for (const island of model.islands) {
+    if (!airs.has(island.air)) airs.set(island.air, { islands: [], first: airs.size === 0 });
+    airs.get(island.air).islands.push(island);
+  }
+  world.airs = [...airs.values()];
+  world.airs.forEach(measureAir);
+  packAirs();
+  for (const air of world.airs) for (const island of air.islands) placeIsland(air, island);
+  placeCarried();
+  grid.build();
+  if (!model.ecology.plan || plan.image) return;
+  plan.image = new Image();
+  on(plan.image, "load", () => redraw("scene"));
+  plan.image.src = "plan";
+}
+
+const emptyArea = () => ({ x0: Infinity, y0: Infinity, x1: -Infinity, y1: -Infinity });
+
+function widen(area, x, y) {
+  if (!isNumber(x) || !isNumber(y)) return;
+  area.x0 = min(area.x0, x);
+  area.x1 = max(area.x1, x);
+  area.y0 = min(area.y0, y);
+  area.y1 = max(area.y1, y);
+}
+
+function measureAir(air) {
+  const area = emptyArea();
+  for (const island of air.islands) {
+    if (island.sink) widen(area, island.sink.x, island.sink.y);
+    eachMote(island, (i) => widen(area, model.x[i], model.y[i]));
+  }
+  for (const { mote, path } of model.carried)
+    if (air.islands.includes(islandOf(mote))) for (const [, x, y] of path) widen(area, x, y);
+  if (air.first) { // the plan and the walls are those of the first air
+    const p = model.ecology.plan;
+    const corners = p ? [[p.x_m, p.y_m, p.x_m + p.width_m, p.y_m + p.height_m]] : [];
+    for (const [x1, y1, x2, y2] of corners.concat(model.ecology.walls || [])) {
+      widen(area, x1, y1);
+      widen(area, x2, y2);
+    }
+  }
+  if (area.x0 > area.x1) Object.assign(area, { x0: 0, y0: 0, x1: 1, y1: 1 });
+  const margin = max(0.5, 0.06 * max(area.x1 - area.x0, area.y1 - area.y0));
+  Object.assign(air, { left: area.x0 - margin, top: area.y1 + margin,
+    width: area.x1 - area.x0 + 2 * margin, height: area.y1 - area.y0 + 2 * margin });
+}
+
+/** Airs stand in rows, from left to right, about half as high as wide in all. */
+function packAirs() {
+  const area = world.airs.reduce((sum, air) => sum + air.width * air.height, 0);
+  const rowWidth = max(...world.airs.map((air) => air.width), Math.sqrt(area * 2));
+  const gap = 0.16 * Math.sqrt(area / max(world.airs.length, 1));
+  let [x, y, rowHeight] = [0, 0, 0];
+  world.width = 1e-3;
+  for (const air of world.airs) {
+    if (x > 0 && x + air.width > rowWidth) [x, y, rowHeight] = [0, y + rowHeight + gap, 0];
+    Object.assign(air, { x, y });
+    x += air.width + gap;
+    rowHeight = max(rowHeight, air.height);
+    world.width = max(world.width, x - gap);
+  }
+  world.height = max(y + rowHeight, 1e-3);
+}
+
+const worldX = (air, x) => air.x + x - air.left;
+const worldY = (air, y) => air.y + air.top - y; // the file's y grows upwards
+
+function placeIsland(air, island) {
+  const area = emptyArea();
+  eachMote(island, (i) => {
+    model.wx[i] = worldX(air, model.x[i]);
+    model.wy[i] = worldY(air, model.y[i]);
+    widen(area, model.wx[i], model.wy[i]);
+  });
+  if (island.sink) widen(area, worldX(air, island.sink.x), worldY(air, island.sink.y));
+  if (area.x0 > area.x1) Object.assign(area, { x0: air.x, x1: air.x + air.width, y0: air.y, y1: air.y + air.height });
+  const [w, h] = [max(area.x1 - area.x0, 0.1), max(area.y1 - area.y0, 0.1)];
+  const [cx, cy] = [(area.x0 + area.x1) / 2, (area.y0 + area.y1) / 2];
+  Object.assign(island, { ground: air, area, width: w, height: h, cx, cy, folded: false, ring: 0,
+    sx: island.sink ? worldX(air, island.sink.x) : cx, sy: island.sink ? worldY(air, island.sink.y) : cy,
+    spacing: Math.sqrt(max(w * h, (w * w + h * h) / 20) / max(island.count, 1)) });
+}
+
+/** Carried motes are where their paths have them at the shown moment. */
+function placeCarried() {
+  for (const { mote, path } of model.carried) {
+    const [x, y] = pathAt(path, shown.at);
+    const { ground } = islandOf(mote);
+    const [wx, wy] = [worldX(ground, x), worldY(ground, y)];
+    if (wx !== model.wx[mote] || wy !== model.wy[mote]) redraw("scene");
+    model.wx[mote] = wx;
+    model.wy[mote] = wy;
+  }
+}
+
+function pathAt(path, t) {
+  const next = firstAfter(path, (point) => point[0], t);
+  const [t1, x1, y1] = path[max(next - 1, 0)];
+  const [t2, x2, y2] = path[min(next, path.length - 1)];
+  const part = t2 > t1 ? (t - t1) / (t2 - t1) : 0;
+  return [x1 + part * (x2 - x1), y1 + part * (y2 - y1)];
+}
+
+/** Finds motes near a place: cells of the world, each with its motes, in two flat arrays. */
+const grid = {
+  build() {
+    this.cell = max(Math.sqrt((world.width * world.height) / max(model.count, 1)), 1e-6);
+    this.columns = floor(world.width / this.cell) + 1;
+    this.rows = floor(world.height / this.cell) + 1;
+    this.start = new Int32Array(this.columns * this.rows + 1);
+    this.items = new Int32Array(model.count);
+    const cellOf = (i) => this.row(model.wy[i]) * this.columns + this.column(model.wx[i]);
+    for (let i = 0; i < model.count; ++i) this.start[cellOf(i) + 1] += 1;
+    for (let c = 0; c < this.columns * this.rows; ++c) this.start[c + 1] += this.start[c];
+    const next = this.start.slice();
+    for (let i = 0; i < model.count; ++i) this.items[next[cellOf(i)]++] = i;
+  },
+
+  column(x) { return clamp(floor(x / this.cell), 0, this.columns - 1); },
+  row(y) { return clamp(floor(y / this.cell), 0, this.rows - 1); },
+
+  /** Calls `visit` with each mote that may be within `r` of a place; with those that are carried, always. */
+  near(x, y, r, visit) {
+    for (const each of model.carried) visit(each.mote);
+    for (let row = this.row(y - r); row <= this.row(y + r); ++row) {
+      const first = row * this.columns;
+      for (let k = this.start[first + this.column(x - r)]; k < this.start[first + this.column(x + r) + 1]; ++k) visit(this.items[k]);
+    }
+  },
+};
+
+// ---- map: the view
+
+// Screen: CSS pixels of the canvas; screen = world * scale + (ox, oy).
+const view = { scale: 1, ox: 0, oy: 0, fitScale: 1, width: 0, height: 0, band: 0, placed: false };
+
+const screenX = (x) => x * view.scale + view.ox;
+const screenY = (y) => y * view.scale + view.oy;
+const mapWidth = () => max(view.width - view.band, 50);
+const moteSpot = (i) => ({ x: screenX(model.wx[i]), y: screenY(model.wy[i]), r: radiusIn(islandOf(i)) });
+/** Of its sink, or of the ring to which it is folded. */
+const islandSpot = (island) => ({ x: screenX(island.folded ? island.cx : island.sx), y: screenY(island.folded ? island.cy : island.sy),
+  r: island.folded ? island.ring : radiusIn(island) });
+const radiusIn = (island) => round(clamp(island.spacing * view.scale * 0.26, 1.2, 7) * 2) / 2;
+
+function resizeMap() {
+  const place = $("map-area").getBoundingClientRect();
+  const wasFit = abs(view.scale / view.fitScale - 1) < 1e-6;
+  const withBand = model.peers.length && $("band-toggle").getAttribute("aria-pressed") === "true";
+  Object.assign(view, { width: place.width, height: place.height, band: withBand ? (place.width > 560 ? 176 : 112) : 0 });
+  if (!view.placed || wasFit) fitView();
+  redraw("scene");
+}
+
+function fitView() {
+  if (!view.width || !model.ecology) return;
+  const [side, top, bottom] = mapWidth() < 420 ? [14, 54, 60] : [24, 48, 44];
+  const [w, h] = [mapWidth() - 2 * side, view.height - top - bottom];
+  view.fitScale = max(min(w / world.width, h / world.height), 1e-6);
+  Object.assign(view, { scale: view.fitScale, placed: true, ox: side + (w - world.width * view.fitScale) / 2,
+    oy: top + (h - world.height * view.fitScale) / 2 });
+  redraw("scene");
+}
+
+/** Zooms by a factor; what is at (x, y) on the screen stays there. */
+function zoom(factor, x = mapWidth() / 2, y = view.height / 2) {
+  const most = model.islands.reduce((a, island) => max(a, 120 / island.spacing), view.fitScale * 40);
+  const scale = clamp(view.scale * factor, view.fitScale * 0.4, most);
+  view.ox = x - ((x - view.ox) * scale) / view.scale;
+  view.oy = y - ((y - view.oy) * scale) / view.scale;
+  view.scale = scale;
+  viewMoved();
+}
+
+function pan(dx, dy) {
+  view.ox += dx;
+  view.oy += dy;
+  viewMoved();
+}
+
+/** A picture that takes long is only shifted until there is time for a new one. */
+function viewMoved() {
+  hideTip();
+  clearTimeout(scene.timer);
+  if (scene.cost_ms < 3) return redraw("scene");
+  scene.timer = setTimeout(() => redraw("scene"), 140);
+  return redraw("map");
+}
+
+function showPlace(x, y, scale) {
+  Object.assign(view, { scale, ox: mapWidth() / 2 - x * scale, oy: view.height / 2 - y * scale });
+  redraw("scene");
+}
+
+function showIsland(island) {
+  const fit = 0.8 * min(mapWidth() / island.width, (view.height - 80) / island.height);
+  showPlace(island.cx, island.cy, max(fit, (FOLD_PX * 1.1) / island.spacing));
+}
+
+function showMote(i) {
+  const { spacing } = islandOf(i);
+  showPlace(model.wx[i], model.wy[i], spacing * view.scale < FOLD_PX * 3 ? (FOLD_PX * 4) / spacing : view.scale);
+}
+
+// ---- map: the picture
+
+// The scene is drawn larger than the screen, once, and shifted while somebody drags it; on it lies what changes with the
+// pointer or in time.
+const MARGIN_PX = 160;
+const FOLD_PX = 5.5; // an island whose motes are nearer to each other than this is folded,
+const FOLD_LARGE_PX = 3; // or than this if it is large,
+const LARGE_PX = 250; // as this
+const LABEL_PX = 26; // motes farther from each other than this have names
+const scene = { canvas: document.createElement("canvas"), stale: true, cost_ms: 0, timer: 0, scale: 1, ox: 0, oy: 0 };
+const sprites = new Map();
+
+function drawMap() {
+  if (!view.placed) return;
+  let place = scenePlace();
+  if (scene.stale || place.exposed) {
+    drawScene();
+    place = scenePlace();
+  }
+  const ctx = fitCanvas($("map"), view.width, view.height);
+  ctx.drawImage(scene.canvas, place.left, place.top, place.width, place.height);
+  drawScaleBar(ctx);
+  if (view.band) drawBand(ctx);
+  drawNeighbours(ctx);
+  drawMarks(ctx);
+  if (frames.wanted()) drawFrames(ctx);
+  shown.firstPicture_ms ||= round(performance.now());
+}
+
+/** Where the scene is on the screen now, and whether it does not cover it. */
+function scenePlace() {
+  const factor = view.scale / scene.scale;
+  const [left, top] = [view.ox - (scene.ox + MARGIN_PX) * factor, view.oy - (scene.oy + MARGIN_PX) * factor];
+  const [width, height] = [scene.width * factor, scene.height * factor];
+  const exposed = left > 0 || top > 0 || left + width < view.width || top + height < view.height || factor > 1.6;
+  return { left, top, width, height, exposed };
+}
+
+function drawScene() {
+  const started = performance.now();
+  Object.assign(scene, { scale: view.scale, ox: view.ox, oy: view.oy, width: view.width + 2 * MARGIN_PX,
+    height: view.height + 2 * MARGIN_PX, stale: false });
+  const ctx = fitCanvas(scene.canvas, scene.width, scene.height);
+  ctx.translate(MARGIN_PX, MARGIN_PX);
+  labels.clear();
+  const airs = world.airs.filter((air) => inView(screenX(air.x), screenY(air.y), screenX(air.x + air.width), screenY(air.y + air.height)));
+  for (const air of airs) drawGround(ctx, air);
+  const islands = airs.flatMap((air) => air.islands);
+  for (const island of islands) island.folded = isTooSmall(island);
+  const folded = islands.filter((island) => island.folded);
+  const open = islands.filter((island) => !island.folded
+    && inView(screenX(island.area.x0), screenY(island.area.y0), screenX(island.area.x1), screenY(island.area.y1)));
+  if (shown.motes) drawLinks(ctx, open);
+  for (const draw of [drawMotes, drawSink, drawNames]) for (const island of open) draw(ctx, island);
+  for (const draw of [drawRing, nameRing]) for (const island of folded) draw(ctx, island);
+  scene.cost_ms = performance.now() - started;
+}
+
+const inView = (x0, y0, x1, y1) => x1 > -MARGIN_PX && x0 < view.width + MARGIN_PX && y1 > -MARGIN_PX && y0 < view.height + MARGIN_PX;
+
+function isTooSmall(island) {
+  const large = min(island.width, island.height) * view.scale > LARGE_PX;
+  return island.count > 2 && island.spacing * view.scale < (large ? FOLD_LARGE_PX : FOLD_PX);
+}
+
+function drawGround(ctx, air) {
+  const ground = box(screenX(air.x), screenY(air.y), air.width * view.scale, air.height * view.scale);
+  fill(ctx, "panel", ground);
+  stroke(ctx, "line", 1, ground);
+  if (!air.first) return;
+  const p = model.ecology.plan;
+  const place = (x, y) => [screenX(worldX(air, x)), screenY(worldY(air, y))];
+  if (p && plan.image?.naturalWidth) {
+    ctx.globalAlpha = 0.6;
+    ctx.drawImage(plan.image, ...place(p.x_m, p.y_m + p.height_m), p.width_m * view.scale, p.height_m * view.scale);
+    ctx.globalAlpha = 1;
+  }
+  for (const [x1, y1, x2, y2] of model.ecology.walls || []) stroke(ctx, "soft", 2.5, lines(place(x1, y1), place(x2, y2)));
+}
+
+/** Lines to parents, one path for each class. */
+function drawLinks(ctx, islands) {
+  const by = $("link-by").value;
+  if (by === "none") return;
+  const { state } = shown.motes;
+  const paths = LINKS.map(() => []);
+  for (const island of islands)
+    eachMote(island, (i) => { if (model.parent[i] !== NO_PARENT && state[i] > ABSENT && state[i] < OFF) paths[linkClass(i, by)].push(i); });
+  const thin = islands.some((island) => island.spacing * view.scale < 14);
+  paths.forEach((motes, kind) => {
+    const [hue, width, dash] = LINKS[kind];
+    stroke(ctx, hue, thin ? 0.7 : width, () => { for (const i of motes) lineToParent(ctx, i); }, thin ? [] : dash);
+  });
+}
+
+function lineToParent(ctx, i) {
+  const from = moteSpot(i);
+  const to = model.parent[i] === SINK ? islandSpot(islandOf(i)) : moteSpot(model.parent[i]);
+  if (!inView(min(from.x, to.x), min(from.y, to.y), max(from.x, to.x), max(from.y, to.y))) return;
+  ctx.moveTo(from.x, from.y);
+  ctx.lineTo(to.x, to.y);
+}
+
+/** Which of LINKS; of what arrived as on the report's map. */
+function linkClass(i, by) {
+  const limits = { delivery: [0.99, 0.95, 0.8], signal: [-70, -80, -88], etx: [-1.2, -1.6, -3] }[by];
+  const x = shown.motes[by][i];
+  if (!isNumber(x)) return UNKNOWN_LINK;
+  const found = limits.findIndex((limit) => (by === "etx" ? -x : x) >= limit);
+  return found < 0 ? limits.length : found;
+}
+
+function drawMotes(ctx, island) {
+  const r = radiusIn(island);
+  const pictures = STATES.map((_, code) => sprite(code, r));
+  const half = pictures[0].half;
+  eachMote(island, (i) => {
+    const [x, y] = [screenX(model.wx[i]), screenY(model.wy[i])];
+    if (!inView(x, y, x, y)) return;
+    const picture = pictures[shown.motes?.state[i]] || pictures[ABSENT];
+    ctx.drawImage(picture.canvas, x - half, y - half, 2 * half, 2 * half);
+    if (r > 2.5) labels.occupy(x - r, y - r, x + r, y + r);
+  });
+}
+
+/** The sign of a state, drawn once for each size. */
+function sprite(code, r) {
+  const name = code + ":" + r;
+  if (!sprites.has(name)) {
+    const canvas = document.createElement("canvas");
+    const half = ceil(r * 1.3) + 1;
+    drawSign(fitCanvas(canvas, 2 * half, 2 * half), code, half, half, r);
+    sprites.set(name, { canvas, half });
+  }
+  return sprites.get(name);
+}
+
+function drawSink(ctx, island) {
+  if (!island.sink) return;
+  const { x, y } = islandSpot(island);
+  const r = max(radiusIn(island) * 1.15, 4.5);
+  fill(ctx, "sink", box(x - r, y - r, 2 * r, 2 * r));
+  stroke(ctx, "bg", 1.5, box(x - r, y - r, 2 * r, 2 * r));
+  labels.occupy(x - r, y - r, x + r, y + r);
+  if (!label(ctx, x, y, r, island.name, true)) label(ctx, screenX(island.cx), screenY(island.area.y0) - 6, 0, island.name, true, [3]);
+}
+
+function drawNames(ctx, island) {
+  if (island.spacing * view.scale < LABEL_PX) return;
+  eachMote(island, (i) => {
+    const { x, y, r } = moteSpot(i);
+    if (inView(x, y, x, y)) label(ctx, x, y, r, model.names[i], false);
+  });
+}
+
+/** An island too small for its motes: a ring of its states, and how many have joined. */
+function drawRing(ctx, island) {
+  const small = min(island.width, island.height) * view.scale * 0.34;
+  const r = island.ring = clamp(6 + 2.2 * Math.log2(island.count), 7, max(7, small));
+  const { x, y } = islandSpot(island);
+  fill(ctx, "bg", disc(x, y, r));
+  let angle = -PI / 2;
+  for (const code of [JOINED, ASLEEP, LOST, OFF, 5, ABSENT]) {
+    const part = (island.counts[code] / island.count) * 2 * PI;
+    if (part) stroke(ctx, STATES[code][2], max(3, r * 0.32), () => ctx.arc(x, y, r, angle, angle + part));
+    angle += part;
+  }
+  labels.occupy(x - r - 3, y - r - 3, x + r + 3, y + r + 2);
+  if (r >= 11) write(ctx, joinedIn(island.counts), x, y + 0.5, { hue: "fg", align: "center", font: "11px" });
+}
+
+/** With joined of all, where there is room. */
+function nameRing(ctx, island) {
+  const { x, y } = islandSpot(island);
+  const r = island.ring * 1.16 + 3;
+  const name = plain(island.name, 16);
+  if (!label(ctx, x, y, r, `${name} ${joinedIn(island.counts)}/${island.count}`, true, [2, 0])) label(ctx, x, y, r, name, true, [2]);
+}
+
+function drawScaleBar(ctx) {
+  const decade = 10 ** floor(Math.log10(110 / view.scale));
+  const metres = [5, 2, 1].find((n) => n * decade * view.scale <= 110) * decade;
+  const right = mapWidth() - 14;
+  stroke(ctx, "fg", 1.5, lines([right - metres * view.scale, 26], [right, 26]));
+  write(ctx, shortNumber(metres) + " m", right, 16, { align: "right" });
+}
+
+/** Where the map has room for names: a coarse picture of what is taken. */
+const labels = {
+  CELL: 4,
+
+  clear() {
+    this.columns = ceil((view.width + 2 * MARGIN_PX) / this.CELL);
+    this.rows = ceil((view.height + 2 * MARGIN_PX) / this.CELL);
+    this.taken = new Uint8Array(this.columns * this.rows);
+  },
+
+  /** Calls for the cells of a box on the screen, as slices of rows. */
+  slices(x0, y0, x1, y1, visit) {
+    const cell = (x, last) => clamp(floor((x + MARGIN_PX) / this.CELL), 0, last);
+    const [c0, c1] = [cell(x0, this.columns - 1), cell(x1, this.columns - 1)];
+    for (let r = cell(y0, this.rows - 1); r <= cell(y1, this.rows - 1); ++r) visit(r * this.columns + c0, r * this.columns + c1 + 1);
+  },
+
+  occupy(...area) {
+    this.slices(...area, (from, to) => this.taken.fill(1, from, to));
+  },
+
+  isFree(...area) {
+    let free = true;
+    this.slices(...area, (from, to) => { free = free && !this.taken.subarray(from, to).includes(1); });
+    return free;
+  },
+};
+
+const widths = new Map(); // of names, in pixels
+
+/** Writes a name right of, left of, below or above a sign, tried in this order. @returns whether there was room. */
+function label(ctx, x, y, r, text, strong, order = [0, 1, 2, 3]) {
+  const words = plain(text, 24);
+  ctx.font = (strong ? "600 " : "") + "12px system-ui, sans-serif";
+  const key = strong + words;
+  if (widths.size > 20000) widths.clear();
+  if (!widths.has(key)) widths.set(key, ctx.measureText(words).width);
+  const w = widths.get(key);
+  const places = [[x + r + 3, y], [x - r - 3 - w, y], [x - w / 2, y + r + 9], [x - w / 2, y - r - 9]];
+  for (const [left, middle] of order.map((i) => places[i])) {
+    const cut = (x > 0 && left < 2) || (x < mapWidth() && left + w > mapWidth() - 2);
+    if (cut || !labels.isFree(left, middle - 6, left + w, middle + 6)) continue;
+    labels.occupy(left, middle - 6, left + w, middle + 6);
+    Object.assign(ctx, { lineWidth: 3, lineJoin: "round", strokeStyle: colour.panel, textAlign: "left", textBaseline: "middle" });
+    ctx.setLineDash([]);
+    ctx.strokeText(words, left, middle);
+    ctx.fillStyle = strong ? colour.fg : colour.soft;
+    ctx.fillText(words, left, middle);
+    return true;
+  }
+  return false;
+}
+
+// ---- map: what lies over the scene
+
+const isMarked = (kind, index) => [pointer.over, shown.chosen].some((x) => x?.kind === kind && x.index === index);
+
+/** The neighbours of the mote that is pointed at or chosen, and its line to its parent. */
+function drawNeighbours(ctx) {
+  const mote = [pointer.over, shown.chosen].find((x) => x?.kind === "mote")?.index;
+  if (mote === undefined || islandOf(mote).folded) return;
+  const { x, y } = moteSpot(mote);
+  const places = (neighboursOf.get(mote) || []).map(([name]) => placeOf(name, islandOf(mote))).filter(Boolean);
+  for (const place of places) stroke(ctx, "c2", 1.5, lines([x, y], [place.x, place.y]), [2, 3]);
+  if (model.parent[mote] !== NO_PARENT) stroke(ctx, "fg", 3.5, () => lineToParent(ctx, mote));
+}
+
+/** Where on the screen, and who, somebody is, by a name or address as the server uses it; null: nobody. */
+function placeOf(name, island = null) {
+  const ofSink = model.islands.find((x) => name === x.name + "/sink" || name === x.id + "/" + x.sink?.id) || (name === "sink" ? island : null);
+  if (ofSink) return { ...islandSpot(ofSink), kind: "island", index: model.islands.indexOf(ofSink), island: ofSink };
+  const index = model.byName.get(name) ?? model.byAddress.get(name) ?? model.byName.get(island?.name + "/" + name);
+  return index === undefined ? null : { ...moteSpot(index), kind: "mote", index, island: islandOf(index) };
+}
+
+/** Rings round what is pointed at and chosen. */
+function drawMarks(ctx) {
+  for (const [target, width] of [[pointer.over, 1.5], [shown.chosen, 2.5]]) {
+    if (!target || target.kind === "peer") continue;
+    const island = target.kind === "mote" ? islandOf(target.index) : model.islands[target.index];
+    const { x, y, r } = target.kind === "mote" && !island.folded ? moteSpot(target.index) : islandSpot(island);
+    stroke(ctx, "fg", width, disc(x, y, r + 5));
+  }
+}
+
+/** Frames on their way: a dot from sender to receiver; a growing ring is for all who hear it. */
+function drawFrames(ctx) {
+  for (const [start, length, from, to, heard] of frames.list) {
+    const part = (shown.at - start) / max(length, frames.least_s());
+    if (part < 0 || part > 1) continue;
+    const a = placeOf(from);
+    const b = to ? placeOf(to) : null;
+    if (!a || a.island.folded) continue;
+    const hue = heard ? "c2" : "bad";
+    ctx.globalAlpha = b ? 1 : 1 - part;
+    if (b) fill(ctx, hue, disc(a.x + part * (b.x - a.x), a.y + part * (b.y - a.y), 4));
+    else stroke(ctx, hue, 2, disc(a.x, a.y, 4 + 36 * part));
+    if (b && !heard && part > 0.8) drawSign(ctx, OFF, b.x, b.y, 6);
+  }
+  ctx.globalAlpha = 1;
+}
+
+// ---- map: the PEIS band beside it
+
+const band = { step: 0, top: 0, rows: new Map() };
+const CABLES_MOST = 12; // of more gateways, only the cable of what is pointed at is drawn
+
+const peerX = () => mapWidth() + (view.band > 120 ? 44 : 30);
+const peerY = (peer) => band.top + (band.rows.get(peer) + 0.5) * band.step;
+
+function drawBand(ctx) {
+  const n = model.peerOrder.length;
+  band.step = min(34, (view.height - 50) / n);
+  band.top = 36 + (view.height - 50 - band.step * n) * 0.15;
+  band.rows = new Map(model.peerOrder.map((peer, row) => [peer, row]));
+  fill(ctx, "bg", box(mapWidth(), 0, view.band, view.height));
+  stroke(ctx, "line", 1, lines([mapWidth() + 0.5, 0], [mapWidth() + 0.5, view.height]));
+  write(ctx, `PEIS, ${n} peers`, mapWidth() + 10, 18);
+  model.peers.forEach((peer, at) => peer.islands.forEach((island) => drawCable(ctx, at, island)));
+  for (const pair of model.links) drawPeerLink(ctx, ...pair);
+  for (const peer of model.peerOrder) drawPeer(ctx, peer);
+}
+
+/** From a sink to its gateway. */
+function drawCable(ctx, peer, at) {
+  const marked = isMarked("peer", peer) || isMarked("island", at)
+    || [pointer.over, shown.chosen].some((x) => x?.kind === "mote" && model.island[x.index] === at);
+  if (!marked && model.islands.length > CABLES_MOST) return;
+  const { x, y, r } = islandSpot(model.islands[at]);
+  stroke(ctx, "sink", marked ? 2.5 : 1.2, () => {
+    ctx.moveTo(peerX() - 7, peerY(peer));
+    ctx.bezierCurveTo(mapWidth() - 30, peerY(peer), max(x + 40, mapWidth() - 90), y, x + r, y);
+  }, [6, 3]);
+}
+
+function drawPeerLink(ctx, a, b) {
+  const marked = isMarked("peer", a) || isMarked("peer", b);
+  const far = abs(band.rows.get(a) - band.rows.get(b)) > 1;
+  const x = peerX() - (far ? 1.3 * min(peerX() - mapWidth() - 6, 6 + abs(peerY(a) - peerY(b)) * 0.22) : 0);
+  stroke(ctx, marked ? "fg" : "soft", marked ? 2.2 : 1.2, () => {
+    ctx.moveTo(peerX(), peerY(a));
+    ctx.bezierCurveTo(x, peerY(a), x, peerY(b), peerX(), peerY(b));
+  });
+}
+
+function drawPeer(ctx, peer) {
+  const [x, y] = [peerX(), peerY(peer)];
+  const r = clamp(band.step * 0.3, 1.5, 7);
+  const { gateway, name } = model.peers[peer];
+  const corners = Array.from({ length: 7 }, (_, k) => [x + r * Math.cos((k * PI) / 3), y + r * Math.sin((k * PI) / 3)]);
+  const shape = gateway ? lines(...corners) : disc(x, y, r * 0.85);
+  const marked = isMarked("peer", peer);
+  fill(ctx, gateway ? "sink" : "bg", shape);
+  stroke(ctx, marked ? "fg" : gateway ? "sink" : "good", marked ? 3 : 2, shape);
+  if (!marked && band.rows.get(peer) % ceil(14 / band.step)) return;
+  let words = plain(name, 40);
+  while (words.length > 2 && ctx.measureText(words).width > view.width - x - 16) words = words.slice(0, -2) + "…";
+  write(ctx, words, x + 12, y, { hue: marked ? "fg" : "soft" });
+}
+
+// ---- map: the pointer
+
+const pointer = { over: null, down: new Map(), moved: 0, spread: 0, timer: 0 };
+const neighboursOf = new Map(); // of the mote that was pointed at last: [[name, etx], …]
+
+/** What is at a place of the canvas: {kind: "mote", "island" or "peer", index}, or null. */
+function targetAt(x, y) {
+  if (view.band && x > mapWidth()) {
+    const peer = model.peerOrder[floor((y - band.top) / band.step)];
+    return peer === undefined ? null : { kind: "peer", index: peer };
+  }
+  const away = ({ x: x1, y: y1 }) => hypot(x1 - x, y1 - y);
+  let [best, found] = [13, null]; // pixels
+  model.islands.forEach((island, index) => {
+    const spot = islandSpot(island);
+    if (away(spot) - (island.folded ? spot.r : 0) < best) [best, found] = [away(spot), { kind: "island", index }];
+  });
+  grid.near((x - view.ox) / view.scale, (y - view.oy) / view.scale, best / view.scale, (index) => {
+    if (!islandOf(index).folded && away(moteSpot(index)) < best) [best, found] = [away(moteSpot(index)), { kind: "mote", index }];
+  });
+  return found;
+}
+
+const sameTarget = (a, b) => a?.kind === b?.kind && a?.index === b?.index;
+
+function pointAt(event) {
+  const over = model.ecology && event.type !== "pointerleave" ? targetAt(...placeInMap(event)) : null;
+  if (!sameTarget(over, pointer.over)) {
+    pointer.over = over;
+    $("map").classList.toggle("over", Boolean(over));
+    redraw("map");
+    clearTimeout(pointer.timer);
+    if (over?.kind === "mote") pointer.timer = setTimeout(() => askNeighbours(over.index), 120);
+  }
+  if (over) showTip(event, tipLines(over));
+  else hideTip();
+}
+
+async function askNeighbours(mote) {
+  const answer = await ask({ ask: "mote", address: addressOf(mote), at_s: shown.at }, "mote");
+  if (!answer) return;
+  neighboursOf.clear();
+  neighboursOf.set(mote, answer.neighbours || []);
+  redraw("map");
+}
+
+function tipLines({ kind, index: i }) {
+  if (kind === "peer") return [model.peers[i].name, `${model.peers[i].gateway ? "gateway" : "peer"} ${model.peers[i].id}, ${model.peers[i].links.length} links`];
+  if (kind === "island") {
+    const { name, counts, count, folded } = model.islands[i];
+    return [name, `${joinedIn(counts)} of ${count} joined`, folded ? "click: nearer" : "sink"];
+  }
+  const { motes } = shown;
+  if (!motes) return [fullName(i)];
+  const parent = model.parent[i];
+  const way = parent === NO_PARENT ? [] : [`by ${parent === SINK ? "the sink" : model.names[parent]}, hops ${motes.hops[i] ?? "–"}`,
+    `ETX ${etxText(motes.etx[i])}, ${isNumber(motes.signal[i]) ? motes.signal[i] + " dBm" : "no signal"}`];
+  return [fullName(i), stateLabel(i), ...way, `arrived ${shareText(motes.delivery[i])}`];
+}
+
+function showTip({ clientX, clientY }, texts) {
+  const tip = $("tip");
+  tip.replaceChildren(...texts.map((text) => make("div", plain(text, 120))));
+  tip.hidden = false;
+  tip.style.left = clamp(clientX + 14, 4, innerWidth - tip.offsetWidth - 4) + "px";
+  tip.style.top = clamp(clientY + 14, 4, innerHeight - tip.offsetHeight - 4) + "px";
+}
+
+function hideTip() {
+  $("tip").hidden = true;
+}
+
+function placeInMap({ clientX, clientY }) {
+  const place = $("map").getBoundingClientRect();
+  return [clientX - place.left, clientY - place.top];
+}
+
+function listenToMap() {
+  const map = $("map");
+  on(map, "pointerdown", (event) => {
+    pointer.down.set(event.pointerId, placeInMap(event));
+    Object.assign(pointer, { moved: 0, spread: 0 });
+    capture(map, event);
+  });
+  on(map, "pointermove", (event) => (pointer.down.has(event.pointerId) ? drag(event.pointerId, placeInMap(event)) : pointAt(event)));
+  on(map, "pointerup pointercancel", (event) => {
+    const wasDown = pointer.down.delete(event.pointerId);
+    map.classList.remove("dragged");
+    if (event.type === "pointerup" && wasDown && pointer.moved < 5 && !pointer.down.size) clickMap(...placeInMap(event));
+  });
+  on(map, "pointerleave", pointAt);
+  on(map, "wheel", (event) => {
+    event.preventDefault();
+    zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0016)), ...placeInMap(event));
+  }, { passive: false });
+}
+
+/** What moves outside is heard too, as long as the pointer is down. */
+function capture(canvas, event) {
+  try { canvas.setPointerCapture(event.pointerId); } catch { /* the pointer is gone already */ }
+}
+
+/** One pointer shifts the map, two zoom it. */
+function drag(id, at) {
+  const before = pointer.down.get(id);
+  pointer.down.set(id, at);
+  pointer.moved += hypot(at[0] - before[0], at[1] - before[1]);
+  if (pointer.moved < 5) return;
+  $("map").classList.add("dragged");
+  const [a, b] = [...pointer.down.values()];
+  if (!b) return pan(at[0] - before[0], at[1] - before[1]);
+  const spread = hypot(a[0] - b[0], a[1] - b[1]);
+  if (pointer.spread) zoom(spread / pointer.spread, (a[0] + b[0]) / 2, (a[1] + b[1]) / 2);
+  pointer.spread = spread;
+}
+
+function clickMap(x, y) {
+  const target = model.ecology ? targetAt(x, y) : null;
+  const island = target?.kind === "island" ? model.islands[target.index] : null;
+  if (island?.folded) showIsland(island);
+  choose(target);
+}
+
+// ---- legend
+
+function showLegend() {
+  const keys = STATES.map(([, text], code) => make("span.key", signPicture(code), text, make("b")));
+  $("legend").replaceChildren(...keys);
+  $("help-signs").replaceChildren(...STATES.map(([, text], code) => make("span.key", signPicture(code), text)),
+    make("span.key", swatch("sink"), "sink; as a hexagon: its gateway"));
+  $("energy-legend").replaceChildren(...Object.entries(ENERGY_COLOURS).map(([name, hue]) => make("span.key", swatch(hue), radioWord(name))));
+  showLegendCounts();
+}
+
+const radioWord = (name) => (name === "off" ? "radio off" : name);
+
+function signPicture(code) {
+  const canvas = make("canvas.sign-picture", { "aria-hidden": "true" });
+  drawSign(fitCanvas(canvas, 16, 16), code, 8, 8, 5.5);
+  return canvas;
+}
+
+function swatch(hue) {
+  const square = make("span.swatch");
+  square.style.background = `var(--${hue})`;
+  return square;
+}
+
+function showLegendCounts() {
+  [...$("legend").children].forEach((key, code) => {
+    key.lastChild.textContent = countText(shown.counts[code]);
+    key.hidden = shown.counts[code] === 0;
+  });
+}
+
+// ---- time line
+
+const TIME_HEIGHT = 118;
+const LANES = { faults: 12, events: 30, top: 42, bottom: 98 };
+const TIME_STEPS = [0.01, 0.05, 0.1, 0.5, 1, 5, 10, 30, 60, 120, 300, 600, 1800, 3600, 7200, 21600, 43200, 86400, 604800];
+// What is no loss, but is counted beside losses, is hidden at first.
+const timeLine = { base: document.createElement("canvas"), stale: true, width: 0, length: 0, hover: null, causes: [],
+  hidden: new Set(["radio/filtered", "radio/duplicate", "radio/off"]) };
+
+const timeLeft = () => (timeLine.width > 500 ? 54 : 10);
+const timeSpan = () => timeLine.width - timeLeft() - 12;
+const timeX = (t) => timeLeft() + (t / runLength()) * timeSpan();
+const timeAtX = (x) => clamp((x - timeLeft()) / timeSpan(), 0, 1) * runLength();
+
+/** The causes that lost most: keys to switch them off and on. */
+function showCauses() {
+  const total = (cause) => series.lost[cause][series.lost[cause].length - 1] || 0;
+  timeLine.causes = Object.keys(series.lost).filter(total)
+    .sort((a, b) => timeLine.hidden.has(a) - timeLine.hidden.has(b) || total(b) - total(a)).slice(0, SERIES_COLOURS.length);
+  $("causes").replaceChildren(...timeLine.causes.map((cause, k) => button(swatch(SERIES_COLOURS[k]), () => toggleCause(cause),
+    { "aria-pressed": !timeLine.hidden.has(cause), title: `${cause}: ${countText(total(cause))} lost so far` })));
+  timeLine.causes.forEach((cause, k) => $("causes").children[k].append(plain(cause, 30)));
+  redraw("timeBase");
+}
+
+function toggleCause(cause) {
+  if (!timeLine.hidden.delete(cause)) timeLine.hidden.add(cause);
+  showCauses();
+}
+
+function drawTimeLine() {
+  const canvas = $("time-line");
+  const width = canvas.clientWidth;
+  if (!width) return;
+  if (timeLine.stale || timeLine.width !== width || timeLine.length !== runLength()) {
+    Object.assign(timeLine, { width, length: runLength(), stale: false });
+    drawTimeBase();
+  }
+  const ctx = fitCanvas(canvas, width, TIME_HEIGHT);
+  ctx.drawImage(timeLine.base, 0, 0, width, TIME_HEIGHT);
+  ctx.globalAlpha = 0.7;
+  fill(ctx, "bg", box(timeX(run.now), 0, timeX(runLength()) - timeX(run.now), LANES.bottom)); // not yet
+  ctx.globalAlpha = 1;
+  if (timeLine.hover !== null) fill(ctx, "soft", box(timeLine.hover - 0.5, 0, 1, LANES.bottom));
+  const x = timeX(shown.at);
+  fill(ctx, "fg", box(x - 1, 0, 2, LANES.bottom + 2));
+  fill(ctx, "fg", lines([x - 6, LANES.bottom + 9], [x + 6, LANES.bottom + 9], [x, LANES.bottom]));
+  showTime();
+}
+
+/** All that does not move with the cursor. */
+function drawTimeBase() {
+  const ctx = fitCanvas(timeLine.base, timeLine.width, TIME_HEIGHT);
+  fill(ctx, "panel", box(timeLeft(), 0, timeSpan(), LANES.bottom));
+  drawTimeAxis(ctx);
+  drawLosses(ctx);
+  drawEventMarks(ctx);
+  if (timeLeft() < 50) return;
+  for (const [text, y] of [["faults", LANES.faults], ["events", LANES.events], ["losses", (LANES.top + LANES.bottom) / 2]]) write(ctx, text, 2, y);
+}
+
+function drawTimeAxis(ctx) {
+  const step = TIME_STEPS.find((x) => x >= (runLength() * 85) / timeLine.width) || runLength();
+  for (let k = 0; k * step <= runLength() * 1.0001; ++k) {
+    const x = round(timeX(k * step)) + 0.5;
+    stroke(ctx, "line", 1, lines([x, 0], [x, LANES.bottom + 3]));
+    const atEnd = x > timeLine.width - 30;
+    write(ctx, timeText(k * step, step < 1 ? 2 : 0), atEnd ? timeLine.width - 2 : x, LANES.bottom + 11, { align: atEnd ? "right" : k ? "center" : "left" });
+  }
+}
+
+/** Losses between samples, stacked by cause. */
+function drawLosses(ctx) {
+  const { times } = series;
+  const causes = timeLine.causes.filter((cause) => !timeLine.hidden.has(cause));
+  const lost = causes.map((cause) => series.lost[cause].map((x, i, all) => max(0, x - (all[i - 1] || 0))));
+  const most = times.reduce((a, _, i) => max(a, lost.reduce((sum, each) => sum + each[i], 0)), 1);
+  const unit = (LANES.bottom - LANES.top) / most;
+  const below = new Float64Array(times.length);
+  lost.forEach((each, k) => fill(ctx, SERIES_COLOURS[timeLine.causes.indexOf(causes[k])], () => each.forEach((n, i) => {
+    if (!n) return;
+    const x = timeX(times[i - 1] || 0);
+    ctx.rect(x, LANES.bottom - (below[i] + n) * unit, max(timeX(times[i]) - x, 1), n * unit);
+    below[i] += n;
+  })));
+}
+
+const EVENT_MARKS = { // in the order in which they lie over each other
+  event: (ctx, x) => fill(ctx, "soft", box(x - 0.75, LANES.events - 6, 1.5, 12)),
+  expectation: (ctx, x) => stroke(ctx, "c2", 2, disc(x, LANES.faults, 4)),
+  fault: (ctx, x) => fill(ctx, "poor", lines([x, LANES.faults - 6], [x + 6, LANES.faults + 5], [x - 6, LANES.faults + 5])),
+  violation: (ctx, x) => {
+    fill(ctx, "bad", lines([x, LANES.faults - 7], [x + 6, LANES.faults], [x, LANES.faults + 7], [x - 6, LANES.faults]));
+    fill(ctx, "bad", box(x - 0.75, LANES.faults, 1.5, LANES.bottom - LANES.faults));
+  },
+};
+
+/** At most one of a class for each pixel. */
+function drawEventMarks(ctx) {
+  for (const [kind, draw] of Object.entries(EVENT_MARKS))
+    for (const x of new Set(events.filter((each) => each.kind === kind).map((each) => round(timeX(each.t))))) draw(ctx, x);
+}
+
+/** The event nearest to a time, within a few pixels. */
+function eventNear(t) {
+  const after = firstAfter(events, eventTime, t);
+  const away = (x) => abs(timeX(x.t) - timeX(t));
+  return [events[after - 1], events[after]].filter((x) => x && away(x) < 5).sort((a, b) => away(a) - away(b))[0];
+}
+
+function listenToTimeLine() {
+  const canvas = $("time-line");
+  let held = false;
+  const x = (event) => event.clientX - canvas.getBoundingClientRect().left;
+  on(canvas, "pointerdown", (event) => {
+    held = true;
+    capture(canvas, event);
+  });
+  on(canvas, "pointerdown pointermove", (event) => {
+    timeLine.hover = held ? null : x(event);
+    const t = timeAtX(x(event));
+    if (held) showAt(t);
+    redraw("time");
+    const near = eventNear(t);
+    showTip({ clientX: event.clientX, clientY: event.clientY - 80 }, [timeText(t), ...(near ? [`${EVENT_SIGNS[near.kind]} ${plain(near.who, 40)} ${near.what}`] : [])]);
+  });
+  on(canvas, "pointerup pointercancel", () => { held = false; });
+  on(canvas, "pointerleave", () => {
+    timeLine.hover = null;
+    hideTip();
+    redraw("time");
+  });
+}
+
+function showTime() {
+  if (document.activeElement !== $("at")) $("at").value = timeText(shown.at, shown.speed < 0.1 && shown.playing ? 3 : 1);
+  const told = { "aria-valuemax": runLength().toFixed(1), "aria-valuenow": shown.at.toFixed(1), "aria-valuetext": timeText(shown.at) };
+  for (const [name, value] of Object.entries(told)) $("time-line").setAttribute(name, value);
+  put("play", shown.playing ? "❚❚" : "▶");
+  $("play").setAttribute("aria-label", shown.playing ? "Pause" : "Play");
+  $("live").setAttribute("aria-pressed", shown.follow);
+  if (shown.tab === "events") showCurrentEvent();
+}
+
+// ---- header
+
+function showEcology() {
+  const x = model.ecology;
+  document.title = plain(x.name, 60) + " – Rubicon";
+  put("name", plain(x.name));
+  put("command", x.command || "");
+  $("tab-control").hidden = !x.control;
+  if (!x.control && shown.tab === "control") showTab("events");
+  fillControl();
+  resizeMap();
+  showStatus();
+}
+
+function showStatus() {
+  const [text, kind] = statusText();
+  if ($("status").textContent !== text) put("status", text);
+  $("status").className = "badge " + kind;
+  put("length", "of " + timeText(runLength(), 0));
+  if (!model.ecology) return;
+  const facts = [`seed ${model.ecology.seed}`, model.ecology.mode, `now ${timeText(run.now)}`, `${countText(run.events)} events`];
+  if (run.running && run.speed) facts.push(`${run.speed < 10 ? run.speed.toFixed(1) : countText(run.speed)}x`);
+  put("run-facts", facts.join(" · "));
+}
+
+function statusText() {
+  if (connection.open) return run.running ? ["running", "running"] : [run.ended ? "run ended" : "connected", ""];
+  if (!connection.was) return ["connecting", ""];
+  const wait_s = max(0, ceil((connection.again_at - performance.now()) / 1000));
+  return [`${run.ended ? "run ended, " : ""}connection lost, again in ${wait_s} s`, "lost"];
+}
+
+// ---- long lists
+
+/** A list of which only the rows in view exist. `fillRow(item, index)` gives a row's children, `mark(item, index)` its attributes
+ * (class: beside "item"), `clicked(item)` is called for a click. */
+class List {
+  constructor(id, rowHeight, fillRow, clicked, mark = () => ({})) {
+    Object.assign(this, { element: $(id), rowHeight, fillRow, clicked, mark, items: [], rows: new Map(), inner: make("div") });
+    this.element.append(this.inner);
+    on(this.element, "scroll", () => this.show());
+    on(this.element, "keydown", (event) => this.onKey(event));
+    new ResizeObserver(() => this.show()).observe(this.element);
+  }
+
+  set(items) {
+    this.items = items;
+    this.inner.style.height = items.length * this.rowHeight + "px";
+    this.show(true);
+  }
+
+  /** Makes the rows in view; `anew`: fills those too that are there. */
+  show(anew = false) {
+    const first = max(0, floor(this.element.scrollTop / this.rowHeight) - 4);
+    const last = min(this.items.length, first + ceil(this.element.clientHeight / this.rowHeight) + 9);
+    for (const [index, row] of this.rows)
+      if (index < first || index >= last) {
+        row.remove();
+        this.rows.delete(index);
+      }
+    for (let i = first; i < last; ++i)
+      if (anew || !this.rows.has(i)) this.showRow(i);
+  }
+
+  showRow(i) {
+    if (!this.rows.has(i)) {
+      const row = button("", () => this.clicked(this.items[i]));
+      row.style.height = this.rowHeight + "px";
+      row.style.top = i * this.rowHeight + "px";
+      row.index = i;
+      this.rows.set(i, row);
+      this.inner.append(row);
+    }
+    const row = this.rows.get(i);
+    row.replaceChildren(...this.fillRow(this.items[i], i));
+    const { class: kind = "", ...attributes } = this.mark(this.items[i], i);
+    row.className = "item " + kind;
+    for (const [name, value] of Object.entries(attributes))
+      if (value === null) row.removeAttribute(name);
+      else row.setAttribute(name, value);
+  }
+
+  /** Brings a row into view unless somebody is at work in the list. */
+  reveal(index, force = false) {
+    if (!force && (this.element.matches(":hover") || this.element.contains(document.activeElement))) return;
+    const top = index * this.rowHeight;
+    const { scrollTop, clientHeight } = this.element;
+    if (top < scrollTop || top + this.rowHeight > scrollTop + clientHeight) this.element.scrollTop = top - clientHeight / 2;
+  }
+
+  onKey(event) {
+    const step = { ArrowDown: 1, ArrowUp: -1, PageDown: 10, PageUp: -10 }[event.key];
+    const from = document.activeElement.index;
+    if (!step || from === undefined) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const index = clamp(from + step, 0, this.items.length - 1);
+    this.reveal(index, true);
+    this.show();
+    this.rows.get(index)?.focus();
+  }
+}
+
+/** A text in one line that may be cut; the whole of it is its title. */
+const cell = (kind, text) => make("span.text" + kind, { title: plain(text) }, plain(text, 200));
+
+// ---- tabs
+
+const tabs = {}; // by name: {refresh, list}
+
+function showTab(name) {
+  shown.tab = name;
+  for (const each of $("tabs").children) {
+    const here = each.id === "tab-" + name;
+    each.setAttribute("aria-selected", here);
+    each.tabIndex = here ? 0 : -1;
+    $(each.getAttribute("aria-controls")).hidden = !here;
+    if (here) each.scrollIntoView({ block: "nearest", inline: "nearest" });
+  }
+  refreshTab();
+}
+
+const refreshTab = throttled(250, () => tabs[shown.tab].refresh());
+
+function listenToTabs() {
+  for (const each of $("tabs").children) on(each, "click", () => showTab(each.id.slice(4)));
+  on($("tabs"), "keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const all = [...$("tabs").children].filter((x) => !x.hidden);
+    const next = all[(all.indexOf(document.activeElement) + step + all.length) % all.length];
+    next.focus();
+    next.click();
+  });
+}
+
+const matches = (needle, ...texts) => !needle || texts.some((text) => String(text ?? "").toLowerCase().includes(needle));
+const needleOf = (id) => $(id).value.trim().toLowerCase();
+
+// ---- tab: events
+
+function startEvents() {
+  const row = (x) => [cell(".when", timeText(x.t)), make("span.sign." + x.kind, EVENT_SIGNS[x.kind]), cell(".who", x.who), cell(".what." + x.kind, x.what)];
+  const clicked = (x) => {
+    showAt(x.t);
+    chooseByName(x.who);
+  };
+  const mark = (x, i) => ({ class: i === tabs.events.current ? "chosen" : x.t > shown.at ? "later" : "" });
+  tabs.events = { list: new List("event-list", 26, row, clicked, mark), current: -1, refresh: showEvents };
+  on($("event-filter"), "input", showEvents);
+  on($("event-class"), "change", showEvents);
+}
+
+function showEvents() {
+  const kind = $("event-class").value;
+  const found = events.filter((x) => (!kind || x.kind === kind) && matches(needleOf("event-filter"), x.who, x.what));
+  put("event-count", (found.length < events.length ? countText(found.length) + " of " : "") + countText(events.length) + " events");
+  tabs.events.list.set(found);
+  showCurrentEvent();
+}
+
+/** Marks the newest event that has happened at the shown moment. */
+function showCurrentEvent() {
+  const { list, current } = tabs.events;
+  const now = firstAfter(list.items, eventTime, shown.at + 1e-6) - 1;
+  if (now === current) return;
+  tabs.events.current = now;
+  list.show(true);
+  if (now >= 0) list.reveal(now);
+}
+
+/** Chooses who an event is about, if it is a mote or a peer, and stays on this tab. */
+function chooseByName(name) {
+  const [first, second] = name.split("/");
+  const mote = model.byName.get(name) ?? model.byName.get(first + "/" + second);
+  const peer = model.peers.findIndex((x) => x.name === first);
+  if (mote !== undefined) setChosen({ kind: "mote", index: mote });
+  else if (peer >= 0) setChosen({ kind: "peer", index: peer });
+}
+
+// ---- tab: tuples
+
+const tuples = { list: [], leftOut: 0, turned: new Set(), open: true, chosen: null };
+const curves = new Map(); // by tupleName(): {points, asked_ms}
+
+const tupleName = (owner, key) => owner + "\n" + key;
+
+const askTuples = latest(async () => {
+  const answer = await ask({ ask: "tuples", at_s: shown.at }, "tuples");
+  if (!answer) return;
+  Object.assign(tuples, { list: answer.tuples || [], leftOut: answer.left_out || 0 });
+  if (shown.tab === "tuples") showTuples();
+  else if (shown.tab === "proxies") showProxies();
+});
+
+function startTuples() {
+  const list = new List("tuple-list", 24, tupleRow, clickTuple, tupleMark);
+  tabs.tuples = { list, refresh: askTuples };
+  on(list.element, "keydown", (event) => {
+    const row = list.items[document.activeElement.index];
+    if (!row?.branches || !["ArrowRight", "ArrowLeft"].includes(event.key)) return;
+    event.stopPropagation();
+    if ((event.key === "ArrowRight") !== row.open) foldTuples(row);
+  });
+  on($("tuple-filter"), "input", showTuples);
+  on($("tuple-fold"), "click", () => {
+    tuples.open = !tuples.open;
+    tuples.turned.clear();
+    showTuples();
+  });
+}
+
+/** The tree of owners and parts of keys. */
+function tupleTree(list) {
+  const root = { children: new Map() };
+  for (const [owner, key, value, changed] of list) {
+    let node = root;
+    let path = owner;
+    [owner, ...key.split(".")].forEach((label, depth) => {
+      path = depth ? tupleName(path, label) : owner;
+      if (!node.children.has(label)) node.children.set(label, { label, path, depth, children: new Map(), tuple: null });
+      node = node.children.get(label);
+    });
+    node.tuple = { owner, key, value, changed };
+  }
+  return root;
+}
+
+function flatten(node, rows, allOpen) {
+  for (const each of node.children.values()) {
+    const branches = each.children.size > 0;
+    const open = branches && (allOpen || tuples.turned.has(each.path) !== tuples.open);
+    rows.push({ ...each, branches, open });
+    if (open) flatten(each, rows, allOpen);
+  }
+  return rows;
+}
+
+function showTuples() {
+  const needle = needleOf("tuple-filter");
+  const found = tuples.list.filter(([owner, key, value]) => matches(needle, owner, key, value));
+  const more = tuples.leftOut ? `, ${countText(tuples.leftOut)} more are left out` : "";
+  put("tuple-count", `${countText(found.length)} tuples at ${timeText(shown.at)}${more}`);
+  tabs.tuples.list.set(flatten(tupleTree(found), [], Boolean(needle)));
+  if (tuples.chosen) showTupleDetail();
+}
+
+function tupleRow({ label: text, depth, branches, open, tuple }) {
+  const twist = make("span.twist", branches ? (open ? "▾" : "▸") : "");
+  twist.style.marginLeft = depth * 12 + "px";
+  const name = cell(depth ? ".tree-name" : ".tree-name.tree-owner", text);
+  if (!tuple) return [twist, name];
+  const spark = make("canvas.spark", { "aria-hidden": "true" });
+  withCurve(tuple, (points) => drawCurve(spark, points, 70, 18));
+  return [twist, name, cell(".tree-value", tuple.value), spark];
+}
+
+function tupleMark({ tuple, depth, branches, open }) {
+  const chosen = tuple && tuple.owner === tuples.chosen?.owner && tuple.key === tuples.chosen.key;
+  return { class: chosen ? "chosen" : "", role: "treeitem", "aria-level": depth + 1, "aria-expanded": branches ? open : null };
+}
+
+function foldTuples({ path }) {
+  if (!tuples.turned.delete(path)) tuples.turned.add(path);
+  showTuples();
+}
+
+function clickTuple(row) {
+  if (!row.tuple) return foldTuples(row);
+  const { owner, key } = row.tuple;
+  tuples.chosen = { owner, key };
+  const value = make("input", { id: "tuple-new", type: "text", "aria-label": "New value", placeholder: "new value" });
+  const control = mayControl() ? [value, button("set", () => setTuple(owner, key, value.value), { id: "tuple-set" })] : [];
+  $("tuple-detail").replaceChildren(make("h2", key), make("p.soft.small", "of " + owner, make("span", { id: "tuple-changed" })),
+    make("pre.value", { id: "tuple-value", tabindex: 0 }), make("canvas.curve", { id: "tuple-curve" }),
+    make("div.row", button("explain", () => explain({ ask: "explain_tuple", owner, key, at_s: shown.at }, key), { id: "tuple-explain",
+      disabled: hasMessages() ? null : "", title: hasMessages() ? "Where this value came from" : "needs a record: --record FILE" }), ...control));
+  $("tuple-detail").hidden = false;
+  return showTuples();
+}
+
+function showTupleDetail() {
+  const { owner, key } = tuples.chosen;
+  const found = tuples.list.find((x) => x[0] === owner && x[1] === key);
+  put("tuple-value", found ? found[2] : "(not set at this moment)");
+  put("tuple-changed", found ? `, set at ${timeText(found[3], 3)}` : "");
+  const canvas = $("tuple-curve");
+  withCurve({ owner, key }, (points) => {
+    canvas.hidden = points.length < 2;
+    drawCurve(canvas, points, canvas.clientWidth, 84, true);
+  });
+}
+
+/** Calls with the points of a tuple's curve, now or when they are there. */
+function withCurve({ owner, key }, then) {
+  const name = tupleName(owner, key);
+  const known = curves.get(name);
+  if (known) then(known.points);
+  if (known && (!run.running || performance.now() - known.asked_ms < 4000)) return;
+  askLazily({ ask: "curve", owner, key }, "curve", (answer) => {
+    const points = (answer?.points || []).filter(([t, v]) => isNumber(t) && isNumber(v));
+    curves.set(name, { points, asked_ms: performance.now() });
+    then(points);
+  });
+}
+
+/** A curve of steps; a line stands at the shown moment. */
+function drawCurve(canvas, points, width, height, withNumbers = false) {
+  const ctx = fitCanvas(canvas, width, height);
+  if (points.length < 2) return;
+  const [low, high] = points.reduce(([a, b], [, v]) => [min(a, v), max(b, v)], [Infinity, -Infinity]);
+  const left = withNumbers ? 52 : 1;
+  const x = (t) => left + (t / runLength()) * (width - left - 2);
+  const y = (v) => height - 3 - (high > low ? (v - low) / (high - low) : 0.5) * (height - 6);
+  stroke(ctx, "c0", 1.3, lines(...points.flatMap(([t, v], i) => [[x(t), y(points[max(i - 1, 0)][1])], [x(t), y(v)]])));
+  fill(ctx, "soft", box(x(shown.at), 0, 1, height));
+  if (withNumbers) write(ctx, shortNumber(high), left - 5, 9, { align: "right" });
+  if (withNumbers && high > low) write(ctx, shortNumber(low), left - 5, height - 8, { align: "right" });
+}
+
+// ---- tab: proxies
+
+const PROXY_FACTS = ["class", "id", "island", "status", "description"];
+const INPUT_PARTS = ["words", "deadline", "outcome", "latency"];
+const CARDS_MOST = 300;
+const cards = new Map(); // by owner and prefix: {element, told}
+
+function startProxies() {
+  tabs.proxies = { refresh: askTuples };
+  on($("proxy-filter"), "input", showProxies);
+}
+
+/** Proxies are told by their tuples: PREFIX.class and PREFIX.status, readings with units, inputs with words. */
+function proxiesOf(list) {
+  const found = new Map();
+  for (const [owner, key] of list)
+    if (key.endsWith(".class")) found.set(tupleName(owner, key.slice(0, -6)), { owner, prefix: key.slice(0, -6), facts: {}, fields: new Map(), inputs: new Map() });
+  for (const [owner, key, value] of list) {
+    const parts = key.split(".");
+    for (const n of [1, 2]) {
+      const proxy = found.get(tupleName(owner, parts.slice(0, -n).join(".")));
+      if (proxy) addToProxy(proxy, parts.slice(-n), value);
+    }
+  }
+  for (const proxy of found.values()) for (const name of proxy.inputs.keys()) proxy.fields.delete(name);
+  return [...found.values()].filter((x) => "status" in x.facts).sort((a, b) => (a.prefix < b.prefix ? -1 : 1));
+}
+
+function addToProxy({ facts, fields, inputs }, [name, part], value) {
+  const keep = (map, what) => map.set(name, { ...map.get(name), [what]: value });
+  if (name === "status" && part) facts["status." + part] = value;
+  else if (!part && PROXY_FACTS.includes(name)) facts[name] = value;
+  else if (!part || part === "unit") keep(fields, part || "value");
+  else if (INPUT_PARTS.includes(part)) keep(inputs, part);
+}
+
+function showProxies() {
+  const needle = needleOf("proxy-filter");
+  const found = proxiesOf(tuples.list).filter((x) => matches(needle, x.prefix, x.facts.class, x.facts.status));
+  const more = found.length > CARDS_MOST ? `; the first ${CARDS_MOST} are shown, filter for others` : "";
+  put("proxy-count", `${countText(found.length)} proxies at ${timeText(shown.at)}${more}`);
+  const before = new Set(cards.keys());
+  for (const proxy of found.slice(0, CARDS_MOST)) before.delete(showCard(proxy));
+  for (const name of before) {
+    cards.get(name).element.remove();
+    cards.delete(name);
+  }
+}
+
+/** Makes or changes a card; one in which somebody types is left alone. @returns its name. */
+function showCard(proxy) {
+  const name = tupleName(proxy.owner, proxy.prefix);
+  const told = JSON.stringify([proxy.facts, [...proxy.fields], [...proxy.inputs], mayControl()]);
+  if (!cards.has(name)) cards.set(name, { element: make("article.card"), told: "" });
+  const card = cards.get(name);
+  $("proxy-cards").append(...(card.element.isConnected ? [] : [card.element]));
+  if (card.told === told || card.element.querySelector("input:focus")) return name;
+  card.told = told;
+  card.element.replaceChildren(...cardParts(proxy));
+  return name;
+}
+
+function cardParts({ owner, prefix, facts, fields, inputs }) {
+  const good = facts.status === "active";
+  const cause = facts["status.cause"];
+  const state = make(good ? "span.good" : "span.bad", `${good ? "●" : "○"} ${facts.status}${!good && cause && cause !== "none" ? ` (${cause})` : ""} `);
+  return [make("h3", { title: prefix }, prefix), make("div.small", state, make("span.soft", plain(facts.class, 40))),
+    factList([...fields].map(([name, x]) => [name, plain(x.value ?? "–", 300) + (x.unit ? " " + plain(x.unit, 20) : "")])),
+    ...[...inputs].map(([name, x]) => make("div.acts", make("span.soft", name),
+      ...(mayControl() ? inputControls(owner, prefix + "." + name, x.words) : []), make("span.soft.small", x.outcome ?? "")))];
+}
+
+function inputControls(owner, key, words) {
+  if (words) return words.split(" ").slice(0, 20).map((word) => button(word, () => setTuple(owner, key, word), { "data-key": key }));
+  const value = make("input", { type: "text", "aria-label": "Value for " + key });
+  return [value, button("set", () => setTuple(owner, key, value.value), { "data-key": key })];
+}
+
+// ---- tab: energy
+
+const energyOf = new Map(); // by mote: {energy, sample}
+
+function startEnergy() {
+  const list = new List("energy-list", 26, energyRow, (index) => choose({ kind: "mote", index }), () => ({ class: "energy-row" }));
+  tabs.energy = { list, refresh: showEnergy };
+}
+
+function showEnergy() {
+  if (!shown.motes) return;
+  const { hours, used_mah: used } = shown.motes;
+  const left = (i) => hours[i] ?? 1e12;
+  const order = Array.from({ length: model.count }, (_, i) => i).sort((a, b) => left(a) - left(b) || (used[b] || 0) - (used[a] || 0));
+  put("energy-sum", `${chargeText(usedByAll())} used by ${countText(model.count)} motes at ${timeText(shown.at)}; hungriest first`);
+  tabs.energy.list.set(order);
+}
+
+const usedByAll = () => (shown.motes?.used_mah || []).reduce((a, b) => a + (b || 0), 0);
+
+function energyRow(i) {
+  const why = make("span.text");
+  const known = energyOf.get(i);
+  if (known) why.append(...energyBar(known.energy));
+  const { sample } = shown;
+  if (known?.sample !== sample)
+    askLazily({ ask: "mote", address: addressOf(i), at_s: shown.at }, "mote", (answer) => {
+      if (!answer) return;
+      energyOf.set(i, { energy: answer.energy, sample });
+      why.replaceChildren(...energyBar(answer.energy));
+    });
+  return [cell("", fullName(i)), make("span", hoursText(shown.motes.hours[i])), make("span", chargeText(shown.motes.used_mah[i])), why];
+}
+
+const energyParts = (energy) => [...(energy?.radio || []), ["processor", energy?.processor || 0]];
+
+/** What a mote's charge was used for, as a bar. */
+function energyBar(energy) {
+  const parts = energyParts(energy);
+  const sum = parts.reduce((a, [, mah]) => a + mah, 0);
+  if (!sum) return [];
+  const forwarded = isNumber(energy.forwarded_share) ? `; forwarded for others: ${shareText(energy.forwarded_share)}` : "";
+  const title = parts.map(([name, mah]) => `${radioWord(name)} ${shareText(mah / sum)}`).join(", ") + forwarded;
+  return [make("span.bar", { title, role: "img", "aria-label": title }, ...parts.map(([name, mah]) => {
+    const part = make("i");
+    part.style.width = (100 * mah) / sum + "%";
+    part.style.background = `var(--${ENERGY_COLOURS[name] || "soft"})`;
+    return part;
+  }))];
+}
+
+// ---- tab: messages
+
+const messages = { list: [], total: 0, why: "", ready: false };
+const MESSAGE_SIGNS = { lost: "✕", open: "…", arrived: "✓" }; // in the order in which they are listed
+const NO_RECORD = "No record is kept of this run, so what became of messages is not known. "
+  + "Start it with --record FILE to see them here, to have values explained, and to see frames on their way.";
+
+function startMessages() {
+  tabs.messages = { list: new List("message-list", 42, messageRow, explainMessage), refresh: () => (run.running || !messages.ready ? askMessages() : null) };
+  on($("message-which"), "change", askMessages);
+  on($("message-again"), "click", askMessages);
+  on($("message-filter"), "input", showMessages);
+}
+
+const askMessages = latest(async () => {
+  const lost = $("message-which").value === "lost";
+  const answer = hasMessages() ? await ask({ ask: "messages", lost, limit: 1000 }, "messages") : { ready: false, why: NO_RECORD };
+  if (!answer) return;
+  Object.assign(messages, { ready: answer.ready, why: answer.why, total: answer.total, list: lostFirst(answer.messages || []) });
+  showMessages();
+});
+
+function lostFirst(list) {
+  const rank = (x) => Object.keys(MESSAGE_SIGNS).indexOf(x.class);
+  return [...list].sort((a, b) => rank(a) - rank(b) || b.sent_s - a.sent_s);
+}
+
+function showMessages() {
+  const needle = needleOf("message-filter");
+  const found = messages.list.filter((x) => matches(needle, x.name, x.from, x.to, x.outcome));
+  put("message-count", messages.ready ? `${countText(found.length)} shown of ${countText(messages.total)}` : plain(messages.why));
+  tabs.messages.list.set(found);
+}
+
+function messageRow(x) {
+  const kind = x.class === "lost" ? ".bad" : ".soft";
+  return [cell(".when", timeText(x.sent_s)), make("span.sign" + kind, { "aria-label": x.class }, MESSAGE_SIGNS[x.class] || "·"),
+    make("span.two", cell("", `${plain(x.name, 80)} → ${x.to}`), cell(kind, x.outcome))];
+}
+
+const explainMessage = (x) => explain({ ask: "explain", message: x.name }, x.name);
+
+async function explain(question, title) {
+  const answer = await ask(question);
+  if (!answer) return;
+  shown.explained = title;
+  put("explain-title", plain(title));
+  put("explain-text", answer.text || "");
+  $("explain").hidden = false;
+}
+
+function closeExplain() {
+  $("explain").hidden = true;
+  shown.explained = "";
+}
+
+// ---- tab: what is chosen
+
+function setChosen(target) {
+  shown.chosen = target;
+  if (target?.kind === "mote") askNeighbours(target.index);
+  redraw("map");
+}
+
+/** Chooses, and shows what is known of it. */
+function choose(target) {
+  setChosen(target);
+  if (target) showTab("details");
+  else refreshTab();
+}
+
+function nameOf({ kind, index }) {
+  if (kind === "mote") return fullName(index);
+  return kind === "peer" ? model.peers[index].name : model.islands[index].name;
+}
+
+const refreshDetails = latest(async () => {
+  const target = shown.chosen;
+  const describe = { mote: moteParts, peer: peerParts, island: islandParts }[target?.kind];
+  const parts = describe ? await describe(target.index) : [make("p.soft", "Click a mote, a sink, a gateway or a peer on the map.")];
+  if (!sameTarget(target, shown.chosen)) return;
+  const scrolled = $("details").scrollTop;
+  $("details").replaceChildren(...parts);
+  $("details").scrollTop = scrolled;
+  for (const canvas of $("details").querySelectorAll("canvas.curve")) drawCurve(canvas, canvas.points, canvas.clientWidth, 84, true);
+});
+
+const factList = (facts) => make("dl.facts", ...facts.flatMap(([name, value]) => [make("dt", name), make("dd", value)]));
+const chip = (kind) => (index) => button(plain(nameOf({ kind, index }), 60), () => choose({ kind, index }));
+const chips = (kind, indices) => make("div.chips", ...indices.map(chip(kind)));
+
+function faultButton(text, kind, who) {
+  const propose = () => {
+    proposeFault(kind, who);
+    showTab("control");
+  };
+  return mayControl() ? button(text, propose, { id: "fault-this" }) : null;
+}
+
+
+async function moteParts(i) {
+  const address = addressOf(i);
+  const [answer, sent] = await Promise.all([ask({ ask: "mote", address, at_s: shown.at }, "mote"), messagesOf(address)]);
+  const motes = shown.motes;
+  const facts = motes ? [["arrived of its messages", shareText(motes.delivery[i])], ["battery lasts", hoursText(motes.hours[i])], ["waiting to be sent", motes.queue[i] ?? "–"]] : [];
+  return [make("h2", fullName(i)), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at)}`),
+    faultButton("let it crash …", "crash mote", fullName(i)), factList([...facts, ...(answer?.facts || [])]),
+    ...energyDetails(answer), ...neighbourDetails(answer?.neighbours || [], islandOf(i)), ...sent].filter(Boolean);
+}
+
+function energyDetails(answer) {
+  if (!answer) return [];
+  const parts = [make("h3", "Energy"), ...energyBar(answer.energy), factList(energyParts(answer.energy).map(([name, mah]) => [radioWord(name), chargeText(mah)]))];
+  if (isNumber(answer.energy?.forwarded_share)) parts.push(make("p.small", `${shareText(answer.energy.forwarded_share)} of what it sent was for others`));
+  if (answer.used?.length > 1) {
+    const canvas = make("canvas.curve", { role: "img", "aria-label": "Charge used over time, mAh" });
+    canvas.points = answer.used;
+    parts.push(make("p.soft.small", "used, mAh"), canvas);
+  }
+  return parts;
+}
+
+function neighbourDetails(neighbours, island) {
+  const rows = neighbours.map(([name, etx]) => {
+    const place = placeOf(name, island);
+    return make("tr", make("td", place ? button(name, () => choose({ kind: place.kind, index: place.index }), { class: "link" }) : name), make("td", etxText(etx)));
+  });
+  return [make("h3", `Neighbours (${rows.length})`), make("table", make("tr", make("th", "who"), make("th", "ETX")), ...rows)];
+}
+
+async function messagesOf(of) {
+  const title = make("h3", "Messages, lost ones first");
+  if (!hasMessages()) return [title, make("p.soft.small", NO_RECORD)];
+  const [lost, all] = await Promise.all([true, false].map((only) => ask({ ask: "messages", lost: only, of, limit: 40 }, "messages")));
+  const byTheirNames = new Map([...(lost?.messages || []), ...(all?.messages || [])].map((x) => [x.name, x]));
+  const found = lostFirst([...byTheirNames.values()]).slice(0, 40);
+  return [title, make("p.soft.small", lost && !lost.ready ? lost.why : found.length ? "" : "none"),
+    ...found.map((x) => make("button.message.row", { type: "button", onclick: () => explainMessage(x) }, ...messageRow(x)))];
+}
+
+function peerParts(index) {
+  const peer = model.peers[index];
+  const about = events.filter((x) => x.t <= shown.at && (x.who === peer.name || x.who.startsWith(peer.name + "/"))).slice(-12).reverse();
+  const seeTuples = () => {
+    $("tuple-filter").value = peer.name;
+    showTab("tuples");
+  };
+  return [make("h2", peer.name), make("p.soft.small", `${peer.gateway ? "gateway" : "PEIS peer"} ${peer.id}${peer.host ? " on " + peer.host : ""}`),
+    make("div.row", button("its tuples", seeTuples, { id: "peer-tuples" }), faultButton("kill it …", "kill peer", peer.name)),
+    make("h3", `Links (${peer.links.length})`), chips("peer", peer.links),
+    ...(peer.islands.length ? [make("h3", "Cable to the sink of"), chips("island", peer.islands)] : []), make("h3", "Newest events"),
+    make("table", ...about.map((x) => make("tr", make("td.soft", timeText(x.t)), make("td." + x.kind, x.what)))), about.length ? "" : "none"];
+}
+
+function islandParts(index) {
+  const island = model.islands[index];
+  const gateways = [...model.peers.keys()].filter((i) => island.gateways.includes(model.peers[i].name));
+  const motes = Array.from({ length: min(island.count, 200) }, (_, k) => island.first + k);
+  return [make("h2", island.name), make("p.soft.small", `island ${island.id}, ${countText(island.count)} motes, at ${timeText(shown.at)}`),
+    factList(STATES.map(([, text], code) => [text, countText(island.counts[code])])), make("h3", "Gateways"), chips("peer", gateways),
+    make("h3", island.count > 200 ? "Motes, the first 200" : "Motes"), make("div.chips", ...motes.map((i) => button(plain(model.names[i], 60), () => choose({ kind: "mote", index: i }))))];
+}
+
+// ---- tab: control
+
+const FAULTS = { // that may happen at any moment: whom, and what has to be said
+  "crash mote": ["mote", "crash mote WHO for 10s"],
+  "crash sink": ["island", "crash sink WHO for 10s"],
+  "battery ends": ["mote", "battery_end mote WHO"],
+  unplug: ["island", "unplug island WHO for 30s"],
+  "kill peer": ["peer", "kill peer WHO for 20s"],
+  "power off": ["peer", "power_off peer WHO for 20s"],
+  pause: ["peer", "pause peer WHO for 10s"],
+  "PEIS loses packages": [null, "link_loss loss 50% for 30s"],
+  "radio loses frames": ["island", "radio_loss loss 50% island WHO for 30s"],
+  "a second peer": ["peer", "duplicate_id peer WHO for 30s"],
+  "clock is set": ["mote", "clock_step mote WHO by 5s"],
+};
+
+function startControl() {
+  tabs.control = { refresh: () => {} };
+  $("fault-kind").replaceChildren(...options(Object.keys(FAULTS)));
+  on($("fault-kind"), "change", () => proposeFault($("fault-kind").value));
+  on($("fault-who"), "change", composeFault);
+  const doFault = () => tell({ ask: "fault", sentence: $("fault-sentence").value.trim() }, $("fault-sentence").value);
+  on($("fault-do"), "click", doFault);
+  on($("fault-sentence"), "keydown", (event) => { if (event.key === "Enter") doFault(); });
+  on($("cut-do"), "click", cutLink);
+  on($("set-form"), "submit", (event) => {
+    event.preventDefault();
+    setTuple($("set-owner").value, $("set-key").value, $("set-value").value);
+  });
+}
+
+const options = (names) => names.map((name) => make("option", { value: name }, plain(name, 60)));
+
+function fillControl() {
+  if (!mayControl()) return;
+  const names = model.peers.map((x) => x.name);
+  $("set-owner").replaceChildren(...options(names));
+  $("cut-link").replaceChildren(...model.links.map(([a, b], i) => make("option", { value: i }, `${plain(names[a], 28)} – ${plain(names[b], 28)}`)));
+  proposeFault("crash mote");
+}
+
+/** Offers whom it may concern: `who`, or who is chosen, or the first. */
+function proposeFault(kind, who = shown.chosen && nameOf(shown.chosen)) {
+  const [whom] = FAULTS[kind];
+  const count = { mote: model.count, island: model.islands.length, peer: model.peers.length }[whom] || 0;
+  const names = Array.from({ length: min(count, 2000) }, (_, index) => nameOf({ kind: whom, index }));
+  $("fault-kind").value = kind;
+  $("fault-who").replaceChildren(...options(names));
+  $("fault-who").disabled = !whom;
+  if (names.includes(who)) $("fault-who").value = who;
+  composeFault();
+}
+
+/** The sentence may be changed by hand before it is said. */
+function composeFault() {
+  $("fault-sentence").value = FAULTS[$("fault-kind").value][1].replace("WHO", () => $("fault-who").value);
+}
+
+function cutLink() {
+  const pair = model.links[$("cut-link").value];
+  if (!pair) return;
+  const sentence = `link_loss loss 100% peers ${JSON.stringify(pair.map((i) => model.peers[i].name))} for ${$("cut-for").value.trim()}`;
+  tell({ ask: "fault", sentence }, sentence);
+}
+
+const setTuple = (owner, key, value) => tell({ ask: "set", owner, key, value }, `${owner}: ${key} = ${value}`);
+
+/** Says something that changes the run, and lists the answer. */
+async function tell(question, title) {
+  const answer = await ask(question);
+  const good = answer?.kind === "done" && answer.ok;
+  const text = answer ? answer.text || (good ? "done" : "refused") : "the connection is lost";
+  $("answers").prepend(make(good ? "li" : "li.bad", make("div.soft", `${timeText(run.now)}  ${plain(title, 300)}`), (good ? "✓ " : "✕ ") + text));
+  while ($("answers").children.length > 50) $("answers").lastChild.remove();
+  put("said", plain(text, 200));
+  refreshTab();
+}
+
+// ---- search
+
+const FOUND_MOST = 12;
+
+function findTargets(needle) {
+  const found = [];
+  for (const [kind, list] of [["peer", model.peers], ["island", model.islands], ["mote", model.names]])
+    for (let index = 0; index < list.length && found.length < FOUND_MOST; ++index)
+      if (matches(needle, nameOf({ kind, index }), kind === "mote" ? addressOf(index) : kind)) found.push({ kind, index });
+  return found;
+}
+
+/** Proposes what has the typed text in its name; goes to what is chosen of it. */
+function searched(event) {
+  const found = findTargets(needleOf("search") || "\n");
+  $("found").replaceChildren(...found.map((x) => make("option", { value: nameOf(x) })));
+  const exact = found.find((x) => nameOf(x) === $("search").value) || (event.key === "Enter" && found[0]);
+  const picked = event.type === "input" && (event.inputType ?? "insertReplacementText") === "insertReplacementText";
+  if (!exact || !(picked || event.key === "Enter")) return;
+  $("search").value = "";
+  $("search").blur();
+  if (exact.kind === "mote") showMote(exact.index);
+  else if (exact.kind === "island") showIsland(model.islands[exact.index]);
+  choose(exact);
+}
+
+// ---- keyboard
+
+const KEYS = {
+  " ": () => setPlaying(!shown.playing),
+  ArrowLeft: (event) => (event.shiftKey ? stepTime(-1) : eventBefore()),
+  ArrowRight: (event) => (event.shiftKey ? stepTime(1) : nextEvent()),
+  ArrowUp: () => changeSpeed(1),
+  ArrowDown: () => changeSpeed(-1),
+  Home: () => showAt(0),
+  End: goLive,
+  "+": () => zoom(1.4),
+  "=": () => zoom(1.4),
+  "-": () => zoom(1 / 1.4),
+  0: fitView,
+  "?": () => $("help").showModal(),
+  "/": () => $("search").focus(),
+};
+const MAP_KEYS = { ArrowLeft: [60, 0], ArrowRight: [-60, 0], ArrowUp: [0, 60], ArrowDown: [0, -60] };
+
+function onKey(event) {
+  if (event.ctrlKey || event.metaKey || event.altKey || $("help").open) return;
+  if (event.key === "Escape") return escape(event.target);
+  if (event.target.matches("input, select") || (event.key === " " && event.target.matches("button"))) return;
+  const shift = event.target.id === "map" && !event.shiftKey ? MAP_KEYS[event.key] : null;
+  if (!shift && !KEYS[event.key]) return;
+  event.preventDefault();
+  if (shift) pan(...shift);
+  else KEYS[event.key](event);
+}
+
+/** Closes what is open, one thing at a time. */
+function escape(target) {
+  if (target.matches("input")) {
+    if (target.id === "search") target.value = "";
+    target.blur();
+  } else if (!$("explain").hidden) closeExplain();
+  else if (shown.tab === "tuples" && tuples.chosen) {
+    tuples.chosen = null;
+    $("tuple-detail").hidden = true;
+    showTuples();
+  } else choose(null);
+}
+
+// ---- start
+
+function listenToTools() {
+  const clicks = {
+    "zoom-in": KEYS["+"], "zoom-out": KEYS["-"], "zoom-fit": fitView, theme: otherTheme, "help-open": KEYS["?"],
+    "help-close": () => $("help").close(), "explain-close": closeExplain, "to-start": KEYS.Home, "event-back": eventBefore,
+    "event-next": nextEvent, play: KEYS[" "], live: goLive,
+    "band-toggle": () => {
+      $("band-toggle").setAttribute("aria-pressed", $("band-toggle").getAttribute("aria-pressed") !== "true");
+      resizeMap();
+    },
+  };
+  for (const [id, clicked] of Object.entries(clicks)) on($(id), "click", clicked);
+  on($("link-by"), "change", () => redraw("scene"));
+  $("speed").replaceChildren(...SPEEDS.map((x) => make("option", { value: x }, x + "x")));
+  on($("speed"), "change", () => setSpeed(Number($("speed").value)));
+  on($("at"), "change", () => {
+    const t = timeOf($("at").value);
+    if (t !== null) showAt(t);
+    $("at").blur();
+  });
+  on($("search"), "input keydown", searched);
+  on(document, "keydown", onKey);
+}
+
+/** For tests of this page: what it shows, to read only. */
+window.rubicon = Object.freeze({
+  shown: () => ({
+    at_s: shown.at, sample_s: shown.sample, follow: shown.follow, playing: shown.playing, speed: shown.speed,
+    counts: Object.fromEntries(STATES.map(([name], code) => [name, shown.counts[code]])), motes: model.count, islands: model.islands.length,
+    folded: model.islands.filter((x) => x.folded).length, peers: model.peers.length, tab: shown.tab, explained: shown.explained,
+    selected: shown.chosen && { kind: shown.chosen.kind, name: nameOf(shown.chosen) }, events: events.length, tuples: tuples.list.length,
+    lost: { ...shown.lost }, used_mah: usedByAll(), samples: series.times.length, connected: connection.open, running: run.running,
+    now_s: run.now, run_events: run.events, control: mayControl(), messages: hasMessages(), zoom: view.scale / view.fitScale,
+    theme: document.documentElement.dataset.theme, frames: frames.list.length, fps: frameTimes.length, scene_ms: scene.cost_ms,
+    first_picture_ms: shown.firstPicture_ms,
+  }),
+  /** Where a mote or a sink is in the window, in CSS pixels; null if there is none of this name. */
+  place: (name) => {
+    const found = placeOf(name);
+    const map = $("map").getBoundingClientRect();
+    return found && { x: map.left + found.x, y: map.top + found.y };
+  },
+});
+
+function start() {
+  for (const each of [startEvents, startTuples, startProxies, startEnergy, startMessages, startControl]) each();
+  tabs.details = { refresh: refreshDetails };
+  for (const each of [listenToMap, listenToTimeLine, listenToTabs, listenToTools]) each();
+  for (const each of document.querySelectorAll("[title]:not([aria-label])")) each.setAttribute("aria-label", each.title);
+  if (innerWidth < 560) $("band-toggle").setAttribute("aria-pressed", "false");
+  setSpeed(1);
+  setTheme(firstTheme());
+  showTab("events");
+  new ResizeObserver(resizeMap).observe($("map-area"));
+  new ResizeObserver(() => redraw("time")).observe($("time-line"));
+  setInterval(showStatus, 1000);
+  connect();
+}
+
+start();
