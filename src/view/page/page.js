@@ -653,7 +653,7 @@ function packAirs() {
   const area = world.airs.reduce((sum, air) => sum + air.width * air.height, 0);
   const widest = Math.max(...world.airs.map((air) => air.width), 1);
   const rowWidth = Math.max(widest, Math.sqrt(area * 1.7) * 1.02);
-  const gap = 0.05 * Math.sqrt(area / Math.max(world.airs.length, 1));
+  const gap = 0.16 * Math.sqrt(area / Math.max(world.airs.length, 1));
   let x = 0;
   let y = 0;
   let rowHeight = 0;
@@ -823,7 +823,7 @@ function pan(dx, dy) {
 /** The old picture is moved under the pointer until there is time for a new one. */
 function viewMoved() {
   hideTip();
-  if (scene.cost_ms < 8) return redraw("scene");
+  if (scene.cost_ms < 3) return redraw("scene");
   clearTimeout(scene.timer);
   scene.timer = setTimeout(() => redraw("scene"), 140);
   return redraw("map");
@@ -854,7 +854,9 @@ function showMote(index) {
 // The scene is drawn larger than the screen, once, and shifted while somebody drags it; on it lie
 // the things that change with the pointer or in time.
 const MARGIN_PX = 160;
-const FOLD_PX = 5.5; // motes nearer to each other than this are folded into their island
+const FOLD_PX = 5.5; // motes nearer to each other than this are folded into their island,
+const FOLD_LARGE_PX = 3; // or than this if the island is large,
+const LARGE_PX = 250; // as this
 const LABEL_PX = 26; // motes farther from each other than this have names
 const scene = { canvas: document.createElement("canvas"), stale: true, cost_ms: 0, timer: 0, scale: 1, ox: 0, oy: 0 };
 const sprites = new Map();
@@ -866,6 +868,7 @@ function drawMap() {
   const factor = view.scale / scene.scale;
   ctx.drawImage(scene.canvas, view.ox - scene.ox * factor - MARGIN_PX * factor, view.oy - scene.oy * factor - MARGIN_PX * factor,
     scene.width * factor, scene.height * factor);
+  drawScaleBar(ctx);
   drawBand(ctx);
   drawNeighbours(ctx);
   drawChosen(ctx);
@@ -891,16 +894,22 @@ function drawScene() {
   const inView = world.airs.filter((air) => boxInView(air.x, air.y, air.x + air.width, air.y + air.height));
   for (const air of inView) drawGround(ctx, air);
   const islands = inView.flatMap((air) => air.islands);
-  for (const island of islands) island.folded = island.count > 2 && island.spacing * view.scale < FOLD_PX;
+  for (const island of islands) island.folded = isTooSmall(island);
   labels.clear();
   const open = islands.filter((island) => !island.folded && boxInView(island.box.x0, island.box.y0, island.box.x1, island.box.y1));
   drawLinks(ctx, open);
   for (const island of open) drawMotes(ctx, island);
-  for (const island of islands) if (island.folded) drawFolded(ctx, island);
+  const folded = islands.filter((island) => island.folded);
+  for (const island of folded) drawRing(ctx, island);
+  for (const island of folded) nameRing(ctx, island);
   for (const island of open) drawSink(ctx, island);
   for (const island of open) drawNames(ctx, island);
-  drawScaleBar(ctx);
   scene.cost_ms = performance.now() - started;
+}
+
+function isTooSmall(island) {
+  const large = Math.min(island.box.x1 - island.box.x0, island.box.y1 - island.box.y0) * view.scale > LARGE_PX;
+  return island.count > 2 && island.spacing * view.scale < (large ? FOLD_LARGE_PX : FOLD_PX);
 }
 
 function boxInView(x0, y0, x1, y1) {
@@ -962,9 +971,14 @@ const hasPower = (state) => state > 0 && state < 4;
 
 function lineToParent(ctx, island, i) {
   const parent = model.parent[i];
-  ctx.moveTo(screenX(model.wx[i]), screenY(model.wy[i]));
-  if (parent === SINK) ctx.lineTo(screenX(island.sx), screenY(island.sy));
-  else ctx.lineTo(screenX(model.wx[parent]), screenY(model.wy[parent]));
+  const x1 = screenX(model.wx[i]);
+  const y1 = screenY(model.wy[i]);
+  const x2 = screenX(parent === SINK ? island.sx : model.wx[parent]);
+  const y2 = screenY(parent === SINK ? island.sy : model.wy[parent]);
+  if (Math.max(x1, x2) < -MARGIN_PX || Math.min(x1, x2) > view.width + MARGIN_PX) return;
+  if (Math.max(y1, y2) < -MARGIN_PX || Math.min(y1, y2) > view.height + MARGIN_PX) return;
+  ctx.moveTo(x1, y1);
+  ctx.lineTo(x2, y2);
 }
 
 /** Which of LINKS: as the report's map for what arrived. */
@@ -980,7 +994,7 @@ function above(x, limits) {
   return found < 0 ? 3 : found;
 }
 
-const radiusOf = (island) => Math.round(clamp(island.spacing * view.scale * 0.24, 2, 7) * 2) / 2;
+const radiusOf = (island) => Math.round(clamp(island.spacing * view.scale * 0.26, 1.2, 7) * 2) / 2;
 
 function drawMotes(ctx, island) {
   const radius = radiusOf(island);
@@ -1073,12 +1087,12 @@ function drawNames(ctx, island) {
   }
 }
 
-/** An island too small for its motes: a ring of its states, its name, and how many of all have joined. */
-function drawFolded(ctx, island) {
+/** An island too small for its motes: a ring of its states, and how many have joined. */
+function drawRing(ctx, island) {
   const x = screenX(island.cx);
   const y = screenY(island.cy);
   const box_px = Math.min(island.box.x1 - island.box.x0, island.box.y1 - island.box.y0) * view.scale;
-  const r = clamp(6 + 2.2 * Math.log2(island.count), 7, Math.max(7, box_px * 0.42));
+  const r = clamp(6 + 2.2 * Math.log2(island.count), 7, Math.max(7, box_px * 0.34));
   island.foldedRadius = r;
   ctx.beginPath();
   ctx.arc(x, y, r, 0, 7);
@@ -1095,8 +1109,22 @@ function drawFolded(ctx, island) {
     ctx.stroke();
     angle += part;
   }
-  labels.occupy(x - r, y - r, x + r, y + r);
-  label(ctx, x, y, r, `${plain(island.name, 16)} ${island.counts[1] + island.counts[2]}/${island.count}`, true);
+  labels.occupy(x - r - 3, y - r - 3, x + r + 3, y + r + 2);
+  if (r < 11) return;
+  ctx.fillStyle = colour.fg;
+  ctx.font = "11px system-ui, sans-serif";
+  ctx.textAlign = "center";
+  ctx.textBaseline = "middle";
+  ctx.fillText(joinedOf(island), x, y + 0.5);
+}
+
+const joinedOf = (island) => island.counts[1] + island.counts[2];
+
+/** Joined of all too, where there is room. */
+function nameRing(ctx, island) {
+  const [x, y, r] = [screenX(island.cx), screenY(island.cy), island.foldedRadius * 1.16 + 3];
+  const name = plain(island.name, 16);
+  if (!label(ctx, x, y, r, `${name} ${joinedOf(island)}/${island.count}`, true, [2, 0])) label(ctx, x, y, r, name, true, [2]);
 }
 
 function drawScaleBar(ctx) {
@@ -1148,7 +1176,8 @@ const labels = {
 
 const widths = new Map(); // of texts, in pixels
 
-function label(ctx, x, y, r, text, strong) {
+/** Writes a name beside a sign: right, left, below or above, as `order` says. @returns whether there was room. */
+function label(ctx, x, y, r, text, strong, order = [0, 1, 2, 3]) {
   const words = plain(text, 24);
   ctx.font = (strong ? "600 " : "") + "12px system-ui, sans-serif";
   const key = (strong ? "*" : "") + words;
@@ -1158,8 +1187,9 @@ function label(ctx, x, y, r, text, strong) {
   }
   const w = widths.get(key);
   const places = [[x + r + 3, y - 7], [x - r - 3 - w, y - 7], [x - w / 2, y + r + 2], [x - w / 2, y - r - 16]];
-  for (const [left, top] of places) {
-    if (!labels.isFree(left, top + 1, left + w, top + 13)) continue;
+  for (const [left, top] of order.map((i) => places[i])) {
+    const cut = (x > 0 && left < 2) || (x < mapWidth() && left + w > mapWidth() - 2);
+    if (cut || !labels.isFree(left, top + 1, left + w, top + 13)) continue;
     labels.occupy(left, top + 1, left + w, top + 13);
     ctx.textAlign = "left";
     ctx.textBaseline = "middle";
@@ -1169,8 +1199,9 @@ function label(ctx, x, y, r, text, strong) {
     ctx.strokeText(words, left, top + 7);
     ctx.fillStyle = strong ? colour.fg : colour.soft;
     ctx.fillText(words, left, top + 7);
-    return;
+    return true;
   }
+  return false;
 }
 
 // ------------------------------------------------------------------------ map: what lies over the scene
@@ -1271,9 +1302,7 @@ function drawBand(ctx) {
   band.top = 36 + Math.max(0, (view.height - 50 - band.step * n) / 2) * 0.3;
   const rows = new Map(model.peerOrder.map((peer, row) => [peer, row]));
   ctx.fillStyle = colour.bg;
-  ctx.globalAlpha = 0.92;
   ctx.fillRect(mapWidth(), 0, view.band, view.height);
-  ctx.globalAlpha = 1;
   ctx.strokeStyle = colour.line;
   ctx.lineWidth = 1;
   ctx.strokeRect(mapWidth() + 0.5, -1, view.band, view.height + 2);
@@ -1426,7 +1455,7 @@ function tipLines(target) {
   }
   if (target.kind === "island") {
     const island = model.islands[target.index];
-    return [island.name, `${island.counts[1] + island.counts[2]} of ${island.count} joined`, island.folded ? "click: nearer" : "sink"];
+    return [island.name, `${joinedOf(island)} of ${island.count} joined`, island.folded ? "click: nearer" : "sink"];
   }
   const i = target.index;
   const motes = shown.moment?.motes;
@@ -2047,7 +2076,9 @@ function showTuples() {
 }
 
 function tupleRow(row) {
-  const cells = [make("span", { class: "twist", "aria-hidden": "true" }, row.branches ? (row.open ? "▾" : "▸") : ""),
+  const twist = make("span", { class: "twist", "aria-hidden": "true" }, row.branches ? (row.open ? "▾" : "▸") : "");
+  twist.style.marginLeft = row.depth * 12 + "px";
+  const cells = [twist,
     textSpan("tree-name" + (row.depth ? "" : " tree-owner"), row.label, row.label)];
   if (!row.tuple) return cells;
   cells.push(textSpan("tree-value", row.tuple.value, row.tuple.value));
@@ -2060,7 +2091,7 @@ function tupleRow(row) {
 function tupleMark(row) {
   const chosen = tuples.chosen && row.tuple && row.path === tuples.chosen.path;
   return { class: chosen ? "chosen" : "", role: "treeitem", "aria-level": row.depth + 1,
-    "aria-expanded": row.branches ? String(row.open) : null, "data-depth": row.depth, style: null };
+    "aria-expanded": row.branches ? String(row.open) : null };
 }
 
 function foldTuples(row) {
@@ -2555,7 +2586,7 @@ function fillControl() {
 
 function showFaultFields(proposed = {}) {
   const [, keys] = FAULTS.find(([name]) => name === byId("fault-kind").value);
-  byId("fault-fields").replaceChildren(...keys.map(([key, what, proposal]) => make("label", {}, faultField(key, what, proposed[key] ?? proposal), key)));
+  byId("fault-fields").replaceChildren(...keys.map(([key, what, proposal]) => make("label", {}, key, faultField(key, what, proposed[key] ?? proposal))));
   composeFault();
 }
 
@@ -2773,6 +2804,7 @@ function start() {
   listenToTabs();
   listenToSearch();
   listenToTools();
+  if (innerWidth < 560) byId("band-toggle").setAttribute("aria-pressed", "false");
   setSpeed(1);
   setTheme(firstTheme());
   showTab("events");
