@@ -5,9 +5,11 @@
 
 // ---- helpers
 
+const { abs, ceil, floor, hypot, max, min, PI, round } = Math;
 const $ = (id) => document.getElementById(id);
+const put = (id, text) => { $(id).textContent = text; };
 const on = (target, types, run, options) => types.split(" ").forEach((type) => target.addEventListener(type, run, options));
-const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
+const clamp = (x, low, high) => min(max(x, low), high);
 const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
 
 /** A text without controls and marks that turn its neighbours round, at most `most` characters. */
@@ -38,8 +40,8 @@ const button = (text, run, more = {}) => make("button", { type: "button", onclic
 function timeText(seconds, decimals = 1) {
   if (!isNumber(seconds)) return "–";
   const scale = 10 ** decimals;
-  const t = Math.round(seconds * scale) / scale;
-  const [hours, minutes] = [Math.floor(t / 3600), Math.floor(t / 60) % 60];
+  const t = round(seconds * scale) / scale;
+  const [hours, minutes] = [floor(t / 3600), floor(t / 60) % 60];
   const rest = (t % 60).toFixed(decimals).padStart(decimals ? 3 + decimals : 2, "0");
   return (hours ? `${hours}:${String(minutes).padStart(2, "0")}:` : minutes + ":") + rest;
 }
@@ -51,15 +53,15 @@ function timeOf(text) {
   return parts.reduce((sum, x) => sum * 60 + Number(x), 0);
 }
 
-const countText = (n) => (isNumber(n) ? Math.round(n).toLocaleString("en") : "–");
+const countText = (n) => (isNumber(n) ? round(n).toLocaleString("en") : "–");
 const shareText = (x) => (isNumber(x) ? (100 * x).toFixed(x === 1 ? 0 : 1) + "%" : "–");
 const etxText = (x) => (isNumber(x) ? x.toFixed(2) : "–");
-const shortNumber = (x) => (Math.abs(x) >= 1e6 || (x && Math.abs(x) < 1e-3) ? x.toExponential(1) : String(Number(x.toPrecision(4))));
+const shortNumber = (x) => (abs(x) >= 1e6 || (x && abs(x) < 1e-3) ? x.toExponential(1) : String(Number(x.toPrecision(4))));
 const chargeText = (mah) => (isNumber(mah) ? shortNumber(Number(mah.toPrecision(3))) + " mAh" : "–");
 
 function hoursText(hours) {
   if (!isNumber(hours)) return "–";
-  if (hours < 1) return Math.round(hours * 60) + " min";
+  if (hours < 1) return round(hours * 60) + " min";
   return hours < 72 ? hours.toFixed(hours < 10 ? 1 : 0) + " h" : countText(hours / 24) + " d";
 }
 
@@ -88,7 +90,7 @@ function throttled(ms, run) {
       timer = 0;
       last = performance.now();
       run();
-    }, Math.max(0, last + ms - performance.now()));
+    }, max(0, last + ms - performance.now()));
   };
 }
 
@@ -148,8 +150,8 @@ function otherTheme() {
 
 /** Makes a canvas as large as its place, sharp on this screen. @returns its context, in CSS pixels. */
 function fitCanvas(canvas, width, height) {
-  const ratio = Math.min(devicePixelRatio || 1, 2);
-  const [w, h] = [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
+  const ratio = min(devicePixelRatio || 1, 2);
+  const [w, h] = [max(1, round(width * ratio)), max(1, round(height * ratio))];
   if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, { width: w, height: h });
   const ctx = canvas.getContext("2d");
   ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -191,13 +193,13 @@ function lines(...points) {
 /** The sign of a state. Each has a shape of its own, so that colours are not needed to tell them apart. */
 function drawSign(ctx, code, x, y, r) {
   const hue = STATES[code][2];
-  const thick = Math.max(1, r * 0.3);
+  const thick = max(1, r * 0.3);
   const ring = disc(x, y, r * 0.85);
   if (code === ABSENT) stroke(ctx, hue, thick, ring, [r * 0.5, r * 0.4]);
   else if (code === JOINED) fill(ctx, hue, disc(x, y, r));
   else if (code === ASLEEP) {
     stroke(ctx, hue, thick, ring);
-    fill(ctx, hue, () => ctx.arc(x, y, r * 0.85, Math.PI / 2, 1.5 * Math.PI));
+    fill(ctx, hue, () => ctx.arc(x, y, r * 0.85, PI / 2, 1.5 * PI));
   } else if (code === LOST) fill(ctx, hue, lines([x, y - 1.2 * r], [x + 1.15 * r, y + 0.9 * r], [x - 1.15 * r, y + 0.9 * r]));
   else if (code === OFF) {
     stroke(ctx, hue, thick * 1.4, lines([x - r, y - r], [x + r, y + r]));
@@ -251,7 +253,7 @@ const SINK = -2;
 
 const mayControl = () => Boolean(model.ecology?.control);
 const hasMessages = () => Boolean(model.ecology?.messages);
-const runLength = () => Math.max(model.ecology?.length_s || 0, run.now, run.end || 0, 1e-3);
+const runLength = () => max(model.ecology?.length_s || 0, run.now, run.end || 0, 1e-3);
 const islandOf = (mote) => model.islands[model.island[mote]];
 const fullName = (mote) => islandOf(mote).name + "/" + model.names[mote];
 const addressOf = (mote) => islandOf(mote).id + "/" + model.ids[mote];
@@ -400,7 +402,7 @@ function lostConnection() {
   connection.waiting.clear();
   connection.again_at = performance.now() + connection.wait_s * 1000;
   setTimeout(connect, connection.wait_s * 1000);
-  connection.wait_s = Math.min(connection.wait_s * 2, 8);
+  connection.wait_s = min(connection.wait_s * 2, 8);
   showStatus();
 }
 
@@ -497,9 +499,9 @@ function setPlaying(playing) {
 const play = { last_ms: 0, asked_ms: 0 };
 
 function advance(now_ms) {
-  const passed_s = play.last_ms ? Math.min((now_ms - play.last_ms) / 1000, 0.5) : 0;
+  const passed_s = play.last_ms ? min((now_ms - play.last_ms) / 1000, 0.5) : 0;
   play.last_ms = now_ms;
-  shown.at = Math.min(shown.at + passed_s * shown.speed, run.now);
+  shown.at = min(shown.at + passed_s * shown.speed, run.now);
   if (now_ms - play.asked_ms > 120) {
     play.asked_ms = now_ms;
     wantMoment();
@@ -549,7 +551,7 @@ const frames = {
     if (!this.wanted() || this.asking || this.to > shown.at + ahead_s) return;
     this.asking = true;
     const { round } = this;
-    const from_s = Math.max(this.to, shown.at - this.least_s());
+    const from_s = max(this.to, shown.at - this.least_s());
     const to_s = from_s + 2 * ahead_s;
     const found = (await ask({ ask: "frames", from_s, to_s }, "frames"))?.frames || [];
     if (round !== this.round) return;
@@ -588,10 +590,10 @@ const emptyArea = () => ({ x0: Infinity, y0: Infinity, x1: -Infinity, y1: -Infin
 
 function widen(area, x, y) {
   if (!isNumber(x) || !isNumber(y)) return;
-  area.x0 = Math.min(area.x0, x);
-  area.x1 = Math.max(area.x1, x);
-  area.y0 = Math.min(area.y0, y);
-  area.y1 = Math.max(area.y1, y);
+  area.x0 = min(area.x0, x);
+  area.x1 = max(area.x1, x);
+  area.y0 = min(area.y0, y);
+  area.y1 = max(area.y1, y);
 }
 
 function measureAir(air) {
@@ -611,7 +613,7 @@ function measureAir(air) {
     }
   }
   if (area.x0 > area.x1) Object.assign(area, { x0: 0, y0: 0, x1: 1, y1: 1 });
-  const margin = Math.max(0.5, 0.06 * Math.max(area.x1 - area.x0, area.y1 - area.y0));
+  const margin = max(0.5, 0.06 * max(area.x1 - area.x0, area.y1 - area.y0));
   Object.assign(air, { left: area.x0 - margin, top: area.y1 + margin,
     width: area.x1 - area.x0 + 2 * margin, height: area.y1 - area.y0 + 2 * margin });
 }
@@ -619,18 +621,18 @@ function measureAir(air) {
 /** Airs stand in rows, from left to right, about half as high as wide in all. */
 function packAirs() {
   const area = world.airs.reduce((sum, air) => sum + air.width * air.height, 0);
-  const rowWidth = Math.max(...world.airs.map((air) => air.width), Math.sqrt(area * 2));
-  const gap = 0.16 * Math.sqrt(area / Math.max(world.airs.length, 1));
+  const rowWidth = max(...world.airs.map((air) => air.width), Math.sqrt(area * 2));
+  const gap = 0.16 * Math.sqrt(area / max(world.airs.length, 1));
   let [x, y, rowHeight] = [0, 0, 0];
   world.width = 1e-3;
   for (const air of world.airs) {
     if (x > 0 && x + air.width > rowWidth) [x, y, rowHeight] = [0, y + rowHeight + gap, 0];
     Object.assign(air, { x, y });
     x += air.width + gap;
-    rowHeight = Math.max(rowHeight, air.height);
-    world.width = Math.max(world.width, x - gap);
+    rowHeight = max(rowHeight, air.height);
+    world.width = max(world.width, x - gap);
   }
-  world.height = Math.max(y + rowHeight, 1e-3);
+  world.height = max(y + rowHeight, 1e-3);
 }
 
 const worldX = (air, x) => air.x + x - air.left;
@@ -645,11 +647,11 @@ function placeIsland(air, island) {
   });
   if (island.sink) widen(area, worldX(air, island.sink.x), worldY(air, island.sink.y));
   if (area.x0 > area.x1) Object.assign(area, { x0: air.x, x1: air.x + air.width, y0: air.y, y1: air.y + air.height });
-  const [w, h] = [Math.max(area.x1 - area.x0, 0.1), Math.max(area.y1 - area.y0, 0.1)];
+  const [w, h] = [max(area.x1 - area.x0, 0.1), max(area.y1 - area.y0, 0.1)];
   const [cx, cy] = [(area.x0 + area.x1) / 2, (area.y0 + area.y1) / 2];
   Object.assign(island, { ground: air, area, width: w, height: h, cx, cy, folded: false, ring: 0,
     sx: island.sink ? worldX(air, island.sink.x) : cx, sy: island.sink ? worldY(air, island.sink.y) : cy,
-    spacing: Math.sqrt(Math.max(w * h, (w * w + h * h) / 20) / Math.max(island.count, 1)) });
+    spacing: Math.sqrt(max(w * h, (w * w + h * h) / 20) / max(island.count, 1)) });
 }
 
 /** Carried motes are where their paths have them at the shown moment. */
@@ -666,8 +668,8 @@ function placeCarried() {
 
 function pathAt(path, t) {
   const next = firstAfter(path, (point) => point[0], t);
-  const [t1, x1, y1] = path[Math.max(next - 1, 0)];
-  const [t2, x2, y2] = path[Math.min(next, path.length - 1)];
+  const [t1, x1, y1] = path[max(next - 1, 0)];
+  const [t2, x2, y2] = path[min(next, path.length - 1)];
   const part = t2 > t1 ? (t - t1) / (t2 - t1) : 0;
   return [x1 + part * (x2 - x1), y1 + part * (y2 - y1)];
 }
@@ -675,9 +677,9 @@ function pathAt(path, t) {
 /** Finds motes near a place: cells of the world, each with its motes, in two flat arrays. */
 const grid = {
   build() {
-    this.cell = Math.max(Math.sqrt((world.width * world.height) / Math.max(model.count, 1)), 1e-6);
-    this.columns = Math.floor(world.width / this.cell) + 1;
-    this.rows = Math.floor(world.height / this.cell) + 1;
+    this.cell = max(Math.sqrt((world.width * world.height) / max(model.count, 1)), 1e-6);
+    this.columns = floor(world.width / this.cell) + 1;
+    this.rows = floor(world.height / this.cell) + 1;
     this.start = new Int32Array(this.columns * this.rows + 1);
     this.items = new Int32Array(model.count);
     const cellOf = (i) => this.row(model.wy[i]) * this.columns + this.column(model.wx[i]);
@@ -687,8 +689,8 @@ const grid = {
     for (let i = 0; i < model.count; ++i) this.items[next[cellOf(i)]++] = i;
   },
 
-  column(x) { return clamp(Math.floor(x / this.cell), 0, this.columns - 1); },
-  row(y) { return clamp(Math.floor(y / this.cell), 0, this.rows - 1); },
+  column(x) { return clamp(floor(x / this.cell), 0, this.columns - 1); },
+  row(y) { return clamp(floor(y / this.cell), 0, this.rows - 1); },
 
   /** Calls `visit` with each mote that may be within `r` of a place; with those that are carried, always. */
   near(x, y, r, visit) {
@@ -707,16 +709,16 @@ const view = { scale: 1, ox: 0, oy: 0, fitScale: 1, width: 0, height: 0, band: 0
 
 const screenX = (x) => x * view.scale + view.ox;
 const screenY = (y) => y * view.scale + view.oy;
-const mapWidth = () => Math.max(view.width - view.band, 50);
+const mapWidth = () => max(view.width - view.band, 50);
 const moteSpot = (i) => ({ x: screenX(model.wx[i]), y: screenY(model.wy[i]), r: radiusIn(islandOf(i)) });
 /** Of its sink, or of the ring to which it is folded. */
 const islandSpot = (island) => ({ x: screenX(island.folded ? island.cx : island.sx), y: screenY(island.folded ? island.cy : island.sy),
   r: island.folded ? island.ring : radiusIn(island) });
-const radiusIn = (island) => Math.round(clamp(island.spacing * view.scale * 0.26, 1.2, 7) * 2) / 2;
+const radiusIn = (island) => round(clamp(island.spacing * view.scale * 0.26, 1.2, 7) * 2) / 2;
 
 function resizeMap() {
   const place = $("map-area").getBoundingClientRect();
-  const wasFit = Math.abs(view.scale / view.fitScale - 1) < 1e-6;
+  const wasFit = abs(view.scale / view.fitScale - 1) < 1e-6;
   const withBand = model.peers.length && $("band-toggle").getAttribute("aria-pressed") === "true";
   Object.assign(view, { width: place.width, height: place.height, band: withBand ? (place.width > 560 ? 176 : 112) : 0 });
   if (!view.placed || wasFit) fitView();
@@ -727,7 +729,7 @@ function fitView() {
   if (!view.width || !model.ecology) return;
   const [side, top, bottom] = mapWidth() < 420 ? [14, 54, 60] : [24, 48, 44];
   const [w, h] = [mapWidth() - 2 * side, view.height - top - bottom];
-  view.fitScale = Math.max(Math.min(w / world.width, h / world.height), 1e-6);
+  view.fitScale = max(min(w / world.width, h / world.height), 1e-6);
   Object.assign(view, { scale: view.fitScale, placed: true, ox: side + (w - world.width * view.fitScale) / 2,
     oy: top + (h - world.height * view.fitScale) / 2 });
   redraw("scene");
@@ -735,7 +737,7 @@ function fitView() {
 
 /** Zooms by a factor; what is at (x, y) on the screen stays there. */
 function zoom(factor, x = mapWidth() / 2, y = view.height / 2) {
-  const most = model.islands.reduce((a, island) => Math.max(a, 120 / island.spacing), view.fitScale * 40);
+  const most = model.islands.reduce((a, island) => max(a, 120 / island.spacing), view.fitScale * 40);
   const scale = clamp(view.scale * factor, view.fitScale * 0.4, most);
   view.ox = x - ((x - view.ox) * scale) / view.scale;
   view.oy = y - ((y - view.oy) * scale) / view.scale;
@@ -764,8 +766,8 @@ function showPlace(x, y, scale) {
 }
 
 function showIsland(island) {
-  const fit = 0.8 * Math.min(mapWidth() / island.width, (view.height - 80) / island.height);
-  showPlace(island.cx, island.cy, Math.max(fit, (FOLD_PX * 1.1) / island.spacing));
+  const fit = 0.8 * min(mapWidth() / island.width, (view.height - 80) / island.height);
+  showPlace(island.cx, island.cy, max(fit, (FOLD_PX * 1.1) / island.spacing));
 }
 
 function showMote(i) {
@@ -799,7 +801,7 @@ function drawMap() {
   drawNeighbours(ctx);
   drawMarks(ctx);
   if (frames.wanted()) drawFrames(ctx);
-  shown.firstPicture_ms ||= Math.round(performance.now());
+  shown.firstPicture_ms ||= round(performance.now());
 }
 
 /** Where the scene is on the screen now, and whether it does not cover it. */
@@ -834,7 +836,7 @@ function drawScene() {
 const inView = (x0, y0, x1, y1) => x1 > -MARGIN_PX && x0 < view.width + MARGIN_PX && y1 > -MARGIN_PX && y0 < view.height + MARGIN_PX;
 
 function isTooSmall(island) {
-  const large = Math.min(island.width, island.height) * view.scale > LARGE_PX;
+  const large = min(island.width, island.height) * view.scale > LARGE_PX;
   return island.count > 2 && island.spacing * view.scale < (large ? FOLD_LARGE_PX : FOLD_PX);
 }
 
@@ -871,7 +873,7 @@ function drawLinks(ctx, islands) {
 function lineToParent(ctx, i) {
   const from = moteSpot(i);
   const to = model.parent[i] === SINK ? islandSpot(islandOf(i)) : moteSpot(model.parent[i]);
-  if (!inView(Math.min(from.x, to.x), Math.min(from.y, to.y), Math.max(from.x, to.x), Math.max(from.y, to.y))) return;
+  if (!inView(min(from.x, to.x), min(from.y, to.y), max(from.x, to.x), max(from.y, to.y))) return;
   ctx.moveTo(from.x, from.y);
   ctx.lineTo(to.x, to.y);
 }
@@ -903,7 +905,7 @@ function sprite(code, r) {
   const name = code + ":" + r;
   if (!sprites.has(name)) {
     const canvas = document.createElement("canvas");
-    const half = Math.ceil(r * 1.3) + 1;
+    const half = ceil(r * 1.3) + 1;
     drawSign(fitCanvas(canvas, 2 * half, 2 * half), code, half, half, r);
     sprites.set(name, { canvas, half });
   }
@@ -913,7 +915,7 @@ function sprite(code, r) {
 function drawSink(ctx, island) {
   if (!island.sink) return;
   const { x, y } = islandSpot(island);
-  const r = Math.max(radiusIn(island) * 1.15, 4.5);
+  const r = max(radiusIn(island) * 1.15, 4.5);
   fill(ctx, "sink", box(x - r, y - r, 2 * r, 2 * r));
   stroke(ctx, "bg", 1.5, box(x - r, y - r, 2 * r, 2 * r));
   labels.occupy(x - r, y - r, x + r, y + r);
@@ -930,14 +932,14 @@ function drawNames(ctx, island) {
 
 /** An island too small for its motes: a ring of its states, and how many have joined. */
 function drawRing(ctx, island) {
-  const small = Math.min(island.width, island.height) * view.scale * 0.34;
-  const r = island.ring = clamp(6 + 2.2 * Math.log2(island.count), 7, Math.max(7, small));
+  const small = min(island.width, island.height) * view.scale * 0.34;
+  const r = island.ring = clamp(6 + 2.2 * Math.log2(island.count), 7, max(7, small));
   const { x, y } = islandSpot(island);
   fill(ctx, "bg", disc(x, y, r));
-  let angle = -Math.PI / 2;
+  let angle = -PI / 2;
   for (const code of [JOINED, ASLEEP, LOST, OFF, 5, ABSENT]) {
-    const part = (island.counts[code] / island.count) * 2 * Math.PI;
-    if (part) stroke(ctx, STATES[code][2], Math.max(3, r * 0.32), () => ctx.arc(x, y, r, angle, angle + part));
+    const part = (island.counts[code] / island.count) * 2 * PI;
+    if (part) stroke(ctx, STATES[code][2], max(3, r * 0.32), () => ctx.arc(x, y, r, angle, angle + part));
     angle += part;
   }
   labels.occupy(x - r - 3, y - r - 3, x + r + 3, y + r + 2);
@@ -953,7 +955,7 @@ function nameRing(ctx, island) {
 }
 
 function drawScaleBar(ctx) {
-  const decade = 10 ** Math.floor(Math.log10(110 / view.scale));
+  const decade = 10 ** floor(Math.log10(110 / view.scale));
   const metres = [5, 2, 1].find((n) => n * decade * view.scale <= 110) * decade;
   const right = mapWidth() - 14;
   stroke(ctx, "fg", 1.5, lines([right - metres * view.scale, 26], [right, 26]));
@@ -965,14 +967,14 @@ const labels = {
   CELL: 4,
 
   clear() {
-    this.columns = Math.ceil((view.width + 2 * MARGIN_PX) / this.CELL);
-    this.rows = Math.ceil((view.height + 2 * MARGIN_PX) / this.CELL);
+    this.columns = ceil((view.width + 2 * MARGIN_PX) / this.CELL);
+    this.rows = ceil((view.height + 2 * MARGIN_PX) / this.CELL);
     this.taken = new Uint8Array(this.columns * this.rows);
   },
 
   /** Calls for the cells of a box on the screen, as slices of rows. */
   slices(x0, y0, x1, y1, visit) {
-    const cell = (x, last) => clamp(Math.floor((x + MARGIN_PX) / this.CELL), 0, last);
+    const cell = (x, last) => clamp(floor((x + MARGIN_PX) / this.CELL), 0, last);
     const [c0, c1] = [cell(x0, this.columns - 1), cell(x1, this.columns - 1)];
     for (let r = cell(y0, this.rows - 1); r <= cell(y1, this.rows - 1); ++r) visit(r * this.columns + c0, r * this.columns + c1 + 1);
   },
@@ -1048,7 +1050,7 @@ function drawMarks(ctx) {
 /** Frames on their way: a dot from sender to receiver; a growing ring is for all who hear it. */
 function drawFrames(ctx) {
   for (const [start, length, from, to, heard] of frames.list) {
-    const part = (shown.at - start) / Math.max(length, frames.least_s());
+    const part = (shown.at - start) / max(length, frames.least_s());
     if (part < 0 || part > 1) continue;
     const a = placeOf(from);
     const b = to ? placeOf(to) : null;
@@ -1072,7 +1074,7 @@ const peerY = (peer) => band.top + (band.rows.get(peer) + 0.5) * band.step;
 
 function drawBand(ctx) {
   const n = model.peerOrder.length;
-  band.step = Math.min(34, (view.height - 50) / n);
+  band.step = min(34, (view.height - 50) / n);
   band.top = 36 + (view.height - 50 - band.step * n) * 0.15;
   band.rows = new Map(model.peerOrder.map((peer, row) => [peer, row]));
   fill(ctx, "bg", box(mapWidth(), 0, view.band, view.height));
@@ -1091,14 +1093,14 @@ function drawCable(ctx, peer, at) {
   const { x, y, r } = islandSpot(model.islands[at]);
   stroke(ctx, "sink", marked ? 2.5 : 1.2, () => {
     ctx.moveTo(peerX() - 7, peerY(peer));
-    ctx.bezierCurveTo(mapWidth() - 30, peerY(peer), Math.max(x + 40, mapWidth() - 90), y, x + r, y);
+    ctx.bezierCurveTo(mapWidth() - 30, peerY(peer), max(x + 40, mapWidth() - 90), y, x + r, y);
   }, [6, 3]);
 }
 
 function drawPeerLink(ctx, a, b) {
   const marked = isMarked("peer", a) || isMarked("peer", b);
-  const far = Math.abs(band.rows.get(a) - band.rows.get(b)) > 1;
-  const x = peerX() - (far ? 1.3 * Math.min(peerX() - mapWidth() - 6, 6 + Math.abs(peerY(a) - peerY(b)) * 0.22) : 0);
+  const far = abs(band.rows.get(a) - band.rows.get(b)) > 1;
+  const x = peerX() - (far ? 1.3 * min(peerX() - mapWidth() - 6, 6 + abs(peerY(a) - peerY(b)) * 0.22) : 0);
   stroke(ctx, marked ? "fg" : "soft", marked ? 2.2 : 1.2, () => {
     ctx.moveTo(peerX(), peerY(a));
     ctx.bezierCurveTo(x, peerY(a), x, peerY(b), peerX(), peerY(b));
@@ -1109,12 +1111,12 @@ function drawPeer(ctx, peer) {
   const [x, y] = [peerX(), peerY(peer)];
   const r = clamp(band.step * 0.3, 1.5, 7);
   const { gateway, name } = model.peers[peer];
-  const corners = Array.from({ length: 7 }, (_, k) => [x + r * Math.cos((k * Math.PI) / 3), y + r * Math.sin((k * Math.PI) / 3)]);
+  const corners = Array.from({ length: 7 }, (_, k) => [x + r * Math.cos((k * PI) / 3), y + r * Math.sin((k * PI) / 3)]);
   const shape = gateway ? lines(...corners) : disc(x, y, r * 0.85);
   const marked = isMarked("peer", peer);
   fill(ctx, gateway ? "sink" : "bg", shape);
   stroke(ctx, marked ? "fg" : gateway ? "sink" : "good", marked ? 3 : 2, shape);
-  if (!marked && band.rows.get(peer) % Math.ceil(14 / band.step)) return;
+  if (!marked && band.rows.get(peer) % ceil(14 / band.step)) return;
   let words = plain(name, 40);
   while (words.length > 2 && ctx.measureText(words).width > view.width - x - 16) words = words.slice(0, -2) + "…";
   write(ctx, words, x + 12, y, { hue: marked ? "fg" : "soft" });
@@ -1128,10 +1130,10 @@ const neighboursOf = new Map(); // of the mote that was pointed at last: [[name,
 /** What is at a place of the canvas: {kind: "mote", "island" or "peer", index}, or null. */
 function targetAt(x, y) {
   if (view.band && x > mapWidth()) {
-    const peer = model.peerOrder[Math.floor((y - band.top) / band.step)];
+    const peer = model.peerOrder[floor((y - band.top) / band.step)];
     return peer === undefined ? null : { kind: "peer", index: peer };
   }
-  const away = ({ x: x1, y: y1 }) => Math.hypot(x1 - x, y1 - y);
+  const away = ({ x: x1, y: y1 }) => hypot(x1 - x, y1 - y);
   let [best, found] = [13, null]; // pixels
   model.islands.forEach((island, index) => {
     const spot = islandSpot(island);
@@ -1226,12 +1228,12 @@ function capture(canvas, event) {
 function drag(id, at) {
   const before = pointer.down.get(id);
   pointer.down.set(id, at);
-  pointer.moved += Math.hypot(at[0] - before[0], at[1] - before[1]);
+  pointer.moved += hypot(at[0] - before[0], at[1] - before[1]);
   if (pointer.moved < 5) return;
   $("map").classList.add("dragged");
   const [a, b] = [...pointer.down.values()];
   if (!b) return pan(at[0] - before[0], at[1] - before[1]);
-  const spread = Math.hypot(a[0] - b[0], a[1] - b[1]);
+  const spread = hypot(a[0] - b[0], a[1] - b[1]);
   if (pointer.spread) zoom(spread / pointer.spread, (a[0] + b[0]) / 2, (a[1] + b[1]) / 2);
   pointer.spread = spread;
 }
@@ -1339,7 +1341,7 @@ function drawTimeBase() {
 function drawTimeAxis(ctx) {
   const step = TIME_STEPS.find((x) => x >= (runLength() * 85) / timeLine.width) || runLength();
   for (let k = 0; k * step <= runLength() * 1.0001; ++k) {
-    const x = Math.round(timeX(k * step)) + 0.5;
+    const x = round(timeX(k * step)) + 0.5;
     stroke(ctx, "line", 1, lines([x, 0], [x, LANES.bottom + 3]));
     const atEnd = x > timeLine.width - 30;
     write(ctx, timeText(k * step, step < 1 ? 2 : 0), atEnd ? timeLine.width - 2 : x, LANES.bottom + 11, { align: atEnd ? "right" : k ? "center" : "left" });
@@ -1350,14 +1352,14 @@ function drawTimeAxis(ctx) {
 function drawLosses(ctx) {
   const { times } = series;
   const causes = timeLine.causes.filter((cause) => !timeLine.hidden.has(cause));
-  const lost = causes.map((cause) => series.lost[cause].map((x, i, all) => Math.max(0, x - (all[i - 1] || 0))));
-  const most = times.reduce((a, _, i) => Math.max(a, lost.reduce((sum, each) => sum + each[i], 0)), 1);
+  const lost = causes.map((cause) => series.lost[cause].map((x, i, all) => max(0, x - (all[i - 1] || 0))));
+  const most = times.reduce((a, _, i) => max(a, lost.reduce((sum, each) => sum + each[i], 0)), 1);
   const unit = (LANES.bottom - LANES.top) / most;
   const below = new Float64Array(times.length);
   lost.forEach((each, k) => fill(ctx, SERIES_COLOURS[timeLine.causes.indexOf(causes[k])], () => each.forEach((n, i) => {
     if (!n) return;
     const x = timeX(times[i - 1] || 0);
-    ctx.rect(x, LANES.bottom - (below[i] + n) * unit, Math.max(timeX(times[i]) - x, 1), n * unit);
+    ctx.rect(x, LANES.bottom - (below[i] + n) * unit, max(timeX(times[i]) - x, 1), n * unit);
     below[i] += n;
   })));
 }
@@ -1375,13 +1377,13 @@ const EVENT_MARKS = { // in the order in which they lie over each other
 /** At most one of a class for each pixel. */
 function drawEventMarks(ctx) {
   for (const [kind, draw] of Object.entries(EVENT_MARKS))
-    for (const x of new Set(events.filter((each) => each.kind === kind).map((each) => Math.round(timeX(each.t))))) draw(ctx, x);
+    for (const x of new Set(events.filter((each) => each.kind === kind).map((each) => round(timeX(each.t))))) draw(ctx, x);
 }
 
 /** The event nearest to a time, within a few pixels. */
 function eventNear(t) {
   const after = firstAfter(events, eventTime, t);
-  const away = (x) => Math.abs(timeX(x.t) - timeX(t));
+  const away = (x) => abs(timeX(x.t) - timeX(t));
   return [events[after - 1], events[after]].filter((x) => x && away(x) < 5).sort((a, b) => away(a) - away(b))[0];
 }
 
@@ -1413,7 +1415,7 @@ function showTime() {
   if (document.activeElement !== $("at")) $("at").value = timeText(shown.at, shown.speed < 0.1 && shown.playing ? 3 : 1);
   const told = { "aria-valuemax": runLength().toFixed(1), "aria-valuenow": shown.at.toFixed(1), "aria-valuetext": timeText(shown.at) };
   for (const [name, value] of Object.entries(told)) $("time-line").setAttribute(name, value);
-  $("play").textContent = shown.playing ? "❚❚" : "▶";
+  put("play", shown.playing ? "❚❚" : "▶");
   $("play").setAttribute("aria-label", shown.playing ? "Pause" : "Play");
   $("live").setAttribute("aria-pressed", shown.follow);
   if (shown.tab === "events") showCurrentEvent();
@@ -1424,8 +1426,8 @@ function showTime() {
 function showEcology() {
   const x = model.ecology;
   document.title = plain(x.name, 60) + " – Rubicon";
-  $("name").textContent = $("name").title = plain(x.name);
-  $("command").textContent = x.command || "";
+  put("name", plain(x.name));
+  put("command", x.command || "");
   $("tab-control").hidden = !x.control;
   if (!x.control && shown.tab === "control") showTab("events");
   fillControl();
@@ -1435,19 +1437,19 @@ function showEcology() {
 
 function showStatus() {
   const [text, kind] = statusText();
-  if ($("status").textContent !== text) $("status").textContent = text;
+  if ($("status").textContent !== text) put("status", text);
   $("status").className = "badge " + kind;
-  $("length").textContent = "of " + timeText(runLength(), 0);
+  put("length", "of " + timeText(runLength(), 0));
   if (!model.ecology) return;
   const facts = [`seed ${model.ecology.seed}`, model.ecology.mode, `now ${timeText(run.now)}`, `${countText(run.events)} events`];
   if (run.running && run.speed) facts.push(`${run.speed < 10 ? run.speed.toFixed(1) : countText(run.speed)}x`);
-  $("run-facts").textContent = facts.join(" · ");
+  put("run-facts", facts.join(" · "));
 }
 
 function statusText() {
   if (connection.open) return run.running ? ["running", "running"] : [run.ended ? "run ended" : "connected", ""];
   if (!connection.was) return ["connecting", ""];
-  const wait_s = Math.max(0, Math.ceil((connection.again_at - performance.now()) / 1000));
+  const wait_s = max(0, ceil((connection.again_at - performance.now()) / 1000));
   return [`${run.ended ? "run ended, " : ""}connection lost, again in ${wait_s} s`, "lost"];
 }
 
@@ -1472,8 +1474,8 @@ class List {
 
   /** Makes the rows in view; `anew`: fills those too that are there. */
   show(anew = false) {
-    const first = Math.max(0, Math.floor(this.element.scrollTop / this.rowHeight) - 4);
-    const last = Math.min(this.items.length, first + Math.ceil(this.element.clientHeight / this.rowHeight) + 9);
+    const first = max(0, floor(this.element.scrollTop / this.rowHeight) - 4);
+    const last = min(this.items.length, first + ceil(this.element.clientHeight / this.rowHeight) + 9);
     for (const [index, row] of this.rows)
       if (index < first || index >= last) {
         row.remove();
@@ -1577,7 +1579,7 @@ function startEvents() {
 function showEvents() {
   const kind = $("event-class").value;
   const found = events.filter((x) => (!kind || x.kind === kind) && matches(needleOf("event-filter"), x.who, x.what));
-  $("event-count").textContent = (found.length < events.length ? countText(found.length) + " of " : "") + countText(events.length) + " events";
+  put("event-count", (found.length < events.length ? countText(found.length) + " of " : "") + countText(events.length) + " events");
   tabs.events.list.set(found);
   showCurrentEvent();
 }
@@ -1663,7 +1665,7 @@ function showTuples() {
   const needle = needleOf("tuple-filter");
   const found = tuples.list.filter(([owner, key, value]) => matches(needle, owner, key, value));
   const more = tuples.leftOut ? `, ${countText(tuples.leftOut)} more are left out` : "";
-  $("tuple-count").textContent = `${countText(found.length)} tuples at ${timeText(shown.at)}${more}`;
+  put("tuple-count", `${countText(found.length)} tuples at ${timeText(shown.at)}${more}`);
   tabs.tuples.list.set(flatten(tupleTree(found), [], Boolean(needle)));
   if (tuples.chosen) showTupleDetail();
 }
@@ -1705,8 +1707,8 @@ function clickTuple(row) {
 function showTupleDetail() {
   const { owner, key } = tuples.chosen;
   const found = tuples.list.find((x) => x[0] === owner && x[1] === key);
-  $("tuple-value").textContent = found ? found[2] : "(not set at this moment)";
-  $("tuple-changed").textContent = found ? `, set at ${timeText(found[3], 3)}` : "";
+  put("tuple-value", found ? found[2] : "(not set at this moment)");
+  put("tuple-changed", found ? `, set at ${timeText(found[3], 3)}` : "");
   const canvas = $("tuple-curve");
   withCurve({ owner, key }, (points) => {
     canvas.hidden = points.length < 2;
@@ -1731,11 +1733,11 @@ function withCurve({ owner, key }, then) {
 function drawCurve(canvas, points, width, height, withNumbers = false) {
   const ctx = fitCanvas(canvas, width, height);
   if (points.length < 2) return;
-  const [low, high] = points.reduce(([a, b], [, v]) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+  const [low, high] = points.reduce(([a, b], [, v]) => [min(a, v), max(b, v)], [Infinity, -Infinity]);
   const left = withNumbers ? 52 : 1;
   const x = (t) => left + (t / runLength()) * (width - left - 2);
   const y = (v) => height - 3 - (high > low ? (v - low) / (high - low) : 0.5) * (height - 6);
-  stroke(ctx, "c0", 1.3, lines(...points.flatMap(([t, v], i) => [[x(t), y(points[Math.max(i - 1, 0)][1])], [x(t), y(v)]])));
+  stroke(ctx, "c0", 1.3, lines(...points.flatMap(([t, v], i) => [[x(t), y(points[max(i - 1, 0)][1])], [x(t), y(v)]])));
   fill(ctx, "soft", box(x(shown.at), 0, 1, height));
   if (withNumbers) write(ctx, shortNumber(high), left - 5, 9, { align: "right" });
   if (withNumbers && high > low) write(ctx, shortNumber(low), left - 5, height - 8, { align: "right" });
@@ -1770,18 +1772,18 @@ function proxiesOf(list) {
 }
 
 function addToProxy({ facts, fields, inputs }, [name, part], value) {
-  const put = (map, what) => map.set(name, { ...map.get(name), [what]: value });
+  const keep = (map, what) => map.set(name, { ...map.get(name), [what]: value });
   if (name === "status" && part) facts["status." + part] = value;
   else if (!part && PROXY_FACTS.includes(name)) facts[name] = value;
-  else if (!part || part === "unit") put(fields, part || "value");
-  else if (INPUT_PARTS.includes(part)) put(inputs, part);
+  else if (!part || part === "unit") keep(fields, part || "value");
+  else if (INPUT_PARTS.includes(part)) keep(inputs, part);
 }
 
 function showProxies() {
   const needle = needleOf("proxy-filter");
   const found = proxiesOf(tuples.list).filter((x) => matches(needle, x.prefix, x.facts.class, x.facts.status));
   const more = found.length > CARDS_MOST ? `; the first ${CARDS_MOST} are shown, filter for others` : "";
-  $("proxy-count").textContent = `${countText(found.length)} proxies at ${timeText(shown.at)}${more}`;
+  put("proxy-count", `${countText(found.length)} proxies at ${timeText(shown.at)}${more}`);
   const before = new Set(cards.keys());
   for (const proxy of found.slice(0, CARDS_MOST)) before.delete(showCard(proxy));
   for (const name of before) {
@@ -1833,7 +1835,7 @@ function showEnergy() {
   const { hours, used_mah: used } = shown.motes;
   const left = (i) => hours[i] ?? 1e12;
   const order = Array.from({ length: model.count }, (_, i) => i).sort((a, b) => left(a) - left(b) || (used[b] || 0) - (used[a] || 0));
-  $("energy-sum").textContent = `${chargeText(usedByAll())} used by ${countText(model.count)} motes at ${timeText(shown.at)}; hungriest first`;
+  put("energy-sum", `${chargeText(usedByAll())} used by ${countText(model.count)} motes at ${timeText(shown.at)}; hungriest first`);
   tabs.energy.list.set(order);
 }
 
@@ -1900,7 +1902,7 @@ function lostFirst(list) {
 function showMessages() {
   const needle = needleOf("message-filter");
   const found = messages.list.filter((x) => matches(needle, x.name, x.from, x.to, x.outcome));
-  $("message-count").textContent = messages.ready ? `${countText(found.length)} shown of ${countText(messages.total)}` : plain(messages.why);
+  put("message-count", messages.ready ? `${countText(found.length)} shown of ${countText(messages.total)}` : plain(messages.why));
   tabs.messages.list.set(found);
 }
 
@@ -1916,8 +1918,8 @@ async function explain(question, title) {
   const answer = await ask(question);
   if (!answer) return;
   shown.explained = title;
-  $("explain-title").textContent = plain(title);
-  $("explain-text").textContent = answer.text || "";
+  put("explain-title", plain(title));
+  put("explain-text", answer.text || "");
   $("explain").hidden = false;
 }
 
@@ -1960,7 +1962,15 @@ const refreshDetails = latest(async () => {
 const factList = (facts) => make("dl.facts", ...facts.flatMap(([name, value]) => [make("dt", name), make("dd", value)]));
 const chip = (kind) => (index) => button(plain(nameOf({ kind, index }), 60), () => choose({ kind, index }));
 const chips = (kind, indices) => make("div.chips", ...indices.map(chip(kind)));
-const faultButton = (text, kind, given) => (mayControl() ? button(text, () => proposeFault(kind, given), { id: "fault-this" }) : null);
+
+function faultButton(text, kind, who) {
+  const propose = () => {
+    proposeFault(kind, who);
+    showTab("control");
+  };
+  return mayControl() ? button(text, propose, { id: "fault-this" }) : null;
+}
+
 
 async function moteParts(i) {
   const address = addressOf(i);
@@ -1968,7 +1978,7 @@ async function moteParts(i) {
   const motes = shown.motes;
   const facts = motes ? [["arrived of its messages", shareText(motes.delivery[i])], ["battery lasts", hoursText(motes.hours[i])], ["waiting to be sent", motes.queue[i] ?? "–"]] : [];
   return [make("h2", fullName(i)), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at)}`),
-    faultButton("let it crash …", "crash mote", { mote: fullName(i) }), factList([...facts, ...(answer?.facts || [])]),
+    faultButton("let it crash …", "crash mote", fullName(i)), factList([...facts, ...(answer?.facts || [])]),
     ...energyDetails(answer), ...neighbourDetails(answer?.neighbours || [], islandOf(i)), ...sent].filter(Boolean);
 }
 
@@ -2010,7 +2020,7 @@ function peerParts(index) {
     showTab("tuples");
   };
   return [make("h2", peer.name), make("p.soft.small", `${peer.gateway ? "gateway" : "PEIS peer"} ${peer.id}${peer.host ? " on " + peer.host : ""}`),
-    make("div.row", button("its tuples", seeTuples, { id: "peer-tuples" }), faultButton("kill it …", "kill peer", { peer: peer.name })),
+    make("div.row", button("its tuples", seeTuples, { id: "peer-tuples" }), faultButton("kill it …", "kill peer", peer.name)),
     make("h3", `Links (${peer.links.length})`), chips("peer", peer.links),
     ...(peer.islands.length ? [make("h3", "Cable to the sink of"), chips("island", peer.islands)] : []), make("h3", "Newest events"),
     make("table", ...about.map((x) => make("tr", make("td.soft", timeText(x.t)), make("td." + x.kind, x.what)))), about.length ? "" : "none"];
@@ -2019,7 +2029,7 @@ function peerParts(index) {
 function islandParts(index) {
   const island = model.islands[index];
   const gateways = [...model.peers.keys()].filter((i) => island.gateways.includes(model.peers[i].name));
-  const motes = Array.from({ length: Math.min(island.count, 200) }, (_, k) => island.first + k);
+  const motes = Array.from({ length: min(island.count, 200) }, (_, k) => island.first + k);
   return [make("h2", island.name), make("p.soft.small", `island ${island.id}, ${countText(island.count)} motes, at ${timeText(shown.at)}`),
     factList(STATES.map(([, text], code) => [text, countText(island.counts[code])])), make("h3", "Gateways"), chips("peer", gateways),
     make("h3", island.count > 200 ? "Motes, the first 200" : "Motes"), make("div.chips", ...motes.map((i) => button(plain(model.names[i], 60), () => choose({ kind: "mote", index: i }))))];
@@ -2027,24 +2037,25 @@ function islandParts(index) {
 
 // ---- tab: control
 
-const FAULTS = { // that may happen at any moment, and what has to be said of them: [key, what it is, proposal]
-  "crash mote": [["mote", "mote"], ["for", "time", "10s"]],
-  "crash sink": [["sink", "island"], ["for", "time", "10s"]],
-  battery_end: [["mote", "mote"]],
-  unplug: [["island", "island"], ["for", "time", "30s"]],
-  "kill peer": [["peer", "peer"], ["for", "time", "20s"]],
-  power_off: [["peer", "peer"], ["for", "time", "20s"]],
-  pause: [["peer", "peer"], ["for", "time", "10s"]],
-  link_loss: [["loss", "share", "50%"], ["for", "time", "30s"]],
-  radio_loss: [["loss", "share", "50%"], ["island", "island"], ["for", "time", "30s"]],
-  duplicate_id: [["peer", "peer"], ["for", "time", "30s"]],
-  clock_step: [["mote", "mote"], ["by", "time", "5s"]],
+const FAULTS = { // that may happen at any moment: whom, and what has to be said
+  "crash mote": ["mote", "crash mote WHO for 10s"],
+  "crash sink": ["island", "crash sink WHO for 10s"],
+  "battery ends": ["mote", "battery_end mote WHO"],
+  unplug: ["island", "unplug island WHO for 30s"],
+  "kill peer": ["peer", "kill peer WHO for 20s"],
+  "power off": ["peer", "power_off peer WHO for 20s"],
+  pause: ["peer", "pause peer WHO for 10s"],
+  "PEIS loses packages": [null, "link_loss loss 50% for 30s"],
+  "radio loses frames": ["island", "radio_loss loss 50% island WHO for 30s"],
+  "a second peer": ["peer", "duplicate_id peer WHO for 30s"],
+  "clock is set": ["mote", "clock_step mote WHO by 5s"],
 };
 
 function startControl() {
   tabs.control = { refresh: () => {} };
-  $("fault-kind").replaceChildren(...Object.keys(FAULTS).map((name) => make("option", { value: name }, name.replace("_", " "))));
-  on($("fault-kind"), "change", () => showFaultFields());
+  $("fault-kind").replaceChildren(...options(Object.keys(FAULTS)));
+  on($("fault-kind"), "change", () => proposeFault($("fault-kind").value));
+  on($("fault-who"), "change", composeFault);
   const doFault = () => tell({ ask: "fault", sentence: $("fault-sentence").value.trim() }, $("fault-sentence").value);
   on($("fault-do"), "click", doFault);
   on($("fault-sentence"), "keydown", (event) => { if (event.key === "Enter") doFault(); });
@@ -2055,45 +2066,31 @@ function startControl() {
   });
 }
 
-const options = (names) => names.map((name, i) => make("option", { value: i }, plain(name, 60)));
+const options = (names) => names.map((name) => make("option", { value: name }, plain(name, 60)));
 
 function fillControl() {
   if (!mayControl()) return;
   const names = model.peers.map((x) => x.name);
-  $("set-owner").replaceChildren(...names.map((name) => make("option", { value: name }, plain(name, 60))));
-  $("cut-link").replaceChildren(...options(model.links.map(([a, b]) => `${plain(names[a], 28)} – ${plain(names[b], 28)}`)));
-  $("mote-names").replaceChildren(...Array.from({ length: Math.min(model.count, 1000) }, (_, i) => make("option", { value: fullName(i) })));
-  showFaultFields();
+  $("set-owner").replaceChildren(...options(names));
+  $("cut-link").replaceChildren(...model.links.map(([a, b], i) => make("option", { value: i }, `${plain(names[a], 28)} – ${plain(names[b], 28)}`)));
+  proposeFault("crash mote");
 }
 
-function showFaultFields(given = {}) {
-  $("fault-fields").replaceChildren(...FAULTS[$("fault-kind").value].map(([key, what, proposal]) => make("label", key, faultField(key, what, given[key] ?? proposal))));
+/** Offers whom it may concern: `who`, or who is chosen, or the first. */
+function proposeFault(kind, who = shown.chosen && nameOf(shown.chosen)) {
+  const [whom] = FAULTS[kind];
+  const count = { mote: model.count, island: model.islands.length, peer: model.peers.length }[whom] || 0;
+  const names = Array.from({ length: min(count, 2000) }, (_, index) => nameOf({ kind: whom, index }));
+  $("fault-kind").value = kind;
+  $("fault-who").replaceChildren(...options(names));
+  $("fault-who").disabled = !whom;
+  if (names.includes(who)) $("fault-who").value = who;
   composeFault();
 }
 
-function faultField(key, what, proposal) {
-  const id = "fault-" + key;
-  const names = { island: model.islands, peer: model.peers }[what];
-  const field = names ? make("select", { id }, ...names.map((x) => make("option", { value: x.name }, plain(x.name, 60))))
-    : make("input", { id, type: "text", list: what === "mote" ? "mote-names" : null });
-  const chosen = shown.chosen?.kind === what ? nameOf(shown.chosen) : undefined;
-  field.value = proposal ?? chosen ?? (what === "mote" && model.count ? fullName(0) : field.value);
-  on(field, "input", composeFault);
-  return field;
-}
-
-/** The sentence of the fields; it may be changed by hand before it is said. */
+/** The sentence may be changed by hand before it is said. */
 function composeFault() {
-  const kind = $("fault-kind").value;
-  const words = FAULTS[kind].map(([key]) => [key, $("fault-" + key).value.trim()]).filter(([, value]) => value);
-  $("fault-sentence").value = [kind.split(" ")[0], ...words.flat()].join(" ");
-}
-
-function proposeFault(kind, given) {
-  $("fault-kind").value = kind;
-  showFaultFields(given);
-  showTab("control");
-  $("fault-sentence").focus();
+  $("fault-sentence").value = FAULTS[$("fault-kind").value][1].replace("WHO", () => $("fault-who").value);
 }
 
 function cutLink() {
@@ -2112,66 +2109,34 @@ async function tell(question, title) {
   const text = answer ? answer.text || (good ? "done" : "refused") : "the connection is lost";
   $("answers").prepend(make(good ? "li" : "li.bad", make("div.soft", `${timeText(run.now)}  ${plain(title, 300)}`), (good ? "✓ " : "✕ ") + text));
   while ($("answers").children.length > 50) $("answers").lastChild.remove();
-  $("said").textContent = plain(text, 200);
+  put("said", plain(text, 200));
   refreshTab();
 }
 
 // ---- search
 
-const search = { found: [], at: 0 };
 const FOUND_MOST = 12;
 
 function findTargets(needle) {
   const found = [];
-  const look = (kind, count, extra) => {
-    for (let index = 0; index < count && found.length < FOUND_MOST; ++index)
-      if (matches(needle, nameOf({ kind, index }), extra(index))) found.push({ kind, index, extra: extra(index) });
-  };
-  look("peer", model.peers.length, (i) => (model.peers[i].gateway ? "gateway" : "peer"));
-  look("island", model.islands.length, () => "island");
-  look("mote", model.count, addressOf);
+  for (const [kind, list] of [["peer", model.peers], ["island", model.islands], ["mote", model.names]])
+    for (let index = 0; index < list.length && found.length < FOUND_MOST; ++index)
+      if (matches(needle, nameOf({ kind, index }), kind === "mote" ? addressOf(index) : kind)) found.push({ kind, index });
   return found;
 }
 
-function showFound() {
-  const needle = needleOf("search");
-  Object.assign(search, { found: needle ? findTargets(needle) : [], at: 0 });
-  $("found").hidden = !needle;
-  $("search").setAttribute("aria-expanded", Boolean(needle));
-  $("found").replaceChildren(...search.found.map((x, i) => make("li", { id: "found-" + i, role: "option", onpointerdown: (event) => {
-    event.preventDefault();
-    goTo(x);
-  } }, cell("", nameOf(x)), make("span.space"), make("span.soft.small", x.extra))));
-  if (!search.found.length) $("found").append(make("li.soft", "nothing found"));
-  markFound();
-}
-
-function markFound() {
-  [...$("found").children].forEach((each, i) => each.setAttribute("aria-selected", i === search.at));
-  $("search").setAttribute("aria-activedescendant", search.found.length ? "found-" + search.at : "");
-}
-
-function goTo({ kind, index }) {
+/** Proposes what has the typed text in its name; goes to what is chosen of it. */
+function searched(event) {
+  const found = findTargets(needleOf("search") || "\n");
+  $("found").replaceChildren(...found.map((x) => make("option", { value: nameOf(x) })));
+  const exact = found.find((x) => nameOf(x) === $("search").value) || (event.key === "Enter" && found[0]);
+  const picked = event.type === "input" && (event.inputType ?? "insertReplacementText") === "insertReplacementText";
+  if (!exact || !(picked || event.key === "Enter")) return;
   $("search").value = "";
-  showFound();
   $("search").blur();
-  if (kind === "mote") showMote(index);
-  else if (kind === "island") showIsland(model.islands[index]);
-  choose({ kind, index });
-}
-
-function listenToSearch() {
-  on($("search"), "input", showFound);
-  on($("search"), "blur", () => { $("found").hidden = true; });
-  on($("search"), "keydown", (event) => {
-    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
-    const { found } = search;
-    if (event.key === "Enter" && found[search.at]) goTo(found[search.at]);
-    if (!step || !found.length) return;
-    event.preventDefault();
-    search.at = (search.at + step + found.length) % found.length;
-    markFound();
-  });
+  if (exact.kind === "mote") showMote(exact.index);
+  else if (exact.kind === "island") showIsland(model.islands[exact.index]);
+  choose(exact);
 }
 
 // ---- keyboard
@@ -2238,6 +2203,7 @@ function listenToTools() {
     if (t !== null) showAt(t);
     $("at").blur();
   });
+  on($("search"), "input keydown", searched);
   on(document, "keydown", onKey);
 }
 
@@ -2264,7 +2230,7 @@ window.rubicon = Object.freeze({
 function start() {
   for (const each of [startEvents, startTuples, startProxies, startEnergy, startMessages, startControl]) each();
   tabs.details = { refresh: refreshDetails };
-  for (const each of [listenToMap, listenToTimeLine, listenToTabs, listenToSearch, listenToTools]) each();
+  for (const each of [listenToMap, listenToTimeLine, listenToTabs, listenToTools]) each();
   for (const each of document.querySelectorAll("[title]:not([aria-label])")) each.setAttribute("aria-label", each.title);
   if (innerWidth < 560) $("band-toggle").setAttribute("aria-pressed", "false");
   setSpeed(1);
