@@ -19,6 +19,8 @@ function plain(text, most = 1000) {
   return cut.replace(/[\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/g, "\ufffd");
 }
 
+const plainLines = (text) => String(text ?? "").split("\n").map((line) => plain(line, 1e5)).join("\n");
+
 /** make("p.soft.small", {title: x}, child, …): an element. Attributes may be left out; `onclick` and the like are
  * listeners, nothing is no attribute; children are elements or texts. */
 function make(what, ...children) {
@@ -1427,7 +1429,7 @@ function showEcology() {
   const x = model.ecology;
   document.title = plain(x.name, 60) + " – Rubicon";
   put("name", plain(x.name));
-  put("command", x.command || "");
+  put("command", plain(x.command));
   $("tab-control").hidden = !x.control;
   if (!x.control && shown.tab === "control") showTab("events");
   fillControl();
@@ -1707,7 +1709,7 @@ function clickTuple(row) {
 function showTupleDetail() {
   const { owner, key } = tuples.chosen;
   const found = tuples.list.find((x) => x[0] === owner && x[1] === key);
-  put("tuple-value", found ? found[2] : "(not set at this moment)");
+  put("tuple-value", found ? plainLines(found[2]) : "(not set at this moment)");
   put("tuple-changed", found ? `, set at ${timeText(found[3], 3)}` : "");
   const canvas = $("tuple-curve");
   withCurve({ owner, key }, (points) => {
@@ -1919,7 +1921,7 @@ async function explain(question, title) {
   if (!answer) return;
   shown.explained = title;
   put("explain-title", plain(title));
-  put("explain-text", answer.text || "");
+  put("explain-text", plainLines(answer.text));
   $("explain").hidden = false;
 }
 
