@@ -10,6 +10,7 @@ const $ = (id) => document.getElementById(id);
 const put = (id, text) => { $(id).textContent = text; };
 const on = (target, types, run, options) => types.split(" ").forEach((type) => target.addEventListener(type, run, options));
 const clamp = (x, low, high) => min(max(x, low), high);
+const range = (n) => [...Array(n).keys()];
 const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
 
 /** A text without controls and marks that turn its neighbours round, at most `most` characters. */
@@ -36,7 +37,7 @@ function make(what, ...children) {
   return element;
 }
 
-const button = (text, run, more = {}) => make("button", { type: "button", onclick: run, ...more }, text);
+const button = (text, run, more = {}) => make("button", { onclick: run, ...more }, text);
 
 /** 754.5 -> "12:34.5", ecology time as the page writes it. */
 function timeText(seconds, decimals = 1) {
@@ -46,13 +47,6 @@ function timeText(seconds, decimals = 1) {
   const [hours, minutes] = [floor(t / 3600), floor(t / 60) % 60];
   const rest = (t % 60).toFixed(decimals).padStart(decimals ? 3 + decimals : 2, "0");
   return (hours ? `${hours}:${String(minutes).padStart(2, "0")}:` : minutes + ":") + rest;
-}
-
-/** The reverse: "90", "1:30", "1:02:03.5"; null if it is no time. */
-function timeOf(text) {
-  const parts = text.trim().split(":");
-  if (parts.length > 3 || !parts.every((x) => /^\d+(\.\d+)?$/.test(x))) return null;
-  return parts.reduce((sum, x) => sum * 60 + Number(x), 0);
 }
 
 const countText = (n) => (isNumber(n) ? round(n).toLocaleString("en") : "–");
@@ -136,17 +130,7 @@ function setTheme(theme) {
   refreshTab();
 }
 
-function firstTheme() {
-  let kept = null;
-  try { kept = localStorage.getItem("rubicon-theme"); } catch { /* no storage: as the computer is */ }
-  return kept || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
-}
-
-function otherTheme() {
-  const theme = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
-  try { localStorage.setItem("rubicon-theme", theme); } catch { /* not kept then */ }
-  setTheme(theme);
-}
+const isDark = () => document.documentElement.dataset.theme === "dark";
 
 // ---- canvases
 
@@ -245,8 +229,8 @@ const model = { ecology: null, count: 0, islands: [], peers: [], links: [], carr
 /** How far the run is. */
 const run = { now: 0, end: 0, running: false, ended: false, events: 0, speed: 0, samples: 0 };
 /** What the page shows. */
-const shown = { at: 0, follow: true, playing: false, speed: 1, sample: null, motes: null, lost: {}, counts: STATES.map(() => 0),
-  chosen: null, tab: "events", explained: "", firstPicture_ms: 0 };
+const shown = { at_s: 0, follow: true, playing: false, speed: 1, sample_s: null, motes: null, lost: {}, counts: STATES.map(() => 0),
+  chosen: null, tab: "events", explained: "", first_picture_ms: 0 };
 const events = []; // {t, who, what, kind}, by time
 let series = { times: [], lost: {} };
 
@@ -334,10 +318,10 @@ function orderPeers() {
 /** A moment, asked for or, without an id, pushed. */
 function takeMoment(x) {
   if (x.id === undefined && !shown.follow) return;
-  if (shown.follow) shown.at = x.at_s;
+  if (shown.follow) shown.at_s = x.at_s;
   const motes = { ...x.motes };
   for (const name of ["state", "parent", "hops", "etx", "signal", "used_mah", "hours", "delivery", "queue"]) motes[name] ??= [];
-  Object.assign(shown, { sample: x.sample_s, motes, lost: x.lost || {} });
+  Object.assign(shown, { sample_s: x.sample_s, motes, lost: x.lost || {} });
   shown.counts.fill(0);
   for (const island of model.islands) {
     island.counts.fill(0);
@@ -366,7 +350,7 @@ function takeState(x) {
     redraw("timeBase");
     if (shown.tab === "events") refreshTab();
   }
-  if (shown.follow) shown.at = run.now;
+  if (shown.follow) shown.at_s = run.now;
   showStatus();
   redraw("time");
 }
@@ -378,7 +362,7 @@ const askSeries = latest(async () => {
 const askSeriesSoon = throttled(1500, askSeries);
 
 const wantMoment = latest(async () => {
-  const answer = await ask({ ask: "moment", at_s: shown.at }, "moment");
+  const answer = await ask({ ask: "moment", at_s: shown.at_s }, "moment");
   if (answer && !shown.follow) takeMoment(answer);
 });
 
@@ -462,7 +446,7 @@ function askNextLazily() {
 function showAt(t) {
   setPlaying(false);
   setFollow(false);
-  shown.at = clamp(t, 0, run.now);
+  shown.at_s = clamp(t, 0, run.now);
   moved();
   wantMoment();
 }
@@ -482,14 +466,14 @@ function setFollow(follow) {
 
 async function goLive() {
   setPlaying(false);
-  shown.at = run.now;
+  shown.at_s = run.now;
   moved();
   if (!shown.follow) await wantMoment();
   setFollow(true);
 }
 
 function setPlaying(playing) {
-  if (playing && shown.at >= run.now && !run.running) shown.at = 0;
+  if (playing && shown.at_s >= run.now && !run.running) shown.at_s = 0;
   if (playing) setFollow(false);
   shown.playing = playing;
   play.last_ms = 0;
@@ -503,14 +487,14 @@ const play = { last_ms: 0, asked_ms: 0 };
 function advance(now_ms) {
   const passed_s = play.last_ms ? min((now_ms - play.last_ms) / 1000, 0.5) : 0;
   play.last_ms = now_ms;
-  shown.at = min(shown.at + passed_s * shown.speed, run.now);
+  shown.at_s = min(shown.at_s + passed_s * shown.speed, run.now);
   if (now_ms - play.asked_ms > 120) {
     play.asked_ms = now_ms;
     wantMoment();
   }
   frames.lookAhead();
   moved();
-  if (shown.at < run.now) return;
+  if (shown.at_s < run.now) return;
   if (run.running) goLive();
   else setPlaying(false);
 }
@@ -518,13 +502,13 @@ function advance(now_ms) {
 const eventTime = (x) => x.t;
 
 async function nextEvent() {
-  const next = events[firstAfter(events, eventTime, shown.at + 1e-6)]?.t;
-  const t = next ?? (await ask({ ask: "next_event", after_s: shown.at }, "next_event"))?.event?.[0];
+  const next = events[firstAfter(events, eventTime, shown.at_s + 1e-6)]?.t;
+  const t = next ?? (await ask({ ask: "next_event", after_s: shown.at_s }, "next_event"))?.event?.[0];
   if (t !== undefined) showAt(t);
 }
 
-const eventBefore = () => showAt(events[firstAfter(events, eventTime, shown.at - 1e-6) - 1]?.t ?? 0);
-const stepTime = (hundredths) => showAt(shown.at + (runLength() * hundredths) / 100);
+const eventBefore = () => showAt(events[firstAfter(events, eventTime, shown.at_s - 1e-6) - 1]?.t ?? 0);
+const stepTime = (hundredths) => showAt(shown.at_s + (runLength() * hundredths) / 100);
 
 const SPEEDS = [0.01, 0.1, 0.5, 1, 5, 10, 50, 100, 1000];
 
@@ -550,16 +534,16 @@ const frames = {
 
   async lookAhead() {
     const ahead_s = 1.5 * shown.speed;
-    if (!this.wanted() || this.asking || this.to > shown.at + ahead_s) return;
+    if (!this.wanted() || this.asking || this.to > shown.at_s + ahead_s) return;
     this.asking = true;
     const { round } = this;
-    const from_s = max(this.to, shown.at - this.least_s());
+    const from_s = max(this.to, shown.at_s - this.least_s());
     const to_s = from_s + 2 * ahead_s;
     const found = (await ask({ ask: "frames", from_s, to_s }, "frames"))?.frames || [];
     if (round !== this.round) return;
     this.asking = false;
     this.to = found.length >= 500 ? found[found.length - 1][0] + 1e-6 : to_s;
-    this.list = this.list.filter(([start, length]) => start + length + this.least_s() > shown.at).concat(found);
+    this.list = this.list.filter(([start, length]) => start + length + this.least_s() > shown.at_s).concat(found);
   },
 };
 
@@ -659,7 +643,7 @@ function placeIsland(air, island) {
 /** Carried motes are where their paths have them at the shown moment. */
 function placeCarried() {
   for (const { mote, path } of model.carried) {
-    const [x, y] = pathAt(path, shown.at);
+    const [x, y] = pathAt(path, shown.at_s);
     const { ground } = islandOf(mote);
     const [wx, wy] = [worldX(ground, x), worldY(ground, y)];
     if (wx !== model.wx[mote] || wy !== model.wy[mote]) redraw("scene");
@@ -803,7 +787,7 @@ function drawMap() {
   drawNeighbours(ctx);
   drawMarks(ctx);
   if (frames.wanted()) drawFrames(ctx);
-  shown.firstPicture_ms ||= round(performance.now());
+  shown.first_picture_ms ||= round(performance.now());
 }
 
 /** Where the scene is on the screen now, and whether it does not cover it. */
@@ -1052,7 +1036,7 @@ function drawMarks(ctx) {
 /** Frames on their way: a dot from sender to receiver; a growing ring is for all who hear it. */
 function drawFrames(ctx) {
   for (const [start, length, from, to, heard] of frames.list) {
-    const part = (shown.at - start) / max(length, frames.least_s());
+    const part = (shown.at_s - start) / max(length, frames.least_s());
     if (part < 0 || part > 1) continue;
     const a = placeOf(from);
     const b = to ? placeOf(to) : null;
@@ -1113,7 +1097,7 @@ function drawPeer(ctx, peer) {
   const [x, y] = [peerX(), peerY(peer)];
   const r = clamp(band.step * 0.3, 1.5, 7);
   const { gateway, name } = model.peers[peer];
-  const corners = Array.from({ length: 7 }, (_, k) => [x + r * Math.cos((k * PI) / 3), y + r * Math.sin((k * PI) / 3)]);
+  const corners = range(7).map((k) => [x + r * Math.cos((k * PI) / 3), y + r * Math.sin((k * PI) / 3)]);
   const shape = gateway ? lines(...corners) : disc(x, y, r * 0.85);
   const marked = isMarked("peer", peer);
   fill(ctx, gateway ? "sink" : "bg", shape);
@@ -1163,7 +1147,7 @@ function pointAt(event) {
 }
 
 async function askNeighbours(mote) {
-  const answer = await ask({ ask: "mote", address: addressOf(mote), at_s: shown.at }, "mote");
+  const answer = await ask({ ask: "mote", address: addressOf(mote), at_s: shown.at_s }, "mote");
   if (!answer) return;
   neighboursOf.clear();
   neighboursOf.set(mote, answer.neighbours || []);
@@ -1323,7 +1307,7 @@ function drawTimeLine() {
   fill(ctx, "bg", box(timeX(run.now), 0, timeX(runLength()) - timeX(run.now), LANES.bottom)); // not yet
   ctx.globalAlpha = 1;
   if (timeLine.hover !== null) fill(ctx, "soft", box(timeLine.hover - 0.5, 0, 1, LANES.bottom));
-  const x = timeX(shown.at);
+  const x = timeX(shown.at_s);
   fill(ctx, "fg", box(x - 1, 0, 2, LANES.bottom + 2));
   fill(ctx, "fg", lines([x - 6, LANES.bottom + 9], [x + 6, LANES.bottom + 9], [x, LANES.bottom]));
   showTime();
@@ -1414,8 +1398,8 @@ function listenToTimeLine() {
 }
 
 function showTime() {
-  if (document.activeElement !== $("at")) $("at").value = timeText(shown.at, shown.speed < 0.1 && shown.playing ? 3 : 1);
-  const told = { "aria-valuemax": runLength().toFixed(1), "aria-valuenow": shown.at.toFixed(1), "aria-valuetext": timeText(shown.at) };
+  if (document.activeElement !== $("at")) $("at").value = timeText(shown.at_s, shown.speed < 0.1 && shown.playing ? 3 : 1);
+  const told = { "aria-valuemax": runLength().toFixed(1), "aria-valuenow": shown.at_s.toFixed(1), "aria-valuetext": timeText(shown.at_s) };
   for (const [name, value] of Object.entries(told)) $("time-line").setAttribute(name, value);
   put("play", shown.playing ? "❚❚" : "▶");
   $("play").setAttribute("aria-label", shown.playing ? "Pause" : "Play");
@@ -1432,7 +1416,7 @@ function showEcology() {
   put("command", plain(x.command));
   $("tab-control").hidden = !x.control;
   if (!x.control && shown.tab === "control") showTab("events");
-  fillControl();
+  if (x.control) proposeFault("crash mote");
   resizeMap();
   showStatus();
 }
@@ -1532,6 +1516,7 @@ const cell = (kind, text) => make("span.text" + kind, { title: plain(text) }, pl
 // ---- tabs
 
 const tabs = {}; // by name: {refresh, list}
+const panelOf = (tab) => $(tab.id.replace("tab", "panel"));
 
 function showTab(name) {
   shown.tab = name;
@@ -1539,7 +1524,7 @@ function showTab(name) {
     const here = each.id === "tab-" + name;
     each.setAttribute("aria-selected", here);
     each.tabIndex = here ? 0 : -1;
-    $(each.getAttribute("aria-controls")).hidden = !here;
+    panelOf(each).hidden = !here;
     if (here) each.scrollIntoView({ block: "nearest", inline: "nearest" });
   }
   refreshTab();
@@ -1548,7 +1533,12 @@ function showTab(name) {
 const refreshTab = throttled(250, () => tabs[shown.tab].refresh());
 
 function listenToTabs() {
-  for (const each of $("tabs").children) on(each, "click", () => showTab(each.id.slice(4)));
+  for (const each of $("tabs").children) {
+    on(each, "click", () => showTab(each.id.slice(4)));
+    panelOf(each).setAttribute("aria-labelledby", each.id);
+    panelOf(each).setAttribute("role", "tabpanel");
+    each.setAttribute("role", "tab");
+  }
   on($("tabs"), "keydown", (event) => {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (!step) return;
@@ -1572,7 +1562,7 @@ function startEvents() {
     showAt(x.t);
     chooseByName(x.who);
   };
-  const mark = (x, i) => ({ class: i === tabs.events.current ? "chosen" : x.t > shown.at ? "later" : "" });
+  const mark = (x, i) => ({ class: i === tabs.events.current ? "chosen" : x.t > shown.at_s ? "later" : "" });
   tabs.events = { list: new List("event-list", 26, row, clicked, mark), current: -1, refresh: showEvents };
   on($("event-filter"), "input", showEvents);
   on($("event-class"), "change", showEvents);
@@ -1589,7 +1579,7 @@ function showEvents() {
 /** Marks the newest event that has happened at the shown moment. */
 function showCurrentEvent() {
   const { list, current } = tabs.events;
-  const now = firstAfter(list.items, eventTime, shown.at + 1e-6) - 1;
+  const now = firstAfter(list.items, eventTime, shown.at_s + 1e-6) - 1;
   if (now === current) return;
   tabs.events.current = now;
   list.show(true);
@@ -1613,7 +1603,7 @@ const curves = new Map(); // by tupleName(): {points, asked_ms}
 const tupleName = (owner, key) => owner + "\n" + key;
 
 const askTuples = latest(async () => {
-  const answer = await ask({ ask: "tuples", at_s: shown.at }, "tuples");
+  const answer = await ask({ ask: "tuples", at_s: shown.at_s }, "tuples");
   if (!answer) return;
   Object.assign(tuples, { list: answer.tuples || [], leftOut: answer.left_out || 0 });
   if (shown.tab === "tuples") showTuples();
@@ -1623,12 +1613,6 @@ const askTuples = latest(async () => {
 function startTuples() {
   const list = new List("tuple-list", 24, tupleRow, clickTuple, tupleMark);
   tabs.tuples = { list, refresh: askTuples };
-  on(list.element, "keydown", (event) => {
-    const row = list.items[document.activeElement.index];
-    if (!row?.branches || !["ArrowRight", "ArrowLeft"].includes(event.key)) return;
-    event.stopPropagation();
-    if ((event.key === "ArrowRight") !== row.open) foldTuples(row);
-  });
   on($("tuple-filter"), "input", showTuples);
   on($("tuple-fold"), "click", () => {
     tuples.open = !tuples.open;
@@ -1667,7 +1651,7 @@ function showTuples() {
   const needle = needleOf("tuple-filter");
   const found = tuples.list.filter(([owner, key, value]) => matches(needle, owner, key, value));
   const more = tuples.leftOut ? `, ${countText(tuples.leftOut)} more are left out` : "";
-  put("tuple-count", `${countText(found.length)} tuples at ${timeText(shown.at)}${more}`);
+  put("tuple-count", `${countText(found.length)} tuples at ${timeText(shown.at_s)}${more}`);
   tabs.tuples.list.set(flatten(tupleTree(found), [], Boolean(needle)));
   if (tuples.chosen) showTupleDetail();
 }
@@ -1682,9 +1666,9 @@ function tupleRow({ label: text, depth, branches, open, tuple }) {
   return [twist, name, cell(".tree-value", tuple.value), spark];
 }
 
-function tupleMark({ tuple, depth, branches, open }) {
+function tupleMark({ tuple, branches, open }) {
   const chosen = tuple && tuple.owner === tuples.chosen?.owner && tuple.key === tuples.chosen.key;
-  return { class: chosen ? "chosen" : "", role: "treeitem", "aria-level": depth + 1, "aria-expanded": branches ? open : null };
+  return { class: chosen ? "chosen" : "", "aria-expanded": branches ? open : null };
 }
 
 function foldTuples({ path }) {
@@ -1700,7 +1684,7 @@ function clickTuple(row) {
   const control = mayControl() ? [value, button("set", () => setTuple(owner, key, value.value), { id: "tuple-set" })] : [];
   $("tuple-detail").replaceChildren(make("h2", key), make("p.soft.small", "of " + owner, make("span", { id: "tuple-changed" })),
     make("pre.value", { id: "tuple-value", tabindex: 0 }), make("canvas.curve", { id: "tuple-curve" }),
-    make("div.row", button("explain", () => explain({ ask: "explain_tuple", owner, key, at_s: shown.at }, key), { id: "tuple-explain",
+    make("div.row", button("explain", () => explain({ ask: "explain_tuple", owner, key, at_s: shown.at_s }, key), { id: "tuple-explain",
       disabled: hasMessages() ? null : "", title: hasMessages() ? "Where this value came from" : "needs a record: --record FILE" }), ...control));
   $("tuple-detail").hidden = false;
   return showTuples();
@@ -1740,7 +1724,7 @@ function drawCurve(canvas, points, width, height, withNumbers = false) {
   const x = (t) => left + (t / runLength()) * (width - left - 2);
   const y = (v) => height - 3 - (high > low ? (v - low) / (high - low) : 0.5) * (height - 6);
   stroke(ctx, "c0", 1.3, lines(...points.flatMap(([t, v], i) => [[x(t), y(points[max(i - 1, 0)][1])], [x(t), y(v)]])));
-  fill(ctx, "soft", box(x(shown.at), 0, 1, height));
+  fill(ctx, "soft", box(x(shown.at_s), 0, 1, height));
   if (withNumbers) write(ctx, shortNumber(high), left - 5, 9, { align: "right" });
   if (withNumbers && high > low) write(ctx, shortNumber(low), left - 5, height - 8, { align: "right" });
 }
@@ -1750,8 +1734,6 @@ function drawCurve(canvas, points, width, height, withNumbers = false) {
 const PROXY_FACTS = ["class", "id", "island", "status", "description"];
 const INPUT_PARTS = ["words", "deadline", "outcome", "latency"];
 const CARDS_MOST = 300;
-const cards = new Map(); // by owner and prefix: {element, told}
-
 function startProxies() {
   tabs.proxies = { refresh: askTuples };
   on($("proxy-filter"), "input", showProxies);
@@ -1785,26 +1767,9 @@ function showProxies() {
   const needle = needleOf("proxy-filter");
   const found = proxiesOf(tuples.list).filter((x) => matches(needle, x.prefix, x.facts.class, x.facts.status));
   const more = found.length > CARDS_MOST ? `; the first ${CARDS_MOST} are shown, filter for others` : "";
-  put("proxy-count", `${countText(found.length)} proxies at ${timeText(shown.at)}${more}`);
-  const before = new Set(cards.keys());
-  for (const proxy of found.slice(0, CARDS_MOST)) before.delete(showCard(proxy));
-  for (const name of before) {
-    cards.get(name).element.remove();
-    cards.delete(name);
-  }
-}
-
-/** Makes or changes a card; one in which somebody types is left alone. @returns its name. */
-function showCard(proxy) {
-  const name = tupleName(proxy.owner, proxy.prefix);
-  const told = JSON.stringify([proxy.facts, [...proxy.fields], [...proxy.inputs], mayControl()]);
-  if (!cards.has(name)) cards.set(name, { element: make("article.card"), told: "" });
-  const card = cards.get(name);
-  $("proxy-cards").append(...(card.element.isConnected ? [] : [card.element]));
-  if (card.told === told || card.element.querySelector("input:focus")) return name;
-  card.told = told;
-  card.element.replaceChildren(...cardParts(proxy));
-  return name;
+  put("proxy-count", `${countText(found.length)} proxies at ${timeText(shown.at_s)}${more}`);
+  if ($("proxy-cards").querySelector("input:focus")) return; // somebody types
+  $("proxy-cards").replaceChildren(...found.slice(0, CARDS_MOST).map((x) => make("article.card", ...cardParts(x))));
 }
 
 function cardParts({ owner, prefix, facts, fields, inputs }) {
@@ -1836,8 +1801,8 @@ function showEnergy() {
   if (!shown.motes) return;
   const { hours, used_mah: used } = shown.motes;
   const left = (i) => hours[i] ?? 1e12;
-  const order = Array.from({ length: model.count }, (_, i) => i).sort((a, b) => left(a) - left(b) || (used[b] || 0) - (used[a] || 0));
-  put("energy-sum", `${chargeText(usedByAll())} used by ${countText(model.count)} motes at ${timeText(shown.at)}; hungriest first`);
+  const order = range(model.count).sort((a, b) => left(a) - left(b) || (used[b] || 0) - (used[a] || 0));
+  put("energy-sum", `${chargeText(usedByAll())} used by ${countText(model.count)} motes at ${timeText(shown.at_s)}; hungriest first`);
   tabs.energy.list.set(order);
 }
 
@@ -1847,9 +1812,9 @@ function energyRow(i) {
   const why = make("span.text");
   const known = energyOf.get(i);
   if (known) why.append(...energyBar(known.energy));
-  const { sample } = shown;
+  const sample = shown.sample_s;
   if (known?.sample !== sample)
-    askLazily({ ask: "mote", address: addressOf(i), at_s: shown.at }, "mote", (answer) => {
+    askLazily({ ask: "mote", address: addressOf(i), at_s: shown.at_s }, "mote", (answer) => {
       if (!answer) return;
       energyOf.set(i, { energy: answer.energy, sample });
       why.replaceChildren(...energyBar(answer.energy));
@@ -1976,10 +1941,10 @@ function faultButton(text, kind, who) {
 
 async function moteParts(i) {
   const address = addressOf(i);
-  const [answer, sent] = await Promise.all([ask({ ask: "mote", address, at_s: shown.at }, "mote"), messagesOf(address)]);
+  const [answer, sent] = await Promise.all([ask({ ask: "mote", address, at_s: shown.at_s }, "mote"), messagesOf(address)]);
   const motes = shown.motes;
   const facts = motes ? [["arrived of its messages", shareText(motes.delivery[i])], ["battery lasts", hoursText(motes.hours[i])], ["waiting to be sent", motes.queue[i] ?? "–"]] : [];
-  return [make("h2", fullName(i)), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at)}`),
+  return [make("h2", fullName(i)), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at_s)}`),
     faultButton("let it crash …", "crash mote", fullName(i)), factList([...facts, ...(answer?.facts || [])]),
     ...energyDetails(answer), ...neighbourDetails(answer?.neighbours || [], islandOf(i)), ...sent].filter(Boolean);
 }
@@ -2011,12 +1976,12 @@ async function messagesOf(of) {
   const byTheirNames = new Map([...(lost?.messages || []), ...(all?.messages || [])].map((x) => [x.name, x]));
   const found = lostFirst([...byTheirNames.values()]).slice(0, 40);
   return [title, make("p.soft.small", lost && !lost.ready ? lost.why : found.length ? "" : "none"),
-    ...found.map((x) => make("button.message.row", { type: "button", onclick: () => explainMessage(x) }, ...messageRow(x)))];
+    ...found.map((x) => make("button.message.row", { onclick: () => explainMessage(x) }, ...messageRow(x)))];
 }
 
 function peerParts(index) {
   const peer = model.peers[index];
-  const about = events.filter((x) => x.t <= shown.at && (x.who === peer.name || x.who.startsWith(peer.name + "/"))).slice(-12).reverse();
+  const about = events.filter((x) => x.t <= shown.at_s && (x.who === peer.name || x.who.startsWith(peer.name + "/"))).slice(-12).reverse();
   const seeTuples = () => {
     $("tuple-filter").value = peer.name;
     showTab("tuples");
@@ -2031,8 +1996,8 @@ function peerParts(index) {
 function islandParts(index) {
   const island = model.islands[index];
   const gateways = [...model.peers.keys()].filter((i) => island.gateways.includes(model.peers[i].name));
-  const motes = Array.from({ length: min(island.count, 200) }, (_, k) => island.first + k);
-  return [make("h2", island.name), make("p.soft.small", `island ${island.id}, ${countText(island.count)} motes, at ${timeText(shown.at)}`),
+  const motes = range(min(island.count, 200)).map((k) => island.first + k);
+  return [make("h2", island.name), make("p.soft.small", `island ${island.id}, ${countText(island.count)} motes, at ${timeText(shown.at_s)}`),
     factList(STATES.map(([, text], code) => [text, countText(island.counts[code])])), make("h3", "Gateways"), chips("peer", gateways),
     make("h3", island.count > 200 ? "Motes, the first 200" : "Motes"), make("div.chips", ...motes.map((i) => button(plain(model.names[i], 60), () => choose({ kind: "mote", index: i }))))];
 }
@@ -2047,6 +2012,7 @@ const FAULTS = { // that may happen at any moment: whom, and what has to be said
   "kill peer": ["peer", "kill peer WHO for 20s"],
   "power off": ["peer", "power_off peer WHO for 20s"],
   pause: ["peer", "pause peer WHO for 10s"],
+  "cut a PEIS link": ["link", "link_loss loss 100% peers WHO for 30s"],
   "PEIS loses packages": [null, "link_loss loss 50% for 30s"],
   "radio loses frames": ["island", "radio_loss loss 50% island WHO for 30s"],
   "a second peer": ["peer", "duplicate_id peer WHO for 30s"],
@@ -2061,31 +2027,23 @@ function startControl() {
   const doFault = () => tell({ ask: "fault", sentence: $("fault-sentence").value.trim() }, $("fault-sentence").value);
   on($("fault-do"), "click", doFault);
   on($("fault-sentence"), "keydown", (event) => { if (event.key === "Enter") doFault(); });
-  on($("cut-do"), "click", cutLink);
-  on($("set-form"), "submit", (event) => {
-    event.preventDefault();
-    setTuple($("set-owner").value, $("set-key").value, $("set-value").value);
-  });
 }
 
 const options = (names) => names.map((name) => make("option", { value: name }, plain(name, 60)));
 
-function fillControl() {
-  if (!mayControl()) return;
-  const names = model.peers.map((x) => x.name);
-  $("set-owner").replaceChildren(...options(names));
-  $("cut-link").replaceChildren(...model.links.map(([a, b], i) => make("option", { value: i }, `${plain(names[a], 28)} – ${plain(names[b], 28)}`)));
-  proposeFault("crash mote");
+/** Whom a fault may concern, as they are called in sentences. */
+function victims(whom) {
+  if (whom === "link") return model.links.map((pair) => JSON.stringify(pair.map((i) => model.peers[i].name)));
+  const count = { mote: model.count, island: model.islands.length, peer: model.peers.length }[whom] || 0;
+  return range(min(count, 2000)).map((index) => nameOf({ kind: whom, index }));
 }
 
 /** Offers whom it may concern: `who`, or who is chosen, or the first. */
 function proposeFault(kind, who = shown.chosen && nameOf(shown.chosen)) {
-  const [whom] = FAULTS[kind];
-  const count = { mote: model.count, island: model.islands.length, peer: model.peers.length }[whom] || 0;
-  const names = Array.from({ length: min(count, 2000) }, (_, index) => nameOf({ kind: whom, index }));
+  const names = victims(FAULTS[kind][0]);
   $("fault-kind").value = kind;
   $("fault-who").replaceChildren(...options(names));
-  $("fault-who").disabled = !whom;
+  $("fault-who").disabled = !names.length;
   if (names.includes(who)) $("fault-who").value = who;
   composeFault();
 }
@@ -2093,13 +2051,6 @@ function proposeFault(kind, who = shown.chosen && nameOf(shown.chosen)) {
 /** The sentence may be changed by hand before it is said. */
 function composeFault() {
   $("fault-sentence").value = FAULTS[$("fault-kind").value][1].replace("WHO", () => $("fault-who").value);
-}
-
-function cutLink() {
-  const pair = model.links[$("cut-link").value];
-  if (!pair) return;
-  const sentence = `link_loss loss 100% peers ${JSON.stringify(pair.map((i) => model.peers[i].name))} for ${$("cut-for").value.trim()}`;
-  tell({ ask: "fault", sentence }, sentence);
 }
 
 const setTuple = (owner, key, value) => tell({ ask: "set", owner, key, value }, `${owner}: ${key} = ${value}`);
@@ -2188,7 +2139,7 @@ function escape(target) {
 
 function listenToTools() {
   const clicks = {
-    "zoom-in": KEYS["+"], "zoom-out": KEYS["-"], "zoom-fit": fitView, theme: otherTheme, "help-open": KEYS["?"],
+    "zoom-in": KEYS["+"], "zoom-out": KEYS["-"], "zoom-fit": fitView, theme: () => setTheme(isDark() ? "light" : "dark"), "help-open": KEYS["?"],
     "help-close": () => $("help").close(), "explain-close": closeExplain, "to-start": KEYS.Home, "event-back": eventBefore,
     "event-next": nextEvent, play: KEYS[" "], live: goLive,
     "band-toggle": () => {
@@ -2201,8 +2152,8 @@ function listenToTools() {
   $("speed").replaceChildren(...SPEEDS.map((x) => make("option", { value: x }, x + "x")));
   on($("speed"), "change", () => setSpeed(Number($("speed").value)));
   on($("at"), "change", () => {
-    const t = timeOf($("at").value);
-    if (t !== null) showAt(t);
+    const t = $("at").value.split(":").reduce((sum, x) => sum * 60 + Number(x), 0); // "90", "1:30", "1:02:03.5"
+    if (isNumber(t)) showAt(t);
     $("at").blur();
   });
   on($("search"), "input keydown", searched);
@@ -2212,14 +2163,12 @@ function listenToTools() {
 /** For tests of this page: what it shows, to read only. */
 window.rubicon = Object.freeze({
   shown: () => ({
-    at_s: shown.at, sample_s: shown.sample, follow: shown.follow, playing: shown.playing, speed: shown.speed,
-    counts: Object.fromEntries(STATES.map(([name], code) => [name, shown.counts[code]])), motes: model.count, islands: model.islands.length,
-    folded: model.islands.filter((x) => x.folded).length, peers: model.peers.length, tab: shown.tab, explained: shown.explained,
-    selected: shown.chosen && { kind: shown.chosen.kind, name: nameOf(shown.chosen) }, events: events.length, tuples: tuples.list.length,
-    lost: { ...shown.lost }, used_mah: usedByAll(), samples: series.times.length, connected: connection.open, running: run.running,
-    now_s: run.now, run_events: run.events, control: mayControl(), messages: hasMessages(), zoom: view.scale / view.fitScale,
-    theme: document.documentElement.dataset.theme, frames: frames.list.length, fps: frameTimes.length, scene_ms: scene.cost_ms,
-    first_picture_ms: shown.firstPicture_ms,
+    ...shown, counts: Object.fromEntries(STATES.map(([name], code) => [name, shown.counts[code]])), motes: model.count,
+    islands: model.islands.length, folded: model.islands.filter((x) => x.folded).length, peers: model.peers.length,
+    selected: shown.chosen && { kind: shown.chosen.kind, name: nameOf(shown.chosen) }, events: events.length,
+    tuples: tuples.list.length, used_mah: usedByAll(), connected: connection.open, running: run.running, now_s: run.now,
+    run_events: run.events, control: mayControl(), messages: hasMessages(), zoom: view.scale / view.fitScale, dark: isDark(),
+    frames: frames.list.length, fps: frameTimes.length, scene_ms: scene.cost_ms,
   }),
   /** Where a mote or a sink is in the window, in CSS pixels; null if there is none of this name. */
   place: (name) => {
@@ -2236,7 +2185,7 @@ function start() {
   for (const each of document.querySelectorAll("[title]:not([aria-label])")) each.setAttribute("aria-label", each.title);
   if (innerWidth < 560) $("band-toggle").setAttribute("aria-pressed", "false");
   setSpeed(1);
-  setTheme(firstTheme());
+  setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
   showTab("events");
   new ResizeObserver(resizeMap).observe($("map-area"));
   new ResizeObserver(() => redraw("time")).observe($("time-line"));
