@@ -21,6 +21,19 @@ const State* state_of(const Handle& x) {
   return &static_cast<const scheduler::traced_actor<State, Handle>*>(who)->state;
 }
 
+/// Whom it hears, and what it has sent over the tree.
+void add_network(report::mote_sample& to, const network::router& from) {
+  for (const auto& each : from.links().all()) {
+    report::neighbour_sample x{each.mote};
+    if (const auto etx = from.links().etx(each))
+      x.etx = static_cast<double>(*etx) / network::etx_one;
+    to.neighbours.push_back(x);
+  }
+  to.queued = static_cast<std::uint32_t>(from.packets().queued());
+  to.originated = from.packets().counters().originated;
+  to.forwarded = from.packets().counters().forwarded;
+}
+
 /// What it knows of the way to its sink.
 void add_route(report::mote_sample& to, const mote::node& from) {
   const auto& router = from.packets().router();
@@ -63,15 +76,24 @@ private:
     x.alive = !mote.flat && state != nullptr;
     if (const auto* air = state_of<air_state>(mote.arguments->air)) {
       const auto use = air->channel.energy(mote.arguments->radio, now_);
+      x.radio_on = use.radio_on;
+      x.energy = {use.charges.radio_off, use.charges.radio_listen, use.charges.radio_receive,
+                  use.charges.radio_transmit, use.charges.mcu};
       x.used_mah = use.used_mah;
       x.battery_mah = use.battery_mah;
     }
+    x.joined = x.alive && (!state->node || state->node->joined());
     if (state != nullptr && state->node) {
-      if (x.alive)
+      if (x.alive) {
         add_route(x, *state->node);
+        add_network(x, state->node->packets().router());
+      }
       auto& lost = lost_[address.island];
       add_to(lost["network"], lost_of(*state->node));
-      add_to(lost["messages"], messages_of(address, state->node->above(), false).messages.lost);
+      const auto messages = messages_of(address, state->node->above(), false).messages;
+      add_to(lost["messages"], messages.lost);
+      if (const auto ended = messages.reliable_acked + messages.reliable_failed; ended > 0)
+        x.delivery = static_cast<double>(messages.reliable_acked) / static_cast<double>(ended);
     }
     motes_.push_back(x);
   }

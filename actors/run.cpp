@@ -167,6 +167,12 @@ public:
       });
   }
 
+  [[nodiscard]] bool records() const { return record_.has_value(); }
+  void write(const report::run_sample& x) {
+    if (record_)
+      record_->write(x);
+  }
+
   /// Empty if nobody wants to see frames.
   [[nodiscard]] frame_observer frames() {
     if (!captures_ && !record_)
@@ -209,7 +215,7 @@ class one_run {
 public:
   one_run(const config::ecology_description& description, const run_options& options,
           run_files& files, report::expectations& judge, report::run_report& report)
-      : judge_(judge), description_(description), options_(options), report_(report),
+      : judge_(judge), files_(files), description_(description), options_(options), report_(report),
         wall_(description.mode == config::run_mode::wall),
         speed_(wall_ && options.speed == 0 ? 1 : options.speed),
         world_(world_options_of(description.mode, speed_, options)),
@@ -223,8 +229,12 @@ public:
     caf::actor_cast<caf::abstract_actor*>(root_)->attach_functor(
         [this](const caf::error& reason) { on_root_ended(reason); });
     if (options.on_begun)
-      options.on_begun({world_.loop(), [this] { world_.request_stop(); },
-                        [this](const config::fault& x) { apply(x); }});
+      options.on_begun(
+          {world_.loop(), [this] { world_.request_stop(); },
+           [this](const config::fault& x) { apply(x); },
+           [this](const std::string& peer, const std::string& key, const std::string& value) {
+             return set_tuple_of(peer, key, value);
+           }});
   }
   ~one_run() {
     over_ = true;
@@ -282,17 +292,31 @@ public:
 private:
   /// Stops to look around, where somebody wants to see that.
   scheduler::stop_cause run_to(instant end) {
-    const auto every = options_.look_every;
-    if (every <= 0s || !options_.on_sample)
+    const auto every = look_every();
+    if (every <= 0s)
       return run_with_progress(world_, end, end, options_, speed_);
     for (;;) {
       const auto next = instant((world_.now().time_since_epoch() / every + 1) * every);
       const auto cause = run_with_progress(world_, std::min(next, end), end, options_, speed_);
       if (!over_ && ended_early_.empty())
-        options_.on_sample(look_at(root_state(), world_.now()));
+        look();
       if (cause != scheduler::stop_cause::reached_end || world_.now() >= end)
         return cause;
     }
+  }
+
+  [[nodiscard]] duration look_every() const {
+    if (options_.look_every > 0s && options_.on_sample)
+      return options_.look_every;
+    constexpr int samples = 100; // of a run that is only recorded
+    return files_.records() ? std::max(description_.length / samples, duration(1s)) : 0s;
+  }
+
+  void look() {
+    const auto sample = look_at(root_state(), world_.now());
+    files_.write(sample);
+    if (options_.on_sample)
+      options_.on_sample(sample);
   }
 
   [[nodiscard]] ecology_state& root_state() {
@@ -306,6 +330,17 @@ private:
     auto& faults = root_state().description.faults;
     faults.push_back({world_.now().time_since_epoch(), x});
     caf::anon_send(root_, apply_fault{static_cast<std::uint32_t>(faults.size() - 1)});
+  }
+
+  bool set_tuple_of(const std::string& peer, const std::string& key, const std::string& value) {
+    if (over_)
+      return false;
+    const auto& peers = root_state().peers;
+    const auto found = peers.find(peer);
+    if (found == peers.end() || !found->second.handle)
+      return false;
+    caf::anon_send(found->second.handle, set_tuple{key, payload(to_bytes(value)), true});
+    return true;
   }
 
   void take(report::run_report x) {
@@ -374,6 +409,7 @@ private:
   }
 
   report::expectations& judge_;
+  run_files& files_;
   const config::ecology_description& description_;
   const run_options& options_;
   report::run_report& report_;

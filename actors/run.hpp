@@ -28,6 +28,9 @@ struct run_control {
   std::function<void()> stop; ///< ends it early, and cleanly
   /// Lets a fault happen now: one that needs nothing but what has been there from the start.
   std::function<void(const config::fault&)> apply;
+  /// Sets a tuple of a peer, as one of its own components would. @returns false: no such peer runs
+  std::function<bool(const std::string& peer, const std::string& key, const std::string& value)>
+      set_tuple;
 };
 
 /// What a command line may override or ask for beside the file.
@@ -52,7 +55,8 @@ struct run_options {
   std::function<void(const run_progress&)> progress;
 
   // What is to be seen while it runs; looking changes nothing.
-  duration look_every{}; ///< ecology time between two samples; 0: none
+  /// Ecology time between two samples; 0: none. A run that is recorded takes some all the same.
+  duration look_every{};
   std::function<void(const report::run_sample&)> on_sample; ///< at each, and at the end
   std::function<void(const report::tuple_write&)> on_tuple; ///< as a component asks its peer for it
 

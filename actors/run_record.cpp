@@ -11,6 +11,8 @@
 #include "network/am.hpp"
 #include "peis/link.hpp"
 #include "peis/package.hpp"
+#include "view/ecology_json.hpp"
+#include "view/sample_json.hpp"
 
 namespace rubicon {
 
@@ -201,6 +203,18 @@ run_record::run_record(const std::string& path, const config::ecology_descriptio
     throw std::runtime_error("cannot write record " + path + ": " +
                              std::generic_category().message(errno));
   file_ << encode(header_of(ecology, source));
+  record r;
+  r.what = kind::ecology;
+  r.text = view::ecology_json(ecology);
+  put(r);
+}
+
+void run_record::write(const report::run_sample& x) {
+  record r;
+  r.what = kind::sample;
+  r.time = x.at;
+  r.text = view::encode(x);
+  put(r);
 }
 
 void run_record::write(const scheduler::delivery& x) {

@@ -11,6 +11,7 @@
 #include "config/ecology.hpp"
 #include "explain/record.hpp"
 #include "radio/channel.hpp"
+#include "report/history.hpp"
 #include "scheduler/trace.hpp"
 
 namespace rubicon {
@@ -33,6 +34,7 @@ public:
   void write(const scheduler::delivery& x);
   void write(const scheduler::remark& x);
   void write(const radio::overheard& x);
+  void write(const report::run_sample& x);
 
   /// @returns why the file is not complete; empty if it is
   [[nodiscard]] std::string finish();

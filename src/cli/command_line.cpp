@@ -117,6 +117,29 @@ void add_overrides(CLI::App& app, config::overrides& x) {
            "Noise readings, instead of what the TOML file names");
 }
 
+/// PORT or ADDRESS:PORT
+void parse_page_place(const std::string& text, page_place& x) {
+  const auto colon = text.rfind(':');
+  const auto port = parse_whole(colon == std::string::npos ? text : text.substr(colon + 1));
+  if (colon != std::string::npos)
+    x.address = text.substr(0, colon);
+  if (!parse_ipv4_address(x.address) || !port || *port > 65535)
+    throw CLI::ValidationError("--view", "not a port, or an IPv4 address and a port: '" + text +
+                                             "' (say 8080, or nothing for any)");
+  x.port = static_cast<std::uint16_t>(*port);
+}
+
+CLI::Option* add_view(CLI::App& app, std::optional<page_place>& x) {
+  return add_parsed(app, "--view", "PORT",
+                    "Show the run in a browser, live: prints the address, and stays until Ctrl-C",
+                    [&x](const auto& text) {
+                      x.emplace();
+                      if (!text.empty())
+                        parse_page_place(text, *x);
+                    })
+      ->expected(0, 1);
+}
+
 void add_run(CLI::App& app, run_command& x) {
   auto& run = *app.add_subcommand("run", "Run an ecology to its end and report");
   auto& options = x.options;
@@ -149,6 +172,10 @@ void add_run(CLI::App& app, run_command& x) {
              "Ecology time between two samples; a hundredth of the run if not given, 1s at least",
              [&](const auto& text) { x.watch.csv_every = parse_length(text, "--csv-every"); })
       ->needs(csv);
+  auto* const view = add_view(run, x.watch.view);
+  run.add_flag("--control", x.watch.control,
+               "Let the page cause faults and set tuples; in wall time")
+      ->needs(view);
   run.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->type_name("LEVEL");
@@ -293,6 +320,7 @@ CLI::App& add_deploy(CLI::App& app, deploy_command& x) {
   deploy.add_flag("--full", x.full, "Print every row of the report")->excludes(json);
   add_path(deploy, "--report", "FILE", x.page_file,
            "Write the report as one HTML page that needs nothing else");
+  add_view(deploy, x.view);
   deploy.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->type_name("LEVEL");
@@ -361,6 +389,15 @@ CLI::App& add_explain(CLI::App& app, explain_command& x) {
   return explain;
 }
 
+CLI::App& add_view(CLI::App& app, view_command& x) {
+  auto& view = *app.add_subcommand("view", "Look at a recorded run in a browser, at any moment");
+  view.add_option("RECORD", x.record, "What run --record has written")->required()->type_name("");
+  add_parsed(view, "--port", "PORT", "Where the page is; any free port of 127.0.0.1 if not given",
+             [&](const auto& text) { parse_page_place(text, x.where); });
+  view.footer("It prints the address of the page, and stays until Ctrl-C.");
+  return view;
+}
+
 void check_combination(const explain_command& x) {
   if (x.what.empty() && (x.at || x.all))
     throw CLI::ValidationError(x.at ? "--at" : "--all", "of which tuple?");
@@ -382,6 +419,10 @@ void check_combination(const run_command& x) {
   if (x.check_determinism && !(x.watch.page_file + x.watch.csv_folder).empty())
     throw CLI::ValidationError("--check-determinism",
                                "runs twice, --report and --csv tell of one run");
+  if (x.check_determinism && x.watch.view)
+    throw CLI::ValidationError("--check-determinism", "runs twice, --view shows one run");
+  if (!x.part_file.empty() && x.watch.view)
+    throw CLI::ValidationError("--view", "the part of a deployment is shown with the others");
   if (!x.host.empty() && x.check_determinism)
     throw CLI::ValidationError("--check-determinism", "only virtual runs repeat, not --host");
   if (!x.host.empty() && x.options.mode == config::run_mode::virtual_time)
@@ -466,6 +507,8 @@ command parse_command_line(std::span<const char* const> arguments) {
   const auto& swarm_app = add_swarm(app, swarm);
   explain_command explain;
   const auto& explain_app = add_explain(app, explain);
+  view_command view;
+  const auto& view_app = add_view(app, view);
   const certs_command_line certs(app);
   const serial_command_line serial(app);
   const network_command_line network(app);
@@ -503,6 +546,8 @@ command parse_command_line(std::span<const char* const> arguments) {
     return swarm;
   if (explain_app.parsed())
     return explain;
+  if (view_app.parsed())
+    return view;
   if (auto asked = certs.parsed())
     return *std::move(asked);
   if (auto asked = serial.parsed())

@@ -58,6 +58,7 @@ struct deploy_command {
   bool json = false;
   bool full = false;              ///< every row, as text
   std::string page_file;          ///< HTML goes here; empty: nowhere
+  std::optional<page_place> view; ///< serves the live page
   std::string log_level = "warn"; ///< as of run; `off`: not even what happens
   control::tls_files tls;
 };
@@ -117,6 +118,12 @@ struct swarm_command {
   control::tls_files tls;         ///< with `hosts`
 };
 
+/// `rubicon view RECORD`
+struct view_command {
+  std::string record;
+  page_place where;
+};
+
 /// `rubicon explain RECORD [WHAT]`
 struct explain_command {
   std::string record;
@@ -150,8 +157,8 @@ struct refused_command {
 
 using command =
     std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
-                 check_command, schema_command, swarm_command, explain_command, certs_command,
-                 network_command, serial_command, show_command, refused_command>;
+                 check_command, schema_command, swarm_command, explain_command, view_command,
+                 certs_command, network_command, serial_command, show_command, refused_command>;
 
 /// @param arguments the program's name first
 [[nodiscard]] command parse_command_line(std::span<const char* const> arguments);

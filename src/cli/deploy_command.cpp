@@ -14,6 +14,7 @@
 #include "cli/deployed.hpp"
 #include "cli/deployment.hpp"
 #include "cli/ecology_file.hpp"
+#include "cli/live_page.hpp"
 #include "cli/local_hosts.hpp"
 #include "cli/option_text.hpp"
 #include "cli/plan_text.hpp"
@@ -32,6 +33,7 @@ namespace rubicon::cli {
 namespace {
 
 constexpr duration look_every = 50ms;
+constexpr duration show_every = 2s;      ///< on the live page; parts report every 5 s
 constexpr duration local_patience = 20s; ///< processes of a busy computer take their time
 
 /// The file, with its hosts here if they are to be; nothing: it cannot be spread, and that is told.
@@ -76,15 +78,28 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
   options.patience = here == nullptr ? options.patience : local_patience;
   options.attach = x.attach;
   const auto name = file.loaded.ecology->name;
-  run_watch page({x.page_file, {}, {}}, *file.loaded.ecology);
+  const auto length = file.loaded.ecology->length;
+  watch_wishes wishes;
+  wishes.page_file = x.page_file;
+  run_watch page(std::move(wishes), *file.loaded.ecology);
+  std::optional<live_page> live;
+  if (x.view)
+    live.emplace(*x.view, view::ecology_json(*file.loaded.ecology),
+                 view::run_facts{.file = x.file, .command = {}}, "wall", "", nullptr);
   deployment all(loop, actors, x.attach ? "" : random_id(), std::move(file.what),
                  *std::move(file.loaded.ecology), hosts, options);
-  const io::signal_watch signals(loop, [&all](int) { all.stop(/*interrupted=*/true); });
+  std::optional<io::signal_watch> signals(std::in_place, loop,
+                                          [&all](int) { all.stop(/*interrupted=*/true); });
   std::optional<deployed> told;
+  auto shown_at = std::chrono::steady_clock::now();
   while (all.step()) {
     loop.wait_until(std::chrono::steady_clock::now() + look_every);
     if (here != nullptr)
       here->on_time();
+    if (live && all.has_begun() && std::chrono::steady_clock::now() >= shown_at) {
+      live->show(all.whole_report(), length);
+      shown_at = std::chrono::steady_clock::now() + show_every;
+    }
     if (all.has_begun() && !told) {
       told = deployed{all.id(), name, std::filesystem::absolute(x.file).string(), hosts, tls};
       if (const auto why = remember(*told); !why.empty())
@@ -97,7 +112,14 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
     return exit_status::refused;
   auto report = all.whole_report();
   page.finish(report, command_of(x, report), {});
-  return print_report(report, x.json, x.full);
+  const auto status = print_report(report, x.json, x.full);
+  if (live && !report.interrupted) {
+    live->show(report, length);
+    live->finish(report);
+    signals.reset(); // the page has its own
+    live->stay();
+  }
+  return status;
 }
 
 /// Asks each host whether it could run its part.

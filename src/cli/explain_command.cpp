@@ -1,8 +1,9 @@
 #include "cli/explain_command.hpp"
 
-#include <fstream>
+#include <variant>
 
 #include "cli/console.hpp"
+#include "cli/read_record.hpp"
 #include "config/near.hpp"
 #include "core/printable.hpp"
 
@@ -13,18 +14,6 @@ namespace {
 exit_status refuse(const std::string& text) {
   static_cast<void>(print(stderr, printable(text) + '\n'));
   return exit_status::refused;
-}
-
-/// Line by line: a record may be much longer than what is kept of it.
-std::optional<explain::bad_line> read_record(std::istream& from, explain::decoder& lines) {
-  std::string line;
-  while (std::getline(from, line)) {
-    if (from.eof()) // without a newline
-      return lines.finish(line);
-    if (auto problem = lines.take(line))
-      return problem;
-  }
-  return lines.finish("");
 }
 
 std::string listed(const std::vector<std::string>& words) {
@@ -74,13 +63,10 @@ struct answerer {
 } // namespace
 
 exit_status perform(const explain_command& x) {
-  std::ifstream file(x.record, std::ios::binary);
-  if (!file)
-    return refuse(x.record + ": cannot be read");
-  explain::decoder lines;
-  if (const auto problem = read_record(file, lines))
-    return refuse(x.record + ':' + std::to_string(problem->line) + ": " + problem->message);
-  const auto all = explain::follow(lines.result());
+  const auto found = read_record(x.record);
+  if (const auto* why = std::get_if<std::string>(&found))
+    return refuse(*why);
+  const auto& all = std::get<explain::traces>(found);
   const auto output = console_of(stdout);
   const explain::paper on{output.width, output.colour};
   if (!x.what.empty())

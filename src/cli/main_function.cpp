@@ -24,6 +24,7 @@
 #include "cli/run_command.hpp"
 #include "cli/schema_command.hpp"
 #include "cli/swarm_command.hpp"
+#include "cli/view_command.hpp"
 #include "core/printable.hpp"
 
 namespace {

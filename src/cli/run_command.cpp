@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -10,9 +11,11 @@
 #include <variant>
 
 #include "actors/ecology_run.hpp"
+#include "cli/also.hpp"
 #include "cli/bundle_file.hpp"
 #include "cli/console.hpp"
 #include "cli/ecology_file.hpp"
+#include "cli/live_page.hpp"
 #include "cli/logging.hpp"
 #include "cli/option_text.hpp"
 #include "cli/part_file.hpp"
@@ -40,11 +43,11 @@ report::run_report run_watched(config::ecology_description ecology, run_options 
     return run_ecology(std::move(ecology), options);
   progress_bar bar(errors.width);
   const auto start = std::chrono::steady_clock::now();
-  options.progress = [&](const run_progress& x) {
+  also(options.progress, [&](const run_progress& x) {
     const auto text = bar.update(std::chrono::steady_clock::now() - start, x.reached, x.end);
     if (!text.empty())
       static_cast<void>(print(stderr, text)); // a bar nobody can see is no failure
-  };
+  });
   struct eraser {
     progress_bar* bar;
     ~eraser() { static_cast<void>(print(stderr, bar->finish())); } // also when the run throws
@@ -71,15 +74,82 @@ std::string command_of(const run_command& x, const report::run_report& run) {
   return text;
 }
 
+/// The picture under the map; empty: none.
+std::string floor_plan_of(const std::string& file, const config::ecology_description& x) {
+  if (!x.plan || file == standard_input)
+    return {};
+  return (std::filesystem::path(file).parent_path() / x.plan->picture).string();
+}
+
+/// What the page may do to the run by hand, if it may.
+std::optional<hand_made> hands_of(const run_command& x) {
+  if (!x.watch.control)
+    return std::nullopt;
+  auto packed = deploy::pack(x.file, x.instead, x.options.length, x.known);
+  return std::optional<hand_made>(
+      std::in_place, [what = std::move(packed.what), known = x.known](const std::string& sentence) {
+        return deploy::fault_of(what, sentence, known);
+      });
+}
+
+/// With a page that shows it meanwhile, and stays afterwards.
+class viewed_run {
+public:
+  viewed_run(const run_command& x, const config::ecology_description& ecology)
+      : record_(x.options.record_file), hands_(hands_of(x)),
+        page_(*x.watch.view, view::ecology_json(ecology),
+              {.file = x.file,
+               .command = {},
+               .controls = hands_.has_value(),
+               .messages = !record_.empty()},
+              x.options.mode.value_or(ecology.mode) == config::run_mode::wall ? "wall" : "virtual",
+              floor_plan_of(x.file, ecology), hands_ ? hands_->controls() : nullptr) {}
+
+  void attach(run_options& options, const config::ecology_description& ecology) {
+    page_.attach(options, ecology);
+    if (!hands_)
+      return;
+    also(options.on_begun, [this](const run_control& x) { control_.emplace(x); });
+    also(options.progress,
+         [this](const run_progress& x) { hands_->perform(*control_, x.reached); });
+  }
+
+  /// @pre the report is printed
+  void finish(const report::run_report& report) {
+    page_.finish(report);
+    if (const auto text = hands_ ? hands_->repeated() : ""; !text.empty())
+      static_cast<void>(print(stderr, "what was done by hand, for the file:\n" + text));
+    if (!record_.empty()) {
+      if (const auto why = page_.read(record_); !why.empty())
+        static_cast<void>(print(stderr, printable(why) + '\n'));
+    }
+    page_.stay();
+  }
+
+private:
+  std::string record_;
+  std::optional<hand_made> hands_;
+  live_page page_; ///< before its hands: its sessions use them
+  std::optional<run_control> control_;
+};
+
 exit_status report_run(const run_command& x, ecology_file file) {
   auto options = x.options;
   const auto digest = to_hex(file.text_hash);
   options.source = {x.file, digest};
   run_watch watch(x.watch, file.ecology);
   watch.attach(options);
+  std::optional<viewed_run> viewed;
+  if (x.watch.view) {
+    viewed.emplace(x, file.ecology);
+    viewed->attach(options, file.ecology);
+  }
   auto report = run_watched(std::move(file.ecology), std::move(options), console_of(stderr));
   watch.finish(report, command_of(x, report), digest);
-  return print_report(report, x.json, x.full);
+  const auto status = print_report(report, x.json, x.full);
+  if (viewed && !report.interrupted)
+    viewed->finish(report);
+  return status;
 }
 
 exit_status compare_runs(const run_command& x, const config::ecology_description& ecology) {
@@ -225,6 +295,11 @@ exit_status perform(const run_command& x) {
     return exit_status::refused;
   if (!x.host.empty())
     return run_part(x, std::move(*file));
+  if (x.watch.control && x.options.mode.value_or(file->ecology.mode) != config::run_mode::wall) {
+    static_cast<void>(print(stderr, "--control: a virtual run is over before anybody could do "
+                                    "something: add --mode wall\n"));
+    return exit_status::refused;
+  }
   return x.check_determinism ? compare_runs(x, file->ecology) : report_run(x, std::move(*file));
 }
 

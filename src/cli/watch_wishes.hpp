@@ -1,6 +1,7 @@
-// What is to be written of a run beside its report.
+// What is to be written and shown of a run beside its report.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -8,11 +9,19 @@
 
 namespace rubicon::cli {
 
+/// Where a live page is served.
+struct page_place {
+  std::string address = "127.0.0.1"; ///< IPv4
+  std::uint16_t port = 0;            ///< 0: the system chooses
+};
+
 /// What the command line asks for; empty names: nothing.
 struct watch_wishes {
   std::string page_file;             ///< HTML goes here
   std::string csv_folder;            ///< tables go here
   std::optional<duration> csv_every; ///< between two samples; unset: a hundredth of the run
+  std::optional<page_place> view;    ///< serves the live page
+  bool control = false;              ///< which lets faults happen, and tuples be set
 };
 
 } // namespace rubicon::cli

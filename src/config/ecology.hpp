@@ -377,6 +377,13 @@ struct fault_description {
   std::optional<fault_times> repeated = std::nullopt;
 };
 
+/// A picture under the map of whoever looks at the ecology.
+struct floor_plan {
+  std::string picture; ///< file, relative to the folder of the TOML file
+  position corner;     ///< its lower left one
+  double width_m = 0;  ///< [m]; its height follows from the picture
+};
+
 struct ecology_description {
   std::string name;
   std::uint64_t seed = 1;
@@ -399,6 +406,7 @@ struct ecology_description {
   std::vector<expectation> expectations; ///< in the order of the file
   std::vector<host_description> hosts;
   std::optional<part_description> part; ///< unset: all of the ecology is here
+  std::optional<floor_plan> plan;
 };
 
 /// Calls f with each island, those of other hosts included.

@@ -38,6 +38,15 @@ void read_ecology(table_reader& root, ecology_description& out) {
       });
   if (!found && !root.has("ecology"))
     root.problems().add(root.at(), "the file lacks the table [ecology]");
+  root.table("plan", "[plan]", "a floor plan, which `--view` shows under the map",
+             [&out](table_reader& in) {
+               auto& plan = out.plan.emplace();
+               in.required("picture", text{4096}, plan.picture,
+                           "file with it, a PNG, JPEG, WebP or SVG; not needed to run");
+               in.optional("position_m", place{}, plan.corner, "of its lower left corner");
+               in.required("width", metres{0.1, 100'000}, plan.width_m,
+                           "from its left edge to its right one");
+             });
 }
 
 namespace {

@@ -44,7 +44,7 @@ std::variant<std::string, std::string> refuse(std::string why) {
 }
 
 /// The table, or why there is none.
-std::variant<std::string, std::string> table_of(std::string_view sentence) {
+std::variant<std::string, std::string> parsed(std::string_view sentence, const std::string& at) {
   if (sentence.size() > sentence_octets_max)
     return refuse("a fault has at most " + std::to_string(sentence_octets_max) + " characters");
   auto words = words_of(sentence);
@@ -54,7 +54,8 @@ std::variant<std::string, std::string> table_of(std::string_view sentence) {
     return refuse("a fault is its kind, then keys and values, as `kill peer NAME for 10s`");
   if (words[0] == "kill" && words.size() > 1 && (words[1] == "mote" || words[1] == "sink"))
     words[0] = "crash";
-  std::string table = "\n[[fault]]\nat = \"0s\"\nkind = " + toml_value(words[0]) + '\n';
+  std::string table =
+      "\n[[fault]]\nat = " + toml_value(at) + "\nkind = " + toml_value(words[0]) + '\n';
   for (std::size_t i = 1; i < words.size(); i += 2) {
     if (!is_key(words[i]))
       return refuse('`' + words[i] + "` is no key of a fault");
@@ -71,9 +72,14 @@ bool needs_radio_from_the_start(const config::fault& x) {
 
 } // namespace
 
+std::string table_of(std::string_view sentence, const std::string& at) {
+  const auto table = parsed(sentence, at);
+  return table.index() == 0 ? std::get<0>(table) : std::string();
+}
+
 std::variant<config::fault, std::string> fault_of(const bundle& x, std::string_view sentence,
                                                   const config::extensions& known) {
-  const auto table = table_of(sentence);
+  const auto table = parsed(sentence, "0s");
   if (table.index() == 1)
     return std::get<1>(table);
   auto with_fault = x;

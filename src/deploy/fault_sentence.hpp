@@ -18,4 +18,7 @@ inline constexpr std::size_t sentence_octets_max = 1024;
 [[nodiscard]] std::variant<config::fault, std::string>
 fault_of(const bundle& x, std::string_view sentence, const config::extensions& known);
 
+/// The [[fault]] of a sentence that fault_of() takes, as a file has it. @param at `"12s"`
+[[nodiscard]] std::string table_of(std::string_view sentence, const std::string& at);
+
 } // namespace rubicon::deploy

@@ -79,6 +79,12 @@ void follower::take(const record& r) {
     return; // its event says more
   case kind::event:
     return on_event(r);
+  case kind::ecology:
+    all_.all.ecology = r.text;
+    return;
+  case kind::sample:
+    all_.all.samples.push_back(r.text);
+    return;
   }
 }
 

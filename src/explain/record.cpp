@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::string_view, 23> kind_words = {
+constexpr std::array<std::string_view, 25> kind_words = {
     "begun",
     "radio_send",
     "radio_done",
@@ -37,8 +37,10 @@ constexpr std::array<std::string_view, 23> kind_words = {
     "send_ended",
     "actuator_changed",
     "event",
+    "ecology",
+    "sample",
 };
-static_assert(kind_words.size() == static_cast<std::size_t>(kind::event) + 1);
+static_assert(kind_words.size() == static_cast<std::size_t>(kind::sample) + 1);
 
 /// The first line's, before its fields.
 constexpr const char* version_key = "rubicon_record";

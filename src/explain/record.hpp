@@ -44,6 +44,8 @@ enum class kind : std::uint8_t {
   send_ended,        ///< a program learns how its send ended
   actuator_changed,  ///< an actuator has been asked to change
   event,             ///< something a person would want to hear
+  ecology,           ///< what the live page is told of the ecology: the text is JSON
+  sample,            ///< what was to be seen of the run at that time, likewise
 };
 
 [[nodiscard]] std::string_view to_string(kind x);

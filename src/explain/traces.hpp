@@ -133,6 +133,8 @@ struct traces {
   std::vector<watcher> watchers;
   std::map<std::string, instant> last_told; ///< of a tuple, by actor path
   std::vector<record> events;               ///< faults and what came of them
+  std::string ecology;                      ///< what `view` has written of the ecology,
+  std::vector<std::string> samples;         ///< and of each moment that it has looked at
   instant end;                              ///< of the record
   bool cut_off = false;
 };

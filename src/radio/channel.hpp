@@ -114,8 +114,10 @@ using outputs = std::vector<output>;
 /// What a mote has used so far.
 struct energy_use {
   energy_times times;
-  duration elapsed{};  ///< since it was added, until now or until its battery was flat
-  double used_mah = 0; ///< never above battery_mah by more than 10 ms of current
+  energy_charges charges;
+  bool radio_on = false; ///< at this moment
+  duration elapsed{};    ///< since it was added, until now or until its battery was flat
+  double used_mah = 0;   ///< never above battery_mah by more than 10 ms of current
   double battery_mah = 0;
   instant empty_at; ///< if it goes on doing what it does at this moment
 };

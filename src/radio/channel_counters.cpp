@@ -66,7 +66,10 @@ bool channel::balanced() const {
 
 energy_use channel::energy(radio_index radio, instant now) const {
   const auto& meter = medium_.meter(radio);
-  return {.times = medium_.times(radio, now),
+  const auto times = medium_.times(radio, now);
+  return {.times = times,
+          .charges = meter.charges_of(times),
+          .radio_on = meter.state() != radio_state::off,
           .elapsed = std::min(now, at(radio).flat_at) - at(radio).added_at,
           .used_mah = meter.used_mah(now),
           .battery_mah = meter.battery_mah(),

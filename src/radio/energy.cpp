@@ -36,6 +36,15 @@ duration& of(radio_state state, energy_times& times) {
 
 } // namespace
 
+energy_charges charges_of(const energy_times& times, const platform& kind, double transmit_ma) {
+  return {.radio_off = charge_mah(times.radio_off, kind.radio_off_ma),
+          .radio_listen = charge_mah(times.radio_listen, kind.radio_listen_ma),
+          .radio_receive = charge_mah(times.radio_receive, kind.radio_listen_ma),
+          .radio_transmit = charge_mah(times.radio_transmit, transmit_ma),
+          .mcu = charge_mah(times.mcu_active, kind.mcu_active_ma) +
+                 charge_mah(times.mcu_sleep, kind.mcu_sleep_ma)};
+}
+
 double used_mah(const energy_times& times, const platform& kind, double transmit_ma) {
   return charge_mah(times.radio_off, kind.radio_off_ma) +
          charge_mah(times.radio_listen + times.radio_receive, kind.radio_listen_ma) +

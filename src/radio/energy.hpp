@@ -24,8 +24,21 @@ struct energy_times {
   friend bool operator==(const energy_times&, const energy_times&) = default;
 };
 
-/// The charge these times cost: sum over states of time x current.
+/// What these times cost. [mAh]
+struct energy_charges {
+  double radio_off = 0;
+  double radio_listen = 0;
+  double radio_receive = 0;
+  double radio_transmit = 0;
+  double mcu = 0;
+};
+
+/// For each state time x current.
 /// @param transmit_ma current while sending, at the power the mote sends with
+[[nodiscard]] energy_charges charges_of(const energy_times& times, const platform& kind,
+                                        double transmit_ma);
+
+/// The sum of them, rounded once less: listening and receiving cost the same.
 [[nodiscard]] double used_mah(const energy_times& times, const platform& kind, double transmit_ma);
 
 /// Counts one mote's times. `now` never goes back from one call to the next. Receiving draws
@@ -57,6 +70,9 @@ public:
   /// radio_receive is 0, radio_listen includes it.
   [[nodiscard]] energy_times times(instant now) const;
   [[nodiscard]] double used_mah(instant now) const;
+  [[nodiscard]] energy_charges charges_of(const energy_times& times) const {
+    return radio::charges_of(times, *kind_, transmit_ma_);
+  }
 
   /// When the battery will be flat if the radio stays in its state and the MCU gets no new work:
   /// instant::max() if not within 30 years, `now` or when it was stopped if it already is.

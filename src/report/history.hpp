@@ -17,16 +17,40 @@
 
 namespace rubicon::report {
 
+/// Whom a mote hears.
+struct neighbour_sample {
+  mote_id mote;
+  std::optional<double> etx = {}; ///< expected transmissions to it
+};
+
+/// Charge that each part of a mote has used so far. [mAh]
+struct energy_sample {
+  double radio_off = 0;
+  double radio_listen = 0; ///< radio on, nothing on the air
+  double radio_receive = 0;
+  double radio_transmit = 0;
+  double processor = 0;
+};
+
 /// A mote at one moment.
 struct mote_sample {
   mote_address address;
   bool alive = false;
+  bool joined = false;   ///< a member of its island; always, with `stack = "mac"`
+  bool radio_on = false; ///< at this very moment
   double used_mah = 0;
   double battery_mah = 0; ///< infinite: it is fed by a cable
   mote_id parent = {};    ///< that it sends by, or the sink; 0: it has no route to the sink
   std::uint8_t hops = 0;
   std::optional<int> signal_dbm = {}; ///< of its parent's newest frame
   std::optional<double> etx = {}; ///< expected transmissions to its parent, as its estimator has it
+  std::uint32_t queued = 0;       ///< packets that wait for the way to the sink
+  std::uint64_t originated = 0;   ///< packets of its own that it has sent over the tree, this life
+  std::uint64_t forwarded = 0;    ///< packets of others, likewise
+  /// Of its programs' reliable messages that have ended, in this life: share that was acknowledged.
+  std::optional<double> delivery = {};
+  energy_sample energy;
+  std::vector<neighbour_sample> neighbours; ///< ascending by id
 };
 
 /// What an island has lost so far.

@@ -1,0 +1,258 @@
+#include "cli/live_page.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <utility>
+
+#include "cli/also.hpp"
+#include "cli/console.hpp"
+#include "cli/random_id.hpp"
+#include "cli/read_record.hpp"
+#include "config/load.hpp"
+#include "config/summary_parts.hpp"
+#include "core/printable.hpp"
+#include "deploy/fault_sentence.hpp"
+#include "explain/traces.hpp"
+#include "io/loop.hpp"
+#include "io/signal_watch.hpp"
+#include "view/page_files.hpp"
+#include "view/report_sample.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+constexpr std::size_t picture_octets_max = std::size_t{16} << 20;
+
+void say(const std::string& text) {
+  static_cast<void>(print(stderr, printable(text) + '\n'));
+}
+
+/// The server's end of a page, as the server knows it.
+class page_session : public io::web_session {
+public:
+  explicit page_session(view::conversation x) : with_(std::move(x)) {}
+
+  std::string on_text(std::string_view text) override { return with_.on_text(text); }
+  std::optional<std::string> news() override { return with_.news(); }
+
+private:
+  view::conversation with_;
+};
+
+/// What browsers take for a picture; empty: nothing.
+std::string picture_type(const std::string& file) {
+  auto end = std::filesystem::path(file).extension().string();
+  std::ranges::transform(end, end.begin(), [](unsigned char c) { return std::tolower(c); });
+  return end == ".png"                     ? "image/png"
+         : end == ".jpg" || end == ".jpeg" ? "image/jpeg"
+         : end == ".webp"                  ? "image/webp"
+         : end == ".svg"                   ? "image/svg+xml"
+                                           : "";
+}
+
+std::map<std::string, io::web_file> files_of_page(const std::string& picture) {
+  std::map<std::string, io::web_file> files{
+      {"", {"text/html; charset=utf-8", std::string(view::page_html())}},
+      {"page.css", {"text/css; charset=utf-8", std::string(view::page_css())}},
+      {"page.js", {"text/javascript; charset=utf-8", std::string(view::page_js())}},
+  };
+  if (picture.empty())
+    return files;
+  const auto type = picture_type(picture);
+  if (type.empty()) {
+    say(picture + ": a floor plan is a PNG, JPEG, WebP or SVG; it is not shown");
+    return files;
+  }
+  auto read = config::read_file(picture, picture_octets_max);
+  if (read.text)
+    files["plan"] = {type, std::move(*read.text)};
+  else
+    say(picture + ' ' + read.reason + "; the floor plan is not shown");
+  return files;
+}
+
+/// How fast the run is, in ecology seconds a real second.
+class speedometer {
+public:
+  double at(instant now) {
+    const auto real = steady::now();
+    if (real - since_ >= 500ms) {
+      speed_ = seconds(now - then_) / seconds(real - since_);
+      since_ = real;
+      then_ = now;
+    }
+    return speed_;
+  }
+
+private:
+  using steady = std::chrono::steady_clock;
+  steady::time_point since_ = steady::now();
+  instant then_;
+  double speed_ = 0;
+};
+
+} // namespace
+
+view::controls::outcome hand_made::take(wish x) {
+  const std::lock_guard guard(lock_);
+  if (waiting_.size() >= waiting_max)
+    return {false, "the run has not done yet what was asked for before"};
+  waiting_.push_back(std::move(x));
+  return {true, "it happens now"};
+}
+
+std::shared_ptr<const view::controls> hand_made::controls() {
+  auto x = std::make_shared<view::controls>();
+  x->fault = [this](const std::string& sentence) -> view::controls::outcome {
+    const auto found = find_(sentence);
+    if (const auto* why = std::get_if<std::string>(&found))
+      return {false, *why};
+    return take({.sentence = sentence, .fault = std::get<config::fault>(found)});
+  };
+  x->set_tuple = [this](const std::string& owner, const std::string& key,
+                        const std::string& value) -> view::controls::outcome {
+    if (key.empty())
+      return {false, "a tuple has a key"};
+    return take({.owner = owner, .key = key, .value = value});
+  };
+  return x;
+}
+
+void hand_made::perform(const run_control& run, instant now) {
+  std::vector<wish> wishes;
+  {
+    const std::lock_guard guard(lock_);
+    wishes.swap(waiting_);
+  }
+  for (auto& each : wishes) {
+    if (each.fault)
+      run.apply(*each.fault);
+    else if (!run.set_tuple(each.owner, each.key, each.value))
+      say("view: no peer " + each.owner + " runs that could have the tuple " + each.key);
+    done_.emplace_back(now, std::move(each));
+  }
+}
+
+std::string hand_made::repeated() const {
+  std::string text;
+  for (const auto& [at, what] : done_) {
+    const auto when = std::to_string((at - instant{}) / 1ms) + "ms";
+    if (what.fault)
+      text += deploy::table_of(what.sentence, when);
+    else
+      text += "\n# at " + when + ": " + printable(what.owner) + " " + printable(what.key) + " = " +
+              printable(what.value) + '\n';
+  }
+  return text;
+}
+
+live_page::live_page(const page_place& where, const std::string& ecology,
+                     const view::run_facts& facts, const std::string& mode,
+                     const std::string& picture, std::shared_ptr<const view::controls> controls)
+    : timeline_(std::make_shared<view::timeline>(ecology)) {
+  if (!facts.messages)
+    timeline_->set_why_no_messages("The run is not recorded: add --record FILE to see where each "
+                                   "message went.");
+  else
+    timeline_->set_why_no_messages("The record is read when the run has ended.");
+  io::web_site site;
+  site.address = where.address;
+  site.port = where.port;
+  site.token = random_id() + random_id();
+  site.files = files_of_page(picture);
+  site.on_session = [timeline = timeline_, facts = view::with_facts(ecology, facts, mode),
+                     controls = std::move(controls)] {
+    return std::make_unique<page_session>(view::conversation(timeline, facts, controls));
+  };
+  const auto token = site.token;
+  auto opened = io::web_server::open(std::move(site));
+  if (const auto* why = std::get_if<std::string>(&opened))
+    throw std::runtime_error(*why);
+  server_ = std::move(std::get<io::web_server>(opened));
+  url_ = "http://" + (where.address == "0.0.0.0" ? "127.0.0.1" : where.address) + ':' +
+         std::to_string(server_->port()) + '/' + token + '/';
+  say("watch it at " + url_);
+}
+
+void live_page::attach(run_options& options, const config::ecology_description& ecology) {
+  plan_ = report::plan_faults(ecology);
+  for (const auto& row : config::fault_rows(ecology)) {
+    std::string text;
+    for (std::size_t cell = 1; cell < row.size(); ++cell)
+      text += (text.empty() ? "" : " ") + row[cell];
+    plan_texts_.push_back(std::move(text));
+  }
+  const bool is_wall =
+      options.mode.value_or(ecology.mode) == config::run_mode::wall || options.speed > 0;
+  const auto length = options.length.value_or(ecology.length);
+  constexpr int samples = 200;
+  if (options.look_every <= 0s)
+    options.look_every =
+        is_wall ? std::max(duration(static_cast<std::int64_t>(std::max(options.speed, 1.0) * 1e9)),
+                           duration(1s))
+                : std::max(length / samples, duration(1s));
+  also(options.on_sample, [this](const report::run_sample& x) { timeline_->add(x); });
+  also(options.on_tuple, [this](const report::tuple_write& x) { timeline_->add(x); });
+  also(options.on_event, [this](const report::logged_event& x) {
+    timeline_->add(view::listed_event{x.at, x.who, x.what});
+  });
+  also(options.progress, [this, speed = speedometer()](const run_progress& x) mutable {
+    for (; planned_ < plan_.size() && instant(plan_[planned_].at) <= x.reached; ++planned_)
+      timeline_->add(view::listed_event{instant(plan_[planned_].at), "fault",
+                                        plan_texts_.at(plan_[planned_].index), "fault"});
+    timeline_->set({x.reached, x.end, true, x.events, speed.at(x.reached)});
+  });
+}
+
+void live_page::finish(const report::run_report& x) {
+  for (const auto& each : x.violations)
+    timeline_->add(
+        view::listed_event{each.at, each.invariant, "violated: " + each.detail, "violation"});
+  for (const auto& each : x.expectations)
+    if (each.outcome == report::expectation_report::verdict::unmet)
+      timeline_->add(
+          view::listed_event{each.at, each.text, "not met: " + each.measured, "expectation"});
+  const auto state = timeline_->state();
+  timeline_->set({instant{} + x.simulated, instant{} + x.simulated, false, x.events, state.speed});
+}
+
+std::string live_page::read(const std::string& record) {
+  timeline_->set_why_no_messages("The record is being read.");
+  auto found = read_record(record);
+  if (const auto* why = std::get_if<std::string>(&found)) {
+    timeline_->set_why_no_messages(*why);
+    return *why;
+  }
+  timeline_->set(std::make_shared<const view::message_list>(
+      std::make_shared<const explain::traces>(std::move(std::get<explain::traces>(found)))));
+  return {};
+}
+
+void live_page::show(const report::run_report& so_far, duration length) {
+  for (const auto& each : so_far.event_log)
+    if (shown_.emplace(each.at, each.who, each.what).second)
+      timeline_->add(view::listed_event{each.at, each.who, each.what});
+  const auto now = instant{} + so_far.simulated;
+  if (const auto newest = timeline_->newest(); newest == nullptr || newest->at < now)
+    timeline_->add(view::sample_of(so_far));
+  timeline_->set({now, instant(length), true, so_far.events, 1});
+}
+
+void live_page::show(std::shared_ptr<const explain::traces> all) {
+  view::fill(*timeline_, std::move(all));
+}
+
+void live_page::stay() {
+  say("the page stays there until Ctrl-C: " + url_);
+  io::loop loop;
+  bool over = false;
+  const io::signal_watch signals(loop, [&over](int) { over = true; });
+  while (!over)
+    static_cast<void>(loop.wait_until(io::loop::time_point::clock::now() + 1h));
+}
+
+} // namespace rubicon::cli

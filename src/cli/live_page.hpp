@@ -1,0 +1,102 @@
+// The live page of a run: `run --view` and `view RECORD`.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "actors/run.hpp"
+#include "cli/watch_wishes.hpp"
+#include "config/ecology.hpp"
+#include "io/web_server.hpp"
+#include "report/fault_plan.hpp"
+#include "view/conversation.hpp"
+#include "view/ecology_json.hpp"
+#include "view/timeline.hpp"
+
+namespace rubicon::cli {
+
+/// What the page may let happen to a run, until the run does it: asked for by the server's thread,
+/// done by the run's.
+class hand_made {
+public:
+  /// @param find what a sentence means
+  using finder = std::function<std::variant<config::fault, std::string>(const std::string&)>;
+  explicit hand_made(finder find) : find_(std::move(find)) {}
+
+  /// For conversations. @pre this outlives them
+  [[nodiscard]] std::shared_ptr<const view::controls> controls();
+
+  /// Does what was asked for since the last call. By the run's thread.
+  void perform(const run_control& run, instant now);
+
+  /// `[[fault]]` tables that let the same happen again, in a file.
+  [[nodiscard]] std::string repeated() const;
+
+private:
+  static constexpr std::size_t waiting_max = 64;
+
+  struct wish {
+    std::string sentence = {}; ///< of a fault; empty: a tuple
+    std::optional<config::fault> fault = {};
+    std::string owner = {};
+    std::string key = {};
+    std::string value = {};
+  };
+
+  view::controls::outcome take(wish x);
+
+  finder find_;
+  mutable std::mutex lock_;
+  std::vector<wish> waiting_;
+  std::vector<std::pair<instant, wish>> done_;
+};
+
+class live_page {
+public:
+  /// Serves the page from now on, and says where on standard error.
+  /// @param ecology of view::ecology_json()
+  /// @param picture file of the floor plan; empty: there is none
+  /// @throws std::runtime_error if nobody can listen there
+  live_page(const page_place& where, const std::string& ecology, const view::run_facts& facts,
+            const std::string& mode, const std::string& picture,
+            std::shared_ptr<const view::controls> controls);
+
+  /// Lets the run tell it what happens, beside whom it tells already. Outlives the run.
+  void attach(run_options& options, const config::ecology_description& ecology);
+
+  /// The run is over.
+  void finish(const report::run_report& x);
+
+  /// Reads a record of this run or of another, so that messages can be explained.
+  /// @returns why it cannot be; empty: it can
+  [[nodiscard]] std::string read(const std::string& record);
+
+  /// What parts on other hosts have told so far, now and then.
+  void show(const report::run_report& so_far, duration length);
+
+  /// All of a record.
+  void show(std::shared_ptr<const explain::traces> all);
+
+  /// Until Ctrl-C or another signal to end.
+  void stay();
+
+private:
+  std::string url_;
+  std::shared_ptr<view::timeline> timeline_;
+  std::vector<report::planned_fault> plan_;
+  std::vector<std::string> plan_texts_; ///< of each fault of the description
+  std::size_t planned_ = 0;             ///< that have been told
+  std::set<std::tuple<instant, std::string, std::string>> shown_; ///< events of reports
+  std::optional<io::web_server> server_;
+};
+
+} // namespace rubicon::cli

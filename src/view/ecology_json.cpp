@@ -1,0 +1,110 @@
+#include "view/ecology_json.hpp"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+namespace rubicon::view {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+
+std::string text_of(const json& x) {
+  return x.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+json island_json(const config::ecology_description& all, const config::island_description& x) {
+  json y = {{"id", x.id.value}, {"name", x.name}};
+  const auto air = std::ranges::find_if(all.airs, [&x](const config::air_description& each) {
+    return std::ranges::find(each.islands, x.id) != each.islands.end();
+  });
+  y["air"] = air - all.airs.begin();
+  if (x.stack == config::stack::mac)
+    y["mac"] = true;
+  y["sink"] = {{"id", x.sink.id.value}, {"x", x.sink.place.x_m}, {"y", x.sink.place.y_m}};
+  auto& gateways = y["gateways"] = json::array();
+  if (x.stack == config::stack::full)
+    gateways.push_back(x.gateway_name);
+  for (const auto& each : x.aliases)
+    gateways.push_back(each.name);
+  auto& motes = y["motes"] = json::array();
+  for (const auto& each : x.motes)
+    motes.push_back(
+        json::array({each.id.value, each.name, each.place.x_m, each.place.y_m, each.type_name}));
+  return y;
+}
+
+/// Of motes that are carried, by their index.
+json paths_json(const config::ecology_description& x) {
+  json paths = json::object();
+  std::size_t index = 0;
+  for (const auto& island : x.islands)
+    for (const auto& mote : island.motes) {
+      if (!mote.path.empty()) {
+        auto& path = paths[std::to_string(index)] = json::array();
+        for (const auto& each : mote.path)
+          path.push_back(json::array({seconds(each.at), each.place.x_m, each.place.y_m}));
+      }
+      ++index;
+    }
+  return paths;
+}
+
+json peers_json(const config::ecology_description& x, json& links) {
+  auto peers = json::array();
+  const auto add = [&](const std::string& name, std::int32_t id, const char* kind,
+                       const std::string& host, const std::vector<std::string>& to) {
+    peers.push_back({{"name", name}, {"id", id}, {"kind", kind}, {"host", host}});
+    for (const auto& each : to)
+      links.push_back(json::array({name, each}));
+  };
+  for (const auto& island : x.islands) {
+    if (island.stack != config::stack::full)
+      continue;
+    add(island.gateway_name, gateway_of(island.id).value, "gateway", island.host,
+        island.gateway_links);
+    for (const auto& each : island.aliases)
+      add(each.name, each.id.value, "gateway", island.host, each.links);
+  }
+  for (const auto& peer : x.peers)
+    add(peer.name, peer.id.value, "peer", peer.host, peer.links);
+  return peers;
+}
+
+} // namespace
+
+std::string ecology_json(const config::ecology_description& x) {
+  json y = {{"kind", "ecology"},
+            {"name", x.name},
+            {"seed", x.seed},
+            {"mode", x.mode == config::run_mode::wall ? "wall" : "virtual"},
+            {"length_s", seconds(x.length)}};
+  if (x.plan)
+    y["plan"] = {
+        {"x_m", x.plan->corner.x_m}, {"y_m", x.plan->corner.y_m}, {"width_m", x.plan->width_m}};
+  auto& islands = y["islands"] = json::array();
+  for (const auto& each : x.islands)
+    islands.push_back(island_json(x, each));
+  y["paths"] = paths_json(x);
+  json links = json::array();
+  y["peers"] = peers_json(x, links);
+  y["peis_links"] = std::move(links);
+  return text_of(y);
+}
+
+std::string with_facts(const std::string& ecology, const run_facts& facts,
+                       const std::string& mode) {
+  auto x = json::parse(ecology, nullptr, /*allow_exceptions=*/false);
+  if (!x.is_object())
+    return {};
+  if (!mode.empty())
+    x["mode"] = mode;
+  x["file"] = facts.file;
+  x["command"] = facts.command;
+  x["control"] = facts.controls;
+  x["messages"] = facts.messages;
+  return text_of(x);
+}
+
+} // namespace rubicon::view

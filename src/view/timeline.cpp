@@ -1,0 +1,221 @@
+#include "view/timeline.hpp"
+
+#include <algorithm>
+
+#include "core/bytes.hpp"
+#include "view/sample_json.hpp"
+
+namespace rubicon::view {
+
+namespace {
+
+/// Every second one goes, first and last stay.
+template <class T>
+void halve(std::vector<T>& x) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (i % 2 == 0 || i + 1 == x.size())
+      x[kept++] = std::move(x[i]);
+  x.resize(kept);
+}
+
+std::string shortened(std::string x) {
+  if (x.size() > timeline::value_octets_max) {
+    x.resize(timeline::value_octets_max);
+    x += "...";
+  }
+  return x;
+}
+
+/// The last that is not later; nullptr: none.
+const tuple_value* value_at(const std::vector<tuple_value>& all, instant x) {
+  const auto after = std::ranges::upper_bound(all, x, {}, &tuple_value::since);
+  return after == all.begin() ? nullptr : &*std::prev(after);
+}
+
+} // namespace
+
+timeline::timeline(std::string ecology) : ecology_(std::move(ecology)) {}
+
+void timeline::add(report::run_sample x) {
+  auto shared = std::make_shared<report::run_sample>(std::move(x));
+  const std::lock_guard guard(lock_);
+  newest_ = shared;
+  if (samples_told_++ % sample_stride_ != 0)
+    return;
+  if (shared->motes.size() > motes_with_neighbours_max) {
+    // Of many motes neighbours are kept for the present only.
+    auto lean = std::make_shared<report::run_sample>(*shared);
+    for (auto& each : lean->motes)
+      each.neighbours = {};
+    shared = std::move(lean);
+  }
+  samples_.push_back(std::move(shared));
+  thin_samples();
+}
+
+void timeline::thin_samples() {
+  const auto most = std::max<std::size_t>(
+      8, std::min(samples_max, mote_samples_max / std::max<std::size_t>(1, newest_->motes.size())));
+  if (samples_.size() <= most)
+    return;
+  halve(samples_);
+  sample_stride_ *= 2;
+}
+
+void timeline::add(const report::tuple_write& x) {
+  const std::lock_guard guard(lock_);
+  auto found = tuples_.find({x.owner, x.key});
+  if (found == tuples_.end()) {
+    if (tuples_.size() >= tuples_max) {
+      ++tuples_left_out_;
+      return;
+    }
+    found = tuples_.emplace(tuple_key{x.owner, x.key}, std::vector<tuple_value>()).first;
+  }
+  auto& values = found->second;
+  auto value = shortened(x.value);
+  // A record tells of other owners' tuples when they come there: not always in order.
+  const auto where = std::ranges::upper_bound(values, x.at, {}, &tuple_value::since);
+  values.insert(where, {x.at, std::move(value), x.deleted});
+  if (++values_ > values_max)
+    thin_values();
+}
+
+void timeline::thin_values() {
+  values_ = 0;
+  for (auto& [key, values] : tuples_) {
+    if (values.size() > 2)
+      halve(values);
+    values_ += values.size();
+  }
+}
+
+void timeline::add(listed_event x) {
+  const std::lock_guard guard(lock_);
+  if (events_.size() >= events_max) {
+    constexpr std::size_t dropped = events_max / 8;
+    events_.erase(events_.begin(), events_.begin() + dropped);
+    events_forgotten_ += dropped;
+  }
+  events_.push_back(std::move(x));
+}
+
+void timeline::set(run_state x) {
+  const std::lock_guard guard(lock_);
+  state_ = x;
+}
+
+void timeline::set(std::shared_ptr<const message_list> x) {
+  const std::lock_guard guard(lock_);
+  messages_ = std::move(x);
+}
+
+void timeline::set_why_no_messages(std::string x) {
+  const std::lock_guard guard(lock_);
+  why_no_messages_ = std::move(x);
+}
+
+run_state timeline::state() const {
+  const std::lock_guard guard(lock_);
+  return state_;
+}
+
+std::size_t timeline::samples() const {
+  const std::lock_guard guard(lock_);
+  return samples_told_;
+}
+
+timeline::sample timeline::newest() const {
+  const std::lock_guard guard(lock_);
+  return newest_;
+}
+
+timeline::sample timeline::at(instant x) const {
+  const std::lock_guard guard(lock_);
+  if (newest_ != nullptr && newest_->at <= x)
+    return newest_;
+  const auto after =
+      std::ranges::upper_bound(samples_, x, {}, [](const sample& each) { return each->at; });
+  return after == samples_.begin() ? nullptr : *std::prev(after);
+}
+
+std::vector<timeline::sample> timeline::all_samples() const {
+  const std::lock_guard guard(lock_);
+  auto all = samples_;
+  if (newest_ != nullptr && (all.empty() || all.back()->at < newest_->at))
+    all.push_back(newest_);
+  return all;
+}
+
+std::vector<listed_event> timeline::events_from(std::uint64_t number) const {
+  const std::lock_guard guard(lock_);
+  const auto first = std::max(number, events_forgotten_) - events_forgotten_;
+  if (first >= events_.size())
+    return {};
+  return {events_.begin() + static_cast<std::ptrdiff_t>(first), events_.end()};
+}
+
+std::uint64_t timeline::events() const {
+  const std::lock_guard guard(lock_);
+  return events_forgotten_ + events_.size();
+}
+
+std::optional<listed_event> timeline::event_after(instant x) const {
+  const std::lock_guard guard(lock_);
+  std::optional<listed_event> next; // violations found at the end are of earlier times
+  for (const auto& each : events_)
+    if (each.at > x && (!next || each.at < next->at))
+      next = each;
+  return next;
+}
+
+timeline::tuples_then timeline::tuples_at(instant x) const {
+  const std::lock_guard guard(lock_);
+  tuples_then all;
+  all.left_out = tuples_left_out_;
+  for (const auto& [key, values] : tuples_) {
+    const auto* value = value_at(values, x);
+    if (value != nullptr && !value->deleted)
+      all.tuples.emplace_back(key, *value);
+  }
+  return all;
+}
+
+std::vector<tuple_value> timeline::values_of(const tuple_key& x) const {
+  const std::lock_guard guard(lock_);
+  const auto found = tuples_.find(x);
+  return found == tuples_.end() ? std::vector<tuple_value>() : found->second;
+}
+
+std::shared_ptr<const message_list> timeline::messages() const {
+  const std::lock_guard guard(lock_);
+  return messages_;
+}
+
+std::string timeline::why_no_messages() const {
+  const std::lock_guard guard(lock_);
+  return why_no_messages_;
+}
+
+void fill(timeline& out, std::shared_ptr<const explain::traces> all) {
+  for (const auto& each : all->samples)
+    if (auto sample = decode_sample(each))
+      out.add(std::move(*sample));
+  for (const auto& each : all->tuples) {
+    const auto owner = all->about.peers.find(each.owner.value);
+    out.add(report::tuple_write{
+        .at = each.set.value_or(each.begun(all->nodes)),
+        .peer = {},
+        .owner = owner == all->about.peers.end() ? to_string(each.owner) : owner->second,
+        .key = each.key,
+        .value = each.is_text ? to_string(byte_view(each.value)) : "0x" + to_hex(each.value),
+        .deleted = each.is_deletion});
+  }
+  for (const auto& each : all->events)
+    out.add(listed_event{each.time, each.from.substr(each.from.find('/') + 1), each.text});
+  out.set(run_state{all->end, all->end, false, 0});
+  out.set(std::make_shared<const message_list>(std::move(all)));
+}
+
+} // namespace rubicon::view

@@ -1,0 +1,120 @@
+// All that the live page can be asked about a run, at any moment of it: what the run has told so
+// far, within bounds.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "explain/traces.hpp"
+#include "report/history.hpp"
+#include "report/report.hpp"
+#include "view/message_list.hpp"
+
+namespace rubicon::view {
+
+struct listed_event {
+  instant at;
+  std::string who;
+  std::string what;
+  std::string_view kind = "event"; ///< `event`, `fault`, `violation` or `expectation`
+};
+
+/// A value that a tuple had from a moment on.
+struct tuple_value {
+  instant since;
+  std::string value;
+  bool deleted = false;
+};
+
+struct run_state {
+  instant now;
+  instant end;
+  bool running = false;
+  std::uint64_t events = 0; ///< messages delivered to actors so far
+  double speed = 0;         ///< ecology seconds per real second
+};
+
+/// Written by the run, read by who serves the page, from any threads: what is read is shared, not
+/// copied, and the run waits for nobody longer than that takes.
+///
+/// Of long runs every second sample goes when there are samples_max, and so on; the newest stays.
+/// Likewise the values of tuples, and of events the oldest.
+class timeline {
+public:
+  using sample = std::shared_ptr<const report::run_sample>;
+  using tuple_key = std::pair<std::string, std::string>; ///< owner and key
+
+  static constexpr std::size_t samples_max = 400;
+  static constexpr std::size_t mote_samples_max = 2'000'000; ///< in all samples
+  static constexpr std::size_t events_max = 50'000;
+  static constexpr std::size_t tuples_max = 20'000;
+  static constexpr std::size_t values_max = 400'000; ///< of all tuples
+  static constexpr std::size_t value_octets_max = 512;
+
+  /// @param ecology the message `ecology` of docs/view.md
+  explicit timeline(std::string ecology);
+
+  void add(report::run_sample x);
+  void add(const report::tuple_write& x);
+  void add(listed_event x);
+  void set(run_state x);
+  /// From now on messages can be explained.
+  void set(std::shared_ptr<const message_list> x);
+  /// Why they cannot be, at this time.
+  void set_why_no_messages(std::string x);
+
+  [[nodiscard]] const std::string& ecology() const { return ecology_; }
+  [[nodiscard]] run_state state() const;
+  [[nodiscard]] std::size_t samples() const;
+  [[nodiscard]] sample newest() const; ///< nullptr: none yet
+  /// The newest that is not later; nullptr: none.
+  [[nodiscard]] sample at(instant x) const;
+  [[nodiscard]] std::vector<sample> all_samples() const;
+
+  /// Events from this number on, which counts all that there ever were.
+  [[nodiscard]] std::vector<listed_event> events_from(std::uint64_t number) const;
+  [[nodiscard]] std::uint64_t events() const;
+  [[nodiscard]] std::optional<listed_event> event_after(instant x) const;
+
+  struct tuples_then {
+    std::vector<std::pair<tuple_key, tuple_value>> tuples; ///< those that there were
+    std::uint64_t left_out = 0;                            ///< writes of tuples beyond tuples_max
+  };
+  [[nodiscard]] tuples_then tuples_at(instant x) const;
+  [[nodiscard]] std::vector<tuple_value> values_of(const tuple_key& x) const;
+
+  [[nodiscard]] std::shared_ptr<const message_list> messages() const;
+  [[nodiscard]] std::string why_no_messages() const;
+
+private:
+  void thin_samples();
+  void thin_values();
+
+  const std::string ecology_;
+  mutable std::mutex lock_;
+  run_state state_;
+  std::vector<sample> samples_; ///< ascending by time
+  sample newest_;
+  std::uint64_t sample_stride_ = 1;
+  std::uint64_t samples_told_ = 0;
+  std::vector<listed_event> events_; ///< ascending by time
+  std::uint64_t events_forgotten_ = 0;
+  std::map<tuple_key, std::vector<tuple_value>> tuples_;
+  std::size_t values_ = 0;
+  std::uint64_t tuples_left_out_ = 0;
+  std::shared_ptr<const message_list> messages_;
+  std::string why_no_messages_;
+};
+
+/// Puts in what a record has kept: samples, tuples, events and messages.
+void fill(timeline& out, std::shared_ptr<const explain::traces> all);
+
+} // namespace rubicon::view

@@ -1,0 +1,233 @@
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "support/catch.hpp"
+#include "view/conversation.hpp"
+#include "view/ecology_json.hpp"
+#include "view/page_files.hpp"
+
+using namespace rubicon;
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* hostile = "<img src=x onerror=alert(1)>\xff\"\\";
+
+config::ecology_description two_motes() {
+  config::ecology_description x;
+  x.name = hostile;
+  x.length = 1h;
+  config::island_description island;
+  island.id = island_id(1);
+  island.name = "kitchen";
+  island.gateway_name = "kitchen-gateway";
+  for (const std::uint16_t id : {5, 6}) {
+    config::mote_description mote;
+    mote.id = mote_id(id);
+    mote.name = id == 5 ? "stove" : hostile;
+    mote.type_name = "climate";
+    mote.place = {1.0 * id, 2, 0};
+    island.motes.push_back(mote);
+  }
+  island.motes[1].path = {{0s, {6, 2, 0}}, {10s, {7, 3, 0}}};
+  x.islands.push_back(island);
+  x.airs.push_back({"kitchen", {island_id(1)}});
+  x.plan = config::floor_plan{"plan.png", {-1, -2, 0}, 12};
+  return x;
+}
+
+report::run_sample sample_at(duration at) {
+  report::run_sample x{instant(at), {{island_id(1), {{"radio", {{"collision", 7}}}}}}, {}};
+  report::mote_sample mote;
+  mote.address = {island_id(1), mote_id(5)};
+  mote.alive = mote.joined = mote.radio_on = true;
+  mote.parent = mote_id(1);
+  mote.hops = 1;
+  mote.used_mah = 1;
+  mote.battery_mah = 25;
+  mote.etx = 1.25;
+  mote.neighbours = {{mote_id(1), 1.25}, {mote_id(6), std::nullopt}};
+  x.motes.push_back(mote);
+  return x;
+}
+
+struct page {
+  std::shared_ptr<view::timeline> all = std::make_shared<view::timeline>("{}");
+  view::conversation with{
+      all, view::with_facts(view::ecology_json(two_motes()), {.file = "home.toml"}, "wall"),
+      nullptr};
+
+  json ask(const json& question) { return json::parse(with.on_text(question.dump())); }
+  json news() {
+    const auto text = with.news();
+    return text ? json::parse(*text) : json();
+  }
+};
+
+} // namespace
+
+TEST_CASE("a page is told the ecology first, then how far the run is") {
+  page x;
+  const auto ecology = x.news();
+  CHECK(ecology["kind"] == "ecology");
+  CHECK(ecology["mode"] == "wall");
+  CHECK(ecology["control"] == false);
+  CHECK(ecology["plan"]["width_m"] == 12.0);
+  CHECK(ecology["islands"][0]["motes"][0] == json::parse(R"([5,"stove",5.0,2.0,"climate"])"));
+  CHECK(ecology["paths"]["1"].size() == 2);
+  CHECK(ecology["peers"][0]["name"] == "kitchen-gateway");
+  x.all->add(view::listed_event{instant(1s), "stove", "joined"});
+  x.all->set({instant(2s), instant(1h), true, 100, 1});
+  const auto state = x.news();
+  CHECK(state["kind"] == "state");
+  CHECK(state["now_s"] == 2.0);
+  CHECK(state["new_events"][0] == json::parse(R"([1.0,"stove","joined","event"])"));
+  CHECK(x.news().is_null());
+  x.all->set({instant(3s), instant(1h), true, 200, 1});
+  CHECK(x.news()["new_events"].empty());
+}
+
+TEST_CASE("who follows is told the newest moment, and states in turns with it") {
+  page x;
+  x.news();
+  x.news();
+  std::size_t moments = 0;
+  for (int i = 1; i <= 20; ++i) {
+    x.all->add(sample_at(i * 1s));
+    x.all->set({instant(i * 1s), instant(1h), true, 1, 1});
+    moments += x.news()["kind"] == "moment" ? 1 : 0;
+  }
+  CHECK(moments == 10);
+  CHECK(x.ask({{"ask", "follow"}, {"on", false}})["ok"] == true);
+  x.news();
+  x.all->add(sample_at(30s));
+  CHECK(x.news().is_null());
+}
+
+TEST_CASE("a moment tells of each mote in the order of the ecology") {
+  page x;
+  x.all->add(sample_at(3600s));
+  const auto y = x.ask({{"ask", "moment"}, {"at_s", 4000}, {"id", 7}});
+  CHECK(y["id"] == 7);
+  CHECK(y["sample_s"] == 3600.0);
+  CHECK(y["motes"]["state"] == json::parse("[1,0]"));
+  CHECK(y["motes"]["parent"] == json::parse("[1,0]"));
+  CHECK(y["motes"]["etx"] == json::parse("[1.25,null]"));
+  CHECK(y["motes"]["hours"] == json::parse("[24.0,null]"));
+  CHECK(y["lost"]["radio/collision"] == 7);
+  const auto before = x.ask({{"ask", "moment"}, {"at_s", 1}});
+  CHECK(before["sample_s"].is_null());
+  CHECK(before["motes"]["state"] == json::parse("[0,0]"));
+}
+
+TEST_CASE("states of motes are told apart") {
+  page x;
+  const auto state_of = [&x](auto change) {
+    auto sample = sample_at(10s);
+    change(sample.motes[0]);
+    x.all->add(std::move(sample));
+    return x.ask({{"ask", "moment"}, {"at_s", 10}})["motes"]["state"][0].get<int>();
+  };
+  CHECK(state_of([](auto&) {}) == 1);
+  CHECK(state_of([](auto& mote) { mote.radio_on = false; }) == 2);
+  CHECK(state_of([](auto& mote) { mote.parent = {}; }) == 3);
+  CHECK(state_of([](auto& mote) { mote.joined = false; }) == 3);
+  CHECK(state_of([](auto& mote) { mote.alive = false; }) == 4);
+  CHECK(state_of([](auto& mote) {
+          mote.alive = false;
+          mote.used_mah = mote.battery_mah;
+        }) == 5);
+}
+
+TEST_CASE("a mote, tuples and curves are asked for") {
+  page x;
+  x.all->add(sample_at(10s));
+  x.all->add(sample_at(20s));
+  const auto mote = x.ask({{"ask", "mote"}, {"address", "1/5"}, {"at_s", 20}});
+  CHECK(mote["name"] == "kitchen/stove");
+  CHECK(mote["neighbours"][0][0] == "sink");
+  CHECK(mote["used"].size() == 2);
+  CHECK(x.ask({{"ask", "mote"}, {"address", "1/6"}, {"at_s", 20}})["kind"] == "mote");
+  x.all->add(report::tuple_write{instant(5s), "pc", "pc", hostile, "21.5 C", false});
+  x.all->add(report::tuple_write{instant(6s), "pc", "pc", hostile, "22.5 C", false});
+  const auto tuples = x.ask({{"ask", "tuples"}, {"at_s", 5.5}});
+  REQUIRE(tuples["tuples"].size() == 1);
+  CHECK(tuples["tuples"][0][2] == "21.5 C");
+  CHECK(tuples["tuples"][0][3] == 5.0);
+  x.all->add(report::tuple_write{instant(7s), "pc", "pc", "t", "1", false});
+  x.all->add(report::tuple_write{instant(8s), "pc", "pc", "t", "2", false});
+  CHECK(x.ask({{"ask", "curve"}, {"owner", "pc"}, {"key", "t"}})["points"] ==
+        json::parse("[[7.0,1.0],[8.0,2.0]]"));
+  const auto series = x.ask({{"ask", "series"}});
+  CHECK(series["times"] == json::parse("[10.0,20.0]"));
+  CHECK(series["lost"]["radio/collision"] == json::parse("[7,7]"));
+}
+
+TEST_CASE("without a record messages are not ready, and the page is told why") {
+  page x;
+  x.all->set_why_no_messages("add --record");
+  const auto y = x.ask({{"ask", "messages"}, {"lost", true}});
+  CHECK(y["ready"] == false);
+  CHECK(y["why"] == "add --record");
+  CHECK(x.ask({{"ask", "explain"}, {"message", "a#1"}})["kind"] == "refused");
+  CHECK(x.ask({{"ask", "frames"}, {"from_s", 0}, {"to_s", 1}})["kind"] == "refused");
+}
+
+TEST_CASE("what is no question is refused") {
+  page x;
+  const auto refused = [&x](const std::string& text) {
+    return json::parse(x.with.on_text(text))["kind"] == "refused";
+  };
+  CHECK(refused(""));
+  CHECK(refused("[]"));
+  CHECK(refused("{}"));
+  CHECK(refused(R"({"ask":7})"));
+  CHECK(refused(R"({"ask":"secrets"})"));
+  CHECK(refused(R"({"ask":"moment"})"));
+  CHECK(refused(R"({"ask":"moment","at_s":"now"})"));
+  CHECK(refused(R"({"ask":"mote","address":"1","at_s":1})"));
+  CHECK(refused(R"({"ask":"mote","address":"1/5x","at_s":1})"));
+  CHECK(refused(R"({"ask":"mote","address":"9/9","at_s":1})"));
+  CHECK(refused(R"({"ask":"follow","on":"yes"})"));
+  CHECK(refused(R"({"ask":"fault","sentence":"crash mote kitchen/stove"})"));
+  CHECK_FALSE(refused(R"({"ask":"moment","at_s":-1e300})"));
+  CHECK_FALSE(refused(R"({"ask":"moment","at_s":1e300})"));
+  CHECK_FALSE(refused(R"({"ask":"messages","limit":1e300})"));
+}
+
+TEST_CASE("with controls faults and tuples are passed on") {
+  page x;
+  std::string seen;
+  const auto controls = std::make_shared<view::controls>();
+  controls->fault = [&](const std::string& sentence) {
+    seen = sentence;
+    return view::controls::outcome{sentence == "crash", "done"};
+  };
+  controls->set_tuple = [&](const std::string& owner, const std::string& key,
+                            const std::string& value) {
+    seen = owner + '|' + key + '|' + value;
+    return view::controls::outcome{true, ""};
+  };
+  view::conversation with(x.all, "{}", controls);
+  const auto ask = [&with](const json& question) {
+    return json::parse(with.on_text(question.dump()));
+  };
+  CHECK(ask({{"ask", "fault"}, {"sentence", "crash"}})["ok"] == true);
+  CHECK(ask({{"ask", "fault"}, {"sentence", "bash"}})["ok"] == false);
+  CHECK(ask({{"ask", "set"}, {"owner", "pc"}, {"key", "k"}, {"value", "v"}})["ok"] == true);
+  CHECK(seen == "pc|k|v");
+  CHECK(ask({{"ask", "set"}, {"owner", "pc"}, {"key", "k"}})["kind"] == "refused");
+}
+
+TEST_CASE("the page is small, whole, and asks nobody else") {
+  const auto html = view::page_html();
+  const auto all = std::string(html) + std::string(view::page_css()) + std::string(view::page_js());
+  CHECK(all.size() <= 100 * 1024);
+  CHECK(html.find("page.js") != std::string_view::npos);
+  CHECK(html.find("page.css") != std::string_view::npos);
+  CHECK(all.find("innerHTML") == std::string::npos);
+  CHECK(all.find("eval(") == std::string::npos);
+  for (const auto* elsewhere : {"https://", "//cdn", "http://"})
+    CHECK(all.find(elsewhere) == std::string::npos);
+}
