@@ -575,8 +575,17 @@ function layOut() {
   grid.build();
   if (!model.ecology.plan || plan.image) return;
   plan.image = new Image();
-  on(plan.image, "load", () => redraw("scene"));
+  on(plan.image, "load", () => {
+    layOut();
+    resizeMap();
+  });
   plan.image.src = "plan";
+}
+
+/** If it is not told, the picture's shape has it, once it is there. */
+function planHeight({ height_m, width_m }) {
+  const { naturalWidth, naturalHeight } = plan.image || {};
+  return height_m ?? (naturalWidth ? (width_m * naturalHeight) / naturalWidth : 0);
 }
 
 const emptyArea = () => ({ x0: Infinity, y0: Infinity, x1: -Infinity, y1: -Infinity });
@@ -599,7 +608,7 @@ function measureAir(air) {
     if (air.islands.includes(islandOf(mote))) for (const [, x, y] of path) widen(area, x, y);
   if (air.first) { // the plan and the walls are those of the first air
     const p = model.ecology.plan;
-    const corners = p ? [[p.x_m, p.y_m, p.x_m + p.width_m, p.y_m + p.height_m]] : [];
+    const corners = p ? [[p.x_m, p.y_m, p.x_m + p.width_m, p.y_m + planHeight(p)]] : [];
     for (const [x1, y1, x2, y2] of corners.concat(model.ecology.walls || [])) {
       widen(area, x1, y1);
       widen(area, x2, y2);
@@ -842,7 +851,7 @@ function drawGround(air) {
   const place = (x, y) => [screenX(worldX(air, x)), screenY(worldY(air, y))];
   if (p && plan.image?.naturalWidth) {
     ctx.globalAlpha = 0.6;
-    ctx.drawImage(plan.image, ...place(p.x_m, p.y_m + p.height_m), p.width_m * view.scale, p.height_m * view.scale);
+    ctx.drawImage(plan.image, ...place(p.x_m, p.y_m + planHeight(p)), p.width_m * view.scale, planHeight(p) * view.scale);
     ctx.globalAlpha = 1;
   }
   for (const [x1, y1, x2, y2] of model.ecology.walls || []) stroke("soft", 2.5, lines(place(x1, y1), place(x2, y2)));
@@ -871,12 +880,16 @@ function lineToParent(i) {
   ctx.lineTo(to.x, to.y);
 }
 
-/** Which of LINKS; of what arrived as on the report's map. */
+/** Which of LINKS. Of messages without acknowledgement nobody knows whether they arrived: then ETX tells more. */
 function linkClass(i, by) {
-  const limits = { delivery: [0.99, 0.95, 0.8], signal: [-70, -80, -88], etx: [-1.2, -1.6, -3] }[by];
-  const x = shown.motes[by][i];
+  const { delivery, etx, signal } = shown.motes;
+  if (by === "delivery" && isNumber(delivery[i])) return classIn([0.99, 0.95, 0.8], delivery[i]);
+  return by === "signal" ? classIn([-70, -80, -88], signal[i]) : classIn([-1.2, -1.6, -3], isNumber(etx[i]) ? -etx[i] : null);
+}
+
+function classIn(limits, x) {
   if (!isNumber(x)) return UNKNOWN_LINK;
-  const found = limits.findIndex(limit => (by === "etx" ? -x : x) >= limit);
+  const found = limits.findIndex(limit => x >= limit);
   return found < 0 ? limits.length : found;
 }
 
