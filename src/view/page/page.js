@@ -58,7 +58,8 @@ const chargeText = mah => (isNumber(mah) ? shortNumber(Number(mah.toPrecision(3)
 function hoursText(hours) {
   if (!isNumber(hours)) return "–";
   if (hours < 1) return round(hours * 60) + " min";
-  return hours < 72 ? hours.toFixed(hours < 10 ? 1 : 0) + " h" : countText(hours / 24) + " d";
+  const [x, unit] = hours < 72 ? [hours, " h"] : [hours / 24, " d"];
+  return (x < 10 ? x.toFixed(1) : countText(x)) + unit;
 }
 
 /** Runs one at a time; of what is wanted meanwhile, only the newest follows. */
@@ -560,14 +561,17 @@ const frames = {
 const world = { airs: [], width: 1, height: 1 };
 const plan = { image: null };
 
-/** Gives each air its ground, and all motes and sinks their places in the world. */
+/** Gives each air its ground, the islands on the plan theirs together, and all motes and sinks their places in the world. */
 function layOut() {
   const airs = new Map();
   for (const island of model.islands) {
-    if (!airs.has(island.air)) airs.set(island.air, { islands: [], first: airs.size === 0 });
-    airs.get(island.air).islands.push(island);
+    const key = isOnPlan(island) ? "plan" : island.air;
+    if (!airs.has(key)) airs.set(key, { islands: [], hasPlan: false });
+    airs.get(key).islands.push(island);
   }
   world.airs = [...airs.values()];
+  const ofPlan = airs.get("plan") || world.airs[0];
+  if (ofPlan) ofPlan.hasPlan = true;
   world.airs.forEach(measureAir);
   packAirs();
   for (const air of world.airs) for (const island of air.islands) placeIsland(air, island);
@@ -588,6 +592,11 @@ function planHeight({ height_m, width_m }) {
   return height_m ?? (naturalWidth ? (width_m * naturalHeight) / naturalWidth : 0);
 }
 
+function isOnPlan({ sink }) {
+  const p = model.ecology.plan;
+  return Boolean(p && sink) && clamp(sink.x - p.x_m, 0, p.width_m) === sink.x - p.x_m && clamp(sink.y - p.y_m, 0, planHeight(p)) === sink.y - p.y_m;
+}
+
 const emptyArea = () => ({ x0: Infinity, y0: Infinity, x1: -Infinity, y1: -Infinity });
 
 function widen(area, x, y) {
@@ -606,7 +615,7 @@ function measureAir(air) {
   }
   for (const { mote, path } of model.carried)
     if (air.islands.includes(islandOf(mote))) for (const [, x, y] of path) widen(area, x, y);
-  if (air.first) { // the plan and the walls are those of the first air
+  if (air.hasPlan) {
     const p = model.ecology.plan;
     const corners = p ? [[p.x_m, p.y_m, p.x_m + p.width_m, p.y_m + planHeight(p)]] : [];
     for (const [x1, y1, x2, y2] of corners.concat(model.ecology.walls || [])) {
@@ -846,7 +855,7 @@ function drawGround(air) {
   const ground = box(screenX(air.x), screenY(air.y), air.width * view.scale, air.height * view.scale);
   fill("panel", ground);
   stroke("line", 1, ground);
-  if (!air.first) return;
+  if (!air.hasPlan) return;
   const p = model.ecology.plan;
   const place = (x, y) => [screenX(worldX(air, x)), screenY(worldY(air, y))];
   if (p && plan.image?.naturalWidth) {
@@ -1964,10 +1973,8 @@ function faultButton(text, kind, who) {
 async function moteParts(i) {
   const address = addressOf(i);
   const [answer, sent] = await Promise.all([ask({ ask: "mote", address, at_s: shown.at_s }, "mote"), messagesOf(address)]);
-  const motes = shown.motes;
-  const facts = motes ? [["arrived of its messages", shareText(motes.delivery[i])], ["battery lasts", hoursText(motes.hours[i])], ["waiting to be sent", motes.queue[i] ?? "–"]] : [];
   return [make("h2", fullName(i)), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at_s)}`),
-    faultButton("let it crash …", "crash mote", fullName(i)), factList([...facts, ...(answer?.facts || [])]),
+    faultButton("let it crash …", "crash mote", fullName(i)), factList(answer?.facts || []),
     ...energyDetails(answer), ...neighbourDetails(answer?.neighbours || [], islandOf(i)), ...sent].filter(Boolean);
 }
 
@@ -2211,7 +2218,10 @@ function start() {
   showTab("events");
   new ResizeObserver(resizeMap).observe($("map-area"));
   new ResizeObserver(() => redraw("time")).observe($("time-line"));
-  setInterval(showStatus, 1000);
+  setInterval(() => {
+    showStatus();
+    if (shown.tab === "messages" && !messages.ready) refreshTab(); // its record may be read by now
+  }, 1000);
   connect();
 }
 
