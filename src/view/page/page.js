@@ -6,11 +6,12 @@
 // ---- helpers
 
 const { abs, ceil, floor, hypot, max, min, PI, round } = Math;
-const $ = (id) => document.getElementById(id);
+const $ = id => document.getElementById(id);
 const put = (id, text) => { $(id).textContent = text; };
-const on = (target, types, run, options) => types.split(" ").forEach((type) => target.addEventListener(type, run, options));
+const on = (target, types, run, options) => types.split(" ").forEach(type => target.addEventListener(type, run, options));
 const clamp = (x, low, high) => min(max(x, low), high);
-const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
+const range = n => [...Array(n).keys()];
+const isNumber = x => typeof x === "number" && Number.isFinite(x);
 
 /** A text without controls and marks that turn its neighbours round, at most `most` characters. */
 function plain(text, most = 1000) {
@@ -18,6 +19,8 @@ function plain(text, most = 1000) {
   const cut = all.length > most ? all.slice(0, most - 1) + "…" : all;
   return cut.replace(/[\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/g, "\ufffd");
 }
+
+const plainLines = text => String(text ?? "").split("\n").map(line => plain(line, 1e5)).join("\n");
 
 /** make("p.soft.small", {title: x}, child, …): an element. Attributes may be left out; `onclick` and the like are
  * listeners, nothing is no attribute; children are elements or texts. */
@@ -30,11 +33,11 @@ function make(what, ...children) {
   for (const [name, value] of Object.entries(attributes))
     if (name.startsWith("on")) on(element, name.slice(2), value);
     else if (value !== null && value !== undefined) element.setAttribute(name, value);
-  element.append(...children.filter((x) => x !== null).map((x) => (x instanceof Node ? x : plain(x))));
+  element.append(...children.filter(x => x !== null).map(x => (x instanceof Node ? x : plain(x))));
   return element;
 }
 
-const button = (text, run, more = {}) => make("button", { type: "button", onclick: run, ...more }, text);
+const button = (text, run, more = {}) => make("button", { onclick: run, ...more }, text);
 
 /** 754.5 -> "12:34.5", ecology time as the page writes it. */
 function timeText(seconds, decimals = 1) {
@@ -46,23 +49,17 @@ function timeText(seconds, decimals = 1) {
   return (hours ? `${hours}:${String(minutes).padStart(2, "0")}:` : minutes + ":") + rest;
 }
 
-/** The reverse: "90", "1:30", "1:02:03.5"; null if it is no time. */
-function timeOf(text) {
-  const parts = text.trim().split(":");
-  if (parts.length > 3 || !parts.every((x) => /^\d+(\.\d+)?$/.test(x))) return null;
-  return parts.reduce((sum, x) => sum * 60 + Number(x), 0);
-}
-
-const countText = (n) => (isNumber(n) ? round(n).toLocaleString("en") : "–");
-const shareText = (x) => (isNumber(x) ? (100 * x).toFixed(x === 1 ? 0 : 1) + "%" : "–");
-const etxText = (x) => (isNumber(x) ? x.toFixed(2) : "–");
-const shortNumber = (x) => (abs(x) >= 1e6 || (x && abs(x) < 1e-3) ? x.toExponential(1) : String(Number(x.toPrecision(4))));
-const chargeText = (mah) => (isNumber(mah) ? shortNumber(Number(mah.toPrecision(3))) + " mAh" : "–");
+const countText = n => (isNumber(n) ? round(n).toLocaleString("en") : "–");
+const shareText = x => (isNumber(x) ? (100 * x).toFixed(x === 1 ? 0 : 1) + "%" : "–");
+const etxText = x => (isNumber(x) ? x.toFixed(2) : "–");
+const shortNumber = x => (abs(x) >= 1e6 || (x && abs(x) < 1e-3) ? x.toExponential(1) : String(Number(x.toPrecision(4))));
+const chargeText = mah => (isNumber(mah) ? shortNumber(Number(mah.toPrecision(3))) + " mAh" : "–");
 
 function hoursText(hours) {
   if (!isNumber(hours)) return "–";
   if (hours < 1) return round(hours * 60) + " min";
-  return hours < 72 ? hours.toFixed(hours < 10 ? 1 : 0) + " h" : countText(hours / 24) + " d";
+  const [x, unit] = hours < 72 ? [hours, " h"] : [hours / 24, " d"];
+  return (x < 10 ? x.toFixed(1) : countText(x)) + unit;
 }
 
 /** Runs one at a time; of what is wanted meanwhile, only the newest follows. */
@@ -73,11 +70,14 @@ function latest(run) {
     again = true;
     if (busy) return;
     busy = true;
-    while (again) {
-      again = false;
-      await run();
+    try {
+      while (again) {
+        again = false;
+        await run();
+      }
+    } finally {
+      busy = false;
     }
-    busy = false;
   };
 }
 
@@ -134,48 +134,42 @@ function setTheme(theme) {
   refreshTab();
 }
 
-function firstTheme() {
-  let kept = null;
-  try { kept = localStorage.getItem("rubicon-theme"); } catch { /* no storage: as the computer is */ }
-  return kept || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
-}
-
-function otherTheme() {
-  const theme = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
-  try { localStorage.setItem("rubicon-theme", theme); } catch { /* not kept then */ }
-  setTheme(theme);
-}
+const isDark = () => document.documentElement.dataset.theme === "dark";
 
 // ---- canvases
 
-/** Makes a canvas as large as its place, sharp on this screen. @returns its context, in CSS pixels. */
-function fitCanvas(canvas, width, height) {
+let ctx = null; // of the canvas that is drawn on now, in CSS pixels
+
+/** Draws on a canvas, which is made as large as its place, and sharp on this screen. */
+function drawOn(canvas, width, height, draw) {
+  const before = ctx;
   const ratio = min(devicePixelRatio || 1, 2);
   const [w, h] = [max(1, round(width * ratio)), max(1, round(height * ratio))];
   if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, { width: w, height: h });
-  const ctx = canvas.getContext("2d");
+  ctx = canvas.getContext("2d");
   ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
   ctx.clearRect(0, 0, width, height);
-  return ctx;
+  draw();
+  ctx = before;
 }
 
-function stroke(ctx, hue, width, path, dash = []) {
+function stroke(hue, width, path, dash = []) {
   ctx.strokeStyle = colour[hue];
   ctx.lineWidth = width;
   ctx.setLineDash(dash);
   ctx.beginPath();
-  path(ctx);
+  path();
   ctx.stroke();
 }
 
-function fill(ctx, hue, path) {
+function fill(hue, path) {
   ctx.fillStyle = colour[hue];
   ctx.beginPath();
-  path(ctx);
+  path();
   ctx.fill();
 }
 
-function write(ctx, text, x, y, { hue = "soft", align = "left", font = "12px" } = {}) {
+function write(text, x, y, { hue = "soft", align = "left", font = "12px" } = {}) {
   ctx.font = font + " system-ui, sans-serif";
   ctx.fillStyle = colour[hue];
   ctx.textAlign = align;
@@ -183,30 +177,28 @@ function write(ctx, text, x, y, { hue = "soft", align = "left", font = "12px" } 
   ctx.fillText(text, x, y);
 }
 
-const disc = (x, y, r) => (ctx) => ctx.arc(x, y, r, 0, 7);
-const box = (x, y, w, h) => (ctx) => ctx.rect(x, y, w, h);
+const disc = (x, y, r) => () => ctx.arc(x, y, r, 0, 7);
+const box = (x, y, w, h) => () => ctx.rect(x, y, w, h);
 
-function lines(...points) {
-  return (ctx) => points.forEach(([x, y], i) => (i ? ctx.lineTo(x, y) : ctx.moveTo(x, y)));
-}
+const lines = (...points) => () => points.forEach(([x, y]) => ctx.lineTo(x, y));
 
 /** The sign of a state. Each has a shape of its own, so that colours are not needed to tell them apart. */
-function drawSign(ctx, code, x, y, r) {
+function drawSign(code, x, y, r) {
   const hue = STATES[code][2];
   const thick = max(1, r * 0.3);
   const ring = disc(x, y, r * 0.85);
-  if (code === ABSENT) stroke(ctx, hue, thick, ring, [r * 0.5, r * 0.4]);
-  else if (code === JOINED) fill(ctx, hue, disc(x, y, r));
+  if (code === ABSENT) stroke(hue, thick, ring, [r * 0.5, r * 0.4]);
+  else if (code === JOINED) fill(hue, disc(x, y, r));
   else if (code === ASLEEP) {
-    stroke(ctx, hue, thick, ring);
-    fill(ctx, hue, () => ctx.arc(x, y, r * 0.85, PI / 2, 1.5 * PI));
-  } else if (code === LOST) fill(ctx, hue, lines([x, y - 1.2 * r], [x + 1.15 * r, y + 0.9 * r], [x - 1.15 * r, y + 0.9 * r]));
+    stroke(hue, thick, ring);
+    fill(hue, () => ctx.arc(x, y, r * 0.85, PI / 2, 1.5 * PI));
+  } else if (code === LOST) fill(hue, lines([x, y - 1.2 * r], [x + 1.15 * r, y + 0.9 * r], [x - 1.15 * r, y + 0.9 * r]));
   else if (code === OFF) {
-    stroke(ctx, hue, thick * 1.4, lines([x - r, y - r], [x + r, y + r]));
-    stroke(ctx, hue, thick * 1.4, lines([x + r, y - r], [x - r, y + r]));
+    stroke(hue, thick * 1.4, lines([x - r, y - r], [x + r, y + r]));
+    stroke(hue, thick * 1.4, lines([x + r, y - r], [x - r, y + r]));
   } else { // an empty battery
-    stroke(ctx, hue, thick, box(x - r, y - 0.6 * r, 1.8 * r, 1.2 * r));
-    fill(ctx, hue, box(x + 0.85 * r, y - 0.3 * r, 0.4 * r, 0.6 * r));
+    stroke(hue, thick, box(x - r, y - 0.6 * r, 1.8 * r, 1.2 * r));
+    fill(hue, box(x + 0.85 * r, y - 0.3 * r, 0.4 * r, 0.6 * r));
   }
 }
 
@@ -239,12 +231,12 @@ function drawFrame(now_ms) {
 // ---- what is known
 
 /** The ecology as the server describes it; motes in arrays by their index. */
-const model = { ecology: null, count: 0, islands: [], peers: [], links: [], carried: [], byAddress: new Map(), byName: new Map() };
+const model = { ecology: null, count: 0, islands: [], peers: [], links: [], carried: [], byAddress: new Map(), byName: new Map(), sinks: new Map() };
 /** How far the run is. */
 const run = { now: 0, end: 0, running: false, ended: false, events: 0, speed: 0, samples: 0 };
 /** What the page shows. */
-const shown = { at: 0, follow: true, playing: false, speed: 1, sample: null, motes: null, lost: {}, counts: STATES.map(() => 0),
-  chosen: null, tab: "events", explained: "", firstPicture_ms: 0 };
+const shown = { at_s: 0, follow: true, playing: false, speed: 1, sample_s: null, motes: null, lost: {}, counts: STATES.map(() => 0),
+  chosen: null, tab: "events", explained: "", first_picture_ms: 0 };
 const events = []; // {t, who, what, kind}, by time
 let series = { times: [], lost: {} };
 
@@ -254,11 +246,11 @@ const SINK = -2;
 const mayControl = () => Boolean(model.ecology?.control);
 const hasMessages = () => Boolean(model.ecology?.messages);
 const runLength = () => max(model.ecology?.length_s || 0, run.now, run.end || 0, 1e-3);
-const islandOf = (mote) => model.islands[model.island[mote]];
-const fullName = (mote) => islandOf(mote).name + "/" + model.names[mote];
-const addressOf = (mote) => islandOf(mote).id + "/" + model.ids[mote];
-const joinedIn = (counts) => counts[JOINED] + counts[ASLEEP];
-const stateLabel = (mote) => (STATES[shown.motes?.state[mote]] || STATES[ABSENT])[1];
+const islandOf = mote => model.islands[model.island[mote]];
+const fullName = mote => islandOf(mote).name + "/" + model.names[mote];
+const addressOf = mote => islandOf(mote).id + "/" + model.ids[mote];
+const joinedIn = counts => counts[JOINED] + counts[ASLEEP];
+const stateLabel = mote => (STATES[shown.motes?.state[mote]] || STATES[ABSENT])[1];
 
 function eachMote(island, visit) {
   for (let i = island.first; i < island.first + island.count; ++i) visit(i);
@@ -274,7 +266,8 @@ function takeEcology(x) {
   energyOf.clear();
   frames.clear();
   layOut();
-  if (!same) Object.assign(shown, { chosen: null }) && (view.placed = false);
+  if (!same) view.placed = false;
+  if (!same) shown.chosen = null;
   showEcology();
   say({ ask: "follow", on: shown.follow });
   askSeries();
@@ -286,11 +279,12 @@ function takeMotes(x) {
   model.count = islands.reduce((sum, each) => sum + each.motes.length, 0);
   for (const name of ["ids", "island", "parent"]) model[name] = new Int32Array(model.count);
   for (const name of ["x", "y", "wx", "wy"]) model[name] = new Float64Array(model.count);
-  Object.assign(model, { names: [], byAddress: new Map(), byName: new Map(), islands: [] });
+  Object.assign(model, { names: [], byAddress: new Map(), byName: new Map(), sinks: new Map(), islands: [] });
   islands.forEach((each, at) => {
     const island = { id: each.id, name: each.name, air: each.air ?? at, sink: each.sink, gateways: each.gateways || [],
       first: model.names.length, count: each.motes.length, byId: new Map(), counts: STATES.map(() => 0) };
     model.islands.push(island);
+    for (const name of [each.name + "/sink", `${each.id}/${each.sink?.id}`]) model.sinks.set(name, at);
     for (const [id, name, mx, my] of each.motes) {
       const i = model.names.length;
       [model.ids[i], model.island[i], model.x[i], model.y[i], model.parent[i]] = [id, at, mx, my, NO_PARENT];
@@ -301,18 +295,18 @@ function takeMotes(x) {
     }
   });
   model.carried = Object.entries(x.paths || {}).map(([key, path]) => ({ mote: Number(key), path }))
-    .filter((each) => each.mote < model.count && each.path.length > 0);
+    .filter(each => each.mote < model.count && each.path.length > 0);
 }
 
 function takePeers(x) {
   const byName = new Map((x.peers || []).map((each, at) => [each.name, at]));
-  model.peers = (x.peers || []).map((each) => ({ ...each, gateway: each.kind === "gateway", links: [], islands: [] }));
-  model.links = (x.peis_links || []).map((pair) => pair.map((name) => byName.get(name))).filter(([a, b]) => a !== undefined && b !== undefined);
+  model.peers = (x.peers || []).map(each => ({ ...each, gateway: each.kind === "gateway", links: [], islands: [] }));
+  model.links = (x.peis_links || []).map(pair => pair.map(name => byName.get(name))).filter(([a, b]) => a !== undefined && b !== undefined);
   for (const [a, b] of model.links) {
     model.peers[a].links.push(b);
     model.peers[b].links.push(a);
   }
-  model.islands.forEach((island, at) => island.gateways.forEach((name) => model.peers[byName.get(name)]?.islands.push(at)));
+  model.islands.forEach((island, at) => island.gateways.forEach(name => model.peers[byName.get(name)]?.islands.push(at)));
   orderPeers();
 }
 
@@ -332,14 +326,14 @@ function orderPeers() {
 /** A moment, asked for or, without an id, pushed. */
 function takeMoment(x) {
   if (x.id === undefined && !shown.follow) return;
-  if (shown.follow) shown.at = x.at_s;
+  if (shown.follow) shown.at_s = x.at_s;
   const motes = { ...x.motes };
   for (const name of ["state", "parent", "hops", "etx", "signal", "used_mah", "hours", "delivery", "queue"]) motes[name] ??= [];
-  Object.assign(shown, { sample: x.sample_s, motes, lost: x.lost || {} });
+  Object.assign(shown, { sample_s: x.sample_s, motes, lost: x.lost || {} });
   shown.counts.fill(0);
   for (const island of model.islands) {
     island.counts.fill(0);
-    eachMote(island, (i) => {
+    eachMote(island, i => {
       island.counts[STATES[motes.state[i]] ? motes.state[i] : ABSENT] += 1;
       model.parent[i] = parentOf(island, motes.parent[i]);
     });
@@ -364,7 +358,7 @@ function takeState(x) {
     redraw("timeBase");
     if (shown.tab === "events") refreshTab();
   }
-  if (shown.follow) shown.at = run.now;
+  if (shown.follow) shown.at_s = run.now;
   showStatus();
   redraw("time");
 }
@@ -376,7 +370,7 @@ const askSeries = latest(async () => {
 const askSeriesSoon = throttled(1500, askSeries);
 
 const wantMoment = latest(async () => {
-  const answer = await ask({ ask: "moment", at_s: shown.at }, "moment");
+  const answer = await ask({ ask: "moment", at_s: shown.at_s }, "moment");
   if (answer && !shown.follow) takeMoment(answer);
 });
 
@@ -392,7 +386,7 @@ function connect() {
     Object.assign(connection, { open: true, was: true, wait_s: 0.5 });
     showStatus();
   });
-  on(connection.socket, "message", (event) => take(event.data));
+  on(connection.socket, "message", event => take(event.data));
   on(connection.socket, "close", lostConnection);
 }
 
@@ -425,7 +419,7 @@ function say(question) {
 async function ask(question, kind = null) {
   if (!connection.open) return null;
   const id = connection.next++;
-  const answer = await new Promise((resolve) => {
+  const answer = await new Promise(resolve => {
     connection.waiting.set(id, resolve);
     say({ ...question, id });
   });
@@ -460,7 +454,7 @@ function askNextLazily() {
 function showAt(t) {
   setPlaying(false);
   setFollow(false);
-  shown.at = clamp(t, 0, run.now);
+  shown.at_s = clamp(t, 0, run.now);
   moved();
   wantMoment();
 }
@@ -480,14 +474,14 @@ function setFollow(follow) {
 
 async function goLive() {
   setPlaying(false);
-  shown.at = run.now;
+  shown.at_s = run.now;
   moved();
   if (!shown.follow) await wantMoment();
   setFollow(true);
 }
 
 function setPlaying(playing) {
-  if (playing && shown.at >= run.now && !run.running) shown.at = 0;
+  if (playing && shown.at_s >= run.now && !run.running) shown.at_s = 0;
   if (playing) setFollow(false);
   shown.playing = playing;
   play.last_ms = 0;
@@ -501,28 +495,28 @@ const play = { last_ms: 0, asked_ms: 0 };
 function advance(now_ms) {
   const passed_s = play.last_ms ? min((now_ms - play.last_ms) / 1000, 0.5) : 0;
   play.last_ms = now_ms;
-  shown.at = min(shown.at + passed_s * shown.speed, run.now);
+  shown.at_s = min(shown.at_s + passed_s * shown.speed, run.now);
   if (now_ms - play.asked_ms > 120) {
     play.asked_ms = now_ms;
     wantMoment();
   }
   frames.lookAhead();
   moved();
-  if (shown.at < run.now) return;
+  if (shown.at_s < run.now) return;
   if (run.running) goLive();
   else setPlaying(false);
 }
 
-const eventTime = (x) => x.t;
+const eventTime = x => x.t;
 
 async function nextEvent() {
-  const next = events[firstAfter(events, eventTime, shown.at + 1e-6)]?.t;
-  const t = next ?? (await ask({ ask: "next_event", after_s: shown.at }, "next_event"))?.event?.[0];
+  const next = events[firstAfter(events, eventTime, shown.at_s + 1e-6)]?.t;
+  const t = next ?? (await ask({ ask: "next_event", after_s: shown.at_s }, "next_event"))?.event?.[0];
   if (t !== undefined) showAt(t);
 }
 
-const eventBefore = () => showAt(events[firstAfter(events, eventTime, shown.at - 1e-6) - 1]?.t ?? 0);
-const stepTime = (hundredths) => showAt(shown.at + (runLength() * hundredths) / 100);
+const eventBefore = () => showAt(events[firstAfter(events, eventTime, shown.at_s - 1e-6) - 1]?.t ?? 0);
+const stepTime = hundredths => showAt(shown.at_s + (runLength() * hundredths) / 100);
 
 const SPEEDS = [0.01, 0.1, 0.5, 1, 5, 10, 50, 100, 1000];
 
@@ -532,7 +526,7 @@ function setSpeed(speed) {
   frames.clear();
 }
 
-const changeSpeed = (by) => setSpeed(SPEEDS[clamp(SPEEDS.indexOf(shown.speed) + by, 0, SPEEDS.length - 1)]);
+const changeSpeed = by => setSpeed(SPEEDS[clamp(SPEEDS.indexOf(shown.speed) + by, 0, SPEEDS.length - 1)]);
 
 /** Frames that are on their way while the page plays slowly: [start, length, from, to, heard]. */
 const frames = {
@@ -548,16 +542,16 @@ const frames = {
 
   async lookAhead() {
     const ahead_s = 1.5 * shown.speed;
-    if (!this.wanted() || this.asking || this.to > shown.at + ahead_s) return;
+    if (!this.wanted() || this.asking || this.to > shown.at_s + ahead_s) return;
     this.asking = true;
     const { round } = this;
-    const from_s = max(this.to, shown.at - this.least_s());
+    const from_s = max(this.to, shown.at_s - this.least_s());
     const to_s = from_s + 2 * ahead_s;
     const found = (await ask({ ask: "frames", from_s, to_s }, "frames"))?.frames || [];
     if (round !== this.round) return;
     this.asking = false;
     this.to = found.length >= 500 ? found[found.length - 1][0] + 1e-6 : to_s;
-    this.list = this.list.filter(([start, length]) => start + length + this.least_s() > shown.at).concat(found);
+    this.list = this.list.filter(([start, length]) => start + length + this.least_s() > shown.at_s).concat(found);
   },
 };
 
@@ -567,14 +561,17 @@ const frames = {
 const world = { airs: [], width: 1, height: 1 };
 const plan = { image: null };
 
-/** Gives each air its ground, and all motes and sinks their places in the world. */
+/** Gives each air its ground, the islands on the plan theirs together, and all motes and sinks their places in the world. */
 function layOut() {
   const airs = new Map();
   for (const island of model.islands) {
-    if (!airs.has(island.air)) airs.set(island.air, { islands: [], first: airs.size === 0 });
-    airs.get(island.air).islands.push(island);
+    const key = isOnPlan(island) ? "plan" : island.air;
+    if (!airs.has(key)) airs.set(key, { islands: [], hasPlan: false });
+    airs.get(key).islands.push(island);
   }
   world.airs = [...airs.values()];
+  const ofPlan = airs.get("plan") || world.airs[0];
+  if (ofPlan) ofPlan.hasPlan = true;
   world.airs.forEach(measureAir);
   packAirs();
   for (const air of world.airs) for (const island of air.islands) placeIsland(air, island);
@@ -582,8 +579,22 @@ function layOut() {
   grid.build();
   if (!model.ecology.plan || plan.image) return;
   plan.image = new Image();
-  on(plan.image, "load", () => redraw("scene"));
+  on(plan.image, "load", () => {
+    layOut();
+    resizeMap();
+  });
   plan.image.src = "plan";
+}
+
+/** If it is not told, the picture's shape has it, once it is there. */
+function planHeight({ height_m, width_m }) {
+  const { naturalWidth, naturalHeight } = plan.image || {};
+  return height_m ?? (naturalWidth ? (width_m * naturalHeight) / naturalWidth : 0);
+}
+
+function isOnPlan({ sink }) {
+  const p = model.ecology.plan;
+  return Boolean(p && sink) && clamp(sink.x - p.x_m, 0, p.width_m) === sink.x - p.x_m && clamp(sink.y - p.y_m, 0, planHeight(p)) === sink.y - p.y_m;
 }
 
 const emptyArea = () => ({ x0: Infinity, y0: Infinity, x1: -Infinity, y1: -Infinity });
@@ -600,13 +611,13 @@ function measureAir(air) {
   const area = emptyArea();
   for (const island of air.islands) {
     if (island.sink) widen(area, island.sink.x, island.sink.y);
-    eachMote(island, (i) => widen(area, model.x[i], model.y[i]));
+    eachMote(island, i => widen(area, model.x[i], model.y[i]));
   }
   for (const { mote, path } of model.carried)
     if (air.islands.includes(islandOf(mote))) for (const [, x, y] of path) widen(area, x, y);
-  if (air.first) { // the plan and the walls are those of the first air
+  if (air.hasPlan) {
     const p = model.ecology.plan;
-    const corners = p ? [[p.x_m, p.y_m, p.x_m + p.width_m, p.y_m + p.height_m]] : [];
+    const corners = p ? [[p.x_m, p.y_m, p.x_m + p.width_m, p.y_m + planHeight(p)]] : [];
     for (const [x1, y1, x2, y2] of corners.concat(model.ecology.walls || [])) {
       widen(area, x1, y1);
       widen(area, x2, y2);
@@ -621,7 +632,7 @@ function measureAir(air) {
 /** Airs stand in rows, from left to right, about half as high as wide in all. */
 function packAirs() {
   const area = world.airs.reduce((sum, air) => sum + air.width * air.height, 0);
-  const rowWidth = max(...world.airs.map((air) => air.width), Math.sqrt(area * 2));
+  const rowWidth = max(...world.airs.map(air => air.width), Math.sqrt(area * 2));
   const gap = 0.16 * Math.sqrt(area / max(world.airs.length, 1));
   let [x, y, rowHeight] = [0, 0, 0];
   world.width = 1e-3;
@@ -640,7 +651,7 @@ const worldY = (air, y) => air.y + air.top - y; // the file's y grows upwards
 
 function placeIsland(air, island) {
   const area = emptyArea();
-  eachMote(island, (i) => {
+  eachMote(island, i => {
     model.wx[i] = worldX(air, model.x[i]);
     model.wy[i] = worldY(air, model.y[i]);
     widen(area, model.wx[i], model.wy[i]);
@@ -657,7 +668,7 @@ function placeIsland(air, island) {
 /** Carried motes are where their paths have them at the shown moment. */
 function placeCarried() {
   for (const { mote, path } of model.carried) {
-    const [x, y] = pathAt(path, shown.at);
+    const [x, y] = pathAt(path, shown.at_s);
     const { ground } = islandOf(mote);
     const [wx, wy] = [worldX(ground, x), worldY(ground, y)];
     if (wx !== model.wx[mote] || wy !== model.wy[mote]) redraw("scene");
@@ -667,7 +678,7 @@ function placeCarried() {
 }
 
 function pathAt(path, t) {
-  const next = firstAfter(path, (point) => point[0], t);
+  const next = firstAfter(path, point => point[0], t);
   const [t1, x1, y1] = path[max(next - 1, 0)];
   const [t2, x2, y2] = path[min(next, path.length - 1)];
   const part = t2 > t1 ? (t - t1) / (t2 - t1) : 0;
@@ -682,7 +693,7 @@ const grid = {
     this.rows = floor(world.height / this.cell) + 1;
     this.start = new Int32Array(this.columns * this.rows + 1);
     this.items = new Int32Array(model.count);
-    const cellOf = (i) => this.row(model.wy[i]) * this.columns + this.column(model.wx[i]);
+    const cellOf = i => this.row(model.wy[i]) * this.columns + this.column(model.wx[i]);
     for (let i = 0; i < model.count; ++i) this.start[cellOf(i) + 1] += 1;
     for (let c = 0; c < this.columns * this.rows; ++c) this.start[c + 1] += this.start[c];
     const next = this.start.slice();
@@ -707,14 +718,14 @@ const grid = {
 // Screen: CSS pixels of the canvas; screen = world * scale + (ox, oy).
 const view = { scale: 1, ox: 0, oy: 0, fitScale: 1, width: 0, height: 0, band: 0, placed: false };
 
-const screenX = (x) => x * view.scale + view.ox;
-const screenY = (y) => y * view.scale + view.oy;
+const screenX = x => x * view.scale + view.ox;
+const screenY = y => y * view.scale + view.oy;
 const mapWidth = () => max(view.width - view.band, 50);
-const moteSpot = (i) => ({ x: screenX(model.wx[i]), y: screenY(model.wy[i]), r: radiusIn(islandOf(i)) });
+const moteSpot = i => ({ x: screenX(model.wx[i]), y: screenY(model.wy[i]), r: radiusIn(islandOf(i)) });
 /** Of its sink, or of the ring to which it is folded. */
-const islandSpot = (island) => ({ x: screenX(island.folded ? island.cx : island.sx), y: screenY(island.folded ? island.cy : island.sy),
+const islandSpot = island => ({ x: screenX(island.folded ? island.cx : island.sx), y: screenY(island.folded ? island.cy : island.sy),
   r: island.folded ? island.ring : radiusIn(island) });
-const radiusIn = (island) => round(clamp(island.spacing * view.scale * 0.26, 1.2, 7) * 2) / 2;
+const radiusIn = island => round(clamp(island.spacing * view.scale * 0.26, 1.2, 7) * 2) / 2;
 
 function resizeMap() {
   const place = $("map-area").getBoundingClientRect();
@@ -791,17 +802,22 @@ function drawMap() {
   if (!view.placed) return;
   let place = scenePlace();
   if (scene.stale || place.exposed) {
-    drawScene();
+    const started = performance.now();
+    Object.assign(scene, { scale: view.scale, ox: view.ox, oy: view.oy, width: view.width + 2 * MARGIN_PX,
+      height: view.height + 2 * MARGIN_PX, stale: false });
+    drawOn(scene.canvas, scene.width, scene.height, drawScene);
+    scene.cost_ms = performance.now() - started;
     place = scenePlace();
   }
-  const ctx = fitCanvas($("map"), view.width, view.height);
-  ctx.drawImage(scene.canvas, place.left, place.top, place.width, place.height);
-  drawScaleBar(ctx);
-  if (view.band) drawBand(ctx);
-  drawNeighbours(ctx);
-  drawMarks(ctx);
-  if (frames.wanted()) drawFrames(ctx);
-  shown.firstPicture_ms ||= round(performance.now());
+  drawOn($("map"), view.width, view.height, () => {
+    ctx.drawImage(scene.canvas, place.left, place.top, place.width, place.height);
+    drawScaleBar();
+    if (view.band) drawBand();
+    drawNeighbours();
+    drawMarks();
+    if (frames.wanted()) drawFrames();
+  });
+  shown.first_picture_ms ||= round(performance.now());
 }
 
 /** Where the scene is on the screen now, and whether it does not cover it. */
@@ -814,23 +830,18 @@ function scenePlace() {
 }
 
 function drawScene() {
-  const started = performance.now();
-  Object.assign(scene, { scale: view.scale, ox: view.ox, oy: view.oy, width: view.width + 2 * MARGIN_PX,
-    height: view.height + 2 * MARGIN_PX, stale: false });
-  const ctx = fitCanvas(scene.canvas, scene.width, scene.height);
   ctx.translate(MARGIN_PX, MARGIN_PX);
   labels.clear();
-  const airs = world.airs.filter((air) => inView(screenX(air.x), screenY(air.y), screenX(air.x + air.width), screenY(air.y + air.height)));
-  for (const air of airs) drawGround(ctx, air);
-  const islands = airs.flatMap((air) => air.islands);
+  const airs = world.airs.filter(air => inView(screenX(air.x), screenY(air.y), screenX(air.x + air.width), screenY(air.y + air.height)));
+  for (const air of airs) drawGround(air);
+  const islands = airs.flatMap(air => air.islands);
   for (const island of islands) island.folded = isTooSmall(island);
-  const folded = islands.filter((island) => island.folded);
-  const open = islands.filter((island) => !island.folded
+  const folded = islands.filter(island => island.folded);
+  const open = islands.filter(island => !island.folded
     && inView(screenX(island.area.x0), screenY(island.area.y0), screenX(island.area.x1), screenY(island.area.y1)));
-  if (shown.motes) drawLinks(ctx, open);
-  for (const draw of [drawMotes, drawSink, drawNames]) for (const island of open) draw(ctx, island);
-  for (const draw of [drawRing, nameRing]) for (const island of folded) draw(ctx, island);
-  scene.cost_ms = performance.now() - started;
+  if (shown.motes) drawLinks(open);
+  for (const draw of [drawMotes, drawSink, drawNames]) for (const island of open) draw(island);
+  for (const draw of [drawRing, nameRing]) for (const island of folded) draw(island);
 }
 
 const inView = (x0, y0, x1, y1) => x1 > -MARGIN_PX && x0 < view.width + MARGIN_PX && y1 > -MARGIN_PX && y0 < view.height + MARGIN_PX;
@@ -840,37 +851,37 @@ function isTooSmall(island) {
   return island.count > 2 && island.spacing * view.scale < (large ? FOLD_LARGE_PX : FOLD_PX);
 }
 
-function drawGround(ctx, air) {
+function drawGround(air) {
   const ground = box(screenX(air.x), screenY(air.y), air.width * view.scale, air.height * view.scale);
-  fill(ctx, "panel", ground);
-  stroke(ctx, "line", 1, ground);
-  if (!air.first) return;
+  fill("panel", ground);
+  stroke("line", 1, ground);
+  if (!air.hasPlan) return;
   const p = model.ecology.plan;
   const place = (x, y) => [screenX(worldX(air, x)), screenY(worldY(air, y))];
   if (p && plan.image?.naturalWidth) {
     ctx.globalAlpha = 0.6;
-    ctx.drawImage(plan.image, ...place(p.x_m, p.y_m + p.height_m), p.width_m * view.scale, p.height_m * view.scale);
+    ctx.drawImage(plan.image, ...place(p.x_m, p.y_m + planHeight(p)), p.width_m * view.scale, planHeight(p) * view.scale);
     ctx.globalAlpha = 1;
   }
-  for (const [x1, y1, x2, y2] of model.ecology.walls || []) stroke(ctx, "soft", 2.5, lines(place(x1, y1), place(x2, y2)));
+  for (const [x1, y1, x2, y2] of model.ecology.walls || []) stroke("soft", 2.5, lines(place(x1, y1), place(x2, y2)));
 }
 
 /** Lines to parents, one path for each class. */
-function drawLinks(ctx, islands) {
+function drawLinks(islands) {
   const by = $("link-by").value;
   if (by === "none") return;
   const { state } = shown.motes;
   const paths = LINKS.map(() => []);
   for (const island of islands)
-    eachMote(island, (i) => { if (model.parent[i] !== NO_PARENT && state[i] > ABSENT && state[i] < OFF) paths[linkClass(i, by)].push(i); });
-  const thin = islands.some((island) => island.spacing * view.scale < 14);
+    eachMote(island, i => { if (model.parent[i] !== NO_PARENT && state[i] > ABSENT && state[i] < OFF) paths[linkClass(i, by)].push(i); });
+  const thin = islands.some(island => island.spacing * view.scale < 14);
   paths.forEach((motes, kind) => {
     const [hue, width, dash] = LINKS[kind];
-    stroke(ctx, hue, thin ? 0.7 : width, () => { for (const i of motes) lineToParent(ctx, i); }, thin ? [] : dash);
+    stroke(hue, thin ? 0.7 : width, () => { for (const i of motes) lineToParent(i); }, thin ? [] : dash);
   });
 }
 
-function lineToParent(ctx, i) {
+function lineToParent(i) {
   const from = moteSpot(i);
   const to = model.parent[i] === SINK ? islandSpot(islandOf(i)) : moteSpot(model.parent[i]);
   if (!inView(min(from.x, to.x), min(from.y, to.y), max(from.x, to.x), max(from.y, to.y))) return;
@@ -878,20 +889,24 @@ function lineToParent(ctx, i) {
   ctx.lineTo(to.x, to.y);
 }
 
-/** Which of LINKS; of what arrived as on the report's map. */
+/** Which of LINKS. Of messages without acknowledgement nobody knows whether they arrived: then ETX tells more. */
 function linkClass(i, by) {
-  const limits = { delivery: [0.99, 0.95, 0.8], signal: [-70, -80, -88], etx: [-1.2, -1.6, -3] }[by];
-  const x = shown.motes[by][i];
+  const { delivery, etx, signal } = shown.motes;
+  if (by === "delivery" && isNumber(delivery[i])) return classIn([0.99, 0.95, 0.8], delivery[i]);
+  return by === "signal" ? classIn([-70, -80, -88], signal[i]) : classIn([-1.2, -1.6, -3], isNumber(etx[i]) ? -etx[i] : null);
+}
+
+function classIn(limits, x) {
   if (!isNumber(x)) return UNKNOWN_LINK;
-  const found = limits.findIndex((limit) => (by === "etx" ? -x : x) >= limit);
+  const found = limits.findIndex(limit => x >= limit);
   return found < 0 ? limits.length : found;
 }
 
-function drawMotes(ctx, island) {
+function drawMotes(island) {
   const r = radiusIn(island);
   const pictures = STATES.map((_, code) => sprite(code, r));
   const half = pictures[0].half;
-  eachMote(island, (i) => {
+  eachMote(island, i => {
     const [x, y] = [screenX(model.wx[i]), screenY(model.wy[i])];
     if (!inView(x, y, x, y)) return;
     const picture = pictures[shown.motes?.state[i]] || pictures[ABSENT];
@@ -906,60 +921,60 @@ function sprite(code, r) {
   if (!sprites.has(name)) {
     const canvas = document.createElement("canvas");
     const half = ceil(r * 1.3) + 1;
-    drawSign(fitCanvas(canvas, 2 * half, 2 * half), code, half, half, r);
+    drawOn(canvas, 2 * half, 2 * half, () => drawSign(code, half, half, r));
     sprites.set(name, { canvas, half });
   }
   return sprites.get(name);
 }
 
-function drawSink(ctx, island) {
+function drawSink(island) {
   if (!island.sink) return;
   const { x, y } = islandSpot(island);
   const r = max(radiusIn(island) * 1.15, 4.5);
-  fill(ctx, "sink", box(x - r, y - r, 2 * r, 2 * r));
-  stroke(ctx, "bg", 1.5, box(x - r, y - r, 2 * r, 2 * r));
+  fill("sink", box(x - r, y - r, 2 * r, 2 * r));
+  stroke("bg", 1.5, box(x - r, y - r, 2 * r, 2 * r));
   labels.occupy(x - r, y - r, x + r, y + r);
-  if (!label(ctx, x, y, r, island.name, true)) label(ctx, screenX(island.cx), screenY(island.area.y0) - 6, 0, island.name, true, [3]);
+  if (!label(x, y, r, island.name, true)) label(screenX(island.cx), screenY(island.area.y0) - 6, 0, island.name, true, [3]);
 }
 
-function drawNames(ctx, island) {
+function drawNames(island) {
   if (island.spacing * view.scale < LABEL_PX) return;
-  eachMote(island, (i) => {
+  eachMote(island, i => {
     const { x, y, r } = moteSpot(i);
-    if (inView(x, y, x, y)) label(ctx, x, y, r, model.names[i], false);
+    if (inView(x, y, x, y)) label(x, y, r, model.names[i], false);
   });
 }
 
 /** An island too small for its motes: a ring of its states, and how many have joined. */
-function drawRing(ctx, island) {
+function drawRing(island) {
   const small = min(island.width, island.height) * view.scale * 0.34;
   const r = island.ring = clamp(6 + 2.2 * Math.log2(island.count), 7, max(7, small));
   const { x, y } = islandSpot(island);
-  fill(ctx, "bg", disc(x, y, r));
+  fill("bg", disc(x, y, r));
   let angle = -PI / 2;
   for (const code of [JOINED, ASLEEP, LOST, OFF, 5, ABSENT]) {
     const part = (island.counts[code] / island.count) * 2 * PI;
-    if (part) stroke(ctx, STATES[code][2], max(3, r * 0.32), () => ctx.arc(x, y, r, angle, angle + part));
+    if (part) stroke(STATES[code][2], max(3, r * 0.32), () => ctx.arc(x, y, r, angle, angle + part));
     angle += part;
   }
   labels.occupy(x - r - 3, y - r - 3, x + r + 3, y + r + 2);
-  if (r >= 11) write(ctx, joinedIn(island.counts), x, y + 0.5, { hue: "fg", align: "center", font: "11px" });
+  if (r >= 11) write(joinedIn(island.counts), x, y + 0.5, { hue: "fg", align: "center", font: "11px" });
 }
 
 /** With joined of all, where there is room. */
-function nameRing(ctx, island) {
+function nameRing(island) {
   const { x, y } = islandSpot(island);
   const r = island.ring * 1.16 + 3;
   const name = plain(island.name, 16);
-  if (!label(ctx, x, y, r, `${name} ${joinedIn(island.counts)}/${island.count}`, true, [2, 0])) label(ctx, x, y, r, name, true, [2]);
+  if (!label(x, y, r, `${name} ${joinedIn(island.counts)}/${island.count}`, true, [2, 0])) label(x, y, r, name, true, [2]);
 }
 
-function drawScaleBar(ctx) {
+function drawScaleBar() {
   const decade = 10 ** floor(Math.log10(110 / view.scale));
-  const metres = [5, 2, 1].find((n) => n * decade * view.scale <= 110) * decade;
+  const metres = [5, 2, 1].find(n => n * decade * view.scale <= 110) * decade;
   const right = mapWidth() - 14;
-  stroke(ctx, "fg", 1.5, lines([right - metres * view.scale, 26], [right, 26]));
-  write(ctx, shortNumber(metres) + " m", right, 16, { align: "right" });
+  stroke("fg", 1.5, lines([right - metres * view.scale, 26], [right, 26]));
+  write(shortNumber(metres) + " m", right, 16, { align: "right" });
 }
 
 /** Where the map has room for names: a coarse picture of what is taken. */
@@ -993,7 +1008,7 @@ const labels = {
 const widths = new Map(); // of names, in pixels
 
 /** Writes a name right of, left of, below or above a sign, tried in this order. @returns whether there was room. */
-function label(ctx, x, y, r, text, strong, order = [0, 1, 2, 3]) {
+function label(x, y, r, text, strong, order = [0, 1, 2, 3]) {
   const words = plain(text, 24);
   ctx.font = (strong ? "600 " : "") + "12px system-ui, sans-serif";
   const key = strong + words;
@@ -1001,11 +1016,11 @@ function label(ctx, x, y, r, text, strong, order = [0, 1, 2, 3]) {
   if (!widths.has(key)) widths.set(key, ctx.measureText(words).width);
   const w = widths.get(key);
   const places = [[x + r + 3, y], [x - r - 3 - w, y], [x - w / 2, y + r + 9], [x - w / 2, y - r - 9]];
-  for (const [left, middle] of order.map((i) => places[i])) {
+  for (const [left, middle] of order.map(i => places[i])) {
     const cut = (x > 0 && left < 2) || (x < mapWidth() && left + w > mapWidth() - 2);
     if (cut || !labels.isFree(left, middle - 6, left + w, middle + 6)) continue;
     labels.occupy(left, middle - 6, left + w, middle + 6);
-    Object.assign(ctx, { lineWidth: 3, lineJoin: "round", strokeStyle: colour.panel, textAlign: "left", textBaseline: "middle" });
+    Object.assign({ lineWidth: 3, lineJoin: "round", strokeStyle: colour.panel, textAlign: "left", textBaseline: "middle" });
     ctx.setLineDash([]);
     ctx.strokeText(words, left, middle);
     ctx.fillStyle = strong ? colour.fg : colour.soft;
@@ -1017,49 +1032,49 @@ function label(ctx, x, y, r, text, strong, order = [0, 1, 2, 3]) {
 
 // ---- map: what lies over the scene
 
-const isMarked = (kind, index) => [pointer.over, shown.chosen].some((x) => x?.kind === kind && x.index === index);
+const isMarked = (kind, index) => [pointer.over, shown.chosen].some(x => x?.kind === kind && x.index === index);
 
 /** The neighbours of the mote that is pointed at or chosen, and its line to its parent. */
-function drawNeighbours(ctx) {
-  const mote = [pointer.over, shown.chosen].find((x) => x?.kind === "mote")?.index;
+function drawNeighbours() {
+  const mote = [pointer.over, shown.chosen].find(x => x?.kind === "mote")?.index;
   if (mote === undefined || islandOf(mote).folded) return;
   const { x, y } = moteSpot(mote);
-  const places = (neighboursOf.get(mote) || []).map(([name]) => placeOf(name, islandOf(mote))).filter(Boolean);
-  for (const place of places) stroke(ctx, "c2", 1.5, lines([x, y], [place.x, place.y]), [2, 3]);
-  if (model.parent[mote] !== NO_PARENT) stroke(ctx, "fg", 3.5, () => lineToParent(ctx, mote));
+  const places = (neighbours.mote === mote ? neighbours.list : []).map(([name]) => placeOf(name, islandOf(mote))).filter(Boolean);
+  for (const place of places) stroke("c2", 1.5, lines([x, y], [place.x, place.y]), [2, 3]);
+  if (model.parent[mote] !== NO_PARENT) stroke("fg", 3.5, () => lineToParent(mote));
 }
 
 /** Where on the screen, and who, somebody is, by a name or address as the server uses it; null: nobody. */
 function placeOf(name, island = null) {
-  const ofSink = model.islands.find((x) => name === x.name + "/sink" || name === x.id + "/" + x.sink?.id) || (name === "sink" ? island : null);
-  if (ofSink) return { ...islandSpot(ofSink), kind: "island", index: model.islands.indexOf(ofSink), island: ofSink };
+  const at = name === "sink" && island ? model.islands.indexOf(island) : model.sinks.get(name);
+  if (at !== undefined) return { ...islandSpot(model.islands[at]), kind: "island", index: at, island: model.islands[at] };
   const index = model.byName.get(name) ?? model.byAddress.get(name) ?? model.byName.get(island?.name + "/" + name);
   return index === undefined ? null : { ...moteSpot(index), kind: "mote", index, island: islandOf(index) };
 }
 
 /** Rings round what is pointed at and chosen. */
-function drawMarks(ctx) {
+function drawMarks() {
   for (const [target, width] of [[pointer.over, 1.5], [shown.chosen, 2.5]]) {
     if (!target || target.kind === "peer") continue;
     const island = target.kind === "mote" ? islandOf(target.index) : model.islands[target.index];
     const { x, y, r } = target.kind === "mote" && !island.folded ? moteSpot(target.index) : islandSpot(island);
-    stroke(ctx, "fg", width, disc(x, y, r + 5));
+    stroke("fg", width, disc(x, y, r + 5));
   }
 }
 
 /** Frames on their way: a dot from sender to receiver; a growing ring is for all who hear it. */
-function drawFrames(ctx) {
+function drawFrames() {
   for (const [start, length, from, to, heard] of frames.list) {
-    const part = (shown.at - start) / max(length, frames.least_s());
+    const part = (shown.at_s - start) / max(length, frames.least_s());
     if (part < 0 || part > 1) continue;
     const a = placeOf(from);
     const b = to ? placeOf(to) : null;
     if (!a || a.island.folded) continue;
     const hue = heard ? "c2" : "bad";
     ctx.globalAlpha = b ? 1 : 1 - part;
-    if (b) fill(ctx, hue, disc(a.x + part * (b.x - a.x), a.y + part * (b.y - a.y), 4));
-    else stroke(ctx, hue, 2, disc(a.x, a.y, 4 + 36 * part));
-    if (b && !heard && part > 0.8) drawSign(ctx, OFF, b.x, b.y, 6);
+    if (b) fill(hue, disc(a.x + part * (b.x - a.x), a.y + part * (b.y - a.y), 4));
+    else stroke(hue, 2, disc(a.x, a.y, 4 + 36 * part));
+    if (b && !heard && part > 0.8) drawSign(OFF, b.x, b.y, 6);
   }
   ctx.globalAlpha = 1;
 }
@@ -1070,62 +1085,62 @@ const band = { step: 0, top: 0, rows: new Map() };
 const CABLES_MOST = 12; // of more gateways, only the cable of what is pointed at is drawn
 
 const peerX = () => mapWidth() + (view.band > 120 ? 44 : 30);
-const peerY = (peer) => band.top + (band.rows.get(peer) + 0.5) * band.step;
+const peerY = peer => band.top + (band.rows.get(peer) + 0.5) * band.step;
 
-function drawBand(ctx) {
+function drawBand() {
   const n = model.peerOrder.length;
   band.step = min(34, (view.height - 50) / n);
   band.top = 36 + (view.height - 50 - band.step * n) * 0.15;
   band.rows = new Map(model.peerOrder.map((peer, row) => [peer, row]));
-  fill(ctx, "bg", box(mapWidth(), 0, view.band, view.height));
-  stroke(ctx, "line", 1, lines([mapWidth() + 0.5, 0], [mapWidth() + 0.5, view.height]));
-  write(ctx, `PEIS, ${n} peers`, mapWidth() + 10, 18);
-  model.peers.forEach((peer, at) => peer.islands.forEach((island) => drawCable(ctx, at, island)));
-  for (const pair of model.links) drawPeerLink(ctx, ...pair);
-  for (const peer of model.peerOrder) drawPeer(ctx, peer);
+  fill("bg", box(mapWidth(), 0, view.band, view.height));
+  stroke("line", 1, lines([mapWidth() + 0.5, 0], [mapWidth() + 0.5, view.height]));
+  write(`PEIS, ${n} peers`, mapWidth() + 10, 18);
+  model.peers.forEach((peer, at) => peer.islands.forEach(island => drawCable(at, island)));
+  for (const pair of model.links) drawPeerLink(...pair);
+  for (const peer of model.peerOrder) drawPeer(peer);
 }
 
 /** From a sink to its gateway. */
-function drawCable(ctx, peer, at) {
+function drawCable(peer, at) {
   const marked = isMarked("peer", peer) || isMarked("island", at)
-    || [pointer.over, shown.chosen].some((x) => x?.kind === "mote" && model.island[x.index] === at);
+    || [pointer.over, shown.chosen].some(x => x?.kind === "mote" && model.island[x.index] === at);
   if (!marked && model.islands.length > CABLES_MOST) return;
   const { x, y, r } = islandSpot(model.islands[at]);
-  stroke(ctx, "sink", marked ? 2.5 : 1.2, () => {
+  stroke("sink", marked ? 2.5 : 1.2, () => {
     ctx.moveTo(peerX() - 7, peerY(peer));
     ctx.bezierCurveTo(mapWidth() - 30, peerY(peer), max(x + 40, mapWidth() - 90), y, x + r, y);
   }, [6, 3]);
 }
 
-function drawPeerLink(ctx, a, b) {
+function drawPeerLink(a, b) {
   const marked = isMarked("peer", a) || isMarked("peer", b);
   const far = abs(band.rows.get(a) - band.rows.get(b)) > 1;
   const x = peerX() - (far ? 1.3 * min(peerX() - mapWidth() - 6, 6 + abs(peerY(a) - peerY(b)) * 0.22) : 0);
-  stroke(ctx, marked ? "fg" : "soft", marked ? 2.2 : 1.2, () => {
+  stroke(marked ? "fg" : "soft", marked ? 2.2 : 1.2, () => {
     ctx.moveTo(peerX(), peerY(a));
     ctx.bezierCurveTo(x, peerY(a), x, peerY(b), peerX(), peerY(b));
   });
 }
 
-function drawPeer(ctx, peer) {
+function drawPeer(peer) {
   const [x, y] = [peerX(), peerY(peer)];
   const r = clamp(band.step * 0.3, 1.5, 7);
   const { gateway, name } = model.peers[peer];
-  const corners = Array.from({ length: 7 }, (_, k) => [x + r * Math.cos((k * PI) / 3), y + r * Math.sin((k * PI) / 3)]);
+  const corners = range(7).map(k => [x + r * Math.cos((k * PI) / 3), y + r * Math.sin((k * PI) / 3)]);
   const shape = gateway ? lines(...corners) : disc(x, y, r * 0.85);
   const marked = isMarked("peer", peer);
-  fill(ctx, gateway ? "sink" : "bg", shape);
-  stroke(ctx, marked ? "fg" : gateway ? "sink" : "good", marked ? 3 : 2, shape);
+  fill(gateway ? "sink" : "bg", shape);
+  stroke(marked ? "fg" : gateway ? "sink" : "good", marked ? 3 : 2, shape);
   if (!marked && band.rows.get(peer) % ceil(14 / band.step)) return;
   let words = plain(name, 40);
   while (words.length > 2 && ctx.measureText(words).width > view.width - x - 16) words = words.slice(0, -2) + "…";
-  write(ctx, words, x + 12, y, { hue: marked ? "fg" : "soft" });
+  write(words, x + 12, y, { hue: marked ? "fg" : "soft" });
 }
 
 // ---- map: the pointer
 
 const pointer = { over: null, down: new Map(), moved: 0, spread: 0, timer: 0 };
-const neighboursOf = new Map(); // of the mote that was pointed at last: [[name, etx], …]
+let neighbours = { mote: -1, list: [] }; // of the mote that was pointed at last: [[name, etx], …]
 
 /** What is at a place of the canvas: {kind: "mote", "island" or "peer", index}, or null. */
 function targetAt(x, y) {
@@ -1139,7 +1154,7 @@ function targetAt(x, y) {
     const spot = islandSpot(island);
     if (away(spot) - (island.folded ? spot.r : 0) < best) [best, found] = [away(spot), { kind: "island", index }];
   });
-  grid.near((x - view.ox) / view.scale, (y - view.oy) / view.scale, best / view.scale, (index) => {
+  grid.near((x - view.ox) / view.scale, (y - view.oy) / view.scale, best / view.scale, index => {
     if (!islandOf(index).folded && away(moteSpot(index)) < best) [best, found] = [away(moteSpot(index)), { kind: "mote", index }];
   });
   return found;
@@ -1161,10 +1176,9 @@ function pointAt(event) {
 }
 
 async function askNeighbours(mote) {
-  const answer = await ask({ ask: "mote", address: addressOf(mote), at_s: shown.at }, "mote");
+  const answer = await ask({ ask: "mote", address: addressOf(mote), at_s: shown.at_s }, "mote");
   if (!answer) return;
-  neighboursOf.clear();
-  neighboursOf.set(mote, answer.neighbours || []);
+  neighbours = { mote, list: answer.neighbours || [] };
   redraw("map");
 }
 
@@ -1184,7 +1198,7 @@ function tipLines({ kind, index: i }) {
 
 function showTip({ clientX, clientY }, texts) {
   const tip = $("tip");
-  tip.replaceChildren(...texts.map((text) => make("div", plain(text, 120))));
+  tip.replaceChildren(...texts.map(text => make("div", plain(text, 120))));
   tip.hidden = false;
   tip.style.left = clamp(clientX + 14, 4, innerWidth - tip.offsetWidth - 4) + "px";
   tip.style.top = clamp(clientY + 14, 4, innerHeight - tip.offsetHeight - 4) + "px";
@@ -1201,19 +1215,19 @@ function placeInMap({ clientX, clientY }) {
 
 function listenToMap() {
   const map = $("map");
-  on(map, "pointerdown", (event) => {
+  on(map, "pointerdown", event => {
     pointer.down.set(event.pointerId, placeInMap(event));
     Object.assign(pointer, { moved: 0, spread: 0 });
     capture(map, event);
   });
-  on(map, "pointermove", (event) => (pointer.down.has(event.pointerId) ? drag(event.pointerId, placeInMap(event)) : pointAt(event)));
-  on(map, "pointerup pointercancel", (event) => {
+  on(map, "pointermove", event => (pointer.down.has(event.pointerId) ? drag(event.pointerId, placeInMap(event)) : pointAt(event)));
+  on(map, "pointerup pointercancel", event => {
     const wasDown = pointer.down.delete(event.pointerId);
     map.classList.remove("dragged");
     if (event.type === "pointerup" && wasDown && pointer.moved < 5 && !pointer.down.size) clickMap(...placeInMap(event));
   });
   on(map, "pointerleave", pointAt);
-  on(map, "wheel", (event) => {
+  on(map, "wheel", event => {
     event.preventDefault();
     zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0016)), ...placeInMap(event));
   }, { passive: false });
@@ -1256,11 +1270,11 @@ function showLegend() {
   showLegendCounts();
 }
 
-const radioWord = (name) => (name === "off" ? "radio off" : name);
+const radioWord = name => (name === "off" ? "radio off" : name);
 
 function signPicture(code) {
   const canvas = make("canvas.sign-picture", { "aria-hidden": "true" });
-  drawSign(fitCanvas(canvas, 16, 16), code, 8, 8, 5.5);
+  drawOn(canvas, 16, 16, () => drawSign(code, 8, 8, 5.5));
   return canvas;
 }
 
@@ -1288,12 +1302,12 @@ const timeLine = { base: document.createElement("canvas"), stale: true, width: 0
 
 const timeLeft = () => (timeLine.width > 500 ? 54 : 10);
 const timeSpan = () => timeLine.width - timeLeft() - 12;
-const timeX = (t) => timeLeft() + (t / runLength()) * timeSpan();
-const timeAtX = (x) => clamp((x - timeLeft()) / timeSpan(), 0, 1) * runLength();
+const timeX = t => timeLeft() + (t / runLength()) * timeSpan();
+const timeAtX = x => clamp((x - timeLeft()) / timeSpan(), 0, 1) * runLength();
 
 /** The causes that lost most: keys to switch them off and on. */
 function showCauses() {
-  const total = (cause) => series.lost[cause][series.lost[cause].length - 1] || 0;
+  const total = cause => series.lost[cause][series.lost[cause].length - 1] || 0;
   timeLine.causes = Object.keys(series.lost).filter(total)
     .sort((a, b) => timeLine.hidden.has(a) - timeLine.hidden.has(b) || total(b) - total(a)).slice(0, SERIES_COLOURS.length);
   $("causes").replaceChildren(...timeLine.causes.map((cause, k) => button(swatch(SERIES_COLOURS[k]), () => toggleCause(cause),
@@ -1313,50 +1327,52 @@ function drawTimeLine() {
   if (!width) return;
   if (timeLine.stale || timeLine.width !== width || timeLine.length !== runLength()) {
     Object.assign(timeLine, { width, length: runLength(), stale: false });
-    drawTimeBase();
+    drawOn(timeLine.base, width, TIME_HEIGHT, drawTimeBase);
   }
-  const ctx = fitCanvas(canvas, width, TIME_HEIGHT);
-  ctx.drawImage(timeLine.base, 0, 0, width, TIME_HEIGHT);
-  ctx.globalAlpha = 0.7;
-  fill(ctx, "bg", box(timeX(run.now), 0, timeX(runLength()) - timeX(run.now), LANES.bottom)); // not yet
-  ctx.globalAlpha = 1;
-  if (timeLine.hover !== null) fill(ctx, "soft", box(timeLine.hover - 0.5, 0, 1, LANES.bottom));
-  const x = timeX(shown.at);
-  fill(ctx, "fg", box(x - 1, 0, 2, LANES.bottom + 2));
-  fill(ctx, "fg", lines([x - 6, LANES.bottom + 9], [x + 6, LANES.bottom + 9], [x, LANES.bottom]));
+  drawOn(canvas, width, TIME_HEIGHT, drawCursor);
   showTime();
+}
+
+function drawCursor() {
+  ctx.drawImage(timeLine.base, 0, 0, timeLine.width, TIME_HEIGHT);
+  ctx.globalAlpha = 0.7;
+  fill("bg", box(timeX(run.now), 0, timeX(runLength()) - timeX(run.now), LANES.bottom)); // not yet
+  ctx.globalAlpha = 1;
+  if (timeLine.hover !== null) fill("soft", box(timeLine.hover - 0.5, 0, 1, LANES.bottom));
+  const x = timeX(shown.at_s);
+  fill("fg", box(x - 1, 0, 2, LANES.bottom + 2));
+  fill("fg", lines([x - 6, LANES.bottom + 9], [x + 6, LANES.bottom + 9], [x, LANES.bottom]));
 }
 
 /** All that does not move with the cursor. */
 function drawTimeBase() {
-  const ctx = fitCanvas(timeLine.base, timeLine.width, TIME_HEIGHT);
-  fill(ctx, "panel", box(timeLeft(), 0, timeSpan(), LANES.bottom));
-  drawTimeAxis(ctx);
-  drawLosses(ctx);
-  drawEventMarks(ctx);
+  fill("panel", box(timeLeft(), 0, timeSpan(), LANES.bottom));
+  drawTimeAxis();
+  drawLosses();
+  drawEventMarks();
   if (timeLeft() < 50) return;
-  for (const [text, y] of [["faults", LANES.faults], ["events", LANES.events], ["losses", (LANES.top + LANES.bottom) / 2]]) write(ctx, text, 2, y);
+  for (const [text, y] of [["faults", LANES.faults], ["events", LANES.events], ["losses", (LANES.top + LANES.bottom) / 2]]) write(text, 2, y);
 }
 
-function drawTimeAxis(ctx) {
-  const step = TIME_STEPS.find((x) => x >= (runLength() * 85) / timeLine.width) || runLength();
+function drawTimeAxis() {
+  const step = TIME_STEPS.find(x => x >= (runLength() * 85) / timeLine.width) || runLength();
   for (let k = 0; k * step <= runLength() * 1.0001; ++k) {
     const x = round(timeX(k * step)) + 0.5;
-    stroke(ctx, "line", 1, lines([x, 0], [x, LANES.bottom + 3]));
+    stroke("line", 1, lines([x, 0], [x, LANES.bottom + 3]));
     const atEnd = x > timeLine.width - 30;
-    write(ctx, timeText(k * step, step < 1 ? 2 : 0), atEnd ? timeLine.width - 2 : x, LANES.bottom + 11, { align: atEnd ? "right" : k ? "center" : "left" });
+    write(timeText(k * step, step < 1 ? 2 : 0), atEnd ? timeLine.width - 2 : x, LANES.bottom + 11, { align: atEnd ? "right" : k ? "center" : "left" });
   }
 }
 
 /** Losses between samples, stacked by cause. */
-function drawLosses(ctx) {
+function drawLosses() {
   const { times } = series;
-  const causes = timeLine.causes.filter((cause) => !timeLine.hidden.has(cause));
-  const lost = causes.map((cause) => series.lost[cause].map((x, i, all) => max(0, x - (all[i - 1] || 0))));
+  const causes = timeLine.causes.filter(cause => !timeLine.hidden.has(cause));
+  const lost = causes.map(cause => series.lost[cause].map((x, i, all) => max(0, x - (all[i - 1] || 0))));
   const most = times.reduce((a, _, i) => max(a, lost.reduce((sum, each) => sum + each[i], 0)), 1);
   const unit = (LANES.bottom - LANES.top) / most;
   const below = new Float64Array(times.length);
-  lost.forEach((each, k) => fill(ctx, SERIES_COLOURS[timeLine.causes.indexOf(causes[k])], () => each.forEach((n, i) => {
+  lost.forEach((each, k) => fill(SERIES_COLOURS[timeLine.causes.indexOf(causes[k])], () => each.forEach((n, i) => {
     if (!n) return;
     const x = timeX(times[i - 1] || 0);
     ctx.rect(x, LANES.bottom - (below[i] + n) * unit, max(timeX(times[i]) - x, 1), n * unit);
@@ -1365,37 +1381,37 @@ function drawLosses(ctx) {
 }
 
 const EVENT_MARKS = { // in the order in which they lie over each other
-  event: (ctx, x) => fill(ctx, "soft", box(x - 0.75, LANES.events - 6, 1.5, 12)),
-  expectation: (ctx, x) => stroke(ctx, "c2", 2, disc(x, LANES.faults, 4)),
-  fault: (ctx, x) => fill(ctx, "poor", lines([x, LANES.faults - 6], [x + 6, LANES.faults + 5], [x - 6, LANES.faults + 5])),
-  violation: (ctx, x) => {
-    fill(ctx, "bad", lines([x, LANES.faults - 7], [x + 6, LANES.faults], [x, LANES.faults + 7], [x - 6, LANES.faults]));
-    fill(ctx, "bad", box(x - 0.75, LANES.faults, 1.5, LANES.bottom - LANES.faults));
+  event: x => fill("soft", box(x - 0.75, LANES.events - 6, 1.5, 12)),
+  expectation: x => stroke("c2", 2, disc(x, LANES.faults, 4)),
+  fault: x => fill("poor", lines([x, LANES.faults - 6], [x + 6, LANES.faults + 5], [x - 6, LANES.faults + 5])),
+  violation: x => {
+    fill("bad", lines([x, LANES.faults - 7], [x + 6, LANES.faults], [x, LANES.faults + 7], [x - 6, LANES.faults]));
+    fill("bad", box(x - 0.75, LANES.faults, 1.5, LANES.bottom - LANES.faults));
   },
 };
 
 /** At most one of a class for each pixel. */
-function drawEventMarks(ctx) {
+function drawEventMarks() {
   for (const [kind, draw] of Object.entries(EVENT_MARKS))
-    for (const x of new Set(events.filter((each) => each.kind === kind).map((each) => round(timeX(each.t))))) draw(ctx, x);
+    for (const x of new Set(events.filter(each => each.kind === kind).map(each => round(timeX(each.t))))) draw(x);
 }
 
 /** The event nearest to a time, within a few pixels. */
 function eventNear(t) {
   const after = firstAfter(events, eventTime, t);
-  const away = (x) => abs(timeX(x.t) - timeX(t));
-  return [events[after - 1], events[after]].filter((x) => x && away(x) < 5).sort((a, b) => away(a) - away(b))[0];
+  const away = x => abs(timeX(x.t) - timeX(t));
+  return [events[after - 1], events[after]].filter(x => x && away(x) < 5).sort((a, b) => away(a) - away(b))[0];
 }
 
 function listenToTimeLine() {
   const canvas = $("time-line");
   let held = false;
-  const x = (event) => event.clientX - canvas.getBoundingClientRect().left;
-  on(canvas, "pointerdown", (event) => {
+  const x = event => event.clientX - canvas.getBoundingClientRect().left;
+  on(canvas, "pointerdown", event => {
     held = true;
     capture(canvas, event);
   });
-  on(canvas, "pointerdown pointermove", (event) => {
+  on(canvas, "pointerdown pointermove", event => {
     timeLine.hover = held ? null : x(event);
     const t = timeAtX(x(event));
     if (held) showAt(t);
@@ -1412,8 +1428,8 @@ function listenToTimeLine() {
 }
 
 function showTime() {
-  if (document.activeElement !== $("at")) $("at").value = timeText(shown.at, shown.speed < 0.1 && shown.playing ? 3 : 1);
-  const told = { "aria-valuemax": runLength().toFixed(1), "aria-valuenow": shown.at.toFixed(1), "aria-valuetext": timeText(shown.at) };
+  if (document.activeElement !== $("at")) $("at").value = timeText(shown.at_s, shown.playing && shown.speed <= 0.1 ? 3 : 1);
+  const told = { "aria-valuemax": runLength().toFixed(1), "aria-valuenow": shown.at_s.toFixed(1), "aria-valuetext": timeText(shown.at_s) };
   for (const [name, value] of Object.entries(told)) $("time-line").setAttribute(name, value);
   put("play", shown.playing ? "❚❚" : "▶");
   $("play").setAttribute("aria-label", shown.playing ? "Pause" : "Play");
@@ -1427,10 +1443,10 @@ function showEcology() {
   const x = model.ecology;
   document.title = plain(x.name, 60) + " – Rubicon";
   put("name", plain(x.name));
-  put("command", x.command || "");
+  put("command", plain(x.command));
   $("tab-control").hidden = !x.control;
   if (!x.control && shown.tab === "control") showTab("events");
-  fillControl();
+  if (x.control) proposeFault("crash mote");
   resizeMap();
   showStatus();
 }
@@ -1462,7 +1478,7 @@ class List {
     Object.assign(this, { element: $(id), rowHeight, fillRow, clicked, mark, items: [], rows: new Map(), inner: make("div") });
     this.element.append(this.inner);
     on(this.element, "scroll", () => this.show());
-    on(this.element, "keydown", (event) => this.onKey(event));
+    on(this.element, "keydown", event => this.onKey(event));
     new ResizeObserver(() => this.show()).observe(this.element);
   }
 
@@ -1530,6 +1546,7 @@ const cell = (kind, text) => make("span.text" + kind, { title: plain(text) }, pl
 // ---- tabs
 
 const tabs = {}; // by name: {refresh, list}
+const panelOf = tab => $(tab.id.replace("tab", "panel"));
 
 function showTab(name) {
   shown.tab = name;
@@ -1537,7 +1554,7 @@ function showTab(name) {
     const here = each.id === "tab-" + name;
     each.setAttribute("aria-selected", here);
     each.tabIndex = here ? 0 : -1;
-    $(each.getAttribute("aria-controls")).hidden = !here;
+    panelOf(each).hidden = !here;
     if (here) each.scrollIntoView({ block: "nearest", inline: "nearest" });
   }
   refreshTab();
@@ -1546,31 +1563,36 @@ function showTab(name) {
 const refreshTab = throttled(250, () => tabs[shown.tab].refresh());
 
 function listenToTabs() {
-  for (const each of $("tabs").children) on(each, "click", () => showTab(each.id.slice(4)));
-  on($("tabs"), "keydown", (event) => {
+  for (const each of $("tabs").children) {
+    on(each, "click", () => showTab(each.id.slice(4)));
+    panelOf(each).setAttribute("aria-labelledby", each.id);
+    panelOf(each).setAttribute("role", "tabpanel");
+    each.setAttribute("role", "tab");
+  }
+  on($("tabs"), "keydown", event => {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (!step) return;
     event.preventDefault();
     event.stopPropagation();
-    const all = [...$("tabs").children].filter((x) => !x.hidden);
+    const all = [...$("tabs").children].filter(x => !x.hidden);
     const next = all[(all.indexOf(document.activeElement) + step + all.length) % all.length];
     next.focus();
     next.click();
   });
 }
 
-const matches = (needle, ...texts) => !needle || texts.some((text) => String(text ?? "").toLowerCase().includes(needle));
-const needleOf = (id) => $(id).value.trim().toLowerCase();
+const matches = (needle, ...texts) => !needle || texts.some(text => String(text ?? "").toLowerCase().includes(needle));
+const needleOf = id => $(id).value.trim().toLowerCase();
 
 // ---- tab: events
 
 function startEvents() {
-  const row = (x) => [cell(".when", timeText(x.t)), make("span.sign." + x.kind, EVENT_SIGNS[x.kind]), cell(".who", x.who), cell(".what." + x.kind, x.what)];
-  const clicked = (x) => {
+  const row = x => [cell(".when", timeText(x.t)), make("span.sign." + x.kind, EVENT_SIGNS[x.kind]), cell(".who", x.who), cell(".what." + x.kind, x.what)];
+  const clicked = x => {
     showAt(x.t);
     chooseByName(x.who);
   };
-  const mark = (x, i) => ({ class: i === tabs.events.current ? "chosen" : x.t > shown.at ? "later" : "" });
+  const mark = (x, i) => ({ class: i === tabs.events.current ? "chosen" : x.t > shown.at_s ? "later" : "" });
   tabs.events = { list: new List("event-list", 26, row, clicked, mark), current: -1, refresh: showEvents };
   on($("event-filter"), "input", showEvents);
   on($("event-class"), "change", showEvents);
@@ -1578,7 +1600,7 @@ function startEvents() {
 
 function showEvents() {
   const kind = $("event-class").value;
-  const found = events.filter((x) => (!kind || x.kind === kind) && matches(needleOf("event-filter"), x.who, x.what));
+  const found = events.filter(x => (!kind || x.kind === kind) && matches(needleOf("event-filter"), x.who, x.what));
   put("event-count", (found.length < events.length ? countText(found.length) + " of " : "") + countText(events.length) + " events");
   tabs.events.list.set(found);
   showCurrentEvent();
@@ -1587,7 +1609,7 @@ function showEvents() {
 /** Marks the newest event that has happened at the shown moment. */
 function showCurrentEvent() {
   const { list, current } = tabs.events;
-  const now = firstAfter(list.items, eventTime, shown.at + 1e-6) - 1;
+  const now = firstAfter(list.items, eventTime, shown.at_s + 1e-6) - 1;
   if (now === current) return;
   tabs.events.current = now;
   list.show(true);
@@ -1598,7 +1620,7 @@ function showCurrentEvent() {
 function chooseByName(name) {
   const [first, second] = name.split("/");
   const mote = model.byName.get(name) ?? model.byName.get(first + "/" + second);
-  const peer = model.peers.findIndex((x) => x.name === first);
+  const peer = model.peers.findIndex(x => x.name === first);
   if (mote !== undefined) setChosen({ kind: "mote", index: mote });
   else if (peer >= 0) setChosen({ kind: "peer", index: peer });
 }
@@ -1611,7 +1633,7 @@ const curves = new Map(); // by tupleName(): {points, asked_ms}
 const tupleName = (owner, key) => owner + "\n" + key;
 
 const askTuples = latest(async () => {
-  const answer = await ask({ ask: "tuples", at_s: shown.at }, "tuples");
+  const answer = await ask({ ask: "tuples", at_s: shown.at_s }, "tuples");
   if (!answer) return;
   Object.assign(tuples, { list: answer.tuples || [], leftOut: answer.left_out || 0 });
   if (shown.tab === "tuples") showTuples();
@@ -1621,12 +1643,6 @@ const askTuples = latest(async () => {
 function startTuples() {
   const list = new List("tuple-list", 24, tupleRow, clickTuple, tupleMark);
   tabs.tuples = { list, refresh: askTuples };
-  on(list.element, "keydown", (event) => {
-    const row = list.items[document.activeElement.index];
-    if (!row?.branches || !["ArrowRight", "ArrowLeft"].includes(event.key)) return;
-    event.stopPropagation();
-    if ((event.key === "ArrowRight") !== row.open) foldTuples(row);
-  });
   on($("tuple-filter"), "input", showTuples);
   on($("tuple-fold"), "click", () => {
     tuples.open = !tuples.open;
@@ -1665,7 +1681,7 @@ function showTuples() {
   const needle = needleOf("tuple-filter");
   const found = tuples.list.filter(([owner, key, value]) => matches(needle, owner, key, value));
   const more = tuples.leftOut ? `, ${countText(tuples.leftOut)} more are left out` : "";
-  put("tuple-count", `${countText(found.length)} tuples at ${timeText(shown.at)}${more}`);
+  put("tuple-count", `${countText(found.length)} tuples at ${timeText(shown.at_s)}${more}`);
   tabs.tuples.list.set(flatten(tupleTree(found), [], Boolean(needle)));
   if (tuples.chosen) showTupleDetail();
 }
@@ -1676,13 +1692,13 @@ function tupleRow({ label: text, depth, branches, open, tuple }) {
   const name = cell(depth ? ".tree-name" : ".tree-name.tree-owner", text);
   if (!tuple) return [twist, name];
   const spark = make("canvas.spark", { "aria-hidden": "true" });
-  withCurve(tuple, (points) => drawCurve(spark, points, 70, 18));
+  withCurve(tuple, points => drawCurve(spark, points, 70, 18));
   return [twist, name, cell(".tree-value", tuple.value), spark];
 }
 
-function tupleMark({ tuple, depth, branches, open }) {
+function tupleMark({ tuple, branches, open }) {
   const chosen = tuple && tuple.owner === tuples.chosen?.owner && tuple.key === tuples.chosen.key;
-  return { class: chosen ? "chosen" : "", role: "treeitem", "aria-level": depth + 1, "aria-expanded": branches ? open : null };
+  return { class: chosen ? "chosen" : "", "aria-expanded": branches ? open : null };
 }
 
 function foldTuples({ path }) {
@@ -1698,7 +1714,7 @@ function clickTuple(row) {
   const control = mayControl() ? [value, button("set", () => setTuple(owner, key, value.value), { id: "tuple-set" })] : [];
   $("tuple-detail").replaceChildren(make("h2", key), make("p.soft.small", "of " + owner, make("span", { id: "tuple-changed" })),
     make("pre.value", { id: "tuple-value", tabindex: 0 }), make("canvas.curve", { id: "tuple-curve" }),
-    make("div.row", button("explain", () => explain({ ask: "explain_tuple", owner, key, at_s: shown.at }, key), { id: "tuple-explain",
+    make("div.row", button("explain", () => explain({ ask: "explain_tuple", owner, key, at_s: shown.at_s }, key), { id: "tuple-explain",
       disabled: hasMessages() ? null : "", title: hasMessages() ? "Where this value came from" : "needs a record: --record FILE" }), ...control));
   $("tuple-detail").hidden = false;
   return showTuples();
@@ -1706,11 +1722,11 @@ function clickTuple(row) {
 
 function showTupleDetail() {
   const { owner, key } = tuples.chosen;
-  const found = tuples.list.find((x) => x[0] === owner && x[1] === key);
-  put("tuple-value", found ? found[2] : "(not set at this moment)");
+  const found = tuples.list.find(x => x[0] === owner && x[1] === key);
+  put("tuple-value", found ? plainLines(found[2]) : "(not set at this moment)");
   put("tuple-changed", found ? `, set at ${timeText(found[3], 3)}` : "");
   const canvas = $("tuple-curve");
-  withCurve({ owner, key }, (points) => {
+  withCurve({ owner, key }, points => {
     canvas.hidden = points.length < 2;
     drawCurve(canvas, points, canvas.clientWidth, 84, true);
   });
@@ -1722,7 +1738,7 @@ function withCurve({ owner, key }, then) {
   const known = curves.get(name);
   if (known) then(known.points);
   if (known && (!run.running || performance.now() - known.asked_ms < 4000)) return;
-  askLazily({ ask: "curve", owner, key }, "curve", (answer) => {
+  askLazily({ ask: "curve", owner, key }, "curve", answer => {
     const points = (answer?.points || []).filter(([t, v]) => isNumber(t) && isNumber(v));
     curves.set(name, { points, asked_ms: performance.now() });
     then(points);
@@ -1731,16 +1747,17 @@ function withCurve({ owner, key }, then) {
 
 /** A curve of steps; a line stands at the shown moment. */
 function drawCurve(canvas, points, width, height, withNumbers = false) {
-  const ctx = fitCanvas(canvas, width, height);
-  if (points.length < 2) return;
   const [low, high] = points.reduce(([a, b], [, v]) => [min(a, v), max(b, v)], [Infinity, -Infinity]);
   const left = withNumbers ? 52 : 1;
-  const x = (t) => left + (t / runLength()) * (width - left - 2);
-  const y = (v) => height - 3 - (high > low ? (v - low) / (high - low) : 0.5) * (height - 6);
-  stroke(ctx, "c0", 1.3, lines(...points.flatMap(([t, v], i) => [[x(t), y(points[max(i - 1, 0)][1])], [x(t), y(v)]])));
-  fill(ctx, "soft", box(x(shown.at), 0, 1, height));
-  if (withNumbers) write(ctx, shortNumber(high), left - 5, 9, { align: "right" });
-  if (withNumbers && high > low) write(ctx, shortNumber(low), left - 5, height - 8, { align: "right" });
+  const x = t => left + (t / runLength()) * (width - left - 2);
+  const y = v => height - 3 - (high > low ? (v - low) / (high - low) : 0.5) * (height - 6);
+  drawOn(canvas, width, height, () => {
+    if (points.length < 2) return;
+    stroke("c0", 1.3, lines(...points.flatMap(([t, v], i) => [[x(t), y(points[max(i - 1, 0)][1])], [x(t), y(v)]])));
+    fill("soft", box(x(shown.at_s), 0, 1, height));
+    if (withNumbers) write(shortNumber(high), left - 5, 9, { align: "right" });
+    if (withNumbers && high > low) write(shortNumber(low), left - 5, height - 8, { align: "right" });
+  });
 }
 
 // ---- tab: proxies
@@ -1748,8 +1765,6 @@ function drawCurve(canvas, points, width, height, withNumbers = false) {
 const PROXY_FACTS = ["class", "id", "island", "status", "description"];
 const INPUT_PARTS = ["words", "deadline", "outcome", "latency"];
 const CARDS_MOST = 300;
-const cards = new Map(); // by owner and prefix: {element, told}
-
 function startProxies() {
   tabs.proxies = { refresh: askTuples };
   on($("proxy-filter"), "input", showProxies);
@@ -1768,7 +1783,7 @@ function proxiesOf(list) {
     }
   }
   for (const proxy of found.values()) for (const name of proxy.inputs.keys()) proxy.fields.delete(name);
-  return [...found.values()].filter((x) => "status" in x.facts).sort((a, b) => (a.prefix < b.prefix ? -1 : 1));
+  return [...found.values()].filter(x => "status" in x.facts).sort((a, b) => (a.prefix < b.prefix ? -1 : 1));
 }
 
 function addToProxy({ facts, fields, inputs }, [name, part], value) {
@@ -1781,28 +1796,11 @@ function addToProxy({ facts, fields, inputs }, [name, part], value) {
 
 function showProxies() {
   const needle = needleOf("proxy-filter");
-  const found = proxiesOf(tuples.list).filter((x) => matches(needle, x.prefix, x.facts.class, x.facts.status));
+  const found = proxiesOf(tuples.list).filter(x => matches(needle, x.prefix, x.facts.class, x.facts.status));
   const more = found.length > CARDS_MOST ? `; the first ${CARDS_MOST} are shown, filter for others` : "";
-  put("proxy-count", `${countText(found.length)} proxies at ${timeText(shown.at)}${more}`);
-  const before = new Set(cards.keys());
-  for (const proxy of found.slice(0, CARDS_MOST)) before.delete(showCard(proxy));
-  for (const name of before) {
-    cards.get(name).element.remove();
-    cards.delete(name);
-  }
-}
-
-/** Makes or changes a card; one in which somebody types is left alone. @returns its name. */
-function showCard(proxy) {
-  const name = tupleName(proxy.owner, proxy.prefix);
-  const told = JSON.stringify([proxy.facts, [...proxy.fields], [...proxy.inputs], mayControl()]);
-  if (!cards.has(name)) cards.set(name, { element: make("article.card"), told: "" });
-  const card = cards.get(name);
-  $("proxy-cards").append(...(card.element.isConnected ? [] : [card.element]));
-  if (card.told === told || card.element.querySelector("input:focus")) return name;
-  card.told = told;
-  card.element.replaceChildren(...cardParts(proxy));
-  return name;
+  put("proxy-count", `${countText(found.length)} proxies at ${timeText(shown.at_s)}${more}`);
+  if ($("proxy-cards").querySelector("input:focus")) return; // somebody types
+  $("proxy-cards").replaceChildren(...found.slice(0, CARDS_MOST).map(x => make("article.card", ...cardParts(x))));
 }
 
 function cardParts({ owner, prefix, facts, fields, inputs }) {
@@ -1816,7 +1814,7 @@ function cardParts({ owner, prefix, facts, fields, inputs }) {
 }
 
 function inputControls(owner, key, words) {
-  if (words) return words.split(" ").slice(0, 20).map((word) => button(word, () => setTuple(owner, key, word), { "data-key": key }));
+  if (words) return words.split(" ").slice(0, 20).map(word => button(word, () => setTuple(owner, key, word), { "data-key": key }));
   const value = make("input", { type: "text", "aria-label": "Value for " + key });
   return [value, button("set", () => setTuple(owner, key, value.value), { "data-key": key })];
 }
@@ -1826,16 +1824,16 @@ function inputControls(owner, key, words) {
 const energyOf = new Map(); // by mote: {energy, sample}
 
 function startEnergy() {
-  const list = new List("energy-list", 26, energyRow, (index) => choose({ kind: "mote", index }), () => ({ class: "energy-row" }));
+  const list = new List("energy-list", 26, energyRow, index => choose({ kind: "mote", index }), () => ({ class: "energy-row" }));
   tabs.energy = { list, refresh: showEnergy };
 }
 
 function showEnergy() {
   if (!shown.motes) return;
   const { hours, used_mah: used } = shown.motes;
-  const left = (i) => hours[i] ?? 1e12;
-  const order = Array.from({ length: model.count }, (_, i) => i).sort((a, b) => left(a) - left(b) || (used[b] || 0) - (used[a] || 0));
-  put("energy-sum", `${chargeText(usedByAll())} used by ${countText(model.count)} motes at ${timeText(shown.at)}; hungriest first`);
+  const left = i => hours[i] ?? 1e12;
+  const order = range(model.count).sort((a, b) => left(a) - left(b) || (used[b] || 0) - (used[a] || 0));
+  put("energy-sum", `${chargeText(usedByAll())} used by ${countText(model.count)} motes at ${timeText(shown.at_s)}; hungriest first`);
   tabs.energy.list.set(order);
 }
 
@@ -1845,9 +1843,9 @@ function energyRow(i) {
   const why = make("span.text");
   const known = energyOf.get(i);
   if (known) why.append(...energyBar(known.energy));
-  const { sample } = shown;
+  const sample = shown.sample_s;
   if (known?.sample !== sample)
-    askLazily({ ask: "mote", address: addressOf(i), at_s: shown.at }, "mote", (answer) => {
+    askLazily({ ask: "mote", address: addressOf(i), at_s: shown.at_s }, "mote", answer => {
       if (!answer) return;
       energyOf.set(i, { energy: answer.energy, sample });
       why.replaceChildren(...energyBar(answer.energy));
@@ -1855,7 +1853,7 @@ function energyRow(i) {
   return [cell("", fullName(i)), make("span", hoursText(shown.motes.hours[i])), make("span", chargeText(shown.motes.used_mah[i])), why];
 }
 
-const energyParts = (energy) => [...(energy?.radio || []), ["processor", energy?.processor || 0]];
+const energyParts = energy => [...(energy?.radio || []), ["processor", energy?.processor || 0]];
 
 /** What a mote's charge was used for, as a bar. */
 function energyBar(energy) {
@@ -1895,13 +1893,13 @@ const askMessages = latest(async () => {
 });
 
 function lostFirst(list) {
-  const rank = (x) => Object.keys(MESSAGE_SIGNS).indexOf(x.class);
+  const rank = x => Object.keys(MESSAGE_SIGNS).indexOf(x.class);
   return [...list].sort((a, b) => rank(a) - rank(b) || b.sent_s - a.sent_s);
 }
 
 function showMessages() {
   const needle = needleOf("message-filter");
-  const found = messages.list.filter((x) => matches(needle, x.name, x.from, x.to, x.outcome));
+  const found = messages.list.filter(x => matches(needle, x.name, x.from, x.to, x.outcome));
   put("message-count", messages.ready ? `${countText(found.length)} shown of ${countText(messages.total)}` : plain(messages.why));
   tabs.messages.list.set(found);
 }
@@ -1912,14 +1910,14 @@ function messageRow(x) {
     make("span.two", cell("", `${plain(x.name, 80)} → ${x.to}`), cell(kind, x.outcome))];
 }
 
-const explainMessage = (x) => explain({ ask: "explain", message: x.name }, x.name);
+const explainMessage = x => explain({ ask: "explain", message: x.name }, x.name);
 
 async function explain(question, title) {
   const answer = await ask(question);
   if (!answer) return;
   shown.explained = title;
   put("explain-title", plain(title));
-  put("explain-text", answer.text || "");
+  put("explain-text", plainLines(answer.text));
   $("explain").hidden = false;
 }
 
@@ -1959,8 +1957,8 @@ const refreshDetails = latest(async () => {
   for (const canvas of $("details").querySelectorAll("canvas.curve")) drawCurve(canvas, canvas.points, canvas.clientWidth, 84, true);
 });
 
-const factList = (facts) => make("dl.facts", ...facts.flatMap(([name, value]) => [make("dt", name), make("dd", value)]));
-const chip = (kind) => (index) => button(plain(nameOf({ kind, index }), 60), () => choose({ kind, index }));
+const factList = facts => make("dl.facts", ...facts.flatMap(([name, value]) => [make("dt", name), make("dd", value)]));
+const chip = kind => index => button(plain(nameOf({ kind, index }), 60), () => choose({ kind, index }));
 const chips = (kind, indices) => make("div.chips", ...indices.map(chip(kind)));
 
 function faultButton(text, kind, who) {
@@ -1974,11 +1972,9 @@ function faultButton(text, kind, who) {
 
 async function moteParts(i) {
   const address = addressOf(i);
-  const [answer, sent] = await Promise.all([ask({ ask: "mote", address, at_s: shown.at }, "mote"), messagesOf(address)]);
-  const motes = shown.motes;
-  const facts = motes ? [["arrived of its messages", shareText(motes.delivery[i])], ["battery lasts", hoursText(motes.hours[i])], ["waiting to be sent", motes.queue[i] ?? "–"]] : [];
-  return [make("h2", fullName(i)), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at)}`),
-    faultButton("let it crash …", "crash mote", fullName(i)), factList([...facts, ...(answer?.facts || [])]),
+  const [answer, sent] = await Promise.all([ask({ ask: "mote", address, at_s: shown.at_s }, "mote"), messagesOf(address)]);
+  return [make("h2", fullName(i)), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at_s)}`),
+    faultButton("let it crash …", "crash mote", fullName(i)), factList(answer?.facts || []),
     ...energyDetails(answer), ...neighbourDetails(answer?.neighbours || [], islandOf(i)), ...sent].filter(Boolean);
 }
 
@@ -1994,8 +1990,8 @@ function energyDetails(answer) {
   return parts;
 }
 
-function neighbourDetails(neighbours, island) {
-  const rows = neighbours.map(([name, etx]) => {
+function neighbourDetails(list, island) {
+  const rows = list.map(([name, etx]) => {
     const place = placeOf(name, island);
     return make("tr", make("td", place ? button(name, () => choose({ kind: place.kind, index: place.index }), { class: "link" }) : name), make("td", etxText(etx)));
   });
@@ -2005,16 +2001,16 @@ function neighbourDetails(neighbours, island) {
 async function messagesOf(of) {
   const title = make("h3", "Messages, lost ones first");
   if (!hasMessages()) return [title, make("p.soft.small", NO_RECORD)];
-  const [lost, all] = await Promise.all([true, false].map((only) => ask({ ask: "messages", lost: only, of, limit: 40 }, "messages")));
-  const byTheirNames = new Map([...(lost?.messages || []), ...(all?.messages || [])].map((x) => [x.name, x]));
+  const [lost, all] = await Promise.all([true, false].map(only => ask({ ask: "messages", lost: only, of, limit: 40 }, "messages")));
+  const byTheirNames = new Map([...(lost?.messages || []), ...(all?.messages || [])].map(x => [x.name, x]));
   const found = lostFirst([...byTheirNames.values()]).slice(0, 40);
   return [title, make("p.soft.small", lost && !lost.ready ? lost.why : found.length ? "" : "none"),
-    ...found.map((x) => make("button.message.row", { type: "button", onclick: () => explainMessage(x) }, ...messageRow(x)))];
+    ...found.map(x => make("button.message.row", { onclick: () => explainMessage(x) }, ...messageRow(x)))];
 }
 
 function peerParts(index) {
   const peer = model.peers[index];
-  const about = events.filter((x) => x.t <= shown.at && (x.who === peer.name || x.who.startsWith(peer.name + "/"))).slice(-12).reverse();
+  const about = events.filter(x => x.t <= shown.at_s && (x.who === peer.name || x.who.startsWith(peer.name + "/"))).slice(-12).reverse();
   const seeTuples = () => {
     $("tuple-filter").value = peer.name;
     showTab("tuples");
@@ -2023,16 +2019,16 @@ function peerParts(index) {
     make("div.row", button("its tuples", seeTuples, { id: "peer-tuples" }), faultButton("kill it …", "kill peer", peer.name)),
     make("h3", `Links (${peer.links.length})`), chips("peer", peer.links),
     ...(peer.islands.length ? [make("h3", "Cable to the sink of"), chips("island", peer.islands)] : []), make("h3", "Newest events"),
-    make("table", ...about.map((x) => make("tr", make("td.soft", timeText(x.t)), make("td." + x.kind, x.what)))), about.length ? "" : "none"];
+    make("table", ...about.map(x => make("tr", make("td.soft", timeText(x.t)), make("td." + x.kind, x.what)))), about.length ? "" : "none"];
 }
 
 function islandParts(index) {
   const island = model.islands[index];
-  const gateways = [...model.peers.keys()].filter((i) => island.gateways.includes(model.peers[i].name));
-  const motes = Array.from({ length: min(island.count, 200) }, (_, k) => island.first + k);
-  return [make("h2", island.name), make("p.soft.small", `island ${island.id}, ${countText(island.count)} motes, at ${timeText(shown.at)}`),
+  const gateways = [...model.peers.keys()].filter(i => island.gateways.includes(model.peers[i].name));
+  const motes = range(min(island.count, 200)).map(k => island.first + k);
+  return [make("h2", island.name), make("p.soft.small", `island ${island.id}, ${countText(island.count)} motes, at ${timeText(shown.at_s)}`),
     factList(STATES.map(([, text], code) => [text, countText(island.counts[code])])), make("h3", "Gateways"), chips("peer", gateways),
-    make("h3", island.count > 200 ? "Motes, the first 200" : "Motes"), make("div.chips", ...motes.map((i) => button(plain(model.names[i], 60), () => choose({ kind: "mote", index: i }))))];
+    make("h3", island.count > 200 ? "Motes, the first 200" : "Motes"), make("div.chips", ...motes.map(i => button(plain(model.names[i], 60), () => choose({ kind: "mote", index: i }))))];
 }
 
 // ---- tab: control
@@ -2045,6 +2041,7 @@ const FAULTS = { // that may happen at any moment: whom, and what has to be said
   "kill peer": ["peer", "kill peer WHO for 20s"],
   "power off": ["peer", "power_off peer WHO for 20s"],
   pause: ["peer", "pause peer WHO for 10s"],
+  "cut a PEIS link": ["link", "link_loss loss 100% peers WHO for 30s"],
   "PEIS loses packages": [null, "link_loss loss 50% for 30s"],
   "radio loses frames": ["island", "radio_loss loss 50% island WHO for 30s"],
   "a second peer": ["peer", "duplicate_id peer WHO for 30s"],
@@ -2058,32 +2055,24 @@ function startControl() {
   on($("fault-who"), "change", composeFault);
   const doFault = () => tell({ ask: "fault", sentence: $("fault-sentence").value.trim() }, $("fault-sentence").value);
   on($("fault-do"), "click", doFault);
-  on($("fault-sentence"), "keydown", (event) => { if (event.key === "Enter") doFault(); });
-  on($("cut-do"), "click", cutLink);
-  on($("set-form"), "submit", (event) => {
-    event.preventDefault();
-    setTuple($("set-owner").value, $("set-key").value, $("set-value").value);
-  });
+  on($("fault-sentence"), "keydown", event => { if (event.key === "Enter") doFault(); });
 }
 
-const options = (names) => names.map((name) => make("option", { value: name }, plain(name, 60)));
+const options = names => names.map(name => make("option", { value: name }, plain(name, 60)));
 
-function fillControl() {
-  if (!mayControl()) return;
-  const names = model.peers.map((x) => x.name);
-  $("set-owner").replaceChildren(...options(names));
-  $("cut-link").replaceChildren(...model.links.map(([a, b], i) => make("option", { value: i }, `${plain(names[a], 28)} – ${plain(names[b], 28)}`)));
-  proposeFault("crash mote");
+/** Whom a fault may concern, as they are called in sentences. */
+function victims(whom) {
+  if (whom === "link") return model.links.map(pair => JSON.stringify(pair.map(i => model.peers[i].name)));
+  const count = { mote: model.count, island: model.islands.length, peer: model.peers.length }[whom] || 0;
+  return range(min(count, 2000)).map(index => nameOf({ kind: whom, index }));
 }
 
 /** Offers whom it may concern: `who`, or who is chosen, or the first. */
 function proposeFault(kind, who = shown.chosen && nameOf(shown.chosen)) {
-  const [whom] = FAULTS[kind];
-  const count = { mote: model.count, island: model.islands.length, peer: model.peers.length }[whom] || 0;
-  const names = Array.from({ length: min(count, 2000) }, (_, index) => nameOf({ kind: whom, index }));
+  const names = victims(FAULTS[kind][0]);
   $("fault-kind").value = kind;
   $("fault-who").replaceChildren(...options(names));
-  $("fault-who").disabled = !whom;
+  $("fault-who").disabled = !names.length;
   if (names.includes(who)) $("fault-who").value = who;
   composeFault();
 }
@@ -2091,13 +2080,6 @@ function proposeFault(kind, who = shown.chosen && nameOf(shown.chosen)) {
 /** The sentence may be changed by hand before it is said. */
 function composeFault() {
   $("fault-sentence").value = FAULTS[$("fault-kind").value][1].replace("WHO", () => $("fault-who").value);
-}
-
-function cutLink() {
-  const pair = model.links[$("cut-link").value];
-  if (!pair) return;
-  const sentence = `link_loss loss 100% peers ${JSON.stringify(pair.map((i) => model.peers[i].name))} for ${$("cut-for").value.trim()}`;
-  tell({ ask: "fault", sentence }, sentence);
 }
 
 const setTuple = (owner, key, value) => tell({ ask: "set", owner, key, value }, `${owner}: ${key} = ${value}`);
@@ -2128,8 +2110,8 @@ function findTargets(needle) {
 /** Proposes what has the typed text in its name; goes to what is chosen of it. */
 function searched(event) {
   const found = findTargets(needleOf("search") || "\n");
-  $("found").replaceChildren(...found.map((x) => make("option", { value: nameOf(x) })));
-  const exact = found.find((x) => nameOf(x) === $("search").value) || (event.key === "Enter" && found[0]);
+  $("found").replaceChildren(...found.map(x => make("option", { value: nameOf(x) })));
+  const exact = found.find(x => nameOf(x) === $("search").value) || (event.key === "Enter" && found[0]);
   const picked = event.type === "input" && (event.inputType ?? "insertReplacementText") === "insertReplacementText";
   if (!exact || !(picked || event.key === "Enter")) return;
   $("search").value = "";
@@ -2143,8 +2125,8 @@ function searched(event) {
 
 const KEYS = {
   " ": () => setPlaying(!shown.playing),
-  ArrowLeft: (event) => (event.shiftKey ? stepTime(-1) : eventBefore()),
-  ArrowRight: (event) => (event.shiftKey ? stepTime(1) : nextEvent()),
+  ArrowLeft: event => (event.shiftKey ? stepTime(-1) : eventBefore()),
+  ArrowRight: event => (event.shiftKey ? stepTime(1) : nextEvent()),
   ArrowUp: () => changeSpeed(1),
   ArrowDown: () => changeSpeed(-1),
   Home: () => showAt(0),
@@ -2186,7 +2168,7 @@ function escape(target) {
 
 function listenToTools() {
   const clicks = {
-    "zoom-in": KEYS["+"], "zoom-out": KEYS["-"], "zoom-fit": fitView, theme: otherTheme, "help-open": KEYS["?"],
+    "zoom-in": KEYS["+"], "zoom-out": KEYS["-"], "zoom-fit": fitView, theme: () => setTheme(isDark() ? "light" : "dark"), "help-open": KEYS["?"],
     "help-close": () => $("help").close(), "explain-close": closeExplain, "to-start": KEYS.Home, "event-back": eventBefore,
     "event-next": nextEvent, play: KEYS[" "], live: goLive,
     "band-toggle": () => {
@@ -2196,11 +2178,11 @@ function listenToTools() {
   };
   for (const [id, clicked] of Object.entries(clicks)) on($(id), "click", clicked);
   on($("link-by"), "change", () => redraw("scene"));
-  $("speed").replaceChildren(...SPEEDS.map((x) => make("option", { value: x }, x + "x")));
+  $("speed").replaceChildren(...SPEEDS.map(x => make("option", { value: x }, x + "x")));
   on($("speed"), "change", () => setSpeed(Number($("speed").value)));
   on($("at"), "change", () => {
-    const t = timeOf($("at").value);
-    if (t !== null) showAt(t);
+    const t = $("at").value.split(":").reduce((sum, x) => sum * 60 + Number(x), 0); // "90", "1:30", "1:02:03.5"
+    if (isNumber(t)) showAt(t);
     $("at").blur();
   });
   on($("search"), "input keydown", searched);
@@ -2210,17 +2192,15 @@ function listenToTools() {
 /** For tests of this page: what it shows, to read only. */
 window.rubicon = Object.freeze({
   shown: () => ({
-    at_s: shown.at, sample_s: shown.sample, follow: shown.follow, playing: shown.playing, speed: shown.speed,
-    counts: Object.fromEntries(STATES.map(([name], code) => [name, shown.counts[code]])), motes: model.count, islands: model.islands.length,
-    folded: model.islands.filter((x) => x.folded).length, peers: model.peers.length, tab: shown.tab, explained: shown.explained,
-    selected: shown.chosen && { kind: shown.chosen.kind, name: nameOf(shown.chosen) }, events: events.length, tuples: tuples.list.length,
-    lost: { ...shown.lost }, used_mah: usedByAll(), samples: series.times.length, connected: connection.open, running: run.running,
-    now_s: run.now, run_events: run.events, control: mayControl(), messages: hasMessages(), zoom: view.scale / view.fitScale,
-    theme: document.documentElement.dataset.theme, frames: frames.list.length, fps: frameTimes.length, scene_ms: scene.cost_ms,
-    first_picture_ms: shown.firstPicture_ms,
+    ...shown, counts: Object.fromEntries(STATES.map(([name], code) => [name, shown.counts[code]])), motes: model.count,
+    islands: model.islands.length, folded: model.islands.filter(x => x.folded).length, peers: model.peers.length,
+    selected: shown.chosen && { kind: shown.chosen.kind, name: nameOf(shown.chosen) }, events: events.length,
+    tuples: tuples.list.length, used_mah: usedByAll(), connected: connection.open, running: run.running, now_s: run.now,
+    run_events: run.events, control: mayControl(), messages: hasMessages(), zoom: view.scale / view.fitScale, dark: isDark(),
+    frames: frames.list.length, fps: frameTimes.length, scene_ms: scene.cost_ms,
   }),
   /** Where a mote or a sink is in the window, in CSS pixels; null if there is none of this name. */
-  place: (name) => {
+  place: name => {
     const found = placeOf(name);
     const map = $("map").getBoundingClientRect();
     return found && { x: map.left + found.x, y: map.top + found.y };
@@ -2234,11 +2214,14 @@ function start() {
   for (const each of document.querySelectorAll("[title]:not([aria-label])")) each.setAttribute("aria-label", each.title);
   if (innerWidth < 560) $("band-toggle").setAttribute("aria-pressed", "false");
   setSpeed(1);
-  setTheme(firstTheme());
+  setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
   showTab("events");
   new ResizeObserver(resizeMap).observe($("map-area"));
   new ResizeObserver(() => redraw("time")).observe($("time-line"));
-  setInterval(showStatus, 1000);
+  setInterval(() => {
+    showStatus();
+    if (shown.tab === "messages" && !messages.ready) refreshTab(); // its record may be read by now
+  }, 1000);
   connect();
 }
 
