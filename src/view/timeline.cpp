@@ -65,29 +65,36 @@ void timeline::thin_samples() {
 
 void timeline::add(const report::tuple_write& x) {
   const std::lock_guard guard(lock_);
-  auto found = tuples_.find({x.owner, x.key});
-  if (found == tuples_.end()) {
-    if (tuples_.size() >= tuples_max) {
-      ++tuples_left_out_;
-      return;
-    }
-    found = tuples_.emplace(tuple_key{x.owner, x.key}, std::vector<tuple_value>()).first;
-  }
-  auto& values = found->second;
+  ((sought_ = x.owner) += '\0') += x.key;
+  const auto found = tuples_.find(sought_);
+  if (found != tuples_.end())
+    return put(found->second, x);
+  if (tuples_.size() < tuples_max)
+    return put(tuples_[sought_] = {{x.owner, x.key}, {}}, x);
+  ++tuples_left_out_;
+}
+
+void timeline::put(kept_tuple& to, const report::tuple_write& x) {
+  auto& values = to.values;
   auto value = shortened(x.value);
-  // A record tells of other owners' tuples when they come there: not always in order.
-  const auto where = std::ranges::upper_bound(values, x.at, {}, &tuple_value::since);
-  values.insert(where, {x.at, std::move(value), x.deleted});
+  if (values.empty() || values.back().since <= x.at) {
+    if (!values.empty() && values.back().value == value && values.back().deleted == x.deleted)
+      return;
+    values.push_back({x.at, std::move(value), x.deleted});
+  } else { // a record tells of other owners' tuples when they come there: not always in order
+    const auto where = std::ranges::upper_bound(values, x.at, {}, &tuple_value::since);
+    values.insert(where, {x.at, std::move(value), x.deleted});
+  }
   if (++values_ > values_max)
     thin_values();
 }
 
 void timeline::thin_values() {
   values_ = 0;
-  for (auto& [key, values] : tuples_) {
-    if (values.size() > 2)
-      halve(values);
-    values_ += values.size();
+  for (auto& [name, each] : tuples_) {
+    if (each.values.size() > 2)
+      halve(each.values);
+    values_ += each.values.size();
   }
 }
 
@@ -174,18 +181,19 @@ timeline::tuples_then timeline::tuples_at(instant x) const {
   const std::lock_guard guard(lock_);
   tuples_then all;
   all.left_out = tuples_left_out_;
-  for (const auto& [key, values] : tuples_) {
-    const auto* value = value_at(values, x);
+  for (const auto& [name, each] : tuples_) {
+    const auto* value = value_at(each.values, x);
     if (value != nullptr && !value->deleted)
-      all.tuples.emplace_back(key, *value);
+      all.tuples.emplace_back(each.key, *value);
   }
+  std::ranges::sort(all.tuples, {}, [](const auto& each) { return each.first; });
   return all;
 }
 
 std::vector<tuple_value> timeline::values_of(const tuple_key& x) const {
   const std::lock_guard guard(lock_);
-  const auto found = tuples_.find(x);
-  return found == tuples_.end() ? std::vector<tuple_value>() : found->second;
+  const auto found = tuples_.find(x.first + '\0' + x.second);
+  return found == tuples_.end() ? std::vector<tuple_value>() : found->second.values;
 }
 
 std::shared_ptr<const message_list> timeline::messages() const {

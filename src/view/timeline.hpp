@@ -4,12 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -27,7 +27,7 @@ struct listed_event {
   std::string_view kind = "event"; ///< `event`, `fault`, `violation` or `expectation`
 };
 
-/// A value that a tuple had from a moment on.
+/// A value that a tuple had from a moment on: setting it to the same again changes nothing.
 struct tuple_value {
   instant since;
   std::string value;
@@ -85,7 +85,8 @@ public:
   [[nodiscard]] std::optional<listed_event> event_after(instant x) const;
 
   struct tuples_then {
-    std::vector<std::pair<tuple_key, tuple_value>> tuples; ///< those that there were
+    /// Those that there were, ascending by owner and key.
+    std::vector<std::pair<tuple_key, tuple_value>> tuples;
     std::uint64_t left_out = 0;                            ///< writes of tuples beyond tuples_max
   };
   [[nodiscard]] tuples_then tuples_at(instant x) const;
@@ -107,7 +108,14 @@ private:
   std::uint64_t samples_told_ = 0;
   std::vector<listed_event> events_; ///< ascending by time
   std::uint64_t events_forgotten_ = 0;
-  std::map<tuple_key, std::vector<tuple_value>> tuples_;
+  struct kept_tuple {
+    tuple_key key;
+    std::vector<tuple_value> values; ///< ascending by time
+  };
+  void put(kept_tuple& to, const report::tuple_write& x);
+
+  std::unordered_map<std::string, kept_tuple> tuples_; ///< by owner, a NUL, and key
+  std::string sought_;                                 ///< such a name
   std::size_t values_ = 0;
   std::uint64_t tuples_left_out_ = 0;
   std::shared_ptr<const message_list> messages_;
