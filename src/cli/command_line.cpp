@@ -180,7 +180,8 @@ void add_run(CLI::App& app, run_command& x) {
   run.add_flag("--check-determinism", x.check_determinism,
                "Run twice, the second time on one thread, and compare the trace hashes");
   run.footer(
-      "What is not given here is as the file says; LEVEL is warn, N of --threads one a core.");
+      "What is not given here is as the file says; LEVEL is warn, N of --threads one a core.\n"
+      "In wall time events are told on standard error as they happen, but with --log off.");
 }
 
 void add_tls(CLI::App& app, control::tls_files& x) {

@@ -13,6 +13,7 @@
 #include "cli/bundle_file.hpp"
 #include "cli/console.hpp"
 #include "cli/ecology_file.hpp"
+#include "cli/event_lines.hpp"
 #include "cli/logging.hpp"
 #include "cli/option_text.hpp"
 #include "cli/part_file.hpp"
@@ -32,10 +33,38 @@ namespace rubicon::cli {
 
 namespace {
 
+/// A run in wall time, which takes long and is looked at meanwhile: its events are told as they
+/// happen.
+report::run_report run_told(config::ecology_description ecology, run_options options,
+                            const console& errors) {
+  live_log log(errors.is_terminal, errors.width);
+  const auto start = std::chrono::steady_clock::now();
+  const auto show = [](const std::string& text) {
+    if (!text.empty())
+      static_cast<void>(print(stderr, text)); // what nobody can see is no failure
+  };
+  options.on_event = [&log, &show, also = std::move(options.on_event)](const auto& x) {
+    show(log.tell(x));
+    if (also)
+      also(x);
+  };
+  if (errors.is_terminal)
+    options.progress = [&](const run_progress& x) {
+      show(log.update(std::chrono::steady_clock::now() - start, x.reached, x.end, x.events));
+    };
+  struct eraser {
+    live_log* log;
+    ~eraser() { static_cast<void>(print(stderr, log->finish())); } // also when the run throws
+  } const at_end{&log};
+  return run_ecology(std::move(ecology), options);
+}
+
 /// A run with a progress bar where there is somebody to see it.
 report::run_report run_watched(config::ecology_description ecology, run_options options,
-                               const console& errors) {
+                               const console& errors, bool tells_events) {
   const auto mode = options.mode.value_or(ecology.mode);
+  if (mode == config::run_mode::wall && tells_events)
+    return run_told(std::move(ecology), std::move(options), errors);
   if (!errors.is_terminal || mode != config::run_mode::virtual_time)
     return run_ecology(std::move(ecology), options);
   progress_bar bar(errors.width);
@@ -77,7 +106,8 @@ exit_status report_run(const run_command& x, ecology_file file) {
   options.source = {x.file, digest};
   run_watch watch(x.watch, file.ecology);
   watch.attach(options);
-  auto report = run_watched(std::move(file.ecology), std::move(options), console_of(stderr));
+  auto report = run_watched(std::move(file.ecology), std::move(options), console_of(stderr),
+                            x.log_level != "off");
   watch.finish(report, command_of(x, report), digest);
   return print_report(report, x.json, x.full);
 }
@@ -88,11 +118,11 @@ exit_status compare_runs(const run_command& x, const config::ecology_description
         print(stderr, printable(x.file) + ": only virtual runs repeat; add --mode virtual\n"));
     return exit_status::refused;
   }
-  const auto first = run_watched(ecology, x.options, console_of(stderr));
+  const auto first = run_watched(ecology, x.options, console_of(stderr), false);
   auto on_one_thread = x.options;
   on_one_thread.threads = 1;
   const auto second =
-      first.interrupted ? first : run_watched(ecology, on_one_thread, console_of(stderr));
+      first.interrupted ? first : run_watched(ecology, on_one_thread, console_of(stderr), false);
   if (second.interrupted) {
     static_cast<void>(print(stderr, printable(x.file) + ": interrupted, nothing is compared\n"));
     return exit_status::interrupted;
@@ -162,9 +192,7 @@ exit_status run_for_deployment(const run_command& x, ecology_file file) {
   std::unique_ptr<io::line_input> orders;
   options.on_begun = [&](const run_control& control) { orders = listen(x, control); };
   options.on_event = [&](const report::logged_event& event) {
-    const auto at = std::chrono::floor<std::chrono::milliseconds>(event.at.time_since_epoch());
-    static_cast<void>(print(
-        stdout, printable(to_text(x.elapsed + at) + "  " + event.who + "  " + event.what) + '\n'));
+    static_cast<void>(print(stdout, event_line(event, x.elapsed) + '\n'));
   };
   options.on_counters = [&told](const report::run_counters& all) {
     told.counters = all.unsettled();
