@@ -156,7 +156,8 @@ void add_run(CLI::App& app, run_command& x) {
            "Write logs of all messages into this folder");
   auto* const captures = add_path(run, "--pcap", "DIR", options.pcap_folder,
                                   "Write the frames on each air into a capture in this folder");
-  run.add_flag("--pcap-lost", options.pcap_lost, "Capture also frames that nobody received")
+  run.add_flag("--pcap-lost", options.pcap_lost,
+               "Capture also frames that nobody received, as pcapng, with a comment that says why")
       ->needs(captures);
   add_path(run, "--record-serial", "FILE", options.serial_file,
            "Write the frames on serial lines into this file, for `serial = { replay = FILE }`");

@@ -1,5 +1,5 @@
-// What happens in a run, for whoever sits in front of it: a line for each event of its log, and below
-// them how far a run in wall time has come.
+// What happens in a run, for whoever sits in front of it: a line for each event of its log, and
+// below them how far a run in wall time has come.
 #pragma once
 
 #include <cstddef>
@@ -23,8 +23,8 @@ namespace rubicon::cli {
 [[nodiscard]] std::string wall_progress_text(duration reached, duration end, double events_per_s,
                                              std::size_t joined, std::size_t width);
 
-/// Decides what to write of a run in wall time. Knows neither a clock nor a terminal: it is told the
-/// real time since the start and returns what to write.
+/// Decides what to write of a run in wall time. Knows neither a clock nor a terminal: it is told
+/// the real time since the start and returns what to write.
 class live_log {
 public:
   static constexpr duration redrawn_every = 500ms;

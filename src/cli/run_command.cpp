@@ -20,6 +20,7 @@
 #include "cli/progress_bar.hpp"
 #include "cli/report_output.hpp"
 #include "cli/run_watch.hpp"
+#include "cli/running_note.hpp"
 #include "config/placement.hpp"
 #include "core/hash.hpp"
 #include "core/printable.hpp"
@@ -251,6 +252,9 @@ exit_status perform(const run_command& x) {
   auto file = load_or_complain(x.file, x.instead, x.known, x.is_bundled);
   if (!file)
     return exit_status::refused;
+  std::optional<running_note> note; // for commands that look into it
+  if (x.options.mode.value_or(file->ecology.mode) == config::run_mode::wall)
+    note.emplace(file->ecology);
   if (!x.host.empty())
     return run_part(x, std::move(*file));
   return x.check_determinism ? compare_runs(x, file->ecology) : report_run(x, std::move(*file));

@@ -29,7 +29,8 @@ TEST_CASE("events stand above the progress, which stays below them", "[cli]") {
   CHECK(log.tell(joined) == "00:00:01.000  kitchen/fan  joined\n"); // nothing to erase yet
   const auto drawn = log.update(2s, instant{} + 2s, instant{} + 10s, 200);
   CHECK(drawn == std::string(erase_line) + "0:02 of 0:10  20%  100 events/s  1 mote joined");
-  CHECK(log.update(2s + live_log::redrawn_every - 1ns, instant{} + 3s, instant{} + 10s, 999).empty());
+  CHECK(
+      log.update(2s + live_log::redrawn_every - 1ns, instant{} + 3s, instant{} + 10s, 999).empty());
   const report::logged_event left{instant{} + 3s, "kitchen/fan", "left: silent"};
   CHECK(log.tell(left) == std::string(erase_line) + "00:00:03.000  kitchen/fan  left: silent\n" +
                               drawn.substr(erase_line.size()));
