@@ -17,7 +17,7 @@ namespace rubicon::cli {
 struct search_area {
   std::uint16_t first_port = 8000; ///< of this computer's loopback address
   std::uint16_t ports = 10;        ///< so many from there on, as peers count up (peis-wire.md 3.1)
-  duration try_max = 1s;           ///< for each of them to say who it is
+  duration try_max = 2s;           ///< for each of them to say who it is
   /// Announcements heard within `listen_for` (peis-wire.md 4). At the loopback interface those of
   /// this computer are heard, and nothing leaves it.
   io::udp_group_config group = {.interface = "127.0.0.1"};
