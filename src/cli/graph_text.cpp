@@ -229,8 +229,11 @@ ecology_graph graph_of(std::map<peer_id, std::string> names,
     x.tuples.push_back(std::move(found));
   }
   std::ranges::sort(x.subscriptions, {}, order_of);
-  const auto [first, last] = std::ranges::unique(x.subscriptions, {}, order_of); // told by several
-  x.subscriptions.erase(first, last);
+  const auto is_told_again = [](const auto& a, const auto& b) {
+    return order_of(a) == order_of(b);
+  };
+  x.subscriptions.erase(std::unique(x.subscriptions.begin(), x.subscriptions.end(), is_told_again),
+                        x.subscriptions.end());
   if (x.subscriptions.size() > graph_subscriptions_max) {
     x.left_out = x.subscriptions.size() - graph_subscriptions_max;
     x.subscriptions.resize(graph_subscriptions_max);

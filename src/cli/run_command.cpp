@@ -240,7 +240,8 @@ exit_status run_part(run_command x, ecology_file file) {
   };
   if (x.elapsed > 0s)
     config::begin_later(file.ecology, x.elapsed);
-  x.options.length.reset(); // the description has it
+  const running_note note(file.ecology); // for commands that look into it
+  x.options.length.reset();              // the description has it
   return x.part_file.empty() ? report_run(x, std::move(file))
                              : run_for_deployment(x, std::move(file));
 }
@@ -252,11 +253,11 @@ exit_status perform(const run_command& x) {
   auto file = load_or_complain(x.file, x.instead, x.known, x.is_bundled);
   if (!file)
     return exit_status::refused;
+  if (!x.host.empty())
+    return run_part(x, std::move(*file));
   std::optional<running_note> note; // for commands that look into it
   if (x.options.mode.value_or(file->ecology.mode) == config::run_mode::wall)
     note.emplace(file->ecology);
-  if (!x.host.empty())
-    return run_part(x, std::move(*file));
   return x.check_determinism ? compare_runs(x, file->ecology) : report_run(x, std::move(*file));
 }
 

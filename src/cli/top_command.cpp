@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -88,7 +89,8 @@ private:
       if (at_.peer().links().open_links() == 0)
         return exit_status::failed;
       if (full)
-        if (const auto key = full->key(); key == 'q' || key == 'Q')
+        if (const auto key = full->key();
+            key && std::tolower(static_cast<unsigned char>(*key)) == 'q')
           return exit_status::good;
       const auto now = at_.peer().now();
       if (now < next) {
