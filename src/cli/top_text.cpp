@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <tuple>
 
 #include <nlohmann/json.hpp>
@@ -260,38 +261,72 @@ std::size_t lines_of(const std::string& text) {
 
 } // namespace
 
+/// From counts to rates, row by row of one picture.
+class top_observer::rates {
+public:
+  rates(top_observer& of, duration gone)
+      : of_(of), before_(std::exchange(of.rates_, {})), gone_s_(seconds(gone)),
+        weight_(1 - std::exp(-gone_s_ / seconds(remembered))) {}
+
+  /// Of the changes of keys that begin so.
+  double of(peer_id owner, const std::string& front) {
+    return averaged({owner, front}, count(owner, front));
+  }
+  /// Of all.
+  double of_all() {
+    std::uint64_t all = 0;
+    for (const auto& [key, changes] : of_.changes_)
+      all += changes;
+    return averaged({any_peer, {}}, all);
+  }
+
+private:
+  [[nodiscard]] std::uint64_t count(peer_id owner, const std::string& front) const {
+    std::uint64_t all = 0;
+    for (auto next = of_.changes_.lower_bound({owner, front}); next != of_.changes_.end(); ++next) {
+      if (next->first.first != owner || !next->first.second.starts_with(front))
+        break;
+      all += next->second;
+    }
+    return all;
+  }
+
+  double averaged(const name& row, std::uint64_t changes) {
+    const auto now = gone_s_ > 0 ? static_cast<double>(changes) / gone_s_ : 0;
+    const auto known = before_.find(row);
+    auto x = known == before_.end() ? now : known->second + weight_ * (now - known->second);
+    constexpr double least = 0.05; // is shown as 0.1
+    if (x < least)
+      x = 0;
+    return of_.rates_[row] = x;
+  }
+
+  top_observer& of_;
+  std::map<name, double> before_;
+  double gone_s_;
+  double weight_; ///< of what is new
+};
+
 void top_observer::on_change(const peis::tuple& x) {
   if (is_of_kernel(x))
     return;
-  const std::pair name(x.owner, x.name.folded());
-  if (changes_.size() >= keys_max && !changes_.contains(name))
+  const name changed(x.owner, x.name.folded());
+  if (changes_.size() >= keys_max && !changes_.contains(changed))
     ++changes_[{x.owner, {}}]; // of the owner at least
   else
-    ++changes_[name];
+    ++changes_[changed];
 }
 
 top_picture top_observer::look(const std::map<peer_id, top_host>& hosts,
                                const std::vector<peis::tuple_pointer>& tuples, duration gone) {
   top_picture x;
-  const auto per_s = [gone](std::uint64_t count) {
-    return gone > 0s ? static_cast<double>(count) / seconds(gone) : 0;
-  };
+  rates per_s(*this, gone);
   std::map<peer_id, tuples_by_key> by_owner;
   for (const auto& [host, known] : hosts)
     by_owner[host];
   for (const auto& each : tuples)
     if (!is_of_kernel(*each))
       by_owner[each->owner].emplace(each->name.folded(), each.get());
-  const auto changes_below = [this](peer_id owner, const std::string& front) {
-    std::uint64_t count = 0;
-    for (auto next = changes_.lower_bound({owner, front}); next != changes_.end(); ++next) {
-      if (next->first.first != owner || !next->first.second.starts_with(front))
-        break;
-      count += next->second;
-    }
-    return count;
-  };
-  std::uint64_t changes = 0;
   for (const auto& [owner, own] : by_owner) {
     top_peer peer;
     peer.id = owner;
@@ -301,22 +336,20 @@ top_picture top_observer::look(const std::map<peer_id, top_host>& hosts,
       peer.links = known->second.links;
     }
     peer.tuples = own.size();
-    const auto count = changes_below(owner, "");
-    changes += count;
-    peer.changes_per_s = per_s(count);
+    peer.changes_per_s = per_s.of(owner, "");
     x.tuples += own.size();
     if (auto gateway = gateway_of(owner, own)) {
       gateway->name = peer.name;
-      gateway->changes_per_s = per_s(changes_below(owner, "devices"));
+      gateway->changes_per_s = per_s.of(owner, "devices");
       x.gateways.push_back(*std::move(gateway));
     }
     for (auto& proxy : proxies_of(owner, own)) {
-      proxy.changes_per_s = per_s(changes_below(owner, proxy.prefix + '.'));
+      proxy.changes_per_s = per_s.of(owner, proxy.prefix + '.');
       x.proxies.push_back(std::move(proxy));
     }
     x.peers.push_back(std::move(peer));
   }
-  x.changes_per_s = per_s(changes);
+  x.changes_per_s = per_s.of_all();
   changes_.clear();
   sort_by_activity(x.peers, [](const auto& y) { return y.id; });
   sort_by_activity(x.gateways, [](const auto& y) { return y.id; });

@@ -65,10 +65,12 @@ struct top_host {
   std::optional<unsigned> links;
 };
 
-/// Counts changes between pictures. Tuples of kernel.* are no changes: peers tell them because
+/// Counts changes between pictures. Rates are those of about the last five seconds, so that rows do
+/// not change places all the time. Tuples of kernel.* are no changes: peers tell them because
 /// somebody looks.
 class top_observer {
 public:
+  static constexpr duration remembered = 5s;
   static constexpr std::size_t keys_max = 100'000; ///< counted apart between two pictures
 
   void on_change(const peis::tuple& x);
@@ -82,7 +84,11 @@ public:
   void restart() { changes_.clear(); }
 
 private:
-  std::map<std::pair<peer_id, std::string>, std::uint64_t> changes_; ///< by owner and folded key
+  using name = std::pair<peer_id, std::string>;
+  class rates;
+
+  std::map<name, std::uint64_t> changes_; ///< by owner and folded key
+  std::map<name, double> rates_;          ///< of the rows of the last picture, by what is counted
 };
 
 /// @param height lines that there may be; unset: any number

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -92,10 +93,23 @@ TEST_CASE("a picture has peers, gateways and proxies, the liveliest first", "[cl
   CHECK(x.proxies[1].status == "lost: silence");
 }
 
-TEST_CASE("changes count once", "[cli][SVC-07]") {
+TEST_CASE("a rate is that of the last seconds, and fades", "[cli][SVC-07]") {
   top_observer seen;
-  static_cast<void>(kitchen_picture(seen));
-  CHECK(seen.look(kitchen_hosts(), kitchen(), 1s).changes_per_s == 0);
+  const auto first = kitchen_picture(seen);
+  const auto later = seen.look(kitchen_hosts(), kitchen(), 1s);
+  CHECK(later.changes_per_s < first.changes_per_s);
+  CHECK(later.changes_per_s == Approx(2.5 * std::exp(-0.2)));
+  CHECK(later.peers[0].id == peer_id{11}); // where it was
+  CHECK(later.proxies[0].changes_per_s == Approx(2 * std::exp(-0.2)));
+  auto last = later;
+  for (int i = 0; i < 30; ++i)
+    last = seen.look(kitchen_hosts(), kitchen(), 1s);
+  CHECK(last.changes_per_s == 0);
+  CHECK(last.proxies[0].changes_per_s == 0);
+}
+
+TEST_CASE("what was there before does not count", "[cli][SVC-07]") {
+  top_observer seen;
   seen.on_change(*tuple_of(11, "a", "x"));
   seen.restart();
   CHECK(seen.look(kitchen_hosts(), kitchen(), 1s).changes_per_s == 0);
