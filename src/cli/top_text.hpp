@@ -46,7 +46,7 @@ struct top_proxy {
   double changes_per_s = 0;
 };
 
-/// Each list by activity, the liveliest first; then by id or prefix.
+/// Each list by activity, the liveliest first; of nearly equal ones by id or prefix.
 struct top_picture {
   std::string network;
   std::string via;  ///< the peer by which it is seen, as a URL

@@ -108,6 +108,24 @@ TEST_CASE("a rate is that of the last seconds, and fades", "[cli][SVC-07]") {
   CHECK(last.proxies[0].changes_per_s == 0);
 }
 
+TEST_CASE("who is nearly as lively as another keeps his place", "[cli][SVC-07]") {
+  const auto order_of = [](int of_30, int of_40) {
+    top_observer seen;
+    for (int i = 0; i < of_30; ++i)
+      seen.on_change(*tuple_of(30, "a", "x"));
+    for (int i = 0; i < of_40; ++i)
+      seen.on_change(*tuple_of(40, "a", "x"));
+    const auto x = seen.look({}, {tuple_of(30, "a", "x"), tuple_of(40, "a", "x")}, 1s);
+    return std::pair(x.peers[0].id, x.peers[1].id);
+  };
+  const std::pair ascending(peer_id{30}, peer_id{40});
+  CHECK(order_of(10, 11) == ascending);
+  CHECK(order_of(11, 10) == ascending);
+  CHECK(order_of(10, 30) == std::pair(peer_id{40}, peer_id{30}));
+  CHECK(order_of(0, 1) == std::pair(peer_id{40}, peer_id{30}));
+  CHECK(order_of(0, 0) == ascending);
+}
+
 TEST_CASE("what was there before does not count", "[cli][SVC-07]") {
   top_observer seen;
   seen.on_change(*tuple_of(11, "a", "x"));
