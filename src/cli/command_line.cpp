@@ -183,7 +183,8 @@ void add_run(CLI::App& app, run_command& x) {
            "Write logs of all messages into this folder");
   auto* const captures = add_path(run, "--pcap", "DIR", options.pcap_folder,
                                   "Write the frames on each air into a capture in this folder");
-  run.add_flag("--pcap-lost", options.pcap_lost, "Capture also frames that nobody received")
+  run.add_flag("--pcap-lost", options.pcap_lost,
+               "Capture also frames that nobody received, as pcapng, with a comment that says why")
       ->needs(captures);
   add_path(run, "--record-serial", "FILE", options.serial_file,
            "Write the frames on serial lines into this file, for `serial = { replay = FILE }`");
@@ -207,7 +208,8 @@ void add_run(CLI::App& app, run_command& x) {
   run.add_flag("--check-determinism", x.check_determinism,
                "Run twice, the second time on one thread, and compare the trace hashes");
   run.footer(
-      "What is not given here is as the file says; LEVEL is warn, N of --threads one a core.");
+      "What is not given here is as the file says; LEVEL is warn, N of --threads one a core.\n"
+      "In wall time events are told on standard error as they happen, but with --log off.");
 }
 
 void add_tls(CLI::App& app, control::tls_files& x) {

@@ -7,6 +7,8 @@
 #include "cli/version.hpp"
 #include "config/summary_parts.hpp"
 #include "core/printable.hpp"
+#include "report/figures.hpp"
+#include "report/text_layout.hpp"
 
 namespace rubicon::cli {
 
@@ -256,10 +258,9 @@ std::string deployment::progress_of(const followed& x) const {
     return x.name + "  " + x.trouble;
   if (!began_)
     return x.name + (x.at == phase::ready ? "  ready" : "  is asked");
-  return x.name + "  " + to_string(x.facts.state) + "  " +
-         to_text(std::chrono::floor<std::chrono::seconds>(x.facts.elapsed)) + " of " +
-         to_text(ecology_.length) + ", process " + std::to_string(x.facts.lives) + ", " +
-         std::to_string(x.facts.memory >> 20) + " MiB";
+  return x.name + "  " + to_string(x.facts.state) + "  " + report::clock_text(x.facts.elapsed) +
+         " of " + report::clock_text(ecology_.length) + ", process " +
+         std::to_string(x.facts.lives) + ", " + std::to_string(x.facts.memory >> 20) + " MiB";
 }
 
 void deployment::draw_progress() {
@@ -271,7 +272,7 @@ void deployment::draw_progress() {
   drawn_at_ = now;
   std::string text;
   for (const auto& each : hosts_)
-    text += printable(progress_of(each)).substr(0, errors_.width - 1) + '\n';
+    text += report::cut(printable(progress_of(each)), errors_.width - 1) + '\n';
   lines_drawn_ = hosts_.size();
   static_cast<void>(print(stderr, text));
 }

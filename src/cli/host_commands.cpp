@@ -88,14 +88,6 @@ std::string hosts_table(const std::map<peer_id, known_host>& all) {
   return table.render(output.room(), output.colour);
 }
 
-std::string name_of(const visit& at, peer_id host) {
-  for (const auto* x : at.peer().hosts()) {
-    if (x->id == host)
-      return report::printable(x->full_name);
-  }
-  return {};
-}
-
 /// The first answers of a peer that has only just heard of us may find no route back: asks again.
 std::optional<std::vector<peer_id>> first_trace(const visit& at, peer_id host) {
   const auto end = at.peer().now() + at.with.timeout;
@@ -125,33 +117,40 @@ exit_status perform(const visit& at, const list_hosts&) {
 }
 
 exit_status perform(const visit& at, const trace_route& x) {
-  if (!at.self.await_host(x.host))
-    return fail(no_answer(at, x.host));
-  const auto route = first_trace(at, x.host);
+  const auto found = find_peer(at, x.host);
+  if (const auto* why = std::get_if<std::string>(&found))
+    return fail(*why);
+  const auto host = std::get<peer_id>(found);
+  const auto route = first_trace(at, host);
   if (!route)
-    return fail(no_answer(at, x.host));
+    return fail(no_answer(at, host));
   if (at.with.json) {
-    nlohmann::ordered_json out{{"host", x.host.value}, {"route", nlohmann::ordered_json::array()}};
-    for (const auto& host : *route)
-      out["route"].push_back(host.value);
+    nlohmann::ordered_json out{{"host", host.value}, {"route", nlohmann::ordered_json::array()}};
+    for (const auto& each : *route)
+      out["route"].push_back(each.value);
     return answer(line_of(out));
   }
   report::table table({{"", report::align::right}, {"id", report::align::right}, {"component"}});
   for (std::size_t i = 0; i < route->size(); ++i)
-    table.add({std::to_string(i), to_string((*route)[i]), name_of(at, (*route)[i])});
+    table.add(
+        {std::to_string(i), to_string((*route)[i]), report::printable(name_of(at, (*route)[i]))});
   const auto output = console_of(stdout);
   return answer(table.render(output.room(), output.colour));
 }
 
 exit_status perform(const visit& at, const ping_host& x) {
-  if (!at.self.await_host(x.host) || !first_trace(at, x.host))
-    return fail(no_answer(at, x.host));
+  const auto found = find_peer(at, x.host);
+  if (const auto* why = std::get_if<std::string>(&found))
+    return fail(*why);
+  const auto host = std::get<peer_id>(found);
+  if (!first_trace(at, host))
+    return fail(no_answer(at, host));
   std::vector<double> all_ms;
   for (std::uint64_t i = 0; i < x.count; ++i) {
     if (i > 0)
       at.peer().run_until([] { return false; }, ping_gap);
     const auto begun = at.peer().now();
-    const auto route = at.peer().trace(x.host, at.with.timeout);
+    const auto route = at.peer().trace(host, at.with.timeout);
     const auto ms = 1e3 * seconds(at.peer().now() - begun);
     if (route)
       all_ms.push_back(ms);
@@ -159,16 +158,16 @@ exit_status perform(const visit& at, const ping_host& x) {
     if (at.with.json)
       continue;
     if (route)
-      text = "peer " + to_string(x.host) + ": " + report::fixed(ms, 3) + " ms, " +
+      text = "peer " + to_string(host) + ": " + report::fixed(ms, 3) + " ms, " +
              report::counted(route->size() - 1, "hop") + " there and back\n";
     else
-      text = "peer " + to_string(x.host) + ": no answer\n";
+      text = "peer " + to_string(host) + ": no answer\n";
     if (!print(stdout, text))
       return exit_status::refused;
   }
   if (at.with.json) {
     const auto written = answer(line_of(
-        {{"host", x.host.value}, {"sent", x.count}, {"answered", all_ms.size()}, {"ms", all_ms}}));
+        {{"host", host.value}, {"sent", x.count}, {"answered", all_ms.size()}, {"ms", all_ms}}));
     if (written != exit_status::good)
       return written;
   }

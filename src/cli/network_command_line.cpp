@@ -44,6 +44,16 @@ peer_id parse_id(const char* name, const std::string& text) {
   return peer_id{static_cast<std::int32_t>(parse_number(name, text, peer_id_max))};
 }
 
+/// Digits are an id, all else a name.
+peer_wish parse_wish(const char* name, const std::string& text) {
+  constexpr std::size_t name_max = 63; // of a host record
+  if (!text.empty() && text.find_first_not_of("0123456789") == std::string::npos)
+    return {parse_id(name, text), {}};
+  if (text.empty() || text.size() > name_max)
+    throw CLI::ValidationError(name, "neither an id nor a name of a peer: '" + text + '\'');
+  return {std::nullopt, text};
+}
+
 std::string parse_peer(const std::string& text) {
   const auto whole = text.find("://") == std::string::npos ? "tcp://" + text : text;
   const auto url = peis::parse_link_url(whole);
@@ -61,14 +71,14 @@ std::string parse_key(const char* name, const std::string& text, bool pattern) {
   return text;
 }
 
-void add_owner(CLI::App& app, std::optional<peer_id>& owner) {
-  add_parsed(app, "--owner", "ID", "Only tuples of this peer",
-             [&](const auto& text) { owner = parse_id("--owner", text); });
+void add_owner(CLI::App& app, peer_wish& owner) {
+  add_parsed(app, "--owner", "PEER", "Only tuples of this peer, by its id or name",
+             [&](const auto& text) { owner = parse_wish("--owner", text); });
 }
 
-void add_host(CLI::App& app, peer_id& host) {
-  add_parsed(app, "ID", "", "The peer", [&](const auto& text) {
-    host = parse_id("ID", text);
+void add_host(CLI::App& app, peer_wish& host) {
+  add_parsed(app, "PEER", "", "Its id or name", [&](const auto& text) {
+    host = parse_wish("PEER", text);
   })->required();
 }
 
@@ -81,9 +91,9 @@ void add_key(CLI::App& app, What& x) {
 
 template <class What>
 void add_its_owner(CLI::App& app, What& x) {
-  add_parsed(app, "--owner", "ID", "The peer whose tuple it is", [&](const auto& text) {
-    x.owner = parse_id("--owner", text);
-  })->required();
+  add_parsed(app, "--owner", "PEER",
+             "The peer whose tuple it is, by its id or name; the one who has it if not given",
+             [&](const auto& text) { x.owner = parse_wish("--owner", text); });
 }
 
 void add_write(CLI::App& app, write_tuple& x) {
@@ -97,13 +107,13 @@ void add_meta(CLI::App& app, meta_tuple& x) {
   add_parsed(app, "TARGET", "", "Let it point at this tuple",
              [&](const auto& text) { x.target = parse_key("TARGET", text, false); });
   add_its_owner(app, x);
-  add_parsed(app, "--at", "ID", "The peer whose tuple TARGET is; that of --owner if not given",
-             [&](const auto& text) { x.target_owner = parse_id("--at", text); });
+  add_parsed(app, "--at", "PEER", "The peer whose tuple TARGET is; that of --owner if not given",
+             [&](const auto& text) { x.target_owner = parse_wish("--at", text); });
   app.add_flag("--nowhere", x.nowhere, "Let it point nowhere");
   app.final_callback([&x] {
     if (x.target && x.nowhere)
       throw CLI::ValidationError("--nowhere", "but also TARGET: one or the other");
-    if (x.target_owner && !x.target)
+    if (!x.target_owner.is_any() && !x.target)
       throw CLI::ValidationError("--at", "whose tuple is TARGET: which?");
   });
 }
@@ -115,14 +125,19 @@ What& network_command_line::add(CLI::App& below, const char* name, const char* t
   auto& app = *below.add_subcommand(name, text);
   const auto x = std::make_shared<What>();
   all_.push_back({&app, [this, x] { return network_command{with_, *x}; }});
-  add_parsed(app, "--connect", "HOST:PORT", "A peer of the network", [this](const auto& words) {
-    with_.peer = parse_peer(words);
-  })->required();
-  app.add_option("--network", with_.network, "The network's name; rubicon if not given")
-      ->type_name("NAME")
-      ->check([](const std::string& words) {
-        return words.size() > 62 ? std::string("longer than 62 characters") : std::string();
-      });
+  auto* const connect =
+      add_parsed(app, "--connect", "HOST:PORT",
+                 "A peer of the network; one that runs on this computer if not given",
+                 [this](const auto& words) { with_.peer = parse_peer(words); });
+  app.add_flag("--lan", with_.lan, "Look for one on the local network too")->excludes(connect);
+  add_parsed(app, "--network", "NAME",
+             "The network's name; rubicon if not given, or as the one that is found",
+             [this](const auto& words) {
+               if (words.size() > 62)
+                 throw CLI::ValidationError("--network", "longer than 62 characters");
+               with_.network = words;
+               with_.network_given = true;
+             });
   add_parsed(app, "--id", "ID", "Our own id; a high one by chance if not given",
              [this](const auto& words) { with_.id = parse_id("--id", words); });
   add_parsed(app, "--timeout", "TIME", "How long to wait for answers; 5s if not given",
@@ -173,6 +188,22 @@ network_command_line::network_command_line(CLI::App& app) {
              [&](const auto& text) { listed.pattern = parse_key("KEY", text, true); });
   add_owner(last(), listed.owner);
   last().add_flag("--all", listed.all, "Also kernel.*, with which peers describe themselves");
+
+  auto& graph =
+      add<show_graph>(tuples, "graph", "Show who has which tuples, and who subscribes to them");
+  last()
+      .add_flag("--dot", graph.dot, "Print it for Graphviz's dot")
+      ->excludes(last().get_option("--json"));
+  last().add_flag("--all", graph.all, "Also kernel.*, with which peers describe themselves");
+
+  auto& top = add<show_top>(app, "top", "Watch a running network: peers, gateways, proxies");
+  last().add_flag("--once", top.once, "Print one picture and end");
+  add_parsed(last(), "--every", "TIME", "Between two pictures; 1s if not given",
+             [&](const auto& text) { top.every = parse_time("--every", text); });
+  add_parsed(last(), "--count", "N", "End after so many pictures",
+             [&](const auto& text) { top.count = parse_number("--count", text, UINT64_MAX); });
+  last().footer("On a terminal it fills the screen until q or Ctrl-C; into a pipe it writes one "
+                "picture after the other.");
 
   add<list_hosts>(app, "hosts", "List the peers of a running network");
   add_host(last(), add<trace_route>(app, "route", "Show the route to a peer and back").host);

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/console.hpp"
+#include "cli/find_network.hpp"
 #include "cli/visit.hpp"
 #include "core/printable.hpp"
 
@@ -19,10 +20,11 @@ exit_status answer(const std::string& text) {
 
 exit_status perform(const network_command& x) {
   io::loop loop;
-  auto joined = guest::join(loop, x.with);
+  auto joined = join_network(loop, x.with);
   if (const auto* why = std::get_if<std::string>(&joined))
     return fail(*why);
-  const visit at{loop, x.with, *std::get<std::unique_ptr<guest>>(joined)};
+  const auto& network = std::get<joined_network>(joined);
+  const visit at{loop, network.with, *network.self};
   return std::visit([&](const auto& what) { return perform(at, what); }, x.what);
 }
 

@@ -15,6 +15,7 @@
 #include "cli/bundle_file.hpp"
 #include "cli/console.hpp"
 #include "cli/ecology_file.hpp"
+#include "cli/event_lines.hpp"
 #include "cli/live_page.hpp"
 #include "cli/logging.hpp"
 #include "cli/option_text.hpp"
@@ -22,6 +23,7 @@
 #include "cli/progress_bar.hpp"
 #include "cli/report_output.hpp"
 #include "cli/run_watch.hpp"
+#include "cli/running_note.hpp"
 #include "config/placement.hpp"
 #include "core/hash.hpp"
 #include "core/printable.hpp"
@@ -35,10 +37,34 @@ namespace rubicon::cli {
 
 namespace {
 
+/// A run in wall time, which takes long and is looked at meanwhile: its events are told as they
+/// happen.
+report::run_report run_told(config::ecology_description ecology, run_options options,
+                            const console& errors) {
+  live_log log(errors.is_terminal, errors.width);
+  const auto start = std::chrono::steady_clock::now();
+  const auto show = [](const std::string& text) {
+    if (!text.empty())
+      static_cast<void>(print(stderr, text)); // what nobody can see is no failure
+  };
+  also(options.on_event, [&](const report::logged_event& x) { show(log.tell(x)); });
+  if (errors.is_terminal)
+    also(options.progress, [&](const run_progress& x) {
+      show(log.update(std::chrono::steady_clock::now() - start, x.reached, x.end, x.events));
+    });
+  struct eraser {
+    live_log* log;
+    ~eraser() { static_cast<void>(print(stderr, log->finish())); } // also when the run throws
+  } const at_end{&log};
+  return run_ecology(std::move(ecology), options);
+}
+
 /// A run with a progress bar where there is somebody to see it.
 report::run_report run_watched(config::ecology_description ecology, run_options options,
-                               const console& errors) {
+                               const console& errors, bool tells_events) {
   const auto mode = options.mode.value_or(ecology.mode);
+  if (mode == config::run_mode::wall && tells_events)
+    return run_told(std::move(ecology), std::move(options), errors);
   if (!errors.is_terminal || mode != config::run_mode::virtual_time)
     return run_ecology(std::move(ecology), options);
   progress_bar bar(errors.width);
@@ -56,7 +82,7 @@ report::run_report run_watched(config::ecology_description ecology, run_options 
 }
 
 /// `rubicon run home.toml --seed 7 --for 20s`
-std::string command_of(const run_command& x, const report::run_report& run) {
+std::string command_of(const run_command& x, const std::string& mode, std::uint64_t seed) {
   if (x.file == standard_input)
     return {};
   auto text = "rubicon run " + shell_word(x.file);
@@ -67,11 +93,15 @@ std::string command_of(const run_command& x, const report::run_report& run) {
   if (!x.host.empty())
     text += " --host " + shell_word(x.host);
   else if (x.options.mode)
-    text += " --mode " + run.mode;
-  text += " --seed " + std::to_string(run.seed);
+    text += " --mode " + mode;
+  text += " --seed " + std::to_string(seed);
   if (x.options.length)
     text += " --for " + option_text(*x.options.length);
   return text;
+}
+
+std::string mode_of(const run_command& x, const config::ecology_description& ecology) {
+  return x.options.mode.value_or(ecology.mode) == config::run_mode::wall ? "wall" : "virtual";
 }
 
 /// The picture under the map; empty: none.
@@ -99,11 +129,11 @@ public:
       : record_(x.options.record_file), hands_(hands_of(x)),
         page_(*x.watch.view, view::ecology_json(ecology),
               {.file = x.file,
-               .command = {},
+               .command = command_of(x, mode_of(x, ecology), x.options.seed.value_or(ecology.seed)),
                .controls = hands_.has_value(),
                .messages = !record_.empty()},
-              x.options.mode.value_or(ecology.mode) == config::run_mode::wall ? "wall" : "virtual",
-              floor_plan_of(x.file, ecology), hands_ ? hands_->controls() : nullptr) {}
+              mode_of(x, ecology), floor_plan_of(x.file, ecology),
+              hands_ ? hands_->controls() : nullptr) {}
 
   void attach(run_options& options, const config::ecology_description& ecology) {
     page_.attach(options, ecology);
@@ -144,8 +174,9 @@ exit_status report_run(const run_command& x, ecology_file file) {
     viewed.emplace(x, file.ecology);
     viewed->attach(options, file.ecology);
   }
-  auto report = run_watched(std::move(file.ecology), std::move(options), console_of(stderr));
-  watch.finish(report, command_of(x, report), digest);
+  auto report = run_watched(std::move(file.ecology), std::move(options), console_of(stderr),
+                            x.log_level != "off");
+  watch.finish(report, command_of(x, report.mode, report.seed), digest);
   const auto status = print_report(report, x.json, x.full);
   if (viewed && !report.interrupted)
     viewed->finish(report);
@@ -158,11 +189,11 @@ exit_status compare_runs(const run_command& x, const config::ecology_description
         print(stderr, printable(x.file) + ": only virtual runs repeat; add --mode virtual\n"));
     return exit_status::refused;
   }
-  const auto first = run_watched(ecology, x.options, console_of(stderr));
+  const auto first = run_watched(ecology, x.options, console_of(stderr), false);
   auto on_one_thread = x.options;
   on_one_thread.threads = 1;
   const auto second =
-      first.interrupted ? first : run_watched(ecology, on_one_thread, console_of(stderr));
+      first.interrupted ? first : run_watched(ecology, on_one_thread, console_of(stderr), false);
   if (second.interrupted) {
     static_cast<void>(print(stderr, printable(x.file) + ": interrupted, nothing is compared\n"));
     return exit_status::interrupted;
@@ -232,9 +263,7 @@ exit_status run_for_deployment(const run_command& x, ecology_file file) {
   std::unique_ptr<io::line_input> orders;
   options.on_begun = [&](const run_control& control) { orders = listen(x, control); };
   options.on_event = [&](const report::logged_event& event) {
-    const auto at = std::chrono::floor<std::chrono::milliseconds>(event.at.time_since_epoch());
-    static_cast<void>(print(
-        stdout, printable(to_text(x.elapsed + at) + "  " + event.who + "  " + event.what) + '\n'));
+    static_cast<void>(print(stdout, event_line(event, x.elapsed) + '\n'));
   };
   options.on_counters = [&told](const report::run_counters& all) {
     told.counters = all.unsettled();
@@ -281,7 +310,8 @@ exit_status run_part(run_command x, ecology_file file) {
   };
   if (x.elapsed > 0s)
     config::begin_later(file.ecology, x.elapsed);
-  x.options.length.reset(); // the description has it
+  const running_note note(file.ecology); // for commands that look into it
+  x.options.length.reset();              // the description has it
   return x.part_file.empty() ? report_run(x, std::move(file))
                              : run_for_deployment(x, std::move(file));
 }
@@ -300,6 +330,9 @@ exit_status perform(const run_command& x) {
                                     "something: add --mode wall\n"));
     return exit_status::refused;
   }
+  std::optional<running_note> note; // for commands that look into it
+  if (x.options.mode.value_or(file->ecology.mode) == config::run_mode::wall)
+    note.emplace(file->ecology);
   return x.check_determinism ? compare_runs(x, file->ecology) : report_run(x, std::move(*file));
 }
 

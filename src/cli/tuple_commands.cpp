@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <deque>
 #include <map>
 #include <optional>
 #include <utility>
@@ -26,10 +27,6 @@ namespace {
 
 using found_tuples = std::vector<peis::tuple_pointer>;
 
-std::string unreachable(const visit& at, peer_id host) {
-  return "no peer " + to_string(host) + " in the network `" + at.with.network + '`';
-}
-
 std::string refused(peis::cause why) {
   return "refused: " + std::string(peis::to_string(why));
 }
@@ -45,8 +42,8 @@ found_tuples held(const visit& at, peer_id owner, const std::string& pattern) {
 found_tuples gather(const visit& at, std::optional<peer_id> owner, const std::string& pattern) {
   const auto whose = owner.value_or(any_peer);
   std::size_t news = 0;
-  const auto watch = at.peer().subscribe(whose, pattern, [&](const auto&) { ++news; });
-  if (!std::holds_alternative<peis::subscription_id>(watch))
+  const listening watch(at, whose, pattern, [&](const auto&) { ++news; });
+  if (watch.refused() != nullptr)
     return {};
   static_cast<void>(at.self.await_quiet([&] { return !held(at, whose, pattern).empty(); },
                                         [&] { return news + at.peer().hosts().size(); }));
@@ -97,14 +94,14 @@ peis::reading fetch(const visit& at, peer_id owner, const std::string& key) {
   return at.peer().get_tuple(owner, key, peis::read_mode::keep_old, at.with.timeout);
 }
 
-exit_status show_meta(const visit& at, const meta_tuple& x) {
-  const auto found = fetch(at, x.owner, x.key);
+exit_status show_meta(const visit& at, peer_id owner, const meta_tuple& x) {
+  const auto found = fetch(at, owner, x.key);
   if (!found)
-    return fail("peer " + to_string(x.owner) + " has no tuple `" + x.key + '`');
+    return fail("peer " + to_string(owner) + " has no tuple `" + x.key + '`');
   const auto reference = peis::read_meta(*found.content);
   if (!reference)
-    return fail("tuple `" + x.key + "` of peer " + to_string(x.owner) + " is no meta tuple");
-  nlohmann::ordered_json out{{"owner", x.owner.value}, {"key", x.key}, {"target", nullptr}};
+    return fail("tuple `" + x.key + "` of peer " + to_string(owner) + " is no meta tuple");
+  nlohmann::ordered_json out{{"owner", owner.value}, {"key", x.key}, {"target", nullptr}};
   if (!*reference)
     return answer(at.with.json ? line_of(out) : "nowhere\n");
   const auto& target = **reference;
@@ -171,21 +168,24 @@ private:
 } // namespace
 
 exit_status perform(const visit& at, const get_tuple& x) {
-  if (!x.owner) {
+  if (x.owner.is_any()) {
     const auto all = gather(at, std::nullopt, x.key);
     if (all.empty())
       return fail("nobody has a tuple `" + x.key + '`');
-    return answer(at.with.json ? as_json(all) : as_table(all));
+    if (at.with.json)
+      return answer(as_json(all));
+    return answer(all.size() == 1 ? value_text(*all.front()) + '\n' : as_table(all));
   }
-  const auto watch = at.peer().subscribe(*x.owner, x.key);
+  const auto owner = find_peer(at, x.owner);
+  if (const auto* why = std::get_if<std::string>(&owner))
+    return fail(*why);
+  const auto id = std::get<peer_id>(owner);
+  const auto watch = at.peer().subscribe(id, x.key);
   if (const auto* why = std::get_if<peis::cause>(&watch))
     return fail(refused(*why));
-  if (!at.self.await_host(*x.owner))
-    return fail(unreachable(at, *x.owner));
-  const auto found =
-      at.peer().get_tuple(*x.owner, x.key, peis::read_mode::keep_old, at.with.timeout);
+  const auto found = at.peer().get_tuple(id, x.key, peis::read_mode::keep_old, at.with.timeout);
   if (!found)
-    return fail("peer " + to_string(*x.owner) + " has no tuple `" + x.key + '`');
+    return fail("peer " + to_string(id) + " has no tuple `" + x.key + '`');
   return answer(at.with.json ? line_of(to_json(*found.content))
                              : value_text(*found.content) + '\n');
 }
@@ -203,34 +203,34 @@ std::optional<std::string> outcome_of(const peis::tuple& x, const std::string& w
 }
 
 /// Sets an input of a proxy (docs/gateway.md) and waits for its outcome.
-exit_status set_and_wait(const visit& at, const write_tuple& x) {
+exit_status set_and_wait(const visit& at, peer_id owner, const write_tuple& x) {
   bool is_written = false; // what was told before is about something else
   std::optional<std::string> outcome;
-  const auto watch = at.peer().subscribe(x.owner, x.key + ".outcome", [&](const auto& told) {
+  const listening watch(at, owner, x.key + ".outcome", [&](const auto& told) {
     if (is_written && !outcome)
       outcome = outcome_of(*told, x.value);
   });
-  if (const auto* why = std::get_if<peis::cause>(&watch))
+  if (const auto* why = watch.refused())
     return fail(refused(*why));
-  const auto deadline = fetch(at, x.owner, x.key + ".deadline");
+  const auto deadline = fetch(at, owner, x.key + ".deadline");
   const auto longest_s = deadline ? report::number_of(deadline.content->text()) : std::nullopt;
   if (!longest_s)
-    return fail("peer " + to_string(x.owner) + " has no tuple `" + x.key +
+    return fail("peer " + to_string(owner) + " has no tuple `" + x.key +
                 ".deadline`: no proxy tells how it ends");
   is_written = true;
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
-    at.peer().set_remote_tuple(x.owner, x.key, peis::text_content(x.value), std::move(then));
+    at.peer().set_remote_tuple(owner, x.key, peis::text_content(x.value), std::move(then));
   });
-  if (const auto status = told(x.owner, ended); status != exit_status::good)
+  if (const auto status = told(owner, ended); status != exit_status::good)
     return status;
   const auto longest =
       duration(static_cast<std::int64_t>(std::clamp(*longest_s, 0.0, 86'400.0) * 1e9));
   at.peer().run_until([&outcome] { return outcome.has_value(); }, longest + at.with.timeout);
   if (!outcome)
     return fail("the proxy has not told an outcome within " + to_text(longest + at.with.timeout));
-  const auto shown =
-      at.with.json ? line_of({{"owner", x.owner.value}, {"key", x.key}, {"outcome", *outcome}})
-                   : printable(*outcome) + '\n';
+  const auto shown = at.with.json
+                         ? line_of({{"owner", owner.value}, {"key", x.key}, {"outcome", *outcome}})
+                         : printable(*outcome) + '\n';
   const auto status = answer(shown);
   return status == exit_status::good && *outcome != "acknowledged" ? exit_status::failed : status;
 }
@@ -238,47 +238,71 @@ exit_status set_and_wait(const visit& at, const write_tuple& x) {
 } // namespace
 
 exit_status perform(const visit& at, const write_tuple& x) {
-  if (!at.self.await_host(x.owner))
-    return fail(unreachable(at, x.owner));
+  std::vector<std::string> keys{x.key};
+  if (const auto told = x.key + ".deadline"; peis::key::parse(told) && !x.append)
+    keys.push_back(told); // an input of a proxy that nobody has written yet
+  const auto found = find_owner(at, x.owner, keys);
+  if (const auto* why = std::get_if<std::string>(&found))
+    return fail(*why);
+  const auto owner = std::get<peer_id>(found);
   if (x.wait)
-    return set_and_wait(at, x);
+    return set_and_wait(at, owner, x);
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
     if (x.append)
-      at.peer().append_tuple(peis::prototype_of(x.owner, *peis::key::parse(x.key)),
-                             to_bytes(x.value), std::move(then));
+      at.peer().append_tuple(peis::prototype_of(owner, *peis::key::parse(x.key)), to_bytes(x.value),
+                             std::move(then));
     else
-      at.peer().set_remote_tuple(x.owner, x.key, peis::text_content(x.value), std::move(then));
+      at.peer().set_remote_tuple(owner, x.key, peis::text_content(x.value), std::move(then));
   });
-  return acknowledged(at, x.owner, x.key, ended);
+  return acknowledged(at, owner, x.key, ended);
 }
 
 exit_status perform(const visit& at, const delete_tuple& x) {
-  if (!at.self.await_host(x.owner))
-    return fail(unreachable(at, x.owner));
+  const auto found = find_owner(at, x.owner, {x.key});
+  if (const auto* why = std::get_if<std::string>(&found))
+    return fail(*why);
+  const auto owner = std::get<peer_id>(found);
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
-    at.peer().delete_remote_tuple(x.owner, x.key, std::move(then));
+    at.peer().delete_remote_tuple(owner, x.key, std::move(then));
   });
-  return acknowledged(at, x.owner, x.key, ended);
+  return acknowledged(at, owner, x.key, ended);
 }
 
 exit_status perform(const visit& at, const meta_tuple& x) {
-  if (!at.self.await_host(x.owner))
-    return fail(unreachable(at, x.owner));
+  const auto found = find_owner(at, x.owner, {x.key});
+  if (const auto* why = std::get_if<std::string>(&found))
+    return fail(*why);
+  const auto owner = std::get<peer_id>(found);
   if (!x.target && !x.nowhere)
-    return show_meta(at, x);
+    return show_meta(at, owner, x);
   peis::meta_reference reference;
-  if (x.target)
-    reference = peis::meta_target{x.target_owner.value_or(x.owner), *peis::key::parse(*x.target)};
+  if (x.target) {
+    auto whose = owner;
+    if (x.target_owner.id)
+      whose = *x.target_owner.id; // which may come later
+    else if (!x.target_owner.is_any()) {
+      const auto named = find_peer(at, x.target_owner);
+      if (const auto* why = std::get_if<std::string>(&named))
+        return fail(*why);
+      whose = std::get<peer_id>(named);
+    }
+    reference = peis::meta_target{whose, *peis::key::parse(*x.target)};
+  }
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
-    at.peer().set_remote_tuple(x.owner, x.key, peis::meta_content(reference), std::move(then));
+    at.peer().set_remote_tuple(owner, x.key, peis::meta_content(reference), std::move(then));
   });
-  return acknowledged(at, x.owner, x.key, ended);
+  return acknowledged(at, owner, x.key, ended);
 }
 
 exit_status perform(const visit& at, const list_tuples& x) {
-  if (x.owner && !at.self.await_host(*x.owner))
-    return fail(unreachable(at, *x.owner));
-  auto all = gather(at, x.owner, x.pattern);
+  std::optional<peer_id> owner;
+  if (!x.owner.is_any()) {
+    const auto found = find_peer(at, x.owner);
+    if (const auto* why = std::get_if<std::string>(&found))
+      return fail(*why);
+    owner = std::get<peer_id>(found);
+  }
+  auto all = gather(at, owner, x.pattern);
   if (x.pattern.empty() && !x.all)
     std::erase_if(all, [](const auto& y) { return is_of_kernel(*y); });
   if (all.empty())
@@ -287,6 +311,15 @@ exit_status perform(const visit& at, const list_tuples& x) {
 }
 
 exit_status perform(const visit& at, const watch_tuples& x) {
+  auto whose = any_peer;
+  if (x.owner.id) {
+    whose = *x.owner.id; // which may come later
+  } else if (!x.owner.is_any()) {
+    const auto found = find_peer(at, x.owner);
+    if (const auto* why = std::get_if<std::string>(&found))
+      return fail(*why);
+    whose = std::get<peer_id>(found);
+  }
   change_printer tell(at.with.json);
   bool written = true;
   bool over = false;
@@ -296,11 +329,12 @@ exit_status perform(const visit& at, const watch_tuples& x) {
     written = tell(y, deleted) && written;
     over = !written || tell.count() == x.count;
   };
+  std::deque<listening> watches;
   for (const auto& pattern : x.patterns) {
-    const auto watch = at.peer().subscribe(
-        x.owner.value_or(any_peer), pattern, [&](const auto& y) { on_change(*y, false); },
+    const auto& watch = watches.emplace_back(
+        at, whose, pattern, [&](const auto& y) { on_change(*y, false); },
         [&](const auto& y) { on_change(*y, true); });
-    if (const auto* why = std::get_if<peis::cause>(&watch))
+    if (const auto* why = watch.refused())
       return fail(refused(*why));
   }
   bool interrupted = false;

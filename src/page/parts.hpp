@@ -22,6 +22,8 @@ namespace rubicon::page {
 [[nodiscard]] std::string motes_of(const run_page& x);
 [[nodiscard]] std::string expectations_of(const run_page& x);
 [[nodiscard]] std::string violations_of(const run_page& x);
+/// Secure groups of motes.
+[[nodiscard]] std::string groups_of(const run_page& x);
 [[nodiscard]] std::string proxies_of(const run_page& x);
 [[nodiscard]] std::string peers_of(const run_page& x);
 

@@ -239,6 +239,52 @@ std::string proxies_of(const run_page& x) {
   return section("proxies", "Proxies", out);
 }
 
+std::string groups_of(const run_page& x) {
+  std::vector<const report::island_report*> all;
+  for (const auto& island : x.report.islands)
+    if (island.smepp.programs > 0)
+      all.push_back(&island);
+  if (all.empty())
+    return {};
+  const auto table = [&all](std::size_t from, std::size_t to) {
+    auto rows = head_row({{"island"},
+                          {"members", true},
+                          {"joins failed", true},
+                          {"frames", true},
+                          {"octets", true},
+                          {"events", true},
+                          {"received", true},
+                          {"open", true},
+                          {"missing", true},
+                          {"events lost"},
+                          {"frames refused"}});
+    for (auto i = from; i < to; ++i) {
+      const auto& part = all[i]->smepp;
+      const bool all_in = part.members == part.programs;
+      rows += row({{all[i]->name, false, "name"},
+                   {with_thousands(part.members) + " of " + with_thousands(part.programs), true,
+                    all_in ? "" : "bad"},
+                   {with_thousands(part.joins_failed), true},
+                   {with_thousands(part.frames), true},
+                   {with_thousands(part.octets), true},
+                   {with_thousands(part.events_raised), true},
+                   {with_thousands(part.events_received), true},
+                   {with_thousands(part.events_open), true},
+                   {with_thousands(part.events_missing()), true},
+                   {report::causes(part.events_lost), false, "long"},
+                   {report::causes(part.refused), false, "long"}});
+    }
+    return wide("<table>" + rows + "</table>");
+  };
+  const auto open = std::min(all.size(), rows_open_max);
+  auto out = table(0, open);
+  if (open < all.size())
+    out += "<details>" +
+           element("summary", "… and " + report::counted(all.size() - open, "more island")) +
+           table(open, all.size()) + "</details>\n";
+  return section("groups", "Groups", out);
+}
+
 std::string peers_of(const run_page& x) {
   if (x.report.peers.empty())
     return {};

@@ -186,7 +186,11 @@ std::string in_us(duration x) {
 
 /// Motes of groups; nothing without any.
 void add_groups(report_page& page, const run_report& x) {
-  if (std::ranges::none_of(x.islands, [](const auto& each) { return each.smepp.programs > 0; }))
+  std::vector<const island_report*> all;
+  for (const auto& island : x.islands)
+    if (island.smepp.programs > 0)
+      all.push_back(&island);
+  if (all.empty())
     return;
   page.heading("Groups");
   table rows({{"island"},
@@ -198,11 +202,10 @@ void add_groups(report_page& page, const run_report& x) {
               {"open", align::right},
               {"missing", align::right},
               {"state", align::right}});
-  for (const auto& island : x.islands) {
-    const auto& part = island.smepp;
-    if (part.programs == 0)
-      continue;
-    rows.add({{island.name, look::strong},
+  const auto shown = page.shown(all.size(), rows_max);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& part = all[i]->smepp;
+    rows.add({{all[i]->name, look::strong},
               with_thousands(part.members) + " of " + with_thousands(part.programs),
               with_thousands(part.frames),
               with_thousands(part.octets),
@@ -216,6 +219,7 @@ void add_groups(report_page& page, const run_report& x) {
     if (const auto refused = causes(part.refused); !refused.empty())
       rows.add_note("  frames refused: " + refused);
   }
+  page.add_rest(rows, all.size(), shown);
   page.add(rows);
 }
 

@@ -87,7 +87,7 @@ public:
   struct tuples_then {
     /// Those that there were, ascending by owner and key.
     std::vector<std::pair<tuple_key, tuple_value>> tuples;
-    std::uint64_t left_out = 0;                            ///< writes of tuples beyond tuples_max
+    std::uint64_t left_out = 0; ///< writes of tuples beyond tuples_max
   };
   [[nodiscard]] tuples_then tuples_at(instant x) const;
   [[nodiscard]] std::vector<tuple_value> values_of(const tuple_key& x) const;

@@ -162,3 +162,26 @@ TEST_CASE("a swarm has a page too", "[cli]") {
               " --seeds 1..1 --report /nowhere/x.html >/dev/null 2>&1")
             .status == 2);
 }
+
+TEST_CASE("a run in wall time tells its events as they happen, and tables have them too", "[cli]") {
+  const scratch_folder folder;
+  const auto wall = '"' + binary + "\" run " + home + " --mode wall --speed 20 --for 20s";
+  const auto error = folder.file("error");
+  const auto x = shell(wall + " --json --csv " + folder.file("data") + " 2>" + error);
+  CHECK(x.status == 0);
+  const auto report = nlohmann::json::parse(x.out); // nothing else is there
+  const auto told = lines_of(text_of(error));
+  const auto written = lines_of(text_of(folder.file("data") + "/events.csv"));
+  CHECK(told.size() == report.at("event_log").size());
+  CHECK(told.size() + 1 == written.size());
+  REQUIRE(told.size() > 10);
+  bool joined = false;
+  for (const auto& line : told) {
+    CHECK(line.starts_with("00:00:"));
+    CHECK_FALSE(contains(line, "\033"));
+    joined = joined || line.ends_with("  kitchen/fan  joined");
+  }
+  CHECK(joined);
+  const auto quiet = shell(wall + " --json --log off 2>&1 >/dev/null");
+  CHECK(quiet.out.empty());
+}

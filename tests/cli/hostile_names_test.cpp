@@ -102,7 +102,8 @@ TEST_CASE("the commands of a network show hostile names harmlessly", "[cli][SVC-
   for (const std::string command :
        {"hosts", "tuples ls --all", "tuples ls 'room.*'", "tuples get k --owner 7", "tuples get k",
         "tuples watch 'room.*' k --count 3 --for 10s", "route 7", "ping 7 --count 1",
-        "tuples get nothing --owner 7"}) {
+        "tuples get nothing --owner 7", "tuples graph --all", "tuples set k x --owner nobody",
+        "top --count 2 --every 300ms"}) {
     CAPTURE(command);
     check_harmless(said(command + to).out);
     const auto json = said(command + " --json" + to);

@@ -214,3 +214,22 @@ TEST_CASE("nothing to show is no section", "[page]") {
   CHECK_FALSE(contains(html, "<section"));
   CHECK(contains(html, "not complete"));
 }
+
+TEST_CASE("groups of motes have a table, which folds what is long", "[page][smepp]") {
+  auto x = large_report();
+  CHECK_FALSE(contains(page_of(x), "<section id='groups'>"));
+  for (auto& island : x.islands) {
+    island.smepp.programs = 20;
+    island.smepp.members = 20;
+    island.smepp.events_raised = 1'234;
+    island.smepp.events_lost["gave_up"] = 3;
+  }
+  x.islands[0].smepp.members = 19;
+  const auto html = page_of(x);
+  check_well_formed(html);
+  CHECK(contains(html, "<section id='groups'>"));
+  CHECK(contains(html, "<td class='bad number'>19 of 20</td>"));
+  CHECK(contains(html, "<td class='number'>1,234</td>"));
+  CHECK(contains(html, "<td class='long'>gave_up 3</td>"));
+  CHECK(contains(html, "… and 10 more islands"));
+}

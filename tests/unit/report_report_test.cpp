@@ -313,6 +313,21 @@ TEST_CASE("with all rows nothing of a large run is left out", "[report]") {
   CHECK(contains(text, "600 more, of which the report has none")); // not even then
 }
 
+TEST_CASE("of many islands with groups some are shown, and all if asked for", "[report][smepp]") {
+  auto x = large_report();
+  for (auto& island : x.islands)
+    island.smepp.programs = 1;
+  const auto part_of = [](const std::string& text) {
+    const auto begin = text.find("Groups ");
+    return text.substr(begin, text.find("── ", begin) - begin);
+  };
+  const auto some = part_of(to_text(x));
+  CHECK(contains(some, "house-20 "));
+  CHECK_FALSE(contains(some, "house-21 "));
+  CHECK(contains(some, "… and 30 more; --full shows all"));
+  CHECK(contains(part_of(to_text(x, {.full = true})), "house-50 "));
+}
+
 TEST_CASE("the lines of a long event log that are shown are of the whole run", "[report]") {
   const auto text = to_text(large_report());
   CHECK(contains(text, "  line 0\n"));

@@ -1,0 +1,77 @@
+#include "cli/event_lines.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+#include "cli/progress_bar.hpp"
+#include "core/printable.hpp"
+#include "report/figures.hpp"
+#include "report/text_layout.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+/// `00:01:05.004`
+std::string stamp(duration x) {
+  const auto all_ms = std::chrono::floor<std::chrono::milliseconds>(x).count();
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "%02lld:%02d:%02d.%03d",
+                static_cast<long long>(all_ms / 3'600'000), static_cast<int>(all_ms / 60'000 % 60),
+                static_cast<int>(all_ms / 1000 % 60), static_cast<int>(all_ms % 1000));
+  return text.data();
+}
+
+} // namespace
+
+std::string event_line(const report::logged_event& x, duration shift) {
+  return printable(stamp(x.at.time_since_epoch() + shift) + "  " + x.who + "  " + x.what);
+}
+
+std::string wall_progress_text(duration reached, duration end, double events_per_s,
+                               std::size_t joined, std::size_t width) {
+  const auto share = end > 0s ? std::clamp(seconds(reached) / seconds(end), 0.0, 1.0) : 1.0;
+  auto text = report::clock_text(reached) + " of " + report::clock_text(end) + "  " +
+              std::to_string(static_cast<int>(share * 100)) + "%  " +
+              report::fixed(events_per_s, 0) + " events/s";
+  if (joined > 0)
+    text += "  " + report::counted(joined, "mote") + " joined";
+  return report::cut(text, width);
+}
+
+/// As the ecology words it.
+void live_log::count(const report::logged_event& x) {
+  if (x.what.starts_with("joined"))
+    joined_.insert(x.who);
+  else if (x.what.starts_with("left"))
+    joined_.erase(x.who);
+}
+
+std::string live_log::tell(const report::logged_event& x) {
+  count(x);
+  const auto line = event_line(x) + '\n';
+  return drawn_.empty() ? line : std::string(erase_line) + line + drawn_;
+}
+
+std::string live_log::update(duration real, instant reached, instant end, std::uint64_t events) {
+  if (!has_progress_ || (drawn_at_ && real < *drawn_at_ + redrawn_every))
+    return {};
+  const auto gone_s = drawn_at_ ? seconds(real - *drawn_at_) : seconds(real);
+  const auto per_s = gone_s > 0 ? static_cast<double>(events - events_then_) / gone_s : 0;
+  drawn_at_ = real;
+  events_then_ = events;
+  // The last column stays free: some terminals wrap as soon as it is written.
+  const auto room = width_ - std::min<std::size_t>(width_, 1);
+  drawn_ = wall_progress_text(reached.time_since_epoch(), end.time_since_epoch(), per_s,
+                              joined_.size(), room);
+  return std::string(erase_line) + drawn_;
+}
+
+std::string live_log::finish() {
+  return std::exchange(drawn_, {}).empty() ? std::string() : std::string(erase_line);
+}
+
+} // namespace rubicon::cli

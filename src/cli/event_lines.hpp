@@ -1,0 +1,57 @@
+// What happens in a run, for whoever sits in front of it: a line for each event of its log, and
+// below them how far a run in wall time has come.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "core/time.hpp"
+#include "report/report.hpp"
+
+namespace rubicon::cli {
+
+/// `0:00:12.004  kitchen/fan  joined`, without its end: one line that no terminal takes for more.
+/// @param shift added to the event's time, of parts that begin later than the whole
+[[nodiscard]] std::string event_line(const report::logged_event& x, duration shift = {});
+
+/// `  1:05 of 10:00  11%  1,204 events/s  12 joined`, at most `width` characters. Events are all
+/// that actors are told, not lines of the log.
+/// @param reached, end   ecology time, reached of all
+[[nodiscard]] std::string wall_progress_text(duration reached, duration end, double events_per_s,
+                                             std::size_t joined, std::size_t width);
+
+/// Decides what to write of a run in wall time. Knows neither a clock nor a terminal: it is told
+/// the real time since the start and returns what to write.
+class live_log {
+public:
+  static constexpr duration redrawn_every = 500ms;
+
+  /// @param has_progress there is a terminal, and a line below the others is kept up to date
+  live_log(bool has_progress, std::size_t width) : has_progress_(has_progress), width_(width) {}
+
+  /// The event's line, in the place of the progress, which stands below it again.
+  [[nodiscard]] std::string tell(const report::logged_event& x);
+
+  /// The progress; empty most of the time.
+  /// @param events that actors were told so far
+  [[nodiscard]] std::string update(duration real, instant reached, instant end,
+                                   std::uint64_t events);
+
+  /// What removes the progress; empty if none stands there.
+  [[nodiscard]] std::string finish();
+
+private:
+  void count(const report::logged_event& x);
+
+  bool has_progress_;
+  std::size_t width_;
+  std::set<std::string> joined_; ///< of the motes of the ecology, those that a gateway lists
+  std::optional<duration> drawn_at_;
+  std::uint64_t events_then_ = 0; ///< at drawn_at_
+  std::string drawn_;             ///< the line that stands there
+};
+
+} // namespace rubicon::cli

@@ -1,0 +1,161 @@
+#include "cli/find_network.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "cli/running_note.hpp"
+#include "config/summary_parts.hpp"
+#include "io/machine.hpp"
+#include "peis/announcement.hpp"
+#include "peis/link_url.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+using steady = std::chrono::steady_clock;
+
+constexpr std::size_t urls_max = 16; ///< tried of one network that announces itself
+constexpr std::size_t networks_max = 64;
+
+/// Where networks are said to be, by their names.
+using places = std::map<std::string, std::vector<std::string>>;
+
+void add(places& to, const std::string& network, const std::string& url) {
+  if (to.size() >= networks_max && !to.contains(network))
+    return;
+  auto& urls = to[network];
+  if (urls.size() < urls_max && std::ranges::find(urls, url) == urls.end())
+    urls.push_back(url);
+}
+
+std::optional<joined_network> attempt(io::loop& where, network_options with, const std::string& url,
+                                      const search_area& area) {
+  with.peer = url;
+  with.timeout = std::min(with.timeout, area.try_max);
+  auto joined = guest::join(where, with);
+  if (auto* self = std::get_if<std::unique_ptr<guest>>(&joined))
+    return joined_network{std::move(with), std::move(*self)};
+  return std::nullopt;
+}
+
+/// @returns the first that can be joined, with what the wish says of all waits
+std::optional<joined_network> first_of(io::loop& where, const network_options& wish,
+                                       const std::string& network,
+                                       const std::vector<std::string>& urls,
+                                       const search_area& area) {
+  auto with = wish;
+  with.network = network;
+  for (const auto& url : urls)
+    if (auto joined = attempt(where, with, url, area)) {
+      joined->with.timeout = wish.timeout;
+      return joined;
+    }
+  return std::nullopt;
+}
+
+std::vector<std::string> default_urls(const search_area& area) {
+  std::vector<std::string> urls;
+  for (std::uint16_t i = 0; i < area.ports; ++i)
+    urls.push_back("tcp://127.0.0.1:" + std::to_string(area.first_port + i));
+  return urls;
+}
+
+/// Whose announcements come, until nothing new may.
+places announced(io::loop& where, const network_options& wish, const search_area& area) {
+  places found;
+  auto group = io::udp_group::join(where, area.group, [&](byte_view datagram) {
+    const auto news = peis::decode_announcement(datagram);
+    if (!news || (wish.network_given && news->network != wish.network))
+      return;
+    const bool is_here = news->sender.host_name == io::machine_name();
+    for (const auto& address : news->sender.addresses)
+      if (address.type == peis::low_level_address::kind::tcp_ipv4 && (is_here || !address.loopback))
+        add(found, news->network, to_string(peis::url_of(address)));
+  });
+  if (std::holds_alternative<std::string>(group))
+    return found;                           // this computer has no such network
+  constexpr duration others_within = 300ms; // of a second network
+  auto end = steady::now() + area.listen_for;
+  while (steady::now() < end) {
+    const bool was_empty = found.empty();
+    where.wait_until(end);
+    if (was_empty && !found.empty())
+      end = std::min(end, steady::now() + others_within);
+  }
+  return found;
+}
+
+/// `several networks are there: home, lab; say which with --network NAME`
+std::string several(const std::set<std::string>& names) {
+  return "several networks are there: " +
+         config::joined(std::vector<std::string>(names.begin(), names.end()), ", ") +
+         "; say which with --network NAME";
+}
+
+std::set<std::string> names_of(const places& x) {
+  std::set<std::string> names;
+  for (const auto& [network, urls] : x)
+    names.insert(network);
+  return names;
+}
+
+std::string nobody(const network_options& wish, const search_area& area) {
+  const auto last = area.first_port + area.ports - 1;
+  return "no running ecology" +
+         (wish.network_given ? " of the network `" + wish.network + '`' : std::string()) +
+         " is found: no run on this computer takes links, nobody answers at 127.0.0.1, ports " +
+         std::to_string(area.first_port) + " to " + std::to_string(last) +
+         ", and nobody announces himself; a peer takes links if its file says tcp = true, in wall "
+         "time; say where it is with --connect HOST:PORT" +
+         (wish.lan ? "" : ", or look on the local network with --lan");
+}
+
+} // namespace
+
+std::variant<joined_network, std::string> join_network(io::loop& where, network_options wish,
+                                                       search_area area) {
+  if (!wish.peer.empty()) {
+    auto joined = guest::join(where, wish);
+    if (auto* why = std::get_if<std::string>(&joined))
+      return std::move(*why);
+    return joined_network{std::move(wish), std::move(std::get<std::unique_ptr<guest>>(joined))};
+  }
+  if (wish.lan)
+    area.group.interface.clear();
+  places noted;
+  for (const auto& run : running_ecologies()) {
+    if (wish.network_given && run.network != wish.network)
+      continue;
+    noted[run.network]; // also if its peers chose their ports
+    for (const auto& url : run.urls)
+      add(noted, run.network, url);
+  }
+  if (noted.size() > 1)
+    return several(names_of(noted));
+  if (noted.empty())
+    noted[wish.network];
+  for (const auto& [network, urls] : noted) {
+    if (auto joined = first_of(where, wish, network, urls, area))
+      return *std::move(joined);
+    if (auto joined = first_of(where, wish, network, default_urls(area), area))
+      return *std::move(joined);
+  }
+  const auto heard = announced(where, wish, area);
+  if (heard.size() > 1)
+    return several(names_of(heard));
+  for (const auto& [network, urls] : heard)
+    if (auto joined = first_of(where, wish, network, urls, area))
+      return *std::move(joined);
+  if (!heard.empty())
+    return "the network `" + heard.begin()->first + "` announces itself at " +
+           config::joined(heard.begin()->second, ", ") + ", but nobody answers there";
+  return nobody(wish, area);
+}
+
+} // namespace rubicon::cli
