@@ -84,8 +84,8 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
   run_watch page(std::move(wishes), *file.loaded.ecology);
   std::optional<live_page> live;
   if (x.view)
-    live.emplace(*x.view, view::ecology_json(*file.loaded.ecology),
-                 view::run_facts{.file = x.file, .command = {}}, "wall", "", nullptr);
+    live.emplace(*x.view, view::ecology_json(*file.loaded.ecology), view::run_facts{.file = x.file},
+                 "wall", "", nullptr);
   deployment all(loop, actors, x.attach ? "" : random_id(), std::move(file.what),
                  *std::move(file.loaded.ecology), hosts, options);
   std::optional<io::signal_watch> signals(std::in_place, loop,

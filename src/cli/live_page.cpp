@@ -152,13 +152,16 @@ std::string hand_made::repeated() const {
 
 live_page::live_page(const page_place& where, const std::string& ecology,
                      const view::run_facts& facts, const std::string& mode,
-                     const std::string& picture, std::shared_ptr<const view::controls> controls)
+                     const std::string& picture, std::shared_ptr<const view::controls> controls,
+                     std::shared_ptr<const explain::traces> record)
     : timeline_(std::make_shared<view::timeline>(ecology)) {
   if (!facts.messages)
     timeline_->set_why_no_messages("The run is not recorded: add --record FILE to see where each "
                                    "message went.");
   else
     timeline_->set_why_no_messages("The record is read when the run has ended.");
+  if (record != nullptr)
+    view::fill(*timeline_, std::move(record));
   io::web_site site;
   site.address = where.address;
   site.port = where.port;
@@ -240,10 +243,6 @@ void live_page::show(const report::run_report& so_far, duration length) {
   if (const auto newest = timeline_->newest(); newest == nullptr || newest->at < now)
     timeline_->add(view::sample_of(so_far));
   timeline_->set({now, instant(length), true, so_far.events, 1});
-}
-
-void live_page::show(std::shared_ptr<const explain::traces> all) {
-  view::fill(*timeline_, std::move(all));
 }
 
 void live_page::stay() {

@@ -65,10 +65,12 @@ public:
   /// Serves the page from now on, and says where on standard error.
   /// @param ecology of view::ecology_json()
   /// @param picture file of the floor plan; empty: there is none
+  /// @param record all that there is to be shown, from the beginning; nullptr: it comes by and by
   /// @throws std::runtime_error if nobody can listen there
   live_page(const page_place& where, const std::string& ecology, const view::run_facts& facts,
             const std::string& mode, const std::string& picture,
-            std::shared_ptr<const view::controls> controls);
+            std::shared_ptr<const view::controls> controls,
+            std::shared_ptr<const explain::traces> record = nullptr);
 
   /// Lets the run tell it what happens, beside whom it tells already. Outlives the run.
   void attach(run_options& options, const config::ecology_description& ecology);
@@ -82,9 +84,6 @@ public:
 
   /// What parts on other hosts have told so far, now and then.
   void show(const report::run_report& so_far, duration length);
-
-  /// All of a record.
-  void show(std::shared_ptr<const explain::traces> all);
 
   /// Until Ctrl-C or another signal to end.
   void stay();

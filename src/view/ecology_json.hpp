@@ -9,10 +9,10 @@ namespace rubicon::view {
 
 /// What a page knows of the run that no description tells.
 struct run_facts {
-  std::string file;      ///< that describes the ecology
-  std::string command;   ///< that repeats the run; empty: none does
-  bool controls = false; ///< the page may let faults happen, and set tuples
-  bool messages = false; ///< each message can be explained: the run is recorded
+  std::string file = {};    ///< that describes the ecology
+  std::string command = {}; ///< that repeats the run; empty: none does
+  bool controls = false;    ///< the page may let faults happen, and set tuples
+  bool messages = false;    ///< each message can be explained: the run is recorded
 };
 
 /// The message `ecology` of docs/view.md, without the facts of the run.

@@ -22,7 +22,7 @@ config::ecology_description two_motes() {
   island.id = island_id(1);
   island.name = "kitchen";
   island.gateway_name = "kitchen-gateway";
-  for (const std::uint16_t id : {5, 6}) {
+  for (const std::uint16_t id : {std::uint16_t{5}, std::uint16_t{6}}) {
     config::mote_description mote;
     mote.id = mote_id(id);
     mote.name = id == 5 ? "stove" : hostile;
