@@ -972,8 +972,9 @@ function drawScaleBar() {
   const decade = 10 ** floor(Math.log10(110 / view.scale));
   const metres = [5, 2, 1].find(n => n * decade * view.scale <= 110) * decade;
   const right = mapWidth() - 14;
-  stroke("fg", 1.5, lines([right - metres * view.scale, 26], [right, 26]));
-  write(shortNumber(metres) + " m", right, 16, { align: "right" });
+  const y = mapWidth() > 480 ? 26 : 68; // below the tools
+  stroke("fg", 1.5, lines([right - metres * view.scale, y], [right, y]));
+  write(shortNumber(metres) + " m", right, y - 10, { align: "right" });
 }
 
 /** Where the map has room for names: a coarse picture of what is taken. */
