@@ -1256,6 +1256,7 @@ function clickMap(x, y) {
   const target = model.ecology ? targetAt(x, y) : null;
   const island = target?.kind === "island" ? model.islands[target.index] : null;
   if (island?.folded) showIsland(island);
+  hideTip();
   choose(target);
 }
 
