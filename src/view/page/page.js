@@ -947,7 +947,7 @@ function drawNames(island) {
 
 /** An island too small for its motes: a ring of its states, and how many have joined. */
 function drawRing(island) {
-  const small = min(island.width, island.height) * view.scale * 0.34;
+  const small = min(island.width, island.height) * view.scale * 0.3;
   const r = island.ring = clamp(6 + 2.2 * Math.log2(island.count), 7, max(7, small));
   const { x, y } = islandSpot(island);
   fill("bg", disc(x, y, r));
@@ -957,29 +957,29 @@ function drawRing(island) {
     if (part) stroke(STATES[code][2], max(3, r * 0.32), () => ctx.arc(x, y, r, angle, angle + part));
     angle += part;
   }
-  labels.occupy(x - r - 3, y - r - 3, x + r + 3, y + r + 2);
-  if (r >= 11) write(joinedIn(island.counts), x, y + 0.5, { hue: "fg", align: "center", font: "11px" });
+  const outer = r * 1.16;
+  labels.occupy(x - outer, y - outer, x + outer, y + outer);
+  if (r >= 9) write(joinedIn(island.counts), x, y + 0.5, { hue: "fg", align: "center", font: r < 13 ? "10px" : "12px" });
 }
 
-/** With joined of all, where there is room. */
 function nameRing(island) {
   const { x, y } = islandSpot(island);
-  const r = island.ring * 1.16 + 3;
-  const name = plain(island.name, 16);
-  if (!label(x, y, r, `${name} ${joinedIn(island.counts)}/${island.count}`, true, [2, 0])) label(x, y, r, name, true, [2]);
+  const wide = island.width * view.scale > 90;
+  label(x, y, island.ring * 1.16 - 1, plain(island.name, 16) + (wide ? ` ${joinedIn(island.counts)}/${island.count}` : ""), true, [2, 0]);
 }
 
 function drawScaleBar() {
   const decade = 10 ** floor(Math.log10(110 / view.scale));
   const metres = [5, 2, 1].find(n => n * decade * view.scale <= 110) * decade;
   const right = mapWidth() - 14;
-  stroke("fg", 1.5, lines([right - metres * view.scale, 26], [right, 26]));
-  write(shortNumber(metres) + " m", right, 16, { align: "right" });
+  const y = mapWidth() > 480 ? 26 : 68; // below the tools
+  stroke("fg", 1.5, lines([right - metres * view.scale, y], [right, y]));
+  write(shortNumber(metres) + " m", right, y - 10, { align: "right" });
 }
 
 /** Where the map has room for names: a coarse picture of what is taken. */
 const labels = {
-  CELL: 4,
+  CELL: 2, // pixels
 
   clear() {
     this.columns = ceil((view.width + 2 * MARGIN_PX) / this.CELL);
@@ -1020,7 +1020,7 @@ function label(x, y, r, text, strong, order = [0, 1, 2, 3]) {
     const cut = (x > 0 && left < 2) || (x < mapWidth() && left + w > mapWidth() - 2);
     if (cut || !labels.isFree(left, middle - 6, left + w, middle + 6)) continue;
     labels.occupy(left, middle - 6, left + w, middle + 6);
-    Object.assign({ lineWidth: 3, lineJoin: "round", strokeStyle: colour.panel, textAlign: "left", textBaseline: "middle" });
+    Object.assign(ctx, { lineWidth: 3, lineJoin: "round", strokeStyle: colour.panel, textAlign: "left", textBaseline: "middle" });
     ctx.setLineDash([]);
     ctx.strokeText(words, left, middle);
     ctx.fillStyle = strong ? colour.fg : colour.soft;
@@ -1256,6 +1256,7 @@ function clickMap(x, y) {
   const target = model.ecology ? targetAt(x, y) : null;
   const island = target?.kind === "island" ? model.islands[target.index] : null;
   if (island?.folded) showIsland(island);
+  hideTip();
   choose(target);
 }
 
