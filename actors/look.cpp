@@ -73,6 +73,7 @@ private:
     report::mote_sample x;
     x.address = address;
     const auto* const state = state_of<mote_state>(mote.handle);
+    x.flat = mote.flat;
     x.alive = !mote.flat && state != nullptr;
     if (const auto* air = state_of<air_state>(mote.arguments->air)) {
       const auto use = air->channel.energy(mote.arguments->radio, now_);

@@ -122,19 +122,26 @@ std::shared_ptr<const view::controls> hand_made::controls() {
   return x;
 }
 
-void hand_made::perform(const run_control& run, instant now) {
+std::vector<std::string> hand_made::perform(const run_control& run, instant now) {
+  std::vector<std::string> told;
   std::vector<wish> wishes;
   {
     const std::lock_guard guard(lock_);
     wishes.swap(waiting_);
   }
   for (auto& each : wishes) {
-    if (each.fault)
+    if (each.fault) {
       run.apply(*each.fault);
-    else if (!run.set_tuple(each.owner, each.key, each.value))
-      say("view: no peer " + each.owner + " runs that could have the tuple " + each.key);
+      told.push_back(each.sentence);
+    } else if (run.set_tuple(each.owner, each.key, each.value)) {
+      told.push_back("sets " + each.key + " of " + each.owner + " to " + each.value);
+    } else {
+      told.push_back("cannot set " + each.key + ": no peer " + each.owner + " runs");
+      continue;
+    }
     done_.emplace_back(now, std::move(each));
   }
+  return told;
 }
 
 std::string hand_made::repeated() const {
@@ -209,6 +216,10 @@ void live_page::attach(run_options& options, const config::ecology_description& 
                                         plan_texts_.at(plan_[planned_].index), "fault"});
     timeline_->set({x.reached, x.end, true, x.events, speed.at(x.reached)});
   });
+}
+
+void live_page::tell_done(instant now, const std::string& what) {
+  timeline_->add(view::listed_event{now, "by hand", what, "fault"});
 }
 
 void live_page::finish(const report::run_report& x) {

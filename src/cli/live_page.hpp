@@ -36,7 +36,8 @@ public:
   [[nodiscard]] std::shared_ptr<const view::controls> controls();
 
   /// Does what was asked for since the last call. By the run's thread.
-  void perform(const run_control& run, instant now);
+  /// @returns it, in words
+  [[nodiscard]] std::vector<std::string> perform(const run_control& run, instant now);
 
   /// `[[fault]]` tables that let the same happen again, in a file.
   [[nodiscard]] std::string repeated() const;
@@ -74,6 +75,9 @@ public:
 
   /// Lets the run tell it what happens, beside whom it tells already. Outlives the run.
   void attach(run_options& options, const config::ecology_description& ecology);
+
+  /// Somebody has done this by hand.
+  void tell_done(instant now, const std::string& what);
 
   /// The run is over.
   void finish(const report::run_report& x);

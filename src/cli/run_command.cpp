@@ -140,8 +140,10 @@ public:
     if (!hands_)
       return;
     also(options.on_begun, [this](const run_control& x) { control_.emplace(x); });
-    also(options.progress,
-         [this](const run_progress& x) { hands_->perform(*control_, x.reached); });
+    also(options.progress, [this](const run_progress& x) {
+      for (const auto& each : hands_->perform(*control_, x.reached))
+        page_.tell_done(x.reached, each);
+    });
   }
 
   /// @pre the report is printed

@@ -36,6 +36,7 @@ struct energy_sample {
 struct mote_sample {
   mote_address address;
   bool alive = false;
+  bool flat = false;     ///< its battery is
   bool joined = false;   ///< a member of its island; always, with `stack = "mac"`
   bool radio_on = false; ///< at this very moment
   double used_mah = 0;

@@ -49,7 +49,7 @@ std::string text_of(const json& x) {
 
 mote_state state_of(const report::mote_sample& x, bool is_mac) {
   if (!x.alive)
-    return x.used_mah >= x.battery_mah ? mote_state::flat : mote_state::off;
+    return x.flat ? mote_state::flat : mote_state::off;
   if (!x.joined || (x.parent == mote_id{} && !is_mac))
     return mote_state::lost;
   return x.radio_on ? mote_state::joined : mote_state::asleep;

@@ -10,6 +10,7 @@ report::mote_sample sample_of(const report::mote_report& x) {
   report::mote_sample y;
   y.address = x.address;
   y.alive = x.alive;
+  y.flat = !x.alive && x.left_cause == "battery";
   y.joined = x.alive && (!x.joins || (x.joined && x.left_cause.empty()));
   y.radio_on = true; // a report does not tell
   y.used_mah = x.energy.used_mah;

@@ -61,6 +61,7 @@ template <class Mote, class F>
 void for_each_column(Mote& x, const F& f) {
   f("mote", x.address.mote);
   f("alive", x.alive);
+  f("flat", x.flat);
   f("joined", x.joined);
   f("radio_on", x.radio_on);
   f("used_mah", x.used_mah);
