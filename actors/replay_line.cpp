@@ -15,12 +15,16 @@ void give(line_pointer self, bytes octets) {
   auto& state = self->state;
   if (octets.empty())
     return;
-  if (!state.plugged || !state.pc) {
+  const bool is_heard = state.gives_octets || state.pc;
+  if (!state.plugged || !is_heard) {
     state.unplugged += octets.size();
     return;
   }
   state.up += octets.size();
-  self->send(state.pc, serial_octets{payload(std::move(octets))});
+  if (state.gives_octets)
+    self->send(state.watcher, real_octets{payload(std::move(octets))});
+  else
+    self->send(state.pc, serial_octets{payload(std::move(octets))});
 }
 
 void on_write(line_pointer self, const payload& octets) {
@@ -35,6 +39,8 @@ void on_write(line_pointer self, const payload& octets) {
 
 void plug(line_pointer self, bool plugged) {
   self->state.plugged = plugged;
+  if (self->state.watcher)
+    self->send(self->state.watcher, serial_presence{plugged, {}});
   self->send(self->state.ecology,
              notable_event{self->path(),
                            plugged ? "serial cable plugged in again" : "serial cable unplugged"});
@@ -73,6 +79,12 @@ serial_line_actor::behavior_type replay_line(line_pointer self, serial::replay r
       },
       [self](plug_serial x) { plug(self, x.plugged); },
       [self](status_request) { send_status(self); },
+      [self](const watch_line& x) {
+        auto& state = self->state;
+        state.watcher = x.user.actor;
+        state.gives_octets = x.takes_octets;
+        self->send(state.watcher, serial_presence{state.plugged, {}});
+      },
   };
 }
 
