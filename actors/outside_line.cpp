@@ -50,7 +50,7 @@ void on_write(line_pointer self, const payload& octets) {
 void on_octets(line_pointer self, const serial_octets& x) {
   auto& state = self->state;
   state.up += x.octets.size();
-  if (state.gives_octets)
+  if (state.gives_octets && state.watcher)
     self->send(state.watcher, real_octets{x.octets});
   else if (state.pc)
     self->send(state.pc, x);
@@ -118,7 +118,8 @@ outside_line_actor::behavior_type outside_line(line_pointer self,
       [self](const watch_line& x) {
         self->state.watcher = x.user.actor;
         self->state.gives_octets = x.takes_octets;
-        self->send(self->state.watcher, serial_presence{self->state.there, {}});
+        if (self->state.watcher)
+          self->send(self->state.watcher, serial_presence{self->state.there, {}});
       },
   };
 }

@@ -15,12 +15,15 @@ void give(line_pointer self, bytes octets) {
   auto& state = self->state;
   if (octets.empty())
     return;
-  const bool is_heard = state.gives_octets || state.pc;
-  if (!state.plugged || !is_heard) {
+  if (!state.plugged || (!state.pc && !state.gives_octets)) {
     state.unplugged += octets.size();
     return;
   }
   state.up += octets.size();
+  if (state.gives_octets && !state.watcher) {
+    state.unheard += octets.size();
+    return;
+  }
   if (state.gives_octets)
     self->send(state.watcher, real_octets{payload(std::move(octets))});
   else
@@ -52,6 +55,8 @@ void send_status(line_pointer self) {
   status.serial.octets = state.up + state.down;
   status.serial.octets_up = state.up;
   status.serial.lost = {{"unplugged_octets", state.unplugged}};
+  if (state.unheard > 0)
+    status.serial.lost["end_off_octets"] = state.unheard;
   self->send(state.ecology, std::move(status));
 }
 
@@ -83,7 +88,8 @@ serial_line_actor::behavior_type replay_line(line_pointer self, serial::replay r
         auto& state = self->state;
         state.watcher = x.user.actor;
         state.gives_octets = x.takes_octets;
-        self->send(state.watcher, serial_presence{state.plugged, {}});
+        if (state.watcher)
+          self->send(state.watcher, serial_presence{state.plugged, {}});
       },
   };
 }

@@ -21,6 +21,7 @@ struct replay_line_state {
   bool plugged = true;
   std::uint64_t up = 0;
   std::uint64_t down = 0;
+  std::uint64_t unheard = 0;   ///< octets that have come to no end
   std::uint64_t unplugged = 0; ///< octets lost because no cable was there
   timer wake;
 };

@@ -129,7 +129,7 @@ TEST_CASE("a gateway has a line of its own to real motes, and takes those of its
     const auto frame = test::serial_frame(x, serial::frame_type::packet);
     world.send(gateway, real_octets{frame.octets});
   };
-  for (const std::uint16_t source : {99, 100, 199, 200})
+  for (const auto source : std::initializer_list<std::uint16_t>{99, 100, 199, 200})
     comes(source);
   CHECK(told("devices") == "{100,199}");
   CHECK(told("devices.100.output.1") == "010203");

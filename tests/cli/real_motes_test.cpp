@@ -272,6 +272,46 @@ TEST_CASE("real motes from a recording and simulated ones are one island",
       CHECK((packet->destination < 100 || packet->destination > 199));
 }
 
+TEST_CASE("real motes are devices again after whatever fails beside them",
+          "[cli][serial][GW-15][GW-17]") {
+  edge x;
+  std::string recording = "# rubicon serial recording 1\n";
+  for (std::uint16_t at = 3; at < 58; ++at)
+    for (const auto mote : std::initializer_list<std::uint16_t>{99, 100, 199, 200})
+      recording += std::to_string(at) + ".0 kitchen/real up 45 " + to_hex(blinks(mote, at)) + '\n';
+  x.write("sink.txt", recording);
+  const auto octets = serial::encode(serial::frame{serial::frame_type::packet, 0, blinks(99, 1)});
+  for (const std::string fault : {"kind = \"kill\"\npeer = \"kitchen-gateway\"\nfor = \"7s\"\n",
+                                  "kind = \"crash\"\nsink = \"kitchen\"\nfor = \"7s\"\n",
+                                  "kind = \"kill\"\npeer = \"pc\"\nfor = \"7s\"\n"}) {
+    x.write("mixed.toml",
+            kitchen("duration = \"60s\"\n") +
+                "real = { replay = \"sink.txt\", first = 100, last = 199, mote = [{ id = 100, name "
+                "= \"lamp\" }] }\n[[fault]]\nat = \"20500ms\"\n" +
+                fault);
+    const bool is_gateway = fault.find("gateway") != std::string::npos;
+    for (int seed = 1; seed <= 20; ++seed) {
+      CAPTURE(fault, seed);
+      const auto done = test::shell(binary + " run " + x.file("mixed.toml") +
+                                    " --json --log off --seed " + std::to_string(seed));
+      REQUIRE(done.status == 0);
+      const auto report = json::parse(done.out);
+      CHECK(report["violations"].empty());
+      const auto& real = island_of(report)["real"];
+      check_real_balance(real);
+      CHECK(real["packets"] == (is_gateway ? 48 : 55) * 4);
+      CHECK(real["taken"] == (is_gateway ? 48 : 55) * 2);
+      // What nobody could hear is known as well.
+      const auto& lost = island_of(report)["serial"]["lost"];
+      if (is_gateway)
+        CHECK(lost["end_off_octets"].get<std::size_t>() >= 7 * 4 * octets.size());
+      CHECK(proxy_of(report, "kitchen.lamp")["status"] == "active");
+      CHECK(proxy_of(report, "kitchen.lamp")["values"]["count"] == "57");
+      CHECK(proxy_of(report, "kitchen.199")["values"]["count"] == "57");
+    }
+  }
+}
+
 TEST_CASE("a base station is plugged in, pulled, and plugged in again beside a simulated sink",
           "[cli][serial][GW-15][GW-17]") {
   edge x;
