@@ -161,23 +161,26 @@ void spawn_pty(ecology_pointer self, const config::island_description& island) {
   spawn_child(*self->state.pcs, self, "pty_end/" + island.name, pty_end, std::move(x));
 }
 
+/// A line to what is not simulated.
+serial_line_actor spawn_line(ecology_pointer self, island_id island, const std::string& path,
+                             const serial::line_config& config,
+                             const serial::outside_config& outside) {
+  if (outside.recorded)
+    return spawn_child(*self->state.pcs, self, path, replay_line,
+                       serial::replay(outside.recorded, outside.speed), island, handle_of(self));
+  outside_line_arguments x;
+  x.access = {outside, config.baud, config.buffer};
+  x.loop = self->state.process.loop;
+  x.island = island;
+  x.ecology = handle_of(self);
+  return caf::actor_cast<serial_line_actor>(
+      spawn_child(*self->state.pcs, self, path, outside_line, std::move(x)));
+}
+
 /// The way to the real sink of an island, and its gateway.
 void spawn_outside(ecology_pointer self, const config::island_description& island) {
-  const auto path = "serial_line/" + island.name;
-  auto& line = self->state.lines[{island.id, 0}];
-  if (island.outside.recorded) {
-    line = spawn_child(*self->state.pcs, self, path, replay_line,
-                       serial::replay(island.outside.recorded, island.outside.speed), island.id,
-                       handle_of(self));
-  } else {
-    outside_line_arguments x;
-    x.access = {island.outside, island.serial.baud, island.serial.buffer};
-    x.loop = self->state.process.loop;
-    x.island = island.id;
-    x.ecology = handle_of(self);
-    line = caf::actor_cast<serial_line_actor>(
-        spawn_child(*self->state.pcs, self, path, outside_line, std::move(x)));
-  }
+  self->state.lines[{island.id, 0}] =
+      spawn_line(self, island.id, "serial_line/" + island.name, island.serial, island.outside);
   spawn_programs(self, self->state.peers.at(island.gateway_name));
 }
 
@@ -223,6 +226,9 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
     spawn_pty(self, island);
     return;
   }
+  if (const auto& real = island.real; real.is_there())
+    self->state.real_lines[island.id] = spawn_line(
+        self, island.id, "real_line/" + island.name + "/real", real.serial, real.outside);
   spawn_programs(self, self->state.peers.at(island.gateway_name));
   for (const auto& alias : island.aliases)
     spawn_programs(self, self->state.peers.at(alias.name));

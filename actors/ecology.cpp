@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "actors/assembly.hpp"
@@ -265,8 +266,13 @@ bool has_several_gateways(ecology_pointer self, island_id id) {
 /// A real mote has joined its island, or left it; the file may have a name for it.
 void on_real_listing(ecology_pointer self, const config::island_description& island,
                      const listing_changed& x) {
-  const auto named = std::ranges::find(island.motes, x.mote.mote, &config::mote_description::id);
-  const auto name = named == island.motes.end() ? "mote-" + to_string(x.mote.mote) : named->name;
+  auto name = "mote-" + to_string(x.mote.mote);
+  for (const auto& mote : island.motes)
+    if (mote.id == x.mote.mote)
+      name = mote.name;
+  for (const auto& [id, known] : island.real.names)
+    if (id == x.mote.mote)
+      name = known;
   note_event(self, "mote/" + island.name + '/' + name,
              x.listed ? "joined" : "left: " + network::to_string(x.cause));
   if (auto* judge = self->state.process.judge; judge != nullptr && x.listed)
@@ -276,7 +282,7 @@ void on_real_listing(ecology_pointer self, const config::island_description& isl
 void on_listing(ecology_pointer self, const listing_changed& x) {
   const auto& island = *std::ranges::find(self->state.description.islands, x.mote.island,
                                           &config::island_description::id);
-  if (island.outside.has_sink()) {
+  if (island.outside.has_sink() || (island.real.is_there() && island.real.motes.has(x.mote.mote))) {
     on_real_listing(self, island, x);
     return;
   }
@@ -475,6 +481,9 @@ struct fault_applier : peer_fault_applier {
       if (which.first == x.island && (!x.gateway || *x.gateway == gateway_at(which)))
         unplug(line, x.length);
     }
+    const auto real = self->state.real_lines.find(x.island);
+    if (real != self->state.real_lines.end() && !x.gateway)
+      unplug(real->second, x.length);
   }
 
   void unplug(const serial_line_actor& line, duration length) const {
@@ -803,9 +812,17 @@ report::run_truth truth_of(ecology_pointer self) {
   const auto& state = self->state;
   report::run_truth truth;
   std::map<island_id, report::device_list> lists;
+  std::set<island_id> elsewhere; // their gateways are other programs', which alone know
+  for (const auto& island : state.description.islands)
+    if (island.outside.has_gateway())
+      elsewhere.insert(island.id);
   for (const auto& [address, mote] : state.motes) {
     if (mote.arguments->stack != config::stack::full)
       continue; // no gateway lists it
+    if (elsewhere.contains(address.island)) {
+      truth.ended_by_fault.push_back(address);
+      continue;
+    }
     auto& list = lists[address.island];
     list.island = address.island;
     const auto& sink = state.sinks.at(address.island);
@@ -956,6 +973,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
           island_of(self, x.island).smepp += x.smepp;
       },
       [self](const serial_status& x) { island_of(self, x.island).serial += x.serial; },
+      [self](const real_line_status& x) { island_of(self, x.island).real += x.real; },
       [self](const devices_status& x) {
         self->state.listed[x.island] = x.listed;
         if (x.has_clock)

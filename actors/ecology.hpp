@@ -172,6 +172,7 @@ struct ecology_state : collected_answers {
   /// What a mote is after a fault of the plan, by the fault's index.
   std::map<std::uint32_t, std::shared_ptr<const mote_arguments>> successors;
   std::map<std::pair<island_id, std::size_t>, serial_line_actor> lines; ///< of sinks, numbered
+  std::map<island_id, serial_line_actor> real_lines; ///< to real motes beside simulated ones
   std::shared_ptr<const rfid::tags> tags; ///< of the world; nullptr until a reader needs them
   scheduler::process* pcs = nullptr;      ///< of all peers, and of the networks between them
   std::map<island_id, scheduler::process*> processes;

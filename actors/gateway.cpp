@@ -5,6 +5,8 @@
 #include "actors/statuses.hpp"
 #include "core/device_keys.hpp"
 #include "scheduler/supervision.hpp"
+#include "serial/packet.hpp"
+#include "serial/raw_packet.hpp"
 
 namespace rubicon {
 
@@ -18,6 +20,7 @@ constexpr std::string_view written_by_others[] = {"devices.*.input.*", "devices.
 
 void perform(gateway_pointer self, gateway::outputs todo);
 void perform(gateway_pointer self, serial::outputs todo);
+void perform_real(gateway_pointer self, serial::outputs todo);
 void follow(gateway_pointer self);
 
 /// Of its kernel.
@@ -38,6 +41,7 @@ void to_adapter(gateway_pointer self, Message x) {
 
 struct performer {
   gateway_pointer self;
+  bool is_real = false; ///< outputs of the port at the line to real motes
 
   // what the gateway's core wants
 
@@ -51,13 +55,27 @@ struct performer {
   }
 
   void operator()(gateway::to_sink& x) const {
-    if (self->state.plain.knows(x.mote))
-      return;
     const acting_on its(x.from);
     serial::am_packet packet{x.mote.value, 0, static_cast<std::uint8_t>(island().value), x.am_type,
                              std::move(x.payload)};
     perform(self, self->state.port.send(serial::packet_id{self->state.next_packet++},
                                         serial::encode(packet), now(self)));
+  }
+
+  void operator()(const gateway::to_plain& x) const {
+    const acting_on its(x.from);
+    auto& state = self->state;
+    auto packet = state.plain.on_input(x.mote, x.channel, x.octets);
+    if (!packet) {
+      perform(self, state.gateway.on_plain_done(x.number, false, now(self)));
+      return;
+    }
+    const serial::packet_id id{state.next_packet++};
+    state.inputs[id] = x.number;
+    if (state.arguments.real_line)
+      perform_real(self, state.real_port.send(id, *std::move(packet), now(self)));
+    else
+      perform(self, state.port.send(id, *std::move(packet), now(self)));
   }
 
   void operator()(gateway::to_gateway& x) const {
@@ -118,38 +136,51 @@ struct performer {
 
   void operator()(serial::to_line& x) const {
     const acting_on its(x.from);
-    to_adapter(self, serial_write{serial::direction::to_mote, payload(std::move(x.octets))});
+    serial_write write{serial::direction::to_mote, payload(std::move(x.octets))};
+    if (is_real)
+      self->send(self->state.arguments.real_line, std::move(write));
+    else
+      to_adapter(self, std::move(write));
   }
 
   void operator()(const serial::received& x) const {
-    if (self->state.arguments.forwarder)
-      self->send(self->state.arguments.forwarder, serial_packet{0, payload(x.packet)});
-    if (const auto packet = serial::decode_am_packet(x.packet))
-      take(*packet);
+    auto& state = self->state;
+    const bool may_be_plain = is_real || !state.arguments.real_line;
+    auto plain = may_be_plain ? state.plain.on_packet(x.packet, now(self)) : std::nullopt;
+    if (state.arguments.forwarder && (plain || !is_real))
+      self->send(state.arguments.forwarder, serial_packet{0, payload(x.packet)});
+    if (plain)
+      take(*plain);
+    else if (is_real)
+      return;
+    else if (const auto packet = serial::decode_am_packet(x.packet))
+      perform(self, state.gateway.on_packet(mote_id(packet->source), packet->am_type,
+                                            packet->payload, now(self)));
     else
-      ++self->state.bad_packets;
+      ++state.bad_packets;
   }
 
-  void operator()(const serial::sent& x) const { tell_done(x.id); }
+  void operator()(const serial::sent& x) const {
+    tell_done(x.id);
+    if (const auto input = self->state.inputs.extract(x.id); !input.empty()) {
+      self->state.plain.on_sent();
+      perform(self, self->state.gateway.on_plain_done(input.mapped(), true, now(self)));
+    }
+  }
 
   void operator()(const serial::lost& x) const {
     tell_done(x.id);
+    if (const auto input = self->state.inputs.extract(x.id); !input.empty()) {
+      self->state.plain.on_lost(x.cause);
+      perform(self, self->state.gateway.on_plain_done(input.mapped(), false, now(self)));
+    }
     log(self, spdlog::level::warn, "event=lost packet={}", x.id.value);
-  }
-
-  void take(const serial::am_packet& x) const {
-    const mote_id source(x.source);
-    const auto plain = self->state.plain.on_packet(source, x.am_type, x.payload, now(self));
-    if (plain)
-      take(*plain);
-    else
-      perform(self, self->state.gateway.on_packet(source, x.am_type, x.payload, now(self)));
   }
 
   /// What a sink would have said.
   void take(const std::vector<gateway::sink_packet>& all) const {
     for (const auto& x : all)
-      perform(self, self->state.gateway.on_packet(x.source, x.am_type, x.payload, now(self)));
+      perform(self, self->state.gateway.on_plain_packet(x, now(self)));
     if (all.empty())
       follow(self);
   }
@@ -170,7 +201,8 @@ void follow(gateway_pointer self) {
   const auto& state = self->state;
   const auto due = earliest(earliest(state.gateway.deadline(), state.plain.deadline()),
                             state.programs.deadline());
-  self->state.wake.follow(self, earliest(due, state.port.deadline()));
+  const auto port_due = earliest(state.port.deadline(), state.real_port.deadline());
+  self->state.wake.follow(self, earliest(due, port_due));
 }
 
 void perform(gateway_pointer self, gateway::outputs todo) {
@@ -186,12 +218,41 @@ void perform(gateway_pointer self, serial::outputs todo) {
   follow(self);
 }
 
+void perform_real(gateway_pointer self, serial::outputs todo) {
+  for (auto& output : todo)
+    std::visit(performer{self, true}, output);
+  follow(self);
+}
+
+/// Whether it is for a mote at the line to real ones.
+bool is_for_real(gateway_pointer self, byte_view packet) {
+  const auto& arguments = self->state.arguments;
+  if (!arguments.real_line || !arguments.plain.range)
+    return false;
+  const auto x = serial::decode_any_packet(packet);
+  return x && arguments.plain.range->has(mote_id(x->destination));
+}
+
 /// A packet of a program of TinyOS.
 void on_foreign(gateway_pointer self, const serial_packet& x) {
   auto& state = self->state;
   const serial::packet_id id{state.next_packet++};
   state.foreign[id] = x.token;
-  perform(self, state.port.send(id, to_bytes(x.octets.view()), now(self)));
+  auto packet = to_bytes(x.octets.view());
+  if (is_for_real(self, packet))
+    perform_real(self, state.real_port.send(id, std::move(packet), now(self)));
+  else
+    perform(self, state.port.send(id, std::move(packet), now(self)));
+}
+
+/// What is at the far end of the line to plain motes is there, or not.
+void on_presence(gateway_pointer self, bool there) {
+  auto& state = self->state;
+  state.plain.on_presence(there, now(self));
+  if (there)
+    follow(self);
+  else
+    perform(self, state.gateway.on_plain_line_lost(now(self)));
 }
 
 void on_tuple(gateway_pointer self, const tuple_event& x) {
@@ -222,6 +283,39 @@ void on_timer(gateway_pointer self) {
   perform(self, state.gateway.on_time(now(self)));
   perform(self, state.programs.on_time(state.gateway, now(self)));
   perform(self, state.port.on_time(now(self)));
+  perform_real(self, state.real_port.on_time(now(self)));
+}
+
+/// @param ends its life does
+void report_real_line(gateway_pointer self, bool ends) {
+  const auto& state = self->state;
+  const auto& counted = state.plain.counters();
+  real_line_status status{state.arguments.config.island, {}};
+  auto& real = status.real;
+  real.packets = counted.packets;
+  real.taken = counted.taken;
+  real.dropped = {counted.dropped.begin(), counted.dropped.end()};
+  real.inputs = counted.inputs;
+  real.inputs_sent = counted.inputs_sent;
+  real.inputs_failed = {counted.inputs_failed.begin(), counted.inputs_failed.end()};
+  if (ends && !state.inputs.empty())
+    real.inputs_failed["gateway_ended"] += state.inputs.size();
+  else
+    real.inputs_open = state.inputs.size();
+  self->send(state.arguments.ecology, std::move(status));
+  if (!state.arguments.real_line)
+    return;
+  const auto& port = state.real_port.counters();
+  const auto& frames = state.real_port.frames();
+  serial_status line{state.arguments.config.island, {}};
+  line.serial.frames_sent = port.attempts + port.acks_written;
+  line.serial.frames_received = frames.good;
+  line.serial.lost = {
+      {"real_crc", frames.bad_crc + frames.too_short + frames.too_long + frames.aborted},
+      {"real_no_ack", port.no_ack},
+      {"real_queue_full", port.queue_full},
+      {"real_refused", port.refused}};
+  self->send(state.arguments.ecology, std::move(line));
 }
 
 /// @param ends its life does
@@ -241,6 +335,8 @@ void report_counters(gateway_pointer self, bool ends) {
       {"gateway_malformed", state.bad_packets}};
   const auto& ecology = state.arguments.ecology;
   self->send(ecology, std::move(status));
+  if (!state.arguments.plain.motes.rules.empty())
+    report_real_line(self, ends);
   const auto arrivals = state.gateway.arrivals();
   self->send(ecology, message_status{{island, no_mote},
                                      false,
@@ -277,11 +373,17 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   state.gateway =
       gateway::gateway(state.arguments.config, random_stream(state.arguments.seed, self->path()));
   observe_programs(self, state.gateway);
-  state.plain = gateway::plain_motes(state.arguments.plain);
+  state.plain = gateway::plain_line(state.arguments.plain);
   state.port = serial::host_port(state.arguments.port);
+  state.real_port = serial::host_port(state.arguments.real_port);
   const auto client = caf::actor_cast<peis_client_actor>(self);
   to_adapter(self,
              attach_serial{serial::direction::to_pc, {caf::actor_cast<serial_end_actor>(self)}});
+  const auto& plain_line =
+      state.arguments.real_line ? state.arguments.real_line : state.arguments.line;
+  if (!state.arguments.plain.motes.rules.empty())
+    self->send(plain_line, watch_line{{caf::actor_cast<line_watcher_actor>(self)},
+                                      plain_line == state.arguments.real_line});
   if (state.arguments.forwarder)
     self->send(state.arguments.forwarder,
                attach_packets{{caf::actor_cast<packet_end_actor>(self)}});
@@ -306,6 +408,10 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
         perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));
       },
       [self](const serial_packet& x) { on_foreign(self, x); },
+      [self](const real_octets& x) {
+        perform_real(self, self->state.real_port.on_bytes(x.octets.view(), now(self)));
+      },
+      [self](const serial_presence& x) { on_presence(self, x.there); },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           on_timer(self);

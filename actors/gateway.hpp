@@ -10,7 +10,7 @@
 #include "actors/program_host.hpp"
 #include "actors/timer.hpp"
 #include "gateway/gateway.hpp"
-#include "gateway/plain_motes.hpp"
+#include "gateway/plain_line.hpp"
 #include "serial/host_port.hpp"
 
 namespace rubicon {
@@ -21,12 +21,14 @@ struct gateway_arguments {
   std::string name;        ///< of its kernel
   peer_id self = any_peer; ///< the same; any_peer: it has the island's id
   std::vector<apps::app_config> programs;
-  gateway::plain_config plain;
+  gateway::plain_line_config plain; ///< with a range where there is a real_line
   serial::host_port_config port;
+  serial::host_port_config real_port;
   std::uint64_t seed = 0; ///< of the ecology
   peis_peer_actor peer;   ///< the kernel whose component it is
   serial_line_actor line;
   bool line_is_real = false;        ///< its adapter takes its time by itself
+  serial_line_actor real_line;      ///< to motes with plain programs; nullptr: they are at `line`
   forwarder_server_actor forwarder; ///< for programs of TinyOS; nullptr: none
   ecology_actor ecology;
 };
@@ -34,12 +36,14 @@ struct gateway_arguments {
 struct gateway_state {
   gateway_arguments arguments;
   gateway::gateway gateway;
-  gateway::plain_motes plain;
+  gateway::plain_line plain;
   serial::host_port port;
+  serial::host_port real_port;
   std::uint64_t next_packet = 1;
   std::uint64_t bad_packets = 0;                      ///< from the line, not serial active messages
   std::uint64_t messages_lost = 0;                    ///< that another gateway did not acknowledge
   std::map<serial::packet_id, std::uint64_t> foreign; ///< of programs of TinyOS: their tokens
+  std::map<serial::packet_id, std::uint64_t> inputs;  ///< for plain motes: to_plain::number
   program_host programs;
   timer wake;
 };

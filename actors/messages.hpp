@@ -165,6 +165,13 @@ struct serial_status {
 };
 RUBICON_FIELDS(serial_status, island, serial);
 
+/// What the gateway's end of a line to real motes has counted.
+struct real_line_status {
+  island_id island;
+  report::real_line_report real;
+};
+RUBICON_FIELDS(real_line_status, island, real);
+
 struct devices_status {
   island_id island;
   std::vector<mote_id> listed;
@@ -245,11 +252,12 @@ using ecology_actor = caf::typed_actor<
     caf::reacts_to<notable_event>, caf::reacts_to<mote_flat>, caf::reacts_to<listing_changed>,
     caf::reacts_to<radio_status>, caf::reacts_to<energy_status>, caf::reacts_to<flow_status>,
     caf::reacts_to<message_status>, caf::reacts_to<network_status>, caf::reacts_to<smepp_status>,
-    caf::reacts_to<serial_status>, caf::reacts_to<devices_status>, caf::reacts_to<gateway_status>,
-    caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>, caf::reacts_to<program_status>,
-    caf::reacts_to<sample_status>, caf::reacts_to<start_component>, caf::reacts_to<stop_component>,
-    caf::reacts_to<actor_failed>, caf::reacts_to<request_unmet>, caf::reacts_to<store_written>,
-    caf::reacts_to<radio_left>, caf::reacts_to<outside_link_changed>>;
+    caf::reacts_to<serial_status>, caf::reacts_to<real_line_status>, caf::reacts_to<devices_status>,
+    caf::reacts_to<gateway_status>, caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>,
+    caf::reacts_to<program_status>, caf::reacts_to<sample_status>, caf::reacts_to<start_component>,
+    caf::reacts_to<stop_component>, caf::reacts_to<actor_failed>, caf::reacts_to<request_unmet>,
+    caf::reacts_to<store_written>, caf::reacts_to<radio_left>,
+    caf::reacts_to<outside_link_changed>>;
 
 /// To itself: this fault of the description's plan is due.
 struct apply_fault {
@@ -458,6 +466,23 @@ struct serial_presence {
 };
 RUBICON_FIELDS(serial_presence, there, why);
 
+/// Octets of a line to real motes, which is beside the cable of a simulated sink.
+struct real_octets {
+  payload octets;
+};
+RUBICON_FIELDS(real_octets, octets);
+
+/// Whoever wants to know whether what is at the far end of a line is there.
+using line_watcher_actor =
+    caf::typed_actor<caf::reacts_to<serial_presence>, caf::reacts_to<real_octets>>;
+
+/// From now on `user` hears when the far end comes and goes, and at once if it is there.
+struct watch_line {
+  carried<line_watcher_actor> user;
+  bool takes_octets = false; ///< those towards the PC are for it, too, as real_octets
+};
+RUBICON_FIELDS(watch_line, user, takes_octets);
+
 /// A packet between the gateway and a program of TinyOS.
 struct serial_packet {
   std::uint64_t token = 0; ///< the sender's name for it
@@ -483,7 +508,7 @@ RUBICON_FIELDS(attach_packets, user);
 using serial_line_actor =
     caf::typed_actor<caf::reacts_to<attach_serial>, caf::reacts_to<serial_write>,
                      caf::reacts_to<plug_serial>, caf::reacts_to<timer_expired>,
-                     caf::reacts_to<status_request>>;
+                     caf::reacts_to<status_request>, caf::reacts_to<watch_line>>;
 
 /// What stands for the cable where the sink is a real one.
 using outside_line_actor =
@@ -1032,6 +1057,7 @@ using peis_peer_actor = lan_user_actor::extend<
 using gateway_actor =
     peis_client_actor::extend<caf::reacts_to<subscribers_changed>, caf::reacts_to<clock_changed>,
                               caf::reacts_to<serial_octets>, caf::reacts_to<serial_packet>,
+                              caf::reacts_to<real_octets>, caf::reacts_to<serial_presence>,
                               caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// A serial forwarder for programs of TinyOS.

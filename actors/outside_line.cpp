@@ -22,6 +22,8 @@ void on_presence(line_pointer self, const serial_presence& x) {
   if (!state.plugged)
     return;
   state.there = x.there;
+  if (state.watcher)
+    self->send(state.watcher, x);
   if (x.there) {
     state.told.clear();
     state.next_try.reset();
@@ -48,7 +50,9 @@ void on_write(line_pointer self, const payload& octets) {
 void on_octets(line_pointer self, const serial_octets& x) {
   auto& state = self->state;
   state.up += x.octets.size();
-  if (state.pc)
+  if (state.gives_octets && state.watcher)
+    self->send(state.watcher, real_octets{x.octets});
+  else if (state.pc)
     self->send(state.pc, x);
   else
     state.unheard += x.octets.size();
@@ -58,7 +62,8 @@ void on_octets(line_pointer self, const serial_octets& x) {
 void plug(line_pointer self, bool plugged) {
   auto& state = self->state;
   state.plugged = plugged;
-  state.there = false;
+  if (std::exchange(state.there, false) && state.watcher)
+    self->send(state.watcher, serial_presence{});
   state.next_try.reset();
   state.wake.follow(self, state.next_try);
   log(self, spdlog::level::info, "event={}", plugged ? "plugged" : "unplugged");
@@ -110,6 +115,12 @@ outside_line_actor::behavior_type outside_line(line_pointer self,
       [self](status_request) { send_status(self); },
       [self](const serial_octets& x) { on_octets(self, x); },
       [self](const serial_presence& x) { on_presence(self, x); },
+      [self](const watch_line& x) {
+        self->state.watcher = x.user.actor;
+        self->state.gives_octets = x.takes_octets;
+        if (self->state.watcher)
+          self->send(self->state.watcher, serial_presence{self->state.there, {}});
+      },
   };
 }
 

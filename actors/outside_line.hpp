@@ -24,7 +24,9 @@ struct outside_line_state {
 
   outside_line_arguments arguments;
   std::unique_ptr<sink_access> access;
-  serial_end_actor pc; ///< empty until attached
+  serial_end_actor pc;        ///< empty until attached
+  line_watcher_actor watcher; ///< the same
+  bool gives_octets = false;  ///< to the watcher, not to `pc`
   serial::reopening reopening;
   std::optional<instant> next_try;
   bool there = false;

@@ -248,6 +248,8 @@ struct peer_app_spawner {
     }
     for (const auto& mote : island.motes) // those of islands of other hosts
       x.mote_names.emplace(mote.id, mote.name);
+    for (const auto& [mote, name] : island.real.names)
+      x.mote_names.emplace(mote, name);
     return x;
   }
 
@@ -380,9 +382,18 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   gateway.peer = peer.handle;
   gateway.line = self->state.lines.at({island.id, peer.line});
   gateway.line_is_real = island.outside.has_sink();
-  gateway.plain = {island.plain, island.keep_alive};
+  gateway.plain.motes = {island.plain, island.keep_alive};
+  gateway.plain.group = serial::default_group;
   if (gateway.line_is_real)
-    gateway.port.payload_max = island.outside.payload;
+    gateway.port.payload_max = gateway.plain.payload_max = island.outside.payload;
+  if (const auto& real = island.real; real.is_there()) {
+    gateway.config.has_real_line = true;
+    gateway.plain.range = real.motes;
+    gateway.plain.payload_max = real.outside.payload;
+    gateway.real_port.baud = real.serial.baud;
+    gateway.real_port.payload_max = real.outside.payload;
+    gateway.real_line = self->state.real_lines.at(island.id);
+  }
   gateway.ecology = ecology_handle(self);
   if (!is_alias && !island.exported.forwarder.empty()) {
     gateway.forwarder =

@@ -67,8 +67,18 @@ void tell_when_inits_ended(ecology_pointer self) {
 /// With an init ends all that it has started.
 void end_init(ecology_pointer self, supervised_peer& peer);
 
+/// Nobody is at the end of its line to real motes.
+void leave_real_line(ecology_pointer self, const supervised_peer& gateway) {
+  const auto& lines = self->state.real_lines;
+  if (!gateway.island || gateway.programs.empty())
+    return;
+  if (const auto line = lines.find(*gateway.island); line != lines.end())
+    self->send(line->second, watch_line{{}, true});
+}
+
 /// Ends a peer's process: kernel and programs.
 void end_process(ecology_pointer self, supervised_peer& peer) {
+  leave_real_line(self, peer);
   for (const auto& program : std::exchange(peer.programs, {}))
     end_quietly(self, program);
   if (peer.handle)

@@ -155,10 +155,11 @@ void send_status(proxy_pointer self, bool ends) {
   r.values = core.values();
   r.actuations.requested = counted.requested;
   r.actuations.acknowledged = counted.acknowledged;
+  r.actuations.sent = counted.sent;
   r.actuations.slowest = counted.slowest;
   r.actuations.latency = counted.latency;
   r.actuations.failed = counted.failed;
-  const auto ended = counted.acknowledged + report::total(r.actuations.failed);
+  const auto ended = counted.acknowledged + counted.sent + report::total(r.actuations.failed);
   if (ends) {
     r.status = "ended";
     if (ended < counted.requested)

@@ -15,12 +15,19 @@ void give(line_pointer self, bytes octets) {
   auto& state = self->state;
   if (octets.empty())
     return;
-  if (!state.plugged || !state.pc) {
+  if (!state.plugged || (!state.pc && !state.gives_octets)) {
     state.unplugged += octets.size();
     return;
   }
   state.up += octets.size();
-  self->send(state.pc, serial_octets{payload(std::move(octets))});
+  if (state.gives_octets && !state.watcher) {
+    state.unheard += octets.size();
+    return;
+  }
+  if (state.gives_octets)
+    self->send(state.watcher, real_octets{payload(std::move(octets))});
+  else
+    self->send(state.pc, serial_octets{payload(std::move(octets))});
 }
 
 void on_write(line_pointer self, const payload& octets) {
@@ -35,6 +42,8 @@ void on_write(line_pointer self, const payload& octets) {
 
 void plug(line_pointer self, bool plugged) {
   self->state.plugged = plugged;
+  if (self->state.watcher)
+    self->send(self->state.watcher, serial_presence{plugged, {}});
   self->send(self->state.ecology,
              notable_event{self->path(),
                            plugged ? "serial cable plugged in again" : "serial cable unplugged"});
@@ -46,6 +55,8 @@ void send_status(line_pointer self) {
   status.serial.octets = state.up + state.down;
   status.serial.octets_up = state.up;
   status.serial.lost = {{"unplugged_octets", state.unplugged}};
+  if (state.unheard > 0)
+    status.serial.lost["end_off_octets"] = state.unheard;
   self->send(state.ecology, std::move(status));
 }
 
@@ -73,6 +84,13 @@ serial_line_actor::behavior_type replay_line(line_pointer self, serial::replay r
       },
       [self](plug_serial x) { plug(self, x.plugged); },
       [self](status_request) { send_status(self); },
+      [self](const watch_line& x) {
+        auto& state = self->state;
+        state.watcher = x.user.actor;
+        state.gives_octets = x.takes_octets;
+        if (state.watcher)
+          self->send(state.watcher, serial_presence{state.plugged, {}});
+      },
   };
 }
 

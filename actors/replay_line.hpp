@@ -15,10 +15,13 @@ struct replay_line_state {
   serial::replay replay;
   island_id island;
   ecology_actor ecology;
-  serial_end_actor pc; ///< empty until attached
+  serial_end_actor pc;        ///< empty until attached
+  line_watcher_actor watcher; ///< the same
+  bool gives_octets = false;  ///< to the watcher, not to `pc`
   bool plugged = true;
   std::uint64_t up = 0;
   std::uint64_t down = 0;
+  std::uint64_t unheard = 0;   ///< octets that have come to no end
   std::uint64_t unplugged = 0; ///< octets lost because no cable was there
   timer wake;
 };

@@ -73,6 +73,7 @@ serial_line_actor::behavior_type serial_line(line_pointer self, serial::line lin
       },
       [self](plug_serial x) { plug(self, x.plugged); },
       [self](status_request) { send_status(self); },
+      [](const watch_line&) {}, // its far end is a sink, which is always there
   };
 }
 

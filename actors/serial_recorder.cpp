@@ -20,6 +20,15 @@ std::string island_in(std::string_view path, std::string_view kind) {
   return name.find('/') == std::string_view::npos ? std::string(name) : std::string();
 }
 
+/// `kitchen/real`, of its gateway or in `real_line/kitchen/real`.
+std::string real_line_of(const std::string& island) {
+  return island + std::string(serial::real_line_suffix);
+}
+std::string real_line_in(std::string_view path) {
+  constexpr std::string_view kind = "real_line/";
+  return path.starts_with(kind) ? std::string(path.substr(kind.size())) : std::string();
+}
+
 } // namespace
 
 serial_recorder::serial_recorder(std::string path)
@@ -39,9 +48,15 @@ void serial_recorder::write(const scheduler::delivery& x) {
            x.content.get_as<serial_octets>(0).octets.view());
   } else if (x.content.match_elements<serial_write>()) {
     const auto& written = x.content.get_as<serial_write>(0);
-    const auto island = island_in(x.path, "serial_line/");
-    if (!island.empty() && written.towards == serial::direction::to_mote)
-      take(x.time, island, written.towards, written.octets.view());
+    auto line = island_in(x.path, "serial_line/");
+    if (line.empty())
+      line = real_line_in(x.path);
+    if (written.towards == serial::direction::to_mote && !line.empty())
+      take(x.time, line, written.towards, written.octets.view());
+  } else if (x.content.match_elements<real_octets>()) {
+    if (const auto island = island_in(x.path, "gateway/"); !island.empty())
+      take(x.time, real_line_of(island), serial::direction::to_pc,
+           x.content.get_as<real_octets>(0).octets.view());
   }
 }
 

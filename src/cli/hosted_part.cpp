@@ -115,10 +115,15 @@ std::vector<std::string> hosted_part::problems_of(const deploy::offer& x,
         out.push_back(std::move(why));
     }
   for (const auto& island : ours.islands)
-    if (const auto& device = island.outside.device; !device.empty())
-      if (const auto why = io::why_closed(device); !why.empty())
-        out.push_back("the sink of island `" + island.name + "` is at " + device + ": " + why +
+    for (const auto* outside : {&island.outside, &island.real.outside}) {
+      if (outside->device.empty())
+        continue;
+      const auto what = outside == &island.outside ? "the sink" : "the base station";
+      if (const auto why = io::why_closed(outside->device); !why.empty())
+        out.push_back(std::string(what) + " of island `" + island.name + "` is at " +
+                      outside->device + ": " + why +
                       "; `rubicon doctor` on this host tells which ports there are");
+    }
   if (!with_.allows_commands && has_commands(ours))
     out.emplace_back("the file starts commands here, which this host does not allow: start "
                      "`rubicon host` with --allow-commands if you trust whoever deploys");

@@ -22,6 +22,7 @@
 #include "serial/forwarder.hpp"
 #include "serial/host_port.hpp"
 #include "serial/packet.hpp"
+#include "serial/raw_packet.hpp"
 
 namespace rubicon::cli {
 
@@ -166,37 +167,116 @@ std::string meaning_of(const serial::am_packet& x) {
   return text;
 }
 
-std::string line_of(const bytes& packet, instant at, bool colour) {
-  const auto dim = [colour](const std::string& x) {
-    return colour ? "\x1b[2m" + x + "\x1b[0m" : x;
-  };
-  const auto bold = [colour](const std::string& x) {
-    return colour ? "\x1b[1m" + x + "\x1b[0m" : x;
-  };
-  const auto x = serial::decode_am_packet(packet);
-  if (!x)
-    return dim(to_text(at)) + "  no active message  " + to_hex(packet) + '\n';
-  auto text = dim(to_text(at)) + "  " + std::to_string(x->source) + " -> " +
-              (x->destination == serial::am_broadcast ? "all" : std::to_string(x->destination)) +
-              "  type " + bold(std::to_string(x->am_type)) +
-              dim("  group 0x" + to_hex(bytes{x->group})) + "  " + to_hex(x->payload);
-  if (const auto meaning = meaning_of(*x); !meaning.empty())
-    text += "  " + bold(meaning);
-  return text + '\n';
+std::string hex_text(std::uint64_t x, std::size_t octets) {
+  byte_writer out;
+  out.big(x);
+  const auto all = std::move(out).finish();
+  return "0x" + to_hex(byte_view(all).last(octets));
+}
+
+/// `3`, `all`, `-` if the frame does not name it; of 8 octets in hexadecimal.
+std::string end_text(const serial::raw_end& x) {
+  if (!x.address)
+    return "-";
+  if (x.is_long)
+    return hex_text(*x.address, 8);
+  return *x.address == serial::am_broadcast ? "all" : std::to_string(*x.address);
+}
+
+/// One packet in a line of text.
+class packet_line {
+public:
+  packet_line(instant at, bool colour) : colour_(colour) { text_ = dim(to_text(at)) + "  "; }
+
+  [[nodiscard]] std::string of(const bytes& packet) {
+    const auto raw = serial::decode_raw_packet(packet);
+    if (const auto x = serial::decode_am_packet(packet))
+      add_ends(std::to_string(x->source),
+               x->destination == serial::am_broadcast ? "all" : std::to_string(x->destination));
+    else if (raw)
+      add(*raw);
+    if (const auto x = serial::decode_any_packet(packet))
+      add(*x);
+    else if (raw)
+      text_ += raw->body.empty() ? std::string() : "  " + to_hex(raw->body);
+    else
+      text_ += "no active message  " + to_hex(packet);
+    return text_ + '\n';
+  }
+
+private:
+  [[nodiscard]] std::string dim(const std::string& x) const {
+    return colour_ ? "\x1b[2m" + x + "\x1b[0m" : x;
+  }
+  [[nodiscard]] std::string bold(const std::string& x) const {
+    return colour_ ? "\x1b[1m" + x + "\x1b[0m" : x;
+  }
+
+  void add_ends(const std::string& source, const std::string& destination) {
+    text_ += source + " -> " + destination;
+  }
+
+  void add(const serial::raw_frame& x) {
+    add_ends(end_text(x.source), end_text(x.destination));
+    auto words =
+        "  802.15.4 " + std::string(to_string(x.kind)) + ", sequence " + std::to_string(x.sequence);
+    if (x.destination.pan)
+      words += ", pan " + hex_text(*x.destination.pan, 2);
+    if (x.source.pan)
+      words += ", from pan " + hex_text(*x.source.pan, 2);
+    words += x.asks_ack ? ", asks for an ack" : "";
+    words += x.is_pending ? ", has more" : "";
+    words += x.is_secured ? ", secured" : "";
+    text_ += dim(words);
+  }
+
+  void add(const serial::am_packet& x) {
+    text_ += "  type " + bold(std::to_string(x.am_type)) +
+             dim("  group 0x" + to_hex(bytes{x.group})) + "  " + to_hex(x.payload);
+    if (const auto meaning = meaning_of(x); !meaning.empty())
+      text_ += "  " + bold(meaning);
+  }
+
+  bool colour_;
+  std::string text_;
+};
+
+/// Numbers of 8 octets as text: JSON's have fewer digits in most programs.
+void add_end(nlohmann::ordered_json& out, const std::string& name, const serial::raw_end& x) {
+  if (x.pan)
+    out[name + "_pan"] = *x.pan;
+  if (x.address && x.is_long)
+    out[name] = hex_text(*x.address, 8);
+  else if (x.address)
+    out[name] = *x.address;
 }
 
 std::string json_of(const bytes& packet, instant at) {
   nlohmann::ordered_json out;
   out["time_s"] = std::chrono::duration<double>(at.time_since_epoch()).count();
   out["dispatch"] = packet.front();
-  if (const auto x = serial::decode_am_packet(packet)) {
-    out["destination"] = x->destination;
-    out["source"] = x->source;
-    out["group"] = x->group;
-    out["type"] = x->am_type;
-    out["payload"] = to_hex(x->payload);
-    if (const auto meaning = meaning_of(*x); !meaning.empty())
+  const auto raw = serial::decode_raw_packet(packet);
+  const auto message = serial::decode_any_packet(packet);
+  if (raw) {
+    out["frame"] = to_string(raw->kind);
+    out["sequence"] = raw->sequence;
+    out["asks_ack"] = raw->asks_ack;
+    out["pending"] = raw->is_pending;
+    out["secured"] = raw->is_secured;
+    add_end(out, "destination", raw->destination);
+    add_end(out, "source", raw->source);
+  } else if (message) {
+    out["destination"] = message->destination;
+    out["source"] = message->source;
+  }
+  if (message) {
+    out["group"] = message->group;
+    out["type"] = message->am_type;
+    out["payload"] = to_hex(message->payload);
+    if (const auto meaning = meaning_of(*message); !meaning.empty())
       out["meaning"] = meaning;
+  } else if (raw) {
+    out["body"] = to_hex(raw->body);
   } else {
     out["packet"] = to_hex(packet);
   }
@@ -213,7 +293,7 @@ exit_status perform(const serial_command& with, const listen_serial& x) {
     if (over)
       return;
     const auto at = source->now();
-    written = print(stdout, x.json ? json_of(packet, at) : line_of(packet, at, colour));
+    written = print(stdout, x.json ? json_of(packet, at) : packet_line(at, colour).of(packet));
     over = !written || ++count == x.count;
   };
   sink_source from(with, {on_packet, [](serial::packet_id, bool) {}});

@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -98,6 +99,16 @@ struct alias_description {
 
 inline constexpr std::size_t aliases_max = 3; ///< of one island: a sink has few serial ports
 
+/// A line to a real base station, beside the cable of an island's simulated sink.
+struct real_line_description {
+  serial::line_config serial; ///< `baud` and `buffer` of it
+  serial::outside_config outside;
+  gateway::address_range motes;                       ///< those behind it
+  std::vector<std::pair<mote_id, std::string>> names; ///< that the file gives some of them
+
+  [[nodiscard]] bool is_there() const { return outside.has_sink(); }
+};
+
 struct island_description {
   island_id id; ///< also the PEIS id of its gateway (ADR-02)
   std::string name;
@@ -111,7 +122,8 @@ struct island_description {
   std::vector<std::string> gateway_links; ///< names of peers or gateways it connects to
   wire_form gateway_wire = wire_form::segment;
   std::vector<apps::app_config> gateway_apps;
-  std::vector<gateway::plain_rule> plain; ///< of an island with a real sink
+  real_line_description real;             ///< if it is_there()
+  std::vector<gateway::plain_rule> plain; ///< of an island with a real sink, or a real line
   std::vector<alias_description> aliases; ///< in the order in which they take over
   duration keep_alive = 10s;              ///< a silent mote is gone after this (DIS-06); motes that
                                           ///< report more rarely get three of their periods

@@ -82,6 +82,9 @@ island_motes::island_motes(surroundings& with, island_description& island, bool 
   const bool known = with.radio_is_known;
   if (known && disk != nullptr && sink_is_good && !is_mac())
     range_m_ = disk->range_m;
+  if (island.real.is_there())
+    for (std::uint32_t id = island.real.motes.first; id <= island.real.motes.last; ++id)
+      taken_.insert(id);
   positions_matter_ = known && !std::holds_alternative<radio::gain_matrix>(with.radio.propagation);
 }
 
@@ -185,8 +188,8 @@ void island_motes::read_group(table_reader& in) {
   auto first = lowest_free(taken_, count);
   in.optional("first", whole<std::uint32_t>{1, mote_id_max}, first,
               {"id of the first; the others follow",
-               "the lowest from which so many in a row are free: not of the sink, of an "
-               "`[[island.mote]]` or of a group before"});
+               "the lowest from which so many in a row are free: not of the sink, of `real`, of "
+               "an `[[island.mote]]` or of a group before"});
   const bool has_prefix =
       in.optional("prefix", prefix_text{}, prefix,
                   {"how their names begin: `node-7`", "the mote type's name, or `mote`"});
@@ -262,9 +265,14 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
 
 bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
   taken_.insert(id.value);
+  const bool is_real = island_.real.is_there() && island_.real.motes.has(id);
   if (id == island_.sink.id)
     problems.add(at, "mote id " + to_string(id) + " is the sink's");
-  return ids_.claim(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id;
+  else if (is_real)
+    problems.add(at, "mote id " + to_string(id) +
+                         " is of the range of `real`, whose motes are not simulated");
+  return ids_.claim(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id &&
+         !is_real;
 }
 
 /// Each mote that stands still must have a route to the sink, over others if need be.

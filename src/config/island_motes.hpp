@@ -26,6 +26,11 @@ public:
   void read_group(table_reader& in); ///< [[island.group]], after all single motes
 
   /// Puts the motes in order, checks that flows have both ends and that radios connect the island.
+  /// A real mote of the island has this name.
+  void claim_name(const std::string& name, mark at, complaints& problems) {
+    names_.claim(name, "mote name", at, problems);
+  }
+
   void finish(complaints& problems);
 
 private:

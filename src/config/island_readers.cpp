@@ -101,10 +101,15 @@ void check_aliases(const table_reader& in, const island_description& x) {
     in.problems().add(in.at("gateway"),
                       "a gateway has apps only where it is the island's only one; "
                       "a peer may have them");
+  if (!x.aliases.empty() && x.real.is_there())
+    in.problems().add(in.at("real"), "`real` means nothing in an island with several gateways: it "
+                                     "is a line of one");
 }
 
 /// The cable and the gateway of an island, and its further ones.
-void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_description& out) {
+/// @returns the names of its real motes
+real_names read_parts(table_reader& in, surroundings& with, bool name_is_free,
+                      island_description& out) {
   out.serial.baud = out.sink.platform->serial_baud;
   in.table("serial", "[island.serial]", "the cable between sink and gateway", [&](table_reader& x) {
     x.all(out.serial);
@@ -113,11 +118,12 @@ void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_
   out.gateway_name = default_gateway_name(out.name);
   if (out.outside.has_gateway()) {
     refuse_gateway(in);
-    return;
+    return {};
   }
   if (out.outside.has_sink())
     refuse_simulated(in);
   read_export(in, with, out);
+  auto names = read_real(in, with, out);
   read_plain(in, out);
   mark name_at = in.at("name");
   bool claims_name = name_is_free; // a default name is taken together with the island's
@@ -134,12 +140,13 @@ void read_parts(table_reader& in, surroundings& with, bool name_is_free, island_
   in.tables("alias", "[[island.alias]]", {"further gateways, at most 3", "none"},
             [&](table_reader& x) { out.aliases.push_back(read_alias(x, with, out)); });
   check_aliases(in, out);
+  return names;
 }
 
 /// An island with the medium access only has none of what joins it to the PEIS network.
 void refuse_parts(table_reader& in) {
   for (const auto* key :
-       {"keep_alive", "duty_cycle", "serial", "gateway", "alias", "export", "plain"}) {
+       {"keep_alive", "duty_cycle", "serial", "gateway", "alias", "export", "plain", "real"}) {
     in.expect(key);
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) +
@@ -176,6 +183,7 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
   in.table("sink", "[island.sink]", "the mote at the cable",
            [&](table_reader& x) { sink_apps = read_sink(x, out.sink); });
   const bool sink_is_good = in.problems().size() == before_sink;
+  real_names names_of_real;
   if (out.stack == stack::mac) {
     refuse_parts(in);
   } else {
@@ -183,7 +191,7 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
                 "a mote that is silent for so long is gone; motes that report more rarely get "
                 "three of their periods");
     read_duty_cycle(in, out.duty);
-    read_parts(in, with, name_is_free, out);
+    names_of_real = read_parts(in, with, name_is_free, out);
   }
   in.optional(
       "crystal_ppm", real{0, 100}, out.crystal_ppm,
@@ -195,6 +203,8 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
               "once in such a period, each at another time");
   const auto before_motes = in.problems().size();
   island_motes motes(with, out, sink_is_good);
+  for (const auto& [at, name] : names_of_real)
+    motes.claim_name(name, at, in.problems());
   motes.add_sink(in, std::move(sink_apps), in.at("sink"));
   in.tables("mote", "[[island.mote]]", {"also as `mote = [{ ... }, { ... }]`", "none"},
             [&](table_reader& x) { motes.read_mote(x); });

@@ -50,11 +50,9 @@ void read_replay(table_reader& in, const std::string& island, serial::outside_co
   out.recorded = std::make_shared<const std::vector<serial::recorded_frame>>(std::move(frames));
 }
 
-} // namespace
-
-void read_outside(table_reader& in, const surroundings& with, const std::string& island,
-                  serial::outside_config& out) {
-  in.all(out);
+/// Complains about what does not go together. @pre `out` is read
+void check_outside(table_reader& in, const surroundings& with, const std::string& island,
+                   serial::outside_config& out) {
   std::string first;
   for (const auto* key : {"device", "forwarder", "replay", "pty"}) {
     if (!in.has(key))
@@ -80,6 +78,14 @@ void read_outside(table_reader& in, const surroundings& with, const std::string&
                                                 "`: a real cable makes errors of its own");
 }
 
+} // namespace
+
+void read_outside(table_reader& in, const surroundings& with, const std::string& island,
+                  serial::outside_config& out) {
+  in.all(out);
+  check_outside(in, with, island, out);
+}
+
 void read_export(table_reader& island, const surroundings& with, island_description& out) {
   island.table("export", "[island.export]",
                {"TinyOS's programs find the sink here, too", "they do not"}, [&](table_reader& in) {
@@ -94,23 +100,91 @@ void read_export(table_reader& island, const surroundings& with, island_descript
                });
 }
 
+namespace {
+
+void check_order(const table_reader& in, std::uint16_t first, std::uint16_t last) {
+  if (in.sound() && last < first)
+    in.problems().add(in.at("last"),
+                      "`last` must not be below `first`, which is " + std::to_string(first));
+}
+
+gateway::plain_rule read_rule(table_reader& in, const island_description& island) {
+  gateway::plain_rule x;
+  in.all(x);
+  const auto& range = island.real.motes;
+  if (island.real.is_there()) {
+    x.first = in.has("first") ? x.first : range.first;
+    x.last = in.has("last") ? x.last : range.last;
+  }
+  if (in.has("first") || in.has("last"))
+    check_order(in, x.first, x.last);
+  for (const auto& [key, id] : {std::pair("first", x.first), std::pair("last", x.last)})
+    if (island.real.is_there() && in.has(key) && in.sound() && !range.has(mote_id(id)))
+      in.problems().add(in.at(key),
+                        "mote " + std::to_string(id) + " is not of the range of `real`, which is " +
+                            std::to_string(range.first) + " to " + std::to_string(range.last));
+  if (!in.has("input_am_type"))
+    x.input_am_type = x.am_type;
+  for (const auto* key : {"input_am_type", "input_form"})
+    if (in.has(key) && !in.has("input"))
+      in.problems().add(in.at(key), '`' + std::string(key) + "` means nothing without `input`");
+  return x;
+}
+
+} // namespace
+
+real_names read_real(table_reader& island, const surroundings& with, island_description& out) {
+  real_names names;
+  auto& real = out.real;
+  const auto read = [&](table_reader& in) {
+    in.all(real.motes);
+    in.all(real.outside, real_line_keys(&real.outside));
+    in.all(real.serial, real_line_keys(&real.serial));
+    check_outside(in, with, out.name + std::string(serial::real_line_suffix), real.outside);
+    check_order(in, real.motes.first, real.motes.last);
+    if (!in.walks() && !real.is_there())
+      in.problems().add(island.at("real"),
+                        "`device`, `forwarder` or `replay` is missing in [island.real]");
+    if (in.sound() && real.motes.has(out.sink.id))
+      in.problems().add(in.at("first"), "the range of `real` has mote " + to_string(out.sink.id) +
+                                            ", which is the simulated sink");
+    in.tables("mote", "[[island.real.mote]]", {"names for motes behind it", "their addresses"},
+              [&](table_reader& mote) {
+                mote_id id;
+                std::string name;
+                mote.required("id", whole<std::uint16_t>{1, mote_id_max}, id, "its address");
+                mote.required("name", name_text{}, name, "one of a kind in the island");
+                if (mote.sound() && !real.motes.has(id))
+                  mote.problems().add(mote.at("id"),
+                                      "mote " + to_string(id) + " is not of the range of `real`");
+                real.names.emplace_back(id, name);
+                names.emplace_back(mote.at("name"), name);
+              });
+  };
+  island.table("real", "[island.real]",
+               {"a line to a real base station beside the simulated sink: motes behind it with "
+                "plain programs of TinyOS are devices of the island as simulated ones are",
+                "none"},
+               read);
+  if (real.is_there() && out.outside.has_sink())
+    island.problems().add(island.at("real"), "`real` means nothing in an island with a real sink");
+  return names;
+}
+
 void read_plain(table_reader& island, island_description& out) {
   island.tables("plain", "[[island.plain]]",
                 {"which motes run plain programs of TinyOS, and are devices all the same", "none"},
-                [&out](table_reader& in) {
-                  gateway::plain_rule x;
-                  in.all(x);
-                  if (in.sound() && x.last < x.first)
-                    in.problems().add(in.at("last"), "`last` must not be below `first`, which is " +
-                                                         std::to_string(x.first));
-                  out.plain.push_back(x);
-                });
-  if (!out.plain.empty() && !out.outside.has_sink())
-    island.problems().add(island.at("plain"), "`plain` means nothing without a real sink");
+                [&out](table_reader& in) { out.plain.push_back(read_rule(in, out)); });
+  if (!out.plain.empty() && !out.outside.has_sink() && !island.has("real"))
+    island.problems().add(island.at("plain"),
+                          "`plain` means nothing without a real sink or `real`");
+  if (out.plain.empty() && out.real.is_there())
+    island.problems().add(island.at("real"), "`real` means nothing without `plain`, which says "
+                                             "what its motes send");
 }
 
 void refuse_gateway(table_reader& in) {
-  for (const auto* key : {"gateway", "alias", "export", "plain"}) {
+  for (const auto* key : {"gateway", "alias", "export", "plain", "real"}) {
     in.expect(key);
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) +

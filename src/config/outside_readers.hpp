@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "config/file_readers.hpp"
 #include "config/table_reader.hpp"
@@ -16,7 +18,14 @@ void read_outside(table_reader& in, const surroundings& with, const std::string&
 /// [island.export]
 void read_export(table_reader& island, const surroundings& with, island_description& out);
 
-/// [[island.plain]]
+/// Names of real motes, and where the file gives them.
+using real_names = std::vector<std::pair<mark, std::string>>;
+
+/// [island.real]. @pre the island's sink and cable are read
+[[nodiscard]] real_names read_real(table_reader& island, const surroundings& with,
+                                   island_description& out);
+
+/// [[island.plain]]. @pre [island.real] is read
 void read_plain(table_reader& island, island_description& out);
 
 /// Complains about what needs a gateway of the ecology, in an island that leaves it to others.

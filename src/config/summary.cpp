@@ -115,6 +115,18 @@ std::string sink_text(const island_description& x) {
          (outside.has_gateway() ? " at pty " + outside.pty : "");
 }
 
+/// `; real motes 100 to 199 at /dev/ttyUSB0`
+std::string real_text(const real_line_description& x) {
+  if (!x.is_there())
+    return {};
+  const auto& outside = x.outside;
+  const auto where = !outside.device.empty()      ? "at " + outside.device
+                     : !outside.forwarder.empty() ? "behind serial forwarder " + outside.forwarder
+                                                  : "replayed from " + outside.replay;
+  return "; real motes " + std::to_string(x.motes.first) + " to " + std::to_string(x.motes.last) +
+         ' ' + where;
+}
+
 std::vector<row> island_rows(const ecology_description& x) {
   std::vector<row> rows;
   for (const auto& each : x.islands) {
@@ -123,7 +135,8 @@ std::vector<row> island_rows(const ecology_description& x) {
         {to_string(each.id), each.name,
          counted(each.motes.size(), "mote") + (kinds.empty() ? "" : ": " + kinds),
          sink_text(each) +
-             (each.aliases.empty() ? "" : ", " + counted(each.aliases.size() + 1, "gateway")),
+             (each.aliases.empty() ? "" : ", " + counted(each.aliases.size() + 1, "gateway")) +
+             real_text(each.real),
          placed(each.host)});
   }
   return rows;

@@ -33,6 +33,15 @@ std::string without_names(std::string_view text) {
   return out;
 }
 
+/// Of a mote of that island whose name nobody knows before.
+std::string prefix_of_any(const proxy::proxy_class& what, const island_description& island) {
+  constexpr std::string_view place = "{island}";
+  auto prefix = what.prefix;
+  if (const auto at = prefix.find(place); at != std::string::npos)
+    prefix.replace(at, place.size(), island.name);
+  return without_names(prefix);
+}
+
 class key_list {
 public:
   void add(std::string pattern, const std::string& owner) {
@@ -96,6 +105,13 @@ struct app_keys {
       for (const auto& mote : island.motes)
         if (const auto* what = class_of(all, island.id, mote))
           keys.add_proxy(*what, prefix_of(*what, island, mote), peer.name);
+      for (const auto& rule : island.plain) { // nobody knows which of them will come
+        mote_description real;
+        real.id = mote_id(rule.first);
+        real.type = rule.type;
+        if (const auto* what = class_of(all, island.id, real))
+          keys.add_proxy(*what, prefix_of_any(*what, island), peer.name);
+      }
     }
     for (const auto& what : all.proxies) {
       if (!x.objects || what.ids.empty())

@@ -15,9 +15,9 @@ namespace {
 constexpr std::string_view leads_word = "leads";
 constexpr std::string_view stands_by_word = "stands_by";
 
-constexpr std::array<input_outcome, 4> all_outcomes{
+constexpr std::array<input_outcome, 5> all_outcomes{
     input_outcome::pending, input_outcome::acknowledged, input_outcome::failed,
-    input_outcome::unreachable};
+    input_outcome::unreachable, input_outcome::sent};
 
 constexpr std::array<std::string_view, 3> presences{"listed", "stale", "left"};
 
@@ -333,6 +333,8 @@ std::string_view to_string(input_outcome x) {
     return "failed";
   case input_outcome::unreachable:
     return "unreachable";
+  case input_outcome::sent:
+    return "sent";
   }
   return "unknown";
 }

@@ -138,6 +138,7 @@ enum class input_outcome : std::uint8_t {
   acknowledged, ///< the mote has it
   failed,       ///< sent and never acknowledged
   unreachable,  ///< the gateway does not list the mote
+  sent,         ///< a base station has it, for a mote whose program tells nothing back
 };
 
 /// The word in the status tuple.
@@ -155,7 +156,7 @@ struct input_status {
 [[nodiscard]] std::string to_string(const input_status& x);
 
 /// Inverse of to_string(): a decimal number from 1 without leading zeros, one blank, one of the
-/// four words. @returns errc::bad_value otherwise
+/// five words. @returns errc::bad_value otherwise
 [[nodiscard]] result<input_status> parse_input_status(std::string_view text);
 
 /// The text in a tuple's value: text travels with a trailing NUL (TUP-02), so what stands before

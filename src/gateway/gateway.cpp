@@ -71,6 +71,12 @@ outputs gateway::on_packet(mote_id source, std::uint8_t am_type, byte_view paylo
   outputs out;
   on_line_heard(out);
   refresh(source, out);
+  std::ranges::move(dispatch(source, am_type, payload, now), std::back_inserter(out));
+  return out;
+}
+
+/// A packet of the sink, or what it might have said.
+outputs gateway::dispatch(mote_id source, std::uint8_t am_type, byte_view payload, instant now) {
   outputs more;
   const bool is_packet = am_type == network::am::to_gateway || am_type == network::am::packet;
   if (is_packet && !lead_.leads()) { // its sender will repeat it to who does
@@ -87,8 +93,7 @@ outputs gateway::on_packet(mote_id source, std::uint8_t am_type, byte_view paylo
   } else {
     ++counters_.malformed;
   }
-  std::ranges::move(more, std::back_inserter(out));
-  return out;
+  return more;
 }
 
 void gateway::on_line_heard(outputs& out) {
@@ -108,10 +113,14 @@ void gateway::refresh(mote_id mote, outputs& out) {
 }
 
 void gateway::make_stale(outputs& out) {
-  for (auto& [mote, x] : devices_) {
-    if (!std::exchange(x.stale, true))
-      out.emplace_back(presence_tuple(mote, {device_presence::stale, {}, now_}));
-  }
+  for (auto& [mote, x] : devices_)
+    if (!x.plain || !config_.has_real_line)
+      make_stale(x, mote, out);
+}
+
+void gateway::make_stale(device& x, mote_id mote, outputs& out) {
+  if (!std::exchange(x.stale, true))
+    out.emplace_back(presence_tuple(mote, {device_presence::stale, {}, now_}));
 }
 
 outputs gateway::on_island_packet(byte_view payload, instant now) {
@@ -186,7 +195,7 @@ outputs gateway::on_message(peer_id source, byte_view octets, instant now) {
 outputs gateway::accept(island_id source, network::gateway_packet x) {
   if (x.mote == no_mote)
     return take(pc_.on_packet(source, x.channel, x.body, now_));
-  if (x.mote != broadcast_mote && !devices_.contains(x.mote)) {
+  if (x.mote != broadcast_mote && (!devices_.contains(x.mote) || is_plain(x.mote))) {
     ++counters_.undeliverable;
     return {};
   }
@@ -214,7 +223,11 @@ outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets,
     return out;
   }
   listed->second.input_channels.insert(channel);
-  if (lead_.leads())
+  if (listed->second.plain) {
+    ++counters_.plain_inputs;
+    plain_pending_[++plain_number_] = what;
+    out.emplace_back(to_plain{plain_number_, mote, channel, to_bytes(octets)});
+  } else if (lead_.leads())
     submit(what, octets, out);
   else
     pass_on(what, octets, out);
@@ -237,7 +250,7 @@ void gateway::submit(const pending_input& x, byte_view octets, outputs& out) {
 
 void gateway::on_period(mote_id mote, std::uint16_t channel, std::string_view text, instant now) {
   const auto period = parse_output_period(text);
-  if (period && devices_.contains(mote))
+  if (period && devices_.contains(mote) && !is_plain(mote))
     requests_.on_period(mote, channel, *period, now);
   else
     ++(period ? counters_.undeliverable : counters_.bad_periods);
@@ -362,6 +375,10 @@ to_sink gateway::ask_about(mote_id mote) {
 
 /// Whole if it fits one serial packet, or in fragments. @param x its island is where it comes from
 void gateway::down(const network::island_packet& x, outputs& out) {
+  if (is_plain(x.mote)) {
+    ++counters_.undeliverable;
+    return;
+  }
   auto octets = encode(x);
   if (octets.size() <= network::frame_payload_max) {
     out.emplace_back(to_sink{x.mote, network::am::from_gateway, std::move(octets)});

@@ -24,6 +24,7 @@
 #include "gateway/directory.hpp"
 #include "gateway/leadership.hpp"
 #include "gateway/output_requests.hpp"
+#include "gateway/plain_motes.hpp"
 #include "gateway/relay.hpp"
 #include "network/island_packet.hpp"
 #include "network/sink_event.hpp"
@@ -48,6 +49,16 @@ struct to_sink {
   mote_id mote; ///< whom it is for in the end
   std::uint8_t am_type = 0;
   bytes payload; ///< at most network::frame_payload_max octets
+  provenance from = {};
+};
+
+/// What has been written to an input of a mote with a plain program; on_plain_done() says how it
+/// has ended.
+struct to_plain {
+  std::uint64_t number = 0;
+  mote_id mote;
+  std::uint16_t channel = 0;
+  bytes octets;
   provenance from = {};
 };
 
@@ -90,8 +101,8 @@ struct line_changed {
   duration silence{}; ///< how long it was not heard, when it is up again
 };
 
-using output = std::variant<publish, erase, to_sink, to_gateway, relay_to, announce, member_changed,
-                            line_changed, lead_changed>;
+using output = std::variant<publish, erase, to_sink, to_plain, to_gateway, relay_to, announce,
+                            member_changed, line_changed, lead_changed>;
 using outputs = std::vector<output>;
 
 struct gateway_config {
@@ -116,6 +127,7 @@ struct gateway_config {
   std::size_t devices_max = 1000;        ///< motes listed; what a sink has room for
   std::size_t input_channels_max = 4096; ///< channels of motes ever written to; further ones are
                                          ///< refused without a status
+  bool has_real_line = false; ///< motes with plain programs are behind a line of their own
   duration relay_wait = 35s; ///< for the outcome of an input passed on: longer than two messages of
                              ///< Transport take to fail
 };
@@ -134,9 +146,10 @@ struct gateway_counters {
                                ///< not know: reliable ones, streams, synaptic channels
   std::uint64_t requests = 0;  ///< to motes, of what they are to send
   std::uint64_t requests_failed = 0;
-  std::uint64_t bad_periods = 0; ///< texts that are no period: dropped
-  std::uint64_t relayed_out = 0; ///< messages and inputs passed on to the gateway that leads
-  std::uint64_t relayed_in = 0;  ///< the same, taken from others
+  std::uint64_t plain_inputs = 0; ///< of inputs, those for motes with plain programs
+  std::uint64_t bad_periods = 0;  ///< texts that are no period: dropped
+  std::uint64_t relayed_out = 0;  ///< messages and inputs passed on to the gateway that leads
+  std::uint64_t relayed_in = 0;   ///< the same, taken from others
 };
 
 class device_messages;
@@ -181,6 +194,16 @@ public:
   /// @param source mote that it comes from, as the packet says
   [[nodiscard]] outputs on_packet(mote_id source, std::uint8_t am_type, byte_view payload,
                                   instant now);
+
+  /// The same for what a sink would have said of a mote that runs a plain program.
+  [[nodiscard]] outputs on_plain_packet(const sink_packet& x, instant now);
+
+  /// The base station has acknowledged a to_plain, or it is lost: what the mote has of it, nobody
+  /// knows. Each is told so once.
+  [[nodiscard]] outputs on_plain_done(std::uint64_t number, bool acked, instant now);
+
+  /// The line to them is gone: they are stale until they are heard.
+  [[nodiscard]] outputs on_plain_line_lost(instant now);
 
   /// Somebody has written a message for a mote (`devices.$ID.input.$CH`). Its status tuple says
   /// `N pending` and then, at once or later, how write N ended.
@@ -231,6 +254,7 @@ private:
     std::uint32_t incarnation = 0;
     std::uint64_t said = 0; ///< hash of its type and descriptor
     bool stale = false;     ///< not heard since the line was lost, or the sink started again
+    bool plain = false;     ///< it understands nothing that a gateway says
     std::set<std::uint16_t> output_channels; ///< those with a tuple, erased when the mote leaves
     std::set<std::uint16_t> input_channels;
   };
@@ -250,6 +274,9 @@ private:
   };
 
   [[nodiscard]] outputs on_island_packet(byte_view payload, instant now);
+  [[nodiscard]] outputs dispatch(mote_id source, std::uint8_t am_type, byte_view payload,
+                                 instant now);
+  [[nodiscard]] bool is_plain(mote_id x) const;
   [[nodiscard]] outputs on_packet_for_us(const network::island_packet& x, instant now);
   [[nodiscard]] outputs on_event(const network::mote_joined& x, instant now);
   [[nodiscard]] outputs on_event(const network::mote_left& x, instant now);
@@ -278,6 +305,7 @@ private:
   void on_line_heard(outputs& out);
   void refresh(mote_id mote, outputs& out);
   void make_stale(outputs& out);
+  void make_stale(device& x, mote_id mote, outputs& out);
   [[nodiscard]] outputs take(communication::outputs from_pc);
   void publish_output(const transport::received& x, outputs& out);
   void publish_outcome(const transport::outcome& x, outputs& out);
@@ -307,6 +335,9 @@ private:
   std::map<mote_id, device> devices_;
   std::map<std::pair<mote_id, std::uint16_t>, std::uint64_t> input_sequences_;
   std::map<transport::ticket, pending_input> pending_;
+  std::map<std::uint64_t, pending_input> plain_pending_; ///< by the number given
+  std::uint64_t plain_number_ = 0;
+  bool is_plain_said_ = false; ///< while what on_plain_packet() was given is handled
   directory others_;
   std::uint16_t strict_counter_ = 0; ///< of what came in the strict form
   output_requests requests_;

@@ -22,7 +22,9 @@ outputs gateway::on_event(const network::mote_joined& x, instant now) {
   listed->second.incarnation = x.incarnation;
   listed->second.said = said;
   listed->second.stale = false;
-  requests_.on_listed(x.mote, x.incarnation, now);
+  listed->second.plain = is_plain_said_;
+  if (!is_plain_said_)
+    requests_.on_listed(x.mote, x.incarnation, now);
   outputs out{publish{device_type_key(x.mote), device_type_octets(x.type), false},
               publish{device_descriptor_key(x.mote), x.descriptor, false}, device_list(),
               presence_tuple(x.mote, {device_presence::listed, {}, now})};
@@ -60,7 +62,7 @@ outputs gateway::on_event(const network::roster& x, instant now) {
     return out;
   for (const auto& [mote, listed] : devices_) {
     const bool may_rejoin = listed.stale && now < rejoin_until_;
-    if (!roster_seen_.contains(mote) && !may_rejoin)
+    if (!roster_seen_.contains(mote) && !may_rejoin && !listed.plain)
       out.emplace_back(ask_about(mote));
   }
   roster_number_.reset();

@@ -6,6 +6,15 @@
 
 namespace rubicon::gateway {
 
+inline auto keys_of(const address_range*) {
+  return keys::of(
+      keys::required("first", &address_range::first, keys::whole<std::uint16_t>{1, mote_id_max},
+                     "the lowest address of the motes behind it; no simulated mote of the island "
+                     "has one of theirs"),
+      keys::required("last", &address_range::last, keys::whole<std::uint16_t>{1, mote_id_max},
+                     "the highest one; packets of others are dropped and counted"));
+}
+
 inline auto keys_of(const plain_rule*) {
   return keys::of(
       keys::required(
@@ -15,11 +24,30 @@ inline auto keys_of(const plain_rule*) {
       keys::required("type", &plain_rule::type, keys::whole<std::uint32_t>{1},
                      "number of the mote type as which they are devices, for proxies"),
       keys::optional("first", &plain_rule::first, keys::whole<std::uint16_t>{1, mote_id_max},
-                     "the lowest address of such motes"),
+                     {"the lowest address of such motes", "`1`; that of `real`, if there is one"}),
       keys::optional("last", &plain_rule::last, keys::whole<std::uint16_t>{1, mote_id_max},
-                     "the highest one; others that send this AM type are none"),
+                     {"the highest one; others that send this AM type are none",
+                      "`65532`; that of `real`, if there is one"}),
       keys::optional("channel", &plain_rule::channel, keys::whole<std::uint8_t>{1, 255},
-                     "output channel that has the payload of each packet"));
+                     "output channel that has the payload of each packet"),
+      keys::optional(
+          "input", &plain_rule::input, keys::whole<std::uint8_t>{1, 255},
+          {"input channel: what is written to it is sent to the mote as a packet. Its "
+           "status says `sent` when the base station has it, since the mote tells nothing",
+           "they have none"}),
+      keys::optional("input_am_type", &plain_rule::input_am_type, keys::whole<std::uint8_t>{0, 255},
+                     {"AM type of such packets", "`am_type`"}),
+      keys::optional(
+          "input_form", &plain_rule::input_form,
+          keys::word<plain_form>{{{"octets", plain_form::octets},
+                                  {"count", plain_form::count},
+                                  {"blink", plain_form::blink},
+                                  {"oscilloscope", plain_form::oscilloscope}}},
+          "how they are made. `\"octets\"`: what is written. The others take a number of 2 octets, "
+          "`u16` of a proxy: `\"count\"` of RadioCountToLeds and `\"blink\"` of BlinkToRadio show "
+          "it "
+          "with their LEDs, to `\"oscilloscope\"` it is the interval in ms, sent with the next "
+          "version of the mote's settings"));
 }
 
 } // namespace rubicon::gateway

@@ -26,6 +26,12 @@ struct plain_config {
   duration keep_alive = 10s;     ///< one that is silent for so long has left
 };
 
+/// Something for a plain mote.
+struct plain_packet {
+  std::uint8_t am_type = 0;
+  bytes payload;
+};
+
 /// Each address that a rule knows is a device from its first packet on, until it is silent.
 class plain_motes {
 public:
@@ -34,11 +40,20 @@ public:
   plain_motes() = default;
   explicit plain_motes(plain_config config) : config_(std::move(config)) {}
 
-  /// @returns what a sink would have said; nothing: no rule knows the packet
+  /// @returns what a sink would have said, empty if there is no room for another mote; nothing: no
+  /// rule knows the packet
   [[nodiscard]] std::optional<std::vector<sink_packet>>
   on_packet(mote_id source, std::uint8_t am_type, byte_view payload, instant now);
 
-  /// Whether this is one of them: it understands nothing that a gateway says.
+  /// What a mote is to be told when this is written to that input of it. @returns nothing if no
+  /// rule of its has the input, or the octets are not what the rule's form takes
+  [[nodiscard]] std::optional<plain_packet> on_input(mote_id mote, std::uint16_t channel,
+                                                     byte_view octets);
+
+  /// Whether the line to them is there. While it is not, nobody leaves because of silence.
+  void on_line(bool there, instant now);
+
+  [[nodiscard]] std::size_t size() const { return members_.size(); } ///< at most motes_max
   [[nodiscard]] bool knows(mote_id mote) const { return members_.contains(mote); }
 
   [[nodiscard]] std::vector<sink_packet> on_time(instant now);
@@ -49,11 +64,14 @@ private:
     instant heard;
     bool listed = false;
     std::uint32_t lives = 0;
+    std::uint16_t version = 0; ///< of Oscilloscope's settings: the newest heard, or said
   };
 
   [[nodiscard]] const plain_rule* rule_for(mote_id source, std::uint8_t am_type) const;
+  [[nodiscard]] const plain_rule* input_rule_for(mote_id mote, std::uint16_t channel) const;
 
   plain_config config_;
+  bool there_ = true;                 ///< the line
   std::map<mote_id, member> members_; ///< those that have left, too
 };
 

@@ -221,12 +221,15 @@ std::string proxies_of(const run_page& x) {
       for (const auto& [name, value] : each.values)
         values += (values.empty() ? "" : ", ") + name + ' ' + value;
       const auto& acts = each.actuations;
-      rows += row({{each.name, false, "name"},
-                   {each.status, false, each.status == "active" ? "" : "bad"},
-                   {values, false, "long"},
-                   {acts.requested == 0 ? ""
-                                        : with_thousands(acts.acknowledged) + " of " +
-                                              with_thousands(acts.requested) + " acknowledged"}});
+      rows += row(
+          {{each.name, false, "name"},
+           {each.status, false, each.status == "active" ? "" : "bad"},
+           {values, false, "long"},
+           {acts.requested == 0 ? ""
+                                : with_thousands(acts.acknowledged) + " of " +
+                                      with_thousands(acts.requested) + " acknowledged" +
+                                      (acts.sent > 0 ? ", " + with_thousands(acts.sent) + " sent"
+                                                     : std::string())}});
     }
     return wide("<table>" + rows + "</table>");
   };

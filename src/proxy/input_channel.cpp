@@ -16,6 +16,8 @@ request_outcome to_outcome(input_outcome x) {
     return request_outcome::failed;
   case input_outcome::unreachable:
     return request_outcome::unreachable;
+  case input_outcome::sent:
+    return request_outcome::sent;
   case input_outcome::pending:
     break;
   }
@@ -39,6 +41,8 @@ std::string_view to_string(request_outcome x) {
     return "superseded";
   case request_outcome::timeout:
     return "timeout";
+  case request_outcome::sent:
+    return "sent";
   }
   return "unknown";
 }
@@ -138,7 +142,8 @@ bool input_channel::note(const input_status& x) {
 /// What was written last has ended so: the request too, unless it is written again.
 void input_channel::conclude(request_outcome outcome, instant now, outputs& out) {
   const auto again = now + retry_pause;
-  if (outcome == request_outcome::acknowledged || again > current_->first + retry_for_)
+  if (outcome == request_outcome::acknowledged || outcome == request_outcome::sent ||
+      again > current_->first + retry_for_)
     settle(outcome, now, out);
   else
     current_->again = again;

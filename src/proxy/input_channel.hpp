@@ -24,11 +24,13 @@ enum class request_outcome : std::uint8_t {
   refused,      ///< the input does not know the word
   superseded,   ///< a newer request took its place before it was sent
   timeout,      ///< the gateway told no outcome in time
+  sent,         ///< towards a mote that acknowledges nothing
 };
 
-inline constexpr std::array<request_outcome, 6> all_request_outcomes{
+inline constexpr std::array<request_outcome, 7> all_request_outcomes{
     request_outcome::acknowledged, request_outcome::failed,     request_outcome::unreachable,
-    request_outcome::refused,      request_outcome::superseded, request_outcome::timeout};
+    request_outcome::refused,      request_outcome::superseded, request_outcome::timeout,
+    request_outcome::sent};
 
 /// The word in the outcome tuple.
 [[nodiscard]] std::string_view to_string(request_outcome x);

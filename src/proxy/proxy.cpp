@@ -396,6 +396,8 @@ void proxy::tell(std::size_t input, std::string_view word, request_outcome outco
   const std::string text(to_string(outcome));
   if (outcome == request_outcome::acknowledged)
     ++counters_.acknowledged;
+  else if (outcome == request_outcome::sent)
+    ++counters_.sent;
   else
     ++counters_.failed[text];
   say(key_of(class_.inputs[input].name + ".outcome"), shown(word, outcome) + ' ' + text, out);

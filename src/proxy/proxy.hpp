@@ -78,10 +78,11 @@ struct watch {
 inline constexpr std::string_view nothing_word = "none";
 
 /// What a proxy did, for the report. Every request has one outcome:
-/// requested = acknowledged + sum of failed + open_requests().
+/// requested = acknowledged + sent + sum of failed + open_requests().
 struct proxy_counters {
   std::uint64_t requested = 0;
   std::uint64_t acknowledged = 0;
+  std::uint64_t sent = 0;  ///< to a mote that acknowledges nothing
   duration slowest{};      ///< of those acknowledged, since they were asked for
   delay_histogram latency; ///< of the same
   std::map<std::string, std::uint64_t>

@@ -105,7 +105,7 @@ bool rules::take_outcome(std::string_view key, std::string_view text, instant no
     return true;
   auto& x = at->second;
   const auto outcome = text.substr(blank == std::string_view::npos ? text.size() : blank + 1);
-  if (outcome == "acknowledged") {
+  if (outcome == "acknowledged" || outcome == "sent") {
     x = {x.word, retry_, {}};
   } else if (outcome == "failed" || outcome == "unreachable" || outcome == "timeout") {
     x.due = now + x.pause;

@@ -128,6 +128,19 @@ violations check_groups(const run_report& x) {
   return found;
 }
 
+violations check_real_lines(const run_report& x) {
+  violations found;
+  for (const auto& island : x.islands) {
+    const auto& real = island.real;
+    check_equal(found, x, "packets of real motes balance", island.name, {"came", real.packets},
+                {"taken + dropped", real.taken + total(real.dropped)});
+    check_equal(
+        found, x, "inputs of real motes balance", island.name, {"asked", real.inputs},
+        {"sent + failed + open", real.inputs_sent + total(real.inputs_failed) + real.inputs_open});
+  }
+  return found;
+}
+
 violations check_messages(const run_report& x) {
   violations found;
   for (const auto& island : x.islands) {
@@ -181,7 +194,8 @@ violations check_energy(const run_report& x) {
 violations check_actuations(const run_report& x) {
   violations found;
   for (const auto& proxy : x.proxies) {
-    const auto outcomes = proxy.actuations.acknowledged + total(proxy.actuations.failed);
+    const auto outcomes =
+        proxy.actuations.acknowledged + proxy.actuations.sent + total(proxy.actuations.failed);
     if (outcomes > proxy.actuations.requested)
       found.push_back(at_end(x, "one outcome per actuation",
                              proxy.name + ": requested " +
@@ -343,6 +357,7 @@ violations check_timers(const run_report& x, std::uint64_t waiting) {
 violations check_all(const run_report& x, const run_truth& truth) {
   auto all = check_radio(x);
   append(all, check_messages(x));
+  append(all, check_real_lines(x));
   append(all, check_flows(x));
   append(all, check_groups(x));
   append(all, check_energy(x));

@@ -30,6 +30,10 @@ inline constexpr const char* run_is_complete = "the run is complete";
 /// has exactly one outcome, with its cause if it has failed, or is still waiting.
 [[nodiscard]] violations check_messages(const run_report& x);
 
+/// Each packet that a line to real motes has brought was taken or dropped for a cause, and each
+/// input for them was sent, has failed for a cause, or is open.
+[[nodiscard]] violations check_real_lines(const run_report& x);
+
 /// No packet of a flow from one mote to another vanishes uncounted, and none arrives or is lost
 /// twice. Of a broadcast nothing is known: it arrives at any number of motes.
 [[nodiscard]] violations check_flows(const run_report& x);

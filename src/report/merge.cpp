@@ -32,6 +32,10 @@ void take(std::vector<T>& all, T x, Key key) {
 void add_earlier(island_report& x, const island_report& before) {
   x.radio += before.radio;
   x.serial += before.serial;
+  auto real = before.real;
+  if (const auto open = std::exchange(real.inputs_open, 0); open > 0)
+    real.inputs_failed["gateway_ended"] += open;
+  x.real += real;
   auto network = before.network;
   network.synchronised = network.aligned = 0;
   network.hops_max = 0;

@@ -73,6 +73,24 @@ struct serial_report {
 };
 RUBICON_FIELDS(serial_report, octets, octets_up, frames_sent, frames_received, lost);
 
+/// The line to a real base station beside a simulated sink. Each packet that came and each input
+/// for a mote behind it has one end: packets = taken + sum of dropped, inputs = inputs_sent + sum
+/// of inputs_failed + inputs_open.
+struct real_line_report {
+  std::uint64_t packets = 0; ///< that came in good frames
+  std::uint64_t taken = 0;   ///< of them, made to messages of devices
+  /// the others: `out_of_range` (of a mote whose address is not of the line's range), `no_rule`,
+  /// `malformed`, `no_data` (802.15.4 frames that carry no active message), `table_full`
+  cause_counts dropped;
+  std::uint64_t inputs = 0;      ///< for motes behind it
+  std::uint64_t inputs_sent = 0; ///< of them, that the base station has acknowledged
+  /// `no_ack`, `queue_full`, `refused` (no rule, or not what its form takes), `gateway_ended`
+  cause_counts inputs_failed;
+  std::uint64_t inputs_open = 0; ///< waiting when the run ended
+};
+RUBICON_FIELDS(real_line_report, packets, taken, dropped, inputs, inputs_sent, inputs_failed,
+               inputs_open);
+
 struct peis_report {
   std::uint64_t peers = 0;    ///< PEIS peers, gateways included
   std::uint64_t packages = 0; ///< sent over a link, forwarded ones included
@@ -250,23 +268,26 @@ struct island_report {
   std::string name;
   radio_report radio; ///< of radios of this island
   serial_report serial;
+  real_line_report real;
   message_report messages; ///< of its motes and gateway
   network_report network;
   smepp_report smepp;
   std::vector<gateway_report> gateways; ///< in the order of the file; empty: it has one
   std::vector<mote_report> motes;       ///< ascending by id, the sink excluded
 };
-RUBICON_FIELDS(island_report, id, name, radio, serial, messages, network, smepp, gateways, motes);
+RUBICON_FIELDS(island_report, id, name, radio, serial, real, messages, network, smepp, gateways,
+               motes);
 
 /// One actuation as its proxy saw it: exactly one outcome each.
 struct actuation_report {
   std::uint64_t requested = 0;
   std::uint64_t acknowledged = 0;
+  std::uint64_t sent = 0;      ///< to motes with plain programs, which acknowledge nothing
   largest<duration> slowest{}; ///< of those, from the word in the tuple to the acknowledgement
   delay_histogram latency;     ///< the same, of each
   cause_counts failed;
 };
-RUBICON_FIELDS(actuation_report, requested, acknowledged, slowest, latency, failed);
+RUBICON_FIELDS(actuation_report, requested, acknowledged, sent, slowest, latency, failed);
 
 struct proxy_report {
   std::string name; ///< its key prefix, `kitchen.climate-7`

@@ -143,6 +143,8 @@ json to_json(const island_report& x) {
               {"messages", to_json(x.messages)},
               {"network", to_json(x.network)},
               {"motes", std::move(motes)}};
+  if (x.real.packets > 0 || x.real.inputs > 0)
+    all["real"] = to_json(x.real);
   if (x.smepp.programs > 0) {
     all["smepp"] = to_json(x.smepp);
     all["smepp"]["events_missing"] = x.smepp.events_missing();
@@ -163,6 +165,7 @@ json to_json(const peer_report& x) {
 json to_json(const actuation_report& x) {
   return {{"requested", x.requested},
           {"acknowledged", x.acknowledged},
+          {"sent", x.sent},
           {"latency_p50_s", x.latency.quantile_ms(0.5) / 1e3},
           {"latency_p99_s", x.latency.quantile_ms(0.99) / 1e3},
           {"slowest_s", seconds(x.slowest)},

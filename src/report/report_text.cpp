@@ -122,6 +122,8 @@ void add_loss_notes(table& rows, const island_report& island) {
   add(in_range.c_str(), causes(really_lost(island.radio)));
   add("  radio gave up: ", causes(island.radio.mac_failed));
   add("  lost on the cable: ", causes(island.serial.lost));
+  add("  not taken from real motes: ", causes(island.real.dropped));
+  add("  not sent to real motes: ", causes(island.real.inputs_failed));
   auto messages = island.messages.lost;
   messages["open"] = island.messages.reliable_open;
   messages["duplicates"] = island.messages.duplicates;
@@ -364,6 +366,12 @@ void add_proxies(report_page& page, const run_report& x) {
   page.add(rows);
 }
 
+/// `12`, or `0, 5 sent` of motes that acknowledge nothing.
+std::string acknowledged_text(const actuation_report& x) {
+  return with_thousands(x.acknowledged) +
+         (x.sent > 0 ? ", " + with_thousands(x.sent) + " sent" : std::string());
+}
+
 void add_actuations(report_page& page, const run_report& x) {
   actuation_report all;
   for (const auto& proxy : x.proxies)
@@ -390,7 +398,7 @@ void add_actuations(report_page& page, const run_report& x) {
     ++rows_shown;
     rows.add({proxy.name,
               with_thousands(actuations.requested),
-              with_thousands(actuations.acknowledged),
+              acknowledged_text(actuations),
               real_time(actuations.latency.quantile_ms(0.5) / 1e3),
               real_time(actuations.latency.quantile_ms(0.99) / 1e3),
               real_time(seconds(actuations.slowest)),
@@ -400,7 +408,7 @@ void add_actuations(report_page& page, const run_report& x) {
   if (row_count > 1)
     rows.add({{"all", look::strong},
               with_thousands(all.requested),
-              with_thousands(all.acknowledged),
+              acknowledged_text(all),
               real_time(all.latency.quantile_ms(0.5) / 1e3),
               real_time(all.latency.quantile_ms(0.99) / 1e3),
               real_time(seconds(all.slowest)),

@@ -46,6 +46,36 @@ inline auto keys_of(const outside_config*) {
                       "the island has a gateway"}));
 }
 
+/// Of a line to a real base station beside a simulated sink.
+inline auto real_line_keys(const line_config*) {
+  return keys::of(keys::optional("baud", &line_config::baud, keys::baud{},
+                                 "of the port; the name of the base station's platform will do"),
+                  keys::optional("buffer", &line_config::buffer,
+                                 keys::whole<std::size_t>{64, 1U << 24U},
+                                 "octets waiting to be sent; more are lost and counted"));
+}
+
+inline auto real_line_keys(const outside_config*) {
+  return keys::of(
+      keys::optional("device", &outside_config::device, keys::text{200},
+                     {"serial port with the base station, as `/dev/ttyUSB0`; needs `mode = "
+                      "\"wall\"`. One of this and the next two is required",
+                      "none"}),
+      keys::optional("forwarder", &outside_config::forwarder, keys::text{200},
+                     {"instead, `HOST:PORT` of a TinyOS serial forwarder that has it", "none"}),
+      keys::optional(
+          "replay", &outside_config::replay, keys::text{200},
+          {"instead, a file that `rubicon run --record-serial` has written: what came "
+           "over such a line of that island, which it calls `NAME/real`, comes again; in "
+           "virtual time too",
+           "none"}),
+      keys::optional("speed", &outside_config::speed, keys::real{0.001, 1000},
+                     "with `replay`, how many times faster than it was recorded"),
+      keys::optional("payload", &outside_config::payload, keys::whole<std::size_t>{1, 114},
+                     "the longest AM payload that the base station takes, 28 of a BaseStation of "
+                     "TinyOS; what is longer is refused before it would block it"));
+}
+
 inline auto keys_of(const export_config*) {
   return keys::of(
       keys::required("forwarder", &export_config::forwarder, keys::text{200},

@@ -23,6 +23,9 @@ namespace rubicon::serial {
 
 inline constexpr std::string_view recording_title = "# rubicon serial recording 1";
 
+/// Behind the name of an island stands that of its line to real motes.
+inline constexpr std::string_view real_line_suffix = "/real";
+
 /// Of a file that is read.
 inline constexpr std::size_t recording_octets_max = std::size_t{256} << 20;
 

@@ -89,6 +89,105 @@ TEST_CASE("of a program's packet that no sink takes a gateway says that it is do
   CHECK(x.forwarder.count<serial_packet_done>() == 2);
 }
 
+TEST_CASE("a gateway has a line of its own to real motes, and takes those of its range alone",
+          "[actors][gateway][GW-15][GW-17]") {
+  fixture world;
+  fake<peis_peer_actor> peer{world};
+  fake<serial_line_actor> line{world};
+  fake<serial_line_actor> real{world};
+  fake<forwarder_server_actor> forwarder{world};
+  fake<ecology_actor> ecology{world};
+  gateway_arguments arguments;
+  arguments.config.island = kitchen;
+  arguments.config.has_real_line = true;
+  arguments.plain.motes.rules = {{6, 100, 199, 901, 1, 2, 6, gateway::plain_form::blink}};
+  arguments.plain.range = gateway::address_range{100, 199};
+  arguments.plain.group = 0x22;
+  arguments.peer = peer.handle();
+  arguments.line = line.handle();
+  arguments.real_line = real.handle();
+  arguments.forwarder = forwarder.handle();
+  arguments.ecology = ecology.handle();
+  const auto gateway = world.spawn_at("gateway/kitchen", gateway_behavior, std::move(arguments));
+  world.run_for(1ms);
+  REQUIRE(real.count<watch_line>() == 1);
+  CHECK(real.all<watch_line>()[0].takes_octets);
+  CHECK(line.count<watch_line>() == 0);
+  CHECK(real.count<serial_write>() == 0); // a base station is asked nothing
+  line.forget();
+
+  const auto told = [&](std::string_view key) {
+    std::string value;
+    for (const auto& x : peer.all<set_tuple>())
+      if (x.key == key)
+        value = x.text ? to_string(x.value.view()) : to_hex(x.value.view());
+    return value;
+  };
+  const auto comes = [&](std::uint16_t source) {
+    auto x = message(6);
+    x.source = source;
+    const auto frame = test::serial_frame(x, serial::frame_type::packet);
+    world.send(gateway, real_octets{frame.octets});
+  };
+  for (const auto source : std::initializer_list<std::uint16_t>{99, 100, 199, 200})
+    comes(source);
+  CHECK(told("devices") == "{100,199}");
+  CHECK(told("devices.100.output.1") == "010203");
+  CHECK(told("devices.line").starts_with("silent")); // of its sink nothing has come
+  CHECK(forwarder.count<serial_packet>() == 2);
+
+  // What programs of TinyOS send goes where its destination is.
+  const auto sent = [&](std::uint16_t to) {
+    auto x = message(9);
+    x.destination = to;
+    world.send(gateway, serial_packet{to, payload(serial::encode(x))});
+    world.run_for(1ms);
+    const std::pair found{test::packets_in(line.all<serial_write>()).size(),
+                          test::packets_in(real.all<serial_write>()).size()};
+    for (const auto& frame : test::frames_in(real.all<serial_write>()))
+      world.send(gateway, real_octets{serial::encode(
+                              serial::frame{serial::frame_type::ack, frame.sequence, {}})});
+    real.forget();
+    return found;
+  };
+  CHECK(sent(100) == std::pair<std::size_t, std::size_t>{0, 1});
+  CHECK(sent(199) == std::pair<std::size_t, std::size_t>{0, 1});
+  CHECK(forwarder.count<serial_packet_done>() == 2);
+
+  // An input is a packet of their program; that the base station has it is all that is known.
+  world.send(gateway,
+             tuple_event{1, gateway_of(kitchen), "devices.100.input.2", payload(bytes{0, 7})});
+  CHECK(told("devices.100.input.2.status") == "1 pending");
+  const auto packets = test::packets_in(real.all<serial_write>());
+  REQUIRE(packets.size() == 1);
+  CHECK(packets[0] == serial::am_packet{100, 0, 0x22, 6, bytes{0, 0, 0, 7}});
+  const auto frames = test::frames_in(real.all<serial_write>());
+  world.send(gateway, real_octets{serial::encode(
+                          serial::frame{serial::frame_type::ack, frames[0].sequence, {}})});
+  CHECK(told("devices.100.input.2.status") == "1 sent");
+  world.send(gateway,
+             tuple_event{1, gateway_of(kitchen), "devices.100.input.2", payload(bytes{0, 8})});
+  world.run_for(5s); // nobody answers
+  CHECK(told("devices.100.input.2.status") == "2 failed");
+
+  world.send(gateway, serial_presence{false, {}});
+  CHECK(told("devices.100.status").starts_with("stale"));
+  world.run_for(30s);
+  CHECK(told("devices") == "{100,199}"); // longer than they may be silent
+  world.send(gateway, serial_presence{true, {}});
+  comes(100);
+  CHECK(told("devices.100.status").starts_with("listed"));
+  ecology.forget();
+  world.send(gateway, status_request{});
+  const auto status = ecology.all<real_line_status>().at(0).real;
+  CHECK(status.packets == 5);
+  CHECK(status.taken == 3);
+  CHECK(status.dropped == report::cause_counts{{"out_of_range", 2}});
+  CHECK(status.inputs == 2);
+  CHECK(status.inputs_sent == 1);
+  CHECK(status.inputs_failed == report::cause_counts{{"no_ack", 1}});
+}
+
 TEST_CASE("a replayed line says what was said, when it was said, and acks what it hears",
           "[actors][serial][ACT-08]") {
   fixture world;

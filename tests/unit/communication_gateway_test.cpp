@@ -130,3 +130,37 @@ TEST_CASE("communications of a gateway start while its sink is heard",
   static_cast<void>(x.on_time(now));
   CHECK_FALSE(init());
 }
+
+TEST_CASE("a line to real motes does not stand for that of the sink",
+          "[communication][MCK-13][GW-15][GW-17]") {
+  gateway::gateway_config config;
+  config.island = island_id{1};
+  config.has_real_line = true;
+  gateway::gateway x(config, random_stream(1));
+  recorder program;
+  program.layer = x.attach(program);
+  instant now;
+  static_cast<void>(x.start(now));
+  const auto init = [&] {
+    x.begin(now);
+    CHECK(program.layer->initCommunications() == communication::SUCCESS);
+    static_cast<void>(x.settle());
+    return program.inits.back();
+  };
+  const auto real_mote_speaks = [&] {
+    static_cast<void>(x.on_plain_packet(
+        {mote_id{100}, network::am::sink_event,
+         encode(network::sink_event(network::mote_joined{mote_id{100}, 1, 901, {}}))},
+        now));
+  };
+  real_mote_speaks();
+  CHECK_FALSE(init()); // one of the two is up
+  static_cast<void>(x.on_packet(default_sink, network::am::sink_event,
+                                encode(network::sink_event(network::sink_started{})), now));
+  static_cast<void>(x.on_plain_line_lost(now));
+  CHECK(init()); // the island's own radio and line are
+  for (const auto end = now + config.line_silence_max; now < end; now += 1s)
+    real_mote_speaks();
+  static_cast<void>(x.on_time(now));
+  CHECK_FALSE(init());
+}

@@ -30,6 +30,11 @@ loaded with_recording(const std::string& toml, const std::string& recording) {
                    });
 }
 
+struct row_text {
+  std::string toml;
+  std::string problem;
+};
+
 std::string problems_of(const loaded& x) {
   std::string text;
   for (const auto& each : x.problems)
@@ -86,9 +91,122 @@ TEST_CASE("motes behind a real sink may run plain programs", "[config][GW-17]") 
   CHECK(rule("am_type = 6\ntype = 1\nfirst = 9\nlast = 8\n") ==
         "15:8: `last` must not be below `first`, which is 9");
   CHECK(problem_after(wall_head, "[[island.plain]]\nam_type = 6\ntype = 1\n") ==
-        "10:1: `plain` means nothing without a real sink");
+        "10:1: `plain` means nothing without a real sink or `real`");
+  CHECK(rule("am_type = 6\ntype = 1\ninput_form = \"blink\"\n") ==
+        "14:14: `input_form` means nothing without `input`");
+  CHECK(rule("am_type = 6\ntype = 1\ninput_am_type = 7\n") ==
+        "14:17: `input_am_type` means nothing without `input`");
+  CHECK(rule("am_type = 6\ntype = 1\ninput = 0\n").find("14:9: ") == 0);
   CHECK(problem_after(wall_head, "serial.payload = 28\n") ==
         "10:18: `payload` means nothing without a real sink");
+}
+
+TEST_CASE("an input of a plain mote becomes packets of a type and a form", "[config][GW-17]") {
+  const auto x = good(with("serial.device = \"/dev/ttyUSB0\"\n"
+                           "[[island.plain]]\nam_type = 6\ntype = 901\ninput = 2\n"
+                           "[[island.plain]]\nam_type = 147\ntype = 902\ninput = 3\n"
+                           "input_am_type = 148\ninput_form = \"oscilloscope\"\n"));
+  const auto& rules = x.islands.at(0).plain;
+  CHECK(rules.at(0).input == 2);
+  CHECK(rules.at(0).input_am_type == 6);
+  CHECK(rules.at(0).input_form == gateway::plain_form::octets);
+  CHECK(rules.at(1).input_am_type == 148);
+  CHECK(rules.at(1).input_form == gateway::plain_form::oscilloscope);
+}
+
+TEST_CASE("an island may have real motes beside simulated ones", "[config][GW-17]") {
+  const auto real = [](const std::string& motes) {
+    return good(with("real = { device = \"/dev/ttyUSB0\", baud = \"telosb\", first = 100, last = "
+                     "199, payload = 28, mote = [{ id = 100, name = \"lamp\" }, { id = 199, name = "
+                     "\"desk\" }] }\nplain = [{ am_type = 6, type = 901 }, { am_type = 7, type = "
+                     "902, first = 199 }]\n" +
+                     motes));
+  };
+  const auto x = real("[[island.mote]]\nid = 99\ntype = 1\nposition_m = [1, 0]\n"
+                      "[[island.mote]]\nid = 200\ntype = 1\nposition_m = [0, 1]\n");
+  const auto& island = x.islands.at(0);
+  CHECK(!island.outside.has_sink());
+  REQUIRE(island.real.is_there());
+  CHECK(island.real.outside.device == "/dev/ttyUSB0");
+  CHECK(island.real.outside.payload == 28);
+  CHECK(island.real.serial.baud == 115200);
+  CHECK(island.serial.baud == 57600);
+  CHECK(island.real.motes.first == 100);
+  CHECK(island.real.motes.last == 199);
+  CHECK(island.plain.at(0).first == 100);
+  CHECK(island.plain.at(0).last == 199);
+  CHECK(island.plain.at(1).first == 199);
+  CHECK(island.plain.at(1).last == 199);
+  CHECK(island.real.names == std::vector<std::pair<mote_id, std::string>>{{mote_id{100}, "lamp"},
+                                                                          {mote_id{199}, "desk"}});
+  CHECK(x.airs.size() == 1);
+  CHECK(summary(x).find("real motes 100 to 199 at /dev/ttyUSB0") != std::string::npos);
+
+  // A group takes ids that are not theirs.
+  const auto group = real("[[island.group]]\ncount = 150\ntype = 1\n"
+                          "layout = \"disk\"\nradius = \"9m\"\n");
+  CHECK(group.islands.at(0).motes.front().id == mote_id{200});
+}
+
+TEST_CASE("what a line to real motes cannot have is refused", "[config][GW-17]") {
+  const std::string plain = "plain = [{ am_type = 6, type = 901 }]\n";
+  const std::string line = "real = { device = \"/dev/ttyS0\", first = 100, last = 199 }\n";
+  const auto mote = [](const std::string& id) {
+    return "[[island.mote]]\nid = " + id + "\ntype = 1\nposition_m = [1, 0]\n";
+  };
+  const row_text rows[] = {
+      {line + plain + mote("99"), "none"},
+      {line + plain + mote("200"), "none"},
+      {line + plain + mote("100"),
+       "13:6: mote id 100 is of the range of `real`, whose motes are not simulated"},
+      {line + plain + mote("199"),
+       "13:6: mote id 199 is of the range of `real`, whose motes are not simulated"},
+      {line + plain +
+           "[[island.group]]\ncount = 2\nfirst = 99\ntype = 1\n"
+           "layout = \"disk\"\nradius = \"9m\"\n",
+       "14:9: mote id 100 is of the range of `real`, whose motes are not simulated"},
+      {"real = { device = \"/dev/ttyS0\", first = 1, last = 9 }\n" + plain + "sink.id = 9\n",
+       "10:41: the range of `real` has mote 9, which is the simulated sink"},
+      {"real = { device = \"/dev/ttyS0\", first = 9, last = 8 }\n" + plain,
+       "10:51: `last` must not be below `first`, which is 9"},
+      {"real = { device = \"/dev/ttyS0\", last = 9 }\n" + plain,
+       "10:8: `first` is missing in [island.real]"},
+      {"real = { first = 100, last = 199 }\n" + plain,
+       "10:8: `device`, `forwarder` or `replay` is missing in [island.real]"},
+      {line, "10:8: `real` means nothing without `plain`, which says what its motes send"},
+      {line + "plain = [{ am_type = 6, type = 901, first = 99 }]\n",
+       "11:45: mote 99 is not of the range of `real`, which is 100 to 199"},
+      {line + "plain = [{ am_type = 6, type = 901, last = 200 }]\n",
+       "11:44: mote 200 is not of the range of `real`, which is 100 to 199"},
+      {line + plain + "serial.device = \"/dev/ttyS1\"\n",
+       "10:8: `real` means nothing in an island with a real sink"},
+      {line + plain + "[[island.alias]]\nid = 21\n",
+       "10:8: `real` means nothing in an island with several gateways: it is a line of one"},
+      {"serial.pty = \"run/sink\"\n" + line,
+       "11:8: `real` means nothing with `pty`: the gateway is the program's that opens it"},
+      {"stack = \"mac\"\n" + line, "11:8: `real` means nothing in an island with stack = \"mac\""},
+  };
+  for (const auto& [toml, problem] : rows) {
+    CAPTURE(toml);
+    CHECK(problem_after(wall_head, toml) == problem);
+  }
+  const auto named = [&](const std::string& id, const std::string& name) {
+    return problem_after(wall_head, "real = { device = \"/dev/ttyS0\", first = 100, last = 199, "
+                                    "mote = [{ id = " +
+                                        id + ", name = \"" + name + "\" }] }\n" + plain +
+                                        "[[island.mote]]\nid = 2\nname = \"stove\"\ntype = 1\n"
+                                        "position_m = [1, 0]\n");
+  };
+  CHECK(named("100", "lamp") == "none");
+  CHECK(named("200", "lamp") == "10:73: mote 200 is not of the range of `real`");
+  CHECK(named("100", "stove").find("mote name") != std::string::npos);
+  for (const std::string key : {"pty = \"run/x\"", "octet_error = 0.1", "latency = \"1ms\""})
+    CHECK(problem_after(wall_head, "real = { device = \"/dev/ttyS0\", first = 100, last = 199, " +
+                                       key + " }\n" + plain)
+              .find("unknown key `" + key.substr(0, key.find(' ')) + "` in [island.real]") !=
+          std::string::npos);
+  CHECK(problem_after(island_head, line + plain).find("needs mode = \"wall\"") !=
+        std::string::npos);
 }
 
 TEST_CASE("rates may be called as TinyOS's tools call them", "[config][GW-01]") {
@@ -162,6 +280,12 @@ TEST_CASE("a recording of a sink is read with the file that names it", "[config]
         "folder/sink.txt:3: expected the type of a frame, 43, 44, 45 or ff\n");
   CHECK(problems_of(with_recording(toml, title + "1.0 attic up 45 0001\n"))
             .find("has nothing of an island with the name `k`") != std::string::npos);
+  const auto real = std::string(island_head) +
+                    "real = { replay = \"sink.txt\", first = 100, last = 199 }\n"
+                    "plain = [{ am_type = 6, type = 901 }]\n";
+  CHECK(problems_of(with_recording(real, title + "1.0 k/real up 45 0001\n")).empty());
+  CHECK(problems_of(with_recording(real, title + "1.0 k up 45 0001\n"))
+            .find("has nothing of an island with the name `k/real`") != std::string::npos);
   const auto missing = std::string(island_head) + "serial = { replay = \"other.txt\" }\n";
   CHECK(problems_of(with_recording(missing, title)).find("folder/other.txt") != std::string::npos);
 }

@@ -101,6 +101,7 @@ TEST_CASE("the status of an input is a number and a word", "[core][GW-12]") {
       {{1, input_outcome::pending}, "1 pending"},
       {{2, input_outcome::acknowledged}, "2 acknowledged"},
       {{10, input_outcome::failed}, "10 failed"},
+      {{11, input_outcome::sent}, "11 sent"},
       {{18446744073709551615ULL, input_outcome::unreachable}, "18446744073709551615 unreachable"}};
   for (const auto& [status, text] : table) {
     CHECK(to_string(status) == text);

@@ -1,8 +1,12 @@
 // Motes that run plain programs of TinyOS, at a gateway.
+#include "core/random.hpp"
 #include "gateway/gateway.hpp"
+#include "gateway/plain_line.hpp"
 #include "gateway/plain_motes.hpp"
 #include "network/am.hpp"
 #include "network/sink_event.hpp"
+#include "serial/packet.hpp"
+#include "serial/raw_packet.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -40,6 +44,57 @@ std::vector<std::string> tuples_of(gateway::gateway& to, const std::vector<sink_
         found.push_back(gone->key + " gone");
     }
   return found;
+}
+
+/// The texts and octets that a gateway publishes.
+std::vector<std::string> told(const outputs& all) {
+  std::vector<std::string> found;
+  for (const auto& output : all)
+    if (const auto* set = std::get_if<publish>(&output))
+      found.push_back(set->key + '=' + (set->text ? to_string(set->value) : to_hex(set->value)));
+  return found;
+}
+
+/// What a gateway with a line to real motes makes of them.
+std::vector<std::string> plain_told(gateway::gateway& to, const std::vector<sink_packet>& all,
+                                    instant now) {
+  std::vector<std::string> found;
+  for (const auto& x : all)
+    for (auto& text : told(to.on_plain_packet(x, now)))
+      found.push_back(std::move(text));
+  return found;
+}
+
+/// What a line to motes 100 to 199 is given by a base station.
+bytes said(std::uint16_t source, std::uint8_t am_type, bytes payload) {
+  return serial::encode(
+      serial::am_packet{serial::am_broadcast, source, 0x22, am_type, std::move(payload)});
+}
+
+plain_line real_line() {
+  plain_line_config x;
+  x.motes.rules = {
+      {blink, 100, 149, 901, 1, 2, blink, plain_form::blink},
+      {oscilloscope, 150, 198, 902, 3, 4, oscilloscope, plain_form::oscilloscope},
+      {7, 199, 199, 903, 1, 5, 8, plain_form::octets},
+  };
+  x.range = address_range{100, 199};
+  x.group = 0x22;
+  return plain_line(x);
+}
+
+std::uint64_t sum(const std::map<std::string, std::uint64_t>& x) {
+  std::uint64_t all = 0;
+  for (const auto& [cause, count] : x)
+    all += count;
+  return all;
+}
+
+gateway::gateway beside(bool has_real_line) {
+  gateway_config config;
+  config.island = island_id{20};
+  config.has_real_line = has_real_line;
+  return {config, random_stream(1)};
 }
 
 bool has(const std::vector<std::string>& all, const std::string& one) {
@@ -112,4 +167,203 @@ TEST_CASE("the table of plain motes is full at a thousand", "[gateway][GW-17]") 
     CHECK(motes.on_packet(mote_id{i}, blink, bytes{1}, start)->size() == 2);
   CHECK(motes.on_packet(mote_id{2000}, blink, bytes{1}, start)->empty());
   CHECK(motes.on_packet(mote_id{1}, blink, bytes{1}, start)->size() == 1);
+}
+
+TEST_CASE("what is written to a plain mote's input is a packet of its program",
+          "[gateway][GW-17]") {
+  auto line = real_line();
+  const auto sent = [&](std::uint16_t mote, std::uint16_t channel, const bytes& octets) {
+    const auto packet = line.on_input(mote_id{mote}, channel, octets);
+    if (!packet)
+      return std::string("refused");
+    const auto x = serial::decode_am_packet(*packet);
+    REQUIRE(x);
+    CHECK(x->destination == mote);
+    CHECK(x->group == 0x22);
+    return std::to_string(x->am_type) + ' ' + to_hex(x->payload);
+  };
+  CHECK(sent(100, 2, bytes{0, 5}) == "6 00000005");
+  CHECK(sent(149, 2, bytes{1, 0}) == "6 00000100");
+  CHECK(sent(199, 5, bytes{1, 2, 3}) == "8 010203");
+  CHECK(sent(199, 5, {}) == "8 ");
+  CHECK(sent(100, 2, bytes{5}) == "refused"); // no number of 2 octets
+  CHECK(sent(100, 2, bytes{0, 0, 5}) == "refused");
+  CHECK(sent(100, 3, bytes{0, 5}) == "refused"); // no such input
+  CHECK(sent(99, 2, bytes{0, 5}) == "refused");
+  CHECK(sent(200, 5, bytes{0, 5}) == "refused");
+  CHECK(sent(199, 5, bytes(115)) == "refused");  // longer than a packet
+  CHECK(sent(150, 4, bytes{1, 0}) == "refused"); // its version is not known yet
+
+  // The version of Oscilloscope's settings is one more than the mote has, and than was said.
+  const auto zeros = std::string(2 * 24, '0');
+  static_cast<void>(line.on_packet(said(150, oscilloscope, bytes{0, 9, 1, 0}), start));
+  CHECK(sent(150, 4, bytes{1, 0xf4}) == "147 000a01f4" + zeros);
+  CHECK(sent(150, 4, bytes{1, 0xf5}) == "147 000b01f5" + zeros);
+  static_cast<void>(line.on_packet(said(150, oscilloscope, bytes{0, 10, 1, 0}), start));
+  CHECK(sent(150, 4, bytes{1, 0xf6}) == "147 000c01f6" + zeros);
+  static_cast<void>(line.on_packet(said(150, oscilloscope, bytes{0xff, 0xff, 1, 0}), start));
+  CHECK(sent(150, 4, bytes{1, 0xf6}) == "refused"); // there is no newer one
+
+  const auto& counted = line.counters();
+  CHECK(counted.inputs == 15);
+  CHECK(counted.inputs_failed.at("refused") == 8);
+  line.on_sent();
+  line.on_lost(serial::lost_cause::no_ack);
+  line.on_lost(serial::lost_cause::too_long);
+  CHECK(counted.inputs_sent == 1);
+  CHECK(counted.inputs_failed.at("no_ack") == 1);
+  CHECK(counted.inputs_failed.at("refused") == 9);
+}
+
+TEST_CASE("a line to real motes takes packets of its range alone", "[gateway][GW-17]") {
+  auto line = real_line();
+  const auto taken = [&](const bytes& packet) { return line.on_packet(packet, start).has_value(); };
+  CHECK(!taken(said(99, blink, bytes{1})));
+  CHECK(taken(said(100, blink, bytes{1})));
+  CHECK(taken(said(199, 7, bytes{1})));
+  CHECK(!taken(said(200, 7, bytes{1})));
+  CHECK(!taken(said(100, 7, bytes{1}))); // not what such motes send
+  CHECK(!taken({}));
+  CHECK(!taken(bytes{0, 1}));
+  CHECK(!taken(bytes{1, 2, 3}));
+  CHECK(!taken(from_hex("0205020012").value()));                      // an acknowledgement
+  CHECK(!taken(from_hex("0210418811 2200ffff64003f060001").value())); // not as long as it says
+  CHECK(taken(from_hex("020f418811 2200ffff64003f060001").value()));
+  const auto& x = line.counters();
+  CHECK(x.packets == 11);
+  CHECK(x.taken == 3);
+  CHECK(x.dropped == std::map<std::string, std::uint64_t>{
+                         {"malformed", 4}, {"no_data", 1}, {"no_rule", 1}, {"out_of_range", 2}});
+}
+
+TEST_CASE("a base station that says raw frames is spoken to in raw frames", "[gateway][GW-17]") {
+  auto line = real_line();
+  static_cast<void>(line.on_packet(from_hex("020f418811 2200ffff64003f060001").value(), start));
+  for (std::uint8_t i = 0; i < 3; ++i) {
+    const auto packet = line.on_input(mote_id{100}, 2, bytes{0, i});
+    REQUIRE(packet);
+    const auto frame = serial::decode_raw_packet(*packet);
+    REQUIRE(frame);
+    CHECK(frame->sequence == i);
+    CHECK(frame->destination == serial::raw_end{0x22, 100, false});
+    CHECK(to_hex(serial::am_packet_in(*frame)->payload) == "0000000" + std::to_string(i));
+  }
+  static_cast<void>(line.on_packet(said(100, blink, bytes{1}), start)); // another one in its place
+  CHECK(line.on_input(mote_id{100}, 2, bytes{0, 1})->front() == serial::am_dispatch);
+}
+
+TEST_CASE("each packet of a line to real motes is taken or dropped for a cause",
+          "[gateway][GW-17]") {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    CAPTURE(seed);
+    random_stream rng(seed);
+    auto line = real_line();
+    auto core = beside(true);
+    static_cast<void>(core.start(start));
+    std::uint64_t tuples = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const auto source = static_cast<std::uint16_t>(95 + rng.below(110));
+      const auto type = std::array<std::uint8_t, 4>{blink, oscilloscope, 7, 9}[rng.below(4)];
+      bytes payload(rng.below(30));
+      auto packet = rng.below(2) == 0
+                        ? said(source, type, payload)
+                        : serial::encode_raw({0xffff, source, 0x22, type, payload}, 1);
+      if (rng.below(4) == 0)
+        packet[rng.below(packet.size())] = static_cast<std::uint8_t>(rng.below(256));
+      if (rng.below(8) == 0)
+        packet.resize(rng.below(packet.size() + 1));
+      const auto now = start + std::chrono::milliseconds(10 * i);
+      if (const auto all = line.on_packet(packet, now))
+        for (const auto& text : plain_told(core, *all, now))
+          tuples += text.find(".output.") != std::string::npos ? 1 : 0;
+    }
+    const auto& x = line.counters();
+    CHECK(x.packets == 2000);
+    CHECK(x.taken + sum(x.dropped) == 2000);
+    CHECK(x.taken > 100);
+    CHECK(tuples == x.taken);
+    for (const auto mote : core.devices())
+      CHECK((mote.value >= 100 && mote.value <= 199));
+  }
+}
+
+TEST_CASE("a lost line to real motes leaves them listed, and nobody leaves because of it",
+          "[gateway][GW-15][GW-17]") {
+  auto line = real_line();
+  auto core = beside(true);
+  static_cast<void>(core.start(start));
+  const auto first = plain_told(core, *line.on_packet(said(100, blink, bytes{1}), start), start);
+  CHECK(has(first, "devices.100.status=listed 0.000000"));
+  line.on_presence(false, start + 5s);
+  CHECK(has(told(core.on_plain_line_lost(start + 5s)), "devices.100.status=stale 5.000000"));
+  CHECK(!line.deadline());
+  CHECK(line.on_time(start + 35s).empty());
+  line.on_presence(true, start + 35s);
+  CHECK(line.deadline() == start + 45s);
+  const auto again = line.on_packet(said(100, blink, bytes{2}), start + 36s);
+  REQUIRE(again);
+  CHECK(again->size() == 1); // it does not join again
+  CHECK(plain_told(core, *again, start + 36s) ==
+        std::vector<std::string>{"devices.100.status=listed 36.000000", "devices.100.output.1=02"});
+  CHECK(core.devices() == std::vector{mote_id{100}});
+  CHECK(line.on_time(start + 46s).size() == 1); // later it is silent
+}
+
+TEST_CASE("a sink and a line to real motes do not speak for each other",
+          "[gateway][GW-15][GW-17]") {
+  auto line = real_line();
+  auto core = beside(true);
+  static_cast<void>(core.start(start));
+  const auto joined = [](std::uint16_t mote) {
+    return sink_packet{
+        mote_id{mote}, network::am::sink_event,
+        encode(network::sink_event(network::mote_joined{mote_id{mote}, 1, 101, {}}))};
+  };
+  const auto from_sink = [&](const sink_packet& x, instant now) {
+    return told(core.on_packet(x.source, x.am_type, x.payload, now));
+  };
+  const auto real = plain_told(core, *line.on_packet(said(100, blink, bytes{1}), start), start);
+  CHECK(has(real, "devices={100}"));
+  CHECK(!has(real, "devices.line=up 0.000000")); // nobody has heard the sink
+  const auto simulated = from_sink(joined(2), start + 1s);
+  CHECK(has(simulated, "devices={2,100}"));
+  CHECK(has(simulated, "devices.line=up 1.000000"));
+
+  // A roster without the real mote asks nothing about it.
+  network::roster roster;
+  roster.number = 1;
+  roster.pages = 1;
+  roster.entries = {{mote_id{2}, 1}};
+  const auto after = core.on_packet(mote_id{1}, network::am::sink_event,
+                                    encode(network::sink_event(roster)), start + 2s);
+  for (const auto& output : after)
+    CHECK(!std::holds_alternative<to_sink>(output));
+
+  // The real motes go on, but the sink is silent: its motes are stale, they are not.
+  instant now = start + 2s;
+  for (; now < start + 30s; now += 1s) {
+    static_cast<void>(plain_told(core, *line.on_packet(said(100, blink, bytes{1}), now), now));
+    const auto texts = told(core.on_time(now));
+    CHECK(!has(texts, "devices.100.status=stale " + to_text(now)));
+    CHECK(has(texts, "devices.2.status=stale " + to_text(now)) == (now == start + 27s));
+  }
+
+  // Messages for a real mote go to no sink; they end by being sent.
+  const auto asked = core.on_input(mote_id{100}, 2, bytes{0, 7}, now);
+  CHECK(has(told(asked), "devices.100.input.2.status=1 pending"));
+  const auto found = std::find_if(asked.begin(), asked.end(), [](const auto& x) {
+    return std::holds_alternative<to_plain>(x);
+  });
+  REQUIRE(found != asked.end());
+  const auto& x = std::get<to_plain>(*found);
+  CHECK(x.mote == mote_id{100});
+  CHECK(x.channel == 2);
+  CHECK(to_hex(x.octets) == "0007");
+  CHECK(told(core.on_plain_done(x.number, true, now)) ==
+        std::vector<std::string>{"devices.100.input.2.status=1 sent"});
+  CHECK(core.on_plain_done(x.number, true, now).empty()); // once
+  static_cast<void>(core.on_input(mote_id{100}, 2, bytes{0, 8}, now));
+  CHECK(told(core.on_plain_done(x.number + 1, false, now)) ==
+        std::vector<std::string>{"devices.100.input.2.status=2 failed"});
+  CHECK(core.counters().plain_inputs == 2);
 }

@@ -48,8 +48,11 @@ constexpr auto unreachable = input_outcome::unreachable;
 
 TEST_CASE("a request is written and ends with the gateway's word",
           "[proxy][PXY-12][GW-12][IF-07]") {
-  for (const auto& [word, text] : std::vector<std::pair<input_outcome, std::string>>{
-           {acked, "on acknowledged"}, {failed, "on failed"}, {unreachable, "on unreachable"}}) {
+  for (const auto& [word, text] :
+       std::vector<std::pair<input_outcome, std::string>>{{acked, "on acknowledged"},
+                                                          {failed, "on failed"},
+                                                          {unreachable, "on unreachable"},
+                                                          {input_outcome::sent, "on sent"}}) {
     input_channel channel;
     CHECK_FALSE(channel.deadline());
     CHECK(told(channel.add(ask("on"), start)) == lines{">on"});

@@ -215,6 +215,32 @@ TEST_CASE("a mote that only measures need not join", "[report][invariants]") {
   CHECK(check_joined(x, std::vector{lamp, blinds}).size() == 1);
 }
 
+TEST_CASE("packets and inputs of real motes balance", "[report][invariants][GW-17]") {
+  run_report x;
+  x.islands.resize(1);
+  auto& island = x.islands[0];
+  island.name = "kitchen";
+  auto& real = island.real;
+  real.packets = 10;
+  real.taken = 6;
+  real.dropped = {{"out_of_range", 3}, {"malformed", 1}};
+  real.inputs = 5;
+  real.inputs_sent = 2;
+  real.inputs_failed = {{"no_ack", 1}};
+  real.inputs_open = 2;
+  CHECK(check_real_lines(x).empty());
+  ++real.packets;
+  auto found = check_real_lines(x);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].invariant == "packets of real motes balance");
+  CHECK(found[0].detail == "kitchen: came 11, taken + dropped 10");
+  --real.packets;
+  ++real.inputs_sent;
+  found = check_real_lines(x);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].invariant == "inputs of real motes balance");
+}
+
 TEST_CASE("an actuation has one outcome or is still waiting", "[report][invariants]") {
   auto x = sample_report();
   ++x.proxies[1].actuations.requested; // waiting

@@ -178,10 +178,10 @@ TEST_CASE("messages are added up over lives, and arrivals are told by those they
 
 TEST_CASE("actuations of a proxy that is started again are kept", "[report][run_counters]") {
   run_counters all;
-  proxy_report life{"kitchen.fan", "fan", "ended", {}, {3, 2, 10ms, {}, {{"proxy_ended", 1}}}};
+  proxy_report life{"kitchen.fan", "fan", "ended", {}, {3, 2, 0, 10ms, {}, {{"proxy_ended", 1}}}};
   all.add(life, true);
   CHECK(of(all).proxies.at(0).status == "ended");
-  all.add({"kitchen.fan", "fan", "active", {{"switch", "on"}}, {2, 2, 5ms, {}, {}}}, false);
+  all.add({"kitchen.fan", "fan", "active", {{"switch", "on"}}, {2, 2, 0, 5ms, {}, {}}}, false);
   all.add(life, true); // told late
   const auto x = of(all);
   REQUIRE(x.proxies.size() == 1);

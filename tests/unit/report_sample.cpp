@@ -156,7 +156,7 @@ run_report sample_report() {
                 "lamp",
                 "lost",
                 {{"switch", "on"}},
-                {5, 4, 120ms, delays({20ms, 20ms, 30ms, 120ms}), {{"timeout", 1}}}},
+                {5, 4, 0, 120ms, delays({20ms, 20ms, 30ms, 120ms}), {{"timeout", 1}}}},
                {"living-room.climate-2", "climate", "active", {{"temperature", "-3.25 C"}}, {}}};
   x.streams = {{7, "kitchen/climate-7", "robot", 600, 590, 585, 1, 14, 2, 1}};
   x.expectations = {
@@ -191,7 +191,7 @@ run_report large_report() {
     x.islands.push_back(island);
     x.peers.push_back({gateway_of(island.id), island.name + "-gateway", 1, 50, 100, {}});
     x.proxies.push_back(
-        {island.name, "climate", "active", {{"temperature", "20.0 C"}}, {1, 1, {}, {}, {}}});
+        {island.name, "climate", "active", {{"temperature", "20.0 C"}}, {1, 1, 0, {}, {}, {}}});
   }
   for (std::uint16_t i = 2; i < 42; ++i)
     x.flows.push_back(sample_flow(i, default_sink, "sink"));
