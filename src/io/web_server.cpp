@@ -283,8 +283,11 @@ struct web_server::state {
         });
         return;
       }
-      if (all.connections < connections_max)
+      if (all.connections < connections_max) {
+        error_code ignored;
+        socket.set_option(tcp::no_delay(true), ignored); // answers are small, and waited for
         std::make_shared<http_connection>(std::move(socket), all)->read();
+      }
       accept();
     });
   }

@@ -102,6 +102,16 @@ TEST_CASE("everything a file may say arrives", "[config][GEN-04]") {
   CHECK(x.peers.at(0).host == "h");
 }
 
+TEST_CASE("a floor plan arrives, and is not needed", "[config][ACT-09]") {
+  CHECK_FALSE(after(mote_head, "").plan);
+  const auto x = after(mote_head, "[plan]\npicture = \"flat.png\"\nposition_m = [-1, -2]\n"
+                                  "width = \"12.5m\"\n");
+  REQUIRE(x.plan);
+  CHECK(x.plan->picture == "flat.png");
+  CHECK(x.plan->corner == position{-1, -2, 0});
+  CHECK(x.plan->width_m == 12.5);
+}
+
 TEST_CASE("a serial line is as fast as the sink's platform", "[config]") {
   const auto x = after(island_head, "sink.platform = \"telosb\"\n");
   CHECK(x.islands.at(0).serial.baud == radio::find_platform("telosb")->serial_baud);

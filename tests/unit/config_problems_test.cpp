@@ -39,8 +39,18 @@ colour = "blue"
 #^ unknown key `radios` in the file: did you mean `radio`?
 
 [colour]
-#^ unknown key `colour` in the file: there is ecology, radio, host, quantity, smepp, mote_type,
-#   island, air, peis, peer, ...
+#^ unknown key `colour` in the file: there is ecology, plan, radio, host, quantity, smepp,
+#   mote_type, island, air, peis, ...
+
+[plan]
+#< `width` is missing in [plan]
+picture = "flat.png"
+
+[plan]
+picture = "flat.png"
+width = "0m"
+#       ^ `width` must be a length from 0.1 m to 100000 m with its unit (cm, m or km), as in
+#   "25m", not "0m"
 
 nick = "x"
 #< unknown key `nick` in [[peer]]: there is id, name, count, host, links, connect, tcp, lan, leaf,
