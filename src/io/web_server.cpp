@@ -242,7 +242,7 @@ private:
 } // namespace
 
 struct web_server::state {
-  explicit state(web_site x) : all{std::move(x)}, acceptor(context), pause(context) {}
+  explicit state(web_site x) : all{std::move(x)}, acceptor(context), pause(context), timer(context) {}
 
   ~state() {
     context.stop();
@@ -267,8 +267,20 @@ struct web_server::state {
              error.message();
     port = acceptor.local_endpoint().port();
     accept();
+    if (all.site.on_time)
+      go_on();
     thread = std::thread([this] { context.run(); });
     return {};
+  }
+
+  void go_on() {
+    timer.expires_after(news_every);
+    timer.async_wait([this](const error_code& error) {
+      if (error)
+        return;
+      all.site.on_time();
+      go_on();
+    });
   }
 
   void accept() {
@@ -296,6 +308,7 @@ struct web_server::state {
   asio::io_context context{1};
   tcp::acceptor acceptor;
   asio::steady_timer pause;
+  asio::steady_timer timer;
   std::uint16_t port = 0;
   std::thread thread;
 };

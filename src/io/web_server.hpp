@@ -47,6 +47,8 @@ struct web_site {
   std::map<std::string, web_file> files; ///< by name, `` is the page; at `/TOKEN/NAME`
   std::string socket_name = "live";      ///< of the WebSocket, likewise
   std::function<std::unique_ptr<web_session>()> on_session;
+  /// Called every web_server::news_every, by the server's thread; may be empty.
+  std::function<void()> on_time;
 };
 
 /// Serves a site from open() on until it is destroyed, which ends all connections.

@@ -64,37 +64,64 @@ void timeline::thin_samples() {
 }
 
 void timeline::add(const report::tuple_write& x) {
-  const std::lock_guard guard(lock_);
-  ((sought_ = x.owner) += '\0') += x.key;
-  const auto found = tuples_.find(sought_);
-  if (found != tuples_.end())
-    return put(found->second, x);
-  if (tuples_.size() < tuples_max)
-    return put(tuples_[sought_] = {{x.owner, x.key}, {}}, x);
-  ++tuples_left_out_;
-}
-
-void timeline::put(kept_tuple& to, const report::tuple_write& x) {
-  auto& values = to.values;
-  auto value = shortened(x.value);
-  if (values.empty() || values.back().since <= x.at) {
-    if (!values.empty() && values.back().value == value && values.back().deleted == x.deleted)
-      return;
-    values.push_back({x.at, std::move(value), x.deleted});
-  } else { // a record tells of other owners' tuples when they come there: not always in order
-    const auto where = std::ranges::upper_bound(values, x.at, {}, &tuple_value::since);
-    values.insert(where, {x.at, std::move(value), x.deleted});
+  unsettled_value y{x.at, {}, {}, x.owner.size(), x.deleted};
+  y.name.reserve(x.owner.size() + 1 + x.key.size());
+  ((y.name += x.owner) += '\0') += x.key;
+  y.value = shortened(x.value);
+  bool is_full = false;
+  {
+    const std::lock_guard guard(unsettled_lock_);
+    unsettled_.push_back(std::move(y));
+    is_full = unsettled_.size() >= unsettled_max;
   }
-  if (++values_ > values_max)
-    thin_values();
+  if (is_full)
+    settle();
 }
 
-void timeline::thin_values() {
-  values_ = 0;
-  for (auto& [name, each] : tuples_) {
+void timeline::settle() const {
+  const std::lock_guard guard(table_lock_);
+  std::vector<unsettled_value> all;
+  {
+    const std::lock_guard other_guard(unsettled_lock_);
+    all.swap(unsettled_);
+  }
+  for (auto& each : all)
+    table_.put(std::move(each));
+}
+
+void timeline::tuple_table::put(unsettled_value x) {
+  const auto found = tuples.find(x.name);
+  if (found != tuples.end())
+    return put(found->second, std::move(x));
+  if (tuples.size() >= tuples_max) {
+    ++left_out;
+    return;
+  }
+  auto& made = tuples[x.name];
+  made.key = {x.name.substr(0, x.owner_size), x.name.substr(x.owner_size + 1)};
+  put(made, std::move(x));
+}
+
+void timeline::tuple_table::put(kept_tuple& to, unsettled_value x) {
+  auto& all = to.values;
+  if (all.empty() || all.back().since <= x.at) {
+    if (!all.empty() && all.back().value == x.value && all.back().deleted == x.deleted)
+      return;
+    all.push_back({x.at, std::move(x.value), x.deleted});
+  } else { // a record tells of other owners' tuples when they come there: not always in order
+    const auto where = std::ranges::upper_bound(all, x.at, {}, &tuple_value::since);
+    all.insert(where, {x.at, std::move(x.value), x.deleted});
+  }
+  if (++values > values_max)
+    thin();
+}
+
+void timeline::tuple_table::thin() {
+  values = 0;
+  for (auto& [name, each] : tuples) {
     if (each.values.size() > 2)
       halve(each.values);
-    values_ += each.values.size();
+    values += each.values.size();
   }
 }
 
@@ -178,22 +205,26 @@ std::optional<listed_event> timeline::event_after(instant x) const {
 }
 
 timeline::tuples_then timeline::tuples_at(instant x) const {
-  const std::lock_guard guard(lock_);
+  settle();
   tuples_then all;
-  all.left_out = tuples_left_out_;
-  for (const auto& [name, each] : tuples_) {
-    const auto* value = value_at(each.values, x);
-    if (value != nullptr && !value->deleted)
-      all.tuples.emplace_back(each.key, *value);
+  {
+    const std::lock_guard guard(table_lock_);
+    all.left_out = table_.left_out;
+    for (const auto& [name, each] : table_.tuples) {
+      const auto* value = value_at(each.values, x);
+      if (value != nullptr && !value->deleted)
+        all.tuples.emplace_back(each.key, *value);
+    }
   }
   std::ranges::sort(all.tuples, {}, [](const auto& each) { return each.first; });
   return all;
 }
 
 std::vector<tuple_value> timeline::values_of(const tuple_key& x) const {
-  const std::lock_guard guard(lock_);
-  const auto found = tuples_.find(x.first + '\0' + x.second);
-  return found == tuples_.end() ? std::vector<tuple_value>() : found->second.values;
+  settle();
+  const std::lock_guard guard(table_lock_);
+  const auto found = table_.tuples.find(x.first + '\0' + x.second);
+  return found == table_.tuples.end() ? std::vector<tuple_value>() : found->second.values;
 }
 
 std::shared_ptr<const message_list> timeline::messages() const {

@@ -43,7 +43,8 @@ struct run_state {
 };
 
 /// Written by the run, read by who serves the page, from any threads: what is read is shared, not
-/// copied, and the run waits for nobody longer than that takes.
+/// copied, and the run waits for nobody longer than that takes. Values of tuples, of which there
+/// are many, are only put down by the run, and put in order by whoever comes next: settle().
 ///
 /// Of long runs every second sample goes when there are samples_max, and so on; the newest stays.
 /// Likewise the values of tuples, and of events the oldest.
@@ -58,6 +59,7 @@ public:
   static constexpr std::size_t tuples_max = 20'000;
   static constexpr std::size_t values_max = 400'000; ///< of all tuples
   static constexpr std::size_t value_octets_max = 512;
+  static constexpr std::size_t unsettled_max = 65'536; ///< more are put in order by the run itself
 
   /// @param ecology the message `ecology` of docs/view.md
   explicit timeline(std::string ecology);
@@ -70,6 +72,9 @@ public:
   void set(std::shared_ptr<const message_list> x);
   /// Why they cannot be, at this time.
   void set_why_no_messages(std::string x);
+
+  /// Puts in order what the run has put down, on the calling thread; reading does so too.
+  void settle() const;
 
   [[nodiscard]] const std::string& ecology() const { return ecology_; }
   [[nodiscard]] run_state state() const;
@@ -97,7 +102,6 @@ public:
 
 private:
   void thin_samples();
-  void thin_values();
 
   const std::string ecology_;
   mutable std::mutex lock_;
@@ -112,12 +116,29 @@ private:
     tuple_key key;
     std::vector<tuple_value> values; ///< ascending by time
   };
-  void put(kept_tuple& to, const report::tuple_write& x);
+  struct unsettled_value {
+    instant at;
+    std::string name; ///< owner, a NUL, and key
+    std::string value;
+    std::size_t owner_size = 0; ///< in the name
+    bool deleted = false;
+  };
 
-  std::unordered_map<std::string, kept_tuple> tuples_; ///< by owner, a NUL, and key
-  std::string sought_;                                 ///< such a name
-  std::size_t values_ = 0;
-  std::uint64_t tuples_left_out_ = 0;
+  /// All values of tuples, for who has the lock of it.
+  struct tuple_table {
+    std::unordered_map<std::string, kept_tuple> tuples; ///< by such names
+    std::size_t values = 0;
+    std::uint64_t left_out = 0;
+
+    void put(unsettled_value x);
+    void put(kept_tuple& to, unsettled_value x);
+    void thin();
+  };
+
+  mutable std::mutex unsettled_lock_; ///< never while the next one is waited for by the run
+  mutable std::vector<unsettled_value> unsettled_;
+  mutable std::mutex table_lock_; ///< taken before the other, if both are
+  mutable tuple_table table_;
   std::shared_ptr<const message_list> messages_;
   std::string why_no_messages_;
 };
