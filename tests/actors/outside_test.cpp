@@ -188,6 +188,60 @@ TEST_CASE("a gateway has a line of its own to real motes, and takes those of its
   CHECK(status.inputs_failed == report::cause_counts{{"no_ack", 1}});
 }
 
+TEST_CASE("plain motes behind a gateway's only line are spoken to over it, and outlast its loss",
+          "[actors][gateway][GW-15][GW-17]") {
+  fixture world;
+  fake<peis_peer_actor> peer{world};
+  fake<serial_line_actor> line{world};
+  fake<ecology_actor> ecology{world};
+  gateway_arguments arguments;
+  arguments.config.island = kitchen;
+  arguments.plain.motes.rules = {{6, 1, mote_id_max, 901, 1, 2, 6, gateway::plain_form::count}};
+  arguments.plain.group = 0x22;
+  arguments.peer = peer.handle();
+  arguments.line = line.handle();
+  arguments.line_is_real = true;
+  arguments.ecology = ecology.handle();
+  const auto gateway = world.spawn_at("gateway/kitchen", gateway_behavior, std::move(arguments));
+  REQUIRE(line.count<watch_line>() == 1);
+  CHECK(!line.all<watch_line>()[0].takes_octets);
+  const auto told = [&](std::string_view key) {
+    std::string value;
+    for (const auto& x : peer.all<set_tuple>())
+      if (x.key == key)
+        value = to_string(x.value.view());
+    return value;
+  };
+  const auto ack_all = [&] {
+    for (const auto& x : test::frames_in(line.all<serial_write>()))
+      world.send(gateway, serial_octets{serial::encode(
+                              serial::frame{serial::frame_type::ack, x.sequence, {}})});
+    line.forget();
+  };
+  ack_all();
+  world.send(gateway, test::serial_frame(message(6), serial::frame_type::packet));
+  CHECK(told("devices") == "{7}");
+  CHECK(told("devices.line").starts_with("up")); // it is the only one
+  world.send(gateway,
+             tuple_event{1, gateway_of(kitchen), "devices.7.input.2", payload(bytes{1, 0})});
+  const auto packets = test::packets_in(line.all<serial_write>());
+  REQUIRE(packets.size() == 1);
+  CHECK(packets[0] == serial::am_packet{7, 0, 0x22, 6, bytes{1, 0}});
+  ack_all();
+  CHECK(told("devices.7.input.2.status") == "1 sent");
+  world.send(gateway, tuple_event{1, gateway_of(kitchen), "devices.7.input.2", payload(bytes{1})});
+  CHECK(told("devices.7.input.2.status") == "2 failed"); // no number
+  world.send(gateway, serial_presence{false, {}});
+  world.run_for(20s);
+  CHECK(told("devices.7.status").starts_with("stale"));
+  CHECK(told("devices") == "{7}");
+  world.send(gateway, serial_presence{true, {}});
+  world.send(gateway, test::serial_frame(message(6), serial::frame_type::packet));
+  CHECK(told("devices.7.status").starts_with("listed"));
+  world.run_for(10s);
+  CHECK(told("devices") == "{}"); // later it is silent
+}
+
 TEST_CASE("a replayed line says what was said, when it was said, and acks what it hears",
           "[actors][serial][ACT-08]") {
   fixture world;
