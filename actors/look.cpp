@@ -52,6 +52,7 @@ public:
   looker(const ecology_state& all, instant now) : all_(all), now_(now) {}
 
   report::run_sample look() {
+    motes_.reserve(all_.motes.size());
     for (const auto& island : all_.report.islands) // what lives that have ended have lost
       lost_[island.id]["network"] = island.network.lost;
     for (const auto& [who, messages] : all_.counters.unsettled().messages)
@@ -96,7 +97,7 @@ private:
       if (const auto ended = messages.reliable_acked + messages.reliable_failed; ended > 0)
         x.delivery = static_cast<double>(messages.reliable_acked) / static_cast<double>(ended);
     }
-    motes_.push_back(x);
+    motes_.push_back(std::move(x));
   }
 
   void add_airs() {

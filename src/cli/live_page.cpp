@@ -18,6 +18,7 @@
 #include "explain/traces.hpp"
 #include "io/loop.hpp"
 #include "io/signal_watch.hpp"
+#include "report/expectations.hpp"
 #include "view/page_files.hpp"
 #include "view/report_sample.hpp"
 
@@ -99,8 +100,12 @@ private:
 
 view::controls::outcome hand_made::take(wish x) {
   const std::lock_guard guard(lock_);
+  if (over_)
+    return {false, "the run is over"};
   if (waiting_.size() >= waiting_max)
     return {false, "the run has not done yet what was asked for before"};
+  if (++taken_ > taken_max)
+    return {false, "so much has been done by hand that no more is taken"};
   waiting_.push_back(std::move(x));
   return {true, "it happens now"};
 }
@@ -117,6 +122,8 @@ std::shared_ptr<const view::controls> hand_made::controls() {
                         const std::string& value) -> view::controls::outcome {
     if (key.empty())
       return {false, "a tuple has a key"};
+    if (key.size() + value.size() > tuple_octets_max)
+      return {false, "that is too long"};
     return take({.owner = owner, .key = key, .value = value});
   };
   return x;
@@ -142,6 +149,12 @@ std::vector<std::string> hand_made::perform(const run_control& run, instant now)
     done_.emplace_back(now, std::move(each));
   }
   return told;
+}
+
+void hand_made::end() {
+  const std::lock_guard guard(lock_);
+  over_ = true;
+  waiting_.clear();
 }
 
 std::string hand_made::repeated() const {
@@ -200,7 +213,7 @@ void live_page::attach(run_options& options, const config::ecology_description& 
   const bool is_wall =
       options.mode.value_or(ecology.mode) == config::run_mode::wall || options.speed > 0;
   const auto length = options.length.value_or(ecology.length);
-  constexpr int samples = 200;
+  constexpr int samples = 100;
   if (options.look_every <= 0s)
     options.look_every =
         is_wall ? std::max(duration(static_cast<std::int64_t>(std::max(options.speed, 1.0) * 1e9)),
@@ -225,8 +238,9 @@ void live_page::tell_done(instant now, const std::string& what) {
 
 void live_page::finish(const report::run_report& x) {
   for (const auto& each : x.violations)
-    timeline_->add(
-        view::listed_event{each.at, each.invariant, "violated: " + each.detail, "violation"});
+    if (!each.invariant.starts_with(report::expected)) // those follow
+      timeline_->add(
+          view::listed_event{each.at, each.invariant, "violated: " + each.detail, "violation"});
   for (const auto& each : x.expectations)
     if (each.outcome == report::expectation_report::verdict::unmet)
       timeline_->add(

@@ -39,11 +39,16 @@ public:
   /// @returns it, in words
   [[nodiscard]] std::vector<std::string> perform(const run_control& run, instant now);
 
+  /// The run is over: nothing is taken any more.
+  void end();
+
   /// `[[fault]]` tables that let the same happen again, in a file.
   [[nodiscard]] std::string repeated() const;
 
 private:
   static constexpr std::size_t waiting_max = 64;
+  static constexpr std::size_t taken_max = 10'000; ///< in all
+  static constexpr std::size_t tuple_octets_max = 4096;
 
   struct wish {
     std::string sentence = {}; ///< of a fault; empty: a tuple
@@ -58,6 +63,8 @@ private:
   finder find_;
   mutable std::mutex lock_;
   std::vector<wish> waiting_;
+  std::size_t taken_ = 0;
+  bool over_ = false;
   std::vector<std::pair<instant, wish>> done_;
 };
 

@@ -148,6 +148,8 @@ public:
 
   /// @pre the report is printed
   void finish(const report::run_report& report) {
+    if (hands_)
+      hands_->end();
     page_.finish(report);
     if (const auto text = hands_ ? hands_->repeated() : ""; !text.empty())
       static_cast<void>(print(stderr, "what was done by hand, for the file:\n" + text));
@@ -327,6 +329,11 @@ exit_status perform(const run_command& x) {
     return exit_status::refused;
   if (!x.host.empty())
     return run_part(x, std::move(*file));
+  if (x.watch.control && x.file == standard_input) {
+    static_cast<void>(print(stderr, "--control: what stands on standard input can be read once "
+                                    "only: give a file\n"));
+    return exit_status::refused;
+  }
   if (x.watch.control && x.options.mode.value_or(file->ecology.mode) != config::run_mode::wall) {
     static_cast<void>(print(stderr, "--control: a virtual run is over before anybody could do "
                                     "something: add --mode wall\n"));

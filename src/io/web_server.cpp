@@ -1,6 +1,7 @@
 #include "io/web_server.hpp"
 
-#include <algorithm>
+#include <csignal>
+#include <exception>
 #include <thread>
 #include <utility>
 
@@ -53,6 +54,22 @@ bool is_own_origin(std::string_view origin, std::string_view host) {
   return origin.starts_with(scheme) && origin.substr(scheme.size()) == host;
 }
 
+/// Threads that are made meanwhile hear no signals.
+class signals_blocked {
+public:
+  signals_blocked() {
+    sigset_t all;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_BLOCK, &all, &before_);
+  }
+  ~signals_blocked() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  signals_blocked(const signals_blocked&) = delete;
+  signals_blocked& operator=(const signals_blocked&) = delete;
+
+private:
+  sigset_t before_{};
+};
+
 struct served {
   web_site site;
   std::size_t connections = 0;
@@ -99,7 +116,11 @@ private:
     socket_.async_read(buffer_, [x = shared_from_this()](const error_code& error, std::size_t) {
       if (error)
         return x->end();
-      x->answer_ = x->session_->on_text(beast::buffers_to_string(x->buffer_.data()));
+      try {
+        x->answer_ = x->session_->on_text(beast::buffers_to_string(x->buffer_.data()));
+      } catch (const std::exception&) {
+        return x->end();
+      }
       x->buffer_.consume(x->buffer_.size());
       x->write_next();
     });
@@ -109,9 +130,11 @@ private:
   void tell() {
     if (is_over_)
       return;
-    if (!is_writing_) {
-      if (auto news = session_->news())
+    try {
+      if (auto news = is_writing_ ? std::nullopt : session_->news())
         write(std::move(*news), false);
+    } catch (const std::exception&) {
+      return end();
     }
     timer_.expires_after(web_server::news_every);
     timer_.async_wait([x = shared_from_this()](const error_code& error) {
@@ -142,6 +165,7 @@ private:
   void end() {
     is_over_ = true;
     timer_.cancel();
+    beast::get_lowest_layer(socket_).close();
   }
 
   place place_;
@@ -205,7 +229,8 @@ private:
   }
 
   void refuse(http::status status, const char* why) {
-    send(status, {"text/plain; charset=utf-8", why});
+    refusal_ = {"text/plain; charset=utf-8", why};
+    send(status, refusal_);
   }
 
   void send(http::status status, const web_file& what) {
@@ -220,8 +245,9 @@ private:
     response_.keep_alive(request.keep_alive() && status == http::status::ok);
     response_.content_length(what.content.size());
     if (request.method() != http::verb::head)
-      response_.body() = what.content;
+      response_.body() = {what.content.data(), what.content.size()};
     const bool goes_on = response_.keep_alive();
+    stream_.expires_after(std::chrono::duration_cast<std::chrono::seconds>(web_server::patience));
     http::async_write(stream_, response_,
                       [x = shared_from_this(), goes_on](const error_code& error, std::size_t) {
                         if (!error && goes_on)
@@ -236,13 +262,15 @@ private:
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
-  http::response<http::string_body> response_;
+  http::response<http::span_body<const char>> response_; ///< of what the site, or refusal_, has
+  web_file refusal_;
 };
 
 } // namespace
 
 struct web_server::state {
-  explicit state(web_site x) : all{std::move(x)}, acceptor(context), pause(context), timer(context) {}
+  explicit state(web_site x)
+      : all{std::move(x)}, acceptor(context), pause(context), timer(context) {}
 
   ~state() {
     context.stop();
@@ -269,8 +297,18 @@ struct web_server::state {
     accept();
     if (all.site.on_time)
       go_on();
-    thread = std::thread([this] { context.run(); });
+    const signals_blocked here; // they are the program's
+    thread = std::thread([this] { run(); });
     return {};
+  }
+
+  void run() {
+    while (!context.stopped()) {
+      try {
+        context.run();
+      } catch (const std::exception&) { // out of memory, say: its connection has gone with it
+      }
+    }
   }
 
   void go_on() {
@@ -295,12 +333,12 @@ struct web_server::state {
         });
         return;
       }
-      if (all.connections < connections_max) {
-        error_code ignored;
-        socket.set_option(tcp::no_delay(true), ignored); // answers are small, and waited for
-        std::make_shared<http_connection>(std::move(socket), all)->read();
-      }
       accept();
+      if (all.connections >= connections_max)
+        return;
+      error_code ignored;
+      socket.set_option(tcp::no_delay(true), ignored); // answers are small, and waited for
+      std::make_shared<http_connection>(std::move(socket), all)->read();
     });
   }
 

@@ -22,7 +22,8 @@ struct web_file {
   std::string content;
 };
 
-/// The program's end of one WebSocket. Called by the server's thread alone.
+/// The program's end of one WebSocket. Called by the server's thread alone. What it throws ends
+/// this WebSocket, and nothing else.
 class web_session {
 public:
   web_session() = default;

@@ -91,7 +91,8 @@ std::vector<T> thinned(const std::vector<T>& all) {
   const auto step = (all.size() + points_max - 1) / points_max;
   for (std::size_t i = 0; i < all.size(); i += step)
     some.push_back(all[i]);
-  some.push_back(all.back());
+  if ((all.size() - 1) % step != 0)
+    some.push_back(all.back());
   return some;
 }
 
@@ -188,7 +189,7 @@ private:
 
   json events(const json& /*question*/) {
     json y = {{"kind", "events"}, {"events", json::array()}};
-    for (const auto& each : all_.events_from(0))
+    for (const auto& each : all_.events_from(0).events)
       y["events"].push_back(event_json(each));
     return y;
   }
@@ -296,7 +297,7 @@ private:
     }
     if (mote.delivery)
       fact("reliable messages acknowledged",
-           std::to_string(std::lround(*mote.delivery * 1000) / 10) + " %");
+           std::to_string(std::lround(*mote.delivery * 100)) + " %");
     if (const auto hours = hours_left(mote, now); !hours.is_null())
       fact("battery left", std::to_string(std::lround(hours.get<double>())) + " h");
     for (const auto& each : mote.neighbours)
@@ -443,7 +444,7 @@ std::string conversation::on_text(std::string_view text_in) {
   } catch (const json::exception& x) {
     reply = {{"kind", "refused"}, {"text", "the question is malformed"}};
   }
-  if (question.is_object() && question.contains("id"))
+  if (question.is_object() && question.contains("id") && question["id"].is_number())
     reply["id"] = question["id"];
   return text_of(reply);
 }
@@ -467,10 +468,11 @@ std::optional<std::string> conversation::news() {
               {"speed", rounded(state.speed)},
               {"samples", all_->samples()},
               {"new_events", json::array()}};
-    for (const auto& each : all_->events_from(events_told_))
+    const auto fresh = all_->events_from(events_told_);
+    for (const auto& each : fresh.events)
       y["new_events"].push_back(event_json(each));
     state_told_ = state;
-    events_told_ = events;
+    events_told_ = fresh.next;
     has_told_ = true;
     told_state_last_ = true;
     return text_of(y);

@@ -1,8 +1,10 @@
 #include "view/sample_json.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -43,10 +45,15 @@ void take(const json& from, bool& x) {
 }
 template <std::unsigned_integral Number>
 void take(const json& from, Number& x) {
-  x = from.get<Number>();
+  const auto number = from.get<std::uint64_t>();
+  if (!std::in_range<Number>(number))
+    throw std::out_of_range("a number does not fit");
+  x = static_cast<Number>(number);
 }
 void take(const json& from, mote_id& x) {
-  x = mote_id(from.get<std::uint16_t>());
+  std::uint16_t number = 0;
+  take(from, number);
+  x = mote_id(number);
 }
 template <class T>
 void take(const json& from, std::optional<T>& x) {
@@ -107,6 +114,7 @@ report::run_sample sample_of(const json& from) {
         take(each.at(1), y.etx);
         x.motes[i].neighbours.push_back(y);
       }
+  std::ranges::sort(x.motes, {}, &mote_sample::address);
   return x;
 }
 

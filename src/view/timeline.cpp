@@ -117,15 +117,19 @@ void timeline::tuple_table::put(kept_tuple& to, unsettled_value x) {
 }
 
 void timeline::tuple_table::thin() {
+  // Those of which there is little keep it: above this are at least half of all.
+  const auto spared = std::max<std::size_t>(2, values_max / tuples.size() / 2);
   values = 0;
   for (auto& [name, each] : tuples) {
-    if (each.values.size() > 2)
+    if (each.values.size() > spared)
       halve(each.values);
     values += each.values.size();
   }
 }
 
 void timeline::add(listed_event x) {
+  x.who = shortened(std::move(x.who));
+  x.what = shortened(std::move(x.what));
   const std::lock_guard guard(lock_);
   if (events_.size() >= events_max) {
     constexpr std::size_t dropped = events_max / 8;
@@ -182,12 +186,13 @@ std::vector<timeline::sample> timeline::all_samples() const {
   return all;
 }
 
-std::vector<listed_event> timeline::events_from(std::uint64_t number) const {
+timeline::events_then timeline::events_from(std::uint64_t number) const {
   const std::lock_guard guard(lock_);
+  events_then x{{}, events_forgotten_ + events_.size()};
   const auto first = std::max(number, events_forgotten_) - events_forgotten_;
-  if (first >= events_.size())
-    return {};
-  return {events_.begin() + static_cast<std::ptrdiff_t>(first), events_.end()};
+  if (first < events_.size())
+    x.events.assign(events_.begin() + static_cast<std::ptrdiff_t>(first), events_.end());
+  return x;
 }
 
 std::uint64_t timeline::events() const {
@@ -216,7 +221,7 @@ timeline::tuples_then timeline::tuples_at(instant x) const {
         all.tuples.emplace_back(each.key, *value);
     }
   }
-  std::ranges::sort(all.tuples, {}, [](const auto& each) { return each.first; });
+  std::ranges::sort(all.tuples, {}, &std::pair<tuple_key, tuple_value>::first);
   return all;
 }
 
@@ -239,7 +244,8 @@ std::string timeline::why_no_messages() const {
 
 void fill(timeline& out, std::shared_ptr<const explain::traces> all) {
   for (const auto& each : all->samples)
-    if (auto sample = decode_sample(each))
+    if (auto sample = decode_sample(each);
+        sample && (out.newest() == nullptr || out.newest()->at < sample->at))
       out.add(std::move(*sample));
   for (const auto& each : all->tuples) {
     const auto owner = all->about.peers.find(each.owner.value);

@@ -85,7 +85,11 @@ public:
   [[nodiscard]] std::vector<sample> all_samples() const;
 
   /// Events from this number on, which counts all that there ever were.
-  [[nodiscard]] std::vector<listed_event> events_from(std::uint64_t number) const;
+  struct events_then {
+    std::vector<listed_event> events;
+    std::uint64_t next = 0; ///< number of the first that is not among them
+  };
+  [[nodiscard]] events_then events_from(std::uint64_t number) const;
   [[nodiscard]] std::uint64_t events() const;
   [[nodiscard]] std::optional<listed_event> event_after(instant x) const;
 
@@ -110,7 +114,7 @@ private:
   sample newest_;
   std::uint64_t sample_stride_ = 1;
   std::uint64_t samples_told_ = 0;
-  std::vector<listed_event> events_; ///< ascending by time
+  std::vector<listed_event> events_; ///< as they were told
   std::uint64_t events_forgotten_ = 0;
   struct kept_tuple {
     tuple_key key;

@@ -1,7 +1,10 @@
 #include <chrono>
 #include <cstring>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -76,7 +79,11 @@ private:
 
 class echo : public io::web_session {
 public:
-  std::string on_text(std::string_view text) override { return "echo " + std::string(text); }
+  std::string on_text(std::string_view text) override {
+    if (text == "fail")
+      throw std::runtime_error("failed");
+    return "echo " + std::string(text);
+  }
   std::optional<std::string> news() override {
     return told_++ == 0 ? std::optional<std::string>("news") : std::nullopt;
   }
@@ -205,6 +212,31 @@ TEST_CASE("a server with many connections closes further ones, and goes on when 
     REQUIRE(i < 100);
     std::this_thread::sleep_for(50ms);
   }
+}
+
+TEST_CASE("a session that fails ends its own connection alone") {
+  const auto server = served();
+  const auto head =
+      request(server, "/secret/live", upgrade("http://127.0.0.1:" + std::to_string(server.port())));
+  client good(server.port());
+  good.send(head);
+  good.read_until("news");
+  client bad(server.port());
+  bad.send(head);
+  bad.read_until("news");
+  bad.say("fail");
+  CHECK(bad.is_closed());
+  good.say("hello");
+  CHECK(good.read_until("echo hello").find("echo hello") != std::string::npos);
+}
+
+TEST_CASE("two requests at once are both answered") {
+  const auto server = served();
+  client x(server.port());
+  x.send(request(server, "/secret/") + request(server, "/secret/page.js"));
+  const auto text = x.read_until("script");
+  CHECK(text.find("<p>page") != std::string::npos);
+  CHECK(text.ends_with("script"));
 }
 
 TEST_CASE("a port that is taken is told") {

@@ -179,8 +179,13 @@ TEST_CASE("curves show what samples and tuples have told", "[page]") {
     run_sample sample;
     sample.at = instant{i * 60s};
     for (const auto& island : x.islands)
-      for (const auto& mote : island.motes)
-        sample.motes.push_back({mote.address, true, 0.1 * i, 2500});
+      for (const auto& mote : island.motes) {
+        auto& to = sample.motes.emplace_back();
+        to.address = mote.address;
+        to.alive = true;
+        to.used_mah = 0.1 * i;
+        to.battery_mah = 2500;
+      }
     for (const auto& island : x.islands)
       sample.islands.push_back(
           {island.id,

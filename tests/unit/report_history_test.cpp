@@ -30,6 +30,16 @@ logged_event line_at(duration at) {
   return {instant{at}, "kitchen/fan", "line"};
 }
 
+/// A mote that lives, with a battery of 2500 mAh.
+mote_sample used(const mote_address& who, double mah) {
+  mote_sample x;
+  x.address = who;
+  x.alive = true;
+  x.used_mah = mah;
+  x.battery_mah = 2500;
+  return x;
+}
+
 } // namespace
 
 TEST_CASE("fields of CSV are quoted where they must be", "[report][csv]") {
@@ -46,8 +56,15 @@ TEST_CASE("samples become rows, a thing each", "[report][csv]") {
   const csv_tables tables(kitchen());
   run_sample x;
   x.at = instant{12500ms};
-  x.motes = {{fan, true, 1.25, 2500, default_sink, 1, -71, 1.5},
-             {{fan.island, mote_id{8}}, false, 0.5, std::numeric_limits<double>::infinity()}};
+  auto with_route = used(fan, 1.25);
+  with_route.parent = default_sink;
+  with_route.hops = 1;
+  with_route.signal_dbm = -71;
+  with_route.etx = 1.5;
+  auto at_a_cable = used({fan.island, mote_id{8}}, 0.5);
+  at_a_cable.alive = false;
+  at_a_cable.battery_mah = std::numeric_limits<double>::infinity();
+  x.motes = {with_route, at_a_cable};
   x.islands = {
       {fan.island, {{"mac", {{"no_ack", 2}}}, {"radio", {{"collision", 3}, {"weak", 0}}}}}};
   CHECK(tables.energy(x) == "12.5,\"kit\"\"chen\",fan,1,1.25,99.95\n"
@@ -71,7 +88,7 @@ TEST_CASE("every table has a header with as many fields as its rows", "[report][
   plain.islands[0].name = "kitchen";
   const csv_tables tables(plain);
   run_sample x;
-  x.motes = {{fan}};
+  x.motes.emplace_back().address = fan;
   x.islands = {{fan.island, {{"mac", {{"no_ack", 2}}}}}};
   using kind = csv_tables::kind;
   CHECK(commas(csv_tables::header(kind::energy)) == commas(tables.energy(x)));
@@ -131,11 +148,11 @@ TEST_CASE("a history of samples is bounded, and those who come late or go are in
     run_sample sample;
     sample.at = instant{i * 1s};
     if (i <= 500)
-      sample.motes.push_back({fan, true, 1.0 * i, 2500});
+      sample.motes.push_back(used(fan, 1.0 * i));
     sample.islands = {{fan.island, {{"mac", {{"no_ack", static_cast<std::uint64_t>(i)}}}}},
                       {island_id{2}, {{"mac", {{"no_ack", static_cast<std::uint64_t>(i)}}}}}};
     if (i > 100)
-      sample.motes.push_back({{fan.island, mote_id{9}}, true, 2.0 * i, 2500});
+      sample.motes.push_back(used({fan.island, mote_id{9}}, 2.0 * i));
     x.add(sample);
   }
   CHECK(x.times().size() < history::samples_max);

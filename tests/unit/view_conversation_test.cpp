@@ -191,6 +191,10 @@ TEST_CASE("what is no question is refused") {
   CHECK(refused(R"({"ask":"mote","address":"9/9","at_s":1})"));
   CHECK(refused(R"({"ask":"follow","on":"yes"})"));
   CHECK(refused(R"({"ask":"fault","sentence":"crash mote kitchen/stove"})"));
+  const std::string deep(30'000, '[');
+  const auto answer =
+      x.with.on_text(R"({"ask":"series","id":)" + deep + std::string(deep.size(), ']') + '}');
+  CHECK(answer.find("\"id\"") == std::string::npos);
   CHECK_FALSE(refused(R"({"ask":"moment","at_s":-1e300})"));
   CHECK_FALSE(refused(R"({"ask":"moment","at_s":1e300})"));
   CHECK_FALSE(refused(R"({"ask":"messages","limit":1e300})"));

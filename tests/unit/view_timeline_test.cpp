@@ -96,15 +96,39 @@ TEST_CASE("tuples are bounded in number, length and history") {
   CHECK(y.values_of({"pc", "a"}).back().value == std::to_string(3 * timeline::values_max - 1));
 }
 
+TEST_CASE("what changes rarely keeps its history beside what changes often") {
+  timeline x("{}");
+  x.add(write(1s, "door", "closed"));
+  x.add(write(2s, "door", "open"));
+  x.add(write(3s, "door", "", true));
+  x.add(write(4s, "door", "closed"));
+  for (std::size_t i = 0; i < 2 * timeline::values_max; ++i)
+    x.add(write(1ms * i, "light", std::to_string(i)));
+  CHECK(x.values_of({"pc", "light"}).size() <= timeline::values_max);
+  const auto values = x.values_of({"pc", "door"});
+  REQUIRE(values.size() == 4);
+  CHECK(values[1].value == "open");
+  CHECK(values[2].deleted);
+}
+
+TEST_CASE("a value that is set again is the same value") {
+  timeline x("{}");
+  for (int i = 0; i < 10; ++i)
+    x.add(write(i * 1s, "a", "same"));
+  CHECK(x.values_of({"pc", "a"}).size() == 1);
+  CHECK(x.tuples_at(instant(9s)).tuples.at(0).second.since == instant{});
+}
+
 TEST_CASE("events are numbered, the oldest go") {
   timeline x("{}");
   for (std::size_t i = 0; i < timeline::events_max + 1; ++i)
     x.add(view::listed_event{instant(1s * i), "a", "b"});
   CHECK(x.events() == timeline::events_max + 1);
-  CHECK(x.events_from(0).size() <= timeline::events_max);
-  CHECK(x.events_from(timeline::events_max).size() == 1);
-  CHECK(x.events_from(timeline::events_max + 1).empty());
-  CHECK(x.events_from(timeline::events_max + 5).empty());
+  CHECK(x.events_from(0).events.size() <= timeline::events_max);
+  CHECK(x.events_from(0).next == timeline::events_max + 1);
+  CHECK(x.events_from(timeline::events_max).events.size() == 1);
+  CHECK(x.events_from(timeline::events_max + 1).events.empty());
+  CHECK(x.events_from(timeline::events_max + 5).events.empty());
   CHECK_FALSE(x.event_after(instant(1s * timeline::events_max)));
   x.add(view::listed_event{instant(7s), "invariant", "violated", "violation"});
   CHECK(x.event_after(instant(1s * (timeline::events_max - 1)))->at ==
