@@ -12,7 +12,6 @@
 #include "cli/random_id.hpp"
 #include "cli/read_record.hpp"
 #include "config/load.hpp"
-#include "config/summary_parts.hpp"
 #include "core/printable.hpp"
 #include "deploy/fault_sentence.hpp"
 #include "explain/traces.hpp"
@@ -20,6 +19,7 @@
 #include "io/signal_watch.hpp"
 #include "report/expectations.hpp"
 #include "view/page_files.hpp"
+#include "view/recorded.hpp"
 #include "view/report_sample.hpp"
 
 namespace rubicon::cli {
@@ -203,13 +203,7 @@ live_page::live_page(const page_place& where, const std::string& ecology,
 }
 
 void live_page::attach(run_options& options, const config::ecology_description& ecology) {
-  plan_ = report::plan_faults(ecology);
-  for (const auto& row : config::fault_rows(ecology)) {
-    std::string text;
-    for (std::size_t cell = 1; cell < row.size(); ++cell)
-      text += (text.empty() ? "" : " ") + row[cell];
-    plan_texts_.push_back(std::move(text));
-  }
+  plan_ = view::planned_faults(ecology);
   const bool is_wall =
       options.mode.value_or(ecology.mode) == config::run_mode::wall || options.speed > 0;
   const auto length = options.length.value_or(ecology.length);
@@ -225,9 +219,8 @@ void live_page::attach(run_options& options, const config::ecology_description& 
     timeline_->add(view::listed_event{x.at, x.who, x.what});
   });
   also(options.progress, [this, speed = speedometer()](const run_progress& x) mutable {
-    for (; planned_ < plan_.size() && instant(plan_[planned_].at) <= x.reached; ++planned_)
-      timeline_->add(view::listed_event{instant(plan_[planned_].at), "fault",
-                                        plan_texts_.at(plan_[planned_].index), "fault"});
+    for (; planned_ < plan_.size() && plan_[planned_].at <= x.reached; ++planned_)
+      timeline_->add(plan_[planned_]);
     timeline_->set({x.reached, x.end, true, x.events, speed.at(x.reached)});
   });
 }

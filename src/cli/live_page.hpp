@@ -17,7 +17,6 @@
 #include "cli/watch_wishes.hpp"
 #include "config/ecology.hpp"
 #include "io/web_server.hpp"
-#include "report/fault_plan.hpp"
 #include "view/conversation.hpp"
 #include "view/ecology_json.hpp"
 #include "view/timeline.hpp"
@@ -102,9 +101,8 @@ public:
 private:
   std::string url_;
   std::shared_ptr<view::timeline> timeline_;
-  std::vector<report::planned_fault> plan_;
-  std::vector<std::string> plan_texts_; ///< of each fault of the description
-  std::size_t planned_ = 0;             ///< that have been told
+  std::vector<view::listed_event> plan_;
+  std::size_t planned_ = 0; ///< of the plan, that have been told
   std::set<std::tuple<instant, std::string, std::string>> shown_; ///< events of reports
   std::optional<io::web_server> server_;
 };

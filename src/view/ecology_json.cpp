@@ -4,11 +4,16 @@
 
 #include <nlohmann/json.hpp>
 
+#include "config/summary_parts.hpp"
+#include "report/fault_plan.hpp"
+
 namespace rubicon::view {
 
 namespace {
 
 using json = nlohmann::ordered_json;
+
+constexpr std::size_t faults_max = 10'000;
 
 std::string text_of(const json& x) {
   return x.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -72,7 +77,43 @@ json peers_json(const config::ecology_description& x, json& links) {
   return peers;
 }
 
+/// `kill  peer robot for 10 s`, without when.
+std::string fault_text(const config::row& cells) {
+  std::string text;
+  for (std::size_t i = 1; i < cells.size(); ++i)
+    text += (text.empty() ? "" : " ") + cells[i];
+  return text;
+}
+
 } // namespace
+
+std::vector<listed_event> planned_faults(const config::ecology_description& x) {
+  if (x.faults.empty())
+    return {};
+  const auto rows = config::fault_rows(x);
+  std::vector<listed_event> all;
+  for (const auto& each : report::plan_faults(x)) {
+    if (all.size() >= faults_max)
+      break;
+    all.push_back({instant(each.at), "fault", fault_text(rows.at(each.index)), "fault"});
+  }
+  return all;
+}
+
+std::vector<listed_event> planned_faults(const std::string& ecology) {
+  const auto x = json::parse(ecology, nullptr, /*allow_exceptions=*/false);
+  std::vector<listed_event> all;
+  if (!x.is_object() || !x.contains("faults") || !x["faults"].is_array())
+    return all;
+  for (const auto& each : x["faults"]) {
+    const bool is_one = each.is_array() && each.size() == 2 && each[0].is_number_integer() &&
+                        each[1].is_string();
+    if (is_one)
+      all.push_back({instant(duration(each[0].get<std::int64_t>())), "fault",
+                     each[1].get<std::string>(), "fault"});
+  }
+  return all;
+}
 
 std::string ecology_json(const config::ecology_description& x) {
   json y = {{"kind", "ecology"},
@@ -90,6 +131,9 @@ std::string ecology_json(const config::ecology_description& x) {
   json links = json::array();
   y["peers"] = peers_json(x, links);
   y["peis_links"] = std::move(links);
+  auto& faults = y["faults"] = json::array();
+  for (const auto& each : planned_faults(x))
+    faults.push_back(json::array({each.at.time_since_epoch().count(), each.what}));
   return text_of(y);
 }
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "config/ecology.hpp"
+#include "view/timeline.hpp"
 
 namespace rubicon::view {
 
@@ -14,6 +16,12 @@ struct run_facts {
   bool controls = false;    ///< the page may let faults happen, and set tuples
   bool messages = false;    ///< each message can be explained: the run is recorded
 };
+
+/// What goes wrong by plan, ascending by time, as events; of very many the first.
+[[nodiscard]] std::vector<listed_event> planned_faults(const config::ecology_description& x);
+
+/// The same of a message `ecology`.
+[[nodiscard]] std::vector<listed_event> planned_faults(const std::string& ecology);
 
 /// The message `ecology` of docs/view.md, without the facts of the run.
 [[nodiscard]] std::string ecology_json(const config::ecology_description& x);

@@ -147,7 +147,4 @@ private:
   std::string why_no_messages_;
 };
 
-/// Puts in what a record has kept: samples, tuples, events and messages.
-void fill(timeline& out, std::shared_ptr<const explain::traces> all);
-
 } // namespace rubicon::view

@@ -1,4 +1,4 @@
-#include <cmath>
+#include <algorithm>
 
 #include <nlohmann/json.hpp>
 
@@ -86,6 +86,24 @@ TEST_CASE("a page is told the ecology first, then how far the run is") {
   CHECK(x.news().is_null());
   x.all->set({instant(3s), instant(1h), true, 200, 1});
   CHECK(x.news()["new_events"].empty());
+}
+
+TEST_CASE("what is planned to go wrong is told, and is in a record") {
+  auto ecology = two_motes();
+  ecology.faults.push_back({20s, config::unplug_fault{island_id(1)}});
+  ecology.faults.push_back({10s, config::unplug_fault{island_id(1)}});
+  std::ranges::sort(ecology.faults, {}, &config::fault_description::at);
+  const auto planned = view::planned_faults(ecology);
+  REQUIRE(planned.size() == 2);
+  CHECK(planned[0].at == instant(10s));
+  CHECK(planned[0].kind == "fault");
+  CHECK_FALSE(planned[0].what.empty());
+  const auto again = view::planned_faults(view::ecology_json(ecology));
+  REQUIRE(again.size() == 2);
+  CHECK(again[1].at == instant(20s));
+  CHECK(again[1].what == planned[1].what);
+  for (const auto* text : {"", "[]", "{}", R"({"faults":[1,[2],["x","y"],[1,"z",3]]})"})
+    CHECK(view::planned_faults(std::string(text)).empty());
 }
 
 TEST_CASE("who follows is told the newest moment, and states in turns with it") {

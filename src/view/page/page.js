@@ -586,10 +586,10 @@ function layOut() {
   plan.image.src = "plan";
 }
 
-/** If it is not told, the picture's shape has it, once it is there. */
-function planHeight({ height_m, width_m }) {
+/** The picture's shape has it, once it is there. */
+function planHeight({ width_m }) {
   const { naturalWidth, naturalHeight } = plan.image || {};
-  return height_m ?? (naturalWidth ? (width_m * naturalHeight) / naturalWidth : 0);
+  return naturalWidth ? (width_m * naturalHeight) / naturalWidth : 0;
 }
 
 function isOnPlan({ sink }) {
@@ -617,10 +617,9 @@ function measureAir(air) {
     if (air.islands.includes(islandOf(mote))) for (const [, x, y] of path) widen(area, x, y);
   if (air.hasPlan) {
     const p = model.ecology.plan;
-    const corners = p ? [[p.x_m, p.y_m, p.x_m + p.width_m, p.y_m + planHeight(p)]] : [];
-    for (const [x1, y1, x2, y2] of corners.concat(model.ecology.walls || [])) {
-      widen(area, x1, y1);
-      widen(area, x2, y2);
+    if (p) {
+      widen(area, p.x_m, p.y_m);
+      widen(area, p.x_m + p.width_m, p.y_m + planHeight(p));
     }
   }
   if (area.x0 > area.x1) Object.assign(area, { x0: 0, y0: 0, x1: 1, y1: 1 });
@@ -863,7 +862,6 @@ function drawGround(air) {
     ctx.drawImage(plan.image, ...place(p.x_m, p.y_m + planHeight(p)), p.width_m * view.scale, planHeight(p) * view.scale);
     ctx.globalAlpha = 1;
   }
-  for (const [x1, y1, x2, y2] of model.ecology.walls || []) stroke("soft", 2.5, lines(place(x1, y1), place(x2, y2)));
 }
 
 /** Lines to parents, one path for each class. */
@@ -1458,7 +1456,7 @@ function showStatus() {
   $("status").className = "badge " + kind;
   put("length", "of " + timeText(runLength(), 0));
   if (!model.ecology) return;
-  const facts = [`seed ${model.ecology.seed}`, model.ecology.mode, `now ${timeText(run.now)}`, `${countText(run.events)} events`];
+  const facts = [`seed ${model.ecology.seed}`, model.ecology.mode, `now ${timeText(run.now)}`, ...(run.events ? [`${countText(run.events)} events`] : [])];
   if (run.running && run.speed) facts.push(`${run.speed < 10 ? run.speed.toFixed(1) : countText(run.speed)}x`);
   put("run-facts", facts.join(" · "));
 }
