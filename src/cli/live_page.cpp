@@ -174,7 +174,7 @@ live_page::live_page(const page_place& where, const std::string& ecology,
                      const view::run_facts& facts, const std::string& mode,
                      const std::string& picture, std::shared_ptr<const view::controls> controls,
                      std::shared_ptr<const explain::traces> record)
-    : timeline_(std::make_shared<view::timeline>(ecology)) {
+    : timeline_(std::make_shared<view::timeline>()) {
   if (!facts.messages)
     timeline_->set_why_no_messages("The run is not recorded: add --record FILE to see where each "
                                    "message went.");

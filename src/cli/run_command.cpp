@@ -184,6 +184,9 @@ exit_status report_run(const run_command& x, ecology_file file) {
   const auto status = print_report(report, x.json, x.full);
   if (viewed && !report.interrupted)
     viewed->finish(report);
+  else if (!viewed && !x.json && console_of(stderr).is_terminal)
+    static_cast<void>(
+        print(stderr, "with --view you see it in a browser, and can go back in it\n"));
   return status;
 }
 

@@ -106,8 +106,8 @@ std::vector<listed_event> planned_faults(const std::string& ecology) {
   if (!x.is_object() || !x.contains("faults") || !x["faults"].is_array())
     return all;
   for (const auto& each : x["faults"]) {
-    const bool is_one = each.is_array() && each.size() == 2 && each[0].is_number_integer() &&
-                        each[1].is_string();
+    const bool is_one =
+        each.is_array() && each.size() == 2 && each[0].is_number_integer() && each[1].is_string();
     if (is_one)
       all.push_back({instant(duration(each[0].get<std::int64_t>())), "fault",
                      each[1].get<std::string>(), "fault"});

@@ -34,8 +34,6 @@ const tuple_value* value_at(const std::vector<tuple_value>& all, instant x) {
 
 } // namespace
 
-timeline::timeline(std::string ecology) : ecology_(std::move(ecology)) {}
-
 void timeline::add(report::run_sample x) {
   auto shared = std::make_shared<report::run_sample>(std::move(x));
   const std::lock_guard guard(lock_);

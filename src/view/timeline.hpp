@@ -61,9 +61,6 @@ public:
   static constexpr std::size_t value_octets_max = 512;
   static constexpr std::size_t unsettled_max = 65'536; ///< more are put in order by the run itself
 
-  /// @param ecology the message `ecology` of docs/view.md
-  explicit timeline(std::string ecology);
-
   void add(report::run_sample x);
   void add(const report::tuple_write& x);
   void add(listed_event x);
@@ -76,7 +73,6 @@ public:
   /// Puts in order what the run has put down, on the calling thread; reading does so too.
   void settle() const;
 
-  [[nodiscard]] const std::string& ecology() const { return ecology_; }
   [[nodiscard]] run_state state() const;
   [[nodiscard]] std::size_t samples() const;
   [[nodiscard]] sample newest() const; ///< nullptr: none yet
@@ -105,17 +101,6 @@ public:
   [[nodiscard]] std::string why_no_messages() const;
 
 private:
-  void thin_samples();
-
-  const std::string ecology_;
-  mutable std::mutex lock_;
-  run_state state_;
-  std::vector<sample> samples_; ///< ascending by time
-  sample newest_;
-  std::uint64_t sample_stride_ = 1;
-  std::uint64_t samples_told_ = 0;
-  std::vector<listed_event> events_; ///< as they were told
-  std::uint64_t events_forgotten_ = 0;
   struct kept_tuple {
     tuple_key key;
     std::vector<tuple_value> values; ///< ascending by time
@@ -127,22 +112,31 @@ private:
     std::size_t owner_size = 0; ///< in the name
     bool deleted = false;
   };
-
-  /// All values of tuples, for who has the lock of it.
   struct tuple_table {
     std::unordered_map<std::string, kept_tuple> tuples; ///< by such names
-    std::size_t values = 0;
-    std::uint64_t left_out = 0;
+    std::size_t values = 0;                             ///< of all
+    std::uint64_t left_out = 0;                         ///< writes of tuples beyond tuples_max
 
     void put(unsettled_value x);
     void put(kept_tuple& to, unsettled_value x);
     void thin();
   };
 
-  mutable std::mutex unsettled_lock_; ///< never while the next one is waited for by the run
+  void thin_samples();
+
+  mutable std::mutex unsettled_lock_; ///< of the next one
   mutable std::vector<unsettled_value> unsettled_;
-  mutable std::mutex table_lock_; ///< taken before the other, if both are
+  mutable std::mutex table_lock_; ///< of the next one; taken before unsettled_lock_, if both are
   mutable tuple_table table_;
+
+  mutable std::mutex lock_; ///< of all the others
+  run_state state_;
+  std::vector<sample> samples_; ///< ascending by time
+  sample newest_;
+  std::uint64_t sample_stride_ = 1;
+  std::uint64_t samples_told_ = 0;
+  std::vector<listed_event> events_; ///< as they were told
+  std::uint64_t events_forgotten_ = 0;
   std::shared_ptr<const message_list> messages_;
   std::string why_no_messages_;
 };

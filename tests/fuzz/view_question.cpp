@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   if (const auto sample = view::decode_sample(text))
     assert(view::decode_sample(view::encode(*sample)));
-  auto all = std::make_shared<view::timeline>("{}");
+  auto all = std::make_shared<view::timeline>();
   report::run_sample sample;
   sample.motes.resize(1);
   all->add(sample);

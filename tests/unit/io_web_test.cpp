@@ -133,7 +133,7 @@ TEST_CASE("the page is there for who knows the token, and may run nothing but it
   CHECK(page.find("frame-ancestors 'none'") != std::string::npos);
   CHECK(page.find("nosniff") != std::string::npos);
   CHECK(page.find("no-referrer") != std::string::npos);
-  CHECK(answer(server, request(server, "/secret/page.js"), "script").ends_with("script"));
+  CHECK(answer(server, request(server, "/secret/page.js"), "\r\n\r\nscript").ends_with("script"));
   for (const auto* path : {"/", "/secret", "/secre/", "/secrett/", "/Secret/", "//", "/secret/../x",
                            "/secret/etc/passwd", "/x/page.js"})
     CHECK(answer(server, request(server, path)).starts_with("HTTP/1.1 404"));
@@ -234,7 +234,7 @@ TEST_CASE("two requests at once are both answered") {
   const auto server = served();
   client x(server.port());
   x.send(request(server, "/secret/") + request(server, "/secret/page.js"));
-  const auto text = x.read_until("script");
+  const auto text = x.read_until("\r\n\r\nscript");
   CHECK(text.find("<p>page") != std::string::npos);
   CHECK(text.ends_with("script"));
 }

@@ -53,7 +53,7 @@ report::run_sample sample_at(duration at) {
 }
 
 struct page {
-  std::shared_ptr<view::timeline> all = std::make_shared<view::timeline>("{}");
+  std::shared_ptr<view::timeline> all = std::make_shared<view::timeline>();
   view::conversation with{
       all, view::with_facts(view::ecology_json(two_motes()), {.file = "home.toml"}, "wall"),
       nullptr};

@@ -25,7 +25,7 @@ report::tuple_write write(duration at, std::string key, std::string value, bool 
 } // namespace
 
 TEST_CASE("a moment is the newest sample that is not later") {
-  timeline x("{}");
+  timeline x;
   CHECK(x.at(instant(1h)) == nullptr);
   for (int i = 1; i <= 5; ++i)
     x.add(sample_at(i * 10s));
@@ -36,7 +36,7 @@ TEST_CASE("a moment is the newest sample that is not later") {
 }
 
 TEST_CASE("samples of a long run are thinned evenly, and the newest stays") {
-  timeline x("{}");
+  timeline x;
   constexpr int count = 100'000;
   for (int i = 0; i < count; ++i)
     x.add(sample_at(i * 1s));
@@ -52,7 +52,7 @@ TEST_CASE("samples of a long run are thinned evenly, and the newest stays") {
 }
 
 TEST_CASE("of many motes few samples are kept, and neighbours of the newest alone") {
-  timeline x("{}");
+  timeline x;
   for (int i = 0; i < 60; ++i)
     x.add(sample_at(i * 1s, 50'000));
   const auto all = x.all_samples();
@@ -65,7 +65,7 @@ TEST_CASE("of many motes few samples are kept, and neighbours of the newest alon
 }
 
 TEST_CASE("a tuple has at each moment the value that it had") {
-  timeline x("{}");
+  timeline x;
   x.add(write(1s, "a", "one"));
   x.add(write(3s, "a", "three"));
   x.add(write(5s, "a", "", true));
@@ -82,14 +82,14 @@ TEST_CASE("a tuple has at each moment the value that it had") {
 }
 
 TEST_CASE("tuples are bounded in number, length and history") {
-  timeline x("{}");
+  timeline x;
   for (std::size_t i = 0; i < timeline::tuples_max + 10; ++i)
     x.add(write(1s, std::to_string(i), "x"));
   CHECK(x.tuples_at(instant(1s)).tuples.size() == timeline::tuples_max);
   CHECK(x.tuples_at(instant(1s)).left_out == 10);
   x.add(write(2s, "1", std::string(100'000, 'x')));
   CHECK(x.values_of({"pc", "1"}).back().value.size() < 600);
-  timeline y("{}");
+  timeline y;
   for (std::size_t i = 0; i < 3 * timeline::values_max; ++i)
     y.add(write(1ms * i, "a", std::to_string(i)));
   CHECK(y.values_of({"pc", "a"}).size() <= timeline::values_max);
@@ -97,7 +97,7 @@ TEST_CASE("tuples are bounded in number, length and history") {
 }
 
 TEST_CASE("what changes rarely keeps its history beside what changes often") {
-  timeline x("{}");
+  timeline x;
   x.add(write(1s, "door", "closed"));
   x.add(write(2s, "door", "open"));
   x.add(write(3s, "door", "", true));
@@ -112,7 +112,7 @@ TEST_CASE("what changes rarely keeps its history beside what changes often") {
 }
 
 TEST_CASE("a value that is set again is the same value") {
-  timeline x("{}");
+  timeline x;
   for (int i = 0; i < 10; ++i)
     x.add(write(i * 1s, "a", "same"));
   CHECK(x.values_of({"pc", "a"}).size() == 1);
@@ -120,7 +120,7 @@ TEST_CASE("a value that is set again is the same value") {
 }
 
 TEST_CASE("events are numbered, the oldest go") {
-  timeline x("{}");
+  timeline x;
   for (std::size_t i = 0; i < timeline::events_max + 1; ++i)
     x.add(view::listed_event{instant(1s * i), "a", "b"});
   CHECK(x.events() == timeline::events_max + 1);
