@@ -125,7 +125,8 @@ std::string upgrade(const std::string& origin) {
 
 } // namespace
 
-TEST_CASE("the page is there for who knows the token, and may run nothing but its own") {
+TEST_CASE("the page is there for who knows the token, and may run nothing but its own",
+          "[io][web]") {
   const auto server = served();
   const auto page = answer(server, request(server, "/secret/"), "<p>page");
   CHECK(page.starts_with("HTTP/1.1 200"));
@@ -139,7 +140,7 @@ TEST_CASE("the page is there for who knows the token, and may run nothing but it
     CHECK(answer(server, request(server, path)).starts_with("HTTP/1.1 404"));
 }
 
-TEST_CASE("other hosts, methods and nonsense are refused") {
+TEST_CASE("other hosts, methods and nonsense are refused", "[io][web]") {
   const auto server = served();
   CHECK(
       answer(server, request(server, "/secret/", {}, "evil.example")).starts_with("HTTP/1.1 403"));
@@ -155,7 +156,7 @@ TEST_CASE("other hosts, methods and nonsense are refused") {
       std::string::npos);
 }
 
-TEST_CASE("a WebSocket is for the own page alone") {
+TEST_CASE("a WebSocket is for the own page alone", "[io][web]") {
   const auto server = served();
   const auto own = "http://127.0.0.1:" + std::to_string(server.port());
   const auto status = [&](const std::string& target, const std::string& origin) {
@@ -169,7 +170,7 @@ TEST_CASE("a WebSocket is for the own page alone") {
   CHECK(status("/secret/page.js", own) == "HTTP/1.1 404");
 }
 
-TEST_CASE("what is asked is answered, and news come unasked") {
+TEST_CASE("what is asked is answered, and news come unasked", "[io][web]") {
   const auto server = served();
   client x(server.port());
   x.send(request(server, "/secret/live",
@@ -183,7 +184,7 @@ TEST_CASE("what is asked is answered, and news come unasked") {
   CHECK(x.read_until("echo 99").find("echo 99") != std::string::npos);
 }
 
-TEST_CASE("a question that is too long ends the connection") {
+TEST_CASE("a question that is too long ends the connection", "[io][web]") {
   const auto server = served();
   client x(server.port());
   x.send(request(server, "/secret/live",
@@ -193,7 +194,8 @@ TEST_CASE("a question that is too long ends the connection") {
   CHECK(x.is_closed());
 }
 
-TEST_CASE("a server with many connections closes further ones, and goes on when some have gone") {
+TEST_CASE("a server with many connections closes further ones, and goes on when some have gone",
+          "[io][web]") {
   const auto server = served();
   {
     std::vector<std::unique_ptr<client>> many;
@@ -214,7 +216,7 @@ TEST_CASE("a server with many connections closes further ones, and goes on when 
   }
 }
 
-TEST_CASE("a session that fails ends its own connection alone") {
+TEST_CASE("a session that fails ends its own connection alone", "[io][web]") {
   const auto server = served();
   const auto head =
       request(server, "/secret/live", upgrade("http://127.0.0.1:" + std::to_string(server.port())));
@@ -230,7 +232,7 @@ TEST_CASE("a session that fails ends its own connection alone") {
   CHECK(good.read_until("echo hello").find("echo hello") != std::string::npos);
 }
 
-TEST_CASE("two requests at once are both answered") {
+TEST_CASE("two requests at once are both answered", "[io][web]") {
   const auto server = served();
   client x(server.port());
   x.send(request(server, "/secret/") + request(server, "/secret/page.js"));
@@ -239,7 +241,7 @@ TEST_CASE("two requests at once are both answered") {
   CHECK(text.ends_with("script"));
 }
 
-TEST_CASE("a port that is taken is told") {
+TEST_CASE("a port that is taken is told", "[io][web]") {
   const auto server = served();
   io::web_site site;
   site.token = "x";
@@ -249,7 +251,7 @@ TEST_CASE("a port that is taken is told") {
   CHECK(std::get<std::string>(opened).find("cannot listen on 127.0.0.1:") == 0);
 }
 
-TEST_CASE("a server ends while browsers are connected") {
+TEST_CASE("a server ends while browsers are connected", "[io][web]") {
   auto server = std::make_unique<io::web_server>(served());
   client x(server->port());
   x.send(request(*server, "/secret/live",

@@ -67,7 +67,7 @@ struct page {
 
 } // namespace
 
-TEST_CASE("a page is told the ecology first, then how far the run is") {
+TEST_CASE("a page is told the ecology first, then how far the run is", "[view][ACT-09]") {
   page x;
   const auto ecology = x.news();
   CHECK(ecology["kind"] == "ecology");
@@ -88,7 +88,7 @@ TEST_CASE("a page is told the ecology first, then how far the run is") {
   CHECK(x.news()["new_events"].empty());
 }
 
-TEST_CASE("what is planned to go wrong is told, and is in a record") {
+TEST_CASE("what is planned to go wrong is told, and is in a record", "[view]") {
   auto ecology = two_motes();
   ecology.faults.push_back({20s, config::unplug_fault{island_id(1)}});
   ecology.faults.push_back({10s, config::unplug_fault{island_id(1)}});
@@ -106,7 +106,7 @@ TEST_CASE("what is planned to go wrong is told, and is in a record") {
     CHECK(view::planned_faults(std::string(text)).empty());
 }
 
-TEST_CASE("who follows is told the newest moment, and states in turns with it") {
+TEST_CASE("who follows is told the newest moment, and states in turns with it", "[view]") {
   page x;
   x.news();
   x.news();
@@ -123,7 +123,7 @@ TEST_CASE("who follows is told the newest moment, and states in turns with it") 
   CHECK(x.news().is_null());
 }
 
-TEST_CASE("a moment tells of each mote in the order of the ecology") {
+TEST_CASE("a moment tells of each mote in the order of the ecology", "[view][ACT-09]") {
   page x;
   x.all->add(sample_at(3600s));
   const auto y = x.ask({{"ask", "moment"}, {"at_s", 4000}, {"id", 7}});
@@ -139,7 +139,7 @@ TEST_CASE("a moment tells of each mote in the order of the ecology") {
   CHECK(before["motes"]["state"] == json::parse("[0,0]"));
 }
 
-TEST_CASE("states of motes are told apart") {
+TEST_CASE("states of motes are told apart", "[view]") {
   page x;
   const auto state_of = [&x](auto change) {
     auto sample = sample_at(10s);
@@ -158,7 +158,7 @@ TEST_CASE("states of motes are told apart") {
         }) == 5);
 }
 
-TEST_CASE("a mote, tuples and curves are asked for") {
+TEST_CASE("a mote, tuples and curves are asked for", "[view][ACT-09][SVC-07]") {
   page x;
   x.all->add(sample_at(10s));
   x.all->add(sample_at(20s));
@@ -182,7 +182,7 @@ TEST_CASE("a mote, tuples and curves are asked for") {
   CHECK(series["lost"]["radio/collision"] == json::parse("[7,7]"));
 }
 
-TEST_CASE("without a record messages are not ready, and the page is told why") {
+TEST_CASE("without a record messages are not ready, and the page is told why", "[view]") {
   page x;
   x.all->set_why_no_messages("add --record");
   const auto y = x.ask({{"ask", "messages"}, {"lost", true}});
@@ -192,7 +192,7 @@ TEST_CASE("without a record messages are not ready, and the page is told why") {
   CHECK(x.ask({{"ask", "frames"}, {"from_s", 0}, {"to_s", 1}})["kind"] == "refused");
 }
 
-TEST_CASE("what is no question is refused") {
+TEST_CASE("what is no question is refused", "[view]") {
   page x;
   const auto refused = [&x](const std::string& text) {
     return json::parse(x.with.on_text(text))["kind"] == "refused";
@@ -218,7 +218,7 @@ TEST_CASE("what is no question is refused") {
   CHECK_FALSE(refused(R"({"ask":"messages","limit":1e300})"));
 }
 
-TEST_CASE("with controls faults and tuples are passed on") {
+TEST_CASE("with controls faults and tuples are passed on", "[view][ACT-10][SVC-07]") {
   page x;
   std::string seen;
   const auto controls = std::make_shared<view::controls>();
@@ -242,7 +242,7 @@ TEST_CASE("with controls faults and tuples are passed on") {
   CHECK(ask({{"ask", "set"}, {"owner", "pc"}, {"key", "k"}})["kind"] == "refused");
 }
 
-TEST_CASE("the page is small, whole, and asks nobody else") {
+TEST_CASE("the page is small, whole, and asks nobody else", "[view][ACT-09]") {
   const auto html = view::page_html();
   const auto all = std::string(html) + std::string(view::page_css()) + std::string(view::page_js());
   CHECK(all.size() <= 100 * 1024);

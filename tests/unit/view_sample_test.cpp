@@ -37,7 +37,7 @@ run_sample two_motes() {
 
 } // namespace
 
-TEST_CASE("a sample is what it was when it is read again") {
+TEST_CASE("a sample is what it was when it is read again", "[view]") {
   const auto text = view::encode(two_motes());
   const auto again = view::decode_sample(text);
   REQUIRE(again);
@@ -59,7 +59,7 @@ TEST_CASE("a sample is what it was when it is read again") {
   CHECK(again->islands.at(0).lost.at("radio").at("collision") == 7);
 }
 
-TEST_CASE("what is no sample is none") {
+TEST_CASE("what is no sample is none", "[view]") {
   for (const auto* text : {"", "{", "[]", "{}", "17", R"({"at_ns":0})",
                            R"({"at_ns":0,"lost":{"x":{}},"islands":[],"motes":{}})",
                            R"({"at_ns":0,"lost":{},"islands":[1],"motes":{"mote":[]}})",
@@ -70,7 +70,7 @@ TEST_CASE("what is no sample is none") {
     static_cast<void>(view::decode_sample(std::string_view(text).substr(0, i)));
 }
 
-TEST_CASE("of many motes neighbours are left out of the text") {
+TEST_CASE("of many motes neighbours are left out of the text", "[view]") {
   auto x = two_motes();
   while (x.motes.size() <= view::motes_with_neighbours_max) {
     auto next = x.motes[0];

@@ -24,7 +24,7 @@ report::tuple_write write(duration at, std::string key, std::string value, bool 
 
 } // namespace
 
-TEST_CASE("a moment is the newest sample that is not later") {
+TEST_CASE("a moment is the newest sample that is not later", "[view]") {
   timeline x;
   CHECK(x.at(instant(1h)) == nullptr);
   for (int i = 1; i <= 5; ++i)
@@ -35,7 +35,7 @@ TEST_CASE("a moment is the newest sample that is not later") {
   CHECK(x.at(instant(1h))->at == instant(50s));
 }
 
-TEST_CASE("samples of a long run are thinned evenly, and the newest stays") {
+TEST_CASE("samples of a long run are thinned evenly, and the newest stays", "[view]") {
   timeline x;
   constexpr int count = 100'000;
   for (int i = 0; i < count; ++i)
@@ -51,7 +51,7 @@ TEST_CASE("samples of a long run are thinned evenly, and the newest stays") {
   CHECK(widest <= count * 1s / 100);
 }
 
-TEST_CASE("of many motes few samples are kept, and neighbours of the newest alone") {
+TEST_CASE("of many motes few samples are kept, and neighbours of the newest alone", "[view]") {
   timeline x;
   for (int i = 0; i < 60; ++i)
     x.add(sample_at(i * 1s, 50'000));
@@ -64,7 +64,7 @@ TEST_CASE("of many motes few samples are kept, and neighbours of the newest alon
   CHECK(all.front()->motes[0].neighbours.empty());
 }
 
-TEST_CASE("a tuple has at each moment the value that it had") {
+TEST_CASE("a tuple has at each moment the value that it had", "[view]") {
   timeline x;
   x.add(write(1s, "a", "one"));
   x.add(write(3s, "a", "three"));
@@ -81,7 +81,7 @@ TEST_CASE("a tuple has at each moment the value that it had") {
   CHECK(value_at(5s).empty());
 }
 
-TEST_CASE("tuples are bounded in number, length and history") {
+TEST_CASE("tuples are bounded in number, length and history", "[view]") {
   timeline x;
   for (std::size_t i = 0; i < timeline::tuples_max + 10; ++i)
     x.add(write(1s, std::to_string(i), "x"));
@@ -96,7 +96,7 @@ TEST_CASE("tuples are bounded in number, length and history") {
   CHECK(y.values_of({"pc", "a"}).back().value == std::to_string(3 * timeline::values_max - 1));
 }
 
-TEST_CASE("what changes rarely keeps its history beside what changes often") {
+TEST_CASE("what changes rarely keeps its history beside what changes often", "[view]") {
   timeline x;
   x.add(write(1s, "door", "closed"));
   x.add(write(2s, "door", "open"));
@@ -111,7 +111,7 @@ TEST_CASE("what changes rarely keeps its history beside what changes often") {
   CHECK(values[2].deleted);
 }
 
-TEST_CASE("a value that is set again is the same value") {
+TEST_CASE("a value that is set again is the same value", "[view]") {
   timeline x;
   for (int i = 0; i < 10; ++i)
     x.add(write(i * 1s, "a", "same"));
@@ -119,7 +119,7 @@ TEST_CASE("a value that is set again is the same value") {
   CHECK(x.tuples_at(instant(9s)).tuples.at(0).second.since == instant{});
 }
 
-TEST_CASE("events are numbered, the oldest go") {
+TEST_CASE("events are numbered, the oldest go", "[view]") {
   timeline x;
   for (std::size_t i = 0; i < timeline::events_max + 1; ++i)
     x.add(view::listed_event{instant(1s * i), "a", "b"});
