@@ -7,15 +7,6 @@
 
 namespace rubicon {
 
-namespace {
-
-template <class Set>
-std::string value_of(const Set& x) {
-  return x.text ? std::string(tuple_text(x.value.view())) : "0x" + to_hex(x.value.view());
-}
-
-} // namespace
-
 tuple_teller::tuple_teller(const config::ecology_description& names, listener tell)
     : tell_(std::move(tell)) {
   config::for_each_island(names, [this](const config::island_description& x) {
@@ -27,15 +18,23 @@ tuple_teller::tuple_teller(const config::ecology_description& names, listener te
     names_[x.id] = x.name;
 }
 
-void tuple_teller::write(const scheduler::delivery& x) const {
+template <class Set>
+void tuple_teller::tell_set(const scheduler::delivery& x, std::optional<peer_id> owner,
+                            const Set& set) {
+  if (set.text)
+    tell(x, owner, set.key, tuple_text(set.value.view()));
+  else
+    tell(x, owner, set.key, "0x" + to_hex(set.value.view()));
+}
+
+void tuple_teller::write(const scheduler::delivery& x) {
   if (!x.heard)
     return;
   if (x.content.match_elements<set_tuple>()) {
-    const auto& set = x.content.get_as<set_tuple>(0);
-    tell(x, {}, set.key, value_of(set));
+    tell_set(x, {}, x.content.get_as<set_tuple>(0));
   } else if (x.content.match_elements<set_remote_tuple>()) {
     const auto& set = x.content.get_as<set_remote_tuple>(0);
-    tell(x, set.owner, set.key, value_of(set));
+    tell_set(x, set.owner, set);
   } else if (x.content.match_elements<set_meta_tuple>()) {
     const auto& set = x.content.get_as<set_meta_tuple>(0);
     tell(x, set.owner, set.key, set.reference);
@@ -45,14 +44,19 @@ void tuple_teller::write(const scheduler::delivery& x) const {
 }
 
 void tuple_teller::tell(const scheduler::delivery& x, std::optional<peer_id> owner,
-                        const std::string& key, std::string value, bool deleted) const {
-  std::string peer(x.path.substr(x.path.find('/') + 1));
-  auto whose = peer;
-  if (owner) {
-    const auto found = names_.find(*owner);
-    whose = found == names_.end() ? to_string(*owner) : found->second;
-  }
-  tell_({x.time, std::move(peer), std::move(whose), key, std::move(value), deleted});
+                        std::string_view key, std::string_view value, bool deleted) {
+  told_.at = x.time;
+  told_.peer = x.path.substr(x.path.find('/') + 1);
+  if (!owner)
+    told_.owner = told_.peer;
+  else if (const auto found = names_.find(*owner); found != names_.end())
+    told_.owner = found->second;
+  else
+    told_.owner = to_string(*owner);
+  told_.key = key;
+  told_.value = value;
+  told_.deleted = deleted;
+  tell_(told_);
 }
 
 } // namespace rubicon

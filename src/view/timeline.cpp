@@ -61,15 +61,15 @@ void timeline::thin_samples() {
 }
 
 void timeline::add(const report::tuple_write& x) {
-  unsettled_value y{x.at, {}, {}, x.owner.size(), x.deleted};
-  y.name.reserve(x.owner.size() + 1 + x.key.size());
-  ((y.name += x.owner) += '\0') += x.key;
-  y.value = shortened(x.value);
+  const auto value = std::string_view(x.value).substr(0, value_octets_max);
   bool is_full = false;
   {
     const std::lock_guard guard(unsettled_lock_);
-    unsettled_.push_back(std::move(y));
-    is_full = unsettled_.size() >= unsettled_max;
+    unsettled_.all.push_back({x.at, static_cast<std::uint32_t>(x.owner.size()),
+                              static_cast<std::uint32_t>(x.key.size()),
+                              static_cast<std::uint32_t>(value.size()), x.deleted});
+    (((unsettled_.text += x.owner) += '\0') += x.key) += value;
+    is_full = unsettled_.all.size() >= unsettled_max;
   }
   if (is_full)
     settle();
@@ -77,37 +77,45 @@ void timeline::add(const report::tuple_write& x) {
 
 void timeline::settle() const {
   const std::lock_guard guard(table_lock_);
-  std::vector<unsettled_value> all;
   {
     const std::lock_guard other_guard(unsettled_lock_);
-    all.swap(unsettled_);
+    std::swap(unsettled_, settling_);
   }
-  for (auto& each : all)
-    table_.put(std::move(each));
+  std::string_view text = settling_.text;
+  for (const auto& each : settling_.all) {
+    const std::size_t size = each.owner_size + 1 + each.key_size + each.size;
+    table_.put(each, text.substr(0, size));
+    text.remove_prefix(size);
+  }
+  settling_.all.clear();
+  settling_.text.clear();
 }
 
-void timeline::tuple_table::put(unsettled_value x) {
-  const auto found = tuples.find(x.name);
+void timeline::tuple_table::put(const unsettled_values::value& x, std::string_view text) {
+  name = text.substr(0, x.owner_size + 1 + x.key_size);
+  const auto value = text.substr(name.size());
+  const auto found = tuples.find(name);
   if (found != tuples.end())
-    return put(found->second, std::move(x));
+    return put(found->second, x, value);
   if (tuples.size() >= tuples_max) {
     ++left_out;
     return;
   }
-  auto& made = tuples[x.name];
-  made.key = {x.name.substr(0, x.owner_size), x.name.substr(x.owner_size + 1)};
-  put(made, std::move(x));
+  auto& made = tuples[name];
+  made.key = {name.substr(0, x.owner_size), name.substr(x.owner_size + 1)};
+  put(made, x, value);
 }
 
-void timeline::tuple_table::put(kept_tuple& to, unsettled_value x) {
+void timeline::tuple_table::put(kept_tuple& to, const unsettled_values::value& x,
+                                std::string_view text) {
   auto& all = to.values;
   if (all.empty() || all.back().since <= x.at) {
-    if (!all.empty() && all.back().value == x.value && all.back().deleted == x.deleted)
+    if (!all.empty() && all.back().value == text && all.back().deleted == x.deleted)
       return;
-    all.push_back({x.at, std::move(x.value), x.deleted});
+    all.push_back({x.at, std::string(text), x.deleted});
   } else { // a record tells of other owners' tuples when they come there: not always in order
     const auto where = std::ranges::upper_bound(all, x.at, {}, &tuple_value::since);
-    all.insert(where, {x.at, std::move(x.value), x.deleted});
+    all.insert(where, {x.at, std::string(text), x.deleted});
   }
   if (++values > values_max)
     thin();
@@ -117,7 +125,7 @@ void timeline::tuple_table::thin() {
   // Those of which there is little keep it: above this are at least half of all.
   const auto spared = std::max<std::size_t>(2, values_max / tuples.size() / 2);
   values = 0;
-  for (auto& [name, each] : tuples) {
+  for (auto& [key, each] : tuples) {
     if (each.values.size() > spared)
       halve(each.values);
     values += each.values.size();

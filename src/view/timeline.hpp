@@ -105,28 +105,35 @@ private:
     tuple_key key;
     std::vector<tuple_value> values; ///< ascending by time
   };
-  struct unsettled_value {
-    instant at;
-    std::string name; ///< owner, a NUL, and key
-    std::string value;
-    std::size_t owner_size = 0; ///< in the name
-    bool deleted = false;
+  /// Values as they come, one behind the other: the run allocates nothing for each.
+  struct unsettled_values {
+    struct value {
+      instant at;
+      std::uint32_t owner_size = 0; ///< octets of `text`, as all sizes
+      std::uint32_t key_size = 0;
+      std::uint32_t size = 0;
+      bool deleted = false;
+    };
+    std::vector<value> all;
+    std::string text; ///< of each its owner, a NUL, its key and the value
   };
   struct tuple_table {
-    std::unordered_map<std::string, kept_tuple> tuples; ///< by such names
+    std::unordered_map<std::string, kept_tuple> tuples; ///< by owner, a NUL, and key
     std::size_t values = 0;                             ///< of all
     std::uint64_t left_out = 0;                         ///< writes of tuples beyond tuples_max
+    std::string name;                                   ///< that is looked for
 
-    void put(unsettled_value x);
-    void put(kept_tuple& to, unsettled_value x);
+    void put(const unsettled_values::value& x, std::string_view text);
+    void put(kept_tuple& to, const unsettled_values::value& x, std::string_view text);
     void thin();
   };
 
   void thin_samples();
 
   mutable std::mutex unsettled_lock_; ///< of the next one
-  mutable std::vector<unsettled_value> unsettled_;
-  mutable std::mutex table_lock_; ///< of the next one; taken before unsettled_lock_, if both are
+  mutable unsettled_values unsettled_;
+  mutable std::mutex table_lock_; ///< of the next two; taken before unsettled_lock_, if both are
+  mutable unsettled_values settling_;
   mutable tuple_table table_;
 
   mutable std::mutex lock_; ///< of all the others
