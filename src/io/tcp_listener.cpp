@@ -20,7 +20,9 @@ namespace {
 
 constexpr auto pause_after_error = std::chrono::milliseconds(100);
 
-error_code try_port(tcp::acceptor& acceptor, const tcp::endpoint& where) {
+} // namespace
+
+error_code listen_at(tcp::acceptor& acceptor, const tcp::endpoint& where) {
   error_code error;
   acceptor.open(where.protocol(), error);
   if (!error)
@@ -35,8 +37,6 @@ error_code try_port(tcp::acceptor& acceptor, const tcp::endpoint& where) {
   }
   return error;
 }
-
-} // namespace
 
 struct tcp_listener::state : std::enable_shared_from_this<state> {
   state(loop& where, callback f)
@@ -92,9 +92,9 @@ std::variant<tcp_listener, std::string> tcp_listener::open(loop& where, const st
     return refusal(error);
   auto x = std::make_shared<state>(where, std::move(on_connection));
   auto port = first_port;
-  error = try_port(x->acceptor, {parsed, port});
+  error = listen_at(x->acceptor, {parsed, port});
   while (error == asio::error::address_in_use && port != 0 && port != 0xffff)
-    error = try_port(x->acceptor, {parsed, ++port});
+    error = listen_at(x->acceptor, {parsed, ++port});
   if (error)
     return refusal(error);
   x->port = x->acceptor.local_endpoint(error).port();

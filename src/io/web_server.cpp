@@ -13,6 +13,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "core/ipv4_network.hpp"
+#include "io/tcp_socket.hpp"
 
 namespace rubicon::io {
 
@@ -283,13 +284,7 @@ struct web_server::state {
     const auto address = asio::ip::make_address_v4(all.site.address, error);
     const tcp::endpoint where(address, all.site.port);
     if (!error)
-      acceptor.open(where.protocol(), error);
-    if (!error)
-      acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error)
-      acceptor.bind(where, error);
-    if (!error)
-      acceptor.listen(tcp::acceptor::max_listen_connections, error);
+      error = listen_at(acceptor, where);
     if (error)
       return "cannot listen on " + all.site.address + ':' + std::to_string(all.site.port) + ": " +
              error.message();

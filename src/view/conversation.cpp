@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "view/json_text.hpp"
+
 namespace rubicon::view {
 
 namespace {
@@ -41,10 +43,6 @@ json rounded(double x) {
 }
 json rounded(const std::optional<double>& x) {
   return x ? rounded(*x) : json();
-}
-
-std::string text_of(const json& x) {
-  return x.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 mote_state state_of(const report::mote_sample& x, bool is_mac) {

@@ -6,6 +6,7 @@
 
 #include "config/summary_parts.hpp"
 #include "report/fault_plan.hpp"
+#include "view/json_text.hpp"
 
 namespace rubicon::view {
 
@@ -14,10 +15,6 @@ namespace {
 using json = nlohmann::ordered_json;
 
 constexpr std::size_t faults_max = 10'000;
-
-std::string text_of(const json& x) {
-  return x.dump(-1, ' ', false, json::error_handler_t::replace);
-}
 
 json island_json(const config::ecology_description& all, const config::island_description& x) {
   json y = {{"id", x.id.value}, {"name", x.name}};
