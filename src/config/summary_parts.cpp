@@ -174,6 +174,13 @@ std::string island_names(const ecology_description& x, const std::vector<island_
   return joined(names);
 }
 
+std::string fault_text(const row& x) {
+  std::string text;
+  for (std::size_t i = 1; i < x.size(); ++i)
+    text += (text.empty() ? "" : " ") + x[i];
+  return text;
+}
+
 std::vector<row> fault_rows(const ecology_description& x) {
   std::vector<row> rows;
   for (const auto& each : x.faults) {

@@ -28,4 +28,7 @@ using row = std::vector<std::string>;
 /// When each fault happens, what, and to whom.
 [[nodiscard]] std::vector<row> fault_rows(const ecology_description& x);
 
+/// Such a row in one text, without when.
+[[nodiscard]] std::string fault_text(const row& x);
+
 } // namespace rubicon::config

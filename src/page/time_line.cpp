@@ -66,10 +66,7 @@ lane faults(const run_page& x) {
   for (std::size_t i = 0; i < std::min(plan.size(), faults_max); ++i) {
     if (plan[i].at > x.report.simulated)
       break;
-    std::string text;
-    const auto& cells = rows.at(plan[i].index);
-    for (std::size_t cell = 1; cell < cells.size(); ++cell)
-      text += (text.empty() ? "" : " ") + cells[cell];
+    const auto text = config::fault_text(rows.at(plan[i].index));
     out.marks.push_back(
         {seconds(plan[i].at), "fault", time_text(x, instant{} + plan[i].at) + "  " + text});
   }

@@ -74,14 +74,6 @@ json peers_json(const config::ecology_description& x, json& links) {
   return peers;
 }
 
-/// `kill  peer robot for 10 s`, without when.
-std::string fault_text(const config::row& cells) {
-  std::string text;
-  for (std::size_t i = 1; i < cells.size(); ++i)
-    text += (text.empty() ? "" : " ") + cells[i];
-  return text;
-}
-
 } // namespace
 
 std::vector<listed_event> planned_faults(const config::ecology_description& x) {
@@ -92,7 +84,7 @@ std::vector<listed_event> planned_faults(const config::ecology_description& x) {
   for (const auto& each : report::plan_faults(x)) {
     if (all.size() >= faults_max)
       break;
-    all.push_back({instant(each.at), "fault", fault_text(rows.at(each.index)), "fault"});
+    all.push_back({instant(each.at), "fault", config::fault_text(rows.at(each.index)), "fault"});
   }
   return all;
 }
