@@ -53,20 +53,13 @@ public:
 
   report::run_sample look() {
     motes_.reserve(all_.motes.size());
-    for (const auto& island : all_.report.islands) // what lives that have ended have lost
-      lost_[island.id]["network"] = island.network.lost;
-    for (const auto& [who, messages] : all_.counters.unsettled().messages)
-      add_to(lost_[who.island]["messages"], messages.lost);
     for (const auto& [address, mote] : all_.motes)
       add(address, mote);
     for (const auto& [island, sink] : all_.sinks)
       if (const auto* state = state_of<sink_state>(sink.handle))
-        add_to(lost_[island]["network"], lost_of(state->sink));
+        lost_[island].packets += losses_of(state->sink);
     add_airs();
-    report::run_sample x{now_, {}, std::move(motes_)};
-    for (auto& [island, lost] : lost_)
-      x.islands.push_back({island, std::move(lost)});
-    return x;
+    return {now_, named_losses(), std::move(motes_)};
   }
 
 private:
@@ -91,9 +84,9 @@ private:
         add_network(x, state->node->packets().router());
       }
       auto& lost = lost_[address.island];
-      add_to(lost["network"], lost_of(*state->node));
-      const auto messages = messages_of(address, state->node->above(), false).messages;
-      add_to(lost["messages"], messages.lost);
+      lost.packets += losses_of(*state->node);
+      const auto& messages = state->node->above().messages().counters();
+      lost.messages += losses_of(messages, 0, false);
       if (const auto ended = messages.reliable_acked + messages.reliable_failed; ended > 0)
         x.delivery = static_cast<double>(messages.reliable_acked) / static_cast<double>(ended);
     }
@@ -101,7 +94,6 @@ private:
   }
 
   void add_airs() {
-    std::map<island_id, radio::radio_counters> counted;
     std::vector<const air_state*> seen; // islands may share one
     for (const auto& [island, air] : all_.airs) {
       const auto* const state = state_of<air_state>(air);
@@ -110,19 +102,41 @@ private:
       seen.push_back(state);
       const auto radios = state->channel.counted_by_radio();
       for (std::size_t i = 0; i < state->addresses.size(); ++i)
-        counted[state->addresses[i].island] += radios[i];
-    }
-    for (const auto& [island, counters] : counted) {
-      const auto radio = report_of(counters);
-      lost_[island]["radio"] = radio.lost;
-      lost_[island]["mac"] = radio.mac_failed;
+        lost_[state->addresses[i].island].radio += radios[i];
     }
   }
+
+  /// With what lives that have ended have lost.
+  std::vector<report::island_sample> named_losses() {
+    std::map<island_id, std::map<std::string, report::cause_counts>> all;
+    for (const auto& [island, lost] : lost_) {
+      auto& named = all[island];
+      named["network"] = lost_of(lost.packets);
+      named["messages"] = lost_of(lost.messages);
+      const auto radio = report_of(lost.radio);
+      named["radio"] = radio.lost;
+      named["mac"] = radio.mac_failed;
+    }
+    for (const auto& island : all_.report.islands)
+      add_to(all[island.id]["network"], island.network.lost);
+    for (const auto& [who, messages] : all_.counters.unsettled().messages)
+      add_to(all[who.island]["messages"], messages.lost);
+    std::vector<report::island_sample> islands;
+    for (auto& [island, lost] : all)
+      islands.push_back({island, std::move(lost)});
+    return islands;
+  }
+
+  struct losses {
+    packet_losses packets;
+    message_losses messages;
+    radio::radio_counters radio;
+  };
 
   const ecology_state& all_;
   instant now_;
   std::vector<report::mote_sample> motes_;
-  std::map<island_id, std::map<std::string, report::cause_counts>> lost_;
+  std::map<island_id, losses> lost_;
 };
 
 } // namespace

@@ -48,27 +48,42 @@ scheduler::world_options world_options_of(config::run_mode mode, double speed,
   return x;
 }
 
-/// Runs to `until` in steps short enough for a progress bar; steps change nothing.
-scheduler::stop_cause run_with_progress(scheduler::world& world, instant until, instant end,
-                                        const run_options& options, double speed) {
-  if (!options.progress)
-    return world.run_until(until);
-  // Some ten steps a real second, however fast time passes: whoever runs ahead stops at each.
-  constexpr duration step_min = 1ms;
-  const duration step_max =
-      speed > 0 ? std::max(duration(static_cast<std::int64_t>(speed * 1e8)), step_min)
-                : end.time_since_epoch();
-  for (auto step = step_min;;) {
-    const auto started = steady::now();
-    const auto cause = world.run_until(std::min(until, parallel::later(world.now(), step)));
-    options.progress({world.now(), end, world.trace().events()});
-    if (cause != scheduler::stop_cause::reached_end || world.now() >= until)
-      return cause;
-    const auto took = steady::now() - started;
-    step = took < 50ms ? std::min(2 * step, step_max)
-                       : std::max(took > 200ms ? step / 2 : step, step_min);
+/// Runs in steps short enough for a progress bar: some ten a real second, however fast time
+/// passes. They change nothing.
+class progress_steps {
+public:
+  /// @param speed ecology seconds a real second; 0: as fast as possible
+  progress_steps(scheduler::world& world, instant end, const run_options& options, double speed)
+      : world_(world), end_(end), options_(options),
+        longest_(speed > 0 ? std::max(duration(static_cast<std::int64_t>(speed * 1e8)), shortest)
+                           : end.time_since_epoch()) {}
+
+  scheduler::stop_cause run_to(instant until) {
+    if (!options_.progress)
+      return world_.run_until(until);
+    for (;;) {
+      const auto started = steady::now();
+      const auto cause = world_.run_until(std::min(until, parallel::later(world_.now(), length_)));
+      const auto took = steady::now() - started;
+      options_.progress({world_.now(), end_, world_.trace().events()});
+      if (took > 200ms)
+        length_ = std::max(length_ / 2, shortest);
+      if (cause != scheduler::stop_cause::reached_end || world_.now() >= until)
+        return cause;
+      if (took < 50ms)
+        length_ = std::min(2 * length_, longest_);
+    }
   }
-}
+
+private:
+  static constexpr duration shortest = 1ms;
+
+  scheduler::world& world_;
+  instant end_; ///< of the run
+  const run_options& options_;
+  duration longest_;
+  duration length_ = shortest; ///< lasts over all calls: whoever runs ahead stops at each
+};
 
 /// Processes of other machines may have the same pid, and a machine the name of another.
 std::uint32_t process_number() {
@@ -108,15 +123,12 @@ config::ecology_description overridden(config::ecology_description x, const run_
 void tell_tuple(report::expectations& judge, const scheduler::delivery& x) {
   if (!x.heard)
     return;
-  if (x.content.match_elements<set_tuple>()) {
-    const auto& set = x.content.get_as<set_tuple>(0);
-    judge.on_tuple(set.key, tuple_text(set.value.view()), x.time);
-  } else if (x.content.match_elements<set_remote_tuple>()) {
-    const auto& set = x.content.get_as<set_remote_tuple>(0);
-    judge.on_tuple(set.key, tuple_text(set.value.view()), x.time);
-  } else if (x.content.match_elements<delete_tuple>()) {
-    judge.on_tuple_gone(x.content.get_as<delete_tuple>(0).key, x.time);
-  }
+  if (const auto* set = x.only<set_tuple>())
+    judge.on_tuple(set->key, tuple_text(set->value.view()), x.time);
+  else if (const auto* remote = x.only<set_remote_tuple>())
+    judge.on_tuple(remote->key, tuple_text(remote->value.view()), x.time);
+  else if (const auto* gone = x.only<delete_tuple>())
+    judge.on_tuple_gone(gone->key, x.time);
 }
 
 /// What is written while the ecology runs.
@@ -146,11 +158,9 @@ public:
         if (record_)
           record_->write(x);
       });
-    if (judge_ != nullptr ||
-        teller_) // peers, whom one thread at a time executes, are the only ones with tuples
-      trace.watch([this](const scheduler::delivery& x) {
-        if (!x.path.starts_with("peis_peer/"))
-          return;
+    // Peers, whom one thread at a time executes, are the only ones with tuples.
+    if (judge_ != nullptr || teller_)
+      trace.watch("peis_peer/", [this](const scheduler::delivery& x) {
         if (judge_ != nullptr)
           tell_tuple(*judge_, x);
         if (teller_)
@@ -292,12 +302,13 @@ public:
 private:
   /// Stops to look around, where somebody wants to see that.
   scheduler::stop_cause run_to(instant end) {
+    progress_steps steps(world_, end, options_, speed_);
     const auto every = look_every();
     if (every <= 0s)
-      return run_with_progress(world_, end, end, options_, speed_);
+      return steps.run_to(end);
     for (;;) {
       const auto next = instant((world_.now().time_since_epoch() / every + 1) * every);
-      const auto cause = run_with_progress(world_, std::min(next, end), end, options_, speed_);
+      const auto cause = steps.run_to(std::min(next, end));
       if (!over_ && ended_early_.empty())
         look();
       if (cause != scheduler::stop_cause::reached_end || world_.now() >= end)

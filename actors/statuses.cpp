@@ -5,19 +5,21 @@ namespace rubicon {
 namespace {
 
 /// What a mote and a sink have in common.
-report::cause_counts lost_of(const mote::packet_service& x) {
+packet_losses losses_of(const mote::packet_service& x) {
   const auto& router = x.router();
   const auto& packets = router.packets().counters();
   const auto& paths = router.paths().counters();
-  return {{"channel_lost", paths.packets_lost},
-          {"channel_no_room", paths.refused},
-          {"channel_strays", paths.strays},
-          {"gave_up", packets.gave_up},
-          {"malformed", packets.malformed + paths.malformed + router.counters().malformed +
-                            router.counters().unknown_type + x.counters().malformed},
-          {"no_route", packets.no_route + x.counters().unroutable},
-          {"queue_full", packets.queue_full},
-          {"too_far", packets.too_far}};
+  packet_losses lost;
+  lost.channel_lost = paths.packets_lost;
+  lost.channel_no_room = paths.refused;
+  lost.channel_strays = paths.strays;
+  lost.gave_up = packets.gave_up;
+  lost.malformed = packets.malformed + paths.malformed + router.counters().malformed +
+                   router.counters().unknown_type + x.counters().malformed;
+  lost.no_route = packets.no_route + x.counters().unroutable;
+  lost.queue_full = packets.queue_full;
+  lost.too_far = packets.too_far;
+  return lost;
 }
 
 /// The same, without what is lost.
@@ -98,11 +100,15 @@ report::message_report report_of(const transport::messenger_counters& x,
   r.unreliable_sent = x.unreliable_sent;
   r.received = x.received;
   r.duplicates = x.duplicates;
-  r.lost = {{"unanswered", x.failed_unanswered},
-            {"not_taken", x.failed_refused},
-            {"left_island", x.failed_left},
-            {"sender_ended", ended ? open : 0}};
+  r.lost = lost_of(losses_of(x, open, ended));
   return r;
+}
+
+message_losses losses_of(const transport::messenger_counters& x, std::size_t open, bool ended) {
+  return {.unanswered = x.failed_unanswered,
+          .not_taken = x.failed_refused,
+          .left_island = x.failed_left,
+          .sender_ended = ended ? open : 0};
 }
 
 message_status messages_of(mote_address who, const communication::layer& x, bool ended) {
@@ -114,25 +120,24 @@ message_status messages_of(mote_address who, const communication::layer& x, bool
   return status;
 }
 
-report::cause_counts lost_of(const mote::node& x) {
+packet_losses losses_of(const mote::node& x) {
   const auto& above = x.above().counters();
-  auto lost = lost_of(x.packets());
-  lost["channel_full"] = x.counters().channel_full;
-  lost["malformed"] += x.counters().malformed + above.malformed;
-  lost["misdirected"] = x.counters().misdirected;
-  lost["paced_out"] = x.counters().paced_out;
-  lost["unclaimed"] = above.unclaimed;
-  lost["unknown_channel"] = above.unknown_channel;
-  lost["unowned"] = above.unowned;
+  auto lost = losses_of(x.packets());
+  lost.channel_full = x.counters().channel_full;
+  lost.malformed += x.counters().malformed + above.malformed;
+  lost.misdirected = x.counters().misdirected;
+  lost.paced_out = x.counters().paced_out;
+  lost.unclaimed = above.unclaimed;
+  lost.unknown_channel = above.unknown_channel;
+  lost.unowned = above.unowned;
   return lost;
 }
 
-report::cause_counts lost_of(const mote::sink& x) {
-  auto lost = lost_of(x.packets());
-  lost["malformed"] += x.counters().malformed + x.counters().unknown_type;
-  lost["unowned"] = x.counters().for_sink;
-  if (x.joining().doubles > 0)
-    lost["id_taken"] = x.joining().doubles;
+packet_losses losses_of(const mote::sink& x) {
+  auto lost = losses_of(x.packets());
+  lost.id_taken = x.joining().doubles;
+  lost.malformed += x.counters().malformed + x.counters().unknown_type;
+  lost.unowned = x.counters().for_sink;
   return lost;
 }
 
@@ -149,7 +154,7 @@ network_status status_of(mote_address address, const mote::node& x, instant own,
     status.parent = router.tree().parent();
   }
   r.state_octets = x.footprint();
-  r.lost = lost_of(x);
+  r.lost = lost_of(losses_of(x));
   report::add_counters(r.counters, "layer", above);
   report::add_counters(r.counters, "node", x.counters());
   report::add_counters(r.counters, "streams", x.above().streams().counters());
@@ -161,7 +166,7 @@ network_status status_of(mote_address address, const mote::node& x, instant own,
 network_status status_of(mote_address address, const mote::sink& x, instant own, instant now) {
   auto status = status_of(address, x.packets(), own, now);
   status.is_sink = true;
-  status.network.lost = lost_of(x);
+  status.network.lost = lost_of(losses_of(x));
   report::add_counters(status.network.counters, "registrar", x.joining());
   report::add_counters(status.network.counters, "sink", x.counters());
   return status;

@@ -2,8 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
 
 #include "actors/messages.hpp"
+#include "core/fields.hpp"
 #include "mote/node.hpp"
 #include "mote/sink.hpp"
 #include "radio/radio_counters.hpp"
@@ -26,9 +30,50 @@ namespace rubicon {
 [[nodiscard]] message_status messages_of(mote_address who, const communication::layer& x,
                                          bool ended);
 
-/// What of a mote's or a sink's packets and channels has gone nowhere.
-[[nodiscard]] report::cause_counts lost_of(const mote::node& x);
-[[nodiscard]] report::cause_counts lost_of(const mote::sink& x);
+/// Reliable messages that have failed, by cause.
+struct message_losses {
+  std::uint64_t unanswered = 0;
+  std::uint64_t not_taken = 0;
+  std::uint64_t left_island = 0;
+  std::uint64_t sender_ended = 0;
+};
+RUBICON_FIELDS(message_losses, unanswered, not_taken, left_island, sender_ended);
+
+[[nodiscard]] message_losses losses_of(const transport::messenger_counters& x, std::size_t open,
+                                       bool ended);
+
+/// What of a mote's or a sink's packets and channels has gone nowhere, by cause.
+struct packet_losses {
+  std::uint64_t channel_full = 0;
+  std::uint64_t channel_lost = 0;
+  std::uint64_t channel_no_room = 0;
+  std::uint64_t channel_strays = 0;
+  std::uint64_t gave_up = 0;
+  std::uint64_t id_taken = 0;
+  std::uint64_t malformed = 0;
+  std::uint64_t misdirected = 0;
+  std::uint64_t no_route = 0;
+  std::uint64_t paced_out = 0;
+  std::uint64_t queue_full = 0;
+  std::uint64_t too_far = 0;
+  std::uint64_t unclaimed = 0;
+  std::uint64_t unknown_channel = 0;
+  std::uint64_t unowned = 0;
+};
+RUBICON_FIELDS(packet_losses, channel_full, channel_lost, channel_no_room, channel_strays, gave_up,
+               id_taken, malformed, misdirected, no_route, paced_out, queue_full, too_far, unclaimed,
+               unknown_channel, unowned);
+
+[[nodiscard]] packet_losses losses_of(const mote::node& x);
+[[nodiscard]] packet_losses losses_of(const mote::sink& x);
+
+/// The same, as the report has it.
+template <described Losses>
+[[nodiscard]] report::cause_counts lost_of(const Losses& x) {
+  report::cause_counts lost;
+  for_each_field(x, [&lost](std::string_view cause, auto count) { lost[std::string(cause)] = count; });
+  return lost;
+}
 
 /// @param own what the clock of this mote or sink shows `now`
 [[nodiscard]] network_status status_of(mote_address address, const mote::node& x, instant own,

@@ -30,17 +30,14 @@ void tuple_teller::tell_set(const scheduler::delivery& x, std::optional<peer_id>
 void tuple_teller::write(const scheduler::delivery& x) {
   if (!x.heard)
     return;
-  if (x.content.match_elements<set_tuple>()) {
-    tell_set(x, {}, x.content.get_as<set_tuple>(0));
-  } else if (x.content.match_elements<set_remote_tuple>()) {
-    const auto& set = x.content.get_as<set_remote_tuple>(0);
-    tell_set(x, set.owner, set);
-  } else if (x.content.match_elements<set_meta_tuple>()) {
-    const auto& set = x.content.get_as<set_meta_tuple>(0);
-    tell(x, set.owner, set.key, set.reference);
-  } else if (x.content.match_elements<delete_tuple>()) {
-    tell(x, {}, x.content.get_as<delete_tuple>(0).key, {}, /*deleted=*/true);
-  }
+  if (const auto* set = x.only<set_tuple>())
+    tell_set(x, {}, *set);
+  else if (const auto* remote = x.only<set_remote_tuple>())
+    tell_set(x, remote->owner, *remote);
+  else if (const auto* meta = x.only<set_meta_tuple>())
+    tell(x, meta->owner, meta->key, meta->reference);
+  else if (const auto* gone = x.only<delete_tuple>())
+    tell(x, {}, gone->key, {}, /*deleted=*/true);
 }
 
 void tuple_teller::tell(const scheduler::delivery& x, std::optional<peer_id> owner,

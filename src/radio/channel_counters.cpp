@@ -7,16 +7,13 @@ namespace rubicon::radio {
 
 std::vector<radio_counters> channel::counted_by_radio() const {
   std::vector<radio_counters> all;
+  all.reserve(stations_.size());
   for (const auto& x : stations_) {
     all.push_back(x.counted);
     all.back().requests.open = x.sender.open();
   }
-  for (const auto& x : stations_) {
-    if (x.copies.to() == nullptr)
-      continue;
-    for (std::size_t place = 0; place < x.copies.to()->size(); ++place)
-      all[(*x.copies.to())[place].radio.value].copies += x.copies.link(place);
-  }
+  for (const auto& x : stations_)
+    x.copies.add_to([&all](radio_index to) -> copy_counters& { return all[to.value].copies; });
   return all;
 }
 

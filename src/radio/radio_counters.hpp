@@ -77,6 +77,18 @@ public:
   [[nodiscard]] const hearers* to() const { return to_.get(); } ///< nullptr: nothing sent yet
   [[nodiscard]] copy_counters link(std::size_t place) const;
 
+  /// Adds each link to what the radio has received that it leads to. @param f of a radio_index
+  template <class ReceivedBy>
+  void add_to(ReceivedBy f) const {
+    if (rows_ == nullptr)
+      return;
+    for (const auto& each : *to_)
+      f(each.radio).sent += frames_;
+    for (std::size_t i = 0; i < copy_outcomes; ++i)
+      for (std::size_t place = 0; place < (*rows_)[i].size(); ++place)
+        f((*to_)[place].radio).ended[i] += (*rows_)[i][place];
+  }
+
 private:
   using row = std::vector<std::uint32_t>; ///< empty or one count a link
 

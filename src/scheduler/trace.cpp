@@ -81,7 +81,7 @@ void trace_recorder::record(trace_part& part, traced_base& to, const caf::mailbo
     return;
   const auto time = to_instant(clock_->now());
   part.fold(to.fold_, time, x.content());
-  if (!observer_ && !watcher_)
+  if (!observer_ && !to.is_watched_)
     return;
   const auto* sender = observer_ ? traced_in(x.sender) : nullptr; // costs as much as all the rest
   const auto number = wants_remarks() ? ++numbers_given_ : 0;
@@ -91,7 +91,7 @@ void trace_recorder::record(trace_part& part, traced_base& to, const caf::mailbo
       time,        to.path(), sender != nullptr ? std::string_view(sender->path()) : "",
       x.content(), number,    cause,
       heard};
-  if (watcher_)
+  if (to.is_watched_)
     watcher_(seen);
   if (observer_)
     observer_(seen);
@@ -201,6 +201,7 @@ void traced_base::place(std::string path, process& where, trace_recorder* record
   fold_ = path_hash_;
   process_ = &where;
   recorder_ = path_.empty() ? nullptr : recorder;
+  is_watched_ = recorder_ != nullptr && recorder_->watches(path_);
 }
 
 trace_part& traced_base::part() const {
