@@ -322,7 +322,8 @@ CLI::App& add_deploy(CLI::App& app, deploy_command& x) {
   deploy.add_flag("--full", x.full, "Print every row of the report")->excludes(json);
   add_path(deploy, "--report", "FILE", x.page_file,
            "Write the report as one HTML page that needs nothing else");
-  add_view(deploy, x.view);
+  auto* const view = add_view(deploy, x.view);
+  deploy.add_flag("--control", x.control, "The page may let faults happen")->needs(view);
   deploy.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->type_name("LEVEL");

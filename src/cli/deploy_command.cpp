@@ -82,20 +82,30 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
   watch_wishes wishes;
   wishes.page_file = x.page_file;
   run_watch page(std::move(wishes), *file.loaded.ecology);
+  std::optional<hand_made> hands;
+  if (x.control)
+    hands.emplace(file.what, x.known);
   std::optional<live_page> live;
   if (x.view)
-    live.emplace(*x.view, view::ecology_json(*file.loaded.ecology), view::run_facts{.file = x.file},
-                 "wall", "", nullptr);
+    live.emplace(*x.view, view::ecology_json(*file.loaded.ecology),
+                 view::run_facts{.file = x.file, .controls = x.control}, "wall", "",
+                 hands ? hands->controls("tuples of a deployment are set by `rubicon tuples set`")
+                       : nullptr);
   deployment all(loop, actors, x.attach ? "" : random_id(), std::move(file.what),
                  *std::move(file.loaded.ecology), hosts, options);
   std::optional<io::signal_watch> signals(std::in_place, loop,
                                           [&all](int) { all.stop(/*interrupted=*/true); });
   std::optional<deployed> told;
+  const hand_made::performer hosts_do{
+      [&all](const std::string& sentence, const config::fault&) { all.cause(sentence); }, {}};
   auto shown_at = std::chrono::steady_clock::now();
   while (all.step()) {
     loop.wait_until(std::chrono::steady_clock::now() + look_every);
     if (here != nullptr)
       here->on_time();
+    if (hands && all.has_begun())
+      for (const auto& each : hands->perform(hosts_do, instant(all.elapsed())))
+        live->tell_done(instant(all.elapsed()), each);
     if (live && all.has_begun() && std::chrono::steady_clock::now() >= shown_at) {
       live->show(all.whole_report(), length);
       shown_at = std::chrono::steady_clock::now() + show_every;
@@ -116,6 +126,10 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
   if (live && !report.interrupted) {
     live->show(report, length);
     live->finish(report);
+    if (hands) {
+      hands->end();
+      static_cast<void>(print(stderr, hands->repeated()));
+    }
     signals.reset(); // the page has its own
     live->stay();
   }

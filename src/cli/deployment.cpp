@@ -72,6 +72,17 @@ void deployment::stop(bool interrupted) {
   interrupted_ = interrupted;
 }
 
+void deployment::cause(const std::string& sentence) {
+  for (auto& each : hosts_) {
+    if (each.at != phase::following) {
+      say(each, "is not there to hear of `" + sentence + '`');
+      continue;
+    }
+    each.faults.push_back(sentence);
+    each.asks_at = steady::now();
+  }
+}
+
 void deployment::ask(followed& x) {
   switch (x.at) {
   case phase::greeting:
@@ -88,6 +99,8 @@ void deployment::ask(followed& x) {
   case phase::following:
     if (stopping_ && !x.told_to_end)
       return ask(x, deploy::end_part{id_}, &deployment::on_told_to_end);
+    if (!x.faults.empty())
+      return ask(x, deploy::cause_fault{id_, x.faults.front()}, &deployment::on_caused);
     return ask(x, deploy::ask_news{id_, x.line, x.change}, &deployment::on_news);
   case phase::ended:
     return;
@@ -111,6 +124,8 @@ void deployment::on_silence(followed& x, const std::string& why) {
   x.asks_at = steady::now() + (began_ ? retry_every : retry_early);
   if (x.at != phase::ended)
     x.at = phase::greeting;
+  for (const auto& sentence : std::exchange(x.faults, {})) // a fault that comes late is another one
+    say(x, "may not have heard of `" + sentence + '`');
   if (began_) {
     if (x.trouble.empty())
       say(x, why);
@@ -191,6 +206,12 @@ void deployment::on_begun(followed& x, deploy::answer& found) {
 
 void deployment::on_told_to_end(followed& x, deploy::answer& /*found*/) {
   x.told_to_end = true;
+}
+
+void deployment::on_caused(followed& x, deploy::answer& found) {
+  for (const auto& why : std::get<deploy::verdict>(found).problems)
+    say(x, x.faults.front() + ": " + why);
+  x.faults.pop_front();
 }
 
 void deployment::on_news(followed& x, deploy::answer& found) {

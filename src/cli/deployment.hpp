@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <deque>
 #include <functional>
 #include <list>
 #include <memory>
@@ -47,6 +48,10 @@ public:
   /// Ends all parts.
   void stop(bool interrupted);
 
+  /// Lets a fault happen on the hosts that are followed and have what it names. Who cannot says so.
+  void cause(const std::string& sentence);
+  [[nodiscard]] duration elapsed() const;
+
   [[nodiscard]] bool has_begun() const { return began_.has_value(); }
   [[nodiscard]] const std::string& id() const { return id_; }
 
@@ -69,12 +74,12 @@ private:
     std::uint64_t line = 0;
     std::uint64_t change = 0;
     bool told_to_end = false;
+    std::deque<std::string> faults; ///< that it is to be asked for
     deploy::host_facts facts;
     report::host_report report;
     std::vector<std::uint64_t> lives; ///< numbers of those of `report`
   };
 
-  [[nodiscard]] duration elapsed() const;
   [[nodiscard]] bool is_late() const;
   void ask(followed& x);
   void ask(followed& x, deploy::question what,
@@ -86,6 +91,7 @@ private:
   void on_offer(followed& x, deploy::answer& found);
   void on_begun(followed& x, deploy::answer& found);
   void on_told_to_end(followed& x, deploy::answer& found);
+  void on_caused(followed& x, deploy::answer& found);
   void on_news(followed& x, deploy::answer& found);
   void take(followed& x, deploy::life_news& told);
   void fail(followed& x, const std::string& why);

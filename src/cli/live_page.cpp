@@ -110,16 +110,19 @@ view::controls::outcome hand_made::take(wish x) {
   return {true, "it happens now"};
 }
 
-std::shared_ptr<const view::controls> hand_made::controls() {
+std::shared_ptr<const view::controls> hand_made::controls(std::string why_no_tuples) {
   auto x = std::make_shared<view::controls>();
   x->fault = [this](const std::string& sentence) -> view::controls::outcome {
-    const auto found = find_(sentence);
+    const auto found = deploy::fault_of(what_, sentence, known_);
     if (const auto* why = std::get_if<std::string>(&found))
       return {false, *why};
     return take({.sentence = sentence, .fault = std::get<config::fault>(found)});
   };
-  x->set_tuple = [this](const std::string& owner, const std::string& key,
-                        const std::string& value) -> view::controls::outcome {
+  x->set_tuple = [this, why = std::move(why_no_tuples)](
+                     const std::string& owner, const std::string& key,
+                     const std::string& value) -> view::controls::outcome {
+    if (!why.empty())
+      return {false, why};
     if (key.empty())
       return {false, "a tuple has a key"};
     if (key.size() + value.size() > tuple_octets_max)
@@ -129,7 +132,7 @@ std::shared_ptr<const view::controls> hand_made::controls() {
   return x;
 }
 
-std::vector<std::string> hand_made::perform(const run_control& run, instant now) {
+std::vector<std::string> hand_made::perform(const performer& by, instant now) {
   std::vector<std::string> told;
   std::vector<wish> wishes;
   {
@@ -138,9 +141,9 @@ std::vector<std::string> hand_made::perform(const run_control& run, instant now)
   }
   for (auto& each : wishes) {
     if (each.fault) {
-      run.apply(*each.fault);
+      by.cause(each.sentence, *each.fault);
       told.push_back(each.sentence);
-    } else if (run.set_tuple(each.owner, each.key, each.value)) {
+    } else if (by.set_tuple(each.owner, each.key, each.value)) {
       told.push_back("sets " + each.key + " of " + each.owner + " to " + each.value);
     } else {
       told.push_back("cannot set " + each.key + ": no peer " + each.owner + " runs");
@@ -167,7 +170,7 @@ std::string hand_made::repeated() const {
       text += "\n# at " + when + ": " + printable(what.owner) + " " + printable(what.key) + " = " +
               printable(what.value) + '\n';
   }
-  return text;
+  return text.empty() ? text : "what was done by hand, for the file:\n" + text;
 }
 
 live_page::live_page(const page_place& where, const std::string& ecology,

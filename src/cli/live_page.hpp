@@ -16,6 +16,7 @@
 #include "actors/run.hpp"
 #include "cli/watch_wishes.hpp"
 #include "config/ecology.hpp"
+#include "deploy/bundle.hpp"
 #include "io/web_server.hpp"
 #include "view/conversation.hpp"
 #include "view/ecology_json.hpp"
@@ -27,21 +28,30 @@ namespace rubicon::cli {
 /// done by the run's.
 class hand_made {
 public:
-  /// @param find what a sentence means
-  using finder = std::function<std::variant<config::fault, std::string>(const std::string&)>;
-  explicit hand_made(finder find) : find_(std::move(find)) {}
+  /// @param what the ecology that sentences are about
+  hand_made(deploy::bundle what, config::extensions known)
+      : what_(std::move(what)), known_(std::move(known)) {}
 
   /// For conversations. @pre this outlives them
-  [[nodiscard]] std::shared_ptr<const view::controls> controls();
+  /// @param why_no_tuples said to whoever wants to set one; empty: it can be set
+  [[nodiscard]] std::shared_ptr<const view::controls> controls(std::string why_no_tuples = {});
 
-  /// Does what was asked for since the last call. By the run's thread.
+  /// Who does it: a run, or all the hosts of one.
+  struct performer {
+    std::function<void(const std::string& sentence, const config::fault&)> cause;
+    /// @returns false: there is no such peer
+    std::function<bool(const std::string& owner, const std::string& key, const std::string& value)>
+        set_tuple;
+  };
+  /// Lets what was asked for since the last call be done. By the run's thread.
   /// @returns it, in words
-  [[nodiscard]] std::vector<std::string> perform(const run_control& run, instant now);
+  [[nodiscard]] std::vector<std::string> perform(const performer& by, instant now);
 
   /// The run is over: nothing is taken any more.
   void end();
 
-  /// `[[fault]]` tables that let the same happen again, in a file.
+  /// `[[fault]]` tables that let the same happen again, in a file, and what they are; empty:
+  /// nothing was done.
   [[nodiscard]] std::string repeated() const;
 
 private:
@@ -59,7 +69,8 @@ private:
 
   view::controls::outcome take(wish x);
 
-  finder find_;
+  deploy::bundle what_;
+  config::extensions known_;
   mutable std::mutex lock_;
   std::vector<wish> waiting_;
   std::size_t taken_ = 0;

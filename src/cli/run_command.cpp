@@ -116,10 +116,7 @@ std::optional<hand_made> hands_of(const run_command& x) {
   if (!x.watch.control)
     return std::nullopt;
   auto packed = deploy::pack(x.file, x.instead, x.options.length, x.known);
-  return std::optional<hand_made>(
-      std::in_place, [what = std::move(packed.what), known = x.known](const std::string& sentence) {
-        return deploy::fault_of(what, sentence, known);
-      });
+  return std::optional<hand_made>(std::in_place, std::move(packed.what), x.known);
 }
 
 /// With a page that shows it meanwhile, and stays afterwards.
@@ -139,9 +136,12 @@ public:
     page_.attach(options, ecology);
     if (!hands_)
       return;
-    also(options.on_begun, [this](const run_control& x) { control_.emplace(x); });
+    also(options.on_begun, [this](const run_control& x) {
+      performer_ = {[run = x](const std::string&, const config::fault& fault) { run.apply(fault); },
+                    x.set_tuple};
+    });
     also(options.progress, [this](const run_progress& x) {
-      for (const auto& each : hands_->perform(*control_, x.reached))
+      for (const auto& each : hands_->perform(performer_, x.reached))
         page_.tell_done(x.reached, each);
     });
   }
@@ -151,8 +151,8 @@ public:
     if (hands_)
       hands_->end();
     page_.finish(report);
-    if (const auto text = hands_ ? hands_->repeated() : ""; !text.empty())
-      static_cast<void>(print(stderr, "what was done by hand, for the file:\n" + text));
+    if (hands_)
+      static_cast<void>(print(stderr, hands_->repeated()));
     if (!record_.empty()) {
       if (const auto why = page_.read(record_); !why.empty())
         static_cast<void>(print(stderr, printable(why) + '\n'));
@@ -164,7 +164,7 @@ private:
   std::string record_;
   std::optional<hand_made> hands_;
   live_page page_; ///< before its hands: its sessions use them
-  std::optional<run_control> control_;
+  hand_made::performer performer_;
 };
 
 exit_status report_run(const run_command& x, ecology_file file) {
