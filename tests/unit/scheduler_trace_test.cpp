@@ -221,6 +221,31 @@ TEST_CASE("an actor spawned by a handler is traced from its first message", "[sc
   CHECK(world.trace().events() == 3);
 }
 
+TEST_CASE("a watcher sees what its kind of actors is delivered, and changes no trace",
+          "[scheduler][ACT-05]") {
+  const auto run = [](bool watched) {
+    world world;
+    std::vector<std::string> seen;
+    if (watched)
+      world.trace().watch("peer/", [&](const delivery& x) {
+        const auto* found = x.only<mark>();
+        seen.push_back(std::string(x.path) + ' ' +
+                       (found != nullptr ? std::to_string(found->value) : "another"));
+      });
+    const auto peer = world.spawn("peer/a", sink);
+    const auto mote = world.spawn("mote/a", sink);
+    caf::anon_send(peer, mark{1});
+    caf::anon_send(mote, mark{2});
+    caf::anon_send(peer, 3, std::string("four"));
+    caf::anon_send(peer, text{"five", 5, {}});
+    world.run_for(1s);
+    if (watched)
+      CHECK(seen == std::vector<std::string>{"peer/a 1", "peer/a another", "peer/a another"});
+    return world.trace().hash();
+  };
+  CHECK(run(true) == run(false));
+}
+
 TEST_CASE("a delivery tells what its sender was handling, and whether anybody hears it",
           "[scheduler]") {
   world world;
