@@ -7,28 +7,14 @@
 #include <utility>
 
 #include "actors/assembly.hpp"
-#include "actors/debug_log.hpp"
+#include "actors/changes.hpp"
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
 #include "actors/peer_supervision.hpp"
-#include "config/change_text.hpp"
-#include "config/debug_selection.hpp"
 #include "report/event_log.hpp"
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
-
-namespace {
-
-/// A mote, a sink, or a program beside a mote, that failed on its own is out of order for this long
-/// before it starts again.
-constexpr duration reboot_time = 500ms;
-
-/// How long a change may take to reach the gateway's list: the mote's keep-alive window and time to
-/// repair a lost event. Within it, at the end of a run, list and truth may differ.
-duration settling_time(const supervised_mote& mote) {
-  return 4 * mote.arguments->node.keep_alive + 30s;
-}
 
 void note_event(ecology_pointer self, const std::string& who, std::string what) {
   auto& report = self->state.report;
@@ -40,6 +26,25 @@ void note_event(ecology_pointer self, const std::string& who, std::string what) 
   if (self->state.process.judge != nullptr)
     self->state.process.judge->on_event(event);
   report::add_event(report.event_log, report.event_log_left_out, std::move(event));
+}
+
+supervised_mote& mote_now(ecology_pointer self, mote_address x) {
+  const auto& all = self->state.moved;
+  for (auto moved = all.find(x); moved != all.end(); moved = all.find(x))
+    x = moved->second;
+  return self->state.motes.at(x);
+}
+
+namespace {
+
+/// A mote, a sink, or a program beside a mote, that failed on its own is out of order for this long
+/// before it starts again.
+constexpr duration reboot_time = 500ms;
+
+/// How long a change may take to reach the gateway's list: the mote's keep-alive window and time to
+/// repair a lost event. Within it, at the end of a run, list and truth may differ.
+duration settling_time(const supervised_mote& mote) {
+  return 4 * mote.arguments->node.keep_alive + 30s;
 }
 
 /// Takes a violation into the report, or tells it behind the report that is already out.
@@ -254,11 +259,7 @@ supervised_mote* find_mote(ecology_pointer self, const mote_address& x) {
   auto& motes = self->state.motes;
   if (x == config::any_mote)
     return draw(self, motes, [](const supervised_mote& mote) { return !mote.flat && mote.handle; });
-  auto at = x;
-  for (auto moved = self->state.moved.find(at); moved != self->state.moved.end();
-       moved = self->state.moved.find(at))
-    at = moved->second;
-  return &motes.at(at);
+  return &mote_now(self, x);
 }
 
 bool has_several_gateways(ecology_pointer self, island_id id) {
@@ -366,94 +367,6 @@ std::string clock_event(duration by) {
   return "clock set " + std::string(by < 0s ? "back by " : "forward by ") +
          to_text(by < 0s ? -by : by);
 }
-
-/// A change that is asked for and cannot be had.
-void refuse_change(ecology_pointer self, const std::string& who, const std::string& why) {
-  ++self->state.report.actors.changes_refused;
-  log(self, spdlog::level::warn, "event=change_refused who={} why=\"{}\"", who, why);
-  note_event(self, who, why);
-}
-
-/// Whoever writes the debug log is told by a remark: that is no part of the run.
-void select_debug(ecology_pointer self, const std::string& who, std::vector<std::string> patterns) {
-  const auto& state = self->state;
-  config::debug_names names(state.description);
-  for (const auto& [address, mote] : state.motes)
-    names.add_mote(mote.arguments->name);
-  if (const auto why = names.problem(patterns); !why.empty()) {
-    refuse_change(self, who, "debug log stays as it is: " + why);
-    return;
-  }
-  const config::debug_selection selected(std::move(patterns));
-  self->remark_any(debug_log::selected, [&] { return std::any(selected); });
-  note_event(self, who,
-             "debug log of " + selected.text() +
-                 (state.process.writes_debug_log ? "" : ", but --debug-dir does not say where"));
-}
-
-/// Changes, which are planned as faults are (ACT-10).
-struct change_applier {
-  ecology_pointer self;
-
-  void operator()(const config::debug_change& x) const { select_debug(self, self->path(), x.of); }
-
-  /// The mote's next lives have the period too, here and where it is carried to.
-  void operator()(const config::rate_change& x) const {
-    auto* const mote = find_mote(self, x.mote);
-    const auto program = config::program_text(x);
-    const auto path = "mote/" + mote->arguments->name;
-    const auto before = config::period_of(mote->arguments->apps, x);
-    if (!before) {
-      refuse_change(self, path, "has no " + program + " now, whose period could change");
-      return;
-    }
-    mote->arguments = with_period(*mote->arguments, x);
-    for (auto& [fault, next] : self->state.successors) {
-      const auto* move = std::get_if<config::move_island_fault>(
-          &self->state.description.faults.at(fault).what);
-      if (move != nullptr && move->mote == x.mote)
-        next = with_period(*next, x);
-    }
-    if (mote->handle)
-      self->send(mote->handle,
-                 set_period{x.messenger.has_value(), x.messenger ? *x.messenger : *x.sampler,
-                            x.period});
-    note_event(self, path,
-               program + ": every " + to_text(x.period) + " instead of " + to_text(*before));
-  }
-
-  static std::shared_ptr<const mote_arguments> with_period(mote_arguments of,
-                                                           const config::rate_change& x) {
-    config::set_period(of.apps, x);
-    return std::make_shared<const mote_arguments>(std::move(of));
-  }
-
-  void operator()(const config::link_change& x) const {
-    const auto air = self->state.airs.find(x.from.island);
-    if (air == self->state.airs.end())
-      return; // real: nothing of it is simulated
-    self->send(air->second, change_link{x.from, x.to, x.loss, x.gain_db});
-    note_event(self, "mote/" + radio_name(x.from), "link to " + radio_name(x.to) + ": " +
-                                                      config::link_text(x));
-  }
-
-  [[nodiscard]] std::string radio_name(const mote_address& x) const {
-    const auto mote = self->state.motes.find(x);
-    return mote != self->state.motes.end() ? mote->second.arguments->name
-                                           : island_of(self, x.island).name + "/sink";
-  }
-
-  /// Managers that start later read the description.
-  void operator()(const proxy::class_change& x) const {
-    for (auto& each : self->state.description.proxies)
-      if (each.name == x.class_name)
-        proxy::apply(x, each);
-    for (const auto& [name, peer] : self->state.peers)
-      for (const auto& manager : peer.managers)
-        self->send(manager, change_class{x});
-    note_event(self, self->path(), "proxy class " + x.class_name + ": " + proxy::to_text(x));
-  }
-};
 
 struct fault_applier : peer_fault_applier {
   std::uint32_t index = 0; ///< of the fault in the description

@@ -265,8 +265,8 @@ using ecology_actor = caf::typed_actor<
     caf::reacts_to<gateway_status>, caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>,
     caf::reacts_to<program_status>, caf::reacts_to<sample_status>, caf::reacts_to<start_component>,
     caf::reacts_to<stop_component>, caf::reacts_to<actor_failed>, caf::reacts_to<request_unmet>,
-    caf::reacts_to<store_written>, caf::reacts_to<radio_left>,
-    caf::reacts_to<outside_link_changed>, caf::reacts_to<debug_wanted>>;
+    caf::reacts_to<store_written>, caf::reacts_to<radio_left>, caf::reacts_to<outside_link_changed>,
+    caf::reacts_to<debug_wanted>>;
 
 /// To itself: this fault of the description's plan is due.
 struct apply_fault {
@@ -442,12 +442,11 @@ struct change_link {
 RUBICON_FIELDS(change_link, from, to, loss, gain_db);
 
 /// The radio medium of one place.
-using air_actor = caf::typed_actor<caf::reacts_to<attach_radio>, caf::reacts_to<radio_send>,
-                                   caf::reacts_to<radio_power>, caf::reacts_to<move_radio>,
-                                   caf::reacts_to<make_noise>, caf::reacts_to<lose_frames>,
-                                   caf::reacts_to<carry_away>, caf::reacts_to<bring_radio>,
-                                   caf::reacts_to<change_link>,
-                                   caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+using air_actor = caf::typed_actor<
+    caf::reacts_to<attach_radio>, caf::reacts_to<radio_send>, caf::reacts_to<radio_power>,
+    caf::reacts_to<move_radio>, caf::reacts_to<make_noise>, caf::reacts_to<lose_frames>,
+    caf::reacts_to<carry_away>, caf::reacts_to<bring_radio>, caf::reacts_to<change_link>,
+    caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 // ----------------------------------------------------------------------------------------- serial
 
@@ -611,11 +610,10 @@ struct set_period {
 };
 RUBICON_FIELDS(set_period, messenger, number, period);
 
-using mote_actor =
-    radio_user_actor::extend<caf::reacts_to<attach_program>, caf::reacts_to<program_commands>,
-                             caf::reacts_to<move_mote>, caf::reacts_to<crash_now>,
-                             caf::reacts_to<end_battery>, caf::reacts_to<step_clock>,
-                             caf::reacts_to<set_period>, caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+using mote_actor = radio_user_actor::extend<
+    caf::reacts_to<attach_program>, caf::reacts_to<program_commands>, caf::reacts_to<move_mote>,
+    caf::reacts_to<crash_now>, caf::reacts_to<end_battery>, caf::reacts_to<step_clock>,
+    caf::reacts_to<set_period>, caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// From whoever spawned both: the program's mote runs, for the first time or again.
 struct mote_started {
@@ -1126,8 +1124,8 @@ struct restart_proxy {
 RUBICON_FIELDS(restart_proxy, mote);
 
 using proxy_manager_actor =
-    peis_client_actor::extend<caf::reacts_to<restart_proxy>, caf::reacts_to<change_class>, caf::reacts_to<timer_expired>,
-                              caf::reacts_to<status_request>>;
+    peis_client_actor::extend<caf::reacts_to<restart_proxy>, caf::reacts_to<change_class>,
+                              caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// Control programs on peers: the collector.
 using peer_app_actor = peis_client_actor::extend<caf::reacts_to<status_request>>;

@@ -316,7 +316,8 @@ void on_period(mote_pointer self, const set_period& x) {
   auto& state = self->state;
   if (!state.node || state.flat)
     return;
-  if (const auto found = state.samplers.find(x.number); !x.messenger && found != state.samplers.end())
+  if (const auto found = state.samplers.find(x.number);
+      !x.messenger && found != state.samplers.end())
     found->second->set_period(x.period);
   if (const auto found = state.messengers.find(x.number);
       x.messenger && found != state.messengers.end())

@@ -224,7 +224,8 @@ public:
         inits_run_(has_init(description)) {
     files.watch(world_.trace());
     if (options.handle_signals)
-      signals_.emplace(world_.loop(), [this](int) { world_.request_stop(); }, options.hangup_ends);
+      signals_.emplace(
+          world_.loop(), [this](int) { world_.request_stop(); }, options.hangup_ends);
     root_ = world_.spawn(
         "ecology/" + description.name, ecology, description,
         [this](report::run_report x) { take(std::move(x)); }, files.frames(), facts());
@@ -234,8 +235,7 @@ public:
       options.on_begun(
           {world_.loop(), [this] { world_.request_stop(); },
            [this](const config::fault& x) { apply(x); },
-           [this](const config::fault_description& x) { plan(x); },
-           [this] { return world_.now(); },
+           [this](const config::fault_description& x) { plan(x); }, [this] { return world_.now(); },
            [this](const std::string& peer, const std::string& key, const std::string& value) {
              return set_tuple_of(peer, key, value);
            }});

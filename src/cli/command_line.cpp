@@ -181,9 +181,10 @@ void add_run(CLI::App& app, run_command& x) {
       ->type_name("LEVEL");
   auto* const debug = add_path(run, "--debug-dir", "DIR", options.debug_folder,
                                "Write logs of all messages into this folder");
-  run.add_option("--debug-of", options.debug_of,
-                 "Only messages from or to these: a module such as mote, or a path in the logs such "
-                 "as mote/kitchen; may be given several times")
+  run.add_option(
+         "--debug-of", options.debug_of,
+         "Only messages from or to these: a module such as mote, or a path in the logs such "
+         "as mote/kitchen; may be given several times")
       ->needs(debug)
       ->allow_extra_args(false)
       ->type_name("PATTERN");

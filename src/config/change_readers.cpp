@@ -76,26 +76,25 @@ constexpr std::array fixed_kinds{
 auto class_keys() {
   using proxy::class_change;
   const auto said = [](const char* meaning) { return keys::about{meaning, "as before"}; };
-  return of(
-      required("class", &class_change::class_name, text{}, "which: the name of a [[proxy]]"),
-      optional("period", &class_change::period, time_span{10ms, 24h * 10},
-               said("[as in the class](#proxy); its proxies ask for it at once")),
-      optional("stale_after", &class_change::stale_after, time_span{10ms, 24h * 10},
-               said("the same, also of what was read before")),
-      optional("inactive_after", &class_change::inactive_after, time_span{1s, 24h * 10},
-               said("the same")),
-      optional("retire_after", &class_change::retire_after, time_span{1s, 24h * 10},
-               said("the same")),
-      optional("answer_timeout", &class_change::answer_timeout, time_span{1s, 1h},
-               said("the same, for what is written from then on")),
-      optional("retry_for", &class_change::retry_for, time_span{0s, 24h}, said("the same")),
-      optional("field", &class_change::field, text{},
-               {"one of its fields, which the next keys are about", "none"}),
-      optional("unit", &class_change::unit, text{16}, said("published beside the value")),
-      optional("scale", &class_change::scale, real{}, said("factor of the count")),
-      optional("add", &class_change::add, real{}, said("added to the scaled count")),
-      optional("decimals", &class_change::decimals, whole<int>{0, 6},
-               said("digits after the point")));
+  return of(required("class", &class_change::class_name, text{}, "which: the name of a [[proxy]]"),
+            optional("period", &class_change::period, time_span{10ms, 24h * 10},
+                     said("as in [`qos`](#proxyqos); its proxies ask for it at once")),
+            optional("stale_after", &class_change::stale_after, time_span{10ms, 24h * 10},
+                     said("the same, also of what was read before")),
+            optional("inactive_after", &class_change::inactive_after, time_span{1s, 24h * 10},
+                     said("the same")),
+            optional("retire_after", &class_change::retire_after, time_span{1s, 24h * 10},
+                     said("the same")),
+            optional("answer_timeout", &class_change::answer_timeout, time_span{1s, 1h},
+                     said("the same, for what is written from then on")),
+            optional("retry_for", &class_change::retry_for, time_span{0s, 24h}, said("the same")),
+            optional("field", &class_change::field, text{},
+                     {"one of its fields, which the next keys are about", "none"}),
+            optional("unit", &class_change::unit, text{16}, said("published beside the value")),
+            optional("scale", &class_change::scale, real{}, said("factor of the count")),
+            optional("add", &class_change::add, real{}, said("added to the scaled count")),
+            optional("decimals", &class_change::decimals, whole<int>{0, 6},
+                     said("digits after the point")));
 }
 
 auto rate_keys() {
@@ -209,21 +208,24 @@ private:
 
   static void refuse_program(table_reader& in, const rate_change& x, bool none) {
     if (!none)
-      refuse(in, "mote", "that mote has several samplers and messengers: say which, with `sampler` "
-                         "or `messenger`");
+      refuse(in, "mote",
+             "that mote has several samplers and messengers: say which, with `sampler` "
+             "or `messenger`");
     else if (x.sampler || x.messenger)
       refuse(in, x.sampler ? "sampler" : "messenger", "that mote has no " + program_text(x));
     else
-      refuse(in, "mote", "that mote has no sampler and no messenger; other programs keep their "
-                         "periods, which both ends of a stream or flow have agreed on");
+      refuse(in, "mote",
+             "that mote has no sampler and no messenger; other programs keep their "
+             "periods, which both ends of a stream or flow have agreed on");
   }
 
   /// What the keys of the sampler have to do with its period.
   static void check(table_reader& in, rate_change& x, const sampler_app& app) {
     x.sampler = app.channel;
     const auto than = [&](const char* how, const char* key, duration value) {
-      refuse(in, "period", std::string("`period` must not be ") + how + " than the sampler's `" +
-                               key + "`, which is " + to_text(value));
+      refuse(in, "period",
+             std::string("`period` must not be ") + how + " than the sampler's `" + key +
+                 "`, which is " + to_text(value));
     };
     if (x.period < app.jitter)
       than("shorter", "jitter", app.jitter);
@@ -250,8 +252,8 @@ private:
     for (const auto& each : all_.proxies)
       known.push_back(each.name);
     if (found == all_.proxies.end()) {
-      refuse(in, "class", "no proxy class is called `" + x.class_name + '`' +
-                              suggestion(x.class_name, known));
+      refuse(in, "class",
+             "no proxy class is called `" + x.class_name + '`' + suggestion(x.class_name, known));
       return;
     }
     if (found->types.empty())

@@ -82,8 +82,7 @@ debug_names::debug_names(const ecology_description& x) {
   });
   for (const auto& peer : x.peers) {
     add_kernel(peer.name);
-    for (const auto* module :
-         {"pc/", "proxy_manager/", "object_manager/", "peer_app/", "init/"})
+    for (const auto* module : {"pc/", "proxy_manager/", "object_manager/", "peer_app/", "init/"})
       add(module + peer.name);
   }
 }

@@ -12,7 +12,8 @@
 namespace rubicon::config {
 
 /// Patterns of actors' paths: a module, which is the first part of a path (`mote`), a path
-/// (`mote/kitchen/stove`), or the beginning of several, up to a `/` (`mote/kitchen`). `*` means all.
+/// (`mote/kitchen/stove`), or the beginning of several, up to a `/` (`mote/kitchen`). `*` means
+/// all.
 class debug_selection {
 public:
   /// Of everybody.

@@ -398,8 +398,8 @@ struct fault_description {
 /// Faults by their times, then changes by theirs: which random numbers a fault has depends on its
 /// place among the faults alone.
 inline void sort_plan(std::vector<fault_description>& x) {
-  std::ranges::stable_sort(
-      x, {}, [](const auto& each) { return std::pair(is_change(each), each.at); });
+  std::ranges::stable_sort(x, {},
+                           [](const auto& each) { return std::pair(is_change(each), each.at); });
 }
 
 /// A picture under the map of whoever looks at the ecology.

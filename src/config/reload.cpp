@@ -34,8 +34,8 @@ bool equal(const node& a, const node& b) {
     return std::ranges::equal(*elements, *b.as<node_array>(), equal);
   const auto same = [&](const auto* x, const auto* y) { return x != nullptr && *x == *y; };
   return same(a.as<std::string>(), b.as<std::string>()) ||
-         same(a.as<std::int64_t>(), b.as<std::int64_t>()) ||
-         same(a.as<double>(), b.as<double>()) || same(a.as<bool>(), b.as<bool>());
+         same(a.as<std::int64_t>(), b.as<std::int64_t>()) || same(a.as<double>(), b.as<double>()) ||
+         same(a.as<bool>(), b.as<bool>());
 }
 
 /// Finds what differs and cannot follow.
@@ -223,7 +223,8 @@ void compare_classes(const ecology_description& before, const ecology_descriptio
 /// When a table of the plan happens for the first time.
 duration time_of(const node& table) {
   for (const auto* key : {"at", "from"})
-    if (const auto* found = table.find(key); found != nullptr && found->as<std::string>() != nullptr)
+    if (const auto* found = table.find(key);
+        found != nullptr && found->as<std::string>() != nullptr)
       return parse_duration(*found->as<std::string>()).value_or(duration{});
   return {};
 }
@@ -278,7 +279,8 @@ private:
       refused_.add(table.at, "that [[" + std::string(key) + "]] is too late: it is " +
                                  to_text(at_) + " already");
     else if (needs_preparation(x.what))
-      refused_.add(table.at, "that one needs what is there from the start: a radio, or a second type");
+      refused_.add(table.at,
+                   "that one needs what is there from the start: a radio, or a second type");
     else
       out_.plan.push_back(std::move(x));
   }

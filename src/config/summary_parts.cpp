@@ -92,10 +92,12 @@ struct fault_cells {
   row operator()(const change& x) const {
     return std::visit(
         overloads{
-            [](const debug_change& y) { return row{"debug", "of " + debug_selection(y.of).text()}; },
+            [](const debug_change& y) {
+              return row{"debug", "of " + debug_selection(y.of).text()};
+            },
             [this](const rate_change& y) {
-              return row{"rate", mote(y.mote) + ' ' + program_text(y) + " every " +
-                                     to_text(y.period)};
+              return row{"rate",
+                         mote(y.mote) + ' ' + program_text(y) + " every " + to_text(y.period)};
             },
             [this](const link_change& y) {
               return row{"link", radio(y.from) + " to " + radio(y.to) + ", " + link_text(y)};

@@ -60,7 +60,8 @@ std::variant<std::string, std::string> parsed(std::string_view sentence, const s
     return refuse("a fault is its kind, then keys and values, as `kill peer NAME for 10s`");
   if (words[0] == "kill" && words.size() > 1 && (words[1] == "mote" || words[1] == "sink"))
     words[0] = "crash";
-  std::string table = std::string("\n[[") + (says_change(words[0]) ? "change" : "fault") + "]]\nat = " + toml_value(at) + "\nkind = " + toml_value(words[0]) + '\n';
+  std::string table = std::string("\n[[") + (says_change(words[0]) ? "change" : "fault") +
+                      "]]\nat = " + toml_value(at) + "\nkind = " + toml_value(words[0]) + '\n';
   for (std::size_t i = 1; i < words.size(); i += 2) {
     if (!is_key(words[i]))
       return refuse('`' + words[i] + "` is no key of a fault");
@@ -73,9 +74,9 @@ std::variant<std::string, std::string> parsed(std::string_view sentence, const s
 std::string change_words() {
   std::string text;
   for (std::size_t i = 0; i < config::change_kinds.size(); ++i)
-    text += (i == 0                                 ? "\""
+    text += (i == 0                                ? "\""
              : i + 1 < config::change_kinds.size() ? ", \""
-                                                    : " or \"") +
+                                                   : " or \"") +
             std::string(config::change_kinds[i]) + '"';
   return text;
 }
@@ -120,9 +121,9 @@ std::variant<config::fault, std::string> fault_of(const bundle& x, std::string_v
   const auto loaded = load(with_fault, instead, known);
   for (const auto& each : loaded.problems)
     if (each.line >= lines_before)
-      return each.message +
-             (each.message.starts_with("`kind` must be") ? ", or of a change " + change_words()
-                                                         : "");
+      return each.message + (each.message.starts_with("`kind` must be")
+                                 ? ", or of a change " + change_words()
+                                 : "");
   if (!loaded.ecology)
     return std::string("it does not fit to the file");
   const auto* last = last_of(loaded.ecology->faults, is_change_sentence(sentence));

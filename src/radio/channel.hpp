@@ -163,7 +163,8 @@ public:
   /// channel_config::loss. Directed; 0..1 (GEN-03, NET-15). Survives move().
   void set_loss(radio_index from, radio_index to, double loss);
 
-  /// A link is another from now on: topology::change(). Frames already on the air end as they began.
+  /// A link is another from now on: topology::change(). Frames already on the air end as they
+  /// began.
   /// @pre on_time() has been called for this moment
   void change(const link_override& x);
 

@@ -64,11 +64,11 @@ struct followed_run {
 TEST_CASE("a run follows its file as far as it can", "[cli][ACT-10]") {
   followed_run x;
   x.reload(home("300ms"));
-  x.await("sampler 1: every 300ms instead of 10s");
+  x.await("sampler 1: every 300 ms instead of 10 s");
   x.await("home.toml was read again: 1 change, 0 planned, 0 refused");
 
-  x.reload(home("300ms", "[[fault]]\nat = \"4min\"\nkind = \"crash\"\nmote = \"kitchen/stove\"\n",
-                "2"));
+  x.reload(
+      home("300ms", "[[fault]]\nat = \"4min\"\nkind = \"crash\"\nmote = \"kitchen/stove\"\n", "2"));
   x.await("home.toml:5:8: `ecology.seed` differs, and does not change while an ecology runs");
   x.await("home.toml was read again: 0 changes, 1 planned, 1 refused");
 

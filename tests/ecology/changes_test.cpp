@@ -84,15 +84,14 @@ constexpr std::string_view rate = R"(
 
 } // namespace
 
-TEST_CASE("a mote reports at another rate, also after it was started again",
-          "[ecology][ACT-10]") {
+TEST_CASE("a mote reports at another rate, also after it was started again", "[ecology][ACT-10]") {
   const auto x = run_with(std::string(rate) + R"(
     [[fault]]
     at = "7min"
     kind = "crash"
     mote = "flat/stove"
   )");
-  CHECK(x.tells("flat/stove", "sampler 1: every 2s instead of 10s"));
+  CHECK(x.tells("flat/stove", "sampler 1: every 2 s instead of 10 s"));
   CHECK(x.count("devices.2.output.1", 1min, 4min) == 18);
   CHECK(x.count("devices.2.output.1", 245s, 6min + 45s) == Approx(60).margin(1));
   CHECK(x.count("devices.2.output.1", 8min, 10min) == Approx(60).margin(2));
@@ -172,7 +171,7 @@ TEST_CASE("proxies go by their class as it is now, and so do new ones", "[ecolog
     peer = "pc"
     for = "2s"
   )");
-  CHECK(x.tells("flat", "proxy class climate: period 5s, temperature in K, add of temperature "
+  CHECK(x.tells("flat", "proxy class climate: period 5 s, temperature in K, add of temperature "
                         "273.15, decimals of temperature 2"));
   CHECK(x.values("flat.stove.temperature") == std::vector<std::string>{"20.0", "293.15"});
   CHECK(x.values("flat.window.temperature.unit") == std::vector<std::string>{"C", "K"});
@@ -211,6 +210,6 @@ TEST_CASE("a change that is asked for while the run is on", "[ecology][ACT-10][A
   x.run_for(2min);
   x.change("kind = 'rate'\nmote = 'flat/stove'\nperiod = '1s'");
   x.run_for(5s);
-  CHECK(x.told("flat/stove", "sampler 1: every 1s instead of 10s"));
+  CHECK(x.told("flat/stove", "sampler 1: every 1 s instead of 10 s"));
   CHECK_THROWS_AS(x.change("kind = 'tick'"), bad_description);
 }

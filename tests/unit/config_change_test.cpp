@@ -70,13 +70,13 @@ TEST_CASE("changes arrive with their keys", "[config][ACT-10]") {
   CHECK(only.sampler == 1);
   CHECK_FALSE(only.messenger);
   CHECK(only.period == 5s);
-  const auto one = what<rate_change>(
-      "kind = \"rate\"\nmote = \"k/two\"\nmessenger = 10\nperiod = \"1min\"\n");
+  const auto one =
+      what<rate_change>("kind = \"rate\"\nmote = \"k/two\"\nmessenger = 10\nperiod = \"1min\"\n");
   CHECK(one.messenger == 10);
   CHECK_FALSE(one.sampler);
 
-  const auto link = what<link_change>(
-      "kind = \"link\"\nfrom = \"k/two\"\nto = \"k/sink\"\nloss = \"30%\"\n");
+  const auto link =
+      what<link_change>("kind = \"link\"\nfrom = \"k/two\"\nto = \"k/sink\"\nloss = \"30%\"\n");
   CHECK(link.from.mote == mote_id{2});
   CHECK(link.to.mote == mote_id{1});
   CHECK(link.loss == 0.3);
@@ -90,7 +90,7 @@ TEST_CASE("changes arrive with their keys", "[config][ACT-10]") {
   CHECK_FALSE(settings.stale_after);
   CHECK(settings.unit == "K");
   CHECK(settings.add == 273.15);
-  CHECK(proxy::to_text(settings) == "period 3s, temperature in K, add of temperature 273.15");
+  CHECK(proxy::to_text(settings) == "period 3 s, temperature in K, add of temperature 273.15");
 }
 
 TEST_CASE("changes are planned behind the faults, which keep their numbers", "[config][ACT-10]") {
@@ -138,8 +138,8 @@ at = "4min"
 kind = "debug"
 of = ["mote/k"]
 )"));
-  for (const auto* line : {"k/three sampler 1 every 5s", "k/two to k/sink, gain -80 dB",
-                           "warm: stale_after 7s", "of mote/k"})
+  for (const auto* line : {"k/three sampler 1 every 5 s", "k/two to k/sink, gain -80 dB",
+                           "warm: stale_after 7 s", "of mote/k"})
     CHECK(text.find(line) != std::string::npos);
 }
 
@@ -170,7 +170,7 @@ of = []
 
 [[change]]
 at = "2h"
-#    ^ `at` must not be after the end of the run, which is 1h
+#    ^ `at` must not be after the end of the run, which is 1 h
 kind = "debug"
 of = []
 
@@ -221,7 +221,7 @@ at = "1s"
 kind = "rate"
 mote = "k/three"
 period = "1s"
-#        ^ `period` must not be shorter than the sampler's `jitter`, which is 3s
+#        ^ `period` must not be shorter than the sampler's `jitter`, which is 3 s
 
 [[change]]
 at = "1s"

@@ -114,25 +114,26 @@ TEST_CASE("another link follows, and one that is new", "[config][ACT-10]") {
       1min);
   CHECK(refused(more).empty());
   CHECK(more.changes.size() == 2); // the first has its loss of before again
-  const auto gone = refused(
-      file.read(with("[[radio.link]]\nfrom = \"k/two\"\nto = \"k/sink\"\nloss = \"10%\"\n", ""), 1min));
+  const auto gone = refused(file.read(
+      with("[[radio.link]]\nfrom = \"k/two\"\nto = \"k/sink\"\nloss = \"10%\"\n", ""), 1min));
   REQUIRE(gone.size() == 1);
   CHECK(gone[0].starts_with("home.toml:5:1: `radio.link` lacks a link"));
 }
 
 TEST_CASE("another class of proxies follows", "[config][ACT-10]") {
   auto file = follow();
-  const auto unit = only<proxy::class_change>(file.read(with("unit = \"C\"", "unit = \"K\""), 1min));
+  const auto unit =
+      only<proxy::class_change>(file.read(with("unit = \"C\"", "unit = \"K\""), 1min));
   CHECK(unit.class_name == "warm");
   CHECK(unit.field == "temperature");
   CHECK(unit.unit == "K");
   CHECK_FALSE(unit.scale);
-  const auto both = file.read(
-      with("period = \"5s\"", "period = \"3s\", stale_after = \"9s\""), 1min);
+  const auto both =
+      file.read(with("period = \"5s\"", "period = \"3s\", stale_after = \"9s\""), 1min);
   CHECK(refused(both).empty());
   REQUIRE(both.changes.size() == 2);
   CHECK(proxy::to_text(std::get<proxy::class_change>(both.changes[0])) ==
-        "period 3s, stale_after 9s");
+        "period 3 s, stale_after 9 s");
   CHECK(proxy::to_text(std::get<proxy::class_change>(both.changes[1])) == "temperature in C");
 }
 
@@ -165,10 +166,10 @@ peer = "pc"
                                              "peer = \"pc\"\n",
                                       3min));
   CHECK(late == std::vector<std::string>{
-                    "home.toml:47:1: that [[fault]] is too late: it is 3min already"});
+                    "home.toml:47:1: that [[fault]] is too late: it is 3 min already"});
   const auto gone = refused(file.read(home, 3min));
   REQUIRE(gone.size() == 2);
-  CHECK(gone[1].find("a [[fault]] at 5min is gone from the file: what is planned stays planned") !=
+  CHECK(gone[1].find("a [[fault]] at 5 min is gone from the file: what is planned stays planned") !=
         std::string::npos);
 }
 
@@ -180,9 +181,10 @@ TEST_CASE("what cannot follow is refused with its place and the reason", "[confi
     CHECK(x.changes.empty());
     return refused(x);
   };
-  CHECK(says("seed = 3", "seed = 4") ==
-        texts{"home.toml:3:8: `ecology.seed` differs, and does not change while an ecology runs: it "
-              "decides all random numbers from the start; run again with `--seed`"});
+  CHECK(
+      says("seed = 3", "seed = 4") ==
+      texts{"home.toml:3:8: `ecology.seed` differs, and does not change while an ecology runs: it "
+            "decides all random numbers from the start; run again with `--seed`"});
   CHECK(says("range = \"20m\"", "range = \"30m\"").size() == 1);
   CHECK(says("value = 20", "value = 21") ==
         texts{"home.toml:13:57: `mote_type.transducers.temperature.value` differs, and does not "

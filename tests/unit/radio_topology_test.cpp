@@ -597,7 +597,7 @@ TEST_CASE("a link may change while frames are on the air", "[radio][topology][AC
   x.change({mote(1), mote(2), 0.4, {}});
   CHECK(before->front().loss == 0); // whoever holds a list keeps it
   CHECK(x.around(a)->front().loss == 26214);
-  CHECK(x.around(b)->front().loss == 0); // one direction only
+  CHECK(x.around(b)->front().loss == 0);    // one direction only
   x.change({mote(1), mote(3), 0.2, -60.0}); // it was out of reach
   CHECK(names(*x.around(a)) == "1 2 ");
   CHECK(x.around(a)->at(1).rssi_dbm == -60);
