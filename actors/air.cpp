@@ -191,6 +191,10 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
       },
       [self](const make_noise& x) { on_noise(self, x); },
       [self](const lose_frames& x) { on_loss(self, x); },
+      [self](const change_link& x) {
+        perform(self, self->state.channel.on_time(now(self)));
+        self->state.channel.change({x.from, x.to, x.loss, x.gain_db});
+      },
       [self](const carry_away& x) { on_carry_away(self, x); },
       [self](const bring_radio& x) { on_bring(self, x); },
       [self](status_request) { send_status(self); },

@@ -37,8 +37,8 @@ std::size_t length_of(const caf::type_erased_tuple& content) {
 
 } // namespace
 
-debug_log::debug_log(std::string folder, std::size_t file_octets_max)
-    : folder_(std::move(folder)), file_octets_max_(file_octets_max) {
+debug_log::debug_log(std::string folder, std::size_t file_octets_max, config::debug_selection of)
+    : folder_(std::move(folder)), file_octets_max_(file_octets_max), of_(std::move(of)) {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error)
@@ -49,17 +49,24 @@ debug_log::debug_log(std::string folder, std::size_t file_octets_max)
 }
 
 void debug_log::write(const scheduler::delivery& x) {
+  const bool is_sent = !x.sender.empty() && x.sender != x.path;
+  if (!of_.has(x.path) && !(is_sent && of_.has(x.sender)))
+    return; // most are not, and to write them down takes time
   const auto time = to_text(x.time);
   const auto length = length_of(x.content);
   const auto text = x.content.stringify();
   write_line(x.path, fmt::format("{} {} received from={} length={} {}", time, x.path,
                                  x.sender.empty() ? "-" : x.sender, length, text));
-  if (!x.sender.empty() && x.sender != x.path)
+  if (is_sent)
     write_line(x.sender,
                fmt::format("{} {} sent to={} length={} {}", time, x.sender, x.path, length, text));
 }
 
 void debug_log::write(const scheduler::remark& x) {
+  if (x.what == selected) {
+    of_ = std::any_cast<const config::debug_selection&>(x.content);
+    return;
+  }
   const auto* told = std::any_cast<explain::record>(&x.content);
   if (told == nullptr || told->from == told->to)
     return;
@@ -81,9 +88,9 @@ std::string debug_log::finish() {
 }
 
 void debug_log::write_line(std::string_view path, std::string_view line) {
-  if (!error_.empty())
+  if (!error_.empty() || !of_.has(path))
     return;
-  if (auto* const logger = of(path))
+  if (auto* const logger = logger_of(path))
     logger->info("{}", printable(line)); // what is remote must not look like another line
 }
 
@@ -94,7 +101,7 @@ void debug_log::fail(const std::string& why) {
   spdlog::error("{}", printable(error_));
 }
 
-spdlog::logger* debug_log::of(std::string_view path) {
+spdlog::logger* debug_log::logger_of(std::string_view path) {
   const auto module = module_of(path);
   const auto found = loggers_.find(module);
   if (found != loggers_.end())

@@ -8,6 +8,7 @@
 
 #include <spdlog/logger.h>
 
+#include "config/debug_selection.hpp"
 #include "scheduler/trace.hpp"
 
 namespace rubicon {
@@ -21,24 +22,29 @@ public:
   static constexpr std::size_t files_max = 3;
 
   /// Creates the folder. @throws std::runtime_error if that fails, or files may not be made in it
-  debug_log(std::string folder, std::size_t file_octets_max);
+  /// @param of whose messages are written at first; a remark of the ecology says who follows
+  debug_log(std::string folder, std::size_t file_octets_max, config::debug_selection of = {});
   debug_log(const debug_log&) = delete;
   debug_log& operator=(const debug_log&) = delete;
 
   void write(const scheduler::delivery& x);
   void write(const scheduler::remark& x); ///< of what a program and its mote tell each other
 
+  /// The kind of the remark by which the ecology tells a new debug_selection.
+  static constexpr std::string_view selected = "debug_selected";
+
   /// @returns what could not be written, and why; empty if nothing is missing
   [[nodiscard]] std::string finish();
 
 private:
   /// nullptr if its file cannot be opened
-  [[nodiscard]] spdlog::logger* of(std::string_view path);
+  [[nodiscard]] spdlog::logger* logger_of(std::string_view path);
   void write_line(std::string_view path, std::string_view line);
   void fail(const std::string& why);
 
   std::string folder_;
   std::size_t file_octets_max_;
+  config::debug_selection of_;
   std::map<std::string, std::shared_ptr<spdlog::logger>, std::less<>> loggers_;
   std::string error_; ///< the first; nothing is written after it
 };

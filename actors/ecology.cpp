@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "actors/assembly.hpp"
+#include "actors/changes.hpp"
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
 #include "actors/peer_supervision.hpp"
@@ -14,18 +15,6 @@
 #include "scheduler/supervision.hpp"
 
 namespace rubicon {
-
-namespace {
-
-/// A mote, a sink, or a program beside a mote, that failed on its own is out of order for this long
-/// before it starts again.
-constexpr duration reboot_time = 500ms;
-
-/// How long a change may take to reach the gateway's list: the mote's keep-alive window and time to
-/// repair a lost event. Within it, at the end of a run, list and truth may differ.
-duration settling_time(const supervised_mote& mote) {
-  return 4 * mote.arguments->node.keep_alive + 30s;
-}
 
 void note_event(ecology_pointer self, const std::string& who, std::string what) {
   auto& report = self->state.report;
@@ -37,6 +26,25 @@ void note_event(ecology_pointer self, const std::string& who, std::string what) 
   if (self->state.process.judge != nullptr)
     self->state.process.judge->on_event(event);
   report::add_event(report.event_log, report.event_log_left_out, std::move(event));
+}
+
+supervised_mote& mote_now(ecology_pointer self, mote_address x) {
+  const auto& all = self->state.moved;
+  for (auto moved = all.find(x); moved != all.end(); moved = all.find(x))
+    x = moved->second;
+  return self->state.motes.at(x);
+}
+
+namespace {
+
+/// A mote, a sink, or a program beside a mote, that failed on its own is out of order for this long
+/// before it starts again.
+constexpr duration reboot_time = 500ms;
+
+/// How long a change may take to reach the gateway's list: the mote's keep-alive window and time to
+/// repair a lost event. Within it, at the end of a run, list and truth may differ.
+duration settling_time(const supervised_mote& mote) {
+  return 4 * mote.arguments->node.keep_alive + 30s;
 }
 
 /// Takes a violation into the report, or tells it behind the report that is already out.
@@ -251,11 +259,7 @@ supervised_mote* find_mote(ecology_pointer self, const mote_address& x) {
   auto& motes = self->state.motes;
   if (x == config::any_mote)
     return draw(self, motes, [](const supervised_mote& mote) { return !mote.flat && mote.handle; });
-  auto at = x;
-  for (auto moved = self->state.moved.find(at); moved != self->state.moved.end();
-       moved = self->state.moved.find(at))
-    at = moved->second;
-  return &motes.at(at);
+  return &mote_now(self, x);
 }
 
 bool has_several_gateways(ecology_pointer self, island_id id) {
@@ -368,6 +372,8 @@ struct fault_applier : peer_fault_applier {
   std::uint32_t index = 0; ///< of the fault in the description
 
   using peer_fault_applier::operator();
+
+  void operator()(const config::change& x) const { std::visit(change_applier{self}, x); }
 
   void operator()(const config::battery_end_fault& x) const {
     auto* found = find_mote(self, x.mote);
@@ -1000,6 +1006,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const restart_program& x) { restart(self, x); },
       [self](const restart_peer& x) { restart(self, self->state.peers.at(x.name)); },
       [self](const end_duplicate& x) { end_duplicate_peer(self, x.name); },
+      [self](const debug_wanted& x) { select_debug(self, x.who, config::debug_patterns(x.text)); },
       [self](outside_link_changed) { self->state.last_outside_change = now(self); },
       [self](const start_component& x) { start_component_peer(self, x); },
       [self](const stop_component& x) { stop_component_peer(self, x); },

@@ -89,12 +89,13 @@ struct supervised_peer {
   std::size_t line = 0;            ///< at which of the sink's serial lines
   peis_peer_actor handle;          ///< its kernel; nullptr while it does not run
   std::vector<caf::actor> programs;
-  init_actor init;                     ///< among its programs; nullptr: none
-  std::optional<peer_id> component_of; ///< whose init starts and stops it
-  std::uint64_t life = 0;              ///< as that init calls it
-  bool begun = false;                  ///< it has ever run
-  std::uint64_t station = 0;           ///< of the kernel in the simulated network
-  std::string machine;                 ///< host name of the kernel
+  init_actor init;                           ///< among its programs; nullptr: none
+  std::vector<proxy_manager_actor> managers; ///< among them too
+  std::optional<peer_id> component_of;       ///< whose init starts and stops it
+  std::uint64_t life = 0;                    ///< as that init calls it
+  bool begun = false;                        ///< it has ever run
+  std::uint64_t station = 0;                 ///< of the kernel in the simulated network
+  std::string machine;                       ///< host name of the kernel
   std::uint32_t incarnation = 0;
   bool powered = true;
   instant changed; ///< when it was last started or ended
@@ -118,6 +119,7 @@ struct process_facts {
   std::function<void(const report::logged_event&)> on_event = {};
   /// Told of what a report is settled from, before each; may be empty.
   std::function<void(const report::run_counters&)> on_counters = {};
+  bool writes_debug_log = false;
   std::uint32_t starts = 0; ///< so often everything may have been started by earlier processes
   /// Called when something has been started more often than anything before; may be empty.
   std::function<void(std::uint32_t starts)> on_starts = {};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@
 #include "network/sink_event.hpp"
 #include "peis/bluetooth.hpp"
 #include "peis/simulated_media.hpp"
+#include "proxy/class_change.hpp"
 #include "radio/channel.hpp"
 #include "report/report.hpp"
 #include "scheduler/trace.hpp"
@@ -247,6 +249,13 @@ RUBICON_FIELDS(stop_component, peer, at_once);
 struct outside_link_changed {};
 RUBICON_FIELDS(outside_link_changed);
 
+/// From a kernel: its tuple `rubicon.debug` says whose messages the debug log is to have.
+struct debug_wanted {
+  std::string who; ///< actor path
+  std::string text;
+};
+RUBICON_FIELDS(debug_wanted, who, text);
+
 /// The root supervisor, as those below it see it.
 using ecology_actor = caf::typed_actor<
     caf::reacts_to<notable_event>, caf::reacts_to<mote_flat>, caf::reacts_to<listing_changed>,
@@ -256,8 +265,8 @@ using ecology_actor = caf::typed_actor<
     caf::reacts_to<gateway_status>, caf::reacts_to<peer_status>, caf::reacts_to<proxy_status>,
     caf::reacts_to<program_status>, caf::reacts_to<sample_status>, caf::reacts_to<start_component>,
     caf::reacts_to<stop_component>, caf::reacts_to<actor_failed>, caf::reacts_to<request_unmet>,
-    caf::reacts_to<store_written>, caf::reacts_to<radio_left>,
-    caf::reacts_to<outside_link_changed>>;
+    caf::reacts_to<store_written>, caf::reacts_to<radio_left>, caf::reacts_to<outside_link_changed>,
+    caf::reacts_to<debug_wanted>>;
 
 /// To itself: this fault of the description's plan is due.
 struct apply_fault {
@@ -423,12 +432,21 @@ struct bring_radio {
 };
 RUBICON_FIELDS(bring_radio, radio, used_mah);
 
+/// From the plan: a link is another from now on. What is not set stays as it is.
+struct change_link {
+  mote_address from;
+  mote_address to;
+  std::optional<double> loss; ///< 0..1
+  std::optional<double> gain_db;
+};
+RUBICON_FIELDS(change_link, from, to, loss, gain_db);
+
 /// The radio medium of one place.
-using air_actor = caf::typed_actor<caf::reacts_to<attach_radio>, caf::reacts_to<radio_send>,
-                                   caf::reacts_to<radio_power>, caf::reacts_to<move_radio>,
-                                   caf::reacts_to<make_noise>, caf::reacts_to<lose_frames>,
-                                   caf::reacts_to<carry_away>, caf::reacts_to<bring_radio>,
-                                   caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+using air_actor = caf::typed_actor<
+    caf::reacts_to<attach_radio>, caf::reacts_to<radio_send>, caf::reacts_to<radio_power>,
+    caf::reacts_to<move_radio>, caf::reacts_to<make_noise>, caf::reacts_to<lose_frames>,
+    caf::reacts_to<carry_away>, caf::reacts_to<bring_radio>, caf::reacts_to<change_link>,
+    caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 // ----------------------------------------------------------------------------------------- serial
 
@@ -584,11 +602,18 @@ struct step_clock {
 };
 RUBICON_FIELDS(step_clock, by);
 
-using mote_actor =
-    radio_user_actor::extend<caf::reacts_to<attach_program>, caf::reacts_to<program_commands>,
-                             caf::reacts_to<move_mote>, caf::reacts_to<crash_now>,
-                             caf::reacts_to<end_battery>, caf::reacts_to<step_clock>,
-                             caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
+/// From the plan: a program of the mote reports so often from now on.
+struct set_period {
+  bool messenger = false;   ///< a messenger; else a sampler
+  std::uint16_t number = 0; ///< its AM type, or its channel
+  duration period{};
+};
+RUBICON_FIELDS(set_period, messenger, number, period);
+
+using mote_actor = radio_user_actor::extend<
+    caf::reacts_to<attach_program>, caf::reacts_to<program_commands>, caf::reacts_to<move_mote>,
+    caf::reacts_to<crash_now>, caf::reacts_to<end_battery>, caf::reacts_to<step_clock>,
+    caf::reacts_to<set_period>, caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// From whoever spawned both: the program's mote runs, for the first time or again.
 struct mote_started {
@@ -1079,12 +1104,18 @@ struct gateway_changed {
 };
 RUBICON_FIELDS(gateway_changed, gateway, name);
 
+/// From the plan: proxies of a class go by other values from now on.
+struct change_class {
+  proxy::class_change what;
+};
+RUBICON_FIELDS(change_class, what);
+
 /// What speaks for one mote.
 using proxy_actor =
     peis_client_actor::extend<caf::reacts_to<mote_presence>, caf::reacts_to<gateway_changed>,
                               caf::reacts_to<program_attached>, caf::reacts_to<program_detached>,
-                              caf::reacts_to<program_events>, caf::reacts_to<timer_expired>,
-                              caf::reacts_to<status_request>>;
+                              caf::reacts_to<program_events>, caf::reacts_to<change_class>,
+                              caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// To itself: a proxy that has ended may be started again.
 struct restart_proxy {
@@ -1093,8 +1124,8 @@ struct restart_proxy {
 RUBICON_FIELDS(restart_proxy, mote);
 
 using proxy_manager_actor =
-    peis_client_actor::extend<caf::reacts_to<restart_proxy>, caf::reacts_to<timer_expired>,
-                              caf::reacts_to<status_request>>;
+    peis_client_actor::extend<caf::reacts_to<restart_proxy>, caf::reacts_to<change_class>,
+                              caf::reacts_to<timer_expired>, caf::reacts_to<status_request>>;
 
 /// Control programs on peers: the collector.
 using peer_app_actor = peis_client_actor::extend<caf::reacts_to<status_request>>;

@@ -12,8 +12,6 @@
 #include "actors/statuses.hpp"
 #include "apps/actuator.hpp"
 #include "apps/listener.hpp"
-#include "apps/messenger.hpp"
-#include "apps/sampler.hpp"
 #include "network/am.hpp"
 #include "scheduler/spawn.hpp"
 #include "scheduler/supervision.hpp"
@@ -313,6 +311,20 @@ void on_clock_step(mote_pointer self, duration by) {
   perform(self, mote::node_outputs{});
 }
 
+/// The programs' turn follows at once: a period may have begun.
+void on_period(mote_pointer self, const set_period& x) {
+  auto& state = self->state;
+  if (!state.node || state.flat)
+    return;
+  if (const auto found = state.samplers.find(x.number);
+      !x.messenger && found != state.samplers.end())
+    found->second->set_period(x.period);
+  if (const auto found = state.messengers.find(x.number);
+      x.messenger && found != state.messengers.end())
+    found->second->set_period(x.period);
+  perform(self, state.reports.on_time(*state.node, own_time(self), now(self)));
+}
+
 /// An exception ends the mote. What this life has counted must not go with it. Reliable messages
 /// that were still open have failed; nobody will know about flows' requests, so they stay open.
 void report_failures(mote_pointer self) {
@@ -343,14 +355,18 @@ struct report_starter {
   void operator()(const apps::sampler_config& x) const {
     const auto path = path_of("sampler", x.channel);
     const random_stream rng(self->state.arguments->seed, path);
-    begin(path, std::make_unique<apps::sampler>(x, rng));
+    auto program = std::make_unique<apps::sampler>(x, rng);
+    self->state.samplers[x.channel] = program.get();
+    begin(path, std::move(program));
   }
   void operator()(const apps::actuator_config& x) const {
     const auto state = self->state.node->actuator_state(x.actuator, {}).value_or(0);
     begin(path_of("actuator", x.actuator), std::make_unique<apps::actuator>(x, state));
   }
   void operator()(const apps::messenger_config& x) const {
-    begin(path_of("messenger", x.am_type), std::make_unique<apps::messenger>(x));
+    auto program = std::make_unique<apps::messenger>(x);
+    self->state.messengers[x.am_type] = program.get();
+    begin(path_of("messenger", x.am_type), std::move(program));
   }
   void operator()(const apps::listener_config& x) const {
     begin(path_of("listener", x.am_type), std::make_unique<apps::listener>(x));
@@ -479,6 +495,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
           throw std::runtime_error(std::string(planned_crash));
       },
       [self](const step_clock& x) { on_clock_step(self, x.by); },
+      [self](const set_period& x) { on_period(self, x); },
       [self](end_battery) {
         on_battery_low(self);
         const auto left = self->state.node ? last_words_time : duration{};

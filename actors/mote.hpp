@@ -15,6 +15,8 @@
 #include "actors/separate_programs.hpp"
 #include "actors/smepp_shell.hpp"
 #include "actors/timer.hpp"
+#include "apps/messenger.hpp"
+#include "apps/sampler.hpp"
 #include "config/ecology.hpp"
 #include "device/walk.hpp"
 #include "mote/crystal.hpp"
@@ -63,7 +65,9 @@ struct mote_state {
   /// Samplers, actuators, messengers and listeners. They go by the world's time: what they are
   /// asked for, and judged by, are periods of those who listen to them.
   program_host reports;
-  program_host programs; ///< all others, in the mote's own time
+  std::map<std::uint16_t, apps::sampler*> samplers;     ///< among them, by channel
+  std::map<std::uint16_t, apps::messenger*> messengers; ///< the same, by AM type
+  program_host programs;                                ///< all others, in the mote's own time
   separate_programs separate;
   std::uint32_t program_turns = 0;     ///< of the node, when programs were last asked,
   std::optional<instant> programs_due; ///< and what those in the mote's time said

@@ -186,8 +186,9 @@ struct peer_app_spawner {
     arguments.ecology = ecology_handle(self);
     arguments.layer = layer;
     arguments.peer_name = peer.name;
-    add(spawn_child(*self->state.pcs, self, "proxy_manager/" + peer.name, proxy_manager,
-                    std::move(arguments)));
+    peer.managers.push_back(spawn_child(*self->state.pcs, self, "proxy_manager/" + peer.name,
+                                        proxy_manager, std::move(arguments)));
+    add(peer.managers.back());
     if (x.objects)
       add(spawn_child(*self->state.pcs, self, "object_manager/" + peer.name, object_manager,
                       self->state.description.proxies, peer.handle, ecology_handle(self)));

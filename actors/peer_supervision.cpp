@@ -79,6 +79,7 @@ void leave_real_line(ecology_pointer self, const supervised_peer& gateway) {
 /// Ends a peer's process: kernel and programs.
 void end_process(ecology_pointer self, supervised_peer& peer) {
   leave_real_line(self, peer);
+  peer.managers.clear();
   for (const auto& program : std::exchange(peer.programs, {}))
     end_quietly(self, program);
   if (peer.handle)
@@ -260,6 +261,7 @@ void peer_fault_applier::operator()(const config::duplicate_id_fault& x) const {
     return;
   auto copy = *peer;
   copy.programs = {};
+  copy.managers = {};
   copy.init = nullptr;
   copy.incarnation = 0;
   const auto name = peer->name + "-double-" + std::to_string(state.stations + 1);

@@ -202,6 +202,9 @@ struct performer {
     if (!ask_init(self))
       quit(self);
   }
+  void operator()(peis::debug_requested& x) const {
+    self->send(self->state.arguments.ecology, debug_wanted{self->path(), std::move(x.text)});
+  }
   void operator()(const peis::intercepted& x) const {
     log(self, spdlog::level::info, "event=intercepted port={} source={} destination={}", x.port,
         x.source.value, x.destination.value);

@@ -102,13 +102,15 @@ void on_timer(proxy_pointer self) {
     perform(self, streams.programs.on_time(*streams.process, now(self)));
 }
 
+/// Those of its core that it does not watch yet: all, at first.
 void watch_all(proxy_pointer self) {
   using source = proxy::watch::source;
   auto& state = self->state;
+  const auto first = state.watches.size();
   state.watches = state.arguments.core.watches();
   const auto own = state.arguments.peer_number;
   const carried<peis_client_actor> client{caf::actor_cast<peis_client_actor>(self)};
-  for (std::size_t i = 0; i < state.watches.size(); ++i) {
+  for (auto i = first; i < state.watches.size(); ++i) {
     const auto& x = state.watches[i];
     if (x.where == source::meta)
       self->send(state.arguments.peer, watch_indirectly{client, i + 1, own, x.key});
@@ -210,6 +212,10 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
             proxy::to_string(self->state.arguments.core.status()), x.cause);
       },
       [self](const gateway_changed& x) { on_gateway(self, x); },
+      [self](const change_class& x) {
+        perform(self, self->state.arguments.core.on_class_changed(x.what));
+        watch_all(self);
+      },
       [self](const program_attached& x) { on_attached(self, x); },
       [](program_detached) {}, // a PC ends with its kernel, and so does this
       [self](const program_events& x) {

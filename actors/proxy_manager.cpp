@@ -160,6 +160,18 @@ void on_classes(manager_pointer self) {
   state.classes_wake.follow(self, proxy::next_known(all, now(self)));
 }
 
+/// Proxies that run and those that are started from now on.
+void on_change(manager_pointer self, const change_class& x) {
+  auto& state = self->state;
+  for (auto& each : state.arguments.classes)
+    if (each.name == x.what.class_name)
+      proxy::apply(x.what, each);
+  on_classes(self);
+  for (const auto& [mote, handle] : state.proxies)
+    if (state.manager.running_class(mote) == x.what.class_name)
+      self->send(handle, x);
+}
+
 } // namespace
 
 proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
@@ -184,6 +196,7 @@ proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
       [self](const restart_proxy& x) {
         perform(self, self->state.manager.on_proxy_gone(x.mote, now(self)));
       },
+      [self](const change_class& x) { on_change(self, x); },
       [self](const timer_expired& x) {
         if (self->state.classes_wake.accepts(x))
           on_classes(self);

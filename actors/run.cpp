@@ -22,6 +22,7 @@
 #include "io/machine.hpp"
 #include "io/signal_watch.hpp"
 #include "report/expectations.hpp"
+#include "report/fault_plan.hpp"
 #include "report/invariants.hpp"
 #include "scheduler/world.hpp"
 
@@ -141,7 +142,8 @@ public:
     if (options.on_tuple)
       teller_.emplace(description, options.on_tuple);
     if (!options.debug_folder.empty())
-      debug_.emplace(options.debug_folder, options.debug_file_octets_max);
+      debug_.emplace(options.debug_folder, options.debug_file_octets_max,
+                     config::debug_selection(options.debug_of));
     if (!options.record_file.empty())
       record_.emplace(options.record_file, description, options.source);
     if (!options.serial_file.empty())
@@ -155,7 +157,7 @@ public:
       trace.observe_remarks([this](const scheduler::remark& x) {
         if (debug_)
           debug_->write(x);
-        if (record_)
+        if (record_ && x.what != debug_log::selected)
           record_->write(x);
       });
     // Peers, whom one thread at a time executes, are the only ones with tuples.
@@ -232,7 +234,8 @@ public:
         inits_run_(has_init(description)) {
     files.watch(world_.trace());
     if (options.handle_signals)
-      signals_.emplace(world_.loop(), [this](int) { world_.request_stop(); });
+      signals_.emplace(
+          world_.loop(), [this](int) { world_.request_stop(); }, options.hangup_ends);
     root_ = world_.spawn(
         "ecology/" + description.name, ecology, description,
         [this](report::run_report x) { take(std::move(x)); }, files.frames(), facts());
@@ -242,6 +245,7 @@ public:
       options.on_begun(
           {world_.loop(), [this] { world_.request_stop(); },
            [this](const config::fault& x) { apply(x); },
+           [this](const config::fault_description& x) { plan(x); }, [this] { return world_.now(); },
            [this](const std::string& peer, const std::string& key, const std::string& value) {
              return set_tuple_of(peer, key, value);
            }});
@@ -343,6 +347,21 @@ private:
     caf::anon_send(root_, apply_fault{static_cast<std::uint32_t>(faults.size() - 1)});
   }
 
+  void plan(const config::fault_description& x) {
+    if (over_)
+      return;
+    auto alone = description_;
+    alone.faults = {x};
+    auto& faults = root_state().description.faults;
+    faults.push_back(x);
+    const apply_fault message{static_cast<std::uint32_t>(faults.size() - 1)};
+    for (const auto& each : report::plan_faults(alone))
+      if (instant(each.at) > world_.now())
+        static_cast<void>(world_.scheduler().supervisor().schedule(
+            instant(each.at), caf::actor_cast<caf::strong_actor_ptr>(root_),
+            caf::make_mailbox_element(nullptr, caf::make_message_id(), {}, message)));
+  }
+
   bool set_tuple_of(const std::string& peer, const std::string& key, const std::string& value) {
     if (over_)
       return false;
@@ -407,6 +426,7 @@ private:
     };
     x.on_event = options_.on_event;
     x.on_counters = options_.on_counters;
+    x.writes_debug_log = !options_.debug_folder.empty();
     x.starts = options_.starts;
     x.on_starts = options_.on_starts;
     if (!wall_)

@@ -28,6 +28,9 @@ struct run_control {
   std::function<void()> stop; ///< ends it early, and cleanly
   /// Lets a fault happen now: one that needs nothing but what has been there from the start.
   std::function<void(const config::fault&)> apply;
+  /// Lets a fault or a change join the plan, at its times that are not over yet; it needs no more.
+  std::function<void(const config::fault_description&)> plan;
+  std::function<instant()> now;
   /// Sets a tuple of a peer, as one of its own components would. @returns false: no such peer runs
   std::function<bool(const std::string& peer, const std::string& key, const std::string& value)>
       set_tuple;
@@ -43,12 +46,15 @@ struct run_options {
   unsigned threads = 1;     ///< that execute islands and PCs at the same time, in virtual time;
                             ///< what comes out is the same for any number
   std::string debug_folder; ///< NFR-01; empty: no debug logs
+  std::vector<std::string> debug_of = {"*"}; ///< whose messages, from the start (NFR-02): patterns
+                                             ///< of config::debug_selection
   std::size_t debug_file_octets_max = 16 << 20; ///< a full file is rotated (NFR-03)
   std::string pcap_folder;     ///< ACT-07: a capture of each island's air goes here; empty: none
   bool pcap_lost = false;      ///< with the frames that nobody received
   std::string serial_file;     ///< ACT-08: each frame of serial lines goes here; empty: nowhere
   std::string record_file;     ///< what `rubicon explain` reads goes here; empty: nowhere
   run_source source;           ///< told by the record
+  bool hangup_ends = true;     ///< with the next: SIGHUP is a signal, too
   bool handle_signals = false; ///< end the run cleanly on the first signal (ACT-11)
 
   /// Called now and then.

@@ -10,6 +10,11 @@ void messenger::joined(communication::island_octet, std::uint16_t, communication
   next_.reset();
 }
 
+void messenger::set_period(duration every) {
+  config_.every = every;
+  begins_ = begins_ || next_.has_value();
+}
+
 std::optional<instant> messenger::deadline() const {
   return begins_ ? std::optional(instant{}) : next_;
 }

@@ -15,6 +15,9 @@ class messenger final : public application {
 public:
   explicit messenger(messenger_config config) : config_(std::move(config)) {}
 
+  /// From now on it sends so often, the first time one period from now.
+  void set_period(duration every);
+
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override;
 

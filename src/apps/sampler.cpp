@@ -29,6 +29,11 @@ void sampler::outputsWanted(std::span<const communication::output_wanted> all) {
   begins_ = begins_ || period() != every_;
 }
 
+void sampler::set_period(duration every) {
+  config_.every = every;
+  begins_ = begins_ || period() != every_;
+}
+
 std::optional<instant> sampler::deadline() const {
   if (begins_)
     return instant{};

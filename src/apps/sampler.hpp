@@ -18,6 +18,9 @@ class sampler final : public application {
 public:
   sampler(sampler_config config, random_stream rng);
 
+  /// Its own period is another from now on, which begins at a random phase.
+  void set_period(duration every);
+
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override;
 

@@ -179,8 +179,15 @@ void add_run(CLI::App& app, run_command& x) {
   run.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->type_name("LEVEL");
-  add_path(run, "--debug-dir", "DIR", options.debug_folder,
-           "Write logs of all messages into this folder");
+  auto* const debug = add_path(run, "--debug-dir", "DIR", options.debug_folder,
+                               "Write logs of all messages into this folder");
+  run.add_option(
+         "--debug-of", options.debug_of,
+         "Only messages from or to these: a module such as mote, or a path in the logs such "
+         "as mote/kitchen; may be given several times")
+      ->needs(debug)
+      ->allow_extra_args(false)
+      ->type_name("PATTERN");
   auto* const captures = add_path(run, "--pcap", "DIR", options.pcap_folder,
                                   "Write the frames on each air into a capture in this folder");
   run.add_flag("--pcap-lost", options.pcap_lost,
@@ -190,10 +197,15 @@ void add_run(CLI::App& app, run_command& x) {
            "Write the frames on serial lines into this file, for `serial = { replay = FILE }`");
   add_path(run, "--record", "RECORD", options.record_file,
            "Record the run into this file, for rubicon explain");
+  auto* const reload = run.add_flag(
+      "--reload", x.reloads,
+      "Read FILE again on SIGHUP, which does not end the run then, and follow what may change; in "
+      "wall time");
   auto* const host =
       run.add_option("--host", x.host,
                      "Run only what is placed on this [[host]], in wall time, with links to others")
-          ->type_name("NAME");
+          ->type_name("NAME")
+          ->excludes(reload);
   add_path(run, "--starts", "FILE", x.starts_file,
            "Where it is kept how often the part was started; a file of the user if not given")
       ->needs(host);

@@ -30,6 +30,7 @@ struct run_command {
   bool json = false;
   bool full = false; ///< every row, as text
   watch_wishes watch;
+  bool reloads = false;           ///< on SIGHUP, in wall time (ACT-10)
   bool check_determinism = false; ///< ACT-05
   std::string host;               ///< only its part, in wall time; empty: all of the file
   std::string starts_file;        ///< with `host`; empty: one of the user

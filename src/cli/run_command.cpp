@@ -21,9 +21,12 @@
 #include "cli/option_text.hpp"
 #include "cli/part_file.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/reloader.hpp"
 #include "cli/report_output.hpp"
 #include "cli/run_watch.hpp"
 #include "cli/running_note.hpp"
+#include "config/debug_selection.hpp"
+#include "config/document.hpp"
 #include "config/placement.hpp"
 #include "core/hash.hpp"
 #include "core/printable.hpp"
@@ -173,6 +176,13 @@ exit_status report_run(const run_command& x, ecology_file file) {
   options.source = {x.file, digest};
   run_watch watch(x.watch, file.ecology);
   watch.attach(options);
+  std::optional<reloader> again;
+  if (x.reloads) {
+    options.hangup_ends = false;
+    again.emplace(config::read_file(x.file, config::file_octets_max).text.value_or(""), x.file,
+                  x.instead, x.known);
+    also(options.on_begun, [&again](const run_control& run) { again->begin(run); });
+  }
   std::optional<viewed_run> viewed;
   if (x.watch.view) {
     viewed.emplace(x, file.ecology);
@@ -323,6 +333,15 @@ exit_status run_part(run_command x, ecology_file file) {
                              : run_for_deployment(x, std::move(file));
 }
 
+/// Why nobody can do anything to a run; nullptr: somebody can.
+const char* why_untouchable(const run_command& x, const ecology_file& file) {
+  if (x.file == standard_input)
+    return ": what stands on standard input can be read once only: give a file\n";
+  if (x.options.mode.value_or(file.ecology.mode) != config::run_mode::wall)
+    return ": a virtual run is over before anybody could do something: add --mode wall\n";
+  return nullptr;
+}
+
 } // namespace
 
 exit_status perform(const run_command& x) {
@@ -330,17 +349,19 @@ exit_status perform(const run_command& x) {
   auto file = load_or_complain(x.file, x.instead, x.known, x.is_bundled);
   if (!file)
     return exit_status::refused;
-  if (!x.host.empty())
-    return run_part(x, std::move(*file));
-  if (x.watch.control && x.file == standard_input) {
-    static_cast<void>(print(stderr, "--control: what stands on standard input can be read once "
-                                    "only: give a file\n"));
+  if (const auto why = config::debug_names(file->ecology).problem(x.options.debug_of);
+      !why.empty()) {
+    static_cast<void>(print(stderr, printable("--debug-of: " + why) + '\n'));
     return exit_status::refused;
   }
-  if (x.watch.control && x.options.mode.value_or(file->ecology.mode) != config::run_mode::wall) {
-    static_cast<void>(print(stderr, "--control: a virtual run is over before anybody could do "
-                                    "something: add --mode wall\n"));
-    return exit_status::refused;
+  if (!x.host.empty())
+    return run_part(x, std::move(*file));
+  if (const auto* option = x.watch.control ? "--control" : x.reloads ? "--reload" : nullptr) {
+    const auto* why = why_untouchable(x, *file);
+    if (why != nullptr) {
+      static_cast<void>(print(stderr, std::string(option) + why));
+      return exit_status::refused;
+    }
   }
   std::optional<running_note> note; // for commands that look into it
   if (x.options.mode.value_or(file->ecology.mode) == config::run_mode::wall)

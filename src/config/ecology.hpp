@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "apps/app_config.hpp"
+#include "config/change.hpp"
 #include "config/expectation.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
@@ -365,11 +366,12 @@ struct move_fault {
   position to;
 };
 
+/// Or a change, which is no fault, but is planned and happens in the same way.
 using fault = std::variant<battery_end_fault, crash_fault, unplug_fault, kill_fault,
                            power_off_fault, pause_fault, partition_fault, link_loss_fault,
                            duplicate_id_fault, clock_step_fault, move_fault, sink_crash_fault,
                            crystal_step_fault, sink_step_fault, noise_fault, radio_loss_fault,
-                           mote_double_fault, move_island_fault>;
+                           mote_double_fault, move_island_fault, change>;
 
 /// Stands for a mote, or an island, that is drawn when the fault happens; any_peer for a peer.
 inline constexpr mote_address any_mote{{}, broadcast_mote};
@@ -388,6 +390,17 @@ struct fault_description {
   fault what;
   std::optional<fault_times> repeated = std::nullopt;
 };
+
+[[nodiscard]] inline bool is_change(const fault_description& x) {
+  return std::holds_alternative<change>(x.what);
+}
+
+/// Faults by their times, then changes by theirs: which random numbers a fault has depends on its
+/// place among the faults alone.
+inline void sort_plan(std::vector<fault_description>& x) {
+  std::ranges::stable_sort(x, {},
+                           [](const auto& each) { return std::pair(is_change(each), each.at); });
+}
 
 /// A picture under the map of whoever looks at the ecology.
 struct floor_plan {
@@ -414,7 +427,7 @@ struct ecology_description {
   std::vector<proxy::proxy_class> proxies;
   std::vector<tag_description> tags;
   smepp::group_settings smepp;           ///< all its keys are set
-  std::vector<fault_description> faults; ///< ascending by time
+  std::vector<fault_description> faults; ///< as sort_plan() has them
   std::vector<expectation> expectations; ///< in the order of the file
   std::vector<host_description> hosts;
   std::optional<part_description> part; ///< unset: all of the ecology is here

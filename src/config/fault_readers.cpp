@@ -333,7 +333,7 @@ std::vector<fault_description> read_faults(table_reader& root, const surrounding
     fault_reader(with, islands, x.what).read(in);
     out.push_back(std::move(x));
   });
-  std::ranges::stable_sort(out, {}, &fault_description::at);
+  sort_plan(out);
   return out;
 }
 

@@ -129,6 +129,10 @@ void check_object_manager(const table_reader& root, const std::vector<peer_descr
 read_faults(table_reader& root, const surroundings& with,
             const std::vector<island_description>& islands);
 
+/// [[change]], ascending by time. @param all with all that changes can be about
+[[nodiscard]] std::vector<fault_description>
+read_changes(table_reader& root, const surroundings& with, const ecology_description& all);
+
 /// [[expect]], in the order of the file.
 [[nodiscard]] std::vector<expectation> read_expectations(table_reader& root);
 

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <system_error>
@@ -65,6 +66,7 @@ ecology_description read_file_tables(table_reader& in, const named_files& files)
   out.tags = read_tags(in);
   check_object_manager(in, out.peers, out.proxies);
   out.faults = read_faults(in, with, out.islands);
+  std::ranges::move(read_changes(in, with, out), std::back_inserter(out.faults));
   out.expectations = read_expectations(in);
   out.bluetooth_devices = read_bluetooth_devices(in);
   in.finish();

@@ -67,6 +67,15 @@ struct places {
   std::vector<std::string> hosts;           ///< that run something
 };
 
+std::vector<std::string> hosts_of_change(const places& where, const change& x) {
+  return std::visit(overloads{
+                        [&](const rate_change& y) { return where.of(y.mote); },
+                        [&](const link_change& y) { return where.of(y.from); },
+                        [&](const auto& /*of all*/) { return where.hosts; },
+                    },
+                    x);
+}
+
 std::vector<std::string> hosts_of(const places& where, const fault& x) {
   return std::visit(
       overloads{
@@ -83,6 +92,7 @@ std::vector<std::string> hosts_of(const places& where, const fault& x) {
           [&](const move_island_fault& y) {
             return where.in_order({where.islands.at(y.mote.island), where.islands.at(y.to)});
           },
+          [&](const change& y) { return hosts_of_change(where, y); },
           [&](const noise_fault& y) { return where.of(y.island); },
           [&](const unplug_fault& y) { return where.of(y.island); },
           [&](const sink_crash_fault& y) { return where.of(y.island); },
@@ -353,7 +363,7 @@ void begin_later(ecology_description& part, duration elapsed) {
       shift(*times.until);
     each.at = times.from;
   }
-  std::ranges::stable_sort(part.faults, {}, &fault_description::at);
+  sort_plan(part.faults);
 }
 
 } // namespace rubicon::config

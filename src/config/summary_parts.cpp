@@ -6,7 +6,10 @@
 #include <utility>
 #include <variant>
 
+#include "config/change_text.hpp"
+#include "config/debug_selection.hpp"
 #include "config/document.hpp"
+#include "core/overloads.hpp"
 
 namespace rubicon::config {
 
@@ -86,6 +89,26 @@ struct fault_cells {
     return {"move", peer(x.peer) + " to " + place_text(x.to)};
   }
 
+  row operator()(const change& x) const {
+    return std::visit(
+        overloads{
+            [](const debug_change& y) {
+              return row{"debug", "of " + debug_selection(y.of).text()};
+            },
+            [this](const rate_change& y) {
+              return row{"rate",
+                         mote(y.mote) + ' ' + program_text(y) + " every " + to_text(y.period)};
+            },
+            [this](const link_change& y) {
+              return row{"link", radio(y.from) + " to " + radio(y.to) + ", " + link_text(y)};
+            },
+            [](const proxy::class_change& y) {
+              return row{"proxy_class", y.class_name + ": " + proxy::to_text(y)};
+            },
+        },
+        x);
+  }
+
   static std::string place_text(const position& x) {
     return '[' + shown(x.x_m) + ", " + shown(x.y_m) + (x.z_m == 0 ? "" : ", " + shown(x.z_m)) + ']';
   }
@@ -104,6 +127,12 @@ struct fault_cells {
   }
   [[nodiscard]] std::string mote(const mote_address& x) const {
     return x == any_mote ? "any mote" : mote_text(all, x);
+  }
+  [[nodiscard]] std::string radio(const mote_address& x) const {
+    for (const auto& each : all.islands)
+      if (each.id == x.island && each.sink.id == x.mote)
+        return each.name + "/sink";
+    return mote(x);
   }
   [[nodiscard]] std::string peer(peer_id id) const {
     if (id == any_peer)

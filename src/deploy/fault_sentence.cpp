@@ -43,6 +43,12 @@ std::variant<std::string, std::string> refuse(std::string why) {
   return std::variant<std::string, std::string>(std::in_place_index<1>, std::move(why));
 }
 
+/// A kind of change, or something that cannot change: the reader of changes says why.
+bool says_change(const std::string& kind) {
+  return std::ranges::find(config::change_kinds, kind) != config::change_kinds.end() ||
+         !config::why_fixed(kind).empty();
+}
+
 /// The table, or why there is none.
 std::variant<std::string, std::string> parsed(std::string_view sentence, const std::string& at) {
   if (sentence.size() > sentence_octets_max)
@@ -54,14 +60,34 @@ std::variant<std::string, std::string> parsed(std::string_view sentence, const s
     return refuse("a fault is its kind, then keys and values, as `kill peer NAME for 10s`");
   if (words[0] == "kill" && words.size() > 1 && (words[1] == "mote" || words[1] == "sink"))
     words[0] = "crash";
-  std::string table =
-      "\n[[fault]]\nat = " + toml_value(at) + "\nkind = " + toml_value(words[0]) + '\n';
+  std::string table = std::string("\n[[") + (says_change(words[0]) ? "change" : "fault") +
+                      "]]\nat = " + toml_value(at) + "\nkind = " + toml_value(words[0]) + '\n';
   for (std::size_t i = 1; i < words.size(); i += 2) {
     if (!is_key(words[i]))
       return refuse('`' + words[i] + "` is no key of a fault");
     table += words[i] + " = " + toml_value(words[i + 1]) + '\n';
   }
   return std::variant<std::string, std::string>(std::in_place_index<0>, std::move(table));
+}
+
+/// `"debug", "rate", "link" or "proxy_class"`
+std::string change_words() {
+  std::string text;
+  for (std::size_t i = 0; i < config::change_kinds.size(); ++i)
+    text += (i == 0                                ? "\""
+             : i + 1 < config::change_kinds.size() ? ", \""
+                                                   : " or \"") +
+            std::string(config::change_kinds[i]) + '"';
+  return text;
+}
+
+/// The last of those at 0 s: they are sorted by their times, and otherwise as in the file.
+const config::fault_description* last_of(const std::vector<config::fault_description>& planned,
+                                         bool change) {
+  const auto found = std::find_if(planned.rbegin(), planned.rend(), [change](const auto& each) {
+    return each.at == duration{} && config::is_change(each) == change;
+  });
+  return found == planned.rend() ? nullptr : &*found;
 }
 
 bool needs_radio_from_the_start(const config::fault& x) {
@@ -71,6 +97,11 @@ bool needs_radio_from_the_start(const config::fault& x) {
 }
 
 } // namespace
+
+bool is_change_sentence(std::string_view sentence) {
+  const auto words = words_of(sentence);
+  return !words.empty() && says_change(words[0]);
+}
 
 std::string table_of(std::string_view sentence, const std::string& at) {
   const auto table = parsed(sentence, at);
@@ -90,14 +121,13 @@ std::variant<config::fault, std::string> fault_of(const bundle& x, std::string_v
   const auto loaded = load(with_fault, instead, known);
   for (const auto& each : loaded.problems)
     if (each.line >= lines_before)
-      return each.message;
+      return each.message + (each.message.starts_with("`kind` must be")
+                                 ? ", or of a change " + change_words()
+                                 : "");
   if (!loaded.ecology)
     return std::string("it does not fit to the file");
-  // The last of those at 0 s: they are sorted by their times, and otherwise as in the file.
-  const auto& faults = loaded.ecology->faults;
-  const auto last = std::find_if(faults.rbegin(), faults.rend(),
-                                 [](const auto& each) { return each.at == duration{}; });
-  if (last == faults.rend())
+  const auto* last = last_of(loaded.ecology->faults, is_change_sentence(sentence));
+  if (last == nullptr)
     return std::string("it does not fit to the file");
   if (needs_radio_from_the_start(last->what))
     return std::string("that one needs a radio that is there from the start: plan it in the file");

@@ -21,9 +21,9 @@ bool is_ignored(int signal) {
 } // namespace
 
 struct signal_watch::state {
-  state(loop& where, callback f)
+  state(loop& where, callback f, bool hangup_too)
       : signals(context_of(where), SIGINT, SIGTERM), on_signal(std::move(f)) {
-    if (ignored_by_us || !is_ignored(SIGHUP)) {
+    if (hangup_too && (ignored_by_us || !is_ignored(SIGHUP))) {
       signals.add(SIGHUP);
       hears_hangup = true;
     }
@@ -49,8 +49,8 @@ struct signal_watch::state {
   bool hears_hangup = false;
 };
 
-signal_watch::signal_watch(loop& where, callback on_signal)
-    : state_(std::make_shared<state>(where, std::move(on_signal))) {
+signal_watch::signal_watch(loop& where, callback on_signal, bool hangup_too)
+    : state_(std::make_shared<state>(where, std::move(on_signal), hangup_too)) {
   state_->signals.async_wait([x = state_](const boost::system::error_code& error, int signal) {
     if (error || !x->on_signal)
       return;

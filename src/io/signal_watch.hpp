@@ -19,7 +19,8 @@ public:
   using callback = std::function<void(int signal)>;
 
   /// @param where must outlive the watch
-  signal_watch(loop& where, callback on_signal);
+  /// @param hangup_too false: SIGHUP is not watched
+  signal_watch(loop& where, callback on_signal, bool hangup_too = true);
   ~signal_watch();
   signal_watch(const signal_watch&) = delete;
   signal_watch& operator=(const signal_watch&) = delete;

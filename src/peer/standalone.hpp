@@ -225,7 +225,8 @@ private:
 
   void handle(peis::traced& x);
   void handle(peis::id_taken& x);
-  static void handle(const peis::intercepted&) {} // by a hook of the program itself
+  static void handle(const peis::debug_requested&) {} // it has no debug log
+  static void handle(const peis::intercepted&) {}     // by a hook of the program itself
   static void handle(const peis::scan_adapter&) {}
   static void handle(const peis::say_hello&) {} // without adapters
 

@@ -217,6 +217,8 @@ void kernel::on_set(peer_id source, const payload& octets, instant now) {
   perform(tuples_.on_set(source, *x, allowed, now), now);
   if (allowed && quit && asks_to_quit(*x))
     out_.emplace_back(quit_requested{source});
+  if (allowed && x->name.folded() == debug_key)
+    out_.emplace_back(debug_requested{std::string(x->text())});
 }
 
 /// Peers of our own host and the managers of the configuration (TUP-22).

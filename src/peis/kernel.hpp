@@ -60,9 +60,19 @@ struct quit_requested {
   peer_id by;
 };
 
-using output = std::variant<to_link, close_link, read_link, connect_to, announce, tuple_changed,
-                            tuple_deleted, message, outcome, host_appeared, host_vanished,
-                            quit_requested, traced, id_taken, intercepted, scan_adapter, say_hello>;
+/// Our tuple debug_key was set: by a component of ours, or by another peer (NFR-02). A kernel alone
+/// writes no debug log; its owner may.
+struct debug_requested {
+  std::string text;
+};
+
+/// Whose messages a debug log has.
+inline constexpr std::string_view debug_key = "rubicon.debug";
+
+using output =
+    std::variant<to_link, close_link, read_link, connect_to, announce, tuple_changed, tuple_deleted,
+                 message, outcome, host_appeared, host_vanished, quit_requested, traced, id_taken,
+                 intercepted, scan_adapter, say_hello, debug_requested>;
 using outputs = std::vector<output>;
 
 /// Everything counted; nothing is dropped without appearing here.

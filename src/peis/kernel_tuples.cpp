@@ -14,6 +14,8 @@ outputs kernel::set_tuple(std::string_view name, tuple_content content, instant 
     auto [verdict, todo] = tuples_.set(*parsed, std::move(content), now);
     why = verdict;
     perform(std::move(todo), now);
+    if (why == cause::none && parsed->folded() == debug_key)
+      out_.emplace_back(debug_requested{std::string(tuples_.find(id(), *parsed)->text())});
   }
   report(request, why);
   return finish(now);

@@ -87,6 +87,12 @@ public:
   explicit input_channel(duration answer_timeout = 20s, duration retry_for = {})
       : answer_timeout_(answer_timeout), retry_for_(retry_for) {}
 
+  /// For what is written from now on.
+  void set_times(duration answer_timeout, duration retry_for) {
+    answer_timeout_ = answer_timeout;
+    retry_for_ = retry_for;
+  }
+
   [[nodiscard]] outputs add(request x, instant now);
   [[nodiscard]] outputs on_status(const input_status& x, instant now);
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()

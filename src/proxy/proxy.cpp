@@ -101,6 +101,30 @@ proxy::outputs proxy::start(instant now) {
   return out;
 }
 
+proxy::outputs proxy::on_class_changed(const class_change& x) {
+  outputs out;
+  const auto stale_after = class_.settings.stale_after;
+  ::rubicon::proxy::apply(x, class_);
+  for (auto& [source, at] : stale_at_)
+    at += class_.settings.stale_after - stale_after;
+  if (x.answer_timeout || x.retry_for) {
+    for (auto& [channel, requests] : channels_)
+      requests.set_times(class_.settings.answer_timeout, class_.settings.retry_for);
+    for (const auto& input : class_.inputs) {
+      const auto deadline = to_text(instant(deadline_of(input.channel)));
+      say(key_of(input.name + ".deadline"), deadline, out);
+      const auto known = latencies_.find(input.channel);
+      if (known == latencies_.end() || !known->second.told)
+        say(key_of(input.name + ".latency"), deadline, out);
+    }
+  }
+  if (x.period)
+    ask_for_period(out);
+  if (x.unit)
+    say(key_of(x.field + ".unit"), *x.unit, out);
+  return out;
+}
+
 std::vector<watch> proxy::watches() const {
   std::vector<watch> list;
   for (const auto& input : class_.inputs) {

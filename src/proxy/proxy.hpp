@@ -20,6 +20,7 @@
 #include "core/latency_estimate.hpp"
 #include "core/running_mean.hpp"
 #include "core/time.hpp"
+#include "proxy/class_change.hpp"
 #include "proxy/input_channel.hpp"
 #include "proxy/layout.hpp"
 #include "proxy/program.hpp"
@@ -143,7 +144,10 @@ public:
   /// Prior information; call it once, when the manager has started the proxy.
   [[nodiscard]] outputs start(instant now);
 
-  /// The tuples of interest; they never change.
+  /// Its class has changed (ACT-10). Afterwards there may be more of watches(), behind the others.
+  [[nodiscard]] outputs on_class_changed(const class_change& x);
+
+  /// The tuples of interest; they change with the class only.
   [[nodiscard]] std::vector<watch> watches() const;
 
   /// Whether the percept is this proxy's object (PXY-08).

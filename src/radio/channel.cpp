@@ -111,6 +111,10 @@ void channel::set_loss(radio_index from, radio_index to, double loss) {
   topology_.set_loss(from, to, loss);
 }
 
+void channel::change(const link_override& x) {
+  topology_.change(x);
+}
+
 outputs channel::set_noise(radio_index from, bool on, instant now) {
   outputs out;
   run_until(now, out);

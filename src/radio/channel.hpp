@@ -163,6 +163,11 @@ public:
   /// channel_config::loss. Directed; 0..1 (GEN-03, NET-15). Survives move().
   void set_loss(radio_index from, radio_index to, double loss);
 
+  /// A link is another from now on: topology::change(). Frames already on the air end as they
+  /// began.
+  /// @pre on_time() has been called for this moment
+  void change(const link_override& x);
+
   /// Lets a radio send what is no frame, or stop: it disturbs all in reach, who sense its energy
   /// but no carrier. It is not counted. @pre the radio is off and does the other now
   [[nodiscard]] outputs set_noise(radio_index from, bool on, instant now);

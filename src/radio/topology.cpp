@@ -144,12 +144,38 @@ void topology::use_overrides() {
     if (x.gain_db)
       entry.gain_db = x.gain_db;
   }
-  for (const auto& [link, x] : overrides_) {
-    if (!x.gain_db)
-      continue;
-    given_gains_[x.from].push_back(x.to);
-    given_gains_[x.to].push_back(x.from);
+  for (const auto& [link, x] : overrides_)
+    if (x.gain_db)
+      note_gain(x);
+}
+
+void topology::note_gain(const link_override& x) {
+  given_gains_[x.from].push_back(x.to);
+  given_gains_[x.to].push_back(x.from);
+}
+
+void topology::change(const link_override& x) {
+  auto& entry = overrides_.try_emplace({x.from, x.to}, link_override{x.from, x.to}).first->second;
+  if (x.loss)
+    entry.loss = x.loss;
+  if (x.gain_db && !entry.gain_db)
+    note_gain(x);
+  if (x.gain_db)
+    entry.gain_db = x.gain_db;
+  std::vector<std::uint32_t> senders;
+  std::vector<std::uint32_t> receivers;
+  radios_of_mote_.clear();
+  for (std::uint32_t i = 0; i < sites_.size(); ++i) {
+    if (!given_gains_.empty())
+      radios_of_mote_[sites_[i].mote].push_back(i);
+    if (sites_[i].mote == x.from)
+      senders.push_back(i);
+    if (sites_[i].mote == x.to)
+      receivers.push_back(i);
   }
+  for (const auto from : senders)
+    for (const auto to : receivers)
+      put(from, to, heard(from, to, path_db(sites_[from], sites_[to])));
 }
 
 radio_index topology::add(const site& x) {

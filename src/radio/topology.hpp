@@ -70,6 +70,9 @@ public:
   /// Replaces the loss for one direction between two radios, near or not; 0..1.
   void set_loss(radio_index from, radio_index to, double loss);
 
+  /// As if the link had been among channel_config::links, after all others. Costs O(radios).
+  void change(const link_override& x);
+
   /// Gives back memory that lists have kept for growing.
   void shrink();
 
@@ -88,6 +91,7 @@ private:
 
   void use_table();
   void use_overrides();
+  void note_gain(const link_override& x);
 
   void widen(double transmit_dbm);
   [[nodiscard]] std::vector<std::uint32_t> met(std::uint32_t radio) const;

@@ -125,6 +125,7 @@ private:
     hash_ += number_of(x.trace_hash);
     out_.actors.spawned += x.actors.spawned;
     out_.actors.restarted += x.actors.restarted;
+    out_.actors.changes_refused += x.actors.changes_refused;
     for (auto& failure : x.actors.failures)
       if (out_.actors.failures.size() < failures_max)
         out_.actors.failures.push_back(std::move(failure));

@@ -426,8 +426,9 @@ struct actor_report {
   std::uint64_t spawned = 0;
   std::uint64_t restarted = 0;
   std::vector<std::string> failures; ///< `kitchen/climate-7: what()`, in order, at most 100
+  std::uint64_t changes_refused = 0; ///< asked for while the run was on, and impossible
 };
-RUBICON_FIELDS(actor_report, spawned, restarted, failures);
+RUBICON_FIELDS(actor_report, spawned, restarted, failures, changes_refused);
 
 struct run_report {
   std::string ecology;

@@ -64,6 +64,7 @@ bool needs_preparation(const config::fault& x) {
 
 /// How problems call the words of a fault.
 constexpr const char* fault_name = "fault";
+constexpr std::string_view fault_heading = "[[fault]]";
 
 } // namespace
 
@@ -111,11 +112,12 @@ public:
     static_cast<void>(run().world().drain());
   }
 
-  config::fault_description read_fault(std::string_view words) {
+  /// @param heading of the table: `[[fault]]` or `[[change]]`
+  config::fault_description read_fault(std::string_view words, std::string_view heading) {
     if (!text_)
       throw std::logic_error("an ecology that is built in code is given faults in code");
     static const std::regex says_when("(^|\n)[ \t]*(at|every|random)[ \t]*=");
-    auto all = *text_ + "\n[[fault]]\n";
+    auto all = *text_ + '\n' + std::string(heading) + '\n';
     auto lines_before = std::ranges::count(all, '\n');
     if (!std::regex_search(words.begin(), words.end(), says_when)) {
       all += "at = \"" + std::to_string(now().time_since_epoch().count()) + "ns\"\n";
@@ -128,7 +130,11 @@ public:
         each.file = fault_name;
         each.line -= static_cast<unsigned>(lines_before);
       }
-    return take(std::move(loaded), fault_name).faults.back();
+    const auto planned = take(std::move(loaded), fault_name).faults; // changes are the last
+    const bool is_fault = heading == fault_heading;
+    return *std::find_if(planned.rbegin(), planned.rend(), [is_fault](const auto& each) {
+      return config::is_change(each) != is_fault;
+    });
   }
 
   /// nullptr: it does not run.
@@ -227,7 +233,11 @@ bool ecology::run_until(const std::function<bool()>& done, duration limit, durat
 }
 
 void ecology::inject(std::string_view words) {
-  parts_->inject(parts_->read_fault(words));
+  parts_->inject(parts_->read_fault(words, fault_heading));
+}
+
+void ecology::change(std::string_view words) {
+  parts_->inject(parts_->read_fault(words, "[[change]]"));
 }
 
 void ecology::inject(config::fault_description x) {

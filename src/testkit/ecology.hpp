@@ -78,6 +78,9 @@ public:
   void inject(std::string_view words);
   void inject(config::fault_description x);
 
+  /// The same for a `[[change]]`: `change("kind = 'rate'\nmote = 'kitchen/stove'\nperiod = '5s'")`.
+  void change(std::string_view words);
+
   // -- what is there now
 
   /// What the report would be if the run were over now: metrics, event log, violated invariants.

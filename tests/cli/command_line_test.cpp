@@ -60,6 +60,9 @@ TEST_CASE("each option of run reaches the run", "[cli][GEN-07][NFR-01]") {
   CHECK(parse_run({"--mode", "virtual"}).options.mode == config::run_mode::virtual_time);
   CHECK(parse_run({"--speed", "2.5"}).options.speed == 2.5);
   CHECK(parse_run({"--debug-dir", "logs"}).options.debug_folder == "logs");
+  CHECK(parse_run({"--debug-dir", "logs"}).options.debug_of == std::vector<std::string>{"*"});
+  CHECK(parse_run({"--debug-dir", "logs", "--debug-of", "mote/kitchen", "--debug-of", "sink"})
+            .options.debug_of == std::vector<std::string>{"mote/kitchen", "sink"});
   CHECK(parse_run({"--log", "debug"}).log_level == "debug");
   CHECK(parse_run({"--pcap", "captures"}).options.pcap_folder == "captures");
   CHECK(!parse_run({"--pcap", "captures"}).options.pcap_lost);

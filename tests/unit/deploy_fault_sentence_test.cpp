@@ -83,3 +83,35 @@ TEST_CASE("a fault in words cannot say anything else of a file", "[deploy]") {
         "kill peer robot\\", "kill peer [\"robot\"", "kill peer [[fault]]", "[[peer]] id 9"})
     CHECK_FALSE(refusal(hostile).empty());
 }
+
+TEST_CASE("a change in words is what a file would say", "[deploy][ACT-10]") {
+  const auto with = [](const std::string& sentence) {
+    auto file = house;
+    file.toml += R"(
+[[change]]
+at = "0s"
+kind = "debug"
+of = ["gateway"]
+)";
+    return fault_of(file, sentence, {});
+  };
+  const auto debug = with("debug of mote/kitchen,sink");
+  REQUIRE(debug.index() == 0);
+  const auto& change = std::get<config::change>(std::get<config::fault>(debug));
+  CHECK(std::get<config::debug_change>(change).of ==
+        std::vector<std::string>{"mote/kitchen", "sink"});
+  const auto kill = with("kill peer robot"); // the file's change is none of the faults
+  REQUIRE(kill.index() == 0);
+  CHECK(std::holds_alternative<config::kill_fault>(std::get<config::fault>(kill)));
+  CHECK(refusal("rate mote kitchen/stove period 5s") ==
+        "that mote has no sampler and no messenger; other programs keep their periods, which both "
+        "ends of a stream or flow have agreed on");
+  CHECK(refusal("seed value 7").starts_with("`seed` does not change while an ecology runs"));
+  CHECK(refusal("explode peer robot").find("or of a change \"debug\"") != std::string::npos);
+  CHECK(table_of("link from kitchen/stove to kitchen/sink loss 20%", "3s") ==
+        "\n[[change]]\nat = \"3s\"\nkind = \"link\"\nfrom = \"kitchen/stove\"\n"
+        "to = \"kitchen/sink\"\nloss = \"20%\"\n");
+  CHECK(is_change_sentence(" debug of *"));
+  CHECK_FALSE(is_change_sentence("kill peer robot"));
+  CHECK_FALSE(is_change_sentence(""));
+}

@@ -260,3 +260,18 @@ TEST_CASE("pushes that fail for a while are made up for with the newest value", 
 }
 
 } // namespace rubicon::peis
+
+TEST_CASE("a kernel tells its owner whose messages a debug log is to have", "[peis][NFR-02]") {
+  pair_of_peers p;
+  p.w.perform(p.a, p.w.at(p.a).set_tuple("Rubicon.Debug", text_content("mote/kitchen"), p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).set_remote_tuple(p.a, "rubicon.debug", text_content(""), no_request,
+                                                p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).set_remote_tuple(p.a, "rubicon.debugs", text_content("x"),
+                                                no_request, p.w.now()));
+  p.w.run_for(100ms);
+  const auto told = p.w.all<debug_requested>(p.a);
+  REQUIRE(told.size() == 2);
+  CHECK(told[0].text == "mote/kitchen");
+  CHECK(told[1].text.empty());
+  CHECK(p.w.all<debug_requested>(p.b).empty());
+}

@@ -147,3 +147,58 @@ TEST_CASE("an input of numbers tells its range and its unit", "[proxy][PXY-12]")
   CHECK(told(aut.on_input("level", "50", start)) == lines{"write 5/7 devices.7.input.2 64"});
   CHECK(told(aut.on_input("level", "101", start)) == lines{base + "level.outcome = 101 refused"});
 }
+
+TEST_CASE("a proxy goes by its class as it is now", "[proxy][ACT-10]") {
+  auto what = climate();
+  what.settings.stale_after = 10s;
+  what.settings.inactive_after = 30s;
+  face aut(what, identity());
+  static_cast<void>(aut.start(start));
+  static_cast<void>(aut.on_output(1, bytes{0, 200, 45}, start));
+  const auto watches = aut.watches();
+  const auto changed = [&aut](auto set) {
+    rubicon::proxy::class_change x;
+    x.class_name = "climate";
+    set(x);
+    return told(aut.on_class_changed(x));
+  };
+
+  SECTION("its period is asked for at once, and again") {
+    CHECK(changed([](auto& x) { x.period = 2s; }) ==
+          lines{"period devices.7.output.1.period 2000", "period devices.7.output.2.period 2000"});
+    const auto more = aut.watches();
+    REQUIRE(more.size() == watches.size() + 1);
+    CHECK(std::equal(watches.begin(), watches.end(), more.begin()));
+    CHECK(told(aut.on_gateway_tuple(device_status_key(mote_id{7}), to_bytes("listed 3.000000"),
+                                    start))
+              .size() == 2);
+  }
+  SECTION("its fields are read in another way") {
+    CHECK(changed([](auto& x) {
+            x.field = "temperature";
+            x.unit = "K";
+            x.add = 273.15;
+            x.decimals = 2;
+          }) == lines{base + "temperature.unit = K"});
+    CHECK(told(aut.on_output(1, bytes{0, 200, 45}, start)).front() ==
+          base + "temperature = 293.15");
+  }
+  SECTION("what was read is stale at another time") {
+    CHECK(changed([](auto& x) { x.stale_after = 3s; }).empty());
+    CHECK(aut.deadline() == start + 3s);
+    CHECK(told(aut.on_time(start + 3s)).front() == base + "temperature.freshness = stale");
+  }
+  SECTION("it becomes inactive at another time") {
+    static_cast<void>(aut.on_time(start + 10s)); // stale
+    CHECK(aut.deadline() == start + 30s);
+    CHECK(changed([](auto& x) { x.inactive_after = 1min; }).empty());
+    CHECK(aut.deadline() == start + 1min);
+  }
+  SECTION("what is written has another deadline") {
+    CHECK(changed([](auto& x) { x.answer_timeout = 5s; }) ==
+          lines{base + "switch.deadline = 10.000000", base + "switch.latency = 10.000000",
+                base + "led.deadline = 10.000000", base + "led.latency = 10.000000"});
+    static_cast<void>(aut.on_input("switch", "on", start + 1s));
+    CHECK(told(aut.on_time(start + 6s)).back() == base + "switch.outcome = on timeout");
+  }
+}

@@ -587,3 +587,32 @@ TEST_CASE("the three platforms are known by name", "[radio][platform]") {
   CHECK(find_platform("mica2") == nullptr);
   CHECK(find_platform("") == nullptr);
 }
+
+TEST_CASE("a link may change while frames are on the air", "[radio][topology][ACT-10]") {
+  topology x(disk(30), 1);
+  const auto a = add(x, {0, 0, 0});
+  const auto b = add(x, {10, 0, 0});
+  const auto c = add(x, {500, 0, 0});
+  const auto before = x.around(a);
+  x.change({mote(1), mote(2), 0.4, {}});
+  CHECK(before->front().loss == 0); // whoever holds a list keeps it
+  CHECK(x.around(a)->front().loss == 26214);
+  CHECK(x.around(b)->front().loss == 0);    // one direction only
+  x.change({mote(1), mote(3), 0.2, -60.0}); // it was out of reach
+  CHECK(names(*x.around(a)) == "1 2 ");
+  CHECK(x.around(a)->at(1).rssi_dbm == -60);
+  CHECK(x.around(a)->at(1).loss == 13107);
+  CHECK(x.around(c)->empty());
+  x.change({mote(1), mote(3), 1.0, {}}); // its gain stays
+  CHECK(x.around(a)->at(1).rssi_dbm == -60);
+  CHECK(x.around(a)->at(1).loss == 65535);
+  x.move(a, {501, 0, 0});
+  CHECK(names(*x.around(a)) == "2 ");
+  CHECK(x.around(a)->front().rssi_dbm == -60);
+  x.change({mote(1), mote(3), {}, -200.0});
+  CHECK(x.around(a)->empty());
+  add(x, {5, 0, 0}); // radios that come later have given gains too
+  x.change({mote(4), mote(2), {}, -50.0});
+  CHECK(x.around(radio_index{3})->front().rssi_dbm == -50);
+  x.change({mote(9), mote(2), 0.5, {}}); // nobody's
+}

@@ -2032,7 +2032,7 @@ function islandParts(index) {
 
 // ---- tab: control
 
-const FAULTS = { // that may happen at any moment: whom, and what has to be said
+const FAULTS = { // and changes, that may happen at any moment: whom, and what has to be said
   "crash mote": ["mote", "crash mote WHO for 10s"],
   "crash sink": ["island", "crash sink WHO for 10s"],
   "battery ends": ["mote", "battery_end mote WHO"],
@@ -2045,6 +2045,9 @@ const FAULTS = { // that may happen at any moment: whom, and what has to be said
   "radio loses frames": ["island", "radio_loss loss 50% island WHO for 30s"],
   "a second peer": ["peer", "duplicate_id peer WHO for 30s"],
   "clock is set": ["mote", "clock_step mote WHO by 5s"],
+  "another rate": ["mote", "rate mote WHO period 5s"],
+  "another radio link": ["mote", "link from WHO to SINK loss 50%"],
+  "debug log of": ["mote", "debug of mote/WHO"],
 };
 
 function startControl() {
@@ -2078,7 +2081,9 @@ function proposeFault(kind, who = shown.chosen && nameOf(shown.chosen)) {
 
 /** The sentence may be changed by hand before it is said. */
 function composeFault() {
-  $("fault-sentence").value = FAULTS[$("fault-kind").value][1].replace("WHO", () => $("fault-who").value);
+  const who = $("fault-who").value;
+  const sink = who.replace(/\/.*/, "/sink");
+  $("fault-sentence").value = FAULTS[$("fault-kind").value][1].replace("WHO", () => who).replace("SINK", () => sink);
 }
 
 const setTuple = (owner, key, value) => tell({ ask: "set", owner, key, value }, `${owner}: ${key} = ${value}`);

@@ -1,0 +1,105 @@
+#include "actors/changes.hpp"
+
+#include <algorithm>
+#include <any>
+#include <memory>
+#include <utility>
+
+#include "actors/debug_log.hpp"
+#include "actors/log.hpp"
+#include "config/change_text.hpp"
+#include "config/debug_selection.hpp"
+
+namespace rubicon {
+
+namespace {
+
+/// A change that is asked for and cannot be had.
+void refuse(ecology_pointer self, const std::string& who, const std::string& why) {
+  ++self->state.report.actors.changes_refused;
+  log(self, spdlog::level::warn, "event=change_refused who={} why=\"{}\"", who, why);
+  note_event(self, who, why);
+}
+
+std::shared_ptr<const mote_arguments> with_period(mote_arguments of, const config::rate_change& x) {
+  config::set_period(of.apps, x);
+  return std::make_shared<const mote_arguments>(std::move(of));
+}
+
+/// `kitchen/stove`, `kitchen/sink`
+std::string radio_name(ecology_pointer self, const mote_address& x) {
+  const auto mote = self->state.motes.find(x);
+  if (mote != self->state.motes.end())
+    return mote->second.arguments->name;
+  const auto& islands = self->state.description.islands;
+  return std::ranges::find(islands, x.island, &config::island_description::id)->name + "/sink";
+}
+
+} // namespace
+
+/// Whoever writes the debug log is told by a remark: that is no part of the run.
+void select_debug(ecology_pointer self, const std::string& who, std::vector<std::string> patterns) {
+  const auto& state = self->state;
+  config::debug_names names(state.description);
+  for (const auto& [address, mote] : state.motes)
+    names.add_mote(mote.arguments->name);
+  if (const auto why = names.problem(patterns); !why.empty()) {
+    refuse(self, who, "debug log stays as it is: " + why);
+    return;
+  }
+  const config::debug_selection selected(std::move(patterns));
+  self->remark_any(debug_log::selected, [&] { return std::any(selected); });
+  note_event(self, who,
+             "debug log of " + selected.text() +
+                 (state.process.writes_debug_log ? "" : ", but --debug-dir does not say where"));
+}
+
+void change_applier::operator()(const config::debug_change& x) const {
+  select_debug(self, self->path(), x.of);
+}
+
+/// The mote's next lives have the period too, here and where it is carried to.
+void change_applier::operator()(const config::rate_change& x) const {
+  auto& mote = mote_now(self, x.mote);
+  const auto program = config::program_text(x);
+  const auto path = "mote/" + mote.arguments->name;
+  const auto before = config::period_of(mote.arguments->apps, x);
+  if (!before) {
+    refuse(self, path, "has no " + program + " now, whose period could change");
+    return;
+  }
+  mote.arguments = with_period(*mote.arguments, x);
+  const auto& faults = self->state.description.faults;
+  for (auto& [fault, next] : self->state.successors) {
+    const auto* move = std::get_if<config::move_island_fault>(&faults.at(fault).what);
+    if (move != nullptr && move->mote == x.mote)
+      next = with_period(*next, x);
+  }
+  if (mote.handle)
+    self->send(mote.handle, set_period{x.messenger.has_value(),
+                                       x.messenger ? *x.messenger : *x.sampler, x.period});
+  note_event(self, path,
+             program + ": every " + to_text(x.period) + " instead of " + to_text(*before));
+}
+
+void change_applier::operator()(const config::link_change& x) const {
+  const auto air = self->state.airs.find(x.from.island);
+  if (air == self->state.airs.end())
+    return; // real: nothing of it is simulated
+  self->send(air->second, change_link{x.from, x.to, x.loss, x.gain_db});
+  note_event(self, "mote/" + radio_name(self, x.from),
+             "link to " + radio_name(self, x.to) + ": " + config::link_text(x));
+}
+
+/// Managers that start later read the description.
+void change_applier::operator()(const proxy::class_change& x) const {
+  for (auto& each : self->state.description.proxies)
+    if (each.name == x.class_name)
+      proxy::apply(x, each);
+  for (const auto& [name, peer] : self->state.peers)
+    for (const auto& manager : peer.managers)
+      self->send(manager, change_class{x});
+  note_event(self, self->path(), "proxy class " + x.class_name + ": " + proxy::to_text(x));
+}
+
+} // namespace rubicon

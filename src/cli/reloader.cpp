@@ -1,0 +1,47 @@
+#include "cli/reloader.hpp"
+
+#include <cstdio>
+#include <utility>
+
+#include "cli/console.hpp"
+#include "core/printable.hpp"
+#include "report/figures.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+void say(const std::string& text) {
+  static_cast<void>(print(stderr, printable(text) + '\n'));
+}
+
+} // namespace
+
+reloader::reloader(const std::string& toml, std::string file, const config::overrides& instead,
+                   const config::extensions& known)
+    : file_(std::move(file)), followed_(toml, file_, instead, known) {}
+
+void reloader::begin(const run_control& run) {
+  run_.emplace(run);
+  watch_ = std::make_unique<io::hangup_watch>(run.loop, [this] { read(); });
+}
+
+void reloader::read() {
+  const auto read = config::read_file(file_, config::file_octets_max);
+  if (!read.text) {
+    say(file_ + ' ' + read.reason + "; nothing changes");
+    return;
+  }
+  const auto found = followed_.read(*read.text, run_->now() - instant{});
+  for (const auto& each : found.refused)
+    say(to_string(each));
+  for (const auto& each : found.changes)
+    run_->apply(config::fault(each));
+  for (const auto& each : found.plan)
+    run_->plan(each);
+  say(file_ + " was read again: " + report::counted(found.changes.size(), "change") + ", " +
+      std::to_string(found.plan.size()) + " planned, " + std::to_string(found.refused.size()) +
+      " refused");
+}
+
+} // namespace rubicon::cli

@@ -1,0 +1,322 @@
+// [[change]]: what is to be another way from some moment on.
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "apps/app_keys.hpp"
+#include "config/change_text.hpp"
+#include "config/debug_selection.hpp"
+#include "config/file_readers.hpp"
+#include "proxy/class_keys.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+using keys::of;
+using keys::optional;
+using keys::required;
+
+/// A pattern, or a list of them, as debug_selection has them.
+struct debug_pattern_list {
+  using type = std::vector<std::string>;
+
+  [[nodiscard]] static std::optional<type> read(const node& x, const asker& who) {
+    type found;
+    if (const auto* text = x.as<std::string>())
+      return debug_patterns(*text);
+    const auto* all = x.as<node_array>();
+    if (all == nullptr)
+      return who.refuse(x, "an array of patterns, or a text with some");
+    for (const auto& each : *all) {
+      const auto* text = each.as<std::string>();
+      if (text == nullptr)
+        return who.refuse(each, "a text");
+      std::ranges::move(debug_patterns(*text), std::back_inserter(found));
+    }
+    return found;
+  }
+
+  [[nodiscard]] static form takes() {
+    auto x = list_form(string_form("pattern"), 0, debug_patterns_max);
+    return {"array of patterns, or a text with some",
+            {{"anyOf", {std::move(x.schema), {{"type", "string"}}}}}};
+  }
+};
+
+/// What people may want to change, and what is to be said of it.
+struct fixed_kind {
+  std::string_view word;
+  std::string_view why;
+};
+
+constexpr std::string_view is_decided = "is decided when the run begins";
+
+constexpr std::array fixed_kinds{
+    fixed_kind{"name", "names all that is written of the run"},
+    fixed_kind{"seed", "decides all random numbers from the start; run again with `--seed`"},
+    fixed_kind{"mode", "is that of the whole run; run again with `--mode`"},
+    fixed_kind{"duration", "is that of the whole run; run again with `--for`"},
+    fixed_kind{"start", is_decided},
+    fixed_kind{"network", "is what peers meet by; those of two networks never connect"},
+    fixed_kind{"tick", "is shared by all motes and PCs from the start"},
+    fixed_kind{"radio", "decides how links are made; change one with kind = \"link\", or all for a "
+                        "while with a fault of kind = \"radio_loss\""},
+    fixed_kind{"island", is_decided},
+    fixed_kind{"air", is_decided},
+    fixed_kind{"mote", "is there from the start; a fault of kind = \"crash\" can give it another "
+                       "`type`, one of kind = \"move\" another island"},
+    fixed_kind{"mote_type", is_decided},
+    fixed_kind{"peer", "is there from the start; a fault of kind = \"kill\" ends it"},
+    fixed_kind{"host", is_decided},
+    fixed_kind{"expect", "is judged from the start"},
+};
+
+/// All keys of a class_change but those that say of what.
+auto class_keys() {
+  using proxy::class_change;
+  const auto said = [](const char* meaning) { return keys::about{meaning, "as before"}; };
+  return of(required("class", &class_change::class_name, text{}, "which: the name of a [[proxy]]"),
+            optional("period", &class_change::period, time_span{10ms, 24h * 10},
+                     said("as in [`qos`](#proxyqos); its proxies ask for it at once")),
+            optional("stale_after", &class_change::stale_after, time_span{10ms, 24h * 10},
+                     said("the same, also of what was read before")),
+            optional("inactive_after", &class_change::inactive_after, time_span{1s, 24h * 10},
+                     said("the same")),
+            optional("retire_after", &class_change::retire_after, time_span{1s, 24h * 10},
+                     said("the same")),
+            optional("answer_timeout", &class_change::answer_timeout, time_span{1s, 1h},
+                     said("the same, for what is written from then on")),
+            optional("retry_for", &class_change::retry_for, time_span{0s, 24h}, said("the same")),
+            optional("field", &class_change::field, text{},
+                     {"one of its fields, which the next keys are about", "none"}),
+            optional("unit", &class_change::unit, text{16}, said("published beside the value")),
+            optional("scale", &class_change::scale, real{}, said("factor of the count")),
+            optional("add", &class_change::add, real{}, said("added to the scaled count")),
+            optional("decimals", &class_change::decimals, whole<int>{0, 6},
+                     said("digits after the point")));
+}
+
+auto rate_keys() {
+  return of(required("mote", &rate_change::mote, mote_name{}, "whose program it is"),
+            required("period", &rate_change::period, apps::report_period,
+                     "from one message to the next, also after the mote was started again; what "
+                     "somebody has asked the gateway for goes before it"),
+            optional("sampler", &rate_change::sampler, whole<std::uint16_t>{0, 255},
+                     {"its channel", "the mote's only sampler or messenger"}),
+            optional("messenger", &rate_change::messenger, whole<std::uint16_t>{0, 255},
+                     {"its AM type, instead", "the same"}));
+}
+
+auto link_keys() {
+  return of(required("from", &link_change::from, radio_name{}, "who sends"),
+            required("to", &link_change::to, radio_name{}, "who receives"),
+            optional("loss", &link_change::loss, ratio{},
+                     {"chance that a copy is lost on this way", "as before"}),
+            optional("gain", &link_change::gain_db, decibels{-200, 20},
+                     {"received dBm at 0 dBm sent", "as before"}));
+}
+
+class change_reader {
+public:
+  change_reader(const ecology_description& all, change& out) : all_(all), out_(out) {}
+
+  void read(table_reader& in) {
+    if (refuse_fixed(in))
+      return;
+    const auto within = in.title(); // faults and expectations have kinds of their own
+    using choices = std::vector<std::pair<std::string_view, table_reader::part_reader>>;
+    in.one_of("kind", "what changes",
+              choices{{"debug", one(of(required("of", &debug_change::of, debug_pattern_list{},
+                                                "whose messages `--debug-dir` has from then on; "
+                                                "none: nobody's")))},
+                      {"rate", one(rate_keys())},
+                      {"link", one(link_keys())},
+                      {"proxy_class", one(class_keys())}},
+              within);
+  }
+
+private:
+  template <class... Keys>
+  table_reader::part_reader one(const std::tuple<Keys...>& list) {
+    return [this, list](table_reader& in) {
+      in.either(
+          [&](auto x) {
+            if (in.sound() && !in.walks())
+              check(in, x);
+            out_ = std::move(x);
+          },
+          list);
+    };
+  }
+
+  /// @returns whether it asks for what cannot change
+  static bool refuse_fixed(table_reader& in) {
+    const auto* kind = in.value("kind");
+    const auto* word = kind == nullptr ? nullptr : kind->as<std::string>();
+    const auto why = word == nullptr ? std::string_view() : why_fixed(*word);
+    if (why.empty())
+      return false;
+    in.problems().add(in.at("kind"), '`' + *word + "` does not change while an ecology runs: it " +
+                                         std::string(why));
+    for (const auto& each : *in.content().as<node_table>())
+      in.expect(each.key); // nothing else is to be said of it
+    return true;
+  }
+
+  static void refuse(table_reader& in, std::string_view key, std::string why) {
+    in.problems().add(in.at(key), std::move(why));
+  }
+
+  void check(table_reader& in, debug_change& x) const {
+    if (auto why = debug_names(all_).problem(x.of); !why.empty())
+      refuse(in, "of", std::move(why));
+  }
+
+  void check(table_reader& in, rate_change& x) const {
+    if (x.sampler && x.messenger) {
+      refuse(in, "messenger", "`messenger` means nothing with `sampler`");
+      return;
+    }
+    const auto* mote = find(x.mote);
+    if (mote == nullptr) {
+      if (const auto* of = in.names().find(x.mote.island); of != nullptr && !of->is_simulated)
+        refuse(in, "mote", "that island has a real sink: nothing of its motes is simulated");
+      return; // or somebody else complains
+    }
+    std::vector<const mote_app*> fitting;
+    for (const auto& each : mote->apps)
+      if (fits(each, x))
+        fitting.push_back(&each);
+    if (fitting.size() != 1) {
+      refuse_program(in, x, fitting.empty());
+      return;
+    }
+    if (const auto* messenger = std::get_if<messenger_app>(fitting.front()))
+      x.messenger = messenger->am_type;
+    else
+      check(in, x, std::get<sampler_app>(*fitting.front()));
+  }
+
+  static bool fits(const mote_app& app, const rate_change& x) {
+    if (const auto* sampler = std::get_if<sampler_app>(&app))
+      return x.sampler ? *x.sampler == sampler->channel : !x.messenger;
+    if (const auto* messenger = std::get_if<messenger_app>(&app))
+      return x.messenger ? *x.messenger == messenger->am_type : !x.sampler;
+    return false;
+  }
+
+  static void refuse_program(table_reader& in, const rate_change& x, bool none) {
+    if (!none)
+      refuse(in, "mote",
+             "that mote has several samplers and messengers: say which, with `sampler` "
+             "or `messenger`");
+    else if (x.sampler || x.messenger)
+      refuse(in, x.sampler ? "sampler" : "messenger", "that mote has no " + program_text(x));
+    else
+      refuse(in, "mote",
+             "that mote has no sampler and no messenger; other programs keep their "
+             "periods, which both ends of a stream or flow have agreed on");
+  }
+
+  /// What the keys of the sampler have to do with its period.
+  static void check(table_reader& in, rate_change& x, const sampler_app& app) {
+    x.sampler = app.channel;
+    const auto than = [&](const char* how, const char* key, duration value) {
+      refuse(in, "period",
+             std::string("`period` must not be ") + how + " than the sampler's `" + key +
+                 "`, which is " + to_text(value));
+    };
+    if (x.period < app.jitter)
+      than("shorter", "jitter", app.jitter);
+    else if (x.period < app.every_min)
+      than("shorter", "every_min", app.every_min);
+    else if (!app.dead_band.empty() && x.period > app.silence_max)
+      than("longer", "silence_max", app.silence_max);
+  }
+
+  void check(table_reader& in, link_change& x) const {
+    if (!x.loss && !x.gain_db)
+      in.problems().add(in.at(), "a link needs `loss`, `gain` or both");
+    if (x.from == x.to)
+      refuse(in, "to", "a link leads from one mote to another");
+    else if (air_of(x.from.island) != air_of(x.to.island))
+      refuse(in, "to", "the two are in different airs, which hear nothing of each other");
+    if (const auto* of = in.names().find(x.from.island); of != nullptr && !of->is_simulated)
+      refuse(in, "from", "that island has a real sink: nothing of its air is simulated");
+  }
+
+  void check(table_reader& in, proxy::class_change& x) const {
+    const auto found = std::ranges::find(all_.proxies, x.class_name, &proxy::proxy_class::name);
+    std::vector<std::string> known;
+    for (const auto& each : all_.proxies)
+      known.push_back(each.name);
+    if (found == all_.proxies.end()) {
+      refuse(in, "class",
+             "no proxy class is called `" + x.class_name + '`' + suggestion(x.class_name, known));
+      return;
+    }
+    if (found->types.empty())
+      refuse(in, "class", "that class is of tagged objects; only those of motes may change");
+    check_field(in, x, *found);
+    if (in.sound() && proxy::to_text(x).empty())
+      in.problems().add(in.at(), "nothing of the class is to change: say what");
+  }
+
+  static void check_field(table_reader& in, const proxy::class_change& x,
+                          const proxy::proxy_class& of) {
+    for (const auto* key : {"unit", "scale", "add", "decimals"})
+      if (in.has(key) && x.field.empty())
+        refuse(in, key, '`' + std::string(key) + "` needs `field`");
+    if (x.field.empty())
+      return;
+    std::vector<std::string> known;
+    for (const auto& each : of.fields)
+      known.push_back(each.name);
+    if (std::ranges::find(known, x.field) == known.end())
+      refuse(in, "field", "the class has no field `" + x.field + '`' + suggestion(x.field, known));
+  }
+
+  [[nodiscard]] const mote_description* find(const mote_address& x) const {
+    const auto island = std::ranges::find(all_.islands, x.island, &island_description::id);
+    if (island == all_.islands.end() || island->outside.has_sink())
+      return nullptr;
+    const auto found = std::ranges::find(island->motes, x.mote, &mote_description::id);
+    return found == island->motes.end() ? nullptr : &*found;
+  }
+
+  [[nodiscard]] const air_description* air_of(island_id island) const {
+    const auto found = std::ranges::find_if(all_.airs, [island](const auto& x) {
+      return std::ranges::find(x.islands, island) != x.islands.end();
+    });
+    return found == all_.airs.end() ? nullptr : &*found;
+  }
+
+  const ecology_description& all_;
+  change& out_;
+};
+
+} // namespace
+
+std::string_view why_fixed(std::string_view kind) {
+  const auto* found = std::ranges::find(fixed_kinds, kind, &fixed_kind::word);
+  return found == fixed_kinds.end() ? std::string_view() : found->why;
+}
+
+std::vector<fault_description> read_changes(table_reader& root, const surroundings& /*with*/,
+                                            const ecology_description& all) {
+  std::vector<fault_description> out;
+  root.tables("change", "[[change]]", "what is to be another way, and from when on",
+              [&](table_reader& in) {
+                fault_description x;
+                change what;
+                in.required("at", time_of_run{}, x.at, "from when on");
+                change_reader(all, what).read(in);
+                x.what = std::move(what);
+                out.push_back(std::move(x));
+              });
+  sort_plan(out);
+  return out;
+}
+
+} // namespace rubicon::config

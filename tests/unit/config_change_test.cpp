@@ -1,0 +1,327 @@
+// [[change]]: what may be another way while an ecology runs, and what may not.
+#include <string>
+#include <string_view>
+
+#include "config/change_text.hpp"
+#include "config/debug_selection.hpp"
+#include "config/summary.hpp"
+#include "config_sample.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::config;
+using namespace rubicon::test;
+
+namespace {
+
+/// A mote `k/two` with a sampler and a messenger, and one `k/three` with a sampler; a class of
+/// proxies of motes, and one of tagged objects.
+const std::string change_head = R"([ecology]
+name = "t"
+duration = "1h"
+[[peer]]
+name = "pc"
+id = 300
+apps = [{ app = "proxy_manager", objects = true }]
+[mote_type.c]
+type = 7
+transducers.temperature = { model = "constant", value = 20 }
+apps = [{ app = "sampler", transducers = ["temperature"], every = "10s", every_min = "2s", jitter = "3s" }]
+[[island]]
+name = "k"
+id = 1
+mote = [
+  { id = 2, name = "two", type = "c", position_m = [1, 2], apps = [
+    { app = "sampler", transducers = ["temperature"], channel = 4 },
+    { app = "messenger", to = "k/three", text = "hi" }] },
+  { id = 3, name = "three", type = "c", position_m = [1, 2] }]
+[[island]]
+name = "far"
+id = 2
+[[proxy]]
+name = "warm"
+types = [7]
+field = [{ name = "temperature", channel = 1, unit = "C" }]
+[[proxy]]
+name = "thing"
+ids = [{ channel = "rfid", prefix = "" }]
+)";
+
+template <class Change>
+Change what(std::string_view keys) {
+  const auto all = good(change_head + "[[change]]\nat = \"1s\"\n" + std::string(keys)).faults;
+  REQUIRE(all.size() == 1);
+  CHECK(all[0].at == 1s);
+  return std::get<Change>(std::get<change>(all[0].what));
+}
+
+} // namespace
+
+TEST_CASE("changes arrive with their keys", "[config][ACT-10]") {
+  using texts = std::vector<std::string>;
+  CHECK(what<debug_change>("kind = \"debug\"\nof = [\"mote/k\", \"gateway\"]\n").of ==
+        texts{"mote/k", "gateway"});
+  CHECK(what<debug_change>("kind = \"debug\"\nof = \"mote/k/two, sink\"\n").of ==
+        texts{"mote/k/two", "sink"});
+  CHECK(what<debug_change>("kind = \"debug\"\nof = \"\"\n").of.empty());
+
+  const auto only = what<rate_change>("kind = \"rate\"\nmote = \"k/three\"\nperiod = \"5s\"\n");
+  CHECK(only.mote == mote_address{island_id{1}, mote_id{3}});
+  CHECK(only.sampler == 1);
+  CHECK_FALSE(only.messenger);
+  CHECK(only.period == 5s);
+  const auto one =
+      what<rate_change>("kind = \"rate\"\nmote = \"k/two\"\nmessenger = 10\nperiod = \"1min\"\n");
+  CHECK(one.messenger == 10);
+  CHECK_FALSE(one.sampler);
+
+  const auto link =
+      what<link_change>("kind = \"link\"\nfrom = \"k/two\"\nto = \"k/sink\"\nloss = \"30%\"\n");
+  CHECK(link.from.mote == mote_id{2});
+  CHECK(link.to.mote == mote_id{1});
+  CHECK(link.loss == 0.3);
+  CHECK_FALSE(link.gain_db);
+
+  const auto settings = what<proxy::class_change>(
+      "kind = \"proxy_class\"\nclass = \"warm\"\nperiod = \"3s\"\nfield = \"temperature\"\n"
+      "unit = \"K\"\nadd = 273.15\n");
+  CHECK(settings.class_name == "warm");
+  CHECK(settings.period == duration(3s));
+  CHECK_FALSE(settings.stale_after);
+  CHECK(settings.unit == "K");
+  CHECK(settings.add == 273.15);
+  CHECK(proxy::to_text(settings) == "period 3 s, temperature in K, add of temperature 273.15");
+}
+
+TEST_CASE("changes are planned behind the faults, which keep their numbers", "[config][ACT-10]") {
+  const auto all = good(change_head + R"(
+[[change]]
+at = "9s"
+kind = "debug"
+of = []
+[[change]]
+at = "1s"
+kind = "debug"
+of = ["mote"]
+[[fault]]
+at = "5s"
+kind = "kill"
+peer = "pc"
+)")
+                       .faults;
+  REQUIRE(all.size() == 3);
+  CHECK_FALSE(is_change(all[0]));
+  CHECK(all[1].at == 1s);
+  CHECK(all[2].at == 9s);
+}
+
+TEST_CASE("a summary tells changes", "[config][ACT-10]") {
+  const auto text = summary(good(change_head + R"(
+[[change]]
+at = "1min"
+kind = "rate"
+mote = "k/three"
+period = "5s"
+[[change]]
+at = "2min"
+kind = "link"
+from = "k/two"
+to = "k/sink"
+gain = "-80dB"
+[[change]]
+at = "3min"
+kind = "proxy_class"
+class = "warm"
+stale_after = "7s"
+[[change]]
+at = "4min"
+kind = "debug"
+of = ["mote/k"]
+)"));
+  for (const auto* line : {"k/three sampler 1 every 5 s", "k/two to k/sink, gain -80 dB",
+                           "warm: stale_after 7 s", "of mote/k"})
+    CHECK(text.find(line) != std::string::npos);
+}
+
+TEST_CASE("changes that cannot be are refused, with the reason", "[config][GEN-06][ACT-10]") {
+  check_mistakes(change_head, R"(
+[[change]]
+at = "1s"
+kind = "seed"
+#      ^ `seed` does not change while an ecology runs: it decides all random numbers from the start;
+#        run again with `--seed`
+value = 7
+
+[[change]]
+at = "1s"
+kind = "mode"
+#      ^ `mode` does not change while an ecology runs: it is that of the whole run; run again with
+#        `--mode`
+
+[[change]]
+at = "1s"
+kind = "lnik"
+#      ^ `kind` must be "debug", "rate", "link" or "proxy_class", not "lnik"; did you mean "link"?
+
+[[change]]
+kind = "debug"
+#@ 30:1: `at` is missing in [[change]]
+of = []
+
+[[change]]
+at = "2h"
+#    ^ `at` must not be after the end of the run, which is 1 h
+kind = "debug"
+of = []
+
+[[change]]
+at = "1s"
+kind = "debug"
+of = ["motes"]
+#    ^ there is no module `motes`: did you mean `mote`?
+
+[[change]]
+at = "1s"
+kind = "debug"
+of = "mote/k/tow"
+#    ^ no actor is called `mote/k/tow`: did you mean `mote/k/two`?
+
+[[change]]
+at = "1s"
+kind = "debug"
+of = 7
+#    ^ `of` must be an array of patterns, or a text with some, not 7
+
+[[change]]
+at = "1s"
+kind = "rate"
+mote = "k/two"
+#      ^ that mote has several samplers and messengers: say which, with `sampler` or `messenger`
+period = "5s"
+
+[[change]]
+at = "1s"
+kind = "rate"
+mote = "k/two"
+sampler = 9
+#         ^ that mote has no sampler 9
+period = "5s"
+
+[[change]]
+at = "1s"
+kind = "rate"
+mote = "k/two"
+sampler = 4
+messenger = 10
+#           ^ `messenger` means nothing with `sampler`
+period = "5s"
+
+[[change]]
+at = "1s"
+kind = "rate"
+mote = "k/three"
+period = "1s"
+#        ^ `period` must not be shorter than the sampler's `jitter`, which is 3 s
+
+[[change]]
+at = "1s"
+kind = "link"
+from = "k/two"
+to = "far/sink"
+#    ^ the two are in different airs, which hear nothing of each other
+loss = 0.5
+
+[[change]]
+at = "1s"
+kind = "link"
+from = "k/two"
+to = "k/two"
+#    ^ a link leads from one mote to another
+loss = 0.5
+
+[[change]]
+#@ 30:1: a link needs `loss`, `gain` or both
+at = "1s"
+kind = "link"
+from = "k/two"
+to = "k/three"
+
+[[change]]
+at = "1s"
+kind = "proxy_class"
+class = "worm"
+#       ^ no proxy class is called `worm`: did you mean `warm`?
+period = "5s"
+
+[[change]]
+at = "1s"
+kind = "proxy_class"
+class = "thing"
+#       ^ that class is of tagged objects; only those of motes may change
+retire_after = "5s"
+
+[[change]]
+at = "1s"
+kind = "proxy_class"
+class = "warm"
+unit = "K"
+#      ^ `unit` needs `field`
+
+[[change]]
+at = "1s"
+kind = "proxy_class"
+class = "warm"
+field = "temprature"
+#       ^ the class has no field `temprature`: did you mean `temperature`?
+unit = "K"
+
+[[change]]
+#@ 30:1: nothing of the class is to change: say what
+at = "1s"
+kind = "proxy_class"
+class = "warm"
+
+[[change]]
+at = "1s"
+kind = "proxy_class"
+class = "warm"
+types = [9]
+#@ 34:1: unknown key `types` in [[change]] kind = "proxy_class": did you mean `period`?
+)");
+}
+
+TEST_CASE("a debug log is of modules, of paths and of all below one", "[config][NFR-02]") {
+  const debug_selection all;
+  CHECK(all.has("mote/k/two"));
+  CHECK(all.text() == "everybody");
+  const debug_selection nobody{std::vector<std::string>{}};
+  CHECK_FALSE(nobody.has("mote/k/two"));
+  CHECK(nobody.text() == "nobody");
+  const debug_selection some({"gateway", "mote/k/two", "sink/k"});
+  CHECK(some.has("gateway/k"));
+  CHECK(some.has("mote/k/two"));
+  CHECK_FALSE(some.has("mote/k/two-more"));
+  CHECK_FALSE(some.has("mote/k"));
+  CHECK_FALSE(some.has("gateways"));
+  CHECK(some.has("sink/k"));
+  CHECK(some.text() == "gateway, mote/k/two, sink/k");
+  CHECK(debug_patterns(" mote/k,\tsink  ,, air ") ==
+        std::vector<std::string>{"mote/k", "sink", "air"});
+  CHECK(debug_patterns(" , ").empty());
+}
+
+TEST_CASE("patterns that mean nobody are known before the run", "[config][NFR-02]") {
+  const debug_names names(good(change_head));
+  for (const auto* good_one : {"*", "mote", "mote/k", "mote/k/two", "mote_app/k/two/sampler-4",
+                               "sink/k", "peis_peer/k-gateway", "peis_peer/pc", "peis_lan",
+                               "proxy/k.two", "ecology/t", "air/k", "serial_line/far"}) {
+    INFO(good_one);
+    CHECK(names.problem(good_one).empty());
+  }
+  for (const auto* bad : {"", "mot", "mote/", "mote//two", "mote/x", "mote/k/four", "mote/k/two/x",
+                          "sink/pc", "peis_peer/k", "/mote", "proxy/"}) {
+    INFO(bad);
+    CHECK_FALSE(names.problem(bad).empty());
+  }
+  CHECK(names.problem(std::vector<std::string>(65, "mote")) == "there are more than 64 patterns");
+}
