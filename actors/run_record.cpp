@@ -215,6 +215,7 @@ void run_record::write(const report::run_sample& x) {
   r.time = x.at;
   r.text = view::encode(x);
   put(r);
+  flush(); // whoever reads while it is written finds all up to here
 }
 
 void run_record::write(const scheduler::delivery& x) {
@@ -374,10 +375,14 @@ void run_record::check() {
   spdlog::error("{}", printable(error_));
 }
 
-std::string run_record::finish() {
+void run_record::flush() {
   errno = 0;
   file_.flush();
   check();
+}
+
+std::string run_record::finish() {
+  flush();
   return error_;
 }
 

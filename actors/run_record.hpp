@@ -42,6 +42,7 @@ public:
 private:
   void put(const explain::record& x);
   void check();
+  void flush();
   void put_event(const scheduler::remark& x);
   void put_packages(explain::record r, byte_view octets);
   void note_sent(const explain::record& x);
