@@ -131,7 +131,7 @@ public:
     if (!options.debug_folder.empty())
       debug_.emplace(options.debug_folder, options.debug_file_octets_max);
     if (!options.record_file.empty())
-      record_.emplace(options.record_file, description, options.source);
+      record_.emplace(options.record_file, description, options.source, options.record_octets_max);
     if (!options.serial_file.empty())
       serial_.emplace(options.serial_file);
     if (!options.pcap_folder.empty())

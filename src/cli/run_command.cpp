@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <variant>
 
@@ -31,6 +32,7 @@
 #include "deploy/fault_sentence.hpp"
 #include "io/kept_number.hpp"
 #include "io/line_input.hpp"
+#include "io/temporary_folder.hpp"
 #include "report/figures.hpp"
 
 namespace rubicon::cli {
@@ -122,28 +124,70 @@ std::optional<hand_made> hands_of(const run_command& x) {
       });
 }
 
+/// Whether a record costs nothing that anybody would notice: time passes slowly, for few.
+bool has_time_for_record(const run_command& x, const config::ecology_description& ecology) {
+  constexpr double speed_max = 10;
+  constexpr std::size_t motes_max = 500;
+  const bool is_wall = x.options.mode.value_or(ecology.mode) == config::run_mode::wall;
+  const auto speed = is_wall && x.options.speed == 0 ? 1 : x.options.speed;
+  std::size_t motes = 0;
+  for (const auto& island : ecology.islands)
+    motes += island.motes.size();
+  return speed > 0 && speed <= speed_max && motes <= motes_max;
+}
+
+/// A record for the page alone, gone from the disk as soon as the page reads it.
+class own_record {
+public:
+  /// Makes the run write it; nothing: there is no room for temporary files.
+  void attach(run_options& options) {
+    try {
+      folder_.emplace("rubicon");
+    } catch (const std::system_error&) {
+      return;
+    }
+    options.record_file = folder_->path() / "run.rec";
+    options.record_octets_max = live_page::own_record_octets_max;
+  }
+  void read_by(live_page& page) {
+    if (folder_)
+      page.read_on(folder_->path() / "run.rec", /*is_own=*/true);
+    folder_.reset();
+  }
+
+private:
+  std::optional<io::temporary_folder> folder_;
+};
+
 /// With a page that shows it meanwhile, and stays afterwards.
 class viewed_run {
 public:
   viewed_run(const run_command& x, const config::ecology_description& ecology)
       : record_(x.options.record_file), hands_(hands_of(x)),
+        keeps_own_(record_.empty() && has_time_for_record(x, ecology)),
         page_(*x.watch.view, view::ecology_json(ecology),
               {.file = x.file,
                .command = command_of(x, mode_of(x, ecology), x.options.seed.value_or(ecology.seed)),
                .controls = hands_.has_value(),
-               .messages = !record_.empty()},
+               .messages = keeps_own_ || !record_.empty()},
               mode_of(x, ecology), floor_plan_of(x.file, ecology),
               hands_ ? hands_->controls() : nullptr) {}
 
   void attach(run_options& options, const config::ecology_description& ecology) {
     page_.attach(options, ecology);
-    if (!hands_)
-      return;
-    also(options.on_begun, [this](const run_control& x) { control_.emplace(x); });
-    also(options.progress, [this](const run_progress& x) {
-      for (const auto& each : hands_->perform(*control_, x.reached))
-        page_.tell_done(x.reached, each);
+    if (keeps_own_)
+      own_.attach(options);
+    also(options.on_begun, [this](const run_control& x) {
+      if (!record_.empty())
+        page_.read_on(record_, /*is_own=*/false);
+      own_.read_by(page_);
+      control_.emplace(x);
     });
+    if (hands_)
+      also(options.progress, [this](const run_progress& x) {
+        for (const auto& each : hands_->perform(*control_, x.reached))
+          page_.tell_done(x.reached, each);
+      });
   }
 
   /// @pre the report is printed
@@ -153,16 +197,14 @@ public:
     page_.finish(report);
     if (const auto text = hands_ ? hands_->repeated() : ""; !text.empty())
       static_cast<void>(print(stderr, "what was done by hand, for the file:\n" + text));
-    if (!record_.empty()) {
-      if (const auto why = page_.read(record_); !why.empty())
-        static_cast<void>(print(stderr, printable(why) + '\n'));
-    }
     page_.stay();
   }
 
 private:
   std::string record_;
   std::optional<hand_made> hands_;
+  bool keeps_own_;
+  own_record own_;
   live_page page_; ///< before its hands: its sessions use them
   std::optional<run_control> control_;
 };

@@ -161,7 +161,7 @@ public:
          {"state", "parent", "hops", "etx", "signal", "used_mah", "hours", "delivery", "queue"})
       columns[name] = json::array();
     const report::mote_sample absent;
-    for (const auto& each : x_.motes_) {
+    for (const auto& each : x_.about_->motes) {
       const auto* const found = sample == nullptr ? nullptr : find(*sample, each.address);
       const auto& mote = found == nullptr ? absent : *found;
       const auto state = found == nullptr ? mote_state::absent : state_of(mote, each.is_mac);
@@ -250,10 +250,10 @@ private:
   json mote(const json& question) {
     const auto asked = text(question, "address");
     const auto address = address_of(asked);
-    const auto known = x_.index_.find(address);
-    if (known == x_.index_.end())
+    const auto known = x_.about_->index.find(address);
+    if (known == x_.about_->index.end())
       throw refusal{"there is no mote " + asked};
-    const auto& about = x_.motes_[known->second];
+    const auto& about = x_.about_->motes[known->second];
     json y = {{"kind", "mote"}, {"address", asked}, {"name", about.name}};
     const auto sample = all_.at(instant_of(number(question, "at_s")));
     const auto* const found = sample == nullptr ? nullptr : find(*sample, address);
@@ -313,18 +313,19 @@ private:
   }
 
   [[nodiscard]] std::string name_of(mote_address x) const {
-    const auto found = x_.index_.find(x);
-    return found == x_.index_.end() ? "sink" : x_.motes_[found->second].name;
+    const auto found = x_.about_->index.find(x);
+    return found == x_.about_->index.end() ? "sink" : x_.about_->motes[found->second].name;
   }
 
   json messages(const json& question) {
     const auto list = all_.messages();
     json y = {{"kind", "messages"}, {"ready", list != nullptr}};
-    y["why"] = list == nullptr ? all_.why_no_messages() : "";
+    y["why"] = all_.why_no_messages();
     y["messages"] = json::array();
     y["total"] = 0;
     if (list == nullptr)
       return y;
+    add_time(y, *list);
     const bool lost_only = question.value("lost", false);
     const auto limit = static_cast<std::size_t>(
         std::clamp(question.value("limit", 200.0), 0.0, static_cast<double>(messages_listed_max)));
@@ -349,6 +350,11 @@ private:
     return y;
   }
 
+  /// As of when it is; nothing if all is told.
+  static void add_time(json& to, const message_list& from) {
+    to["as_of_s"] = from.is_whole() ? json() : json(in_seconds(from.traces().end));
+  }
+
   [[nodiscard]] std::shared_ptr<const message_list> recorded() const {
     auto list = all_.messages();
     if (list == nullptr)
@@ -358,15 +364,23 @@ private:
 
   json explain_message(const json& question) {
     const auto name = text(question, "message");
-    return {{"kind", "explain"}, {"message", name}, {"text", recorded()->explain_message(name)}};
+    const auto list = recorded();
+    return explained(name, list->explain_message(name), *list);
   }
 
   json explain_tuple(const json& question) {
     const auto key = text(question, "key");
-    return {{"kind", "explain"},
-            {"message", key},
-            {"text", recorded()->explain_tuple(text(question, "owner"), key,
-                                               instant_of(number(question, "at_s")))}};
+    const auto list = recorded();
+    return explained(key,
+                     list->explain_tuple(text(question, "owner"), key,
+                                         instant_of(number(question, "at_s"))),
+                     *list);
+  }
+
+  static json explained(const std::string& what, const std::string& how, const message_list& from) {
+    json y = {{"kind", "explain"}, {"message", what}, {"text", how}};
+    add_time(y, from);
+    return y;
   }
 
   json frames(const json& question) {
@@ -379,6 +393,7 @@ private:
                    : std::string();
     };
     json y = {{"kind", "frames"}, {"frames", json::array()}};
+    add_time(y, *list);
     const auto& all = list->frames();
     for (auto each = std::ranges::lower_bound(all, from, {}, &listed_frame::begin);
          each != all.end() && each->begin <= to && y["frames"].size() < frames_listed_max; ++each)
@@ -401,28 +416,33 @@ private:
   const timeline& all_;
 };
 
-conversation::conversation(std::shared_ptr<const timeline> all, std::string facts,
-                           std::shared_ptr<const controls> controls)
-    : all_(std::move(all)), facts_(std::move(facts)), controls_(std::move(controls)) {
-  const auto ecology = json::parse(facts_, nullptr, /*allow_exceptions=*/false);
+introduction introduction_of(std::string facts) {
+  introduction x{std::move(facts), {}, {}};
+  const auto ecology = json::parse(x.facts, nullptr, /*allow_exceptions=*/false);
   if (!ecology.is_object())
-    return;
+    return x;
   try {
     for (const auto& island : ecology.at("islands")) {
       const island_id id(island.at("id").get<std::uint32_t>());
       const auto name = island.at("name").get<std::string>();
       for (const auto& mote : island.at("motes")) {
         const mote_address address{id, mote_id(mote.at(0).get<std::uint16_t>())};
-        index_[address] = motes_.size();
-        motes_.push_back({address, name + '/' + mote.at(1).get<std::string>(),
-                          mote.at(4).get<std::string>(), island.value("mac", false)});
+        x.index[address] = x.motes.size();
+        x.motes.push_back({address, name + '/' + mote.at(1).get<std::string>(),
+                           mote.at(4).get<std::string>(), island.value("mac", false)});
       }
     }
   } catch (const json::exception&) {
-    motes_.clear(); // of a record that somebody has written by hand
-    index_.clear();
+    x.motes.clear(); // of a record that somebody has written by hand
+    x.index.clear();
   }
+  return x;
 }
+
+conversation::conversation(std::shared_ptr<const timeline> all,
+                           std::shared_ptr<const introduction> about,
+                           std::shared_ptr<const controls> controls)
+    : all_(std::move(all)), about_(std::move(about)), controls_(std::move(controls)) {}
 
 std::string conversation::on_text(std::string_view text_in) {
   const auto question = json::parse(text_in, nullptr, /*allow_exceptions=*/false);
@@ -450,7 +470,7 @@ std::string conversation::on_text(std::string_view text_in) {
 std::optional<std::string> conversation::news() {
   if (!introduced_) {
     introduced_ = true;
-    return facts_;
+    return about_->facts;
   }
   const auto state = all_->state();
   const auto events = all_->events();

@@ -37,7 +37,8 @@ listed_message listed(const explain::traces& all, const explain::message& x) {
 
 } // namespace
 
-message_list::message_list(std::shared_ptr<const explain::traces> all) : all_(std::move(all)) {
+message_list::message_list(std::shared_ptr<const explain::traces> all, bool is_whole)
+    : all_(std::move(all)), is_whole_(is_whole) {
   messages_.reserve(all_->messages.size());
   for (const auto& each : all_->messages)
     messages_.push_back(listed(*all_, each));

@@ -151,7 +151,12 @@ void timeline::set(run_state x) {
 
 void timeline::set(std::shared_ptr<const message_list> x) {
   const std::lock_guard guard(lock_);
-  messages_ = std::move(x);
+  messages_.swap(x); // the old ones end when nobody waits for the lock
+}
+
+void timeline::set_on_messages(std::function<void()> x) {
+  const std::lock_guard guard(lock_);
+  on_messages_ = std::move(x);
 }
 
 void timeline::set_why_no_messages(std::string x) {
@@ -238,8 +243,13 @@ std::vector<tuple_value> timeline::values_of(const tuple_key& x) const {
 }
 
 std::shared_ptr<const message_list> timeline::messages() const {
-  const std::lock_guard guard(lock_);
-  return messages_;
+  std::unique_lock guard(lock_);
+  auto found = messages_;
+  const auto ask = on_messages_;
+  guard.unlock();
+  if (ask)
+    ask();
+  return found;
 }
 
 std::string timeline::why_no_messages() const {

@@ -52,11 +52,16 @@ report::run_sample sample_at(duration at) {
   return x;
 }
 
+std::shared_ptr<const view::introduction> about(std::string facts) {
+  return std::make_shared<const view::introduction>(view::introduction_of(std::move(facts)));
+}
+
 struct page {
   std::shared_ptr<view::timeline> all = std::make_shared<view::timeline>();
-  view::conversation with{
-      all, view::with_facts(view::ecology_json(two_motes()), {.file = "home.toml"}, "wall"),
-      nullptr};
+  view::conversation with{all,
+                          about(view::with_facts(view::ecology_json(two_motes()),
+                                                 {.file = "home.toml"}, "wall")),
+                          nullptr};
 
   json ask(const json& question) { return json::parse(with.on_text(question.dump())); }
   json news() {
@@ -231,7 +236,7 @@ TEST_CASE("with controls faults and tuples are passed on", "[view][ACT-10][SVC-0
     seen = owner + '|' + key + '|' + value;
     return view::controls::outcome{true, ""};
   };
-  view::conversation with(x.all, "{}", controls);
+  view::conversation with(x.all, about("{}"), controls);
   const auto ask = [&with](const json& question) {
     return json::parse(with.on_text(question.dump()));
   };
