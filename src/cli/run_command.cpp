@@ -11,6 +11,8 @@
 #include <utility>
 #include <variant>
 
+#include <unistd.h>
+
 #include "actors/ecology_run.hpp"
 #include "cli/also.hpp"
 #include "cli/bundle_file.hpp"
@@ -33,6 +35,7 @@
 #include "io/kept_number.hpp"
 #include "io/line_input.hpp"
 #include "io/temporary_folder.hpp"
+#include "io/unwaiting_output.hpp"
 #include "report/figures.hpp"
 
 namespace rubicon::cli {
@@ -44,20 +47,30 @@ namespace {
 report::run_report run_told(config::ecology_description ecology, run_options options,
                             const console& errors) {
   live_log log(errors.is_terminal, errors.width);
-  const auto start = std::chrono::steady_clock::now();
-  const auto show = [](const std::string& text) {
-    if (!text.empty())
-      static_cast<void>(print(stderr, text)); // what nobody can see is no failure
+  io::unwaiting_output out(STDERR_FILENO); // what nobody can see is no failure
+  const auto real = [start = std::chrono::steady_clock::now()] {
+    return std::chrono::steady_clock::now() - start;
   };
-  also(options.on_event, [&](const report::logged_event& x) { show(log.tell(x)); });
-  if (errors.is_terminal)
-    also(options.progress, [&](const run_progress& x) {
-      show(log.update(std::chrono::steady_clock::now() - start, x.reached, x.end, x.events));
-    });
+  const auto show = [&out](const std::string& text) {
+    if (text.empty())
+      return;
+    if (const auto missed = out.missed(); missed > 0)
+      out.write(report::counted(missed, "line") + " not shown: nobody read them in time\n");
+    out.write(text);
+  };
+  also(options.on_event, [&](const report::logged_event& x) { show(log.tell(real(), x)); });
+  also(options.progress, [&](const run_progress& x) {
+    show(log.update(real(), x.reached, x.end, x.events));
+  });
   struct eraser {
-    live_log* log;
-    ~eraser() { static_cast<void>(print(stderr, log->finish())); } // also when the run throws
-  } const at_end{&log};
+    live_log& log;
+    io::unwaiting_output& out;
+    ~eraser() { // also when the run throws
+      constexpr duration patience = 1s;
+      out.write(log.finish());
+      out.flush(patience);
+    }
+  } const at_end{log, out};
   return run_ecology(std::move(ecology), options);
 }
 
@@ -311,13 +324,22 @@ exit_status run_for_deployment(const run_command& x, ecology_file file) {
   options.source = {x.file, to_hex(file.text_hash)};
   std::unique_ptr<io::line_input> orders;
   options.on_begun = [&](const run_control& control) { orders = listen(x, control); };
+  line_rate rate;
+  const auto tell = [](const std::string& text) {
+    if (!text.empty())
+      static_cast<void>(print(stdout, text));
+  };
+  const auto real = [start = steady::now()] { return steady::now() - start; };
   options.on_event = [&](const report::logged_event& event) {
-    static_cast<void>(print(stdout, event_line(event, x.elapsed) + '\n'));
+    tell(rate.left_out(real()));
+    if (rate.take())
+      tell(event_line(event, x.elapsed) + '\n');
   };
   options.on_counters = [&told](const report::run_counters& all) {
     told.counters = all.unsettled();
   };
   options.progress = [&, next = steady::now() + report_every](const run_progress&) mutable {
+    tell(rate.left_out(real()));
     if (steady::now() < next)
       return;
     next = steady::now() + report_every;
@@ -325,6 +347,7 @@ exit_status run_for_deployment(const run_command& x, ecology_file file) {
   };
   run.emplace(std::move(file.ecology), std::move(options));
   auto whole = run->finish();
+  tell(rate.finish());
   const auto status = status_of(whole);
   return leave(std::move(whole), /*is_final=*/true) ? status : exit_status::failed;
 }

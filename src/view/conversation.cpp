@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -18,7 +19,8 @@ using json = nlohmann::ordered_json;
 
 constexpr std::size_t messages_listed_max = 1000;
 constexpr std::size_t frames_listed_max = 500;
-constexpr std::size_t points_max = 400; ///< of a curve
+constexpr std::size_t points_max = 400;  ///< of a curve
+constexpr std::size_t newest_tuples = 8; ///< of a peer
 
 /// What a mote is shown as; numbers of docs/view.md.
 enum class mote_state : int { absent, joined, asleep, lost, off, flat };
@@ -131,13 +133,14 @@ public:
 
   json answer(const json& question) {
     using function = json (answerer::*)(const json&);
-    static constexpr std::array<std::pair<std::string_view, function>, 11> answers{{
+    static constexpr std::array<std::pair<std::string_view, function>, 12> answers{{
         {"moment", &answerer::moment},
         {"events", &answerer::events},
         {"series", &answerer::series},
         {"tuples", &answerer::tuples},
         {"curve", &answerer::curve},
         {"mote", &answerer::mote},
+        {"peer", &answerer::peer},
         {"messages", &answerer::messages},
         {"explain", &answerer::explain_message},
         {"explain_tuple", &answerer::explain_tuple},
@@ -312,6 +315,46 @@ private:
                                                    static_cast<double>(packets))}};
   }
 
+  json peer(const json& question) {
+    const auto name = text(question, "name");
+    const auto at = instant_of(number(question, "at_s"));
+    json y = {{"kind", "peer"}, {"name", name}, {"facts", json::array()}};
+    y["links"] = json::array();
+    if (const auto sample = all_.at(at)) {
+      const auto found =
+          std::ranges::lower_bound(sample->peers, name, {}, &report::peer_sample::name);
+      if (found != sample->peers.end() && found->name == name)
+        add_present(y, *found);
+    }
+    auto own = all_.tuples_at(at).tuples;
+    std::erase_if(own, [&name](const auto& each) { return each.first.first != name; });
+    y["tuples"] = own.size();
+    std::ranges::stable_sort(own, std::greater(),
+                             [](const auto& each) { return each.second.since; });
+    own.resize(std::min(own.size(), newest_tuples));
+    y["newest"] = json::array();
+    for (const auto& [key, value] : own)
+      y["newest"].push_back(json::array({key.second, value.value}));
+    return y;
+  }
+
+  void add_present(json& y, const report::peer_sample& peer) {
+    std::uint64_t queued = 0;
+    for (const auto& each : peer.links) {
+      queued += each.queued;
+      const auto known = x_.about_->peers.find(each.to);
+      y["links"].push_back(json::array(
+          {known == x_.about_->peers.end() ? to_string(each.to) : known->second, each.queued}));
+    }
+    const auto fact = [&y](const char* name, const std::string& value) {
+      y["facts"].push_back(json::array({name, value}));
+    };
+    fact("state", peer.runs ? "runs" : "does not run");
+    fact("packages waiting", std::to_string(queued));
+    if (peer.to_sink)
+      fact("packets waiting for the cable", std::to_string(*peer.to_sink));
+  }
+
   [[nodiscard]] std::string name_of(mote_address x) const {
     const auto found = x_.about_->index.find(x);
     return found == x_.about_->index.end() ? "sink" : x_.about_->motes[found->second].name;
@@ -331,23 +374,40 @@ private:
         std::clamp(question.value("limit", 200.0), 0.0, static_cast<double>(messages_listed_max)));
     std::optional<mote_address> of;
     if (question.contains("of"))
-      of = address_of(text(question, "of"));
-    std::size_t total = 0;
-    const auto& all = list->messages();
-    for (auto each = all.rbegin(); each != all.rend(); ++each) { // the newest first
-      if ((lost_only && each->kind != "lost") || (of && each->source != *of))
-        continue;
-      if (total++ < limit)
-        y["messages"].push_back({{"name", each->name},
-                                 {"from", each->from},
-                                 {"to", each->to},
-                                 {"sent_s", in_seconds(each->sent)},
-                                 {"ended_s", each->ended ? json(in_seconds(*each->ended)) : json()},
-                                 {"outcome", each->outcome},
-                                 {"class", each->kind}});
-    }
-    y["total"] = total;
+      of = whom(text(question, "of"), *list);
+    std::vector<const listed_message*> found;
+    for (const auto& each : list->messages())
+      if ((!lost_only || each.kind == "lost") &&
+          (!of || each.source == *of || each.destination == *of))
+        found.push_back(&each);
+    y["total"] = found.size();
+    std::ranges::reverse(found); // the newest first
+    std::ranges::stable_sort(found, {}, &rank_of);
+    if (found.size() > limit)
+      found.resize(limit);
+    for (const auto* each : found)
+      y["messages"].push_back({{"name", each->name},
+                               {"from", each->from},
+                               {"to", each->to},
+                               {"sent_s", in_seconds(each->sent)},
+                               {"ended_s", each->ended ? json(in_seconds(*each->ended)) : json()},
+                               {"outcome", each->outcome},
+                               {"class", each->kind}});
     return y;
+  }
+
+  /// An address, or a peer: gateways send and get as the PC of their island.
+  static mote_address whom(const std::string& x, const message_list& list) {
+    const auto& known = list.traces().known;
+    const auto peer = known.peer_of(explain::names::kernel_path(x));
+    if (!peer)
+      return address_of(x);
+    return {island_id(static_cast<std::uint32_t>(known.speaks_for(*peer).value)), no_mote};
+  }
+
+  /// Those come first that somebody may have to do something about.
+  static int rank_of(const listed_message* x) {
+    return x->kind == "lost" ? 0 : x->kind == "open" ? 1 : 2;
   }
 
   /// As of when it is; nothing if all is told.
@@ -417,7 +477,7 @@ private:
 };
 
 introduction introduction_of(std::string facts) {
-  introduction x{std::move(facts), {}, {}};
+  introduction x{std::move(facts), {}, {}, {}};
   const auto ecology = json::parse(x.facts, nullptr, /*allow_exceptions=*/false);
   if (!ecology.is_object())
     return x;
@@ -432,9 +492,12 @@ introduction introduction_of(std::string facts) {
                            mote.at(4).get<std::string>(), island.value("mac", false)});
       }
     }
+    for (const auto& peer : ecology.value("peers", json::array()))
+      x.peers[peer_id(peer.at("id").get<std::int32_t>())] = peer.at("name").get<std::string>();
   } catch (const json::exception&) {
     x.motes.clear(); // of a record that somebody has written by hand
     x.index.clear();
+    x.peers.clear();
   }
   return x;
 }

@@ -38,6 +38,7 @@ struct introduction {
   std::string facts; ///< the message `ecology`, with facts
   std::vector<mote_index> motes;
   std::map<mote_address, std::size_t> index; ///< of `motes`
+  std::map<peer_id, std::string> peers;
 };
 
 /// @param facts of which nobody has to be able to read anything

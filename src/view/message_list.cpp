@@ -18,6 +18,7 @@ listed_message listed(const explain::traces& all, const explain::message& x) {
   const auto how = explain::outcome_of(all, x);
   listed_message y{.name = x.name,
                    .source = x.source,
+                   .destination = x.destination,
                    .from = all.known.of(x.source),
                    .to = all.known.of(x.destination),
                    .sent = all.nodes[x.root].begin,

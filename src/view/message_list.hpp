@@ -14,6 +14,7 @@ namespace rubicon::view {
 struct listed_message {
   std::string name; ///< `kitchen/climate-7#12`
   mote_address source;
+  mote_address destination;
   std::string from;
   std::string to;
   instant sent;

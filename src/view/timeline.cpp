@@ -40,11 +40,15 @@ void timeline::add(report::run_sample x) {
   newest_ = shared;
   if (samples_told_++ % sample_stride_ != 0)
     return;
-  if (shared->motes.size() > motes_with_neighbours_max) {
-    // Of many motes neighbours are kept for the present only.
+  const bool many_motes = shared->motes.size() > motes_with_neighbours_max;
+  const bool many_peers = shared->peers.size() > peers_told_max;
+  if (many_motes || many_peers) { // then neighbours and peers are kept for the present only
     auto lean = std::make_shared<report::run_sample>(*shared);
     for (auto& each : lean->motes)
-      each.neighbours = {};
+      if (many_motes)
+        each.neighbours = {};
+    if (many_peers)
+      lean->peers = {};
     shared = std::move(lean);
   }
   samples_.push_back(std::move(shared));
