@@ -1566,7 +1566,10 @@ const refreshTab = throttled(250, () => tabs[shown.tab].refresh());
 
 function listenToTabs() {
   for (const each of $("tabs").children) {
-    on(each, "click", () => showTab(each.id.slice(4)));
+    on(each, "click", () => {
+      showTab(each.id.slice(4));
+      $("side").scrollIntoView(); // on a telephone it is below
+    });
     panelOf(each).setAttribute("aria-labelledby", each.id);
     panelOf(each).setAttribute("role", "tabpanel");
     each.setAttribute("role", "tab");
@@ -1945,6 +1948,7 @@ function setChosen(target) {
 /** Chooses, and shows what is known of it. */
 function choose(target) {
   setChosen(target);
+  $("details").scrollTop = 0;
   if (target) showTab("details");
   else refreshTab();
 }
@@ -2128,6 +2132,7 @@ function searched(event) {
   if (exact.kind === "mote") showMote(exact.index);
   else if (exact.kind === "island") showIsland(model.islands[exact.index]);
   choose(exact);
+  $("side").scrollIntoView();
 }
 
 // ---- keyboard
