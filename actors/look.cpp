@@ -3,6 +3,8 @@
 #include <map>
 #include <utility>
 
+#include "actors/gateway.hpp"
+#include "actors/peis_peer.hpp"
 #include "actors/sink.hpp"
 #include "actors/statuses.hpp"
 
@@ -47,6 +49,25 @@ void add_route(report::mote_sample& to, const mote::node& from) {
     to.etx = static_cast<double>(*etx) / network::etx_one;
 }
 
+report::peer_sample sample_of(const supervised_peer& from) {
+  report::peer_sample x;
+  x.name = from.name;
+  const auto* const kernel = state_of<peis_peer_state>(from.handle);
+  x.runs = kernel != nullptr && !kernel->left;
+  if (!x.runs)
+    return x;
+  for (const auto& link : kernel->kernel.links())
+    x.links.push_back(
+        {link.neighbour.value_or(any_peer), static_cast<std::uint32_t>(link.queued)});
+  using gateway_impl = scheduler::traced_actor<gateway_state, gateway_actor>;
+  for (const auto& each : from.programs)
+    if (const auto* gateway =
+            dynamic_cast<const gateway_impl*>(caf::actor_cast<caf::abstract_actor*>(each));
+        gateway != nullptr && !gateway->getf(caf::abstract_actor::is_terminated_flag))
+      x.to_sink = static_cast<std::uint32_t>(gateway->state.port.queued());
+  return x;
+}
+
 class looker {
 public:
   looker(const ecology_state& all, instant now) : all_(all), now_(now) {}
@@ -59,7 +80,10 @@ public:
       if (const auto* state = state_of<sink_state>(sink.handle))
         lost_[island].packets += losses_of(state->sink);
     add_airs();
-    return {now_, named_losses(), std::move(motes_)};
+    report::run_sample x{now_, named_losses(), std::move(motes_), {}};
+    for (const auto& [name, peer] : all_.peers)
+      x.peers.push_back(sample_of(peer));
+    return x;
   }
 
 private:

@@ -145,7 +145,7 @@ public:
       debug_.emplace(options.debug_folder, options.debug_file_octets_max,
                      config::debug_selection(options.debug_of));
     if (!options.record_file.empty())
-      record_.emplace(options.record_file, description, options.source);
+      record_.emplace(options.record_file, description, options.source, options.record_octets_max);
     if (!options.serial_file.empty())
       serial_.emplace(options.serial_file);
     if (!options.pcap_folder.empty())

@@ -53,6 +53,7 @@ struct run_options {
   bool pcap_lost = false;      ///< with the frames that nobody received
   std::string serial_file;     ///< ACT-08: each frame of serial lines goes here; empty: nowhere
   std::string record_file;     ///< what `rubicon explain` reads goes here; empty: nowhere
+  std::uint64_t record_octets_max = 0; ///< then it ends, and nobody minds; 0: it must be complete
   run_source source;           ///< told by the record
   bool hangup_ends = true;     ///< with the next: SIGHUP is a signal, too
   bool handle_signals = false; ///< end the run cleanly on the first signal (ACT-11)

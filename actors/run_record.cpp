@@ -1,6 +1,7 @@
 #include "actors/run_record.hpp"
 
 #include <cerrno>
+#include <limits>
 #include <stdexcept>
 #include <system_error>
 
@@ -197,12 +198,13 @@ explain::header header_of(const config::ecology_description& ecology, const run_
 } // namespace
 
 run_record::run_record(const std::string& path, const config::ecology_description& ecology,
-                       const run_source& source)
-    : path_(path), file_(path, std::ios::binary | std::ios::trunc) {
+                       const run_source& source, std::uint64_t octets_max)
+    : path_(path), file_(path, std::ios::binary | std::ios::trunc), may_end_(octets_max > 0),
+      octets_left_(octets_max > 0 ? octets_max : std::numeric_limits<std::uint64_t>::max()) {
   if (!file_)
     throw std::runtime_error("cannot write record " + path + ": " +
                              std::generic_category().message(errno));
-  file_ << encode(header_of(ecology, source));
+  put(encode(header_of(ecology, source)));
   record r;
   r.what = kind::ecology;
   r.text = view::ecology_json(ecology);
@@ -215,6 +217,7 @@ void run_record::write(const report::run_sample& x) {
   r.time = x.at;
   r.text = view::encode(x);
   put(r);
+  flush(); // whoever reads while it is written finds all up to here
 }
 
 void run_record::write(const scheduler::delivery& x) {
@@ -358,10 +361,18 @@ void run_record::write(const radio::overheard& x) {
 }
 
 void run_record::put(const record& x) {
-  if (!error_.empty())
+  if (error_.empty() && octets_left_ > 0)
+    put(encode(x));
+}
+
+void run_record::put(const std::string& line) {
+  if (line.size() > octets_left_) {
+    octets_left_ = 0;
     return;
+  }
+  octets_left_ -= line.size();
   errno = 0;
-  file_ << encode(x);
+  file_ << line;
   check();
 }
 
@@ -369,15 +380,23 @@ void run_record::put(const record& x) {
 void run_record::check() {
   if (file_ || !error_.empty())
     return;
+  if (may_end_) {
+    octets_left_ = 0;
+    return;
+  }
   error_ = "record " + path_ +
            " is not complete: " + std::generic_category().message(errno != 0 ? errno : EIO);
   spdlog::error("{}", printable(error_));
 }
 
-std::string run_record::finish() {
+void run_record::flush() {
   errno = 0;
   file_.flush();
   check();
+}
+
+std::string run_record::finish() {
+  flush();
   return error_;
 }
 

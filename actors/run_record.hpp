@@ -28,8 +28,10 @@ struct run_source {
 class run_record {
 public:
   /// Makes the file. @throws std::runtime_error if that fails
+  /// @param octets_max it ends before it is longer, or there is no room: then nobody minds; 0: it
+  /// is to be complete
   run_record(const std::string& path, const config::ecology_description& ecology,
-             const run_source& source);
+             const run_source& source, std::uint64_t octets_max = 0);
 
   void write(const scheduler::delivery& x);
   void write(const scheduler::remark& x);
@@ -41,7 +43,9 @@ public:
 
 private:
   void put(const explain::record& x);
+  void put(const std::string& line);
   void check();
+  void flush();
   void put_event(const scheduler::remark& x);
   void put_packages(explain::record r, byte_view octets);
   void note_sent(const explain::record& x);
@@ -50,6 +54,8 @@ private:
 
   std::string path_;
   std::ofstream file_;
+  bool may_end_;
+  std::uint64_t octets_left_; ///< that it may still get
   std::string error_; ///< the first; nothing is written after it
   /// What a delivery that is not in the record was caused by; only ever looked up.
   std::unordered_map<std::uint64_t, std::uint64_t> left_out_;

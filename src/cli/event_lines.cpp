@@ -42,6 +42,25 @@ std::string wall_progress_text(duration reached, duration end, double events_per
   return report::cut(text, width);
 }
 
+bool line_rate::take() {
+  return ++lines_ <= lines_max;
+}
+
+std::string line_rate::left_out(duration real) {
+  if (real < since_ + period)
+    return {};
+  since_ = real;
+  return finish();
+}
+
+std::string line_rate::finish() {
+  const auto lines = std::exchange(lines_, 0);
+  if (lines <= lines_max)
+    return {};
+  return "and " + report::counted(lines - lines_max, "more event") +
+         " within a second; --csv DIR keeps all\n";
+}
+
 /// As the ecology words it.
 void live_log::count(const report::logged_event& x) {
   if (x.what.starts_with("joined"))
@@ -50,15 +69,22 @@ void live_log::count(const report::logged_event& x) {
     joined_.erase(x.who);
 }
 
-std::string live_log::tell(const report::logged_event& x) {
+std::string live_log::above_progress(const std::string& lines) const {
+  return lines.empty() || drawn_.empty() ? lines : std::string(erase_line) + lines + drawn_;
+}
+
+std::string live_log::tell(duration real, const report::logged_event& x) {
   count(x);
-  const auto line = event_line(x) + '\n';
-  return drawn_.empty() ? line : std::string(erase_line) + line + drawn_;
+  auto lines = rate_.left_out(real);
+  if (rate_.take())
+    lines += event_line(x) + '\n';
+  return above_progress(lines);
 }
 
 std::string live_log::update(duration real, instant reached, instant end, std::uint64_t events) {
+  const auto lines = rate_.left_out(real);
   if (!has_progress_ || (drawn_at_ && real < *drawn_at_ + redrawn_every))
-    return {};
+    return above_progress(lines);
   const auto gone_s = drawn_at_ ? seconds(real - *drawn_at_) : seconds(real);
   const auto per_s = gone_s > 0 ? static_cast<double>(events - events_then_) / gone_s : 0;
   drawn_at_ = real;
@@ -67,11 +93,12 @@ std::string live_log::update(duration real, instant reached, instant end, std::u
   const auto room = width_ - std::min<std::size_t>(width_, 1);
   drawn_ = wall_progress_text(reached.time_since_epoch(), end.time_since_epoch(), per_s,
                               joined_.size(), room);
-  return std::string(erase_line) + drawn_;
+  return std::string(erase_line) + lines + drawn_;
 }
 
 std::string live_log::finish() {
-  return std::exchange(drawn_, {}).empty() ? std::string() : std::string(erase_line);
+  const auto lines = rate_.finish();
+  return std::exchange(drawn_, {}).empty() ? lines : std::string(erase_line) + lines;
 }
 
 } // namespace rubicon::cli

@@ -23,6 +23,27 @@ namespace rubicon::cli {
 [[nodiscard]] std::string wall_progress_text(duration reached, duration end, double events_per_s,
                                              std::size_t joined, std::size_t width);
 
+/// Keeps a flood of lines from holding up whoever writes them, and from being read by nobody: so
+/// many in a second, and how many more there were.
+class line_rate {
+public:
+  static constexpr std::uint64_t lines_max = 50;
+  static constexpr duration period = 1s;
+
+  /// @returns whether a line may be written at `real`. @pre left_out(real) was asked before
+  [[nodiscard]] bool take();
+
+  /// What is to be said of those that were left out in a period that is over: once, most often
+  /// nothing. @param real since the start, ascending
+  [[nodiscard]] std::string left_out(duration real);
+  /// Of the period that goes on.
+  [[nodiscard]] std::string finish();
+
+private:
+  duration since_{};
+  std::uint64_t lines_ = 0;
+};
+
 /// Decides what to write of a run in wall time. Knows neither a clock nor a terminal: it is told
 /// the real time since the start and returns what to write.
 class live_log {
@@ -32,22 +53,25 @@ public:
   /// @param has_progress there is a terminal, and a line below the others is kept up to date
   live_log(bool has_progress, std::size_t width) : has_progress_(has_progress), width_(width) {}
 
-  /// The event's line, in the place of the progress, which stands below it again.
-  [[nodiscard]] std::string tell(const report::logged_event& x);
+  /// The event's line, if it is not one of too many, in the place of the progress, which stands
+  /// below it again.
+  [[nodiscard]] std::string tell(duration real, const report::logged_event& x);
 
-  /// The progress; empty most of the time.
+  /// The progress, and how many events were too many; empty most of the time.
   /// @param events that actors were told so far
   [[nodiscard]] std::string update(duration real, instant reached, instant end,
                                    std::uint64_t events);
 
-  /// What removes the progress; empty if none stands there.
+  /// What removes the progress, and says what was left out; empty if there is neither.
   [[nodiscard]] std::string finish();
 
 private:
   void count(const report::logged_event& x);
+  [[nodiscard]] std::string above_progress(const std::string& lines) const;
 
   bool has_progress_;
   std::size_t width_;
+  line_rate rate_;
   std::set<std::string> joined_; ///< of the motes of the ecology, those that a gateway lists
   std::optional<duration> drawn_at_;
   std::uint64_t events_then_ = 0; ///< at drawn_at_

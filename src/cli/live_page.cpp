@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "cli/also.hpp"
 #include "cli/console.hpp"
 #include "cli/random_id.hpp"
-#include "cli/read_record.hpp"
 #include "config/load.hpp"
 #include "core/printable.hpp"
 #include "deploy/fault_sentence.hpp"
@@ -182,7 +182,7 @@ live_page::live_page(const page_place& where, const std::string& ecology,
     timeline_->set_why_no_messages("The run is not recorded: add --record FILE to see where each "
                                    "message went.");
   else
-    timeline_->set_why_no_messages("The record is read when the run has ended.");
+    timeline_->set_why_no_messages("Nothing is recorded yet.");
   if (record != nullptr)
     view::fill(*timeline_, std::move(record));
   io::web_site site;
@@ -190,9 +190,11 @@ live_page::live_page(const page_place& where, const std::string& ecology,
   site.port = where.port;
   site.token = random_id() + random_id();
   site.files = files_of_page(picture);
-  site.on_session = [timeline = timeline_, facts = view::with_facts(ecology, facts, mode),
+  auto about = std::make_shared<const view::introduction>(
+      view::introduction_of(view::with_facts(ecology, facts, mode)));
+  site.on_session = [timeline = timeline_, about = std::move(about),
                      controls = std::move(controls)] {
-    return std::make_unique<page_session>(view::conversation(timeline, facts, controls));
+    return std::make_unique<page_session>(view::conversation(timeline, about, controls));
   };
   site.on_time = [timeline = timeline_] { timeline->settle(); };
   const auto token = site.token;
@@ -243,24 +245,37 @@ void live_page::finish(const report::run_report& x) {
           view::listed_event{each.at, each.text, "not met: " + each.measured, "expectation"});
   const auto state = timeline_->state();
   timeline_->set({instant{} + x.simulated, instant{} + x.simulated, false, x.events, state.speed});
+  if (reader_)
+    reader_->finish();
 }
 
-std::string live_page::read(const std::string& record) {
-  timeline_->set_why_no_messages("The record is being read.");
-  auto found = read_record(record);
-  if (const auto* why = std::get_if<std::string>(&found)) {
-    timeline_->set_why_no_messages(*why);
-    return *why;
-  }
-  timeline_->set(std::make_shared<const view::message_list>(
-      std::make_shared<const explain::traces>(std::move(std::get<explain::traces>(found)))));
-  return {};
+void live_page::read_on(const std::string& record, bool is_own) {
+  constexpr std::uint64_t megabyte = 1 << 20;
+  constexpr std::uint64_t read_max = 256 * megabyte; // it takes several times as much memory
+  message_reader::bound most{
+      .octets = read_max,
+      .beyond = "The record has become so long that the rest of it is read when the run has ended.",
+      .is_of_record = false};
+  if (is_own)
+    most = {.octets = own_record_octets_max - megabyte,
+            .beyond = "Later messages are not kept: add --record FILE.",
+            .is_of_record = true};
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(record, ignored)) // what is read of others nobody else gets
+    reader_.emplace(record, std::move(most), timeline_);
+  else
+    timeline_->set_why_no_messages("The record is no file that could be read.");
 }
 
 void live_page::show(const report::run_report& so_far, duration length) {
   for (const auto& each : so_far.event_log)
-    if (shown_.emplace(each.at, each.who, each.what).second)
+    if ((!forgotten_ || each.at > *forgotten_) &&
+        shown_.emplace(each.at, each.who, each.what).second)
       timeline_->add(view::listed_event{each.at, each.who, each.what});
+  while (shown_.size() > view::timeline::events_max) {
+    forgotten_ = std::get<instant>(*shown_.begin());
+    shown_.erase(shown_.begin());
+  }
   const auto now = instant{} + so_far.simulated;
   if (const auto newest = timeline_->newest(); newest == nullptr || newest->at < now)
     timeline_->add(view::sample_of(so_far));

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "actors/run.hpp"
+#include "cli/message_reader.hpp"
 #include "cli/watch_wishes.hpp"
 #include "config/ecology.hpp"
 #include "deploy/bundle.hpp"
@@ -80,6 +81,9 @@ private:
 
 class live_page {
 public:
+  /// Of a record that is kept for the page alone.
+  static constexpr std::uint64_t own_record_octets_max = 65 << 20;
+
   /// Serves the page from now on, and says where on standard error.
   /// @param ecology of view::ecology_json()
   /// @param picture file of the floor plan; empty: there is none
@@ -99,9 +103,9 @@ public:
   /// The run is over.
   void finish(const report::run_report& x);
 
-  /// Reads a record of this run or of another, so that messages can be explained.
-  /// @returns why it cannot be; empty: it can
-  [[nodiscard]] std::string read(const std::string& record);
+  /// From now on messages can be explained, as far as the run has recorded them there.
+  /// @param is_own nobody else wants this record, and it ends at own_record_octets_max
+  void read_on(const std::string& record, bool is_own);
 
   /// What parts on other hosts have told so far, now and then.
   void show(const report::run_report& so_far, duration length);
@@ -114,8 +118,11 @@ private:
   std::shared_ptr<view::timeline> timeline_;
   std::vector<view::listed_event> plan_;
   std::size_t planned_ = 0; ///< of the plan, that have been told
-  std::set<std::tuple<instant, std::string, std::string>> shown_; ///< events of reports
-  std::optional<io::web_server> server_;
+  using shown_event = std::tuple<instant, std::string, std::string>;
+  std::set<shown_event> shown_;  ///< events of reports; of very many the newest,
+  std::optional<instant> forgotten_; ///< and up to when the others were
+  std::optional<message_reader> reader_;
+  std::optional<io::web_server> server_; ///< its sessions ask the others
 };
 
 } // namespace rubicon::cli

@@ -7,8 +7,11 @@
 #include <optional>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <variant>
+
+#include <unistd.h>
 
 #include "actors/ecology_run.hpp"
 #include "cli/also.hpp"
@@ -34,6 +37,8 @@
 #include "deploy/fault_sentence.hpp"
 #include "io/kept_number.hpp"
 #include "io/line_input.hpp"
+#include "io/temporary_folder.hpp"
+#include "io/unwaiting_output.hpp"
 #include "report/figures.hpp"
 
 namespace rubicon::cli {
@@ -45,20 +50,30 @@ namespace {
 report::run_report run_told(config::ecology_description ecology, run_options options,
                             const console& errors) {
   live_log log(errors.is_terminal, errors.width);
-  const auto start = std::chrono::steady_clock::now();
-  const auto show = [](const std::string& text) {
-    if (!text.empty())
-      static_cast<void>(print(stderr, text)); // what nobody can see is no failure
+  io::unwaiting_output out(STDERR_FILENO); // what nobody can see is no failure
+  const auto real = [start = std::chrono::steady_clock::now()] {
+    return std::chrono::steady_clock::now() - start;
   };
-  also(options.on_event, [&](const report::logged_event& x) { show(log.tell(x)); });
-  if (errors.is_terminal)
-    also(options.progress, [&](const run_progress& x) {
-      show(log.update(std::chrono::steady_clock::now() - start, x.reached, x.end, x.events));
-    });
+  const auto show = [&out](const std::string& text) {
+    if (text.empty())
+      return;
+    if (const auto missed = out.missed(); missed > 0)
+      out.write(report::counted(missed, "line") + " not shown: nobody read them in time\n");
+    out.write(text);
+  };
+  also(options.on_event, [&](const report::logged_event& x) { show(log.tell(real(), x)); });
+  also(options.progress, [&](const run_progress& x) {
+    show(log.update(real(), x.reached, x.end, x.events));
+  });
   struct eraser {
-    live_log* log;
-    ~eraser() { static_cast<void>(print(stderr, log->finish())); } // also when the run throws
-  } const at_end{&log};
+    live_log& log;
+    io::unwaiting_output& out;
+    ~eraser() { // also when the run throws
+      constexpr duration patience = 1s;
+      out.write(log.finish());
+      out.flush(patience);
+    }
+  } const at_end{log, out};
   return run_ecology(std::move(ecology), options);
 }
 
@@ -122,31 +137,71 @@ std::optional<hand_made> hands_of(const run_command& x) {
   return std::optional<hand_made>(std::in_place, std::move(packed.what), x.known);
 }
 
+/// Whether a record costs nothing that anybody would notice: time passes slowly, for few.
+bool has_time_for_record(const run_command& x, const config::ecology_description& ecology) {
+  constexpr double speed_max = 10;
+  constexpr std::size_t motes_max = 500;
+  const bool is_wall = x.options.mode.value_or(ecology.mode) == config::run_mode::wall;
+  const auto speed = is_wall && x.options.speed == 0 ? 1 : x.options.speed;
+  std::size_t motes = 0;
+  for (const auto& island : ecology.islands)
+    motes += island.motes.size();
+  return speed > 0 && speed <= speed_max && motes <= motes_max;
+}
+
+/// A record for the page alone, gone from the disk as soon as the page reads it.
+class own_record {
+public:
+  /// Makes the run write it; nothing: there is no room for temporary files.
+  void attach(run_options& options) {
+    try {
+      folder_.emplace("rubicon");
+    } catch (const std::system_error&) {
+      return;
+    }
+    options.record_file = folder_->path() / "run.rec";
+    options.record_octets_max = live_page::own_record_octets_max;
+  }
+  void read_by(live_page& page) {
+    if (folder_)
+      page.read_on(folder_->path() / "run.rec", /*is_own=*/true);
+    folder_.reset();
+  }
+
+private:
+  std::optional<io::temporary_folder> folder_;
+};
+
 /// With a page that shows it meanwhile, and stays afterwards.
 class viewed_run {
 public:
   viewed_run(const run_command& x, const config::ecology_description& ecology)
       : record_(x.options.record_file), hands_(hands_of(x)),
+        keeps_own_(record_.empty() && has_time_for_record(x, ecology)),
         page_(*x.watch.view, view::ecology_json(ecology),
               {.file = x.file,
                .command = command_of(x, mode_of(x, ecology), x.options.seed.value_or(ecology.seed)),
                .controls = hands_.has_value(),
-               .messages = !record_.empty()},
+               .messages = keeps_own_ || !record_.empty()},
               mode_of(x, ecology), floor_plan_of(x.file, ecology),
               hands_ ? hands_->controls() : nullptr) {}
 
   void attach(run_options& options, const config::ecology_description& ecology) {
     page_.attach(options, ecology);
-    if (!hands_)
-      return;
+    if (keeps_own_)
+      own_.attach(options);
     also(options.on_begun, [this](const run_control& x) {
+      if (!record_.empty())
+        page_.read_on(record_, /*is_own=*/false);
+      own_.read_by(page_);
       performer_ = {[run = x](const std::string&, const config::fault& fault) { run.apply(fault); },
                     x.set_tuple};
     });
-    also(options.progress, [this](const run_progress& x) {
-      for (const auto& each : hands_->perform(performer_, x.reached))
-        page_.tell_done(x.reached, each);
-    });
+    if (hands_)
+      also(options.progress, [this](const run_progress& x) {
+        for (const auto& each : hands_->perform(performer_, x.reached))
+          page_.tell_done(x.reached, each);
+      });
   }
 
   /// @pre the report is printed
@@ -156,16 +211,14 @@ public:
     page_.finish(report);
     if (hands_)
       static_cast<void>(print(stderr, hands_->repeated()));
-    if (!record_.empty()) {
-      if (const auto why = page_.read(record_); !why.empty())
-        static_cast<void>(print(stderr, printable(why) + '\n'));
-    }
     page_.stay();
   }
 
 private:
   std::string record_;
   std::optional<hand_made> hands_;
+  bool keeps_own_;
+  own_record own_;
   live_page page_; ///< before its hands: its sessions use them
   hand_made::performer performer_;
 };
@@ -279,13 +332,22 @@ exit_status run_for_deployment(const run_command& x, ecology_file file) {
   options.source = {x.file, to_hex(file.text_hash)};
   std::unique_ptr<io::line_input> orders;
   options.on_begun = [&](const run_control& control) { orders = listen(x, control); };
+  line_rate rate;
+  const auto tell = [](const std::string& text) {
+    if (!text.empty())
+      static_cast<void>(print(stdout, text));
+  };
+  const auto real = [start = steady::now()] { return steady::now() - start; };
   options.on_event = [&](const report::logged_event& event) {
-    static_cast<void>(print(stdout, event_line(event, x.elapsed) + '\n'));
+    tell(rate.left_out(real()));
+    if (rate.take())
+      tell(event_line(event, x.elapsed) + '\n');
   };
   options.on_counters = [&told](const report::run_counters& all) {
     told.counters = all.unsettled();
   };
   options.progress = [&, next = steady::now() + report_every](const run_progress&) mutable {
+    tell(rate.left_out(real()));
     if (steady::now() < next)
       return;
     next = steady::now() + report_every;
@@ -293,6 +355,7 @@ exit_status run_for_deployment(const run_command& x, ecology_file file) {
   };
   run.emplace(std::move(file.ecology), std::move(options));
   auto whole = run->finish();
+  tell(rate.finish());
   const auto status = status_of(whole);
   return leave(std::move(whole), /*is_final=*/true) ? status : exit_status::failed;
 }

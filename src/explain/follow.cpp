@@ -1,18 +1,17 @@
 #include <algorithm>
+#include <utility>
 
 #include "explain/media.hpp"
 
 namespace rubicon::explain {
 
-namespace {
-
 /// Hands each record to those whom it concerns.
-class follower {
+class following::follower {
 public:
-  explicit follower(const recording& x) : all_(x) {}
+  follower(const header& about, bool keeps_view) : all_(about), keeps_view_(keeps_view) {}
 
   void take(const record& r);
-  [[nodiscard]] traces finish() { return std::move(all_.all); }
+  [[nodiscard]] traces& found() { return all_.all; }
 
 private:
   void on_event(const record& r);
@@ -23,9 +22,10 @@ private:
   air_follower air_{all_, messages_};
   line_follower lines_{all_, messages_};
   link_follower links_{all_, messages_, tuples_};
+  bool keeps_view_;
 };
 
-void follower::take(const record& r) {
+void following::follower::take(const record& r) {
   all_.note(r);
   const bool is_hop = r.what == kind::serial_octets || r.what == kind::link_octets;
   if (r.unheard && !is_hop) // nobody makes anything of it
@@ -80,15 +80,17 @@ void follower::take(const record& r) {
   case kind::event:
     return on_event(r);
   case kind::ecology:
-    all_.all.ecology = r.text;
+    if (keeps_view_)
+      all_.all.ecology = r.text;
     return;
   case kind::sample:
-    all_.all.samples.push_back(r.text);
+    if (keeps_view_)
+      all_.all.samples.push_back(r.text);
     return;
   }
 }
 
-void follower::on_event(const record& r) {
+void following::follower::on_event(const record& r) {
   all_.all.events.push_back(r);
   const auto parent = all_.step_of(r.cause);
   const bool is_of_mote = r.from.starts_with("mote/") || r.from.starts_with("mote_app/");
@@ -111,13 +113,31 @@ void follower::on_event(const record& r) {
     std::rotate(sent, std::prev(siblings.end()), siblings.end());
 }
 
-} // namespace
+following::following(const header& about, bool keeps_view)
+    : all_(std::make_unique<follower>(about, keeps_view)) {}
+following::~following() = default;
+following::following(following&&) noexcept = default;
+following& following::operator=(following&&) noexcept = default;
+
+void following::take(const record& x) {
+  all_->take(x);
+}
+
+const traces& following::so_far() const {
+  return all_->found();
+}
+
+traces following::finish(bool cut_off) {
+  auto& found = all_->found();
+  found.cut_off = cut_off;
+  return std::move(found);
+}
 
 traces follow(const recording& x) {
-  follower all(x);
+  following all(x.about);
   for (const auto& r : x.records)
     all.take(r);
-  return all.finish();
+  return all.finish(x.cut_off);
 }
 
 } // namespace rubicon::explain

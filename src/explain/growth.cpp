@@ -18,10 +18,9 @@ instant node::time() const {
   return attempts.empty() ? begin : std::max(begin, attempts.back().begin);
 }
 
-growth::growth(const recording& x) {
-  all.about = x.about;
-  all.known = names(x.about);
-  all.cut_off = x.cut_off;
+growth::growth(const header& about) {
+  all.about = about;
+  all.known = names(about);
 }
 
 void growth::note(const record& r) {

@@ -32,7 +32,7 @@ struct crossing {
 /// after the step that the nearest of its causes stands for.
 class growth {
 public:
-  explicit growth(const recording& x);
+  explicit growth(const header& about);
 
   /// @pre what causes it has been noted
   void note(const record& r);

@@ -128,6 +128,7 @@ public:
   /// leaves half a line
   [[nodiscard]] std::optional<bad_line> finish(std::string_view rest);
 
+  /// What it has taken; whoever needs no more of the records may clear them.
   [[nodiscard]] recording& result() { return result_; }
 
 private:

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -142,5 +143,25 @@ struct traces {
 /// Follows everything in a record. Costs O(n log n); what octets mean that no decoder takes is left
 /// out.
 [[nodiscard]] traces follow(const recording& x);
+
+/// The same bit by bit, of a record that is still written.
+class following {
+public:
+  /// @param keeps_view whether traces::ecology and samples are wanted, which are long
+  explicit following(const header& about, bool keeps_view = true);
+  ~following();
+  following(following&&) noexcept;
+  following& operator=(following&&) noexcept;
+
+  void take(const record& x);
+  [[nodiscard]] const traces& so_far() const;
+
+  /// Nothing more comes. @param cut_off the last line was incomplete
+  [[nodiscard]] traces finish(bool cut_off);
+
+private:
+  class follower;
+  std::unique_ptr<follower> all_;
+};
 
 } // namespace rubicon::explain

@@ -60,10 +60,25 @@ struct island_sample {
   std::map<std::string, cause_counts> lost; ///< by layer: `radio`, `mac`, `network`, `messages`
 };
 
+/// An open link of a peer.
+struct peer_link_sample {
+  peer_id to;               ///< any_peer: not known yet
+  std::uint32_t queued = 0; ///< packages that wait to leave
+};
+
+/// A PEIS peer, also as a gateway, at one moment.
+struct peer_sample {
+  std::string name;
+  bool runs = false;
+  std::vector<peer_link_sample> links;
+  std::optional<std::uint32_t> to_sink = {}; ///< packets that wait for a gateway's cable
+};
+
 struct run_sample {
   instant at;
   std::vector<island_sample> islands; ///< ascending by id
   std::vector<mote_sample> motes;     ///< ascending by address
+  std::vector<peer_sample> peers = {}; ///< ascending by name
 };
 
 /// A component has set or deleted a tuple, or asked another peer for that.

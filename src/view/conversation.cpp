@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -18,7 +19,8 @@ using json = nlohmann::ordered_json;
 
 constexpr std::size_t messages_listed_max = 1000;
 constexpr std::size_t frames_listed_max = 500;
-constexpr std::size_t points_max = 400; ///< of a curve
+constexpr std::size_t points_max = 400;  ///< of a curve
+constexpr std::size_t newest_tuples = 8; ///< of a peer
 
 /// What a mote is shown as; numbers of docs/view.md.
 enum class mote_state : int { absent, joined, asleep, lost, off, flat };
@@ -131,13 +133,14 @@ public:
 
   json answer(const json& question) {
     using function = json (answerer::*)(const json&);
-    static constexpr std::array<std::pair<std::string_view, function>, 11> answers{{
+    static constexpr std::array<std::pair<std::string_view, function>, 12> answers{{
         {"moment", &answerer::moment},
         {"events", &answerer::events},
         {"series", &answerer::series},
         {"tuples", &answerer::tuples},
         {"curve", &answerer::curve},
         {"mote", &answerer::mote},
+        {"peer", &answerer::peer},
         {"messages", &answerer::messages},
         {"explain", &answerer::explain_message},
         {"explain_tuple", &answerer::explain_tuple},
@@ -161,7 +164,7 @@ public:
          {"state", "parent", "hops", "etx", "signal", "used_mah", "hours", "delivery", "queue"})
       columns[name] = json::array();
     const report::mote_sample absent;
-    for (const auto& each : x_.motes_) {
+    for (const auto& each : x_.about_->motes) {
       const auto* const found = sample == nullptr ? nullptr : find(*sample, each.address);
       const auto& mote = found == nullptr ? absent : *found;
       const auto state = found == nullptr ? mote_state::absent : state_of(mote, each.is_mac);
@@ -250,10 +253,10 @@ private:
   json mote(const json& question) {
     const auto asked = text(question, "address");
     const auto address = address_of(asked);
-    const auto known = x_.index_.find(address);
-    if (known == x_.index_.end())
+    const auto known = x_.about_->index.find(address);
+    if (known == x_.about_->index.end())
       throw refusal{"there is no mote " + asked};
-    const auto& about = x_.motes_[known->second];
+    const auto& about = x_.about_->motes[known->second];
     json y = {{"kind", "mote"}, {"address", asked}, {"name", about.name}};
     const auto sample = all_.at(instant_of(number(question, "at_s")));
     const auto* const found = sample == nullptr ? nullptr : find(*sample, address);
@@ -312,41 +315,104 @@ private:
                                                    static_cast<double>(packets))}};
   }
 
+  json peer(const json& question) {
+    const auto name = text(question, "name");
+    const auto at = instant_of(number(question, "at_s"));
+    json y = {{"kind", "peer"}, {"name", name}, {"facts", json::array()}};
+    y["links"] = json::array();
+    if (const auto sample = all_.at(at)) {
+      const auto found =
+          std::ranges::lower_bound(sample->peers, name, {}, &report::peer_sample::name);
+      if (found != sample->peers.end() && found->name == name)
+        add_present(y, *found);
+    }
+    auto own = all_.tuples_at(at).tuples;
+    std::erase_if(own, [&name](const auto& each) { return each.first.first != name; });
+    y["tuples"] = own.size();
+    std::ranges::stable_sort(own, std::greater(),
+                             [](const auto& each) { return each.second.since; });
+    own.resize(std::min(own.size(), newest_tuples));
+    y["newest"] = json::array();
+    for (const auto& [key, value] : own)
+      y["newest"].push_back(json::array({key.second, value.value}));
+    return y;
+  }
+
+  void add_present(json& y, const report::peer_sample& peer) {
+    std::uint64_t queued = 0;
+    for (const auto& each : peer.links) {
+      queued += each.queued;
+      const auto known = x_.about_->peers.find(each.to);
+      y["links"].push_back(json::array(
+          {known == x_.about_->peers.end() ? to_string(each.to) : known->second, each.queued}));
+    }
+    const auto fact = [&y](const char* name, const std::string& value) {
+      y["facts"].push_back(json::array({name, value}));
+    };
+    fact("state", peer.runs ? "runs" : "does not run");
+    fact("packages waiting", std::to_string(queued));
+    if (peer.to_sink)
+      fact("packets waiting for the cable", std::to_string(*peer.to_sink));
+  }
+
   [[nodiscard]] std::string name_of(mote_address x) const {
-    const auto found = x_.index_.find(x);
-    return found == x_.index_.end() ? "sink" : x_.motes_[found->second].name;
+    const auto found = x_.about_->index.find(x);
+    return found == x_.about_->index.end() ? "sink" : x_.about_->motes[found->second].name;
   }
 
   json messages(const json& question) {
     const auto list = all_.messages();
     json y = {{"kind", "messages"}, {"ready", list != nullptr}};
-    y["why"] = list == nullptr ? all_.why_no_messages() : "";
+    y["why"] = all_.why_no_messages();
     y["messages"] = json::array();
     y["total"] = 0;
     if (list == nullptr)
       return y;
+    add_time(y, *list);
     const bool lost_only = question.value("lost", false);
     const auto limit = static_cast<std::size_t>(
         std::clamp(question.value("limit", 200.0), 0.0, static_cast<double>(messages_listed_max)));
     std::optional<mote_address> of;
     if (question.contains("of"))
-      of = address_of(text(question, "of"));
-    std::size_t total = 0;
-    const auto& all = list->messages();
-    for (auto each = all.rbegin(); each != all.rend(); ++each) { // the newest first
-      if ((lost_only && each->kind != "lost") || (of && each->source != *of))
-        continue;
-      if (total++ < limit)
-        y["messages"].push_back({{"name", each->name},
-                                 {"from", each->from},
-                                 {"to", each->to},
-                                 {"sent_s", in_seconds(each->sent)},
-                                 {"ended_s", each->ended ? json(in_seconds(*each->ended)) : json()},
-                                 {"outcome", each->outcome},
-                                 {"class", each->kind}});
-    }
-    y["total"] = total;
+      of = whom(text(question, "of"), *list);
+    std::vector<const listed_message*> found;
+    for (const auto& each : list->messages())
+      if ((!lost_only || each.kind == "lost") &&
+          (!of || each.source == *of || each.destination == *of))
+        found.push_back(&each);
+    y["total"] = found.size();
+    std::ranges::reverse(found); // the newest first
+    std::ranges::stable_sort(found, {}, &rank_of);
+    if (found.size() > limit)
+      found.resize(limit);
+    for (const auto* each : found)
+      y["messages"].push_back({{"name", each->name},
+                               {"from", each->from},
+                               {"to", each->to},
+                               {"sent_s", in_seconds(each->sent)},
+                               {"ended_s", each->ended ? json(in_seconds(*each->ended)) : json()},
+                               {"outcome", each->outcome},
+                               {"class", each->kind}});
     return y;
+  }
+
+  /// An address, or a peer: gateways send and get as the PC of their island.
+  static mote_address whom(const std::string& x, const message_list& list) {
+    const auto& known = list.traces().known;
+    const auto peer = known.peer_of(explain::names::kernel_path(x));
+    if (!peer)
+      return address_of(x);
+    return {island_id(static_cast<std::uint32_t>(known.speaks_for(*peer).value)), no_mote};
+  }
+
+  /// Those come first that somebody may have to do something about.
+  static int rank_of(const listed_message* x) {
+    return x->kind == "lost" ? 0 : x->kind == "open" ? 1 : 2;
+  }
+
+  /// As of when it is; nothing if all is told.
+  static void add_time(json& to, const message_list& from) {
+    to["as_of_s"] = from.is_whole() ? json() : json(in_seconds(from.traces().end));
   }
 
   [[nodiscard]] std::shared_ptr<const message_list> recorded() const {
@@ -358,15 +424,23 @@ private:
 
   json explain_message(const json& question) {
     const auto name = text(question, "message");
-    return {{"kind", "explain"}, {"message", name}, {"text", recorded()->explain_message(name)}};
+    const auto list = recorded();
+    return explained(name, list->explain_message(name), *list);
   }
 
   json explain_tuple(const json& question) {
     const auto key = text(question, "key");
-    return {{"kind", "explain"},
-            {"message", key},
-            {"text", recorded()->explain_tuple(text(question, "owner"), key,
-                                               instant_of(number(question, "at_s")))}};
+    const auto list = recorded();
+    return explained(key,
+                     list->explain_tuple(text(question, "owner"), key,
+                                         instant_of(number(question, "at_s"))),
+                     *list);
+  }
+
+  static json explained(const std::string& what, const std::string& how, const message_list& from) {
+    json y = {{"kind", "explain"}, {"message", what}, {"text", how}};
+    add_time(y, from);
+    return y;
   }
 
   json frames(const json& question) {
@@ -379,6 +453,7 @@ private:
                    : std::string();
     };
     json y = {{"kind", "frames"}, {"frames", json::array()}};
+    add_time(y, *list);
     const auto& all = list->frames();
     for (auto each = std::ranges::lower_bound(all, from, {}, &listed_frame::begin);
          each != all.end() && each->begin <= to && y["frames"].size() < frames_listed_max; ++each)
@@ -401,28 +476,36 @@ private:
   const timeline& all_;
 };
 
-conversation::conversation(std::shared_ptr<const timeline> all, std::string facts,
-                           std::shared_ptr<const controls> controls)
-    : all_(std::move(all)), facts_(std::move(facts)), controls_(std::move(controls)) {
-  const auto ecology = json::parse(facts_, nullptr, /*allow_exceptions=*/false);
+introduction introduction_of(std::string facts) {
+  introduction x{std::move(facts), {}, {}, {}};
+  const auto ecology = json::parse(x.facts, nullptr, /*allow_exceptions=*/false);
   if (!ecology.is_object())
-    return;
+    return x;
   try {
     for (const auto& island : ecology.at("islands")) {
       const island_id id(island.at("id").get<std::uint32_t>());
       const auto name = island.at("name").get<std::string>();
       for (const auto& mote : island.at("motes")) {
         const mote_address address{id, mote_id(mote.at(0).get<std::uint16_t>())};
-        index_[address] = motes_.size();
-        motes_.push_back({address, name + '/' + mote.at(1).get<std::string>(),
-                          mote.at(4).get<std::string>(), island.value("mac", false)});
+        x.index[address] = x.motes.size();
+        x.motes.push_back({address, name + '/' + mote.at(1).get<std::string>(),
+                           mote.at(4).get<std::string>(), island.value("mac", false)});
       }
     }
+    for (const auto& peer : ecology.value("peers", json::array()))
+      x.peers[peer_id(peer.at("id").get<std::int32_t>())] = peer.at("name").get<std::string>();
   } catch (const json::exception&) {
-    motes_.clear(); // of a record that somebody has written by hand
-    index_.clear();
+    x.motes.clear(); // of a record that somebody has written by hand
+    x.index.clear();
+    x.peers.clear();
   }
+  return x;
 }
+
+conversation::conversation(std::shared_ptr<const timeline> all,
+                           std::shared_ptr<const introduction> about,
+                           std::shared_ptr<const controls> controls)
+    : all_(std::move(all)), about_(std::move(about)), controls_(std::move(controls)) {}
 
 std::string conversation::on_text(std::string_view text_in) {
   const auto question = json::parse(text_in, nullptr, /*allow_exceptions=*/false);
@@ -450,7 +533,7 @@ std::string conversation::on_text(std::string_view text_in) {
 std::optional<std::string> conversation::news() {
   if (!introduced_) {
     introduced_ = true;
-    return facts_;
+    return about_->facts;
   }
   const auto state = all_->state();
   const auto events = all_->events();

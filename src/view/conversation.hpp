@@ -33,11 +33,22 @@ struct mote_index {
   bool is_mac = false; ///< its island has radio and medium access only
 };
 
+/// What every page is told first, and what it says of motes.
+struct introduction {
+  std::string facts; ///< the message `ecology`, with facts
+  std::vector<mote_index> motes;
+  std::map<mote_address, std::size_t> index; ///< of `motes`
+  std::map<peer_id, std::string> peers;
+};
+
+/// @param facts of which nobody has to be able to read anything
+[[nodiscard]] introduction introduction_of(std::string facts);
+
 class conversation {
 public:
-  /// @param facts the message `ecology`, with facts
+  /// @param about shared by all pages
   /// @param controls nothing: the page only looks
-  conversation(std::shared_ptr<const timeline> all, std::string facts,
+  conversation(std::shared_ptr<const timeline> all, std::shared_ptr<const introduction> about,
                std::shared_ptr<const controls> controls);
 
   /// The answer to a question; `refused` if it is none.
@@ -50,10 +61,8 @@ private:
   class answerer;
 
   std::shared_ptr<const timeline> all_;
-  std::string facts_;
+  std::shared_ptr<const introduction> about_;
   std::shared_ptr<const controls> controls_;
-  std::vector<mote_index> motes_;
-  std::map<mote_address, std::size_t> index_;
   bool introduced_ = false;
   bool follows_ = true;
   std::uint64_t events_told_ = 0;

@@ -18,6 +18,7 @@ listed_message listed(const explain::traces& all, const explain::message& x) {
   const auto how = explain::outcome_of(all, x);
   listed_message y{.name = x.name,
                    .source = x.source,
+                   .destination = x.destination,
                    .from = all.known.of(x.source),
                    .to = all.known.of(x.destination),
                    .sent = all.nodes[x.root].begin,
@@ -37,7 +38,8 @@ listed_message listed(const explain::traces& all, const explain::message& x) {
 
 } // namespace
 
-message_list::message_list(std::shared_ptr<const explain::traces> all) : all_(std::move(all)) {
+message_list::message_list(std::shared_ptr<const explain::traces> all, bool is_whole)
+    : all_(std::move(all)), is_whole_(is_whole) {
   messages_.reserve(all_->messages.size());
   for (const auto& each : all_->messages)
     messages_.push_back(listed(*all_, each));

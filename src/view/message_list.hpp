@@ -1,4 +1,4 @@
-// The messages and frames of a recorded run, so that any of them is found at once.
+// The messages and frames of a run as far as it is recorded, so that any of them is found at once.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,7 @@ namespace rubicon::view {
 struct listed_message {
   std::string name; ///< `kitchen/climate-7#12`
   mote_address source;
+  mote_address destination;
   std::string from;
   std::string to;
   instant sent;
@@ -33,9 +34,11 @@ struct listed_frame {
 
 class message_list {
 public:
-  explicit message_list(std::shared_ptr<const explain::traces> all);
+  /// @param is_whole the run is over: nothing will be added to it
+  explicit message_list(std::shared_ptr<const explain::traces> all, bool is_whole = true);
 
   [[nodiscard]] const explain::traces& traces() const { return *all_; }
+  [[nodiscard]] bool is_whole() const { return is_whole_; }
   [[nodiscard]] const std::vector<listed_message>& messages() const { return messages_; }
   [[nodiscard]] const std::vector<listed_frame>& frames() const { return frames_; } ///< by time
 
@@ -48,6 +51,7 @@ public:
 
 private:
   std::shared_ptr<const explain::traces> all_;
+  bool is_whole_;
   std::vector<listed_message> messages_;
   std::vector<listed_frame> frames_;
 };

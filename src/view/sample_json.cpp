@@ -88,6 +88,29 @@ void for_each_column(Mote& x, const F& f) {
   f("processor", x.energy.processor);
 }
 
+report::peer_sample peer_of(const std::string& name, const json& from) {
+  report::peer_sample x;
+  x.name = name;
+  take(from.at("runs"), x.runs);
+  if (!from.at("to_sink").is_null())
+    take(from.at("to_sink"), x.to_sink.emplace());
+  for (const auto& each : from.at("links")) {
+    auto& link = x.links.emplace_back();
+    link.to = peer_id(each.at(0).get<std::int32_t>());
+    take(each.at(1), link.queued);
+  }
+  return x;
+}
+
+json written(const report::peer_sample& x) {
+  auto links = json::array();
+  for (const auto& each : x.links)
+    links.push_back(json::array({each.to.value, each.queued}));
+  return {{"runs", written(x.runs)},
+          {"to_sink", x.to_sink ? json(*x.to_sink) : json()},
+          {"links", std::move(links)}};
+}
+
 report::run_sample sample_of(const json& from) {
   report::run_sample x;
   x.at = instant(duration(from.at("at_ns").get<std::int64_t>()));
@@ -115,6 +138,10 @@ report::run_sample sample_of(const json& from) {
         x.motes[i].neighbours.push_back(y);
       }
   std::ranges::sort(x.motes, {}, &mote_sample::address);
+  if (const auto found = from.find("peers"); found != from.end())
+    for (const auto& [name, each] : found->items())
+      x.peers.push_back(peer_of(name, each));
+  std::ranges::sort(x.peers, {}, &report::peer_sample::name);
   return x;
 }
 
@@ -143,7 +170,10 @@ std::string encode(const report::run_sample& x) {
       all.push_back(std::move(list));
     }
   }
-  return y.dump();
+  if (x.peers.size() <= peers_told_max)
+    for (const auto& peer : x.peers)
+      y["peers"][peer.name] = written(peer);
+  return y.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 std::optional<report::run_sample> decode_sample(std::string_view text) {

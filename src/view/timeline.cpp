@@ -40,11 +40,15 @@ void timeline::add(report::run_sample x) {
   newest_ = shared;
   if (samples_told_++ % sample_stride_ != 0)
     return;
-  if (shared->motes.size() > motes_with_neighbours_max) {
-    // Of many motes neighbours are kept for the present only.
+  const bool many_motes = shared->motes.size() > motes_with_neighbours_max;
+  const bool many_peers = shared->peers.size() > peers_told_max;
+  if (many_motes || many_peers) { // then neighbours and peers are kept for the present only
     auto lean = std::make_shared<report::run_sample>(*shared);
     for (auto& each : lean->motes)
-      each.neighbours = {};
+      if (many_motes)
+        each.neighbours = {};
+    if (many_peers)
+      lean->peers = {};
     shared = std::move(lean);
   }
   samples_.push_back(std::move(shared));
@@ -151,7 +155,12 @@ void timeline::set(run_state x) {
 
 void timeline::set(std::shared_ptr<const message_list> x) {
   const std::lock_guard guard(lock_);
-  messages_ = std::move(x);
+  messages_.swap(x); // the old ones end when nobody waits for the lock
+}
+
+void timeline::set_on_messages(std::function<void()> x) {
+  const std::lock_guard guard(lock_);
+  on_messages_ = std::move(x);
 }
 
 void timeline::set_why_no_messages(std::string x) {
@@ -238,8 +247,13 @@ std::vector<tuple_value> timeline::values_of(const tuple_key& x) const {
 }
 
 std::shared_ptr<const message_list> timeline::messages() const {
-  const std::lock_guard guard(lock_);
-  return messages_;
+  std::unique_lock guard(lock_);
+  auto found = messages_;
+  const auto ask = on_messages_;
+  guard.unlock();
+  if (ask)
+    ask();
+  return found;
 }
 
 std::string timeline::why_no_messages() const {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -65,10 +66,12 @@ public:
   void add(const report::tuple_write& x);
   void add(listed_event x);
   void set(run_state x);
-  /// From now on messages can be explained.
+  /// From now on these messages can be explained.
   void set(std::shared_ptr<const message_list> x);
-  /// Why they cannot be, at this time.
+  /// Why none can be at this time, or why some cannot.
   void set_why_no_messages(std::string x);
+  /// Called whenever somebody asks for messages, by who asks: those that are there may be old.
+  void set_on_messages(std::function<void()> x);
 
   /// Puts in order what the run has put down, on the calling thread; reading does so too.
   void settle() const;
@@ -146,6 +149,7 @@ private:
   std::uint64_t events_forgotten_ = 0;
   std::shared_ptr<const message_list> messages_;
   std::string why_no_messages_;
+  std::function<void()> on_messages_;
 };
 
 } // namespace rubicon::view

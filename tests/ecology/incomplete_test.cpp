@@ -1,6 +1,8 @@
 // Runs that break off, and files that cannot be written: neither is a good end (ACT-03).
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <new>
 #include <string>
 
@@ -119,6 +121,25 @@ TEST_CASE("records, captures and debug logs that are cut short are told", "[ecol
     const auto x = run_with(short_home(), options);
     CHECK(x.actors.failures.empty()); // no actor has done wrong
     check_violation(x, "what was asked for is there", "debug logs in ");
+  }
+}
+
+TEST_CASE("a record that may end does so, and nobody minds", "[ecology]") {
+  const test::scratch_folder folder;
+  run_options options;
+  options.record_octets_max = 50'000;
+  SECTION("before it is too long") {
+    options.record_file = folder.file("run.rec");
+    CHECK(told_violations(run_with(short_home(), options)).empty());
+    std::ifstream file(options.record_file);
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    CHECK(text.size() <= 50'000);
+    CHECK(text.size() > 40'000);
+    CHECK(text.ends_with("}\n")); // its lines are whole
+  }
+  SECTION("or where there is no room for it") {
+    options.record_file = "/dev/full";
+    CHECK(told_violations(run_with(short_home(), options)).empty());
   }
 }
 

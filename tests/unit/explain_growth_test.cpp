@@ -23,7 +23,7 @@ record numbered(std::uint64_t number, std::uint64_t cause, kind what = kind::rad
 
 /// One message, whose first step stands for number 1.
 struct one_message {
-  growth all{explain_fixture().x};
+  growth all{explain_fixture().x.about};
   node_index root;
 
   one_message() {
@@ -55,7 +55,7 @@ TEST_CASE("a number stands for the step of its nearest cause", "[explain]") {
 }
 
 TEST_CASE("causes that go round in a circle end", "[explain]") {
-  growth all{explain_fixture().x};
+  growth all{explain_fixture().x.about};
   all.note(numbered(5, 5));
   all.note(numbered(6, 9));
   all.note(numbered(9, 6));
@@ -100,7 +100,7 @@ TEST_CASE("a hop has arrived when all its fragments have", "[explain][NET-14]") 
 }
 
 TEST_CASE("a value is heard of by what it has led to, whatever others it equals", "[explain]") {
-  growth all{explain_fixture().x};
+  growth all{explain_fixture().x.about};
   tuple_follower tuples(all);
   for (const std::uint64_t number : {1U, 2U}) {
     auto r = numbered(number, 0, kind::set_tuple, "kitchen.near.state");
@@ -119,7 +119,7 @@ TEST_CASE("a value is heard of by what it has led to, whatever others it equals"
 }
 
 TEST_CASE("a kernel's own value begins with the first package that carries it", "[explain]") {
-  growth all{explain_fixture().x};
+  growth all{explain_fixture().x.about};
   tuple_follower tuples(all);
   peis::tuple x;
   x.owner = peer_id{11};

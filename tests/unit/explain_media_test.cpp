@@ -12,7 +12,7 @@ namespace {
 const bytes reading{0x00, 0xd7};
 
 struct followers {
-  growth all{explain_fixture().x};
+  growth all{explain_fixture().x.about};
   message_follower messages{all};
   tuple_follower tuples{all};
   air_follower air{all, messages};

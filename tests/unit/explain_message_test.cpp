@@ -403,3 +403,34 @@ TEST_CASE("a receiver that has started again turns a message away", "[explain][D
     CHECK(all.messages.front().acknowledged);
   }
 }
+
+TEST_CASE("a record that grows tells at any time what there is so far", "[explain]") {
+  explain_fixture world;
+  const auto cause = world.program_sends(near_mote, reading, true);
+  delivery way{world, world.reliable(7, 5, reading)};
+  const auto before = world.x.records.size();
+  way.answer(way.to_gateway(cause));
+  record sample;
+  sample.what = kind::sample;
+  sample.text = "{}";
+  world.x.records.push_back(sample);
+
+  following bits(world.x.about, /*keeps_view=*/false);
+  following all(world.x.about);
+  CHECK(bits.so_far().messages.empty());
+  for (std::size_t i = 0; i < world.x.records.size(); ++i) {
+    if (i == before) {
+      REQUIRE(bits.so_far().messages.size() == 1);
+      CHECK(outcome_of(bits.so_far(), bits.so_far().messages[0]).status ==
+            message_status::in_flight);
+    }
+    bits.take(world.x.records[i]);
+    all.take(world.x.records[i]);
+  }
+  const auto whole = follow(world.x);
+  CHECK(whole.samples.size() == 1);
+  CHECK(all.so_far().samples.size() == 1);
+  CHECK(bits.so_far().samples.empty());
+  CHECK(message_text(bits.so_far(), 0, wide) == message_text(whole, 0, wide));
+  CHECK(all.finish(/*cut_off=*/true).cut_off);
+}

@@ -52,11 +52,16 @@ report::run_sample sample_at(duration at) {
   return x;
 }
 
+std::shared_ptr<const view::introduction> about(std::string facts) {
+  return std::make_shared<const view::introduction>(view::introduction_of(std::move(facts)));
+}
+
 struct page {
   std::shared_ptr<view::timeline> all = std::make_shared<view::timeline>();
-  view::conversation with{
-      all, view::with_facts(view::ecology_json(two_motes()), {.file = "home.toml"}, "wall"),
-      nullptr};
+  view::conversation with{all,
+                          about(view::with_facts(view::ecology_json(two_motes()),
+                                                 {.file = "home.toml"}, "wall")),
+                          nullptr};
 
   json ask(const json& question) { return json::parse(with.on_text(question.dump())); }
   json news() {
@@ -192,6 +197,87 @@ TEST_CASE("without a record messages are not ready, and the page is told why", "
   CHECK(x.ask({{"ask", "frames"}, {"from_s", 0}, {"to_s", 1}})["kind"] == "refused");
 }
 
+TEST_CASE("messages of a run that goes on are told, as of when they are", "[view]") {
+  page x;
+  explain::header about;
+  about.islands = {{1, "kitchen", 1, "kitchen-gateway", {{5, "stove"}}, {}}};
+  about.peers = {{1, "kitchen-gateway"}};
+  explain::following all(about);
+  const auto sends = [&all](std::uint64_t number, const std::string& who, mote_address to) {
+    explain::record r;
+    r.number = number;
+    r.time = instant(std::chrono::seconds(number));
+    r.what = explain::kind::send_message;
+    r.from = "mote_app/kitchen/stove/messenger-1";
+    r.to = who;
+    r.id = number;
+    r.mote = to;
+    all.take(r);
+  };
+  const auto show = [&](bool is_whole) {
+    x.all->set(std::make_shared<const view::message_list>(
+        std::make_shared<const explain::traces>(all.so_far()), is_whole));
+  };
+  int asked = 0;
+  x.all->set_on_messages([&asked] { ++asked; });
+  CHECK(x.ask({{"ask", "messages"}})["ready"] == false);
+  CHECK(asked == 1); // so that somebody reads them
+  sends(1, "mote/kitchen/stove", {own_island, no_mote});
+  sends(3, "gateway/kitchen", {island_id(1), mote_id(5)});
+  sends(4, "gateway/kitchen", {island_id(1), mote_id(6)});
+  show(false);
+  x.all->set_why_no_messages("later ones are not kept");
+  const auto some = x.ask({{"ask", "messages"}});
+  CHECK(some["ready"] == true);
+  CHECK(some["as_of_s"] == 4.0);
+  CHECK(some["total"] == 3);
+  CHECK(some["why"] == "later ones are not kept");
+  CHECK(x.ask({{"ask", "explain"}, {"message", "kitchen/stove#1"}})["as_of_s"] == 4.0);
+  CHECK(x.ask({{"ask", "frames"}, {"from_s", 0}, {"to_s", 9}})["as_of_s"] == 4.0);
+  CHECK(asked == 4);
+  const auto of = [&x](const std::string& who) {
+    return x.ask({{"ask", "messages"}, {"of", who}})["total"].get<int>();
+  };
+  CHECK(of("1/5") == 2); // from it, and to it
+  CHECK(of("1/6") == 1);
+  CHECK(of("kitchen-gateway") == 3);
+  CHECK(x.ask({{"ask", "messages"}, {"of", "nobody"}})["kind"] == "refused");
+  explain::record much_later;
+  much_later.time = instant(90s);
+  much_later.what = explain::kind::sample;
+  all.take(much_later);
+  sends(91, "mote/kitchen/stove", {own_island, no_mote});
+  show(true);
+  const auto whole = x.ask({{"ask", "messages"}, {"limit", 2}});
+  CHECK(whole["as_of_s"].is_null());
+  CHECK(whole["total"] == 4);
+  REQUIRE(whole["messages"].size() == 2); // lost ones first, the newest of them before the others
+  CHECK(whole["messages"][0]["class"] == "lost");
+  CHECK(whole["messages"][0]["sent_s"] == 4.0);
+  CHECK(whole["messages"][1]["sent_s"] == 3.0);
+}
+
+TEST_CASE("a peer tells its links, queues and newest tuples", "[view]") {
+  page x;
+  auto sample = sample_at(10s);
+  sample.peers = {{"kitchen-gateway", true, {{peer_id(1), 2}, {peer_id(77), 3}}, 4}};
+  x.all->add(sample);
+  for (int i = 0; i < 10; ++i)
+    x.all->add(report::tuple_write{instant(std::chrono::seconds(i)), "kitchen-gateway",
+                                   "kitchen-gateway", "k" + std::to_string(i), "v", false});
+  x.all->add(report::tuple_write{instant(9s), "pc", "pc", "other", "v", false});
+  const auto y = x.ask({{"ask", "peer"}, {"name", "kitchen-gateway"}, {"at_s", 10}});
+  CHECK(y["facts"] == json::parse(R"([["state","runs"],["packages waiting","5"],)"
+                                  R"(["packets waiting for the cable","4"]])"));
+  CHECK(y["links"] == json::parse(R"([["kitchen-gateway",2],["77",3]])"));
+  CHECK(y["tuples"] == 10);
+  REQUIRE(y["newest"].size() == 8);
+  CHECK(y["newest"][0][0] == "k9");
+  const auto nobody = x.ask({{"ask", "peer"}, {"name", "x"}, {"at_s", 10}});
+  CHECK(nobody["facts"].empty());
+  CHECK(nobody["tuples"] == 0);
+}
+
 TEST_CASE("what is no question is refused", "[view]") {
   page x;
   const auto refused = [&x](const std::string& text) {
@@ -231,7 +317,7 @@ TEST_CASE("with controls faults and tuples are passed on", "[view][ACT-10][SVC-0
     seen = owner + '|' + key + '|' + value;
     return view::controls::outcome{true, ""};
   };
-  view::conversation with(x.all, "{}", controls);
+  view::conversation with(x.all, about("{}"), controls);
   const auto ask = [&with](const json& question) {
     return json::parse(with.on_text(question.dump()));
   };

@@ -32,6 +32,7 @@ run_sample two_motes() {
   second.address = {island_id(1), mote_id(3)};
   second.battery_mah = std::numeric_limits<double>::infinity();
   x.motes = {first, second};
+  x.peers = {{"a/\"b\"", true, {{peer_id(7), 3}, {any_peer, 0}}, 2}, {"pc", false, {}, {}}};
   return x;
 }
 
@@ -56,6 +57,15 @@ TEST_CASE("a sample is what it was when it is read again", "[view]") {
   CHECK_FALSE(mote.neighbours[1].etx);
   CHECK(again->motes[1].battery_mah == std::numeric_limits<double>::infinity());
   CHECK_FALSE(again->motes[1].signal_dbm);
+  REQUIRE(again->peers.size() == 2);
+  CHECK(again->peers[0].name == "a/\"b\"");
+  CHECK(again->peers[0].runs);
+  REQUIRE(again->peers[0].links.size() == 2);
+  CHECK(again->peers[0].links[0].to == peer_id(7));
+  CHECK(again->peers[0].links[0].queued == 3);
+  CHECK(again->peers[0].to_sink == 2U);
+  CHECK_FALSE(again->peers[1].runs);
+  CHECK_FALSE(again->peers[1].to_sink);
   CHECK(again->islands.at(0).lost.at("radio").at("collision") == 7);
 }
 

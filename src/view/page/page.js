@@ -530,10 +530,10 @@ const changeSpeed = by => setSpeed(SPEEDS[clamp(SPEEDS.indexOf(shown.speed) + by
 
 /** Frames that are on their way while the page plays slowly: [start, length, from, to, heard]. */
 const frames = {
-  list: [], to: 0, asking: false, round: 0,
+  list: [], to: 0, asking: false, round: 0, again_ms: 0,
 
   clear() {
-    Object.assign(this, { list: [], to: 0, asking: false, round: this.round + 1 });
+    Object.assign(this, { list: [], to: 0, asking: false, round: this.round + 1, again_ms: 0 });
   },
 
   wanted: () => shown.playing && shown.speed <= 1 && hasMessages(),
@@ -542,15 +542,18 @@ const frames = {
 
   async lookAhead() {
     const ahead_s = 1.5 * shown.speed;
-    if (!this.wanted() || this.asking || this.to > shown.at_s + ahead_s) return;
+    if (!this.wanted() || this.asking || this.to > shown.at_s + ahead_s || performance.now() < this.again_ms) return;
     this.asking = true;
     const { round } = this;
     const from_s = max(this.to, shown.at_s - this.least_s());
     const to_s = from_s + 2 * ahead_s;
-    const found = (await ask({ ask: "frames", from_s, to_s }, "frames"))?.frames || [];
+    const answer = await ask({ ask: "frames", from_s, to_s }, "frames");
     if (round !== this.round) return;
+    const found = answer?.frames || [];
+    const known_s = max(answer?.as_of_s ?? (answer ? to_s : from_s), from_s);
+    if (known_s < to_s) this.again_ms = performance.now() + 1000; // those after it are not read yet
     this.asking = false;
-    this.to = found.length >= 500 ? found[found.length - 1][0] + 1e-6 : to_s;
+    this.to = found.length >= 500 ? found[found.length - 1][0] + 1e-6 : min(known_s, to_s);
     this.list = this.list.filter(([start, length]) => start + length + this.least_s() > shown.at_s).concat(found);
   },
 };
@@ -1563,7 +1566,10 @@ const refreshTab = throttled(250, () => tabs[shown.tab].refresh());
 
 function listenToTabs() {
   for (const each of $("tabs").children) {
-    on(each, "click", () => showTab(each.id.slice(4)));
+    on(each, "click", () => {
+      showTab(each.id.slice(4));
+      $("side").scrollIntoView(); // on a telephone it is below
+    });
     panelOf(each).setAttribute("aria-labelledby", each.id);
     panelOf(each).setAttribute("role", "tabpanel");
     each.setAttribute("role", "tab");
@@ -1872,34 +1878,35 @@ function energyBar(energy) {
 // ---- tab: messages
 
 const messages = { list: [], total: 0, why: "", ready: false };
-const MESSAGE_SIGNS = { lost: "✕", open: "…", arrived: "✓" }; // in the order in which they are listed
+const MESSAGE_SIGNS = { lost: "✕", open: "…", arrived: "✓" };
 const NO_RECORD = "No record is kept of this run, so what became of messages is not known. "
   + "Start it with --record FILE to see them here, to have values explained, and to see frames on their way.";
 
 function startMessages() {
-  tabs.messages = { list: new List("message-list", 42, messageRow, explainMessage), refresh: () => (run.running || !messages.ready ? askMessages() : null) };
+  const refresh = throttled(1500, () => (grows(messages) || !messages.ready ? askMessages() : null));
+  tabs.messages = { list: new List("message-list", 42, messageRow, explainMessage), refresh };
   on($("message-which"), "change", askMessages);
   on($("message-again"), "click", askMessages);
   on($("message-filter"), "input", showMessages);
 }
 
+/** Of a run that goes on messages are known as of some time. */
+const grows = answer => isNumber(answer.as_of_s);
+const asOf = answer => (grows(answer) ? " as of " + timeText(answer.as_of_s, 0) : "");
+
 const askMessages = latest(async () => {
   const lost = $("message-which").value === "lost";
   const answer = hasMessages() ? await ask({ ask: "messages", lost, limit: 1000 }, "messages") : { ready: false, why: NO_RECORD };
   if (!answer) return;
-  Object.assign(messages, { ready: answer.ready, why: answer.why, total: answer.total, list: lostFirst(answer.messages || []) });
+  Object.assign(messages, { as_of_s: null }, answer, { list: answer.messages || [] });
   showMessages();
 });
-
-function lostFirst(list) {
-  const rank = x => Object.keys(MESSAGE_SIGNS).indexOf(x.class);
-  return [...list].sort((a, b) => rank(a) - rank(b) || b.sent_s - a.sent_s);
-}
 
 function showMessages() {
   const needle = needleOf("message-filter");
   const found = messages.list.filter(x => matches(needle, x.name, x.from, x.to, x.outcome));
-  put("message-count", messages.ready ? `${countText(found.length)} shown of ${countText(messages.total)}` : plain(messages.why));
+  const count = messages.ready ? `${countText(found.length)} shown of ${countText(messages.total)}${asOf(messages)}. ` : "";
+  put("message-count", count + plain(messages.why));
   tabs.messages.list.set(found);
 }
 
@@ -1911,17 +1918,22 @@ function messageRow(x) {
 
 const explainMessage = x => explain({ ask: "explain", message: x.name }, x.name);
 
-async function explain(question, title) {
+const explained = { question: null, grows: false };
+
+/** @param anew it is open, and may have gone on */
+async function explain(question, title, anew = false) {
   const answer = await ask(question);
-  if (!answer) return;
+  if (!answer || (anew && explained.question !== question)) return;
+  Object.assign(explained, { question, grows: run.running || grows(answer) });
   shown.explained = title;
-  put("explain-title", plain(title));
+  put("explain-title", plain(title) + asOf(answer));
   put("explain-text", plainLines(answer.text));
   $("explain").hidden = false;
 }
 
 function closeExplain() {
   $("explain").hidden = true;
+  explained.question = null;
   shown.explained = "";
 }
 
@@ -1936,6 +1948,7 @@ function setChosen(target) {
 /** Chooses, and shows what is known of it. */
 function choose(target) {
   setChosen(target);
+  $("details").scrollTop = 0;
   if (target) showTab("details");
   else refreshTab();
 }
@@ -1998,17 +2011,16 @@ function neighbourDetails(list, island) {
 }
 
 async function messagesOf(of) {
-  const title = make("h3", "Messages, lost ones first");
-  if (!hasMessages()) return [title, make("p.soft.small", NO_RECORD)];
-  const [lost, all] = await Promise.all([true, false].map(only => ask({ ask: "messages", lost: only, of, limit: 40 }, "messages")));
-  const byTheirNames = new Map([...(lost?.messages || []), ...(all?.messages || [])].map(x => [x.name, x]));
-  const found = lostFirst([...byTheirNames.values()]).slice(0, 40);
-  return [title, make("p.soft.small", lost && !lost.ready ? lost.why : found.length ? "" : "none"),
+  const answer = hasMessages() ? await ask({ ask: "messages", of, limit: 40 }, "messages") : { why: NO_RECORD };
+  const found = answer?.messages || [];
+  return [make("h3", "Messages from and to it, lost ones first"),
+    make("p.soft.small", answer?.ready ? `${countText(found.length)} of ${countText(answer.total)}${asOf(answer)}. ${answer.why}` : answer?.why),
     ...found.map(x => make("button.message.row", { onclick: () => explainMessage(x) }, ...messageRow(x)))];
 }
 
-function peerParts(index) {
+async function peerParts(index) {
   const peer = model.peers[index];
+  const [answer, sent] = await Promise.all([ask({ ask: "peer", name: peer.name, at_s: shown.at_s }, "peer"), messagesOf(peer.name)]);
   const about = events.filter(x => x.t <= shown.at_s && (x.who === peer.name || x.who.startsWith(peer.name + "/"))).slice(-12).reverse();
   const seeTuples = () => {
     $("tuple-filter").value = peer.name;
@@ -2016,9 +2028,11 @@ function peerParts(index) {
   };
   return [make("h2", peer.name), make("p.soft.small", `${peer.gateway ? "gateway" : "PEIS peer"} ${peer.id}${peer.host ? " on " + peer.host : ""}`),
     make("div.row", button("its tuples", seeTuples, { id: "peer-tuples" }), faultButton("kill it …", "kill peer", peer.name)),
-    make("h3", `Links (${peer.links.length})`), chips("peer", peer.links),
-    ...(peer.islands.length ? [make("h3", "Cable to the sink of"), chips("island", peer.islands)] : []), make("h3", "Newest events"),
-    make("table", ...about.map(x => make("tr", make("td.soft", timeText(x.t)), make("td." + x.kind, x.what)))), about.length ? "" : "none"];
+    factList(answer?.facts || []), make("h3", `Configured links (${peer.links.length})`), chips("peer", peer.links),
+    make("h3", "Open links, packages waiting"), factList(answer?.links || []),
+    ...(peer.islands.length ? [make("h3", "Cable to the sink of"), chips("island", peer.islands)] : []),
+    make("h3", `Newest of ${countText(answer?.tuples)} tuples`), factList(answer?.newest || []), make("h3", "Newest events"),
+    make("table", ...about.map(x => make("tr", make("td.soft", timeText(x.t)), make("td." + x.kind, x.what)))), about.length ? "" : "none", ...sent];
 }
 
 function islandParts(index) {
@@ -2123,6 +2137,7 @@ function searched(event) {
   if (exact.kind === "mote") showMote(exact.index);
   else if (exact.kind === "island") showIsland(model.islands[exact.index]);
   choose(exact);
+  $("side").scrollIntoView();
 }
 
 // ---- keyboard
@@ -2224,8 +2239,9 @@ function start() {
   new ResizeObserver(() => redraw("time")).observe($("time-line"));
   setInterval(() => {
     showStatus();
-    if (shown.tab === "messages" && !messages.ready) refreshTab(); // its record may be read by now
-  }, 1000);
+    if (shown.tab === "messages") refreshTab(); // more of the record may be read by now
+    if (explained.question && explained.grows) explain(explained.question, shown.explained, true);
+  }, 1500);
   connect();
 }
 
