@@ -11,6 +11,7 @@
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
 #include "actors/peer_supervision.hpp"
+#include "config/debug_selection.hpp"
 #include "report/event_log.hpp"
 #include "scheduler/supervision.hpp"
 

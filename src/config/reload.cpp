@@ -112,8 +112,8 @@ private:
   static constexpr std::array<std::string_view, 6> qos{
       "answer_timeout", "retry_for", "period", "stale_after", "inactive_after", "retire_after"};
   static constexpr std::array<std::string_view, 4> field{"unit", "scale", "add", "decimals"};
-  static constexpr std::array<std::string_view, 3> never_unset{"inactive_after", "retire_after",
-                                                               "unit"};
+  static constexpr std::array<std::string_view, 5> never_unset{
+      "period", "stale_after", "inactive_after", "retire_after", "unit"};
 
   complaints& out_;
   way way_;
@@ -200,8 +200,10 @@ void compare_classes(const ecology_description& before, const ecology_descriptio
     proxy::class_change x{.class_name = each.name};
     x.answer_timeout = news(a.answer_timeout, b.answer_timeout);
     x.retry_for = news(a.retry_for, b.retry_for);
-    x.period = news(a.period, b.period);
-    x.stale_after = news(a.stale_after, b.stale_after);
+    if (b.period > 0s) // else it was given up, which is refused
+      x.period = news(a.period, b.period);
+    if (b.stale_after > 0s)
+      x.stale_after = news(a.stale_after, b.stale_after);
     x.inactive_after = news(a.inactive_after, b.inactive_after);
     x.retire_after = news(a.retire_after, b.retire_after);
     add(std::move(x));

@@ -83,7 +83,7 @@ TEST_CASE("a fault that joins the plan happens at its time", "[cli][ACT-10]") {
   followed_run x({"--speed", "10"});
   x.reload(home("10s", "[[fault]]\nevery = \"20s\"\nkind = \"crash\"\nmote = \"kitchen/stove\"\n"));
   x.await("1 planned, 0 refused");
-  x.await("crashed:");
+  x.await("joined again, life 2");
   CHECK(x.finish()["actors"]["restarted"] >= 1);
 }
 

@@ -39,6 +39,7 @@ std::string text_of(const std::filesystem::path& file) {
 constexpr std::string_view flat = R"(
   ecology = { name = "flat", duration = "6min" }
   [mote_type.climate]
+  type = 100
   transducers.temperature = { model = "constant", value = 20, resolution = 0.1 }
   apps = [{ app = "sampler", transducers = ["temperature"], every = "10s" }]
   [[island]]

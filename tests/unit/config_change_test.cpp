@@ -44,7 +44,7 @@ types = [7]
 field = [{ name = "temperature", channel = 1, unit = "C" }]
 [[proxy]]
 name = "thing"
-ids = [{ channel = "rfid", prefix = "" }]
+ids = ["rfid/"]
 )";
 
 template <class Change>
@@ -170,7 +170,7 @@ of = []
 
 [[change]]
 at = "2h"
-#    ^ `at` must not be after the end of the run, which is 1 h
+#    ^ `at` is after the end of the run, which is at 1 h
 kind = "debug"
 of = []
 
@@ -286,7 +286,9 @@ at = "1s"
 kind = "proxy_class"
 class = "warm"
 types = [9]
-#@ 34:1: unknown key `types` in [[change]] kind = "proxy_class": did you mean `period`?
+#@ 30:1: nothing of the class is to change: say what
+#@ 34:1: unknown key `types` in [[change]] kind = "proxy_class": there is at, kind, class, period, stale_after,
+#          inactive_after, retire_after, answer_timeout, retry_for, field, ...
 )");
 }
 
