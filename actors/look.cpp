@@ -57,8 +57,7 @@ report::peer_sample sample_of(const supervised_peer& from) {
   if (!x.runs)
     return x;
   for (const auto& link : kernel->kernel.links())
-    x.links.push_back(
-        {link.neighbour.value_or(any_peer), static_cast<std::uint32_t>(link.queued)});
+    x.links.push_back({link.neighbour.value_or(any_peer), static_cast<std::uint32_t>(link.queued)});
   using gateway_impl = scheduler::traced_actor<gateway_state, gateway_actor>;
   for (const auto& each : from.programs)
     if (const auto* gateway =

@@ -369,6 +369,9 @@ private:
     const auto found = peers.find(peer);
     if (found == peers.end() || !found->second.handle)
       return false;
+    const auto* const kernel = caf::actor_cast<caf::abstract_actor*>(found->second.handle);
+    if (kernel->getf(caf::abstract_actor::is_terminated_flag)) // nobody has heard of that yet
+      return false;
     caf::anon_send(found->second.handle, set_tuple{key, payload(to_bytes(value)), true});
     return true;
   }

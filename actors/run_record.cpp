@@ -212,6 +212,8 @@ run_record::run_record(const std::string& path, const config::ecology_descriptio
 }
 
 void run_record::write(const report::run_sample& x) {
+  if (octets_left_ == 0)
+    return;
   record r;
   r.what = kind::sample;
   r.time = x.at;
@@ -221,6 +223,8 @@ void run_record::write(const report::run_sample& x) {
 }
 
 void run_record::write(const scheduler::delivery& x) {
+  if (octets_left_ == 0)
+    return;
   if (x.content.match_elements<timer_expired>())
     return;
   if (x.content.match_elements<link_octets>()) {
@@ -264,6 +268,8 @@ std::uint64_t run_record::recorded_cause(std::uint64_t number) const {
 }
 
 void run_record::write(const scheduler::remark& x) {
+  if (octets_left_ == 0)
+    return;
   if (x.what == "event") {
     put_event(x);
     return;
@@ -346,6 +352,8 @@ void run_record::put_event(const scheduler::remark& x) {
 }
 
 void run_record::write(const radio::overheard& x) {
+  if (octets_left_ == 0)
+    return;
   const auto frame = radio::decode(x.psdu.view());
   if (!frame || frame->type != radio::frame_type::data || is_beacon(frame->am_type))
     return;
@@ -361,15 +369,13 @@ void run_record::write(const radio::overheard& x) {
 }
 
 void run_record::put(const record& x) {
-  if (error_.empty() && octets_left_ > 0)
+  if (error_.empty())
     put(encode(x));
 }
 
 void run_record::put(const std::string& line) {
-  if (line.size() > octets_left_) {
-    octets_left_ = 0;
-    return;
-  }
+  if (line.size() > octets_left_)
+    return end();
   octets_left_ -= line.size();
   errno = 0;
   file_ << line;
@@ -380,13 +386,18 @@ void run_record::put(const std::string& line) {
 void run_record::check() {
   if (file_ || !error_.empty())
     return;
-  if (may_end_) {
-    octets_left_ = 0;
-    return;
-  }
+  if (may_end_)
+    return end();
   error_ = "record " + path_ +
            " is not complete: " + std::generic_category().message(errno != 0 ? errno : EIO);
   spdlog::error("{}", printable(error_));
+}
+
+void run_record::end() {
+  octets_left_ = 0;
+  left_out_.clear();
+  sent_.clear();
+  arrived_.clear();
 }
 
 void run_record::flush() {

@@ -251,7 +251,7 @@ void live_page::finish(const report::run_report& x) {
 
 void live_page::read_on(const std::string& record, bool is_own) {
   constexpr std::uint64_t megabyte = 1 << 20;
-  constexpr std::uint64_t read_max = 256 * megabyte; // it takes several times as much memory
+  constexpr std::uint64_t read_max = 128 * megabyte; // it takes several times as much memory
   message_reader::bound most{
       .octets = read_max,
       .beyond = "The record has become so long that the rest of it is read when the run has ended.",

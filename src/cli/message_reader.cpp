@@ -84,8 +84,7 @@ void message_reader::show(bool is_whole) {
         std::make_shared<const explain::traces>(is_whole ? record_.result() : record_.so_far()),
         is_whole));
   octets_shown_ = record_.octets();
-  const bool is_beyond =
-      record_.octets() >= most_.octets && (!is_whole || most_.is_of_record);
+  const bool is_beyond = record_.octets() >= most_.octets && (!is_whole || most_.is_of_record);
   to_->set_why_no_messages(!problem.empty()      ? problem
                            : is_beyond           ? most_.beyond
                            : record_.has_begun() ? ""

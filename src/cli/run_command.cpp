@@ -62,9 +62,8 @@ report::run_report run_told(config::ecology_description ecology, run_options opt
     out.write(text);
   };
   also(options.on_event, [&](const report::logged_event& x) { show(log.tell(real(), x)); });
-  also(options.progress, [&](const run_progress& x) {
-    show(log.update(real(), x.reached, x.end, x.events));
-  });
+  also(options.progress,
+       [&](const run_progress& x) { show(log.update(real(), x.reached, x.end, x.events)); });
   struct eraser {
     live_log& log;
     io::unwaiting_output& out;

@@ -54,8 +54,8 @@ std::uint64_t unwaiting_output::missed() {
 bool unwaiting_output::flush(duration patience) {
   const auto until = std::chrono::steady_clock::now() + patience;
   for (write_some(); !buffer_.empty(); write_some()) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(
-        until - std::chrono::steady_clock::now());
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
     pollfd room{descriptor_, POLLOUT, 0};
     if (left.count() <= 0 || ::poll(&room, 1, static_cast<int>(left.count())) == 0)
       return false;

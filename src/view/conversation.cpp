@@ -431,10 +431,10 @@ private:
   json explain_tuple(const json& question) {
     const auto key = text(question, "key");
     const auto list = recorded();
-    return explained(key,
-                     list->explain_tuple(text(question, "owner"), key,
-                                         instant_of(number(question, "at_s"))),
-                     *list);
+    return explained(
+        key,
+        list->explain_tuple(text(question, "owner"), key, instant_of(number(question, "at_s"))),
+        *list);
   }
 
   static json explained(const std::string& what, const std::string& how, const message_list& from) {

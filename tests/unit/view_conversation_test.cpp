@@ -58,10 +58,9 @@ std::shared_ptr<const view::introduction> about(std::string facts) {
 
 struct page {
   std::shared_ptr<view::timeline> all = std::make_shared<view::timeline>();
-  view::conversation with{all,
-                          about(view::with_facts(view::ecology_json(two_motes()),
-                                                 {.file = "home.toml"}, "wall")),
-                          nullptr};
+  view::conversation with{
+      all, about(view::with_facts(view::ecology_json(two_motes()), {.file = "home.toml"}, "wall")),
+      nullptr};
 
   json ask(const json& question) { return json::parse(with.on_text(question.dump())); }
   json news() {
