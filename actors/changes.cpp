@@ -43,7 +43,9 @@ void select_debug(ecology_pointer self, const std::string& who, std::vector<std:
   config::debug_names names(state.description);
   for (const auto& [address, mote] : state.motes)
     names.add_mote(mote.arguments->name);
-  if (const auto why = names.problem(patterns); !why.empty()) {
+  const auto why = names.problem(patterns);
+  const bool is_whole = !state.description.part; // else others know more names
+  if (is_whole && !why.empty()) {
     refuse(self, who, "debug log stays as it is: " + why);
     return;
   }

@@ -19,6 +19,7 @@
 #include "core/device_keys.hpp"
 #include "core/hash.hpp"
 #include "core/shell_word.hpp"
+#include "io/hangup_watch.hpp"
 #include "io/machine.hpp"
 #include "io/signal_watch.hpp"
 #include "report/expectations.hpp"
@@ -233,9 +234,11 @@ public:
         world_(world_options_of(description.mode, speed_, options)),
         inits_run_(has_init(description)) {
     files.watch(world_.trace());
+    if (options.on_hangup)
+      hangups_.emplace(world_.loop(), options.on_hangup);
     if (options.handle_signals)
       signals_.emplace(
-          world_.loop(), [this](int) { world_.request_stop(); }, options.hangup_ends);
+          world_.loop(), [this](int) { world_.request_stop(); }, !options.on_hangup);
     root_ = world_.spawn(
         "ecology/" + description.name, ecology, description,
         [this](report::run_report x) { take(std::move(x)); }, files.frames(), facts());
@@ -253,7 +256,8 @@ public:
   ~one_run() {
     over_ = true;
     signals_.reset(); // before its loop
-    root_ = nullptr;  // before its system
+    hangups_.reset();
+    root_ = nullptr; // before its system
     world_.shutdown();
   }
 
@@ -455,6 +459,7 @@ private:
   scheduler::world world_;
   bool inits_run_;
   std::optional<io::signal_watch> signals_;
+  std::optional<io::hangup_watch> hangups_;
   root_actor root_;
 };
 

@@ -55,7 +55,6 @@ struct run_options {
   std::string record_file; ///< what `rubicon explain` reads goes here; empty: nowhere
   std::uint64_t record_octets_max = 0; ///< then it ends, and nobody minds; 0: it must be complete
   run_source source;                   ///< told by the record
-  bool hangup_ends = true;             ///< with the next: SIGHUP is a signal, too
   bool handle_signals = false;         ///< end the run cleanly on the first signal (ACT-11)
 
   /// Called now and then.
@@ -66,6 +65,9 @@ struct run_options {
   duration look_every{};
   std::function<void(const report::run_sample&)> on_sample; ///< at each, and at the end
   std::function<void(const report::tuple_write&)> on_tuple; ///< as a component asks its peer for it
+
+  /// In wall time, called at each SIGHUP, which does not end the run then; empty: it does.
+  std::function<void()> on_hangup;
 
   // What whoever runs one part of an ecology of many is told, and tells it.
   /// Called when everything has been made and nothing has run.

@@ -21,11 +21,6 @@ reloader::reloader(const std::string& toml, std::string file, const config::over
                    const config::extensions& known)
     : file_(std::move(file)), followed_(toml, file_, instead, known) {}
 
-void reloader::begin(const run_control& run) {
-  run_.emplace(run);
-  watch_ = std::make_unique<io::hangup_watch>(run.loop, [this] { read(); });
-}
-
 void reloader::read() {
   const auto read = config::read_file(file_, config::file_octets_max);
   if (!read.text) {

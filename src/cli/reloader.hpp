@@ -1,18 +1,16 @@
 // `run --reload`: the file is read again when somebody says so.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 
 #include "actors/run.hpp"
 #include "config/load.hpp"
 #include "config/reload.hpp"
-#include "io/hangup_watch.hpp"
 
 namespace rubicon::cli {
 
-/// Reads the file of a run in wall time again on each SIGHUP. What the run can follow happens, all
+/// Reads the file of a run in wall time again. What the run can follow happens, all
 /// else is told on standard error with its place and the reason (ACT-10).
 class reloader {
 public:
@@ -20,16 +18,16 @@ public:
   reloader(const std::string& toml, std::string file, const config::overrides& instead,
            const config::extensions& known);
 
-  /// @pre the run has been made, and ends before this
-  void begin(const run_control& run);
+  /// Of the run that read() is about.
+  void begin(const run_control& run) { run_.emplace(run); }
 
-private:
+  /// @pre the run has begun and not ended
   void read();
 
+private:
   std::string file_;
   config::followed_file followed_;
   std::optional<run_control> run_;
-  std::unique_ptr<io::hangup_watch> watch_;
 };
 
 } // namespace rubicon::cli

@@ -230,10 +230,10 @@ exit_status report_run(const run_command& x, ecology_file file) {
   watch.attach(options);
   std::optional<reloader> again;
   if (x.reloads) {
-    options.hangup_ends = false;
     again.emplace(config::read_file(x.file, config::file_octets_max).text.value_or(""), x.file,
                   x.instead, x.known);
     also(options.on_begun, [&again](const run_control& run) { again->begin(run); });
+    options.on_hangup = [&again] { again->read(); };
   }
   std::optional<viewed_run> viewed;
   if (x.watch.view) {

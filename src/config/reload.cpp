@@ -38,6 +38,8 @@ bool equal(const node& a, const node& b) {
          same(a.as<bool>(), b.as<bool>());
 }
 
+const node nothing{{}, node_table{}};
+
 /// Finds what differs and cannot follow.
 class comparison {
 public:
@@ -48,8 +50,9 @@ public:
     for (const auto& x : members) {
       way_.push_back(x.key);
       if (!follows(now)) {
-        if (const auto* old = before.find(x.key))
-          compare(*old, x.value);
+        const auto* old = before.find(x.key);
+        if (old != nullptr || x.value.as<node_table>() != nullptr)
+          compare(old != nullptr ? *old : nothing, x.value);
         else
           refuse(x.value.at, "is new");
       }
@@ -59,7 +62,9 @@ public:
       if (now.find(x.key) != nullptr)
         continue;
       way_.push_back(x.key);
-      if (!follows(now) || among(never_unset, x.key))
+      if (x.value.as<node_table>() != nullptr)
+        compare_tables(x.value, node{now.at, node_table{}});
+      else if (!follows(now) || among(never_unset, x.key))
         refuse(now.at, "is gone");
       way_.pop_back();
     }

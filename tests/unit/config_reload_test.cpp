@@ -136,6 +136,12 @@ TEST_CASE("another class of proxies follows", "[config][ACT-10]") {
   CHECK(proxy::to_text(std::get<proxy::class_change>(both.changes[0])) ==
         "period 3 s, stale_after 9 s");
   CHECK(proxy::to_text(std::get<proxy::class_change>(both.changes[1])) == "temperature in C");
+  const auto first = with("[[proxy]]", "[[proxy]]\nname = \"other\"\ntypes = [8]\n[[proxy]]");
+  followed_file another(first, "home.toml", {}, {});
+  const auto told =
+      another.read(std::string(first).insert(first.find("types = [8]"), "qos.retry_for = \"7s\"\n"),
+                   1min); // a table that was not there
+  CHECK(proxy::to_text(only<proxy::class_change>(told)) == "retry_for 7 s");
 }
 
 TEST_CASE("faults and changes to come join the plan", "[config][ACT-10]") {
@@ -195,8 +201,10 @@ TEST_CASE("what cannot follow is refused with its place and the reason", "[confi
              "[[peer]]\nname = \"pc\"\nid = 300\n[[peer]]\nname = \"tv\"\nid = 301\n") ==
         texts{"home.toml:25:1: `peer` has more, and does not change while an ecology runs: it is "
               "there from the start; a fault of kind = \"kill\" ends it"});
-  CHECK(says("qos = { period = \"5s\" }\n", "") ==
-        texts{"home.toml:25:1: `proxy.qos` is gone, and does not change while an ecology runs"});
+  CHECK(
+      says("qos = { period = \"5s\" }\n", "") ==
+      texts{
+          "home.toml:25:1: `proxy.qos.period` is gone, and does not change while an ecology runs"});
   CHECK(refused(file.read(home, 1min)).empty());
 }
 

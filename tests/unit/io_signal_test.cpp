@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "io/hangup_watch.hpp"
 #include "io/signal_watch.hpp"
 #include "support/catch.hpp"
 
@@ -94,4 +95,29 @@ TEST_CASE("a watch may be destroyed by its own callback, and another may follow"
     CHECK(calls == i);
     CHECK(watch == nullptr);
   }
+}
+
+TEST_CASE("each SIGHUP may mean that something is to be read again", "[io][ACT-10]") {
+  io::loop loop;
+  int again = 0;
+  std::vector<int> seen;
+  const auto wait = [&loop] {
+    loop.wait_until(std::chrono::steady_clock::now() + std::chrono::hours(1));
+  };
+  auto hangups = std::make_unique<io::hangup_watch>(loop, [&] { ++again; });
+  const io::signal_watch watch(
+      loop, [&](int x) { seen.push_back(x); }, /*hangup_too=*/false);
+  for (int i = 1; i <= 3; ++i) {
+    std::raise(SIGHUP);
+    wait();
+    CHECK(again == i);
+  }
+  CHECK(seen.empty());
+  std::raise(SIGTERM);
+  wait();
+  CHECK(seen == std::vector{SIGTERM});
+  std::raise(SIGHUP); // on its way when the watch goes
+  hangups.reset();
+  loop.poll();
+  CHECK(again == 3);
 }
