@@ -174,7 +174,7 @@ void add_run(CLI::App& app, run_command& x) {
       ->needs(csv);
   auto* const view = add_view(run, x.watch.view);
   run.add_flag("--control", x.watch.control,
-               "Let the page cause faults and set tuples; in wall time")
+               "Let the page cause faults and changes, and set tuples; in wall time")
       ->needs(view);
   run.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
@@ -281,12 +281,12 @@ public:
   explicit deployed_command_line(CLI::App& app)
       : status_(add(app, "status", "Tell how a deployment is doing, host by host")),
         stop_(add(app, "stop", "End a deployment, on all its hosts")),
-        fault_(add(app, "fault", "Let something go wrong in a deployment, now")) {
+        fault_(add(app, "fault", "Let something go wrong in a deployment, or change, now")) {
     status_.add_flag("--json", asked_.json, "Print one JSON object and nothing else");
     fault_.add_option("SENTENCE", cause_.sentence, "Such as \"crash mote kitchen/stove for 10s\"")
         ->required()
         ->type_name("");
-    fault_.footer("SENTENCE is a kind of [[fault]], then its keys and values.");
+    fault_.footer("SENTENCE is a kind of [[fault]] or [[change]], then its keys and values.");
   }
 
   [[nodiscard]] std::optional<deployed_command> parsed() const {

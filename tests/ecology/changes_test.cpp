@@ -116,6 +116,29 @@ TEST_CASE("a mote that is off when its rate changes has it when it is back", "[e
   CHECK(x.count("devices.2.output.1", 6min, 10min) == Approx(120).margin(2));
 }
 
+TEST_CASE("a mote that is carried to another island keeps its rate", "[ecology][ACT-10]") {
+  const auto x = run_with(std::string(rate) + R"(
+    [[island]]
+    id = 2
+    name = "shed"
+    sink.position_m = [200, 0]
+    [[fault]]
+    at = "6min"
+    kind = "move"
+    mote = "flat/stove"
+    to_island = "shed"
+    to_m = [205, 0]
+    [[change]]
+    at = "8min"
+    kind = "rate"
+    mote = "flat/stove"
+    period = "1s"
+  )");
+  CHECK(x.count("devices.2.output.1", 7min, 8min) == Approx(30).margin(1));
+  CHECK(x.tells("shed/stove", "sampler 1: every 1 s instead of 2 s"));
+  CHECK(x.count("devices.2.output.1", 8min + 2s, 10min) == Approx(118).margin(2));
+}
+
 TEST_CASE("a mote of another type has no such program any more", "[ecology][ACT-10]") {
   const auto x = run_with(R"(
     [mote_type.door]

@@ -259,8 +259,6 @@ TEST_CASE("pushes that fail for a while are made up for with the newest value", 
   CHECK(p.changes(p.b) == "2 ");
 }
 
-} // namespace rubicon::peis
-
 TEST_CASE("a kernel tells its owner whose messages a debug log is to have", "[peis][NFR-02]") {
   pair_of_peers p;
   p.w.perform(p.a, p.w.at(p.a).set_tuple("Rubicon.Debug", text_content("mote/kitchen"), p.w.now()));
@@ -275,3 +273,5 @@ TEST_CASE("a kernel tells its owner whose messages a debug log is to have", "[pe
   CHECK(told[1].text.empty());
   CHECK(p.w.all<debug_requested>(p.b).empty());
 }
+
+} // namespace rubicon::peis
