@@ -61,8 +61,8 @@ struct packet_losses {
   std::uint64_t unowned = 0;
 };
 RUBICON_FIELDS(packet_losses, channel_full, channel_lost, channel_no_room, channel_strays, gave_up,
-               id_taken, malformed, misdirected, no_route, paced_out, queue_full, too_far, unclaimed,
-               unknown_channel, unowned);
+               id_taken, malformed, misdirected, no_route, paced_out, queue_full, too_far,
+               unclaimed, unknown_channel, unowned);
 
 [[nodiscard]] packet_losses losses_of(const mote::node& x);
 [[nodiscard]] packet_losses losses_of(const mote::sink& x);
@@ -71,7 +71,8 @@ RUBICON_FIELDS(packet_losses, channel_full, channel_lost, channel_no_room, chann
 template <described Losses>
 [[nodiscard]] report::cause_counts lost_of(const Losses& x) {
   report::cause_counts lost;
-  for_each_field(x, [&lost](std::string_view cause, auto count) { lost[std::string(cause)] = count; });
+  for_each_field(x,
+                 [&lost](std::string_view cause, auto count) { lost[std::string(cause)] = count; });
   return lost;
 }
 

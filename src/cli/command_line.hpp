@@ -60,7 +60,7 @@ struct deploy_command {
   bool full = false;              ///< every row, as text
   std::string page_file;          ///< HTML goes here; empty: nowhere
   std::optional<page_place> view; ///< serves the live page
-  bool control = false;            ///< which lets faults happen
+  bool control = false;           ///< which lets faults happen
   std::string log_level = "warn"; ///< as of run; `off`: not even what happens
   control::tls_files tls;
 };

@@ -118,9 +118,9 @@ std::shared_ptr<const view::controls> hand_made::controls(std::string why_no_tup
       return {false, *why};
     return take({.sentence = sentence, .fault = std::get<config::fault>(found)});
   };
-  x->set_tuple = [this, why = std::move(why_no_tuples)](
-                     const std::string& owner, const std::string& key,
-                     const std::string& value) -> view::controls::outcome {
+  x->set_tuple =
+      [this, why = std::move(why_no_tuples)](const std::string& owner, const std::string& key,
+                                             const std::string& value) -> view::controls::outcome {
     if (!why.empty())
       return {false, why};
     if (key.empty())

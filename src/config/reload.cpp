@@ -13,7 +13,7 @@ namespace rubicon::config {
 namespace {
 
 /// Keys from the root to a value; elements of arrays are left out.
-using way = std::vector<std::string_view>;
+using key_path = std::vector<std::string_view>;
 
 template <std::size_t size>
 bool among(const std::array<std::string_view, size>& all, std::string_view x) {
@@ -48,7 +48,7 @@ public:
   void compare_tables(const node& before, const node& now) {
     const auto& members = *now.as<node_table>();
     for (const auto& x : members) {
-      way_.push_back(x.key);
+      path_.push_back(x.key);
       if (!follows(now)) {
         const auto* old = before.find(x.key);
         if (old != nullptr || x.value.as<node_table>() != nullptr)
@@ -56,17 +56,17 @@ public:
         else
           refuse(x.value.at, "is new");
       }
-      way_.pop_back();
+      path_.pop_back();
     }
     for (const auto& x : *before.as<node_table>()) {
       if (now.find(x.key) != nullptr)
         continue;
-      way_.push_back(x.key);
+      path_.push_back(x.key);
       if (x.value.as<node_table>() != nullptr)
         compare_tables(x.value, node{now.at, node_table{}});
       else if (!follows(now) || among(never_unset, x.key))
         refuse(now.at, "is gone");
-      way_.pop_back();
+      path_.pop_back();
     }
   }
 
@@ -92,24 +92,24 @@ private:
 
   /// Whether what is there is compared by what it means.
   [[nodiscard]] bool follows(const node& table) const {
-    const auto last = way_.back();
-    if (way_.size() == 1)
+    const auto last = path_.back();
+    if (path_.size() == 1)
       return last == "fault" || last == "change";
-    if (way_.size() == 2 && way_[0] == "radio")
+    if (path_.size() == 2 && path_[0] == "radio")
       return last == "link";
-    if (way_.size() == 3 && way_[0] == "proxy")
-      return (way_[1] == "qos" && among(qos, last)) || (way_[1] == "field" && among(field, last));
+    if (path_.size() == 3 && path_[0] == "proxy")
+      return (path_[1] == "qos" && among(qos, last)) || (path_[1] == "field" && among(field, last));
     const auto* app = table.find("app");
     const auto* kind = app == nullptr ? nullptr : app->as<std::string>();
-    return last == "every" && way_[0] != "peer" && kind != nullptr &&
+    return last == "every" && path_[0] != "peer" && kind != nullptr &&
            (*kind == "sampler" || *kind == "messenger");
   }
 
   void refuse(mark at, const char* how) {
     std::string keys;
-    for (const auto key : way_)
+    for (const auto key : path_)
       keys += (keys.empty() ? "" : ".") + std::string(key);
-    const auto why = why_fixed(way_.size() > 1 && way_[0] == "ecology" ? way_.back() : way_[0]);
+    const auto why = why_fixed(path_.size() > 1 && path_[0] == "ecology" ? path_.back() : path_[0]);
     out_.add(at, '`' + keys + "` " + how + ", and does not change while an ecology runs" +
                      (why.empty() ? std::string() : ": it " + std::string(why)));
   }
@@ -121,7 +121,7 @@ private:
       "period", "stale_after", "inactive_after", "retire_after", "unit"};
 
   complaints& out_;
-  way way_;
+  key_path path_;
 };
 
 // What follows.

@@ -146,8 +146,9 @@ mote_actor::behavior_type empty_mote(scheduler::traced_pointer<empty_state, mote
       [](battery_low) {},           [](battery_flat) {},
       [](const attach_program&) {}, [](const program_commands&) {},
       [](const move_mote&) {},      [](crash_now) {},
-      [](end_battery) {},           [](const step_clock&) {},
-      [](const timer_expired&) {},  [](status_request) {},
+      [](end_battery) {},           [](const set_period&) {},
+      [](const step_clock&) {},     [](const timer_expired&) {},
+      [](status_request) {},
   };
 }
 
