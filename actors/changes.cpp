@@ -14,10 +14,12 @@ namespace rubicon {
 
 namespace {
 
-/// A change that is asked for and cannot be had.
+/// A change that is asked for and cannot be had. Of what anybody can ask for the log tells the
+/// first, the report all.
 void refuse(ecology_pointer self, const std::string& who, const std::string& why) {
-  ++self->state.report.actors.changes_refused;
-  log(self, spdlog::level::warn, "event=change_refused who={} why=\"{}\"", who, why);
+  constexpr std::uint64_t logged_max = 100;
+  if (++self->state.report.actors.changes_refused <= logged_max)
+    log(self, spdlog::level::warn, "event=change_refused who={} why=\"{}\"", who, why);
   note_event(self, who, why);
 }
 

@@ -203,7 +203,8 @@ struct performer {
       quit(self);
   }
   void operator()(peis::debug_requested& x) const {
-    self->send(self->state.arguments.ecology, debug_wanted{self->path(), std::move(x.text)});
+    if (may_tell(self, self->state.debugs, "debug_requests"))
+      self->send(self->state.arguments.ecology, debug_wanted{self->path(), std::move(x.text)});
   }
   void operator()(const peis::intercepted& x) const {
     log(self, spdlog::level::info, "event=intercepted port={} source={} destination={}", x.port,

@@ -64,6 +64,7 @@ struct peis_peer_state {
   report::cause_counts links_closed;
   line_allowance closings; ///< told of in the log
   line_allowance claims;   ///< to our id, the same
+  line_allowance debugs;   ///< passed on: whoever writes our tuples can ask
   timer wake;
 };
 

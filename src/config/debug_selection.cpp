@@ -106,6 +106,9 @@ std::vector<std::string> debug_names::modules() const {
 }
 
 std::string debug_names::problem(std::string_view pattern) const {
+  constexpr std::size_t pattern_octets_max = 200; // it may come from anybody
+  if (pattern.size() > pattern_octets_max)
+    return "a pattern has at most " + std::to_string(pattern_octets_max) + " characters";
   const auto module = module_of(pattern);
   if (pattern == "*" || paths_.contains(pattern))
     return {};

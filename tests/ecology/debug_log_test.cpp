@@ -204,6 +204,18 @@ TEST_CASE("a pattern of nobody changes no debug log", "[ecology][NFR-02]") {
               "debug log stays as it is: there is no module `mots`: did you mean `mote`?"));
 }
 
+TEST_CASE("who floods a peer with wishes for its debug log is not followed for long",
+          "[ecology][NFR-02]") {
+  debugged_run x("", {});
+  std::vector<std::pair<duration, std::string>> flood;
+  for (int i = 0; i < 100; ++i)
+    flood.emplace_back(1min + i * 1ms, "mots");
+  flood.emplace_back(80s, "mote/flat/stove"); // later he is again
+  const auto report = x.run(flood);
+  CHECK(report.actors.changes_refused == 20);
+  CHECK(x.times_of("mote/flat/stove").first >= 80);
+}
+
 TEST_CASE("a planned change switches the debug log", "[ecology][NFR-02][ACT-10]") {
   debugged_run x(R"(
     [[change]]

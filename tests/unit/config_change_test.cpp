@@ -325,5 +325,6 @@ TEST_CASE("patterns that mean nobody are known before the run", "[config][NFR-02
     INFO(bad);
     CHECK_FALSE(names.problem(bad).empty());
   }
+  CHECK(names.problem("mote/k/" + std::string(200, 'x')) == "a pattern has at most 200 characters");
   CHECK(names.problem(std::vector<std::string>(65, "mote")) == "there are more than 64 patterns");
 }
