@@ -374,8 +374,13 @@ void run_record::put(const record& x) {
 }
 
 void run_record::put(const std::string& line) {
-  if (line.size() > octets_left_)
-    return end();
+  if (line.size() > octets_left_) { // nothing is kept for what will not be written
+    octets_left_ = 0;
+    left_out_.clear();
+    sent_.clear();
+    arrived_.clear();
+    return;
+  }
   octets_left_ -= line.size();
   errno = 0;
   file_ << line;
@@ -386,18 +391,13 @@ void run_record::put(const std::string& line) {
 void run_record::check() {
   if (file_ || !error_.empty())
     return;
-  if (may_end_)
-    return end();
+  if (may_end_) {
+    octets_left_ = 0;
+    return;
+  }
   error_ = "record " + path_ +
            " is not complete: " + std::generic_category().message(errno != 0 ? errno : EIO);
   spdlog::error("{}", printable(error_));
-}
-
-void run_record::end() {
-  octets_left_ = 0;
-  left_out_.clear();
-  sent_.clear();
-  arrived_.clear();
 }
 
 void run_record::flush() {

@@ -46,7 +46,6 @@ private:
   void put(const std::string& line);
   void check();
   void flush();
-  void end(); ///< nothing more is written, nor kept for that
   void put_event(const scheduler::remark& x);
   void put_packages(explain::record r, byte_view octets);
   void note_sent(const explain::record& x);
@@ -56,8 +55,8 @@ private:
   std::string path_;
   std::ofstream file_;
   bool may_end_;
-  std::uint64_t octets_left_; ///< that it may still get; 0: it has ended
-  std::string error_;         ///< the first; nothing is written after it
+  std::uint64_t octets_left_; ///< that it may still get
+  std::string error_; ///< the first; nothing is written after it
   /// What a delivery that is not in the record was caused by; only ever looked up.
   std::unordered_map<std::uint64_t, std::uint64_t> left_out_;
   using package = std::pair<std::string, std::uint64_t>; ///< where, and its name

@@ -47,6 +47,33 @@ TEST_CASE("looking at a run changes nothing", "[ecology][ACT-05]") {
   }
 }
 
+TEST_CASE("samples tell which peers run, and what waits in them", "[ecology]") {
+  auto home = example("home.toml");
+  home.length = 40s;
+  home.faults = {{25s, config::kill_fault{peer_id{2}, 5s}}};
+  const auto x = look_at_run(home, 9s);
+  const auto gateway_at = [&x](std::size_t sample) {
+    const auto& peers = x.samples.at(sample).peers;
+    REQUIRE(std::ranges::is_sorted(peers, {}, &report::peer_sample::name));
+    const auto found = std::ranges::find(peers, "bedroom-gateway", &report::peer_sample::name);
+    REQUIRE(found != peers.end());
+    return *found;
+  };
+  CHECK(gateway_at(1).runs);
+  CHECK(gateway_at(1).to_sink == 0U);
+  CHECK_FALSE(gateway_at(2).runs); // 27 s
+  CHECK(gateway_at(2).links.empty());
+  CHECK(gateway_at(3).runs);
+  for (const auto& peer : x.report.peers) {
+    const auto& last = x.samples.back().peers;
+    const auto found = std::ranges::find(last, peer.name, &report::peer_sample::name);
+    REQUIRE(found != last.end());
+    CHECK(found->runs == peer.alive);
+    CHECK(found->links.size() == peer.links);
+    CHECK(found->to_sink.has_value() == peer.name.ends_with("gateway"));
+  }
+}
+
 TEST_CASE("samples are taken at multiples of their interval and at the end", "[ecology]") {
   auto home = example("home.toml");
   home.length = 35s;
