@@ -49,13 +49,13 @@ struct run_options {
   std::vector<std::string> debug_of = {"*"}; ///< whose messages, from the start (NFR-02): patterns
                                              ///< of config::debug_selection
   std::size_t debug_file_octets_max = 16 << 20; ///< a full file is rotated (NFR-03)
-  std::string pcap_folder;     ///< ACT-07: a capture of each island's air goes here; empty: none
-  bool pcap_lost = false;      ///< with the frames that nobody received
-  std::string serial_file;     ///< ACT-08: each frame of serial lines goes here; empty: nowhere
-  std::string record_file;     ///< what `rubicon explain` reads goes here; empty: nowhere
+  std::string pcap_folder; ///< ACT-07: a capture of each island's air goes here; empty: none
+  bool pcap_lost = false;  ///< with the frames that nobody received
+  std::string serial_file; ///< ACT-08: each frame of serial lines goes here; empty: nowhere
+  std::string record_file; ///< what `rubicon explain` reads goes here; empty: nowhere
   std::uint64_t record_octets_max = 0; ///< then it ends, and nobody minds; 0: it must be complete
-  run_source source;           ///< told by the record
-  bool handle_signals = false; ///< end the run cleanly on the first signal (ACT-11)
+  run_source source;                   ///< told by the record
+  bool handle_signals = false;         ///< end the run cleanly on the first signal (ACT-11)
 
   /// Called now and then.
   std::function<void(const run_progress&)> progress;

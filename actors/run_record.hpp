@@ -56,7 +56,7 @@ private:
   std::ofstream file_;
   bool may_end_;
   std::uint64_t octets_left_; ///< that it may still get
-  std::string error_; ///< the first; nothing is written after it
+  std::string error_;         ///< the first; nothing is written after it
   /// What a delivery that is not in the record was caused by; only ever looked up.
   std::unordered_map<std::uint64_t, std::uint64_t> left_out_;
   using package = std::pair<std::string, std::uint64_t>; ///< where, and its name

@@ -119,7 +119,7 @@ private:
   std::vector<view::listed_event> plan_;
   std::size_t planned_ = 0; ///< of the plan, that have been told
   using shown_event = std::tuple<instant, std::string, std::string>;
-  std::set<shown_event> shown_;  ///< events of reports; of very many the newest,
+  std::set<shown_event> shown_;      ///< events of reports; of very many the newest,
   std::optional<instant> forgotten_; ///< and up to when the others were
   std::optional<message_reader> reader_;
   std::optional<io::web_server> server_; ///< its sessions ask the others

@@ -23,7 +23,7 @@ class message_reader {
 public:
   static constexpr duration age = 2s;              ///< younger messages are not read again
   static constexpr duration reading_time_max = 1s; ///< then they are shown, and it rests
-  static constexpr int rest_factor = 10;           ///< it rests so many times as long as it has read
+  static constexpr int rest_factor = 10; ///< it rests so many times as long as it has read
 
   /// How much of a record is put together, which takes several times as much memory.
   struct bound {

@@ -76,8 +76,8 @@ struct peer_sample {
 
 struct run_sample {
   instant at;
-  std::vector<island_sample> islands; ///< ascending by id
-  std::vector<mote_sample> motes;     ///< ascending by address
+  std::vector<island_sample> islands;  ///< ascending by id
+  std::vector<mote_sample> motes;      ///< ascending by address
   std::vector<peer_sample> peers = {}; ///< ascending by name
 };
 
