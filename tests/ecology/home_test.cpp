@@ -82,7 +82,7 @@ TEST_CASE("the trace of the home is the same on every machine and in every build
   auto home = example("home.toml");
   home.length = 5min;
   const auto report = run(home);
-  CHECK(report.trace_hash == "19533615e6fd4378");
+  CHECK(report.trace_hash == "ff58f32ad7461a72");
 }
 
 TEST_CASE("an ecology can be stopped after any time", "[ecology]") {

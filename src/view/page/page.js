@@ -22,6 +22,13 @@ function plain(text, most = 1000) {
 
 const plainLines = text => String(text ?? "").split("\n").map(line => plain(line, 1e5)).join("\n");
 
+function assign(element, attributes) {
+  for (const [name, value] of Object.entries(attributes))
+    if (name.startsWith("on")) on(element, name.slice(2), value);
+    else if (value === null || value === undefined) element.removeAttribute(name);
+    else element.setAttribute(name, value);
+}
+
 /** make("p.soft.small", {title: x}, child, …): an element. Attributes may be left out; `onclick` and the like are
  * listeners, nothing is no attribute; children are elements or texts. */
 function make(what, ...children) {
@@ -29,10 +36,7 @@ function make(what, ...children) {
   const element = document.createElement(tag);
   if (classes.length) element.className = classes.join(" ");
   const given = children[0];
-  const attributes = given && typeof given === "object" && !(given instanceof Node) ? children.shift() : {};
-  for (const [name, value] of Object.entries(attributes))
-    if (name.startsWith("on")) on(element, name.slice(2), value);
-    else if (value !== null && value !== undefined) element.setAttribute(name, value);
+  if (given && typeof given === "object" && !(given instanceof Node)) assign(element, children.shift());
   element.append(...children.filter(x => x !== null).map(x => (x instanceof Node ? x : plain(x))));
   return element;
 }
@@ -1431,8 +1435,7 @@ function listenToTimeLine() {
 
 function showTime() {
   if (document.activeElement !== $("at")) $("at").value = timeText(shown.at_s, shown.playing && shown.speed <= 0.1 ? 3 : 1);
-  const told = { "aria-valuemax": runLength().toFixed(1), "aria-valuenow": shown.at_s.toFixed(1), "aria-valuetext": timeText(shown.at_s) };
-  for (const [name, value] of Object.entries(told)) $("time-line").setAttribute(name, value);
+  assign($("time-line"), { "aria-valuemax": runLength().toFixed(1), "aria-valuenow": shown.at_s.toFixed(1), "aria-valuetext": timeText(shown.at_s) });
   put("play", shown.playing ? "❚❚" : "▶");
   $("play").setAttribute("aria-label", shown.playing ? "Pause" : "Play");
   $("live").setAttribute("aria-pressed", shown.follow);
@@ -1516,9 +1519,7 @@ class List {
     row.replaceChildren(...this.fillRow(this.items[i], i));
     const { class: kind = "", ...attributes } = this.mark(this.items[i], i);
     row.className = "item " + kind;
-    for (const [name, value] of Object.entries(attributes))
-      if (value === null) row.removeAttribute(name);
-      else row.setAttribute(name, value);
+    assign(row, attributes);
   }
 
   /** Brings a row into view unless somebody is at work in the list. */
@@ -1570,9 +1571,8 @@ function listenToTabs() {
       showTab(each.id.slice(4));
       $("side").scrollIntoView(); // on a telephone it is below
     });
-    panelOf(each).setAttribute("aria-labelledby", each.id);
-    panelOf(each).setAttribute("role", "tabpanel");
-    each.setAttribute("role", "tab");
+    assign(panelOf(each), { "aria-labelledby": each.id, role: "tabpanel" });
+    assign(each, { role: "tab" });
   }
   on($("tabs"), "keydown", event => {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
