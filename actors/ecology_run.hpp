@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "actors/messages.hpp"
 #include "actors/run.hpp"
 #include "config/ecology.hpp"
+#include "core/time.hpp"
 #include "report/report.hpp"
 #include "scheduler/world.hpp"
 
@@ -23,6 +25,9 @@ public:
   /// Its actors and its time, until finish(). @throws std::runtime_error if the run has broken off
   [[nodiscard]] scheduler::world& world();
   [[nodiscard]] const root_actor& root();
+
+  /// Lets a fault or a change join the plan. @param times not before now. @throws as world()
+  void plan(const config::fault_description& x, const std::vector<duration>& times);
 
   /// What the report would be if the run were over; what is expected of the run is not judged yet.
   /// Everybody is asked at this instant: the run goes on as it would have, but its trace and its

@@ -248,7 +248,8 @@ public:
       options.on_begun(
           {world_.loop(), [this] { world_.request_stop(); },
            [this](const config::fault& x) { apply(x); },
-           [this](const config::fault_description& x) { plan(x); }, [this] { return world_.now(); },
+           [this](const config::fault_description& x) { plan_rest(x); },
+           [this] { return world_.now(); },
            [this](const std::string& peer, const std::string& key, const std::string& value) {
              return set_tuple_of(peer, key, value);
            }});
@@ -279,6 +280,16 @@ public:
     measure();
     static_cast<collected_answers&>(state) = kept;
     return std::exchange(report_, before);
+  }
+
+  void plan(const config::fault_description& x, const std::vector<duration>& times) {
+    auto& faults = root_state().description.faults;
+    faults.push_back(x);
+    const apply_fault message{static_cast<std::uint32_t>(faults.size() - 1)};
+    for (const auto at : times)
+      static_cast<void>(world_.scheduler().supervisor().schedule(
+          instant(at), caf::actor_cast<caf::strong_actor_ptr>(root_),
+          caf::make_mailbox_element(nullptr, caf::make_message_id(), {}, message)));
   }
 
   void perform() {
@@ -351,19 +362,12 @@ private:
     caf::anon_send(root_, apply_fault{static_cast<std::uint32_t>(faults.size() - 1)});
   }
 
-  void plan(const config::fault_description& x) {
+  void plan_rest(const config::fault_description& x) {
     if (over_)
       return;
-    auto alone = description_;
-    alone.faults = {x};
-    auto& faults = root_state().description.faults;
-    faults.push_back(x);
-    const apply_fault message{static_cast<std::uint32_t>(faults.size() - 1)};
-    for (const auto& each : report::plan_faults(alone))
-      if (instant(each.at) > world_.now())
-        static_cast<void>(world_.scheduler().supervisor().schedule(
-            instant(each.at), caf::actor_cast<caf::strong_actor_ptr>(root_),
-            caf::make_mailbox_element(nullptr, caf::make_message_id(), {}, message)));
+    auto times = report::times_of(x, 0, description_.seed, description_.length);
+    std::erase_if(times, [this](duration at) { return instant(at) <= world_.now(); });
+    plan(x, times);
   }
 
   bool set_tuple_of(const std::string& peer, const std::string& key, const std::string& value) {
@@ -577,6 +581,10 @@ scheduler::world& ecology_run::world() {
 
 const root_actor& ecology_run::root() {
   return parts_->run().root();
+}
+
+void ecology_run::plan(const config::fault_description& x, const std::vector<duration>& times) {
+  parts_->run().plan(x, times);
 }
 
 report::run_report ecology_run::report_so_far() {

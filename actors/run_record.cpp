@@ -156,19 +156,21 @@ bool fill(record& r, const notable_event& x) {
   return true;
 }
 
-/// @returns whether the content is a message of this kind; if so and it is worth a record, `done`
+/// @returns whether it is a message of this kind
+/// @param worth set if so: whether it is worth a record
 template <class Message>
-bool take(const caf::type_erased_tuple& content, record& r, bool& worth) {
-  if (!content.match_elements<Message>())
+bool take(const scheduler::delivery& x, record& r, bool& worth) {
+  const auto* found = x.only<Message>();
+  if (found == nullptr)
     return false;
-  worth = fill(r, content.get_as<Message>(0));
+  worth = fill(r, *found);
   return true;
 }
 
 template <class... Messages>
-bool take_any(const caf::type_erased_tuple& content, record& r) {
+bool take_any(const scheduler::delivery& x, record& r) {
   bool worth = false;
-  static_cast<void>((take<Messages>(content, r, worth) || ...));
+  static_cast<void>((take<Messages>(x, r, worth) || ...));
   return worth;
 }
 
@@ -225,24 +227,24 @@ void run_record::write(const report::run_sample& x) {
 void run_record::write(const scheduler::delivery& x) {
   if (octets_left_ == 0)
     return;
-  if (x.content.match_elements<timer_expired>())
+  if (x.only<timer_expired>() != nullptr)
     return;
-  if (x.content.match_elements<link_octets>()) {
+  if (const auto* carried = x.only<link_octets>()) {
     record r;
     r.what = kind::link_octets;
     r.time = x.time;
     r.from = x.sender;
     r.to = x.path;
-    r.id = x.content.get_as<link_octets>(0).link;
+    r.id = carried->link;
     r.unheard = !x.heard;
-    put_packages(std::move(r), x.content.get_as<link_octets>(0).octets.view());
+    put_packages(std::move(r), carried->octets.view());
     return;
   }
   record r;
   const bool worth =
       take_any<radio_send, radio_done, frame_received, set_tuple, tuple_event, serial_write,
                serial_octets, watch_tuples, set_remote_tuple, set_meta_tuple, send_peis_message,
-               delete_tuple, peis_outcome, link_opened, plug_serial, notable_event>(x.content, r);
+               delete_tuple, peis_outcome, link_opened, plug_serial, notable_event>(x, r);
   const auto cause = recorded_cause(x.cause);
   if (!worth) {
     if (cause != 0)

@@ -7,28 +7,35 @@
 
 namespace rubicon::report {
 
+std::vector<duration> times_of(const config::fault_description& x, std::uint32_t index,
+                               std::uint64_t seed, duration length) {
+  std::vector<duration> all;
+  if (!x.repeated) {
+    if (x.at <= length)
+      all.push_back(x.at);
+    return all;
+  }
+  const auto& times = *x.repeated;
+  const auto until = std::min(times.until.value_or(length), length);
+  if (until < times.from)
+    return all; // the run has been made shorter than the file says
+  if (times.every > duration{}) {
+    for (auto at = times.from; at <= until; at += times.every)
+      all.push_back(at);
+  }
+  random_stream rng(seed, "fault/" + std::to_string(index));
+  for (std::uint32_t i = 0; i < times.count; ++i)
+    all.push_back(rng.between(times.from, until));
+  std::ranges::sort(all);
+  return all;
+}
+
 std::vector<planned_fault> plan_faults(const config::ecology_description& x) {
   std::vector<planned_fault> plan;
-  for (std::uint32_t index = 0; index < x.faults.size(); ++index) {
-    const auto& fault = x.faults[index];
-    if (!fault.repeated) {
-      plan.push_back({fault.at, index});
-      continue;
-    }
-    const auto& times = *fault.repeated;
-    const auto until = std::min(times.until.value_or(x.length), x.length);
-    if (until < times.from)
-      continue; // the run has been made shorter than the file says
-    if (times.every > duration{}) {
-      for (auto at = times.from; at <= until; at += times.every)
-        plan.push_back({at, index});
-    }
-    random_stream rng(x.seed, "fault/" + std::to_string(index));
-    for (std::uint32_t i = 0; i < times.count; ++i)
-      plan.push_back({rng.between(times.from, until), index});
-  }
+  for (std::uint32_t index = 0; index < x.faults.size(); ++index)
+    for (const auto at : times_of(x.faults[index], index, x.seed, x.length))
+      plan.push_back({at, index});
   std::ranges::stable_sort(plan, {}, &planned_fault::at);
-  std::erase_if(plan, [&x](const auto& each) { return each.at > x.length; });
   return plan;
 }
 

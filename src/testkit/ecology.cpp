@@ -101,14 +101,7 @@ public:
     if (needs_preparation(x.what))
       throw bad_description("fault: it needs a radio that is not there: name it in the "
                             "description, or before time goes on\n");
-    auto times = times_of(x);
-    auto& faults = state_of<ecology_state>(run().root()).description.faults;
-    faults.push_back(std::move(x));
-    const apply_fault message{static_cast<std::uint32_t>(faults.size() - 1)};
-    for (const auto at : times)
-      static_cast<void>(run().world().scheduler().supervisor().schedule(
-          at, caf::actor_cast<caf::strong_actor_ptr>(run().root()),
-          caf::make_mailbox_element(nullptr, caf::make_message_id(), {}, message)));
+    run().plan(x, times_of(x));
     static_cast<void>(run().world().drain());
   }
 
@@ -152,14 +145,10 @@ public:
   report::run_report finish() { return run().finish(); }
 
 private:
-  [[nodiscard]] std::vector<instant> times_of(const config::fault_description& x) {
-    auto alone = description_;
-    alone.faults = {x};
-    alone.length = std::max(alone.length, x.at); // the run may be made longer than it was to be
-    std::vector<instant> times;
-    for (const auto& each : report::plan_faults(alone))
-      if (instant(each.at) >= now())
-        times.emplace_back(each.at);
+  [[nodiscard]] std::vector<duration> times_of(const config::fault_description& x) {
+    // The run may be made longer than it was to be.
+    auto times = report::times_of(x, 0, description_.seed, std::max(description_.length, x.at));
+    std::erase_if(times, [this](duration at) { return instant(at) < now(); });
     if (times.empty())
       throw bad_description("fault: it would be in the past\n");
     return times;
