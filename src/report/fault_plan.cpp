@@ -9,16 +9,13 @@ namespace rubicon::report {
 
 std::vector<duration> times_of(const config::fault_description& x, std::uint32_t index,
                                std::uint64_t seed, duration length) {
-  std::vector<duration> all;
-  if (!x.repeated) {
-    if (x.at <= length)
-      all.push_back(x.at);
-    return all;
-  }
+  if (!x.repeated)
+    return x.at > length ? std::vector<duration>() : std::vector{x.at};
   const auto& times = *x.repeated;
   const auto until = std::min(times.until.value_or(length), length);
   if (until < times.from)
-    return all; // the run has been made shorter than the file says
+    return {}; // the run has been made shorter than the file says
+  std::vector<duration> all;
   if (times.every > duration{}) {
     for (auto at = times.from; at <= until; at += times.every)
       all.push_back(at);
