@@ -38,9 +38,9 @@ struct debug_pattern_list {
   }
 
   [[nodiscard]] static form takes() {
-    auto x = list_form(string_form("pattern"), 0, debug_patterns_max);
+    const auto list = list_form(string_form("pattern"), 0, debug_patterns_max);
     return {"array of patterns, or a text with some",
-            {{"anyOf", {std::move(x.schema), {{"type", "string"}}}}}};
+            either_schema(list.schema, type_schema("string"))};
   }
 };
 

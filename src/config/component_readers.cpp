@@ -40,7 +40,7 @@ struct component_id {
     return peer_id(static_cast<std::int32_t>(id));
   }
   [[nodiscard]] static form takes() {
-    return form{"1 to 65535, or `\"+1\"`", {{"type", {"integer", "string"}}}};
+    return types_form("1 to 65535, or `\"+1\"`", {"integer", "string"});
   }
 };
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "config/values.hpp"
 
@@ -10,57 +11,28 @@ namespace rubicon::config {
 
 namespace {
 
-/// JSON Schema of a text that a regular expression holds for.
-json pattern(const std::string& x) {
-  return {{"type", "string"}, {"pattern", '^' + x + '$'}};
-}
-
 /// A number and one of some units; the units are a part of a regular expression.
-json quantity(const std::string& units, bool is_signed = false) {
-  return pattern(std::string(is_signed ? "-?" : "") + R"([0-9]+(\.[0-9]+)? *()" + units + ')');
-}
-
-json either(const json& a, const json& b) {
-  return {{"anyOf", json::array({a, b})}};
-}
-
-json integer(std::int64_t min, std::optional<std::int64_t> max = std::nullopt) {
-  json out{{"type", "integer"}, {"minimum", min}};
-  if (max)
-    out["maximum"] = *max;
-  return out;
-}
-
-/// Whole numbers without a point.
-json number(double x) {
-  constexpr double exact_max = 1e15;
-  if (std::abs(x) < exact_max && x == std::floor(x))
-    return static_cast<std::int64_t>(x);
-  return x;
+json_text quantity(const std::string& units, bool is_signed = false) {
+  return pattern_schema(std::string(is_signed ? "-?" : "") + R"([0-9]+(\.[0-9]+)? *()" + units +
+                        ')');
 }
 
 const std::string times = R"(([0-9]+(\.[0-9]+)? *(ns|us|ms|s|min|h|d) *)+)";
 const std::string key_part = "[A-Za-z0-9_-]+";
 
-json array_schema(const json& of, std::size_t min, std::size_t max) {
-  json out{{"type", "array"}, {"items", of}};
-  if (min > 0)
-    out["minItems"] = min;
-  if (max < std::numeric_limits<std::size_t>::max())
-    out["maxItems"] = max;
-  return out;
+json_text points_schema(const json_text& value) {
+  const auto pair = json_object({{"type", json_string("array")},
+                                 {"minItems", "2"},
+                                 {"maxItems", "2"},
+                                 {"items", json_array({pattern_schema(times), value})}});
+  return json_object({{"type", json_string("array")}, {"minItems", "1"}, {"items", pair}});
 }
 
-json points_schema(const json& value) {
-  const json pair{{"type", "array"},
-                  {"minItems", 2},
-                  {"maxItems", 2},
-                  {"items", json::array({pattern(times), value})}};
-  return {{"type", "array"}, {"minItems", 1}, {"items", pair}};
-}
-
-json place_schema() {
-  return {{"type", "array"}, {"minItems", 2}, {"maxItems", 3}, {"items", {{"type", "number"}}}};
+json_text place_schema() {
+  return json_object({{"type", json_string("array")},
+                      {"minItems", "2"},
+                      {"maxItems", "3"},
+                      {"items", type_schema("number")}});
 }
 
 /// `10s`: the largest unit of which it is a whole number.
@@ -85,67 +57,38 @@ bool is_open(double x) {
 
 } // namespace
 
-form whole_form(std::int64_t min, std::optional<std::int64_t> max) {
-  return {max ? std::to_string(min) + " to " + std::to_string(*max)
-              : "number from " + std::to_string(min),
-          integer(min, max)};
-}
-
-form word_form(const std::vector<std::string>& words) {
-  form out{{}, {{"enum", words}}};
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const auto join = i + 1 == words.size() ? " or " : ", ";
-    out.wanted += (i == 0 ? "" : join) + ("`\"" + words[i] + "\"`");
-  }
-  return out;
-}
-
-form list_form(const form& of, std::size_t min, std::size_t max) {
-  form out{"array", array_schema(of.schema, min, max)};
-  if (max < std::numeric_limits<std::size_t>::max())
-    out.wanted +=
-        (min == 0 ? " of up to " : " of " + std::to_string(min) + " to ") + std::to_string(max);
-  else if (min > 0)
-    out.wanted += " of at least " + std::to_string(min);
-  out.wanted += ", each a " + of.wanted;
-  return out;
-}
-
-form pairs_form(const form& of) {
-  return {"table, each value a " + of.wanted,
-          {{"type", "object"}, {"additionalProperties", of.schema}}};
-}
-
 form form_of(const real& kind) {
-  form out{"number", {{"type", "number"}}};
+  form out{"number", type_schema("number")};
   if (!is_open(kind.min)) {
-    out.schema["minimum"] = number(kind.min);
+    out.schema = with_member(std::move(out.schema), "minimum", json_number(kind.min));
     out.wanted += " from " + shown(kind.min);
   }
   if (!is_open(kind.max)) {
-    out.schema["maximum"] = number(kind.max);
+    out.schema = with_member(std::move(out.schema), "maximum", json_number(kind.max));
     out.wanted += " to " + shown(kind.max);
   }
   return out;
 }
 
 form form_of(const flag& /*kind*/) {
-  return {"true or false", {{"type", "boolean"}}};
+  return {"true or false", type_schema("boolean")};
 }
 
 form form_of(const text& kind) {
   return {"text of 1 to " + std::to_string(kind.octets_max) + " octets",
-          {{"type", "string"}, {"minLength", 1}, {"maxLength", kind.octets_max}}};
+          json_object({{"type", json_string("string")},
+                       {"minLength", "1"},
+                       {"maxLength", std::to_string(kind.octets_max)}})};
 }
 
 form form_of(const name_text& /*kind*/) {
-  return {"name", pattern("[A-Za-z0-9_-]{1,32}")};
+  return {"name", pattern_schema("[A-Za-z0-9_-]{1,32}")};
 }
 
 form form_of(const tuple_key& kind) {
   const auto part = kind.wildcards ? "(\\*|" + key_part + ')' : key_part;
   return {kind.wildcards ? "tuple key, in which a part may be `*`" : "tuple key",
-          pattern(part + "(\\." + part + "){0,6}")};
+          pattern_schema(part + "(\\." + part + "){0,6}")};
 }
 
 form form_of(const time_span& kind) {
@@ -154,15 +97,15 @@ form form_of(const time_span& kind) {
     wanted += " from " + to_text(kind.min);
   if (kind.max < time_span{}.max)
     wanted += (kind.min > 0s ? " to " : " up to ") + to_text(kind.max);
-  return {wanted, pattern(times)};
+  return {wanted, pattern_schema(times)};
 }
 
 form form_of(const time_step& /*kind*/) {
-  return {"time, `\"5s\"` or `\"-5s\"`", pattern("-?" + times)};
+  return {"time, `\"5s\"` or `\"-5s\"`", pattern_schema("-?" + times)};
 }
 
 form form_of(const ratio& /*kind*/) {
-  return {"ratio", either(json{{"type", "number"}, {"minimum", 0}, {"maximum", 1}}, quantity("%"))};
+  return {"ratio", either_schema(form_of(real{0, 1}).schema, quantity("%"))};
 }
 
 form form_of(const metres& kind) {
@@ -189,11 +132,12 @@ form form_of(const frequency& /*kind*/) {
 }
 
 form form_of(const baud& /*kind*/) {
-  return {"baud", either(integer(300, 4'000'000), pattern("[0-9]+ *baud|[a-z][A-Za-z0-9]+"))};
+  return {"baud", either_schema(integer_schema(300, 4'000'000),
+                                pattern_schema("[0-9]+ *baud|[a-z][A-Za-z0-9]+"))};
 }
 
 form form_of(const bit_rate& /*kind*/) {
-  return {"rate", either(integer(0), quantity("[kMG]?bit/s"))};
+  return {"rate", either_schema(integer_schema(0), quantity("[kMG]?bit/s"))};
 }
 
 form form_of(const place& /*kind*/) {
@@ -201,16 +145,16 @@ form form_of(const place& /*kind*/) {
 }
 
 form form_of(const time_points& /*kind*/) {
-  return {"`[[\"0s\", 21.0], [\"5min\", 27.5]]`, at least 1", points_schema({{"type", "number"}})};
+  return {"`[[\"0s\", 21.0], [\"5min\", 27.5]]`, at least 1", points_schema(type_schema("number"))};
 }
 
 form form_of(const hex_octets& /*kind*/) {
-  return {"1 to 100 octets in hexadecimal", pattern("([0-9A-Fa-f]{2}){1,100}")};
+  return {"1 to 100 octets in hexadecimal", pattern_schema("([0-9A-Fa-f]{2}){1,100}")};
 }
 
 form time_of_day::takes() {
   return {"time of day, `\"07:30\"` or `\"07:30:15\"`",
-          pattern("([01][0-9]|2[0-3]):[0-5][0-9](:[0-5][0-9])?")};
+          pattern_schema("([01][0-9]|2[0-3]):[0-5][0-9](:[0-5][0-9])?")};
 }
 
 form way::takes() {
@@ -218,74 +162,75 @@ form way::takes() {
 }
 
 form tcp_url::takes() {
-  return {"URL", pattern("tcp://.+")};
+  return {"URL", pattern_schema("tcp://.+")};
 }
 
 form interface_address::takes() {
-  return {"IPv4 address", pattern(R"(([0-9]{1,3}\.){3}[0-9]{1,3})")};
+  return {"IPv4 address", pattern_schema(R"(([0-9]{1,3}\.){3}[0-9]{1,3})")};
 }
 
 form network_text::takes() {
   return {"network, as in `\"192.168.1.0/24\"`",
-          pattern(R"(([0-9]{1,3}\.){3}[0-9]{1,3}(/[0-9]{1,2})?)")};
+          pattern_schema(R"(([0-9]{1,3}\.){3}[0-9]{1,3}(/[0-9]{1,2})?)")};
 }
 
 form type_span::takes() {
-  return {
-      "number, range `\"110..119\"` or mask `\"0x0100/0xff00\"`, 1 to 4294967295",
-      either(integer(1, 4294967295), pattern(R"([0-9]+\.\.[0-9]+|[0-9a-fA-Fx]+/[0-9a-fA-Fx]+)"))};
+  return {"number, range `\"110..119\"` or mask `\"0x0100/0xff00\"`, 1 to 4294967295",
+          either_schema(integer_schema(1, 4294967295),
+                        pattern_schema(R"([0-9]+\.\.[0-9]+|[0-9a-fA-Fx]+/[0-9a-fA-Fx]+)"))};
 }
 
-json written(const real& /*kind*/, double x) {
-  return is_open(x) ? json() : number(x);
+json_text written(const real& /*kind*/, double x) {
+  return is_open(x) ? json_text() : json_number(x);
 }
 
-json written(const flag& /*kind*/, bool x) {
-  return x;
+json_text written(const flag& /*kind*/, bool x) {
+  return x ? "true" : "false";
 }
 
-json written(const text& /*kind*/, const std::string& x) {
-  return x.empty() ? json() : json(x);
+json_text written(const text& /*kind*/, const std::string& x) {
+  return x.empty() ? json_text() : json_string(x);
 }
 
-json written(const time_span& /*kind*/, duration x) {
-  return duration_text(x);
+json_text written(const time_span& /*kind*/, duration x) {
+  return json_string(duration_text(x));
 }
 
-json written(const ratio& /*kind*/, double x) {
-  return number(x);
+json_text written(const ratio& /*kind*/, double x) {
+  return json_number(x);
 }
 
-json written(const metres& /*kind*/, double x) {
-  return shown(x) + 'm';
+json_text written(const metres& /*kind*/, double x) {
+  return json_string(shown(x) + 'm');
 }
 
-json written(const power_level& /*kind*/, double x) {
-  return shown(x) + "dBm";
+json_text written(const power_level& /*kind*/, double x) {
+  return json_string(shown(x) + "dBm");
 }
 
-json written(const decibels& /*kind*/, double x) {
-  return shown(x) + "dB";
+json_text written(const decibels& /*kind*/, double x) {
+  return json_string(shown(x) + "dB");
 }
 
-json written(const frequency& /*kind*/, double x) {
-  return shown(x) + "MHz";
+json_text written(const frequency& /*kind*/, double x) {
+  return json_string(shown(x) + "MHz");
 }
 
-json written(const baud& /*kind*/, std::uint32_t x) {
-  return x;
+json_text written(const baud& /*kind*/, std::uint32_t x) {
+  return std::to_string(x);
 }
 
-json written(const bit_rate& /*kind*/, std::uint64_t x) {
+json_text written(const bit_rate& /*kind*/, std::uint64_t x) {
   constexpr std::uint64_t thousand = 1000;
-  return x == 0 || x % thousand != 0 ? json(x) : json(std::to_string(x / thousand) + "kbit/s");
+  return x == 0 || x % thousand != 0 ? std::to_string(x)
+                                     : json_string(std::to_string(x / thousand) + "kbit/s");
 }
 
-json written(const place& /*kind*/, const position& x) {
-  auto out = json::array({number(x.x_m), number(x.y_m)});
+json_text written(const place& /*kind*/, const position& x) {
+  std::vector<json_text> out{json_number(x.x_m), json_number(x.y_m)};
   if (x.z_m != 0)
-    out.push_back(number(x.z_m));
-  return out;
+    out.push_back(json_number(x.z_m));
+  return json_array(out);
 }
 
 } // namespace rubicon::config

@@ -30,7 +30,7 @@ struct told_value {
     return config::read(text{}, x, who);
   }
   [[nodiscard]] static form takes() {
-    return form{"text of 1 to 100 octets, or number", {{"type", {"string", "number"}}}};
+    return types_form("text of 1 to 100 octets, or number", {"string", "number"});
   }
 };
 

@@ -23,7 +23,7 @@ struct secret_key {
     return out;
   }
   [[nodiscard]] static form takes() {
-    return {"key of 32 hexadecimal digits", {{"type", "string"}, {"pattern", "^[0-9A-Fa-f]{32}$"}}};
+    return {"key of 32 hexadecimal digits", pattern_schema("[0-9A-Fa-f]{32}")};
   }
 };
 
@@ -37,7 +37,7 @@ smepp::key drawn_key(std::uint64_t seed, const std::string& what) {
 
 void check_milliseconds(const table_reader& in, std::string_view key, duration x) {
   if (in.sound() && x % 1ms != 0ns)
-    in.problems().add(in.at(key), '`' + std::string(key) + "` must be whole milliseconds");
+    in.problems().add(in.at(key), "`" + std::string(key) + "` must be whole milliseconds");
 }
 
 smepp::group_description read_group(table_reader& in, std::uint64_t seed, name_claims& names) {

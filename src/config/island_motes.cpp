@@ -32,7 +32,7 @@ struct mote_kind {
     return name ? std::optional(type{0, *name}) : std::nullopt;
   }
   [[nodiscard]] static form takes() {
-    return form{"name of a mote type, or a number", {{"type", {"integer", "string"}}}};
+    return types_form("name of a mote type, or a number", {"integer", "string"});
   }
 };
 

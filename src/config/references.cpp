@@ -318,7 +318,7 @@ std::optional<device::quantity> read(const quantity_name& kind, const node& x, c
 form form_of(const quantity_name& kind) {
   auto out = form_of(words_of(kind, {}));
   out.wanted += ", or a [quantity](#quantity) of the file";
-  out.schema = {{"anyOf", json::array({out.schema, form_of(name_text{}).schema})}};
+  out.schema = either_schema(out.schema, form_of(name_text{}).schema);
   return out;
 }
 

@@ -61,14 +61,14 @@ private:
   }
 
   json value_of(const key_description& x) {
-    json out = x.part == part::value ? x.schema : part_of(x);
+    json out = x.part == part::value ? json::parse(x.schema) : part_of(x);
     auto meaning = x.meaning;
     if (!x.unset.empty())
       meaning += (meaning.empty() ? "default: " : "; default: ") + x.unset;
     if (!meaning.empty())
       out["description"] = std::move(meaning);
-    if (!x.standard.is_null() && x.unset.empty())
-      out["default"] = x.standard;
+    if (!x.standard.empty() && x.unset.empty())
+      out["default"] = json::parse(x.standard);
     return out;
   }
 
@@ -83,8 +83,8 @@ private:
     if (x.part == part::named_tables)
       return {{"type", "object"}, {"additionalProperties", one}};
     // Beside a reference nothing else counts.
-    if (!x.schema.is_null())
-      return {{"anyOf", json::array({x.schema, one})}};
+    if (!x.schema.empty())
+      return {{"anyOf", json::array({json::parse(x.schema), one})}};
     return {{"allOf", json::array({one})}};
   }
 
@@ -140,9 +140,9 @@ std::string toml_of(const json& x) {
 }
 
 std::string default_of(const key_description& x) {
-  if (!x.unset.empty() || x.standard.is_null())
+  if (!x.unset.empty() || x.standard.empty())
     return x.unset;
-  return '`' + toml_of(x.standard) + '`';
+  return '`' + toml_of(json::parse(x.standard)) + '`';
 }
 
 } // namespace

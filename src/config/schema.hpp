@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include "config/form.hpp"
 
 namespace rubicon::config {
 
@@ -20,11 +20,11 @@ enum class part : std::uint8_t { value, table, tables, named_tables, other_table
 
 struct key_description {
   std::string name{};
-  std::string meaning{};             ///< one sentence in Markdown
-  std::string wanted{};              ///< what it may be, in Markdown
-  std::string unset{};               ///< what holds without it, in words; empty: `standard` does
-  nlohmann::ordered_json standard{}; ///< default as a file would write it; null: none
-  nlohmann::ordered_json schema{};   ///< JSON Schema of a value
+  std::string meaning{}; ///< one sentence in Markdown
+  std::string wanted{};  ///< what it may be, in Markdown
+  std::string unset{};   ///< what holds without it, in words; empty: `standard` does
+  json_text standard{};  ///< default as a file would write it
+  json_text schema{};    ///< JSON Schema of a value
   bool is_required = false;
   config::part part = config::part::value;
   std::shared_ptr<const table_description> table{}; ///< of a part that is no value

@@ -182,15 +182,15 @@ private:
     add(std::move(x));
   }
 
-  /// What a file would write for a default; null if it cannot.
+  /// What a file would write for a default; empty if it cannot.
   template <class Kind, class Out>
-  [[nodiscard]] json written_of(const Kind& kind, const Out& x) const {
+  [[nodiscard]] json_text written_of(const Kind& kind, const Out& x) const {
     if constexpr (requires { x.has_value(); })
-      return x.has_value() ? written_of(kind, *x) : json();
+      return x.has_value() ? written_of(kind, *x) : json_text();
     else if constexpr (requires { written(kind, x); })
-      return walks() ? written(kind, x) : json();
+      return walks() ? written(kind, x) : json_text();
     else if constexpr (requires { written(kind, x.value); })
-      return walks() ? written(kind, x.value) : json();
+      return walks() ? written(kind, x.value) : json_text();
     else
       return {};
   }

@@ -11,9 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "config/document.hpp"
+#include "config/form.hpp"
 #include "config/near.hpp"
 #include "config/problem.hpp"
 #include "config/reading.hpp"
@@ -41,22 +40,6 @@ struct asker {
     in.problems.add(x.at, std::move(message));
   }
 };
-
-using json = nlohmann::ordered_json;
-
-/// What a kind takes.
-struct form {
-  std::string wanted; ///< for people, in Markdown: `time from 1 s to 1 d`
-  json schema;        ///< a JSON Schema
-};
-
-[[nodiscard]] inline form string_form(std::string wanted) {
-  return {std::move(wanted), {{"type", "string"}}};
-}
-[[nodiscard]] form whole_form(std::int64_t min, std::optional<std::int64_t> max);
-[[nodiscard]] form word_form(const std::vector<std::string>& words);
-[[nodiscard]] form list_form(const form& of, std::size_t min, std::size_t max);
-[[nodiscard]] form pairs_form(const form& of);
 
 /// A value and its place.
 template <class T>
@@ -148,18 +131,18 @@ form form_of(const mote_name& kind);
 form form_of(const node_name& kind);
 form form_of(const quantity_name& kind); ///< without those that the file adds
 
-json written(const real& kind, double x);
-json written(const flag& kind, bool x);
-json written(const text& kind, const std::string& x);
-json written(const time_span& kind, duration x);
-json written(const ratio& kind, double x);
-json written(const metres& kind, double x);
-json written(const power_level& kind, double x);
-json written(const decibels& kind, double x);
-json written(const frequency& kind, double x);
-json written(const baud& kind, std::uint32_t x);
-json written(const bit_rate& kind, std::uint64_t x);
-json written(const place& kind, const position& x);
+json_text written(const real& kind, double x);
+json_text written(const flag& kind, bool x);
+json_text written(const text& kind, const std::string& x);
+json_text written(const time_span& kind, duration x);
+json_text written(const ratio& kind, double x);
+json_text written(const metres& kind, double x);
+json_text written(const power_level& kind, double x);
+json_text written(const decibels& kind, double x);
+json_text written(const frequency& kind, double x);
+json_text written(const baud& kind, std::uint32_t x);
+json_text written(const bit_rate& kind, std::uint64_t x);
+json_text written(const place& kind, const position& x);
 
 /// A kind with functions of its own.
 template <class Kind>
@@ -198,8 +181,8 @@ template <class T>
 }
 
 template <class T>
-[[nodiscard]] json written(const whole<T>& /*kind*/, T x) {
-  return x;
+[[nodiscard]] json_text written(const whole<T>& /*kind*/, T x) {
+  return std::to_string(x);
 }
 
 template <class T>
@@ -228,10 +211,10 @@ template <class T>
 }
 
 template <class T>
-[[nodiscard]] json written(const word<T>& kind, const T& x) {
+[[nodiscard]] json_text written(const word<T>& kind, const T& x) {
   for (const auto& [name, value] : kind.choices)
     if (value == x)
-      return name;
+      return json_string(name);
   return {};
 }
 
@@ -320,7 +303,7 @@ struct time_of_run {
   [[nodiscard]] static form takes() { return form_of(time_span{}); }
 };
 
-[[nodiscard]] inline json written(const time_of_run& /*kind*/, duration x) {
+[[nodiscard]] inline json_text written(const time_of_run& /*kind*/, duration x) {
   return written(time_span{}, x);
 }
 
