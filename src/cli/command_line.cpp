@@ -18,10 +18,10 @@
 #include "cli/network_command_line.hpp"
 #include "cli/serial_command_line.hpp"
 #include "cli/version.hpp"
-#include "config/near.hpp"
 #include "config/units.hpp"
 #include "core/ipv4_network.hpp"
 #include "core/printable.hpp"
+#include "core/spelling.hpp"
 
 namespace rubicon::cli {
 
@@ -478,11 +478,11 @@ std::string unknown_word(const CLI::App& app, std::span<const char* const> argum
     if (word.starts_with("--")) {
       const auto options = option_names(*at);
       if (std::ranges::find(options, word) == options.end())
-        return "there is no option `" + word + '`' + config::suggestion(word, options);
+        return "there is no option `" + word + '`' + suggestion(word, options);
     } else if (std::ranges::find(commands, word) != commands.end()) {
       at = at->get_subcommands([&](const auto* x) { return x->get_name() == word; }).front();
     } else if (!commands.empty() && !word.starts_with('-')) {
-      return "there is no command `" + word + '`' + config::suggestion(word, commands);
+      return "there is no command `" + word + '`' + suggestion(word, commands);
     }
   }
   return {};

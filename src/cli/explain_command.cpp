@@ -4,8 +4,8 @@
 
 #include "cli/console.hpp"
 #include "cli/read_record.hpp"
-#include "config/near.hpp"
 #include "core/printable.hpp"
+#include "core/spelling.hpp"
 
 namespace rubicon::cli {
 
@@ -34,7 +34,7 @@ struct answerer {
                     listed(x.known));
     const bool is_message = asked.what.find('#') != std::string::npos;
     return refuse(asked.record + ": no " + (is_message ? "message" : "tuple") + " `" + asked.what +
-                  '`' + config::suggestion(asked.what, x.known));
+                  '`' + suggestion(asked.what, x.known));
   }
 
   exit_status operator()(const explain::message_found& x) const {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "config/near.hpp"
+#include "core/spelling.hpp"
 
 namespace rubicon::config {
 

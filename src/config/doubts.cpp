@@ -7,9 +7,9 @@
 #include <utility>
 #include <variant>
 
-#include "config/near.hpp"
 #include "config/placement.hpp"
 #include "config/tuple_keys.hpp"
+#include "core/spelling.hpp"
 #include "proxy/layout.hpp"
 
 namespace rubicon::config {

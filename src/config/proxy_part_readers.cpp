@@ -6,9 +6,9 @@
 #include <string_view>
 
 #include "config/mote_readers.hpp"
-#include "config/near.hpp"
 #include "config/size_check.hpp"
 #include "config/units.hpp"
+#include "core/spelling.hpp"
 #include "proxy/class_table.hpp"
 #include "proxy/tuple_template.hpp"
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "config/claims.hpp"
-#include "config/near.hpp"
+#include "core/spelling.hpp"
 #include "peis/meta_tuple.hpp"
 
 namespace rubicon::config {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "config/near.hpp"
+#include "core/spelling.hpp"
 
 namespace rubicon::config {
 

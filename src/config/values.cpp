@@ -16,11 +16,6 @@ constexpr std::size_t key_characters_max = 127;
 constexpr std::ptrdiff_t key_parts_max = 7;
 constexpr std::size_t payload_octets_max = 100; ///< of a message (transport payload, A-51)
 
-bool is_name_character(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-         c == '_';
-}
-
 bool is_tuple_key(std::string_view x, bool wildcards) {
   if (x.empty() || x.size() > key_characters_max ||
       std::count(x.begin(), x.end(), '.') >= key_parts_max)
@@ -185,11 +180,6 @@ std::optional<std::string> read(const text& kind, const node& x, const asker& wh
     return who.refuse(x, "a text of 1 to " + std::to_string(kind.octets_max) +
                              " octets without control characters");
   return *found;
-}
-
-bool is_name(std::string_view x) {
-  return !x.empty() && x.size() <= name_length_max &&
-         std::all_of(x.begin(), x.end(), is_name_character);
 }
 
 std::optional<std::string> read(const name_text& /*kind*/, const node& x, const asker& who) {

@@ -13,12 +13,13 @@
 
 #include "config/document.hpp"
 #include "config/form.hpp"
-#include "config/near.hpp"
 #include "config/problem.hpp"
 #include "config/reading.hpp"
 #include "core/address.hpp"
 #include "core/ipv4_network.hpp"
 #include "core/keys.hpp"
+#include "core/name.hpp"
+#include "core/spelling.hpp"
 #include "core/time.hpp"
 #include "proxy/proxy_class.hpp"
 #include "radio/parameters.hpp"
@@ -74,11 +75,6 @@ using keys::time_step;
 using keys::tuple_key;
 using keys::whole;
 using keys::word;
-
-inline constexpr std::size_t name_length_max = 32;
-
-/// What a name_text may be.
-[[nodiscard]] bool is_name(std::string_view x);
 
 /// `"a", "b" or "c"`
 [[nodiscard]] std::string alternatives(const std::vector<std::string>& words);

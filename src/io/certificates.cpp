@@ -13,7 +13,7 @@
 #include <openssl/err.h>
 #include <sys/stat.h>
 
-#include "config/values.hpp"
+#include "core/name.hpp"
 #include "io/certificate_files.hpp"
 
 namespace rubicon::io {
@@ -222,7 +222,7 @@ std::variant<certificate_pair, std::string> read_authority(const std::string& fo
 
 /// Why this is no certificate to make; empty: it is one.
 std::string refusal(const new_certificate& x) {
-  if (!config::is_name(x.host))
+  if (!is_name(x.host))
     return '`' + x.host + "`: the name of a host is 1 to 32 letters, digits, - and _";
   if (x.host == authority_name)
     return '`' + x.host + "`: the authority's own files have this name";
@@ -255,7 +255,7 @@ sys_seconds system_time() {
 
 std::variant<made_certificate, std::string>
 make_authority(const std::string& folder, const new_authority& x, sys_seconds now) {
-  if (!config::is_name(x.name))
+  if (!is_name(x.name))
     return '`' + x.name + "`: the name of an authority is 1 to 32 letters, digits, - and _";
   if (::mkdir(folder.c_str(), folder_mode) != 0 && errno != EEXIST)
     return folder + ": " + std::generic_category().message(errno);

@@ -22,7 +22,7 @@ inline constexpr std::size_t certificate_addresses_max = 64;
 [[nodiscard]] std::chrono::sys_seconds system_time();
 
 struct new_authority {
-  std::string name = "rubicon"; ///< of the deployment; as config::is_name says
+  std::string name = "rubicon"; ///< of the deployment; as is_name says
   unsigned days = 3652;         ///< 1 to certificate_days_max
 };
 

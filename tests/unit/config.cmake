@@ -1,5 +1,5 @@
 rubicon_test(unit.config SOURCES
-  unit/config_units_test.cpp unit/config_near_test.cpp unit/config_file_test.cpp
+  unit/config_units_test.cpp unit/config_file_test.cpp
   unit/config_values_test.cpp unit/config_problems_test.cpp unit/config_references_test.cpp
   unit/config_description_test.cpp unit/config_examples_test.cpp unit/config_summary_test.cpp
   unit/config_docs_test.cpp unit/config_radio_test.cpp unit/config_group_test.cpp

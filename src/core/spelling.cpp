@@ -1,8 +1,8 @@
-#include "config/near.hpp"
+#include "core/spelling.hpp"
 
 #include <algorithm>
 
-namespace rubicon::config {
+namespace rubicon {
 
 namespace {
 
@@ -67,4 +67,4 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& kn
   return known.size() > names_listed_max ? text + ", ..." : text;
 }
 
-} // namespace rubicon::config
+} // namespace rubicon

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace rubicon::config {
+namespace rubicon {
 
 /// How many characters must be inserted, removed, replaced or swapped with their neighbour to make
 /// `b` of `a`; letter case does not count.
@@ -20,4 +20,4 @@ namespace rubicon::config {
 /// at most ten; `: there is none` for none.
 [[nodiscard]] std::string suggestion(std::string_view word, const std::vector<std::string>& known);
 
-} // namespace rubicon::config
+} // namespace rubicon

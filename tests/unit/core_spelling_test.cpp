@@ -1,12 +1,12 @@
 #include <string>
 #include <vector>
 
-#include "config/near.hpp"
+#include "core/spelling.hpp"
 #include "support/catch.hpp"
 
-using namespace rubicon::config;
+using namespace rubicon;
 
-TEST_CASE("the distance of two words counts the slips between them", "[config]") {
+TEST_CASE("the distance of two words counts the slips between them", "[core]") {
   struct row {
     const char* a;
     const char* b;
@@ -28,7 +28,7 @@ TEST_CASE("the distance of two words counts the slips between them", "[config]")
   CHECK(edit_distance(x.b, x.a) == x.distance);
 }
 
-TEST_CASE("a suggestion is near, or lists what there is", "[config]") {
+TEST_CASE("a suggestion is near, or lists what there is", "[core]") {
   const std::vector<std::string> known{"range", "loss", "queue"};
   CHECK(suggestion("rnage", known) == ": did you mean `range`?");
   CHECK(suggestion("LOSS", known) == ": did you mean `loss`?");
@@ -41,7 +41,7 @@ TEST_CASE("a suggestion is near, or lists what there is", "[config]") {
   CHECK(nearest("abcdefgi", std::vector<std::string>(2001, "abcdefgh")).empty());
 }
 
-TEST_CASE("of equally near names the first is suggested", "[config]") {
+TEST_CASE("of equally near names the first is suggested", "[core]") {
   CHECK(nearest("mote-1", {"mote-2", "mote-3"}) == "mote-2");
   CHECK(nearest(std::string(65, 'a'), {std::string(65, 'a')}).empty()); // not worth the time
 }
