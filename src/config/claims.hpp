@@ -33,20 +33,12 @@ private:
 };
 
 /// A name as keys of tuples are compared: without letter case.
-[[nodiscard]] inline std::string folded(std::string_view name) {
-  std::string out(name);
-  for (auto& c : out)
-    c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return out;
-}
+[[nodiscard]] std::string folded(std::string_view name);
 
 /// Names that differ in letter case alone are one: they become parts of tuple keys (TUP-03).
 class name_claims {
 public:
-  bool claim(std::string_view name, std::string_view kind, mark at, complaints& problems) {
-    return names_.claim(folded(name), std::string(kind) + " `" + std::string(name) + '`', at,
-                        problems);
-  }
+  bool claim(std::string_view name, std::string_view kind, mark at, complaints& problems);
 
 private:
   claims<std::string> names_;

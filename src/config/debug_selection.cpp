@@ -24,7 +24,7 @@ std::string_view module_of(std::string_view path) {
   return path.substr(0, path.find('/'));
 }
 
-std::string quoted(std::string_view x) {
+std::string ticked(std::string_view x) {
   return '`' + std::string(x) + '`';
 }
 
@@ -113,9 +113,9 @@ std::string debug_names::problem(std::string_view pattern) const {
   if (pattern == "*" || paths_.contains(pattern))
     return {};
   if (!paths_.contains(module))
-    return "there is no module " + quoted(module) + suggestion(module, modules());
+    return "there is no module " + ticked(module) + suggestion(module, modules());
   if (pattern.ends_with('/') || pattern.find("//") != std::string_view::npos)
-    return quoted(pattern) + " has an empty part";
+    return ticked(pattern) + " has an empty part";
   if (among(open_modules, module))
     return {};
   for (auto end = pattern.rfind('/'); end > module.size() && among(deep_modules, module);
@@ -126,7 +126,7 @@ std::string debug_names::problem(std::string_view pattern) const {
   for (auto at = paths_.lower_bound(module); at != paths_.end() && at->starts_with(module); ++at)
     if (module_of(*at) == module && at->size() > module.size())
       known.push_back(*at);
-  return "no actor is called " + quoted(pattern) + suggestion(pattern, known);
+  return "no actor is called " + ticked(pattern) + suggestion(pattern, known);
 }
 
 std::string debug_names::problem(const std::vector<std::string>& patterns) const {

@@ -137,12 +137,7 @@ struct island_description {
 
 /// PEIS ids of all gateways of an island, in the order in which they take over; that of the island
 /// first.
-[[nodiscard]] inline std::vector<peer_id> gateways_of(const island_description& x) {
-  std::vector<peer_id> all{gateway_of(x.id)};
-  for (const auto& alias : x.aliases)
-    all.push_back(alias.id);
-  return all;
-}
+[[nodiscard]] std::vector<peer_id> gateways_of(const island_description& x);
 
 /// Islands that share a place and a radio channel.
 struct air_description {
@@ -397,10 +392,7 @@ struct fault_description {
 
 /// Faults by their times, then changes by theirs: which random numbers a fault has depends on its
 /// place among the faults alone.
-inline void sort_plan(std::vector<fault_description>& x) {
-  std::ranges::stable_sort(x, {},
-                           [](const auto& each) { return std::pair(is_change(each), each.at); });
-}
+void sort_plan(std::vector<fault_description>& x);
 
 /// A picture under the map of whoever looks at the ecology.
 struct floor_plan {

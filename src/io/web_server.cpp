@@ -170,7 +170,7 @@ private:
   }
 
   place place_;
-  websocket::stream<beast::tcp_stream> socket_;
+  websocket::stream<beast::tcp_stream, false> socket_;
   asio::steady_timer timer_;
   std::unique_ptr<web_session> session_;
   beast::flat_buffer buffer_;
