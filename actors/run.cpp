@@ -14,6 +14,7 @@
 #include "actors/failure.hpp"
 #include "actors/frame_captures.hpp"
 #include "actors/look.hpp"
+#include "actors/run_record.hpp"
 #include "actors/serial_recorder.hpp"
 #include "actors/tuple_teller.hpp"
 #include "core/device_keys.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "actors/run_record.hpp"
+#include "actors/run_source.hpp"
 #include "config/ecology.hpp"
 #include "io/loop.hpp"
 #include "report/history.hpp"

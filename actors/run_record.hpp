@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "actors/run_source.hpp"
 #include "config/ecology.hpp"
 #include "explain/record.hpp"
 #include "radio/channel.hpp"
@@ -15,12 +16,6 @@
 #include "scheduler/trace.hpp"
 
 namespace rubicon {
-
-/// Which file a run was made of.
-struct run_source {
-  std::string file;   ///< as the user named it
-  std::string digest; ///< of its text
-};
 
 /// Writes what has a part in the delivery of messages and tuples into one file
 /// (explain/record.hpp): not timers, beacons, acks of frames, nor what PEIS kernels say to each

@@ -19,10 +19,11 @@ foreach(line ${lines})
 endforeach()
 
 # rubicon_room(NAME SOURCES file... NEEDS target...): one room, one library, linked with the rooms that it may
-# include and with NEEDS. A room without sources of its own is an interface library. Without `PRECOMPILE
-# header...` a room shares the core's precompiled headers.
+# include and with NEEDS. A room without sources of its own is an interface library. Its headers that most
+# of its files include are precompiled with `PRECOMPILE header...`, or shared with `PRECOMPILED_BY room`;
+# else it shares the core's.
 function(rubicon_room name)
-  cmake_parse_arguments(room "" "" "SOURCES;NEEDS;PRECOMPILE" ${ARGN})
+  cmake_parse_arguments(room "" "PRECOMPILED_BY" "SOURCES;NEEDS;PRECOMPILE" ${ARGN})
   foreach(other ${${name}_rooms})
     if(TARGET rubicon_${other}) # a build of a few rooms may lack one whose headers alone are used
       list(APPEND room_NEEDS rubicon_${other})
@@ -35,6 +36,8 @@ function(rubicon_room name)
       target_precompile_headers(rubicon_${name} PRIVATE ${standard_headers} ${room_PRECOMPILE})
     elseif(name STREQUAL "core")
       target_precompile_headers(rubicon_core PRIVATE ${standard_headers})
+    elseif(room_PRECOMPILED_BY)
+      target_precompile_headers(rubicon_${name} REUSE_FROM rubicon_${room_PRECOMPILED_BY})
     else()
       target_precompile_headers(rubicon_${name} REUSE_FROM rubicon_core)
     endif()

@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/add_option.hpp"
+
 namespace rubicon::cli {
 
 namespace {
@@ -26,11 +28,7 @@ certs_command_line::certs_command_line(CLI::App& app)
 
 CLI::App& certs_command_line::add(const char* name, const char* text) {
   auto& app = *app_.add_subcommand(name, text);
-  app.add_option("--dir", folder_, "Folder of the certificates; certs if not given")
-      ->type_name("DIR")
-      ->check([](const std::string& x) {
-        return x.empty() ? std::string("a name is missing") : std::string();
-      });
+  add_path(app, "--dir", "DIR", folder_, "Folder of the certificates; certs if not given");
   return app;
 }
 

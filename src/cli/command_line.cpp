@@ -13,6 +13,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/add_option.hpp"
 #include "cli/certs_command_line.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/network_command_line.hpp"
@@ -93,21 +94,6 @@ void add_file(CLI::App& app, std::string& file) {
   app.add_option("FILE", file, "The TOML file that describes the ecology; - reads standard input")
       ->required()
       ->type_name("");
-}
-
-/// An option whose text `take` turns into a value or refuses with a ValidationError.
-CLI::Option* add_parsed(CLI::App& app, const char* name, const char* type, const char* text,
-                        std::function<void(const std::string&)> take) {
-  return app.add_option_function<std::string>(name, std::move(take), text)->type_name(type);
-}
-
-/// An option that takes the name of a file or folder.
-CLI::Option* add_path(CLI::App& app, const char* name, const char* type, std::string& path,
-                      const char* text) {
-  const auto is_named = [](const std::string& x) {
-    return x.empty() ? std::string("a name is missing") : std::string();
-  };
-  return app.add_option(name, path, text)->type_name(type)->check(is_named);
 }
 
 void add_overrides(CLI::App& app, config::overrides& x) {

@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/add_option.hpp"
 #include "config/units.hpp"
 #include "peis/key.hpp"
 #include "peis/link_url.hpp"
@@ -16,12 +17,6 @@
 namespace rubicon::cli {
 
 namespace {
-
-/// An option or word whose text `take` turns into a value or refuses with a ValidationError.
-CLI::Option* add_parsed(CLI::App& app, const char* name, const char* type, const char* text,
-                        std::function<void(const std::string&)> take) {
-  return app.add_option_function<std::string>(name, std::move(take), text)->type_name(type);
-}
 
 duration parse_time(const char* name, const std::string& text) {
   const auto length = config::parse_duration(text);

@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/add_option.hpp"
 #include "config/units.hpp"
 #include "core/ipv4_network.hpp"
 #include "serial/packet.hpp"
@@ -15,12 +16,6 @@
 namespace rubicon::cli {
 
 namespace {
-
-/// An option or word whose text `take` turns into a value or refuses with a ValidationError.
-CLI::Option* add_parsed(CLI::App& app, const char* name, const char* type, const char* text,
-                        std::function<void(const std::string&)> take) {
-  return app.add_option_function<std::string>(name, std::move(take), text)->type_name(type);
-}
 
 /// Decimal, or hexadecimal behind 0x.
 template <class Number>

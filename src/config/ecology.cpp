@@ -2,6 +2,27 @@
 
 namespace rubicon::config {
 
+island_description::island_description() = default;
+island_description::~island_description() = default;
+island_description::island_description(const island_description&) = default;
+island_description& island_description::operator=(const island_description&) = default;
+island_description::island_description(island_description&&) noexcept = default;
+island_description& island_description::operator=(island_description&&) noexcept = default;
+
+peer_description::peer_description() = default;
+peer_description::~peer_description() = default;
+peer_description::peer_description(const peer_description&) = default;
+peer_description& peer_description::operator=(const peer_description&) = default;
+peer_description::peer_description(peer_description&&) noexcept = default;
+peer_description& peer_description::operator=(peer_description&&) noexcept = default;
+
+ecology_description::ecology_description() = default;
+ecology_description::~ecology_description() = default;
+ecology_description::ecology_description(const ecology_description&) = default;
+ecology_description& ecology_description::operator=(const ecology_description&) = default;
+ecology_description::ecology_description(ecology_description&&) noexcept = default;
+ecology_description& ecology_description::operator=(ecology_description&&) noexcept = default;
+
 std::vector<peer_id> gateways_of(const island_description& x) {
   std::vector<peer_id> all{gateway_of(x.id)};
   for (const auto& alias : x.aliases)

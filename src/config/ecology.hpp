@@ -111,6 +111,14 @@ struct real_line_description {
 };
 
 struct island_description {
+  // Compiled once: they are large.
+  island_description();
+  ~island_description();
+  island_description(const island_description&);
+  island_description& operator=(const island_description&);
+  island_description(island_description&&) noexcept;
+  island_description& operator=(island_description&&) noexcept;
+
   island_id id; ///< also the PEIS id of its gateway (ADR-02)
   std::string name;
   std::string host; ///< empty: wherever the run is started
@@ -180,6 +188,14 @@ struct tcp_listener {
 };
 
 struct peer_description {
+  // Compiled once: they are large.
+  peer_description();
+  ~peer_description();
+  peer_description(const peer_description&);
+  peer_description& operator=(const peer_description&);
+  peer_description(peer_description&&) noexcept;
+  peer_description& operator=(peer_description&&) noexcept;
+
   peer_id id;
   std::string name;
   std::string table; ///< name of several peers of one table, which have numbers; else empty
@@ -402,6 +418,14 @@ struct floor_plan {
 };
 
 struct ecology_description {
+  // Compiled once: they are large.
+  ecology_description();
+  ~ecology_description();
+  ecology_description(const ecology_description&);
+  ecology_description& operator=(const ecology_description&);
+  ecology_description(ecology_description&&) noexcept;
+  ecology_description& operator=(ecology_description&&) noexcept;
+
   std::string name;
   std::uint64_t seed = 1;
   run_mode mode = run_mode::virtual_time;

@@ -25,6 +25,13 @@ Part sum_over_islands(const run_report& x, Part island_report::*part) {
 
 } // namespace
 
+run_report::run_report() = default;
+run_report::~run_report() = default;
+run_report::run_report(const run_report&) = default;
+run_report& run_report::operator=(const run_report&) = default;
+run_report::run_report(run_report&&) noexcept = default;
+run_report& run_report::operator=(run_report&&) noexcept = default;
+
 std::uint64_t total(const cause_counts& x) {
   std::uint64_t sum = 0;
   for (const auto& [cause, count] : x)

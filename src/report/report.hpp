@@ -431,6 +431,14 @@ struct actor_report {
 RUBICON_FIELDS(actor_report, spawned, restarted, failures, changes_refused);
 
 struct run_report {
+  // Compiled once: they are large.
+  run_report();
+  ~run_report();
+  run_report(const run_report&);
+  run_report& operator=(const run_report&);
+  run_report(run_report&&) noexcept;
+  run_report& operator=(run_report&&) noexcept;
+
   std::string ecology;
   std::uint64_t seed = 0;
   std::string mode; ///< virtual or wall

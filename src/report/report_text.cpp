@@ -182,7 +182,7 @@ void add_islands(report_page& page, const run_report& x) {
   page.add(rows);
 }
 
-std::string in_us(duration x) {
+std::string microseconds_text(duration x) {
   return with_thousands(static_cast<std::uint64_t>(x / 1us)) + " µs";
 }
 
@@ -252,8 +252,8 @@ void add_network(report_page& page, const run_report& x) {
               with_thousands(part.channels_opened),
               with_thousands(part.channel_packets_arrived),
               with_thousands(part.beacons),
-              part.synchronised > 0 ? in_us(part.clock_error_max) : "–",
-              part.aligned > 0 ? in_us(part.time_error_max) : "–",
+              part.synchronised > 0 ? microseconds_text(part.clock_error_max) : "–",
+              part.aligned > 0 ? microseconds_text(part.time_error_max) : "–",
               with_thousands(part.state_octets) + " B"});
     if (const auto lost = causes(part.lost); !lost.empty())
       rows.add_note("  lost: " + lost);
