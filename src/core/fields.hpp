@@ -113,8 +113,9 @@ typename Inspector::result_type inspect_fields(Inspector& f, T& x, const char* t
 
 /// After a struct: the names of all its fields, in their order. Does not compile if one is missing.
 #define RUBICON_FIELDS(Struct, ...)                                                                \
-  constexpr auto fields_of(const Struct*) {                                                        \
-    return std::make_tuple(__VA_OPT__(RUBICON_EXPAND(RUBICON_EACH_FIELD(Struct, __VA_ARGS__))));   \
+  template <std::same_as<Struct> T> /* a template is compiled where it is used */                  \
+  constexpr auto fields_of(const T*) {                                                             \
+    return std::make_tuple(__VA_OPT__(RUBICON_EXPAND(RUBICON_EACH_FIELD(T, __VA_ARGS__))));        \
   }                                                                                                \
   [[maybe_unused]] inline void all_fields_are_listed([[maybe_unused]] const Struct& struct_) {     \
     __VA_OPT__([[maybe_unused]] const auto& [__VA_ARGS__] = struct_;)                              \
