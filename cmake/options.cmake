@@ -26,7 +26,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(rubicon_options INTERFACE $<BUILD_INTERFACE:-fpch-preprocess>)
 endif()
 
-# Release keeps asserts: they guard our own logic.
+# Release keeps asserts: they guard our own logic. -g1, that stack traces name lines, costs next to no time to compile
+# (-g a third more); what is installed has no debug information.
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -g1")
 
 if(RUBICON_SANITIZE)
