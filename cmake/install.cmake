@@ -25,7 +25,7 @@ string(CONFIGURE [[
     COMMAND "@CMAKE_OBJCOPY@" --only-keep-debug --compress-debug-sections "$<TARGET_FILE:rubicon>" rubicon.debug
     WORKING_DIRECTORY "@parted@")
   execute_process(COMMAND_ERROR_IS_FATAL ANY
-    COMMAND "@CMAKE_OBJCOPY@" --strip-all --add-gnu-debuglink=rubicon.debug "$<TARGET_FILE:rubicon>" rubicon
+    COMMAND "@CMAKE_OBJCOPY@" --strip-all --remove-section=.comment --add-gnu-debuglink=rubicon.debug "$<TARGET_FILE:rubicon>" rubicon
     WORKING_DIRECTORY "@parted@")
 ]] part @ONLY)
 install(CODE "${part}" COMPONENT binary)
@@ -40,7 +40,7 @@ target_link_libraries(rubicon_all INTERFACE rubicon_cli)
 install(TARGETS rubicon_all ${libraries} EXPORT rubicon ARCHIVE DESTINATION lib/rubicon COMPONENT library)
 install(EXPORT rubicon NAMESPACE rubicon:: FILE rubicon-targets.cmake DESTINATION ${package_folder} COMPONENT library)
 install(DIRECTORY src/ DESTINATION include/rubicon COMPONENT library
-        FILES_MATCHING PATTERN *.hpp PATTERN testkit EXCLUDE)
+        FILES_MATCHING PATTERN *.hpp PATTERN testkit EXCLUDE REGEX view/page$ EXCLUDE)
 install(DIRECTORY actors DESTINATION include/rubicon COMPONENT library FILES_MATCHING PATTERN *.hpp)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/rubicon-config-version.cmake
                                  COMPATIBILITY SameMinorVersion)
@@ -57,7 +57,7 @@ install(DIRECTORY src/testkit DESTINATION include/rubicon COMPONENT kit EXCLUDE_
 string(CONFIGURE [[
   file(GLOB archives "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/lib/rubicon/*.a")
   execute_process(COMMAND_ERROR_IS_FATAL ANY
-    COMMAND "@CMAKE_STRIP@" --strip-debug --preserve-dates ${archives})
+    COMMAND "@CMAKE_STRIP@" --strip-debug --remove-section=.comment --preserve-dates ${archives})
 ]] strip_archives @ONLY)
 install(CODE "${strip_archives}" COMPONENT library)
 install(CODE "${strip_archives}" COMPONENT kit EXCLUDE_FROM_ALL)
