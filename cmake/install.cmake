@@ -1,23 +1,63 @@
-# `cmake --install build/release --prefix FOLDER`: the binary, and the library with which others
-# write theirs: find_package(rubicon), target rubicon::rubicon (docs/applications.md).
+# `cmake --install build/release --prefix FOLDER --component COMPONENT`, or tools/install, which builds it before:
+#   binary   the program without debug information, and its systemd unit
+#   library  what others write theirs with: find_package(rubicon), target rubicon::rubicon (docs/applications.md)
+#   kit      what they test it with: target rubicon::test (docs/testing.md); needs the library
+#   debug    the debug information of the binary, where debuggers look for it
+# Without `--component`: what is built with the binary, that is the first two.
 include(CMakePackageConfigHelpers)
 
 set(package_folder lib/cmake/rubicon)
 list(TRANSFORM RUBICON_ROOMS PREPEND rubicon_ OUTPUT_VARIABLE libraries)
-list(APPEND libraries rubicon_options rubicon_scheduler rubicon_actors rubicon_control rubicon_cli rubicon_testkit)
+list(APPEND libraries rubicon_options rubicon_scheduler rubicon_actors rubicon_control rubicon_cli)
+
+# The names of components are targets too: what has to be built for them.
+add_custom_target(binary DEPENDS rubicon)
+add_custom_target(library)
+add_dependencies(library ${libraries})
+add_custom_target(kit DEPENDS library rubicon_testkit)
+add_custom_target(debug DEPENDS rubicon)
+
+# Nine tenths of the binary that is built are debug information.
+set(parted ${PROJECT_BINARY_DIR}/parted)
+string(CONFIGURE [[
+  file(MAKE_DIRECTORY "@parted@")
+  execute_process(COMMAND_ERROR_IS_FATAL ANY
+    COMMAND "@CMAKE_OBJCOPY@" --only-keep-debug --compress-debug-sections "$<TARGET_FILE:rubicon>" rubicon.debug
+    WORKING_DIRECTORY "@parted@")
+  execute_process(COMMAND_ERROR_IS_FATAL ANY
+    COMMAND "@CMAKE_OBJCOPY@" --strip-all --remove-section=.comment --add-gnu-debuglink=rubicon.debug "$<TARGET_FILE:rubicon>" rubicon
+    WORKING_DIRECTORY "@parted@")
+]] part @ONLY)
+install(CODE "${part}" COMPONENT binary)
+install(PROGRAMS ${parted}/rubicon DESTINATION bin COMPONENT binary)
+install(FILES packaging/rubicon-host@.service DESTINATION lib/systemd/system COMPONENT binary)
+install(CODE "${part}" COMPONENT debug EXCLUDE_FROM_ALL)
+install(FILES ${parted}/rubicon.debug DESTINATION bin/.debug COMPONENT debug EXCLUDE_FROM_ALL)
 
 add_library(rubicon_all INTERFACE)
 set_target_properties(rubicon_all PROPERTIES EXPORT_NAME rubicon)
 target_link_libraries(rubicon_all INTERFACE rubicon_cli)
-
-install(TARGETS rubicon RUNTIME DESTINATION bin)
-install(FILES packaging/rubicon-host@.service DESTINATION lib/systemd/system)
-install(TARGETS rubicon_all ${libraries} EXPORT rubicon ARCHIVE DESTINATION lib/rubicon)
-install(EXPORT rubicon NAMESPACE rubicon:: FILE rubicon-targets.cmake DESTINATION ${package_folder})
-install(DIRECTORY src/ DESTINATION include/rubicon FILES_MATCHING PATTERN *.hpp)
-install(DIRECTORY actors DESTINATION include/rubicon FILES_MATCHING PATTERN *.hpp)
+install(TARGETS rubicon_all ${libraries} EXPORT rubicon ARCHIVE DESTINATION lib/rubicon COMPONENT library)
+install(EXPORT rubicon NAMESPACE rubicon:: FILE rubicon-targets.cmake DESTINATION ${package_folder} COMPONENT library)
+install(DIRECTORY src/ DESTINATION include/rubicon COMPONENT library
+        FILES_MATCHING PATTERN *.hpp PATTERN testkit EXCLUDE REGEX view/page$ EXCLUDE)
+install(DIRECTORY actors DESTINATION include/rubicon COMPONENT library FILES_MATCHING PATTERN *.hpp)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/rubicon-config-version.cmake
                                  COMPATIBILITY SameMinorVersion)
 install(FILES cmake/rubicon-config.cmake cmake/dependencies.cmake
               ${PROJECT_BINARY_DIR}/rubicon-config-version.cmake
-        DESTINATION ${package_folder})
+        DESTINATION ${package_folder} COMPONENT library)
+
+install(TARGETS rubicon_testkit EXPORT rubicon-kit ARCHIVE DESTINATION lib/rubicon COMPONENT kit EXCLUDE_FROM_ALL)
+install(EXPORT rubicon-kit NAMESPACE rubicon:: FILE rubicon-kit-targets.cmake DESTINATION ${package_folder}
+        COMPONENT kit EXCLUDE_FROM_ALL)
+install(DIRECTORY src/testkit DESTINATION include/rubicon COMPONENT kit EXCLUDE_FROM_ALL FILES_MATCHING PATTERN *.hpp)
+
+# Of applications' own debug information nothing is lost.
+string(CONFIGURE [[
+  file(GLOB archives "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/lib/rubicon/*.a")
+  execute_process(COMMAND_ERROR_IS_FATAL ANY
+    COMMAND "@CMAKE_STRIP@" --strip-debug --remove-section=.comment --preserve-dates ${archives})
+]] strip_archives @ONLY)
+install(CODE "${strip_archives}" COMPONENT library)
+install(CODE "${strip_archives}" COMPONENT kit EXCLUDE_FROM_ALL)
