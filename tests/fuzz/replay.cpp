@@ -1,21 +1,36 @@
-// Replays a corpus, and seeded mutations of it, through LLVMFuzzerTestOneInput: the fuzz targets
-// run in every build, and libFuzzer explores further under the fuzz preset.
+// Replays a corpus, and seeded mutations of it, through one of the fuzz targets, all of which are
+// in this program: they run without libFuzzer, which explores further under the fuzz preset.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <string_view>
 #include <vector>
 
 #include "core/bytes.hpp"
 #include "core/random.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+// tests/CMakeLists.txt lists the targets, and names the LLVMFuzzerTestOneInput of each after it.
+#define FUZZ_TARGET(name) extern "C" int fuzz_##name(const std::uint8_t* data, std::size_t size);
+#include "fuzz_targets.inc"
+#undef FUZZ_TARGET
 
 namespace {
 
 using rubicon::bytes;
+
+struct fuzz_target {
+  std::string_view name;
+  int (*run)(const std::uint8_t* data, std::size_t size);
+};
+
+constexpr fuzz_target targets[] = {
+#define FUZZ_TARGET(name) {#name, fuzz_##name},
+#include "fuzz_targets.inc"
+#undef FUZZ_TARGET
+};
 
 constexpr int mutations_per_input = 2000;
 
@@ -50,28 +65,32 @@ void mutate(bytes& input, rubicon::random_stream& rng) {
 } // namespace
 
 int main(int argc, char* argv[]) {
-  if (argc != 2 || !std::filesystem::is_directory(argv[1])) {
-    std::fprintf(stderr, "usage: %s CORPUS_FOLDER\n", argv[0]);
+  const auto* const target =
+      argc == 3 ? std::find_if(std::begin(targets), std::end(targets),
+                               [&](const fuzz_target& x) { return x.name == argv[1]; })
+                : std::end(targets);
+  if (target == std::end(targets) || !std::filesystem::is_directory(argv[2])) {
+    std::fprintf(stderr, "usage: %s TARGET CORPUS_FOLDER\n", argv[0]);
     return 2;
   }
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(argv[1]))
+  for (const auto& entry : std::filesystem::directory_iterator(argv[2]))
     files.push_back(entry.path());
   std::sort(files.begin(), files.end()); // folder order differs between file systems
   if (files.empty()) {
-    std::fprintf(stderr, "empty corpus: %s\n", argv[1]);
+    std::fprintf(stderr, "empty corpus: %s\n", argv[2]);
     return 2;
   }
   rubicon::random_stream rng(1);
   for (const auto& file : files) {
     const auto original = read_file(file);
-    LLVMFuzzerTestOneInput(original.data(), original.size());
+    target->run(original.data(), original.size());
     auto input = original;
     for (int i = 0; i < mutations_per_input; ++i) {
       if (i % 8 == 0)
         input = original;
       mutate(input, rng);
-      LLVMFuzzerTestOneInput(input.data(), input.size());
+      target->run(input.data(), input.size());
     }
   }
   std::printf("%zu inputs, %d mutations each\n", files.size(), mutations_per_input);

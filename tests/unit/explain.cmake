@@ -1,4 +1,4 @@
-rubicon_test(unit.explain SOURCES
+rubicon_unit_test(unit.explain SOURCES
   unit/explain_record_test.cpp unit/explain_message_test.cpp unit/explain_tuple_test.cpp
   unit/explain_growth_test.cpp unit/explain_media_test.cpp
   NEEDS rubicon_explain)

@@ -1,1 +1,3 @@
-rubicon_test(unit.goal SOURCES unit/goal_pursuer_test.cpp unit/goal_random_test.cpp NEEDS rubicon_goal)
+rubicon_unit_test(unit.goal SOURCES unit/goal_pursuer_test.cpp
+  EVERYWHERE unit/goal_random_test.cpp
+  NEEDS rubicon_goal)

@@ -1,4 +1,4 @@
-rubicon_test(unit.proxy SOURCES
+rubicon_unit_test(unit.proxy SOURCES
   unit/proxy_class_table_test.cpp unit/proxy_tuple_key_test.cpp unit/proxy_layout_test.cpp
   unit/proxy_input_channel_test.cpp unit/proxy_proxy_test.cpp unit/proxy_manager_test.cpp
   unit/proxy_gateway_choice_test.cpp

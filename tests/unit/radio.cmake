@@ -1,4 +1,4 @@
-rubicon_test(unit.radio SOURCES
+rubicon_unit_test(unit.radio SOURCES
   unit/radio_channel_test.cpp unit/radio_contention_test.cpp unit/radio_energy_test.cpp
   unit/radio_frame_test.cpp unit/radio_links_test.cpp unit/radio_mac_rules_test.cpp
   unit/radio_mac_test.cpp unit/radio_medium_test.cpp

@@ -1,1 +1,1 @@
-rubicon_test(unit.rfid SOURCES unit/rfid_reader_test.cpp NEEDS rubicon_rfid)
+rubicon_unit_test(unit.rfid SOURCES unit/rfid_reader_test.cpp NEEDS rubicon_rfid)

@@ -1,4 +1,4 @@
-rubicon_test(unit.traffic SOURCES
+rubicon_unit_test(unit.traffic SOURCES
   unit/traffic_line_test.cpp unit/traffic_packet_test.cpp unit/traffic_part_test.cpp
   unit/traffic_program_test.cpp unit/traffic_schedule_test.cpp
   NEEDS rubicon_traffic)
