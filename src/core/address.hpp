@@ -6,6 +6,8 @@
 #include <functional>
 #include <string>
 
+#include "core/fields.hpp"
+
 namespace rubicon {
 
 /// A number that is only ever one kind of thing.
@@ -58,6 +60,7 @@ struct mote_address {
 
   friend constexpr auto operator<=>(const mote_address&, const mote_address&) = default;
 };
+RUBICON_FIELDS(mote_address, island, mote);
 
 /// `island/mote` in decimal.
 [[nodiscard]] inline std::string to_string(const mote_address& x) {
@@ -77,6 +80,7 @@ struct position {
 
   friend bool operator==(const position&, const position&) = default;
 };
+RUBICON_FIELDS(position, x_m, y_m, z_m);
 
 } // namespace rubicon
 

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <limits>
 
+#include "core/content.hpp"
+
 namespace rubicon {
 
 namespace {
@@ -85,6 +87,18 @@ double delay_histogram::quantile_ms(double q) const {
       return middle_ns(number) / 1e6;
   }
   return middle_ns(buckets_.back().first) / 1e6;
+}
+
+void delay_histogram::fold_into(fold64& x) const {
+  x.add(count_);
+  fold_content(x, sum_ns_);
+  fold_content(x, buckets_);
+}
+
+void delay_histogram::print_to(std::string& out) const {
+  out += std::to_string(count_) + " of ";
+  print_content(out, mean_ms());
+  out += " ms";
 }
 
 } // namespace rubicon

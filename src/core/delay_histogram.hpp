@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "core/hash.hpp"
 #include "core/time.hpp"
 
 namespace rubicon {
@@ -23,7 +25,10 @@ public:
 
   friend bool operator==(const delay_histogram&, const delay_histogram&) = default;
 
-  /// For messages.
+  void fold_into(fold64& x) const;
+  void print_to(std::string& out) const; ///< how many, and their mean
+
+  /// For messages between computers.
   template <class F>
   friend auto inspect(F& f, delay_histogram& x) {
     return f(x.count_, x.sum_ns_, x.buckets_);

@@ -30,6 +30,10 @@ concept described = requires {
   fields_of(static_cast<const T*>(nullptr));
 };
 
+/// As the source calls it, without namespaces.
+template <described T>
+inline constexpr std::string_view struct_name = name_of_struct(static_cast<const T*>(nullptr));
+
 /// Calls f(name, value) for each field, in the order of the list.
 template <class T, class F>
 constexpr void for_each_field(T& x, F f) {
@@ -89,7 +93,7 @@ T& operator+=(T& sum, const T& x) {
   return sum;
 }
 
-/// For CAF's inspectors; defined where they are known (actors/inspect.hpp).
+/// For CAF's inspectors; defined where they are known (control/inspect.hpp).
 template <class Inspector, class T>
 typename Inspector::result_type inspect_fields(Inspector& f, T& x, const char* type_name);
 
@@ -116,6 +120,9 @@ typename Inspector::result_type inspect_fields(Inspector& f, T& x, const char* t
   template <std::same_as<Struct> T> /* a template is compiled where it is used */                  \
   constexpr auto fields_of(const T*) {                                                             \
     return std::make_tuple(__VA_OPT__(RUBICON_EXPAND(RUBICON_EACH_FIELD(T, __VA_ARGS__))));        \
+  }                                                                                                \
+  constexpr std::string_view name_of_struct(const Struct*) {                                       \
+    return #Struct;                                                                                \
   }                                                                                                \
   [[maybe_unused]] inline void all_fields_are_listed([[maybe_unused]] const Struct& struct_) {     \
     __VA_OPT__([[maybe_unused]] const auto& [__VA_ARGS__] = struct_;)                              \
