@@ -3,14 +3,16 @@
 #include <map>
 
 #include "actors/log.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/statuses.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using air_pointer = scheduler::traced_pointer<air_state, air_actor>;
+using air_pointer = scheduler::actor_pointer<air_state, air_actor>;
 
 std::size_t slot(radio::radio_index x) {
   return x.value;
@@ -147,7 +149,6 @@ void on_bring(air_pointer self, const bring_radio& x) {
 air_actor::behavior_type air(air_pointer self, radio::channel channel,
                              std::vector<mote_address> addresses, extra_radios extra,
                              std::uint64_t seed, ecology_actor ecology, frame_observer observe) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->state.channel = std::move(channel);
   self->state.seed = seed;
   self->state.tells_energy.assign(addresses.size(), true);
@@ -164,7 +165,6 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
   self->state.addresses = std::move(addresses);
   self->state.ecology = std::move(ecology);
   return {
-      // the frequent ones first: they are tried in turn
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           perform(self, self->state.channel.on_time(now(self)));
@@ -179,7 +179,7 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
         perform(self, self->state.channel.send(x.radio, std::move(what), now(self)));
       },
       [self](const attach_radio& x) {
-        self->state.users[slot(x.radio)] = x.user.actor;
+        self->state.users[slot(x.radio)] = x.user;
         perform(self, self->state.channel.set_power(x.radio, radio::power::on, now(self)));
       },
       [self](const radio_power& x) {

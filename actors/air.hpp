@@ -4,7 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "actors/messages.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/timer.hpp"
 #include "radio/channel.hpp"
 #include "radio/interferer.hpp"
@@ -55,7 +56,7 @@ struct extra_radios {
 /// @param extra how many of the last ones are not those of motes from the start
 /// @param seed of random numbers that only faults need
 /// @param observe may be empty
-air_actor::behavior_type air(scheduler::traced_pointer<air_state, air_actor> self,
+air_actor::behavior_type air(scheduler::actor_pointer<air_state, air_actor> self,
                              radio::channel channel, std::vector<mote_address> addresses,
                              extra_radios extra, std::uint64_t seed, ecology_actor ecology,
                              frame_observer observe);

@@ -3,6 +3,10 @@
 #include <algorithm>
 
 #include "actors/air.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/outside_line.hpp"
 #include "actors/peis_bluetooth.hpp"
 #include "actors/peis_lan.hpp"
@@ -23,7 +27,7 @@ namespace {
 constexpr double mains_mah = 1e9;
 
 ecology_actor handle_of(ecology_pointer self) {
-  return caf::actor_cast<ecology_actor>(self);
+  return handle_of<ecology_actor>(self);
 }
 
 /// @pre the description has an island with this id
@@ -173,8 +177,7 @@ serial_line_actor spawn_line(ecology_pointer self, island_id island, const std::
   x.loop = self->state.process.loop;
   x.island = island;
   x.ecology = handle_of(self);
-  return caf::actor_cast<serial_line_actor>(
-      spawn_child(*self->state.pcs, self, path, outside_line, std::move(x)));
+  return spawn_child(*self->state.pcs, self, path, outside_line, std::move(x));
 }
 
 /// The way to the real sink of an island, and its gateway.
@@ -514,7 +517,7 @@ void spawn_kernels(ecology_pointer self) {
 /// The simulated network: it has nothing to report.
 void spawn_lan(ecology_pointer self) {
   const auto& description = self->state.description;
-  self->state.lan = scheduler::spawn_in<caf::monitored>(
+  self->state.lan = scheduler::spawn_in<scheduler::monitored>(
       *self->state.pcs, self, "peis_lan", peis_lan, description.peis, description.seed);
   ++self->state.report.actors.spawned;
   self->state.names.emplace(self->state.lan.address(), "peis_lan");
@@ -526,9 +529,9 @@ void spawn_bluetooth(ecology_pointer self) {
   if (std::ranges::all_of(description.peers,
                           [](const auto& peer) { return peer.bluetooth.empty(); }))
     return;
-  self->state.bluetooth =
-      scheduler::spawn_in<caf::monitored>(*self->state.pcs, self, "peis_bluetooth", peis_bluetooth,
-                                          description.peis, description.bluetooth_devices);
+  self->state.bluetooth = scheduler::spawn_in<scheduler::monitored>(
+      *self->state.pcs, self, "peis_bluetooth", peis_bluetooth, description.peis,
+      description.bluetooth_devices);
   ++self->state.report.actors.spawned;
   self->state.names.emplace(self->state.bluetooth.address(), "peis_bluetooth");
 }
@@ -584,7 +587,7 @@ void spawn_mote(ecology_pointer self, supervised_mote& mote) {
   auto& actors = self->state.report.actors;
   ++(mote.store.starts == self->state.process.starts ? actors.spawned : actors.restarted);
   mote.changed = now(self);
-  mote.handle = scheduler::spawn_in<caf::monitored>(
+  mote.handle = scheduler::spawn_in<scheduler::monitored>(
       *self->state.processes.at(mote.arguments->address.island), self,
       "mote/" + mote.arguments->name, mote_behavior, mote.arguments, mote::nonvolatile{mote.store});
   for (const auto& x : mote.programs) {

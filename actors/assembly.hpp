@@ -6,11 +6,13 @@
 #include <utility>
 
 #include "actors/ecology.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/supervision.hpp"
 #include "scheduler/spawn.hpp"
 
 namespace rubicon {
 
-using ecology_pointer = scheduler::traced_pointer<ecology_state, root_actor>;
+using ecology_pointer = scheduler::actor_pointer<ecology_state, root_actor>;
 
 /// Spawns everything that the description in the ecology's state places here, in an order that
 /// depends on the description alone.
@@ -46,8 +48,8 @@ void adopt(ecology_pointer self, std::string path, const Handle& handle) {
 template <class Fun, class... Args>
 auto spawn_child(scheduler::process& where, ecology_pointer self, std::string path, Fun fun,
                  Args&&... args) {
-  auto handle =
-      scheduler::spawn_in<caf::monitored>(where, self, path, fun, std::forward<Args>(args)...);
+  auto handle = scheduler::spawn_in<scheduler::monitored>(where, self, path, fun,
+                                                          std::forward<Args>(args)...);
   adopt(self, std::move(path), handle);
   return handle;
 }

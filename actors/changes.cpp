@@ -7,6 +7,9 @@
 
 #include "actors/debug_log.hpp"
 #include "actors/log.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/services.hpp"
 #include "config/change_text.hpp"
 #include "config/debug_selection.hpp"
 

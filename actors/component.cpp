@@ -5,14 +5,17 @@
 #include <variant>
 
 #include "actors/log.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "peis/meta_tuple.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using component_pointer = scheduler::traced_pointer<component_state, timed_peer_app_actor>;
+using component_pointer = scheduler::actor_pointer<component_state, timed_peer_app_actor>;
 
 struct performer {
   component_pointer self;
@@ -51,9 +54,7 @@ struct performer {
   void send(Message x) const {
     self->send(self->state.arguments.peer, std::move(x));
   }
-  [[nodiscard]] carried<peis_client_actor> handle() const {
-    return {caf::actor_cast<peis_client_actor>(self)};
-  }
+  [[nodiscard]] peis_client_actor handle() const { return handle_of<peis_client_actor>(self); }
 };
 
 void perform(component_pointer self, components::outputs todo) {
@@ -86,11 +87,9 @@ void send_status(component_pointer self) {
 
 timed_peer_app_actor::behavior_type component_behavior(component_pointer self,
                                                        component_arguments arguments) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->state.arguments = std::move(arguments);
   perform(self, self->state.arguments.core->start(now(self)));
   return {
-      // the frequent ones first: they are tried in turn
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           perform(self, self->state.arguments.core->on_time(now(self)));

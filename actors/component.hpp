@@ -7,7 +7,9 @@
 #include <set>
 #include <string>
 
-#include "actors/messages.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/timer.hpp"
 #include "core/component.hpp"
 
@@ -30,7 +32,7 @@ struct component_state {
 };
 
 timed_peer_app_actor::behavior_type
-component_behavior(scheduler::traced_pointer<component_state, timed_peer_app_actor> self,
+component_behavior(scheduler::actor_pointer<component_state, timed_peer_app_actor> self,
                    component_arguments arguments);
 
 } // namespace rubicon

@@ -24,17 +24,6 @@ std::string_view module_of(std::string_view path) {
   return path.substr(0, path.find('/'));
 }
 
-/// Octets of the message as it would be serialized: payload and fields.
-std::size_t length_of(const caf::type_erased_tuple& content) {
-  std::vector<char> octets;
-  caf::binary_serializer sink(nullptr, octets);
-  for (std::size_t i = 0; i < content.size(); ++i) {
-    if (content.save(i, sink))
-      return 0; // a system message that names actors has no length of its own
-  }
-  return octets.size();
-}
-
 } // namespace
 
 debug_log::debug_log(std::string folder, std::size_t file_octets_max, config::debug_selection of)
@@ -53,8 +42,8 @@ void debug_log::write(const scheduler::delivery& x) {
   if (!of_.has(x.path) && !(is_sent && of_.has(x.sender)))
     return; // most are not, and to write them down takes time
   const auto time = to_text(x.time);
-  const auto length = length_of(x.content);
-  const auto text = x.content.stringify();
+  const auto length = x.message.type().measure(x.message);
+  const auto text = x.message.text();
   write_line(x.path, fmt::format("{} {} received from={} length={} {}", time, x.path,
                                  x.sender.empty() ? "-" : x.sender, length, text));
   if (is_sent)

@@ -10,10 +10,14 @@
 #include "actors/changes.hpp"
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/peer_supervision.hpp"
 #include "config/debug_selection.hpp"
 #include "report/event_log.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -324,9 +328,8 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
 
 /// The second mote that has sent the present message; nullptr: it is of no such mote.
 supervised_double* double_of_sender(ecology_pointer self) {
-  const auto sender = caf::actor_cast<caf::actor_addr>(self->current_sender());
   for (auto& [fault, x] : self->state.doubles)
-    if (x.handle && x.handle.address() == sender)
+    if (x.handle && x.handle.id() == self->sender())
       return &x;
   return nullptr;
 }
@@ -566,7 +569,7 @@ void schedule_fault(ecology_pointer self) {
   if (state.next_fault == state.plan.size())
     return;
   const auto& next = state.plan[state.next_fault++];
-  self->scheduled_send(self, caf::actor_clock::time_point(next.at), apply_fault{next.index});
+  self->scheduled_send(self, instant(next.at), apply_fault{next.index});
 }
 
 /// The clocks are compared when all have told theirs.
@@ -618,8 +621,7 @@ void schedule_sample(ecology_pointer self) {
   const auto* judge = self->state.process.judge;
   const auto next = judge == nullptr ? std::nullopt : judge->next_sample();
   if (next)
-    self->scheduled_send(self, caf::actor_clock::time_point(next->time_since_epoch()),
-                         take_sample{});
+    self->scheduled_send(self, *next, take_sample{});
 }
 
 /// Only those answer who have something to tell of.
@@ -934,7 +936,6 @@ void deliver(ecology_pointer self) {
 root_actor::behavior_type ecology(ecology_pointer self, config::ecology_description description,
                                   report_receiver on_report, frame_observer observe_frames,
                                   process_facts process) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->state.description = std::move(description);
   self->state.on_report = std::move(on_report);
   self->state.observe_frames = std::move(observe_frames);

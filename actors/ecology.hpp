@@ -10,7 +10,14 @@
 #include <vector>
 
 #include "actors/air.hpp"
-#include "actors/messages.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/links.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/mote.hpp"
 #include "actors/program.hpp"
 #include "actors/sink.hpp"
@@ -88,7 +95,7 @@ struct supervised_peer {
   std::optional<island_id> island; ///< whose gateway it is,
   std::size_t line = 0;            ///< at which of the sink's serial lines
   peis_peer_actor handle;          ///< its kernel; nullptr while it does not run
-  std::vector<caf::actor> programs;
+  std::vector<caf::strong_actor_ptr> programs;
   init_actor init;                           ///< among its programs; nullptr: none
   std::vector<proxy_manager_actor> managers; ///< among them too
   std::optional<peer_id> component_of;       ///< whose init starts and stops it
@@ -206,7 +213,7 @@ struct ecology_state : collected_answers {
 
 /// @param on_report called once, from the actor, when deliver_report comes
 /// @param observe_frames told of every frame on the air; may be empty
-root_actor::behavior_type ecology(scheduler::traced_pointer<ecology_state, root_actor> self,
+root_actor::behavior_type ecology(scheduler::actor_pointer<ecology_state, root_actor> self,
                                   config::ecology_description description,
                                   report_receiver on_report, frame_observer observe_frames,
                                   process_facts process);

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "actors/messages.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/run.hpp"
 #include "config/ecology.hpp"
 #include "core/time.hpp"

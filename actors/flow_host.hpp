@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "actors/messages.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/timer.hpp"
 #include "config/ecology.hpp"
 #include "radio/frame.hpp"

@@ -3,31 +3,32 @@
 #include <utility>
 #include <variant>
 
-#include <caf/send.hpp>
-
 #include "actors/log.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "core/host_port.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using server_pointer = scheduler::traced_pointer<forwarder_server_state, forwarder_server_actor>;
+using server_pointer = scheduler::actor_pointer<forwarder_server_state, forwarder_server_actor>;
 
 void listen(server_pointer self) {
   auto& state = self->state;
   const auto& arguments = state.arguments;
   const auto where = parse_host_port(arguments.where).value();
-  const auto me = caf::actor_cast<forwarder_server_actor>(self);
-  auto found = forwarder_clients::open(
-      *arguments.loop, where.host, where.port,
-      {[me](std::uint64_t client, bytes packet) {
-         caf::anon_send(me, serial_packet{client, payload(std::move(packet))});
-       },
-       [ecology = arguments.ecology, who = self->path()](std::string what) {
-         caf::anon_send(ecology, notable_event{who, std::move(what)});
-       }});
+  const auto me = handle_of<forwarder_server_actor>(self);
+  auto found =
+      forwarder_clients::open(*arguments.loop, where.host, where.port,
+                              {[me](std::uint64_t client, bytes packet) {
+                                 post(me, serial_packet{client, payload(std::move(packet))});
+                               },
+                               [ecology = arguments.ecology, who = self->path()](std::string what) {
+                                 post(ecology, notable_event{who, std::move(what)});
+                               }});
   if (auto* why = std::get_if<std::string>(&found))
     self->send(arguments.ecology, request_unmet{self->path(), std::move(*why)});
   else
@@ -62,11 +63,10 @@ void send_status(server_pointer self) {
 
 forwarder_server_actor::behavior_type forwarder_server(server_pointer self,
                                                        forwarder_server_arguments arguments) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->state.arguments = std::move(arguments);
   listen(self);
   return {
-      [self](const attach_packets& x) { self->state.sink = x.user.actor; },
+      [self](const attach_packets& x) { self->state.sink = x.user; },
       [self](const serial_packet& x) { on_packet(self, x); },
       [self](const serial_packet_done& x) {
         if (self->state.clients)

@@ -6,7 +6,9 @@
 #include <string>
 
 #include "actors/forwarder_clients.hpp"
-#include "actors/messages.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 
 namespace rubicon {
 
@@ -18,7 +20,6 @@ struct forwarder_server_arguments {
 };
 
 struct forwarder_server_state {
-  forwarder_server_state() = default;
 
   forwarder_server_arguments arguments;
   std::unique_ptr<forwarder_clients> clients; ///< nullptr: it could not listen
@@ -27,7 +28,7 @@ struct forwarder_server_state {
 
 /// A serial_packet of the gateway has the token 0.
 forwarder_server_actor::behavior_type
-forwarder_server(scheduler::traced_pointer<forwarder_server_state, forwarder_server_actor> self,
+forwarder_server(scheduler::actor_pointer<forwarder_server_state, forwarder_server_actor> self,
                  forwarder_server_arguments arguments);
 
 } // namespace rubicon

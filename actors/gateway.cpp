@@ -1,10 +1,14 @@
 #include "actors/gateway.hpp"
 
 #include "actors/log.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/program_note.hpp"
 #include "actors/statuses.hpp"
 #include "core/device_keys.hpp"
-#include "scheduler/supervision.hpp"
 #include "serial/packet.hpp"
 #include "serial/raw_packet.hpp"
 
@@ -12,7 +16,7 @@ namespace rubicon {
 
 namespace {
 
-using gateway_pointer = scheduler::traced_pointer<gateway_state, gateway_actor>;
+using gateway_pointer = scheduler::actor_pointer<gateway_state, gateway_actor>;
 
 /// What a gateway watches: own tuples that others write.
 constexpr std::uint64_t own_watch = 1;
@@ -81,7 +85,7 @@ struct performer {
   void operator()(gateway::to_gateway& x) const {
     const acting_on its(x.from);
     self->send(self->state.arguments.peer,
-               send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
+               send_peis_message{{handle_of<peis_client_actor>(self)},
                                  static_cast<std::uint64_t>(x.peer.value), // as the outcome's token
                                  x.peer,
                                  communication::island_message_port,
@@ -91,7 +95,7 @@ struct performer {
 
   void operator()(gateway::relay_to& x) const {
     self->send(self->state.arguments.peer,
-               send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
+               send_peis_message{{handle_of<peis_client_actor>(self)},
                                  static_cast<std::uint64_t>(x.peer.value), // as the outcome's token
                                  x.peer,
                                  gateway::relay_port,
@@ -362,7 +366,6 @@ void report_lead(gateway_pointer self, bool ends) {
 } // namespace
 
 gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_arguments arguments) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->set_exit_handler([self](const caf::exit_msg& x) {
     report_counters(self, true); // a life that a fault has ended counts as well
     report_lead(self, true);
@@ -376,17 +379,15 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   state.plain = gateway::plain_line(state.arguments.plain);
   state.port = serial::host_port(state.arguments.port);
   state.real_port = serial::host_port(state.arguments.real_port);
-  const auto client = caf::actor_cast<peis_client_actor>(self);
-  to_adapter(self,
-             attach_serial{serial::direction::to_pc, {caf::actor_cast<serial_end_actor>(self)}});
+  const auto client = handle_of<peis_client_actor>(self);
+  to_adapter(self, attach_serial{serial::direction::to_pc, {handle_of<serial_end_actor>(self)}});
   const auto& plain_line =
       state.arguments.real_line ? state.arguments.real_line : state.arguments.line;
   if (!state.arguments.plain.motes.rules.empty())
-    self->send(plain_line, watch_line{{caf::actor_cast<line_watcher_actor>(self)},
+    self->send(plain_line, watch_line{{handle_of<line_watcher_actor>(self)},
                                       plain_line == state.arguments.real_line});
   if (state.arguments.forwarder)
-    self->send(state.arguments.forwarder,
-               attach_packets{{caf::actor_cast<packet_end_actor>(self)}});
+    self->send(state.arguments.forwarder, attach_packets{{handle_of<packet_end_actor>(self)}});
   std::vector<std::uint16_t> ports{gateway::announcement_port, communication::island_message_port};
   if (!state.gateway.lead().alone())
     ports.push_back(gateway::relay_port);
@@ -395,15 +396,13 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   for (const auto key : written_by_others)
     self->send(state.arguments.peer,
                watch_tuples{{client}, own_watch, id_of(self), std::string(key)});
-  self->send(state.arguments.peer,
-             watch_subscribers{{caf::actor_cast<subscribers_watcher_actor>(self)},
-                               std::string(devices_key)});
-  self->send(state.arguments.peer, watch_clock{{caf::actor_cast<clock_watcher_actor>(self)}});
+  self->send(state.arguments.peer, watch_subscribers{{handle_of<subscribers_watcher_actor>(self)},
+                                                     std::string(devices_key)});
+  self->send(state.arguments.peer, watch_clock{{handle_of<clock_watcher_actor>(self)}});
   state.programs.start(state.gateway, state.arguments.programs, self->path(), state.arguments.seed,
                        state.arguments.config.incarnation > 0, now(self));
   perform(self, state.gateway.start(now(self)));
   return {
-      // the frequent ones first: they are tried in turn
       [self](const serial_octets& x) {
         perform(self, self->state.port.on_bytes(x.octets.view(), now(self)));
       },

@@ -6,7 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "actors/messages.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/program_host.hpp"
 #include "actors/timer.hpp"
 #include "gateway/gateway.hpp"
@@ -49,7 +52,7 @@ struct gateway_state {
 };
 
 gateway_actor::behavior_type
-gateway_behavior(scheduler::traced_pointer<gateway_state, gateway_actor> self,
+gateway_behavior(scheduler::actor_pointer<gateway_state, gateway_actor> self,
                  gateway_arguments arguments);
 
 } // namespace rubicon

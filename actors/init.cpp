@@ -6,17 +6,18 @@
 #include <stdexcept>
 #include <utility>
 
-#include <caf/send.hpp>
-
 #include "actors/log.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "scheduler/spawn.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using init_pointer = scheduler::traced_pointer<init_state, init_actor>;
+using init_pointer = scheduler::actor_pointer<init_state, init_actor>;
 
 /// What others may write of each component.
 constexpr std::array fields{"reqState", "stdin", "extra-arguments"};
@@ -41,17 +42,17 @@ bool is_no_command(const std::string& how) {
 void start_process(init_pointer self, const peisinit::start& x) {
   auto& state = self->state;
   const auto& what = state.supervisor.components()[x.component];
-  const auto user = caf::actor_cast<init_actor>(self);
+  const auto user = handle_of<init_actor>(self);
   io::spawn_request request{"/bin/sh", {"sh", "-c", what.command}};
   request.environment = {"PEISINIT=" + peisinit::options_for(what, x.arguments, *state.host)};
   auto made = io::process::start(
       *state.arguments.loop, std::move(request),
       {[user, at = x.component](io::process::output from, byte_view octets) {
          const auto last = octets.last(std::min(octets.size(), peisinit::tail_octets_max));
-         caf::anon_send(user, process_output{at, from == io::process::output::err, to_bytes(last)});
+         post(user, process_output{at, from == io::process::output::err, to_bytes(last)});
        },
        [user, at = x.component, life = x.life](io::process_end how) {
-         caf::anon_send(user, process_ended{at, life, io::to_string(how)});
+         post(user, process_ended{at, life, io::to_string(how)});
        }});
   if (const auto* why = std::get_if<std::string>(&made)) {
     tell_unmet(self, x.component, *why);
@@ -118,7 +119,7 @@ struct performer {
 
   void write(peer_id owner, const char* key) const {
     self->send(self->state.arguments.peer,
-               set_remote_tuple{{caf::actor_cast<peis_client_actor>(self)},
+               set_remote_tuple{{handle_of<peis_client_actor>(self)},
                                 0,
                                 owner,
                                 key,
@@ -164,7 +165,7 @@ void watch_all(init_pointer self) {
   const auto& components = state.supervisor.components();
   for (std::size_t i = 0; i < components.size() * fields.size(); ++i)
     self->send(state.arguments.peer,
-               watch_tuples{{caf::actor_cast<peis_client_actor>(self)},
+               watch_tuples{{handle_of<peis_client_actor>(self)},
                             i,
                             state.arguments.id,
                             "components." + components[i / fields.size()].name + '.' +
@@ -226,11 +227,10 @@ void send_status(init_pointer self) {
 } // namespace
 
 init_actor::behavior_type init_behavior(init_pointer self, init_arguments arguments) {
-  scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.arguments = std::move(arguments);
   state.supervisor = peisinit::supervisor(std::move(state.arguments.components));
-  self->send(state.arguments.peer, guard_kernel{{caf::actor_cast<init_actor>(self)}});
+  self->send(state.arguments.peer, guard_kernel{{handle_of<init_actor>(self)}});
   return {
       [self](const tuple_event& x) { on_tuple(self, x); },
       [](const peis_message&) {}, // hooks no port

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "actors/messages.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/timer.hpp"
 #include "io/file_lock.hpp"
 #include "io/process.hpp"
@@ -39,7 +41,7 @@ struct init_state {
 };
 
 /// Fails if another init has the host.
-init_actor::behavior_type init_behavior(scheduler::traced_pointer<init_state, init_actor> self,
+init_actor::behavior_type init_behavior(scheduler::actor_pointer<init_state, init_actor> self,
                                         init_arguments arguments);
 
 } // namespace rubicon

@@ -1,6 +1,7 @@
 // A peer's end of its simulated links.
 #include <utility>
 
+#include "actors/messages/links.hpp"
 #include "actors/peis_peer.hpp"
 #include "peis/link_url.hpp"
 
@@ -24,10 +25,6 @@ void ask_for_link(peer_pointer self, const peis::connect_to& x) {
 
 namespace {
 
-caf::actor_clock::time_point caf_time(instant x) {
-  return caf::actor_clock::time_point(x.time_since_epoch());
-}
-
 struct carrier {
   peer_pointer self;
   peis::link_id id;
@@ -35,10 +32,10 @@ struct carrier {
 
   void operator()(const peis::octets_leave& x) const {
     if (self->state.arguments.config.network.link_window > 0)
-      self->scheduled_send(self, caf_time(x.at), link_sent{id.value, x.octets});
+      self->scheduled_send(self, x.at, link_sent{id.value, x.octets});
   }
   void operator()(peis::octets_arrive& x) const {
-    self->scheduled_send(other, caf_time(x.at), link_octets{id.value, std::move(x.octets)});
+    self->scheduled_send(other, x.at, link_octets{id.value, std::move(x.octets)});
   }
   void operator()(peis::packages_lost& x) const {
     self->state.packages_lost += x.count;
@@ -62,7 +59,7 @@ void transmit(peer_pointer self, peis::link_id id, payload octets) {
 
 void tell_closed(peer_pointer self, peis::link_id id, const peis_peer_state::link_end& link) {
   if (const auto at = link.line.close(now(self)))
-    self->scheduled_send(link.other, caf_time(*at), link_closed{id.value});
+    self->scheduled_send(link.other, *at, link_closed{id.value});
 }
 
 } // namespace rubicon

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "actors/gateway.hpp"
+#include "actors/messages/services.hpp"
 #include "actors/peis_peer.hpp"
 #include "actors/sink.hpp"
 #include "actors/statuses.hpp"
@@ -17,10 +18,9 @@ template <class State, class Handle>
 const State* state_of(const Handle& x) {
   if (!x)
     return nullptr;
-  const auto* const who = caf::actor_cast<caf::abstract_actor*>(x);
-  if (who->getf(caf::abstract_actor::is_terminated_flag))
-    return nullptr;
-  return &static_cast<const scheduler::traced_actor<State, Handle>*>(who)->state;
+  const auto& who =
+      static_cast<const scheduler::shell<State, typename Handle::interface>&>(x.get());
+  return who.has_ended() ? nullptr : &who.state;
 }
 
 /// Whom it hears, and what it has sent over the tree.
@@ -58,11 +58,10 @@ report::peer_sample sample_of(const supervised_peer& from) {
     return x;
   for (const auto& link : kernel->kernel.links())
     x.links.push_back({link.neighbour.value_or(any_peer), static_cast<std::uint32_t>(link.queued)});
-  using gateway_impl = scheduler::traced_actor<gateway_state, gateway_actor>;
+  using gateway_impl = scheduler::shell<gateway_state, gateway_interface>;
   for (const auto& each : from.programs)
-    if (const auto* gateway =
-            dynamic_cast<const gateway_impl*>(caf::actor_cast<caf::abstract_actor*>(each));
-        gateway != nullptr && !gateway->getf(caf::abstract_actor::is_terminated_flag))
+    if (const auto* gateway = dynamic_cast<const gateway_impl*>(each->get());
+        gateway != nullptr && !gateway->has_ended())
       x.to_sink = static_cast<std::uint32_t>(gateway->state.port.queued());
   return x;
 }

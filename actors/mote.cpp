@@ -7,6 +7,10 @@
 
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/network_radio.hpp"
 #include "actors/program_note.hpp"
 #include "actors/statuses.hpp"
@@ -14,13 +18,12 @@
 #include "apps/listener.hpp"
 #include "network/am.hpp"
 #include "scheduler/spawn.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using mote_pointer = scheduler::traced_pointer<mote_state, mote_actor>;
+using mote_pointer = scheduler::actor_pointer<mote_state, mote_actor>;
 
 /// From when a mote sees that its battery ends, as the fault plan has it, to its end.
 constexpr duration last_words_time = 1s;
@@ -328,7 +331,7 @@ void on_period(mote_pointer self, const set_period& x) {
 /// An exception ends the mote. What this life has counted must not go with it. Reliable messages
 /// that were still open have failed; nobody will know about flows' requests, so they stay open.
 void report_failures(mote_pointer self) {
-  self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
+  self->set_exception_handler([self](std::exception_ptr& x) {
     self->state.flows.report(self, self->state.arguments->ecology);
     report_groups(self, life_state::replaced);
     if (self->state.node)
@@ -432,8 +435,7 @@ void start(mote_pointer self) {
   const auto crystal =
       arguments.crystal.ahead_by(mote::boot_time(random_stream(arguments.seed, life + "/clock")));
   state.crystal = crystal;
-  self->send(arguments.air,
-             attach_radio{arguments.radio, {caf::actor_cast<radio_user_actor>(self)}});
+  self->send(arguments.air, attach_radio{arguments.radio, {handle_of<radio_user_actor>(self)}});
   if (arguments.stack == config::stack::full)
     state.node.emplace(std::shared_ptr<const mote::node_config>(state.arguments, &arguments.node),
                        state.crystal, state.store, random_stream(arguments.seed, life),
@@ -472,7 +474,6 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
   self->state.store = store;
   start(self);
   return {
-      // the frequent ones first: they are tried in turn
       [self](const frame_received& x) { on_frame(self, x.psdu.view(), x.rssi_dbm); },
       [self](const timer_expired& x) { on_timer(self, x); },
       [self](const radio_done& x) { on_done(self, x); },

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "actors/flow_host.hpp"
-#include "actors/messages.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/program_host.hpp"
 #include "actors/separate_programs.hpp"
 #include "actors/smepp_shell.hpp"
@@ -78,7 +80,7 @@ struct mote_state {
 /// exception in a handler ends the mote; its supervisor starts it again (ACT-03).
 /// @param arguments not nullptr
 /// @param store as earlier lives have written it
-mote_actor::behavior_type mote_behavior(scheduler::traced_pointer<mote_state, mote_actor> self,
+mote_actor::behavior_type mote_behavior(scheduler::actor_pointer<mote_state, mote_actor> self,
                                         std::shared_ptr<const mote_arguments> arguments,
                                         mote::nonvolatile store);
 

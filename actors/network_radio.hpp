@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "actors/messages.hpp"
+#include "actors/messages/air.hpp"
 #include "network/router.hpp"
 
 namespace rubicon {

@@ -4,10 +4,13 @@
 
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/object_proxy.hpp"
 #include "core/interface_keys.hpp"
 #include "scheduler/spawn.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -17,7 +20,7 @@ namespace {
 /// time.
 constexpr duration restart_delay = 1s;
 
-using manager_pointer = scheduler::traced_pointer<object_manager_state, timed_peer_app_actor>;
+using manager_pointer = scheduler::actor_pointer<object_manager_state, timed_peer_app_actor>;
 
 struct performer {
   manager_pointer self;
@@ -30,8 +33,9 @@ struct performer {
     proxy::object_proxy core(*what, x.percept);
     const auto name = core.prefix();
     log(self, spdlog::level::info, "event=started proxy={} class={}", name, x.class_name);
-    state.proxies[{x.percept.channel, x.percept.hardware_id}] = scheduler::spawn_at<caf::monitored>(
-        self, "proxy/" + name, object_proxy_behavior, std::move(core), state.peer, state.ecology);
+    state.proxies[{x.percept.channel, x.percept.hardware_id}] =
+        scheduler::spawn_at<scheduler::monitored>(self, "proxy/" + name, object_proxy_behavior,
+                                                  std::move(core), state.peer, state.ecology);
   }
 
   void operator()(const proxy::unknown_object& x) const {
@@ -83,7 +87,6 @@ void on_classes(manager_pointer self) {
 timed_peer_app_actor::behavior_type object_manager(manager_pointer self,
                                                    std::vector<proxy::proxy_class> classes,
                                                    peis_peer_actor peer, ecology_actor ecology) {
-  scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.classes = std::move(classes);
   state.manager = proxy::object_manager(proxy::known_at(state.classes, now(self)));
@@ -97,9 +100,8 @@ timed_peer_app_actor::behavior_type object_manager(manager_pointer self,
     self->quit(x.reason);
   });
   for (const auto key : {all_interface_channels_key, all_interface_objects_key})
-    self->send(
-        state.peer,
-        watch_tuples{{caf::actor_cast<peis_client_actor>(self)}, 0, any_peer, std::string(key)});
+    self->send(state.peer,
+               watch_tuples{{handle_of<peis_client_actor>(self)}, 0, any_peer, std::string(key)});
   return {
       [self](const tuple_event& x) {
         perform(self, self->state.manager.on_tuple(x.owner, x.key, x.value.view(), x.deleted));

@@ -9,14 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include "actors/messages.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/timer.hpp"
 #include "proxy/object_manager.hpp"
 
 namespace rubicon {
 
 struct object_manager_state {
-  object_manager_state() = default;
 
   using object = std::pair<std::string, std::string>; ///< channel and hardware id
 
@@ -34,7 +35,7 @@ struct object_manager_state {
 };
 
 timed_peer_app_actor::behavior_type
-object_manager(scheduler::traced_pointer<object_manager_state, timed_peer_app_actor> self,
+object_manager(scheduler::actor_pointer<object_manager_state, timed_peer_app_actor> self,
                std::vector<proxy::proxy_class> classes, peis_peer_actor peer,
                ecology_actor ecology);
 

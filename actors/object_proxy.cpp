@@ -2,13 +2,16 @@
 
 #include <utility>
 
-#include "scheduler/supervision.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using proxy_pointer = scheduler::traced_pointer<object_proxy_state, timed_peer_app_actor>;
+using proxy_pointer = scheduler::actor_pointer<object_proxy_state, timed_peer_app_actor>;
 
 void perform(proxy_pointer self, const proxy::object_proxy::outputs& todo) {
   for (const auto& output : todo) {
@@ -55,15 +58,13 @@ timed_peer_app_actor::behavior_type object_proxy_behavior(proxy_pointer self,
                                                           proxy::object_proxy core,
                                                           peis_peer_actor peer,
                                                           ecology_actor ecology) {
-  scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.core = std::move(core);
   state.peer = std::move(peer);
   state.ecology = std::move(ecology);
   perform(self, state.core.start(now(self)));
   for (auto& key : state.core.watches())
-    self->send(state.peer,
-               watch_tuples{{caf::actor_cast<peis_client_actor>(self)}, 0, any_peer, key});
+    self->send(state.peer, watch_tuples{{handle_of<peis_client_actor>(self)}, 0, any_peer, key});
   return {
       [self](const tuple_event& x) { on_tuple(self, x); },
       [](const peis_message&) {},

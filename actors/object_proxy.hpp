@@ -1,14 +1,15 @@
 // A proxy of a tagged object: what interfaces perceive of it, in tuples that everybody understands.
 #pragma once
 
-#include "actors/messages.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/timer.hpp"
 #include "proxy/object_proxy.hpp"
 
 namespace rubicon {
 
 struct object_proxy_state {
-  object_proxy_state() = default;
 
   proxy::object_proxy core;
   peis_peer_actor peer;
@@ -17,7 +18,7 @@ struct object_proxy_state {
 };
 
 timed_peer_app_actor::behavior_type
-object_proxy_behavior(scheduler::traced_pointer<object_proxy_state, timed_peer_app_actor> self,
+object_proxy_behavior(scheduler::actor_pointer<object_proxy_state, timed_peer_app_actor> self,
                       proxy::object_proxy core, peis_peer_actor peer, ecology_actor ecology);
 
 } // namespace rubicon

@@ -3,13 +3,15 @@
 #include <utility>
 
 #include "actors/log.hpp"
-#include "scheduler/supervision.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using line_pointer = scheduler::traced_pointer<outside_line_state, outside_line_actor>;
+using line_pointer = scheduler::actor_pointer<outside_line_state, outside_line_actor>;
 
 void tell(line_pointer self, std::string what) {
   log(self, self->state.there ? spdlog::level::info : spdlog::level::warn, "event={} what=\"{}\"",
@@ -92,14 +94,12 @@ void send_status(line_pointer self) {
 
 outside_line_actor::behavior_type outside_line(line_pointer self,
                                                outside_line_arguments arguments) {
-  scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.arguments = std::move(arguments);
   state.access = make_access(*state.arguments.loop, state.arguments.access,
-                             caf::actor_cast<outside_line_actor>(self));
+                             handle_of<outside_line_actor>(self));
   state.access->open();
   return {
-      // the frequent ones first: they are tried in turn
       [self](const serial_write& x) { on_write(self, x.octets); },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x)) {
@@ -109,14 +109,14 @@ outside_line_actor::behavior_type outside_line(line_pointer self,
       },
       [self](const attach_serial& x) {
         if (x.towards == serial::direction::to_pc)
-          self->state.pc = x.user.actor;
+          self->state.pc = x.user;
       },
       [self](plug_serial x) { plug(self, x.plugged); },
       [self](status_request) { send_status(self); },
       [self](const serial_octets& x) { on_octets(self, x); },
       [self](const serial_presence& x) { on_presence(self, x); },
       [self](const watch_line& x) {
-        self->state.watcher = x.user.actor;
+        self->state.watcher = x.user;
         self->state.gives_octets = x.takes_octets;
         if (self->state.watcher)
           self->send(self->state.watcher, serial_presence{self->state.there, {}});

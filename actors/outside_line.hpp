@@ -5,7 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "actors/messages.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/sink_access.hpp"
 #include "actors/timer.hpp"
 #include "serial/reopening.hpp"
@@ -20,7 +21,6 @@ struct outside_line_arguments {
 };
 
 struct outside_line_state {
-  outside_line_state() = default;
 
   outside_line_arguments arguments;
   std::unique_ptr<sink_access> access;
@@ -43,7 +43,7 @@ struct outside_line_state {
 /// Opens it, and opens it again when it is lost, until the actor ends. What goes wrong is told
 /// once, not at each attempt.
 outside_line_actor::behavior_type
-outside_line(scheduler::traced_pointer<outside_line_state, outside_line_actor> self,
+outside_line(scheduler::actor_pointer<outside_line_state, outside_line_actor> self,
              outside_line_arguments arguments);
 
 } // namespace rubicon

@@ -1,15 +1,18 @@
 #include "actors/pc.hpp"
 
 #include "actors/gateway.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/services.hpp"
 #include "actors/program_note.hpp"
 #include "actors/statuses.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using pc_pointer = scheduler::traced_pointer<pc_state, pc_actor>;
+using pc_pointer = scheduler::actor_pointer<pc_state, pc_actor>;
 
 void perform(pc_pointer self, communication::outputs todo) {
   auto& state = self->state;
@@ -20,7 +23,7 @@ void perform(pc_pointer self, communication::outputs todo) {
       state.talks.note(called, meant, mote, packet.segment);
     auto x = communication::message_of(std::move(packet));
     x.peer = state.gateways.gateway_for(called);
-    self->send(state.arguments.peer, send_peis_message{{caf::actor_cast<peis_client_actor>(self)},
+    self->send(state.arguments.peer, send_peis_message{{handle_of<peis_client_actor>(self)},
                                                        0,
                                                        x.peer,
                                                        communication::island_message_port,
@@ -89,7 +92,6 @@ void send_status(pc_pointer self, bool ends) {
 } // namespace
 
 pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->set_exit_handler([self](const caf::exit_msg& x) {
     send_status(self, true); // a life that a fault has ended counts as well
     self->quit(x.reason);
@@ -105,12 +107,12 @@ pc_actor::behavior_type pc(pc_pointer self, pc_arguments arguments) {
       random_stream(state.arguments.seed,
                     self->path() + '#' + std::to_string(state.arguments.config.incarnation)));
   observe_programs(self, state.pc);
-  self->send(state.arguments.peer, hook_port{{caf::actor_cast<peis_client_actor>(self)},
-                                             communication::island_message_port});
+  self->send(state.arguments.peer,
+             hook_port{{handle_of<peis_client_actor>(self)}, communication::island_message_port});
   if (state.arguments.aliases)
     self->send(state.arguments.peer,
-               hook_port{{caf::actor_cast<peis_client_actor>(self)}, gateway::announcement_port});
-  self->send(state.arguments.peer, watch_clock{{caf::actor_cast<clock_watcher_actor>(self)}});
+               hook_port{{handle_of<peis_client_actor>(self)}, gateway::announcement_port});
+  self->send(state.arguments.peer, watch_clock{{handle_of<clock_watcher_actor>(self)}});
   state.programs.start(state.pc, state.arguments.programs, self->path(), state.arguments.seed,
                        state.arguments.config.incarnation > 0, now(self));
   perform(self, state.pc.start(now(self)));

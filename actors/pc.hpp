@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "actors/messages.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/program_host.hpp"
 #include "actors/separate_programs.hpp"
 #include "actors/timer.hpp"
@@ -34,7 +36,7 @@ struct pc_state {
   timer wake;
 };
 
-pc_actor::behavior_type pc(scheduler::traced_pointer<pc_state, pc_actor> self,
+pc_actor::behavior_type pc(scheduler::actor_pointer<pc_state, pc_actor> self,
                            pc_arguments arguments);
 
 } // namespace rubicon

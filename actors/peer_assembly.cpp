@@ -7,6 +7,9 @@
 #include "actors/forwarder_server.hpp"
 #include "actors/gateway.hpp"
 #include "actors/init.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/object_manager.hpp"
 #include "actors/pc.hpp"
 #include "actors/peis_bluetooth.hpp"
@@ -31,7 +34,7 @@ constexpr std::size_t slow_link_window = 8192;
 constexpr std::size_t bluetooth_link_window = 512; ///< a quarter of a second at 2 kB/s
 
 ecology_actor ecology_handle(ecology_pointer self) {
-  return caf::actor_cast<ecology_actor>(self);
+  return handle_of<ecology_actor>(self);
 }
 
 /// @pre the description has an island with this id, here or on another host
@@ -268,7 +271,7 @@ struct peer_app_spawner {
 
   template <class Handle>
   void add(const Handle& program) const {
-    peer.programs.push_back(caf::actor_cast<caf::actor>(program));
+    peer.programs.push_back(program.strong());
   }
 };
 
@@ -333,7 +336,7 @@ pc_actor spawn_pc(ecology_pointer self, supervised_peer& peer,
   x.peer = peer.handle;
   x.ecology = ecology_handle(self);
   auto layer = spawn_child(*self->state.pcs, self, "pc/" + peer.name, pc, std::move(x));
-  peer.programs.push_back(caf::actor_cast<caf::actor>(layer));
+  peer.programs.push_back(layer.strong());
   return layer;
 }
 
@@ -401,11 +404,11 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
         spawn_child(*self->state.pcs, self, "forwarder_server/" + island.name, forwarder_server,
                     forwarder_server_arguments{island.exported.forwarder, self->state.process.loop,
                                                island.id, ecology_handle(self)});
-    peer.programs.push_back(caf::actor_cast<caf::actor>(gateway.forwarder));
+    peer.programs.push_back(gateway.forwarder.strong());
   }
   const auto path = "gateway/" + island.name + (is_alias ? '/' + peer.name : std::string());
-  peer.programs.push_back(caf::actor_cast<caf::actor>(
-      spawn_child(*self->state.pcs, self, path, gateway_behavior, std::move(gateway))));
+  peer.programs.push_back(
+      spawn_child(*self->state.pcs, self, path, gateway_behavior, std::move(gateway)).strong());
 }
 
 } // namespace rubicon

@@ -4,6 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "actors/messages/common.hpp"
+#include "actors/messages/links.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
+
 namespace rubicon {
 
 namespace {
@@ -17,10 +24,10 @@ void tell(ecology_pointer self, const supervised_peer& peer, std::string what) {
 }
 
 /// Ends an actor that we have spawned, without a word about it.
-void end_quietly(ecology_pointer self, const caf::actor& who) {
+void end_quietly(ecology_pointer self, const caf::strong_actor_ptr& who) {
   auto& state = self->state;
-  state.names.erase(who.address());
-  std::erase_if(state.reporters, [&who](const auto& x) { return x.first == who.address(); });
+  state.names.erase(who->address());
+  std::erase_if(state.reporters, [&who](const auto& x) { return x.first == who->address(); });
   self->send_exit(who, caf::exit_reason::user_shutdown);
 }
 
@@ -83,7 +90,7 @@ void end_process(ecology_pointer self, supervised_peer& peer) {
   for (const auto& program : std::exchange(peer.programs, {}))
     end_quietly(self, program);
   if (peer.handle)
-    end_quietly(self, caf::actor_cast<caf::actor>(peer.handle));
+    end_quietly(self, peer.handle.strong());
   peer.handle = nullptr;
   peer.changed = now(self);
   if (is_watched(self, peer))

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "actors/assembly.hpp"
+#include "actors/messages/supervision.hpp"
 
 namespace rubicon {
 

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "actors/messages/links.hpp"
 #include "radio/parameters.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using bluetooth_pointer = scheduler::traced_pointer<peis_bluetooth_state, peis_bluetooth_actor>;
+using bluetooth_pointer = scheduler::actor_pointer<peis_bluetooth_state, peis_bluetooth_actor>;
 
 hello_answer message_of(const peis::say_hello& x, payload octets) {
   return {x.adapter, x.to, std::move(octets)};
@@ -20,12 +20,10 @@ struct performer {
   bluetooth_pointer self;
 
   void operator()(const peis::link_made& x) const {
-    later(x.station, bluetooth_opened{{x.link.value,
-                                       {caf::actor_cast<link_end_actor>(user(x.other))},
-                                       x.role == peis::link_role::initiator,
-                                       x.attempt.value,
-                                       x.condition},
-                                      self->state.rate_bps});
+    later(x.station,
+          bluetooth_opened{{x.link.value, user(x.other), x.role == peis::link_role::initiator,
+                            x.attempt.value, x.condition},
+                           self->state.rate_bps});
   }
   void operator()(const peis::link_refused& x) const {
     later(x.station, attempt_failed{x.attempt.value});
@@ -35,8 +33,7 @@ struct performer {
     later(x.station, bluetooth_seen{std::move(x.adapter), std::move(x.devices)});
   }
   void operator()(const peis::hello_heard& x) const {
-    later(x.station, hello_arrived{message_of(x.question, x.question.octets),
-                                   {caf::actor_cast<hello_sender_actor>(user(x.from))}});
+    later(x.station, hello_arrived{message_of(x.question, x.question.octets), user(x.from)});
   }
   void operator()(const peis::hello_unheard& x) const {
     later(x.station, message_of(x.question, {}));
@@ -58,8 +55,8 @@ void perform(bluetooth_pointer self, peis::simulated_bluetooth::outputs todo) {
 }
 
 void on_join(bluetooth_pointer self, const join_bluetooth& x) {
-  self->monitor(x.user.actor);
-  self->state.users[peis::station_id{x.station}] = x.user.actor;
+  self->monitor(x.user);
+  self->state.users[peis::station_id{x.station}] = x.user;
   self->state.medium.join(peis::station_id{x.station}, x.machine, x.adapters, x.place, x.port);
 }
 
@@ -79,7 +76,6 @@ void on_down(bluetooth_pointer self, const caf::down_msg& x) {
 peis_bluetooth_actor::behavior_type
 peis_bluetooth(bluetooth_pointer self, const config::peis_description& network,
                const std::vector<config::bluetooth_device>& others) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
   auto& state = self->state;
   const radio::log_distance law;

@@ -6,7 +6,7 @@
 #include <map>
 #include <vector>
 
-#include "actors/messages.hpp"
+#include "actors/messages/links.hpp"
 #include "config/ecology.hpp"
 #include "peis/simulated_bluetooth.hpp"
 
@@ -20,7 +20,7 @@ struct peis_bluetooth_state {
 };
 
 peis_bluetooth_actor::behavior_type
-peis_bluetooth(scheduler::traced_pointer<peis_bluetooth_state, peis_bluetooth_actor> self,
+peis_bluetooth(scheduler::actor_pointer<peis_bluetooth_state, peis_bluetooth_actor> self,
                const config::peis_description& network,
                const std::vector<config::bluetooth_device>& others);
 

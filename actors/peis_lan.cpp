@@ -3,23 +3,21 @@
 #include <algorithm>
 #include <utility>
 
-#include "scheduler/supervision.hpp"
+#include "actors/messages/links.hpp"
+#include "actors/messages/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using lan_pointer = scheduler::traced_pointer<peis_lan_state, peis_lan_actor>;
+using lan_pointer = scheduler::actor_pointer<peis_lan_state, peis_lan_actor>;
 
 struct performer {
   lan_pointer self;
 
   void operator()(const peis::link_made& x) const {
-    later(x.station, link_opened{x.link.value,
-                                 {caf::actor_cast<link_end_actor>(user(x.other))},
-                                 x.role == peis::link_role::initiator,
-                                 x.attempt.value,
-                                 x.condition});
+    later(x.station, link_opened{x.link.value, user(x.other), x.role == peis::link_role::initiator,
+                                 x.attempt.value, x.condition});
   }
   void operator()(const peis::link_refused& x) const {
     later(x.station, attempt_failed{x.attempt.value});
@@ -48,8 +46,8 @@ void perform(lan_pointer self, peis::simulated_lan::outputs todo) {
 }
 
 void on_join(lan_pointer self, const join_lan& x) {
-  self->monitor(x.user.actor);
-  self->state.users[peis::station_id{x.station}] = x.user.actor;
+  self->monitor(x.user);
+  self->state.users[peis::station_id{x.station}] = x.user;
   self->state.lan.join(peis::station_id{x.station}, x.id, x.hears);
 }
 
@@ -68,7 +66,6 @@ void on_down(lan_pointer self, const caf::down_msg& x) {
 
 peis_lan_actor::behavior_type peis_lan(lan_pointer self, const config::peis_description& network,
                                        std::uint64_t seed) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
   auto& state = self->state;
   state.lan = peis::simulated_lan(network.loss, random_stream(seed, self->path()));

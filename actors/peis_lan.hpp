@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <map>
 
-#include "actors/messages.hpp"
+#include "actors/messages/links.hpp"
 #include "config/ecology.hpp"
 #include "peis/simulated_lan.hpp"
 
@@ -19,7 +19,7 @@ struct peis_lan_state {
 
 /// @param seed of the ecology
 peis_lan_actor::behavior_type
-peis_lan(scheduler::traced_pointer<peis_lan_state, peis_lan_actor> self,
+peis_lan(scheduler::actor_pointer<peis_lan_state, peis_lan_actor> self,
          const config::peis_description& network, std::uint64_t seed);
 
 } // namespace rubicon

@@ -5,8 +5,12 @@
 #include <utility>
 
 #include "actors/log.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/links.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "peis/simulated_bluetooth.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -112,7 +116,7 @@ struct teller {
 
   template <class Handle, class Message>
   void send(peis::client_id to, Message x) const {
-    self->send(caf::actor_cast<Handle>(self->state.components.at(to)), std::move(x));
+    self->send(Handle(self->state.components.at(to)), std::move(x));
   }
 };
 
@@ -234,8 +238,8 @@ void perform(peer_pointer self, peis::outputs todo) {
 /// The number of a component, which is monitored from now on.
 template <class Handle>
 peis::client_id known(peer_pointer self, const Handle& client) {
-  const peis::client_id id{client->id()};
-  if (self->state.components.try_emplace(id, caf::actor_cast<caf::strong_actor_ptr>(client)).second)
+  const peis::client_id id{client.id()};
+  if (self->state.components.try_emplace(id, client.strong()).second)
     self->monitor(client);
   return id;
 }
@@ -267,8 +271,7 @@ void on_opened(peer_pointer self, const link_opened& x, std::uint64_t rate_bps) 
     self->send(state.arguments.ecology, outside_link_changed{});
   } else
     state.links[id] = {
-        x.other.actor,
-        peis::simulated_link(role, x.condition, state.arguments.network.delay, rate_bps)};
+        x.other, peis::simulated_link(role, x.condition, state.arguments.network.delay, rate_bps)};
   const auto attempt = x.attempt == 0 ? std::nullopt : std::optional(peis::attempt_id{x.attempt});
   perform(self, state.kernel.on_link_open(id, role, now(self), attempt));
 }
@@ -306,7 +309,7 @@ struct server {
     if (state.left)
       return;
     perform(self, state.kernel.on_hello(x.question.octets.view(), at));
-    self->delayed_send(x.sender.actor, state.arguments.network.delay,
+    self->delayed_send(x.sender, state.arguments.network.delay,
                        hello_answer{x.question.adapter, x.question.device, state.kernel.hello()});
   }
   void operator()(const hello_answer& x) const {
@@ -328,16 +331,16 @@ struct server {
     perform(self, state.kernel.delete_tuple(x.key, at));
   }
   void operator()(const set_remote_tuple& x) const {
-    const auto request = state.clients.request(known(self, x.client.actor), x.token);
+    const auto request = state.clients.request(known(self, x.client), x.token);
     perform(self, state.kernel.set_remote_tuple(x.owner, x.key, content_of(x.value, x.text),
                                                 request, at));
   }
   void operator()(const watch_tuples& x) const {
-    const auto watch = state.clients.watch(known(self, x.client.actor), x.watch);
+    const auto watch = state.clients.watch(known(self, x.client), x.watch);
     perform(self, state.kernel.subscribe(x.owner, x.key, watch, at));
   }
   void operator()(const watch_indirectly& x) const {
-    const auto watch = state.clients.watch(known(self, x.client.actor), x.watch);
+    const auto watch = state.clients.watch(known(self, x.client), x.watch);
     perform(self, state.kernel.subscribe_indirectly(x.owner, x.key, watch, at));
   }
   void operator()(const declare_meta_tuple& x) const {
@@ -346,24 +349,24 @@ struct server {
       perform(self, kernel.set_tuple(x.key, reference_content(x.reference), at));
   }
   void operator()(const set_meta_tuple& x) const {
-    const auto request = state.clients.request(known(self, x.client.actor), x.token);
+    const auto request = state.clients.request(known(self, x.client), x.token);
     perform(self, state.kernel.set_remote_tuple(x.owner, x.key, reference_content(x.reference),
                                                 request, at));
   }
   void operator()(const watch_subscribers& x) const {
-    const auto who = known(self, x.watcher.actor);
+    const auto who = known(self, x.watcher);
     tell(self, state.clients.watch_subscribers(who, x.first_part, state.kernel, at));
   }
   void operator()(const watch_clock& x) const {
-    tell(self, state.clients.watch_clock(known(self, x.watcher.actor), state.kernel));
+    tell(self, state.clients.watch_clock(known(self, x.watcher), state.kernel));
   }
   void operator()(const hook_port& x) const {
-    const auto who = known(self, x.client.actor);
+    const auto who = known(self, x.client);
     if (!state.kernel.hook_port(x.port) || !state.clients.hook(who, x.port))
       log(self, spdlog::level::err, "event=hook_refused port={}", x.port);
   }
   void operator()(const send_peis_message& x) const {
-    const auto request = state.clients.request(known(self, x.client.actor), x.token);
+    const auto request = state.clients.request(known(self, x.client), x.token);
     perform(self, state.kernel.send_message(x.destination, x.port, x.octets, x.reliable,
                                             peis::priority::normal, request, at));
   }
@@ -415,8 +418,8 @@ void on_condition(peer_pointer self, const condition_changed& x) {
 
 void on_guard(peer_pointer self, const guard_kernel& x) {
   auto& state = self->state;
-  known(self, x.init.actor);
-  state.init = x.init.actor;
+  known(self, x.init);
+  state.init = x.init;
   const auto& network = state.arguments.config.network;
   const auto port = state.real == nullptr ? std::nullopt : state.real->links().port();
   self->send(state.init, kernel_guarded{network.host_name, network.network, port.value_or(0)});
@@ -430,7 +433,7 @@ void open_real_links(peer_pointer self) {
     return;
   state.arguments.real->who = self->path();
   state.arguments.real->ecology = state.arguments.ecology;
-  auto opened = real_links::open(*state.arguments.real, caf::actor_cast<peis_peer_actor>(self));
+  auto opened = real_links::open(*state.arguments.real, handle_of<peis_peer_actor>(self));
   if (const auto* why = std::get_if<std::string>(&opened)) {
     self->send(state.arguments.ecology,
                request_unmet{self->path(), "cannot listen: " + *why, state.arguments.is_first});
@@ -464,10 +467,10 @@ void start(peer_pointer self) {
     self->send(arguments.lan, join_lan{arguments.station,
                                        arguments.config.network.id,
                                        arguments.discovery,
-                                       {caf::actor_cast<lan_user_actor>(self)}});
+                                       {handle_of<lan_user_actor>(self)}});
   if (arguments.bluetooth) {
     auto joining = arguments.adapters;
-    joining.user = {caf::actor_cast<bluetooth_user_actor>(self)};
+    joining.user = {handle_of<bluetooth_user_actor>(self)};
     self->send(arguments.bluetooth, std::move(joining));
   }
   state.wake.follow(self, state.kernel.deadline());
@@ -476,12 +479,10 @@ void start(peer_pointer self) {
 } // namespace
 
 peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments arguments) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->set_down_handler([self](const caf::down_msg& x) { forget(self, x.source); });
   self->state.arguments = std::move(arguments);
   start(self);
   return {
-      // the frequent ones first: they are tried in turn
       served<link_octets>(self),
       served<timer_expired>(self),
       served<link_sent>(self),

@@ -11,7 +11,10 @@
 #include <vector>
 
 #include "actors/line_allowance.hpp"
-#include "actors/messages.hpp"
+#include "actors/messages/links.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/real_links.hpp"
 #include "actors/timer.hpp"
 #include "config/ecology.hpp"
@@ -68,7 +71,7 @@ struct peis_peer_state {
   timer wake;
 };
 
-using peer_pointer = scheduler::traced_pointer<peis_peer_state, peis_peer_actor>;
+using peer_pointer = scheduler::actor_pointer<peis_peer_state, peis_peer_actor>;
 
 // actors/peis_report.cpp
 void send_status(peer_pointer self);

@@ -1,6 +1,7 @@
 // What a peer reports of itself.
 #include <utility>
 
+#include "actors/messages/supervision.hpp"
 #include "actors/peis_peer.hpp"
 
 namespace rubicon {

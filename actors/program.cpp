@@ -2,13 +2,14 @@
 
 #include <utility>
 
-#include "scheduler/supervision.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/programs.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using program_pointer = scheduler::traced_pointer<program_state, program_actor>;
+using program_pointer = scheduler::actor_pointer<program_state, program_actor>;
 
 instant own_time(program_pointer self) {
   return self->state.arguments->crystal.own(now(self));
@@ -50,10 +51,10 @@ void forget(program_pointer self) {
 void on_mote_started(program_pointer self, const mote_started& x) {
   forget(self);
   auto& state = self->state;
-  state.mote = x.mote.actor;
+  state.mote = x.mote;
   self->monitor(state.mote);
   self->send(state.mote, attach_program{static_cast<std::uint32_t>(state.arguments->number),
-                                        {caf::actor_cast<program_client_actor>(self)}});
+                                        {handle_of<program_client_actor>(self)}});
 }
 
 void on_attached(program_pointer self, const program_attached& x) {
@@ -80,7 +81,7 @@ void on_events(program_pointer self, const program_events& x) {
 program_actor::behavior_type program_behavior(program_pointer self,
                                               std::shared_ptr<const program_arguments> arguments,
                                               std::uint32_t incarnation) {
-  self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
+  self->set_exception_handler([self](std::exception_ptr& x) {
     send_status(self, true);
     return scheduler::failure_of(x);
   });

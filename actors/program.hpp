@@ -6,7 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "actors/messages.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/program_host.hpp"
 #include "actors/timer.hpp"
 #include "communication/remote_process.hpp"
@@ -39,7 +40,7 @@ struct program_state {
 /// @param arguments not nullptr
 /// @param incarnation how often it was started before
 program_actor::behavior_type
-program_behavior(scheduler::traced_pointer<program_state, program_actor> self,
+program_behavior(scheduler::actor_pointer<program_state, program_actor> self,
                  std::shared_ptr<const program_arguments> arguments, std::uint32_t incarnation);
 
 } // namespace rubicon

@@ -15,7 +15,8 @@
 #include <vector>
 
 #include "actors/log.hpp"
-#include "actors/messages.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/supervision.hpp"
 #include "apps/application.hpp"
 #include "config/ecology.hpp"
 #include "core/random.hpp"

@@ -1,14 +1,18 @@
 #include "actors/proxy.hpp"
 
 #include "actors/log.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "peis/meta_tuple.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using proxy_pointer = scheduler::traced_pointer<proxy_actor_state, proxy_actor>;
+using proxy_pointer = scheduler::actor_pointer<proxy_actor_state, proxy_actor>;
 
 struct performer {
   proxy_pointer self;
@@ -28,7 +32,7 @@ struct performer {
   void operator()(proxy::write_device& x) const {
     self->state.written_to = self->state.arguments.gateway;
     self->send(self->state.arguments.peer,
-               set_remote_tuple{{caf::actor_cast<peis_client_actor>(self)},
+               set_remote_tuple{{handle_of<peis_client_actor>(self)},
                                 0,
                                 self->state.arguments.gateway,
                                 device_input_key(x.mote.mote, x.channel),
@@ -41,7 +45,7 @@ struct performer {
     const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(x.period).count();
     for (const auto gateway : self->state.arguments.gateways)
       self->send(self->state.arguments.peer,
-                 set_remote_tuple{{caf::actor_cast<peis_client_actor>(self)},
+                 set_remote_tuple{{handle_of<peis_client_actor>(self)},
                                   0,
                                   gateway,
                                   device_output_period_key(x.mote.mote, x.channel),
@@ -109,7 +113,7 @@ void watch_all(proxy_pointer self) {
   const auto first = state.watches.size();
   state.watches = state.arguments.core.watches();
   const auto own = state.arguments.peer_number;
-  const carried<peis_client_actor> client{caf::actor_cast<peis_client_actor>(self)};
+  const auto client = handle_of<peis_client_actor>(self);
   for (auto i = first; i < state.watches.size(); ++i) {
     const auto& x = state.watches[i];
     if (x.where == source::meta)
@@ -180,7 +184,6 @@ void performer::operator()(const proxy::retire&) const {
 } // namespace
 
 proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments arguments) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->set_exit_handler([self](const caf::exit_msg& x) {
     send_status(self, true); // a life that a fault has ended counts as well
     self->quit(x.reason);
@@ -195,8 +198,8 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
   perform(self, self->state.arguments.core.start(now(self)));
   watch_all(self);
   if (given.layer)
-    self->send(given.layer, attach_program{number_of_streams(self),
-                                           {caf::actor_cast<program_client_actor>(self)}});
+    self->send(given.layer,
+               attach_program{number_of_streams(self), {handle_of<program_client_actor>(self)}});
   return {
       [self](const tuple_event& x) { on_tuple(self, x); },
       [](const peis_message&) {}, // hooks no port

@@ -5,7 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "actors/messages.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/program_host.hpp"
 #include "actors/timer.hpp"
 #include "apps/stream_tap.hpp"
@@ -43,7 +46,7 @@ struct proxy_actor_state {
 };
 
 proxy_actor::behavior_type
-proxy_behavior(scheduler::traced_pointer<proxy_actor_state, proxy_actor> self,
+proxy_behavior(scheduler::actor_pointer<proxy_actor_state, proxy_actor> self,
                proxy_arguments arguments);
 
 } // namespace rubicon

@@ -5,9 +5,12 @@
 
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/services.hpp"
 #include "actors/proxy.hpp"
 #include "scheduler/spawn.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
@@ -17,7 +20,7 @@ namespace {
 /// time.
 constexpr duration proxy_restart_delay = 1s;
 
-using manager_pointer = scheduler::traced_pointer<proxy_manager_state, proxy_manager_actor>;
+using manager_pointer = scheduler::actor_pointer<proxy_manager_state, proxy_manager_actor>;
 
 std::string gateway_name(const managed_island& island, peer_id gateway) {
   const auto found = std::ranges::find(island.gateways, gateway, &managed_gateway::id);
@@ -53,7 +56,7 @@ struct performer {
     const auto name = core.prefix();
     const auto layer = core.streams().empty() ? program_node_actor() : state.arguments.layer;
     log(self, spdlog::level::info, "event=started proxy={} class={}", name, x.class_name);
-    state.proxies[x.mote] = scheduler::spawn_at<caf::monitored>(
+    state.proxies[x.mote] = scheduler::spawn_at<scheduler::monitored>(
         self, "proxy/" + name, proxy_behavior,
         proxy_arguments{std::move(core), state.arguments.peer_number, state.arguments.peer,
                         state.arguments.ecology, gateways.gateways(), gateways.current(), layer,
@@ -101,11 +104,10 @@ void watch_gateways(manager_pointer self, const managed_island& island) {
     keys.push_back(device_role_key);
   for (const auto gateway : ids)
     for (const auto key : keys)
-      self->send(self->state.arguments.peer,
-                 watch_tuples{{caf::actor_cast<peis_client_actor>(self)},
-                              island.id.value,
-                              gateway,
-                              std::string(key)});
+      self->send(self->state.arguments.peer, watch_tuples{{handle_of<peis_client_actor>(self)},
+                                                          island.id.value,
+                                                          gateway,
+                                                          std::string(key)});
   self->state.gateways.emplace(island.id, proxy::gateway_choice(std::move(ids)));
 }
 
@@ -176,7 +178,6 @@ void on_change(manager_pointer self, const change_class& x) {
 
 proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
                                                  proxy_manager_arguments arguments) {
-  scheduler::tell_monitors_of_exceptions(self);
   auto& state = self->state;
   state.arguments = std::move(arguments);
   state.manager = proxy::manager(proxy::known_at(state.arguments.classes, now(self)));

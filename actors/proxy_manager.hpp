@@ -6,7 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "actors/messages.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/timer.hpp"
 #include "config/ecology.hpp"
 #include "proxy/gateway_choice.hpp"
@@ -50,7 +53,7 @@ struct proxy_manager_state {
 };
 
 proxy_manager_actor::behavior_type
-proxy_manager(scheduler::traced_pointer<proxy_manager_state, proxy_manager_actor> self,
+proxy_manager(scheduler::actor_pointer<proxy_manager_state, proxy_manager_actor> self,
               proxy_manager_arguments arguments);
 
 } // namespace rubicon

@@ -3,16 +3,16 @@
 #include <utility>
 #include <variant>
 
-#include <caf/send.hpp>
-
 #include "actors/log.hpp"
-#include "scheduler/supervision.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using end_pointer = scheduler::traced_pointer<pty_end_state, pty_end_actor>;
+using end_pointer = scheduler::actor_pointer<pty_end_state, pty_end_actor>;
 
 void open(end_pointer self) {
   auto& state = self->state;
@@ -23,15 +23,14 @@ void open(end_pointer self) {
     return;
   }
   state.pty = std::get<io::pseudo_terminal>(std::move(x));
-  const auto me = caf::actor_cast<pty_end_actor>(self);
-  state.pty->start(
-      {[self, me](byte_view octets) {
-         self->state.pty->read(false); // until this has been handled
-         caf::anon_send(me, serial_write{serial::direction::to_mote, payload(to_bytes(octets))});
-       },
-       [me](bool attached) {
-         caf::anon_send(me, serial_presence{attached, {}});
-       }});
+  const auto me = handle_of<pty_end_actor>(self);
+  state.pty->start({[self, me](byte_view octets) {
+                      self->state.pty->read(false); // until this has been handled
+                      post(me, serial_write{serial::direction::to_mote, payload(to_bytes(octets))});
+                    },
+                    [me](bool attached) {
+                      post(me, serial_presence{attached, {}});
+                    }});
 }
 
 void on_octets(end_pointer self, const payload& octets) {
@@ -59,11 +58,10 @@ void send_status(end_pointer self) {
 } // namespace
 
 pty_end_actor::behavior_type pty_end(end_pointer self, pty_end_arguments arguments) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->state.arguments = std::move(arguments);
   open(self);
   self->send(self->state.arguments.line,
-             attach_serial{serial::direction::to_pc, {caf::actor_cast<serial_end_actor>(self)}});
+             attach_serial{serial::direction::to_pc, {handle_of<serial_end_actor>(self)}});
   return {
       [self](const serial_octets& x) { on_octets(self, x.octets); },
       [self](const serial_write& x) {

@@ -5,7 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "actors/messages.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 #include "io/pseudo_terminal.hpp"
 
 namespace rubicon {
@@ -20,7 +21,6 @@ struct pty_end_arguments {
 };
 
 struct pty_end_state {
-  pty_end_state() = default;
 
   pty_end_arguments arguments;
   std::optional<io::pseudo_terminal> pty; ///< nothing: it could not be had
@@ -29,7 +29,7 @@ struct pty_end_state {
   std::uint64_t slow = 0;   ///< octets for one that did not read those before
 };
 
-pty_end_actor::behavior_type pty_end(scheduler::traced_pointer<pty_end_state, pty_end_actor> self,
+pty_end_actor::behavior_type pty_end(scheduler::actor_pointer<pty_end_state, pty_end_actor> self,
                                      pty_end_arguments arguments);
 
 } // namespace rubicon

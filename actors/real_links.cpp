@@ -2,7 +2,9 @@
 
 #include <utility>
 
-#include <caf/send.hpp>
+#include "actors/messages/common.hpp"
+#include "actors/messages/links.hpp"
+#include "actors/messages/peis.hpp"
 
 namespace rubicon {
 
@@ -30,15 +32,14 @@ real_links::open(const real_links_config& config, peis_peer_actor user) {
 
 void real_links::on_link_open(peis::link_id link, peis::link_role role,
                               std::optional<peis::attempt_id> attempt) {
-  caf::anon_send(
-      user_,
-      link_opened{
-          link.value, {}, role == peis::link_role::initiator, attempt ? attempt->value : 0, {}});
+  post(user_,
+       link_opened{
+           link.value, {}, role == peis::link_role::initiator, attempt ? attempt->value : 0, {}});
 }
 
 void real_links::tell_unmet(std::string what) {
   if (ecology_)
-    caf::anon_send(ecology_, request_unmet{who_, std::move(what)});
+    post(ecology_, request_unmet{who_, std::move(what)});
 }
 
 /// That a peer is away is everyday; that nobody has its name is a mistake in the file.
@@ -46,12 +47,12 @@ void real_links::on_attempt_failed(peis::attempt_id attempt, const std::string& 
   if (io::is_unknown_host(why) && unknown_names_.size() < unknown_names_max &&
       unknown_names_.insert(why).second)
     tell_unmet("cannot connect to " + why + ": mend the name in `connect`");
-  caf::anon_send(user_, attempt_failed{attempt.value});
+  post(user_, attempt_failed{attempt.value});
 }
 
 void real_links::on_link_octets(peis::link_id link, byte_view octets) {
   links_->carry_out(peis::read_link{link, false});
-  caf::anon_send(user_, link_octets{link.value, to_bytes(octets)});
+  post(user_, link_octets{link.value, to_bytes(octets)});
 }
 
 void real_links::on_taken(peis::link_id link) {
@@ -67,16 +68,16 @@ void real_links::hold(peis::link_id link, bool held) {
 }
 
 void real_links::on_link_sent(peis::link_id link, std::size_t octets) {
-  caf::anon_send(user_, link_sent{link.value, octets});
+  post(user_, link_sent{link.value, octets});
 }
 
 void real_links::on_link_closed(peis::link_id link, const std::string&) {
   held_.erase(link);
-  caf::anon_send(user_, link_closed{link.value});
+  post(user_, link_closed{link.value});
 }
 
 void real_links::on_announcement(byte_view datagram) {
-  caf::anon_send(user_, announcement{to_bytes(datagram)});
+  post(user_, announcement{to_bytes(datagram)});
 }
 
 } // namespace rubicon

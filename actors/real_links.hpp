@@ -9,7 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include "actors/messages.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/supervision.hpp"
 #include "peer/tcp_links.hpp"
 
 namespace rubicon {

@@ -3,13 +3,15 @@
 #include <utility>
 
 #include "actors/log.hpp"
-#include "scheduler/supervision.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using line_pointer = scheduler::traced_pointer<replay_line_state, serial_line_actor>;
+using line_pointer = scheduler::actor_pointer<replay_line_state, serial_line_actor>;
 
 void give(line_pointer self, bytes octets) {
   auto& state = self->state;
@@ -64,13 +66,11 @@ void send_status(line_pointer self) {
 
 serial_line_actor::behavior_type replay_line(line_pointer self, serial::replay replay,
                                              island_id island, ecology_actor ecology) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->state.replay = std::move(replay);
   self->state.island = island;
   self->state.ecology = std::move(ecology);
   self->state.wake.follow(self, self->state.replay.deadline());
   return {
-      // the frequent ones first: they are tried in turn
       [self](const serial_write& x) { on_write(self, x.octets); },
       [self](const timer_expired& x) {
         if (!self->state.wake.accepts(x))
@@ -80,13 +80,13 @@ serial_line_actor::behavior_type replay_line(line_pointer self, serial::replay r
       },
       [self](const attach_serial& x) {
         if (x.towards == serial::direction::to_pc)
-          self->state.pc = x.user.actor;
+          self->state.pc = x.user;
       },
       [self](plug_serial x) { plug(self, x.plugged); },
       [self](status_request) { send_status(self); },
       [self](const watch_line& x) {
         auto& state = self->state;
-        state.watcher = x.user.actor;
+        state.watcher = x.user;
         state.gives_octets = x.takes_octets;
         if (state.watcher)
           self->send(state.watcher, serial_presence{state.plugged, {}});

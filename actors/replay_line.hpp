@@ -3,14 +3,14 @@
 
 #include <cstdint>
 
-#include "actors/messages.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/timer.hpp"
 #include "serial/recording.hpp"
 
 namespace rubicon {
 
 struct replay_line_state {
-  replay_line_state() = default;
 
   serial::replay replay;
   island_id island;
@@ -27,7 +27,7 @@ struct replay_line_state {
 };
 
 serial_line_actor::behavior_type
-replay_line(scheduler::traced_pointer<replay_line_state, serial_line_actor> self,
+replay_line(scheduler::actor_pointer<replay_line_state, serial_line_actor> self,
             serial::replay replay, island_id island, ecology_actor ecology);
 
 } // namespace rubicon

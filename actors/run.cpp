@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <caf/send.hpp>
 #include <unistd.h>
 
 #include "actors/debug_log.hpp"
@@ -14,6 +13,8 @@
 #include "actors/failure.hpp"
 #include "actors/frame_captures.hpp"
 #include "actors/look.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/run_record.hpp"
 #include "actors/serial_recorder.hpp"
 #include "actors/tuple_teller.hpp"
@@ -126,11 +127,11 @@ config::ecology_description overridden(config::ecology_description x, const run_
 void tell_tuple(report::expectations& judge, const scheduler::delivery& x) {
   if (!x.heard)
     return;
-  if (const auto* set = x.only<set_tuple>())
+  if (const auto* set = x.as<set_tuple>())
     judge.on_tuple(set->key, tuple_text(set->value.view()), x.time);
-  else if (const auto* remote = x.only<set_remote_tuple>())
+  else if (const auto* remote = x.as<set_remote_tuple>())
     judge.on_tuple(remote->key, tuple_text(remote->value.view()), x.time);
-  else if (const auto* gone = x.only<delete_tuple>())
+  else if (const auto* gone = x.as<delete_tuple>())
     judge.on_tuple_gone(gone->key, x.time);
 }
 
@@ -243,8 +244,7 @@ public:
     root_ = world_.spawn(
         "ecology/" + description.name, ecology, description,
         [this](report::run_report x) { take(std::move(x)); }, files.frames(), facts());
-    caf::actor_cast<caf::abstract_actor*>(root_)->attach_functor(
-        [this](const caf::error& reason) { on_root_ended(reason); });
+    root_.get().attach_functor([this](const caf::error& reason) { on_root_ended(reason); });
     if (options.on_begun)
       options.on_begun(
           {world_.loop(), [this] { world_.request_stop(); },
@@ -288,9 +288,7 @@ public:
     faults.push_back(x);
     const apply_fault message{static_cast<std::uint32_t>(faults.size() - 1)};
     for (const auto at : times)
-      static_cast<void>(world_.scheduler().supervisor().schedule(
-          instant(at), caf::actor_cast<caf::strong_actor_ptr>(root_),
-          caf::make_mailbox_element(nullptr, caf::make_message_id(), {}, message)));
+      scheduler::post_at(root_, instant(at), message);
   }
 
   void perform() {
@@ -351,8 +349,7 @@ private:
   }
 
   [[nodiscard]] ecology_state& root_state() {
-    using impl = scheduler::traced_actor<ecology_state, root_actor>;
-    return static_cast<impl*>(caf::actor_cast<caf::abstract_actor*>(root_))->state;
+    return static_cast<scheduler::shell<ecology_state, root_interface>&>(root_.get()).state;
   }
 
   void apply(const config::fault& x) {
@@ -360,7 +357,7 @@ private:
       return;
     auto& faults = root_state().description.faults;
     faults.push_back({world_.now().time_since_epoch(), x});
-    caf::anon_send(root_, apply_fault{static_cast<std::uint32_t>(faults.size() - 1)});
+    post(root_, apply_fault{static_cast<std::uint32_t>(faults.size() - 1)});
   }
 
   void plan_rest(const config::fault_description& x) {
@@ -378,10 +375,9 @@ private:
     const auto found = peers.find(peer);
     if (found == peers.end() || !found->second.handle)
       return false;
-    const auto* const kernel = caf::actor_cast<caf::abstract_actor*>(found->second.handle);
-    if (kernel->getf(caf::abstract_actor::is_terminated_flag)) // nobody has heard of that yet
+    if (found->second.handle.get().has_ended()) // nobody has heard of that yet
       return false;
-    caf::anon_send(found->second.handle, set_tuple{key, payload(to_bytes(value)), true});
+    post(found->second.handle, set_tuple{key, payload(to_bytes(value)), true});
     return true;
   }
 
@@ -398,7 +394,7 @@ private:
 
   template <class Message>
   void tell(Message x) {
-    caf::anon_send(root_, x);
+    post(root_, x);
     if (!world_.drain() && ended_early_.empty())
       ended_early_ = "actors kept each other busy without end";
   }

@@ -7,7 +7,11 @@
 
 #include <spdlog/spdlog.h>
 
-#include "actors/messages.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/links.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/serial.hpp"
 #include "core/printable.hpp"
 #include "network/am.hpp"
 #include "peis/link.hpp"
@@ -160,7 +164,7 @@ bool fill(record& r, const notable_event& x) {
 /// @param worth set if so: whether it is worth a record
 template <class Message>
 bool take(const scheduler::delivery& x, record& r, bool& worth) {
-  const auto* found = x.only<Message>();
+  const auto* found = x.as<Message>();
   if (found == nullptr)
     return false;
   worth = fill(r, *found);
@@ -227,9 +231,9 @@ void run_record::write(const report::run_sample& x) {
 void run_record::write(const scheduler::delivery& x) {
   if (octets_left_ == 0)
     return;
-  if (x.only<timer_expired>() != nullptr)
+  if (x.as<timer_expired>() != nullptr)
     return;
-  if (const auto* carried = x.only<link_octets>()) {
+  if (const auto* carried = x.as<link_octets>()) {
     record r;
     r.what = kind::link_octets;
     r.time = x.time;

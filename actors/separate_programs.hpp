@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "actors/messages.hpp"
+#include "actors/messages/programs.hpp"
 #include "communication/program_port.hpp"
 
 namespace rubicon {
@@ -21,9 +21,9 @@ public:
   /// @param incarnation how often the node was started before
   template <class Self, class Node>
   void attach(Self* self, Node& node, const attach_program& x, std::uint32_t incarnation) {
-    self->monitor(x.program.actor);
+    self->monitor(x.program);
     auto& added = all_[x.number];
-    added.actor = x.program.actor;
+    added.actor = x.program;
     added.port = std::make_unique<communication::program_port>(node);
     self->send(added.actor, program_attached{added.port->limits(), incarnation});
   }

@@ -1,13 +1,15 @@
 #include "actors/serial_line.hpp"
 
 #include "actors/log.hpp"
-#include "scheduler/supervision.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using line_pointer = scheduler::traced_pointer<serial_line_state, serial_line_actor>;
+using line_pointer = scheduler::actor_pointer<serial_line_state, serial_line_actor>;
 
 void perform(line_pointer self, serial::line_outputs todo) {
   for (auto& x : todo) {
@@ -53,13 +55,11 @@ void send_status(line_pointer self) {
 
 serial_line_actor::behavior_type serial_line(line_pointer self, serial::line line, duration latency,
                                              island_id island, ecology_actor ecology) {
-  scheduler::tell_monitors_of_exceptions(self);
   self->state.line = std::move(line);
   self->state.latency = latency;
   self->state.island = island;
   self->state.ecology = std::move(ecology);
   return {
-      // the frequent ones first: they are tried in turn
       [self](const serial_write& x) {
         self->state.line.send(x.towards, x.octets, now(self));
         self->state.wake.follow(self, self->state.line.deadline());
@@ -69,7 +69,7 @@ serial_line_actor::behavior_type serial_line(line_pointer self, serial::line lin
           perform(self, self->state.line.on_time(now(self)));
       },
       [self](const attach_serial& x) {
-        self->state.ends[static_cast<std::size_t>(x.towards)] = x.user.actor;
+        self->state.ends[static_cast<std::size_t>(x.towards)] = x.user;
       },
       [self](plug_serial x) { plug(self, x.plugged); },
       [self](status_request) { send_status(self); },

@@ -3,7 +3,8 @@
 
 #include <array>
 
-#include "actors/messages.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/timer.hpp"
 #include "serial/line.hpp"
 
@@ -23,7 +24,7 @@ struct serial_line_state {
 /// delays it as long.
 /// @param latency of the adapter
 serial_line_actor::behavior_type
-serial_line(scheduler::traced_pointer<serial_line_state, serial_line_actor> self, serial::line line,
+serial_line(scheduler::actor_pointer<serial_line_state, serial_line_actor> self, serial::line line,
             duration latency, island_id island, ecology_actor ecology);
 
 } // namespace rubicon

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "actors/messages.hpp"
+#include "actors/messages/serial.hpp"
 
 namespace rubicon {
 
@@ -39,19 +39,19 @@ serial_recorder::serial_recorder(std::string path)
 }
 
 void serial_recorder::write(const scheduler::delivery& x) {
-  if (const auto* heard = x.only<serial_octets>()) {
+  if (const auto* heard = x.as<serial_octets>()) {
     auto island = island_in(x.path, "gateway/");
     if (island.empty())
       island = island_in(x.path, "pty_end/");
     if (!island.empty())
       take(x.time, island, serial::direction::to_pc, heard->octets.view());
-  } else if (const auto* written = x.only<serial_write>()) {
+  } else if (const auto* written = x.as<serial_write>()) {
     auto line = island_in(x.path, "serial_line/");
     if (line.empty())
       line = real_line_in(x.path);
     if (written->towards == serial::direction::to_mote && !line.empty())
       take(x.time, line, written->towards, written->octets.view());
-  } else if (const auto* real = x.only<real_octets>()) {
+  } else if (const auto* real = x.as<real_octets>()) {
     if (const auto island = island_in(x.path, "gateway/"); !island.empty())
       take(x.time, real_line_of(island), serial::direction::to_pc, real->octets.view());
   }

@@ -4,16 +4,20 @@
 
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/network_radio.hpp"
 #include "actors/statuses.hpp"
 #include "network/am.hpp"
-#include "scheduler/supervision.hpp"
 
 namespace rubicon {
 
 namespace {
 
-using sink_pointer = scheduler::traced_pointer<sink_state, sink_actor>;
+using sink_pointer = scheduler::actor_pointer<sink_state, sink_actor>;
 
 void perform(sink_pointer self, mote::sink_outputs todo);
 void perform(sink_pointer self, serial::mote_port_outputs todo, std::size_t line);
@@ -100,10 +104,9 @@ void performer::write(const bytes& packet, std::size_t to) const {
 
 /// Octets of one of its lines, which is known by its actor.
 void on_octets(sink_pointer self, const serial_octets& x) {
-  const auto from = caf::actor_cast<caf::actor_addr>(self->current_sender());
   const auto& lines = self->state.arguments.lines;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (lines.size() == 1 || lines[i].line.address() == from)
+    if (lines.size() == 1 || lines[i].line.id() == self->sender())
       perform(self, self->state.ports[i].on_bytes(x.octets.view(), now(self)), i);
   }
 }
@@ -140,7 +143,7 @@ void send_status(sink_pointer self, bool is_alive) {
 
 /// What this life has counted must not go with it.
 void report_failures(sink_pointer self) {
-  self->set_exception_handler([self](caf::scheduled_actor*, std::exception_ptr& x) {
+  self->set_exception_handler([self](std::exception_ptr& x) {
     self->state.flows.report(self, self->state.arguments.ecology);
     send_status(self, false);
     return scheduler::failure_of(x);
@@ -169,7 +172,7 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments,
                  random_stream(state.arguments.seed, state.life), own_time(self), lines, store);
   for (const auto& each : state.arguments.lines)
     state.ports.emplace_back(each.port);
-  const auto handle = caf::actor_cast<sink_actor>(self);
+  const auto handle = handle_of<sink_actor>(self);
   self->send(state.arguments.air, attach_radio{state.arguments.radio, {handle}});
   for (const auto& each : state.arguments.lines)
     self->send(each.line, attach_serial{serial::direction::to_mote, {handle}});
@@ -178,7 +181,6 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments,
                     state.arguments.air,
                     random_stream(state.arguments.seed, state.life + "/flows"));
   return {
-      // the frequent ones first: they are tried in turn
       [self](const frame_received& x) {
         const auto frame = radio::decode(x.psdu.view());
         if (!frame || !is_for(*frame, self->state.arguments.address))

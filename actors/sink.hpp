@@ -6,7 +6,10 @@
 #include <vector>
 
 #include "actors/flow_host.hpp"
-#include "actors/messages.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/timer.hpp"
 #include "mote/crystal.hpp"
 #include "mote/sink.hpp"
@@ -46,7 +49,7 @@ struct sink_state {
 };
 
 /// @param store as earlier lives have written it
-sink_actor::behavior_type sink(scheduler::traced_pointer<sink_state, sink_actor> self,
+sink_actor::behavior_type sink(scheduler::actor_pointer<sink_state, sink_actor> self,
                                sink_arguments arguments, mote::nonvolatile store);
 
 } // namespace rubicon

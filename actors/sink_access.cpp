@@ -4,8 +4,7 @@
 #include <utility>
 #include <variant>
 
-#include <caf/send.hpp>
-
+#include "actors/messages/serial.hpp"
 #include "core/host_port.hpp"
 #include "io/serial_port.hpp"
 #include "io/tcp_connect.hpp"
@@ -23,20 +22,19 @@ public:
   void open() override {
     auto x = io::serial_port::open(loop_, config_.outside.device, config_.baud, config_.buffer);
     if (auto* why = std::get_if<std::string>(&x)) {
-      caf::anon_send(user_, serial_presence{false, std::move(*why)});
+      post(user_, serial_presence{false, std::move(*why)});
       return;
     }
     port_ = std::get<io::serial_port>(std::move(x));
-    port_->start(
-        {[this](byte_view octets) {
-           port_->read(false);
-           caf::anon_send(user_, serial_octets{to_bytes(octets)});
-         },
-         [this](const std::string& why) {
-           port_.reset();
-           caf::anon_send(user_, serial_presence{false, config_.outside.device + ": " + why});
-         }});
-    caf::anon_send(user_, serial_presence{true, {}});
+    port_->start({[this](byte_view octets) {
+                    port_->read(false);
+                    post(user_, serial_octets{to_bytes(octets)});
+                  },
+                  [this](const std::string& why) {
+                    port_.reset();
+                    post(user_, serial_presence{false, config_.outside.device + ": " + why});
+                  }});
+    post(user_, serial_presence{true, {}});
   }
 
   void close() override { port_.reset(); }
@@ -83,7 +81,7 @@ public:
     auto todo = line_.on_pc(octets.view());
     stream_->send(std::move(todo.to_forwarder));
     if (!todo.to_pc.empty())
-      caf::anon_send(user_, serial_octets{std::move(todo.to_pc)});
+      post(user_, serial_octets{std::move(todo.to_pc)});
     return true;
   }
 
@@ -104,10 +102,10 @@ private:
   void take(byte_view octets) {
     auto todo = line_.on_forwarder(octets);
     if (!std::exchange(greeted_, line_.greeted()) && greeted_)
-      caf::anon_send(user_, serial_presence{true, {}});
+      post(user_, serial_presence{true, {}});
     if (!todo.to_pc.empty()) {
       stream_->read(false);
-      caf::anon_send(user_, serial_octets{std::move(todo.to_pc)});
+      post(user_, serial_octets{std::move(todo.to_pc)});
     }
     if (line_.refused() != serial::refusal::none)
       lose(config_.outside.forwarder + ": " + std::string(to_string(line_.refused())));
@@ -115,7 +113,7 @@ private:
 
   void lose(std::string why) {
     close();
-    caf::anon_send(user_, serial_presence{false, std::move(why)});
+    post(user_, serial_presence{false, std::move(why)});
   }
 
   io::loop& loop_;

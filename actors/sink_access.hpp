@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "actors/messages.hpp"
+#include "actors/messages/serial.hpp"
 #include "io/loop.hpp"
 
 namespace rubicon {

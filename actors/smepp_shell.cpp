@@ -1,5 +1,7 @@
 #include "actors/smepp_shell.hpp"
 
+#include "actors/messages/air.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/network_radio.hpp"
 #include "network/am.hpp"
 

@@ -7,7 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "actors/messages.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/supervision.hpp"
 #include "apps/application.hpp"
 #include "mote/crystal.hpp"
 #include "network/wire.hpp"

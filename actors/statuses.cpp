@@ -1,5 +1,7 @@
 #include "actors/statuses.hpp"
 
+#include "actors/messages/supervision.hpp"
+
 namespace rubicon {
 
 namespace {

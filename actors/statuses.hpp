@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "actors/messages.hpp"
+#include "actors/messages/supervision.hpp"
 #include "core/fields.hpp"
 #include "mote/node.hpp"
 #include "mote/sink.hpp"

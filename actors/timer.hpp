@@ -5,10 +5,8 @@
 #include <optional>
 
 #include <caf/actor_control_block.hpp>
-#include <caf/actor_system.hpp>
-#include <caf/mailbox_element.hpp>
 
-#include "actors/messages.hpp"
+#include "actors/messages/common.hpp"
 #include "core/time.hpp"
 #include "scheduler/process.hpp"
 
@@ -17,7 +15,7 @@ namespace rubicon {
 /// The ecology time of the actor's scheduler: the only clock an actor may read.
 template <class Self>
 [[nodiscard]] instant now(Self* self) {
-  return instant(self->system().clock().now().time_since_epoch());
+  return self->now();
 }
 
 /// Follows a core's deadline: at any time at most one message is pending, which moves with the
@@ -45,9 +43,8 @@ public:
     if (process_->move(pending_, *deadline))
       return;
     const caf::strong_actor_ptr me(self->ctrl());
-    pending_ = process_->schedule(
-        *deadline, me,
-        caf::make_mailbox_element(me, caf::make_message_id(), {}, timer_expired{which_, ++epoch_}));
+    pending_ = process_->schedule(*deadline, me,
+                                  scheduler::make_envelope(timer_expired{which_, ++epoch_}));
   }
 
   /// No expiry is awaited any more.

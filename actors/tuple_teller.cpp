@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "actors/messages.hpp"
+#include "actors/messages/peis.hpp"
 #include "core/device_keys.hpp"
 
 namespace rubicon {
@@ -30,13 +30,13 @@ void tuple_teller::tell_set(const scheduler::delivery& x, std::optional<peer_id>
 void tuple_teller::write(const scheduler::delivery& x) {
   if (!x.heard)
     return;
-  if (const auto* set = x.only<set_tuple>())
+  if (const auto* set = x.as<set_tuple>())
     tell_set(x, {}, *set);
-  else if (const auto* remote = x.only<set_remote_tuple>())
+  else if (const auto* remote = x.as<set_remote_tuple>())
     tell_set(x, remote->owner, *remote);
-  else if (const auto* meta = x.only<set_meta_tuple>())
+  else if (const auto* meta = x.as<set_meta_tuple>())
     tell(x, meta->owner, meta->key, meta->reference);
-  else if (const auto* gone = x.only<delete_tuple>())
+  else if (const auto* gone = x.as<delete_tuple>())
     tell(x, {}, gone->key, {}, /*deleted=*/true);
 }
 

@@ -5,7 +5,7 @@
 #include <caf/io/all.hpp>
 #include <caf/openssl/all.hpp>
 
-#include "actors/inspect.hpp"
+#include "control/inspect.hpp"
 #include "control/system.hpp"
 #include "deploy/messages.hpp"
 

@@ -6,7 +6,7 @@
 #include <caf/binary_deserializer.hpp>
 #include <caf/binary_serializer.hpp>
 
-#include "actors/inspect.hpp"
+#include "control/inspect.hpp"
 
 namespace rubicon::control {
 

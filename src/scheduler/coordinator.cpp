@@ -5,11 +5,11 @@
 #include <iterator>
 #include <limits>
 #include <stdexcept>
-#include <type_traits>
 #include <utility>
 #include <variant>
 
 #include "io/loop.hpp"
+#include "scheduler/actor.hpp"
 #include "scheduler/printer.hpp"
 
 namespace rubicon::scheduler {
@@ -119,13 +119,11 @@ instant coordinator::arrival(const process& from, const process& to, instant due
 }
 
 bool coordinator::react_later(add_timeout& x) {
-  auto* const message = std::get_if<actor_message>(&x.what);
   auto& process = supervisor();
-  if (cause_ == nullptr || message == nullptr ||
+  if (cause_ == nullptr || !x.what.content ||
       x.due >= parallel::later(process.now(), supervision_delay)) // nobody is so far ahead
     return false;
-  const auto* const to = dynamic_cast<const traced_base*>(message->receiver->get());
-  if (to == nullptr || to->where() != &process)
+  if (static_cast<const actor&>(*x.what.receiver->get()).where() != &process)
     return false;
   arrivals_.add(process.order_of(x.due), {processes_[cause_->number()].get(), std::move(x.what)});
   return true;
@@ -229,7 +227,7 @@ bool coordinator::let_supervise(instant others) {
   process.advance(told());
   auto arrival = arrivals_.pop();
   cause_ = process.now() == together_at_ ? nullptr : arrival.cause;
-  ship(arrival.what, process.unit());
+  ship(arrival.what, process);
   process.run_instant();
   cause_ = nullptr;
   return true;
@@ -403,21 +401,12 @@ void coordinator::wait_until(instant next) {
 
 void coordinator::accept_outside() {
   const entered here(&supervisor());
-  for (auto& x : outside_.take())
-    if (auto* const* what = std::get_if<caf::resumable*>(&x))
-      make_ready(*what);
+  for (auto& x : outside_.take()) {
+    if (auto* const* of_caf = std::get_if<caf::resumable*>(&x))
+      supervisor().make_ready(*of_caf);
     else
-      std::visit(
-          [this]<class Order>(Order& y) {
-            if constexpr (!std::is_same_v<Order, caf::resumable*>)
-              clock_.apply(std::move(y));
-          },
-          x);
-}
-
-void coordinator::make_ready(caf::resumable* what) {
-  auto* const its = owner_of(*what);
-  (its != nullptr ? *its : supervisor()).make_ready(what);
+      clock_.apply(std::move(std::get<add_timeout>(x)));
+  }
 }
 
 // -- ending
@@ -469,7 +458,7 @@ statistics coordinator::stats() const {
 
 void coordinator::enqueue(caf::resumable* what) {
   if (outside_.at_home())
-    make_ready(what);
+    supervisor().make_ready(what);
   else
     outside_.post(what);
 }

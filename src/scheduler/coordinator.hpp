@@ -74,8 +74,8 @@ struct coordinator_config : caf::actor_system_config {
 /// depends on how far who runs ahead, nor on the number of threads. While events are observed, and
 /// in time that is paced, nobody runs ahead.
 ///
-/// Threads that execute no process may enqueue, spawn, set and cancel timeouts and ask for a stop;
-/// what they ask is taken over by the thread that made the actor system in the order it was asked.
+/// Threads that execute no process may send messages, also delayed ones, and ask for a stop; what
+/// they ask is taken over by the thread that made the actor system in the order it was asked.
 /// In virtual time such a run is not repeatable.
 class coordinator final : public caf::scheduler::abstract_coordinator {
 public:
@@ -213,7 +213,6 @@ private:
   [[nodiscard]] bool somebody_is_stuck() const;
 
   void run_ready();
-  void make_ready(caf::resumable* what);
   void wait_until(instant next);
   void accept_outside();
 

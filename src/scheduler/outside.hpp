@@ -17,9 +17,8 @@ class loop;
 
 namespace rubicon::scheduler {
 
-/// A resumable comes with one reference count.
-using order =
-    std::variant<caf::resumable*, add_timeout, cancel_timeout, cancel_actor, cancel_everything>;
+/// An actor of CAF's own that is ready, with one reference count; or a message for one of ours.
+using order = std::variant<caf::resumable*, add_timeout>;
 
 /// The way in from other threads, in the order they came. Each arrival ends the loop's wait.
 class outside {

@@ -3,44 +3,19 @@
 #include <algorithm>
 #include <cassert>
 
-#include <caf/error.hpp>
-#include <caf/exit_reason.hpp>
-
+#include "scheduler/actor.hpp"
 #include "scheduler/coordinator.hpp"
 
 namespace rubicon::scheduler {
 
-namespace {
-
-caf::scheduled_actor* actor_in(caf::resumable* x) {
-  return x->subtype() == caf::resumable::scheduled_actor ? static_cast<caf::scheduled_actor*>(x)
-                                                         : nullptr;
-}
-
-bool ended(const caf::scheduled_actor& x) {
-  return x.getf(caf::abstract_actor::is_cleaned_up_flag);
-}
-
-/// As exit_reason::kill does, but without the mailbox: an actor that awaits a response would not
-/// look into it.
-void kill(caf::scheduled_actor& x, caf::execution_unit& unit) {
-  x.context(&unit);
-  x.quit(caf::make_error(caf::exit_reason::kill));
-  x.finalize();
-}
-
-} // namespace
-
-process* owner_of(caf::resumable& x) {
-  auto* const actor = actor_in(&x);
-  const auto* placed = actor != nullptr ? dynamic_cast<traced_base*>(actor) : nullptr;
-  return placed != nullptr ? placed->where() : nullptr;
-}
-
-entered::entered(process* which) : before_(std::exchange(executed_process, which)) {}
+entered::entered(process* which)
+    : before_(std::exchange(executed_process, which)),
+      pool_before_(
+          std::exchange(envelope_pool::current, which != nullptr ? &which->envelopes_ : nullptr)) {}
 
 entered::~entered() {
   executed_process = before_;
+  envelope_pool::current = pool_before_;
 }
 
 process::process(coordinator& owner, caf::actor_system& system, std::size_t number)
@@ -60,9 +35,9 @@ parallel::event_order process::order_as_one(instant due) {
 }
 
 movable_message process::schedule(instant due, caf::strong_actor_ptr receiver,
-                                  caf::mailbox_element_ptr content) {
-  return timeouts_.add_movable(
-      order_of(due), actor_message{std::move(receiver), std::move(content), 0, provenance::none()});
+                                  envelope_ptr content) {
+  return timeouts_.add_movable(order_of(due),
+                               {receiver, std::move(content), receiver, 0, provenance::none()});
 }
 
 // -- running
@@ -96,27 +71,44 @@ void process::run_instant() {
 void process::fire_next() {
   const entered here(this);
   advance(*timeouts_.next());
-  timeouts_.fire_next(unit_);
+  timeouts_.fire_next(*this);
 }
 
 void process::give_turn() {
   const entered here(this);
-  auto* const what = ready_.pop();
-  if (auto* const actor = actor_in(what);
-      actor != nullptr && !actor->getf(caf::abstract_actor::is_initialized_flag)) {
-    auto* const its = owner_of(*what);
-    if (its != nullptr && its != this) {
-      send(*its, first_turn(what), {});
+  const auto whom = ready_.pop();
+  if (whom.own != nullptr)
+    give_turn(*whom.own);
+  else
+    give_turn(whom.of_caf);
+  owner_.on_turn();
+}
+
+void process::give_turn(actor& whom) {
+  const caf::strong_actor_ptr kept(whom.ctrl(), false); // it was made ready with one reference
+  if (!whom.has_begun()) {
+    if (whom.where() != this) {
+      send(*whom.where(), {kept}, {});
       return;
     }
-    remember(*actor);
+    remember(whom);
   }
   ++turns_;
-  if (what->resume(&unit_, owner_.max_throughput()) == caf::resumable::resume_later)
-    ready_.push(what);
+  if (whom.take_turn(owner_.max_throughput()) == actor::turn_result::has_more)
+    make_ready(whom);
+}
+
+void process::give_turn(caf::resumable* whom) {
+  ++turns_;
+  if (whom->resume(&unit_, owner_.max_throughput()) == caf::resumable::resume_later)
+    make_ready(whom);
   else
-    caf::intrusive_ptr_release(what);
-  owner_.on_turn();
+    caf::intrusive_ptr_release(whom);
+}
+
+void process::make_ready(actor& what) {
+  caf::intrusive_ptr_add_ref(what.ctrl());
+  ready_.push({&what, nullptr});
 }
 
 // -- to others
@@ -135,25 +127,17 @@ void process::say(std::function<void()> what) {
   to_be_said_.push_back({order_as_one(now()), std::move(what)});
 }
 
-bool traced_base::cross(caf::abstract_actor& self, caf::mailbox_element_ptr& x) {
-  auto* from = process_->owner().sender_here();
-  if (from == nullptr || from == process_)
-    return false;
-  from->send(*process_, actor_message{caf::strong_actor_ptr(self.ctrl()), std::move(x)}, {});
-  return true;
-}
-
 // -- ending
 
-void process::remember(const caf::scheduled_actor& actor) {
+void process::remember(actor& whom) {
   if (roster_.size() >= roster_weeded_) {
     std::erase_if(roster_, [](const caf::weak_actor_ptr& x) {
       const auto strong = x.lock();
-      return !strong || ended(static_cast<const caf::scheduled_actor&>(*strong->get()));
+      return !strong || static_cast<const actor&>(*strong->get()).has_ended();
     });
     roster_weeded_ = std::max<std::size_t>(64, 2 * roster_.size());
   }
-  roster_.emplace_back(actor.ctrl());
+  roster_.emplace_back(whom.ctrl());
 }
 
 bool process::kill_all() {
@@ -163,12 +147,15 @@ bool process::kill_all() {
     return false;
   for (const auto& weak : doomed)
     if (const auto x = weak.lock())
-      kill(static_cast<caf::scheduled_actor&>(*x->get()), unit_);
+      static_cast<actor&>(*x->get()).kill();
   while (!ready_.empty()) {
-    auto* const what = ready_.pop();
-    if (auto* const actor = actor_in(what))
-      kill(*actor, unit_);
-    caf::intrusive_ptr_release(what);
+    const auto whom = ready_.pop();
+    if (whom.own != nullptr) {
+      const caf::strong_actor_ptr kept(whom.own->ctrl(), false);
+      whom.own->kill();
+    } else {
+      caf::intrusive_ptr_release(whom.of_caf); // ends with the actor system
+    }
   }
   return true;
 }

@@ -12,18 +12,29 @@
 #include <caf/actor_control_block.hpp>
 #include <caf/execution_unit.hpp>
 #include <caf/resumable.hpp>
-#include <caf/scheduled_actor.hpp>
 
 #include "core/time.hpp"
 #include "parallel/horizons.hpp"
 #include "parallel/ready_queue.hpp"
+#include "scheduler/envelope_pool.hpp"
 #include "scheduler/timeout_table.hpp"
 #include "scheduler/trace.hpp"
 
 namespace rubicon::scheduler {
 
+class actor;
 class coordinator;
 class process;
+
+/// Sees messages before they are delivered, and may keep them: for tests.
+class delivery_tap {
+public:
+  /// @returns whether it keeps the message, which is moved out then
+  [[nodiscard]] virtual bool takes(actor& to, envelope_ptr& x, actor* from) = 0;
+
+protected:
+  ~delivery_tap() = default;
+};
 
 /// On its way to an actor of another process.
 struct crossing {
@@ -81,7 +92,10 @@ public:
   void give_turn();
 
   [[nodiscard]] bool anybody_ready() const { return !ready_.empty(); }
-  void make_ready(caf::resumable* what) { ready_.push(what); }
+  void make_ready(actor& what);
+
+  /// Of CAF's own kinds. @param what with one reference count
+  void make_ready(caf::resumable* what) { ready_.push({nullptr, what}); }
 
   /// The place of something that comes from the actor that has its turn. Not before now().
   [[nodiscard]] parallel::event_order order_of(instant due);
@@ -92,7 +106,7 @@ public:
   /// Delivers `content` at `due`, or now if that is past, unless it is moved or taken back before.
   /// It comes from nothing but the time. @pre the receiver is one of its own
   [[nodiscard]] movable_message schedule(instant due, caf::strong_actor_ptr receiver,
-                                         caf::mailbox_element_ptr content);
+                                         envelope_ptr content);
 
   /// Delivers it at `due` instead.
   /// @returns false if there is nothing to move: it was delivered or taken back
@@ -126,6 +140,10 @@ public:
   /// Who has its turn, until the caller ends it.
   [[nodiscard]] traced_base* acting(traced_base* x) { return std::exchange(acting_, x); }
 
+  /// Who sees all messages to its actors before they are delivered; nullptr: nobody.
+  [[nodiscard]] delivery_tap* tap() const { return tap_; }
+  void tap(delivery_tap* x) { tap_ = x; }
+
   /// Ends every actor that has had a turn or is about to. @returns whether there was any
   bool kill_all();
 
@@ -135,19 +153,28 @@ private:
   class execution final : public caf::execution_unit {
   public:
     execution(process& owner, caf::actor_system& system) : execution_unit(&system), owner_(owner) {}
-    void exec_later(caf::resumable* what) override { owner_.ready_.push(what); }
+    void exec_later(caf::resumable* what) override { owner_.make_ready(what); }
 
   private:
     process& owner_;
   };
 
-  void remember(const caf::scheduled_actor& actor);
+  /// Who waits for a turn, with one reference count: an actor of ours, or one of CAF's.
+  struct turn_taker {
+    actor* own = nullptr;
+    caf::resumable* of_caf = nullptr;
+  };
+
+  void give_turn(actor& whom);
+  void give_turn(caf::resumable* whom);
+  void remember(actor& whom);
 
   coordinator& owner_;
   const std::size_t number_;
   execution unit_;
   std::atomic<std::int64_t> now_ns_ = 0;
-  parallel::ready_queue<caf::resumable*> ready_;
+  envelope_pool envelopes_;
+  parallel::ready_queue<turn_taker> ready_;
   timeout_table timeouts_;
   std::vector<crossing> sent_;
   std::vector<remark_later> to_be_said_;
@@ -156,6 +183,7 @@ private:
   std::uint64_t sequence_ = 0;
   std::uint64_t turns_ = 0;
   trace_part* trace_ = nullptr;
+  delivery_tap* tap_ = nullptr;
   std::vector<caf::weak_actor_ptr> roster_; ///< actors that have had a turn, dead ones weeded out
   std::size_t roster_weeded_ = 64;          ///< size at which to weed again
 };
@@ -170,9 +198,7 @@ public:
 
 private:
   process* before_;
+  envelope_pool* pool_before_;
 };
-
-/// To which process an actor belongs; nullptr: it was placed nowhere.
-[[nodiscard]] process* owner_of(caf::resumable& x);
 
 } // namespace rubicon::scheduler

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include <caf/actor_system.hpp>
 
+#include "scheduler/actor.hpp"
 #include "scheduler/coordinator.hpp"
 
 namespace rubicon::scheduler {
@@ -19,12 +21,9 @@ std::int64_t real_ns() {
   return duration(steady::now().time_since_epoch()).count();
 }
 
-timeout_key receive_key(const caf::abstract_actor* self, timeout_kind kind, caf::atom_value type) {
-  return {self->id(), kind, static_cast<std::uint64_t>(type)};
-}
-
-timeout_key request_key(const caf::abstract_actor* self, caf::message_id id) {
-  return {self->id(), timeout_kind::request, id.integer_value()};
+[[noreturn]] void refuse() {
+  throw std::logic_error(
+      "a timeout of CAF's in a world of ours: use timer, or actor::delayed_send");
 }
 
 } // namespace
@@ -80,33 +79,18 @@ void run_clock::apply(add_timeout x) {
   auto& process = here();
   if (process.supervises() && process.owner().react_later(x))
     return;
-  auto* const message = std::get_if<actor_message>(&x.what);
-  const auto* const placed =
-      message != nullptr ? dynamic_cast<const traced_base*>(message->receiver->get()) : nullptr;
-  if (placed != nullptr && placed->where() != nullptr && placed->where() != &process)
-    process.send(*placed->where(), std::move(x.what), x.due);
+  auto& receiver = static_cast<actor&>(*x.what.receiver->get());
+  if (receiver.where() != &process)
+    process.send(*receiver.where(), std::move(x.what), x.due);
   else
     process.timeouts().add(process.order_of(x.due), std::move(x.what));
 }
 
-void run_clock::apply(const cancel_timeout& x) {
-  here().timeouts().cancel(x.key);
-}
-
-void run_clock::apply(const cancel_actor& x) {
-  here().timeouts().cancel(x.actor);
-}
-
-void run_clock::apply(const cancel_everything&) {
-  here().timeouts().clear();
-}
-
-template <class Order>
-void run_clock::ask(Order x) {
-  if (process::current() != nullptr || others_.at_home())
-    apply(std::move(x));
+void run_clock::schedule(instant due, timeout what) {
+  if (supervisor_.owner().sender_here() != nullptr)
+    apply({due, std::move(what)});
   else
-    others_.post(std::move(x));
+    others_.post(add_timeout{due, std::move(what)});
 }
 
 // -- caf::actor_clock
@@ -126,53 +110,33 @@ run_clock::time_point run_clock::now() const noexcept {
   return time_point(duration(std::max(latest, time)));
 }
 
-void run_clock::set_ordinary_timeout(time_point t, caf::abstract_actor* self, caf::atom_value type,
-                                     std::uint64_t id) {
-  ask(add_timeout{to_instant(t), actor_timeout{caf::strong_actor_ptr(self->ctrl()),
-                                               receive_key(self, timeout_kind::ordinary, type),
-                                               id,
-                                               {}}});
+void run_clock::set_ordinary_timeout(time_point, caf::abstract_actor*, caf::atom_value,
+                                     std::uint64_t) {
+  refuse();
 }
 
-void run_clock::set_multi_timeout(time_point t, caf::abstract_actor* self, caf::atom_value type,
-                                  std::uint64_t id) {
-  ask(add_timeout{to_instant(t), actor_timeout{caf::strong_actor_ptr(self->ctrl()),
-                                               receive_key(self, timeout_kind::multi, type),
-                                               id,
-                                               {}}});
+void run_clock::set_multi_timeout(time_point, caf::abstract_actor*, caf::atom_value,
+                                  std::uint64_t) {
+  refuse();
 }
 
-void run_clock::set_request_timeout(time_point t, caf::abstract_actor* self, caf::message_id id) {
-  ask(add_timeout{to_instant(t), actor_timeout{caf::strong_actor_ptr(self->ctrl()),
-                                               request_key(self, id), 0, id}});
+void run_clock::set_request_timeout(time_point, caf::abstract_actor*, caf::message_id) {
+  refuse();
 }
 
-void run_clock::cancel_ordinary_timeout(caf::abstract_actor* self, caf::atom_value type) {
-  ask(cancel_timeout{receive_key(self, timeout_kind::ordinary, type)});
+void run_clock::cancel_ordinary_timeout(caf::abstract_actor*, caf::atom_value) {}
+void run_clock::cancel_request_timeout(caf::abstract_actor*, caf::message_id) {}
+void run_clock::cancel_timeouts(caf::abstract_actor*) {}
+
+void run_clock::schedule_message(time_point, caf::strong_actor_ptr, caf::mailbox_element_ptr) {
+  refuse();
 }
 
-void run_clock::cancel_request_timeout(caf::abstract_actor* self, caf::message_id id) {
-  ask(cancel_timeout{request_key(self, id)});
+void run_clock::schedule_message(time_point, caf::group, caf::strong_actor_ptr, caf::message) {
+  refuse();
 }
 
-void run_clock::cancel_timeouts(caf::abstract_actor* self) {
-  ask(cancel_actor{self->id()});
-}
-
-void run_clock::schedule_message(time_point t, caf::strong_actor_ptr receiver,
-                                 caf::mailbox_element_ptr content) {
-  ask(add_timeout{to_instant(t), actor_message{std::move(receiver), std::move(content)}});
-}
-
-void run_clock::schedule_message(time_point t, caf::group target, caf::strong_actor_ptr sender,
-                                 caf::message content) {
-  ask(add_timeout{to_instant(t),
-                  group_message{std::move(target), std::move(sender), std::move(content)}});
-}
-
-void run_clock::cancel_all() {
-  ask(cancel_everything{});
-}
+void run_clock::cancel_all() {}
 
 run_clock& run_clock_of(caf::actor_system& system) {
   return dynamic_cast<run_clock&>(system.clock());

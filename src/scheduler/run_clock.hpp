@@ -29,9 +29,9 @@ static_assert(std::is_same_v<caf::actor_clock::duration_type, duration>);
   return caf::actor_clock::time_point(x.time_since_epoch());
 }
 
-/// All of caf::actor_clock, callable from any thread: of the process that the calling thread
-/// executes, of the supervisor outside of all processes. The rest belongs to the home thread of the
-/// `outside`.
+/// now() and schedule() may be called from any thread: they are those of the process that it
+/// executes, of the supervisor's outside of all processes. The rest belongs to the home thread of
+/// the `outside`. What CAF's own kinds of actors ask of a clock is refused: ours ask by schedule().
 class run_clock final : public caf::actor_clock {
 public:
   using real_time = std::chrono::steady_clock::time_point;
@@ -52,11 +52,11 @@ public:
   /// When `x` comes in real time; at most an hour from now.
   [[nodiscard]] real_time real_time_of(instant x) const;
 
-  // what other threads asked for
+  /// Delivers it at `due`, or now if that is past.
+  void schedule(instant due, timeout what);
+
+  /// The same, once it is this clock's thread that asks.
   void apply(add_timeout x);
-  void apply(const cancel_timeout& x);
-  void apply(const cancel_actor& x);
-  void apply(const cancel_everything& x);
 
   // caf::actor_clock
   [[nodiscard]] time_point now() const noexcept override;
@@ -78,9 +78,6 @@ public:
   [[nodiscard]] process& here() const;
 
 private:
-  template <class Order>
-  void ask(Order x);
-
   outside& others_;
   process& supervisor_;
   const time_mode mode_;

@@ -1,59 +1,94 @@
 // Spawning an actor at its place in the ecology.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
-#include <caf/abstract_actor.hpp>
-#include <caf/actor_cast.hpp>
-#include <caf/infer_handle.hpp>
-#include <caf/local_actor.hpp>
-#include <caf/spawn_options.hpp>
-#include <caf/stateful_actor.hpp>
+#include <caf/actor_config.hpp>
+#include <caf/actor_system.hpp>
+#include <caf/make_actor.hpp>
 
-#include "scheduler/trace.hpp"
+#include "scheduler/actor.hpp"
 
 namespace rubicon::scheduler {
 
-/// Whether CAF would initialise the first member of an actor's state from the pointer to the actor,
-/// as C++20 lets it: a handle would be the actor's own, a bool would be true.
-template <class Impl>
-struct has_treacherous_state : std::false_type {};
+enum class spawn_option : std::uint8_t {
+  none,
+  monitored, ///< by whoever spawns it
+};
+inline constexpr auto monitored = spawn_option::monitored;
 
-template <class State, class Base>
-struct has_treacherous_state<caf::stateful_actor<State, Base>>
-    : std::bool_constant<std::is_aggregate_v<State> &&
-                         std::is_constructible_v<State, caf::stateful_actor<State, Base>*>> {};
-
+/// The actor that a behaviour function begins: `Handle::behavior_type f(actor_pointer<State,
+/// Handle> self, ...)`, or such a lambda.
 template <class Fun>
-constexpr void check_state() {
-  static_assert(!has_treacherous_state<caf::infer_impl_from_fun_t<Fun>>::value,
-                "the actor's state needs a default constructor of its own, `state() = default;`");
+struct begun_by : begun_by<decltype(&Fun::operator())> {};
+template <class State, class Interface, class... More>
+struct begun_by<behavior<Interface> (*)(shell<State, Interface>*, More...)> {
+  using type = shell<State, Interface>;
+};
+template <class Fun, class State, class Interface, class... More>
+struct begun_by<behavior<Interface> (Fun::*)(shell<State, Interface>*, More...) const> {
+  using type = shell<State, Interface>;
+};
+
+/// A behaviour function with what it is given besides its actor.
+template <class Shell, class Fun, class... Args>
+class bound_beginning final : public Shell::beginning {
+public:
+  template <class... Given>
+  explicit bound_beginning(Fun fun, Given&&... args)
+      : fun_(std::move(fun)), args_(std::forward<Given>(args)...) {}
+
+  typename Shell::behavior_type begin(Shell* self) override {
+    return std::apply([this, self](Args&... each) { return fun_(self, std::move(each)...); },
+                      args_);
+  }
+
+private:
+  Fun fun_;
+  std::tuple<Args...> args_;
+};
+
+/// Gives an actor its path, its process and the recorder of its system.
+void place(actor& who, std::string path, process& where);
+
+[[nodiscard]] caf::execution_unit* unit_of(process& x);
+
+/// Makes one with its path and its recorder, but does not let it begin: launch() does.
+template <class Fun, class... Args>
+auto make_at(caf::actor_system& system, process& where, std::string path, Fun fun, Args&&... args) {
+  using its_shell = typename begun_by<Fun>::type;
+  using its_beginning = bound_beginning<its_shell, Fun, std::decay_t<Args>...>;
+  caf::actor_config config;
+  config.host = unit_of(where);
+  auto made = caf::make_actor<its_shell, caf::strong_actor_ptr>(
+      system.next_actor_id(), system.node(), &system, config,
+      std::make_unique<its_beginning>(std::move(fun), std::forward<Args>(args)...));
+  place(static_cast<actor&>(*made->get()), std::move(path), where);
+  return typename its_shell::handle_type(std::move(made));
 }
 
-/// Gives a traced actor its path, its process and the recorder of its system; does nothing to other
-/// actors.
-void place(caf::abstract_actor& who, std::string path, process& where);
-
-/// That of an actor; the supervisor's if it was placed in none.
-[[nodiscard]] process& process_of(caf::abstract_actor& who);
-
-/// Spawns from inside a handler, for a supervisor: `spawn_in<caf::monitored>(process, self, path,
-/// fun, ...)`. The child cannot run before the handler returns, so no message escapes the trace.
-template <caf::spawn_options Options = caf::no_spawn_options, class Self, class Fun, class... Args>
-auto spawn_in(process& where, Self* self, std::string path, Fun fun, Args&&... args) {
-  check_state<Fun>();
-  auto handle = self->template spawn<Options>(std::move(fun), std::forward<Args>(args)...);
-  place(*caf::actor_cast<caf::abstract_actor*>(handle), std::move(path), where);
-  return handle;
+/// Spawns from inside a handler, for a supervisor: `spawn_in<monitored>(process, self, path, fun,
+/// ...)`. The child cannot run before the handler returns, so no message escapes the trace.
+template <spawn_option Option = spawn_option::none, class Fun, class... Args>
+auto spawn_in(process& where, actor* self, std::string path, Fun fun, Args&&... args) {
+  auto made =
+      make_at(self->system(), where, std::move(path), std::move(fun), std::forward<Args>(args)...);
+  if constexpr (Option == spawn_option::monitored)
+    self->monitor(made);
+  made.get().launch(nullptr, false, false);
+  return made;
 }
 
 /// The same in the process of `self`.
-template <caf::spawn_options Options = caf::no_spawn_options, class Self, class Fun, class... Args>
-auto spawn_at(Self* self, std::string path, Fun fun, Args&&... args) {
-  return spawn_in<Options>(process_of(*self), self, std::move(path), std::move(fun),
-                           std::forward<Args>(args)...);
+template <spawn_option Option = spawn_option::none, class Fun, class... Args>
+auto spawn_at(actor* self, std::string path, Fun fun, Args&&... args) {
+  return spawn_in<Option>(*self->where(), self, std::move(path), std::move(fun),
+                          std::forward<Args>(args)...);
 }
 
 } // namespace rubicon::scheduler

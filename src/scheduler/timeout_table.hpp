@@ -3,10 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
-
-#include <caf/execution_unit.hpp>
 
 #include "core/time.hpp"
 #include "parallel/timer_queue.hpp"
@@ -20,8 +17,10 @@ struct movable_message {
   std::uint64_t number = 0; ///< 0: none
 };
 
-/// Hands a timeout to whom it is for.
-void ship(timeout& x, caf::execution_unit& unit);
+class process;
+
+/// Hands a timeout to whom it is for. @param here executes it
+void ship(timeout& x, process& here);
 
 /// What waits, earliest first (parallel::event_order). Not thread-safe.
 class timeout_table {
@@ -32,12 +31,12 @@ public:
   [[nodiscard]] std::optional<instant> next() const { return timers_.next(); }
 
   /// Hands out everything that is due at *next(). @pre next()
-  void fire_next(caf::execution_unit& unit);
+  void fire_next(process& here);
 
   void add(const parallel::event_order& when, timeout what);
 
   /// It may be moved or taken back.
-  [[nodiscard]] movable_message add_movable(const parallel::event_order& when, actor_message what);
+  [[nodiscard]] movable_message add_movable(const parallel::event_order& when, timeout what);
 
   /// @returns false if there is nothing to move: it was delivered or taken back
   [[nodiscard]] bool move(const movable_message& x, const parallel::event_order& when);
@@ -45,8 +44,6 @@ public:
   /// Takes it back; harmless if it was delivered.
   void cancel(const movable_message& x);
 
-  void cancel(const timeout_key& x);
-  void cancel(caf::actor_id x); ///< all timeouts of that actor
   void clear();
 
   /// Forgets all; none is accepted from now on.
@@ -56,15 +53,11 @@ public:
   [[nodiscard]] std::uint64_t fired() const { return fired_; }
 
 private:
-  using ticket = parallel::timer_queue<timeout>::ticket;
-
-  void forget_key(const timeout_key& key, ticket which);
   [[nodiscard]] bool pending(const movable_message& x) const;
 
   bool closed_ = false;
   parallel::timer_queue<timeout> timers_;
-  std::multimap<timeout_key, ticket> keys_; ///< the pending actor_timeouts
-  std::uint64_t movable_messages_ = 0;      ///< so far
+  std::uint64_t movable_messages_ = 0; ///< so far
   std::uint64_t fired_ = 0;
 };
 

@@ -6,47 +6,36 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <string_view>
-#include <thread>
-#include <typeinfo>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include <caf/actor_clock.hpp>
-#include <caf/event_based_actor.hpp>
-#include <caf/mailbox_element.hpp>
-#include <caf/meta/type_name.hpp>
-#include <caf/stateful_actor.hpp>
-#include <caf/type_erased_tuple.hpp>
-#include <caf/typed_event_based_actor.hpp>
 
 #include "core/bytes.hpp"
 #include "core/hash.hpp"
 #include "core/provenance.hpp"
 #include "core/time.hpp"
+#include "scheduler/envelope.hpp"
 
 namespace rubicon::scheduler {
 
-/// One message as it enters the mailbox of a traced actor.
+/// One message as it enters the mailbox of an actor.
 struct delivery {
-  instant time;                          ///< ecology time of the enqueue
-  std::string_view path;                 ///< receiver; valid during the call only
-  std::string_view sender;               ///< empty for none and for actors without a path
-  const caf::type_erased_tuple& content; ///< `content.stringify()` shows it
-  std::uint64_t number = 0;              ///< ascending, from 1, as those of remarks that begin
-                                         ///< something; 0 unless remarks are observed too
-  std::uint64_t cause = 0; ///< number of what led to it (core/provenance.hpp); 0: nothing known
-  bool heard = true;       ///< false: the receiver has ended
+  instant time;             ///< ecology time of the enqueue
+  std::string_view path;    ///< receiver; valid during the call only
+  std::string_view sender;  ///< empty for none and for actors without a path
+  const envelope& message;  ///< `message.text()` shows it
+  std::uint64_t number = 0; ///< ascending, from 1, as those of remarks that begin something; 0
+                            ///< unless remarks are observed too
+  std::uint64_t cause = 0;  ///< number of what led to it (core/provenance.hpp); 0: nothing known
+  bool heard = true;        ///< false: the receiver has ended
 
-  /// The message, if it is a T and nothing else; nullptr: it is not. Costs far less than CAF's own
-  /// matching, which compares names of types.
-  template <class T>
-  [[nodiscard]] const T* only() const {
-    return content.size() == 1 && content.type(0).second == &typeid(T) ? &content.get_as<T>(0)
-                                                                       : nullptr;
+  /// The message, if it is a `Message`; nullptr: it is not.
+  template <class Message>
+  [[nodiscard]] const Message* as() const {
+    return message.as<Message>();
   }
 };
 
@@ -75,44 +64,27 @@ public:
   [[nodiscard]] std::uint64_t events() const { return events_; }
 
   /// @param of the receiver, so far; the new value
-  void fold(std::uint64_t& of, instant time, const caf::type_erased_tuple& content);
+  void fold(std::uint64_t& of, instant time, const envelope& message);
 
 private:
-  struct type_entry {
-    std::uint64_t hash = 0;
-    bool opaque = false; ///< only the type's name is folded
-  };
-
-  void fold(fold64& into, const caf::type_erased_tuple& content);
-  [[nodiscard]] type_entry entry_of(caf::rtti_pair type);
-  [[nodiscard]] type_entry entry_of_number(std::uint16_t number);
-
   std::uint64_t sum_ = 0;
   std::uint64_t events_ = 0;
-  std::vector<type_entry> numbered_types_;
-  std::unordered_map<const std::type_info*, type_entry> named_types_;
-  const std::type_info* last_type_ = nullptr;
-  type_entry last_entry_;
 };
 
-/// Folds deliveries: receiver's path, ecology time, types and content.
+/// Folds deliveries: receiver's path, ecology time, the name of the message's type and its content.
 ///
-/// Content is folded as CAF would serialize it. Never folded: senders, request ids, and the content
-/// of what names actors, because CAF numbers those by chance of history: exit_msg, down_msg,
-/// timeout_msg and other system messages, and handles that are a message element of their own. A
-/// handle inside a struct must be wrapped in `carried`.
+/// Never folded: senders, handles inside messages, and the content of what CAF sends, because that
+/// names actors by numbers that CAF made up.
 class trace_recorder {
 public:
   using observer = std::function<void(const delivery&)>;
   using remark_observer = std::function<void(const remark&)>;
 
   /// @param clock tells the ecology time; must outlive the last delivery
-  /// @param shared whether several threads deliver, as they may in wall time; if not, only what the
-  ///               calling thread delivers is recorded
-  void start(const caf::actor_clock& clock, bool shared);
+  void start(const caf::actor_clock& clock) { clock_ = &clock; }
 
   /// Nothing is recorded any more.
-  void stop();
+  void stop() { clock_ = nullptr; }
 
   /// Called for every delivery from now on, after it is folded; for debugging. Must not send. From
   /// now on events happen in the order of their time, one after the other.
@@ -138,9 +110,11 @@ public:
     return *parts_.emplace_back(std::make_unique<trace_part>());
   }
 
+  /// Once for each message, which gets its number.
   /// @param part of the process of `to`
+  /// @param from nullptr: nobody
   /// @param heard whether the receiver still lives
-  void record(trace_part& part, traced_base& to, const caf::mailbox_element& x, bool heard);
+  void record(trace_part& part, traced_base& to, envelope& x, const traced_base* from, bool heard);
 
   /// Whether somebody sees events, and wants to in the order of their time.
   [[nodiscard]] bool is_observed() const { return observer_ || remark_observer_; }
@@ -150,9 +124,6 @@ public:
   /// Gives a number to what `path` begins, and tells it. @pre wants_remarks()
   [[nodiscard]] std::uint64_t begin(std::string_view path, std::string_view what, std::uint64_t id);
 
-  /// Of a delivery that is being handled; 0: none, or nothing is.
-  [[nodiscard]] std::uint64_t number_of(const caf::mailbox_element* x) const;
-
   /// The trace so far: equal for equal runs, on any machine.
   [[nodiscard]] std::uint64_t hash() const;
 
@@ -160,21 +131,13 @@ public:
   [[nodiscard]] std::uint64_t events() const;
 
 private:
-  [[nodiscard]] std::unique_lock<std::mutex> guard() const;
-
   const caf::actor_clock* clock_ = nullptr; ///< nullptr: nothing is recorded
-  bool shared_ = false;
-  std::thread::id home_;
-  mutable std::mutex mutex_; ///< guards everything if shared_
   std::vector<std::unique_ptr<trace_part>> parts_;
   std::uint64_t numbers_given_ = 0;
   observer observer_;
   std::string watched_paths_;
   observer watcher_;
   remark_observer remark_observer_;
-  /// The newest delivery at each address that a mailbox element has had; kept for an observer only,
-  /// and only ever looked up.
-  std::unordered_map<const caf::mailbox_element*, std::uint64_t> numbers_;
 };
 
 /// Whose events this thread executes; nullptr: nobody's. For process.hpp.
@@ -197,9 +160,7 @@ public:
   /// nullptr if it was never placed.
   [[nodiscard]] process* where() const { return process_; }
 
-  [[nodiscard]] std::uint64_t handled_number() const override {
-    return recorder_->number_of(handled());
-  }
+  [[nodiscard]] std::uint64_t handled_number() const override { return handled_delivery(); }
   [[nodiscard]] std::uint64_t begin(std::string_view what, std::uint64_t id) override {
     return recorder_->begin(path_, what, id);
   }
@@ -225,23 +186,17 @@ protected:
   traced_base() = default;
   ~traced_base() override = default;
 
-  /// What the actor is handling at this moment. @pre it has its turn
-  [[nodiscard]] virtual const caf::mailbox_element* handled() const = 0;
+  /// The number of the delivery that is being handled; 0: none is, or it has none.
+  [[nodiscard]] virtual std::uint64_t handled_delivery() const = 0;
 
   /// Who gives numbers to what it does; nullptr: nobody records.
   [[nodiscard]] provenance_source* recorded() {
     return recorder_ != nullptr && recorder_->wants_remarks() ? this : nullptr;
   }
 
-  /// Hands what is for this actor to its process, if that is not the one that this thread executes.
-  /// @returns whether it did: then `x` is moved from
-  [[nodiscard]] bool crosses(caf::abstract_actor& self, caf::mailbox_element_ptr& x) {
-    return process_ != nullptr && process_ != executed_process && cross(self, x);
-  }
-
-  void record(const caf::mailbox_element& x, bool heard) {
+  void record(envelope& x, const traced_base* from, bool heard) {
     if (recorder_ != nullptr)
-      recorder_->record(part(), *this, x, heard);
+      recorder_->record(part(), *this, x, from, heard);
   }
 
   /// While this lives, what is sent comes from that actor.
@@ -260,7 +215,6 @@ protected:
 private:
   friend class trace_recorder;
 
-  [[nodiscard]] bool cross(caf::abstract_actor& self, caf::mailbox_element_ptr& x);
   [[nodiscard]] trace_part& part() const;
 
   std::string path_;
@@ -270,52 +224,5 @@ private:
   trace_recorder* recorder_ = nullptr;
   bool is_watched_ = false; ///< somebody sees what it is delivered
 };
-
-/// Adds the trace to a kind of actor. Messages to an actor without path are not folded.
-/// @tparam Base caf::event_based_actor or a Handle::base
-template <class Base>
-class traced : public Base, public traced_base {
-public:
-  using Base::Base;
-  using Base::enqueue;
-
-  void enqueue(caf::mailbox_element_ptr x, caf::execution_unit* unit) override {
-    if (crosses(*this, x))
-      return;
-    record(*x, !this->getf(caf::abstract_actor::is_terminated_flag));
-    Base::enqueue(std::move(x), unit);
-  }
-
-  caf::resumable::resume_result resume(caf::execution_unit* unit, std::size_t messages) override {
-    const turn_of recorded_turn(recorded());
-    const turn its_turn(*this);
-    return Base::resume(unit, messages);
-  }
-
-protected:
-  [[nodiscard]] const caf::mailbox_element* handled() const override {
-    return const_cast<traced*>(this)->current_mailbox_element(); // CAF's accessor is not const
-  }
-};
-
-/// A traced function-based actor with state; its behaviour function is
-/// `Handle::behavior_type f(traced_pointer<State, Handle> self, ...)`.
-template <class State, class Handle>
-using traced_actor = caf::stateful_actor<State, traced<typename Handle::base>>;
-
-template <class State, class Handle>
-using traced_pointer = traced_actor<State, Handle>*;
-
-/// An actor handle inside a message struct: it is sent, but neither folded nor serialized, so that
-/// no actor id reaches the trace. It does not survive the way to another process.
-template <class Handle>
-struct carried {
-  Handle actor;
-};
-
-template <class Inspector, class Handle>
-typename Inspector::result_type inspect(Inspector& f, carried<Handle>&) {
-  return f(caf::meta::type_name("carried"));
-}
 
 } // namespace rubicon::scheduler

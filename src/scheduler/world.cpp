@@ -16,7 +16,7 @@ world::world(world_options options)
   system_->await_actors_before_shutdown(false);
   coordinator_ = coordinator::of(*system_);
   if (options.trace) {
-    trace_.start(coordinator_->clock(), options.mode == time_mode::wall);
+    trace_.start(coordinator_->clock());
     coordinator_->trace(&trace_);
   }
 }

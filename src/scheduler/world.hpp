@@ -77,22 +77,21 @@ public:
   /// Ends what is alive and takes the actor system down: pending timeouts and delayed messages are
   /// dropped, then actors end as by exit_reason::kill and their states are destroyed. Actors that
   /// are to leave in good order must have been told, and drained or run, before. Afterwards only
-  /// trace() and stats() may be used. Harmless if repeated.
+  /// trace() and stats() may be used; handles may be kept, but nothing may be sent to them.
+  /// Harmless if repeated.
   void shutdown();
 
   [[nodiscard]] trace_recorder& trace() { return trace_; }
   [[nodiscard]] const trace_recorder& trace() const { return trace_; }
   [[nodiscard]] statistics stats() const;
 
-  /// Spawns a function-based actor of the supervisor's process at `path`. An actor that is not
-  /// traced is spawned all the same.
+  /// Spawns an actor of the supervisor's process at `path`.
   template <class Fun, class... Args>
   auto spawn(std::string path, Fun fun, Args&&... args) {
-    check_state<Fun>();
-    auto handle = system_->spawn(std::move(fun), std::forward<Args>(args)...);
-    place(*caf::actor_cast<caf::abstract_actor*>(handle), std::move(path),
-          coordinator_->supervisor());
-    return handle;
+    auto made = make_at(*system_, coordinator_->supervisor(), std::move(path), std::move(fun),
+                        std::forward<Args>(args)...);
+    made.get().launch(nullptr, false, false);
+    return made;
   }
 
 private:

@@ -5,8 +5,6 @@
 #include <utility>
 #include <variant>
 
-#include <caf/actor_cast.hpp>
-#include <caf/mailbox_element.hpp>
 #include <spdlog/spdlog.h>
 
 #include "actors/ecology.hpp"
@@ -22,8 +20,7 @@ namespace {
 
 template <class State, class Handle>
 State& state_of(const Handle& x) {
-  auto* who = caf::actor_cast<caf::abstract_actor*>(x);
-  return static_cast<scheduler::traced_actor<State, Handle>*>(who)->state;
+  return static_cast<scheduler::shell<State, typename Handle::interface>&>(x.get()).state;
 }
 
 config::ecology_description take(config::loaded from, const std::string& file) {

@@ -11,26 +11,55 @@
 #include <variant>
 #include <vector>
 
-#include <caf/actor.hpp>
-#include <caf/actor_cast.hpp>
-#include <caf/send.hpp>
-#include <caf/typed_actor.hpp>
-#include <caf/typed_event_based_actor.hpp>
-
-#include "actors/timer.hpp"
-#include "scheduler/trace.hpp"
+#include "scheduler/actor.hpp"
 #include "testkit/fixture.hpp"
 
 namespace rubicon::test {
 
-template <class Handle>
-class fake;
+/// What a fake of an interface has been sent, and how it answers.
+template <class Messages>
+struct fake_memory;
+
+template <class... Messages>
+struct fake_memory<scheduler::message_list<Messages...>> {
+  /// May be empty.
+  template <class Message>
+  using script = std::function<void(scheduler::actor&, const Message&)>;
+
+  std::vector<std::pair<instant, std::variant<Messages...>>> heard;
+  std::tuple<std::pair<script<Messages>, const Messages*>...> scripts; ///< with a type each
+  bool acts = false; ///< a script is being carried out
+
+  template <class Message>
+  [[nodiscard]] script<Message>& script_of() {
+    return std::get<std::pair<script<Message>, const Message*>>(scripts).first;
+  }
+
+  /// One handler for each message. @param done called with what a script has thrown
+  template <class Handle, class Self, class Thrown>
+  static typename Handle::behavior_type behave(Self* self, std::shared_ptr<fake_memory> memory,
+                                               Thrown thrown) {
+    return {[self, memory, thrown](const Messages& x) {
+      memory->heard.emplace_back(self->now(), x);
+      const auto act = memory->template script_of<Messages>(); // it may set another
+      if (!act)
+        return;
+      memory->acts = true;
+      try {
+        act(*self, x);
+      } catch (...) { // it belongs to the test
+        thrown(std::current_exception());
+      }
+      memory->acts = false;
+    }...};
+  }
+};
 
 /// A fake of any kind of actor, `fake<air_actor> air(world, "air")`. Must not outlive its world.
-template <class... Messages>
-class fake<caf::typed_actor<caf::reacts_to<Messages>...>> {
+template <class Handle>
+class fake {
 public:
-  using handle_type = caf::typed_actor<caf::reacts_to<Messages>...>;
+  using handle_type = Handle;
 
   explicit fake(fixture& world) : world_(world), handle_(world.spawn(behave, &world, known_)) {}
   fake(fixture& world, std::string path)
@@ -39,28 +68,30 @@ public:
   [[nodiscard]] const handle_type& handle() const { return handle_; }
 
   /// The handle as messages carry it, seen as whatever the receiver asks for.
-  template <class Handle>
-  operator scheduler::carried<Handle>() const { // NOLINT: reads as the handle itself would
-    return {handle_};
+  template <class Interface>
+  operator scheduler::ref<Interface>() const { // NOLINT: reads as the handle itself would
+    return handle_;
   }
 
   /// What it does from now on when such a message comes. What `script` returns, unless that is
   /// void, is sent back to the sender; others are sent to by send().
   template <class Message, class Script>
   void on(Script script) {
-    auto& known = std::get<script_of<Message>>(known_->scripts);
+    auto& known = known_->template script_of<Message>();
     if constexpr (std::is_void_v<std::invoke_result_t<Script, const Message&>>)
-      known.act = [script = std::move(script)](pointer, const Message& x) { script(x); };
+      known = [script = std::move(script)](scheduler::actor&, const Message& x) { script(x); };
     else
-      known.act = [script = std::move(script)](pointer self, const Message& x) {
-        caf::unsafe_send_as(self, caf::actor_cast<caf::actor>(self->current_sender()), script(x));
+      known = [this, script = std::move(script)](scheduler::actor& self, const Message& x) {
+        if (const auto to = world_.actor_of(self.sender()))
+          static_cast<scheduler::actor&>(*to->get())
+              .deliver(scheduler::make_envelope(script(x)), &self);
       };
   }
 
   /// Sends a message of its own, from a test or a script.
-  template <class Handle, class Message>
-  void send(const Handle& to, Message message) {
-    caf::send_as(handle_, to, std::move(message));
+  template <class Interface, class Message>
+  void send(const scheduler::ref<Interface>& to, Message message) {
+    handle_.get().send(to, std::move(message));
     if (!known_->acts)
       world_.settle();
   }
@@ -105,38 +136,18 @@ public:
   }
 
 private:
-  using pointer = typename handle_type::pointer;
+  using interface = typename Handle::interface;
+  using memory = fake_memory<typename interface::messages>;
 
-  template <class Message>
-  struct script_of {
-    std::function<void(pointer, const Message&)> act; ///< may be empty
-  };
-
-  struct knowledge {
-    std::vector<std::pair<instant, std::variant<Messages...>>> heard;
-    std::tuple<script_of<Messages>...> scripts;
-    bool acts = false; ///< a script is being carried out
-  };
-
-  static typename handle_type::behavior_type behave(pointer self, fixture* world,
-                                                    const std::shared_ptr<knowledge>& known) {
-    return {[self, world, known](const Messages& x) {
-      known->heard.emplace_back(now(self), x);
-      const auto act = std::get<script_of<Messages>>(known->scripts).act; // it may set another
-      if (!act)
-        return;
-      known->acts = true;
-      try {
-        act(self, x);
-      } catch (...) { // it belongs to the test
-        world->thrown_ = std::current_exception();
-      }
-      known->acts = false;
-    }...};
+  static typename Handle::behavior_type
+  behave(scheduler::shell<scheduler::no_state, interface>* self, fixture* world,
+         std::shared_ptr<memory> known) {
+    return memory::template behave<Handle>(
+        self, std::move(known), [world](std::exception_ptr x) { world->thrown_ = std::move(x); });
   }
 
   fixture& world_;
-  std::shared_ptr<knowledge> known_ = std::make_shared<knowledge>();
+  std::shared_ptr<memory> known_ = std::make_shared<memory>();
   handle_type handle_;
 };
 

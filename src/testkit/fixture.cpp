@@ -3,20 +3,10 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include <cxxabi.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
 namespace rubicon::test {
-
-std::string name_of(const std::type_info& x) {
-  int status = 0;
-  const std::unique_ptr<char, void (*)(void*)> text(
-      abi::__cxa_demangle(x.name(), nullptr, nullptr, &status), std::free);
-  const std::string name = status == 0 ? text.get() : x.name();
-  const auto colon = name.rfind("::");
-  return colon == std::string::npos || name.ends_with('>') ? name : name.substr(colon + 2);
-}
 
 fixture::fixture(delivery when)
     : logger_before_(spdlog::default_logger()),
@@ -28,6 +18,7 @@ fixture::fixture(delivery when)
       "test", std::make_shared<spdlog::sinks::ostream_sink_st>(log_));
   logger->set_pattern("%v");
   spdlog::set_default_logger(std::move(logger));
+  world_.scheduler().supervisor().tap(&mail_);
 }
 
 fixture::~fixture() {
@@ -36,13 +27,18 @@ fixture::~fixture() {
   spdlog::set_default_logger(logger_before_);
 }
 
-void fixture::begin(caf::abstract_actor& who, std::string path) {
+void fixture::begin(scheduler::actor& who, std::string path) {
   mail_.name(who.id(), path);
-  scheduler::place(who, path, world_.scheduler().supervisor());
+  actors_.emplace(who.id(), who.ctrl());
   who.attach_functor([ends = ends_, path = std::move(path)](const caf::error& reason) {
     ends->push_back({path, caf::to_string(reason)});
   });
   settle();
+}
+
+caf::strong_actor_ptr fixture::actor_of(caf::actor_id x) const {
+  const auto found = actors_.find(x);
+  return found != actors_.end() ? found->second.lock() : nullptr;
 }
 
 /// With delivery::when_asked only what has been delivered is handled.

@@ -5,18 +5,13 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <map>
 #include <memory>
 #include <sstream>
 #include <string>
 #include <string_view>
-#include <typeinfo>
 #include <utility>
 #include <vector>
-
-#include <caf/actor_cast.hpp>
-#include <caf/behavior.hpp>
-#include <caf/detail/init_fun_factory.hpp>
-#include <caf/send.hpp>
 
 #include "core/time.hpp"
 #include "scheduler/world.hpp"
@@ -35,16 +30,13 @@ enum class delivery : std::uint8_t {
   when_asked, ///< one by one, by expect(), step() and what lets time go on
 };
 
-/// `radio_send` of a type's name as a compiler knows it.
-[[nodiscard]] std::string name_of(const std::type_info& x);
-
 /// Whom a pattern means: a handle, or what has a handle().
 template <class T>
-[[nodiscard]] caf::actor_addr address_of(const T& x) {
+[[nodiscard]] caf::actor_id id_of(const T& x) {
   if constexpr (requires { x.handle(); })
-    return x.handle().address();
+    return x.handle().id();
   else
-    return x.address();
+    return x.id();
 }
 
 /// Which messages are meant: `.from(a)`, `.where(predicate)`, and last `.to(b)` or `.to_anybody()`,
@@ -55,30 +47,27 @@ public:
   using action = std::function<Result(const message_pattern&)>;
 
   explicit selection(action what) : what_(std::move(what)) {
-    pattern_.type = name_of(typeid(Message));
-    pattern_.is_of_type = [](const caf::type_erased_tuple& x) {
-      return x.template match_elements<Message>();
-    };
+    pattern_.type = &scheduler::type_of<Message>::value;
   }
 
   template <class Sender>
   selection& from(const Sender& x) {
-    pattern_.from = address_of(x);
+    pattern_.from = id_of(x);
     return *this;
   }
 
   /// @param fits is given the message
   template <class Predicate>
   selection& where(Predicate fits) {
-    pattern_.fits = [fits = std::move(fits)](const caf::type_erased_tuple& x) {
-      return fits(x.template get_as<Message>(0));
+    pattern_.fits = [fits = std::move(fits)](const scheduler::envelope& x) {
+      return fits(*x.as<Message>());
     };
     return *this;
   }
 
   template <class Receiver>
   Result to(const Receiver& x) {
-    pattern_.to = address_of(x);
+    pattern_.to = id_of(x);
     return what_(pattern_);
   }
 
@@ -110,15 +99,8 @@ public:
   /// Spawns a function-based actor at `path`. It has begun when this returns.
   template <class Fun, class... Args>
   auto spawn_at(std::string path, Fun fun, Args&&... args) {
-    using impl = caf::infer_impl_from_fun_t<Fun>;
-    scheduler::check_state<Fun>();
-    caf::actor_config config;
-    config.init_fun =
-        caf::detail::init_fun_factory<impl, Fun>()(std::move(fun), std::forward<Args>(args)...);
-    auto handle = world_.system().template spawn_class<tapped<impl>, caf::no_spawn_options>(config);
-    auto* who = caf::actor_cast<caf::abstract_actor*>(handle);
-    static_cast<tapped<impl>*>(who)->tap(mail_);
-    begin(*who, std::move(path));
+    auto handle = world_.spawn(path, std::move(fun), std::forward<Args>(args)...);
+    begin(handle.get(), std::move(path));
     return handle;
   }
 
@@ -132,7 +114,7 @@ public:
   /// Sends a message that comes from nobody; from a fake: fake::send().
   template <class Handle, class Message>
   void send(const Handle& to, Message message) {
-    caf::anon_send(to, std::move(message));
+    scheduler::post(to, std::move(message));
     settle();
   }
 
@@ -152,7 +134,7 @@ public:
   selection<Message, Message> expect() {
     return selection<Message, Message>([this](const message_pattern& x) {
       const auto& letter = expected(x);
-      auto message = letter.content->content().template get_as<Message>(0);
+      auto message = *letter.content->as<Message>();
       mail_.deliver(letter);
       settle();
       return message;
@@ -209,11 +191,14 @@ public:
 
   [[nodiscard]] scheduler::world& world() { return world_; }
 
+  /// One that it has spawned; nullptr: it is another's, or gone.
+  [[nodiscard]] caf::strong_actor_ptr actor_of(caf::actor_id x) const;
+
 private:
   template <class Handle>
   friend class fake;
 
-  void begin(caf::abstract_actor& who, std::string path);
+  void begin(scheduler::actor& who, std::string path);
   void settle();
   void throw_what_scripts_threw();
   void must_hold() const;
@@ -231,6 +216,7 @@ private:
   std::shared_ptr<spdlog::logger> logger_before_;
   std::shared_ptr<std::vector<end>> ends_ = std::make_shared<std::vector<end>>();
   int spawned_ = 0;
+  std::map<caf::actor_id, caf::weak_actor_ptr> actors_;
   std::exception_ptr thrown_; ///< by a script of a fake; an actor's handlers cannot pass it on
   mail mail_;
   scheduler::world world_; ///< last: it goes first

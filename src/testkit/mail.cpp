@@ -3,24 +3,23 @@
 #include <algorithm>
 #include <cassert>
 
-#include <caf/actor_cast.hpp>
-#include <caf/message.hpp>
+#include "scheduler/actor.hpp"
 
 namespace rubicon::test {
 
 namespace {
 
 mail::letter copy_of(const mail::letter& x) {
-  return {x.to, caf::make_mailbox_element(x.content->sender, x.content->mid, {},
-                                          x.content->copy_content_to_message())};
+  return {x.to, x.content->type().copy(*x.content), x.from};
 }
 
 } // namespace
 
-bool mail::takes(caf::abstract_actor& to, caf::mailbox_element_ptr& content) {
-  if (closed_ || passes_ || content->mid.is_response())
+bool mail::takes(scheduler::actor& to, scheduler::envelope_ptr& content, scheduler::actor* from) {
+  if (closed_ || passes_ || !names_.contains(to.id()))
     return false;
-  letter x{caf::strong_actor_ptr(to.ctrl()), std::move(content)};
+  letter x{caf::strong_actor_ptr(to.ctrl()), std::move(content),
+           caf::strong_actor_ptr(from != nullptr ? from->ctrl() : nullptr)};
   const auto found =
       std::ranges::find_if(planned_, [&x](const planned& each) { return matches(each.which, x); });
   if (found == planned_.end() && !hold_) {
@@ -74,14 +73,13 @@ void mail::plan(message_pattern which, mishap what) {
 }
 
 bool mail::matches(const message_pattern& x, const letter& y) {
-  const auto& content = y.content->content();
-  return (!x.to || *x.to == y.to) && (!x.from || *x.from == y.content->sender) &&
-         x.is_of_type(content) && (!x.fits || x.fits(content));
+  return (!x.to || *x.to == y.to->id()) && (!x.from || *x.from == y.content->sender) &&
+         x.type == &y.content->type() && (!x.fits || x.fits(*y.content));
 }
 
 const mail::letter* mail::next(const message_pattern& x) const {
-  const auto found =
-      std::ranges::find_if(letters_, [&x](const letter& y) { return !x.to || *x.to == y.to; });
+  const auto found = std::ranges::find_if(
+      letters_, [&x](const letter& y) { return !x.to || *x.to == y.to->id(); });
   return found != letters_.end() && matches(x, *found) ? &*found : nullptr;
 }
 
@@ -109,7 +107,8 @@ bool mail::deliver_first() {
 
 void mail::hand_over(letter x) {
   const bool before = std::exchange(passes_, true);
-  x.to->enqueue(std::move(x.content), nullptr);
+  auto* const from = x.from ? static_cast<scheduler::actor*>(x.from->get()) : nullptr;
+  static_cast<scheduler::actor&>(*x.to->get()).deliver(std::move(x.content), from);
   passes_ = before;
 }
 
@@ -119,25 +118,24 @@ void mail::close() {
   letters_.clear();
 }
 
-std::string mail::name_of(const caf::actor_addr& x) const {
-  if (!x)
+std::string mail::name_of(caf::actor_id x) const {
+  if (x == 0)
     return "nobody";
-  const auto found = names_.find(x.id());
+  const auto found = names_.find(x);
   return found == names_.end() ? "an actor without a name" : found->second;
 }
 
 std::string mail::text(const message_pattern& x) const {
-  return x.type + (x.from ? " from " + name_of(*x.from) : "") +
+  return std::string(x.type->name()) + (x.from ? " from " + name_of(*x.from) : "") +
          (x.to ? " to " + name_of(*x.to) : "");
 }
 
 std::string mail::text(const letter& x) const {
   constexpr std::size_t shown_max = 300;
-  auto content = x.content->content().stringify();
+  auto content = x.content->text();
   if (content.size() > shown_max)
     content.replace(shown_max, std::string::npos, "...");
-  return content + " from " + name_of(caf::actor_cast<caf::actor_addr>(x.content->sender)) +
-         " to " + name_of(caf::actor_cast<caf::actor_addr>(x.to));
+  return content + " from " + name_of(x.content->sender) + " to " + name_of(x.to->id());
 }
 
 std::string mail::text() const {
@@ -151,13 +149,13 @@ std::string mail::text() const {
 }
 
 std::string mail::text_of_next(const message_pattern& x) const {
-  const auto found =
-      std::ranges::find_if(letters_, [&x](const letter& y) { return !x.to || *x.to == y.to; });
+  const auto found = std::ranges::find_if(
+      letters_, [&x](const letter& y) { return !x.to || *x.to == y.to->id(); });
   const auto receiver = x.to ? name_of(*x.to) : std::string("anybody");
   if (found == letters_.end())
     return "nothing is on its way to " + receiver;
   const bool differs =
-      !x.is_of_type(found->content->content()) || (x.from && *x.from != found->content->sender);
+      x.type != &found->content->type() || (x.from && *x.from != found->content->sender);
   return std::string(differs ? "next is " : "its content is not as asked: ") + text(*found);
 }
 

@@ -11,23 +11,20 @@
 #include <utility>
 #include <vector>
 
-#include <caf/actor_addr.hpp>
 #include <caf/actor_control_block.hpp>
-#include <caf/execution_unit.hpp>
-#include <caf/mailbox_element.hpp>
-#include <caf/type_erased_tuple.hpp>
 
 #include "core/time.hpp"
+#include "scheduler/envelope.hpp"
+#include "scheduler/process.hpp"
 
 namespace rubicon::test {
 
 /// Which messages are meant.
 struct message_pattern {
-  std::string type; ///< its name
-  std::function<bool(const caf::type_erased_tuple&)> is_of_type;
-  std::function<bool(const caf::type_erased_tuple&)> fits; ///< of that type; empty: all do
-  std::optional<caf::actor_addr> from;                     ///< unset: anybody's
-  std::optional<caf::actor_addr> to;                       ///< unset: for anybody
+  const scheduler::message_type* type = nullptr;
+  std::function<bool(const scheduler::envelope&)> fits; ///< of that type; empty: all do
+  std::optional<caf::actor_id> from;                    ///< unset: anybody's
+  std::optional<caf::actor_id> to;                      ///< unset: for anybody
 };
 
 /// What becomes of a message that fits.
@@ -37,11 +34,12 @@ struct mishap {
   duration length{}; ///< of a delay
 };
 
-class mail {
+class mail final : public scheduler::delivery_tap {
 public:
   struct letter {
     caf::strong_actor_ptr to;
-    caf::mailbox_element_ptr content;
+    scheduler::envelope_ptr content;
+    caf::strong_actor_ptr from;
   };
 
   /// Puts a message on its way for good, at a time.
@@ -51,7 +49,8 @@ public:
   mail(bool hold, late_delivery later) : hold_(hold), later_(std::move(later)) {}
 
   /// A message is sent. @returns whether it is kept here; the content is moved out then
-  bool takes(caf::abstract_actor& to, caf::mailbox_element_ptr& content);
+  bool takes(scheduler::actor& to, scheduler::envelope_ptr& content,
+             scheduler::actor* from) override;
 
   /// It happens to the first message on its way that fits, or else to the next that is sent.
   void plan(message_pattern which, mishap what);
@@ -92,7 +91,7 @@ private:
 
   [[nodiscard]] static bool matches(const message_pattern& x, const letter& y);
   [[nodiscard]] std::string text(const letter& x) const;
-  [[nodiscard]] std::string name_of(const caf::actor_addr& x) const;
+  [[nodiscard]] std::string name_of(caf::actor_id x) const; ///< 0: nobody
   void hand_over(letter x);
   /// Lets it happen to a message. @returns what is left of it to be sent now, in order
   std::vector<letter> befall(letter x, mishap what);
@@ -104,24 +103,6 @@ private:
   std::deque<letter> letters_;
   std::vector<planned> planned_;
   std::map<caf::actor_id, std::string> names_;
-};
-
-/// An actor whose messages go through a mail.
-template <class Base>
-class tapped final : public Base {
-public:
-  using Base::Base;
-  using Base::enqueue;
-
-  void tap(mail& x) { mail_ = &x; }
-
-  void enqueue(caf::mailbox_element_ptr x, caf::execution_unit* unit) override {
-    if (mail_ == nullptr || !mail_->takes(*this, x))
-      Base::enqueue(std::move(x), unit);
-  }
-
-private:
-  mail* mail_ = nullptr;
 };
 
 } // namespace rubicon::test

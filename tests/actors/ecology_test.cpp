@@ -1,4 +1,7 @@
 #include "actors/ecology.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -203,12 +206,12 @@ TEST_CASE("a program in an actor of its own that ends starts again alone",
       "\n[[island.mote]]\nid = 4\nname = \"shelf\"\ntype = \"climate\"\nposition_m = [1, 1]\n"
       "apps = [{ app = \"stream_reader\", place = \"actor\" }]\n");
   x.world.run_for(1min);
-  using root_type = scheduler::traced_actor<ecology_state, root_actor>;
-  auto* root = dynamic_cast<root_type*>(caf::actor_cast<caf::abstract_actor*>(x.root));
+  using root_type = scheduler::shell<ecology_state, root_interface>;
+  auto* root = dynamic_cast<root_type*>(&x.root.get());
   REQUIRE(root != nullptr);
   const auto& shelf = root->state.motes.at({island_id{1}, mote_id{4}});
   REQUIRE(shelf.programs.size() == 1);
-  caf::anon_send_exit(shelf.programs[0].handle, caf::exit_reason::kill);
+  post_exit(shelf.programs[0].handle, caf::exit_reason::kill);
   x.world.run_for(1ms);
   CHECK(!shelf.programs[0].handle);
   const auto& report = x.end_at(5min);
@@ -295,10 +298,10 @@ TEST_CASE("equal seeds give equal traces, other seeds others", "[actors][ecology
 namespace {
 
 /// The state of an actor that the ecology_fixture knows.
-template <class State, class Handle, class Actor>
-State& state_of(const Actor& handle) {
-  using type = scheduler::traced_actor<State, Handle>;
-  auto* found = dynamic_cast<type*>(caf::actor_cast<caf::abstract_actor*>(handle));
+template <class State, class Handle>
+State& state_of(const caf::strong_actor_ptr& who) {
+  using type = scheduler::shell<State, typename Handle::interface>;
+  auto* found = dynamic_cast<type*>(who->get());
   REQUIRE(found != nullptr);
   return found->state;
 }
@@ -315,8 +318,8 @@ TEST_CASE("a planned crash excuses no other failure of that mote", "[actors][eco
       fault("1min", "crash", "mote = \"kitchen/stove\"") +
       fault("60100ms", "crash", "mote = \"kitchen/stove\"")); // in vain: it is out of order
   x.world.run_for(2min);
-  auto& state = state_of<ecology_state, root_actor>(x.root);
-  caf::anon_send_exit(state.motes.at({island_id{1}, mote_id{2}}).handle, caf::exit_reason::kill);
+  auto& state = state_of<ecology_state, root_actor>(x.root.strong());
+  post_exit(state.motes.at({island_id{1}, mote_id{2}}).handle, caf::exit_reason::kill);
   const auto& report = x.end_at(5min);
   CHECK(report.actors.failures.size() == 2);
   CHECK(failures_among(report) == 1);
@@ -334,9 +337,9 @@ kind = "crash"
 mote = "kitchen/fan"
 )");
   x.world.run_for(8min);
-  auto& state = state_of<ecology_state, root_actor>(x.root);
+  auto& state = state_of<ecology_state, root_actor>(x.root.strong());
   CHECK(state.report.actors.failures.size() == 100); // no more are listed
-  caf::anon_send_exit(state.motes.at({island_id{1}, mote_id{2}}).handle, caf::exit_reason::kill);
+  post_exit(state.motes.at({island_id{1}, mote_id{2}}).handle, caf::exit_reason::kill);
   CHECK(failures_among(x.end_at(9min)) == 1);
 }
 
@@ -344,11 +347,11 @@ TEST_CASE("a proxy that fails is a violation, though it is started again",
           "[actors][ecology][ACT-03]") {
   ecology_fixture x;
   x.world.run_for(1min);
-  auto& state = state_of<ecology_state, root_actor>(x.root);
+  auto& state = state_of<ecology_state, root_actor>(x.root.strong());
   auto& manager =
       state_of<proxy_manager_state, proxy_manager_actor>(state.peers.at("pc").programs.at(0));
   REQUIRE(manager.proxies.size() == 2);
-  caf::anon_send_exit(manager.proxies.begin()->second, caf::exit_reason::kill);
+  post_exit(manager.proxies.begin()->second, caf::exit_reason::kill);
   const auto& report = x.end_at(5min);
   CHECK(manager.proxies.size() == 2);
   REQUIRE(failures_among(report) == 1);

@@ -5,7 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "actors/messages.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/serial.hpp"
 #include "mote/management.hpp"
 #include "network/am.hpp"
 #include "network/collection_packet.hpp"

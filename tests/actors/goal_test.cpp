@@ -1,4 +1,8 @@
 #include "actors/component.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/sample_class.hpp"
 #include "goal/component.hpp"
 #include "support/catch.hpp"
@@ -54,7 +58,7 @@ struct goal_fixture {
   /// The tuple that the input is has a value.
   void door(peer_id owner, std::string_view value, bool deleted = false) {
     const auto watch = peer.all<watch_indirectly>().at(0);
-    world.send(watch.client.actor,
+    world.send(watch.client,
                tuple_event{watch.watch, owner, "opener.door", text_value(value), deleted});
   }
   [[nodiscard]] std::string told(std::string_view name) const {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "actors/frames.hpp"
-#include "actors/messages.hpp"
+#include "actors/messages/air.hpp"
 #include "support/island_fixture.hpp"
 #include "testkit/fake.hpp"
 

@@ -1,5 +1,9 @@
 #include "actors/frames.hpp"
 #include "actors/island_partner.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/mote.hpp"
 #include "core/codec.hpp"
 #include "network/island_packet.hpp"
@@ -426,7 +430,7 @@ TEST_CASE("a mote carries out the commands of a program in another actor, until 
   REQUIRE(told<r::message_received>(first).size() == 1);
   CHECK(told<r::message_received>(first)[0].octets == payload(bytes{3}));
 
-  caf::anon_send_exit(first.handle(), caf::exit_reason::kill);
+  post_exit(first.handle(), caf::exit_reason::kill);
   x.world.run_for(1ms);
   x.world.send(
       x.mote,

@@ -1,3 +1,7 @@
+#include "actors/messages/common.hpp"
+#include "actors/messages/links.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/peis_bluetooth.hpp"
 #include "actors/peis_peer.hpp"
 #include "support/catch.hpp"
@@ -63,7 +67,7 @@ struct peis_bluetooth_fixture {
   }
 
   void end(const fake<bluetooth_user_actor>& who) {
-    caf::anon_send_exit(who.handle(), caf::exit_reason::user_shutdown);
+    post_exit(who.handle(), caf::exit_reason::user_shutdown);
     world.run_for(1ms);
   }
 };

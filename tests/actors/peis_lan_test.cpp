@@ -1,3 +1,4 @@
+#include "actors/messages/links.hpp"
 #include "actors/peis_lan.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
@@ -41,7 +42,7 @@ struct peis_lan_fixture {
   }
 
   void end(const fake<lan_user_actor>& who) {
-    caf::anon_send_exit(who.handle(), caf::exit_reason::user_shutdown);
+    post_exit(who.handle(), caf::exit_reason::user_shutdown);
     world.run_for(1ms);
   }
 };
@@ -62,7 +63,7 @@ TEST_CASE("both ends of a link that is asked for hear of it after the delay",
   const auto at_b = x.b.all<link_opened>()[0];
   CHECK(at_a.initiator);
   CHECK(at_a.attempt == 5);
-  CHECK(at_a.other.actor == caf::actor_cast<link_end_actor>(x.b.handle()));
+  CHECK(at_a.other == link_end_actor(x.b.handle()));
   CHECK(!at_b.initiator);
   CHECK(at_b.attempt == 0);
   CHECK(at_a.link == at_b.link);

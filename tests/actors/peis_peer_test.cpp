@@ -1,6 +1,10 @@
 #include <algorithm>
 
 #include "actors/line_allowance.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/links.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/peis_lan.hpp"
 #include "actors/peis_peer.hpp"
 #include "peis/host_record.hpp"
@@ -155,7 +159,7 @@ TEST_CASE("a port has one owner, and is free again when that component has ended
   x.world.send(x.pc_peer, hook_port{x.on_pc, 30});
   x.world.send(x.pc_peer, hook_port{x.on_robot, 30});
   CHECK(x.world.logged("hook_refused port=30") == 1);
-  caf::anon_send_exit(x.on_pc.handle(), caf::exit_reason::kill);
+  post_exit(x.on_pc.handle(), caf::exit_reason::kill);
   x.world.run_for(1ms);
   x.world.send(x.pc_peer, hook_port{x.on_robot, 30});
   CHECK(x.world.logged("hook_refused port=30") == 1);
@@ -168,7 +172,7 @@ TEST_CASE("a component that has ended is told nothing more and leaves no subscri
   x.world.send(x.pc_peer, set_tuple{"kitchen.lamp", text("on"), true});
   x.world.run_for(1s);
   CHECK(x.on_robot.count<tuple_event>() == 1);
-  caf::anon_send_exit(x.on_robot.handle(), caf::exit_reason::kill);
+  post_exit(x.on_robot.handle(), caf::exit_reason::kill);
   x.world.run_for(1s);
   const auto before = x.report(x.pc_peer).peis.packages;
   for (int i = 0; i < 100; ++i)
@@ -384,7 +388,7 @@ TEST_CASE("a kernel that stands still serves afterwards what has waited",
 TEST_CASE("a peer whose neighbour's process ends loses its link and gets it back",
           "[actors][peis_peer][AUT-01][KH-04]") {
   network_fixture x;
-  caf::anon_send_exit(x.pc_peer, caf::exit_reason::user_shutdown);
+  post_exit(x.pc_peer, caf::exit_reason::user_shutdown);
   x.world.run_for(1ms);
   CHECK(x.report(x.robot_peer).links == 0);
   CHECK(x.report(x.robot_peer).links_closed.at("far_end") == 1);

@@ -1,4 +1,7 @@
 // A program in an actor of its own, without its mote.
+#include "actors/messages/common.hpp"
+#include "actors/messages/programs.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/program.hpp"
 
 #include <caf/binary_deserializer.hpp>
@@ -95,7 +98,7 @@ TEST_CASE("a program is silent without its mote, and begins again with the mote'
   if (flat)
     x.world.send(x.program, program_detached{});
   else
-    caf::anon_send_exit(x.mote.handle(), caf::exit_reason::kill);
+    post_exit(x.mote.handle(), caf::exit_reason::kill);
   x.world.run_for(1min);
   x.tell({r::joined{stove, true}}); // of nobody that it knows
   CHECK(x.mote.size() == 0);
@@ -110,33 +113,4 @@ TEST_CASE("a program is silent without its mote, and begins again with the mote'
   x.tell({r::joined{stove, true}});
   REQUIRE(next.count<program_commands>() == 1);
   CHECK(std::get<r::open_end>(next.all<program_commands>()[0].batch.all.at(0)).stream == 1);
-}
-
-TEST_CASE("commands and events survive the way through octets", "[actors][program]") {
-  const r::commands_batch commands{
-      7,
-      {r::create_channel{1, true, stove, 3, {island_id{2}, 4, 5}}, r::set_outputs{1, {0.5F, -2}},
-       r::open_end{2, {true, stove, 9, 1000, 1, 12}}, r::open_sensor{3, 4, false, 5},
-       r::write_stream{2, payload(bytes{1, 2})},
-       r::send_message{6, stove, payload(bytes{3}), true, 64}, r::hold_type{64, true},
-       r::read_transducers{{device::quantity::light}}, r::set_actuator{"fan", 1}, r::leave{}}};
-  const r::events_batch events{
-      8,
-      {r::inputs_shown{1, true, {1, 2}}, r::record_read{2, payload(bytes{4}), true},
-       r::joined{stove, true}, r::message_received{stove, 64, payload(bytes{5})},
-       r::transducers_read{{-7, 300}, 9}, r::actuator_changed{"fan", 1, true}}};
-  fixture world;
-  auto& system = world.world().system();
-  const auto back = [&system](const auto& x) {
-    std::vector<char> octets;
-    caf::binary_serializer out(system, octets);
-    REQUIRE(!out(x));
-    auto copy = std::decay_t<decltype(x)>{};
-    caf::binary_deserializer in(system, octets);
-    REQUIRE(!in(copy));
-    return copy;
-  };
-  CHECK(caf::deep_to_string(back(commands)) == caf::deep_to_string(commands));
-  CHECK(caf::deep_to_string(back(events)) == caf::deep_to_string(events));
-  CHECK(caf::deep_to_string(events).find("record_read(2, ") != std::string::npos);
 }

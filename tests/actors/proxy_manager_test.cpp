@@ -1,3 +1,7 @@
+#include "actors/messages/common.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/proxy_manager.hpp"
 #include "actors/sample_class.hpp"
 #include "core/device_keys.hpp"
@@ -121,7 +125,7 @@ TEST_CASE("a proxy that fails is started again and works", "[actors][proxy_manag
   proxy_manager_fixture x;
   x.list("{7}");
   x.type(heater, 301);
-  const auto failing = watch_on(x.peer, "devices.7.output.1").client.actor;
+  const auto failing = watch_on(x.peer, "devices.7.output.1").client;
   // A watch that it never asked for: its handler throws.
   x.world.send(failing, tuple_event{0, peer_id{1}, "devices", {}, false});
   CHECK(x.world.logged("proxy_ended mote=5/7") == 1);
@@ -129,7 +133,7 @@ TEST_CASE("a proxy that fails is started again and works", "[actors][proxy_manag
   CHECK(x.started() == 1); // not at once: a proxy that fails at birth must not stop time
   x.world.run_for(1ms);
   CHECK(x.started() == 2);
-  CHECK(watch_on(x.peer, "devices.7.output.1").client.actor != failing);
+  CHECK(watch_on(x.peer, "devices.7.output.1").client != failing);
   set_watched(x.world, x.peer, "devices.7.output.1", bytes{0x00, 0xdf});
   CHECK(tuple_at(x.peer, "kitchen.heater.temperature") == "22.3");
   x.list("{}");
@@ -143,7 +147,7 @@ TEST_CASE("a proxy that fails while its mote is away is started when the mote is
   x.list("{7}");
   x.type(heater, 301);
   x.list("{}");
-  caf::anon_send_exit(watch_on(x.peer, "devices.7.output.1").client.actor, caf::exit_reason::kill);
+  post_exit(watch_on(x.peer, "devices.7.output.1").client, caf::exit_reason::kill);
   x.world.run_for(0s);
   CHECK(x.started() == 1);
   x.list("{7}");

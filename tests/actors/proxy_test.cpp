@@ -1,3 +1,7 @@
+#include "actors/messages/common.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/services.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/proxy.hpp"
 #include "actors/sample_class.hpp"
 #include "support/catch.hpp"
@@ -167,7 +171,7 @@ TEST_CASE("an input that may be any tuple is declared and followed by its meta t
   CHECK(followed[0].key == "kitchen.heater.mi-switch");
   CHECK(peer.count<watch_tuples>() == 2); // of the gateway alone
   // A word of another owner's tuple, which the kernel follows at the time.
-  world.send(followed[0].client.actor,
+  world.send(followed[0].client,
              tuple_event{followed[0].watch, peer_id{7}, "wall.light", text_value("on"), false});
   REQUIRE(peer.count<set_remote_tuple>() == 1);
   CHECK(peer.all<set_remote_tuple>()[0].value == payload(bytes{0x01}));

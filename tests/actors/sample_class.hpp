@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "actors/messages.hpp"
+#include "actors/messages/peis.hpp"
 #include "proxy/proxy_class.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
@@ -46,7 +46,7 @@ namespace rubicon::test {
     if (x.key == key)
       found = x;
   }
-  REQUIRE(found.client.actor);
+  REQUIRE(found.client);
   return found;
 }
 
@@ -54,8 +54,7 @@ namespace rubicon::test {
 inline void set_watched(fixture& world, const fake<peis_peer_actor>& peer, const std::string& key,
                         payload value) {
   const auto watch = watch_on(peer, key);
-  world.send(watch.client.actor,
-             tuple_event{watch.watch, watch.owner, key, std::move(value), false});
+  world.send(watch.client, tuple_event{watch.watch, watch.owner, key, std::move(value), false});
 }
 
 [[nodiscard]] inline payload text_value(std::string_view x) {

@@ -1,3 +1,4 @@
+#include "actors/messages/common.hpp"
 #include "actors/timer.hpp"
 #include "support/catch.hpp"
 #include "testkit/fixture.hpp"
@@ -9,13 +10,14 @@ namespace {
 
 /// Asks the probe to follow another deadline.
 using nudge = status_request;
-using probe_actor = caf::typed_actor<caf::reacts_to<timer_expired>, caf::reacts_to<nudge>>;
+struct probe_interface : takes<timer_expired, nudge> {};
+using probe_actor = ref<probe_interface>;
 
 struct probe_state {
   timer first;
   timer second{1};
 };
-using probe_pointer = scheduler::traced_pointer<probe_state, probe_actor>;
+using probe_pointer = scheduler::actor_pointer<probe_state, probe_actor>;
 
 /// What a test does with the timer when the probe begins and when it is nudged, and the expiries
 /// that the timer accepts.
@@ -84,7 +86,7 @@ TEST_CASE("an expiry that waits in the mailbox is outdated by another deadline",
           "[actors][timer]") {
   const auto x = play(
       [](timer& t, probe_pointer self) {
-        self->scheduled_send(self, caf::actor_clock::time_point(3s), nudge{});
+        self->scheduled_send(self, instant(3s), nudge{});
         t.follow(self, instant(3s)); // its expiry comes right behind the nudge
       },
       [](timer& t, probe_pointer self) { t.follow(self, instant(4s)); });
@@ -96,7 +98,7 @@ TEST_CASE("an expiry that waits in the mailbox is not doubled by its own deadlin
           "[actors][timer]") {
   const auto x = play(
       [](timer& t, probe_pointer self) {
-        self->scheduled_send(self, caf::actor_clock::time_point(3s), nudge{});
+        self->scheduled_send(self, instant(3s), nudge{});
         t.follow(self, instant(3s));
       },
       [](timer& t, probe_pointer self) { t.follow(self, instant(3s)); });
@@ -108,8 +110,8 @@ TEST_CASE("the timer of an actor that ends holds nothing any more", "[actors][ti
   fixture world;
   script what{[](timer& t, probe_pointer self) { t.follow(self, instant(24h)); }, {}, {}, 0};
   auto handle = world.spawn(probe, &what);
-  const auto weak = caf::actor_cast<caf::weak_actor_ptr>(handle);
-  caf::anon_send_exit(handle, caf::exit_reason::user_shutdown);
+  const caf::weak_actor_ptr weak(handle.strong().get());
+  post_exit(handle, caf::exit_reason::user_shutdown);
   handle = nullptr;
   world.run_for(1s);
   CHECK(!weak.lock());

@@ -17,7 +17,9 @@
 #include <CLI/CLI.hpp>
 #include <malloc.h>
 
-#include "actors/messages.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/programs.hpp"
 #include "actors/run.hpp"
 #include "calibration.hpp"
 #include "core/math.hpp"
@@ -140,7 +142,7 @@ report::run_report run(config::ecology_description x, duration length, unsigned 
 
 struct empty_state {};
 
-mote_actor::behavior_type empty_mote(scheduler::traced_pointer<empty_state, mote_actor>) {
+mote_actor::behavior_type empty_mote(scheduler::actor_pointer<empty_state, mote_actor>) {
   return {
       [](const frame_received&) {}, [](const radio_done&) {},
       [](battery_low) {},           [](battery_flat) {},

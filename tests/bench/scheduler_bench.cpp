@@ -10,13 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include <caf/all.hpp>
-
-#include "actors/inspect.hpp"
 #include "calibration.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/hash.hpp"
 #include "core/random.hpp"
+#include "scheduler/define_messages.hpp"
 #include "scheduler/world.hpp"
 
 namespace bench {
@@ -30,20 +29,16 @@ struct parcel {
   payload octets;
 };
 
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, parcel& x) {
-  return f(caf::meta::type_name("parcel"), x.hops, x.from, x.octets);
-}
+RUBICON_FIELDS(parcel, hops, from, octets);
+
+struct station_interface : scheduler::takes<parcel> {};
+using station_actor = scheduler::ref<station_interface>;
 
 } // namespace bench
 
-CAF_BEGIN_TYPE_ID_BLOCK(scheduler_bench, caf::first_custom_type_id)
-CAF_ADD_TYPE_ID(scheduler_bench, (bench::parcel))
-CAF_END_TYPE_ID_BLOCK(scheduler_bench)
+template void rubicon::scheduler::define_messages<bench::station_interface>();
 
 namespace bench {
-
-using station_actor = caf::typed_actor<caf::reacts_to<parcel>>;
 
 struct station_state {
   random_stream rng;
@@ -51,7 +46,7 @@ struct station_state {
   const std::vector<station_actor>* all = nullptr;
 };
 
-using station_pointer = scheduler::traced_pointer<station_state, station_actor>;
+using station_pointer = scheduler::actor_pointer<station_state, station_actor>;
 
 /// Passes every parcel on to another station, 1 to 10 ms later.
 station_actor::behavior_type station(station_pointer self, std::uint16_t index,
@@ -81,7 +76,7 @@ outcome measure(std::size_t stations, std::size_t parcels, std::uint64_t message
         world.spawn("station/" + std::to_string(i), station, static_cast<std::uint16_t>(i), &all);
   const payload octets{bytes(40, 0x5a)};
   for (std::size_t i = 0; i < parcels; ++i)
-    caf::anon_send(all[i % stations], parcel{0, 0, octets});
+    post(all[i % stations], parcel{0, 0, octets});
   world.run_for(20ms); // every station has had its turn
   const auto before = world.stats().timeouts;
   const auto start = cpu_s();

@@ -207,9 +207,9 @@ TEST_CASE("a mote with a plain program of TinyOS gets a proxy", "[cli][serial][G
   const auto said = [&](const std::string& what) {
     return test::shell("grep -c '" + what + "' " + x.file("logs") + "/peis_peer.log").out;
   };
-  CHECK(said("set_tuple(\"devices\", payload(7B3130307D)") != "0\n"); // {100}
-  CHECK(said("kitchen.lamp.count\", payload(37)") != "0\n");
-  CHECK(said("kitchen.lamp.count\", payload(38)") != "0\n");
+  CHECK(said("set_tuple(key=\"devices\", value=7b3130307d") != "0\n"); // {100}
+  CHECK(said("kitchen.lamp.count\", value=37,") != "0\n");
+  CHECK(said("kitchen.lamp.count\", value=38,") != "0\n");
   CHECK(said("devices.2.output") == "0\n"); // of no rule's range
   CHECK(test::shell("grep -c 'lamp' " + x.file("logs") + "/ecology.log").out != "0\n");
 }

@@ -1,4 +1,7 @@
-#include "actors/messages.hpp"
+#include "actors/messages/air.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/serial.hpp"
+#include "actors/messages/supervision.hpp"
 #include "actors/timer.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
@@ -12,16 +15,16 @@ using test::fixture;
 namespace {
 
 /// Passes what comes over a cable on to the radio, repeats it after a second, and says so.
-using relay_actor = caf::typed_actor<caf::reacts_to<serial_octets>, caf::reacts_to<timer_expired>>;
+struct relay_interface : takes<serial_octets, timer_expired> {};
+using relay_actor = ref<relay_interface>;
 
 struct relay_state {
-  relay_state() = default;
   air_actor air;
   ecology_actor ecology;
   payload newest;
   timer repeat;
 };
-using relay_pointer = scheduler::traced_pointer<relay_state, relay_actor>;
+using relay_pointer = scheduler::actor_pointer<relay_state, relay_actor>;
 
 void pass_on(relay_pointer self) {
   radio_send x;

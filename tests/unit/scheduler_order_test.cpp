@@ -12,7 +12,7 @@ TEST_CASE("ready actors run in the order in which they became ready", "[schedule
     all.push_back(world.spawn("", recorder, &log, i * 10));
   world.run_for(0s); // first turns
   for (const int i : {3, 1, 4, 0, 2})
-    caf::anon_send(all[static_cast<std::size_t>(i)], mark{1});
+    post(all[static_cast<std::size_t>(i)], mark{1});
   world.run_for(0s);
   CHECK(log == events{{0s, 31}, {0s, 11}, {0s, 41}, {0s, 1}, {0s, 21}});
 }
@@ -22,7 +22,7 @@ TEST_CASE("messages from one actor to another keep their order", "[scheduler][GE
   events log;
   const auto to = world.spawn("", recorder, &log, 0);
   for (int i = 0; i < 1000; ++i)
-    caf::anon_send(to, mark{i});
+    post(to, mark{i});
   world.run_for(0s);
   REQUIRE(log.size() == 1000);
   for (int i = 0; i < 1000; ++i)
@@ -35,8 +35,8 @@ TEST_CASE("an actor with many messages lets others have their turn", "[scheduler
   const auto busy = world.spawn("", recorder, &log, 0);
   const auto other = world.spawn("", recorder, &log, 1000);
   for (int i = 0; i < 500; ++i)
-    caf::anon_send(busy, mark{i});
-  caf::anon_send(other, mark{0});
+    post(busy, mark{i});
+  post(other, mark{0});
   world.run_for(0s);
   REQUIRE(log.size() == 501);
   const auto position = std::find(log.begin(), log.end(), event{0s, 1000}) - log.begin();
@@ -50,7 +50,7 @@ TEST_CASE("delayed messages arrive at their time, whatever the order of sending"
   events log;
   const auto to = world.spawn("", recorder, &log, 0);
   for (const int i : {50, 10, 40, 20, 30})
-    caf::delayed_anon_send(to, i * 1ms, mark{i});
+    post_after(to, i * 1ms, mark{i});
   world.run_for(1s);
   CHECK(log == events{{10ms, 10}, {20ms, 20}, {30ms, 30}, {40ms, 40}, {50ms, 50}});
   CHECK(world.now() == instant(1s));
@@ -64,8 +64,8 @@ TEST_CASE("delayed messages for the same time arrive in the order of sending",
   for (int i = 0; i < 3; ++i)
     all.push_back(world.spawn("", recorder, &log, i * 100));
   for (const auto i : std::vector<std::size_t>{2, 0, 1}) {
-    caf::delayed_anon_send(all[i], 5ms, mark{1});
-    caf::delayed_anon_send(all[i], 4ms, mark{0});
+    post_after(all[i], 5ms, mark{1});
+    post_after(all[i], 4ms, mark{0});
   }
   world.run_for(10ms);
   CHECK(log == events{{4ms, 200}, {4ms, 0}, {4ms, 100}, {5ms, 201}, {5ms, 1}, {5ms, 101}});
@@ -77,15 +77,15 @@ TEST_CASE(
   world world;
   events log;
   const auto to = world.spawn("", recorder, &log, 0);
-  const auto relay = world.system().spawn([to](caf::event_based_actor* self) -> caf::behavior {
+  const auto relay = world.spawn("", [to](mark_pointer self) -> mark_actor::behavior_type {
     return {[=](mark x) {
       self->send(to, mark{x.value});
       self->delayed_send(to, 0s, mark{x.value + 1});
     }};
   });
-  caf::delayed_anon_send(relay, 1ms, mark{100});
-  caf::delayed_anon_send(to, 1ms, mark{1});
-  caf::delayed_anon_send(to, 1ms + 1ns, mark{2});
+  post_after(relay, 1ms, mark{100});
+  post_after(to, 1ms, mark{1});
+  post_after(to, 1ms + 1ns, mark{2});
   world.run_for(1s);
   CHECK(log == events{{1ms, 1}, {1ms, 100}, {1ms, 101}, {1ms + 1ns, 2}});
 }
@@ -96,9 +96,10 @@ TEST_CASE("a message scheduled for a time that has passed arrives now, behind wh
   events log;
   world.run_for(1s);
   const auto to = world.spawn("", recorder, &log, 0);
-  caf::delayed_anon_send(to, 0s, mark{1});
-  const auto sender = world.system().spawn([to](caf::event_based_actor* self) {
-    self->scheduled_send(to, to_clock_time(instant(1ms)), mark{2});
+  post_after(to, 0s, mark{1});
+  const auto sender = world.spawn("", [to](mark_pointer self) -> mark_actor::behavior_type {
+    self->scheduled_send(to, instant(1ms), mark{2});
+    return {[](mark) {}};
   });
   world.run_for(1s);
   CHECK(log == events{{1s, 1}, {1s, 2}});
@@ -107,7 +108,7 @@ TEST_CASE("a message scheduled for a time that has passed arrives now, behind wh
 TEST_CASE("a periodic timer keeps its period exactly", "[scheduler][GEN-07]") {
   world world;
   events log;
-  const auto ticking = world.system().spawn([&log](caf::event_based_actor* self) -> caf::behavior {
+  const auto ticking = world.spawn("", [&log](mark_pointer self) -> mark_actor::behavior_type {
     self->delayed_send(self, 7ms, mark{0});
     return {[self, &log](mark x) {
       log.emplace_back(time_of(self), x.value);

@@ -15,7 +15,6 @@ constexpr std::size_t places = 6;
 constexpr std::size_t actors_each = 5;
 
 struct talker_state {
-  talker_state() = default;
   random_stream rng;
   std::vector<mark_actor> near;
   std::vector<std::pair<mark_actor, duration>> far; ///< and the delay to each
@@ -23,15 +22,15 @@ struct talker_state {
   std::uint64_t heard = 0;
 };
 
-using talker_actor = mark_actor::extend<caf::reacts_to<introduction>>;
-using talker_pointer = traced_pointer<talker_state, talker_actor>;
+struct talker_interface : extends<mark_interface, introduction> {};
+using talker_actor = ref<talker_interface>;
+using talker_pointer = actor_pointer<talker_state, talker_actor>;
 
 constexpr int tell_boss = 1'000'000;
 constexpr int fall_over = 2'000'000;
 
 /// Sends marks near and far as its dice fall, tells the boss now and then, and falls over if told.
 talker_actor::behavior_type talker(talker_pointer self, std::uint64_t seed) {
-  tell_monitors_of_exceptions(self);
   self->state.rng = random_stream(seed, self->path());
   return {[self](mark x) {
             auto& state = self->state;
@@ -55,33 +54,34 @@ talker_actor::behavior_type talker(talker_pointer self, std::uint64_t seed) {
           },
           [self](const introduction& x) {
             if (x.value < 0)
-              self->state.near.push_back(x.who.actor);
+              self->state.near.push_back(x.who);
             else if (x.value == 0)
-              self->state.boss = x.who.actor;
+              self->state.boss = x.who;
             else
-              self->state.far.emplace_back(x.who.actor, duration(x.value));
+              self->state.far.emplace_back(x.who, duration(x.value));
           }};
 }
 
 struct boss_state {
-  boss_state() = default;
   std::vector<talker_actor> all;
   std::vector<std::size_t> where; ///< the place of each
   std::map<caf::actor_addr, std::size_t> numbers;
+  std::map<caf::actor_id, mark_actor> ever; ///< the fallen too
   std::vector<process*> processes;
   random_stream rng;
   events log;
   std::uint64_t seed = 0;
 };
 
-using boss_pointer = traced_pointer<boss_state, mark_actor>;
+using boss_pointer = actor_pointer<boss_state, mark_actor>;
 
 void hire(boss_pointer self, std::size_t i) {
   auto& state = self->state;
   auto& place = *state.processes[state.where[i]];
-  state.all[i] = spawn_in<caf::monitored>(place, self, "talker/" + std::to_string(i), talker,
-                                          state.seed + state.numbers.size());
+  state.all[i] = spawn_in<monitored>(place, self, "talker/" + std::to_string(i), talker,
+                                     state.seed + state.numbers.size());
   state.numbers[state.all[i].address()] = i;
+  state.ever[state.all[i].id()] = state.all[i];
   for (std::size_t j = 0; j < state.all.size(); ++j) {
     if (!state.all[j] || i == j)
       continue;
@@ -89,13 +89,13 @@ void hire(boss_pointer self, std::size_t i) {
     const auto delay = [](std::size_t from, std::size_t to) {
       return static_cast<int>(100 + 50 * from + 10 * to);
     };
-    self->send(state.all[i], introduction{apart ? delay(state.where[i], state.where[j]) : -1,
-                                          {caf::actor_cast<mark_actor>(state.all[j])}});
-    self->send(state.all[j], introduction{apart ? delay(state.where[j], state.where[i]) : -1,
-                                          {caf::actor_cast<mark_actor>(state.all[i])}});
+    self->send(state.all[i],
+               introduction{apart ? delay(state.where[i], state.where[j]) : -1, state.all[j]});
+    self->send(state.all[j],
+               introduction{apart ? delay(state.where[j], state.where[i]) : -1, state.all[i]});
   }
-  self->send(state.all[i], introduction{-1, {caf::actor_cast<mark_actor>(state.all[i])}});
-  self->send(state.all[i], introduction{0, {caf::actor_cast<mark_actor>(self)}});
+  self->send(state.all[i], introduction{-1, state.all[i]});
+  self->send(state.all[i], introduction{0, self->handle()});
 }
 
 struct outcome {
@@ -138,7 +138,7 @@ mark_actor::behavior_type boss(boss_pointer self, std::uint64_t seed, outcome* r
     if (x.value >= tell_boss) {
       // It does something about it, at once and later, at who has told and elsewhere.
       if (x.value % 4 == 0)
-        self->send(caf::actor_cast<mark_actor>(self->current_sender()), mark{50});
+        self->send(its.ever.at(self->sender()), mark{50});
       if (x.value % 2 == 0)
         self->send(its.all[its.rng.below(its.all.size())], mark{55});
       if (x.value % 5 == 0)
@@ -165,19 +165,14 @@ outcome run(std::uint64_t seed, unsigned threads, bool in_order, duration step =
   for (auto end = instant(step); end <= instant(1ms); end += step)
     world.run_until(end);
   world.run_until(instant(2 * supervision_delay)); // what the boss has others do
-  caf::anon_send(root, mark{-1});                  // between runs, and drained
+  post(root, mark{-1});                            // between runs, and drained
   CHECK(world.drain());
   x.hash = world.trace().hash();
   x.count = world.trace().events();
   return x;
 }
 
-mark_actor::behavior_type mute(traced_pointer<counted_state, mark_actor>) {
-  return {[](mark) {}};
-}
-
-mark_actor::behavior_type hasty(traced_pointer<counted_state, mark_actor> self, mark_actor to,
-                                bool* refused) {
+mark_actor::behavior_type hasty(counted_pointer self, mark_actor to, bool* refused) {
   self->delayed_send(self, 1ms, mark{0});
   return {[self, to, refused](mark) {
     try {
@@ -218,8 +213,8 @@ TEST_CASE("a message to another process without the delay of its link is refused
     if (linked)
       world.scheduler().link(here, there, 1us);
     const auto place_in = [&](auto& where, auto fun, auto... args) {
-      auto handle = world.system().spawn(fun, args...);
-      place(*caf::actor_cast<caf::abstract_actor*>(handle), "actor", where);
+      auto handle = make_at(world.system(), where, "actor", fun, args...);
+      handle.get().launch(nullptr, false, false);
       return handle;
     };
     const auto to = place_in(there, mute);

@@ -10,7 +10,7 @@ using namespace scheduler_test;
 namespace {
 
 /// Sends itself a message without delay, for ever.
-caf::behavior spinning(caf::event_based_actor* self) {
+mark_actor::behavior_type spinning(mark_pointer self) {
   self->send(self, mark{});
   return {[self](mark) { self->send(self, mark{}); }};
 }
@@ -21,9 +21,9 @@ TEST_CASE("a run executes what is due at its end and nothing later", "[scheduler
   world world;
   events log;
   const auto to = world.spawn("", recorder, &log, 0);
-  caf::delayed_anon_send(to, 10ms - 1ns, mark{1});
-  caf::delayed_anon_send(to, 10ms, mark{2});
-  caf::delayed_anon_send(to, 10ms + 1ns, mark{3});
+  post_after(to, 10ms - 1ns, mark{1});
+  post_after(to, 10ms, mark{2});
+  post_after(to, 10ms + 1ns, mark{3});
   CHECK(world.run_until(instant(10ms)) == stop_cause::reached_end);
   CHECK(world.now() == instant(10ms));
   CHECK(log == events{{10ms - 1ns, 1}, {10ms, 2}});
@@ -47,7 +47,7 @@ TEST_CASE("running in slices does the same as running in one go", "[scheduler][G
     events log;
     const auto to = world.spawn("", recorder, &log, 0);
     for (int i = 0; i < 100; ++i)
-      caf::delayed_anon_send(to, i * 1ms, mark{i});
+      post_after(to, i * 1ms, mark{i});
     for (const auto slice : slices)
       world.run_for(slice);
     return log;
@@ -62,12 +62,12 @@ TEST_CASE("a stop request ends the run where it is, and the next run goes on",
   world world;
   events log;
   const auto to = world.spawn("", recorder, &log, 0);
-  const auto stopping = world.system().spawn([&world](caf::event_based_actor*) -> caf::behavior {
+  const auto stopping = world.spawn("", [&world](mark_pointer) -> mark_actor::behavior_type {
     return {[&world](mark) { world.request_stop(); }};
   });
-  caf::delayed_anon_send(to, 1ms, mark{1});
-  caf::delayed_anon_send(stopping, 2ms, mark{});
-  caf::delayed_anon_send(to, 3ms, mark{3});
+  post_after(to, 1ms, mark{1});
+  post_after(stopping, 2ms, mark{});
+  post_after(to, 3ms, mark{3});
   CHECK(world.run_for(1h) == stop_cause::requested);
   CHECK(world.now() == instant(2ms));
   CHECK(log == events{{1ms, 1}});
@@ -89,13 +89,13 @@ TEST_CASE("a signal stops a virtual run that would not end by itself", "[schedul
   io::loop loop;
   world world({.loop = &loop});
   const io::signal_watch watch(loop, [&](int) { world.request_stop(); });
-  const auto busy = world.system().spawn(spinning);
-  const auto ticking = world.system().spawn([](caf::event_based_actor* self) -> caf::behavior {
+  const auto busy = world.spawn("", spinning);
+  const auto ticking = world.spawn("", [](mark_pointer self) -> mark_actor::behavior_type {
     self->send(self, mark{});
     return {[self](mark) { self->delayed_send(self, 1ns, mark{}); }};
   });
   if (timers)
-    caf::anon_send_exit(busy, caf::exit_reason::kill);
+    post_exit(busy, caf::exit_reason::kill);
   std::raise(SIGINT);
   CHECK(world.run_for(std::chrono::hours(24 * 365)) == stop_cause::requested);
 }
@@ -105,8 +105,8 @@ TEST_CASE("draining executes what is ready and lets no time pass", "[scheduler][
   events log;
   const auto to = world.spawn("", recorder, &log, 0);
   world.run_for(5ms);
-  caf::delayed_anon_send(to, 1ms, mark{1});
-  caf::anon_send(to, mark{2});
+  post_after(to, 1ms, mark{1});
+  post(to, mark{2});
   world.request_stop();
   CHECK(world.drain());
   CHECK(log == events{{5ms, 2}});
@@ -115,18 +115,17 @@ TEST_CASE("draining executes what is ready and lets no time pass", "[scheduler][
 
 TEST_CASE("draining gives up on actors that never come to rest", "[scheduler][ACT-11]") {
   world world;
-  const auto busy = world.system().spawn(spinning);
+  const auto busy = world.spawn("", spinning);
   CHECK(!world.drain(10));
   CHECK(world.stats().resumes == 10);
 }
 
 TEST_CASE("actors told to leave have left after a drain", "[scheduler][ACT-11]") {
   world world;
-  const auto one =
-      world.system().spawn([](counted_pointer) -> caf::behavior { return {[](mark) {}}; });
+  const auto one = world.spawn("", mute);
   world.run_for(1s);
   CHECK(counted_state::alive == 1);
-  caf::anon_send_exit(one, caf::exit_reason::user_shutdown);
+  post_exit(one, caf::exit_reason::user_shutdown);
   CHECK(world.drain());
   CHECK(counted_state::alive == 0);
 }
@@ -138,7 +137,7 @@ TEST_CASE("turns and timeouts are counted", "[scheduler][ACT-06]") {
   world.run_for(0s);
   CHECK(world.stats().resumes == 1);
   for (int i = 1; i <= 3; ++i)
-    caf::delayed_anon_send(to, i * 1s, mark{});
+    post_after(to, i * 1s, mark{});
   world.run_for(10s);
   CHECK(world.stats().resumes == 4);
   CHECK(world.stats().timeouts == 3);
@@ -150,7 +149,7 @@ TEST_CASE("a pace slows virtual time down and changes nothing else", "[scheduler
     events log;
     const auto to = world.spawn("to", recorder, &log, 0);
     for (int i = 0; i < 50; ++i)
-      caf::delayed_anon_send(to, (i * 7 % 50) * 10ms, mark{i});
+      post_after(to, (i * 7 % 50) * 10ms, mark{i});
     const auto start = std::chrono::steady_clock::now();
     world.run_for(500ms);
     return std::pair(log, std::chrono::steady_clock::now() - start);

@@ -16,7 +16,7 @@ using namespace scheduler_test;
 
 namespace {
 
-caf::behavior keeping(counted_pointer self, caf::actor other) {
+mark_actor::behavior_type keeping(counted_pointer self, mark_actor other) {
   self->state.friend_of_mine = std::move(other);
   return {[](mark) {}};
 }
@@ -27,10 +27,10 @@ TEST_CASE("a world ends with timers pending, periodic ones too", "[scheduler][AC
   {
     world world;
     for (int i = 0; i < 3; ++i)
-      world.system().spawn([](counted_pointer self) -> caf::behavior {
+      world.spawn("", [](counted_pointer self) -> mark_actor::behavior_type {
         self->delayed_send(self, 1ms, mark{});
-        return {[self](mark) { self->delayed_send(self, 1ms, mark{}); },
-                caf::after(60min) >> [] {}};
+        self->delayed_send(self, 60min, mark{});
+        return {[self](mark) { self->delayed_send(self, 1ms, mark{}); }};
       });
     world.run_for(10ms);
     CHECK(counted_state::alive == 3);
@@ -42,43 +42,18 @@ TEST_CASE("a world ends with actors that hold each other and that only messages 
           "[scheduler][ACT-11]") {
   {
     world world;
-    auto one = world.system().spawn(keeping, caf::actor());
-    auto two = world.system().spawn(keeping, one);
-    caf::anon_send_exit(one, caf::exit_reason::normal);
-    one = world.system().spawn([two](counted_pointer self) -> caf::behavior {
+    auto one = world.spawn("", keeping, mark_actor());
+    auto two = world.spawn("", keeping, one);
+    post_exit(one, caf::exit_reason::normal);
+    one = world.spawn("", [two](counted_pointer self) -> mark_actor::behavior_type {
       self->state.friend_of_mine = two;
       return {[](mark) {}};
     });
-    caf::delayed_anon_send(world.system().spawn(keeping, one), 1h, mark{});
-    caf::anon_send(world.system().spawn(keeping, one), mark{}); // never had a turn
+    post_after(world.spawn("", keeping, one), 1h, mark{});
+    post(world.spawn("", keeping, one), mark{}); // never had a turn
     world.run_for(0s);
-    caf::anon_send(world.system().spawn(keeping, two), mark{}); // never had a turn
+    post(world.spawn("", keeping, two), mark{}); // never had a turn
     CHECK(counted_state::alive == 5);
-  }
-  CHECK(counted_state::alive == 0);
-}
-
-TEST_CASE("a world ends with requests pending, awaited and answered by nobody",
-          "[scheduler][ACT-11]") {
-  {
-    world world;
-    const auto server = world.system().spawn([](counted_pointer self) -> caf::behavior {
-      return {[self](mark) { return self->make_response_promise(); }};
-    });
-    std::vector<caf::actor> clients;
-    for (const bool awaited : {false, true})
-      clients.push_back(world.system().spawn([=](counted_pointer self) -> caf::behavior {
-        self->state.friend_of_mine = server;
-        auto request = self->request(
-            server, awaited ? caf::duration(caf::infinite) : caf::duration(60min), mark{});
-        if (awaited)
-          request.await([](int) {});
-        else
-          request.then([](int) {});
-        return {[](mark) {}};
-      }));
-    world.run_for(1s);
-    CHECK(counted_state::alive == 3);
   }
   CHECK(counted_state::alive == 0);
 }
@@ -86,7 +61,7 @@ TEST_CASE("a world ends with requests pending, awaited and answered by nobody",
 TEST_CASE("a world ends with actors that keep each other busy", "[scheduler][ACT-11]") {
   {
     world world;
-    world.system().spawn([](counted_pointer self) -> caf::behavior {
+    world.spawn("", [](counted_pointer self) -> mark_actor::behavior_type {
       self->send(self, mark{});
       return {[self](mark) { self->send(self, mark{}); }};
     });
@@ -98,11 +73,10 @@ TEST_CASE("a world ends with actors that keep each other busy", "[scheduler][ACT
 TEST_CASE("a world ends although a supervisor would restart what dies", "[scheduler][ACT-11]") {
   {
     world world;
-    const auto boss = world.system().spawn([](counted_pointer self) -> caf::behavior {
-      const auto child = [](counted_pointer) -> caf::behavior { return {[](mark) {}}; };
+    const auto boss = world.spawn("", [](counted_pointer self) -> mark_actor::behavior_type {
       self->set_exit_handler([](const caf::exit_msg&) {});
-      self->set_down_handler([=](const caf::down_msg&) { self->spawn<caf::monitored>(child); });
-      self->state.friend_of_mine = self->spawn<caf::monitored>(child);
+      self->set_down_handler([=](const caf::down_msg&) { spawn_at<monitored>(self, "", mute); });
+      self->state.friend_of_mine = spawn_at<monitored>(self, "", mute);
       return {[](mark) {}};
     });
     world.run_for(1s);
@@ -120,15 +94,14 @@ TEST_CASE("a world ends with open sockets in its loop", "[scheduler][ACT-11]") {
   };
   {
     world world;
-    const auto owner =
-        world.system().spawn([](counted_pointer) -> caf::behavior { return {[](mark) {}}; });
+    const auto owner = world.spawn("", mute);
     auto& context = io::context_of(world.loop());
     const auto here = std::make_shared<connection>(context);
     const auto there = std::make_shared<connection>(context);
     boost::asio::local::connect_pair(here->socket, there->socket);
     boost::asio::async_read(
         here->socket, boost::asio::buffer(here->octets),
-        [here, there, owner](const auto&, std::size_t) { caf::anon_send(owner, mark{}); });
+        [here, there, owner](const auto&, std::size_t) { post(owner, mark{}); });
     world.run_for(1s);
     CHECK(counted_state::alive == 1);
   }
@@ -147,7 +120,8 @@ TEST_CASE("sockets that a dying actor closes finish their work before the world 
     io::loop loop;
     protocol::socket there(io::context_of(loop));
     world world({.loop = &loop});
-    world.system().spawn([&](caf::stateful_actor<owning_state>* self) -> caf::behavior {
+    using owning_pointer = actor_pointer<owning_state, mark_actor>;
+    const auto owner = world.spawn("", [&](owning_pointer self) -> mark_actor::behavior_type {
       auto& state = self->state;
       state.socket.emplace(io::context_of(loop));
       boost::asio::local::connect_pair(*state.socket, there);
@@ -165,7 +139,7 @@ TEST_CASE("an unreachable actor ends by itself and is not kept alive by the sche
           "[scheduler][ACT-12]") {
   world world;
   for (int i = 0; i < 1000; ++i) {
-    world.system().spawn([](counted_pointer) -> caf::behavior { return {[](mark) {}}; });
+    world.spawn("", mute);
     world.run_for(1ms);
     REQUIRE(counted_state::alive == 0);
   }
@@ -174,38 +148,40 @@ TEST_CASE("an unreachable actor ends by itself and is not kept alive by the sche
 TEST_CASE("killing ends actors that handles keep alive, with and without a first turn",
           "[scheduler][ACT-11]") {
   world world;
-  const auto one = world.system().spawn(keeping, caf::actor());
+  const auto one = world.spawn("", keeping, mark_actor());
   world.run_for(1s);
-  const auto two = world.system().spawn(keeping, one);
+  const auto two = world.spawn("", keeping, one);
   CHECK(counted_state::alive == 2);
   world.scheduler().kill_all();
   CHECK(counted_state::alive == 0);
-  caf::anon_send(one, mark{});
-  caf::anon_send(two, mark{});
+  post(one, mark{});
+  post(two, mark{});
   CHECK(world.drain(0)); // nobody is there to become ready
 }
 
 TEST_CASE("handles that outlive the shutdown do no harm", "[scheduler][ACT-11]") {
   world world;
   events log;
-  const auto one = world.system().spawn(keeping, caf::actor());
+  const auto one = world.spawn("", keeping, mark_actor());
   const auto two = world.spawn("two", recorder, &log, 0);
   world.run_for(1s);
   world.shutdown();
   CHECK(counted_state::alive == 0);
-  caf::anon_send(one, mark{});
-  caf::anon_send(two, mark{});
   CHECK(log.empty());
+  for (const auto& x : {one, two}) {
+    CHECK(x.get().has_ended());
+    CHECK(x.id() != 0);
+  }
 }
 
 TEST_CASE("a closed clock takes no more orders", "[scheduler][ACT-11]") {
   world world;
   events log;
   const auto to = world.spawn("", recorder, &log, 0);
-  caf::delayed_anon_send(to, 1s, mark{});
+  post_after(to, 1s, mark{});
   world.scheduler().close_clock();
   CHECK(!world.scheduler().next_timeout());
-  caf::delayed_anon_send(to, 1s, mark{});
+  post_after(to, 1s, mark{});
   CHECK(!world.scheduler().next_timeout());
   world.run_for(2s);
   CHECK(log.empty());
@@ -214,7 +190,7 @@ TEST_CASE("a closed clock takes no more orders", "[scheduler][ACT-11]") {
 TEST_CASE("shutting down twice is harmless and leaves trace and figures", "[scheduler][ACT-11]") {
   world world;
   events log;
-  caf::delayed_anon_send(world.spawn("a", recorder, &log, 0), 1s, mark{});
+  post_after(world.spawn("a", recorder, &log, 0), 1s, mark{});
   world.run_for(2s);
   const auto stats = world.stats();
   const auto hash = world.trace().hash();
@@ -230,8 +206,8 @@ TEST_CASE("hundreds of worlds can follow and contain each other", "[scheduler]")
     world outer;
     world inner;
     events log;
-    caf::delayed_anon_send(outer.spawn("a", recorder, &log, 0), 1s, mark{1});
-    caf::delayed_anon_send(inner.spawn("a", recorder, &log, 0), 1s, mark{2});
+    post_after(outer.spawn("a", recorder, &log, 0), 1s, mark{1});
+    post_after(inner.spawn("a", recorder, &log, 0), 1s, mark{2});
     inner.run_for(1s);
     outer.run_for(1s);
     REQUIRE(log == events{{1s, 2}, {1s, 1}});

@@ -2,16 +2,12 @@
 #pragma once
 
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
-#include <caf/all.hpp>
-
-#include "actors/inspect.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
-#include "scheduler/supervision.hpp"
 #include "scheduler/world.hpp"
 #include "support/catch.hpp"
 
@@ -23,46 +19,33 @@ using namespace rubicon::scheduler;
 struct mark {
   int value = 0;
 };
+RUBICON_FIELDS(mark, value);
 
 struct text {
   std::string words;
   double number = 0;
   payload octets;
 };
+RUBICON_FIELDS(text, words, number, octets);
 
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, mark& x) {
-  return f(caf::meta::type_name("mark"), x.value);
-}
-
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, text& x) {
-  return f(caf::meta::type_name("text"), x.words, x.number, x.octets);
-}
-
-using mark_actor = caf::typed_actor<caf::reacts_to<mark>>;
+struct mark_interface : takes<mark> {};
+using mark_actor = ref<mark_interface>;
 
 struct introduction {
   int value = 0;
-  carried<mark_actor> who;
+  mark_actor who;
   int after = 0;
 };
+RUBICON_FIELDS(introduction, value, who, after);
 
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, introduction& x) {
-  return f(caf::meta::type_name("introduction"), x.value, x.who, x.after);
-}
+/// As `mark`, but another type.
+struct stain {
+  int value = 0;
+};
+RUBICON_FIELDS(stain, value);
 
-} // namespace scheduler_test
-
-CAF_BEGIN_TYPE_ID_BLOCK(scheduler_test, caf::first_custom_type_id)
-CAF_ADD_TYPE_ID(scheduler_test, (scheduler_test::mark))
-CAF_ADD_TYPE_ID(scheduler_test, (scheduler_test::text))
-CAF_ADD_TYPE_ID(scheduler_test, (scheduler_test::introduction))
-CAF_ADD_TYPE_ID(scheduler_test, (scheduler_test::mark_actor))
-CAF_END_TYPE_ID_BLOCK(scheduler_test)
-
-namespace scheduler_test {
+struct any_interface : takes<mark, text, introduction, stain> {};
+using any_actor = ref<any_interface>;
 
 /// What happened: when and which.
 using event = std::pair<duration, int>;
@@ -70,11 +53,13 @@ using events = std::vector<event>;
 
 template <class Self>
 duration time_of(Self* self) {
-  return to_instant(self->clock().now()).time_since_epoch();
+  return self->now().time_since_epoch();
 }
 
+using mark_pointer = actor_pointer<no_state, mark_actor>;
+
 /// Writes down every mark it gets, `offset` added.
-inline mark_actor::behavior_type recorder(mark_actor::pointer self, events* log, int offset) {
+inline mark_actor::behavior_type recorder(mark_pointer self, events* log, int offset) {
   return {[=](mark x) { log->emplace_back(time_of(self), x.value + offset); }};
 }
 
@@ -85,10 +70,15 @@ struct counted_state {
   counted_state& operator=(const counted_state&) = delete;
   ~counted_state() { --alive; }
 
-  caf::actor friend_of_mine;
+  mark_actor friend_of_mine;
   inline static int alive = 0;
 };
 
-using counted_pointer = caf::stateful_actor<counted_state>*;
+using counted_pointer = actor_pointer<counted_state, mark_actor>;
+
+/// Does nothing about a mark.
+inline mark_actor::behavior_type mute(counted_pointer) {
+  return {[](mark) {}};
+}
 
 } // namespace scheduler_test

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -23,7 +24,7 @@ TEST_CASE("wall time passes as fast as the speed says", "[scheduler][GEN-07]") {
   events log;
   const auto to = world.spawn("", recorder, &log, 0);
   for (const int i : {3, 1, 2})
-    caf::delayed_anon_send(to, i * length / 4, mark{i});
+    post_after(to, i * length / 4, mark{i});
   CHECK(world.now() == instant());
   const auto start = real_now();
   CHECK(world.run_for(length) == stop_cause::reached_end);
@@ -52,7 +53,7 @@ TEST_CASE("between runs wall time stands still and catches up in the next", "[sc
   while (real_now() < pause)
     CHECK(world.now() == instant(1ms));
   events log;
-  caf::delayed_anon_send(world.spawn("", recorder, &log, 0), 0s, mark{});
+  post_after(world.spawn("", recorder, &log, 0), 0s, mark{});
   world.run_for(5ms);
   REQUIRE(log.size() == 1);
   CHECK(log[0].first == 6ms); // the run's end: real time is beyond it
@@ -63,7 +64,7 @@ TEST_CASE("wall time is never ahead of the real clock", "[scheduler][GEN-07]") {
   world world({.mode = time_mode::wall, .speed = 3});
   const auto start = real_now();
   bool ahead = false;
-  const auto ticking = world.system().spawn([&](caf::event_based_actor* self) -> caf::behavior {
+  const auto ticking = world.spawn("", [&](mark_pointer self) -> mark_actor::behavior_type {
     self->delayed_send(self, 1ms, mark{});
     return {[&, self](mark) {
       const auto seen = time_of(self);
@@ -79,11 +80,11 @@ TEST_CASE("wall time is never ahead of the real clock", "[scheduler][GEN-07]") {
 TEST_CASE("in wall time a flood of messages does not hold up timeouts", "[scheduler][GEN-07]") {
   world world({.mode = time_mode::wall});
   events log;
-  const auto flooding = world.system().spawn([](caf::event_based_actor* self) -> caf::behavior {
+  const auto flooding = world.spawn("", [](mark_pointer self) -> mark_actor::behavior_type {
     self->send(self, mark{});
     return {[self](mark) { self->send(self, mark{}); }};
   });
-  const auto stopping = world.system().spawn([&](caf::event_based_actor* self) -> caf::behavior {
+  const auto stopping = world.spawn("", [&](mark_pointer self) -> mark_actor::behavior_type {
     self->delayed_send(self, 2ms, mark{1});
     return {[&, self](mark x) {
       log.emplace_back(time_of(self), x.value);
@@ -96,7 +97,7 @@ TEST_CASE("in wall time a flood of messages does not hold up timeouts", "[schedu
 
 TEST_CASE("a stop in wall time leaves the clock where it is", "[scheduler][ACT-11]") {
   world world({.mode = time_mode::wall});
-  const auto stopping = world.system().spawn([&](caf::event_based_actor* self) -> caf::behavior {
+  const auto stopping = world.spawn("", [&](mark_pointer self) -> mark_actor::behavior_type {
     self->delayed_send(self, 5ms, mark{});
     return {[&](mark) { world.request_stop(); }};
   });
@@ -115,7 +116,7 @@ TEST_CASE("events that are late in wall time keep their order", "[scheduler][GEN
   events log;
   const auto to = world.spawn("", recorder, &log, 0);
   for (int i = 0; i < 200; ++i)
-    caf::delayed_anon_send(to, (i * 77 % 200) * 1s, mark{i * 77 % 200});
+    post_after(to, (i * 77 % 200) * 1s, mark{i * 77 % 200});
   world.run_for(200s);
   REQUIRE(log.size() == 200);
   for (int i = 0; i < 200; ++i)
@@ -125,18 +126,17 @@ TEST_CASE("events that are late in wall time keep their order", "[scheduler][GEN
 TEST_CASE("another thread's messages and timeouts wake a waiting world", "[scheduler][GEN-07]") {
   world world({.mode = time_mode::wall, .speed = 100});
   std::atomic<int> received = 0;
-  const auto to = world.system().spawn([&](caf::event_based_actor*) -> caf::behavior {
+  const auto to = world.spawn("", [&](mark_pointer) -> mark_actor::behavior_type {
     return {[&](mark x) {
       received += x.value;
       if (received == 111)
         world.request_stop();
     }};
   });
-  std::thread other([&world, to] {
-    caf::anon_send(to, mark{1});
-    caf::delayed_anon_send(to, 100ms, mark{10});
-    const auto helper = world.system().spawn(
-        [to](caf::event_based_actor* self) { self->delayed_send(to, 50ms, mark{100}); });
+  std::thread other([to] {
+    post(to, mark{1});
+    post_after(to, 100ms, mark{10});
+    post_at(to, instant(50ms), mark{100});
   });
   CHECK(world.run_for(10h) == stop_cause::requested);
   other.join();
@@ -161,56 +161,65 @@ TEST_CASE("many threads may send at once and nothing is lost", "[scheduler]") {
   std::array<int, threads> last{};
   last.fill(-1);
   bool in_order = true;
-  const auto to =
-      world.spawn("sum", [&](traced_pointer<int, mark_actor>) -> mark_actor::behavior_type {
-        return {[&](mark x) {
-          auto& previous = last[static_cast<std::size_t>(x.value % threads)];
-          in_order = in_order && x.value / threads == previous + 1;
-          previous = x.value / threads;
-          if (++received == threads * messages)
-            world.request_stop();
-        }};
-      });
+  const auto to = world.spawn("sum", [&](mark_pointer) -> mark_actor::behavior_type {
+    return {[&](mark x) {
+      auto& previous = last[static_cast<std::size_t>(x.value % threads)];
+      in_order = in_order && x.value / threads == previous + 1;
+      previous = x.value / threads;
+      if (++received == threads * messages)
+        world.request_stop();
+    }};
+  });
   std::vector<std::thread> others;
   for (int i = 0; i < threads; ++i)
     others.emplace_back([&, i] {
       for (int j = 0; j < messages; ++j)
-        caf::anon_send(to, mark{j * threads + i});
+        post(to, mark{j * threads + i});
     });
   CHECK(world.run_for(1h) == stop_cause::requested);
   for (auto& x : others)
     x.join();
   CHECK(received == threads * messages);
   CHECK(in_order);
-  // In virtual time nothing that comes from outside is repeatable, so it is not traced.
-  CHECK(world.trace().events() == (mode == time_mode::wall ? threads * messages : 0));
+  CHECK(world.trace().events() == threads * messages);
 }
 
-TEST_CASE("other threads can set and cancel timeouts", "[scheduler][GEN-07]") {
+TEST_CASE("other threads can set timeouts and ask for ends", "[scheduler][GEN-07]") {
   world world;
-  auto& clock = world.system().clock();
-  const auto one = world.system().spawn([](caf::event_based_actor* self) -> caf::behavior {
-    self->set_default_handler(caf::drop);
-    return {[](mark) {}};
+  events log;
+  const auto to = world.spawn("", recorder, &log, 0);
+  const auto leaving = world.spawn("", mute);
+  std::thread([&] {
+    for (const int i : {3, 1, 2})
+      post_at(to, instant(i * 1s), mark{i});
+    post_exit(leaving, caf::exit_reason::user_shutdown);
+  }).join();
+  world.run_for(10s);
+  CHECK(log == events{{1s, 1}, {2s, 2}, {3s, 3}});
+  CHECK(leaving.get().has_ended());
+}
+
+TEST_CASE("an actor of another thread's world may send as that thread does", "[scheduler]") {
+  constexpr int messages = 1000;
+  world home({.mode = time_mode::wall});
+  std::vector<int> seen;
+  const auto to = home.spawn("", [&](mark_pointer) -> mark_actor::behavior_type {
+    return {[&](mark x) {
+      seen.push_back(x.value);
+      if (seen.size() == messages)
+        home.request_stop();
+    }};
   });
-  auto* inside = caf::actor_cast<caf::abstract_actor*>(one);
-  std::thread([&] {
-    const auto t = to_clock_time(instant(1s));
-    clock.set_ordinary_timeout(t, inside, caf::atom("a"), 1);
-    clock.set_ordinary_timeout(t, inside, caf::atom("b"), 2);
-    clock.set_multi_timeout(t, inside, caf::atom("c"), 3);
-    clock.set_request_timeout(t, inside, caf::make_message_id(1).response_id());
-    clock.cancel_ordinary_timeout(inside, caf::atom("a"));
-    clock.cancel_request_timeout(inside, caf::make_message_id(1).response_id());
-  }).join();
-  world.run_for(10s);
-  CHECK(world.stats().timeouts == 2);
-  std::thread([&] {
-    clock.set_multi_timeout(to_clock_time(instant(20s)), inside, caf::atom("c"), 3);
-    clock.cancel_timeouts(inside);
-    clock.set_multi_timeout(to_clock_time(instant(20s)), inside, caf::atom("c"), 3);
-    clock.cancel_all();
-  }).join();
-  world.run_for(10s);
-  CHECK(world.stats().timeouts == 2);
+  std::thread other([to] {
+    world away;
+    const auto from = away.spawn("", [to](mark_pointer) -> mark_actor::behavior_type {
+      return {[to](mark x) { post(to, x); }};
+    });
+    for (int i = 0; i < messages; ++i)
+      post(from, mark{i});
+    away.run_for(1s);
+  });
+  CHECK(home.run_for(1h) == stop_cause::requested);
+  other.join();
+  CHECK(std::ranges::is_sorted(seen));
 }

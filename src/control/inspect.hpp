@@ -1,4 +1,4 @@
-// CAF's inspect for the core types: what makes them printable, traceable and sendable.
+// CAF's inspect for the core types: what makes them sendable to another computer.
 #pragma once
 
 #include <optional>
@@ -22,17 +22,6 @@ typename Inspector::result_type inspect(Inspector& f, strong_id<Tag, Rep>& x) {
   return f(x.value);
 }
 
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, mote_address& x) {
-  return f(caf::meta::type_name("mote_address"), x.island, x.mote);
-}
-
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, position& x) {
-  return f(caf::meta::type_name("position"), x.x_m, x.y_m, x.z_m);
-}
-
-/// Saving hands the octets over in one piece: the trace folds every payload of a run.
 template <class Inspector>
 typename Inspector::result_type inspect(Inspector& f, payload& x) {
   if constexpr (std::is_base_of_v<caf::serializer, Inspector>) {

@@ -1,0 +1,10 @@
+#include "actors/messages/supervision.hpp"
+
+#include "scheduler/define_messages.hpp"
+
+namespace rubicon::scheduler {
+
+template void define_messages<ecology_interface>();
+template void define_messages<root_interface>();
+
+} // namespace rubicon::scheduler
