@@ -14,13 +14,13 @@
 namespace rubicon {
 
 template <class Struct, class Value>
-struct field {
+struct listed_field {
   std::string_view name;
   Value Struct::*member;
 };
 
 template <class Struct, class Value>
-constexpr field<Struct, Value> make_field(std::string_view name, Value Struct::*member) {
+constexpr listed_field<Struct, Value> make_field(std::string_view name, Value Struct::*member) {
   return {name, member};
 }
 
