@@ -33,8 +33,8 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O2 -g1")
 if(RUBICON_SANITIZE)
   # CAF binds a reference to a null pointer when a function actor has no arguments: no null check.
   # Each use of an object would be checked for its alignment, size and type too, which takes a quarter of the time
-  # to compile: no octets are cast to a wider type, no base to a derived one that it does not say it is, and the address
-  # sanitizer sees who leaves an object.
+  # to compile: no octets are cast to a wider type, handles are cast by their interface alone, and the address sanitizer
+  # sees who leaves an object.
   add_compile_options(-fsanitize=${RUBICON_SANITIZE} -fno-sanitize=null,alignment,object-size,vptr
                       -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${RUBICON_SANITIZE})

@@ -74,9 +74,6 @@ inline constexpr bool is_duration = false;
 template <class Rep, class Period>
 inline constexpr bool is_duration<std::chrono::duration<Rep, Period>> = true;
 
-void fold_octets(fold64& into, byte_view x); ///< eight at a time
-void fold_text(fold64& into, std::string_view x);
-
 } // namespace detail
 
 /// Adds all that `x` holds to a hash: the same on every machine, and in the order of the fields.
@@ -91,11 +88,11 @@ void fold_content(fold64& into, const T& x) {
   } else if constexpr (std::is_same_v<T, float>) {
     into.add(std::bit_cast<std::uint32_t>(x));
   } else if constexpr (std::is_same_v<T, payload>) {
-    detail::fold_octets(into, x.view());
+    into.add(x.view());
   } else if constexpr (std::is_same_v<T, bytes>) {
-    detail::fold_octets(into, x);
+    into.add(byte_view(x));
   } else if constexpr (std::is_convertible_v<const T&, std::string_view>) {
-    detail::fold_text(into, x);
+    into.add(std::string_view(x));
   } else if constexpr (std::is_same_v<T, instant>) {
     into.add(static_cast<std::uint64_t>(x.time_since_epoch().count()));
   } else if constexpr (detail::is_duration<T>) {

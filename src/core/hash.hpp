@@ -1,9 +1,13 @@
 // A 64-bit fold with the same result on every machine: seeds of random streams and trace hashes.
 #pragma once
 
+#include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "core/bytes.hpp"
 
@@ -23,18 +27,10 @@ public:
 
   constexpr fold64& add(std::string_view x) {
     add(x.size());
-    std::uint64_t word = 0;
-    unsigned filled = 0;
-    for (const char c : x) {
-      word |= static_cast<std::uint64_t>(static_cast<unsigned char>(c)) << (8 * filled);
-      if (++filled == 8) {
-        add(word);
-        word = 0;
-        filled = 0;
-      }
-    }
-    if (filled != 0)
-      add(word);
+    for (; x.size() >= 8; x.remove_prefix(8))
+      add(word_at(x.substr(0, 8)));
+    if (!x.empty())
+      add(word_at(x));
     return *this;
   }
 
@@ -45,6 +41,19 @@ public:
   [[nodiscard]] constexpr std::uint64_t value() const { return state_; }
 
 private:
+  /// Up to eight octets, the first in the lowest bits, whatever the machine's byte order.
+  [[nodiscard]] static constexpr std::uint64_t word_at(std::string_view x) {
+    std::uint64_t word = 0;
+    if (!std::is_constant_evaluated() && std::endian::native == std::endian::little &&
+        x.size() == 8) {
+      std::memcpy(&word, x.data(), 8);
+      return word;
+    }
+    for (std::size_t i = 0; i < x.size(); ++i)
+      word |= static_cast<std::uint64_t>(static_cast<unsigned char>(x[i])) << (8 * i);
+    return word;
+  }
+
   std::uint64_t state_ = 0x6a09e667f3bcc908ULL;
 };
 

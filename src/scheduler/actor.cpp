@@ -102,7 +102,7 @@ void actor::send_at(instant due, caf::strong_actor_ptr to, envelope_ptr x) {
 }
 
 void post_at(const caf::strong_actor_ptr& to, instant due, envelope_ptr x) {
-  static_cast<const actor&>(*to->get()).where()->owner().clock().schedule(due, {to, std::move(x)});
+  actor_at(to)->where()->owner().clock().schedule(due, {to, std::move(x)});
 }
 
 void post_exit(const caf::strong_actor_ptr& to, caf::exit_reason reason) {

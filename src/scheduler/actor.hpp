@@ -69,6 +69,12 @@ private:
   envelope* last_ = nullptr; ///< if there is a first
 };
 
+template <class Interface, class Message>
+[[nodiscard]] envelope_ptr envelope_for(Message&& x) {
+  static_assert(accepts<Interface, Message>, "such an actor does not take that message");
+  return make_envelope(std::forward<Message>(x));
+}
+
 /// The part of every actor that does not depend on its kind. All of it belongs to the thread that
 /// executes its process; deliver() may be called by any.
 class actor : public caf::local_actor, public traced_base {
@@ -85,24 +91,20 @@ public:
 
   template <class Interface, class Message>
   void send(const ref<Interface>& to, Message&& x) {
-    static_assert(accepts<Interface, Message>, "such an actor does not take that message");
     if (to)
-      send_now(to.get(), make_envelope(std::forward<Message>(x)));
+      to.get().deliver(envelope_for<Interface>(std::forward<Message>(x)), this);
   }
 
   /// At that time, or now if it is past.
   template <class Interface, class Message>
   void scheduled_send(const ref<Interface>& to, instant due, Message&& x) {
-    static_assert(accepts<Interface, Message>, "such an actor does not take that message");
     if (to)
-      send_at(due, to.strong(), make_envelope(std::forward<Message>(x)));
+      send_at(due, to.strong(), envelope_for<Interface>(std::forward<Message>(x)));
   }
 
   template <class Interface, class Message>
   void delayed_send(const ref<Interface>& to, duration delay, Message&& x) {
-    static_assert(accepts<Interface, Message>, "such an actor does not take that message");
-    if (to)
-      send_at(now() + delay, to.strong(), make_envelope(std::forward<Message>(x)));
+    scheduled_send(to, now() + delay, std::forward<Message>(x));
   }
 
   /// Ecology time: the only clock an actor may read.
@@ -167,7 +169,7 @@ protected:
   [[nodiscard]] virtual handler_set begin() = 0;
   virtual void destroy_state() = 0;
 
-  [[nodiscard]] std::uint64_t handled_delivery() const override {
+  [[nodiscard]] std::uint64_t handled_number() const override {
     return current_ != nullptr ? current_->number : 0;
   }
 
@@ -179,7 +181,6 @@ private:
   };
 
   handlers& hooks();
-  void send_now(actor& to, envelope_ptr x) { to.deliver(std::move(x), this); }
   void send_at(instant due, caf::strong_actor_ptr to, envelope_ptr x);
 
   template <class Action>
@@ -201,17 +202,20 @@ private:
   caf::error reason_; ///< of the end, once it quits
 };
 
+inline actor* actor_at(const caf::strong_actor_ptr& x) {
+  return x ? static_cast<actor*>(x->get()) : nullptr;
+}
+
 template <class Interface>
 actor& ref<Interface>::get() const {
-  return static_cast<actor&>(*who_->get());
+  return *actor_at(who_);
 }
 
 /// Sends a message that comes from nobody, from any thread.
 template <class Interface, class Message>
 void post(const ref<Interface>& to, Message&& x) {
-  static_assert(accepts<Interface, Message>, "such an actor does not take that message");
   if (to)
-    to.get().deliver(make_envelope(std::forward<Message>(x)), nullptr);
+    to.get().deliver(envelope_for<Interface>(std::forward<Message>(x)), nullptr);
 }
 
 /// The same at that time, or now if it is past.
@@ -219,9 +223,8 @@ void post_at(const caf::strong_actor_ptr& to, instant due, envelope_ptr x);
 
 template <class Interface, class Message>
 void post_at(const ref<Interface>& to, instant due, Message&& x) {
-  static_assert(accepts<Interface, Message>, "such an actor does not take that message");
   if (to)
-    post_at(to.strong(), due, make_envelope(std::forward<Message>(x)));
+    post_at(to.strong(), due, envelope_for<Interface>(std::forward<Message>(x)));
 }
 
 template <class Interface, class Message>

@@ -123,7 +123,7 @@ bool coordinator::react_later(add_timeout& x) {
   if (cause_ == nullptr || !x.what.content ||
       x.due >= parallel::later(process.now(), supervision_delay)) // nobody is so far ahead
     return false;
-  if (static_cast<const actor&>(*x.what.receiver->get()).where() != &process)
+  if (actor_at(x.what.receiver)->where() != &process)
     return false;
   arrivals_.add(process.order_of(x.due), {processes_[cause_->number()].get(), std::move(x.what)});
   return true;

@@ -133,7 +133,7 @@ void process::remember(actor& whom) {
   if (roster_.size() >= roster_weeded_) {
     std::erase_if(roster_, [](const caf::weak_actor_ptr& x) {
       const auto strong = x.lock();
-      return !strong || static_cast<const actor&>(*strong->get()).has_ended();
+      return !strong || actor_at(strong)->has_ended();
     });
     roster_weeded_ = std::max<std::size_t>(64, 2 * roster_.size());
   }
@@ -147,7 +147,7 @@ bool process::kill_all() {
     return false;
   for (const auto& weak : doomed)
     if (const auto x = weak.lock())
-      static_cast<actor&>(*x->get()).kill();
+      actor_at(x)->kill();
   while (!ready_.empty()) {
     const auto whom = ready_.pop();
     if (whom.own != nullptr) {

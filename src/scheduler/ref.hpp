@@ -17,6 +17,9 @@ namespace rubicon::scheduler {
 
 class actor;
 
+/// The actor of ours behind CAF's handle; nullptr: the handle is empty.
+[[nodiscard]] actor* actor_at(const caf::strong_actor_ptr& x);
+
 template <class... Messages>
 struct message_list {
   template <class Message>

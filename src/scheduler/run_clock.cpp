@@ -79,7 +79,7 @@ void run_clock::apply(add_timeout x) {
   auto& process = here();
   if (process.supervises() && process.owner().react_later(x))
     return;
-  auto& receiver = static_cast<actor&>(*x.what.receiver->get());
+  const auto& receiver = *actor_at(x.what.receiver);
   if (receiver.where() != &process)
     process.send(*receiver.where(), std::move(x.what), x.due);
   else

@@ -68,7 +68,7 @@ auto make_at(caf::actor_system& system, process& where, std::string path, Fun fu
   auto made = caf::make_actor<its_shell, caf::strong_actor_ptr>(
       system.next_actor_id(), system.node(), &system, config,
       std::make_unique<its_beginning>(std::move(fun), std::forward<Args>(args)...));
-  place(static_cast<actor&>(*made->get()), std::move(path), where);
+  place(*actor_at(made), std::move(path), where);
   return typename its_shell::handle_type(std::move(made));
 }
 

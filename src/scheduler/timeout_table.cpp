@@ -7,14 +7,6 @@
 
 namespace rubicon::scheduler {
 
-namespace {
-
-actor* actor_at(const caf::strong_actor_ptr& x) {
-  return x ? static_cast<actor*>(x->get()) : nullptr;
-}
-
-} // namespace
-
 void ship(timeout& x, process& here) {
   auto* const receiver = actor_at(x.receiver);
   if (!x.content) {

@@ -160,7 +160,6 @@ public:
   /// nullptr if it was never placed.
   [[nodiscard]] process* where() const { return process_; }
 
-  [[nodiscard]] std::uint64_t handled_number() const override { return handled_delivery(); }
   [[nodiscard]] std::uint64_t begin(std::string_view what, std::uint64_t id) override {
     return recorder_->begin(path_, what, id);
   }
@@ -185,9 +184,6 @@ public:
 protected:
   traced_base() = default;
   ~traced_base() override = default;
-
-  /// The number of the delivery that is being handled; 0: none is, or it has none.
-  [[nodiscard]] virtual std::uint64_t handled_delivery() const = 0;
 
   /// Who gives numbers to what it does; nullptr: nobody records.
   [[nodiscard]] provenance_source* recorded() {

@@ -27,21 +27,16 @@ struct fake_memory<scheduler::message_list<Messages...>> {
   using script = std::function<void(scheduler::actor&, const Message&)>;
 
   std::vector<std::pair<instant, std::variant<Messages...>>> heard;
-  std::tuple<std::pair<script<Messages>, const Messages*>...> scripts; ///< with a type each
+  std::tuple<script<Messages>...> scripts;
   bool acts = false; ///< a script is being carried out
 
-  template <class Message>
-  [[nodiscard]] script<Message>& script_of() {
-    return std::get<std::pair<script<Message>, const Message*>>(scripts).first;
-  }
-
-  /// One handler for each message. @param done called with what a script has thrown
+  /// One handler for each message. @param thrown called with what a script has thrown
   template <class Handle, class Self, class Thrown>
   static typename Handle::behavior_type behave(Self* self, std::shared_ptr<fake_memory> memory,
                                                Thrown thrown) {
     return {[self, memory, thrown](const Messages& x) {
       memory->heard.emplace_back(self->now(), x);
-      const auto act = memory->template script_of<Messages>(); // it may set another
+      const auto act = std::get<script<Messages>>(memory->scripts); // it may set another
       if (!act)
         return;
       memory->acts = true;
@@ -77,14 +72,13 @@ public:
   /// void, is sent back to the sender; others are sent to by send().
   template <class Message, class Script>
   void on(Script script) {
-    auto& known = known_->template script_of<Message>();
+    auto& known = std::get<typename memory::template script<Message>>(known_->scripts);
     if constexpr (std::is_void_v<std::invoke_result_t<Script, const Message&>>)
       known = [script = std::move(script)](scheduler::actor&, const Message& x) { script(x); };
     else
       known = [this, script = std::move(script)](scheduler::actor& self, const Message& x) {
-        if (const auto to = world_.actor_of(self.sender()))
-          static_cast<scheduler::actor&>(*to->get())
-              .deliver(scheduler::make_envelope(script(x)), &self);
+        if (const auto to = world_.mail_.actor_of(self.sender()))
+          scheduler::actor_at(to)->deliver(scheduler::make_envelope(script(x)), &self);
       };
   }
 

@@ -28,17 +28,11 @@ fixture::~fixture() {
 }
 
 void fixture::begin(scheduler::actor& who, std::string path) {
-  mail_.name(who.id(), path);
-  actors_.emplace(who.id(), who.ctrl());
+  mail_.add(who, path);
   who.attach_functor([ends = ends_, path = std::move(path)](const caf::error& reason) {
     ends->push_back({path, caf::to_string(reason)});
   });
   settle();
-}
-
-caf::strong_actor_ptr fixture::actor_of(caf::actor_id x) const {
-  const auto found = actors_.find(x);
-  return found != actors_.end() ? found->second.lock() : nullptr;
 }
 
 /// With delivery::when_asked only what has been delivered is handled.

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
-#include <map>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -191,9 +190,6 @@ public:
 
   [[nodiscard]] scheduler::world& world() { return world_; }
 
-  /// One that it has spawned; nullptr: it is another's, or gone.
-  [[nodiscard]] caf::strong_actor_ptr actor_of(caf::actor_id x) const;
-
 private:
   template <class Handle>
   friend class fake;
@@ -216,7 +212,6 @@ private:
   std::shared_ptr<spdlog::logger> logger_before_;
   std::shared_ptr<std::vector<end>> ends_ = std::make_shared<std::vector<end>>();
   int spawned_ = 0;
-  std::map<caf::actor_id, caf::weak_actor_ptr> actors_;
   std::exception_ptr thrown_; ///< by a script of a fake; an actor's handlers cannot pass it on
   mail mail_;
   scheduler::world world_; ///< last: it goes first

@@ -16,7 +16,7 @@ mail::letter copy_of(const mail::letter& x) {
 } // namespace
 
 bool mail::takes(scheduler::actor& to, scheduler::envelope_ptr& content, scheduler::actor* from) {
-  if (closed_ || passes_ || !names_.contains(to.id()))
+  if (closed_ || passes_ || !actors_.contains(to.id()))
     return false;
   letter x{caf::strong_actor_ptr(to.ctrl()), std::move(content),
            caf::strong_actor_ptr(from != nullptr ? from->ctrl() : nullptr)};
@@ -57,6 +57,15 @@ std::vector<mail::letter> mail::befall(letter x, mishap what) {
     break;
   }
   return left;
+}
+
+void mail::add(scheduler::actor& who, std::string path) {
+  actors_[who.id()] = {caf::weak_actor_ptr(who.ctrl()), std::move(path)};
+}
+
+caf::strong_actor_ptr mail::actor_of(caf::actor_id x) const {
+  const auto found = actors_.find(x);
+  return found != actors_.end() ? found->second.handle.lock() : nullptr;
 }
 
 void mail::plan(message_pattern which, mishap what) {
@@ -107,8 +116,7 @@ bool mail::deliver_first() {
 
 void mail::hand_over(letter x) {
   const bool before = std::exchange(passes_, true);
-  auto* const from = x.from ? static_cast<scheduler::actor*>(x.from->get()) : nullptr;
-  static_cast<scheduler::actor&>(*x.to->get()).deliver(std::move(x.content), from);
+  scheduler::actor_at(x.to)->deliver(std::move(x.content), scheduler::actor_at(x.from));
   passes_ = before;
 }
 
@@ -121,8 +129,8 @@ void mail::close() {
 std::string mail::name_of(caf::actor_id x) const {
   if (x == 0)
     return "nobody";
-  const auto found = names_.find(x);
-  return found == names_.end() ? "an actor without a name" : found->second;
+  const auto found = actors_.find(x);
+  return found == actors_.end() ? "an actor without a name" : found->second.path;
 }
 
 std::string mail::text(const message_pattern& x) const {

@@ -72,7 +72,11 @@ public:
   /// From now on nothing is kept, and what was is gone.
   void close();
 
-  void name(caf::actor_id who, std::string path) { names_[who] = std::move(path); }
+  /// An actor whose messages go through here.
+  void add(scheduler::actor& who, std::string path);
+
+  /// One of them; nullptr: it is another, or gone.
+  [[nodiscard]] caf::strong_actor_ptr actor_of(caf::actor_id x) const;
 
   /// `radio_send from sink/kitchen to fake/1`
   [[nodiscard]] std::string text(const message_pattern& x) const;
@@ -84,6 +88,11 @@ public:
   [[nodiscard]] std::string text_of_next(const message_pattern& x) const;
 
 private:
+  struct known_actor {
+    caf::weak_actor_ptr handle;
+    std::string path;
+  };
+
   struct planned {
     message_pattern which;
     mishap what;
@@ -102,7 +111,7 @@ private:
   late_delivery later_;
   std::deque<letter> letters_;
   std::vector<planned> planned_;
-  std::map<caf::actor_id, std::string> names_;
+  std::map<caf::actor_id, known_actor> actors_;
 };
 
 } // namespace rubicon::test
