@@ -309,9 +309,8 @@ void on_clock_step(mote_pointer self, duration by) {
   auto& state = self->state;
   if (!state.node || state.flat)
     return;
-  state.crystal = state.crystal.ahead_by(by);
-  state.node->on_clock_set(by);
-  perform(self, mote::node_outputs{});
+  state.node->on_clock_leapt(by);
+  perform(self, state.node->on_time(own_time(self)));
 }
 
 /// The programs' turn follows at once: a period may have begun.

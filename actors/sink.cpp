@@ -214,9 +214,8 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments,
       },
       [](crash_now) { throw std::runtime_error(std::string(planned_crash)); },
       [self](const step_clock& x) {
-        auto& crystal = self->state.arguments.crystal;
-        crystal = crystal.ahead_by(x.by);
-        follow(self);
+        self->state.sink.on_clock_leapt(x.by);
+        perform(self, self->state.sink.on_time(own_time(self)));
       },
       [self](const status_request& x) {
         if (x.sample > 0) {

@@ -113,11 +113,11 @@ private:
          of(required("peer", &clock_step_fault::peer, peer_name{}, "whose clock is set"),
             required("by", &clock_step_fault::by, time_step{}, "forward or back")),
          of(required("mote", &crystal_step_fault::mote, mote_name{true},
-                     "the clock of its crystal instead; what it waits for comes earlier or later "
-                     "by as much"),
+                     "the clock by which it knows the time of its island, instead; its timers go "
+                     "on"),
             required("by", &crystal_step_fault::by, time_step{}, "forward or back")),
          of(required("sink", &sink_step_fault::island, joined_sink_name{},
-                     "that of the island's sink, by which all its motes go"),
+                     "the clock of the island's sink, which gives its motes the time"),
             required("by", &sink_step_fault::by, time_step{}, "forward or back")));
     kind("move",
          of(required("peer", &move_fault::peer, peer_name{}, "whose computer"),

@@ -56,8 +56,7 @@ instant duty_cycle::next_departure(const network::channel_reserved& x, instant n
                                    const network::clock_sync& clock) const {
   const microseconds interval = x.schedule.interval;
   const auto first = x.schedule.first + (x.previous ? network::channel_slot : microseconds{});
-  const auto since = clock.at(now) - first;
-  const auto turns = since.count() <= 0 ? 0 : (since + interval - microseconds{1}) / interval;
+  const auto turns = period_number(clock.at(now) - first - microseconds{1}, interval) + 1;
   return clock.when(first + turns * interval);
 }
 
@@ -85,7 +84,8 @@ instant duty_cycle::departure(const held& x, instant now, const network::clock_s
   return next - now <= found->second.schedule.interval / 2 ? next : now;
 }
 
-duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock) {
+duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock,
+                                const network::time_search& search) {
   duty_outputs out;
   due_.reset();
   std::vector<held> ready;
@@ -103,7 +103,7 @@ duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock) {
     ready.push_back(std::move(*x));
     x = held_.erase(x);
   }
-  switch_radio(!ready.empty(), out, now, clock);
+  switch_radio(!ready.empty(), out, now, clock, search);
   for (auto& x : ready) {
     in_flight_[x.frame.token] = x.channel;
     out.emplace_back(std::move(x.frame));
@@ -111,25 +111,34 @@ duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock) {
   return out;
 }
 
+/// Whether a window or a channel needs the radio now; it may be another when due_ comes.
+bool duty_cycle::is_due(instant now, const network::clock_sync& clock) {
+  const auto time = clock.at(now);
+  const auto margin = guard(now, clock);
+  schedule_.set(window_key,
+                {island_time{}, in_us(config_.period), in_us(config_.before), in_us(config_.window)});
+  std::erase_if(served_, [&](const auto& x) {
+    if (x.first > now)
+      return false;
+    schedule_.served(network::number_of(x.second), time, margin);
+    return true;
+  });
+  if (const auto next = schedule_.next_change(time, margin))
+    due_ = earliest(due_, clock.when(*next));
+  for (const auto& x : served_)
+    due_ = earliest(due_, x.first);
+  return schedule_.is_on(time, margin);
+}
+
 void duty_cycle::switch_radio(bool sends, duty_outputs& out, instant now,
-                              const network::clock_sync& clock) {
+                              const network::clock_sync& clock,
+                              const network::time_search& search) {
+  const bool rests = search.rests(now);
   bool on = true;
-  if (!is_sink_ && is_member_ && applies(now, clock)) {
-    const auto time = clock.at(now);
-    const auto margin = guard(now, clock);
-    schedule_.set(window_key, {island_time{}, in_us(config_.period), in_us(config_.before),
-                               in_us(config_.window)});
-    std::erase_if(served_, [&](const auto& x) {
-      if (x.first > now)
-        return false;
-      schedule_.served(network::number_of(x.second), time, margin);
-      return true;
-    });
-    on = schedule_.is_on(time, margin) || !in_flight_.empty() || sends;
-    if (const auto next = schedule_.next_change(time, margin))
-      due_ = earliest(due_, clock.when(*next));
-    for (const auto& x : served_)
-      due_ = earliest(due_, x.first);
+  if (!is_sink_ && config_.enabled && (is_member_ || rests) && (rests || applies(now, clock))) {
+    const bool is_needed = applies(now, clock) && is_due(now, clock);
+    on = is_needed || search.listens(now) || !in_flight_.empty() || sends;
+    due_ = earliest(due_, search.listen_end(now));
   } else {
     served_.clear();
   }

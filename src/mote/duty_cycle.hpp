@@ -29,7 +29,8 @@ using duty_outputs = std::vector<duty_output>;
 
 /// The radio is on in the common window and around each packet that a channel through this mote
 /// expects, longer by twice the doubt in the clock: the sender's may be as wrong as ours. While the
-/// island's time is not known well enough it is always on, as a sink's is.
+/// island's time is not known well enough it is always on, as a sink's is, unless a search has found
+/// nobody who knows (network::time_search).
 ///
 /// Frames without a schedule come when their turn is (network/turns.hpp). A packet of a channel
 /// goes on when the next mote expects it, or at once if it is late.
@@ -50,11 +51,12 @@ public:
   /// A packet of this channel has come to its end here.
   void on_received(network::channel_id channel, instant now);
 
-  /// A mote sleeps only while it is a member.
+  /// A mote sleeps only while it is a member, or rests from a search.
   void set_member(bool x) { is_member_ = x; }
 
   /// To be called after each of these, at deadline(), and when the clock was corrected.
-  [[nodiscard]] duty_outputs update(instant now, const network::clock_sync& clock);
+  [[nodiscard]] duty_outputs update(instant now, const network::clock_sync& clock,
+                                    const network::time_search& search);
   [[nodiscard]] std::optional<instant> deadline() const { return due_; }
 
   /// When the next packet of a channel may go at its source; nothing: at any time.
@@ -80,7 +82,9 @@ private:
                                        const network::clock_sync& clock) const;
   [[nodiscard]] instant departure(const held& x, instant now,
                                   const network::clock_sync& clock) const;
-  void switch_radio(bool sends, duty_outputs& out, instant now, const network::clock_sync& clock);
+  void switch_radio(bool sends, duty_outputs& out, instant now, const network::clock_sync& clock,
+                    const network::time_search& search);
+  [[nodiscard]] bool is_due(instant now, const network::clock_sync& clock);
 
   duty_config config_;
   bool is_sink_ = false;

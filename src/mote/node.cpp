@@ -405,7 +405,7 @@ void node::settle(node_outputs& out, instant now) {
         perform(x, out, now);
     }
   } while (heed_ticks(now));
-  for (auto& x : duty_.update(now, packets_.router().clock())) {
+  for (auto& x : duty_.update(now, packets_.router().clock(), packets_.router().search())) {
     const auto* power = std::get_if<radio_switch>(&x);
     if (power != nullptr)
       radio_wanted_ = power->on;

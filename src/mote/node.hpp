@@ -122,8 +122,8 @@ public:
   /// No frame of a parent has come yet; no radio receives that much.
   static constexpr std::int16_t signal_unknown = 127;
 
-  /// Its clock was set: all times are ahead by so much more from now on, or less.
-  void on_clock_set(duration by) { crystal_ = crystal_.ahead_by(by); }
+  /// Its clock has leapt forward by so much, or back; its timers have not.
+  void on_clock_leapt(duration by) { packets_.router().clock().on_clock_leapt(in_us(by)); }
 
   /// The mote is somewhere else from now on.
   void move(position x) { place_ = x; }

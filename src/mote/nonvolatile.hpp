@@ -12,10 +12,11 @@ namespace rubicon::mote {
 struct nonvolatile {
   std::uint32_t starts = 0; ///< so often it has been started, by what the store knows
   std::uint32_t term = 0;   ///< the last one that a sink has begun (gateway_lines)
+  std::uint8_t era = 0;     ///< of its island's time, the same (network::clock_sync)
 
   friend bool operator==(const nonvolatile&, const nonvolatile&) = default;
 };
-RUBICON_FIELDS(nonvolatile, starts, term);
+RUBICON_FIELDS(nonvolatile, starts, term, era);
 
 /// The store is to hold this from now on. Comes before all that needs it: what others are told of a
 /// life must be in the store already.

@@ -22,6 +22,7 @@ sink::sink(network::router_config network, registrar_config members, const duty_
     : self_(network.self), store_(begin_life(store)), island_(members.island), duty_(duty, true),
       lines_(lines, now, store.term), fragments_(lines.lines) {
   network.is_sink = true;
+  network.era = store.era;
   network.duty = duty.common();
   members.confirm_wait += duty.answer_slack(0);
   registrar_ = registrar(members);
@@ -85,17 +86,25 @@ sink_outputs sink::on_event(const network::sink_event& x, instant now, std::size
   }
   if (const auto* answer = std::get_if<network::gateway_answer>(&x)) {
     lines_.on_answer(line, *answer, now);
-    return finish(remember_term(), now);
+    return finish(remember(), now);
   }
   ++counters_.malformed;
   return {};
 }
 
-/// A term that a gateway has heard of must never begin again.
-sink_outputs sink::remember_term() {
-  if (std::exchange(store_.term, lines_.term()) == lines_.term())
+/// A term or an era that others know of must never begin again.
+sink_outputs sink::remember() {
+  const auto before = store_;
+  store_.term = lines_.term();
+  store_.era = packets_.router().clock().era();
+  if (store_ == before)
     return {};
   return {store_nonvolatile{store_}};
+}
+
+void sink::on_clock_leapt(duration by) {
+  packets_.router().clock().on_clock_leapt(in_us(by));
+  time_.on_clock_leapt(in_us(by));
 }
 
 to_gateway sink::event_for(const network::sink_event& x, std::optional<std::size_t> line) const {
@@ -112,12 +121,14 @@ sink_outputs sink::on_time(instant now) {
   tell_time(now);
   auto out = take(registrar_.on_time(now), now);
   const auto polls = lines_.on_time(now);
-  append(out, remember_term());
+  append(out, remember());
   for (const auto& x : polls)
     out.emplace_back(event_for(x.what, x.line));
   if (const auto number = time_.on_time(now))
     out.emplace_back(event_for(network::time_request{*number}, lines_.leader()));
-  append(out, take(packets_.on_time(now), now));
+  auto due = take(packets_.on_time(now), now);
+  append(out, remember());
+  append(out, std::move(due));
   return finish(std::move(out), now);
 }
 
@@ -129,7 +140,7 @@ instant sink::deadline() const {
 /// Lets the frames go that may.
 sink_outputs sink::finish(sink_outputs out, instant now) {
   packets_.router().use_slots(registrar_.slots_used(), now);
-  for (auto& x : duty_.update(now, packets_.router().clock())) {
+  for (auto& x : duty_.update(now, packets_.router().clock(), packets_.router().search())) {
     if (auto* frame = std::get_if<network::frame_out>(&x))
       out.emplace_back(std::move(*frame));
   }

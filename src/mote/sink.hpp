@@ -69,6 +69,9 @@ public:
   [[nodiscard]] sink_outputs on_packet(std::uint8_t am_type, byte_view payload, instant now,
                                        std::size_t line = 0);
 
+  /// Its clock has leapt forward by so much, or back; its timers have not.
+  void on_clock_leapt(duration by);
+
   [[nodiscard]] sink_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] instant deadline() const;
 
@@ -85,7 +88,7 @@ private:
   [[nodiscard]] sink_outputs take(packet_service_outputs from_packets, instant now);
   [[nodiscard]] sink_outputs take(registrar_outputs from_registrar, instant now);
   [[nodiscard]] sink_outputs on_event(const network::sink_event& x, instant now, std::size_t line);
-  [[nodiscard]] sink_outputs remember_term();
+  [[nodiscard]] sink_outputs remember();
   [[nodiscard]] to_gateway event_for(const network::sink_event& x,
                                      std::optional<std::size_t> line) const;
   void tell_time(instant now);

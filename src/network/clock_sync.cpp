@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <span>
 #include <utility>
-
-#include "network/wire.hpp"
 
 namespace rubicon::network {
 
@@ -14,27 +11,24 @@ namespace {
 
 using std::chrono::microseconds;
 
-constexpr unsigned period_bits = 13;
 constexpr std::uint16_t rounds_missed_max = 64; ///< in a row
-constexpr unsigned behind_max = 4;              ///< rounds of a root that has begun anew
-constexpr microseconds tells_network_time{std::int64_t{1} << 47}; ///< added to tick.from
-constexpr microseconds leap_min{1000};                  ///< of the network time: told at once
+constexpr microseconds leap_min{1000};          ///< of the network time: sent at once
 constexpr microseconds network_ahead_max = 24h * 36525; ///< more is nonsense
-constexpr double doubt_steps = 8;                       ///< in which a doubt doubles, in a stamp
-constexpr microseconds hop_noise{15};   ///< of a stamp: clocks are read to a microsecond or so
-constexpr microseconds fit_noise{30};   ///< of a point of the line, at least
-constexpr microseconds better_min{200}; ///< who is less in doubt needs no other's word
-constexpr duration span_min = 3s;       ///< of points that tell a rate,
-constexpr duration span_good = 5min;    ///< and of those that tell it well: older ones are not used
-constexpr duration wander_gap = 30s;    ///< between points that show whether the rate changes
-constexpr double wander_min = 1e-6;     ///< a crystal's rate changes so much between two rounds
-constexpr double wander_kept = 0.8;     ///< of what was seen of that, at each point
-constexpr double rate_unit = 1e-8;      ///< of the network time, in a stamp
+constexpr microseconds hop_noise{15};           ///< of a stamp: clocks are read to a microsecond or so
+constexpr microseconds better_min{200};         ///< who is less in doubt needs no other's stamp
+constexpr duration beacon_gap = 20ms;           ///< between two that are not the same one
+constexpr duration dispute_gap = 10s;           ///< a root that is disputed repeats itself so often
+constexpr microseconds time_max{std::int64_t{1} << 46}; ///< 2.2 years, within what a stamp holds
 
 /// Whether a round can have followed another.
 bool is_ahead(std::uint16_t sequence, std::uint16_t other) {
   const auto rounds = static_cast<std::uint16_t>(sequence - other);
   return rounds > 0 && rounds <= rounds_missed_max;
+}
+
+/// Serial number arithmetic (RFC 1982) on 8 bits.
+bool is_newer_era(std::uint8_t a, std::uint8_t b) {
+  return static_cast<std::int8_t>(static_cast<std::uint8_t>(a - b)) > 0;
 }
 
 std::int64_t us_of(instant x) {
@@ -48,274 +42,213 @@ network_line moved(network_line x, microseconds by) {
   return x;
 }
 
-} // namespace
-
-std::uint8_t doubt_of(microseconds x) {
-  if (x <= microseconds{0})
-    return 0;
-  const auto code = std::ceil(doubt_steps * std::log2(static_cast<double>(x.count())));
-  return static_cast<std::uint8_t>(std::clamp(code, 1.0, 255.0));
-}
-
-microseconds limit_of(std::uint8_t doubt) {
-  if (doubt == 0)
-    return microseconds{0};
-  return microseconds(static_cast<std::int64_t>(std::ceil(std::exp2(doubt / doubt_steps))));
-}
-
-void write(byte_writer& to, const clock_stamp& x) {
-  to.big(x.root.value).big(x.sequence);
-  assert(x.tick.from >= island_time{} && x.tick.from.time_since_epoch() < tells_network_time);
-  write(to, x.time);
-  to.big(x.age_us).big(x.tick.first);
-  write(to, x.network ? x.tick.from + tells_network_time : x.tick.from);
-  to.big(static_cast<std::uint16_t>(x.tick.period.count() | x.slots_used << period_bits));
-  to.octet(x.doubt);
-  if (x.network) {
-    const auto rate = std::clamp(std::floor(x.network->rate / rate_unit + 0.5), -32768.0, 32767.0);
-    to.big(static_cast<std::uint64_t>(x.network->ahead.count()));
-    to.big(static_cast<std::uint16_t>(static_cast<std::int16_t>(rate)));
-  }
-}
-
-clock_stamp read_clock_stamp(byte_reader& from) {
-  clock_stamp x;
-  x.root = mote_id{from.big<std::uint16_t>()};
-  x.sequence = from.big<std::uint16_t>();
-  x.time = read_island_time(from);
-  x.age_us = from.big<std::uint32_t>();
-  x.tick.first = from.big<std::uint32_t>();
-  x.tick.from = read_island_time(from);
-  const auto period = from.big<std::uint16_t>();
-  x.tick.period = std::chrono::milliseconds(period & ((1U << period_bits) - 1));
-  x.slots_used = static_cast<std::uint8_t>(period >> period_bits);
-  x.doubt = from.octet();
-  if (x.tick.from.time_since_epoch() >= tells_network_time) {
-    x.tick.from -= tells_network_time;
-    network_line line;
-    line.ahead = microseconds(static_cast<std::int64_t>(from.big<std::uint64_t>()));
-    line.rate = static_cast<std::int16_t>(from.big<std::uint16_t>()) * rate_unit;
-    x.network = line;
-  }
+/// The same ticks where the time is another by `by`, told from the first one after zero on.
+tick_setting moved(tick_setting x, microseconds by) {
+  const auto from = x.from.time_since_epoch() + by;
+  const auto ticks = period_number(from, x.period);
+  x.from = island_time(from - ticks * microseconds(x.period));
+  x.first = ticks > x.first ? 0 : static_cast<std::uint32_t>(x.first - ticks);
   return x;
 }
 
+} // namespace
+
 clock_sync::clock_sync(clock_sync_config config, instant now)
-    : config_(config), gap_(config.period_first) {
+    : config_(config), gap_(config.period_first), disputed_at_(now - dispute_gap) {
   if (!config_.is_root)
     return;
   root_ = config_.self;
+  era_ = config_.era;
   learn(config_.tick);
   listening_until_ = now + config_.resume_wait;
   next_round_ = listening_until_;
 }
 
-/// While we hear of our root's rounds, the next ones are news, and nothing else: neither another
-/// root nor a number that it cannot have reached. When we do not, anything but what we have is:
-/// else those who believed in such a number would keep each other believing.
-///
-/// A number far behind that counts on is news too: a root that has begun anew does so, no circle of
-/// old news does.
-bool clock_sync::is_news(const clock_stamp& x, instant sfd) {
-  if (!heard_)
-    return true;
-  if (sfd - *heard_ > config_.stale_after)
-    return x.root != root_ || x.sequence != sequence_;
-  if (x.root != root_)
-    return false;
-  if (is_ahead(x.sequence, sequence_))
-    return true;
-  if (x.sequence == sequence_ || !is_ahead(x.sequence, behind_))
-    behind_count_ = x.sequence == behind_ ? behind_count_ : 0;
-  else
-    ++behind_count_;
-  behind_ = x.sequence;
-  return behind_count_ >= behind_max;
-}
-
-/// Whether who says this knows the time much better than we do.
-bool clock_sync::is_better(const clock_stamp& x, instant sfd) const {
-  const auto ours = points_.empty() ? microseconds::max() : doubt(sfd);
-  return is_of_last_round(x) && ours > better_min && 2 * (limit_of(x.doubt) + hop_noise) < ours;
-}
-
-bool clock_sync::on_stamp(const clock_stamp& x, instant sfd) {
+stamp_value clock_sync::on_stamp(const clock_stamp& x, instant sfd) {
+  if (x.root == mote_id{} || x.doubt == doubt_asks)
+    return stamp_value::outdated;
   if (x.tick.period.count() == 0 || (config_.is_root && x.root != config_.self))
-    return false;
-  if (is_running_root()) { // others have heard of rounds of ours that we do not know of
-    if (is_ahead(x.sequence, sequence_)) {
-      sequence_ = x.sequence;
-      start_rounds(sfd);
+    return stamp_value::none;
+  const disputed_point here{sfd, x.time.time_since_epoch().count() + x.age_us - us_of(sfd),
+                            limit_of(x.doubt) + hop_noise};
+  return is_running_root() ? judge_by_root(x, here, sfd) : judge(x, here);
+}
+
+/// The root's time is right by definition, but a mote that has another needs to know.
+stamp_value clock_sync::judge_by_root(const clock_stamp& x, const disputed_point& here,
+                                      instant sfd) {
+  if (is_newer_era(x.era, era_)) { // we do not remember it
+    era_ = x.era;
+    begin_era(at(sfd), sfd);
+    return stamp_value::outdated;
+  }
+  if (x.era == era_ && is_ahead(x.sequence, sequence_)) {
+    sequence_ = x.sequence;
+    start_rounds(sfd);
+  }
+  if (x.era == era_ && fits(here))
+    return stamp_value::none;
+  if (sfd - disputed_at_ >= dispute_gap) {
+    disputed_at_ = sfd;
+    start_rounds(sfd);
+  }
+  return stamp_value::outdated;
+}
+
+bool clock_sync::fits(const disputed_point& x) const {
+  const auto ours = is_running_root() ? microseconds{} : line_.doubt(x.own);
+  return std::abs(x.ahead_us - line_.ahead_us(x.own)) <= (outlier + x.doubt + ours).count();
+}
+
+/// While rounds of our root come, the next ones are news, and nothing else: neither another root
+/// nor a number that it cannot have reached. When none comes, so is what is much less in doubt than
+/// we have become, as only somebody is who knows of newer ones: else those who believe in a number
+/// that the root never had would keep each other believing.
+bool clock_sync::is_news(const clock_stamp& x, instant sfd) const {
+  if (!news_)
+    return true;
+  const bool is_stranger = x.root != root_;
+  if (!is_stranger && x.era == era_ && is_ahead(x.sequence, sequence_))
+    return true;
+  if (!is_stranger && is_newer_era(x.era, era_))
+    return true;
+  return is_stale(sfd) && !is_of_last_round(x) &&
+         (line_.empty() || 2 * (limit_of(x.doubt) + hop_noise) < line_.doubt(sfd));
+}
+
+stamp_value clock_sync::judge(const clock_stamp& x, const disputed_point& here) {
+  const auto sfd = here.own;
+  if (is_news(x, sfd)) {
+    const bool at_once = is_stale(sfd) || x.root != root_ || x.era != era_;
+    if (x.root != root_ && !line_.empty()) { // another time, by a crystal that we know nothing of
+      line_.clear();
+      ++steps_;
     }
-    return false;
+    const auto value = take_point(x, here, at_once);
+    if (value == stamp_value::in_dispute)
+      return value;
+    take_news(x, sfd);
+    if (value == stamp_value::leap) {
+      tick_ = x.tick;
+      next_tick_.reset();
+      return value;
+    }
+    learn(x.tick);
+    return stamp_value::news;
   }
-  if (!is_news(x, sfd)) {
-    if (is_better(x, sfd))
-      add_point(x, sfd);
-    return false;
+  if (x.root != root_ || line_.empty())
+    return stamp_value::none;
+  if (x.era != era_)
+    return stamp_value::outdated;
+  const auto ours = line_.doubt(sfd);
+  const bool is_sure = here.doubt <= std::max<microseconds>(ours, 2 * outlier);
+  if (is_sure && (distrusted_ || disputed_))
+    return take_point(x, here, distrusted_);
+  if (!fits(here))
+    return here.doubt < ours && is_of_last_round(x) ? take_point(x, here, false)
+                                                    : stamp_value::outdated;
+  if (is_of_last_round(x) && ours > better_min && 2 * here.doubt < ours)
+    return take_point(x, here, false);
+  return stamp_value::none;
+}
+
+/// @param at_once it is believed even if the line is far off
+stamp_value clock_sync::take_point(const clock_stamp& x, const disputed_point& here, bool at_once) {
+  if (line_.empty()) {
+    line_.restart(here.own, here.ahead_us, here.doubt);
+    return stamp_value::point;
   }
-  if (x.root != root_) { // another time, by a crystal that we know nothing of
-    steps_ += points_.empty() ? 0 : 1;
-    points_.clear();
-    doubtful_.reset();
-    slope_ = 0;
-    slope_doubt_ = rate_max;
+  if (fits(here)) {
+    disputed_.reset();
+    distrusted_ = false;
+    if (is_news(x, here.own) || here.doubt <= line_.doubt(here.own))
+      line_.add(here.own, here.ahead_us, here.doubt);
+    return stamp_value::point;
   }
+  const auto agrees = [&](const disputed_point& y) {
+    const auto apart = seconds(here.own - y.own) * clock_line::rate_max;
+    const auto limit = outlier + here.doubt + y.doubt +
+                       microseconds(static_cast<std::int64_t>(std::ceil(apart * 1e6)));
+    return here.own - y.own >= beacon_gap && std::abs(here.ahead_us - y.ahead_us) <= limit.count();
+  };
+  if (!at_once && !(disputed_ && agrees(*disputed_))) {
+    disputed_ = here;
+    return stamp_value::in_dispute;
+  }
+  last_leap_ = microseconds(here.ahead_us - line_.ahead_us(here.own));
+  line_.restart(here.own, here.ahead_us, here.doubt);
+  disputed_.reset();
+  distrusted_ = false;
+  ++steps_;
+  return stamp_value::leap;
+}
+
+void clock_sync::take_news(const clock_stamp& x, instant sfd) {
+  news_ = sfd;
   root_ = x.root;
-  if (!add_point(x, sfd))
-    return false;
-  heard_ = sfd;
+  era_ = x.era;
   sequence_ = x.sequence;
-  behind_count_ = 0;
-  learn(x.tick);
   slots_used_ = x.slots_used;
   const bool is_sane =
       x.network && x.network->ahead >= -network_ahead_max && x.network->ahead <= network_ahead_max;
   network_ = is_sane ? x.network : std::nullopt;
   network_from_ = x.time;
-  return true;
+  if (listening_until_) { // what else there is comes soon
+    listening_until_ = std::min(*listening_until_, sfd + config_.resume_more);
+    next_round_ = listening_until_;
+  }
 }
 
-/// @returns whether it was taken, and not ignored
-bool clock_sync::add_point(const clock_stamp& x, instant sfd) {
-  const point here{sfd, x.time.time_since_epoch().count() + x.age_us - us_of(sfd), x.sequence};
-  const auto told = limit_of(x.doubt) + hop_noise;
-  const auto is_near = [](std::int64_t a, std::int64_t b, microseconds limit) {
-    return std::abs(a - b) <= limit.count();
-  };
-  if (!points_.empty() && !is_near(here.ahead_us, ahead_us(sfd), outlier + told + doubt(sfd))) {
-    const auto apart = doubtful_ ? seconds(sfd - doubtful_->own) * rate_max : 0.0;
-    const auto limit = outlier + told + microseconds(static_cast<std::int64_t>(apart * 1e6));
-    if (doubtful_ && doubtful_->sequence == here.sequence)
-      return false;
-    if (!doubtful_ || !is_near(here.ahead_us, doubtful_->ahead_us, limit)) {
-      doubtful_ = here;
-      return false;
-    }
-    points_.assign(1, *doubtful_);
-    ++steps_;
-  } else {
-    learn_wander(here);
-  }
-  doubtful_.reset();
-  points_.push_back(here);
-  if (points_.size() > points_max)
-    points_.erase(points_.begin());
-  point_doubt_ = told;
-  fit();
-  return true;
-}
-
-/// What the line has missed a point by, beyond its noise, in the time since the one before.
-void clock_sync::learn_wander(const point& x) {
-  if (points_.empty() || slope_doubt_ >= rate_max)
-    return;
-  const auto since = x.own - points_.back().own;
-  if (since < wander_gap)
-    return;
-  const auto missed = static_cast<double>(std::abs(x.ahead_us - ahead_us(x.own)));
-  const auto noise = static_cast<double>((fit_noise + point_doubt_).count());
-  const auto seen = std::max(missed - noise, 0.0) * 1e-6 / seconds(since);
-  wander_ = std::min(std::max(wander_kept * wander_, seen), rate_max);
-}
-
-/// Least squares through the newest points that span long enough; the line goes on from the newest.
-void clock_sync::fit() {
-  auto first = points_.size() - 1;
-  while (first > 0 && points_.back().own - points_[first].own < span_good)
-    --first;
-  const std::span used(points_.begin() + static_cast<std::ptrdiff_t>(first), points_.end());
-  const auto count = static_cast<double>(used.size());
-  double sum_own = 0;
-  double sum_ahead = 0;
-  for (const auto& x : used) {
-    sum_own += static_cast<double>(us_of(x.own) - us_of(used.front().own));
-    sum_ahead += static_cast<double>(x.ahead_us - used.front().ahead_us);
-  }
-  const auto mean_own = std::floor(sum_own / count);
-  middle_ = used.front().own + microseconds(static_cast<std::int64_t>(mean_own));
-  middle_ahead_us_ = static_cast<double>(used.front().ahead_us) + sum_ahead / count;
-  const auto span = used.back().own - used.front().own;
-  const bool tells_rate = span >= span_min;
-  double covariance = 0;
-  double variance = 0;
-  for (const auto& x : used) {
-    const auto own = static_cast<double>(us_of(x.own) - us_of(middle_));
-    covariance += own * (static_cast<double>(x.ahead_us) - middle_ahead_us_);
-    variance += own * own;
-  }
-  if (tells_rate)
-    slope_ = std::clamp(covariance / variance, -rate_max, rate_max);
-  double worst = 0;
-  for (const auto& x : used)
-    worst = std::max(worst, std::abs(static_cast<double>(x.ahead_us - ahead_us(x.own))));
-  point_doubt_ += microseconds(static_cast<std::int64_t>(worst));
-  const auto noise = std::max(worst, static_cast<double>(fit_noise.count()));
-  if (tells_rate)
-    slope_doubt_ = std::min(2 * noise * 1e-6 / seconds(span), rate_max);
-  else if (points_.size() == 1)
-    slope_doubt_ = rate_max;
+bool clock_sync::is_trusted(instant now) const {
+  if (config_.is_root)
+    return is_running_root();
+  return synchronised() && !disputed_ && !distrusted_ && !is_stale(now);
 }
 
 microseconds clock_sync::doubt(instant x) const {
   assert(synchronised());
   if (is_running_root())
     return microseconds{0};
-  const auto since = seconds(std::chrono::abs(x - points_.back().own));
-  const auto rate = std::min(slope_doubt_ + std::max(wander_, wander_min), rate_max);
-  return point_doubt_ + microseconds(static_cast<std::int64_t>(std::ceil(since * rate * 1e6)));
+  const auto off = disputed_ ? std::abs(disputed_->ahead_us - line_.ahead_us(disputed_->own)) : 0;
+  return line_.doubt(x) + microseconds(off);
 }
 
-std::int64_t clock_sync::ahead_us(instant x) const {
-  const auto from_middle = static_cast<double>(us_of(x) - us_of(middle_));
-  return static_cast<std::int64_t>(std::floor(middle_ahead_us_ + slope_ * from_middle + 0.5));
-}
-
-island_time clock_sync::at(instant x) const {
-  assert(synchronised());
-  return island_time(microseconds(us_of(x) + ahead_us(x)));
-}
-
-/// The line is so flat that one correction comes within a microsecond or two.
-instant clock_sync::when(island_time x) const {
-  assert(synchronised());
-  const auto about = instant(x.time_since_epoch() - microseconds(ahead_us(middle_)));
-  auto found = instant(x.time_since_epoch() - microseconds(ahead_us(about)));
-  while (at(found) < x)
-    found += microseconds{1};
-  while (at(found - microseconds{1}) >= x)
-    found -= microseconds{1};
-  return found;
+void clock_sync::on_clock_leapt(microseconds by) {
+  line_.shift(by);
+  if (disputed_)
+    disputed_->ahead_us += by.count();
 }
 
 std::optional<clock_stamp> clock_sync::stamp(instant now) const {
   if (!synchronised())
     return std::nullopt;
-  return clock_stamp{root_,
-                     sequence_,
-                     at(now),
-                     0,
-                     next_tick_ ? *next_tick_ : tick_.value_or(tick_setting{}),
-                     slots_used_,
-                     is_running_root() ? std::uint8_t{0} : doubt_of(doubt(now)),
-                     network_at(at(now))};
+  clock_stamp x;
+  x.root = root_;
+  x.era = era_;
+  x.sequence = sequence_;
+  x.time = at(now);
+  x.tick = next_tick_ ? *next_tick_ : tick_.value_or(tick_setting{});
+  x.slots_used = slots_used_;
+  x.doubt = is_running_root() ? std::uint8_t{0} : doubt_of(doubt(now));
+  x.network = network_at(x.time);
+  return x;
 }
+
+// The root's rounds.
 
 bool clock_sync::on_time(instant now) {
   if (!next_round_ || now < *next_round_)
     return false;
-  if (listening_until_) { // the time goes on, at our own pace, or begins
-    const auto time = points_.empty() ? island_time{} : at(now);
-    listening_until_.reset();
-    set_time(time, now);
-    if (reference_) {
-      const auto& [since_1970, rate, then] = *reference_;
-      set_network_time(since_1970 + (now - then), rate, now);
-    }
-  }
+  if (listening_until_)
+    resume(now);
+  else if (at(now) < island_time{} || at(now).time_since_epoch() > time_max)
+    begin_era(island_time{}, now); // no stamp can say this
   ++sequence_;
+  auto longest = config_.period;
+  if (requested_ && now < requested_until_)
+    longest = std::clamp(*requested_, config_.period_least, longest);
   if (++rounds_ > config_.first_rounds)
-    gap_ = std::min(2 * gap_, config_.period);
+    gap_ = std::min(2 * gap_, longest);
   if (const auto line = network_at(at(now))) {
     has_told_network_ = true;
     told_network_ = *line;
@@ -325,7 +258,44 @@ bool clock_sync::on_time(instant now) {
   return true;
 }
 
-/// A round begins at once, and others follow soon: who misses one hears another.
+/// The time goes on, at our own pace, or begins.
+void clock_sync::resume(instant now) {
+  const auto time = line_.empty() ? island_time{} : at(now);
+  if (is_newer_era(config_.era, era_))
+    era_ = config_.era;
+  listening_until_.reset();
+  distrusted_ = false;
+  disputed_.reset();
+  begin_era(time, now);
+  if (reference_) {
+    const auto& [since_1970, rate, then] = *reference_;
+    set_network_time(since_1970 + (now - then), rate, now);
+  }
+}
+
+/// Motes that learn of it take the time of it at once.
+void clock_sync::begin_era(island_time x, instant now) {
+  const auto by = x - at(now);
+  const bool goes_on = std::chrono::abs(by) <= microseconds{1};
+  if (!goes_on && sequence_ != 0) {
+    tick_ = moved(*tick_, by);
+    if (next_tick_)
+      next_tick_ = moved(*next_tick_, by);
+    network_.reset();
+    has_told_network_ = false;
+  }
+  ++era_;
+  line_.set(now, x.time_since_epoch().count() - us_of(now));
+  start_rounds(now);
+}
+
+void clock_sync::set_time(island_time x, instant now) {
+  assert(config_.is_root);
+  listening_until_.reset();
+  begin_era(x, now);
+}
+
+/// A round begins at once, and others follow soon: who misses one receives another.
 void clock_sync::start_rounds(instant now) {
   rounds_ = 0;
   gap_ = config_.period_first;
@@ -333,10 +303,24 @@ void clock_sync::start_rounds(instant now) {
     next_round_ = now;
 }
 
-void clock_sync::set_tick(const tick_setting& x, instant now) {
+std::optional<duration> clock_sync::wanted_period() const {
+  if (config_.is_root || line_.empty())
+    return std::nullopt;
+  const auto wanted = line_.lasts(promised);
+  if (wanted >= config_.period)
+    return std::nullopt;
+  return std::max(wanted, config_.period_least);
+}
+
+void clock_sync::request_period(duration x, instant now) {
   assert(config_.is_root);
-  learn(x);
-  start_rounds(now);
+  const bool holds = requested_ && now < requested_until_;
+  if (holds && *requested_ < x)
+    return;
+  requested_ = x;
+  requested_until_ = now + config_.request_hold;
+  if (!listening_until_ && next_round_)
+    next_round_ = std::min(*next_round_, now + std::max(x, config_.period_least));
 }
 
 void clock_sync::use_slots(std::uint8_t sevenths, instant now) {
@@ -344,6 +328,8 @@ void clock_sync::use_slots(std::uint8_t sevenths, instant now) {
   if (std::exchange(slots_used_, sevenths) != sevenths)
     start_rounds(now);
 }
+
+// The time that peers share.
 
 void clock_sync::set_network_time(duration since_1970, double rate, instant now) {
   assert(config_.is_root);
@@ -375,12 +361,11 @@ std::optional<duration> clock_sync::network_time(instant x) const {
   return line ? std::optional<duration>(at(x).time_since_epoch() + line->ahead) : std::nullopt;
 }
 
-void clock_sync::set_time(island_time x, instant now) {
+// Ticks.
+
+void clock_sync::set_tick(const tick_setting& x, instant now) {
   assert(config_.is_root);
-  points_.clear();
-  slope_ = 0;
-  middle_ = now;
-  middle_ahead_us_ = static_cast<double>(x.time_since_epoch().count() - us_of(now));
+  learn(x);
   start_rounds(now);
 }
 

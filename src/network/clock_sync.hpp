@@ -8,98 +8,76 @@
 #include <cstdint>
 #include <optional>
 #include <tuple>
-#include <vector>
 
 #include "core/address.hpp"
-#include "core/codec.hpp"
 #include "core/island_time.hpp"
 #include "core/time.hpp"
+#include "network/clock_line.hpp"
+#include "network/clock_stamp.hpp"
 
 namespace rubicon::network {
-
-/// How the time that peers share goes on, as seen from an island's.
-struct network_line {
-  island_clock::duration ahead{}; ///< network time since 1970 minus the island's, at some moment
-  double rate = 0;                ///< by how much it goes faster, +-320 ppm
-
-  friend bool operator==(const network_line&, const network_line&) = default;
-};
-
-/// What a beacon says about the island's clock: 27 octets, network byte order; 10 more if it tells
-/// the network time, as the highest bit of tick.from does then: ahead (8) and rate (2, in
-/// hundredths of a ppm).
-struct clock_stamp {
-  mote_id root;
-  std::uint16_t sequence = 0; ///< of the root's broadcast that this derives from; wraps
-  island_time time;           ///< when the beacon was handed to the radio; 48 bits of microseconds
-  /// From then to its start-of-frame delimiter on the air, microseconds: the radio writes it.
-  std::uint32_t age_us = 0;
-  tick_setting tick;           ///< its period below 2^13 milliseconds,
-  std::uint8_t slots_used = 0; ///< whose three highest bits are this: as clock_sync::slots_used()
-  /// How far `time` may be wrong: 2^(x/8) microseconds, rounded up; 0: it is the root's own.
-  std::uint8_t doubt = 0;
-  /// At `time`; nothing: the root does not know it (CLK-08).
-  std::optional<network_line> network = std::nullopt;
-
-  friend bool operator==(const clock_stamp&, const clock_stamp&) = default;
-};
-
-inline constexpr std::size_t clock_stamp_size = 27;   ///< without the network time,
-inline constexpr std::size_t network_line_size = 10;  ///< which comes last
-inline constexpr std::size_t clock_stamp_age_at = 10; ///< where the age lies in it
-
-/// @pre 0 <= x.tick.from < 2^47 microseconds, more than four years
-void write(byte_writer& to, const clock_stamp& x);
-
-/// What is missing reads as zeros; from.ok() tells.
-[[nodiscard]] clock_stamp read_clock_stamp(byte_reader& from);
-
-/// As in clock_stamp::doubt.
-[[nodiscard]] std::uint8_t doubt_of(std::chrono::microseconds x);
-[[nodiscard]] std::chrono::microseconds limit_of(std::uint8_t doubt);
 
 struct clock_sync_config {
   mote_id self;
   bool is_root = false;
-  duration period = 4min;     ///< between the root's broadcasts when nothing changes;
-  duration period_first = 1s; ///< of the first ones, when it has started or something has changed:
-  unsigned first_rounds = 4;  ///< after so many each gap is twice as long as the one before
-  duration resume_wait = 3s;  ///< a root that starts listens so long for the time it had before
-  duration stale_after = 12min; ///< without news of the root: it may have begun anew
-  tick_setting tick;            ///< the root's, unless it hears the one it had before
+  std::uint8_t era = 0;         ///< the root's last one: it begins the next
+  duration period_first = 1s;   ///< between the root's broadcasts when it has started or something
+                                ///< has changed;
+  unsigned first_rounds = 4;    ///< after so many each gap is twice as long as the one before,
+  duration period = 1min;       ///< up to this, or what a mote has requested,
+  duration period_least = 10s;  ///< but not less than this;
+  duration request_hold = 15min; ///< so long a request holds
+  duration resume_wait = 3s;    ///< a root that starts listens so long for the time it had before
+  duration resume_more = 300ms; ///< or so long after it was told
+  duration stale_after = 3min;  ///< without a round of the root: it may have begun anew
+  tick_setting tick;            ///< the root's, unless it learns the one it had before
+};
+
+/// What a stamp was worth.
+enum class stamp_value : std::uint8_t {
+  none,
+  point,      ///< of the same round, better than what we had
+  news,       ///< a round that others should learn of soon
+  leap,       ///< news, and the island's time is not what we took it for
+  in_dispute, ///< it does not fit what we know: ask others
+  outdated,   ///< its sender does not know what we know: tell it
 };
 
 /// All times of a mote are `instant`s of its own clock, which runs too fast or too slow by some
 /// parts per million; this class tells what the island's clock shows then, and how wrong that may
 /// be.
 ///
-/// A mote takes a point (own time, island time) from the first stamp that it hears of each of the
-/// root's broadcasts, and from any other that is less in doubt than it is itself: so the time flows
-/// from those who know it better to those who know it less, and never in a circle. A straight line
-/// through the newest points that lie far enough apart gives offset and rate; before there are such
-/// the rate is that of the line before, or none. No crystal's rate is beyond rate_max. A point
-/// farther off the line than both doubts explain is ignored, with all that its stamp says; two
-/// rounds in succession that agree start a new line.
+/// The root owns the time. It numbers its rounds, and counts its **eras**: whenever its time cannot
+/// go on from what it was (each of its lives, a time beyond what a stamp holds) a new one begins.
+/// A mote believes the newest era that it has received of its root, whatever time that shows, and
+/// compares no times of two eras, but to find that the time has gone on as it was. It believes it
+/// until no round has come for stale_after; then whatever comes is news.
+///
+/// Within an era a mote takes a point (own time, island time) from the first stamp of each round,
+/// and from any other that is less in doubt than it is itself: so the time flows from those who know
+/// it better to those who know it less, and never in a circle. A point farther off the line than
+/// both doubts explain is in dispute: until another stamp agrees with the line, or with the point,
+/// the doubt is as large as the difference, and the mote asks. The line is then kept, or begins anew
+/// at the point. A mote that has been silent in its neighbours' ears (distrust()) believes the first
+/// stamp that comes.
 ///
 /// The island's time is never set by anybody but the root: ticks, windows of sleeping radios and
-/// schedules of channels hang on it. What the time is elsewhere is told beside it: how far the time
-/// that peers share is ahead of it (CLK-08). That may leap without a tick skipped.
+/// schedules of channels depend on it. What the time is elsewhere is told beside it: how far the
+/// time that peers share is ahead of it (CLK-08). That may leap without a tick skipped.
 class clock_sync {
 public:
-  static constexpr std::size_t points_max = 6;
   static constexpr std::chrono::microseconds outlier{1000}; ///< beyond what the doubts explain
-  static constexpr double rate_max = 200e-6; ///< of one crystal against another, +-100 ppm each
+  static constexpr std::chrono::microseconds promised{60};  ///< by the wander alone, at each hop
 
   clock_sync() = default;
   clock_sync(clock_sync_config config, instant now);
 
   /// A beacon's stamp. @param sfd when its start-of-frame delimiter was received, by our clock
-  /// @returns whether it was news, so that our own next beacon should not wait for long
-  bool on_stamp(const clock_stamp& x, instant sfd);
+  stamp_value on_stamp(const clock_stamp& x, instant sfd);
 
-  /// Whether a stamp is of the round that we heard of last.
+  /// Whether a stamp is of the round that we know of.
   [[nodiscard]] bool is_of_last_round(const clock_stamp& x) const {
-    return x.root == root_ && x.sequence == sequence_;
+    return x.root == root_ && x.era == era_ && x.sequence == sequence_;
   }
 
   /// What to say in a beacon handed to the radio now; nothing while we do not know the time.
@@ -109,12 +87,12 @@ public:
   bool on_time(instant now);
   [[nodiscard]] std::optional<instant> deadline() const { return next_round_; }
 
-  [[nodiscard]] bool synchronised() const { return is_running_root() || !points_.empty(); }
+  [[nodiscard]] bool synchronised() const { return is_running_root() || !line_.empty(); }
 
   /// @pre synchronised()
-  [[nodiscard]] island_time at(instant x) const;
+  [[nodiscard]] island_time at(instant x) const { return line_.at(x); }
   /// The first microsecond of our own clock at which at() is `x`, or more. @pre synchronised()
-  [[nodiscard]] instant when(island_time x) const;
+  [[nodiscard]] instant when(island_time x) const { return line_.when(x); }
 
   /// How far at() may be wrong then: grows while no point comes. @pre synchronised()
   [[nodiscard]] std::chrono::microseconds doubt(instant x) const;
@@ -123,13 +101,42 @@ public:
     return synchronised() && doubt(x) <= limit;
   }
 
-  /// Our route to the sink leads to this root now: if it is another than ours, its time is news.
-  void follow(mote_id root) {
-    if (heard_ && root != root_ && root != no_mote)
-      heard_.reset();
+  /// Whether there is no reason to ask: rounds come, nothing is in dispute, nobody is missed.
+  [[nodiscard]] bool is_trusted(instant now) const;
+
+  /// Nobody answers any more: our time may be wrong by any amount. Ends with the next stamp that
+  /// shows whether it is.
+  void distrust() { distrusted_ = !config_.is_root; }
+  [[nodiscard]] bool is_distrusted() const { return distrusted_; }
+  /// Or a stamp has shown that it may be.
+  [[nodiscard]] bool is_disputed() const { return distrusted_ || disputed_; }
+  /// When is_trusted() ends, or has ended, if no round comes.
+  [[nodiscard]] std::optional<instant> stale_at() const {
+    return config_.is_root || !news_ ? std::nullopt : std::optional(*news_ + config_.stale_after);
   }
 
-  /// The setting that holds, or the first one known; nothing before a stamp was heard. Where the
+  /// By how much the island's time was other than what we took it for, at the last leap.
+  [[nodiscard]] std::chrono::microseconds last_leap() const { return last_leap_; }
+
+  /// Our route to the sink leads to this root now: if it is another than ours, its time is news.
+  void follow(mote_id root) {
+    if (news_ && root != root_ && root != no_mote)
+      news_.reset();
+  }
+
+  /// Our own clock has leapt forward by so much, or back: its owner's timers have not.
+  void on_clock_leapt(std::chrono::microseconds by);
+
+  /// The root's.
+  [[nodiscard]] std::uint8_t era() const { return era_; }
+
+  /// Between the root's rounds for us to keep to what is promised; nothing: no less than it makes.
+  [[nodiscard]] std::optional<duration> wanted_period() const;
+
+  /// A mote needs rounds so often. @pre is_root
+  void request_period(duration x, instant now);
+
+  /// The setting that holds, or the first one known; nothing before a stamp was received. Where the
   /// time that peers share is known ticks are at multiples of the period in that time, and T is
   /// their number since 1970 (32 bits), here as everywhere (PAR-01, SYN-11): `from` is the last
   /// one.
@@ -146,7 +153,7 @@ public:
   /// Others learn it; of a change in a round that begins at once. @pre is_root, at most 7
   void use_slots(std::uint8_t sevenths, instant now);
 
-  /// The root's time is to be this one from now on. @pre is_root
+  /// A new era begins, in which the time is this one. @pre is_root
   void set_time(island_time x, instant now);
 
   /// What the time that peers share is now, by a reference that only the root has, and how much
@@ -158,49 +165,51 @@ public:
   [[nodiscard]] std::optional<duration> network_time(instant x) const;
 
   /// By how much our clock is too slow, as far as is known: 1e-6 is 1 ppm.
-  [[nodiscard]] double drift() const { return slope_; }
+  [[nodiscard]] double drift() const { return line_.rate(); }
   [[nodiscard]] std::uint64_t steps() const { return steps_; } ///< lines begun anew (CLK-05)
-  /// Of a mote, which keeps its points as 32 bits of time and difference from the middle.
-  [[nodiscard]] static std::size_t footprint() { return 20 + points_max * 8 + 36 + 18; }
+  [[nodiscard]] static std::size_t footprint() { return clock_line::footprint() + 60; }
 
 private:
-  struct point {
+  using microseconds = std::chrono::microseconds;
+
+  struct disputed_point {
     instant own;
     std::int64_t ahead_us = 0; ///< island time minus own time
-    std::uint16_t sequence = 0;
+    microseconds doubt{};
   };
 
-  [[nodiscard]] bool is_news(const clock_stamp& x, instant sfd);
-  [[nodiscard]] bool is_better(const clock_stamp& x, instant sfd) const;
-  bool add_point(const clock_stamp& x, instant sfd);
-  void start_rounds(instant now);
   [[nodiscard]] bool is_running_root() const { return config_.is_root && !listening_until_; }
-  [[nodiscard]] std::int64_t ahead_us(instant x) const;
+  [[nodiscard]] bool is_stale(instant now) const {
+    return !news_ || now - *news_ >= config_.stale_after;
+  }
+  [[nodiscard]] bool is_news(const clock_stamp& x, instant sfd) const;
+  [[nodiscard]] bool fits(const disputed_point& x) const;
+  [[nodiscard]] stamp_value judge_by_root(const clock_stamp& x, const disputed_point& here,
+                                          instant sfd);
+  [[nodiscard]] stamp_value judge(const clock_stamp& x, const disputed_point& here);
+  stamp_value take_point(const clock_stamp& x, const disputed_point& here, bool at_once);
+  void take_news(const clock_stamp& x, instant sfd);
+  void begin_era(island_time x, instant now);
+  void resume(instant now);
+  void start_rounds(instant now);
   [[nodiscard]] std::optional<network_line> network_at(island_time x) const;
-  void learn_wander(const point& x);
-  void fit();
   void learn(const tick_setting& x);
 
   clock_sync_config config_;
-  std::vector<point> points_;
-  instant middle_;                          ///< of the points
-  double middle_ahead_us_ = 0;              ///< of the line, there
-  double slope_ = 0;                        ///< of the line: microseconds per microsecond,
-  double slope_doubt_ = rate_max;           ///< which may be wrong by so much
-  double wander_ = 0;                       ///< by how much the rate has been found to change
-  std::chrono::microseconds point_doubt_{}; ///< of the last point
-  std::optional<point> doubtful_;           ///< the last point, if it was far off
+  clock_line line_;
+  std::optional<disputed_point> disputed_;
+  bool distrusted_ = false;
+  microseconds last_leap_{};
   mote_id root_;
+  std::uint8_t era_ = 0;
   std::uint16_t sequence_ = 0;
-  std::uint16_t behind_ = 0;     ///< the last number of our root that it cannot have gone on to,
-  unsigned behind_count_ = 0;    ///< and so often that has counted on
-  std::optional<instant> heard_; ///< the last news
+  std::optional<instant> news_; ///< when the last round came
   std::optional<tick_setting> tick_;
   std::optional<tick_setting> next_tick_; ///< tick_ is known too
   std::uint8_t slots_used_ = 0;
   std::optional<network_line> network_; ///< of the time that peers share, as it was
   island_time network_from_;            ///< then
-  /// What a root has been told while it listened: since 1970, rate, when by its own clock.
+  /// What a root was told while it listened: since 1970, rate, when by its own clock.
   std::optional<std::tuple<duration, double, instant>> reference_;
   bool has_told_network_ = false; ///< of the root, in a round:
   network_line told_network_;     ///< this
@@ -209,6 +218,9 @@ private:
   std::optional<instant> listening_until_; ///< a root that has just started
   unsigned rounds_ = 0;                    ///< since start_rounds()
   duration gap_{};                         ///< to the next round
+  std::optional<duration> requested_;      ///< of the root,
+  instant requested_until_;
+  instant disputed_at_; ///< when the root last found that a mote's time is another
   std::uint64_t steps_ = 0;
 };
 

@@ -8,9 +8,9 @@ radio_schedule::turn radio_schedule::turn_at(const entry& x, island_time now, mi
   const auto& need = x.need;
   const auto from = std::max(now, x.served_until);
   const auto after = need.after + guard;
-  const auto since_end = from - (need.first + after);
-  // The first turn whose end is after `from`.
-  const auto past = since_end.count() < 0 ? 0 : since_end / need.interval + 1;
+  // The first turn whose end is after `from`. The time may have begun anew since `first` was agreed
+  // on: only its place in the interval counts.
+  const auto past = period_number(from - (need.first + after), need.interval) + 1;
   const auto at = need.first + past * need.interval;
   return {at - need.before - guard, at + after};
 }

@@ -12,8 +12,8 @@
 namespace rubicon::network {
 
 /// A need for the radio that comes back: from `before` ahead of first + k * interval until `after`
-/// behind it, for k = 0, 1, ...; on either side longer by the guard, which grows with the doubt
-/// that its owner is in about the time.
+/// behind it, for all k; on either side longer by the guard, which grows with the doubt that its
+/// owner is in about the time.
 struct radio_need {
   island_time first;
   std::chrono::microseconds interval{}; ///< > 0

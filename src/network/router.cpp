@@ -12,6 +12,7 @@ namespace {
 
 constexpr unsigned purpose_bits = 2;
 constexpr duration lost_pause = 1s; ///< then it is seen again whether the time is known
+constexpr duration sleeping_round = 30s; ///< between rounds of the clock where radios sleep
 
 neighbours_config links_of(const router_config& config) {
   neighbours_config x;
@@ -42,6 +43,21 @@ trickle_config beacons_of(const router_config& config) {
   return x;
 }
 
+/// Who sleeps has no better sign of a root that has gone than rounds that do not come.
+clock_sync_config clock_of(const router_config& config) {
+  clock_sync_config x;
+  x.self = config.self;
+  x.is_root = config.is_sink;
+  x.era = config.era;
+  x.tick = config.tick;
+  x.resume_wait += config.duty.period + config.duty.length;
+  if (config.duty.enabled()) {
+    x.period = std::max(sleeping_round, config.duty.period);
+    x.stale_after = 3 * x.period;
+  }
+  return x;
+}
+
 } // namespace
 
 router::router(router_config config, random_stream rng, instant now)
@@ -50,14 +66,9 @@ router::router(router_config config, random_stream rng, instant now)
       place_({.self = config.self, .is_sink = config.is_sink}, now),
       timer_(beacons_of(config), random_stream(rng_.next()), now), reported_(now),
       seek_end_(now + config.seek_length), report_gap_(config.report_gap),
-      helped_(now - config.help_gap), answered_(now - config.help_gap), ask_from_(now),
-      ask_due_(now + config.ask_quiet), ask_pause_(config.ask_pause) {
-  clock_sync_config timing;
-  timing.self = config_.self;
-  timing.is_root = config_.is_sink;
-  timing.tick = config_.tick;
-  timing.resume_wait += config_.duty.period + config_.duty.length;
-  clock_ = clock_sync(timing, now);
+      helped_(now - config.help_gap), answered_(now - config.answer_gap_awake), silent_(now),
+      requested_(now - config.period_request_gap) {
+  clock_ = clock_sync(clock_of(config_), now);
   auto packets = config_.packets;
   packets.self = config_.self;
   packets.is_root = config_.is_sink;
@@ -83,9 +94,8 @@ router::router(router_config config, random_stream rng, instant now)
   }
   paths_ = channels(paths, random_stream(rng_.next()));
   auto further = rng_; // the others draw as they do without turns
-  if (!config_.is_sink && config_.duty.enabled())
-    ask_due_ =
-        now + further.between(config_.ask_quiet, std::max(config_.duty.period, config_.ask_quiet));
+  search_ = time_search({.is_root = config_.is_sink, .duty = config_.duty},
+                        random_stream(further.next()), now);
   turns_ = turns(config_.is_sink, config_.duty, random_stream(further.next()));
 }
 
@@ -216,6 +226,9 @@ void router::on_content(collected x, router_outputs& out, instant now) {
       tree_.hasten();
       beacon_due_ = true;
     }
+  } else if (const auto* wanted = std::get_if<period_request>(&*message)) {
+    if (config_.is_sink)
+      clock_.request_period(wanted->period, now);
   } else if (const auto* asked = std::get_if<place_question>(&*message)) {
     if (config_.is_sink)
       send_router_message(x.origin, place_answer{asked->mote, known_place(asked->mote)}, out, now);
@@ -343,7 +356,7 @@ void router::take(channels_outputs todo, router_outputs& out) {
 
 // Beacons.
 
-void router::send_beacon(router_outputs& out, instant now, bool again) {
+void router::send_beacon(router_outputs& out, instant now, bool again, bool asks) {
   beacon_due_ = false;
   relay_due_.reset();
   answer_due_.reset();
@@ -357,6 +370,8 @@ void router::send_beacon(router_outputs& out, instant now, bool again) {
   x.coordinates = place_.advertise();
   const auto stamp = clock_.stamp(now);
   x.clock = stamp.value_or(clock_stamp{});
+  if (asks)
+    x.clock.doubt = doubt_asks;
   x.heard = links_.heard(beacon::heard_max(x.clock));
   auto frame = frame_for(purpose::beacon, broadcast_mote, am::beacon, encode(x));
   if (stamp)
@@ -374,8 +389,8 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
     return;
   }
   const auto what = links_.on_beacon(x->report(source, config_.self, has_route()), now);
-  heard_ = now;
-  answer_asker(x->clock, now);
+  search_.on_beacon(now);
+  on_stamp(x->clock, sfd, out, now);
   if (what == admission::repeated)
     return;
   if (has_route()) // else nobody does what we do: look for one
@@ -387,15 +402,6 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   if (what == admission::restarted)
     take(paths_.on_restarted(source, now), out);
   place_.on_beacon(source, x->coordinates, links_);
-  if (x->clock.root != mote_id{} && clock_.on_stamp(x->clock, sfd)) {
-    out.emplace_back(clock_corrected{});
-    if (!relay_due_)
-      relay_due_ = now + rng_.between(0s, config_.relay_spread);
-    copies_ = 1;
-  } else if (clock_.is_of_last_round(x->clock) && ++copies_ >= config_.relay_copies &&
-             !tree_.is_urgent()) {
-    relay_due_.reset();
-  }
   if (what == admission::refused)
     return;
   if (x->gradient.root == source)
@@ -433,48 +439,122 @@ void router::feed(mote_id neighbour, router_outputs& out, instant now) {
     relay_due_ = now + rng_.between(0s, config_.relay_spread);
 }
 
-/// Who sleeps hears little of what others say, and who does not know the time cannot tell when they
-/// listen: it asks in one window after another until one of theirs has come (as X-MAC wakes
-/// receivers). Motes that all begin together need not ask each other, but a sink must know whether
-/// anybody still has its time.
-void router::seek_time(router_outputs& out, instant now) {
-  if (!config_.duty.enabled() || config_.duty.knows_time(now, clock_)) {
-    ask_due_.reset();
-    ask_pause_ = config_.ask_pause;
+// The time.
+
+void router::on_stamp(const clock_stamp& x, instant sfd, router_outputs& out, instant now) {
+  const bool was_known = clock_.synchronised();
+  const auto value = clock_.on_stamp(x, sfd);
+  switch (value) {
+  case stamp_value::news:
+  case stamp_value::leap:
+    if (news_)
+      news_gap_ = now - *news_;
+    news_ = now;
+    out.emplace_back(clock_corrected{});
+    if (!relay_due_)
+      relay_due_ = now + rng_.between(0s, config_.relay_spread);
+    copies_ = 1;
+    if (value == stamp_value::leap || !was_known)
+      search_.on_leap(was_known ? std::optional(clock_.last_leap()) : std::nullopt, clock_, now);
     return;
+  case stamp_value::in_dispute:
+    ++counters_.disputes;
+    break;
+  case stamp_value::outdated:
+    answer(x, now);
+    break;
+  case stamp_value::none:
+  case stamp_value::point:
+    break;
   }
-  if (!ask_due_) { // it is lost again
-    ask_due_ = ask_from_ = now;
-    ask_end_ = instant{};
-  }
-  if (*ask_due_ > now)
+  if (!clock_.is_of_last_round(x))
     return;
-  const bool goes_on = now < ask_end_;
-  const bool has_company = heard_ && now - *heard_ < config_.ask_quiet && !config_.is_sink;
-  if (!goes_on && has_company && now < ask_from_ + config_.ask_after) {
-    ask_due_ = ask_from_ + rng_.between(config_.ask_after, 2 * config_.ask_after);
+  if (answer_due_ && x.doubt != doubt_asks && ++answers_ >= config_.answer_copies &&
+      !config_.is_sink)
+    answer_due_.reset();
+  if (++copies_ >= config_.relay_copies && !tree_.is_urgent())
+    relay_due_.reset();
+}
+
+/// One who asks, or who has a time that is not the island's any more. Where radios sleep it is on
+/// just now.
+void router::answer(const clock_stamp& x, instant now) {
+  const bool sleeps = config_.duty.enabled();
+  if (x.doubt == doubt_asks)
+    search_.on_asked(now);
+  else if (x.root == mote_id{} && !sleeps) // it waits for a round
     return;
-  }
-  if (!goes_on)
-    ask_end_ = now + config_.duty.period + config_.duty.length;
-  ++counters_.asks;
-  send_beacon(out, now, goes_on);
-  ask_due_ = now + config_.duty.length * 2 / 3;
-  if (*ask_due_ >= ask_end_) {
-    ask_due_ = now + rng_.between(ask_pause_, 2 * ask_pause_);
-    ask_pause_ = std::min(2 * ask_pause_, config_.ask_pause_max);
+  const bool knows = sleeps ? config_.duty.knows_time(now, clock_) : clock_.synchronised();
+  const auto gap = sleeps ? config_.answer_gap : config_.answer_gap_awake;
+  if (!knows || clock_.is_distrusted() || answer_due_ || now - answered_ < gap)
+    return;
+  answered_ = now;
+  answers_ = 0;
+  ++counters_.answers;
+  answer_due_ = now + rng_.between(0s, sleeps ? config_.answer_spread : config_.answer_spread_awake);
+}
+
+time_knowledge router::knowledge(instant now) const {
+  if (!clock_.synchronised() ||
+      (config_.duty.enabled() && !config_.duty.knows_time(now, clock_)))
+    return clock_.is_disputed() ? time_knowledge::doubted : time_knowledge::none;
+  if (clock_.is_disputed())
+    return time_knowledge::doubted;
+  return clock_.is_trusted(now) ? time_knowledge::good : time_knowledge::stale;
+}
+
+void router::search_time(router_outputs& out, instant now) {
+  if (config_.is_sink && std::exchange(steps_, clock_.steps()) != clock_.steps())
+    search_.announce(now);
+  switch (search_.on_time(now, knowledge(now))) {
+  case time_search::beacon_due::ask:
+    ++counters_.asks;
+    send_beacon(out, now, beacon_sequence_ > 0, true); // few are on to count it
+    break;
+  case time_search::beacon_due::plain:
+    send_beacon(out, now, beacon_sequence_ > 0);
+    break;
+  case time_search::beacon_due::none:
+    break;
   }
 }
 
-/// One who does not know the time is on all the time: it can be answered at once.
-void router::answer_asker(const clock_stamp& told, instant now) {
-  const bool asks = told.root == mote_id{} || limit_of(told.doubt) > config_.duty.length / 2;
-  if (!config_.duty.enabled() || !asks || !config_.duty.knows_time(now, clock_) || answer_due_ ||
-      now - answered_ < config_.help_gap)
+/// Where radios sleep a mote whose time is wrong sends while nobody listens.
+void router::watch_silence(bool acked, instant now) {
+  if (!config_.duty.enabled() || config_.is_sink)
     return;
-  answered_ = now;
-  ++counters_.answers;
-  answer_due_ = now + rng_.between(0s, config_.answer_spread);
+  if (acked) {
+    silent_windows_ = 0;
+  } else if (silent_windows_ == 0 || now - silent_ >= config_.duty.period / 2) {
+    silent_ = now;
+    if (++silent_windows_ == config_.silent_windows_max) {
+      ++counters_.silences;
+      clock_.distrust();
+    }
+  }
+}
+
+/// Motes that are as far from the sink as this one, or at the same temperature, need the same.
+void router::request_period(router_outputs& out, instant now) {
+  const auto wanted = clock_.wanted_period();
+  const bool needs = wanted && tree_.has_route() && news_gap_ > *wanted * 5 / 4;
+  if (!needs) {
+    request_due_.reset();
+    return;
+  }
+  if (!request_due_)
+    request_due_ = std::max(now, requested_ + config_.period_request_gap) +
+                   rng_.between(0s, config_.period_request_spread);
+  if (*request_due_ > now)
+    return;
+  request_due_.reset();
+  requested_ = now;
+  ++counters_.period_requests;
+  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(*wanted).count();
+  send_router_message(
+      tree_.root(),
+      period_request{std::chrono::duration<std::uint16_t>(static_cast<std::uint16_t>(whole))}, out,
+      now);
 }
 
 /// What is known of links has changed: so may the tree and the coordinates.
@@ -521,6 +601,7 @@ void router::report(router_outputs& out, instant now) {
 router_outputs router::on_frame(mote_id source, std::uint8_t am_type, byte_view payload,
                                 instant sfd, instant now) {
   router_outputs out;
+  silent_windows_ = 0;
   keep_turns(now);
   switch (am_type) {
   case am::beacon:
@@ -551,6 +632,7 @@ router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmi
   router_outputs out;
   keep_turns(now);
   if (const auto unicast = handed_.extract(token); !unicast.empty()) {
+    watch_silence(acked, now);
     links_.on_sent(unicast.mapped(), acked, transmissions, now);
     settle(out, now);
   }
@@ -591,7 +673,8 @@ router_outputs router::on_time(instant now) {
   const bool is_turn = turn_ <= now && (beacon_due_ || (relay_due_ && *relay_due_ <= now));
   if (is_turn || (answer_due_ && *answer_due_ <= now))
     send_beacon(out, now);
-  seek_time(out, now);
+  search_time(out, now);
+  request_period(out, now);
   take(packets_.on_time(now), out, now);
   take(paths_.on_time(now), out);
   for (auto q = questions_.begin(); q != questions_.end();) {
@@ -627,8 +710,10 @@ instant router::deadline() const {
   if (relay_due_)
     consider(std::max(*relay_due_, turn_));
   consider(answer_due_);
-  if (config_.duty.enabled())
-    consider(ask_due_);
+  consider(search_.deadline());
+  if (!search_.is_lost())
+    consider(clock_.stale_at());
+  consider(request_due_);
   if (beacon_due_ || !waiting_directs_.empty())
     consider(turn_);
   consider(packets_.deadline());

@@ -23,6 +23,7 @@
 #include "network/gradient.hpp"
 #include "network/neighbours.hpp"
 #include "network/router_message.hpp"
+#include "network/time_search.hpp"
 #include "network/trickle.hpp"
 #include "network/turns.hpp"
 
@@ -54,14 +55,18 @@ struct router_config {
   duration help_gap = 2s;
   duration sequence_gap = 20s; ///< between requests for the sink's next sequence number, and
                                ///< between the sink's answers, and two windows more
-  /// In an island whose radios sleep, who does not know the time asks for it for a whole period,
-  /// with a beacon in each window: when it has heard nobody for ask_quiet, or nobody who knows for
-  /// ask_after; then again, each time twice as long after.
-  duration ask_quiet = 1500ms;
-  duration ask_after = 10s;
-  duration ask_pause = 8s;
-  duration ask_pause_max = 2min;
-  duration answer_spread = 30ms; ///< within which who knows the time answers
+  std::uint8_t era = 0;          ///< the sink's last one (clock_sync)
+  /// Who knows the time answers one who asks within answer_spread, unless others have: a window is
+  /// short. Where radios are always on there may be many of them.
+  duration answer_spread = 30ms;
+  duration answer_spread_awake = 250ms;
+  unsigned answer_copies = 2;
+  duration answer_gap = 40ms;
+  duration answer_gap_awake = 1s;
+  /// A mote whose unicasts fail in so many windows, and which receives nothing, doubts its time.
+  unsigned silent_windows_max = 3;
+  duration period_request_gap = 1min; ///< between requests for more rounds of the clock,
+  duration period_request_spread = 10s; ///< each sent within this, unless another's has helped
 };
 
 /// Put this frame on the radio and tell on_sent() how it ended.
@@ -99,10 +104,13 @@ struct router_counters {
   std::uint64_t detours = 0; ///< packets for a neighbour that went by the sink after all
   std::uint64_t asks = 0;    ///< beacons that ask for the time
   std::uint64_t answers = 0; ///< to those of others
+  std::uint64_t disputes = 0; ///< stamps that did not fit what was known
+  std::uint64_t silences = 0; ///< nobody answered any more: the time was doubted
+  std::uint64_t period_requests = 0; ///< for more rounds of the clock
   std::uint64_t sequence_requests = 0;
 };
 RUBICON_FIELDS(router_counters, beacons, malformed, unknown_type, questions, unanswered, detours,
-               asks, answers, sequence_requests);
+               asks, answers, disputes, silences, period_requests, sequence_requests);
 
 /// One frame of each kind is in flight at a time: beacon, packet, channel message; packets for
 /// neighbours several. Where synaptic vectors have slots, all others keep to their turns.
@@ -153,6 +161,7 @@ public:
   [[nodiscard]] bool has_route() const { return config_.is_sink || tree_.has_route(); }
   [[nodiscard]] const clock_sync& clock() const { return clock_; }
   [[nodiscard]] clock_sync& clock() { return clock_; }
+  [[nodiscard]] const time_search& search() const { return search_; }
   [[nodiscard]] const neighbours& links() const { return links_; }
   [[nodiscard]] const gradient& tree() const { return tree_; }
   [[nodiscard]] const coordinates& place() const { return place_; }
@@ -190,7 +199,7 @@ private:
   void feed(mote_id neighbour, router_outputs& out, instant now);
   [[nodiscard]] bool may_hasten(instant now);
   /// @param again it says nothing that the last one did not: it counts as the same
-  void send_beacon(router_outputs& out, instant now, bool again = false);
+  void send_beacon(router_outputs& out, instant now, bool again = false, bool asks = false);
   [[nodiscard]] std::optional<instant> report_due() const;
   void report(router_outputs& out, instant now);
   void take(collection_outputs todo, router_outputs& out, instant now);
@@ -199,8 +208,12 @@ private:
   void send_router_message(mote_id to, const router_message& x, router_outputs& out, instant now,
                            bool in_slot = false);
   [[nodiscard]] duration answer_wait(instant now) const;
-  void seek_time(router_outputs& out, instant now);
-  void answer_asker(const clock_stamp& told, instant now);
+  [[nodiscard]] time_knowledge knowledge(instant now) const;
+  void search_time(router_outputs& out, instant now);
+  void on_stamp(const clock_stamp& x, instant sfd, router_outputs& out, instant now);
+  void answer(const clock_stamp& x, instant now);
+  void watch_silence(bool acked, instant now);
+  void request_period(router_outputs& out, instant now);
   [[nodiscard]] bool may_ask_again(const question& x) const;
   void ask(const question& x, router_outputs& out, instant now);
   void begin(const question& x, std::optional<virtual_coordinates> place, router_outputs& out,
@@ -239,13 +252,17 @@ private:
   duration report_gap_{};             ///< from then to the next report of a change
   std::optional<instant> hastened_;   ///< when it last asked for a sequence number, or told one
   instant helped_;                    ///< when it last sent a beacon soon for those without a route
-  std::optional<instant> answer_due_; ///< to one who asks for the time
+  time_search search_;
+  std::uint64_t steps_ = 0;           ///< of the clock, as far as the search knows
+  std::optional<instant> answer_due_; ///< to one who asks for the time,
+  unsigned answers_ = 0;              ///< of others since then
   instant answered_;                  ///< when we last did
-  std::optional<instant> heard_;      ///< anybody's beacon
-  instant ask_from_;                  ///< we have not known the time since then
-  std::optional<instant> ask_due_;    ///< our next beacon that asks,
-  instant ask_end_;                   ///< the last one until then
-  duration ask_pause_{};
+  unsigned silent_windows_ = 0;       ///< in which unicasts have failed since we received anything,
+  instant silent_;                    ///< the last one
+  std::optional<instant> news_;       ///< when the last round of the clock came,
+  duration news_gap_{};               ///< and how long after the one before
+  std::optional<instant> request_due_; ///< for more of them
+  instant requested_;
   router_counters counters_;
 };
 

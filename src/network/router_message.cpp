@@ -31,6 +31,7 @@ struct writer {
     write_place(to, x.place);
   }
   void operator()(const sequence_request&) const {}
+  void operator()(const period_request& x) const { to.big(x.period.count()); }
 };
 
 } // namespace
@@ -63,6 +64,9 @@ result<router_message> decode_router_message(byte_view octets) {
   }
   case 4:
     x = sequence_request{};
+    break;
+  case 5:
+    x = period_request{std::chrono::duration<std::uint16_t>(from.big<std::uint16_t>())};
     break;
   default:
     return from.ok() ? errc::unsupported : errc::truncated;

@@ -2,6 +2,7 @@
 // everything that goes up, down or to all says what follows.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <variant>
@@ -48,8 +49,15 @@ struct sequence_request {
   friend bool operator==(const sequence_request&, const sequence_request&) = default;
 };
 
-using router_message =
-    std::variant<user_content, place_report, place_question, place_answer, sequence_request>;
+/// 5, up: a mote needs a round of the clock so often, whose crystal wanders; 0 is read as 1.
+struct period_request {
+  std::chrono::duration<std::uint16_t> period{};
+
+  friend bool operator==(const period_request&, const period_request&) = default;
+};
+
+using router_message = std::variant<user_content, place_report, place_question, place_answer,
+                                    sequence_request, period_request>;
 
 [[nodiscard]] bytes encode(const router_message& x);
 

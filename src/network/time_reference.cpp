@@ -133,6 +133,15 @@ duration time_reference::ahead(instant own) const {
   return middle_ahead_ + duration(static_cast<duration::rep>(std::floor(drift_ * since + 0.5)));
 }
 
+/// What it takes its own clock for is ahead by so much until answers show that it is not.
+void time_reference::on_clock_leapt(duration by) {
+  for (auto& x : answers_)
+    x.ahead += by;
+  if (doubtful_)
+    doubtful_->ahead += by;
+  middle_ahead_ += by;
+}
+
 std::optional<duration> time_reference::at(instant own) const {
   if (answers_.empty())
     return std::nullopt;

@@ -48,6 +48,9 @@ public:
   time_reference() = default;
   time_reference(time_reference_config config, instant now);
 
+  /// Our own clock has leapt forward by so much, or back: its owner's timers have not.
+  void on_clock_leapt(duration by);
+
   /// Harmless before deadline(). @returns the number of the question that is to be asked now
   [[nodiscard]] std::optional<std::uint16_t> on_time(instant now);
   [[nodiscard]] instant deadline() const { return next_; }
