@@ -362,6 +362,10 @@ void router::send_beacon(router_outputs& out, instant now, bool again, bool asks
   answer_due_.reset();
   if (beacon_in_flight_)
     return;
+  if (clock_.synchronised() && ++relays_ < config_.relays_max && copies_ < config_.relay_copies) {
+    const auto pause = config_.duty.enabled() ? 2 * spread_in_window() : config_.relay_pause;
+    relay_due_ = now + rng_.between(pause / 2, pause);
+  }
   timer_.done(now);
   beacon x;
   x.sequence = again ? beacon_sequence_ : ++beacon_sequence_;
@@ -442,7 +446,6 @@ void router::feed(mote_id neighbour, router_outputs& out, instant now) {
 // The time.
 
 void router::on_stamp(const clock_stamp& x, instant sfd, router_outputs& out, instant now) {
-  const bool was_known = clock_.synchronised();
   const auto value = clock_.on_stamp(x, sfd);
   switch (value) {
   case stamp_value::news:
@@ -454,8 +457,9 @@ void router::on_stamp(const clock_stamp& x, instant sfd, router_outputs& out, in
     if (!relay_due_)
       relay_due_ = now + rng_.between(0s, config_.relay_spread);
     copies_ = 1;
-    if (value == stamp_value::leap || !was_known)
-      search_.on_leap(was_known ? std::optional(clock_.last_leap()) : std::nullopt, clock_, now);
+    relays_ = 0;
+    search_.on_news(value == stamp_value::leap ? std::optional(clock_.last_leap()) : std::nullopt,
+                    clock_, now);
     return;
   case stamp_value::in_dispute:
     ++counters_.disputes;
@@ -506,7 +510,7 @@ time_knowledge router::knowledge(instant now) const {
 void router::search_time(router_outputs& out, instant now) {
   if (config_.is_sink && std::exchange(steps_, clock_.steps()) != clock_.steps())
     search_.announce(now);
-  switch (search_.on_time(now, knowledge(now))) {
+  switch (search_.on_time(now, knowledge(now), clock_)) {
   case time_search::beacon_due::ask:
     ++counters_.asks;
     send_beacon(out, now, beacon_sequence_ > 0, true); // few are on to count it
@@ -665,8 +669,10 @@ router_outputs router::on_time(instant now) {
   links_.on_time(now);
   settle(out, now);
   const bool round = clock_.on_time(now);
-  if (round)
+  if (round) {
     out.emplace_back(clock_corrected{});
+    copies_ = relays_ = 0;
+  }
   beacon_due_ = timer_.on_time(now) || round || beacon_due_;
   if (!tree_.has_route() && now < seek_end_)
     timer_.shorten(now, change_beacon());

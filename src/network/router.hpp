@@ -46,7 +46,9 @@ struct router_config {
   std::size_t places_max = 1000;  ///< of motes, that the sink remembers
   std::size_t direct_max = 4;     ///< packets for neighbours in flight
   duration relay_spread = 150ms;  ///< a clock round is passed on within this time,
-  unsigned relay_copies = 3;      ///< unless it has been heard so often until then
+  unsigned relay_copies = 3;      ///< and again, unless it has been received so often,
+  unsigned relays_max = 3;        ///< so often at most
+  duration relay_pause = 1s;      ///< between, where radios are always on
   duty_window duty;               ///< when radios are on
   /// A beacon comes within this time of a change of coordinates, and as often from those that look
   /// for a route, but for no longer than seek_length; and for these not more often than help_gap.
@@ -238,7 +240,8 @@ private:
   bool beacon_in_flight_ = false;
   bool beacon_due_ = false;          ///< and waits for its turn
   std::optional<instant> relay_due_; ///< of a beacon that passes a clock round on
-  unsigned copies_ = 0;              ///< of that round, heard so far
+  unsigned copies_ = 0;              ///< of that round, received so far,
+  unsigned relays_ = 0;              ///< and sent
   std::uint64_t frames_ = 0;
   std::map<std::uint64_t, direct> directs_; ///< by token
   std::vector<frame_out> waiting_directs_;  ///< of them, for their turn

@@ -25,16 +25,30 @@ duration time_search::pause_max() const {
   return std::max(config_.pause_max, config_.pause_periods * config_.duty.period);
 }
 
-void time_search::begin(time_knowledge knowledge, instant now) {
+void time_search::begin(time_knowledge knowledge, const clock_sync& clock, instant now) {
   lost_ = true;
   lost_from_ = now;
-  const auto spread = knowledge == time_knowledge::doubted
-                          ? dispute_spread
-                          : config_.stale_spread + config_.duty.period;
-  due_ = now + rng_.between(0s, spread);
+  window_asks_ = 0;
+  if (knowledge == time_knowledge::doubted) {
+    due_ = now + rng_.between(0s, dispute_spread);
+    return;
+  }
+  due_ = now + rng_.between(0s, config_.stale_spread);
+  if (knowledge == time_knowledge::stale && config_.duty.enabled()) {
+    window_asks_ = config_.window_asks;
+    due_ = in_next_window(clock, *due_);
+  }
 }
 
-time_search::beacon_due time_search::on_time(instant now, time_knowledge knowledge) {
+instant time_search::in_next_window(const clock_sync& clock, instant now) {
+  const auto period = in_us(config_.duty.period);
+  const auto number = period_number(clock.at(now).time_since_epoch(), period) + 1;
+  const auto length = config_.duty.length;
+  return clock.when(island_time(number * period)) + rng_.between(length / 4, length / 2);
+}
+
+time_search::beacon_due time_search::on_time(instant now, time_knowledge knowledge,
+                                             const clock_sync& clock) {
   for (auto& x : old_windows_) {
     if (x && *x <= now) {
       x.reset();
@@ -55,18 +69,26 @@ time_search::beacon_due time_search::on_time(instant now, time_knowledge knowled
     return beacon_due::none;
   }
   if (!lost_)
-    begin(knowledge, now);
-  if (knowledge == time_knowledge::doubted && !asks_ && !rests_) // cannot wait
+    begin(knowledge, clock, now);
+  if (knowledge == time_knowledge::doubted && !asks_ && !rests_) { // cannot wait
+    window_asks_ = 0;
     due_ = std::min(*due_, now + dispute_spread);
+  }
   if (*due_ > now)
     return beacon_due::none;
-  return ask(now);
+  return ask(clock, now);
 }
 
-time_search::beacon_due time_search::ask(instant now) {
+time_search::beacon_due time_search::ask(const clock_sync& clock, instant now) {
   if (!config_.duty.enabled()) {
     due_ = now + rng_.between(pause_, 2 * pause_);
     pause_ = std::min(2 * pause_, config_.pause_max);
+    return beacon_due::ask;
+  }
+  if (window_asks_ > 0) {
+    --window_asks_;
+    listen_until_ = now + config_.probe_listen;
+    due_ = in_next_window(clock, now);
     return beacon_due::ask;
   }
   if (rests_ && now < next_search_) {
@@ -106,7 +128,7 @@ void time_search::on_asked(instant now) {
     due_ = std::max(*due_, now + 2 * ask_gap());
 }
 
-void time_search::on_leap(std::optional<island_clock::duration> leap, const clock_sync& clock,
+void time_search::on_news(std::optional<island_clock::duration> leap, const clock_sync& clock,
                           instant now) {
   if (!config_.duty.enabled() || config_.is_root || (!leap && !rests_))
     return;

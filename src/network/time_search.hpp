@@ -21,6 +21,7 @@ struct time_search_config {
   duration start_quiet = 1500ms; ///< nobody asks within this of its start,
   duration company = 10s; ///< nor within this if it has just received a beacon: all begin together
   duration stale_spread = 10s; ///< motes that have missed the same rounds ask within this
+  unsigned window_asks = 2;
   duration pause = 8s;         ///< between two searches at least; doubles each time,
   duration pause_max = 2min;   ///< up to this,
   unsigned pause_periods = 200; ///< or so many periods of the common window
@@ -41,7 +42,7 @@ enum class time_knowledge : std::uint8_t {
 ///
 /// Where they sleep, who knows the time is on in a short window that others cannot tell: a search
 /// asks again and again for a whole period, with one beacon in each window, as X-MAC wakes
-/// receivers. After one that has found nothing the mote rests: its radio is off, but for the windows
+/// receivers. A mote that has only missed some rounds asks in two windows as it knows them first. After one that has found nothing the mote rests: its radio is off, but for the windows
 /// as it knows them, the next searches, which become rare, and probes: one beacon that asks, and a
 /// moment to listen. A root that comes back is always on and answers a probe. Whoever has found the
 /// time again after its island's has leapt stays on for so long that others' probes reach it, and
@@ -55,7 +56,7 @@ public:
 
   /// To be called whenever something has happened, and at deadline().
   /// @returns the beacon that is to be sent now, whatever the window
-  [[nodiscard]] beacon_due on_time(instant now, time_knowledge knowledge);
+  [[nodiscard]] beacon_due on_time(instant now, time_knowledge knowledge, const clock_sync& clock);
   [[nodiscard]] std::optional<instant> deadline() const;
 
   /// A beacon has come; others are there.
@@ -64,10 +65,10 @@ public:
   /// Another asks, whose answers we receive too.
   void on_asked(instant now);
 
-  /// The island's time is other than it was.
-  /// @param clock that shows the new one
-  /// @param leap by so much it is ahead of what it was; nothing: it was not known
-  void on_leap(std::optional<island_clock::duration> leap, const clock_sync& clock, instant now);
+  /// A round of the root has come.
+  /// @param leap by so much the island's time is ahead of what we took it for, if it is another
+  /// @param clock that shows it
+  void on_news(std::optional<island_clock::duration> leap, const clock_sync& clock, instant now);
 
   /// The root's time has begun anew: whoever sleeps near it shall know.
   void announce(instant now);
@@ -89,8 +90,9 @@ public:
 private:
   [[nodiscard]] duration ask_gap() const { return config_.duty.length * 2 / 3; }
   [[nodiscard]] duration pause_max() const;
-  void begin(time_knowledge knowledge, instant now);
-  [[nodiscard]] beacon_due ask(instant now);
+  void begin(time_knowledge knowledge, const clock_sync& clock, instant now);
+  [[nodiscard]] instant in_next_window(const clock_sync& clock, instant now);
+  [[nodiscard]] beacon_due ask(const clock_sync& clock, instant now);
   void rest(instant now);
 
   time_search_config config_;
@@ -99,6 +101,7 @@ private:
   bool asks_ = false;  ///< it searches,
   bool rests_ = false; ///< or has, in vain
   bool has_started_ = false;
+  unsigned window_asks_ = 0; ///< that are to come before a search
   std::optional<instant> due_; ///< the next beacon that asks
   instant search_end_;
   instant next_search_;
