@@ -133,7 +133,7 @@ bool duty_cycle::is_due(instant now, const network::clock_sync& clock) {
 void duty_cycle::switch_radio(bool sends, duty_outputs& out, instant now,
                               const network::clock_sync& clock,
                               const network::time_search& search) {
-  const bool rests = search.rests(now);
+  const bool rests = search.rests();
   bool on = true;
   if (!is_sink_ && config_.enabled && (is_member_ || rests) && (rests || applies(now, clock))) {
     const bool is_needed = applies(now, clock) && is_due(now, clock);

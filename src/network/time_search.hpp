@@ -84,8 +84,8 @@ public:
     return now < listen_until_ ? std::optional(listen_until_) : std::nullopt;
   }
 
-  /// There is no need for the radio beside the windows, even if they are not known.
-  [[nodiscard]] bool rests(instant now) const { return rests_ && !listens(now); }
+  /// Else the radio is needed in the windows alone, even if they are not known.
+  [[nodiscard]] bool rests() const { return rests_; }
 
 private:
   [[nodiscard]] duration ask_gap() const { return config_.duty.length * 2 / 3; }

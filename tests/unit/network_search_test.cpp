@@ -45,7 +45,7 @@ tally search_for(time_search& x, instant from, duration length, time_knowledge k
       sum.asked.push_back(now);
     }
     sum.plain += due == beacon_due::plain ? 1 : 0;
-    if (x.listens(now) || !x.rests(now))
+    if (x.listens(now) || !x.rests())
       sum.on += 10ms;
   }
   return sum;
@@ -137,7 +137,7 @@ TEST_CASE("whoever finds its root after a long search stays on for the others",
   auto x = settled(sleeping(30s), 3, instant(1h));
   static_cast<void>(search_for(x, instant(1h), 10min, time_knowledge::stale));
   auto now = instant(1h) + 10min;
-  for (; !x.rests(now); now += 10ms)
+  for (; !x.rests(); now += 10ms)
     static_cast<void>(x.on_time(now, time_knowledge::stale, known_clock()));
   x.on_news(std::nullopt, known_clock(), now);
   CHECK(x.on_time(now, time_knowledge::good, known_clock()) == beacon_due::none);
