@@ -58,7 +58,7 @@ router::router(router_config config, random_stream rng, instant now)
   timing.tick = config_.tick;
   timing.resume_wait += config_.duty.period + config_.duty.length;
   clock_ = clock_sync(timing, now);
-  auto packets = config_.packets;
+  auto packets = config.packets;
   packets.self = config_.self;
   packets.is_root = config_.is_sink;
   if (config_.is_sink) { // has a PC's memory and power
@@ -67,7 +67,7 @@ router::router(router_config config, random_stream rng, instant now)
     packets.seen_max = 64;
   }
   packets_ = collection(packets, random_stream(rng_.next()));
-  auto paths = config_.paths;
+  auto paths = config.paths;
   paths.self = config_.self;
   if (config_.is_sink) {
     paths.entries_max = std::max<std::size_t>(paths.entries_max, 32);
