@@ -1,9 +1,9 @@
 // The air: the radio medium of one place and the radios in it (design.md section 4).
 #pragma once
 
-#include <functional>
 #include <vector>
 
+#include "actors/frame_observer.hpp"
 #include "actors/messages/air.hpp"
 #include "actors/messages/supervision.hpp"
 #include "actors/timer.hpp"
@@ -11,9 +11,6 @@
 #include "radio/interferer.hpp"
 
 namespace rubicon {
-
-/// Told of every frame when it has ended; must not touch the ecology.
-using frame_observer = std::function<void(const radio::overheard&)>;
 
 /// A source of noise at work, and what it has been asked to do since.
 struct noise_at_work {

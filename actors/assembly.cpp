@@ -7,9 +7,11 @@
 #include "actors/messages/programs.hpp"
 #include "actors/messages/serial.hpp"
 #include "actors/messages/supervision.hpp"
+#include "actors/mote.hpp"
 #include "actors/outside_line.hpp"
 #include "actors/peis_bluetooth.hpp"
 #include "actors/peis_lan.hpp"
+#include "actors/program.hpp"
 #include "actors/program_host.hpp"
 #include "actors/pty_end.hpp"
 #include "actors/replay_line.hpp"
@@ -110,6 +112,25 @@ smepp::kept first_kept(std::uint32_t starts) {
   return {starts << frames_of_a_life, {}};
 }
 
+/// @param programs of a mote
+/// @param traffic of all motes of the island
+std::shared_ptr<const mote::node_tables> tables_of(ecology_pointer self, island_id island,
+                                                   const std::vector<apps::app_config>& programs,
+                                                   const apps::traffic& traffic) {
+  auto& common = self->state.tables[island];
+  if (programs.empty() && common)
+    return common;
+  mote::node_tables x;
+  x.layer.synaptic.tick_period = self->state.description.tick;
+  x.layer.messages.answer_slack = self->state.answer_slack;
+  apps::make_room(x.layer, programs);
+  apps::make_room(x.network, apps::traffic_of(island, programs), traffic);
+  auto made = std::make_shared<const mote::node_tables>(std::move(x));
+  if (programs.empty())
+    common = made;
+  return made;
+}
+
 mote_arguments arguments_of(ecology_pointer self, const config::island_description& island,
                             const config::mote_description& mote, const apps::traffic& traffic,
                             radio::radio_index radio, const air_actor& air) {
@@ -134,11 +155,7 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.smepp = groups_of(self, island, mote);
   if (x.smepp)
     x.smepp_kept = std::make_shared<smepp::kept>(first_kept(self->state.process.starts));
-  x.node.layer.synaptic.tick_period = self->state.description.tick;
-  x.node.layer.messages.answer_slack = self->state.answer_slack;
-  const auto programs = configs_of(programs_among(mote.apps));
-  apps::make_room(x.node.layer, programs);
-  apps::make_room(x.node.network, apps::traffic_of(island.id, programs), traffic);
+  x.node.tables = tables_of(self, island.id, configs_of(programs_among(mote.apps)), traffic);
   x.seed = self->state.description.seed;
   x.radio = radio;
   x.air = air;
@@ -223,7 +240,7 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   auto& sink = self->state.sinks[island.id];
   sink.path = "sink/" + island.name;
   sink.store.starts = sink.store.term = self->state.process.starts;
-  sink.arguments = std::move(at_sink);
+  sink.arguments = std::make_shared<const sink_arguments>(std::move(at_sink));
   spawn_sink(self, sink);
   if (island.outside.has_gateway()) {
     spawn_pty(self, island);

@@ -10,6 +10,7 @@
 #include "actors/messages/air.hpp"
 #include "actors/messages/programs.hpp"
 #include "actors/messages/services.hpp"
+#include "actors/mote.hpp"
 #include "config/change_text.hpp"
 #include "config/debug_selection.hpp"
 

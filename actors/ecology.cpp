@@ -15,7 +15,10 @@
 #include "actors/messages/programs.hpp"
 #include "actors/messages/serial.hpp"
 #include "actors/messages/supervision.hpp"
+#include "actors/mote.hpp"
 #include "actors/peer_supervision.hpp"
+#include "actors/program.hpp"
+#include "actors/sink.hpp"
 #include "config/debug_selection.hpp"
 #include "report/event_log.hpp"
 

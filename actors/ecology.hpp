@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "actors/air.hpp"
+#include "actors/frame_observer.hpp"
 #include "actors/messages/air.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/links.hpp"
@@ -18,21 +18,32 @@
 #include "actors/messages/serial.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
-#include "actors/mote.hpp"
-#include "actors/program.hpp"
-#include "actors/sink.hpp"
 #include "apps/traffic.hpp"
 #include "config/ecology.hpp"
 #include "core/random.hpp"
 #include "io/loop.hpp"
+#include "mote/nonvolatile.hpp"
 #include "report/expectations.hpp"
 #include "report/fault_plan.hpp"
 #include "report/invariants.hpp"
 #include "report/report.hpp"
 #include "report/run_counters.hpp"
-#include "rfid/reader.hpp"
+#include "transport/messenger.hpp"
 
 namespace rubicon {
+
+namespace rfid {
+struct tag;
+} // namespace rfid
+
+namespace mote {
+struct node_tables;
+} // namespace mote
+
+// What motes, programs and sinks are made of: their own headers are large.
+struct mote_arguments;
+struct program_arguments;
+struct sink_arguments;
 
 using report_receiver = std::function<void(report::run_report)>;
 
@@ -68,7 +79,7 @@ struct supervised_double {
 
 /// A sink as its supervisor knows it.
 struct supervised_sink {
-  std::optional<sink_arguments> arguments;
+  std::shared_ptr<const sink_arguments> arguments;
   std::string path;
   mote::nonvolatile store; ///< its flash
   sink_actor handle;       ///< nullptr while it is out of order
@@ -175,6 +186,8 @@ struct ecology_state : collected_answers {
   /// From the description as it was before its motes were taken out.
   transport::answer_slacks answer_slack;
   std::map<island_id, apps::traffic> traffic; ///< of the programs on all motes of an island
+  /// Of motes without programs of their own, which share them.
+  std::map<island_id, std::shared_ptr<const mote::node_tables>> tables;
   std::map<island_id, supervised_sink> sinks; ///< of islands with the full stack
   std::map<island_id, air_actor> airs;
   std::map<std::uint32_t, fault_radio> noises; ///< by the fault's index in the description
@@ -182,8 +195,9 @@ struct ecology_state : collected_answers {
   std::map<std::uint32_t, std::shared_ptr<const mote_arguments>> successors;
   std::map<std::pair<island_id, std::size_t>, serial_line_actor> lines; ///< of sinks, numbered
   std::map<island_id, serial_line_actor> real_lines; ///< to real motes beside simulated ones
-  std::shared_ptr<const rfid::tags> tags; ///< of the world; nullptr until a reader needs them
-  scheduler::process* pcs = nullptr;      ///< of all peers, and of the networks between them
+  /// Of the world; nullptr until a reader needs them.
+  std::shared_ptr<const std::vector<rfid::tag>> tags;
+  scheduler::process* pcs = nullptr; ///< of all peers, and of the networks between them
   std::map<island_id, scheduler::process*> processes;
   peis_lan_actor lan;
   peis_bluetooth_actor bluetooth;                    ///< nullptr: no peer has an adapter

@@ -2,34 +2,31 @@
 // equal logs (style: one line an event).
 #pragma once
 
-#include <cstddef>
 #include <string_view>
 #include <utility>
 
-#include <spdlog/spdlog.h>
+#include <spdlog/common.h>
 
 #include "actors/timer.hpp"
-#include "core/printable.hpp"
+#include "core/time.hpp"
 #include "scheduler/process.hpp"
 
 namespace rubicon {
 
-inline constexpr std::size_t log_octets_max = 8192; ///< of a line: a value may be very long
+/// Whether lines of this level are written.
+[[nodiscard]] bool is_logged(spdlog::level::level_enum level);
 
-/// Logs `12.004160 W mote/kitchen/climate-7 event=refused ...` if the level is on, as one line that
-/// is printable(), whatever it quotes.
+/// Writes `12.004160 W mote/kitchen/climate-7 event=refused ...` as one line that is printable(),
+/// whatever it quotes. Compiled once: what formats values is large.
+void write_line(scheduler::process& where, instant now, std::string_view who,
+                spdlog::level::level_enum level, fmt::string_view format, fmt::format_args args);
+
+/// Writes such a line if the level is on.
 template <class Self, class... Args>
 void log_as(Self* self, std::string_view who, spdlog::level::level_enum level,
             spdlog::format_string_t<Args...> format, Args&&... args) {
-  auto* const logger = spdlog::default_logger_raw();
-  if (!logger->should_log(level))
-    return;
-  static constexpr std::string_view letters = "TDIWECO";
-  auto line = printable(fmt::format("{} {} {} {}", to_text(now(self)),
-                                    letters[static_cast<std::size_t>(level)], who,
-                                    fmt::format(format, std::forward<Args>(args)...)),
-                        log_octets_max);
-  self->where()->say([logger, level, text = std::move(line)] { logger->log(level, "{}", text); });
+  if (is_logged(level))
+    write_line(*self->where(), now(self), who, level, format, fmt::make_format_args(args...));
 }
 
 /// The actor itself.

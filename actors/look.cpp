@@ -3,8 +3,10 @@
 #include <map>
 #include <utility>
 
+#include "actors/air.hpp"
 #include "actors/gateway.hpp"
 #include "actors/messages/services.hpp"
+#include "actors/mote.hpp"
 #include "actors/peis_peer.hpp"
 #include "actors/sink.hpp"
 #include "actors/statuses.hpp"

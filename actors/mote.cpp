@@ -404,7 +404,7 @@ void start_groups(mote_pointer self, const std::string& life, const mote::crysta
   const auto& arguments = *state.arguments;
   if (!arguments.smepp)
     return;
-  state.groups.emplace(smepp_shell{
+  state.groups = std::make_unique<smepp_shell>(smepp_shell{
       smepp::node(*arguments.smepp, random_stream(arguments.seed, life + "/smepp"),
                   crystal.own(instant{}), crystal.own(now(self)), *arguments.smepp_kept),
       crystal});

@@ -56,7 +56,7 @@ struct mote_state {
   mote::nonvolatile store;        ///< as it was before this life
   std::optional<mote::node> node; ///< full stack only
   flow_host flows;
-  std::optional<smepp_shell> groups;
+  std::unique_ptr<smepp_shell> groups; ///< nullptr: none, as in most motes; it is large
   radio_wish radio;
   device::walk walk;
   timer wake;

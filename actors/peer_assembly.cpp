@@ -10,6 +10,7 @@
 #include "actors/messages/programs.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
+#include "actors/mote.hpp"
 #include "actors/object_manager.hpp"
 #include "actors/pc.hpp"
 #include "actors/peis_bluetooth.hpp"

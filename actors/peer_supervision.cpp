@@ -10,6 +10,7 @@
 #include "actors/messages/serial.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
+#include "actors/timer.hpp"
 
 namespace rubicon {
 

@@ -9,7 +9,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -36,7 +35,7 @@ struct setting_key {
 /// What a file says, or `otherwise`, for each key.
 class settings {
 public:
-  void set(const std::string& key, setting x) { values_[key] = std::move(x); }
+  void set(const std::string& key, setting x);
 
   /// @pre the application's kind has such a key, of this type
   template <class T>
@@ -63,11 +62,7 @@ struct application_kind {
 class registry {
 public:
   /// @returns whether the name was free; otherwise nothing is changed
-  bool add(application_kind x) {
-    auto name = x.name;
-    return kinds_.emplace(std::move(name), std::make_shared<const application_kind>(std::move(x)))
-        .second;
-  }
+  bool add(application_kind x);
 
   [[nodiscard]] const auto& all() const { return kinds_; }
 

@@ -39,6 +39,9 @@ void set_island(bytes& record, island_id island) {
 
 } // namespace
 
+layer::layer() = default;
+layer::~layer() = default;
+
 layer::layer(layer_config config, random_stream rng) : config_(config) {
   config.messages.self = config.self;
   config.messages.incarnation = config.incarnation;

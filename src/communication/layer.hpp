@@ -149,8 +149,9 @@ RUBICON_FIELDS(layer_counters, unowned, offered, unjoined, misaddressed, refused
 /// each command given from outside.
 class layer {
 public:
-  layer() = default;
+  layer();
   layer(layer_config config, random_stream rng);
+  ~layer();
   layer(const layer&) = delete; // programs point to it
   layer& operator=(const layer&) = delete;
 

@@ -6,6 +6,8 @@
 
 namespace rubicon::communication {
 
+program_port::~program_port() = default;
+
 void program_port::numbering::add(std::uint16_t program, int layer) {
   here[program] = layer;
   there[layer] = program;

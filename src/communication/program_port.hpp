@@ -33,6 +33,10 @@ public:
     catch_up(node.above());
   }
 
+  ~program_port() override;                   // it is large: compiled once
+  program_port(const program_port&) = delete; // its node points to it
+  program_port& operator=(const program_port&) = delete;
+
   [[nodiscard]] const remote::limits& limits() const { return limits_; }
 
   /// Between begin() and settle() of the node.

@@ -14,6 +14,8 @@ status status_of(bool success) {
 
 } // namespace
 
+remote_process::~remote_process() = default;
+
 interface remote_process::attach(communication_events& program) {
   program_ = &program;
   if (program.wants_ticks())

@@ -35,6 +35,7 @@ public:
   /// @param commands_max that the node has not taken; closing and disposing do not count
   explicit remote_process(remote::limits node, std::size_t commands_max = 256)
       : node_(node), commands_max_(commands_max) {}
+  ~remote_process() override; // it is large: compiled once
 
   /// The program; it outlives this.
   [[nodiscard]] interface attach(communication_events& program);

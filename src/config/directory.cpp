@@ -6,6 +6,10 @@
 
 namespace rubicon::config {
 
+std::shared_ptr<const directory> nobody_yet() {
+  return std::make_shared<const directory>();
+}
+
 std::string default_mote_name(std::string_view type_name, mote_id id) {
   return (type_name.empty() ? "mote" : std::string(type_name)) + '-' + to_string(id);
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <string_view>
@@ -64,5 +65,8 @@ struct directory {
   std::set<std::string, std::less<>> groups; ///< of SMEPP Light
   std::set<std::string, std::less<>> mote_types;
 };
+
+/// That of a file of which nothing is read yet: it is empty.
+[[nodiscard]] std::shared_ptr<const directory> nobody_yet();
 
 } // namespace rubicon::config

@@ -2,6 +2,13 @@
 
 namespace rubicon::config {
 
+mote_description::mote_description() = default;
+mote_description::~mote_description() = default;
+mote_description::mote_description(const mote_description&) = default;
+mote_description& mote_description::operator=(const mote_description&) = default;
+mote_description::mote_description(mote_description&&) noexcept = default;
+mote_description& mote_description::operator=(mote_description&&) noexcept = default;
+
 island_description::island_description() = default;
 island_description::~island_description() = default;
 island_description::island_description(const island_description&) = default;

@@ -60,6 +60,14 @@ using mote_app = std::variant<sampler_app, actuator_app, messenger_app, listener
 using device::waypoint;
 
 struct mote_description {
+  // Compiled once: they are large.
+  mote_description();
+  ~mote_description();
+  mote_description(const mote_description&);
+  mote_description& operator=(const mote_description&);
+  mote_description(mote_description&&) noexcept;
+  mote_description& operator=(mote_description&&) noexcept;
+
   mote_id id;
   std::string name;                          ///< unique in its island
   std::uint32_t type = 0;                    ///< signature reported at join (PXY-13)

@@ -21,7 +21,7 @@ struct reading {
   trace_files* traces = nullptr;      ///< not set where other files are not read
   const named_files* files = nullptr; ///< the same
   /// Empty where nobody knows yet who is there; never nullptr.
-  std::shared_ptr<const directory> names = std::make_shared<const directory>();
+  std::shared_ptr<const directory> names = nobody_yet();
   config::quantities quantities;
   duration end = duration::max(); ///< of the run, as far as the file says it well
 };

@@ -1,6 +1,18 @@
 #include "core/bytes.hpp"
 
+#include <cassert>
+
 namespace rubicon {
+
+payload::payload(bytes octets) : content_(std::make_shared<const content>(std::move(octets))) {}
+
+payload payload::part(std::size_t offset, std::size_t count) const {
+  assert(offset <= size() && count <= size() - offset);
+  payload x;
+  if (count > 0)
+    x.content_ = std::make_shared<const content>(content_, view().subspan(offset, count));
+  return x;
+}
 
 std::string to_hex(byte_view x) {
   static constexpr std::string_view digits = "0123456789abcdef";

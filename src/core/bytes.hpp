@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -42,17 +41,10 @@ using byte_view = std::span<const std::uint8_t>;
 class payload {
 public:
   payload() = default;
-  payload(bytes octets) // NOLINT: an implicit conversion is what every sender wants
-      : content_(std::make_shared<const content>(std::move(octets))) {}
+  payload(bytes octets); // NOLINT: an implicit conversion is what every sender wants
 
   /// `count` octets from `offset` on; they share, and keep, the storage of all. @pre they exist
-  [[nodiscard]] payload part(std::size_t offset, std::size_t count) const {
-    assert(offset <= size() && count <= size() - offset);
-    payload x;
-    if (count > 0)
-      x.content_ = std::make_shared<const content>(content_, view().subspan(offset, count));
-    return x;
-  }
+  [[nodiscard]] payload part(std::size_t offset, std::size_t count) const;
 
   [[nodiscard]] byte_view view() const { return content_ ? content_->visible : byte_view(); }
   [[nodiscard]] std::size_t size() const { return view().size(); }

@@ -80,16 +80,18 @@ island_time beside_the_window(island_time first, duration interval, const duty_c
 
 } // namespace
 
+node::~node() = default;
+
 node::node(std::shared_ptr<const node_config> config, crystal crystal, const nonvolatile& store,
            random_stream rng, instant now)
     : config_(std::move(config)), crystal_(crystal), place_(config_->place), rng_(rng),
       store_(store) {
-  auto above = config_->layer;
+  auto above = config_->tables->layer;
   above.self = config_->id;
   above.incarnation = incarnation();
   above.transducer_mask = describe(*config_).transducer_mask;
   layer_.emplace(above, random_stream(rng_.next()));
-  auto network = config_->network;
+  auto network = config_->tables->network;
   network.self = config_->id;
   network.duty = config_->duty.common();
   packets_ = packet_service(network, random_stream(rng_.next()), now);
@@ -587,7 +589,7 @@ std::size_t node::footprint() const {
   constexpr std::size_t join_octets = 32;
   constexpr std::size_t clock_octets = 12;
   return packets_.footprint() + layer_->footprint() + join_octets + clock_octets +
-         duty_cycle::footprint(config_->network.paths.entries_max);
+         duty_cycle::footprint(config_->tables->network.paths.entries_max);
 }
 
 } // namespace rubicon::mote

@@ -32,6 +32,12 @@
 
 namespace rubicon::mote {
 
+/// Sizes of tables.
+struct node_tables {
+  communication::layer_config layer;
+  network::router_config network;
+};
+
 struct node_config {
   mote_id id;
   std::uint32_t type = 0;
@@ -42,8 +48,8 @@ struct node_config {
   std::vector<device::actuator_config> actuators;
   position place;                    ///< for what its transducers measure
   std::uint64_t transducer_seed = 0; ///< of random walks: the same in all lives of a mote
-  communication::layer_config layer; ///< sizes of tables
-  network::router_config network;    ///< the same
+  /// Never nullptr; motes that are alike share one.
+  std::shared_ptr<const node_tables> tables = std::make_shared<const node_tables>();
   duty_config duty;
 };
 
@@ -86,6 +92,9 @@ public:
        random_stream rng, instant now);
   node(node_config config, const nonvolatile& store, random_stream rng, instant now)
       : node(std::make_shared<const node_config>(std::move(config)), {}, store, rng, now) {}
+  ~node();                    // it is large: compiled once
+  node(const node&) = delete; // programs point to it
+  node& operator=(const node&) = delete;
 
   /// A program on this mote. Commands that are not given from within an event are followed by
   /// settle(). @param events outlives this

@@ -68,8 +68,8 @@ router::router(router_config config, random_stream rng, instant now)
       seek_end_(now + config.seek_length), report_gap_(config.report_gap),
       helped_(now - config.help_gap), answered_(now - config.answer_gap_awake), silent_(now),
       requested_(now - config.period_request_gap) {
-  clock_ = clock_sync(clock_of(config_), now);
-  auto packets = config_.packets;
+  clock_ = clock_sync(clock_of(config), now);
+  auto packets = config.packets;
   packets.self = config_.self;
   packets.is_root = config_.is_sink;
   if (config_.is_sink) { // has a PC's memory and power
@@ -78,7 +78,7 @@ router::router(router_config config, random_stream rng, instant now)
     packets.seen_max = 64;
   }
   packets_ = collection(packets, random_stream(rng_.next()));
-  auto paths = config_.paths;
+  auto paths = config.paths;
   paths.self = config_.self;
   if (config_.is_sink) {
     paths.entries_max = std::max<std::size_t>(paths.entries_max, 32);

@@ -29,12 +29,10 @@
 
 namespace rubicon::network {
 
-struct router_config {
+/// Of the router itself.
+struct own_router_config {
   mote_id self;
   bool is_sink = false;
-  channels_config paths;     ///< sizes of tables and queues; a sink's are larger at least; the next
-  collection_config packets; ///< too
-  trickle_config beacons;
   tick_setting tick;              ///< the sink's (CLK-03)
   duration report_period = 8min;  ///< a mote tells the sink where it is, at least so often;
   duration report_gap = 5s;       ///< when that has changed, so long after it said anything; twice
@@ -69,6 +67,12 @@ struct router_config {
   unsigned silent_windows_max = 3;
   duration period_request_gap = 1min; ///< between requests for more rounds of the clock,
   duration period_request_spread = 10s; ///< each sent within this, unless another's has helped
+};
+
+struct router_config : own_router_config {
+  channels_config paths;     ///< sizes of tables and queues; a sink's are larger at least; the next
+  collection_config packets; ///< too
+  trickle_config beacons;
 };
 
 /// Put this frame on the radio and tell on_sent() how it ended.
@@ -224,7 +228,7 @@ private:
   [[nodiscard]] std::optional<virtual_coordinates> known_place(mote_id x) const;
   [[nodiscard]] frame_out frame_for(purpose why, mote_id to, std::uint8_t am_type, bytes payload);
 
-  router_config config_;
+  own_router_config config_;
   random_stream rng_;
   neighbours links_;
   gradient tree_;

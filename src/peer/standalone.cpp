@@ -211,8 +211,10 @@ void standalone::call_user(const char* what, F&& f) {
   const auto begin = now();
   f();
   const auto length = now() - begin;
-  if (length > callback_max)
-    warn(slow_callback_, std::string("a callback for ") + what + " took " + in_ms(length));
+  if (length > callback_max) {
+    std::string text("a callback for ");
+    warn(slow_callback_, text.append(what).append(" took ").append(in_ms(length)));
+  }
 }
 
 void standalone::handle(peis::close_link& x) {

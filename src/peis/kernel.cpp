@@ -21,6 +21,11 @@ bool asks_to_quit(const tuple& x) {
 
 } // namespace
 
+kernel::kernel() = default;
+kernel::~kernel() = default;
+kernel::kernel(kernel&&) noexcept = default;
+kernel& kernel::operator=(kernel&&) noexcept = default;
+
 kernel::kernel(kernel_config config, random_stream rng, instant now)
     : config_(std::move(config)), network_(config_.network, rng, now),
       tuples_(config_.tuples, config_.network.id, config_.network.clock_offset), statistics_(now) {

@@ -91,7 +91,10 @@ struct kernel_counters {
 /// may only be assigned to.
 class kernel {
 public:
-  kernel() = default;
+  kernel();
+  ~kernel(); // these are large: compiled once
+  kernel(kernel&&) noexcept;
+  kernel& operator=(kernel&&) noexcept;
 
   /// Publishes kernel.hostname, .version, .name, .user, .id and .do-quit (peis-wire.md 18).
   /// @pre config.network.id is 1..65535

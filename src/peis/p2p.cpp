@@ -23,6 +23,11 @@ lane lane_of(const package_header& header) {
 
 } // namespace
 
+p2p::p2p() = default;
+p2p::~p2p() = default;
+p2p::p2p(p2p&&) noexcept = default;
+p2p& p2p::operator=(p2p&&) noexcept = default;
+
 p2p::p2p(p2p_config config, random_stream rng, instant now)
     : config_(std::move(config)), rng_(rng), ids_(rng_), strangers_(config_.routing_period),
       seen_(config_.tables.seen, rng_), assembly_(config_.assembly),

@@ -180,7 +180,10 @@ using transit_hook = std::function<verdict(const package_header&, byte_view)>;
 /// and flush() hand them out, so that packages of one occasion leave each link in one piece.
 class p2p {
 public:
-  p2p() = default;
+  p2p();
+  ~p2p(); // these are large: compiled once
+  p2p(p2p&&) noexcept;
+  p2p& operator=(p2p&&) noexcept;
   p2p(p2p_config config, random_stream rng, instant now);
 
   void on_link_open(link_id link, link_role role, instant now,

@@ -120,6 +120,14 @@ struct known_object {
 };
 
 struct proxy_class {
+  // Compiled once: they are large.
+  proxy_class();
+  ~proxy_class();
+  proxy_class(const proxy_class&);
+  proxy_class& operator=(const proxy_class&);
+  proxy_class(proxy_class&&) noexcept;
+  proxy_class& operator=(proxy_class&&) noexcept;
+
   std::string name;
   std::vector<type_range> types; ///< of motes it claims; the narrowest matching range wins
   std::vector<id_prefix> ids;    ///< of other objects it claims; the longest matching prefix wins

@@ -25,6 +25,20 @@ Part sum_over_islands(const run_report& x, Part island_report::*part) {
 
 } // namespace
 
+island_report::island_report() = default;
+island_report::~island_report() = default;
+island_report::island_report(const island_report&) = default;
+island_report& island_report::operator=(const island_report&) = default;
+island_report::island_report(island_report&&) noexcept = default;
+island_report& island_report::operator=(island_report&&) noexcept = default;
+
+peer_report::peer_report() = default;
+peer_report::~peer_report() = default;
+peer_report::peer_report(const peer_report&) = default;
+peer_report& peer_report::operator=(const peer_report&) = default;
+peer_report::peer_report(peer_report&&) noexcept = default;
+peer_report& peer_report::operator=(peer_report&&) noexcept = default;
+
 run_report::run_report() = default;
 run_report::~run_report() = default;
 run_report::run_report(const run_report&) = default;

@@ -264,6 +264,14 @@ struct gateway_report {
 RUBICON_FIELDS(gateway_report, id, name, lead);
 
 struct island_report {
+  // Compiled once: they are large.
+  island_report();
+  ~island_report();
+  island_report(const island_report&);
+  island_report& operator=(const island_report&);
+  island_report(island_report&&) noexcept;
+  island_report& operator=(island_report&&) noexcept;
+
   island_id id;
   std::string name;
   radio_report radio; ///< of radios of this island
@@ -299,6 +307,14 @@ struct proxy_report {
 RUBICON_FIELDS(proxy_report, name, proxy_class, status, values, actuations);
 
 struct peer_report {
+  // Compiled once: they are large.
+  peer_report();
+  ~peer_report();
+  peer_report(const peer_report&);
+  peer_report& operator=(const peer_report&);
+  peer_report(peer_report&&) noexcept;
+  peer_report& operator=(peer_report&&) noexcept;
+
   peer_id id;              ///< its PEIS id
   std::string name;        ///< its name
   std::uint64_t links = 0; ///< open links at the end

@@ -11,6 +11,14 @@ constexpr int windows_max = 256;
 
 } // namespace
 
+void energy::set(cycle_key key, const duty_cycle& x) {
+  cycles_[key] = x;
+}
+
+void energy::remove(cycle_key key) {
+  cycles_.erase(key);
+}
+
 std::optional<energy::stretch> energy::last_window(const duty_cycle& x, instant t) {
   if (t < x.first)
     return std::nullopt;

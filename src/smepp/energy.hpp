@@ -39,8 +39,8 @@ public:
   explicit energy(energy_config config = {}) : config_(config) {}
 
   /// @param key chosen by the owner
-  void set(cycle_key key, const duty_cycle& x) { cycles_[key] = x; }
-  void remove(cycle_key key) { cycles_.erase(key); }
+  void set(cycle_key key, const duty_cycle& x);
+  void remove(cycle_key key);
   void clear() { cycles_.clear(); }
 
   [[nodiscard]] bool is_on(instant now) const;

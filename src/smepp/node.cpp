@@ -70,6 +70,10 @@ private:
   node_outputs& out_;
 };
 
+node::~node() = default;
+node::node(node&&) noexcept = default;
+node& node::operator=(node&&) noexcept = default;
+
 node::node(node_config config, random_stream rng, instant begin, instant now, kept before)
     : peer_(peer_config_of(config), random_stream(rng.next()), now, std::move(before)),
       network_{config.settings.network_key.value_or(key()),

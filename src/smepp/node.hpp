@@ -52,6 +52,9 @@ public:
   /// @param begin of the run, by the same clock
   /// @param before what store_kept gave last, in a former life
   node(node_config config, random_stream rng, instant begin, instant now, kept before = {});
+  ~node(); // these are large: compiled once
+  node(node&&) noexcept;
+  node& operator=(node&&) noexcept;
 
   /// Transducers are read through this; without it there are none.
   void set_reader(reader x) { reader_ = std::move(x); }

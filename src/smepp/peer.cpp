@@ -19,6 +19,10 @@ peer_config with_self(peer_config x) {
 
 } // namespace
 
+peer::~peer() = default;
+peer::peer(peer&&) noexcept = default;
+peer& peer::operator=(peer&&) noexcept = default;
+
 peer::peer(peer_config config, random_stream rng, instant now, kept before)
     : config_(with_self(config)), rng_(rng), kept_(std::move(before)),
       security_(config_.security, kept_.counter_reserved),

@@ -90,6 +90,9 @@ class peer {
 public:
   /// @param before what store_kept gave last, in a former life
   peer(peer_config config, random_stream rng, instant now, kept before = {});
+  ~peer(); // these are large: compiled once
+  peer(peer&&) noexcept;
+  peer& operator=(peer&&) noexcept;
 
   // ---- D1.1 table 1
   // NOLINTBEGIN(readability-identifier-naming): its names

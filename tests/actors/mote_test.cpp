@@ -128,6 +128,13 @@ struct mote_fixture {
 
 } // namespace
 
+TEST_CASE("a mote holds no state of what few motes have, nor tables' sizes of its own",
+          "[actors][mote]") {
+  // With the state of SMEPP Light, or a copy of all sizes, there would be a tenth more at least.
+  CHECK(sizeof(mote_state) <= 7'000);
+  CHECK(sizeof(mote_arguments) <= 640);
+}
+
 TEST_CASE("a mote asks its sink to take it in once it knows a way, and confirms the answer",
           "[actors][mote][DIS-08][MCK-14][ACT-01]") {
   mote_fixture x;

@@ -126,6 +126,18 @@ flow_report sample_flow(std::uint16_t from, mote_id to, const std::string& to_na
   return x;
 }
 
+peer_report sample_peer(peer_id id, std::string name, std::uint64_t links, std::uint64_t hosts,
+                        std::uint64_t tuples, peis_report peis) {
+  peer_report x;
+  x.id = id;
+  x.name = std::move(name);
+  x.links = links;
+  x.hosts_known = hosts;
+  x.tuples = tuples;
+  x.peis = std::move(peis);
+  return x;
+}
+
 } // namespace
 
 run_report sample_report() {
@@ -145,8 +157,9 @@ run_report sample_report() {
   x.flows[1].pdr = 3;
   x.flows[1].lost = {};
   x.flows[1].open = 0;
-  x.peers = {{peer_id{3}, "kitchen-gateway", 2, 3, 41, {1, 5'321, 41, {{"queue_full", 2}}}},
-             {peer_id{100}, "robot", 1, 3, 7, {1, 812, 7, {}}}};
+  x.peers = {
+      sample_peer(peer_id{3}, "kitchen-gateway", 2, 3, 41, {1, 5'321, 41, {{"queue_full", 2}}}),
+      sample_peer(peer_id{100}, "robot", 1, 3, 7, {1, 812, 7, {}})};
   x.proxies = {{"kitchen.climate-7",
                 "climate",
                 "active",
@@ -189,7 +202,7 @@ run_report large_report() {
       island.motes.push_back(sample_mote(island.id, mote, "climate-" + std::to_string(mote),
                                          300 + 0.1 * i + 0.01 * mote));
     x.islands.push_back(island);
-    x.peers.push_back({gateway_of(island.id), island.name + "-gateway", 1, 50, 100, {}});
+    x.peers.push_back(sample_peer(gateway_of(island.id), island.name + "-gateway", 1, 50, 100, {}));
     x.proxies.push_back(
         {island.name, "climate", "active", {{"temperature", "20.0 C"}}, {1, 1, 0, {}, {}, {}}});
   }
