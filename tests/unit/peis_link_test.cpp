@@ -256,7 +256,7 @@ TEST_CASE("an empty value travels as one zero octet with its own MIME type", "[p
   CHECK(again->value.empty());
 }
 
-TEST_CASE("the times of tuples go on after the wire's 32 bits", "[peis][TUP-01]") {
+TEST_CASE("the times of tuples go on after the wire's 32 bits", "[peis]") {
   const auto again = [](timestamp time, timestamp known) {
     tuple x;
     x.owner = x.creator = peer_id{1};
