@@ -47,7 +47,7 @@ void time_watch::on_listed(mote_address address, bool listed, bool by_itself, in
   who.is_expected = listed || (who.is_expected && !by_itself);
   if (listed || !who.is_expected)
     end_silence(of->second, who, who.unlisted, now);
-  else if (!who.unlisted.since)
+  else if (!who.unlisted.since && (who.runs || !who.is_known))
     who.unlisted.since = now;
 }
 

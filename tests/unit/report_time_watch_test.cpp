@@ -133,6 +133,14 @@ TEST_CASE("healing takes its time, from the end of its cause", "[report][invaria
     x.run_to(2000s + bound + 60s);
     CHECK(x.report().violations.size() == 1);
   }
+  SECTION("not while it has no power") {
+    x.of_fan.runs = false;
+    x.run_to(1010s);
+    x.list(false, 1015s);
+    x.run_to(3h);
+    CHECK(x.report().violations.empty());
+    CHECK(x.fan_report().silence == 0s);
+  }
   SECTION("as long as the mote that it needs does not run") {
     x.of_lamp.runs = false;
     x.of_fan.has_route = false;
