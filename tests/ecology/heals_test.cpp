@@ -117,18 +117,15 @@ TEST_CASE("time goes on when it has more than 32 bits of seconds", "[ecology][CL
       "\"03:04\"\n" +
       std::string(two_motes) +
       "gateway.apps = [{ app = \"recorder\", streams = [1], every = \"10s\", file = \"" + file +
-      "\" }]\n[[peer]]\nid = 300\nname = \"pc\"\nlinks = [\"hall-gateway\"]\n"
+      "\" }]\n[[peer]]\nid = 300\nname = \"pc\"\nlinks = [\"inproc://hall-gateway\"]\n"
       "apps = [{ app = \"proxy_manager\" }]\n"
       "[[proxy]]\nname = \"probe\"\ntypes = [100]\n"
       "[[proxy.field]]\nname = \"time\"\nchannel = 1\noffset = 2\nencoding = \"u32\"\n"
       "scale = 0.001\ndecimals = 3\n"
       "[[fault]]\nat = \"15min\"\nkind = \"clock_step\"\npeer = \"pc\"\nby = \"100s\"\n");
   auto with_stream = what;
-  with_stream.islands.at(0).motes.at(1).apps.emplace_back(
-      apps::app_config(apps::stream_writer_config{.transducer = device::quantity::temperature,
-                                                  .to = {island_id{1}, no_mote},
-                                                  .stream = 1,
-                                                  .every = 10s}));
+  with_stream.islands.at(0).motes.at(1).apps.emplace_back(apps::app_config(
+      apps::stream_writer_config{.every = 10s, .to = {island_id{1}, no_mote}, .stream = 1}));
   const auto report = run(with_stream);
   CHECK(report.violations.empty());
   CHECK(report.islands.at(0).network.aligned == 2);
