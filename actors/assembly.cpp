@@ -46,15 +46,14 @@ std::string type_name(const config::mote_description& x) {
   return x.type_name.empty() ? std::to_string(x.type) : x.type_name;
 }
 
-/// A mote promises to be heard somewhat more rarely than it reports, so that a report on time makes
-/// a keep-alive unnecessary.
+/// How often a mote promises to be heard.
 duration keep_alive_of(const config::island_description& island,
                        const config::mote_description& mote) {
-  auto period = island.keep_alive * 3 / 10;
+  auto period = silence_max(island) / 5;
   for (const auto& app : mote.apps) {
     const auto* sampler = std::get_if<config::sampler_app>(&app);
     if (sampler != nullptr && !sampler->only_subscribed)
-      period = std::max(period, std::max(sampler->every, sampler->silence_max) * 3 / 2);
+      period = std::max({period, sampler->every, sampler->silence_max});
   }
   return period;
 }
@@ -224,7 +223,7 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
     at_sink.registrar.aliases.emplace_back(static_cast<std::uint32_t>(alias.id.value));
   }
   at_sink.registrar.island = island.id;
-  at_sink.registrar.keep_alive_window = island.keep_alive;
+  at_sink.registrar.keep_alive_window = silence_max(island);
   const auto slowness = line_slowness(island);
   at_sink.registrar.roster_period *= slowness;
   at_sink.registrar.roster_page_gap *= slowness;

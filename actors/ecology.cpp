@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <set>
+#include <type_traits>
 #include <utility>
 
 #include "actors/assembly.hpp"
@@ -49,10 +50,11 @@ namespace {
 /// before it starts again.
 constexpr duration reboot_time = 500ms;
 
-/// How long a change may take to reach the gateway's list: the mote's keep-alive window and time to
-/// repair a lost event. Within it, at the end of a run, list and truth may differ.
+/// How long a change may take to reach the gateway's list: a mote is silent for three times as long
+/// as it has promised, and as long again for a lost event to be repaired. Within it, at the end of
+/// a run, list and truth may differ.
 duration settling_time(const supervised_mote& mote) {
-  return 4 * mote.arguments->node.keep_alive + 30s;
+  return 2 * mote::keep_alives_max * mote.arguments->node.keep_alive + 30s;
 }
 
 /// Takes a violation into the report, or tells it behind the report that is already out.
@@ -291,6 +293,11 @@ void on_real_listing(ecology_pointer self, const config::island_description& isl
     judge->on_joined(x.mote, now(self));
 }
 
+/// A mote that has left because its battery ends, or by its own wish, is not missed.
+bool has_left_by_itself(network::leave_cause x) {
+  return x == network::leave_cause::notice || x == network::leave_cause::battery;
+}
+
 void on_listing(ecology_pointer self, const listing_changed& x) {
   const auto& island = *std::ranges::find(self->state.description.islands, x.mote.island,
                                           &config::island_description::id);
@@ -315,6 +322,7 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
     return; // another gateway has told so
   mote.told = news;
   mote.changed = now(self);
+  self->state.watch.on_listed(x.mote, x.listed, has_left_by_itself(x.cause), now(self));
   if (!x.listed) {
     mote.left_cause = network::to_string(x.cause);
     note_event(self, "mote/" + mote.arguments->name, "left: " + mote.left_cause);
@@ -566,6 +574,51 @@ void restart(ecology_pointer self, const restart_mote& x) {
   spawn_mote(self, mote);
 }
 
+/// Until when a fault lasts. What happens to a mote is seen by looking at it, whether others need
+/// it or not.
+template <class Fault>
+instant end_of(const Fault& x, instant now) {
+  if constexpr (std::is_same_v<Fault, config::mote_double_fault> ||
+                std::is_same_v<Fault, config::duplicate_id_fault>)
+    return x.length ? now + *x.length : instant::max();
+  else if constexpr (requires { x.length.has_value(); })
+    return now + x.length.value_or(0s);
+  else if constexpr (
+      requires { x.length; } && !requires { x.mote; })
+    return now + x.length;
+  else
+    return now;
+}
+
+/// Where a fault is felt; nothing: perhaps everywhere.
+template <class Fault>
+std::optional<island_id> place_of(const Fault& x) {
+  std::optional<island_id> place;
+  if constexpr (std::is_same_v<Fault, config::move_island_fault> ||
+                std::is_same_v<Fault, config::noise_fault>)
+    return std::nullopt;
+  else if constexpr (requires { x.mote.island; })
+    place = x.mote.island;
+  else if constexpr (requires { x.island; })
+    place = x.island;
+  return place && *place != config::any_island && *place != config::any_mote.island ? place
+                                                                                    : std::nullopt;
+}
+
+/// What a mote does wrong soon after it is not held against it.
+void note_cause(ecology_pointer self, const config::fault& x) {
+  std::visit(
+      [self](const auto& fault) {
+        auto& watch = self->state.watch;
+        const auto until = end_of(fault, now(self));
+        if (const auto place = place_of(fault))
+          watch.on_cause(*place, until);
+        else
+          watch.on_cause(until);
+      },
+      x);
+}
+
 /// The next fault of the plan; the plan may be long.
 void schedule_fault(ecology_pointer self) {
   auto& state = self->state;
@@ -701,6 +754,22 @@ void on_lead(ecology_pointer self, const gateway_status& x) {
   const auto found = std::ranges::find(all, x.gateway, &report::gateway_report::id);
   if (found != all.end())
     found->lead += x.lead;
+}
+
+/// Islands whose sink and gateway are ours.
+void watch_islands(ecology_pointer self) {
+  auto& state = self->state;
+  for (const auto& island : state.description.islands) {
+    if (island.stack != config::stack::full || island.outside.has_sink() ||
+        island.outside.has_gateway())
+      continue;
+    report::healing_rules rules;
+    rules.sleeps = island.duty.enabled;
+    rules.period = island.duty.period;
+    rules.departure = silence_max(island);
+    rules.judges = state.description.mode == config::run_mode::virtual_time;
+    state.watch.add_island(island.id, island.name, rules);
+  }
 }
 
 void prepare_report(ecology_pointer self) {
@@ -925,6 +994,7 @@ void deliver(ecology_pointer self) {
   if (self->state.process.on_counters)
     self->state.process.on_counters(self->state.counters);
   self->state.counters.settle(report);
+  self->state.watch.tell(report, now(self));
   for (auto& x : report::check_all(report, truth_of(self)))
     report.violations.push_back(std::move(x));
   if (report.islands.empty() && report.peers.empty())
@@ -949,6 +1019,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   self->state.most_starts = self->state.process.starts;
   self->state.rng = random_stream(self->state.description.seed, self->path() + "/faults");
   prepare_report(self);
+  watch_islands(self);
   assemble(self);
   for (auto& island : self->state.description.islands)
     if (!island.outside.has_sink()) // names of real motes are asked for again
@@ -1003,7 +1074,9 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       [self](const apply_fault& x) {
         if (x.index < self->state.planned_faults)
           schedule_fault(self);
-        std::visit(fault_applier{{self}, x.index}, self->state.description.faults.at(x.index).what);
+        const auto& fault = self->state.description.faults.at(x.index).what;
+        note_cause(self, fault);
+        std::visit(fault_applier{{self}, x.index}, fault);
       },
       [self](const restart_mote& x) { restart(self, x); },
       [self](const restart_sink& x) { restart(self, x); },

@@ -28,6 +28,7 @@
 #include "report/invariants.hpp"
 #include "report/report.hpp"
 #include "report/run_counters.hpp"
+#include "report/time_watch.hpp"
 #include "transport/messenger.hpp"
 
 namespace rubicon {
@@ -213,6 +214,7 @@ struct ecology_state : collected_answers {
   std::map<mote_address, instant> gone;  ///< since when they are no more where they were
   std::vector<planned_end> planned_ends; ///< that are still to come
   std::vector<report::planned_fault> plan;
+  report::time_watch watch;       ///< is told of motes by whoever looks at them
   bool ending = false;            ///< end_run has come
   std::size_t next_fault = 0;     ///< in `plan`
   std::size_t planned_faults = 0; ///< of the description's; those behind are applied on request

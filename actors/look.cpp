@@ -51,6 +51,16 @@ void add_route(report::mote_sample& to, const mote::node& from) {
     to.etx = static_cast<double>(*etx) / network::etx_one;
 }
 
+/// The gateway among a peer's programs; nullptr: it has none, or it has ended.
+const gateway_state* gateway_at(const supervised_peer& x) {
+  using gateway_impl = scheduler::shell<gateway_state, gateway_interface>;
+  for (const auto& each : x.programs)
+    if (const auto* gateway = dynamic_cast<const gateway_impl*>(each->get());
+        gateway != nullptr && !gateway->has_ended())
+      return &gateway->state;
+  return nullptr;
+}
+
 report::peer_sample sample_of(const supervised_peer& from) {
   report::peer_sample x;
   x.name = from.name;
@@ -60,11 +70,8 @@ report::peer_sample sample_of(const supervised_peer& from) {
     return x;
   for (const auto& link : kernel->kernel.links())
     x.links.push_back({link.neighbour.value_or(any_peer), static_cast<std::uint32_t>(link.queued)});
-  using gateway_impl = scheduler::shell<gateway_state, gateway_interface>;
-  for (const auto& each : from.programs)
-    if (const auto* gateway = dynamic_cast<const gateway_impl*>(each->get());
-        gateway != nullptr && !gateway->has_ended())
-      x.to_sink = static_cast<std::uint32_t>(gateway->state.port.queued());
+  if (const auto* gateway = gateway_at(from))
+    x.to_sink = static_cast<std::uint32_t>(gateway->port.queued());
   return x;
 }
 
@@ -165,8 +172,89 @@ private:
 
 } // namespace
 
+namespace {
+
+/// What the motes of an island are judged by.
+struct island_view {
+  std::optional<island_time> time; ///< of its sink
+  std::vector<const gateway_state*> gateways;
+};
+
+std::map<island_id, island_view> views_of(const ecology_state& all, instant now) {
+  std::map<island_id, island_view> views;
+  for (const auto& [island, sink] : all.sinks) {
+    const auto* const state = state_of<sink_state>(sink.handle);
+    if (state == nullptr)
+      continue;
+    const auto& clock = state->sink.packets().router().clock();
+    auto& view = views[island];
+    if (clock.synchronised())
+      view.time = clock.at(state->arguments.crystal.own(now));
+  }
+  for (const auto& [name, peer] : all.peers)
+    if (const auto view = peer.island ? views.find(*peer.island) : views.end(); view != views.end())
+      if (const auto* gateway = gateway_at(peer))
+        view->second.gateways.push_back(gateway);
+  std::erase_if(views, [](const auto& x) { return x.second.gateways.empty(); });
+  return views;
+}
+
+/// Grows with each of its messages that has come to a gateway, as far as that is known.
+std::uint64_t arrived_from(const mote_address& mote, const island_view& view,
+                           const mote::node& node) {
+  auto sum = node.above().messages().counters().reliable_acked;
+  for (const auto* gateway : view.gateways) {
+    const auto& arrivals = gateway->gateway.above().messages().arrivals();
+    if (const auto found = arrivals.find(mote); found != arrivals.end())
+      sum += found->second;
+  }
+  return sum;
+}
+
+report::mote_look look_of(const mote_address& address, const supervised_mote& mote,
+                          const island_view* view, instant now) {
+  report::mote_look x;
+  const auto* const state = state_of<mote_state>(mote.handle);
+  if (mote.flat || state == nullptr || state->flat || !state->node)
+    return x;
+  const auto& node = *state->node;
+  const auto& router = node.packets().router();
+  x.runs = true;
+  x.moves = !mote.arguments->path.empty();
+  x.has_route = router.has_route();
+  if (x.has_route)
+    x.hops = router.tree().hops();
+  if (view == nullptr)
+    return x;
+  const auto& messages = node.above().messages().counters();
+  x.messages = messages.reliable_sent + messages.unreliable_sent;
+  x.arrived = arrived_from(address, *view, node);
+  if (!view->time || !router.clock().synchronised())
+    return x;
+  const auto own = state->crystal.own(now);
+  x.clock_error = std::chrono::abs(router.clock().at(own) - *view->time);
+  x.clock_doubt = router.clock().doubt(own);
+  return x;
+}
+
+} // namespace
+
 report::run_sample look_at(const ecology_state& all, instant now) {
   return looker(all, now).look();
+}
+
+void watch_time(ecology_state& all, instant now) {
+  const auto views = views_of(all, now);
+  for (const auto& [island, sink] : all.sinks)
+    if (!views.contains(island)) // its sink or gateway is down
+      all.watch.on_cause(island, now);
+  for (const auto& [address, mote] : all.motes) {
+    if (mote.arguments->stack != config::stack::full)
+      continue;
+    const auto view = views.find(address.island);
+    all.watch.look(address, mote.arguments->name,
+                   look_of(address, mote, view == views.end() ? nullptr : &view->second, now), now);
+  }
 }
 
 } // namespace rubicon

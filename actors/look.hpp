@@ -11,4 +11,7 @@ namespace rubicon {
 /// @pre nobody has its turn, and all have come to `now`
 [[nodiscard]] report::run_sample look_at(const ecology_state& all, instant now);
 
+/// Lets the ecology's watch look at its motes; the same, but for what the watch keeps.
+void watch_time(ecology_state& all, instant now);
+
 } // namespace rubicon

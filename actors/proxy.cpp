@@ -196,6 +196,8 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
     given.gateway = given.gateways.front();
   self->state.written_to = given.gateway;
   perform(self, self->state.arguments.core.start(now(self)));
+  if (given.core.wants_clock())
+    self->send(given.peer, watch_clock{{handle_of<clock_watcher_actor>(self)}});
   watch_all(self);
   if (given.layer)
     self->send(given.layer,
@@ -209,6 +211,7 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
           log(self, spdlog::level::warn, "event=write_failed cause={}", x.cause);
         }
       },
+      [self](const clock_changed& x) { self->state.arguments.core.on_clock(x.offset); },
       [self](const mote_presence& x) {
         perform(self, self->state.arguments.core.on_presence(x.presence, x.cause, now(self)));
         log(self, spdlog::level::info, "event={} cause={}",

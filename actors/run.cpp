@@ -318,20 +318,33 @@ public:
   }
 
 private:
-  /// Stops to look around, where somebody wants to see that.
+  /// Stops to look whether motes are heard and know the time, and around, where somebody wants to
+  /// see that.
   scheduler::stop_cause run_to(instant end) {
     progress_steps steps(world_, end, options_, speed_);
     const auto every = look_every();
-    if (every <= 0s)
-      return steps.run_to(end);
+    auto look_next = every > 0s ? next_multiple(every) : instant::max();
+    auto watch_next = next_multiple(report::time_watch::every);
     for (;;) {
-      const auto next = instant((world_.now().time_since_epoch() / every + 1) * every);
-      const auto cause = steps.run_to(std::min(next, end));
-      if (!over_ && ended_early_.empty())
-        look();
-      if (cause != scheduler::stop_cause::reached_end || world_.now() >= end)
+      const auto cause = steps.run_to(std::min({look_next, watch_next, end}));
+      const bool is_last = cause != scheduler::stop_cause::reached_end || world_.now() >= end;
+      if (!over_ && ended_early_.empty()) {
+        if (world_.now() >= watch_next)
+          watch_time(root_state(), world_.now());
+        if (every > 0s && (world_.now() >= look_next || is_last))
+          look();
+      }
+      if (is_last)
         return cause;
+      if (world_.now() >= watch_next)
+        watch_next = next_multiple(report::time_watch::every);
+      if (world_.now() >= look_next)
+        look_next = next_multiple(every);
     }
+  }
+
+  [[nodiscard]] instant next_multiple(duration every) {
+    return instant((world_.now().time_since_epoch() / every + 1) * every);
   }
 
   [[nodiscard]] duration look_every() const {
@@ -437,6 +450,8 @@ private:
     x.writes_debug_log = !options_.debug_folder.empty();
     x.starts = options_.starts;
     x.on_starts = options_.on_starts;
+    if (!wall_ && description_.date)
+      x.clock_offset = *description_.date + description_.day_begins;
     if (!wall_)
       return x;
     x.machine = io::machine_name();

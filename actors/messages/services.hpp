@@ -91,9 +91,9 @@ struct change_class {
 RUBICON_FIELDS(change_class, what);
 
 /// What speaks for one mote.
-struct proxy_interface
-    : extends<peis_client_interface, mote_presence, gateway_changed, program_attached,
-              program_detached, program_events, change_class, timer_expired, status_request> {};
+struct proxy_interface : extends<peis_client_interface, clock_changed, mote_presence,
+                                 gateway_changed, program_attached, program_detached,
+                                 program_events, change_class, timer_expired, status_request> {};
 using proxy_actor = ref<proxy_interface>;
 
 /// To itself: a proxy that has ended may be started again.

@@ -28,7 +28,8 @@ inline auto keys_of(const sampler_config*) {
                      "tuple, by its key or a pattern that begins with `devices`"),
       keys::optional("stamped", &sampler_config::stamped, keys::flag{},
                      "after the counts, say when that was: 4 octets, big-endian, the low 32 bits "
-                     "of the [network time](gateway.md#time) in milliseconds"));
+                     "of the [network time](gateway.md#time) in milliseconds; a "
+                     "[field](#proxyfield) with `encoding = \"stamp\"` has the whole time"));
 }
 
 inline auto keys_of(const actuator_config*) {

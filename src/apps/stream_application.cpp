@@ -90,7 +90,7 @@ void stream_application::readDone(int stream, byte_view record, communication::s
     if (x->records > 0)
       x->pause = std::max(x->pause, at - x->last);
     else
-      x->first_ms = read->time_ms;
+      x->first = at;
     ++x->records;
     x->last = at;
     x->last_ms = read->time_ms;
@@ -109,7 +109,9 @@ std::vector<stream_end> stream_application::stream_ends(instant now) const {
     end.open = x.stream > 0;
     end.steady = now - x.changed;
     end.pause = x.records > 0 ? std::max(x.pause, now - x.last) : 0s;
-    end.first_ms = x.first_ms;
+    end.first_at = x.first;
+    if (x.records > 0)
+      end.last_at = x.last;
     end.last_ms = x.last_ms;
     end.every = x.every;
     all.push_back(end);

@@ -52,7 +52,7 @@ private:
     bool is_wanted = false; ///< to be opened at retry_
     std::uint64_t records = 0;
     std::uint64_t openings = 0;
-    std::optional<std::uint32_t> first_ms = {};
+    std::optional<instant> first{}; ///< when the first record came
     std::optional<std::uint32_t> last_ms = {};
     instant last{}; ///< when the newest record came
     duration pause{};

@@ -19,16 +19,17 @@ struct stream_end {
   std::uint64_t unwritten = 0; ///< of a write end: not taken
   std::uint64_t openings = 0;
   std::uint64_t opens_failed = 0;
-  bool open = false;                     ///< now,
-  duration steady{};                     ///< and for how long it has been open or not
-  std::optional<std::uint32_t> first_ms; ///< time in the first record of this life
-  std::optional<std::uint32_t> last_ms;  ///< time in the newest record
-  duration every{};                      ///< between two of them
+  bool open = false;                    ///< now,
+  duration steady{};                    ///< and for how long it has been open or not
+  std::optional<instant> first_at;      ///< of a read end: when the first record of this life came,
+  std::optional<instant> last_at;       ///< and the newest one, by the node's clock
+  std::optional<std::uint32_t> last_ms; ///< time in the newest record, its low 32 bits
+  duration every{};                     ///< between two of them
   duration pause{}; ///< of a read end: the longest without a record, since the first
 
   friend bool operator==(const stream_end&, const stream_end&) = default;
 };
 RUBICON_FIELDS(stream_end, stream, writes, reader, records, unwritten, openings, opens_failed, open,
-               steady, first_ms, last_ms, every, pause);
+               steady, first_at, last_at, last_ms, every, pause);
 
 } // namespace rubicon::apps

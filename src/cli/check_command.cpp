@@ -15,6 +15,10 @@ exit_status perform(const check_command& x) {
     return exit_status::refused;
   const auto& ecology = file->ecology;
   std::string warnings;
+  for (auto each : file->doubts) {
+    each.message.insert(0, "warning: ");
+    warnings += to_string(each) + '\n';
+  }
   for (const auto& each : config::doubts(ecology))
     warnings += printable(x.file + ": warning: " + each) + '\n';
   static_cast<void>(print(stderr, warnings)); // nobody reads it, nobody misses it

@@ -27,7 +27,8 @@ std::optional<ecology_file> load_bundle(const std::string& file, const config::o
   if (!loaded.problems.empty())
     return std::nullopt;
   return ecology_file{*std::move(loaded.ecology),
-                      fold64().add(std::string_view(bundle->toml)).value()};
+                      fold64().add(std::string_view(bundle->toml)).value(),
+                      std::move(loaded.doubts)};
 }
 
 } // namespace
@@ -58,7 +59,7 @@ std::optional<ecology_file> load_or_complain(const std::string& file,
   if (!loaded.problems.empty())
     return std::nullopt;
   return ecology_file{*std::move(loaded.ecology),
-                      fold64().add(std::string_view(*read.text)).value()};
+                      fold64().add(std::string_view(*read.text)).value(), std::move(loaded.doubts)};
 }
 
 } // namespace rubicon::cli

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "config/ecology.hpp"
 #include "config/load.hpp"
@@ -15,7 +16,8 @@ inline constexpr const char* standard_input = "-";
 
 struct ecology_file {
   config::ecology_description ecology;
-  std::uint64_t text_hash = 0; ///< fold64 of the file's octets
+  std::uint64_t text_hash = 0;              ///< fold64 of the file's octets
+  std::vector<config::problem> doubts = {}; ///< what is no mistake, but hardly what is meant
 };
 
 /// Prints problems and warnings on standard error, one a line, at most 50 and then their count.

@@ -10,7 +10,7 @@ namespace rubicon::cli {
 namespace {
 
 double unix_s(const peis::timestamp& x) {
-  return x.seconds + x.microseconds * 1e-6;
+  return static_cast<double>(x.seconds) + x.microseconds * 1e-6;
 }
 
 std::string one_line(const nlohmann::ordered_json& x) {

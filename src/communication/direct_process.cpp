@@ -206,6 +206,12 @@ instant direct_process::now() const {
   return below_.now_;
 }
 
+std::optional<duration> direct_process::network_time() const {
+  if (!below_.network_ahead_)
+    return std::nullopt;
+  return below_.now_.time_since_epoch() + *below_.network_ahead_;
+}
+
 void direct_process::leave() {
   for (const auto id : owned(below_.stream_owners_, number_))
     close(id.value);

@@ -49,6 +49,7 @@ public:
   status join(byte_view description) override;
   [[nodiscard]] std::optional<mote_address> address() const override;
   [[nodiscard]] instant now() const override;
+  [[nodiscard]] std::optional<duration> network_time() const override;
 
   void leave() override;
 

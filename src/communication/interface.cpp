@@ -166,6 +166,10 @@ instant interface::now() const {
   return below_->now();
 }
 
+std::optional<duration> interface::network_time() const {
+  return below_->network_time();
+}
+
 std::optional<mote_address> interface::address() const {
   return below_->address();
 }

@@ -177,6 +177,9 @@ public:
   [[nodiscard]] std::optional<mote_address> address() const; ///< nothing before joined()
 
   [[nodiscard]] instant now() const; ///< by the node's own clock
+  /// Extension: the time that peers share, since 1970 (CLK-06). Nothing on a mote, in an actor of
+  /// its own, and on a PC that does not know it yet.
+  [[nodiscard]] std::optional<duration> network_time() const;
 
   /// Extension: the program is over. What it has open is closed, its AM types are free; it is told
   /// nothing any more, and must not give commands.

@@ -170,6 +170,8 @@ public:
 
   /// Commands given from outside an event happen now.
   void set_time(instant now) { now_ = now; }
+  /// The time that peers share is so much ahead of `now`, since 1970.
+  void set_network_ahead(duration x) { network_ahead_ = x; }
 
   void on_initialised(bool success, instant now);
   void on_joined(island_id island, instant now); ///< a PC: at once
@@ -289,6 +291,7 @@ private:
   std::optional<island_id> island_;
   std::vector<output_wanted> outputs_wanted_; ///< by the gateway (GW-10)
   instant now_;
+  std::optional<duration> network_ahead_;
 
   std::vector<std::unique_ptr<direct_process>> programs_; ///< programs point to them
   std::map<std::uint8_t, std::size_t> owners_;            ///< of AM types

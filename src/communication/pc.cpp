@@ -98,6 +98,7 @@ outputs pc::on_mote_joined(mote_id mote, byte_view description, instant now) {
 outputs pc::on_clock(duration ahead, instant now) {
   now_ = now;
   ahead_ = ahead;
+  layer_->set_network_ahead(ahead);
   tick(now);
   return settle();
 }

@@ -79,6 +79,7 @@ public:
   virtual status join(byte_view description) = 0;
   [[nodiscard]] virtual std::optional<mote_address> address() const = 0;
   [[nodiscard]] virtual instant now() const = 0;
+  [[nodiscard]] virtual std::optional<duration> network_time() const = 0;
 
   virtual void leave() = 0;
 };

@@ -79,6 +79,7 @@ public:
   status join(byte_view description) override;
   [[nodiscard]] std::optional<mote_address> address() const override { return self_; }
   [[nodiscard]] instant now() const override { return now_; }
+  [[nodiscard]] std::optional<duration> network_time() const override { return std::nullopt; }
 
   void leave() override;
 

@@ -1,5 +1,7 @@
 #include "config/ecology.hpp"
 
+#include <algorithm>
+
 namespace rubicon::config {
 
 mote_description::mote_description() = default;
@@ -29,6 +31,10 @@ ecology_description::ecology_description(const ecology_description&) = default;
 ecology_description& ecology_description::operator=(const ecology_description&) = default;
 ecology_description::ecology_description(ecology_description&&) noexcept = default;
 ecology_description& ecology_description::operator=(ecology_description&&) noexcept = default;
+
+duration silence_max(const island_description& x) {
+  return std::max(x.keep_alive, x.duty.silence_min());
+}
 
 std::vector<peer_id> gateways_of(const island_description& x) {
   std::vector<peer_id> all{gateway_of(x.id)};

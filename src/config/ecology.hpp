@@ -151,6 +151,10 @@ struct island_description {
   std::vector<mote_description> motes;
 };
 
+/// How long a mote of the island may be silent that does not report more rarely: who sleeps is
+/// heard once in a period, and one frame lost is no departure.
+[[nodiscard]] duration silence_max(const island_description& x);
+
 /// PEIS ids of all gateways of an island, in the order in which they take over; that of the island
 /// first.
 [[nodiscard]] std::vector<peer_id> gateways_of(const island_description& x);
@@ -439,6 +443,7 @@ struct ecology_description {
   run_mode mode = run_mode::virtual_time;
   duration length = 10min;
   duration day_begins{};               ///< time of day at the start of the run, 0 to 24 h
+  std::optional<duration> date;        ///< of a virtual run: the day it starts, since 1970
   std::chrono::milliseconds tick{500}; ///< period of the RUBICON clock, everywhere (CLK-03)
   std::string network =
       "rubicon"; ///< PEIS network string: ecologies that differ never meet (LNK-06)

@@ -24,6 +24,10 @@ void read_ecology(table_reader& root, ecology_description& out) {
         in.optional(
             "start", time_of_day{}, out.day_begins,
             {"time of day at the start of the run, for [rules](#rules) with `at`", "`\"00:00\"`"});
+        in.optional("date", calendar_day{}, out.date,
+                    {"day on which a run in virtual time starts, at `start`: the [network "
+                     "time](gateway.md#time) goes on from there. In wall time it is the computer's",
+                     "`\"2001-09-09\"` at 01:46:40"});
         in.optional("network", text{network_octets_max}, out.network,
                     "PEIS network string: peers with another one never connect");
         duration tick = out.tick;

@@ -152,6 +152,10 @@ form form_of(const hex_octets& /*kind*/) {
   return {"1 to 100 octets in hexadecimal", pattern_schema("([0-9A-Fa-f]{2}){1,100}")};
 }
 
+form calendar_day::takes() {
+  return {"date, as in `\"2026-11-05\"`", pattern_schema("[0-9]{4}-[0-9]{2}-[0-9]{2}")};
+}
+
 form time_of_day::takes() {
   return {"time of day, `\"07:30\"` or `\"07:30:15\"`",
           pattern_schema("([01][0-9]|2[0-3]):[0-5][0-9](:[0-5][0-9])?")};

@@ -6,6 +6,7 @@
 #include "config/file_readers.hpp"
 #include "config/island_motes.hpp"
 #include "config/outside_readers.hpp"
+#include "config/window_room.hpp"
 #include "mote/duty_keys.hpp"
 #include "radio/tossim_files.hpp"
 #include "serial/line_keys.hpp"
@@ -41,10 +42,14 @@ std::vector<placed_app> read_sink(table_reader& in, sink_description& out) {
   return as_mote.apps;
 }
 
-void read_duty_cycle(table_reader& island, mote::duty_config& out) {
+/// @returns where the window is
+mark read_duty_cycle(table_reader& island, mote::duty_config& out) {
+  mark window_at;
   island.table("duty_cycle", "[island.duty_cycle]",
-               {"lets radios sleep", "none: radios are always on"}, [&out](table_reader& in) {
+               {"lets radios sleep", "none: radios are always on"},
+               [&out, &window_at](table_reader& in) {
                  out.enabled = true;
+                 window_at = in.at(in.has("window") ? "window" : "period");
                  in.all(out);
                  if (in.sound() && 2 * out.window > out.period)
                    in.problems().add(in.at("window"),
@@ -52,6 +57,21 @@ void read_duty_cycle(table_reader& island, mote::duty_config& out) {
                                      "is " +
                                          to_text(out.period));
                });
+  return window_at;
+}
+
+/// A mote whose radio sleeps is heard once in a period.
+void warn_of_keep_alive(table_reader& in, const island_description& x) {
+  const auto least = x.duty.silence_min();
+  const bool says_so = in.has("keep_alive");
+  if (says_so ? x.keep_alive >= least : x.keep_alive > x.duty.period || !x.duty.enabled)
+    return;
+  in.problems().doubt(in.at(says_so ? "keep_alive" : "duty_cycle"),
+                      "`keep_alive` is " + to_text(x.keep_alive) +
+                          ", but motes whose radios sleep are "
+                          "heard once in a period of " +
+                          to_text(x.duty.period) + ": they are gone after three of these, " +
+                          to_text(least));
 }
 
 void read_gateway(table_reader& in, surroundings& with, island_description& out) {
@@ -184,13 +204,16 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
            [&](table_reader& x) { sink_apps = read_sink(x, out.sink); });
   const bool sink_is_good = in.problems().size() == before_sink;
   real_names names_of_real;
+  mark window_at;
   if (out.stack == stack::mac) {
     refuse_parts(in);
   } else {
     in.optional("keep_alive", time_span{1s, 24h}, out.keep_alive,
                 "a mote that is silent for so long is gone; motes that report more rarely get "
-                "three of their periods");
-    read_duty_cycle(in, out.duty);
+                "three of their periods, and where radios sleep three of the windows' periods are "
+                "the least");
+    window_at = read_duty_cycle(in, out.duty);
+    warn_of_keep_alive(in, out);
     names_of_real = read_parts(in, with, name_is_free, out);
   }
   in.optional(
@@ -212,6 +235,11 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
             [&](table_reader& x) { motes.read_group(x); });
   if (sink_is_good && in.problems().size() == before_motes)
     motes.finish(in.problems());
+  if (!in.walks() && in.problems().empty() && with.radio_is_known) {
+    const auto short_window = doubt_of_window(out, with.radio);
+    if (!short_window.empty())
+      in.problems().doubt(window_at, short_window);
+  }
   return out;
 }
 

@@ -21,6 +21,7 @@ struct loaded {
   std::optional<ecology_description> ecology; ///< only if there are no problems
   std::vector<problem> problems;              ///< in order of place, those of named files last
   std::vector<problem> warnings = {};         ///< of named files that are left out
+  std::vector<problem> doubts = {}; ///< what is no mistake, but hardly what is meant, in order
 };
 
 /// What a command line may say in the place of the TOML file.

@@ -34,14 +34,32 @@ void complaints::warn(problem x) {
   warnings_.push_back(std::move(x));
 }
 
-std::vector<problem> complaints::of_file(const std::string& name) const {
-  auto sorted = found_;
-  std::sort(sorted.begin(), sorted.end());
-  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+void complaints::doubt(mark at, std::string message) {
+  doubts_.emplace_back(at, printable(message));
+}
+
+namespace {
+
+/// In order of place, each once.
+std::vector<problem> sorted(std::vector<std::pair<mark, std::string>> found,
+                            const std::string& name) {
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
   std::vector<problem> all;
-  all.reserve(sorted.size() + elsewhere_.size());
-  for (auto& [at, message] : sorted)
+  all.reserve(found.size());
+  for (auto& [at, message] : found)
     all.push_back({name, at.line, at.column, std::move(message)});
+  return all;
+}
+
+} // namespace
+
+std::vector<problem> complaints::doubts_of(const std::string& name) const {
+  return sorted(doubts_, name);
+}
+
+std::vector<problem> complaints::of_file(const std::string& name) const {
+  auto all = sorted(found_, name);
   all.insert(all.end(), elsewhere_.begin(), elsewhere_.end());
   return all;
 }

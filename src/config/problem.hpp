@@ -47,6 +47,10 @@ public:
   void warn(problem x);
   [[nodiscard]] const std::vector<problem>& warnings() const { return warnings_; }
 
+  /// What is no mistake, but hardly what is meant.
+  void doubt(mark at, std::string message);
+  [[nodiscard]] std::vector<problem> doubts_of(const std::string& name) const; ///< as of_file()
+
   [[nodiscard]] bool empty() const { return size() == 0; }
   [[nodiscard]] std::size_t size() const { return found_.size() + elsewhere_.size(); }
 
@@ -58,6 +62,7 @@ private:
   std::vector<std::pair<mark, std::string>> found_;
   std::vector<problem> elsewhere_;
   std::vector<problem> warnings_;
+  std::vector<std::pair<mark, std::string>> doubts_;
 };
 
 } // namespace rubicon::config

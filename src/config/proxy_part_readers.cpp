@@ -302,6 +302,26 @@ void place_computations(const std::vector<placed_computation>& all,
   }
 }
 
+void place_stamps(std::vector<proxy::proxy_class>& classes,
+                  const std::vector<island_description>& islands) {
+  const proxy::class_table table(classes);
+  for (auto& of : classes)
+    for (auto& field : of.fields) {
+      if (field.stream || field.layout != proxy::encoding::u32 || !field.words.empty())
+        continue;
+      std::size_t stamps = 0;
+      std::size_t others = 0;
+      each_mote_of(of.name, table, islands, [&](const auto&, const mote_description& mote) {
+        const auto* const sampler = sampler_on(mote, field.channel);
+        const bool is_one = sampler != nullptr && sampler->stamped &&
+                            field.offset == 2 * sampler->transducers.size();
+        ++(is_one ? stamps : others);
+      });
+      if (stamps > 0 && others == 0)
+        field.layout = proxy::encoding::stamp;
+    }
+}
+
 void place_transducers(const std::vector<placed_transducer>& all,
                        std::vector<proxy::proxy_class>& classes,
                        const std::vector<island_description>& islands, reading& shared) {

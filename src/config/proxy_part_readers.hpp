@@ -72,6 +72,10 @@ void check_streams(const std::vector<placed_stream>& all,
                    const std::vector<island_description>& islands,
                    const std::vector<peer_description>& peers, complaints& problems);
 
+/// Fields of four octets where all motes of their class send a sampler's stamp are stamps.
+void place_stamps(std::vector<proxy::proxy_class>& classes,
+                  const std::vector<island_description>& islands);
+
 /// Gives fields the offset, scale and unit of their transducers, as samplers of the motes send them
 /// that the classes claim.
 void place_transducers(const std::vector<placed_transducer>& all,

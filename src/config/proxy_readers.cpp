@@ -64,13 +64,17 @@ private:
   }
 };
 
-word<encoding> encoding_words() {
-  return {{{"u8", encoding::u8},
-           {"i8", encoding::i8},
-           {"u16", encoding::u16},
-           {"i16", encoding::i16},
-           {"u32", encoding::u32},
-           {"i32", encoding::i32}}};
+/// @param also "stamp", which nobody writes
+word<encoding> encoding_words(bool also_stamps) {
+  word<encoding> all{{{"u8", encoding::u8},
+                      {"i8", encoding::i8},
+                      {"u16", encoding::u16},
+                      {"i16", encoding::i16},
+                      {"u32", encoding::u32},
+                      {"i32", encoding::i32}}};
+  if (also_stamps)
+    all.choices.emplace_back("stamp", encoding::stamp);
+  return all;
 }
 
 /// words = { "0" = "off" } of a field: every key is a count that its encoding can hold.
@@ -171,9 +175,12 @@ void read_field(table_reader& in, tuple_names& names, placed_fields& placed,
   }
   in.optional("offset", whole<std::size_t>{0, payload_octets_max - 1}, field.offset,
               "its first octet in the message, which has up to 100");
-  const bool sized = in.optional("encoding", encoding_words(), field.layout,
-                                 "how its octets are read, in network byte order") ||
-                     !in.has("encoding");
+  const bool sized =
+      in.optional("encoding", encoding_words(true), field.layout,
+                  "how its octets are read, in network byte order; `\"stamp\"`: four are "
+                  "the time of a sampler with `stamped = true`, and the count is the "
+                  "whole [network time](gateway.md#time) since 1970 in milliseconds") ||
+      !in.has("encoding");
   in.all(field);
   read_field_words(in, sized, field);
   if (out.ids.empty()) {
@@ -190,7 +197,7 @@ void read_field(table_reader& in, tuple_names& names, placed_fields& placed,
 /// encoding and what belongs to it, of an input.
 void read_numbers(table_reader& in, proxy::input& out) {
   proxy::number_form form;
-  const bool sized = in.optional("encoding", encoding_words(), form.layout,
+  const bool sized = in.optional("encoding", encoding_words(false), form.layout,
                                  {"a number that is no word becomes a count so, rounded: the "
                                   "number less `add`, divided by `scale`",
                                   "it takes no numbers"});
@@ -440,6 +447,8 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root,
     check_streams(placed.streams, out, islands, peers, root.problems());
   if (root.sound())
     place_transducers(placed.transducers, out, islands, root.shared());
+  if (root.sound())
+    place_stamps(out, islands);
   if (root.sound())
     place_computations(placed.computations, out, islands, root.problems());
   return out;

@@ -134,6 +134,25 @@ std::optional<duration> time_of_run::read(const node& x, const asker& who) {
   return found;
 }
 
+std::optional<duration> calendar_day::read(const node& x, const asker& who) {
+  namespace chrono = std::chrono;
+  constexpr std::size_t size = 10;
+  const auto* found = x.as<std::string>();
+  if (found != nullptr && found->size() == size && (*found)[4] == '-' && (*found)[7] == '-') {
+    const std::string_view text = *found;
+    const auto year = unsigned_in(text.substr(0, 4));
+    const auto month = unsigned_in(text.substr(5, 2));
+    const auto day = unsigned_in(text.substr(8, 2));
+    if (year && month && day && *year >= 1970 && *year < 2150) {
+      const chrono::year_month_day date(chrono::year(static_cast<int>(*year)),
+                                        chrono::month(*month), chrono::day(*day));
+      if (date.ok())
+        return chrono::sys_days(date).time_since_epoch();
+    }
+  }
+  return who.refuse(x, "a date from 1970 to 2149 in quotation marks, as in \"2026-11-05\"");
+}
+
 std::optional<duration> time_of_day::read(const node& x, const asker& who) {
   constexpr std::size_t hours_and_minutes = 5;
   constexpr std::size_t with_seconds = 8;

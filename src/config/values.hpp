@@ -303,6 +303,13 @@ struct time_of_run {
   return written(time_span{}, x);
 }
 
+/// "2038-01-19"
+struct calendar_day {
+  using type = duration; ///< its midnight, since 1970; before network_time_end
+  [[nodiscard]] static std::optional<duration> read(const node& x, const asker& who);
+  [[nodiscard]] static form takes();
+};
+
 /// "07:30" or "07:30:15"
 struct time_of_day {
   using type = duration; ///< since midnight, below 24 h

@@ -129,7 +129,7 @@ std::optional<peis::tuple> tuple_of(const carried_package& x) {
   const auto port = x.header.port;
   if (port != peis::port::push && port != peis::port::set)
     return std::nullopt;
-  auto whole = peis::decode_tuple_message(payload(x.data));
+  auto whole = peis::decode_tuple_message(payload(x.data), {}); // only its times need more
   return whole ? std::optional(*std::move(whole)) : std::nullopt;
 }
 

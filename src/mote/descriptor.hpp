@@ -18,7 +18,7 @@ struct descriptor {
   std::uint32_t type = 0;            ///< signature of the mote's proxy class (PXY-13)
   std::uint32_t transducer_mask = 0; ///< bit n: device::quantity n
   std::uint32_t actuator_mask = 0;   ///< bit n: device::actuator_kind n
-  std::uint32_t keep_alive_ms = 0;   ///< the mote is heard at least this often; 0: not promised
+  std::uint32_t keep_alive_ms = 0;   ///< the mote is heard about this often; 0: not promised
   std::uint32_t device = 0; ///< the low bits of the serial number of its hardware; 0: not told
 
   friend bool operator==(const descriptor&, const descriptor&) = default;

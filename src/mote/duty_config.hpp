@@ -20,6 +20,9 @@ struct duty_config {
     return enabled ? network::duty_window{period, window, settling} : network::duty_window{};
   }
 
+  /// A mote that is heard once in each window is not gone before so many have passed without it.
+  [[nodiscard]] duration silence_min() const { return enabled ? 3 * period : duration{}; }
+
   /// What frames there and back may wait for their windows: for time-outs. One window carries a
   /// frame over several hops, unless they get lost.
   [[nodiscard]] duration answer_slack(unsigned hops) const {

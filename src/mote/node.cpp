@@ -118,7 +118,7 @@ node_outputs node::start(instant now) {
 
 void node::ask_to_join(bytes description, node_outputs& out, instant now) {
   join_config config;
-  config.keep_alive = config_->keep_alive;
+  config.keep_alive = config_->keep_alive * 3 / 2;
   join_ = join_client(config, with_device(std::move(description), config_->device), incarnation(),
                       random_stream(rng_.next()), config_->device);
   wants_to_join_ = true;

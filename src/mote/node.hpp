@@ -42,8 +42,10 @@ struct node_config {
   mote_id id;
   std::uint32_t type = 0;
   std::uint32_t device = 0; ///< as in descriptor
-  duration keep_alive = 3s; ///< promised in the descriptor: heard at least this often
-  bool joins_alone = true;  ///< else its programs call initCommunications and joinIsland
+  /// Promised in the descriptor: it is heard about this often. It says that it is there when it has
+  /// sent nothing for half as long again, so that reports on time make that unnecessary.
+  duration keep_alive = 2s;
+  bool joins_alone = true; ///< else its programs call initCommunications and joinIsland
   std::vector<device::transducer_config> transducers;
   std::vector<device::actuator_config> actuators;
   position place;                    ///< for what its transducers measure

@@ -111,8 +111,9 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
   entry.type = description->type;
   entry.device = description->device;
   entry.descriptor = x.descriptor;
-  entry.window = std::max<duration>(config_.keep_alive_window,
-                                    3 * std::chrono::milliseconds(description->keep_alive_ms));
+  entry.window =
+      std::max<duration>(config_.keep_alive_window,
+                         keep_alives_max * std::chrono::milliseconds(description->keep_alive_ms));
   entry.heard = now;
   entry.replies = 1;
   entry.confirm_wait = config_.confirm_wait * static_cast<int>(std::max<std::size_t>(hops, 1));

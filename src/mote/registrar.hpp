@@ -55,6 +55,9 @@ struct registrar_counters {
 };
 RUBICON_FIELDS(registrar_counters, malformed, refused, doubles, outdated);
 
+/// A mote that is silent for so many of the times at which it is heard has left.
+inline constexpr int keep_alives_max = 3;
+
 /// A member's device is told apart from others by its serial number, where motes tell theirs: who
 /// has its id and another number is a second mote, and is refused as long as the member is heard;
 /// who has its number is itself, in a later life if that is higher.

@@ -107,7 +107,8 @@ std::string mote_row(const mote_entry& x) {
               {routed ? std::to_string(mote.hops) : "–", true},
               {mote.signal_dbm ? std::to_string(*mote.signal_dbm) : "–", true},
               {report::percent(report::left_of(mote), 1), true},
-              {report::projected_life(mote), true}});
+              {report::projected_life(mote), true},
+              {mote.silence >= 1s ? report::span_text(mote.silence, mote.silence_from) : "–"}});
 }
 
 std::string mote_table(const std::vector<mote_entry>& all, std::size_t from, std::size_t to) {
@@ -120,7 +121,8 @@ std::string mote_table(const std::vector<mote_entry>& all, std::size_t from, std
                         {"hops", true},
                         {"dBm", true},
                         {"battery left", true},
-                        {"lasts", true}});
+                        {"lasts", true},
+                        {"longest silence"}});
   for (auto i = from; i < to; ++i)
     rows += mote_row(all[i]);
   return wide("<table>" + rows + "</table>");

@@ -199,7 +199,7 @@ void kernel::dispatch(arrived& x, instant now) {
       perform(tuples_.on_append_notice(x.source, std::move(x.octets), now), now);
     return;
   case port::subscribe:
-    if (const auto message = decode_subscribe(x.octets))
+    if (const auto message = decode_subscribe(x.octets, network_time(now)))
       refresh_statistics(message->wanted.name, now);
     perform(tuples_.on_subscribe(x.source, x.octets, now), now);
     return;
@@ -214,7 +214,7 @@ void kernel::dispatch(arrived& x, instant now) {
 }
 
 void kernel::on_set(peer_id source, const payload& octets, instant now) {
-  const auto x = tuples_.decode_set(octets);
+  const auto x = tuples_.decode_set(octets, now);
   if (!x)
     return;
   const bool quit = x->name.folded() == quit_key;
@@ -308,7 +308,7 @@ outputs kernel::trace(peer_id destination, request_id request, instant now) {
 }
 
 outputs kernel::step_clock(duration by, instant now) {
-  network_.step_clock(by);
+  network_.step_clock(by, now);
   return finish(now);
 }
 

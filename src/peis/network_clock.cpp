@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/codec.hpp"
+#include "core/serial_number.hpp"
 
 namespace rubicon::peis {
 
@@ -23,22 +24,24 @@ bytes encode(const clock_message& x) {
       std::chrono::duration_cast<std::chrono::microseconds>(x.in_flight).count(), 0,
       in_flight_max_us);
   byte_writer to;
-  to.big(static_cast<std::int32_t>(whole.count())).big(static_cast<std::int32_t>(rest.count()));
+  to.big(static_cast<std::uint32_t>(whole.count())).big(static_cast<std::int32_t>(rest.count()));
   to.big(static_cast<std::uint32_t>((x.master ? 1U << 24 : 0U) | static_cast<std::uint32_t>(way)));
   return to.finish();
 }
 
-result<clock_message> decode_clock(byte_view octets) {
+result<clock_message> decode_clock(byte_view octets, duration known) {
   byte_reader from(octets);
-  const auto seconds = from.big<std::int32_t>();
+  const auto low_seconds = from.big<std::uint32_t>();
   const auto microseconds = from.big<std::int32_t>();
   const auto rest = from.big<std::uint32_t>();
   if (!from.ok())
     return errc::truncated;
-  if (seconds < 0 || microseconds < 0 || microseconds >= 1'000'000)
+  const std::chrono::seconds whole(
+      unwrapped(low_seconds, std::chrono::floor<std::chrono::seconds>(known).count()));
+  if (whole < 0s || whole >= network_time_end || microseconds < 0 || microseconds >= 1'000'000)
     return errc::bad_value;
-  return clock_message{std::chrono::seconds(seconds) + std::chrono::microseconds(microseconds),
-                       rest >> 24 != 0, std::chrono::microseconds(rest & in_flight_max_us)};
+  return clock_message{whole + std::chrono::microseconds(microseconds), rest >> 24 != 0,
+                       std::chrono::microseconds(rest & in_flight_max_us)};
 }
 
 network_clock::network_clock(clock_config config, peer_id self, instant now)
@@ -56,7 +59,7 @@ void network_clock::on_message(const clock_message& x, peer_id source, duration 
   drift(now);
   if (config_.master && !x.master)
     return;
-  const auto delta = x.network_time + in_transit - (now.time_since_epoch() + offset_);
+  const auto delta = x.network_time + in_transit - at(now);
   last_error_ = delta;
   const bool rules_us = x.master && !config_.master;
   const auto band = marked ? duration(0) : dead_band;
@@ -73,7 +76,15 @@ std::optional<clock_message> network_clock::on_time(instant now) {
   next_ += config_.period;
   if (next_ <= now)
     next_ = now + config_.period; // late: once, without catching up
-  return clock_message{now.time_since_epoch() + offset_, config_.master, 0s};
+  return clock_message{at(now), config_.master, 0s};
+}
+
+void network_clock::step(duration by, instant now) {
+  drift(now);
+  const auto longest_back = -at(now);
+  const auto longest_ahead = network_time_end - at(now) - duration(1);
+  offset_ +=
+      std::clamp(by, std::min(longest_back, duration(0)), std::max(longest_ahead, duration(0)));
 }
 
 } // namespace rubicon::peis

@@ -20,10 +20,18 @@ struct clock_message {
   duration in_flight{}; ///< 0 to 16.7 s; only marked peers' means anything
 };
 
+/// Of the seconds the wire has the low 32 bits.
 [[nodiscard]] bytes encode(const clock_message& x);
 
-/// truncated, or bad_value for microseconds beyond a second or a time before 1970.
-[[nodiscard]] result<clock_message> decode_clock(byte_view octets);
+/// No network time is believed from here on, the year 2150: nanoseconds end in 2262, and an expiry
+/// may be 68 years ahead.
+inline constexpr duration network_time_end = std::chrono::seconds(5'680'281'600);
+
+/// @param known our network time: of all times with these low 32 bits of seconds the nearest to it
+/// is meant
+/// @returns truncated, or bad_value for microseconds beyond a second, and a time that is not from
+/// 1970 until network_time_end
+[[nodiscard]] result<clock_message> decode_clock(byte_view octets, duration known);
 
 struct clock_config {
   bool master = false;  ///< its time is everybody's, forwards and backwards
@@ -43,6 +51,8 @@ public:
 
   /// What is added to ecology time.
   [[nodiscard]] duration offset() const { return offset_; }
+  /// Network time at an ecology time.
+  [[nodiscard]] duration at(instant x) const { return x.time_since_epoch() + offset_; }
   /// How far the last broadcast heard was from our time, after it was corrected for its way.
   [[nodiscard]] duration last_error() const { return last_error_; }
 
@@ -55,8 +65,9 @@ public:
   [[nodiscard]] std::optional<clock_message> on_time(instant now);
   [[nodiscard]] instant deadline() const { return next_; }
 
-  /// The local clock was set to another time: what others will see of us from now on.
-  void step(duration by) { offset_ += by; }
+  /// The local clock was set to another time: what others will see of us from now on. It is not
+  /// set to a time before 1970, nor from network_time_end on.
+  void step(duration by, instant now);
 
 private:
   void drift(instant now);

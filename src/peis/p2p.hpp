@@ -240,7 +240,7 @@ public:
   void trace(peer_id destination, request_id id, instant now);
 
   /// The local clock was set: by so much more than time has passed.
-  void step_clock(duration by) { clock_.step(by); }
+  void step_clock(duration by, instant now) { clock_.step(by, now); }
   [[nodiscard]] const network_clock& clock() const { return clock_; }
 
   [[nodiscard]] bool has_left() const { return left_; }

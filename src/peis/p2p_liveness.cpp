@@ -174,7 +174,7 @@ bool p2p::measures_way(const package_header& header) const {
 }
 
 void p2p::on_clock(link_id from, const package_header& header, byte_view data, instant now) {
-  const auto message = decode_clock(data);
+  const auto message = decode_clock(data, clock_.at(now));
   if (!message) {
     ++counters_.malformed;
     return;
@@ -189,7 +189,7 @@ void p2p::on_clock(link_id from, const package_header& header, byte_view data, i
 /// goes on as it is.
 bytes p2p::clock_after(link_id from, byte_view data) const {
   auto octets = to_bytes(data);
-  if (auto message = decode_clock(data)) {
+  if (auto message = decode_clock(data, clock_.offset())) {
     message->in_flight += connections_.at(from).one_way.value_or(0s);
     std::ranges::copy(encode(*message), octets.begin());
   }

@@ -16,9 +16,9 @@
 
 namespace rubicon::peis {
 
-/// Network time as tuples carry it.
+/// Network time, whose seconds have 32 bits on the wire (tuple_record.hpp).
 struct timestamp {
-  std::int32_t seconds = 0;
+  std::int64_t seconds = 0;
   std::int32_t microseconds = 0;
 
   friend auto operator<=>(const timestamp&, const timestamp&) = default;

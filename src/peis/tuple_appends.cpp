@@ -174,7 +174,7 @@ void tuple_space::collapse(const key& name, instant now) {
 }
 
 tuple_events tuple_space::on_append_request(peer_id source, const payload& octets, instant now) {
-  const auto request = decode_append_request(octets);
+  const auto request = decode_append_request(octets, network_time(now));
   if (!request || request->wanted.owner != self_) {
     ++counters_.malformed;
     return {};

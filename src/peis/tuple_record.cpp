@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/serial_number.hpp"
 #include "peis/layout.hpp"
 
 namespace rubicon::peis {
@@ -15,12 +16,30 @@ constexpr std::size_t length_size = 4;
 
 using record_writer = layout_writer<tuple_record_size>;
 
-void write_time(record_writer& to, std::size_t offset, timestamp x) {
-  to.big(offset, x.seconds).big(offset + 4, x.microseconds);
+/// What 32 bits of seconds say by themselves: that there is no time, that a tuple is to go, and
+/// "any" in a prototype.
+bool has_own_meaning(std::int32_t seconds) {
+  return seconds == never.seconds || seconds == deleted.seconds || seconds == any_time.seconds;
 }
 
-timestamp read_time(const layout_reader& from, std::size_t offset) {
+void write_time(record_writer& to, std::size_t offset, timestamp x) {
+  auto low = static_cast<std::int32_t>(x.seconds);
+  if (low != x.seconds && has_own_meaning(low))
+    low = static_cast<std::int32_t>(deleted.seconds) + 1; // 3 s late at most, once in 136 years
+  to.big(offset, low).big(offset + 4, x.microseconds);
+}
+
+/// Seconds as they are on the wire.
+timestamp read_own_time(const layout_reader& from, std::size_t offset) {
   return {from.big<std::int32_t>(offset), from.big<std::int32_t>(offset + 4)};
+}
+
+timestamp read_time(const layout_reader& from, std::size_t offset, timestamp known) {
+  auto x = read_own_time(from, offset);
+  const auto low = static_cast<std::int32_t>(x.seconds);
+  if (!has_own_meaning(low))
+    x.seconds = unwrapped(static_cast<std::uint32_t>(low), known.seconds);
+  return x;
 }
 
 bool wildcard(timestamp x) {
@@ -50,23 +69,23 @@ record_writer prototype_record(const prototype& x) {
 
 /// The fields that a tuple and a prototype share.
 template <class T>
-void read_fields(const layout_reader& from, T& x) {
+void read_fields(const layout_reader& from, T& x, timestamp known) {
   x.owner = peer_id{from.big<std::int32_t>(0)};
   x.creator = peer_id{from.big<std::int32_t>(4)};
-  x.written = read_time(from, 8);
-  x.user_time = read_time(from, 16);
-  x.expiry = read_time(from, 24);
+  x.written = read_time(from, 8, known);
+  x.user_time = read_own_time(from, 16);
+  x.expiry = read_time(from, 24, known);
   x.form = static_cast<encoding>(from.big<std::int32_t>(32));
 }
 
 /// Without MIME type and value.
-result<prototype> read_prototype(byte_view record) {
+result<prototype> read_prototype(byte_view record, timestamp known) {
   auto name = decode_record_key(record);
   if (!name)
     return name.error();
   const layout_reader from(record);
   prototype x;
-  read_fields(from, x);
+  read_fields(from, x, known);
   x.name = std::move(*name);
   if (x.form < encoding::any || x.form > encoding::binary)
     return errc::bad_value;
@@ -134,7 +153,7 @@ result<key> decode_record_key(byte_view record) {
   return key::from_wire(*text);
 }
 
-result<tuple> decode_tuple_message(const payload& octets) {
+result<tuple> decode_tuple_message(const payload& octets, timestamp known) {
   auto name = decode_record_key(octets.view());
   if (!name)
     return name.error();
@@ -143,7 +162,7 @@ result<tuple> decode_tuple_message(const payload& octets) {
     return mimetype.error();
   const layout_reader from(octets.view());
   tuple x;
-  read_fields(from, x);
+  read_fields(from, x, known);
   x.seqno = from.big<std::int32_t>(216);
   x.append_seqno = from.big<std::int32_t>(220);
   const auto head = tuple_record_size + mimetype->size();
@@ -166,8 +185,8 @@ bytes encode_append_request_head(const append_request& message) {
   return out;
 }
 
-result<append_request> decode_append_request(const payload& octets) {
-  auto wanted = read_prototype(octets.view());
+result<append_request> decode_append_request(const payload& octets, timestamp known) {
+  auto wanted = read_prototype(octets.view(), known);
   if (!wanted)
     return wanted.error();
   const layout_reader from(octets.view());
@@ -219,12 +238,12 @@ bytes encode(const subscribe_message& message) {
   return out;
 }
 
-result<subscribe_message> decode_subscribe(byte_view octets) {
+result<subscribe_message> decode_subscribe(byte_view octets, timestamp known) {
   if (octets.size() < force_size + tuple_record_size)
     return errc::truncated;
   const auto force = octets.first(force_size);
   const auto body = octets.subspan(force_size);
-  auto wanted = read_prototype(body);
+  auto wanted = read_prototype(body, known);
   if (!wanted)
     return wanted.error();
   auto mimetype = mimetype_after_record(body);

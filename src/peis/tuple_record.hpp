@@ -33,13 +33,19 @@ struct subscribe_message {
 enum class tuple_message_kind : std::uint8_t { push, set };
 [[nodiscard]] bytes encode_tuple_head(const tuple& x, tuple_message_kind kind);
 
+// Of the seconds of `written` and `expiry` the wire has the low 32 bits. Whoever decodes says what
+// the time is: of all with these bits the nearest is meant. The three values with a meaning of
+// their own keep it, and no other time is written as one of them. `user_time` is an application's
+// own.
+
 /// The octets after the head: the value, or one zero octet for an empty one (TUP-02).
 [[nodiscard]] payload encode_tuple_value(const tuple& x);
 
 /// Decodes a push or set message; the value shares its octets. Refused as bad_value unless it is
 /// concrete: owner, creator, times, encoding and key without wildcards, MIME type and value present
 /// (peis-wire.md 15.3).
-[[nodiscard]] result<tuple> decode_tuple_message(const payload& octets);
+/// @param known our network time
+[[nodiscard]] result<tuple> decode_tuple_message(const payload& octets, timestamp known);
 
 /// Asks an owner to append to those of its tuples that match (peis-wire.md 15.2, 15.5).
 struct append_request {
@@ -50,7 +56,7 @@ struct append_request {
 /// Record, length and prototype's value of a request, to which the added octets are to be appended.
 /// @pre no MIME type
 [[nodiscard]] bytes encode_append_request_head(const append_request& message);
-[[nodiscard]] result<append_request> decode_append_request(const payload& octets);
+[[nodiscard]] result<append_request> decode_append_request(const payload& octets, timestamp known);
 
 /// Tells a subscriber what an owner has appended.
 struct append_notice {
@@ -68,7 +74,7 @@ struct append_notice {
 [[nodiscard]] result<append_notice> decode_append_notice(const payload& octets);
 
 [[nodiscard]] bytes encode(const subscribe_message& message);
-[[nodiscard]] result<subscribe_message> decode_subscribe(byte_view octets);
+[[nodiscard]] result<subscribe_message> decode_subscribe(byte_view octets, timestamp known);
 
 /// The record alone; of what arrives only owner and key are meaningful (peis-wire.md 15.2).
 [[nodiscard]] bytes encode_unsubscribe(const prototype& unwanted);

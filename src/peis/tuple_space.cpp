@@ -10,15 +10,15 @@ namespace rubicon::peis {
 
 namespace {
 
-/// Network time of an ecology time; nothing if the wire's 32 bits cannot hold it.
+/// Network time of an ecology time; nothing where seconds have meanings of their own
+/// (peis-wire.md 15.1, 15.4).
 std::optional<timestamp> to_timestamp(instant x, duration offset) {
   const auto since = x.time_since_epoch() + offset;
   const auto whole = std::chrono::floor<std::chrono::seconds>(since);
-  if (whole.count() < 2 || whole.count() > std::numeric_limits<std::int32_t>::max())
-    return std::nullopt; // 0 and 1 have meanings of their own (peis-wire.md 15.1, 15.4)
+  if (whole.count() <= deleted.seconds)
+    return std::nullopt;
   const auto rest = std::chrono::duration_cast<std::chrono::microseconds>(since - whole);
-  return timestamp{static_cast<std::int32_t>(whole.count()),
-                   static_cast<std::int32_t>(rest.count())};
+  return timestamp{whole.count(), static_cast<std::int32_t>(rest.count())};
 }
 
 bool wildcard(timestamp x) {
@@ -79,10 +79,13 @@ cause tuple_space::prepare(tuple& x, instant now) const {
     return cause::bad_value;
   if (x.value.size() > tuple_value_max)
     return cause::too_long;
+  const auto written = network_time(now);
+  if (x.expiry.seconds > written.seconds + std::numeric_limits<std::int32_t>::max())
+    return cause::bad_value; // others would take it for a time in the past
   if (x.value.empty())
     x.mimetype = empty_mimetype;
   x.creator = self_;
-  x.written = network_time(now);
+  x.written = written;
   x.seqno = x.append_seqno = 0;
   x.stale = false;
   return cause::none;
@@ -178,8 +181,8 @@ std::pair<cause, transmit> tuple_space::ask_to_delete(peer_id owner, const key& 
   return ask_to_set(std::move(x), request, now);
 }
 
-std::optional<tuple> tuple_space::decode_set(const payload& octets) {
-  auto x = decode_tuple_message(octets);
+std::optional<tuple> tuple_space::decode_set(const payload& octets, instant now) {
+  auto x = decode_tuple_message(octets, network_time(now));
   if (!x || x->owner != self_) {
     ++counters_.malformed;
     return std::nullopt;
@@ -224,7 +227,7 @@ bool tuple_space::replaces(const tuple& x, const tuple& held, bool deletion) con
 
 tuple_events tuple_space::on_push(peer_id source, const payload& octets, instant now) {
   ++counters_.pushes_received;
-  auto x = decode_tuple_message(octets);
+  auto x = decode_tuple_message(octets, network_time(now));
   if (!x || x->owner != source || source == self_) {
     ++counters_.malformed;
     return {};

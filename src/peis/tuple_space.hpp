@@ -144,7 +144,7 @@ public:
   [[nodiscard]] tuple_events on_append_request(peer_id source, const payload& octets, instant now);
   [[nodiscard]] tuple_events on_append_notice(peer_id source, const payload& octets, instant now);
   /// A set message for one of our tuples; counts what is malformed.
-  [[nodiscard]] std::optional<tuple> decode_set(const payload& octets);
+  [[nodiscard]] std::optional<tuple> decode_set(const payload& octets, instant now);
 
   // What happens to hosts and to our own messages.
   /// @param marked it is of our kind: subscriptions to it carry a lifetime and are refreshed

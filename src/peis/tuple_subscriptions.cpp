@@ -145,7 +145,7 @@ tuple_events tuple_space::renew(peer_id host, instant now, bool refresh) {
 }
 
 tuple_events tuple_space::on_subscribe(peer_id source, byte_view octets, instant now) {
-  auto message = decode_subscribe(octets);
+  auto message = decode_subscribe(octets, network_time(now));
   if (!message || source == self_ ||
       (message->wanted.owner != any_peer && message->wanted.owner != self_)) {
     ++counters_.malformed;

@@ -21,6 +21,7 @@ std::int64_t read_count(byte_reader& in, encoding layout) {
   case encoding::i16:
     return in.big<std::int16_t>();
   case encoding::u32:
+  case encoding::stamp:
     return in.big<std::uint32_t>();
   case encoding::i32:
     return in.big<std::int32_t>();
@@ -71,6 +72,7 @@ std::pair<std::int64_t, std::int64_t> range_of(encoding x) {
   case encoding::i16:
     return {-32768, 32767};
   case encoding::u32:
+  case encoding::stamp:
     return {0, 4294967295};
   case encoding::i32:
     return {-2147483648, 2147483647};
@@ -88,6 +90,7 @@ std::size_t octets_of(encoding x) {
     return 2;
   case encoding::u32:
   case encoding::i32:
+  case encoding::stamp:
     return 4;
   }
   return 0;

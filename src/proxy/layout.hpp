@@ -35,7 +35,7 @@ struct reading {
 /// Fields and what was read for them.
 using field_counts = std::vector<std::pair<const field*, std::int64_t>>;
 
-/// The counts in one message, with their fields, in the class's order.
+/// The counts in one message, with their fields, in the class's order; of a stamp its 32 bits.
 /// @returns errc::truncated as decode(); the pointers are valid as long as the class
 [[nodiscard]] result<field_counts> counts_in(const proxy_class& what, std::uint16_t channel,
                                              byte_view payload);

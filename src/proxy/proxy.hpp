@@ -156,6 +156,11 @@ public:
   /// A tuple of the gateway has a new value: on_output() or on_input_status(), by its key.
   [[nodiscard]] outputs on_gateway_tuple(std::string_view key, byte_view value, instant now);
 
+  /// The time that peers share is so much ahead of `now`, since 1970: stamps are told by it.
+  void on_clock(duration ahead) { network_ahead_ = ahead; }
+  /// Whether a field is a stamp.
+  [[nodiscard]] bool wants_clock() const;
+
   /// The mote has sent a message on an output channel.
   [[nodiscard]] outputs on_output(std::uint16_t channel, byte_view payload, instant now);
 
@@ -205,6 +210,7 @@ private:
   void say_of_program(std::vector<reading> all, outputs& out);
   void tell_program_the_time(instant now, outputs& out);
   void ask_for_period(outputs& out) const;
+  [[nodiscard]] std::int64_t whole_stamp(std::int64_t count, instant now) const;
   void say_counts(reading_source from, const field_counts& counts, instant now, outputs& out);
   void refresh(reading_source from, instant now, outputs& out);
   void mark_stale(instant now, outputs& out);
@@ -228,7 +234,8 @@ private:
   std::map<reading_source, instant> stale_at_; ///< of those whose values are fresh
   state state_ = state::active;
   std::optional<instant> last_sensed_; ///< nothing before start()
-  std::string cause_{nothing_word};    ///< of being lost
+  std::optional<duration> network_ahead_;
+  std::string cause_{nothing_word}; ///< of being lost
   instant lost_since_{};
   bool retired_ = false;
   std::map<std::uint16_t, input_channel> channels_;

@@ -23,8 +23,9 @@ class program; // program.hpp
 
 inline constexpr std::size_t mean_of_max = 16;
 
-/// How a field's octets are read; multi-byte ones in network byte order (GW-11).
-enum class encoding : std::uint8_t { u8, i8, u16, i16, u32, i32 };
+/// How a field's octets are read; multi-byte ones in network byte order (GW-11). A stamp is the low
+/// 32 bits of the network time in milliseconds; its count is all of it, since 1970.
+enum class encoding : std::uint8_t { u8, i8, u16, i16, u32, i32, stamp };
 
 /// A stream of sensor records that ends at the proxy (PXY-18).
 struct stream_input {

@@ -1,8 +1,10 @@
 // The part of a proxy that tells what its mote says: readings, what is made of them, and how old
 // they are.
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
+#include "core/serial_number.hpp"
 #include "proxy/proxy.hpp"
 
 namespace rubicon::proxy {
@@ -14,14 +16,28 @@ proxy::outputs proxy::on_output(std::uint16_t channel, byte_view payload, instan
     ++counters_.unread_messages;
     return out;
   }
-  const auto counts = counts_in(class_, channel, payload);
+  auto counts = counts_in(class_, channel, payload);
   if (!counts) {
     ++counters_.short_messages;
     return out;
   }
   ++counters_.messages;
+  for (auto& [field, count] : *counts)
+    count = field->layout == encoding::stamp ? whole_stamp(count, now) : count;
   say_counts(channel, *counts, now, out);
   return out;
+}
+
+bool proxy::wants_clock() const {
+  return std::ranges::find(class_.fields, encoding::stamp, &field::layout) != class_.fields.end();
+}
+
+/// While the time is not known, the 32 bits are all there is.
+std::int64_t proxy::whole_stamp(std::int64_t count, instant now) const {
+  if (!network_ahead_)
+    return count;
+  return unwrapped(static_cast<std::uint32_t>(count),
+                   (now.time_since_epoch() + *network_ahead_) / 1ms);
 }
 
 proxy::outputs proxy::on_record(std::uint16_t stream, std::int16_t value, instant now) {

@@ -79,6 +79,11 @@ std::string real_time(double wall_s) {
   return with_thousands(whole_s / 3600) + " h " + padded_two(whole_s / 60 % 60) + " min";
 }
 
+std::string span_text(duration length, instant from) {
+  return real_time(seconds(length)) + " from " +
+         with_thousands(static_cast<std::uint64_t>(from.time_since_epoch() / 1s)) + " s";
+}
+
 std::string clock_text(duration x) {
   const auto whole_s = static_cast<std::uint64_t>(std::max<std::int64_t>(x / 1s, 0));
   if (whole_s < 3600)

@@ -25,6 +25,9 @@ namespace rubicon::report {
 /// A length of real time: `1.2 ms`, `0.84 s`, `2 min 05 s`, `3 h 10 min`.
 [[nodiscard]] std::string real_time(double wall_s);
 
+/// A length of the run and when it began: `8 h 24 min from 6,673 s`.
+[[nodiscard]] std::string span_text(duration length, instant from);
+
 /// A time of a run in whole seconds: `0:05`, `12:30`, from an hour on `1:02:03`.
 [[nodiscard]] std::string clock_text(duration x);
 

@@ -289,21 +289,19 @@ violations check_streams(const run_report& x, std::span<const half_open_stream> 
 }
 
 violations check_clocks(const run_report& x, std::span<const steady_island> islands) {
-  constexpr duration error_max = 3ms;
-  constexpr duration excess_max = 1ms;
   violations found;
   for (const auto& island : x.islands) {
     const auto steady = std::ranges::find(islands, island.id, &steady_island::id);
     if (steady == islands.end())
       continue;
     const auto& network = island.network;
-    if (!steady->sleeps && network.clock_error_max.value > error_max)
-      found.push_back(at_end(x, "clocks keep their bound",
+    if (!steady->sleeps && network.clock_error_max.value > clock_error_max)
+      found.push_back(at_end(x, clocks_keep_their_bound,
                              island.name + ": a mote's island time is " +
                                  rubicon::to_text(network.clock_error_max.value) +
-                                 " off, more than " + rubicon::to_text(error_max)));
-    if (network.clock_excess_max.value > excess_max)
-      found.push_back(at_end(x, "clocks keep their bound",
+                                 " off, more than " + rubicon::to_text(clock_error_max)));
+    if (network.clock_excess_max.value > clock_excess_max)
+      found.push_back(at_end(x, clocks_keep_their_bound,
                              island.name + ": a mote's island time is " +
                                  rubicon::to_text(network.clock_excess_max.value) +
                                  " farther off than it allows for"));

@@ -23,6 +23,13 @@ inline constexpr const char* requests_are_met = "what was asked for is there";
 /// The run has come to its end, and its report tells of all of it.
 inline constexpr const char* run_is_complete = "the run is complete";
 
+/// Motes know their island's time (CLK-01).
+inline constexpr const char* clocks_keep_their_bound = "clocks keep their bound";
+inline constexpr duration clock_error_max = 3ms;  ///< where radios are always on
+inline constexpr duration clock_excess_max = 1ms; ///< more than a mote says itself
+/// No mote is gone, or sends in vain, for longer than healing takes (time_watch.hpp).
+inline constexpr const char* nobody_is_silent = "no mote is silent for long";
+
 /// The counters of every island's radios balance: no copy and no request vanishes uncounted.
 [[nodiscard]] violations check_radio(const run_report& x);
 

@@ -71,6 +71,12 @@ std::optional<double> stream_report::delivery() const {
   return static_cast<double>(read) / static_cast<double>(produced - open);
 }
 
+std::optional<double> clock_report::share_precise() const {
+  if (judged == 0)
+    return std::nullopt;
+  return static_cast<double>(below_1ms) / static_cast<double>(judged);
+}
+
 std::uint64_t run_report::motes_configured() const {
   return count_motes(*this, [](const mote_report& x) { return x.joins; });
 }

@@ -228,6 +228,24 @@ struct energy_report {
 RUBICON_FIELDS(energy_report, elapsed, used_mah, battery_mah, mcu_active, mcu_sleep, radio_off,
                radio_listen, radio_receive, radio_transmit);
 
+/// How well the motes of an island have kept its time, all through a virtual run: each is compared
+/// with the sink's clock every 10 s (CLK-01).
+struct clock_report {
+  std::uint64_t judged = 0;    ///< judgements of motes that know the island's time
+  std::uint64_t below_1ms = 0; ///< of them, those less than 1 ms off
+  /// of them, those farther off than the mote itself said that it may be, by more than 1 ms
+  std::uint64_t outside = 0;
+  duration outside_longest{}; ///< the longest that one was so
+  duration error_max{};       ///< largest difference of all,
+  std::string error_max_mote; ///< whose it was; empty: none was judged
+  instant error_max_at{};     ///< and when
+
+  /// [ratio] of the judgements, those less than 1 ms off; `null` without any
+  [[nodiscard]] std::optional<double> share_precise() const;
+};
+RUBICON_FIELDS(clock_report, judged, below_1ms, outside, outside_longest, error_max, error_max_mote,
+               error_max_at);
+
 struct mote_report {
   mote_address address;           ///< which mote
   std::string name;               ///< its name, unique in its island
@@ -244,9 +262,13 @@ struct mote_report {
   mote_id parent = {};
   std::uint8_t hops = 0;              ///< to the sink, at the end
   std::optional<int> signal_dbm = {}; ///< of its parent's newest frame; `null` if none has come
+  /// the longest, after its first join and while it had power, that its gateway did not list it, or
+  /// got none of its messages
+  duration silence = {};
+  instant silence_from = {}; ///< when that began
 };
 RUBICON_FIELDS(mote_report, address, name, type, joins, joined, alive, incarnations, left_cause,
-               energy, messages, parent, hops, signal_dbm);
+               energy, messages, parent, hops, signal_dbm, silence, silence_from);
 
 /// How one of several gateways of an island has led it (GW-14).
 struct lead_report {
@@ -279,12 +301,13 @@ struct island_report {
   real_line_report real;
   message_report messages; ///< of its motes and gateway
   network_report network;
+  clock_report clock;
   smepp_report smepp;
   std::vector<gateway_report> gateways; ///< in the order of the file; empty: it has one
   std::vector<mote_report> motes;       ///< ascending by id, the sink excluded
 };
-RUBICON_FIELDS(island_report, id, name, radio, serial, real, messages, network, smepp, gateways,
-               motes);
+RUBICON_FIELDS(island_report, id, name, radio, serial, real, messages, network, clock, smepp,
+               gateways, motes);
 
 /// One actuation as its proxy saw it: exactly one outcome each.
 struct actuation_report {

@@ -123,6 +123,13 @@ json energy(const run_report& x) {
   return {{"used_mah", x.used_mah()}, {"motes", std::move(motes)}};
 }
 
+json clock(const clock_report& x) {
+  auto object = to_json(x);
+  const auto share = x.share_precise();
+  object["share_precise"] = share ? json(*share) : json();
+  return object;
+}
+
 json to_json(const gateway_report& x) {
   json object{{"peer", x.id.value}, {"name", x.name}};
   object.update(to_json(x.lead));
@@ -142,6 +149,7 @@ json to_json(const island_report& x) {
               {"serial", to_json(x.serial)},
               {"messages", to_json(x.messages)},
               {"network", to_json(x.network)},
+              {"clock", clock(x.clock)},
               {"motes", std::move(motes)}};
   if (x.real.packets > 0 || x.real.inputs > 0)
     all["real"] = to_json(x.real);

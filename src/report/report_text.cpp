@@ -94,6 +94,25 @@ void add_membership_notes(table& rows, const island_report& island) {
     rows.add_note("  never joined: " + absent, look::bad);
 }
 
+/// Those who have been silent for longest: `  silent: climate-7 for 8 h 24 min from 6,673 s`
+void add_silence_note(table& rows, const island_report& island) {
+  constexpr duration silence_min = 1min; // less is nothing that anybody would look into
+  constexpr std::size_t motes_max = 5;
+  std::vector<const mote_report*> all;
+  for (const auto& mote : island.motes)
+    if (mote.silence >= silence_min)
+      all.push_back(&mote);
+  std::ranges::stable_sort(all, std::greater(), [](const auto* x) { return x->silence; });
+  std::string text;
+  for (std::size_t i = 0; i < std::min(all.size(), motes_max); ++i)
+    text += (i == 0 ? "" : ", ") + all[i]->name + " for " +
+            span_text(all[i]->silence, all[i]->silence_from);
+  if (all.size() > motes_max)
+    text += " and " + counted(all.size() - motes_max, "more mote");
+  if (!text.empty())
+    rows.add_note("  silent: " + text, look::bad);
+}
+
 /// `  led by kitchen-gateway: 2 times, 512.4 s, at the end; kitchen-gateway-2: ...`
 void add_lead_note(const report_page& page, table& rows, const island_report& island) {
   std::string text;
@@ -172,6 +191,7 @@ void add_islands(report_page& page, const run_report& x) {
     alone.islands.push_back(x.islands[i]);
     add_island_row(rows, x.islands[i].name, alone, to_string(x.islands[i].id));
     add_membership_notes(rows, x.islands[i]);
+    add_silence_note(rows, x.islands[i]);
     add_measuring_note(rows, alone);
     add_lead_note(page, rows, x.islands[i]);
     add_loss_notes(rows, x.islands[i]);
@@ -225,6 +245,25 @@ void add_groups(report_page& page, const run_report& x) {
   page.add(rows);
 }
 
+/// `  clocks: at worst 1,204 µs off, c2 at 640 s; 99.8% of 1,200 judgements below 1 ms, none
+/// outside what motes say`
+void add_clock_note(table& rows, const clock_report& x) {
+  if (x.judged == 0)
+    return;
+  auto text =
+      "  clocks: at worst " + microseconds_text(x.error_max) + " off, " + x.error_max_mote +
+      " at " +
+      with_thousands(static_cast<std::uint64_t>(seconds(x.error_max_at.time_since_epoch()))) +
+      " s; " + percent(static_cast<double>(x.below_1ms), static_cast<double>(x.judged)) + " of " +
+      counted(x.judged, "judgement") + " below 1 ms, ";
+  if (x.outside == 0)
+    text += "none outside what motes say";
+  else
+    text += with_thousands(x.outside) + " outside what motes say, for " +
+            real_time(seconds(x.outside_longest)) + " at most";
+  rows.add_note(text, x.outside > 0 ? look::bad : look::faint);
+}
+
 void add_network(report_page& page, const run_report& x) {
   const auto has_network = [](const island_report& island) { return island.network.beacons > 0; };
   if (std::ranges::none_of(x.islands, has_network))
@@ -257,6 +296,7 @@ void add_network(report_page& page, const run_report& x) {
               with_thousands(part.state_octets) + " B"});
     if (const auto lost = causes(part.lost); !lost.empty())
       rows.add_note("  lost: " + lost);
+    add_clock_note(rows, x.islands[i].clock);
   }
   page.add_rest(rows, x.islands.size(), shown);
   page.add(rows);

@@ -63,10 +63,10 @@ void run_counters::add(const program_report& x, std::uint32_t number,
       stream.sum.read += part.records;
       stream.sum.openings += part.openings;
       stream.sum.pause = std::max(stream.sum.pause, part.pause);
-      if (end.newest_ms && part.first_ms) // between two lives
-        stream.sum.pause = std::max<duration>(
-            stream.sum.pause, static_cast<std::int32_t>(*part.first_ms - *end.newest_ms) * 1ms);
+      if (end.newest_at && part.first_at) // between two lives
+        stream.sum.pause = std::max(stream.sum.pause, *part.first_at - *end.newest_at);
     }
+    end.newest_at = part.last_at ? part.last_at : end.newest_at;
     end.newest_ms = part.last_ms ? part.last_ms : end.newest_ms;
   }
 }
@@ -89,9 +89,11 @@ namespace {
 void add_end(stream_counters::end& sum, const stream_counters::end& x) {
   if (!x.is_known)
     return;
-  const auto newest = x.newest_ms ? x.newest_ms : sum.newest_ms;
+  const auto newest_ms = x.newest_ms ? x.newest_ms : sum.newest_ms;
+  const auto newest_at = x.newest_at ? x.newest_at : sum.newest_at;
   sum = x;
-  sum.newest_ms = newest;
+  sum.newest_ms = newest_ms;
+  sum.newest_at = newest_at;
 }
 
 void add_stream(stream_counters& sum, const stream_counters& x) {

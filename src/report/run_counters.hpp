@@ -46,7 +46,8 @@ struct stream_counters {
     bool is_known = false;
     bool open = false;
     duration steady{};
-    std::optional<std::uint32_t> newest_ms; ///< time in its newest record
+    std::optional<std::uint32_t> newest_ms; ///< time in its newest record, its low 32 bits
+    std::optional<instant> newest_at;       ///< of the reader: when that came
   };
 
   stream_report sum;
@@ -54,7 +55,7 @@ struct stream_counters {
   end reader;
   duration every{};
 };
-RUBICON_FIELDS(stream_counters::end, is_known, open, steady, newest_ms);
+RUBICON_FIELDS(stream_counters::end, is_known, open, steady, newest_ms, newest_at);
 RUBICON_FIELDS(stream_counters, sum, writer, reader, every);
 
 /// What is counted before it is settled: parts of an ecology that ran in several processes add up.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/serial_number.hpp"
+
 namespace rubicon::synaptic {
 
 using std::chrono::microseconds;
@@ -10,7 +12,11 @@ std::optional<rubicon_clock::tick> rubicon_clock::update(instant now, island_tim
                                                          const tick_setting& setting) {
   const microseconds period = setting.period;
   const auto since = shared - setting.from;
-  const auto first = std::int64_t{setting.first};
+  auto first = std::int64_t{setting.first};
+  if (last_) { // T has 32 bits, and begins anew: our numbers go on
+    const auto number = first + period_number(since, period);
+    first += unwrapped(static_cast<std::uint32_t>(number), *last_) - number;
+  }
   const auto time_until = [&](std::int64_t number) { return (number - first) * period - since; };
   if (!due_) {
     const auto before = std::max(first + period_number(since - microseconds{1}, period), first - 1);

@@ -29,8 +29,8 @@ void check_round_trips(byte_view octets) {
     assert(peis::decode_heartbeat(peis::encode(*x))->held == x->held);
   if (const auto x = peis::decode_trace(octets))
     assert(peis::decode_trace(peis::encode(*x))->hosts == x->hosts);
-  if (const auto x = peis::decode_clock(octets))
-    assert(peis::decode_clock(peis::encode(*x))->network_time == x->network_time);
+  if (const auto x = peis::decode_clock(octets, 1s))
+    assert(peis::decode_clock(peis::encode(*x), 1s)->network_time == x->network_time);
   const std::string text(octets.begin(), octets.end());
   if (const auto x = peis::parse_link_url(text))
     assert(*peis::parse_link_url(peis::to_string(*x)) == *x);

@@ -24,23 +24,23 @@ bytes whole(const peis::tuple& x) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const byte_view octets(data, size);
-  if (const auto x = peis::decode_tuple_message(to_bytes(octets))) {
-    const auto again = peis::decode_tuple_message(whole(*x));
+  if (const auto x = peis::decode_tuple_message(to_bytes(octets), {})) {
+    const auto again = peis::decode_tuple_message(whole(*x), {});
     assert(again && again->name == x->name && again->value == x->value &&
            again->mimetype == x->mimetype && again->expiry == x->expiry &&
            again->written == x->written && again->seqno == x->seqno);
   }
-  if (const auto x = peis::decode_subscribe(octets)) {
-    const auto again = peis::decode_subscribe(peis::encode(*x));
+  if (const auto x = peis::decode_subscribe(octets, {})) {
+    const auto again = peis::decode_subscribe(peis::encode(*x), {});
     assert(again && again->wanted == x->wanted && again->lifetime == x->lifetime);
   }
   if (const auto x = peis::decode_unsubscribe(octets)) {
     const auto again = peis::decode_unsubscribe(peis::encode_unsubscribe(*x));
     assert(again && again->owner == x->owner && again->name == x->name);
   }
-  if (const auto x = peis::decode_append_request(to_bytes(octets))) {
+  if (const auto x = peis::decode_append_request(to_bytes(octets), {})) {
     const auto again =
-        peis::decode_append_request(joined(peis::encode_append_request_head(*x), x->added));
+        peis::decode_append_request(joined(peis::encode_append_request_head(*x), x->added), {});
     assert(again && again->wanted == x->wanted && again->added == x->added);
   }
   if (const auto x = peis::decode_append_notice(to_bytes(octets))) {

@@ -240,6 +240,33 @@ TEST_CASE("a switch commands between two thresholds, and until it is obeyed",
   CHECK(commands() == "1");
 }
 
+TEST_CASE("the time of a recorder's lines goes on for longer than 32 bits of milliseconds",
+          "[apps][STR-07]") {
+  lone_layer x;
+  apps::recorder reader({{5}, 0ms, "out.csv"});
+  reader.start(x.core.attach(reader), x.now);
+  join(x);
+  REQUIRE(x.api().open_write_end({own_island, own_mote}, 5, 0, 0) == communication::SUCCESS);
+  static_cast<void>(x.core.take_outputs());
+  const auto line_at = [&](std::int64_t ms) {
+    x.api().write(x.program.openings.at(0).descriptor,
+                  encode(stream::sensor_record{at(9), static_cast<std::uint32_t>(ms), 1}));
+    static_cast<void>(x.core.take_outputs());
+    return reader.take_lines();
+  };
+  constexpr std::int64_t wrap = 1LL << 32;
+  SECTION("beside those before") {
+    CHECK(line_at(wrap - 2) == "4294967.294,1,9,5,1\n");
+    CHECK(line_at(wrap + 3) == "4294967.299,1,9,5,1\n");
+    CHECK(line_at(wrap - 1) == "4294967.295,1,9,5,1\n"); // was delayed
+  }
+  SECTION("by the time that the PC knows") {
+    x.core.set_network_ahead(std::chrono::milliseconds(500 * wrap));
+    CHECK(line_at(500 * wrap - 1) == "2147483647.999,1,9,5,1\n");
+    CHECK(line_at(500 * wrap + 1) == "2147483648.001,1,9,5,1\n");
+  }
+}
+
 TEST_CASE("a recorder writes lines, and no more than there is room for", "[apps][STR-07]") {
   lone_layer x;
   apps::recorder reader({{4, 5}, 0ms, "out.csv"});

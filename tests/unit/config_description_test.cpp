@@ -177,6 +177,36 @@ TEST_CASE("an app of a mote replaces its type's on the same channel", "[config]"
   CHECK(std::get<messenger_app>(x[6]).text == "b");
 }
 
+TEST_CASE("a virtual run may start on any day", "[config]") {
+  const auto day = [](const std::string& date) {
+    return good("[ecology]\nname = \"t\"\ndate = \"" + date +
+                "\"\nstart = \"23:50\"\n[[peer]]\nname = \"pc\"\nid = 300\n")
+        .date;
+  };
+  CHECK(day("1970-01-01") == duration(0s));
+  CHECK(day("2038-01-19") == duration(24h * 24855));
+  CHECK(day("2149-12-31") == duration(24h * 65743));
+  CHECK_FALSE(good(std::string(head)).date);
+}
+
+TEST_CASE("a field is a stamp where its motes' samplers send one", "[config][PXY-04]") {
+  const auto layout = [](const std::string& sampler, int offset, const std::string& more = {}) {
+    return good(mote_head + "[[island.mote.apps]]\napp = \"sampler\"\n" +
+                "transducers = [\"temperature\"]\nevery = \"5s\"\n" + sampler + more +
+                "[[proxy]]\nname = \"p\"\ntypes = [7]\n[[proxy.field]]\nname = \"f\"\n" +
+                "channel = 1\nencoding = \"u32\"\noffset = " + std::to_string(offset) + "\n")
+        .proxies.front()
+        .fields.front()
+        .layout;
+  };
+  CHECK(layout("stamped = true\n", 2) == proxy::encoding::stamp);
+  CHECK(layout("stamped = true\n", 0) == proxy::encoding::u32);
+  CHECK(layout("", 2) == proxy::encoding::u32);
+  CHECK(layout("stamped = true\n", 2,
+               "[[island.mote]]\nid = 3\ntype = \"c\"\nposition_m = [1, 3]\n") ==
+        proxy::encoding::u32);
+}
+
 TEST_CASE("apps of motes arrive with their keys", "[config]") {
   const auto x = mote_with("[[island.mote.apps]]\napp = \"sampler\"\n"
                            "transducers = [\"light\", \"temperature\"]\nevery = \"5s\"\n"

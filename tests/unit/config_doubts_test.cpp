@@ -30,7 +30,66 @@ std::vector<std::string> doubts_of(const std::string& toml) {
   return doubts(good(toml));
 }
 
+/// What is to be said of an island of `motes` around their sink, with what follows its name.
+std::vector<problem> doubts_of_island(int motes, const std::string& island,
+                                      const std::string& every = "30s") {
+  std::string toml = "[ecology]\nname = 't'\n[radio.propagation]\nmodel = 'log_distance'\n"
+                     "[mote_type.c]\ntype = 7\n"
+                     "transducers.temperature = { model = 'constant', value = 20 }\n"
+                     "apps = [{ app = 'sampler', transducers = ['temperature'], every = '" +
+                     every + "' }]\n[[island]]\nname = 'k'\nid = 1\n" + island +
+                     "[[island.group]]\ntype = 'c'\ncount = " + std::to_string(motes) +
+                     "\nlayout = 'disk'\nradius = '10m'\n";
+  const auto x = load_text(toml, "t.toml");
+  for (const auto& each : x.problems)
+    FAIL_CHECK(to_string(each));
+  return x.doubts;
+}
+
 } // namespace
+
+TEST_CASE("a mote may be silent for three periods of the windows", "[config][DIS-06][NRG-01]") {
+  const auto doubts = doubts_of_island(
+      2, "keep_alive = '29s'\nduty_cycle = { period = '10s', window = '100ms' }\n");
+  REQUIRE(doubts.size() == 1);
+  CHECK(
+      to_string(doubts[0]) ==
+      "t.toml:12:14: `keep_alive` is 29 s, but motes whose radios sleep are heard once in a period "
+      "of 10 s: they are gone after three of these, 30 s");
+  const auto count = [](const std::string& island) { return doubts_of_island(2, island).size(); };
+  CHECK(count("keep_alive = '30s'\nduty_cycle = { period = '10s', window = '100ms' }\n") == 0);
+  CHECK(count("duty_cycle = { period = '10s', window = '100ms' }\n") == 1); // 10 s by default
+  CHECK(count("duty_cycle = { period = '9s', window = '100ms' }\n") == 0);
+  CHECK(count("keep_alive = '1s'\n") == 0); // nobody sleeps
+}
+
+TEST_CASE("windows have room for those who share them", "[config][NRG-01]") {
+  const auto said = [](int motes, const std::string& window, const std::string& every = "30s") {
+    const auto doubts = doubts_of_island(
+        motes, "duty_cycle = { period = '2s', window = '" + window + "' }\n", every);
+    return doubts.empty() ? std::string() : to_string(doubts.at(0));
+  };
+  CHECK(said(50, "100ms") ==
+        "t.toml:12:42: a window of 100 ms has room for 15 beacons, but 51 motes share it within "
+        "reach "
+        "of each other: after a restart of the sink they are gone for long; 340 ms would do");
+  CHECK(said(50, "340ms").empty());
+  CHECK_FALSE(said(50, "330ms").empty());
+  CHECK(said(14, "100ms").empty());
+  CHECK_FALSE(said(15, "100ms").empty());
+  CHECK(said(14, "100ms", "1s").find("in each of them come 28 messages") != std::string::npos);
+  const auto crowd = said(300, "1s");
+  CHECK(crowd.find("with a period of 3.94 s at least") != std::string::npos);
+}
+
+TEST_CASE("only those who hear each other share a window", "[config][NRG-01]") {
+  std::string toml = "[ecology]\nname = 't'\n[radio]\nrange = '30m'\n[[island]]\nname = 'k'\n"
+                     "id = 1\nduty_cycle = { period = '2s', window = '100ms' }\n";
+  for (int i = 1; i <= 60; ++i) // a line, in which each hears one to either side
+    toml += "[[island.mote]]\nid = " + std::to_string(i + 1) + "\ntype = 7\nposition_m = [" +
+            std::to_string(25 * i) + ", 0]\n";
+  CHECK(load_text(toml, "t.toml").doubts.empty());
+}
 
 TEST_CASE("patterns of keys match without letter case", "[config]") {
   CHECK(may_be("a.b", "A.B"));

@@ -167,4 +167,36 @@ TEST_CASE("a way is compensated", "[peis][CLK-07]") {
   CHECK(clock.offset() == 30ms);
 }
 
+TEST_CASE("a clock goes on when its seconds no longer fit into the wire's 32 bits",
+          "[peis][CLK-06]") {
+  const instant now{};
+  constexpr auto day = std::chrono::seconds(24h);
+  for (const auto known : {0x7fffffffs - 1s, 0x80000000s, 0xffffffffs - 1s, 0x100000000s}) {
+    for (const auto ahead : {-day, -2s, 0s, 2s, day, 20 * 365 * day}) {
+      CAPTURE(known.count(), ahead.count());
+      network_clock sender({.offset = known + ahead}, peer_id{6}, now - 2s);
+      const auto told = sender.on_time(now);
+      REQUIRE(told);
+      network_clock receiver({.offset = known}, peer_id{5}, now);
+      const auto message = decode_clock(encode(*told), receiver.at(now));
+      REQUIRE(message);
+      CHECK(message->network_time == known + ahead);
+      receiver.on_message(*message, peer_id{6}, 0s, true, now);
+      CHECK(receiver.offset() == known + std::max(ahead, 0s));
+    }
+  }
+}
+
+TEST_CASE("no clock leaves the times that can be told", "[peis][CLK-06]") {
+  network_clock clock({.offset = network_time_end - 10s}, peer_id{5}, instant{});
+  clock.step(24h * 3650, instant{});
+  CHECK(clock.at(instant{}) == network_time_end - 1ns);
+  CHECK(decode_clock(encode({clock.at(instant{}), false, {}}), clock.at(instant{})));
+  CHECK(!decode_clock(encode({network_time_end, false, {}}), clock.at(instant{})));
+  clock = network_clock({.offset = 10s}, peer_id{5}, instant{});
+  clock.step(-24h, instant{});
+  CHECK(clock.at(instant{}) == 0s);
+  CHECK(!decode_clock(encode({-1s, false, {}}), 0s));
+}
+
 } // namespace rubicon::peis

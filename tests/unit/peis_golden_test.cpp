@@ -230,7 +230,7 @@ TEST_CASE("pushed and set tuples of real kernels decode and encode back", "[peis
            {"set-delete", "bar", "", kind::set},
            {"set-metatuple", "mi-in", "(META 20 kernel.name)", kind::set}}));
   const auto data = only(file).data;
-  const auto x = decode_tuple_message(data);
+  const auto x = decode_tuple_message(data, {});
   REQUIRE(x);
   CHECK(x->name.text() == name);
   if (file != "push-metatuple" && file != "set-metatuple")
@@ -245,7 +245,7 @@ TEST_CASE("pushed and set tuples of real kernels decode and encode back", "[peis
 
 TEST_CASE("append requests of real kernels decode and encode back", "[peis][TUP-07]") {
   const auto data = only("append-request").data;
-  const auto x = decode_append_request(data);
+  const auto x = decode_append_request(data, {});
   REQUIRE(x);
   CHECK(x->wanted == prototype_of(peer_id{10}, *key::parse("foo")));
   CHECK(rubicon::to_string(x->added.view()) == std::string("remotely", 9));
@@ -295,10 +295,10 @@ TEST_CASE("appends of a real kernel extend what its pushes gave", "[peis][TUP-07
 }
 
 TEST_CASE("an expiring and a deleted tuple say so", "[peis][TUP-15][TUP-16]") {
-  const auto expiring = decode_tuple_message(only("push-expiring").data);
+  const auto expiring = decode_tuple_message(only("push-expiring").data, {});
   REQUIRE(expiring);
   CHECK(expiring->expiry == timestamp{1795231897, 119452});
-  const auto gone = decode_tuple_message(only("set-delete").data);
+  const auto gone = decode_tuple_message(only("set-delete").data, {});
   REQUIRE(gone);
   CHECK(gone->expiry == deleted);
 }
@@ -309,7 +309,7 @@ TEST_CASE("subscriptions of real kernels decode and encode back", "[peis][TUP-08
                                                      {"subscribe-any-owner", -1, "kernel.*"},
                                                      {"subscribe-mime-data", 10, "a.*.c"}}));
   const auto data = only(file).data;
-  const auto x = decode_subscribe(data);
+  const auto x = decode_subscribe(data, {});
   REQUIRE(x);
   CHECK(x->wanted.owner == peer_id{owner});
   CHECK(x->wanted.name.text() == name);
@@ -348,7 +348,7 @@ TEST_CASE("the fragments of a real kernel reassemble in any order", "[peis][P2P-
   }
   REQUIRE(whole);
   CHECK(whole->size() == 3248);
-  const auto tuple = decode_tuple_message(*whole);
+  const auto tuple = decode_tuple_message(*whole, {});
   REQUIRE(tuple);
   CHECK(tuple->form == encoding::binary);
   CHECK(tuple->value.size() == 3000);

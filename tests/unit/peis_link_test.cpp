@@ -199,7 +199,7 @@ TEST_CASE("tuples that are not concrete are refused", "[peis][TUP-06]") {
   x.value = payload(bytes{'x', 0});
   auto octets = encode_tuple_head(x, tuple_message_kind::push);
   octets.insert(octets.end(), {'x', 0});
-  CHECK(decode_tuple_message(octets));
+  CHECK(decode_tuple_message(octets, {}));
   SECTION("owner") {
     std::fill_n(octets.begin(), 4, 0xff);
   }
@@ -239,7 +239,7 @@ TEST_CASE("tuples that are not concrete are refused", "[peis][TUP-06]") {
   SECTION("cut in the record") {
     octets.resize(223);
   }
-  CHECK(!decode_tuple_message(octets));
+  CHECK(!decode_tuple_message(octets, {}));
 }
 
 TEST_CASE("an empty value travels as one zero octet with its own MIME type", "[peis][TUP-02]") {
@@ -251,9 +251,36 @@ TEST_CASE("an empty value travels as one zero octet with its own MIME type", "[p
   const auto value = encode_tuple_value(x);
   CHECK(value.size() == 1);
   octets.push_back(0);
-  const auto again = decode_tuple_message(octets);
+  const auto again = decode_tuple_message(octets, {});
   REQUIRE(again);
   CHECK(again->value.empty());
+}
+
+TEST_CASE("the times of tuples go on after the wire's 32 bits", "[peis]") {
+  const auto again = [](timestamp time, timestamp known) {
+    tuple x;
+    x.owner = x.creator = peer_id{1};
+    x.name = *key::parse("a");
+    x.value = payload(bytes{'x', 0});
+    x.written = x.expiry = time;
+    auto octets = encode_tuple_head(x, tuple_message_kind::push);
+    octets.insert(octets.end(), {'x', 0});
+    const auto read = decode_tuple_message(octets, known);
+    REQUIRE(read);
+    CHECK(read->written == read->expiry);
+    return read->expiry;
+  };
+  constexpr std::int64_t sign = 1LL << 31;
+  constexpr std::int64_t wrap = 1LL << 32;
+  for (const std::int64_t known : {sign - 1, sign, wrap - 5, wrap, wrap + 5})
+    for (const std::int64_t later : {-100'000'000, 2, 3, 100'000'000}) {
+      CAPTURE(known, later);
+      CHECK(again({known + later, 7}, {known, 0}) == timestamp{known + later, 7});
+    }
+  for (const auto meaning : {never, deleted})
+    CHECK(again(meaning, {wrap + 5, 0}) == meaning);
+  for (const std::int64_t late : {-1, 0, 1}) // would mean something else
+    CHECK(again({wrap + late, 7}, {wrap + 5, 0}) == timestamp{wrap + 2, 7});
 }
 
 } // namespace rubicon::peis

@@ -58,17 +58,17 @@ TEST_CASE("clock broadcasts of a master and of an equal", "[peis][CLK-06][golden
   const auto master = only_data("timesync-master", header);
   CHECK(header.port == port::clock);
   CHECK(header.type == package_type::broadcast);
-  const auto x = decode_clock(master);
+  const auto x = decode_clock(master, 0s);
   REQUIRE(x);
   CHECK(x->master);
   CHECK(x->network_time == 1795231323s + 439174us);
   CHECK(to_hex(encode(*x)) == to_hex(master));
   const auto plain = only_data("timesync-plain", header);
-  const auto y = decode_clock(plain);
+  const auto y = decode_clock(plain, 0s);
   REQUIRE(y);
   CHECK(!y->master);
   CHECK(to_hex(encode(*y)) == to_hex(plain));
-  CHECK(!decode_clock(byte_view(plain).first(11)));
+  CHECK(!decode_clock(byte_view(plain).first(11), 0s));
 }
 
 TEST_CASE("a trace and its answer", "[peis][API-12][golden]") {

@@ -297,7 +297,7 @@ TEST_CASE("a missing notice is made up for by a fresh value from the owner", "[p
   REQUIRE(asked.size() == 1);
   const auto& question = std::get<transmit>(asked[0]);
   CHECK(question.destination == other);
-  const auto message = decode_subscribe(question.content.head.view());
+  const auto message = decode_subscribe(question.content.head.view(), {});
   REQUIRE(message);
   CHECK(message->wanted == log_of(other));
   CHECK(s.held() == "one");

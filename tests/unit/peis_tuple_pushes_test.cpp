@@ -166,7 +166,7 @@ TEST_CASE("a deletion that found no room is told later", "[peis][TUP-16]") {
   b.acknowledge();
   REQUIRE(b.sent.size() == 1);
   const auto& last = b.sent[0].content;
-  const auto x = decode_tuple_message(joined(to_bytes(last.head.view()), last.body.view()));
+  const auto x = decode_tuple_message(joined(to_bytes(last.head.view()), last.body.view()), {});
   REQUIRE(x);
   CHECK(x->expiry == deleted);
   CHECK(x->name == name_of("b"));

@@ -78,7 +78,7 @@ TEST_CASE("a prototype travels with all its fields", "[peis][TUP-08]") {
   x.form = encoding::binary;
   x.mimetype = "m/m";
   x.value = payload(bytes{1, 2});
-  const auto again = decode_subscribe(encode(message));
+  const auto again = decode_subscribe(encode(message), {});
   REQUIRE(again);
   CHECK(again->wanted == x);
   x.written = {6, -1};

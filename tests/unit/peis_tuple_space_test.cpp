@@ -105,7 +105,7 @@ TEST_CASE("real kernels are told nothing of lifetimes and nothing twice", "[peis
   const auto check = [&](peer_id host, bool marked) {
     const auto sent = x.on_host_appeared(host, marked, start);
     REQUIRE(sent.size() == 1);
-    const auto message = decode_subscribe(std::get<transmit>(sent[0]).content.head.view());
+    const auto message = decode_subscribe(std::get<transmit>(sent[0]).content.head.view(), {});
     REQUIRE(message);
     CHECK(message->lifetime.has_value() == marked);
   };

@@ -38,6 +38,29 @@ TEST_CASE("a proxy watches its inputs and its mote's channels, each once",
                            {source::gateway, "devices.7.input.3.status", ""}});
 }
 
+TEST_CASE("a stamp is the whole network time, as far as its 32 bits go and beyond",
+          "[proxy][PXY-04]") {
+  auto what = climate();
+  CHECK_FALSE(face(what, identity()).wants_clock());
+  what.fields = {{"time", 1, 2, encoding::stamp, 0.001, 0, 3, "s", {}}};
+  face aut(what, identity());
+  CHECK(aut.wants_clock());
+  const auto at = [&](std::int64_t ms, instant now) {
+    bytes octets{0, 0};
+    for (int shift = 24; shift >= 0; shift -= 8)
+      octets.push_back(static_cast<std::uint8_t>(ms >> shift));
+    return told(aut.on_output(1, octets, now));
+  };
+  static_cast<void>(aut.start(start));
+  constexpr std::int64_t wrap = 1LL << 32;
+  CHECK(at(700 * wrap - 1, start) == lines{base + "time = 4294967.295"}); // nobody knows the rest
+  aut.on_clock(std::chrono::milliseconds(500 * wrap));
+  CHECK(at(500 * wrap - 1, start) == lines{base + "time = 2147483647.999"});
+  CHECK(at(500 * wrap + 1, start) == lines{base + "time = 2147483648.001"});
+  CHECK(at(501 * wrap + 5, start + std::chrono::milliseconds(wrap)) ==
+        lines{base + "time = 2151778615.301"});
+}
+
 TEST_CASE("a proxy consumes percepts of its own mote alone", "[proxy][PXY-08]") {
   const auto aut = started();
   CHECK(aut.consumes(signature_of({island_id{5}, mote_id{7}}, 142)));

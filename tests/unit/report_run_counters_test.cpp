@@ -49,7 +49,8 @@ stream_part reader(std::uint64_t records, std::uint32_t last_ms) {
   x.openings = 1;
   x.open = true;
   x.steady = 1h;
-  x.first_ms = last_ms - 10'000;
+  x.first_at = instant{std::chrono::milliseconds(last_ms - 10'000)};
+  x.last_at = instant{std::chrono::milliseconds(last_ms)};
   x.last_ms = last_ms;
   x.every = 1s;
   x.pause = 3s;

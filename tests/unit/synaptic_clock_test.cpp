@@ -107,3 +107,20 @@ TEST_CASE("a clock that was stopped goes on with the next tick, and that is no l
   CHECK(x.ticks[4] == x.ticks[3] + 1);
   CHECK(x.clock.leaps() == 0);
 }
+
+TEST_CASE("T goes on from zero after its 32 bits, and that is no leap", "[synaptic][CLK-05]") {
+  runner x;
+  const auto corrected = GENERATE(0ms, 3ms, -3ms);
+  const bool since_1970 = GENERATE(true, false);
+  if (since_1970)
+    x.ahead = 0xfffffffell * 500ms; // as a PC counts
+  else
+    x.setting = {0xfffffffe, island_time{}, 500ms};
+  x.run_until(instant{1s});
+  if (!since_1970)
+    x.setting = {0, island_time{1s}, 500ms}; // as a mote is told later
+  x.ahead += corrected;
+  x.run_until(instant{2100ms});
+  CHECK(x.ticks == std::vector<std::uint32_t>{0xfffffffe, 0xffffffff, 0, 1, 2});
+  CHECK(x.clock.leaps() == 0);
+}
